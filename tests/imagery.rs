@@ -126,7 +126,8 @@ fn a_png_day_map_serves_too() {
         (DynamicImage::new_luma8(4, 2), [0, 0, 0, 255]),
         (DynamicImage::new_luma_a8(4, 2), [0, 0, 0, 255]),
         (DynamicImage::new_rgb8(4, 2), [0, 0, 0, 255]),
-        (DynamicImage::new_rgba8(4, 2), [0, 0, 0, 0]),
+        // Alpha says that nothing is there; the day map is opaque all the same.
+        (DynamicImage::new_rgba8(4, 2), [0, 0, 0, 255]),
     ] {
         picture
             .save(dir.path().join("day.png"))
@@ -157,7 +158,10 @@ fn a_folder_in_place_of_a_map_is_refused() {
     std::fs::create_dir(&path).expect("temporary folder");
     let error = load_all(dir.path()).expect_err("not a file");
     assert!(matches!(error, ImageryError::Unreadable { .. }), "{error}");
-    assert!(error.to_string().contains("not a regular file"), "{error}");
+    assert!(
+        error.to_string().contains("it is a folder, not a file"),
+        "{error}"
+    );
 }
 
 #[test]

@@ -24,6 +24,7 @@ pub fn run(args: &CheckArgs, common: &Common) -> anyhow::Result<()> {
     let scene = args.scene.load(&args.satellites.satellite)?;
     args.satellites.refuse_scenes(&scene);
     let flight = open_flight(scene, Flight::open_without_listening)?;
+    flight.check_files()?;
     let dropped = flight.dropped_layers()?;
     if common.quiet {
         return Ok(());

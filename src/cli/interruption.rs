@@ -7,6 +7,8 @@ use std::io::Write;
 use std::process::exit;
 use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
 use std::sync::{Mutex, PoisonError};
+#[cfg(target_os = "linux")]
+use terrella::internals::files::read_text;
 use terrella::internals::files::remove_unfinished;
 
 /// The number of the first signal; 0 before.
@@ -63,7 +65,23 @@ fn ask(number: u8) {
         std::io::stderr(),
         "error: interrupted; nothing unfinished is left"
     );
-    exit((SIGNALLED + number).into());
+    end(SIGNALLED + number);
+}
+
+/// Ends the program while its other threads work. The C library's `exit` would take down the graphics driver's tables under them,
+/// which has been seen to crash: another program takes this one's place, and that ends at once.
+#[cfg(unix)]
+fn end(code: u8) -> ! {
+    use std::os::unix::process::CommandExt;
+    let mut shell = std::process::Command::new("/bin/sh");
+    let _ = shell.args(["-c", "exit \"$0\"", &code.to_string()]).exec();
+    // There is no shell.
+    exit(code.into())
+}
+
+#[cfg(windows)]
+fn end(code: u8) -> ! {
+    exit(code.into())
 }
 
 /// Where the program ends, its work fails for want of its files: that is not told.
@@ -105,7 +123,8 @@ pub fn listen() {
 /// Signals that this program was started to ignore, one bit each from the lowest.
 #[cfg(target_os = "linux")]
 fn ignored_signals() -> u64 {
-    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let status = read_text("/proc/self/status".as_ref(), 1 << 16);
+    let status = status.ok().flatten().unwrap_or_default();
     let digits = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
     digits
         .and_then(|digits| u64::from_str_radix(digits.trim(), 16).ok())

@@ -33,7 +33,9 @@ pub use grid::{
 #[cfg_attr(not(feature = "pack-build"), allow(unused_imports))]
 pub(crate) use grid::{joins::Joins, placement::Placement};
 pub use ground::Ground;
-pub use read::{HeightFile, HeightFileError, height_files, open_heights, open_heights_denoised};
+pub use read::{
+    HeightFile, HeightFileError, check_heights, height_files, open_heights, open_heights_denoised,
+};
 pub use samples::HeightSamples;
 #[cfg(test)]
 pub(crate) use stream::test_source::TestTiles;

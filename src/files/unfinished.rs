@@ -76,13 +76,15 @@ impl Drop for Unfinished {
 pub fn remove_unfinished() {
     let mut known = known();
     known.is_ending = true;
-    // Folders last: a path sorts before what lies in it.
-    for path in std::mem::take(&mut known.paths).into_keys().rev() {
-        // It may have got its final name a moment ago, and a folder may hold what is finished: both stay.
-        let _ = match path.is_dir() {
-            true => std::fs::remove_dir(&path),
-            false => std::fs::remove_file(&path),
-        };
+    let paths = std::mem::take(&mut known.paths).into_keys();
+    let (folders, files): (Vec<_>, Vec<_>) = paths.partition(|path| path.is_dir());
+    // It may have got its final name a moment ago, and a folder may hold what is finished: both stay.
+    for file in files {
+        let _ = std::fs::remove_file(file);
+    }
+    // A path sorts before what lies in it.
+    for folder in folders.into_iter().rev() {
+        let _ = std::fs::remove_dir(folder);
     }
 }
 

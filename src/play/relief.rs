@@ -4,7 +4,7 @@ use super::error::PlayError;
 use crate::GroundOptions;
 use crate::elevation::{
     Denoise, Elevation, GridLimits, Ground, HeightGrid, HeightStreamOptions, StreamedGround,
-    height_files, open_heights_denoised,
+    check_heights, height_files, open_heights_denoised,
 };
 use crate::imagery::find_textures;
 use crate::imagery::pack::Pack;
@@ -57,6 +57,17 @@ fn or_the_starter_packs(files: &[PathBuf]) -> Result<Vec<PathBuf>, PlayError> {
 pub(super) fn relief_files(table: &ReliefTable) -> Result<Vec<PathBuf>, PlayError> {
     let named = named_heights(table)?;
     Ok(named.iter().flat_map(|file| height_files(file)).collect())
+}
+
+/// Rejects files of heights for what their headers or sidecars say.
+pub(super) fn check_ground(table: &ReliefTable) -> Result<(), PlayError> {
+    if table.pack_heights_mb.is_some() && table.elevation.is_empty() {
+        return Ok(());
+    }
+    for file in &named_heights(table)? {
+        check_heights(file, &GridLimits::default())?;
+    }
+    Ok(())
 }
 
 /// The grids of these files, or the starter pack's, over one another; with `denoise`, without single wrong heights.

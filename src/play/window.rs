@@ -31,6 +31,8 @@ const ZOOM_PER_NOTCH: f64 = 0.25;
 const EXPECTED_S: [f64; 3] = [0.5, 1.5, 4.0];
 /// How long a message stays.
 const MESSAGE_TIME: Duration = Duration::from_secs(4);
+/// How long a window in which nothing moves may go on after the program was asked to end.
+const LOOK_FOR_END: Duration = Duration::from_millis(250);
 
 /// How the window is opened.
 #[derive(Clone, Debug, Default)]
@@ -138,8 +140,9 @@ struct App<'a> {
 
 impl ApplicationHandler for App<'_> {
     fn new_events(&mut self, _event_loop: &ActiveEventLoop, cause: StartCause) {
-        // A simulator is asked far more often than it has something to draw.
-        if matches!(cause, StartCause::ResumeTimeReached { .. }) && self.live.is_none() {
+        // The loop wakes far more often than there is something to draw.
+        let is_due = self.repaint_at.is_some_and(|time| time <= Instant::now());
+        if matches!(cause, StartCause::ResumeTimeReached { .. }) && self.live.is_none() && is_due {
             self.redraw();
         }
     }
@@ -276,11 +279,17 @@ impl ApplicationHandler for App<'_> {
         if due {
             self.redraw();
         }
-        let wake = [self.closes_at, self.message_ends, self.repaint_at, poll_at];
-        event_loop.set_control_flow(match wake.into_iter().flatten().min() {
-            Some(time) => ControlFlow::WaitUntil(time),
-            None => ControlFlow::Wait,
-        });
+        let wake = [
+            self.closes_at,
+            self.message_ends,
+            self.repaint_at,
+            poll_at,
+            // A request to end comes from outside of the event loop.
+            Some(now + LOOK_FOR_END),
+        ];
+        if let Some(time) = wake.into_iter().flatten().min() {
+            event_loop.set_control_flow(ControlFlow::WaitUntil(time));
+        }
     }
 }
 

@@ -3,8 +3,8 @@
 use super::error::SceneError;
 use super::orbit::{Orbit, OrbitSource};
 use super::{KeyLines, Scene, StartSource};
+use crate::files;
 use crate::orbit::FileFormat;
-use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
@@ -99,11 +99,8 @@ fn is_named_scene(path: &Path) -> bool {
 
 /// What kind of orbits a file holds. A pipe is not looked into: what is read from it is gone.
 fn recognise(path: &Path) -> Option<FileFormat> {
-    if !std::fs::metadata(path).ok()?.is_file() {
-        return None;
-    }
     let mut head = Vec::new();
-    let file = File::open(path).ok()?;
+    let file = files::open(path).ok()?;
     file.take(HEAD_BYTES).read_to_end(&mut head).ok()?;
     let ending = path.extension().unwrap_or_default().to_string_lossy();
     FileFormat::of_text(&String::from_utf8_lossy(&head)).or_else(|| FileFormat::of_ending(&ending))

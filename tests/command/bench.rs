@@ -390,7 +390,7 @@ fn a_run_that_is_interrupted_keeps_its_complete_rows() {
     let mut rest = String::new();
     said.read_to_string(&mut rest).expect("reads");
     let output = child.wait_with_output().expect("ends");
-    assert_eq!(output.status.code(), Some(1), "{rest}");
+    assert_eq!(output.status.code(), Some(130), "{rest}");
     assert!(rest.contains("interrupted after"), "{rest}");
     assert!(String::from_utf8_lossy(&output.stdout).contains("INTERRUPTED"));
     let report = json(&place, "a.json");

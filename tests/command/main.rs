@@ -10,7 +10,11 @@ mod film_inputs;
 mod film_light;
 mod films;
 mod goldens;
+#[cfg(target_os = "linux")]
+mod interruptions;
 mod live;
+#[cfg(unix)]
+mod openers;
 mod orbit;
 mod packs;
 mod passes;

@@ -234,7 +234,7 @@ fn an_interrupt_leaves_nothing_behind() {
     let mut rest = String::new();
     told.read_to_string(&mut rest).expect("reads");
     let status = child.wait().expect("ends");
-    assert_eq!(status.code(), Some(1), "{rest}");
+    assert_eq!(status.code(), Some(130), "{rest}");
     assert!(rest.contains("interrupted"), "{rest}");
     assert_eq!(place.names(), ["small.toml"]);
 }

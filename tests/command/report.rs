@@ -186,7 +186,7 @@ fn an_interrupted_report_is_whole_rows_and_says_so() {
     let mut said = String::new();
     stdout.read_to_string(&mut said).expect("reads");
     let output = child.wait_with_output().expect("ends");
-    assert_eq!(output.status.code(), Some(1), "{}", words(&output));
+    assert_eq!(output.status.code(), Some(130), "{}", words(&output));
     assert!(
         words(&output).contains("interrupted after"),
         "{}",

@@ -250,7 +250,7 @@ fn a_film_that_is_interrupted_takes_its_unfinished_files_away() {
             .status();
         assert!(sent.expect("kill starts").success());
         let output = child.wait_with_output().expect("ends");
-        assert_eq!(output.status.code(), Some(1), "{}", words(&output));
+        assert_eq!(output.status.code(), Some(130), "{}", words(&output));
         assert!(
             words(&output).contains("interrupted after"),
             "{}",

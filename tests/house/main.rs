@@ -92,6 +92,11 @@ fn gpu_objects_are_labelled() {
 }
 
 #[test]
+fn files_are_opened_in_one_place() {
+    holds_in_products(rules::opens_files_in_one_place);
+}
+
+#[test]
 fn one_file_asks_servers() {
     holds_in_products(rules::asks_no_server);
     let files = Repository::open().rust_files("src");

@@ -110,6 +110,32 @@ pub fn asks_no_server(file: &File) -> Vec<String> {
     all(file, &["ureq"], &format!("only {HTTP_FILE} may use HTTP"))
 }
 
+/// The module whose opener rejects pipes, devices and folders.
+const FILES_FOLDER: &str = "src/files/";
+
+/// Files are opened and read by one opener; `src/durable.rs` opens folders to sync them.
+pub fn opens_files_in_one_place(file: &File) -> Vec<String> {
+    if file.path.starts_with(FILES_FOLDER)
+        || file.path == "src/durable.rs"
+        || !file.path.starts_with("src/")
+    {
+        return Vec::new();
+    }
+    let ways = [["File", "open"], ["fs", "read"], ["fs", "read_to_string"]];
+    let found = ways
+        .iter()
+        .flat_map(|[from, name]| file.find(&[from, ":", ":", name, "("]));
+    found
+        .filter(|i| !file.tokens[*i].in_test)
+        .map(|i| {
+            file.at(
+                &file.tokens[i],
+                "open files by `files`: it never waits for a pipe",
+            )
+        })
+        .collect()
+}
+
 /// No marker of unfinished work.
 pub fn leaves_nothing_unfinished(file: &File) -> Vec<String> {
     ["todo", "unimplemented", "dbg"]

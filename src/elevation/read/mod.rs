@@ -126,6 +126,18 @@ pub fn height_files(path: &Path) -> Vec<PathBuf> {
     std::iter::once(path.to_owned()).chain(sidecar).collect()
 }
 
+/// Rejects what [`open_heights`] would reject by its header or its sidecar, without reading heights.
+///
+/// # Errors
+/// As [`open_heights`].
+pub fn check_heights(path: &Path, limits: &GridLimits) -> Result<(), HeightFileError> {
+    let reader = HeightReader::open(path)?;
+    let (columns, rows) = reader.size();
+    limits.check(columns, rows).map_err(reader.refusal())?;
+    reader.georeference()?;
+    reader.conversion().map(drop)
+}
+
 /// Rejects a file of elevations that is read as a plain picture of metres, for all that [`open_heights`] rejects in its header or in its
 /// sidecar, and for numbers that by its own words are not metres. Whoever reads it knows where it lies, so what it does not say of
 /// place and unit is no error, and with `is_placed` neither is another system of coordinates.

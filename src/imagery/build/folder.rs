@@ -239,7 +239,7 @@ impl<'a> BuildFolder<'a> {
     ) -> Result<Vec<u8>, BuildError> {
         let path = self.dir.join(entry.path(record.place));
         let mut bytes = Vec::new();
-        File::open(&path)
+        files::open(&path)
             .and_then(|file| file.take(record.file.bytes + 1).read_to_end(&mut bytes))
             .map_err(|source| BuildError::Unreadable {
                 path: path.clone(),

@@ -2,7 +2,7 @@
 
 use crate::files;
 use crate::imagery::tile::TileError;
-use std::io::Read;
+use std::io::{ErrorKind, Read};
 use std::path::Path;
 
 /// What a tile's file must be.
@@ -53,7 +53,11 @@ pub(super) fn read_whole(
         cause,
     };
     unless(cancelled)?;
-    let opened = files::open(path).map_err(unreadable)?;
+    let opened = files::open(path).map_err(|source| match source.kind() {
+        // What is no file holds no tile, however often it is tried.
+        ErrorKind::IsADirectory | ErrorKind::InvalidInput => corrupt(source.to_string()),
+        _ => unreadable(source),
+    })?;
     unless(cancelled)?;
     // One byte more shows that the file has grown.
     let mut bytes = Vec::with_capacity(file.bytes as usize + 1);

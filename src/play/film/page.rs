@@ -287,7 +287,10 @@ fn whole_frame(
     }
     let path = folder.path(record.index);
     let is_whole = match wanted.contains(&record.index) {
-        true => std::fs::read(&path).is_ok_and(|bytes| checksum(&bytes) == record.blake3),
+        true => files::read(&path, record.bytes)
+            .ok()
+            .flatten()
+            .is_some_and(|bytes| checksum(&bytes) == record.blake3),
         false => std::fs::metadata(&path).is_ok_and(|found| found.len() == record.bytes),
     };
     is_whole.then_some(record.index)

@@ -155,7 +155,7 @@ fn a_simulation_outlives_its_viewers() {
                 .expect("signals");
         }
         let ended = viewer.0.wait().expect("ends");
-        assert!(ended.success(), "{ended}");
+        assert!(matches!(ended.code(), Some(0 | 130 | 143)), "{ended}");
         viewers += 1;
     }
     println!("{viewers} viewers, {:?}", begun.elapsed());

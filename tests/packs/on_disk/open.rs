@@ -75,7 +75,7 @@ fn manifests_that_are_no_text_are_refused() {
     assert!(
         error
             .to_string()
-            .contains("pack.toml: cannot be read: it is not a file"),
+            .contains("pack.toml: cannot be read: it is a folder, not a file"),
         "{error}"
     );
 

@@ -157,7 +157,7 @@ fn a_file_that_is_not_as_listed_gives_no_tile() {
     assert!(matches!(error, TileError::Unreadable { .. }), "{error}");
     assert!(error.to_string().contains("r4c13.ktx2"), "{error}");
     std::fs::create_dir(&path).expect("made");
-    assert_eq!(corrupt(read(), &path), "it is not a file");
+    assert_eq!(corrupt(read(), &path), "it is a folder, not a file");
     std::fs::remove_dir(&path).expect("removed");
     write(&path, &good);
     assert!(read().is_ok());
@@ -266,5 +266,6 @@ fn a_pipe_in_place_of_a_tile_is_not_waited_for() {
     std::fs::remove_file(&path).expect("removed");
     let made = std::process::Command::new("mkfifo").arg(&path).status();
     assert!(made.expect("mkfifo").success());
-    assert_eq!(corrupt(tiles.read(key, &never), &path), "it is not a file");
+    let cause = corrupt(tiles.read(key, &never), &path);
+    assert_eq!(cause, "it is a pipe, not a file");
 }
