@@ -195,7 +195,8 @@ impl GeoTags {
             return Err(named("the ellipsoid", Some(ellipsoid)));
         }
         let equator_m = self.double(SEMI_MAJOR_AXIS).unwrap_or(EQUATOR_M);
-        if !((equator_m - EQUATOR_M).abs() <= EQUATOR_TOLERANCE_M) {
+        let apart_m = (equator_m - EQUATOR_M).abs();
+        if apart_m.is_nan() || apart_m > EQUATOR_TOLERANCE_M {
             return Err(format!("an ellipsoid of {equator_m} m"));
         }
         if let Some(meridian) = other(PRIME_MERIDIAN, &[GREENWICH]) {

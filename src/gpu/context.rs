@@ -1,7 +1,9 @@
 //! An adapter and device for programs that have none of their own. A host that has a device does not need this.
 
+#[cfg(feature = "offscreen")]
+use super::PictureError;
 use super::faults::{GpuFault, GpuFaults};
-use super::{PictureError, ShaderCapability, relief};
+use super::{ShaderCapability, relief};
 
 /// Why no device could be opened.
 #[derive(Debug, thiserror::Error)]
@@ -162,6 +164,7 @@ impl GpuContext {
     }
 
     /// What was read back, unless the device has not done what came before: then that is the error.
+    #[cfg(feature = "offscreen")]
     pub(crate) fn checked<T>(&self, read: Result<T, PictureError>) -> Result<T, PictureError> {
         self.check()?;
         read

@@ -7,8 +7,6 @@ use super::error::PlayError;
 use super::maps::{DroppedLayer, check_pack, dropped_layers, earth_options, earth_options_at};
 use super::opening::open_all;
 use super::place_text::GroundPlace;
-use super::quality_control::ladder_of;
-use super::relief::check_ground;
 use super::satellites::{Listener, Satellite, orientation_at};
 use super::sky_parts::dropped_parts;
 use crate::frames::{
@@ -343,15 +341,6 @@ impl Flight {
         let mut dropped = dropped_layers(&self.scene)?;
         dropped.extend(dropped_parts(&self.scene)?);
         Ok(dropped)
-    }
-
-    /// Looks at files that are read only when pictures are drawn: the ladder of quality, and the headers and sidecars of heights.
-    pub fn check_files(&self) -> Result<(), PlayError> {
-        ladder_of(&self.scene)?;
-        match &self.scene.earth.relief {
-            Some(table) => check_ground(table),
-            None => Ok(()),
-        }
     }
 
     /// Loads the maps that the scene wants and no others, and gathers its options. `bc` is what the adapter does with

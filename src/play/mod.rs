@@ -29,6 +29,7 @@
 //! | `offscreen`, `still`, `stats`, `export`, `video/` | the offscreen renderer; pictures, their numbers, films |
 //! | `outlook`, `export_words`, `written` | what light a film will be in; what is said of it before, and of its files after |
 //! | `film/` | films and their pictures: formats, averaged light, ranges, going on with a film, the page `frames.json` |
+//! | `file_checks` | files that are read later, looked at before |
 //! | `radiance` | a picture's light as a file |
 //! | `truth`, `truth_manifest` | what is where its pixels look, as files |
 //! | `float_files` | arrays and pictures of floats |
@@ -58,6 +59,7 @@ mod event_table;
 mod export;
 #[cfg(feature = "command")]
 mod export_words;
+mod file_checks;
 #[cfg_attr(not(feature = "command"), allow(dead_code, unused_imports))]
 mod film;
 mod flight;

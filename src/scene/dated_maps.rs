@@ -34,6 +34,7 @@ impl DatedLayer {
     }
 
     /// The same with its table.
+    #[cfg(feature = "playback")]
     pub(crate) const fn path_key(self) -> &'static str {
         match self {
             Self::Day => "earth.day_maps",

@@ -117,6 +117,7 @@ const FILES_FOLDER: &str = "src/files/";
 pub fn opens_files_in_one_place(file: &File) -> Vec<String> {
     if file.path.starts_with(FILES_FOLDER)
         || file.path == "src/durable.rs"
+        || file.path.contains("tests")
         || !file.path.starts_with("src/")
     {
         return Vec::new();

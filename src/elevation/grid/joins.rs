@@ -33,7 +33,7 @@ struct Joined {
     /// Stretches of the western, eastern, northern and southern border without a neighbour: rows, or columns.
     open: [Vec<(f64, f64)>; 4],
     /// How far the grid is taken beyond a border with a neighbour, samples: half of what lies between them.
-    reach: [f64; 4],
+    reach: [Option<f64>; 4],
     /// What a row and a column inwards add to the weight, before smoothing.
     ramps: (f64, f64),
 }
@@ -124,7 +124,7 @@ impl Joined {
                 whole(lattice.columns, !lattice.reaches_north),
                 whole(lattice.columns, !lattice.reaches_south),
             ],
-            reach: [0.0; 4],
+            reach: [None; 4],
             ramps: place.ramps,
         }
     }
@@ -176,8 +176,10 @@ impl Joined {
             }
             if *open != before {
                 joins = true;
-                let gap = 0.5 * (-overlap).max(0.0) / step + 1e-6;
-                self.reach[side] = self.reach[side].max(gap);
+                // On the seam itself the upper grid answers alone.
+                let rounding = if is_above { 1e-6 } else { -5e-7 };
+                let gap = 0.5 * (-overlap).max(0.0) / step + rounding;
+                self.reach[side] = Some(self.reach[side].map_or(gap, |reach| reach.max(gap)));
             }
         }
         joins
@@ -205,8 +207,8 @@ impl Joined {
             if !is_border[side] {
                 continue;
             }
-            // Also of a place that is no number.
-            if !(depth >= -self.reach[side]) {
+            let reach = self.reach[side].unwrap_or(0.0);
+            if depth.is_nan() || depth < -reach {
                 return 0.0;
             }
             let (along, across_ramp, along_ramp) = match side {

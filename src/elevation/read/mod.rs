@@ -144,6 +144,7 @@ pub fn check_heights(path: &Path, limits: &GridLimits) -> Result<(), HeightFileE
 ///
 /// # Errors
 /// As [`open_heights`].
+#[cfg(feature = "pack-build")]
 pub(crate) fn check_metres(path: &Path, is_placed: bool) -> Result<(), HeightFileError> {
     let reader = match HeightReader::open(path) {
         Err(HeightFileError::OtherCoordinates { .. }) if is_placed => return Ok(()),

@@ -245,10 +245,7 @@ fn a_file_that_cannot_be_a_scene_is_named_and_refused() {
     assert!(folder.load(&text).is_ok(), "the limit itself is allowed");
     text.push('#');
     let error = folder.load(&text).expect_err("one byte too many");
-    assert!(
-        error.to_string().contains("it is a device, not a file"),
-        "{error}"
-    );
+    assert!(matches!(error, SceneError::TooLarge { .. }), "{error}");
     assert!(error.to_string().contains("1048576 bytes"), "{error}");
 }
 
@@ -257,5 +254,6 @@ fn a_file_that_cannot_be_a_scene_is_named_and_refused() {
 #[test]
 fn an_endless_file_is_refused() {
     let error = Scene::load(Path::new("/dev/zero")).expect_err("endless");
-    assert!(matches!(error, SceneError::TooLarge { .. }), "{error}");
+    let words = "it is a device, not a file";
+    assert!(error.to_string().contains(words), "{error}");
 }

@@ -1,0 +1,17 @@
+//! Files of a scene that are read only when its pictures are drawn, looked at before.
+
+use super::error::PlayError;
+use super::flight::Flight;
+use super::quality_control::ladder_of;
+use super::relief::check_ground;
+
+impl Flight {
+    /// Looks at them: the ladder of quality, and the headers and sidecars of heights.
+    pub fn check_files(&self) -> Result<(), PlayError> {
+        ladder_of(self.scene())?;
+        match &self.scene().earth.relief {
+            Some(table) => check_ground(table),
+            None => Ok(()),
+        }
+    }
+}
