@@ -172,6 +172,7 @@ fn every_file_that_a_film_opens_is_in_its_key() {
                 )
                 .replace("2018-01-15", "2017-01-05"),
         ),
+        ("an orbit", format!("{orbit}{}", scene("", NO_SKY))),
         ("a pack", scene("pack = \"earth\"", NO_SKY)),
     ] {
         let film = Film::new(&text);
