@@ -58,7 +58,7 @@ const SCENES: &[&str] = &[
     "[orbit]\nsource = \"basilisk\"\nfile = \"@\"\n",
     "[time]\norientation = \"@\"\n",
     "[earth]\nelevation = [\"@\"]\n",
-    "[quality]\nladder = \"@\"\n",
+    "[quality]\ntarget_ms = 30\nladder = \"@\"\n",
 ];
 
 /// What it says, within some seconds, as an error.

@@ -316,7 +316,7 @@ fn sources_and_starts_that_cannot_be_are_told_at_the_line_of_the_scene() {
     // It has met the ground before the scene begins.
     place.scene(
         "fallen.toml",
-        "[orbit]\nsource = \"numerical\"\nsemi_major_axis_km = 6538\narea_m2 = 40\nepoch = 2018-01-15T06:00:00Z\n",
+        "[time]\nstart = 2018-01-15T12:00:00Z\n[orbit]\nsource = \"numerical\"\nsemi_major_axis_km = 6538\narea_m2 = 40\nepoch = 2018-01-15T06:00:00Z\n",
     );
     let refusal = place.fail(2, &["check", "fallen.toml"]);
     assert!(
