@@ -234,7 +234,7 @@ fn is_media(found: &str, wanted: &str) -> bool {
 fn told(error: Error, count: u64) -> GetError {
     match error {
         Error::Timeout(what) => GetError::Slow(what.to_string()),
-        Error::Tls(cause) => GetError::Certificate(printable(&cause.to_string())),
+        Error::Tls(cause) => GetError::Certificate(printable(cause)),
         Error::Rustls(cause) => certificate_or_connection(&cause.to_string()),
         Error::Io(error) => match error.kind() {
             ErrorKind::UnexpectedEof => GetError::Truncated(count),
