@@ -2,7 +2,7 @@
 
 use super::Fault;
 use super::bits::{Bits, Bytes};
-use super::frame::{Band, Frame};
+use super::frame::{Band, Component, Frame};
 use super::huffman::{Table, Tables};
 use std::io::Read;
 
@@ -21,6 +21,13 @@ struct Part {
     ac: u8,
 }
 
+/// The tables of a component.
+#[derive(Clone, Copy, Default)]
+struct PartTables<'a> {
+    dc: Option<&'a Table>,
+    ac: Option<&'a Table>,
+}
+
 /// What a block's bits mean.
 #[derive(Clone, Copy, PartialEq)]
 enum Kind {
@@ -36,8 +43,8 @@ struct Cursor<'a, 'b, R> {
     bits: Bits<'b, R>,
     kind: Kind,
     band: Band,
-    dc: Option<&'a Table>,
-    ac: Option<&'a Table>,
+    /// Of the component that the block belongs to.
+    tables: PartTables<'a>,
     /// Blocks to come that have nothing new.
     empty_blocks: u32,
 }
@@ -104,6 +111,27 @@ impl Scan {
         }
     }
 
+    /// The tables that each component needs.
+    fn tables<'t>(&self, kind: Kind, tables: &'t Tables) -> Result<Vec<PartTables<'t>>, Fault> {
+        let has_dc = matches!(kind, Kind::Sequential | Kind::DcFirst);
+        let has_ac = matches!(kind, Kind::Sequential | Kind::AcFirst | Kind::AcRefine);
+        let of_part = |part: &Part| {
+            Ok(PartTables {
+                dc: has_dc.then(|| tables.dc(part.dc)).transpose()?,
+                ac: has_ac.then(|| tables.ac(part.ac)).transpose()?,
+            })
+        };
+        self.parts.iter().map(of_part).collect()
+    }
+
+    /// The only component, if it is one: its coding units are its blocks.
+    fn alone<'f>(&self, frame: &'f Frame) -> Option<&'f Component> {
+        match self.parts.as_slice() {
+            [part] => frame.components.get(part.component),
+            _ => None,
+        }
+    }
+
     /// Passes over all blocks, and gives the marker after them.
     pub fn walk<R: Read>(
         &self,
@@ -112,59 +140,61 @@ impl Scan {
         bytes: &mut Bytes<R>,
     ) -> Result<u8, Fault> {
         let kind = self.kind(frame);
-        let mut of_parts = Vec::new();
-        for part in &self.parts {
-            let dc = matches!(kind, Kind::Sequential | Kind::DcFirst);
-            let ac = matches!(kind, Kind::Sequential | Kind::AcFirst | Kind::AcRefine);
-            of_parts.push((
-                dc.then(|| tables.dc(part.dc)).transpose()?,
-                ac.then(|| tables.ac(part.ac)).transpose()?,
-            ));
-        }
+        let of_parts = self.tables(kind, tables)?;
         let mut cursor = Cursor {
             bits: Bits::new(bytes),
             kind,
             band: self.band,
-            dc: None,
-            ac: None,
+            tables: PartTables::default(),
             empty_blocks: 0,
         };
-        let alone = (self.parts.len() == 1).then(|| &frame.components[self.parts[0].component]);
-        let (units, unit_rows) = match alone {
+        let ((columns, rows), unit_rows) = match self.alone(frame) {
             Some(one) => (one.blocks, 8 * frame.most.1 / one.sampling.1),
             None => (frame.units, 8 * frame.most.1),
         };
-        let is_alone = alone.is_some();
         let mut unit = 0_u32;
-        for row in 0..units.1 {
-            for column in 0..units.0 {
-                if self.restart_interval > 0
-                    && unit > 0
-                    && unit.is_multiple_of(self.restart_interval)
-                {
-                    cursor.restart(unit / self.restart_interval - 1)?;
+        for row in 0..rows {
+            for column in 0..columns {
+                let interval = self.restart_interval;
+                if interval > 0 && unit > 0 && unit.is_multiple_of(interval) {
+                    cursor.restart(unit / interval - 1)?;
                 }
                 unit += 1;
-                for (part, of_part) in self.parts.iter().zip(&of_parts) {
-                    (cursor.dc, cursor.ac) = *of_part;
-                    let component = &mut frame.components[part.component];
-                    let (across, down) = if is_alone { (1, 1) } else { component.sampling };
-                    for n in 0..across * down {
-                        let place = (row * down + n / across) * component.stride
-                            + (column * across + n % across);
-                        let nonzero = component.nonzero.get_mut(place as usize);
-                        if !cursor.block(nonzero)? {
-                            return Err(Fault::damaged(format!(
-                                "the picture's data end at row {} of {}",
-                                row * unit_rows,
-                                frame.height
-                            )));
-                        }
-                    }
+                if !self.unit(&mut cursor, frame, &of_parts, (column, row))? {
+                    return Err(Fault::damaged(format!(
+                        "the picture's data end at row {} of {}",
+                        row * unit_rows,
+                        frame.height
+                    )));
                 }
             }
         }
         cursor.bits.end()
+    }
+
+    /// Passes over the blocks of a coding unit. False if the data end in it.
+    fn unit<'t, R: Read>(
+        &self,
+        cursor: &mut Cursor<'t, '_, R>,
+        frame: &mut Frame,
+        of_parts: &[PartTables<'t>],
+        (column, row): (u32, u32),
+    ) -> Result<bool, Fault> {
+        let is_alone = self.parts.len() == 1;
+        for (part, tables) in self.parts.iter().zip(of_parts) {
+            cursor.tables = *tables;
+            let component = &mut frame.components[part.component];
+            let (across, down) = if is_alone { (1, 1) } else { component.sampling };
+            for n in 0..across * down {
+                let place =
+                    (row * down + n / across) * component.stride + (column * across + n % across);
+                let nonzero = component.nonzero.get_mut(place as usize);
+                if !cursor.block(nonzero)? {
+                    return Ok(false);
+                }
+            }
+        }
+        Ok(true)
     }
 }
 
@@ -200,7 +230,7 @@ impl<R: Read> Cursor<'_, '_, R> {
 
     /// A symbol of AC, as the zeros before a coefficient and its bits.
     fn ac_symbol(&mut self) -> Result<Option<(u8, u8)>, Fault> {
-        let Some(table) = self.ac else {
+        let Some(table) = self.tables.ac else {
             return Ok(None);
         };
         let symbol = table.symbol(&mut self.bits)?;
@@ -208,7 +238,7 @@ impl<R: Read> Cursor<'_, '_, R> {
     }
 
     fn dc(&mut self) -> Result<Option<u32>, Fault> {
-        let Some(table) = self.dc else {
+        let Some(table) = self.tables.dc else {
             return Ok(None);
         };
         let Some(size) = table.symbol(&mut self.bits)? else {
