@@ -39,6 +39,9 @@ pub fn run(args: &CheckArgs, common: &Common) -> anyhow::Result<()> {
     for dropped in dropped {
         text.push_str(&format!("  {:<14} {}\n", dropped.layer, dropped.missing));
     }
+    for note in flight.colour_notes() {
+        text.push_str(&format!("\ncolours\n  {note}\n"));
+    }
     for (index, satellite) in flight.satellites().iter().enumerate() {
         if let Some(feed) = satellite.live() {
             let head = match index == flight.followed() {

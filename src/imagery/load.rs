@@ -197,6 +197,28 @@ struct DayTexels {
     rgba: Vec<u8>,
 }
 
+/// How the colours of a map differ from sRGB, by its header. What is wrong with the file is told when it is read.
+#[cfg(feature = "command")]
+pub fn colour_note(path: &Path) -> Option<String> {
+    let mut file = files::open(path).ok()?;
+    let magic = crate::elevation::read::first_bytes(&mut file).ok()?;
+    let said = match FileKind::of(&magic)? {
+        FileKind::Png => {
+            let decoder = png::Decoder::new(std::io::BufReader::new(file));
+            Said::of_png(decoder.read_info().ok()?.info())
+        }
+        FileKind::Jpeg => super::jpeg::said(file).ok()?,
+    };
+    said.note()
+}
+
+/// The file of a folder's day map, if one is there.
+#[cfg(feature = "command")]
+pub fn day_file(dir: &Path) -> Option<PathBuf> {
+    let names = DAY_NAMES.map(|name| dir.join(name));
+    names.into_iter().find(|path| path.exists())
+}
+
 fn read_day(dir: &Path) -> Result<DayTexels, ImageryError> {
     let names = DAY_NAMES.map(|name| dir.join(name));
     let path = names.iter().find(|path| path.exists()).unwrap_or(&names[0]);

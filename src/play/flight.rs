@@ -343,6 +343,12 @@ impl Flight {
         Ok(dropped)
     }
 
+    /// How the colours of the scene's maps differ from sRGB, as far as their headers say it.
+    #[cfg(feature = "command")]
+    pub fn colour_notes(&self) -> Vec<String> {
+        super::colours::colour_notes(&self.scene)
+    }
+
     /// Loads the maps that the scene wants and no others, and gathers its options. `bc` is what the adapter does with
     /// compressed textures; it matters to packs alone.
     pub fn earth_options(&self, bc: BcSupport) -> Result<EarthOptions, PlayError> {

@@ -19,6 +19,7 @@
 //! | `pass_table` | when they pass over a place |
 //! | `event_table` | what was found along integrated motions |
 //! | `maps` | the scene's maps: a folder or a pack |
+//! | `colours` | what their files say of their colours |
 //! | `dated_maps/` | those of them that change with the date |
 //! | `relief` | its heights |
 //! | `craft/` | the spacecraft that the chase camera follows |
@@ -47,6 +48,8 @@ mod basilisk;
 pub mod camera;
 mod camera_path;
 pub mod clock;
+#[cfg(feature = "command")]
+mod colours;
 #[cfg(feature = "command")]
 mod controls;
 mod craft;

@@ -47,6 +47,15 @@ fn folder_of(scene: &Scene) -> Result<PathBuf, String> {
     }
 }
 
+/// The files of the maps that a scene's sky is drawn with.
+#[cfg(feature = "command")]
+pub(super) fn map_files(scene: &Scene, folder: &Path) -> Vec<std::path::PathBuf> {
+    let sky = &scene.sky;
+    let maps = [(sky.milky_way, MILKY_WAY), (sky.moon, MOON)];
+    let wanted = maps.into_iter().filter(|(is_on, _)| *is_on && sky.is_on());
+    wanted.map(|(_, name)| folder.join(name)).collect()
+}
+
 /// How far files are read.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Reading {

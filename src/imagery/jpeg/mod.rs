@@ -61,18 +61,17 @@ impl Fault {
 /// Walks a JPEG from its first byte to its end marker, and gives what it says of its colours. Holds eight bytes a block of a
 /// progressive picture: the size in its header must have been checked before.
 pub(super) fn check(reader: impl Read) -> Result<Said, Fault> {
-    let mut walk = Walk {
-        bytes: Bytes::new(reader),
-        tables: Tables::default(),
-        frame: None,
-        restart_interval: 0,
-        scans: 0,
-        exif: None,
-        profile: Vec::new(),
-    };
+    let mut walk = Walk::new(reader);
     walk.run()?;
-    let profile = (!walk.profile.is_empty()).then_some(walk.profile.as_slice());
-    Ok(Said::of_parts(walk.exif.as_deref(), profile))
+    Ok(walk.said())
+}
+
+/// What a JPEG says of its colours, by its segments up to the first scan.
+#[cfg(feature = "command")]
+pub(super) fn said(reader: impl Read) -> Result<Said, Fault> {
+    let mut walk = Walk::new(reader);
+    walk.header()?;
+    Ok(walk.said())
 }
 
 /// How far a file has been walked.
@@ -88,6 +87,35 @@ struct Walk<R> {
 }
 
 impl<R: Read> Walk<R> {
+    fn new(reader: R) -> Self {
+        Self {
+            bytes: Bytes::new(reader),
+            tables: Tables::default(),
+            frame: None,
+            restart_interval: 0,
+            scans: 0,
+            exif: None,
+            profile: Vec::new(),
+        }
+    }
+
+    fn said(&self) -> Said {
+        let profile = (!self.profile.is_empty()).then_some(self.profile.as_slice());
+        Said::of_parts(self.exif.as_deref(), profile)
+    }
+
+    /// Takes the segments up to the first scan.
+    #[cfg(feature = "command")]
+    fn header(&mut self) -> Result<(), Fault> {
+        loop {
+            match self.bytes.next_marker()? {
+                0xD9 | 0xDA => return Ok(()),
+                0x01 | 0xD0..=0xD8 => {}
+                marker => self.segment(marker)?,
+            }
+        }
+    }
+
     fn run(&mut self) -> Result<(), Fault> {
         let mut marker = self.bytes.next_marker()?;
         loop {
