@@ -101,6 +101,31 @@ impl DatedMaps {
         }
     }
 
+    /// Places of the maps that are drawn from one epoch to another, which may lie before it.
+    pub fn within(&self, start: Epoch, end: Epoch) -> Vec<usize> {
+        const MOST_OF_A_YEAR_S: f64 = 300.0 * 86_400.0;
+        let count = self.files.len();
+        let is_cycle = self.times == MapTimes::Months;
+        if is_cycle && (end - start).to_seconds().abs() > MOST_OF_A_YEAR_S {
+            return (0..count).collect();
+        }
+        let is_back = end < start;
+        let (first, last) = (self.at(start), self.at(end));
+        let (mut place, goal) = match is_back {
+            true => (first.to, last.from),
+            false => (first.from, last.to),
+        };
+        let mut places = vec![place];
+        while place != goal && places.len() < count {
+            let Some(next) = self.next(place, is_back) else {
+                break;
+            };
+            place = next;
+            places.push(place);
+        }
+        places
+    }
+
     /// The map that comes after one, if any does; `back` where time runs backwards.
     pub fn next(&self, place: usize, back: bool) -> Option<usize> {
         let count = self.files.len();
@@ -406,5 +431,44 @@ mod tests {
         let hard = maps(MapTimes::Months, false);
         close(hard.at(date("2018-01-31T23:59:59Z")), 0, 0, 0.0);
         close(hard.at(date("2018-02-01T00:00:00Z")), 1, 1, 0.0);
+    }
+
+    #[test]
+    fn maps_of_a_span_are_those_it_draws() {
+        let months = maps(MapTimes::Months, true);
+        let within = |start, end| months.within(date(start), date(end));
+        // From the second half of December to the first of January.
+        assert_eq!(
+            within("2018-12-20T00:00:00Z", "2019-01-05T00:00:00Z"),
+            [11, 0]
+        );
+        assert_eq!(
+            within("2018-12-20T00:00:00Z", "2019-03-01T00:00:00Z"),
+            [11, 0, 1, 2]
+        );
+        assert_eq!(
+            within("2019-03-01T00:00:00Z", "2018-12-20T00:00:00Z"),
+            [2, 1, 0, 11]
+        );
+        assert_eq!(
+            within("2018-01-20T00:00:00Z", "2019-01-19T00:00:00Z").len(),
+            12
+        );
+        let days = [
+            "2018-06-01T00:00:00Z",
+            "2018-06-02T00:00:00Z",
+            "2018-06-03T00:00:00Z",
+        ];
+        let dated = maps(MapTimes::Dates(days.map(date).to_vec()), true);
+        let within = |start, end| dated.within(date(start), date(end));
+        assert_eq!(
+            within("2018-06-01T06:00:00Z", "2018-06-01T12:00:00Z"),
+            [0, 1]
+        );
+        assert_eq!(
+            within("2018-05-01T00:00:00Z", "2018-07-01T00:00:00Z"),
+            [0, 1, 2]
+        );
+        assert_eq!(within("2018-07-01T00:00:00Z", "2018-08-01T00:00:00Z"), [2]);
     }
 }

@@ -207,3 +207,29 @@ fn the_command_draws_and_shows_them() {
     let (_, mean) = apart(&read("a.png"), &read("b.png"));
     assert!(mean < 2.0, "the reference draws the same clouds: {mean}");
 }
+
+/// A file that is no map is a warning when its hour comes, and in a strict scene an error before anything is drawn.
+#[test]
+fn a_strict_scene_looks_at_all_maps_of_its_span_first() {
+    let folder = folder();
+    let maps = HOURS.replace(
+        "]",
+        ", { date = \"2018-06-01T18:00:00Z\", file = \"12.png\" }]",
+    );
+    let gpu = || pollster::block_on(GpuContext::open(None)).expect("an adapter");
+    let shown = |duration_s: f64, more: &str| {
+        let text = text("2018-06-01T07:00:00Z", &format!("{maps}\n{more}"));
+        let scene = Scene::from_toml(&text, &folder.path().join("scene.toml"));
+        let mut scene = scene.expect("a good scene");
+        scene.time.duration_s = duration_s;
+        let flight = Flight::open(scene).expect("opens");
+        let gpu = gpu();
+        let options = flight.earth_options(gpu.bc_support()).expect("maps");
+        let mut renderer = OffscreenRenderer::open(gpu, options, SIZE).expect("a renderer");
+        renderer.show_dated_maps(&flight)
+    };
+    shown(43_200.0, "").expect("told when it comes");
+    let error = shown(43_200.0, "strict = true").expect_err("a file that is no map");
+    assert!(error.to_string().contains("12.png"), "{error}");
+    shown(3600.0, "strict = true").expect("it is not drawn with that file");
+}

@@ -4,8 +4,8 @@ use super::super::error::PlayError;
 use crate::frames::Epoch;
 use crate::imagery::tile::MapLayer;
 use crate::imagery::{
-    EarthLayers, ImageryError, LayerImage, LayerSelection, find_textures, load_day_map,
-    load_grey_map,
+    EarthLayers, ImageryError, LayerImage, LayerSelection, find_textures, load_color_map,
+    load_day_map, load_grey_map,
 };
 use crate::scene::{DatedLayer, DatedMaps, Scene};
 use std::path::PathBuf;
@@ -45,6 +45,22 @@ impl MapFiles {
                 night_lights: false,
                 water: scene.earth.water,
             },
+        })
+    }
+
+    /// Reads some of them and keeps none.
+    ///
+    /// # Errors
+    /// The first that cannot be drawn.
+    pub fn check(&self, places: &[usize]) -> Result<(), ImageryError> {
+        places.iter().try_for_each(|place| {
+            let path = &self.files[*place];
+            let map = match self.layer {
+                DatedLayer::Day => load_color_map(path, "day"),
+                DatedLayer::Clouds => load_grey_map(path, "clouds"),
+                DatedLayer::NightLights => load_grey_map(path, "night lights"),
+            };
+            map.map(drop)
         })
     }
 

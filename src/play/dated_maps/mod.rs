@@ -16,6 +16,7 @@ use crate::frames::Epoch;
 use crate::gpu::{GpuContext, GpuMap, MapFade};
 use crate::scene::{BetweenMaps, DatedMaps};
 use crate::{Earth, EarthError};
+use at_once::MapFiles;
 pub(super) use at_once::set_dated_layers;
 use loader::{Loaded, MapLoader};
 use std::collections::BTreeMap;
@@ -80,6 +81,10 @@ impl MapPlayer {
         maps: &DatedMaps,
         gpu: &GpuContext,
     ) -> Result<Self, PlayError> {
+        if scene.earth.strict {
+            let places = maps.within(scene.time.start, scene.time.end());
+            MapFiles::of(scene, maps)?.check(&places)?;
+        }
         Ok(Self {
             loader: MapLoader::new(scene, maps, gpu)?,
             maps: maps.clone(),
