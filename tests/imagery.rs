@@ -6,7 +6,7 @@ use std::sync::{Mutex, PoisonError};
 use tempfile::TempDir;
 use terrella::internals::imagery::{
     EarthLayers, ImageryError, LayerSelection, SLOPE_EXAGGERATION, TexelFormat, load_layers,
-    slopes_from_elevation,
+    load_whole_layers, slopes_from_elevation,
 };
 
 const WIDTH: u32 = 64;
@@ -168,8 +168,7 @@ fn a_folder_in_place_of_a_map_is_refused() {
 fn truncated_maps_are_refused_at_every_length() {
     for name in ["day.jpg", "clouds.png", "night_lights.png", "elevation.png"] {
         let whole = good_bytes(name);
-        // The last 12 bytes of a PNG are an empty end chunk without which every texel is still there.
-        let last = whole.len() - if name.ends_with("png") { 16 } else { 1 };
+        let last = whole.len() - 1;
         for length in (1..last).step_by(7).chain([last]) {
             let (error, text) = error_with(name, &whole[..length]);
             assert!(
@@ -194,6 +193,95 @@ fn a_jpeg_whose_preview_is_whole_but_whose_picture_is_cut_is_refused() {
     contents.extend_from_slice(&whole[2..whole.len() - 2]);
     let (error, text) = error_with("day.jpg", &contents);
     assert!(matches!(error, ImageryError::Damaged { .. }), "{text}");
+}
+
+/// Decoders fill the rest with grey where an end marker follows, wherever the data end.
+#[test]
+fn a_jpeg_that_is_cut_and_closed_again_is_refused() {
+    let texels = image::RgbImage::from_fn(512, 256, |x, y| {
+        image::Rgb([
+            (x * 7 % 256) as u8,
+            (y * 5 % 256) as u8,
+            (x * y % 256) as u8,
+        ])
+    });
+    let mut whole = std::io::Cursor::new(Vec::new());
+    texels
+        .write_to(&mut whole, ImageFormat::Jpeg)
+        .expect("in memory");
+    let whole = whole.into_inner();
+    // The last one lacks the last rows of blocks alone.
+    for keep in [whole.len() / 2, whole.len() * 9 / 10, whole.len() - 40] {
+        let ended = [&whole[..keep], &[0xFF, 0xD9]].concat();
+        let (error, text) = error_with("day.jpg", &ended);
+        assert!(matches!(error, ImageryError::Damaged { .. }), "{text}");
+        assert!(text.contains("data end at row"), "{keep}: {text}");
+    }
+}
+
+#[test]
+fn pictures_that_are_stored_turned_are_refused() {
+    let whole = good_bytes("day.jpg");
+    // Exif with one tag: orientation 3 (Exif 2.32).
+    let exif = b"\xFF\xD8\xFF\xE1\x00\x22Exif\0\0MM\0\x2a\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0\x03\0\0\0\0\0\0";
+    let turned = [exif, &whole[2..]].concat();
+    let (error, text) = error_with("day.jpg", &turned);
+    assert!(
+        matches!(error, ImageryError::Turned { orientation: 3, .. }),
+        "{text}"
+    );
+    assert!(
+        text.contains("upside down") && text.contains("-auto-orient"),
+        "{text}"
+    );
+}
+
+/// The usual form of cloud maps: white, with the cover in alpha.
+#[test]
+fn cover_in_alpha_is_cover() {
+    let dir = good_folder();
+    let path = dir.path().join("clouds.png");
+    let clouds = |picture: DynamicImage| {
+        picture.save(&path).expect("temporary file");
+        load_all(dir.path())
+            .expect("good maps")
+            .clouds
+            .expect("clouds")
+            .levels
+    };
+    let cover = |x: u32| (4 * x) as u8;
+    let grey = image::GrayImage::from_fn(64, 32, |x, _| image::Luma([cover(x)]));
+    let grey = clouds(grey.into());
+    let white = image::GrayAlphaImage::from_fn(64, 32, |x, _| image::LumaA([255, cover(x)]));
+    assert_eq!(clouds(white.into()), grey);
+    let white = image::RgbaImage::from_fn(64, 32, |x, _| image::Rgba([255, 255, 255, cover(x)]));
+    assert_eq!(clouds(white.into()), grey);
+    // Half transparent grey is half as much.
+    let half = image::GrayAlphaImage::from_pixel(64, 32, image::LumaA([200, 128]));
+    assert_eq!(clouds(half.into())[0][0], 100);
+}
+
+#[test]
+fn damaged_maps_are_left_out_where_that_is_asked_for() {
+    let dir = good_folder();
+    let cut = |name: &str| {
+        let path = dir.path().join(name);
+        let whole = std::fs::read(&path).expect("a map");
+        std::fs::write(path, &whole[..whole.len() - 6]).expect("temporary file");
+    };
+    cut("clouds.png");
+    cut("elevation.png");
+    let all = LayerSelection::default();
+    let (layers, damaged) = load_whole_layers(dir.path(), all).expect("the day map is whole");
+    assert!(layers.clouds.is_none() && layers.normals.is_none());
+    assert!(layers.night_lights.is_some());
+    let names: Vec<_> = damaged.iter().map(|damaged| damaged.layer.name()).collect();
+    assert_eq!(names, ["clouds", "normals"]);
+    let error = load_all(dir.path()).expect_err("clouds are damaged");
+    assert!(error.to_string().contains("clouds.png"), "{error}");
+    cut("day.jpg");
+    let error = load_whole_layers(dir.path(), all).expect_err("no day map");
+    assert!(error.to_string().contains("day.jpg"), "{error}");
 }
 
 #[test]

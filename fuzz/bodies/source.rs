@@ -34,7 +34,7 @@ pub fn run(data: &[u8]) {
 /// Good inputs to start from.
 #[allow(dead_code, reason = "the fuzzer reads its corpus from files")]
 pub fn seeds() -> Vec<Vec<u8>> {
-    let files: [&[u8]; 9] = [
+    let files: [&[u8]; 14] = [
         include_bytes!("../../tests/data/maps/baseline.jpg"),
         include_bytes!("../../tests/data/maps/progressive.jpg"),
         include_bytes!("../../tests/data/maps/grey16.png"),
@@ -44,6 +44,11 @@ pub fn seeds() -> Vec<Vec<u8>> {
         include_bytes!("../../tests/data/maps/planar.tif"),
         include_bytes!("../../tests/data/maps/tiled_deflate.tif"),
         include_bytes!("../../tests/data/maps/tiled_lzw.tif"),
+        include_bytes!("../../tests/data/maps/restarts.jpg"),
+        include_bytes!("../../tests/data/maps/palette.tif"),
+        include_bytes!("../../tests/data/maps/sparse.tif"),
+        include_bytes!("../../tests/data/maps/mask.tif"),
+        include_bytes!("../../tests/data/maps/no_data_16.tif"),
     ];
     files.map(<[u8]>::to_vec).to_vec()
 }

@@ -220,3 +220,125 @@ fn exif_orientation(exif: &[u8]) -> Option<u16> {
         (short(entry)? == ORIENTATION).then(|| short(entry + 8))?
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A profile of these tags, the header empty but for its colour space.
+    fn profile(space: &[u8; 4], tags: &[(&[u8; 4], Vec<u8>)]) -> Vec<u8> {
+        let mut bytes = vec![0; 128];
+        bytes[16..20].copy_from_slice(space);
+        bytes.extend((tags.len() as u32).to_be_bytes());
+        let mut at = 132 + 12 * tags.len();
+        for (name, data) in tags {
+            bytes.extend(*name);
+            bytes.extend(
+                [at as u32, data.len() as u32]
+                    .iter()
+                    .flat_map(|n| n.to_be_bytes()),
+            );
+            at += data.len();
+        }
+        bytes.extend(tags.iter().flat_map(|(_, data)| data.clone()));
+        bytes
+    }
+
+    fn fixed_of(kind: &[u8; 4], values: &[f64]) -> Vec<u8> {
+        let mut bytes = [kind.as_slice(), &[0; 4]].concat();
+        let fixed = values.iter().map(|value| (value * 65_536.0).round() as i32);
+        bytes.extend(fixed.flat_map(i32::to_be_bytes));
+        bytes
+    }
+
+    fn gamma(gamma: f64) -> Vec<u8> {
+        let mut curve = b"curv\0\0\0\0\0\0\0\x01".to_vec();
+        curve.extend(((gamma * 256.0).round() as u16).to_be_bytes());
+        curve
+    }
+
+    fn rgb(name: &str, colorants: [[f64; 3]; 3], curve: &[u8]) -> Vec<u8> {
+        let mut text = b"desc\0\0\0\0".to_vec();
+        text.extend((name.len() as u32 + 1).to_be_bytes());
+        text.extend(name.bytes().chain([0]));
+        let [red, green, blue] = colorants.map(|values| fixed_of(b"XYZ ", &values));
+        let tags: [(&[u8; 4], _); 7] = [
+            (b"desc", text),
+            (b"rXYZ", red),
+            (b"gXYZ", green),
+            (b"bXYZ", blue),
+            (b"rTRC", curve.to_vec()),
+            (b"gTRC", curve.to_vec()),
+            (b"bTRC", curve.to_vec()),
+        ];
+        profile(b"RGB ", &tags)
+    }
+
+    /// Colorants of the profiles sRGB v2 of the ICC and Display P3 of Apple.
+    const SRGB: [[f64; 3]; 3] = [
+        [0.436_07, 0.222_49, 0.013_92],
+        [0.385_15, 0.716_87, 0.097_08],
+        [0.143_07, 0.060_61, 0.714_10],
+    ];
+    const P3: [[f64; 3]; 3] = [
+        [0.515_12, 0.241_20, -0.001_05],
+        [0.291_98, 0.692_25, 0.041_89],
+        [0.157_10, 0.066_57, 0.784_07],
+    ];
+
+    #[test]
+    fn profiles_of_srgb_are_known_and_others_are_named() {
+        // IEC 61966-2-1 as a parametric curve of kind 3.
+        let mut curve = b"para\0\0\0\0\0\x03\0\0".to_vec();
+        let values = [2.4, 1.0 / 1.055, 0.055 / 1.055, 1.0 / 12.92, 0.040_45];
+        curve.extend_from_slice(&fixed_of(b"para", &values)[8..]);
+        for curve in [&curve, &gamma(2.2)] {
+            assert_eq!(foreign_profile(&rgb("sRGB", SRGB, curve)), None);
+        }
+        let p3 = foreign_profile(&rgb("Display P3", P3, &curve));
+        assert_eq!(p3.as_deref(), Some("the colour profile \"Display P3\""));
+        assert!(foreign_profile(&rgb("linear", SRGB, &gamma(1.0))).is_some());
+        assert!(foreign_profile(&rgb("1.8", SRGB, &gamma(1.8))).is_some());
+        let grey = |curve| profile(b"GRAY", &[(b"kTRC", curve)]);
+        assert_eq!(foreign_profile(&grey(gamma(2.2))), None);
+        assert!(foreign_profile(&grey(gamma(1.0))).is_some());
+        assert!(foreign_profile(&profile(b"CMYK", &[])).is_some());
+        let whole = rgb("Display P3", P3, &curve);
+        for length in 0..whole.len() {
+            foreign_profile(&whole[..length]);
+        }
+    }
+
+    #[test]
+    fn gamma_of_pngs_is_told_unless_it_is_srgb_s() {
+        let info = |gamma: Option<f32>, is_srgb: bool| {
+            let mut info = png::Info::default();
+            info.gama_chunk = gamma.map(png::ScaledFloat::new);
+            info.srgb = is_srgb.then_some(png::SrgbRenderingIntent::Perceptual);
+            Said::of_png(&info).note()
+        };
+        assert_eq!(info(None, false), None);
+        assert_eq!(info(Some(0.45455), false), None);
+        assert_eq!(info(Some(1.0), true), None);
+        let said = info(Some(1.0), false).expect("linear");
+        assert!(said.contains("gamma of 1.000"), "{said}");
+    }
+
+    #[test]
+    fn orientation_is_read_in_both_byte_orders() {
+        let big = b"MM\0\x2a\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0\x06\0\0\0\0\0\0";
+        let little = b"II\x2a\0\x08\0\0\0\x01\0\x12\x01\x03\0\x01\0\0\0\x06\0\0\0\0\0\0\0";
+        for exif in [big.as_slice(), little] {
+            let said = Said::of_parts(Some(exif), None);
+            assert_eq!(said.turned(), Some("on its side"));
+            for length in 0..exif.len() - 8 {
+                assert_eq!(exif_orientation(&exif[..length]), None);
+            }
+        }
+        let upright = Said {
+            orientation: Some(1),
+            ..Said::default()
+        };
+        assert_eq!(upright.turned(), None);
+    }
+}

@@ -181,3 +181,46 @@ fn the_map_s_own_texels_are_kept_where_the_level_has_its_size() {
         }
     }
 }
+
+/// What the first channel of a map's tiles is, texel by texel, in a level of the map's own size.
+fn first_channels(pack: &Path, layer: MapLayer, channels: usize) -> Vec<u8> {
+    let pack = Arc::new(Pack::open(pack).expect("a pack"));
+    let tiles = PackTiles::new(pack, Storage::Plain, false, &[layer]).expect("has it");
+    let tile = tile(&tiles, layer, 0, Block { column: 8, row: 3 });
+    let (side, border) = (tile.shape.side() as usize, TILE_BORDER as usize);
+    let row = &tile.mip(0)[side * border * channels..][..side * channels];
+    let texels = row.chunks_exact(channels).skip(border).take(17);
+    texels.map(|texel| texel[0]).collect()
+}
+
+/// A level of 17 texels a block has the texels of a map 272 wide.
+#[test]
+fn alpha_is_cover_in_clouds_and_presence_in_colours() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let write = |name: &str, kind, texel: &dyn Fn(u32) -> Vec<u8>| {
+        let texels: Vec<u8> = (0..272 * 136).flat_map(|n| texel(n % 272)).collect();
+        let path = folder.path().join(name);
+        std::fs::write(&path, png(272, 136, kind, &texels)).expect("written");
+        path
+    };
+    let day = write("day.png", ExtendedColorType::Rgba8, &|x| {
+        vec![90, 90, 90, if x % 2 == 0 { 255 } else { 0 }]
+    });
+    let clouds = write("clouds.png", ExtendedColorType::La8, &|x| {
+        vec![255, (x % 250) as u8]
+    });
+    let options = BuildOptions {
+        clouds: Some(clouds),
+        storages: vec![Storage::Plain],
+        pixels: vec![(MapLayer::Day, vec![17]), (MapLayer::Clouds, vec![17])],
+        ..BuildOptions::new(day, folder.path().join("pack"))
+    };
+    build(&options, &()).expect("builds");
+    // The block begins at texel 8 x 17 = 136.
+    let cover: Vec<u8> = (136..153).collect();
+    assert_eq!(first_channels(&options.out, MapLayer::Clouds, 1), cover);
+    let day: Vec<u8> = (136..153)
+        .map(|x| if x % 2 == 0 { 90 } else { 0 })
+        .collect();
+    assert_eq!(first_channels(&options.out, MapLayer::Day, 4), day);
+}

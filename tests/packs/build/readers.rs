@@ -5,7 +5,7 @@ use super::maps::{
     wide_map, wide_tiff,
 };
 use image::ExtendedColorType;
-use terrella::internals::imagery::build::source::{FileKind, SampleKind};
+use terrella::internals::imagery::build::source::{FileKind, Opacity, SampleKind};
 use tiff::encoder::Compression;
 
 /// The file holds these texels.
@@ -103,7 +103,8 @@ fn tiff_in_strips_and_tiles() {
         }
     }
     // 48 × 16 and, in the other byte order, 16 × 48: wider or higher than what is left of the map.
-    for name in ["tiled_lzw.tif", "tiled_deflate.tif"] {
+    // The last keeps its channels in planes.
+    for name in ["tiled_lzw.tif", "tiled_deflate.tif", "planar.tif"] {
         holds(&fixture(name), FileKind::Tiff, 3, SampleKind::U8, &colour);
     }
     holds(
@@ -142,6 +143,60 @@ fn tiff_heights() {
         SampleKind::F32,
         bytes_of(&floats),
     );
+}
+
+/// Texels with a channel that says which are there; the others are 0.
+fn with_mask<T: Copy + Default>(
+    texels: &[T],
+    full: T,
+    is_there: impl Fn(u32, u32) -> bool,
+) -> Vec<T> {
+    let mut all = Vec::new();
+    for (n, texel) in (0..WIDTH * HEIGHT).zip(texels.chunks_exact(3)) {
+        match is_there(n % WIDTH, n / WIDTH) {
+            true => all.extend(texel.iter().chain([&full])),
+            false => all.extend([T::default(); 4]),
+        }
+    }
+    all
+}
+
+/// The file holds these texels, of which some are nothing.
+fn holds_in_part(name: &str, sample: SampleKind, texels: &[u8]) {
+    let (info, read) = read(&fixture(name)).expect(name);
+    assert_eq!((info.channels, info.sample), (4, sample), "{name}");
+    assert_eq!(info.opacity, Some(Opacity::Mask), "{name}");
+    assert!(read == texels, "{name}: other texels");
+}
+
+/// The files were written by GDAL from the formulas here.
+#[test]
+fn what_a_tiff_says_is_nothing_is_not_there() {
+    let colour = rgb_map();
+    // Two tiles of eight: the others have offset 0 and length 0.
+    let is_written = |x: u32, y: u32| matches!((x / 16, y / 16), (1, 0) | (3, 1));
+    let expected = with_mask(&colour, 255, is_written);
+    holds_in_part("sparse.tif", SampleKind::U8, &expected);
+    // A BigTIFF in the other byte order with a mask of one bit inside.
+    let is_there = |x: u32, y: u32| !(x + y).is_multiple_of(3);
+    let expected = with_mask(&colour, 255, is_there);
+    holds_in_part("mask.tif", SampleKind::U8, &expected);
+    // 16 bits in planes, 7 of all channels is nothing; of one channel alone it is a colour.
+    let mut wide = wide_map(3);
+    wide[3 * (WIDTH as usize + 1)] = 7;
+    let expected = with_mask(&wide, u16::MAX, is_there);
+    holds_in_part("no_data_16.tif", SampleKind::U16, bytes_of(&expected));
+    let (info, _) = read(&fixture("grey_alpha_16.tif")).expect("grey and alpha");
+    assert_eq!((info.channels, info.opacity), (2, Some(Opacity::Alpha)));
+}
+
+#[test]
+fn palettes_of_tiffs_are_colours() {
+    let colours: Vec<u8> = (0..WIDTH * HEIGHT)
+        .flat_map(|n| [(n % WIDTH / 8 * 32) as u8, (n / WIDTH / 8 * 64) as u8, 100])
+        .collect();
+    let file = fixture("palette.tif");
+    holds(&file, FileKind::Tiff, 3, SampleKind::U8, &colours);
 }
 
 #[test]

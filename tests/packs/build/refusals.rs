@@ -78,6 +78,17 @@ fn truncated_files_are_never_grey() {
         "{}",
         complaint(&ended)
     );
+    // Also where the last rows alone are missing, and of a progressive picture the last scans.
+    let progressive = jpeg(256, &noise, true);
+    for whole in [&baseline, &progressive] {
+        let late = [&whole[..whole.len() - 200], &[0xFF, 0xD9]].concat();
+        complaint(&late);
+    }
+    // A PNG without its end, interlaced or not.
+    let png = png(256, 128, ExtendedColorType::Rgb8, &noise);
+    for whole in [png, fixture("interlaced.png")] {
+        assert!(complaint(&whole[..whole.len() - 12]).contains("ends too early"));
+    }
     // A marker in the middle of the picture, the rest behind it.
     let mut marked = baseline.clone();
     let middle = marked.len() / 2;
@@ -213,6 +224,60 @@ fn geotiffs_elsewhere_are_refused() {
         let said = complaint(&file(geo));
         assert!(said.contains(word), "{said}");
     }
+}
+
+#[test]
+fn other_figures_and_meridians_are_refused_as_in_heights() {
+    let degrees = 360.0 / f64::from(WIDTH);
+    let file = |keys: &[(u16, u16)]| {
+        let mut directory = vec![1, 1, 0, keys.len() as u16];
+        directory.extend(keys.iter().flat_map(|(key, value)| [*key, 0, 1, *value]));
+        let geo = Geo {
+            doubles: vec![
+                (Tag::ModelPixelScaleTag, vec![degrees, degrees, 0.0]),
+                (
+                    Tag::ModelTiepointTag,
+                    vec![0.0, 0.0, 0.0, -180.0, 90.0, 0.0],
+                ),
+            ],
+            shorts: vec![(Tag::GeoKeyDirectoryTag, directory)],
+        };
+        u16_tiff(&wide_map(1), &geo)
+    };
+    read(&file(&[(1024, 2), (2048, 4326), (2054, 9102)])).expect("WGS84");
+    read(&file(&[(1024, 2), (2048, 4269)])).expect("NAD83");
+    for (keys, word) in [
+        (&[(1024, 2), (2048, 4267)][..], "EPSG:4267"),
+        (&[(1024, 2), (2048, 4807), (2054, 9105)], "EPSG:4807"),
+        (&[(1024, 2), (2048, 32_767)], "of its own making"),
+        (&[(1024, 2), (2048, 4326), (2051, 8903)], "EPSG:8903"),
+        (&[(1024, 2), (2048, 4326), (2054, 9105)], "EPSG:9105"),
+        (&[(1024, 1), (3072, 32_633)], "projected"),
+    ] {
+        let said = complaint(&file(keys));
+        assert!(said.contains(word) && said.contains("gdalwarp"), "{said}");
+    }
+}
+
+#[test]
+fn turned_and_short_tiffs_are_refused() {
+    let turned = Geo {
+        shorts: vec![(Tag::Orientation, vec![3])],
+        ..Geo::default()
+    };
+    let said = complaint(&u16_tiff(&wide_map(1), &turned));
+    assert!(
+        said.contains("upside down") && said.contains("-auto-orient"),
+        "{said}"
+    );
+    // Each strip of seven rows has 896 bytes: one claims fewer, and would be read on into the next.
+    let mut bytes = u16_tiff(&wide_map(1), &Geo::default());
+    let lengths: Vec<u8> = [896_u32; 4].iter().flat_map(|n| n.to_le_bytes()).collect();
+    let at = bytes.windows(16).position(|found| found == lengths);
+    let at = at.expect("lengths");
+    bytes[at..at + 4].copy_from_slice(&600_u32.to_le_bytes());
+    let said = complaint(&bytes);
+    assert!(said.contains("600 bytes"), "{said}");
 }
 
 #[test]

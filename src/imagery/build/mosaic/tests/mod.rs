@@ -1,5 +1,8 @@
 //! Mosaics of small maps: what lies where, what lies over what, and what is wrong.
 
+mod nothing;
+mod places;
+
 use super::*;
 use std::fs;
 use std::path::Path;

@@ -1,0 +1,132 @@
+//! Where files lie that say it in ways of their own, and which are refused.
+
+use super::*;
+
+const METRES: &[u8] = b"156543.0339\n0\n0\n-156543.0339\n-19959236.82\n19959236.82\n";
+
+const UTM: &[u8] = b"PROJCS[\"WGS 84 / UTM zone 33N\",GEOGCS[\"WGS 84\",DATUM[\"WGS_1984\",SPHEROID[\"WGS 84\",6378137,298.257223563]],\
+PRIMEM[\"Greenwich\",0],UNIT[\"degree\",0.0174532925199433]],PROJECTION[\"Transverse_Mercator\"],UNIT[\"metre\",1]]";
+
+const MERCATOR: &[u8] = b"PROJCS[\"WGS 84 / Pseudo-Mercator\",GEOGCS[\"WGS 84\",DATUM[\"WGS_1984\",SPHEROID[\"WGS 84\",6378137,298.257223563]]],\
+PROJECTION[\"Mercator_1SP\"],UNIT[\"metre\",1],AUTHORITY[\"EPSG\",\"3857\"]]";
+
+const NAD27: &[u8] = b"GEOGCS[\"NAD27\",DATUM[\"North_American_Datum_1927\",SPHEROID[\"Clarke 1866\",6378206.4,294.978698213898]],\
+PRIMEM[\"Greenwich\",0],UNIT[\"degree\",0.0174532925199433],AUTHORITY[\"EPSG\",\"4267\"]]";
+
+/// A map in Web Mercator, 256 texels of 156 543 m a side, white north of the equator, with a world file.
+fn metric() -> Folder {
+    let folder = Folder::new();
+    let shade = |_, y| [if y < 128 { 255 } else { 10 }; 3];
+    folder.put("a.png", &png(256, 256, shade));
+    folder.put("a.pgw", METRES);
+    folder
+}
+
+const FILE: &str = "[[part]]\nfile = \"a.png\"\n";
+
+fn refused(folder: &Folder, text: &str, words: &[&str]) {
+    let said = folder.open(text).expect_err(text).to_string();
+    assert!(
+        words.iter().all(|word| said.contains(word)),
+        "{words:?}: {said}"
+    );
+}
+
+fn is_placed(folder: &Folder, text: &str) {
+    let (map, _) = folder.read(text);
+    let middle = map.width / 4;
+    let column = map.width / 2;
+    let found = (map.at(column, middle - 1)[0], map.at(column, middle)[0]);
+    assert_eq!(found, (255, 10), "{text}");
+}
+
+#[test]
+fn metres_of_no_system_are_refused_with_the_key_that_says_it() {
+    let folder = metric();
+    refused(
+        &folder,
+        FILE,
+        &["a.png", "no degrees", "crs = \"EPSG:3857\"", "gdalwarp"],
+    );
+    let stated = format!("{FILE}crs = \"EPSG:3857\"\n");
+    is_placed(&folder, &stated);
+    folder.put("a.prj", MERCATOR);
+    is_placed(&folder, FILE);
+    is_placed(&folder, &stated);
+    let other = format!("{FILE}crs = \"EPSG:4326\"\n");
+    refused(&folder, &other, &["EPSG:3857", "EPSG:4326", "correct crs"]);
+    folder.put("a.prj", UTM);
+    refused(&folder, FILE, &["a.prj", "UTM zone 33N"]);
+    refused(&folder, &stated, &["a.prj", "UTM zone 33N"]);
+    folder.put("a.prj", b"Projection UTM\nZone 33\n");
+    refused(&folder, FILE, &["a.prj", "no well-known text"]);
+}
+
+#[test]
+fn the_text_of_gdal_beside_a_file_says_its_system() {
+    let folder = metric();
+    let aux = |wkt: &[u8]| {
+        let wkt = String::from_utf8_lossy(wkt).replace('"', "&quot;");
+        let xml = format!(
+            "<PAMDataset>\n  <SRS dataAxisToSRSAxisMapping=\"1,2\">{wkt}</SRS>\n</PAMDataset>\n"
+        );
+        folder.put("a.png.aux.xml", xml.as_bytes());
+    };
+    aux(MERCATOR);
+    is_placed(&folder, FILE);
+    aux(UTM);
+    refused(&folder, FILE, &["a.png.aux.xml", "UTM zone 33N"]);
+    folder.put("a.png.aux.xml", b"<PAMDataset></PAMDataset>");
+    refused(&folder, FILE, &["no degrees"]);
+}
+
+#[test]
+fn degrees_of_other_figures_and_south_up_files_are_refused() {
+    let folder = Folder::new();
+    folder.put("a.png", &png(64, 32, code));
+    folder.put("a.pgw", b"5.625\n0\n0\n-5.625\n-177.1875\n87.1875\n");
+    let (map, _) = folder.read(FILE);
+    assert_eq!(map.at(3, 2), code(3, 2));
+    folder.put("a.prj", NAD27);
+    refused(&folder, FILE, &["a.prj", "\"NAD27\"", "not those of WGS84"]);
+    fs::remove_file(folder.0.path().join("a.prj")).expect("removed");
+    folder.put("a.pgw", b"5.625\n0\n0\n5.625\n-177.1875\n-87.1875\n");
+    refused(&folder, FILE, &["from south to north"]);
+}
+
+/// A single file of the whole Earth is held to what lies beside it, too.
+#[test]
+fn a_whole_map_is_not_said_to_be_a_part() {
+    let folder = Folder::new();
+    folder.put("a.png", &png(64, 32, code));
+    let path = folder.0.path().join("a.png");
+    let said = || check_whole_earth(&path, (64, 32)).map_err(|error| error.to_string());
+    assert_eq!(said(), Ok(()));
+    folder.put("a.pgw", b"5.625\n0\n0\n-5.625\n-177.1875\n87.1875\n");
+    assert_eq!(said(), Ok(()));
+    folder.put("a.pgw", b"0.5\n0\n0\n-0.5\n5.25\n47.75\n");
+    assert!(said().is_err_and(|said| said.contains("longitudes 5.0000 to 37.0000")));
+    fs::remove_file(folder.0.path().join("a.pgw")).expect("removed");
+    folder.put("a.prj", NAD27);
+    assert!(said().is_err_and(|said| said.contains("NAD27")));
+    folder.put("a.prj", MERCATOR);
+    assert!(said().is_err_and(|said| said.contains("is projected")));
+}
+
+#[test]
+fn tiles_are_numbered_from_the_south_where_that_is_said() {
+    let folder = Folder::new();
+    for (row, column) in (0..2).flat_map(|row| (0..4).map(move |column| (row, column))) {
+        let tile = png(16, 16, |x, y| code(16 * column + x, 16 * row + y));
+        // As gdal2tiles and TMS: the southern row is 0.
+        folder.put(&format!("t/{column}/{}.png", 1 - row), &tile);
+    }
+    let grid = "tile_size = 16\ntile_deg = 90\n";
+    let (map, notes) = folder.read(&format!("[[part]]\ntiles = \"t/{{x}}/{{-y}}.png\"\n{grid}"));
+    assert_eq!((map.width, notes.len()), (64, 0));
+    assert!((0..32).all(|y| (0..64).all(|x| map.at(x, y) == code(x, y))));
+    let (map, _) = folder.read(&format!(
+        "[[part]]\ntiles = \"t/{{column}}/{{row}}.png\"\n{grid}"
+    ));
+    assert_eq!(map.at(1, 1), code(1, 17));
+}
