@@ -118,6 +118,43 @@ fn ffmpeg_writes_a_video_where_it_is_installed() {
     check_video(&place.path("a.mp4"));
 }
 
+/// A file may not become larger than so many bytes, which is to ffmpeg what a full disk is: it ends without an error all the same.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_video_by_ffmpeg_on_a_full_disk_is_not_kept() {
+    let place = Place::new();
+    place.scene(
+        "long.toml",
+        &SMALL.replace("duration_s = 4", "duration_s = 60"),
+    );
+    let play = format!(
+        "{} -q play long.toml --size 320x180 --video a.mp4 --encoder ffmpeg",
+        env!("CARGO_BIN_EXE_terrella")
+    );
+    let run = |limit: &str| {
+        let mut shell = Command::new("sh");
+        shell.args(["-c", &format!("{limit} exec {play}")]);
+        let output = shell.current_dir(place.path("")).output().expect("a shell");
+        let is_ours = |name: &String| !name.ends_with(".toml");
+        let files: Vec<_> = names(&place.path("")).into_iter().filter(is_ours).collect();
+        (output.status.code(), files, words(&output))
+    };
+    let (code, files, said) = run("");
+    if said.contains("--encoder builtin") {
+        eprintln!("not checked with ffmpeg: {said}");
+        return;
+    }
+    assert_eq!((code, files), (Some(0), vec!["a.mp4".to_owned()]), "{said}");
+    let bytes = std::fs::metadata(place.path("a.mp4")).expect("there").len();
+    std::fs::remove_file(place.path("a.mp4")).expect("removes");
+    // From a part of it to all but its end, in blocks of 512 bytes.
+    for blocks in [bytes / 5120, bytes / 1024, bytes / 512 - 1] {
+        let (code, files, said) = run(&format!("trap '' XFSZ; ulimit -f {blocks};"));
+        assert_eq!((code, files), (Some(1), Vec::new()), "{blocks}: {said}");
+        assert!(said.contains("a.mp4") && said.contains("ffmpeg"), "{said}");
+    }
+}
+
 #[test]
 fn other_codecs_and_qualities_are_written_by_ffmpeg() {
     let place = Place::new();

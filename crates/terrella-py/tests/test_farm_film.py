@@ -241,6 +241,15 @@ def test_the_video_is_that_of_the_frames(film, tmp_path):
     picked = ["-framerate", "10", "-i", str(film / "one/frame_%05d.png"), "-vf", "scale=out_color_matrix=bt709:out_range=tv,format=yuv420p"]
     assert sums("-i", str(video)) == sums(*picked) and len(sums(*picked)) == FRAMES
 
+    # What ffmpeg leaves on a full disk, with status 0.
+    from terrella._film import _lack
+
+    contents, cut = video.read_bytes(), tmp_path / "cut.mp4"
+    assert _lack(video, FRAMES) is None and "frames" in _lack(video, FRAMES + 1)
+    for length in (0, 4, 100, len(contents) // 2, len(contents) - 1):
+        cut.write_bytes(contents[:length])
+        assert _lack(cut, FRAMES), length
+
 
 def test_workers_refuse_other_scenes_than_were_meant(film, tmp_path, monkeypatch):
     from terrella.farm import _worker

@@ -1,5 +1,6 @@
 //! The `ffmpeg` program, fed with raw frames through a pipe.
 
+use super::mp4_check::pictures_in;
 use super::{FilmFrame, FrameSink, VideoCodec, VideoFormat, write_error};
 use crate::play::error::{PlayError, VideoError};
 use crate::play::output::PendingFile;
@@ -48,6 +49,8 @@ pub fn find(encoder: &str) -> FfmpegInstalled {
 pub struct Ffmpeg {
     process: Process,
     file: PendingFile,
+    /// Frames that it was given.
+    frames: u64,
 }
 
 /// A running ffmpeg; it is stopped when this is dropped.
@@ -116,11 +119,15 @@ impl Ffmpeg {
             child,
             stderr_text,
         };
-        Ok(Self { process, file })
+        Ok(Self {
+            process,
+            file,
+            frames: 0,
+        })
     }
 
-    /// Waits for ffmpeg to end, and reports how if that was not well.
-    fn wait(&mut self) -> Result<(), PlayError> {
+    /// Waits for ffmpeg to end, and reports how if that was not well. Answers what it said.
+    fn wait(&mut self) -> Result<String, PlayError> {
         let process = &mut self.process;
         // Ends its input.
         drop(process.input.take());
@@ -131,16 +138,33 @@ impl Ffmpeg {
         let stderr_text = process
             .stderr_text
             .take()
-            .and_then(|thread| thread.join().ok());
-        if status.success() {
-            return Ok(());
+            .and_then(|thread| thread.join().ok())
+            .unwrap_or_default();
+        match status.success() {
+            true => Ok(stderr_text),
+            false => Err(self.failed(status.to_string(), stderr_text)),
         }
-        let stderr_text = stderr_text.filter(|text| !text.is_empty());
-        Err(PlayError::Video(VideoError::Ffmpeg {
+    }
+
+    /// Checks the file that ffmpeg left: where the disk was full it may have ended without an error.
+    fn check(&self, stderr_text: String) -> Result<(), PlayError> {
+        let problem = match pictures_in(self.file.temporary()) {
+            Ok(count) if count == self.frames => return Ok(()),
+            Ok(count) => format!("it holds {count} of {} frames", self.frames),
+            Err(error) => error.to_string(),
+        };
+        Err(self.failed(format!("the video is incomplete: {problem}"), stderr_text))
+    }
+
+    fn failed(&self, status: String, words: String) -> PlayError {
+        PlayError::Video(VideoError::Ffmpeg {
             path: self.file.target().into(),
-            status: status.to_string(),
-            words: stderr_text.unwrap_or_else(|| "it said nothing".into()),
-        }))
+            status,
+            words: match words.is_empty() {
+                true => "it said nothing".into(),
+                false => words,
+            },
+        })
     }
 }
 
@@ -151,17 +175,21 @@ impl FrameSink for Ffmpeg {
             None => Ok(()),
         };
         match written {
-            Ok(()) => Ok(()),
+            Ok(()) => {
+                self.frames += 1;
+                Ok(())
+            }
             // It closed its end: its own words are better than "broken pipe".
             Err(source) => Err(match self.wait() {
                 Err(error) => error,
-                Ok(()) => write_error(&self.file, source),
+                Ok(_) => write_error(&self.file, source),
             }),
         }
     }
 
     fn finish(mut self: Box<Self>) -> Result<Written, PlayError> {
-        self.wait()?;
+        let words = self.wait()?;
+        self.check(words)?;
         let path = self.file.target().to_owned();
         self.file.commit()?;
         Ok(Written::file(path))

@@ -5,6 +5,7 @@
 
 mod builtin;
 mod ffmpeg;
+mod mp4_check;
 mod yuv;
 
 use super::error::{PlayError, VideoError};
