@@ -1,6 +1,5 @@
 //! On what machine, of what source and when something is measured. Plain `std`: `xtask` includes this file too.
 
-use crate::files;
 use std::path::Path;
 use std::process::Command;
 use std::time::{SystemTime, UNIX_EPOCH};
@@ -45,8 +44,7 @@ pub fn date() -> String {
 }
 
 fn read(path: &str) -> String {
-    let text = files::read_text(path.as_ref(), 1 << 20);
-    text.ok().flatten().unwrap_or_default()
+    std::fs::read_to_string(path).unwrap_or_default()
 }
 
 fn cpu_of(cpuinfo: &str) -> String {
