@@ -364,7 +364,7 @@ fn a_films_light_size_and_encoder_are_told_before_and_its_files_after() {
     let bytes = std::fs::metadata(place.path("a.mp4")).expect("there").len();
     let after = said.lines().last().expect("a line");
     assert!(after.starts_with("a.mp4: "), "{after}");
-    assert!(after.contains(&format!("({bytes} bytes)")), "{after}");
+    assert!(after.contains(&format!("{bytes} bytes")), "{after}");
     assert!(
         after.contains("185 frames") && after.ends_with(" s"),
         "{after}"
@@ -388,10 +388,7 @@ fn a_films_light_size_and_encoder_are_told_before_and_its_files_after() {
         .map(|n| picture(n).expect("there").len())
         .iter()
         .sum();
-    assert!(
-        said.contains(&format!("({bytes} bytes)")),
-        "{bytes}: {said}"
-    );
+    assert!(said.contains(&format!("{bytes} bytes")), "{bytes}: {said}");
     let said = words(&place.succeed(&["play", "dark.toml", "--frames", "dark", "--resume"]));
     assert!(said.contains("all frames are there"), "{said}");
 }

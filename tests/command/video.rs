@@ -159,7 +159,15 @@ fn a_video_by_ffmpeg_on_a_full_disk_is_not_kept() {
 fn other_codecs_and_qualities_are_written_by_ffmpeg() {
     let place = Place::new();
     let write = |name: &str, codec: &str, crf: &str| {
-        let video = ["play", "small.toml", "--size", "320x180", "--video", name];
+        let video = [
+            "-q",
+            "play",
+            "small.toml",
+            "--size",
+            "320x180",
+            "--video",
+            name,
+        ];
         place.run(&[&video[..], &["--codec", codec, "--crf", crf]].concat())
     };
     let mut sizes = Vec::new();
