@@ -188,7 +188,7 @@ fn a_ladder_that_is_none_is_refused_with_its_line() {
         &["frame", "bad.toml", "-o", "a.png", "--stats", "a.json"],
     );
     assert!(
-        words.contains("ladder.csv: line 3") && words.contains("\"hats\""),
+        words.contains("ladder.csv: line 3: hats cannot be given up"),
         "{words}"
     );
 }
