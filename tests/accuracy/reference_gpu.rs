@@ -53,10 +53,10 @@ fn flight(text: &str) -> Flight {
     Flight::open(Scene::from_toml(text, &path).expect("a scene")).expect("opens")
 }
 
-/// Most mean FLIP and root mean square, of 255, by name: a tenth above what was measured, 0.0341 and 2.25, 0.0110 and 3.16,
+/// Most mean FLIP and root mean square, of 255, by name: a tenth above what was measured, 0.0334 and 2.76, 0.0110 and 3.16,
 /// 0.0234 and 3.64.
 const BOUNDS: [(&str, f32, f64); 3] = [
-    ("space station", 0.0375, 2.5),
+    ("space station", 0.0368, 3.04),
     ("whole disc", 0.0121, 3.5),
     ("limb at night", 0.0258, 4.0),
 ];
@@ -101,6 +101,8 @@ fn what_is_drawn_is_near_the_reference() {
         options.samples = 4;
         // How bright a view is shown is not what is judged here.
         options.exposure = Exposure::Ev(Exposure::DEFAULT_EV);
+        // The reference draws no made detail.
+        options.light.detail = false;
         // The mesh's silhouette is not what is judged here.
         options.subdivision = terrella::Subdivision::Cells(48);
         let reference = Reference::new(&options.layers, ReferenceOptions::of(&options, 3));
