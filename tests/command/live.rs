@@ -3,7 +3,7 @@
 use crate::{Place, frame_names, words};
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::{SocketAddr, TcpStream, UdpSocket};
-use std::process::{Child, ChildStdout, Stdio};
+use std::process::{Child, ChildStdout, Command, Stdio};
 use std::time::{Duration, Instant};
 
 /// Longest that anything is waited for; a machine under load is slow, not wrong.
@@ -114,6 +114,42 @@ fn assert_frames(place: &Place, count: usize) {
     let bytes = |name: &String| std::fs::read(place.path("frames").join(name)).expect("reads");
     let pictures: std::collections::BTreeSet<_> = files.iter().map(bytes).collect();
     assert_eq!(pictures.len(), count, "two frames are the same");
+}
+
+/// A simulator that is ended with its test.
+struct Simulator(Child);
+
+impl Drop for Simulator {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+#[test]
+fn the_simulator_of_the_page_is_drawn() {
+    let page = include_str!("../../docs/live.md");
+    let (_, program) = page.split_once("```python\n").expect("a program");
+    let (program, _) = program.split_once("```").expect("its end");
+    if Command::new("python3").arg("--version").output().is_err() {
+        eprintln!("SKIPPED: docs/live.md is not run: there is no python3");
+        return;
+    }
+    let place = Place::new();
+    place.scene("live.toml", &scene("udp://127.0.0.1:0", "", 10));
+    let arguments = ["frame", "live.toml", "-o", "a.png", "--stats", "a.json"];
+    let player = Player::start(&place, &arguments, None);
+    let program = program.replace("5005", &player.address.port().to_string());
+    let mut python = Command::new("python3");
+    let simulator = python.args(["-c", &program]).spawn().expect("starts");
+    let _simulator = Simulator(simulator);
+    let (code, said) = player.end();
+    assert_eq!(code, Some(0), "{said}");
+    let stats = std::fs::read_to_string(place.path("a.json")).expect("reads");
+    let stats: serde_json::Value = serde_json::from_str(&stats).expect("JSON");
+    // The page's satellite: 6 778 137 m from the centre, where the ellipsoid is 6 357 to 6 378 km from it.
+    let height_km = stats["eye"]["height_km"].as_f64().expect("a height");
+    assert!((395.0..425.0).contains(&height_km), "{height_km}");
 }
 
 #[test]

@@ -22,6 +22,8 @@ RUN_ELSEWHERE = {
 }
 # Files that a package's program reads and that nobody may ship with us.
 KERNELS = {"nyx_space": ["de405.bsp", "constants.pca"]}
+# What our own modules need that is not installed with them.
+NEEDED_BY = {"terrella.notebook": "jupyter_rfb"}
 # Packages of Java, which Orekit's own import makes known.
 NOT_PYTHON = {"java", "org"}
 WRITTEN = (".png", ".mp4", ".oem", ".csv")
@@ -59,6 +61,8 @@ def imported(program):
             names |= {alias.name.partition(".")[0] for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
             names.add(node.module.partition(".")[0])
+            if node.module in NEEDED_BY:
+                names.add(NEEDED_BY[node.module])
     return names
 
 
