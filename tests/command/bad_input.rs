@@ -30,7 +30,7 @@ fn a_bad_scene_is_2_with_file_line_and_key_and_nothing_written() {
             concat!(
                 "[time]\nstart = \"2031-01-01T00:00:00Z\"\n[orbit]\nfile = \"",
                 env!("CARGO_MANIFEST_DIR"),
-                "/config/orbits/iss.tle\"\n"
+                "/../../config/orbits/iss.tle\"\n"
             ),
             "late.toml:2: [time] start",
         ),

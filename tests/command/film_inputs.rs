@@ -40,7 +40,7 @@ fn write_starter_pack(folder: &Path) {
     write_grey(&folder.join("water.png"), 0);
     write_heights(&folder.join("elevation.png"), 300);
     std::fs::write(folder.join("elevation.toml"), SIDECAR).expect("writes");
-    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("textures");
+    let shipped = Path::new(crate::REPOSITORY).join("textures");
     for name in ["stars.bin", "milky_way.jpg", "moon.jpg"] {
         std::fs::copy(shipped.join(name), folder.join(name)).expect("copies");
     }
@@ -146,7 +146,7 @@ fn every_file_that_a_film_opens_is_in_its_key() {
         return;
     }
     let dated = "[{ date = \"2018-01-15T00:00:00Z\", file = \"a.png\" }, { date = \"2018-01-16T00:00:00Z\", file = \"b.png\" }]";
-    let repository = Path::new(env!("CARGO_MANIFEST_DIR")).display();
+    let repository = Path::new(crate::REPOSITORY).display();
     let orbit = format!(
         "[[orbit]]\nfile = \"{repository}/config/orbits/iss.tle\"\n[tracks]\ntrail = true\n"
     );
@@ -181,7 +181,7 @@ fn every_file_that_a_film_opens_is_in_its_key() {
         }
         write_heights(&film.path("heights.png"), 200);
         std::fs::write(film.path("heights.toml"), SIDECAR).expect("writes");
-        let ladder = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/earth/quality_ladder/software.csv");
+        let ladder = Path::new(crate::REPOSITORY).join("src/earth/quality_ladder/software.csv");
         std::fs::copy(ladder, film.path("ladder.csv")).expect("copies");
         if what == "a pack" {
             film.place.succeed(&[

@@ -74,7 +74,7 @@ impl Difference {
 }
 
 fn folder() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/goldens")
+    Path::new(crate::REPOSITORY).join("tests/goldens")
 }
 
 fn names(extension: &str) -> Vec<String> {
@@ -111,7 +111,7 @@ fn scenes() -> Vec<String> {
 fn picture(name: &str, to: &Path, backend: Option<&str>) -> Result<RgbImage, String> {
     let mut command = Command::new(env!("CARGO_BIN_EXE_terrella"));
     command.arg("frame").arg("-o").arg(to);
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let root = Path::new(crate::REPOSITORY);
     let scene = Path::new(name.strip_suffix(EDGES).unwrap_or(name)).with_extension("toml");
     let radiance = to.with_extension("npy");
     if OF_CONFIG.contains(&name) {
@@ -156,7 +156,7 @@ fn picture(name: &str, to: &Path, backend: Option<&str>) -> Result<RgbImage, Str
 
 /// A small pack of the starter pack's day map and clouds.
 fn build_pack(to: &Path) -> Result<(), String> {
-    let textures = Path::new(env!("CARGO_MANIFEST_DIR")).join("textures");
+    let textures = Path::new(crate::REPOSITORY).join("textures");
     let output = Command::new(env!("CARGO_BIN_EXE_terrella"))
         .args([
             "--quiet",

@@ -17,7 +17,7 @@ const LONG: &str = "[time]\nstart = 2018-01-15T12:00:00Z\nduration_s = 864000\n[
     epoch = 2018-01-15T12:00:00Z\nposition_km = [7000, 0, 0]\nvelocity_km_s = [0, 7.5, 1]\ngravity_degree = 20\n";
 
 fn textures(name: &str) -> String {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("textures");
+    let path = Path::new(crate::REPOSITORY).join("textures");
     path.join(name).display().to_string()
 }
 

@@ -10,6 +10,9 @@ mod film_inputs;
 mod film_light;
 mod films;
 mod goldens;
+/// The repository's root.
+const REPOSITORY: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
+
 #[cfg(target_os = "linux")]
 mod interruptions;
 mod live;

@@ -131,7 +131,7 @@ fn what_is_no_file_is_rejected_by_every_reader() {
 #[test]
 fn a_sidecar_that_is_a_pipe_is_rejected() {
     let place = Place::new();
-    let textures = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("textures");
+    let textures = std::path::Path::new(crate::REPOSITORY).join("textures");
     std::fs::copy(textures.join("elevation.png"), place.path("dem.png")).expect("copied");
     let made = Command::new("mkfifo").arg(place.path("dem.toml")).status();
     assert!(made.expect("mkfifo starts").success());

@@ -8,7 +8,7 @@ use terrella::orbit::{Catalogue, Ephemerides, EphemerisFeed, Feed, Frame, Sgp4Fe
 use terrella::scene::Scene;
 
 fn config(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
+    Path::new(crate::REPOSITORY)
         .join("config")
         .join(name)
 }

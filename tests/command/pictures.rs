@@ -239,7 +239,7 @@ fn a_metered_exposure_is_told_and_the_same_each_time() {
 #[test]
 fn the_minimal_scene_pays_for_the_day_map_alone() {
     let place = Place::new();
-    let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("config");
+    let scenes = Path::new(crate::REPOSITORY).join("config");
     let stats = |name: &str| -> serde_json::Value {
         let scene = scenes.join(name).with_extension("toml");
         let scene = scene.to_str().expect("UTF-8");

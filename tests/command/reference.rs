@@ -171,7 +171,7 @@ fn ground_with_relief_is_drawn() {
     };
     let elevation = format!(
         "elevation = [\"{}/textures/elevation.png\"]\n",
-        env!("CARGO_MANIFEST_DIR")
+        crate::REPOSITORY
     );
     place.scene("hills.toml", &scene(&elevation));
     place.scene("smooth.toml", &scene(""));

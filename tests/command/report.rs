@@ -405,7 +405,7 @@ fn relief_is_left_out_with_a_word() {
     let place = Place::new();
     let scene = format!(
         "[camera]\nmode = \"geodetic\"\n[earth]\nclouds = false\nelevation = [\"{}/textures/elevation.png\"]\n[sky]\nstars = false\n",
-        env!("CARGO_MANIFEST_DIR")
+        crate::REPOSITORY
     );
     place.scene("hills.toml", &scene);
     let output = place.succeed(&[

@@ -8,7 +8,7 @@ const WAITING: [&str; 2] = ["basilisk.toml", "live.toml"];
 
 /// Those of `config/`, but the ones that wait.
 fn scenes() -> Vec<PathBuf> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("config");
+    let folder = Path::new(crate::REPOSITORY).join("config");
     let files = std::fs::read_dir(folder).expect("a folder");
     let files = files.map(|file| file.expect("a file").path());
     let is_scene = |path: &PathBuf| {
@@ -43,7 +43,7 @@ fn every_scene_is_checked_and_drawn_with_something_in_its_picture() {
 
 #[test]
 fn scenes_that_wait_for_a_simulator_are_checked() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("config");
+    let folder = Path::new(crate::REPOSITORY).join("config");
     for name in WAITING {
         let scene = folder.join(name);
         Place::new().succeed(&["-q", "check", scene.to_str().expect("UTF-8")]);

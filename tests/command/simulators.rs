@@ -38,7 +38,7 @@ const CASES: [Case; 4] = [
 
 #[test]
 fn what_is_below_is_in_the_middle_of_the_picture() {
-    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/orbit");
+    let data = Path::new(crate::REPOSITORY).join("tests/data/orbit");
     for (file, at, [lat_deg, lon_deg, height_m], most_m) in CASES {
         let place = Place::new();
         let source = if file.ends_with(".csv") { "csv" } else { "oem" };

@@ -33,7 +33,7 @@ fn elements(set: [&str; 3]) -> String {
 
 /// A file of `config/orbits/`, which begins at noon of 15 January 2018, moved to November 2026.
 fn moved(name: &str) -> String {
-    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("config/orbits");
+    let path = std::path::Path::new(crate::REPOSITORY).join("config/orbits");
     let text = std::fs::read_to_string(path.join(name)).expect("reads");
     text.replace("2018-01-15", "2026-11-25")
 }
@@ -255,7 +255,7 @@ fn the_scene_that_comes_with_the_program_is_flown_from_any_folder() {
     place.succeed(&film);
     place.succeed(&[&film[..], &["--resume"]].concat());
     // As from its file.
-    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/config/iss.toml");
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../config/iss.toml");
     place.succeed(&["frame", file, "-o", "b.png", "--size", "32x18"]);
     let read = |name| std::fs::read(place.path(name)).expect("reads");
     assert!(read("a.png") == read("b.png"));

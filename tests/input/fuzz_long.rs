@@ -49,7 +49,7 @@ fn fuzz(target: &str, seeds: Vec<Vec<u8>>, body: fn(&[u8]), time: Duration, seed
         outcome.slowest = outcome.slowest.max(took);
         if !ended_well || took > HANGS {
             let name = format!("{target}-{}", outcome.findings.len());
-            let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/findings");
+            let folder = Path::new(crate::REPOSITORY).join("fuzz/findings");
             std::fs::create_dir_all(&folder).expect("a folder");
             std::fs::write(folder.join(&name), &input).expect("writes");
             outcome.findings.push(name);
@@ -122,7 +122,7 @@ fn a_panic_is_found_and_kept() {
     let outcome = fuzz("self_test", seeds, body, Duration::from_secs(20), 7);
     assert_eq!(outcome.findings.len(), 10, "{} runs", outcome.runs);
     for name in outcome.findings {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+        let path = Path::new(crate::REPOSITORY)
             .join("fuzz/findings")
             .join(name);
         let kept = std::fs::read(&path).expect("kept");

@@ -4,14 +4,12 @@ use std::path::Path;
 
 #[path = "../../fuzz/bodies/basilisk.rs"]
 mod basilisk;
-#[cfg(feature = "command")]
 #[path = "../../fuzz/bodies/contour_cache.rs"]
 mod contour_cache;
 #[path = "../../fuzz/bodies/earth_orientation.rs"]
 mod earth_orientation;
 #[path = "../../fuzz/bodies/ephemeris.rs"]
 mod ephemeris;
-#[cfg(feature = "fetch")]
 #[path = "../../fuzz/bodies/fetch_source.rs"]
 mod fetch_source;
 #[path = "../../fuzz/bodies/heights.rs"]
@@ -26,10 +24,8 @@ mod mosaic;
 mod omm;
 #[path = "../../fuzz/bodies/pack_heights.rs"]
 mod pack_heights;
-#[cfg(feature = "command")]
 #[path = "../../fuzz/bodies/patch_cache.rs"]
 mod patch_cache;
-#[cfg(feature = "command")]
 #[path = "../../fuzz/bodies/quadtree_cache.rs"]
 mod quadtree_cache;
 #[path = "../../fuzz/bodies/scene.rs"]
@@ -67,25 +63,21 @@ pub const TARGETS: &[Target] = &[
         earth_orientation::run,
         30_000,
     ),
-    #[cfg(feature = "command")]
     (
         "quadtree_cache",
         quadtree_cache::seeds,
         quadtree_cache::run,
         30_000,
     ),
-    #[cfg(feature = "command")]
     (
         "contour_cache",
         contour_cache::seeds,
         contour_cache::run,
         30_000,
     ),
-    #[cfg(feature = "command")]
     ("patch_cache", patch_cache::seeds, patch_cache::run, 30_000),
     ("source", source::seeds, source::run, 30_000),
     ("mosaic", mosaic::seeds, mosaic::run, 100_000),
-    #[cfg(feature = "fetch")]
     (
         "fetch_source",
         fetch_source::seeds,
@@ -205,7 +197,6 @@ fn mosaics_and_world_files() {
     run("mosaic");
 }
 
-#[cfg(feature = "fetch")]
 #[test]
 fn sources_of_maps() {
     run("fetch_source");
@@ -251,19 +242,16 @@ fn tables_of_the_earths_orientation() {
     run("earth_orientation");
 }
 
-#[cfg(feature = "command")]
 #[test]
 fn kept_quadtrees() {
     run("quadtree_cache");
 }
 
-#[cfg(feature = "command")]
 #[test]
 fn kept_contours() {
     run("contour_cache");
 }
 
-#[cfg(feature = "command")]
 #[test]
 fn kept_patches() {
     run("patch_cache");
@@ -299,7 +287,6 @@ fn seeds_are_good() {
         }
         world_place(&text(&seeds[3]), None).expect("a good world file");
     }
-    #[cfg(feature = "fetch")]
     for seed in fetch_source::seeds() {
         terrella::internals::fetch::Source::from_toml(&text(&seed), path).expect("a good source");
     }
@@ -315,7 +302,6 @@ fn seeds_are_good() {
             read::read_heights(seed, sidecar, path, &GridLimits::default()).expect("good heights");
         }
     }
-    #[cfg(feature = "command")]
     {
         let quadtrees = quadtree_cache::seeds();
         assert!(quadtrees.iter().all(|s| quadtree_cache::is_good(s)));
@@ -371,7 +357,7 @@ fn seeds_are_good() {
 #[ignore = "writes to fuzz/corpus"]
 fn write_the_corpus() {
     for (target, seeds, _, _) in TARGETS {
-        let folder = Path::new(env!("CARGO_MANIFEST_DIR"))
+        let folder = Path::new(crate::REPOSITORY)
             .join("fuzz/corpus")
             .join(target);
         std::fs::create_dir_all(&folder).expect("made");

@@ -3,3 +3,6 @@
 mod fuzz_long;
 mod fuzz_short;
 mod scene;
+
+/// The repository's root.
+const REPOSITORY: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");

@@ -1,10 +1,10 @@
 //! Packs of tiles: on disk, being built, fetched, and streamed.
 
-#[cfg(feature = "pack-build")]
+/// The repository's root.
+const REPOSITORY: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
+
 mod build;
-#[cfg(feature = "fetch")]
 mod fetch;
 mod on_disk;
-#[cfg(feature = "command")]
 mod program;
 mod streaming;

@@ -8,10 +8,7 @@ use crate::imagery::{EarthLayers, LayerImage};
 use crate::measure::SortedSample;
 use crate::measure::reference::ground_point;
 use crate::play::PlayError;
-use crate::{
-    DiagnosticOptions, Earth, EarthError, EarthOptions, EyeView, Figure, FrameStats, GroundOptions,
-    Sky, Subdivision, SurfaceOutput, Visibility,
-};
+use crate::{DiagnosticOptions, Earth, EarthError, EarthOptions, EyeView, Figure, FrameStats, GroundOptions, Sky, Subdivision, SurfaceOutput, Visibility};
 use glam::{DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::time::Duration;

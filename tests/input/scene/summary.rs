@@ -104,7 +104,7 @@ fn the_summary_tells_values_origins_use_and_what_is_left_out() {
 }
 
 fn config() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("config")
+    Path::new(crate::REPOSITORY).join("config")
 }
 
 #[test]

@@ -174,7 +174,7 @@ pub fn f32_tiff(values: &[f32]) -> Vec<u8> {
 
 /// A file of tests/data/maps.
 pub fn fixture(name: &str) -> Vec<u8> {
-    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+    let path = PathBuf::from(crate::REPOSITORY)
         .join("tests/data/maps")
         .join(name);
     std::fs::read(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))

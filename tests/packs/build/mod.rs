@@ -1,6 +1,5 @@
 //! Building packs: the readers of maps, whole builds, and the command, also killed.
 
-#[cfg(feature = "command")]
 mod command;
 mod maps;
 mod packs;

@@ -319,7 +319,7 @@ fn certificates_are_looked_at() {
     );
     assert_eq!((server.count(), files(folder.path()).len()), (0, 0));
 
-    let authority = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/tls/authority.pem");
+    let authority = Path::new(crate::REPOSITORY).join("tests/data/tls/authority.pem");
     options.client.authorities = Some(authority);
     let done = layer(&text).fetch(&options, &()).expect("fetched");
     assert_eq!(done.fetched[0].1.new, 8);

@@ -1,7 +1,6 @@
 //! Maps fetched from a server on this machine: good ones, bad ones, interrupted ones.
 
 mod bad_servers;
-#[cfg(feature = "command")]
 mod command;
 mod good_servers;
 mod server;

@@ -70,7 +70,7 @@ impl Server {
 
     /// With a certificate of an authority of the tests, for 127.0.0.1.
     pub fn with_tls(answer: impl Fn(&str, usize) -> Answer + Send + Sync + 'static) -> Self {
-        let file = |name: &str| format!("{}/tests/data/tls/{name}", env!("CARGO_MANIFEST_DIR"));
+        let file = |name: &str| format!("{}/tests/data/tls/{name}", crate::REPOSITORY);
         let certificate = CertificateDer::from_pem_file(file("server.pem")).expect("a certificate");
         let key = PrivateKeyDer::from_pem_file(file("server.key")).expect("a key");
         let provider = Arc::new(rustls::crypto::ring::default_provider());

@@ -1,7 +1,6 @@
 //! Packs on disk: opened, read tile by tile and as whole maps, verified, previewed, and bad ones refused.
 
 mod coarsest;
-#[cfg(feature = "command")]
 mod command;
 mod fixture;
 mod mutations;

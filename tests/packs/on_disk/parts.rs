@@ -152,7 +152,6 @@ fn damaged_manifests_with_parts_are_refused_with_line_or_key() {
     assert!(Pack::open(fixture.dir()).is_ok());
 }
 
-#[cfg(feature = "pack-build")]
 #[test]
 fn the_contact_sheet_shows_parts_at_their_places() {
     use terrella::internals::imagery::pack::preview;

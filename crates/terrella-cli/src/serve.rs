@@ -12,7 +12,7 @@ use terrella::internals::play::{Flight, ServeRequest, serve};
 use terrella::scene::Scene;
 
 /// The scene of simulations where none is given.
-const BUILT_IN: &str = include_str!("../../config/basilisk.toml");
+const BUILT_IN: &str = include_str!("../../../config/basilisk.toml");
 
 /// Arguments of `terrella serve`.
 #[derive(Debug, Args)]

@@ -1,4 +1,4 @@
-//! The command line: arguments, logs, error messages, exit codes. Everything else is the library's.
+//! The `terrella` command: arguments, logs, error messages, exit codes. Everything else is the libraries'.
 
 mod bench;
 mod check;
@@ -100,8 +100,7 @@ impl Command {
     }
 }
 
-/// Runs the command that the arguments name.
-pub fn run() -> ExitCode {
+fn main() -> ExitCode {
     // Bad usage ends here with clap's message and exit code 2.
     let cli = Cli::parse_from(vizard_args(std::env::args_os()));
     log_to_stderr(&cli.common);

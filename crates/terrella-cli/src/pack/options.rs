@@ -1,6 +1,6 @@
 //! What the commands that build packs have in common.
 
-use crate::cli::progress::Bars;
+use crate::progress::Bars;
 use clap::{Args, ValueEnum};
 use std::path::Path;
 use terrella::internals::imagery::build::{BuildOptions, BuildProgress, DEFAULT_MEMORY_BYTES};

@@ -1,8 +1,8 @@
 //! `terrella pack build`: an imagery pack from maps of any size.
 
 use super::options::{PackOptions, Shown};
-use crate::cli::Common;
-use crate::cli::interruption::stop_by_itself;
+use crate::Common;
+use crate::interruption::stop_by_itself;
 use clap::Args;
 use std::path::PathBuf;
 use terrella::internals::imagery::SLOPE_EXAGGERATION;

@@ -2,8 +2,8 @@
 
 use super::options::{PackOptions, Shown};
 use super::{bytes, print};
-use crate::cli::Common;
-use crate::cli::interruption::stop_by_itself;
+use crate::Common;
+use crate::interruption::stop_by_itself;
 use anyhow::{Context, bail};
 use clap::Args;
 use std::fmt::Write;

@@ -1,7 +1,7 @@
 //! `terrella pack verify`
 
 use super::{Common, bytes, print};
-use crate::cli::progress::Bars;
+use crate::progress::Bars;
 use clap::Args;
 use std::fmt::Write;
 use std::path::PathBuf;
