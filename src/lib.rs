@@ -90,8 +90,6 @@ pub mod tracks;
 
 pub use {glam, wgpu};
 
-#[cfg(feature = "command")]
-pub(crate) use internals::measure;
 #[cfg(feature = "offscreen")]
 pub(crate) use internals::offscreen;
 #[cfg(feature = "playback")]

@@ -6,7 +6,7 @@ use std::sync::mpsc::{Sender, channel};
 use std::thread::JoinHandle;
 use std::time::Duration;
 use terrella::FrameStats;
-use terrella::internals::measure::{SortedSample, jank, median};
+use terrella_measure::{SortedSample, jank, median};
 
 /// Time that `prepare` may take.
 const MAX_PREPARE_MS: f64 = 2.0;

@@ -1,7 +1,9 @@
 //! Serialized contours.
 
 use glam::{DVec2, DVec3};
-use terrella::internals::measure::terrain::contours::{ContourTree, Dem, DemFrame, Ray};
+use terrella_measure::terrain::contours::{
+    ContourTree, Dem, DemFrame, Ray, contours_from_bytes, contours_source, contours_to_bytes,
+};
 
 const BUDGET: u64 = 1 << 20;
 const TOLERANCES_M: [f64; 3] = [0.0, 30.0, 1e6];
@@ -16,8 +18,8 @@ fn dem() -> Dem {
 /// Reads any bytes as contours, as they are and with a source and a checksum that fit.
 pub fn run(data: &[u8]) {
     let dem = dem();
-    let source = ContourTree::source_hash(&dem, TOLERANCES_M[0]);
-    let plain = ContourTree::from_bytes(data, &dem, &source, BUDGET);
+    let source = contours_source(&dem, TOLERANCES_M[0]);
+    let plain = contours_from_bytes(data, &dem, &source, BUDGET);
     let mut signed = data.to_vec();
     if signed.len() >= 104 {
         signed[40..72].copy_from_slice(&source);
@@ -25,10 +27,7 @@ pub fn run(data: &[u8]) {
         let hash = blake3::hash(&signed[..body]);
         signed[body..].copy_from_slice(hash.as_bytes());
     }
-    for tree in [
-        plain,
-        ContourTree::from_bytes(&signed, &dem, &source, BUDGET),
-    ] {
+    for tree in [plain, contours_from_bytes(&signed, &dem, &source, BUDGET)] {
         match tree {
             Ok(tree) => look(&tree, &dem),
             Err(error) => assert!(error.to_string().len() < 300),
@@ -60,8 +59,8 @@ pub fn seeds() -> Vec<Vec<u8>> {
     let dem = dem();
     let seed = |tolerance_m| {
         let tree = ContourTree::build(&dem, tolerance_m, BUDGET);
-        let source = ContourTree::source_hash(&dem, TOLERANCES_M[0]);
-        tree.expect("a good tree").to_bytes(&source)
+        let source = contours_source(&dem, TOLERANCES_M[0]);
+        contours_to_bytes(&tree.expect("a good tree"), &source)
     };
     TOLERANCES_M.map(seed).to_vec()
 }
@@ -70,6 +69,6 @@ pub fn seeds() -> Vec<Vec<u8>> {
 #[allow(dead_code, reason = "for the test of the seeds")]
 pub fn is_good(seed: &[u8]) -> bool {
     let dem = dem();
-    let source = ContourTree::source_hash(&dem, TOLERANCES_M[0]);
-    ContourTree::from_bytes(seed, &dem, &source, BUDGET).is_ok()
+    let source = contours_source(&dem, TOLERANCES_M[0]);
+    contours_from_bytes(seed, &dem, &source, BUDGET).is_ok()
 }

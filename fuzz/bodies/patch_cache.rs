@@ -1,8 +1,8 @@
 //! Serialized q-Bézier patches.
 
 use glam::DVec2;
-use terrella::internals::measure::terrain::contours::{Dem, DemFrame};
-use terrella::internals::measure::terrain::patches::{PatchOptions, PatchTree};
+use terrella_measure::terrain::contours::{Dem, DemFrame};
+use terrella_measure::terrain::patches::{PatchOptions, PatchTree};
 
 const SOURCE: [u8; 32] = [3; 32];
 const BUDGET: u64 = 1 << 20;

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use terrella::internals::globe::quadtree::SplitRule;
-use terrella::internals::measure::terrain::quadtree::{
+use terrella_measure::terrain::quadtree::{
     ErrorMetric, GridQuadtree, Order, Posts, SelectedLeaves, TreeOptions, TreeView,
 };
 

@@ -76,7 +76,7 @@ pub use earth_view::{EarthView, ViewFrame};
 pub use error::EarthError;
 pub use ground::GroundOptions;
 #[cfg(feature = "command")]
-pub(crate) use metering::metered_ev;
+pub use metering::metered_ev;
 pub use options::EarthOptions;
 #[cfg(feature = "command")]
 pub use pixel_lattice::PixelLattice;
@@ -330,7 +330,7 @@ impl Earth {
     /// Has what was prepared last drawn at these points of its picture, until the next [`Self::prepare`]: by a pass of as many
     /// pixels that sets their viewport.
     #[cfg(feature = "command")]
-    pub(crate) fn aim_at(&mut self, queue: &wgpu::Queue, view: &EyeView, points: &PixelLattice) {
+    pub fn aim_at(&mut self, queue: &wgpu::Queue, view: &EyeView, points: &PixelLattice) {
         let rays = points.rays(view);
         let uniforms = &mut self.first.plan.uniforms;
         uniforms.corner_ray = rays.corner.as_vec3();

@@ -68,7 +68,7 @@ impl EyeView {
     }
 
     /// The rays of a target's pixels, ITRF axes.
-    pub(crate) fn pixel_rays(&self, viewport: Viewport) -> PixelRays {
+    pub fn pixel_rays(&self, viewport: Viewport) -> PixelRays {
         let itrf_from_view =
             self.itrf_from_world.matrix3 * DMat3::from_quat(self.view_from_world.inverse());
         let axes = [
@@ -117,7 +117,7 @@ impl From<(u32, u32)> for Viewport {
 
 /// Rays on the plane one unit in front of the eye, ITRF axes.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct PixelRays {
+pub struct PixelRays {
     /// Through the upper left corner of pixel (0, 0).
     pub corner: DVec3,
     /// What they change by to the next pixel right.

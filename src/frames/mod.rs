@@ -43,4 +43,4 @@ pub use rotation::{
 pub use sun::{SUN_RADIUS_RAD, subsolar_point, sun_direction_itrf, sun_direction_itrf_oriented};
 pub use time::{TimeError, rfc3339, utc_from_rfc3339, utc_now};
 #[cfg(feature = "orbit")]
-pub(crate) use time::{tai_from_utc_day, utc_day};
+pub use time::{tai_from_utc_day, utc_day};

@@ -272,7 +272,7 @@ impl JulianDate {
 }
 
 /// The epoch, in TAI, at which UTC reads day `mjd` and `ns_of_day`; from 86 400 s on, a leap second.
-pub(crate) fn tai_from_utc_day(mjd: i64, ns_of_day: i64) -> Epoch {
+pub fn tai_from_utc_day(mjd: i64, ns_of_day: i64) -> Epoch {
     let ns = i128::from(mjd - MJD_1900) * i128::from(NS_PER_DAY)
         + i128::from(ns_of_day)
         + i128::from(tai_minus_utc_s(mjd) * NS_PER_SECOND);
@@ -281,7 +281,7 @@ pub(crate) fn tai_from_utc_day(mjd: i64, ns_of_day: i64) -> Epoch {
 
 /// Day, as a modified Julian date, and nanosecond of the day that UTC reads; 86 400 s and more in a leap second.
 #[cfg(feature = "orbit")]
-pub(crate) fn utc_day(epoch: Epoch) -> (i64, i64) {
+pub fn utc_day(epoch: Epoch) -> (i64, i64) {
     utc_day_from_tai_ns(epoch.to_tai_duration().total_nanoseconds())
 }
 

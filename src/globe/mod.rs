@@ -18,7 +18,7 @@ pub mod clipmap;
 pub mod contours;
 // Surfaces with relief and tracks ask it for more than blocks do.
 #[cfg_attr(not(feature = "command"), allow(dead_code, unused_imports))]
-pub(crate) mod culling;
+pub mod culling;
 #[cfg(feature = "terrain")]
 mod displaced;
 #[cfg(feature = "terrain")]

@@ -4,7 +4,7 @@ use crate::imagery::{LayerImage, TexelFormat};
 
 /// One map on the GPU.
 #[derive(Clone, Debug)]
-pub(crate) struct GpuLayer {
+pub struct GpuLayer {
     pub view: wgpu::TextureView,
     /// Bytes held, mip levels included.
     pub bytes: u64,

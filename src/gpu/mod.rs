@@ -65,8 +65,8 @@ pub(crate) use celestial::{CelestialDrawable, CelestialParts, StarPoint};
 pub(crate) use contours::PageMesh;
 #[cfg(feature = "terrain")]
 pub(crate) use grid::GridMesh;
-pub(crate) use layers::GpuLayer;
-pub(crate) use pipeline::PipelineDescription;
+pub use layers::GpuLayer;
+pub use pipeline::PipelineDescription;
 pub(crate) use plan::{AirPlan, BlockTiles, ChosenTiles, FramePlan};
 pub use read_back::PictureError;
 #[cfg(feature = "celestial")]
@@ -75,7 +75,7 @@ pub(crate) use shader::GLARE_RADIUS_RAD;
 pub(crate) use shader::GLINT_ENDS_SIN;
 #[cfg(feature = "tracks")]
 pub(crate) use shader::{FROM_PREVIOUS as TRACK_FROM_PREVIOUS, ON_GROUND as TRACK_ON_GROUND};
-pub(crate) use shader::{LAMPS_OUT_SIN, VIEW_ANGLES, VIEW_AZIMUTHS};
+pub use shader::{LAMPS_OUT_SIN, VIEW_ANGLES, VIEW_AZIMUTHS};
 pub(crate) use surface::SurfaceDrawable;
 pub(crate) use surface_config::SurfaceConfig;
 pub(crate) use surface_pipelines::{SurfaceMaker, SurfacePipelines};
@@ -137,7 +137,7 @@ impl SurfaceOutput {
 
 /// What all pipelines of one Earth share: the pass that they are drawn in.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct PassFormat {
+pub struct PassFormat {
     pub color: wgpu::TextureFormat,
     /// Formats of the colour targets after that one; nothing is blended into them.
     pub further: &'static [wgpu::TextureFormat],

@@ -3,7 +3,7 @@
 use super::PassFormat;
 
 /// A pipeline whose shader has the entry points `vertex` and `fragment` and writes all colour targets of the pass.
-pub(crate) struct PipelineDescription<'a> {
+pub struct PipelineDescription<'a> {
     /// Begins with `terrella`.
     pub label: &'a str,
     /// Layouts of its bind groups; `None` takes them from the shader.

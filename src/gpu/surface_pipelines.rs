@@ -30,7 +30,7 @@ pub(crate) struct SurfacePipelines {
     pub(super) maps: MapArrangement,
     /// One without air; else that of an eye outside of it, and that of an eye inside.
     pub(super) passes: Vec<SurfacePasses>,
-    pub(super) shader_bytes: u64,
+    pub shader_bytes: u64,
 }
 
 /// How the surface is drawn from one side of the air.

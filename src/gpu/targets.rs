@@ -19,7 +19,7 @@ impl FrameTargets {
     /// Depth format.
     pub const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
     /// The depth buffer of its passes.
-    pub(crate) const REVERSED_DEPTH: DepthBuffer = DepthBuffer::ReversedZ(Self::DEPTH);
+    pub const REVERSED_DEPTH: DepthBuffer = DepthBuffer::ReversedZ(Self::DEPTH);
 
     /// Makes the textures. `samples` is 1 or 4; `size` is within the device's limits and not zero.
     pub fn new(device: &wgpu::Device, size: (u32, u32), samples: u32) -> Self {

@@ -22,7 +22,7 @@ impl Exposure {
 
     /// The value; of a metered exposure, where there is no view to meter, the default.
     #[cfg_attr(not(feature = "command"), allow(dead_code))]
-    pub(crate) fn fixed_ev(self) -> f64 {
+    pub fn fixed_ev(self) -> f64 {
         match self {
             Self::Ev(ev) => ev,
             Self::Auto => Self::DEFAULT_EV,

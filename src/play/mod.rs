@@ -139,7 +139,7 @@ pub use film::{
 pub use flight::{Flight, Moment, SatelliteState, ViewRequest};
 pub use maps::{DroppedLayer, earth_options};
 #[cfg(feature = "command")]
-pub(crate) use offscreen::rgba_image;
+pub use offscreen::rgba_image;
 pub use offscreen::{OffscreenRenderer, TimedFrame};
 pub use outlook::{LightOutlook, LightTimes, night_note};
 pub use output::{OutputError, PendingFile};
@@ -155,7 +155,7 @@ pub use stats::{EyePosition, PictureStats, SatelliteLight, SubsolarPoint};
 #[cfg(feature = "command")]
 pub use still::{StillRequest, write_still};
 #[cfg(feature = "command")]
-pub(crate) use tracks::TracksLayer;
+pub use tracks::TracksLayer;
 #[cfg(feature = "command")]
 pub use video::{EncoderChoice, VideoCodec, VideoCoding};
 #[cfg(feature = "command")]

@@ -183,11 +183,7 @@ impl OffscreenRenderer {
     }
 
     /// The same without one part of it, by its key.
-    pub(crate) fn show_sky_without(
-        &mut self,
-        flight: &Flight,
-        part: &str,
-    ) -> Result<(), PlayError> {
+    pub fn show_sky_without(&mut self, flight: &Flight, part: &str) -> Result<(), PlayError> {
         let mut scene = flight.scene().clone();
         scene.sky.switch_off(part);
         self.sky = SkyLayer::of_scene(&scene, flight, &self.gpu, &self.earth)?;
@@ -195,7 +191,7 @@ impl OffscreenRenderer {
     }
 
     /// Bytes of the WGSL that the driver got, of the Earth and of what is beside it.
-    pub(crate) fn shader_bytes(&self) -> u64 {
+    pub fn shader_bytes(&self) -> u64 {
         let sky = self.sky.as_ref();
         let tracks = self.tracks.as_ref().map_or(0, TracksLayer::shader_bytes);
         let sky = sky.map_or(0, |sky| sky.celestial().shader_bytes());
@@ -414,7 +410,7 @@ impl OffscreenRenderer {
     }
 
     /// Prepares an instant that is not drawn, and waits until the device has what was written.
-    pub(crate) fn prepare_alone(&mut self, moment: &Moment) -> Result<(), PlayError> {
+    pub fn prepare_alone(&mut self, moment: &Moment) -> Result<(), PlayError> {
         self.prepare(moment);
         self.gpu.queue.submit([]);
         self.wait()
@@ -534,11 +530,7 @@ pub(super) fn render_in_order(
 }
 
 /// Texels that were read back, as encoders and comparisons take them.
-pub(crate) fn rgba_image(
-    width: u32,
-    height: u32,
-    texels: Vec<u8>,
-) -> Result<RgbaImage, PictureError> {
+pub fn rgba_image(width: u32, height: u32, texels: Vec<u8>) -> Result<RgbaImage, PictureError> {
     RgbaImage::from_raw(width, height, texels)
         .ok_or_else(|| PictureError::ReadBack("short read".into()))
 }

@@ -41,11 +41,11 @@ pub(super) const DEFAULT_START: &str = "2018-01-15T12:00:00Z";
 /// `[output] size` where a scene gives none.
 pub(super) const DEFAULT_SIZE_PX: [u32; 2] = [1280, 720];
 /// `[output] samples` where a scene gives none and there are edges to be seen: a craft's, or a limb without air. Else one.
-pub(crate) const EDGE_SAMPLES: u32 = 4;
+pub const EDGE_SAMPLES: u32 = 4;
 /// `[output] samples`: the counts that every adapter can do.
 pub(super) const SAMPLES: [u32; 2] = [1, 4];
 /// `[earth] tolerance_px` where a scene gives none.
-pub(crate) const DEFAULT_TOLERANCE_PX: f64 = 1.0;
+pub const DEFAULT_TOLERANCE_PX: f64 = 1.0;
 
 /// `before_min` and `after_min` of a trail or ground track, minutes: at most a week.
 pub(super) const SPAN_MIN: RangeInclusive<f64> = 0.0..=10_080.0;

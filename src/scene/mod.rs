@@ -67,7 +67,7 @@ pub use error::{KeyLocation, SceneError};
 #[cfg(feature = "playback")]
 pub(crate) use keys::YEARS;
 #[cfg(feature = "command")]
-pub(crate) use keys::{DEFAULT_TOLERANCE_PX, EDGE_SAMPLES};
+pub use keys::{DEFAULT_TOLERANCE_PX, EDGE_SAMPLES};
 pub use orbit::{ForceOptions, InitialState, Motion, Orbit, OrbitParameters, OrbitSource};
 pub use output::{Output, QualityTable};
 pub use relief::ReliefTable;

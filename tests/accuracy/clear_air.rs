@@ -6,15 +6,15 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use terrella::frames::Geodetic;
 use terrella::internals::globe::Figure;
-use terrella::internals::measure::clear_air::{
+use terrella::{AirOptions, EarthOptions};
+use terrella_measure::clear_air::{
     AirErrors, AirRow, AirSet, AirTable, LightRenderer, PlacedView, RowError, grey_ground,
     read_table, stored_albedo,
 };
-use terrella::{AirOptions, EarthOptions};
 
 /// The folder of the tables; `None`, said loudly, where it is not.
 fn tables() -> Option<PathBuf> {
-    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/oracle");
+    let folder = PathBuf::from(crate::REPOSITORY).join("../shared/oracle");
     if !folder.is_dir() {
         eprintln!(
             "SKIPPED: no {}, nothing to hold the air against",

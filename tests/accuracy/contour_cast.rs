@@ -410,7 +410,7 @@ fn what_is_built_stays() {
 /// The device's own drawing against the same walk on the CPU, and against the data.
 #[test]
 fn the_gpu_answers_as_the_cpu_does() {
-    use terrella::internals::measure::errors::{GeolocationRenderer, GroundPicture};
+    use terrella_measure::errors::{GeolocationRenderer, GroundPicture};
     let mut wrong = Vec::new();
     for (place, view) in views() {
         let ground = Arc::new(hills());
@@ -466,8 +466,8 @@ fn the_gpu_answers_as_the_cpu_does() {
 fn trinidad_has_no_holes_in_descent_low_flight_and_horizon() {
     use std::time::Instant;
     use terrella::internals::globe::contours::ContourOptions;
-    use terrella::internals::measure::errors::{GeolocationRenderer, GroundPicture};
-    use terrella::internals::measure::surfaces::SurfacePath;
+    use terrella_measure::errors::{GeolocationRenderer, GroundPicture};
+    use terrella_measure::surfaces::SurfacePath;
     let files =
         ["textures/elevation.png", "textures/dem/trinidad.png"].map(std::path::PathBuf::from);
     let ground =

@@ -14,11 +14,11 @@ use terrella::internals::imagery::tile::{
     BlockSet, LayerLayout, LevelLayout, MapLayer, Tile, TileError, TileFormat, TileKey, TileShape,
     TileSource,
 };
-use terrella::internals::measure::errors::{GeolocationBuffer, GeolocationRenderer};
 use terrella::{
     Atmosphere, EarthOptions, EyeView, FrameStats, GroundOptions, Shading, SurfaceKind,
     SurfaceSettings, TileOptions,
 };
+use terrella_measure::errors::{GeolocationBuffer, GeolocationRenderer};
 
 const SIZE: (u32, u32) = (320, 180);
 

@@ -5,8 +5,8 @@ use image::RgbaImage;
 use terrella::frames::{Ellipsoid, Geodetic};
 use terrella::internals::gpu::FrameTargets;
 use terrella::internals::imagery::LayerImage;
-use terrella::internals::measure::Floor;
 use terrella::{Atmosphere, EarthOptions, EyeView, Sky};
+use terrella_measure::Floor;
 
 const SIZE: (u32, u32) = (192, 108);
 

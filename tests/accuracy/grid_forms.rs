@@ -11,8 +11,8 @@ use terrella::internals::globe::projected_grid::{
 };
 use terrella::internals::gpu::FrameUniforms;
 use terrella::internals::imagery::EarthLayers;
-use terrella::internals::measure::errors::{GeolocationBuffer, GeolocationRenderer, GroundPicture};
 use terrella::{Atmosphere, EarthOptions, EyeView, GroundOptions, Shading, SurfaceSettings};
+use terrella_measure::errors::{GeolocationBuffer, GeolocationRenderer, GroundPicture};
 
 const SIZE: (u32, u32) = (320, 180);
 

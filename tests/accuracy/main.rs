@@ -1,4 +1,4 @@
-//! Formulas and pictures held against the instruments of `terrella::internals::measure`: arithmetic of 320 bits, the reference renderer,
+//! Formulas and pictures held against the instruments of `terrella_measure`: arithmetic of 320 bits, the reference renderer,
 //! the places that pixels show.
 
 mod clear_air;
@@ -18,3 +18,6 @@ mod relief_extremes;
 mod report_sees;
 mod surfaces_page;
 mod whole_disc;
+
+/// The repository's root.
+const REPOSITORY: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");

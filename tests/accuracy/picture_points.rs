@@ -9,8 +9,8 @@ use terrella::elevation::Elevation;
 use terrella::frames::{Ellipsoid, Geodetic};
 use terrella::internals::earth::PixelLattice;
 use terrella::internals::globe::contours::PageOptions;
-use terrella::internals::measure::errors::{GeolocationRenderer, GroundPicture};
 use terrella::{Subdivision, SurfaceKind, SurfaceSettings};
+use terrella_measure::errors::{GeolocationRenderer, GroundPicture};
 
 const SIZE: (u32, u32) = (320, 180);
 const FIGURE: Ellipsoid = Ellipsoid::WGS84;

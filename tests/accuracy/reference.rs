@@ -7,10 +7,10 @@ use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use terrella::frames::{Ellipsoid, Epoch, Geodetic, sun_direction_itrf, utc_from_rfc3339};
 use terrella::internals::globe::Figure;
 use terrella::internals::imagery::{EarthLayers, LayerImage};
-use terrella::internals::measure::reference::{
+use terrella::{Atmosphere, EyeView, Shading, Sky, SurfaceLight, Tone};
+use terrella_measure::reference::{
     Reference, ReferenceError, ReferenceOptions, ReferencePicture, ground_point, limb_angle_rad,
 };
-use terrella::{Atmosphere, EyeView, Shading, Sky, SurfaceLight, Tone};
 
 /// No air, a sphere, no brightening.
 const BARE: ReferenceOptions = ReferenceOptions {

@@ -3,10 +3,10 @@
 use crate::clear_air::{placed, show};
 use terrella::EarthOptions;
 use terrella::internals::globe::Figure;
-use terrella::internals::measure::clear_air::{
+use terrella_measure::clear_air::{
     AirErrors, AirSet, RowError, ViewGroup, grey_ground, stored_albedo,
 };
-use terrella::internals::measure::reference::{Reference, ReferenceOptions};
+use terrella_measure::reference::{Reference, ReferenceOptions};
 
 /// What the reference renderer finds, of every `step`th row.
 fn by_reference(set: AirSet, step: usize) -> Option<AirErrors> {

@@ -5,10 +5,10 @@ use image::RgbImage;
 use std::path::Path;
 use terrella::frames::{Ellipsoid, Geodetic};
 use terrella::internals::gpu::{ContextError, GpuContext};
-use terrella::internals::measure::reference::{Reference, ReferenceOptions};
 use terrella::internals::play::{Flight, Moment, OffscreenRenderer};
 use terrella::scene::Scene;
 use terrella::{EarthOptions, Exposure, Sky};
+use terrella_measure::reference::{Reference, ReferenceOptions};
 
 const SIZE: (u32, u32) = (160, 90);
 
@@ -49,7 +49,7 @@ fn apart(a: &RgbImage, b: &RgbImage) -> (f32, f64) {
 }
 
 fn flight(text: &str) -> Flight {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("config/test.toml");
+    let path = Path::new(crate::REPOSITORY).join("config/test.toml");
     Flight::open(Scene::from_toml(text, &path).expect("a scene")).expect("opens")
 }
 
@@ -74,8 +74,7 @@ fn scenes() -> Vec<(&'static str, EarthOptions, Moment)> {
             .expect("a moment");
         (name, options, moment)
     };
-    let iss =
-        std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("config/iss.toml"));
+    let iss = std::fs::read_to_string(Path::new(crate::REPOSITORY).join("config/iss.toml"));
     let disc = "[time]\nstart = \"2018-01-15T09:00:00Z\"\n[camera]\nlat_deg = 20\nlon_deg = 30\nheight_km = 20000\n";
     let (_, options, mut night) = of("", disc);
     // Over Europe's cities, the limb towards a Sun that is 25° below the horizon.

@@ -10,9 +10,9 @@ use terrella::elevation::{
 use terrella::frames::{Ellipsoid, Geodetic};
 use terrella::internals::globe::contours::PageOptions;
 use terrella::internals::globe::projected_grid::GridOptions;
-use terrella::internals::measure::errors::{GeolocationRenderer, GroundErrors, GroundPicture};
-use terrella::internals::measure::reference::TrueRelief;
 use terrella::{EyeView, GroundOptions, Subdivision, SurfaceKind, SurfaceSettings};
+use terrella_measure::errors::{GeolocationRenderer, GroundErrors, GroundPicture};
+use terrella_measure::reference::TrueRelief;
 
 const SIZE: (u32, u32) = (160, 90);
 const ASPECT: f64 = 16.0 / 9.0;

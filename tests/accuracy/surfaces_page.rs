@@ -2,10 +2,13 @@
 
 use std::collections::BTreeMap;
 use terrella::SurfaceKind;
-use terrella::internals::measure::surfaces::{SurfacePath, SurfaceStudy, TimeRow, markdown};
+use terrella_measure::surfaces::{SurfacePath, SurfaceStudy, TimeRow, markdown};
 
 fn recorded() -> (SurfaceStudy, BTreeMap<String, String>) {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/recorded/surfaces.json");
+    let path = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../docs/recorded/surfaces.json"
+    );
     let text = std::fs::read_to_string(path).expect("recorded");
     let mut value: serde_json::Value = serde_json::from_str(&text).expect("JSON");
     let mut part = |name: &str| value["run"][name].take();

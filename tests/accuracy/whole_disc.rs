@@ -6,9 +6,9 @@
 use crate::common::gpu;
 use std::path::Path;
 use terrella::internals::gpu::BcSupport;
-use terrella::internals::measure::clear_air::{DiscLight, LightRenderer};
 use terrella::internals::play::Flight;
 use terrella::scene::Scene;
+use terrella_measure::clear_air::{DiscLight, LightRenderer};
 
 fn luminance([red, green, blue]: [f64; 3]) -> f64 {
     0.2126 * red + 0.7152 * green + 0.0722 * blue
@@ -16,7 +16,7 @@ fn luminance([red, green, blue]: [f64; 3]) -> f64 {
 
 #[test]
 fn the_whole_earth_is_as_bright_as_published() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("config/test.toml");
+    let path = Path::new(crate::REPOSITORY).join("config/test.toml");
     let flight = Flight::open(Scene::from_toml("", &path).expect("a scene")).expect("opens");
     let options = flight.earth_options(BcSupport::None).expect("maps");
     let mut renderer = LightRenderer::new(gpu(), &options, (128, 128)).expect("an Earth");

@@ -8,9 +8,7 @@ use terrella::orbit::{Catalogue, Ephemerides, EphemerisFeed, Feed, Frame, Sgp4Fe
 use terrella::scene::Scene;
 
 fn config(name: &str) -> PathBuf {
-    Path::new(crate::REPOSITORY)
-        .join("config")
-        .join(name)
+    Path::new(crate::REPOSITORY).join("config").join(name)
 }
 
 fn printed(place: &Place, arguments: &[&str]) -> String {

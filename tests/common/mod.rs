@@ -67,7 +67,6 @@ pub fn plain(color: [u8; 3]) -> EarthLayers {
 }
 
 /// Ground in waves of 2000 m, drawn by this surface.
-#[cfg(feature = "terrain")]
 pub fn waves(kind: terrella::SurfaceKind) -> terrella::GroundOptions {
     use terrella::elevation::{Bounds, Elevation, HeightRange};
     struct Waves;
@@ -166,7 +165,6 @@ impl Rig {
     }
 
     /// The same by night, with what is beyond the Earth.
-    #[cfg(feature = "celestial")]
     pub fn draw_light_with(
         &mut self,
         behind: &mut terrella::celestial::Celestial,

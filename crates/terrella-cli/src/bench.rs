@@ -7,9 +7,9 @@ use super::{Common, print};
 use clap::Args;
 use std::num::NonZeroU32;
 use std::path::PathBuf;
-use terrella::internals::measure::bench::{BenchRequest, run_bench};
 use terrella::internals::play::Flight;
 use terrella::scene::Scene;
+use terrella_measure::bench::{BenchRequest, run_bench};
 
 /// Arguments of `terrella bench`.
 #[derive(Debug, Args)]

@@ -21,9 +21,9 @@ use clap::{Args, Parser, Subcommand};
 use std::ffi::OsString;
 use std::io::{IsTerminal, Write};
 use std::process::ExitCode;
-use terrella::internals::measure::bench::BenchError;
 use terrella::internals::play::PlayError;
 use terrella::scene::SceneError;
+use terrella_measure::bench::BenchError;
 
 /// Exit code of a bad scene, and of bad usage (clap's own).
 const BAD_SCENE: u8 = 2;

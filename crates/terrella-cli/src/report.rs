@@ -6,13 +6,13 @@ use super::{Common, print, values};
 use clap::Args;
 use std::path::PathBuf;
 use terrella::SurfaceKind;
-use terrella::internals::measure::quality::{QualityError, QualityRequest, study_quality};
-use terrella::internals::measure::report::{ReportError, ReportRequest, report};
-use terrella::internals::measure::surfaces::{
-    SettingsWanted, SurfacePath, SurfacesError, SurfacesPart, SurfacesRequest, compare_surfaces,
-};
 use terrella::internals::play::Flight;
 use terrella::scene::Scene;
+use terrella_measure::quality::{QualityError, QualityRequest, study_quality};
+use terrella_measure::report::{ReportError, ReportRequest, report};
+use terrella_measure::surfaces::{
+    SettingsWanted, SurfacePath, SurfacesError, SurfacesPart, SurfacesRequest, compare_surfaces,
+};
 
 /// Arguments of `terrella report`.
 #[derive(Debug, Args)]

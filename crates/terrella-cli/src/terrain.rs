@@ -4,7 +4,7 @@ use super::progress::Bars;
 use super::{Common, print};
 use clap::Args;
 use std::path::PathBuf;
-use terrella::internals::measure::terrain::{SyntheticGround, TerrainRequest, measure_terrain};
+use terrella_measure::terrain::{SyntheticGround, TerrainRequest, measure_terrain};
 
 /// Arguments of `terrella terrain`.
 #[derive(Debug, Args)]

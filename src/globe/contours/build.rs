@@ -35,7 +35,7 @@ impl ContourTree {
 }
 
 /// What nodes are fitted with. Threads may share it.
-pub(crate) struct TreeBuilder<'a> {
+pub struct TreeBuilder<'a> {
     pub dem: &'a Dem,
     /// As given, and at least 10 μm.
     pub tolerance_m: f64,
@@ -162,7 +162,7 @@ impl<'a> TreeBuilder<'a> {
 }
 
 /// Raises the ceilings of a node and of all above it over corners that are drawn.
-pub(crate) fn raise(nodes: &mut [Node], mut at: usize, corners_m: &[DVec3; 4]) {
+pub fn raise(nodes: &mut [Node], mut at: usize, corners_m: &[DVec3; 4]) {
     loop {
         nodes[at].raise_over(corners_m);
         if at == 0 {
@@ -184,7 +184,7 @@ impl Node {
 
 impl TreeStats {
     /// Counts a leaf, held against the tolerance of its tree.
-    pub(crate) fn add_leaf(&mut self, leaf: &Node, tolerance_m: f64) {
+    pub fn add_leaf(&mut self, leaf: &Node, tolerance_m: f64) {
         let thick_m = leaf.contour.thickness_m();
         self.leaves += 1;
         self.thickest_m = self.thickest_m.max(thick_m);
@@ -193,7 +193,7 @@ impl TreeStats {
 }
 
 /// Distance to the farthest place that a sample of the span could have, metres.
-pub(crate) fn radius_m(dem: &Dem, [west, east, south, north]: Span, at_m: DVec3) -> f64 {
+pub fn radius_m(dem: &Dem, [west, east, south, north]: Span, at_m: DVec3) -> f64 {
     let mut radius_m = 0.0f64;
     for (i, j) in [(west, south), (east, south), (west, north), (east, north)] {
         for height in [dem.range_m().low_m, dem.range_m().high_m] {

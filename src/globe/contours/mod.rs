@@ -12,17 +12,17 @@
 //!
 //! Everything is f64 about a local origin.
 
-pub(crate) mod build;
-pub(crate) mod cast;
-pub(crate) mod dem;
+pub mod build;
+pub mod cast;
+pub mod dem;
 mod gpu_layout;
-pub(crate) mod hermite;
+pub mod hermite;
 mod pages;
-pub(crate) mod plane;
+pub mod plane;
 mod surface;
 #[cfg(test)]
 pub(crate) mod tests;
-pub(crate) mod tree;
+pub mod tree;
 
 pub(crate) use gpu_layout::STACK;
 pub use gpu_layout::{ContourNode, ContourRay, contour_cast};

@@ -31,7 +31,7 @@ pub struct Node {
     pub first: u32,
     /// Number of children.
     pub children: u32,
-    pub(crate) parent: u32,
+    pub parent: u32,
 }
 
 /// Counts of a tree's nodes, and what they come to.

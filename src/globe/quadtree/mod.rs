@@ -27,8 +27,8 @@ mod surface;
 mod tests;
 
 #[cfg(feature = "command")]
-pub(crate) use bound::leaf_error;
+pub use bound::leaf_error;
 pub use lod::SplitRule;
 #[cfg(feature = "command")]
-pub(crate) use node::{Cut, Domain, Node, Point, among, child_among, ring};
+pub use node::{Cut, Domain, Node, Point, among, child_among, ring};
 pub use surface::{Quadtree, QuadtreeOptions};

@@ -19,14 +19,14 @@ pub(crate) const PER_BLOCK_TILES: u32 = BLOCK_COUNT;
 
 /// Words of four numbers that cells of blocks with parts may take, each with eight of them: with all else that says where tiles lie a
 /// buffer of 16 KiB, which every adapter takes.
-pub(crate) const PART_CELL_WORDS: u32 = 380;
+pub const PART_CELL_WORDS: u32 = 380;
 /// Bits of such a cell that say which layer of the array it is drawn with.
-pub(crate) const PART_INDEX_BITS: u32 = 12;
+pub const PART_INDEX_BITS: u32 = 12;
 
 /// Flag of a truth texel whose place is land, by half at least.
-pub(crate) const TRUTH_LAND: u32 = 1 << 8;
+pub const TRUTH_LAND: u32 = 1 << 8;
 /// Flag of one where the middle of the Sun's disc is above the horizon.
-pub(crate) const TRUTH_SUNLIT: u32 = 1 << 9;
+pub const TRUTH_SUNLIT: u32 = 1 << 9;
 
 /// Flag of a point of a track to which a segment comes from the one before.
 pub(crate) const FROM_PREVIOUS: u32 = 1;
@@ -34,7 +34,7 @@ pub(crate) const FROM_PREVIOUS: u32 = 1;
 pub(crate) const ON_GROUND: u32 = 2;
 
 /// Sine of the Sun's elevation above which city lights are out: at sunset.
-pub(crate) const LAMPS_OUT_SIN: f64 = 0.0;
+pub const LAMPS_OUT_SIN: f64 = 0.0;
 /// Sine of the Sun's elevation below which they are all on: −6°, the end of civil twilight.
 const LAMPS_FULL_SIN: f64 = -0.104_528_463;
 /// Sine of the Sun's elevation below which the sea mirrors no Sun.
@@ -49,9 +49,9 @@ const MILKY_WAY_LIGHT: f64 = 3.097e-8;
 const MILKY_WAY_FLOOR: f64 = 1.052e-9;
 
 /// Directions below the limb and above it, together, that an eye in the air is shown the air in.
-pub(crate) const VIEW_ANGLES: u32 = 96;
+pub const VIEW_ANGLES: u32 = 96;
 /// Azimuths of the Sun that it is shown in.
-pub(crate) const VIEW_AZIMUTHS: u32 = 32;
+pub const VIEW_AZIMUTHS: u32 = 32;
 
 /// Texels of a table along its axes, as shaders count.
 const fn texels(size: TableSize) -> DVec3 {

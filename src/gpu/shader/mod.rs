@@ -60,7 +60,7 @@ pub(crate) use constants::GLARE_RADIUS_RAD;
 pub(crate) use constants::GLINT_ENDS_SIN;
 #[cfg(feature = "tracks")]
 pub(crate) use constants::{FROM_PREVIOUS, ON_GROUND};
-pub(crate) use constants::{
+pub use constants::{
     LAMPS_OUT_SIN, PART_CELL_WORDS, PART_INDEX_BITS, TRUTH_LAND, TRUTH_SUNLIT, VIEW_ANGLES,
     VIEW_AZIMUTHS,
 };

@@ -1,6 +1,6 @@
 //! Each formula over the whole range it is needed in: the stable form keeps its bound, the printed one does not.
 
-use terrella::internals::measure::numeric::{StabilityRow, formulas, measure, stability_table};
+use terrella_measure::numeric::{StabilityRow, formulas, measure, stability_table};
 
 /// What is claimed of the forms that are only compared with: by how many times they break the bound; 1 where they keep
 /// it as well and the stable form is a matter of taste.

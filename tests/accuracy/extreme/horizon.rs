@@ -4,8 +4,8 @@ use glam::{DMat4, DVec3, DVec4};
 use std::f64::consts::PI;
 use terrella::frames::{Ellipsoid, Geodetic};
 use terrella::internals::globe::{Block, BlockGrid, Visibility, select_blocks};
-use terrella::internals::measure::numeric::log_spaced;
-use terrella::internals::measure::numeric::oracle::{Real, dot, real3};
+use terrella_measure::numeric::log_spaced;
+use terrella_measure::numeric::oracle::{Real, dot, real3};
 
 const R: f64 = 6_378_164.0;
 

@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 use terrella::internals::globe::{COLUMNS, HYSTERESIS, PAPER_BANDS_M, paper_level, screen_level};
-use terrella::internals::measure::numeric::oracle::Real;
+use terrella_measure::numeric::oracle::Real;
 
 const LADDER: [u32; 5] = [1350, 675, 450, 270, 135];
 const R: f64 = 6_378_137.0;

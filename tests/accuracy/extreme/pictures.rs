@@ -2,8 +2,8 @@
 
 use crate::common::{self, Rig, gpu, plain, tilted};
 use terrella::frames::{Ellipsoid, Geodetic};
-use terrella::internals::measure::extreme::{cases, run};
 use terrella::{Atmosphere, EarthOptions};
+use terrella_measure::extreme::{cases, run};
 
 #[test]
 fn every_extreme_case_gives_a_defined_picture_or_a_clear_error() {

@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec3, Vec2};
 use terrella::EyeView;
-use terrella::internals::measure::numeric::{log_spaced, reversed_depth, standard_depth};
+use terrella_measure::numeric::{log_spaced, reversed_depth, standard_depth};
 
 #[test]
 fn depth_is_monotone_and_tells_near_from_far() {

@@ -6,7 +6,7 @@ use terrella::frames::{Ellipsoid, Geodetic};
 use terrella::internals::gpu::{
     EarthOutput, EarthVariant, FrameUniforms, ShaderVariant, VertexForm,
 };
-use terrella::internals::measure::numeric::{PixelRay, Placed, place};
+use terrella_measure::numeric::{PixelRay, Placed, place};
 
 const ENTRY: &str = "
 @group(0) @binding(7) var<storage, read_write> found: array<vec4f>;

@@ -1,6 +1,6 @@
 //! On what machine, of what source and when a run is recorded.
 
-#[path = "../../../src/measure/machine.rs"]
+#[path = "../../../crates/terrella-measure/src/machine.rs"]
 mod machine;
 
 use crate::process::repository_root;

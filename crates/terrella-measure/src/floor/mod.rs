@@ -1,0 +1,100 @@
+//! What the texture samples of a frame cost alone: a pass to hold frames against.
+//!
+//! | file | what |
+//! |---|---|
+//! | `samples` | which textures are sampled how often, and the shader |
+//! | `view` | where the eye is and where the Earth's edge lies on screen |
+
+mod samples;
+mod view;
+
+use samples::Samples;
+use terrella::internals::gpu::{FrameTargets, GpuContext, PassFormat, PipelineDescription};
+use terrella::{EarthOptions, EyeView, Sky};
+use view::{CORNERS, FloorView};
+
+/// A pass that takes the texture samples of a frame and computes no light.
+///
+/// It covers the disc of the Earth as seen from the eye, a pixel at a time as frames do, in the same targets, with as many samples
+/// a pixel and the same resolve. On each pixel it finds the place where the ray meets the exact ellipsoid, as the Earth's shader
+/// does, and samples there: each map with the place's texture coordinates and the footprint of the pixel, so that as many texels are
+/// read from the same mip levels; clouds once more where they throw shadows; the air's tables at coordinates that grow with the
+/// zenith angles of ray and Sun. It counts one sample of each map that the shading reads, two of the sunlight table, one more of it for clouds, and
+/// one of each other table of the air; where the Sun is down one of the city lights too, and with moonlight those that are read for the Moon.
+///
+/// It is no bound of what any program could reach: another might need fewer samples or smaller maps. It is what this picture's
+/// samples cost where nothing is made of them, so that a frame over its floor says what light, air, meshes, sky and the processor's work
+/// cost in units of the reading. It is less than what a frame reads in these: shadows of clouds and clouds themselves are
+/// sampled where the place is, moved by one fixed amount and not by their height; by day's edge the Earth reads city lights in blocks that are partly by night; tables hold nothing, which hardware may
+/// compress; an Earth of a pack has the floor of its coarsest whole maps; ground with relief that of the smooth ellipsoid; made
+/// detail, stars, the Milky Way and tracks are not in it. From as far as the Moon most of both is what any pass costs that
+/// clears and waits.
+pub struct Floor {
+    pipeline: wgpu::RenderPipeline,
+    bind_group: wgpu::BindGroup,
+    view: wgpu::Buffer,
+    ellipsoid: terrella::frames::Ellipsoid,
+    /// Whether the eye is above the ground; else nothing is drawn.
+    sees_ground: bool,
+}
+
+impl Floor {
+    /// Makes the pass for an Earth with these options, `samples` a pixel being those of the targets.
+    pub fn new(gpu: &GpuContext, options: &EarthOptions) -> Self {
+        let device = &gpu.device;
+        let samples = Samples::of(gpu, options);
+        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some("terrella floor"),
+            source: wgpu::ShaderSource::Wgsl(samples.shader().into()),
+        });
+        let pipeline = PipelineDescription {
+            label: "terrella floor",
+            bind_groups: None,
+            module: &module,
+            buffers: &[],
+            primitive: Default::default(),
+            format: PassFormat {
+                color: FrameTargets::COLOR,
+                further: &[],
+                samples: options.samples,
+                depth: FrameTargets::REVERSED_DEPTH,
+                tone: Default::default(),
+            },
+            writes_depth: true,
+            blend: None,
+        }
+        .create(device);
+        let view = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("terrella floor"),
+            size: size_of::<FloorView>() as u64,
+            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        Self {
+            bind_group: samples.bind(gpu, options, &pipeline, &view),
+            pipeline,
+            view,
+            ellipsoid: options.figure.ellipsoid(),
+            sees_ground: false,
+        }
+    }
+
+    /// Writes where the eye and the Sun are, for a target of `size` pixels.
+    pub fn prepare(&mut self, queue: &wgpu::Queue, view: &EyeView, sky: &Sky, size: (u32, u32)) {
+        let view = FloorView::new(&self.ellipsoid, view, sky.sun_itrf, size);
+        self.sees_ground = view.is_some();
+        if let Some(view) = view {
+            queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&view));
+        }
+    }
+
+    /// Draws the floor into a pass; nothing for an eye in the ground.
+    pub fn render(&self, pass: &mut wgpu::RenderPass<'_>) {
+        if !self.sees_ground {
+            return;
+        }
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, &self.bind_group, &[]);
+        pass.draw(0..3 * (CORNERS - 2), 0..1);
+    }
+}

@@ -1,0 +1,254 @@
+//! One picture of a reference: rays, and how finely each looks at the maps.
+
+use super::geometry::{Rays, ScaledRay};
+use super::light::Light;
+use super::path::Path;
+use super::relief::{relief_distance_m, slope};
+use super::shading::GroundShader;
+use super::shading_point::ShadingPoint;
+use glam::DVec3;
+use std::f64::consts::PI;
+use terrella::elevation::Elevation;
+use terrella::frames::Ellipsoid;
+use terrella::{EyeView, Sky};
+
+/// Most taps along each side of a ray's part of the pixel.
+pub const MAX_TAPS: u32 = 512;
+
+/// Taps for each texel that a ray's part of the pixel is long: at one, a map of stripes of a texel would beat with them.
+const TAPS_PER_TEXEL: f64 = 2.0;
+
+/// Texels are counted as narrow as here where they are narrower, cosine of the latitude (84°): at the pole itself all
+/// columns of a map meet, and none of them means anything.
+const MIN_COS_LATITUDE: f64 = 0.1;
+
+/// The rays of one picture, and what they are cast at.
+pub(super) struct RayCaster<'r> {
+    ground: &'r GroundShader,
+    relief: Option<&'r dyn Elevation>,
+    exposure: f64,
+    rays: Rays,
+    figure: Ellipsoid,
+    /// Its diagonal (a, a, b), metres.
+    scale: DVec3,
+    /// The eye in scaled space, and as the air sees it: lifted to the ground if it lies below.
+    eye: DVec3,
+    eye_in_air: DVec3,
+    sun: DVec3,
+    sun_scaled: DVec3,
+    /// Texels of the finest map per radian of longitude and of latitude.
+    texels_per_rad: (f64, f64),
+}
+
+/// What rays are cast at.
+#[derive(Clone, Copy)]
+pub(super) struct CastEarth<'r> {
+    pub ground: &'r GroundShader,
+    /// Heights, if they are drawn.
+    pub relief: Option<&'r dyn Elevation>,
+    /// As [`super::ReferenceOptions::exposure`].
+    pub exposure: f64,
+    pub figure: Ellipsoid,
+}
+
+/// Where a ray meets the ground.
+struct Hit {
+    /// Distance in scaled space.
+    distance: f64,
+    /// Whether the ground there has relief.
+    is_relief: bool,
+}
+
+/// The light of one ray.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct RaySample {
+    /// Linear light, as bright as it is.
+    pub light: DVec3,
+    /// Whether it met the ground.
+    pub is_ground: bool,
+}
+
+/// A part of the picture, pixels.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PixelPart {
+    /// Upper left corner.
+    pub x: f64,
+    /// Upper left corner.
+    pub y: f64,
+    /// Its side.
+    pub side: f64,
+}
+
+impl<'r> RayCaster<'r> {
+    /// `None` if view or sky are not finite: such a picture is black.
+    pub fn new(earth: &CastEarth<'r>, view: &EyeView, sky: &Sky, size: (u32, u32)) -> Option<Self> {
+        let CastEarth {
+            ground,
+            relief,
+            exposure,
+            figure,
+        } = *earth;
+        let scale = figure.itrf_from_scaled();
+        let rays = Rays::new(view, size)?;
+        let sun_scaled = (sky.sun_itrf / scale).try_normalize()?;
+        let eye = rays.eye_m / scale;
+        let eye_in_air = match eye.length() {
+            0.0 => DVec3::X,
+            radius if radius < 1.0 => eye / radius,
+            _ => eye,
+        };
+        let (width, height) = ground.maps.finest();
+        Some(Self {
+            ground,
+            relief,
+            exposure,
+            rays,
+            figure,
+            scale,
+            eye,
+            eye_in_air,
+            sun: sky.sun_itrf,
+            sun_scaled,
+            texels_per_rad: (f64::from(width) / (2.0 * PI), f64::from(height) / PI),
+        })
+    }
+
+    /// The light of a part: the air along the ray through its middle, and the mean light of the ground in it, if that
+    /// ray meets the ground.
+    pub fn sample(&self, part: &PixelPart) -> RaySample {
+        let half = 0.5 * part.side;
+        let direction = self.rays.at(part.x + half, part.y + half);
+        let Some(scaled) = (direction / self.scale).try_normalize() else {
+            return RaySample::default();
+        };
+        let line = ScaledRay::new(self.eye, scaled);
+        let hit = self.hit(&line, direction);
+        let in_air = ScaledRay::new(self.eye_in_air, scaled);
+        let mut light = DVec3::ZERO;
+        let mut factors = Light::WHOLE;
+        let until = match &hit {
+            Some(hit) if hit.is_relief => hit.distance,
+            _ => f64::INFINITY,
+        };
+        if let Some(earth) = self.ground.air()
+            && let Some(path) = Path::until(&in_air, earth.air.top, until)
+        {
+            let sight = earth.air.sight_along(&path, self.sun_scaled);
+            // The ground that lights this air: where the ray ends, or else passes nearest.
+            let near = match &hit {
+                Some(hit) => line.point(hit.distance),
+                None => in_air.point(in_air.along.max(0.0)),
+            };
+            let up = (near / self.scale).normalize();
+            let albedo = self.ground.albedo_about(up);
+            light = earth.light(&sight, albedo) * self.exposure;
+            factors = earth.factors(up.dot(self.sun), &sight.transmittance, albedo);
+        }
+        if let Some(hit) = &hit {
+            light += self.ground_light(part, direction, &line, hit, &factors);
+        }
+        RaySample {
+            light,
+            is_ground: hit.is_some(),
+        }
+    }
+
+    /// Where a ray first meets the ground.
+    fn hit(&self, line: &ScaledRay, direction: DVec3) -> Option<Hit> {
+        let Some(relief) = self.relief else {
+            let distance = line.ground()?;
+            return Some(Hit {
+                distance,
+                is_relief: false,
+            });
+        };
+        let direction = direction.normalize();
+        let distance_m = relief_distance_m(&self.figure, relief, self.rays.eye_m, direction)?;
+        Some(Hit {
+            distance: distance_m * (direction / self.scale).length(),
+            is_relief: true,
+        })
+    }
+
+    /// Mean light of the ground in a part. `line` is the ray through its middle, which meets the ground at `hit`.
+    ///
+    /// The part is divided into so many equal parts that the rays through their middles, the taps, are no farther apart
+    /// on the ground than half a texel of the finest map, as far as [`MAX_TAPS`] allows. The spacing is that about the
+    /// part's middle: in a part that the limb runs through it is wider beyond. Ground with relief is looked at along the one
+    /// ray.
+    fn ground_light(
+        &self,
+        part: &PixelPart,
+        direction: DVec3,
+        line: &ScaledRay,
+        hit: &Hit,
+        factors: &Light,
+    ) -> DVec3 {
+        let point = line.point(hit.distance);
+        if hit.is_relief {
+            return self.shade(point, direction, factors);
+        }
+        let (across, down) = self.taps(part, direction, point, hit.distance);
+        if across == 1 && down == 1 {
+            return self.shade(point, direction, factors);
+        }
+        let (step_x, step_y) = (part.side / f64::from(across), part.side / f64::from(down));
+        let (mut sum, mut count) = (DVec3::ZERO, 0_u32);
+        for j in 0..down {
+            let y = part.y + step_y * (f64::from(j) + 0.5);
+            for i in 0..across {
+                let x = part.x + step_x * (f64::from(i) + 0.5);
+                let direction = self.rays.at(x, y);
+                let line = ScaledRay::new(self.eye, (direction / self.scale).normalize_or_zero());
+                if let Some(distance) = line.ground() {
+                    sum += self.shade(line.point(distance), direction, factors);
+                    count += 1;
+                }
+            }
+        }
+        if count == 0 {
+            return self.shade(point, direction, factors);
+        }
+        sum / f64::from(count)
+    }
+
+    /// Number of taps across and down.
+    fn taps(&self, part: &PixelPart, direction: DVec3, point: DVec3, distance: f64) -> (u32, u32) {
+        let up = point / self.scale;
+        let length = up.length();
+        let up = up / length;
+        let across = up.x.hypot(up.y).max(1e-9);
+        let east = DVec3::new(-up.y, up.x, 0.0) / across;
+        let north = up.cross(east);
+        // Metres per unit of the unscaled ray.
+        let reach = distance / (direction / self.scale).length();
+        let facing = up.dot(direction).min(-1e-6 * direction.length());
+        // Both radii of curvature are at most 0.7 % larger.
+        let radius = self.scale.z;
+        let (per_lon, per_lat) = self.texels_per_rad;
+        let count = |step: DVec3| {
+            // The neighbour's ray on the tangent plane, for a step of the whole part.
+            let moved = (step - direction * (up.dot(step) / facing)) * (reach * part.side);
+            let u = moved.dot(east).abs() / (radius * across.max(MIN_COS_LATITUDE)) * per_lon;
+            let v = moved.dot(north).abs() / radius * per_lat;
+            ((TAPS_PER_TEXEL * u.max(v)).ceil() as u32).clamp(1, MAX_TAPS)
+        };
+        (count(self.rays.right), count(self.rays.down))
+    }
+
+    /// Light of a place in scaled space, the exposure in it.
+    fn shade(&self, point: DVec3, direction: DVec3, factors: &Light) -> DVec3 {
+        let mut place = ShadingPoint {
+            up: (point / self.scale).normalize(),
+            to_eye: -direction.normalize(),
+            slope: None,
+        };
+        if let Some(relief) = self.relief {
+            let at = self.figure.geodetic_from_itrf(point * self.scale);
+            place.up = Ellipsoid::normal(at.lat_rad, at.lon_rad);
+            place.slope = Some(slope(&self.figure, relief, &at));
+        }
+        let light = self.ground.shade(&place, self.sun, factors);
+        light * self.ground.exposure(self.exposure)
+    }
+}

@@ -1,0 +1,204 @@
+//! The light that a place of the ground sends to the eye: the light model of the picture, from its definitions.
+
+use super::light::{ByZenith, EarthAir, Light, smooth_step, without_air};
+use super::maps::{Decode, FullMaps, linear_from_srgb};
+use super::over_ground::{CloudLayer, Sea};
+use super::shading_point::ShadingPoint;
+use super::surroundings::Surroundings;
+use glam::{DVec2, DVec3};
+use std::f64::consts::PI;
+use std::sync::Arc;
+use terrella::internals::earth::CITY_RADIANCE;
+use terrella::internals::imagery::tile::MapLayer;
+use terrella::internals::imagery::{CLOUD_ALBEDO, SLOPE_EXAGGERATION};
+use terrella::{Shading, SurfaceLight, Tone};
+
+/// Colour of street lamps.
+const LAMP_COLOR: DVec3 = DVec3::new(1.0, 0.72, 0.38);
+/// Sine of the Sun's height at which all of them are on: 6° below the horizon.
+const LAMPS_FULL: f64 = -0.104_528_463;
+
+/// The ground's light model with all that it depends on but the place.
+#[derive(Debug)]
+pub(super) struct GroundShader {
+    pub maps: FullMaps,
+    decode: Decode,
+    shading: Shading,
+    surface: SurfaceLight,
+    sea: Sea,
+    clouds: CloudLayer,
+    /// `None` without air.
+    air: Option<Arc<EarthAir>>,
+    /// The Sun's light on clouds, only where there are some and air.
+    sun_on_clouds: Option<ByZenith>,
+    /// Only where there is air for it to light.
+    surroundings: Option<Surroundings>,
+}
+
+impl GroundShader {
+    pub fn new(
+        maps: FullMaps,
+        shading: Shading,
+        surface: SurfaceLight,
+        air: Option<Arc<EarthAir>>,
+    ) -> Self {
+        let decode = Decode::new();
+        let surroundings = air
+            .is_some()
+            .then(|| Surroundings::new(&maps, &decode, CLOUD_ALBEDO));
+        let clouds = CloudLayer::new(&surface);
+        let has_clouds = shading == Shading::Sunlit && maps.get(MapLayer::Clouds).is_some();
+        let sun_on_clouds = air
+            .as_ref()
+            .filter(|_| has_clouds)
+            .map(|air| air.sun_at(clouds.height));
+        Self {
+            maps,
+            decode,
+            shading,
+            sea: Sea::new(&surface),
+            clouds,
+            surface,
+            air,
+            sun_on_clouds,
+            surroundings,
+        }
+    }
+
+    /// The air over it.
+    pub fn air(&self) -> Option<&EarthAir> {
+        self.air.as_deref()
+    }
+
+    /// Reflectance of the ground about a place, whose outward normal is `up`.
+    pub fn albedo_about(&self, up: DVec3) -> DVec3 {
+        let (u, v) = map_coordinates(up);
+        self.surroundings
+            .as_ref()
+            .map_or(DVec3::ZERO, |around| around.at(u, v))
+    }
+
+    /// What the light of [`Self::shade`] is multiplied by: the paper's display values have no exposure.
+    pub fn exposure(&self, exposure: f64) -> f64 {
+        match self.shading {
+            Shading::Sunlit => exposure,
+            Shading::Paper => 1.0,
+        }
+    }
+
+    /// Display light, 0…1: light through the tone curve, which the paper has not.
+    pub fn shown(&self, light: DVec3, tone: Tone) -> DVec3 {
+        match self.shading {
+            Shading::Sunlit => tone.shown(light),
+            Shading::Paper => light.clamp(DVec3::ZERO, DVec3::ONE),
+        }
+    }
+
+    /// Linear light of a place that comes to the eye: with [`Shading::Sunlit`] a white sheet that faces the Sun in space is
+    /// 1, with [`Shading::Paper`] 1 is the display's white. `factors` are what the air makes of each part of the light.
+    pub fn shade(&self, point: &ShadingPoint, sun: DVec3, factors: &Light) -> DVec3 {
+        let up = point.up;
+        let across = up.x.hypot(up.y);
+        let east = if across > 0.0 {
+            DVec3::new(-up.y, up.x, 0.0) / across
+        } else {
+            DVec3::Y
+        };
+        let (u, v) = map_coordinates(up);
+        let north = up.cross(east);
+        let one = |layer| -> Option<f64> {
+            let [value] = self.maps.get(layer)?.at(u, v, &self.decode.unorm);
+            Some(value)
+        };
+        // Ground with relief has slopes of its own.
+        let slope = point.slope.or_else(|| {
+            let map = self.maps.get(MapLayer::Normals)?;
+            let gain = self.surface.relief_exaggeration / SLOPE_EXAGGERATION;
+            Some(DVec2::from_array(map.at(u, v, &self.decode.snorm)) * gain)
+        });
+        let normal = slope.map_or(up, |slope| {
+            (up - east * slope.x - north * slope.y).normalize()
+        });
+        let day = |decode| match self.maps.get(MapLayer::Day) {
+            Some(map) => DVec3::from_array(map.at(u, v, decode)),
+            None => DVec3::ZERO,
+        };
+        if self.shading == Shading::Paper {
+            let shown = paper(
+                day(&self.decode.unorm),
+                one(MapLayer::Clouds).unwrap_or(0.0),
+                normal.dot(sun),
+            );
+            return shown * factors.own;
+        }
+        let mu = up.dot(sun);
+        let before = |mu| match &self.air {
+            Some(air) => air.at(mu),
+            None => without_air(mu),
+        };
+        let above = before(mu).times(factors);
+        let shadow = self.clouds.shadow_from(up, sun);
+        let light = match self.cloud_albedo(shadow) {
+            Some(albedo) if self.clouds.has_shadows => self.clouds.below(&above, albedo, mu),
+            _ => above,
+        };
+        let mut color = day(&self.decode.srgb) * (light.sun * normal.dot(sun).max(0.0) + light.sky);
+        // The coast stands where the map is one half.
+        if one(MapLayer::Water).is_some_and(|water| water > 0.5) {
+            let depth = self.maps.get(MapLayer::Day).map_or(1.0, |map| {
+                let [_, _, _, depth] = map.at(u, v, &self.decode.unorm);
+                depth
+            });
+            color = self.sea.light(point, sun, mu, &light, depth);
+        }
+        if let Some(glow) = one(MapLayer::NightLights) {
+            // Lamps go on at dusk, the brightest stand out.
+            let on = 1.0 - smooth_step(LAMPS_FULL, 0.0, mu);
+            let brightest = CITY_RADIANCE * self.surface.night_gain;
+            // The map is a picture; its fourth power spans what radiometers find between hamlets and cities.
+            color += light.own * LAMP_COLOR * (brightest * on * glow.powi(4));
+        }
+        let over = self.clouds.above(up, point.to_eye);
+        if let Some(albedo) = self.cloud_albedo(over) {
+            let mu_above = over.dot(sun);
+            // What comes from there goes to the eye as what comes from the ground does.
+            let sunlit = factors.own
+                * match &self.sun_on_clouds {
+                    Some(sun) => sun.at(mu_above),
+                    None => self.clouds.sunlight_without_air(mu_above),
+                };
+            let reflected = sunlit * self.clouds.reflected(albedo, mu_above) + above.sky * albedo;
+            color = reflected + color * (1.0 - albedo);
+        }
+        color
+    }
+
+    /// What clouds at a place throw back of diffuse light, 0…1.
+    fn cloud_albedo(&self, up: DVec3) -> Option<f64> {
+        let (u, v) = map_coordinates(up);
+        let [cover] = self
+            .maps
+            .get(MapLayer::Clouds)?
+            .at(u, v, &self.decode.unorm);
+        Some(CLOUD_ALBEDO * cover)
+    }
+}
+
+/// Where a map shows the place with this outward normal: from 180° W and from the north pole, 0…1.
+fn map_coordinates(up: DVec3) -> (f64, f64) {
+    let across = up.x.hypot(up.y);
+    let u = 0.5 + up.y.atan2(up.x) / (2.0 * PI);
+    (u, 0.5 - up.z.atan2(across) / PI)
+}
+
+/// Section 1.2 of the 2011 paper, in display values: ninfo = saturate(n·L + 0.3)·1.1, and
+/// out = (1 − (1 − earth)(1 − cloud))·ninfo. Returned as linear light.
+fn paper(earth: DVec3, cloud: f64, cos: f64) -> DVec3 {
+    let ninfo = (cos + 0.3).clamp(0.0, 1.0) * 1.1;
+    let shown = (DVec3::ONE - (DVec3::ONE - earth) * (1.0 - cloud)) * ninfo;
+    shown
+        .clamp(DVec3::ZERO, DVec3::ONE)
+        .to_array()
+        .map(linear_from_srgb)
+        .into()
+}

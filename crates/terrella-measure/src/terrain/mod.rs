@@ -1,0 +1,233 @@
+//! Trees over heights measured on their own: what they save, how fast they are built, chosen and drawn, what they take.
+//!
+//! | file | what |
+//! |---|---|
+//! | `field.rs` | the heights: of files, or synthetic |
+//! | [`quadtree`], [`contours`], [`patches`] | the trees |
+//! | [`qbernstein`] | the basis of the patches |
+//! | `workers.rs` | building in parts, on threads |
+//! | `deserialize.rs` | what the readers of serialized trees share |
+//! | `trees.rs` | trees of a field: from the cache, or built |
+//! | `cache.rs` | serialized trees in files |
+//! | `tables.rs` | what is measured |
+//! | `draw.rs` | drawing the quadtree's triangles |
+//! | `table.rs` | tables as text and CSV |
+
+mod cache;
+pub mod contours;
+mod deserialize;
+mod draw;
+mod field;
+#[cfg(test)]
+mod ground;
+pub mod patches;
+pub mod qbernstein;
+pub mod quadtree;
+mod storage;
+mod table;
+mod tables;
+mod trees;
+mod workers;
+
+pub use deserialize::DeserializeError;
+pub use field::SyntheticGround;
+pub use table::Table;
+
+use super::output::OutputFolder;
+use cache::Cache;
+use contours::{BudgetError, DemError};
+use draw::Canvas;
+use field::HeightField;
+use patches::PatchError;
+use qbernstein::QError;
+use quadtree::TreeError;
+use std::path::{Path, PathBuf};
+use terrella::elevation::HeightFileError;
+use terrella::internals::gpu::{ContextError, GpuContext};
+use terrella::internals::play::{OutputError, PendingFile, PlayError, Progress};
+use trees::CachedTrees;
+
+/// Which heights are measured, how, and where the results go.
+#[derive(Clone, Debug)]
+pub struct TerrainRequest<'r> {
+    /// Files of heights.
+    pub files: &'r [PathBuf],
+    /// A synthetic ground, after the files.
+    pub synthetic: Option<SyntheticGround>,
+    /// Tolerances of contours and patches, metres.
+    pub tolerances_m: &'r [f64],
+    /// Numbers of threads that building is timed with; trees that are not timed are built with the largest.
+    pub threads: &'r [usize],
+    /// Most memory that building one tree takes, bytes.
+    pub memory_bytes: u64,
+    /// Folder of serialized trees; `None` writes none.
+    pub cache: Option<&'r Path>,
+    /// Where tables and pictures are written to.
+    pub output: Option<&'r Path>,
+    /// Part of the adapter's name; `None` takes the best.
+    pub adapter: Option<&'r str>,
+}
+
+/// Why a measurement stopped.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum TerrainError {
+    /// Heights that cannot be read.
+    #[error(transparent)]
+    Heights(#[from] HeightFileError),
+    /// Heights that these trees cannot be made of.
+    #[error("{}: {error}; cut out a part: `gdal_translate -projwin WEST NORTH EAST SOUTH IN OUT.tif`", path.display())]
+    Field {
+        /// The file.
+        path: PathBuf,
+        /// Why not.
+        error: DemError,
+    },
+    /// Heights of a synthetic ground, or of every so many samples of a file, that these trees cannot be made of.
+    #[error("{ground}: {error}")]
+    Ground {
+        /// The ground.
+        ground: String,
+        /// Why not.
+        error: DemError,
+    },
+    /// The quadtree was refused.
+    #[error("{ground}: {error}")]
+    Quadtree {
+        /// The ground.
+        ground: String,
+        /// Why not.
+        error: TreeError,
+    },
+    /// The tree of contours was refused.
+    #[error("{ground}: {error}")]
+    Contours {
+        /// The ground.
+        ground: String,
+        /// Why not.
+        error: BudgetError,
+    },
+    /// The patches were refused.
+    #[error("{ground}: {error}")]
+    Patches {
+        /// The ground.
+        ground: String,
+        /// Why not.
+        error: PatchError,
+    },
+    /// A degree or q that no q-Bernstein basis has.
+    #[error(transparent)]
+    Basis(#[from] QError),
+    /// The device failed, or a frame.
+    #[error(transparent)]
+    Play(#[from] PlayError),
+    /// A table, picture or tree could not be written.
+    #[error(transparent)]
+    Output(#[from] OutputError),
+    /// The user stopped it.
+    #[error("interrupted; trees that were finished are in the cache, if one was given")]
+    Interrupted,
+}
+
+impl HeightField {
+    /// The error of a field that is no DEM.
+    fn refused(&self, error: DemError) -> TerrainError {
+        TerrainError::Ground {
+            ground: self.name.clone(),
+            error,
+        }
+    }
+}
+
+/// Measures all fields. `report` is given each table when it is complete.
+///
+/// # Errors
+/// Files that cannot be read, a cache or a folder that cannot be written to, before anything is built; trees beyond the
+/// memory; a lost device; an interrupt. A missing adapter is a warning, and its columns stay empty; one that was
+/// asked for by name and is not there is an error.
+pub fn measure_terrain(
+    request: &TerrainRequest<'_>,
+    progress: &dyn Progress,
+    report: &mut dyn FnMut(&Table),
+) -> Result<Vec<Table>, TerrainError> {
+    let folder = request.output.map(OutputFolder::open).transpose()?;
+    let trees = CachedTrees {
+        cache: Cache::open(request.cache, request.memory_bytes)?,
+        memory_bytes: request.memory_bytes,
+        threads: request.threads.iter().copied().max().unwrap_or(1),
+        progress,
+    };
+    progress.begin("reading heights", None);
+    let files = request.files.iter().map(|path| HeightField::open(path));
+    let mut fields = files.collect::<Result<Vec<_>, _>>()?;
+    fields.extend(request.synthetic.map(HeightField::synthetic));
+    progress.end();
+    let mut canvas = canvas(request.adapter)?;
+    let mut tables = Vec::new();
+    let mut done = |table: Table| -> Result<(), TerrainError> {
+        if let Some(folder) = &folder {
+            folder.write(&format!("{}.csv", table.name), table.to_csv().as_bytes())?;
+        }
+        report(&table);
+        tables.push(table);
+        Ok(())
+    };
+    let mut table = tables::rates();
+    for field in &fields {
+        for (k, size) in field.sizes().iter().enumerate() {
+            let is_pictured = k == 0 && request.output.is_some();
+            let (row, picture) = tables::rate(&trees, size, canvas.as_mut(), is_pictured)?;
+            table.rows.push(row);
+            if let (Some(picture), Some(output)) = (picture, request.output) {
+                let path = output.join(format!("pictures/{}.png", field.name));
+                PendingFile::create(&path, "pictures", "png")?.write_png(&picture)?;
+            }
+        }
+    }
+    done(table)?;
+    let mut table = tables::storage();
+    for field in &fields {
+        for size in field.sizes() {
+            for tolerance_m in request.tolerances_m {
+                table
+                    .rows
+                    .push(tables::stored(&trees, &size, *tolerance_m)?);
+            }
+        }
+    }
+    done(table)?;
+    let mut table = tables::builds(request.threads);
+    let tolerance_m = timed_tolerance_m(request.tolerances_m);
+    for field in &fields {
+        let rows = tables::built(&trees, field, tolerance_m, request.threads)?;
+        table.rows.extend(rows);
+    }
+    done(table)?;
+    let mut table = tables::orders();
+    for field in &fields {
+        table.rows.extend(tables::ordered(&trees, field)?);
+    }
+    done(table)?;
+    for table in tables::conditions()? {
+        done(table)?;
+    }
+    Ok(tables)
+}
+
+/// The tolerance that building is timed with: 5 m if it is among them, otherwise the first.
+fn timed_tolerance_m(tolerances_m: &[f64]) -> f64 {
+    let usual = tolerances_m.iter().find(|tolerance| **tolerance == 5.0);
+    *usual.or(tolerances_m.first()).unwrap_or(&5.0)
+}
+
+/// What draws; `None`, with a warning, where there is no adapter at all.
+fn canvas(adapter: Option<&str>) -> Result<Option<Canvas>, TerrainError> {
+    match pollster::block_on(GpuContext::open(adapter)) {
+        Ok(gpu) => Ok(Some(Canvas::new(gpu))),
+        Err(error @ ContextError::NoAdapter) => {
+            tracing::warn!("frames are not timed: {error}");
+            Ok(None)
+        }
+        Err(error) => Err(PlayError::from(error).into()),
+    }
+}
