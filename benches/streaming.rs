@@ -28,8 +28,8 @@ use record::{Frame, Record};
 use std::time::Instant;
 use terrella::frames::{Ellipsoid, Epoch};
 use terrella::internals::gpu::{FrameTargets, GpuContext};
-use terrella::internals::play::Flight;
-use terrella::scene::Scene;
+use terrella_play::Flight;
+use terrella_play::scene::Scene;
 use terrella::{Earth, EyeView, Sky};
 
 /// As far ahead as the window looks, seconds.

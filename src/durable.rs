@@ -22,7 +22,7 @@ pub(crate) fn replace(from: &Path, to: &Path) -> io::Result<()> {
 ///
 /// # Errors
 /// What the system says; a full disk may be noticed only here.
-pub(crate) fn sync_file(path: &Path) -> io::Result<()> {
+pub fn sync_file(path: &Path) -> io::Result<()> {
     // Windows syncs only what may be written to.
     File::options().write(true).open(path)?.sync_data()
 }
@@ -31,7 +31,7 @@ pub(crate) fn sync_file(path: &Path) -> io::Result<()> {
 ///
 /// # Errors
 /// What the system says. A file system that cannot sync folders is none.
-pub(crate) fn sync_folder_of(path: &Path) -> io::Result<()> {
+pub fn sync_folder_of(path: &Path) -> io::Result<()> {
     match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => sync_folder(folder),
         _ => sync_folder(Path::new(".")),
@@ -63,7 +63,7 @@ fn sync_folder(folder: &Path) -> io::Result<()> {
 ///
 /// # Errors
 /// What the system says.
-pub(crate) fn make_folders(folder: &Path) -> io::Result<()> {
+pub fn make_folders(folder: &Path) -> io::Result<()> {
     let missing: Vec<PathBuf> = folder
         .ancestors()
         .take_while(|path| !path.as_os_str().is_empty() && !path.exists())

@@ -8,6 +8,8 @@
 
 #[path = "air/mod.rs"]
 pub mod air;
+#[path = "durable.rs"]
+pub mod durable;
 #[path = "earth/mod.rs"]
 pub mod earth;
 #[cfg(feature = "fetch")]
@@ -26,6 +28,3 @@ pub mod light;
 #[cfg(feature = "offscreen")]
 #[path = "offscreen/mod.rs"]
 pub mod offscreen;
-#[cfg(feature = "playback")]
-#[path = "play/mod.rs"]
-pub mod play;

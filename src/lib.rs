@@ -72,9 +72,6 @@
 pub mod basilisk;
 #[cfg(feature = "celestial")]
 pub mod celestial;
-#[cfg(any(feature = "pack-build", feature = "playback"))]
-#[cfg_attr(not(feature = "command"), allow(dead_code))]
-mod durable;
 #[cfg(feature = "terrain")]
 pub mod elevation;
 pub mod frames;
@@ -83,8 +80,6 @@ pub mod internals;
 mod loaders;
 #[cfg(feature = "orbit")]
 pub mod orbit;
-#[cfg(feature = "scene")]
-pub mod scene;
 #[cfg(feature = "tracks")]
 pub mod tracks;
 
@@ -92,9 +87,7 @@ pub use {glam, wgpu};
 
 #[cfg(feature = "offscreen")]
 pub(crate) use internals::offscreen;
-#[cfg(feature = "playback")]
-pub(crate) use internals::play;
-pub(crate) use internals::{air, earth, files, globe, gpu, imagery, light};
+pub use internals::{air, durable, earth, files, globe, gpu, imagery, light};
 
 pub use air::{AirOptions, Atmosphere};
 pub use earth::{

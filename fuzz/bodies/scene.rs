@@ -1,7 +1,7 @@
 //! A scene file.
 
 use std::path::Path;
-use terrella::scene::Scene;
+use terrella_play::scene::Scene;
 
 /// Reads any text; a scene that is found good must be one that can be told about.
 pub fn run(data: &[u8]) {

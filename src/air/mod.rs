@@ -24,8 +24,8 @@ pub(crate) use tables::{LOWEST_SUN, LUMINANCE, SOURCE_BANDS, SUN_SPACING};
 
 /// How the air is drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "scene", derive(serde::Deserialize, serde::Serialize))]
-#[cfg_attr(feature = "scene", serde(rename_all = "lowercase"))]
+#[cfg_attr(feature = "serde", derive(serde::Deserialize, serde::Serialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "lowercase"))]
 pub enum Atmosphere {
     /// The paper's camera-facing square of side 2√(L1·L2), enlarged for the thickness of the air.
     #[default]

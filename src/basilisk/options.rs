@@ -39,9 +39,9 @@ pub struct SimulationOptions {
 
 impl SimulationOptions {
     /// Of [`Self::timeout`], seconds.
-    pub(crate) const TIMEOUTS_S: RangeInclusive<f64> = 1e-3..=3600.0;
+    pub const TIMEOUTS_S: RangeInclusive<f64> = 1e-3..=3600.0;
     /// Of [`Self::stale_after_s`].
-    pub(crate) const STALE_AGES_S: RangeInclusive<f64> = 1e-3..=1e6;
+    pub const STALE_AGES_S: RangeInclusive<f64> = 1e-3..=1e6;
 
     /// Answers within 10 s, silent after 1 s, this machine alone.
     pub fn new(meeting: Meeting) -> Self {

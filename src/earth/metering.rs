@@ -145,7 +145,6 @@ impl ExposureControl {
 
 /// The exposure that an Earth of these options, drawn by whatever means, takes for a view where it meters, EV; `None` where no
 /// picture is defined.
-#[cfg_attr(not(feature = "command"), allow(dead_code))]
 pub fn metered_ev(options: &EarthOptions, view: &EyeView, sky: &Sky) -> Option<f64> {
     let mut control = ExposureControl::new(options, options.atmosphere);
     control.metered_view(view, sky, &options.figure.ellipsoid())

@@ -39,7 +39,6 @@ mod error;
 mod ground;
 mod metering;
 mod options;
-#[cfg(feature = "command")]
 mod pixel_lattice;
 mod plan;
 mod quality;
@@ -75,10 +74,8 @@ use earth_view::Version;
 pub use earth_view::{EarthView, ViewFrame};
 pub use error::EarthError;
 pub use ground::GroundOptions;
-#[cfg(feature = "command")]
 pub use metering::metered_ev;
 pub use options::EarthOptions;
-#[cfg(feature = "command")]
 pub use pixel_lattice::PixelLattice;
 use plan::Planner;
 pub use quality::{Quality, QualityReduction, TILED_SUBDIVISION};
@@ -329,7 +326,6 @@ impl Earth {
 
     /// Has what was prepared last drawn at these points of its picture, until the next [`Self::prepare`]: by a pass of as many
     /// pixels that sets their viewport.
-    #[cfg(feature = "command")]
     pub fn aim_at(&mut self, queue: &wgpu::Queue, view: &EyeView, points: &PixelLattice) {
         let rays = points.rays(view);
         let uniforms = &mut self.first.plan.uniforms;
@@ -477,8 +473,7 @@ impl Earth {
     }
 
     /// The surface that draws ground with relief, as scenes name it; `None` without relief.
-    #[cfg(feature = "playback")]
-    pub(crate) fn surface_name(&self) -> Option<&'static str> {
+    pub fn surface_name(&self) -> Option<&'static str> {
         self.first.planner.ground().map(|surface| surface.name())
     }
 
@@ -489,7 +484,7 @@ impl Earth {
 
     /// The pass that it is drawn in.
     #[cfg(any(feature = "celestial", feature = "tracks"))]
-    pub(crate) fn format(&self) -> PassFormat {
+    pub fn format(&self) -> PassFormat {
         self.format
     }
 

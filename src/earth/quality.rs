@@ -48,7 +48,7 @@ impl Quality {
     }
 
     /// The same for a scale.
-    pub(crate) fn drawn_size_at(scale: f64, (width, height): (u32, u32)) -> (u32, u32) {
+    pub fn drawn_size_at(scale: f64, (width, height): (u32, u32)) -> (u32, u32) {
         let scale = scale.clamp(*Self::SCALES.start(), *Self::SCALES.end());
         // A cast clamps, and what is not a number is 0.
         let drawn = |side: u32| ((f64::from(side) * scale).round() as u32).clamp(1, side.max(1));

@@ -2,7 +2,7 @@
 
 /// A date of the Gregorian calendar.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Calendar {
+pub struct Calendar {
     /// Year, astronomical (0 is 1 BC).
     pub year: i64,
     /// Month, 1…12.

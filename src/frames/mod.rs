@@ -22,7 +22,7 @@ pub use bodies::{
     ASTRONOMICAL_UNIT_M, earth_rotation_angle_rad, intermediate_from_gcrf, sun_position_gcrf_m,
 };
 #[cfg(feature = "orbit")]
-pub(crate) use calendar::Calendar;
+pub use calendar::Calendar;
 pub use ccsds::{TimeScale, ccsds_time, epoch_from_ccsds};
 pub use earth_orientation::{EarthOrientation, EarthOrientationError};
 #[cfg(feature = "orbit")]

@@ -8,8 +8,8 @@ use std::f64::consts::TAU;
 
 /// How the level of a block is chosen.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "scene", derive(serde::Deserialize, serde::Serialize))]
-#[cfg_attr(feature = "scene", serde(rename_all = "lowercase"))]
+#[cfg_attr(feature = "serde", derive(serde::Deserialize, serde::Serialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "lowercase"))]
 pub enum LevelRule {
     /// The coarsest level whose texels are small enough on screen: [`screen_level`].
     #[default]

@@ -17,7 +17,6 @@ pub mod clipmap;
 #[cfg(feature = "terrain")]
 pub mod contours;
 // Surfaces with relief and tracks ask it for more than blocks do.
-#[cfg_attr(not(feature = "command"), allow(dead_code, unused_imports))]
 pub mod culling;
 #[cfg(feature = "terrain")]
 mod displaced;
@@ -67,8 +66,8 @@ pub use surface::{DrawKind, Surface, SurfaceStats};
 
 /// Which blocks are drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "scene", derive(serde::Deserialize, serde::Serialize))]
-#[cfg_attr(feature = "scene", serde(rename_all = "lowercase"))]
+#[cfg_attr(feature = "serde", derive(serde::Deserialize, serde::Serialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "lowercase"))]
 pub enum Visibility {
     /// Never loses a block of which anything can be seen.
     #[default]
@@ -79,8 +78,8 @@ pub enum Visibility {
 
 /// The figure of the Earth.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "scene", derive(serde::Deserialize, serde::Serialize))]
-#[cfg_attr(feature = "scene", serde(rename_all = "lowercase"))]
+#[cfg_attr(feature = "serde", derive(serde::Deserialize, serde::Serialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "lowercase"))]
 pub enum Figure {
     /// The WGS84 ellipsoid.
     #[default]
@@ -101,8 +100,8 @@ impl Figure {
 
 /// How the surface is shaded.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "scene", derive(serde::Deserialize, serde::Serialize))]
-#[cfg_attr(feature = "scene", serde(rename_all = "lowercase"))]
+#[cfg_attr(feature = "serde", derive(serde::Deserialize, serde::Serialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "lowercase"))]
 pub enum Shading {
     /// Linear light, the Sun of the date, dark night side with a soft terminator.
     #[default]

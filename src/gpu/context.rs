@@ -165,7 +165,7 @@ impl GpuContext {
 
     /// What was read back, unless the device has not done what came before: then that is the error.
     #[cfg(feature = "offscreen")]
-    pub(crate) fn checked<T>(&self, read: Result<T, PictureError>) -> Result<T, PictureError> {
+    pub fn checked<T>(&self, read: Result<T, PictureError>) -> Result<T, PictureError> {
         self.check()?;
         read
     }

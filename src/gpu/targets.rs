@@ -43,8 +43,7 @@ impl FrameTargets {
     }
 
     /// Clears passes from now on to space that hides nothing: alpha is how much of what is behind is hidden.
-    #[cfg(feature = "playback")]
-    pub(crate) fn make_space_transparent(&mut self) {
+    pub fn make_space_transparent(&mut self) {
         self.attachments.space = wgpu::Color::TRANSPARENT;
     }
 
@@ -90,13 +89,13 @@ impl FrameTargets {
 
     /// The colour format.
     #[cfg(feature = "offscreen")]
-    pub(crate) fn format(&self) -> wgpu::TextureFormat {
+    pub fn format(&self) -> wgpu::TextureFormat {
         self.picture.format()
     }
 
     /// Reads a picture of 8 bits a channel back to where it is wanted: four bytes a pixel, rows without padding. Waits for the device.
     #[cfg(feature = "offscreen")]
-    pub(crate) fn read_back_into(
+    pub fn read_back_into(
         &self,
         device: &wgpu::Device,
         queue: &wgpu::Queue,
@@ -113,7 +112,7 @@ impl FrameTargets {
 
     /// The same of light, as [`Self::read_light`].
     #[cfg(feature = "offscreen")]
-    pub(crate) fn read_light_into(
+    pub fn read_light_into(
         &self,
         device: &wgpu::Device,
         queue: &wgpu::Queue,

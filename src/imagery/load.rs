@@ -198,7 +198,6 @@ struct DayTexels {
 }
 
 /// How the colours of a map differ from sRGB, by its header. What is wrong with the file is told when it is read.
-#[cfg(feature = "command")]
 pub fn colour_note(path: &Path) -> Option<String> {
     let mut file = files::open(path).ok()?;
     let magic = crate::elevation::read::first_bytes(&mut file).ok()?;
@@ -213,7 +212,6 @@ pub fn colour_note(path: &Path) -> Option<String> {
 }
 
 /// The file of a folder's day map, if one is there.
-#[cfg(feature = "command")]
 pub fn day_file(dir: &Path) -> Option<PathBuf> {
     let names = DAY_NAMES.map(|name| dir.join(name));
     names.into_iter().find(|path| path.exists())

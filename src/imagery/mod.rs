@@ -52,7 +52,6 @@ pub use load::{
     DamagedLayer, LayerSelection, MAX_FILE_BYTES, load_color_map, load_day_map, load_grey_map,
     load_layers, load_whole_layers,
 };
-#[cfg(feature = "command")]
 pub use load::{colour_note, day_file};
 pub use sea::FLOOR_SEEN_M;
 pub use slopes::{

@@ -21,7 +21,6 @@ impl Exposure {
     pub const DEFAULT_EV: f64 = 0.5;
 
     /// The value; of a metered exposure, where there is no view to meter, the default.
-    #[cfg_attr(not(feature = "command"), allow(dead_code))]
     pub fn fixed_ev(self) -> f64 {
         match self {
             Self::Ev(ev) => ev,

@@ -15,8 +15,8 @@ const BRIGHTEST: f64 = 1e9;
 
 /// By which curve light is shown on an 8-bit target.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-#[cfg_attr(feature = "scene", derive(serde::Deserialize, serde::Serialize))]
-#[cfg_attr(feature = "scene", serde(rename_all = "lowercase"))]
+#[cfg_attr(feature = "serde", derive(serde::Deserialize, serde::Serialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "lowercase"))]
 pub enum Tone {
     /// The highlights of the Khronos PBR Neutral tone mapper (2024): light up to 0.76 is shown as it is, what is brighter is
     /// compressed by its brightest channel, so that hue is kept, and fades to white far beyond. The mapper's toe is left out:

@@ -14,14 +14,11 @@ mod truth;
 mod truth_layers;
 
 pub use error::OffscreenError;
-pub(crate) use limits::check_length;
+pub use limits::check_length;
 pub use limits::{MAX_PICTURE_MIB, target_bytes};
-#[cfg(feature = "playback")]
-pub(crate) use limits::{check_memory, check_size, new_targets, supported_samples};
-#[cfg(feature = "command")]
-pub(crate) use limits::{check_truth_memory, new_truth_targets};
-#[cfg(feature = "command")]
-pub(crate) use truth::set_truth;
+pub use limits::{check_memory, check_size, new_targets, supported_samples};
+pub use limits::{check_truth_memory, new_truth_targets};
+pub use truth::set_truth;
 pub use truth::{LayerValues, TruthPicture};
 pub use truth_layers::{LayerDtype, TRUTH_LAYERS, TruthLayer, TruthPixel};
 

@@ -117,7 +117,7 @@ impl TruthPicture {
 }
 
 /// Maps that [`set_truth`] has taken out.
-pub(crate) struct HiddenMaps(Option<(LayerImage, Option<LayerImage>)>);
+pub struct HiddenMaps(Option<(LayerImage, Option<LayerImage>)>);
 
 impl HiddenMaps {
     /// Puts them back.
@@ -130,7 +130,7 @@ impl HiddenMaps {
 }
 
 /// The same Earth as numbers. What shows nowhere in them is left out.
-pub(crate) fn set_truth(options: &mut EarthOptions) -> Result<HiddenMaps, OffscreenError> {
+pub fn set_truth(options: &mut EarthOptions) -> Result<HiddenMaps, OffscreenError> {
     // A source of tiles wants the whole maps that it goes with.
     let hidden = match options.tiles {
         Some(_) => None,

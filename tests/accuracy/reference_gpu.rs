@@ -5,8 +5,8 @@ use image::RgbImage;
 use std::path::Path;
 use terrella::frames::{Ellipsoid, Geodetic};
 use terrella::internals::gpu::{ContextError, GpuContext};
-use terrella::internals::play::{Flight, Moment, OffscreenRenderer};
-use terrella::scene::Scene;
+use terrella_play::{Flight, Moment, OffscreenRenderer};
+use terrella_play::scene::Scene;
 use terrella::{EarthOptions, Exposure, Sky};
 use terrella_measure::reference::{Reference, ReferenceOptions};
 

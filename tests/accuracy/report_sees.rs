@@ -6,7 +6,7 @@ use glam::DAffine3;
 use std::sync::OnceLock;
 use terrella::frames::{Ellipsoid, Geodetic};
 use terrella::internals::imagery::{EarthLayers, LayerImage};
-use terrella::scene::CameraMode;
+use terrella_play::scene::CameraMode;
 use terrella::{Atmosphere, EarthOptions, EyeView, Figure, Sky, Visibility};
 use terrella_measure::errors::{
     Difference, GeolocationErrors, GeolocationRenderer, SilhouetteErrors, geolocation, silhouette,

@@ -6,8 +6,8 @@
 use crate::common::gpu;
 use std::path::Path;
 use terrella::internals::gpu::BcSupport;
-use terrella::internals::play::Flight;
-use terrella::scene::Scene;
+use terrella_play::Flight;
+use terrella_play::scene::Scene;
 use terrella_measure::clear_air::{DiscLight, LightRenderer};
 
 fn luminance([red, green, blue]: [f64; 3]) -> f64 {

@@ -3,7 +3,7 @@
 use crate::{Place, png_size, words};
 use image::{ImageBuffer, Luma, Rgb, RgbImage};
 use std::path::PathBuf;
-use terrella::internals::play::PictureStats;
+use terrella_play::PictureStats;
 use terrella_measure::bench::{BenchReport, BenchRow};
 
 /// A place with a pack of a map with coasts and waves, in both storages.

@@ -4,10 +4,10 @@ use crate::{Place, png_size};
 use std::path::Path;
 use terrella::Quality;
 use terrella::internals::gpu::GpuContext;
-use terrella::internals::play::{
+use terrella_play::{
     Flight, HeldQuality, OffscreenRenderer, QualityControl, scene_quality,
 };
-use terrella::scene::Scene;
+use terrella_play::scene::Scene;
 
 const SIZE: (u32, u32) = (96, 54);
 

@@ -3,7 +3,7 @@
 use crate::{Place, words};
 use std::path::Path;
 use terrella::orbit::{Ephemerides, Feed};
-use terrella::scene::Scene;
+use terrella_play::scene::Scene;
 
 fn printed(place: &Place, arguments: &[&str]) -> String {
     String::from_utf8(place.succeed(arguments).stdout).expect("UTF-8")

@@ -265,7 +265,7 @@ mod tests {
                 "mod blocks; use crate::globe::blocks; use crate::Epoch;",
             ),
             ("src/lib.rs", "use crate::play::Clock;"),
-            ("src/main.rs", "use terrella::internals::play;"),
+            ("src/main.rs", "use terrella_play;"),
             (
                 "src/frames/sun.rs",
                 "// crate::earth\nmod tests { use super::*; use super::super::Epoch; }",
@@ -305,7 +305,7 @@ mod tests {
             ("src/earth.rs", "use crate::scene::Scene;"),
             ("src/air/mod.rs", "use crate::orbit::OrbitState;"),
             ("src/earth.rs", "use super::play::Clock;"),
-            ("src/earth.rs", "use terrella::internals::play::Clock;"),
+            ("src/earth.rs", "use terrella_play::Clock;"),
             ("src/air/mod.rs", "use crate::globe::Figure;"),
             ("src/new/mod.rs", "fn f() {}"),
             ("src/new.rs", "fn f() {}"),

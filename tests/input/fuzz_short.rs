@@ -311,7 +311,7 @@ fn seeds_are_good() {
         assert!(patches.iter().all(|s| patch_cache::is_good(s)));
     }
     for seed in scene::seeds() {
-        terrella::scene::Scene::from_toml(&text(&seed), path).expect("a good scene");
+        terrella_play::scene::Scene::from_toml(&text(&seed), path).expect("a good scene");
     }
     let good =
         |seed: &&Vec<u8>| terrella::orbit::TleFeed::from_text(&text(seed), path, None).is_ok();

@@ -5,7 +5,7 @@ use crate::pointers::{check_out, read, write};
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
 use terrella::EyeView;
 use terrella::frames::{Ellipsoid, Geodetic};
-use terrella::internals::play::camera::Pose;
+use terrella_play::camera::Pose;
 
 /// Where the eye stands and what it sees. Filled by `terrella_camera_geodetic` or `terrella_camera_look`, or by hand.
 #[repr(C)]

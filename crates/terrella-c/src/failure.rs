@@ -3,7 +3,7 @@
 use std::cell::RefCell;
 use std::ffi::{CStr, CString, c_char};
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use terrella::internals::play::PlayError;
+use terrella_play::PlayError;
 use terrella::{EarthError, OffscreenError};
 
 /// What a call answers. `terrella_message` has the words.

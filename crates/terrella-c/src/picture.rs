@@ -8,7 +8,7 @@ use std::ffi::{c_char, c_void};
 use std::path::Path;
 use std::time::Duration;
 use terrella::Drawing;
-use terrella::internals::play::PendingFile;
+use terrella_play::PendingFile;
 
 /// How the pixels of a picture are written: a number that begins with `TERRELLA_RGBA`.
 pub type TerrellaFormat = u32;

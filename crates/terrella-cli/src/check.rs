@@ -4,7 +4,7 @@ use super::scene_args::{SatelliteArgs, SceneArgs, open_flight};
 use super::{Common, print};
 use clap::Args;
 use terrella::frames::rfc3339;
-use terrella::internals::play::{Flight, LightOutlook};
+use terrella_play::{Flight, LightOutlook};
 use terrella::orbit::Feed;
 
 /// Arguments of `terrella check`.

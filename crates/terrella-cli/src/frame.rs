@@ -11,7 +11,7 @@ use clap::{Args, CommandFactory, ValueEnum};
 use std::path::PathBuf;
 use terrella::frames::Epoch;
 use terrella::internals::gpu::ContextError;
-use terrella::internals::play::{
+use terrella_play::{
     Flight, PlayError, Progress, StillRequest, night_note, write_still,
 };
 use terrella_measure::reference::{ReferenceRequest, SAMPLES, write_reference_still};

@@ -2,7 +2,7 @@
 
 use super::values;
 use clap::{Args, ValueEnum};
-use terrella::internals::play::{PictureFormat, PictureSettings, Shutter};
+use terrella_play::{PictureFormat, PictureSettings, Shutter};
 
 /// Instants of a picture with an open shutter where their number is not given.
 const DEFAULT_SUBFRAMES: u32 = 16;

@@ -12,7 +12,7 @@ use clap::{Args, CommandFactory, ValueEnum};
 use std::path::PathBuf;
 use terrella::basilisk::Endpoint;
 use terrella::frames::Epoch;
-use terrella::internals::play::{
+use terrella_play::{
     EncoderChoice, Existing, ExportRequest, Flight, FrameRange, VideoCodec, VideoCoding,
     WindowRequest, export, play_in_window,
 };

@@ -5,7 +5,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::Write;
 use std::sync::Mutex;
 use std::time::Duration;
-use terrella::internals::play::Progress;
+use terrella_play::Progress;
 
 /// One bar at a time.
 pub struct Bars {

@@ -6,8 +6,8 @@ use super::{Common, print, values};
 use clap::Args;
 use std::path::PathBuf;
 use terrella::SurfaceKind;
-use terrella::internals::play::Flight;
-use terrella::scene::Scene;
+use terrella_play::Flight;
+use terrella_play::scene::Scene;
 use terrella_measure::quality::{QualityError, QualityRequest, study_quality};
 use terrella_measure::report::{ReportError, ReportRequest, report};
 use terrella_measure::surfaces::{

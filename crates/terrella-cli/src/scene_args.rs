@@ -4,9 +4,9 @@ use super::Cli;
 use clap::error::ErrorKind;
 use clap::{Args, CommandFactory};
 use std::path::{Path, PathBuf};
-use terrella::internals::play::{Flight, PlayError};
+use terrella_play::{Flight, PlayError};
 use terrella::orbit::OrbitError;
-use terrella::scene::{Scene, SceneError};
+use terrella_play::scene::{Scene, SceneError};
 
 /// The scene of a command.
 #[derive(Debug, Args)]

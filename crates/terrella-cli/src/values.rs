@@ -2,8 +2,8 @@
 
 use terrella::SurfaceKind;
 use terrella::frames::{Epoch, Geodetic, utc_from_rfc3339, utc_now};
-use terrella::internals::play::{FrameRange, PictureSettings};
-use terrella::scene::{Camera, Output};
+use terrella_play::{FrameRange, PictureSettings};
+use terrella_play::scene::{Camera, Output};
 use terrella_measure::surfaces::{SurfacePath, SurfacesPart};
 
 /// `1280x720`.

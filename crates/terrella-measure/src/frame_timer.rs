@@ -5,7 +5,7 @@ use image::RgbaImage;
 use std::time::Duration;
 use terrella::frames::Epoch;
 use terrella::internals::gpu::{GpuContext, GpuTimer};
-use terrella::internals::play::{Moment, OffscreenRenderer, PlayError, TimedFrame};
+use terrella_play::{Moment, OffscreenRenderer, PlayError, TimedFrame};
 use terrella::{EarthOptions, EyeView, FrameStats, Sky};
 
 /// An Earth, textures of one size, and what its frames are compared with.

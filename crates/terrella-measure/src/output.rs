@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 use terrella::internals::files;
-use terrella::internals::play::{OutputError, PendingFile};
+use terrella_play::{OutputError, PendingFile};
 
 /// Largest table that is read back, bytes.
 const MAX_READ: u64 = 64 << 20;

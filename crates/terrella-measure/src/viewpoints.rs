@@ -3,8 +3,8 @@
 use std::f64::consts::TAU;
 use terrella::EyeView;
 use terrella::frames::{Ellipsoid, Geodetic};
-use terrella::internals::play::camera::{OrbitalMotion, Pose};
-use terrella::scene::{CameraMode, CameraUp};
+use terrella_play::camera::{OrbitalMotion, Pose};
+use terrella_play::scene::{CameraMode, CameraUp};
 
 /// A height at which frames are measured.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -13,7 +13,7 @@ use pyo3::types::PyDict;
 use std::path::PathBuf;
 use terrella::frames::{Ellipsoid, Geodetic};
 use terrella::internals::imagery::LayerSelection;
-use terrella::internals::play::camera::Pose;
+use terrella_play::camera::Pose;
 use terrella::{Atmosphere, EarthOptions, Exposure, EyeView, OffscreenEarth, Sky, load_layers};
 
 /// Where the eye stands and how it looks, for pictures of any size: an eye (Earth-fixed axes, metres), the direction it looks in, and the one

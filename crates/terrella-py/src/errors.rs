@@ -3,7 +3,7 @@
 use pyo3::create_exception;
 use pyo3::exceptions::{PyException, PyValueError};
 use pyo3::prelude::*;
-use terrella::internals::play::PlayError;
+use terrella_play::PlayError;
 use terrella::orbit;
 use terrella::{EarthError, OffscreenError};
 

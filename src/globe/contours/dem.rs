@@ -45,10 +45,6 @@ pub enum DemError {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DemFrame {
     /// x east, y north, z up, metres, the south-west sample at x = y = 0.
-    #[cfg_attr(
-        not(any(test, feature = "command")),
-        expect(dead_code, reason = "grids on a plane are measured, not drawn")
-    )]
     Flat {
         /// Between columns and between rows, metres.
         step_m: DVec2,
@@ -273,7 +269,6 @@ impl Dem {
 }
 
 /// What is asked of whole grids that are measured.
-#[cfg(any(test, feature = "command"))]
 impl Dem {
     /// Samples from west to east.
     pub fn columns(&self) -> u32 {

@@ -26,9 +26,7 @@ mod surface;
 #[cfg(test)]
 mod tests;
 
-#[cfg(feature = "command")]
 pub use bound::leaf_error;
 pub use lod::SplitRule;
-#[cfg(feature = "command")]
 pub use node::{Cut, Domain, Node, Point, among, child_among, ring};
 pub use surface::{Quadtree, QuadtreeOptions};

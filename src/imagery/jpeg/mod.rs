@@ -67,7 +67,6 @@ pub(super) fn check(reader: impl Read) -> Result<Said, Fault> {
 }
 
 /// What a JPEG says of its colours, by its segments up to the first scan.
-#[cfg(feature = "command")]
 pub(super) fn said(reader: impl Read) -> Result<Said, Fault> {
     let mut walk = Walk::new(reader);
     walk.header()?;
@@ -105,7 +104,6 @@ impl<R: Read> Walk<R> {
     }
 
     /// Takes the segments up to the first scan.
-    #[cfg(feature = "command")]
     fn header(&mut self) -> Result<(), Fault> {
         loop {
             match self.bytes.next_marker()? {

@@ -149,19 +149,19 @@ pub struct LiveOptions {
 
 impl LiveOptions {
     /// Of [`Self::rate`].
-    pub(crate) const RATES: RangeInclusive<f64> = 1e-3..=1e6;
+    pub const RATES: RangeInclusive<f64> = 1e-3..=1e6;
     /// Of [`Self::playback_delay_s`].
-    pub(crate) const PLAYBACK_DELAYS_S: RangeInclusive<f64> = 0.0..=60.0;
+    pub const PLAYBACK_DELAYS_S: RangeInclusive<f64> = 0.0..=60.0;
     /// Of [`Self::stale_after_s`].
-    pub(crate) const STALE_AGES_S: RangeInclusive<f64> = 1e-3..=1e6;
+    pub const STALE_AGES_S: RangeInclusive<f64> = 1e-3..=1e6;
     /// Of [`Self::extrapolation_limit_s`].
-    pub(crate) const EXTRAPOLATION_LIMITS_S: RangeInclusive<f64> = 0.0..=1e6;
+    pub const EXTRAPOLATION_LIMITS_S: RangeInclusive<f64> = 0.0..=1e6;
     /// Of [`Self::gap_s`].
-    pub(crate) const GAPS_S: RangeInclusive<f64> = 1e-3..=1e7;
+    pub const GAPS_S: RangeInclusive<f64> = 1e-3..=1e7;
     /// Of [`Self::frame_timeout`], seconds.
-    pub(crate) const FRAME_TIMEOUTS_S: RangeInclusive<f64> = 1e-3..=3600.0;
+    pub const FRAME_TIMEOUTS_S: RangeInclusive<f64> = 1e-3..=3600.0;
     /// Of [`Self::max_packets_per_s`].
-    pub(crate) const PACKET_RATES_PER_S: RangeInclusive<i64> = 1..=1_000_000;
+    pub const PACKET_RATES_PER_S: RangeInclusive<i64> = 1..=1_000_000;
 
     /// Broadcast at the rate of real time, 0.1 s behind, stale after 1 s, an error 60 s beyond the last state.
     pub fn new(transport: Transport) -> Self {

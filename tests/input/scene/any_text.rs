@@ -3,7 +3,7 @@
 use super::Folder;
 use proptest::prelude::*;
 use std::path::Path;
-use terrella::scene::Scene;
+use terrella_play::scene::Scene;
 
 /// Pieces from which texts are made that reach past the TOML reader.
 #[rustfmt::skip]

@@ -10,7 +10,7 @@ mod values;
 
 use std::path::{Path, PathBuf};
 use terrella::frames::{Epoch, utc_from_rfc3339};
-use terrella::scene::{Scene, SceneError};
+use terrella_play::scene::{Scene, SceneError};
 
 /// A folder with what the scenes of these tests refer to: `sat.tle` and `maps/`.
 struct Folder(tempfile::TempDir);

@@ -6,7 +6,7 @@ use terrella::orbit::Frame;
 use terrella::orbit::kepler::{Anomaly, OrbitSize};
 use terrella::orbit::live::{Extrapolation, LiveOptions, Pacing};
 use terrella::orbit::numerical::{AtmosphereModel, EventSelection, Solver, ThrustAxes};
-use terrella::scene::{Motion, OrbitParameters, OrbitSource};
+use terrella_play::scene::{Motion, OrbitParameters, OrbitSource};
 
 #[rustfmt::skip]
 const BAD: &[Bad] = &[

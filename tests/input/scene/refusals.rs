@@ -2,7 +2,7 @@
 
 use super::{Bad, Folder};
 use std::path::Path;
-use terrella::scene::{Scene, SceneError};
+use terrella_play::scene::{Scene, SceneError};
 
 #[rustfmt::skip]
 const BAD: &[Bad] = &[

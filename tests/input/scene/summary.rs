@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use terrella::internals::air::Atmosphere;
 use terrella::internals::earth::Shading;
 use terrella::internals::globe::{Figure, Subdivision, Visibility};
-use terrella::scene::Scene;
+use terrella_play::scene::Scene;
 
 #[test]
 fn dates_outside_the_validity_of_the_orbit_are_refused() {

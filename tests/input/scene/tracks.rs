@@ -1,7 +1,7 @@
 //! `[tracks]` and what `[orbit]` says of tracks.
 
 use super::{Bad, Folder, scene};
-use terrella::scene::{Footprint, Track, TrackSpan};
+use terrella_play::scene::{Footprint, Track, TrackSpan};
 
 #[rustfmt::skip]
 const BAD: &[Bad] = &[

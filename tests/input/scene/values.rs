@@ -4,7 +4,7 @@ use super::{Folder, scene, utc};
 use terrella::internals::air::Atmosphere;
 use terrella::internals::earth::Shading;
 use terrella::internals::globe::{Figure, LevelRule, Subdivision, Visibility};
-use terrella::scene::{CameraKey, CameraMode, EarthTable, Look, Scene, StorageChoice};
+use terrella_play::scene::{CameraKey, CameraMode, EarthTable, Look, Scene, StorageChoice};
 use terrella::{Exposure, Tone};
 
 #[test]

@@ -5,7 +5,7 @@ use clap::{Args, ValueEnum};
 use std::path::Path;
 use terrella::internals::imagery::build::{BuildOptions, BuildProgress, DEFAULT_MEMORY_BYTES};
 use terrella::internals::imagery::tile::{MapLayer, Storage};
-use terrella::internals::play::Progress;
+use terrella_play::Progress;
 
 /// How a pack is built, whatever it is built from.
 #[derive(Debug, Args)]

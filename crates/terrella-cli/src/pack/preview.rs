@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use terrella::internals::imagery::pack::{Pack, preview};
 use terrella::internals::imagery::tile::Storage;
-use terrella::internals::play::PendingFile;
+use terrella_play::PendingFile;
 
 /// Arguments of `terrella pack preview`.
 #[derive(Debug, Args)]

@@ -6,7 +6,7 @@ use clap::Args;
 use std::fmt::Write;
 use std::path::PathBuf;
 use terrella::internals::imagery::pack::{VerifyReport, verify};
-use terrella::internals::play::Progress;
+use terrella_play::Progress;
 
 /// Most files that do not belong to the pack which are listed.
 const MAX_SHOWN_STRANGERS: usize = 20;

@@ -2,7 +2,7 @@
 
 use crate::ChartError;
 use std::path::PathBuf;
-use terrella::internals::play::{OutputError, PlayError};
+use terrella_play::{OutputError, PlayError};
 
 /// What can go wrong in a run of the harness, or come of it.
 #[derive(Debug, thiserror::Error)]

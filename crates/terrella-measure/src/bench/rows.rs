@@ -7,8 +7,8 @@ use std::collections::BTreeMap;
 use terrella::internals::globe::Meshes;
 use terrella::internals::gpu::GpuTimer;
 use terrella::internals::imagery::tile::MAX_LEVELS;
-use terrella::internals::play::{PlayError, Progress};
-use terrella::scene::Scene;
+use terrella_play::{PlayError, Progress};
+use terrella_play::scene::Scene;
 use terrella::{EyeView, FrameStats, Sky};
 
 /// Frames drawn before the first that counts: caches fill, and drivers compile what they compile late.

@@ -13,7 +13,7 @@ use std::num::NonZeroU32;
 use std::path::Path;
 use terrella::internals::globe::Meshes;
 use terrella::internals::gpu::{GpuContext, GpuTimer};
-use terrella::internals::play::{Flight, OutputError, PendingFile, PlayError, Progress};
+use terrella_play::{Flight, OutputError, PendingFile, PlayError, Progress};
 use terrella::{EarthError, EarthOptions};
 
 /// What is measured and where it goes.

@@ -4,7 +4,7 @@ use super::LightRenderer;
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 use terrella::frames::Ellipsoid;
-use terrella::internals::play::PlayError;
+use terrella_play::PlayError;
 use terrella::{EyeView, Sky};
 
 /// Distance of the eye, metres.

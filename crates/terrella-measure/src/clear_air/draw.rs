@@ -3,7 +3,7 @@
 use super::PlacedView;
 use terrella::internals::gpu::{Attachments, GpuContext, color_texture, read_halves};
 use terrella::internals::imagery::{EarthLayers, ImageryError, LayerImage};
-use terrella::internals::play::PlayError;
+use terrella_play::PlayError;
 use terrella::{Earth, EarthOptions, EyeView, Sky};
 
 /// Draws an Earth into a target of half floats.

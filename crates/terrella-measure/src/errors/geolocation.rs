@@ -10,7 +10,7 @@ use terrella::frames::Ellipsoid;
 use terrella::internals::earth::PixelLattice;
 use terrella::internals::gpu::{Attachments, GpuContext, color_texture, read_floats};
 use terrella::internals::imagery::{EarthLayers, LayerImage};
-use terrella::internals::play::PlayError;
+use terrella_play::PlayError;
 use terrella::{
     DiagnosticOptions, Earth, EarthError, EarthOptions, EyeView, Figure, FrameStats, GroundOptions,
     Sky, Subdivision, SurfaceOutput, Visibility,

@@ -7,7 +7,7 @@ use glam::DVec3;
 use std::f64::consts::TAU;
 use terrella::EyeView;
 use terrella::frames::Ellipsoid;
-use terrella::internals::play::PlayError;
+use terrella_play::PlayError;
 
 /// How far the drawn limb is from the true one, in pixels of the picture across the limb.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -5,7 +5,7 @@ use super::limb::{EyeAboveSphere, over_heights};
 use super::oracle::Real;
 use glam::DVec3;
 use terrella::frames::{Ellipsoid, Geodetic};
-use terrella::internals::play::camera::dip_rad;
+use terrella_play::camera::dip_rad;
 
 fn exact(eye: &EyeAboveSphere) -> Real {
     let (r, h) = eye.exact();

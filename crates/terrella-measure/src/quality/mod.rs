@@ -23,7 +23,7 @@ pub use study::QualityStudy;
 use super::ChartError;
 use super::output::OutputFolder;
 use std::path::Path;
-use terrella::internals::play::{Flight, OutputError, PlayError, Progress};
+use terrella_play::{Flight, OutputError, PlayError, Progress};
 
 /// How a study is wanted.
 #[derive(Clone, Debug)]

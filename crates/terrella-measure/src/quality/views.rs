@@ -1,8 +1,8 @@
 //! Where reductions of quality are seen from.
 
 use crate::GroundPath;
-use terrella::internals::play::Flight;
-use terrella::scene::CameraMode;
+use terrella_play::Flight;
+use terrella_play::scene::CameraMode;
 use terrella::{EyeView, Sky};
 
 /// Heights of the eye, kilometres, with the camera that looks from there.

@@ -10,7 +10,7 @@ use terrella::frames::{Epoch, rfc3339};
 use terrella::internals::earth::metered_ev;
 use terrella::internals::gpu::BcSupport;
 use terrella::internals::imagery::tile::{MapLayer, TileError};
-use terrella::internals::play::{
+use terrella_play::{
     EyePosition, Flight, Moment, OutputError, PendingFile, PlayError, Progress, SubsolarPoint,
 };
 use terrella::{Atmosphere, Exposure};

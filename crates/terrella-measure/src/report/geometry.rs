@@ -5,7 +5,7 @@ use crate::errors::{
 };
 use terrella::frames::Ellipsoid;
 use terrella::internals::gpu::GpuContext;
-use terrella::internals::play::PlayError;
+use terrella_play::PlayError;
 use terrella::{EyeView, Figure, Visibility};
 
 /// What limb and places depend on. Maps play no part.

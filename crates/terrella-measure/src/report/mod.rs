@@ -41,7 +41,7 @@ use crate::reference::ReferenceError;
 use std::path::{Path, PathBuf};
 use terrella::Subdivision;
 use terrella::internals::imagery::tile::TileError;
-use terrella::internals::play::{Flight, OutputError, PlayError, Progress};
+use terrella_play::{Flight, OutputError, PlayError, Progress};
 
 /// How a report is wanted.
 #[derive(Clone, Debug)]

@@ -14,7 +14,7 @@ use image::RgbaImage;
 use std::time::Instant;
 use terrella::frames::Ellipsoid;
 use terrella::internals::gpu::GpuContext;
-use terrella::internals::play::{Flight, PlayError, Progress};
+use terrella_play::{Flight, PlayError, Progress};
 use terrella::{EarthOptions, Exposure, EyeView, Sky};
 
 /// Heights that can be looked from, kilometres.

@@ -9,7 +9,7 @@ use crate::output::csv_text;
 use terrella::EarthError;
 use terrella::internals::gpu::GpuContext;
 use terrella::internals::imagery::{EarthLayers, LayerImage};
-use terrella::internals::play::{PlayError, Progress};
+use terrella_play::{PlayError, Progress};
 
 /// What was measured.
 #[derive(Clone, Debug, Default)]

@@ -5,7 +5,7 @@ use super::change::SettingChange;
 use crate::reference::{FullMaps, Reference, ReferenceOptions, ReferencePicture, whole_maps};
 use std::sync::Arc;
 use terrella::internals::imagery::tile::TileError;
-use terrella::internals::play::Progress;
+use terrella_play::Progress;
 use terrella::{Atmosphere, EarthOptions, EyeView, Shading, Sky};
 
 /// Most bytes of maps put together of a pack's tiles, for each of at most three reference renderers.

@@ -7,7 +7,7 @@ use terrella::internals::globe::contours::PageOptions;
 use terrella::internals::globe::projected_grid::GridOptions;
 use terrella::internals::globe::quadtree::{QuadtreeOptions, SplitRule};
 use terrella::internals::globe::{SurfaceKind, SurfaceSettings};
-use terrella::scene::DEFAULT_TOLERANCE_PX;
+use terrella_play::scene::DEFAULT_TOLERANCE_PX;
 
 /// A surface to be compared.
 #[derive(Clone, Debug, PartialEq)]

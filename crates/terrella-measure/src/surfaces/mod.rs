@@ -47,7 +47,7 @@ use terrella::Sky;
 use terrella::elevation::GridError;
 use terrella::internals::globe::SurfaceKind;
 use terrella::internals::gpu::GpuContext;
-use terrella::internals::play::{Flight, OutputError, PlayError, Progress};
+use terrella_play::{Flight, OutputError, PlayError, Progress};
 
 /// What of surfaces is compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

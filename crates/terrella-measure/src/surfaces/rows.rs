@@ -4,7 +4,7 @@ use super::SurfacePath;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use terrella::internals::globe::SurfaceKind;
-use terrella::scene::DEFAULT_TOLERANCE_PX;
+use terrella_play::scene::DEFAULT_TOLERANCE_PX;
 
 /// A surface with one of its settings.
 #[derive(Clone, Debug, PartialEq, Eq)]

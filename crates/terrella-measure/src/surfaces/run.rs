@@ -3,7 +3,7 @@
 use super::{Candidate, SurfacePath, TestGround};
 use terrella::frames::Ellipsoid;
 use terrella::internals::gpu::GpuContext;
-use terrella::internals::play::Progress;
+use terrella_play::Progress;
 use terrella::{EarthOptions, EyeView, GroundOptions, Sky};
 
 /// The picture, the Earth and the adapter that everything is measured with.

@@ -6,8 +6,8 @@ use terrella::elevation::{
     Bounds, Elevation, Georeference, GridLimits, Ground, HeightGrid, Registration,
 };
 use terrella::frames::Geodetic;
-use terrella::internals::play::read_ground;
-use terrella::scene::Scene;
+use terrella_play::read_ground;
+use terrella_play::scene::Scene;
 
 /// Ground to fly over.
 #[derive(Clone)]

@@ -4,7 +4,7 @@ use std::fmt::Display;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use terrella::internals::files;
-use terrella::internals::play::{OutputError, PendingFile};
+use terrella_play::{OutputError, PendingFile};
 
 /// Extension of the files.
 const EXTENSION: &str = "tree";

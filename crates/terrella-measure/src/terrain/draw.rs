@@ -4,7 +4,7 @@ use super::quadtree::GridQuadtree;
 use glam::{DMat4, DVec3, Mat4, Vec3};
 use image::RgbaImage;
 use terrella::internals::gpu::{FrameTargets, GpuContext, PassFormat, PipelineDescription};
-use terrella::internals::play::{PlayError, rgba_image};
+use terrella_play::{PlayError, rgba_image};
 
 /// Width and height of the picture, pixels.
 pub(super) const SIZE: (u32, u32) = (640, 480);

@@ -44,7 +44,7 @@ use quadtree::TreeError;
 use std::path::{Path, PathBuf};
 use terrella::elevation::HeightFileError;
 use terrella::internals::gpu::{ContextError, GpuContext};
-use terrella::internals::play::{OutputError, PendingFile, PlayError, Progress};
+use terrella_play::{OutputError, PendingFile, PlayError, Progress};
 use trees::CachedTrees;
 
 /// Which heights are measured, how, and where the results go.

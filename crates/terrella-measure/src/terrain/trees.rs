@@ -9,7 +9,7 @@ use super::field::HeightField;
 use super::patches::{PatchOptions, PatchTree};
 use super::quadtree::{GridQuadtree, Order, Posts, TreeOptions};
 use std::cell::Cell;
-use terrella::internals::play::Progress;
+use terrella_play::Progress;
 
 /// Builds trees within a memory budget, and caches them.
 pub(super) struct CachedTrees<'r> {

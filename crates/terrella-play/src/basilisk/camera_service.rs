@@ -1,0 +1,180 @@
+//! The pictures that a simulation's own cameras ask for, drawn on a thread and a device of their own: whatever else is drawn, and
+//! whether anything is.
+
+use super::depth::{USUAL_CLIP_M, depth_map};
+use terrella::basilisk::{PictureRequest, Simulation};
+use terrella::internals::gpu::GpuContext;
+use crate::error::PlayError;
+use crate::flight::Flight;
+use crate::offscreen::OffscreenRenderer;
+use crate::quality_control::scene_quality;
+use image::codecs::png::{CompressionType, FilterType, PngEncoder};
+use image::{ExtendedColorType, ImageEncoder, RgbImage};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+/// How often the service looks whether it is to end.
+const LOOK: Duration = Duration::from_millis(50);
+/// Largest width and height of a camera's picture, pixels.
+const MAX_SIDE_PX: i64 = 8192;
+/// Size of the textures before the first picture.
+const FIRST_SIZE: (u32, u32) = (64, 64);
+
+/// Runs `body` while the cameras of the flight's simulation are served; without a simulation alone.
+pub fn with_camera_service<R>(
+    flight: &Flight,
+    adapter: Option<&str>,
+    body: impl FnOnce() -> R,
+) -> R {
+    let Some(simulation) = flight.simulation() else {
+        return body();
+    };
+    let is_ended = AtomicBool::new(false);
+    // Before the thread runs: no picture is to be refused because it came first.
+    let painter = simulation.painter();
+    std::thread::scope(|scope| {
+        scope.spawn(|| {
+            let is_ended = || is_ended.load(Ordering::Relaxed);
+            let has_cameras = || {
+                let latest = simulation.latest();
+                latest.is_some_and(|latest| !latest.cameras.is_empty())
+            };
+            // Nothing is loaded for a simulation without cameras.
+            while !has_cameras() {
+                if is_ended() || simulation.is_stopped() {
+                    return;
+                }
+                std::thread::sleep(LOOK);
+            }
+            let drawn = CameraService::open(flight, simulation, adapter).and_then(|mut service| {
+                painter.is_ready();
+                service.run(&is_ended)
+            });
+            if let Err(error) = drawn {
+                simulation.tell(format!("pictures of cameras are not drawn: {error}"));
+            }
+            drop(painter);
+        });
+        let _end = EndsOnDrop(&is_ended);
+        body()
+    })
+}
+
+struct EndsOnDrop<'f>(&'f AtomicBool);
+
+impl Drop for EndsOnDrop<'_> {
+    fn drop(&mut self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+}
+
+/// A renderer for the pictures of cameras.
+pub struct CameraService<'f> {
+    flight: &'f Flight,
+    simulation: &'f Simulation,
+    renderer: OffscreenRenderer,
+}
+
+impl<'f> CameraService<'f> {
+    /// Loads the scene's maps onto an adapter.
+    pub fn open(
+        flight: &'f Flight,
+        simulation: &'f Simulation,
+        adapter: Option<&str>,
+    ) -> Result<Self, PlayError> {
+        let gpu = pollster::block_on(GpuContext::open(adapter))?;
+        let options = flight.earth_options(gpu.bc_support())?;
+        let mut renderer = OffscreenRenderer::open(gpu, options, FIRST_SIZE)?;
+        renderer.show_dated_maps(flight)?;
+        renderer.show_sky(flight)?;
+        let quality = scene_quality(&flight.scene().quality, *renderer.earth().quality());
+        renderer.set_quality(&quality)?;
+        Ok(Self {
+            flight,
+            simulation,
+            renderer,
+        })
+    }
+
+    /// Name of the adapter that draws.
+    pub fn adapter(&self) -> String {
+        self.renderer.adapter_info().name
+    }
+
+    /// Answers until `is_ended`, or until the simulation is met no more.
+    ///
+    /// # Errors
+    /// A lost device: no further picture can be drawn.
+    pub fn run(&mut self, is_ended: &dyn Fn() -> bool) -> Result<(), PlayError> {
+        while !is_ended() && !self.simulation.is_stopped() {
+            if let Some(request) = self.simulation.next_picture(LOOK) {
+                self.answer(&request)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn answer(&mut self, request: &PictureRequest<'_>) -> Result<(), PlayError> {
+        let file = match self.draw(request) {
+            Ok(file) => file,
+            Err(error @ PlayError::DeviceLost(_)) => return Err(error),
+            Err(error) => {
+                self.simulation.tell(error.to_string());
+                Vec::new()
+            }
+        };
+        request.answer(file);
+        Ok(())
+    }
+
+    fn draw(&mut self, request: &PictureRequest<'_>) -> Result<Vec<u8>, PlayError> {
+        let (camera, snapshot) = (&request.camera, &request.snapshot);
+        let refuse = |cause: String| PlayError::NoCameraPicture { cause };
+        let is_side = |side: i64| (1..=MAX_SIDE_PX).contains(&side);
+        let size = match camera.size {
+            Some([width, height]) if is_side(width) && is_side(height) => {
+                (width as u32, height as u32)
+            }
+            size => {
+                return Err(refuse(format!(
+                    "camera {} asks for {size:?} pixels; widths and heights are from 1 to {MAX_SIDE_PX}",
+                    camera.id
+                )));
+            }
+        };
+        let moment = self.flight.seen_by(snapshot, camera, size);
+        let moment = moment.map_err(refuse)?;
+        let picture = match camera.is_depth {
+            true => {
+                let clip_m = camera.clip_m.unwrap_or(USUAL_CLIP_M);
+                let [near_m, far_m] = clip_m;
+                if !(far_m.is_finite() && (0.0..far_m).contains(&near_m)) {
+                    return Err(refuse(format!(
+                        "camera {} clips depth to {clip_m:?} m, which is no range",
+                        camera.id
+                    )));
+                }
+                depth_map(&moment, self.flight.ellipsoid(), clip_m, size)
+            }
+            false => {
+                self.renderer.resize(size)?;
+                // Half of its patience; the other half is for drawing.
+                let wait = self.simulation.options().timeout / 2;
+                let wait = wait.min(self.flight.scene().output.wait());
+                self.renderer.draw_complete(&moment, wait);
+                image::DynamicImage::from(self.renderer.read()?).into_rgb8()
+            }
+        };
+        png(&picture).map_err(|error| refuse(format!("a picture could not be encoded: {error}")))
+    }
+}
+
+/// A picture as a file, quickly.
+fn png(picture: &RgbImage) -> Result<Vec<u8>, image::ImageError> {
+    let mut file = Vec::new();
+    let encoder =
+        PngEncoder::new_with_quality(&mut file, CompressionType::Fast, FilterType::Adaptive);
+    let (width, height) = picture.dimensions();
+    encoder.write_image(picture, width, height, ExtendedColorType::Rgb8)?;
+    Ok(file)
+}

@@ -1,0 +1,231 @@
+//! Where the eye stands and looks: pure f64 functions from a satellite's motion, or a place, to a [`Pose`].
+//!
+//! "Down" is the ellipsoid's own vertical, so that the middle of a nadir picture is the point whose geodetic latitude
+//! and longitude the satellite has, and a horizon is as far below level as the actual figure has it.
+
+use terrella::internals::earth::EyeView;
+use terrella::frames::{Ellipsoid, Geodetic};
+use crate::scene::CameraUp;
+use glam::{DMat3, DQuat, DVec3};
+
+/// Distance of the eye from the satellite in chase mode, metres.
+pub const CHASE_DISTANCE_M: f64 = 40.0;
+/// How high the chasing eye stands above the satellite's level, seen from it, radians (25°).
+pub const CHASE_ELEVATION_RAD: f64 = 25.0 * std::f64::consts::PI / 180.0;
+/// Where the limb lies in horizon mode: this part of the picture's height below its top edge.
+pub const LIMB_FROM_TOP: f64 = 1.0 / 3.0;
+/// Narrowest view that zooming reaches, radians (a thousandth of a degree), unless the scene itself is narrower.
+pub const NARROWEST_RAD: f64 = 0.001 * std::f64::consts::PI / 180.0;
+/// Widest view that zooming reaches, radians (150°), unless the scene itself is wider.
+pub const WIDEST_RAD: f64 = 150.0 * std::f64::consts::PI / 180.0;
+
+/// Where a satellite is and where it flies.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OrbitalMotion {
+    /// Position, ITRF, metres.
+    pub position_itrf_m: DVec3,
+    /// Velocity seen from the stars, components along ITRF axes, metres per second. Only its direction counts.
+    pub velocity_m_s: DVec3,
+}
+
+/// An eye, the direction it looks in, and the direction that is upwards on screen; both unit, across each other.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pose {
+    /// ITRF, metres.
+    pub eye_itrf_m: DVec3,
+    /// Unit, ITRF axes.
+    pub forward: DVec3,
+    /// Unit, ITRF axes, at right angles to `forward`.
+    pub up: DVec3,
+}
+
+/// What the user changed about a view.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Look {
+    /// Magnification, 1 is the scene's own; the picture's half height on a plane ahead is divided by it.
+    pub zoom: f64,
+    /// Turn of the head to the right, radians.
+    pub yaw_rad: f64,
+    /// Turn of the head upwards, radians.
+    pub pitch_rad: f64,
+}
+
+impl Default for Look {
+    fn default() -> Self {
+        Self {
+            zoom: 1.0,
+            yaw_rad: 0.0,
+            pitch_rad: 0.0,
+        }
+    }
+}
+
+impl Look {
+    /// Vertical field of view after zooming, within the limits of this module.
+    pub fn fov_rad(&self, scene_fov_rad: f64) -> f64 {
+        let zoom = if self.zoom.is_finite() && self.zoom > 0.0 {
+            self.zoom
+        } else {
+            1.0
+        };
+        let fov = 2.0 * ((0.5 * scene_fov_rad).tan() / zoom).atan();
+        fov.clamp(
+            NARROWEST_RAD.min(scene_fov_rad),
+            WIDEST_RAD.max(scene_fov_rad),
+        )
+    }
+}
+
+/// The level directions of a place: vertical, and north and east along the ground.
+///
+/// At the poles north is the way along the place's meridian: at ±90° it points beyond the pole, as the limit of
+/// latitudes nearby on that meridian does.
+fn north_of(place: Geodetic) -> DVec3 {
+    let (sin_lat, cos_lat) = place.lat_rad.sin_cos();
+    let (sin_lon, cos_lon) = place.lon_rad.sin_cos();
+    DVec3::new(-sin_lat * cos_lon, -sin_lat * sin_lon, cos_lat)
+}
+
+impl OrbitalMotion {
+    fn place(&self, ellipsoid: &Ellipsoid) -> Geodetic {
+        ellipsoid.geodetic_from_itrf(self.position_itrf_m)
+    }
+
+    /// Level direction of flight; north where the satellite stands still or flies straight up or down.
+    fn ahead(&self, place: Geodetic) -> DVec3 {
+        let vertical = Ellipsoid::normal(place.lat_rad, place.lon_rad);
+        let level = self.velocity_m_s.reject_from_normalized(vertical);
+        // What is left of a vertical velocity by rounding is no direction.
+        if level.length() > 1e-9 * self.velocity_m_s.length() {
+            level.normalize_or(north_of(place))
+        } else {
+            north_of(place)
+        }
+    }
+
+    /// Axes of a craft that flies level, in ITRF: x ahead, y to the right, z straight down.
+    pub fn itrf_from_level(&self, ellipsoid: &Ellipsoid) -> DMat3 {
+        let place = self.place(ellipsoid);
+        let down = -Ellipsoid::normal(place.lat_rad, place.lon_rad);
+        let ahead = self.ahead(place);
+        DMat3::from_cols(ahead, down.cross(ahead), down)
+    }
+}
+
+impl Pose {
+    /// At the satellite, straight down, the direction of flight or north upwards on screen.
+    pub fn nadir(motion: &OrbitalMotion, up: CameraUp, ellipsoid: &Ellipsoid) -> Self {
+        let place = motion.place(ellipsoid);
+        Self {
+            eye_itrf_m: motion.position_itrf_m,
+            forward: -Ellipsoid::normal(place.lat_rad, place.lon_rad),
+            up: match up {
+                CameraUp::Flight => motion.ahead(place),
+                CameraUp::North => north_of(place),
+            },
+        }
+    }
+
+    /// At the satellite, forwards along its track, pitched so that the limb ahead lies [`LIMB_FROM_TOP`] from the top.
+    pub fn horizon(motion: &OrbitalMotion, ellipsoid: &Ellipsoid, fov_rad: f64) -> Self {
+        let place = motion.place(ellipsoid);
+        let vertical = Ellipsoid::normal(place.lat_rad, place.lon_rad);
+        let ahead = motion.ahead(place);
+        let dip = dip_rad(ellipsoid, motion.position_itrf_m, ahead, vertical);
+        // The limb's height on screen: 1 is the top edge, 0 the middle.
+        let height = 1.0 - 2.0 * LIMB_FROM_TOP;
+        let above_middle = (height * (0.5 * fov_rad).tan()).atan();
+        let (sin, cos) = (dip + above_middle).sin_cos();
+        Self {
+            eye_itrf_m: motion.position_itrf_m,
+            forward: cos * ahead - sin * vertical,
+            up: sin * ahead + cos * vertical,
+        }
+    }
+
+    /// [`CHASE_DISTANCE_M`] behind the satellite, [`CHASE_ELEVATION_RAD`] above it, looking at it, the Earth below.
+    pub fn chase(motion: &OrbitalMotion, ellipsoid: &Ellipsoid) -> Self {
+        let place = motion.place(ellipsoid);
+        let vertical = Ellipsoid::normal(place.lat_rad, place.lon_rad);
+        let ahead = motion.ahead(place);
+        let (sin, cos) = CHASE_ELEVATION_RAD.sin_cos();
+        let forward = cos * ahead - sin * vertical;
+        Self {
+            eye_itrf_m: motion.position_itrf_m - CHASE_DISTANCE_M * forward,
+            forward,
+            up: sin * ahead + cos * vertical,
+        }
+    }
+
+    /// Above a place, straight down, north upwards on screen.
+    pub fn geodetic(place: Geodetic, ellipsoid: &Ellipsoid) -> Self {
+        Self {
+            eye_itrf_m: ellipsoid.itrf_from_geodetic(place),
+            forward: -Ellipsoid::normal(place.lat_rad, place.lon_rad),
+            up: north_of(place),
+        }
+    }
+
+    /// A pose that looks straight down, north upwards, turned to `heading_rad` clockwise from north and raised to
+    /// `pitch_rad` above the horizontal; 0 and −π/2 leave it as it is.
+    pub fn facing(&self, heading_rad: f64, pitch_rad: f64) -> Self {
+        let (vertical, north) = (-self.forward, self.up);
+        let east = north.cross(vertical);
+        let ahead = heading_rad.cos() * north + heading_rad.sin() * east;
+        let (sin, cos) = pitch_rad.sin_cos();
+        Self {
+            eye_itrf_m: self.eye_itrf_m,
+            forward: cos * ahead + sin * vertical,
+            up: cos * vertical - sin * ahead,
+        }
+    }
+
+    /// The same eye with its head turned as the user turned it.
+    pub fn turned(&self, look: &Look) -> Self {
+        let right = self.forward.cross(self.up);
+        let turn = DQuat::from_axis_angle(self.up, -look.yaw_rad)
+            * DQuat::from_axis_angle(right, look.pitch_rad);
+        Self {
+            eye_itrf_m: self.eye_itrf_m,
+            forward: turn * self.forward,
+            up: turn * self.up,
+        }
+    }
+
+    /// The view for the renderer. `aspect` is width over height.
+    pub fn view(&self, fov_rad: f64, aspect: f64) -> EyeView {
+        EyeView::itrf(self.eye_itrf_m, self.forward, self.up, fov_rad, aspect)
+    }
+}
+
+/// Angle of the limb below level in the direction `ahead`, radians; 0 for an eye on or below the surface.
+///
+/// In scaled space (x/a, y/a, z/b) the ellipsoid is the unit sphere, and a line E + sD touches it where
+/// (E·D)² = (|E|² − 1)|D|². With D = A − tN (A and N are `ahead` and `vertical` scaled, t the tangent of the dip):
+/// t²((E·N)² − cN²) − 2t((E·A)(E·N) − cA·N) + (E·A)² − cA² = 0, c = |E|² − 1. On a sphere t = √c.
+pub fn dip_rad(ellipsoid: &Ellipsoid, eye_itrf_m: DVec3, ahead: DVec3, vertical: DVec3) -> f64 {
+    let scale = ellipsoid.scaled_from_itrf();
+    let (e, a, n) = (scale * eye_itrf_m, scale * ahead, scale * vertical);
+    let c = (e.length() - 1.0) * (e.length() + 1.0);
+    if c <= 0.0 {
+        return 0.0;
+    }
+    let square = e.dot(n).powi(2) - c * n.length_squared();
+    let half_linear = e.dot(a) * e.dot(n) - c * a.dot(n);
+    let constant = e.dot(a).powi(2) - c * a.length_squared();
+    // constant < 0 < square for any eye outside, so the root is of a sum and the two solutions differ in sign. The
+    // positive one in the form that adds.
+    let root = (half_linear * half_linear - square * constant)
+        .max(0.0)
+        .sqrt();
+    let (rise, run) = if half_linear >= 0.0 {
+        (half_linear + root, square)
+    } else {
+        (-constant, root - half_linear)
+    };
+    rise.atan2(run)
+}
+
+#[cfg(test)]
+#[path = "camera_tests.rs"]
+mod tests;

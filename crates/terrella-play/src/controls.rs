@@ -1,0 +1,358 @@
+//! What the user has set: clock, camera, view, and what is shown. Knows nothing of windows.
+
+use super::camera::Look;
+use super::clock::{AtEnd, Clock};
+use super::flight::{Flight, ViewRequest};
+use super::keys::Action;
+use super::live_status::LiveStatus;
+use super::timeline::TimeLine;
+use terrella::frames::Geodetic;
+use crate::scene::CameraMode;
+
+/// Most that one event magnifies, as a power of two: more comes from a faulty device.
+const MAX_ZOOM_STEP: f64 = 8.0;
+/// How far up and down the view turns, radians (89°).
+const MAX_PITCH_RAD: f64 = 89.0 * std::f64::consts::PI / 180.0;
+/// Longest step of the wall clock that counts, seconds: a window that was hidden or held goes on where it stood.
+const MAX_STEP_S: f64 = 0.25;
+
+/// What the user has set.
+#[derive(Clone, Debug)]
+pub struct Controls {
+    /// Simulated time.
+    pub clock: Clock,
+    /// Zoom and direction of view.
+    pub look: Look,
+    /// The camera.
+    pub mode: CameraMode,
+    /// Whether the panel is shown.
+    pub panel: bool,
+    /// Whether the help is shown.
+    pub help: bool,
+    /// Whether the user is being asked to close the window.
+    pub asks_to_close: bool,
+    /// The time line.
+    pub line: TimeLine,
+    /// The message on screen.
+    pub message: Option<String>,
+    /// How the simulators are whose states are drawn, where there are any.
+    pub live: Option<LiveStatus>,
+    modes: &'static [CameraMode],
+    scene_fov_rad: f64,
+}
+
+/// What the window itself must do for an action.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WindowTask {
+    /// Write a picture.
+    Screenshot,
+    /// Change to full screen or back.
+    FullScreen,
+    /// Follow the clock on the wall.
+    RealTime,
+    /// Look for the next pass.
+    NextPass,
+    /// Close.
+    Quit,
+}
+
+impl Controls {
+    /// As the scene has it.
+    pub fn new(flight: &Flight) -> Self {
+        let scene = flight.scene();
+        Self {
+            clock: Clock::new(&scene.time, AtEnd::Loop),
+            look: Look::default(),
+            mode: scene.camera.mode,
+            panel: true,
+            help: false,
+            asks_to_close: false,
+            line: TimeLine::new(flight),
+            message: None,
+            live: None,
+            modes: flight.camera_modes(),
+            scene_fov_rad: scene.camera.fov_deg.to_radians(),
+        }
+    }
+
+    /// The view that is asked for.
+    pub fn request(&self, aspect: f64) -> ViewRequest {
+        ViewRequest {
+            mode: self.mode,
+            look: self.look,
+            aspect,
+        }
+    }
+
+    /// Vertical field of view, radians.
+    pub fn fov_rad(&self) -> f64 {
+        self.look.fov_rad(self.scene_fov_rad)
+    }
+
+    /// Lets time pass.
+    pub fn advance(&mut self, wall_dt_s: f64) {
+        self.clock.advance(wall_dt_s.min(MAX_STEP_S));
+    }
+
+    /// Whether the time line is on screen.
+    pub fn shows_line(&self) -> bool {
+        self.panel && self.line.shown && self.live.is_none()
+    }
+
+    /// Whether something lies over the picture that Esc closes.
+    pub fn is_dialog_open(&self) -> bool {
+        self.help || self.asks_to_close
+    }
+
+    /// Closes the topmost dialog; where none is open, asks whether to close the window.
+    fn dismiss(&mut self) {
+        match (self.asks_to_close, self.help) {
+            (true, _) => self.asks_to_close = false,
+            (false, true) => self.help = false,
+            (false, false) => self.asks_to_close = true,
+        }
+    }
+
+    /// Does what the user asks; what only the window can do is handed back. `height_px` is the picture's, for drags.
+    pub fn apply(&mut self, action: Action, height_px: f64) -> Option<WindowTask> {
+        if sets_clock(action) {
+            self.line.leave_real_time();
+        }
+        match action {
+            Action::Pause => self.clock.set_paused(!self.clock.is_paused()),
+            Action::Faster => self.clock.faster(),
+            Action::Slower => self.clock.slower(),
+            Action::Reverse => self.clock.reverse(),
+            Action::Seek(progress) => self.clock.seek(progress),
+            Action::Skip(wall_s) => self.clock.seek_by(wall_s * self.clock.speed()),
+            Action::NextCamera => self.next_camera(),
+            Action::Zoom(steps) => self.zoom(steps),
+            Action::Drag(right_px, down_px) => self.drag(right_px, down_px, height_px),
+            Action::ResetView => self.look = Look::default(),
+            Action::Help => self.help = !self.help,
+            Action::Panel => self.panel = !self.panel,
+            Action::TimeLine if self.panel => self.line.shown = !self.line.shown,
+            // Hidden with the panel, it comes back with it.
+            Action::TimeLine => (self.panel, self.line.shown) = (true, true),
+            Action::Loop => self.clock.set_at_end(match self.clock.at_end() {
+                AtEnd::Loop => AtEnd::Stop,
+                AtEnd::Stop => AtEnd::Loop,
+            }),
+            Action::RangeStart(at) => self
+                .clock
+                .set_range_start(at.unwrap_or(self.clock.progress())),
+            Action::RangeEnd(at) => self
+                .clock
+                .set_range_end(at.unwrap_or(self.clock.progress())),
+            Action::RangeAll => self.clock.clear_range(),
+            Action::SceneSpan => self.clock.return_to_scene_span(),
+            Action::Place(lat_deg, lon_deg) => {
+                self.line.place = Some(Geodetic::from_degrees(lat_deg, lon_deg, 0.0));
+            }
+            Action::MinElevation(degrees) => self.line.min_elevation_deg = degrees,
+            // A second time it is left; the clock goes on by itself.
+            Action::RealTime if self.line.is_real_time() => self.line.leave_real_time(),
+            Action::RealTime => return Some(WindowTask::RealTime),
+            Action::NextPass => return Some(WindowTask::NextPass),
+            Action::Screenshot => return Some(WindowTask::Screenshot),
+            Action::FullScreen => return Some(WindowTask::FullScreen),
+            Action::Dismiss => self.dismiss(),
+            Action::Confirm if self.asks_to_close => return Some(WindowTask::Quit),
+            Action::Confirm => {}
+            Action::Quit => return Some(WindowTask::Quit),
+        }
+        None
+    }
+
+    fn next_camera(&mut self) {
+        let present = self.modes.iter().position(|mode| *mode == self.mode);
+        let next = present.map_or(0, |index| (index + 1) % self.modes.len());
+        if let Some(mode) = self.modes.get(next) {
+            self.mode = *mode;
+        }
+        // A turned head would look anywhere in another camera.
+        self.look = Look::default();
+    }
+
+    fn zoom(&mut self, steps: f64) {
+        if !steps.is_finite() {
+            return;
+        }
+        let steps = steps.clamp(-MAX_ZOOM_STEP, MAX_ZOOM_STEP);
+        let zoom = (self.look.zoom.log2() + steps).exp2();
+        let fov_rad = Look { zoom, ..self.look }.fov_rad(self.scene_fov_rad);
+        // What the view's limits left of it: steps must not pile up behind them.
+        self.look.zoom = (0.5 * self.scene_fov_rad).tan() / (0.5 * fov_rad).tan();
+    }
+
+    /// The point under the pointer stays under it: a pixel is 2 tan(fov/2)/height of a radian in the middle.
+    fn drag(&mut self, right_px: f64, down_px: f64, height_px: f64) {
+        let per_px = 2.0 * (0.5 * self.fov_rad()).tan() / height_px.max(1.0);
+        let yaw = self.look.yaw_rad - right_px * per_px;
+        let pitch = self.look.pitch_rad + down_px * per_px;
+        if yaw.is_finite() && pitch.is_finite() {
+            self.look.yaw_rad = yaw.rem_euclid(std::f64::consts::TAU);
+            self.look.pitch_rad = pitch.clamp(-MAX_PITCH_RAD, MAX_PITCH_RAD);
+        }
+    }
+}
+
+/// Whether it sets the clock, which then goes its own way.
+fn sets_clock(action: Action) -> bool {
+    matches!(
+        action,
+        Action::Pause
+            | Action::Faster
+            | Action::Slower
+            | Action::Reverse
+            | Action::Seek(_)
+            | Action::Skip(_)
+            | Action::SceneSpan
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Scene;
+    use std::path::Path;
+
+    fn controls(scene: &str) -> Controls {
+        let scene = Scene::from_toml(scene, Path::new("test.toml")).expect("a good scene");
+        Controls::new(&Flight::open(scene).expect("opens"))
+    }
+
+    const PLACE: &str = "[camera]\nmode = \"geodetic\"\nfov_deg = 45\n";
+
+    #[test]
+    fn only_cameras_that_make_sense_are_offered() {
+        let mut ground = controls(PLACE);
+        ground.apply(Action::NextCamera, 720.0);
+        assert_eq!(ground.mode, CameraMode::Geodetic);
+
+        let mut flying = controls("[camera]\nmode = \"chase\"\n");
+        let mut seen = Vec::new();
+        for _ in 0..4 {
+            flying.apply(Action::NextCamera, 720.0);
+            seen.push(flying.mode);
+        }
+        use CameraMode::{Chase, Geodetic, Horizon, Nadir};
+        assert_eq!(seen, [Geodetic, Nadir, Horizon, Chase]);
+    }
+
+    #[test]
+    fn zoom_ends_and_comes_straight_back() {
+        let mut controls = controls(PLACE);
+        let begin = controls.fov_rad();
+        controls.apply(Action::Zoom(1.0), 720.0);
+        assert!(controls.fov_rad() < 0.6 * begin);
+        for _ in 0..1_000 {
+            controls.apply(Action::Zoom(1.0), 720.0);
+        }
+        let narrowest = controls.fov_rad();
+        assert!(narrowest > 0.0);
+        controls.apply(Action::Zoom(-1.0), 720.0);
+        assert!(controls.fov_rad() > 1.5 * narrowest, "steps piled up");
+        controls.apply(Action::ResetView, 720.0);
+        assert!((controls.fov_rad() - begin).abs() < 1e-12);
+        controls.apply(Action::Zoom(f64::NAN), 720.0);
+        assert!((controls.fov_rad() - begin).abs() < 1e-12);
+    }
+
+    #[test]
+    fn dragging_moves_the_view_with_the_pointer() {
+        let mut controls = controls(PLACE);
+        controls.apply(Action::Drag(-10.0, 10.0), 720.0);
+        // Dragging the picture to the left turns the head to the right; down, it turns up.
+        assert!(controls.look.yaw_rad > 0.0 && controls.look.pitch_rad > 0.0);
+        controls.apply(Action::Drag(0.0, 1e9), 720.0);
+        assert!(controls.look.pitch_rad <= MAX_PITCH_RAD);
+        let before = controls.look;
+        controls.apply(Action::Drag(f64::NAN, 0.0), 720.0);
+        assert_eq!(controls.look, before);
+    }
+
+    #[test]
+    fn a_long_pause_of_the_machine_is_a_short_step() {
+        let mut controls =
+            controls("[camera]\nmode = \"geodetic\"\n[time]\nspeed = 10\nduration_s = 100\n");
+        controls.advance(3600.0);
+        assert!((controls.clock.progress() - 0.025).abs() < 1e-9);
+    }
+
+    #[test]
+    fn the_time_line_is_hidden_with_the_panel_and_by_its_own_key() {
+        let mut controls = controls(PLACE);
+        assert!(controls.shows_line());
+        controls.apply(Action::TimeLine, 720.0);
+        assert!(!controls.shows_line() && controls.panel);
+        controls.apply(Action::Panel, 720.0);
+        controls.apply(Action::TimeLine, 720.0);
+        assert!(controls.shows_line());
+        controls.apply(Action::Panel, 720.0);
+        assert!(!controls.shows_line());
+    }
+
+    #[test]
+    fn a_clock_that_is_set_leaves_real_time() {
+        use terrella::frames::utc_from_rfc3339;
+        for action in [Action::Pause, Action::Seek(0.5), Action::Faster] {
+            let mut controls = controls(PLACE);
+            assert_eq!(
+                controls.apply(Action::RealTime, 720.0),
+                Some(WindowTask::RealTime)
+            );
+            let now = utc_from_rfc3339("2026-03-01T08:00:00Z").expect("a date");
+            controls
+                .line
+                .begin_real_time(&mut controls.clock, now, None);
+            controls.apply(Action::Zoom(1.0), 720.0);
+            assert!(controls.line.is_real_time());
+            controls.apply(action, 720.0);
+            assert!(!controls.line.is_real_time(), "{action:?}");
+            assert!(!controls.clock.is_on_scene_span());
+            controls.apply(Action::SceneSpan, 720.0);
+            assert!(controls.clock.is_on_scene_span());
+        }
+    }
+
+    #[test]
+    fn the_part_begins_and_ends_where_the_clock_stands() {
+        let mut controls = controls(PLACE);
+        controls.apply(Action::Seek(0.25), 720.0);
+        controls.apply(Action::RangeStart(None), 720.0);
+        controls.apply(Action::RangeEnd(Some(0.75)), 720.0);
+        assert_eq!(controls.clock.range(), (0.25, 0.75));
+        controls.apply(Action::RangeAll, 720.0);
+        assert_eq!(controls.clock.range(), (0.0, 1.0));
+        controls.apply(Action::Loop, 720.0);
+        assert_eq!(controls.clock.at_end(), AtEnd::Stop);
+    }
+
+    #[test]
+    fn esc_closes_the_help_and_then_asks_before_it_closes_the_window() {
+        let mut controls = controls(PLACE);
+        controls.apply(Action::Help, 720.0);
+        assert_eq!(controls.apply(Action::Dismiss, 720.0), None);
+        assert!(!controls.help && !controls.asks_to_close);
+        // Enter answers a question and does nothing without one.
+        assert_eq!(controls.apply(Action::Confirm, 720.0), None);
+        assert_eq!(controls.apply(Action::Dismiss, 720.0), None);
+        assert!(controls.asks_to_close);
+        assert_eq!(controls.apply(Action::Dismiss, 720.0), None);
+        assert!(!controls.is_dialog_open());
+        controls.apply(Action::Dismiss, 720.0);
+        assert_eq!(
+            controls.apply(Action::Confirm, 720.0),
+            Some(WindowTask::Quit)
+        );
+    }
+
+    #[test]
+    fn the_window_is_asked_for_what_only_it_can_do() {
+        let mut controls = controls(PLACE);
+        assert_eq!(controls.apply(Action::Quit, 720.0), Some(WindowTask::Quit));
+        assert_eq!(controls.apply(Action::Pause, 720.0), None);
+        assert!(controls.clock.is_paused());
+    }
+}

@@ -1,0 +1,411 @@
+//! What can go wrong between a scene and a picture.
+
+use super::film::FilmError;
+use super::output::OutputError;
+use terrella::EarthError;
+use terrella::basilisk::RecordingError;
+use terrella::celestial::CelestialError;
+use terrella::elevation::{HeightFileError, StreamedGroundError};
+use terrella::frames::EarthOrientationError;
+use terrella::internals::gpu::{ContextError, PictureError, TimerError};
+use terrella::internals::imagery::ImageryError;
+use terrella::internals::imagery::pack::PackError;
+use terrella::internals::offscreen::OffscreenError;
+use terrella::orbit::OrbitError;
+use crate::scene::SceneError;
+use terrella::tracks::TracksError;
+use std::path::PathBuf;
+
+/// What can go wrong between a scene and a picture. The messages are those of the modules they come from.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum PlayError {
+    /// The scene.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// The orbit's elements, or SGP4 at some instant.
+    #[error(transparent)]
+    Orbit(#[from] OrbitError),
+    /// The tracks of the scene's satellites.
+    #[error(transparent)]
+    Tracks(#[from] TracksError),
+    /// What is beyond the Earth cannot be drawn.
+    #[error(transparent)]
+    Celestial(#[from] CelestialError),
+    /// The table of the Earth's orientation.
+    #[error(transparent)]
+    EarthOrientation(#[from] EarthOrientationError),
+    /// The maps.
+    #[error(transparent)]
+    Imagery(#[from] ImageryError),
+    /// The imagery pack.
+    #[error(transparent)]
+    Pack(#[from] PackError),
+    /// The heights.
+    #[error(transparent)]
+    Heights(#[from] HeightFileError),
+    /// The heights of the scene's pack cannot be the ground.
+    #[error("heights of the pack: {0}")]
+    PackHeights(#[from] StreamedGroundError),
+    /// The scene asks for heights that its pack has not.
+    #[error(
+        "{}:{line}: [earth] pack_heights: the pack {} has no heights; leave it out and name files by elevation = [\"FILE\", …], or build \
+         the pack with --heights",
+        scene.display(), folder.display()
+    )]
+    NoPackHeights {
+        /// The scene's file.
+        scene: PathBuf,
+        /// Its line.
+        line: usize,
+        /// The pack's folder.
+        folder: PathBuf,
+    },
+    /// The scene asks for a map that its pack has not.
+    #[error(
+        "{}:{line}: [earth] {layer}: the pack {} has no such map; write {layer} = false, leave it out, or build the pack with it",
+        scene.display(), folder.display()
+    )]
+    NoLayer {
+        /// The scene's file.
+        scene: PathBuf,
+        /// Its line.
+        line: usize,
+        /// Name of the map that is missing.
+        layer: &'static str,
+        /// The pack's folder.
+        folder: PathBuf,
+    },
+    /// A strict scene, and a map that is not there.
+    #[error(
+        "{}: [{table}] {layer}: {missing}; add it, write {layer} = false, or leave out strict = true",
+        scene.display()
+    )]
+    MissingLayer {
+        /// The scene's file.
+        scene: PathBuf,
+        /// The table of its key.
+        table: &'static str,
+        /// Name of the map that is missing.
+        layer: &'static str,
+        /// What is missing.
+        missing: String,
+    },
+    /// The scene asks for a storage that its pack has not.
+    #[error(
+        "the pack {} keeps its tiles as {kept} only; write storage = \"auto\" in [earth], or build the pack with the other",
+        folder.display()
+    )]
+    NoStorage {
+        /// The pack's folder.
+        folder: PathBuf,
+        /// What it keeps.
+        kept: String,
+    },
+    /// Two maps of a layer that change into each other and are not alike.
+    #[error(
+        "[earth] {key}: {} and {} are not of one size; maps that pass into each other must be, or write map_fade = false",
+        files[0].display(), files[1].display()
+    )]
+    UnlikeMaps {
+        /// The key that names them.
+        key: &'static str,
+        /// Their files.
+        files: Box<[PathBuf; 2]>,
+    },
+    /// The thread that reads maps cannot begin.
+    #[error("no thread to read maps with: {0}")]
+    NoThread(#[source] std::io::Error),
+    /// The renderer.
+    #[error(transparent)]
+    Earth(#[from] EarthError),
+    /// Textures and what is drawn to them.
+    #[error(transparent)]
+    Offscreen(#[from] OffscreenError),
+    /// The adapter.
+    #[error(transparent)]
+    Context(#[from] ContextError),
+    /// Reading a picture back.
+    #[error(transparent)]
+    Picture(#[from] PictureError),
+    /// Times of the device could not be read.
+    #[error(transparent)]
+    Timer(#[from] TimerError),
+    /// Writing files.
+    #[error(transparent)]
+    Output(#[from] OutputError),
+    /// A folder of frames.
+    #[error(transparent)]
+    Film(#[from] FilmError),
+    /// Encoding video.
+    #[error(transparent)]
+    Video(#[from] VideoError),
+    /// The window.
+    #[error(transparent)]
+    Window(#[from] WindowError),
+    /// A saved simulation cannot be read any more.
+    #[error(transparent)]
+    Recording(#[from] RecordingError),
+    /// A camera of a simulation cannot be drawn.
+    #[error("no picture for the simulation: {cause}")]
+    NoCameraPicture {
+        /// Why, and of which camera.
+        cause: String,
+    },
+    /// A scene whose satellites do not come from a simulation that runs.
+    #[error("{}: there is no simulation to serve; write source = \"basilisk\" in [orbit], without a file", scene.display())]
+    NoSimulation {
+        /// The scene's file.
+        scene: PathBuf,
+    },
+    /// The work was stopped from outside.
+    #[error(
+        "interrupted after {done}{} frames; an unfinished video is taken away, finished frames stay, and --resume goes on with them",
+        wanted.map_or_else(String::new, |wanted| format!(" of {wanted}"))
+    )]
+    Interrupted {
+        /// Frames drawn.
+        done: u64,
+        /// Frames wanted, where that is known.
+        wanted: Option<u64>,
+    },
+    /// No satellite of the name that is asked for, or no satellite at all.
+    #[error("{}: satellite {wanted:?}: {remedy}", scene.display())]
+    UnknownSatellite {
+        /// The scene's file.
+        scene: PathBuf,
+        /// The name.
+        wanted: String,
+        /// What the user can do about it.
+        remedy: String,
+    },
+    /// An ephemeris of so many rows.
+    #[error(
+        "{rows} rows are more than the {limit} that one ephemeris may have; take a larger step or a shorter scene"
+    )]
+    TooManyRows {
+        /// How many it would have.
+        rows: u64,
+        /// Most rows that are written.
+        limit: u64,
+    },
+    /// States that cannot be written as an ephemeris message.
+    #[error("{}: {satellite} cannot be written as an ephemeris: {cause}", path.display())]
+    NoEphemeris {
+        /// The file.
+        path: PathBuf,
+        /// The satellite.
+        satellite: String,
+        /// Why not, and what to do.
+        cause: String,
+    },
+    /// Elements are asked of satellites that have none.
+    #[error("{}: an element message is for satellites with mean elements, of source = \"tle\" or \"omm\"; {satellite} has none: write its states by --oem", path.display())]
+    NoElements {
+        /// The file.
+        path: PathBuf,
+        /// The satellite.
+        satellite: String,
+    },
+    /// A simulator gives the time of a scene, and this work needs another.
+    #[error("{}: the time comes from the simulator on {listens_on}: {work}; {remedy}", scene.display())]
+    Live {
+        /// The scene's file.
+        scene: PathBuf,
+        /// Where it is listened for.
+        listens_on: String,
+        /// The work that cannot be done.
+        work: &'static str,
+        /// What the user can do about it.
+        remedy: &'static str,
+    },
+    /// A simulator sent nothing, or nothing more.
+    #[error(
+        "nothing came from a simulator on {listens_on} {when}; start it, or give it more time by wait_s in [output]"
+    )]
+    Silent {
+        /// Where it was listened for.
+        listens_on: String,
+        /// How long, in words.
+        when: String,
+    },
+    /// A camera at a satellite, and no satellite.
+    #[error("the scene has no satellite, which this needs; give it an [orbit] table")]
+    NoSatellite,
+    /// A view of which there is no picture.
+    #[error("there are no truth layers of this view: its eye or projection is not finite")]
+    NoTruth,
+    /// Events of a motion that is not integrated.
+    #[error(
+        "{satellite} has no events: they are found where motion is integrated; write source = \"numerical\", and what to look for with events = [\"nodes\", \"apsides\", \"eclipses\"] in [orbit]"
+    )]
+    NoEvents {
+        /// The satellite.
+        satellite: String,
+    },
+    /// The scene's ladder of quality.
+    #[error("{}: {problem}; give a ladder.csv that `terrella report SCENE --quality` wrote, or leave `ladder` out of [quality]", path.display())]
+    Ladder {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it, with the line where there is one.
+        problem: String,
+    },
+    /// The device stopped answering.
+    #[error("the graphics device stopped answering: {0}")]
+    DeviceLost(String),
+    /// A thread that writes frames ended without a message.
+    #[error(
+        "the thread that writes the frames broke down; this is a fault of the program, please report it"
+    )]
+    WriterBroke,
+}
+
+impl PlayError {
+    /// Whether the scene, or a date asked for, is at fault, and not the machine.
+    pub fn is_bad_scene(&self) -> bool {
+        if matches!(
+            self,
+            Self::Film(FilmError::NoSuchFrames { .. } | FilmError::NoLight { .. })
+        ) {
+            return true;
+        }
+        matches!(
+            self,
+            Self::Scene(_)
+                | Self::NoSatellite
+                | Self::NoLayer { .. }
+                | Self::NoPackHeights { .. }
+                | Self::MissingLayer { .. }
+                | Self::NoStorage { .. }
+                | Self::UnknownSatellite { .. }
+                | Self::TooManyRows { .. }
+                | Self::Live { .. }
+                | Self::NoElements { .. }
+                | Self::Ladder { .. }
+                | Self::NoEvents { .. }
+                | Self::Orbit(
+                    OrbitError::OutsideValidity { .. }
+                        | OrbitError::NotCovered { .. }
+                        | OrbitError::Impact { .. }
+                )
+        )
+    }
+}
+
+/// Why there is no window.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum WindowError {
+    /// No display, or none that answers.
+    #[error(
+        "no window can be opened: {0}; without a display, write a film with --video FILE.mp4 or --frames FOLDER, or \
+         one picture with `terrella frame`"
+    )]
+    NoDisplay(String),
+    /// The thread that times frames cannot be started.
+    #[error("frames cannot be timed: {0}; leave target_ms out of the scene's [quality]")]
+    NoThread(std::io::Error),
+    /// The thread that looks for passes cannot be started.
+    #[error("the thread that looks for passes cannot be started: {0}")]
+    NoPasses(std::io::Error),
+    /// The window's surface takes no 8-bit sRGB colour.
+    #[error(
+        "the window's surface offers no 8-bit sRGB colour, only {present:?}; choose another adapter with --adapter, or \
+         write --video or --frames"
+    )]
+    NoFormat {
+        /// What it offers.
+        present: Vec<wgpu::TextureFormat>,
+    },
+}
+
+/// Why a video could not be written.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum VideoError {
+    /// An odd width or height.
+    #[error(
+        "a video of {width} × {height} pixels is not possible: H.264 video needs an even width and height; \
+         take {even_width} × {even_height}, or write --frames"
+    )]
+    OddSize {
+        /// Width asked for.
+        width: u32,
+        /// Height asked for.
+        height: u32,
+        /// An even width near it.
+        even_width: u32,
+        /// An even height near it.
+        even_height: u32,
+    },
+    /// Smaller than the encoder of AV1 takes.
+    #[error(
+        "the encoder of AV1 writes videos from 64 × 64 pixels on, not {width} × {height}; take a larger size, or --codec h264"
+    )]
+    Av1Size {
+        /// Width asked for.
+        width: u32,
+        /// Height asked for.
+        height: u32,
+    },
+    /// Larger than the built-in encoder takes.
+    #[error(
+        "the built-in encoder writes videos from 16 × 16 to 3840 × 2160 pixels (or upright), not {width} × {height}; \
+         install ffmpeg, or write --frames"
+    )]
+    BuiltinSize {
+        /// Width asked for.
+        width: u32,
+        /// Height asked for.
+        height: u32,
+    },
+    /// More data than the built-in MP4 writer takes.
+    #[error(
+        "{}: the video has grown over {limit_mib} MiB, the most that the built-in encoder writes; install ffmpeg, or \
+         make the film shorter or smaller", path.display()
+    )]
+    BuiltinLength {
+        /// The file.
+        path: PathBuf,
+        /// The limit, MiB.
+        limit_mib: u64,
+    },
+    /// The built-in encoder failed.
+    #[error("{}: the built-in encoder failed: {cause}", path.display())]
+    Builtin {
+        /// The file.
+        path: PathBuf,
+        /// Its words.
+        cause: String,
+    },
+    /// `ffmpeg` was asked for and is not there.
+    #[error(
+        "ffmpeg was not found on the search path; install it (on Debian and Ubuntu `apt-get install ffmpeg`), or \
+         choose --encoder builtin"
+    )]
+    NoFfmpeg,
+    /// `ffmpeg` is there without the encoder.
+    #[error(
+        "the installed ffmpeg has no {encoder}; install one that has, or choose another --codec, or --encoder builtin, which writes H.264"
+    )]
+    NoEncoder {
+        /// The encoder asked for.
+        encoder: &'static str,
+    },
+    /// A codec or quality that the built-in encoder does not have.
+    #[error(
+        "the built-in encoder writes H.264 of one quality; leave --codec and --crf out, or choose --encoder ffmpeg"
+    )]
+    BuiltinCoding,
+    /// `ffmpeg` stopped.
+    #[error("{}: ffmpeg failed ({status}): {words}", path.display())]
+    Ffmpeg {
+        /// The file.
+        path: PathBuf,
+        /// How it ended.
+        status: String,
+        /// The end of what it printed.
+        words: String,
+    },
+}

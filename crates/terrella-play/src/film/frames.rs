@@ -1,0 +1,122 @@
+//! The frames of a scene's film, drawn in any order.
+//!
+//! A frame is a function of its number: also where exposure is metered, which follows the frames before. Whoever draws a part of a film
+//! therefore draws the same pictures as who draws all of it.
+
+use super::painter::FilmPainter;
+use super::picture::FilmPicture;
+use super::record::FrameRecord;
+use super::settings::PictureSettings;
+use terrella::frames::Epoch;
+use terrella::internals::gpu::GpuContext;
+use terrella::internals::imagery::tile::TileKey;
+use crate::clock::{epoch_after, frame_epoch};
+use crate::error::PlayError;
+use crate::flight::Flight;
+use terrella::{EarthOptions, Exposure};
+
+/// Draws the frames of a scene's film.
+pub struct FilmFrames {
+    painter: FilmPainter,
+    settings: PictureSettings,
+    has_tiles: bool,
+    /// Where exposure is metered: that of the first frames, as far as it is known, EV; `None` before the first that has one.
+    exposures_ev: Vec<Option<f64>>,
+}
+
+/// A frame that is drawn and not written.
+pub struct DrawnFrame {
+    /// What its page says of it, but for its file.
+    pub record: FrameRecord,
+    /// What is drawn.
+    pub picture: FilmPicture,
+    /// Tiles that it lacks.
+    pub missing: Vec<TileKey>,
+}
+
+impl FilmFrames {
+    /// Uploads the maps to an adapter that has [`FilmPainter::features`].
+    ///
+    /// # Errors
+    /// What the settings do not allow; maps and textures that the device has no room for.
+    pub fn open(
+        flight: &Flight,
+        gpu: GpuContext,
+        options: EarthOptions,
+        size: (u32, u32),
+        settings: PictureSettings,
+    ) -> Result<Self, PlayError> {
+        Ok(Self {
+            has_tiles: options.tiles.is_some(),
+            painter: FilmPainter::open(flight, gpu, options, size, settings)?,
+            settings,
+            exposures_ev: Vec::new(),
+        })
+    }
+
+    /// What paints them.
+    pub fn painter(&mut self) -> &mut FilmPainter {
+        &mut self.painter
+    }
+
+    /// Where exposure is metered, follows the light up to a frame that is not drawn itself.
+    ///
+    /// # Errors
+    /// An instant that is not known.
+    pub fn follow(&mut self, flight: &Flight, index: u64) -> Result<(), PlayError> {
+        let time = &flight.scene().time;
+        let aspect = self.painter.aspect();
+        let renderer = self.painter.renderer();
+        if !renderer.meters_exposure() {
+            return Ok(());
+        }
+        for n in self.exposures_ev.len() as u64..=index {
+            let moment = flight.at(frame_epoch(time, n), aspect)?;
+            let ev = renderer.follow_light(&moment, 1.0 / time.frame_rate_hz)?;
+            // Where nothing is metered the exposure stays as it is.
+            let before = self.exposures_ev.last().copied().flatten();
+            self.exposures_ev.push(ev.or(before));
+        }
+        Ok(())
+    }
+
+    /// Draws a frame.
+    ///
+    /// # Errors
+    /// An instant that is not known, a lost device.
+    pub fn draw(&mut self, flight: &Flight, index: u64) -> Result<DrawnFrame, PlayError> {
+        let scene = flight.scene();
+        let (time, aspect) = (&scene.time, self.painter.aspect());
+        let epoch = frame_epoch(time, index);
+        let moment = flight.at(epoch, aspect)?;
+        self.follow(flight, index)?;
+        // 2^64 frames are not drawn.
+        if let Some(ev) = self.exposures_ev.get(index as usize) {
+            let exposure = ev.map_or(Exposure::Auto, Exposure::Ev);
+            self.painter.renderer().set_exposure(exposure)?;
+        }
+        if self.has_tiles {
+            // The next frame's tiles are read while this one is drawn and written.
+            let next = flight.at(frame_epoch(time, index + 1), aspect);
+            let next = next.as_ref();
+            let views = next.map_or(&[][..], |next| std::slice::from_ref(&next.view));
+            self.painter.renderer().expect(views);
+        }
+        let after = |part: f64| epoch_after(time, index as f64 + part);
+        let painted = self
+            .painter
+            .paint(&moment, |part| flight.at(after(part), aspect))?;
+        let (start, ev) = (time.start, painted.exposure_ev);
+        let mut record = FrameRecord::new(index, start, epoch, &moment.view, ev);
+        record.shutter_ns = self.settings.shutter.map(|shutter| {
+            let ns = |epoch: Epoch| (epoch - start).total_nanoseconds();
+            // Scenes reach over two hundred years, 6.3e18 ns.
+            [0.0, shutter.open].map(|part| ns(after(part)) as i64)
+        });
+        Ok(DrawnFrame {
+            record,
+            picture: painted.picture,
+            missing: painted.missing,
+        })
+    }
+}

@@ -1,0 +1,174 @@
+//! Draws the pictures of a film.
+
+use super::develop::GatheredLight;
+use super::error::FilmError;
+use super::picture::FilmPicture;
+use super::settings::PictureSettings;
+use terrella::internals::gpu::GpuContext;
+use terrella::internals::imagery::tile::TileKey;
+use crate::error::PlayError;
+use crate::flight::{Flight, Moment};
+use crate::offscreen::OffscreenRenderer;
+use crate::quality_control::scene_quality;
+use crate::tracks::TracksLayer;
+use terrella::{EarthOptions, exposure_factor};
+use std::time::Duration;
+
+/// Draws the pictures of a film, as its settings ask for.
+pub struct FilmPainter {
+    renderer: OffscreenRenderer,
+    settings: PictureSettings,
+    size: (u32, u32),
+    pixels_a_side: u32,
+    tone: terrella::Tone,
+    wait: Duration,
+}
+
+/// A picture, and what is to be said of it.
+pub struct Painted {
+    /// The picture.
+    pub picture: FilmPicture,
+    /// Its exposure value.
+    pub exposure_ev: f64,
+    /// Tiles that it lacks.
+    pub missing: Vec<TileKey>,
+}
+
+impl FilmPainter {
+    /// What a device must be able to do for these settings.
+    pub fn features(settings: &PictureSettings) -> wgpu::Features {
+        match settings.need_light() {
+            true => GpuContext::FLOAT_TARGET,
+            false => wgpu::Features::empty(),
+        }
+    }
+
+    /// Refuses settings that a scene cannot be drawn with.
+    ///
+    /// # Errors
+    /// Tracks and the paper's shading where pictures are made of light.
+    pub fn check(flight: &Flight, settings: &PictureSettings) -> Result<(), FilmError> {
+        if !settings.need_light() {
+            return Ok(());
+        }
+        let scene = flight.scene();
+        let refused = |what, remedy| FilmError::NoLight {
+            scene: scene.path.clone(),
+            what,
+            remedy,
+        };
+        if TracksLayer::is_wanted(flight) {
+            return Err(refused(
+                "tracks and names",
+                "switch trail, ground_track, subpoint, marker and footprint off",
+            ));
+        }
+        if scene.earth.light.is_none() {
+            return Err(refused(
+                "the paper's shading",
+                "write shading = \"sunlit\" in [earth]",
+            ));
+        }
+        if settings.alpha && scene.quality.scale < 1.0 {
+            return Err(refused(
+                "space between enlarged pixels",
+                "leave scale out of [quality]",
+            ));
+        }
+        Ok(())
+    }
+
+    /// Uploads the maps to an adapter.
+    ///
+    /// # Errors
+    /// What the settings do not allow; maps and textures that the device has no room for.
+    pub fn open(
+        flight: &Flight,
+        gpu: GpuContext,
+        options: EarthOptions,
+        size: (u32, u32),
+        settings: PictureSettings,
+    ) -> Result<Self, PlayError> {
+        Self::check(flight, &settings)?;
+        let scene = flight.scene();
+        let (mut renderer, pixels_a_side) = match settings.need_light() {
+            false => (OffscreenRenderer::open(gpu, options, size)?, 1),
+            true => {
+                let side = settings.pixels_a_side(scene.output.samples);
+                let drawn = (size.0.saturating_mul(side), size.1.saturating_mul(side));
+                let mut renderer = OffscreenRenderer::open_for_light(gpu, options, drawn)?;
+                if settings.alpha {
+                    renderer.make_space_transparent();
+                }
+                (renderer, side)
+            }
+        };
+        renderer.show_dated_maps(flight)?;
+        // What is beyond the Earth is space.
+        if !settings.alpha {
+            renderer.show_sky(flight)?;
+        }
+        if !settings.need_light() {
+            renderer.show_tracks(flight)?;
+        }
+        let quality = scene_quality(&scene.quality, *renderer.earth().quality());
+        renderer.set_quality(&quality)?;
+        Ok(Self {
+            renderer,
+            settings,
+            size,
+            pixels_a_side,
+            tone: scene.output.tone,
+            wait: scene.output.wait(),
+        })
+    }
+
+    /// The renderer.
+    pub fn renderer(&mut self) -> &mut OffscreenRenderer {
+        &mut self.renderer
+    }
+
+    /// Width over height.
+    pub fn aspect(&self) -> f64 {
+        f64::from(self.size.0) / f64::from(self.size.1)
+    }
+
+    /// Draws a picture of `moment`. Where a shutter is open, `at` gives the moments of parts of the time to the next frame.
+    ///
+    /// # Errors
+    /// Moments that are not known, a lost device.
+    pub fn paint(
+        &mut self,
+        moment: &Moment,
+        at: impl Fn(f64) -> Result<Moment, PlayError>,
+    ) -> Result<Painted, PlayError> {
+        if !self.settings.need_light() {
+            let (stats, missing) = self.renderer.draw_complete(moment, self.wait);
+            return Ok(Painted {
+                picture: FilmPicture::Shown(self.renderer.read()?),
+                exposure_ev: stats.exposure_ev,
+                missing,
+            });
+        }
+        let mut gathered = GatheredLight::new(self.size, self.pixels_a_side);
+        let mut all_missing: Vec<TileKey> = Vec::new();
+        let mut exposure_ev = moment.exposure_ev;
+        for part in self.settings.instants() {
+            let moment = match self.settings.shutter {
+                None => *moment,
+                Some(_) => at(part)?,
+            };
+            let (stats, missing) = self.renderer.draw_complete(&moment, self.wait);
+            gathered.add(&self.renderer.read_light()?);
+            all_missing.extend(missing);
+            // That of the first, which a metered one has for all.
+            exposure_ev = exposure_ev.or(Some(stats.exposure_ev));
+        }
+        let exposure_ev = exposure_ev.unwrap_or_default();
+        Ok(Painted {
+            picture: FilmPicture::Light(gathered.picture(exposure_factor(exposure_ev), self.tone)),
+            exposure_ev,
+            missing: all_missing,
+        })
+    }
+}

@@ -1,0 +1,443 @@
+//! A scene made ready to be played: where the eye is and what lights it at any instant.
+
+use super::camera::{Look, OrbitalMotion, Pose};
+use super::camera_path::CameraPath;
+use super::craft::CraftPose;
+use super::error::PlayError;
+use super::maps::{DroppedLayer, check_pack, dropped_layers, earth_options, earth_options_at};
+use super::opening::open_all;
+use super::place_text::GroundPlace;
+use super::satellites::{Listener, Satellite, orientation_at};
+use super::sky_parts::dropped_parts;
+use terrella::frames::{
+    EarthOrientation, Ellipsoid, Epoch, Geodetic, Illumination, Orientation, illumination,
+};
+use terrella::internals::gpu::BcSupport;
+use terrella::orbit::{Feed, Frame, OrbitError, OrbitState};
+use crate::scene::{CameraMode, Ending, Scene};
+use terrella::tracks::EarthTurn;
+use terrella::{EarthOptions, EyeView, Sky};
+use glam::DVec3;
+
+/// A scene with its satellites opened and its dates checked.
+pub struct Flight {
+    scene: Scene,
+    satellites: Vec<Satellite>,
+    /// The one of `satellites` that cameras fly with.
+    followed: usize,
+    orientation: Option<EarthOrientation>,
+    ellipsoid: Ellipsoid,
+    /// What the scene's camera does in the course of time.
+    path: CameraPath,
+}
+
+/// How one picture of an instant is wanted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ViewRequest {
+    /// The camera.
+    pub mode: CameraMode,
+    /// What the user changed about it.
+    pub look: Look,
+    /// Width over height of the picture.
+    pub aspect: f64,
+}
+
+/// One instant of a flight.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Moment {
+    /// Epoch of the picture.
+    pub epoch: Epoch,
+    /// Where the eye is and what it sees.
+    pub view: EyeView,
+    /// What lights the Earth.
+    pub sky: Sky,
+    /// Where the satellite is, if there is one.
+    pub satellite: Option<SatelliteState>,
+    /// The spacecraft to draw, if the camera looks at it.
+    pub craft: Option<CraftPose>,
+    /// How the eye moves about the Earth's centre, metres a second, in axes that do not turn, written along those of ITRF; `None`
+    /// stands over the ground.
+    pub eye_velocity_m_s: Option<DVec3>,
+    /// How the Earth stands and turns where a simulation says so and not the date.
+    pub turn: Option<EarthTurn>,
+    /// Whether stars and Milky Way are left out, as a simulation may ask.
+    pub is_starless: bool,
+    /// The exposure value of the instant, where the scene keys it.
+    pub exposure_ev: Option<f64>,
+}
+
+/// A satellite at an instant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SatelliteState {
+    /// Its place above the scene's figure.
+    pub place: Geodetic,
+    /// Its speed seen from the stars, metres per second.
+    pub speed_m_s: f64,
+    /// What the Earth leaves of the Sun there, and the part of its disc, 0…1.
+    pub illumination: (Illumination, f64),
+    /// How far the place may be off, metres (one standard deviation), where the satellite's source says so.
+    pub error_m: Option<f64>,
+}
+
+impl Flight {
+    /// Opens the scene's satellites and checks that the one that cameras fly with is known for all of the scene's dates,
+    /// and that its pack, if it has one, holds what it asks for. A scene that gives no start begins at its satellite's own time,
+    /// if that has one ([`Scene::begin_at`]). A duration that the scene does not give is shortened to what
+    /// that satellite is known for; where the built-in satellite's elements do not reach, a stand-in flies
+    /// ([`Scene::notices`]). Live satellites begin to listen; where there are any,
+    /// their simulators give the time and the scene's dates are not checked.
+    pub fn open(scene: Scene) -> Result<Self, PlayError> {
+        Self::open_with(scene, Listener::Open)
+    }
+
+    /// The same without listening: live satellites are never known. For looking at a scene.
+    pub fn open_without_listening(scene: Scene) -> Result<Self, PlayError> {
+        Self::open_with(scene, Listener::Closed)
+    }
+
+    fn open_with(mut scene: Scene, listener: Listener) -> Result<Self, PlayError> {
+        check_pack(&scene)?;
+        let orientation = match &scene.time.orientation {
+            Some(file) => Some(EarthOrientation::from_file(file)?),
+            None => None,
+        };
+        let satellites = open_all(&mut scene, orientation.as_ref(), listener)?;
+        let names: Vec<_> = satellites.iter().map(Satellite::name).collect();
+        let followed = scene.followed(&names)?;
+        if let Some(satellite) = satellites.get(followed)
+            && !scene.is_live()
+        {
+            let ellipsoid = scene.earth.figure.ellipsoid();
+            let impact = impact(satellite.feed(), orientation.as_ref(), &ellipsoid);
+            let (validity, gap) = known_around(satellite.feed(), scene.time.start);
+            let ending = impact
+                .map(|(_, place)| Ending::Impact(place.to_string()))
+                .filter(|_| gap.is_none())
+                .or(gap)
+                .or_else(|| decay(satellite.feed()));
+            scene.shorten(validity, ending.as_ref());
+            scene.check_dates(validity, ending.as_ref())?;
+        }
+        for notice in &scene.notices {
+            tracing::warn!("{}: {notice}", scene.path.display());
+        }
+        Ok(Self {
+            ellipsoid: scene.earth.figure.ellipsoid(),
+            path: CameraPath::new(&scene),
+            scene,
+            satellites,
+            followed,
+            orientation,
+        })
+    }
+
+    /// The scene.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// The motion of the satellite that cameras fly with.
+    pub fn feed(&self) -> Option<&dyn Feed> {
+        self.satellites.get(self.followed).map(Satellite::feed)
+    }
+
+    /// All satellites, in the scene's order.
+    pub fn satellites(&self) -> &[Satellite] {
+        &self.satellites
+    }
+
+    /// The place in [`Self::satellites`] of the one that cameras fly with.
+    pub fn followed(&self) -> usize {
+        self.followed
+    }
+
+    /// Every satellite's name and its state at an instant, in the scene's order. Those that are not followed need not be
+    /// known for all of the scene: their error says when they are.
+    pub fn states_at(
+        &self,
+        epoch: Epoch,
+    ) -> impl Iterator<Item = (&str, Result<OrbitState, OrbitError>)> {
+        self.satellites
+            .iter()
+            .map(move |satellite| (satellite.name(), satellite.feed().state_at(epoch)))
+    }
+
+    /// When and where a satellite meets the ground, if it does so in the time that it is known of.
+    pub fn impact(&self, satellite: &Satellite) -> Option<(Epoch, GroundPlace)> {
+        impact(satellite.feed(), self.orientation.as_ref(), &self.ellipsoid)
+    }
+
+    /// The Earth's orientation by the scene's table, through which states come into Earth-fixed axes; without a table, or
+    /// outside it, UT1 is taken as UTC and polar motion as none.
+    pub fn orientation_at(&self, epoch: Epoch) -> Orientation {
+        orientation_at(self.orientation.as_ref(), epoch).unwrap_or_default()
+    }
+
+    /// The table of the Earth's orientation, if the scene names one.
+    pub fn earth_orientation(&self) -> Option<&EarthOrientation> {
+        self.orientation.as_ref()
+    }
+
+    /// What lights the Earth at an instant, by the scene's table of the Earth's orientation.
+    pub fn sky_at(&self, epoch: Epoch) -> Sky {
+        Sky::with_orientation(epoch, &self.orientation_at(epoch))
+    }
+
+    /// The figure that heights are above.
+    pub fn ellipsoid(&self) -> &Ellipsoid {
+        &self.ellipsoid
+    }
+
+    /// The cameras that this scene can be seen with, in the order in which the window offers them.
+    pub fn camera_modes(&self) -> &'static [CameraMode] {
+        use CameraMode::{Chase, Geodetic, Horizon, Nadir};
+        match self.feed() {
+            Some(_) => &[Nadir, Horizon, Chase, Geodetic],
+            None => &[Geodetic],
+        }
+    }
+
+    /// The view as the scene asks for it. `aspect` is width over height.
+    pub fn at(&self, epoch: Epoch, aspect: f64) -> Result<Moment, PlayError> {
+        let request = ViewRequest {
+            mode: self.scene.camera.mode,
+            look: Look::default(),
+            aspect,
+        };
+        self.view_at(epoch, &request)
+    }
+
+    /// The view of an instant.
+    pub fn view_at(&self, epoch: Epoch, request: &ViewRequest) -> Result<Moment, PlayError> {
+        if let Some(simulation) = self.simulation() {
+            let latest = simulation.latest().ok_or(PlayError::NoSatellite)?;
+            return self.simulated(&latest, request);
+        }
+        if let Some(moment) = self.recorded(epoch, request) {
+            return moment;
+        }
+        let state = match self.feed().map(|feed| feed.state_at(epoch)) {
+            Some(Ok(state)) => Some(motion(&state, &self.orientation_at(epoch))),
+            // The ground is there without it, and its simulator may be late.
+            Some(Err(_)) if request.mode == CameraMode::Geodetic && self.scene.is_live() => None,
+            Some(Err(error)) => return Err(error.into()),
+            None => None,
+        };
+        let pose = self.keyed_pose(epoch, request.mode, state.as_ref())?;
+        Ok(self.moment(epoch, request, pose, state))
+    }
+
+    /// The pose of an instant, by the keys of the scene's camera where it is that one.
+    fn keyed_pose(
+        &self,
+        epoch: Epoch,
+        mode: CameraMode,
+        state: Option<&OrbitalMotion>,
+    ) -> Result<Pose, PlayError> {
+        let (path, ellipsoid) = (&self.path, &self.ellipsoid);
+        if mode != self.scene.camera.mode {
+            return self.pose(mode, state);
+        }
+        Ok(match (mode, state) {
+            (CameraMode::Geodetic, _) => path.ground_pose(epoch, ellipsoid),
+            (CameraMode::Chase, Some(state)) => {
+                let chased = path.chase_pose(epoch, state, ellipsoid);
+                chased.map_or_else(|| self.pose(mode, Some(state)), Ok)?
+            }
+            (CameraMode::Horizon, Some(state)) => {
+                path.turned(epoch, Pose::horizon(state, ellipsoid, path.fov_rad(epoch)))
+            }
+            _ => path.turned(epoch, self.pose(mode, state)?),
+        })
+    }
+
+    /// Where the eye stands and looks for a satellite that moves so.
+    ///
+    /// # Errors
+    /// Without a satellite, a mode that flies with one.
+    pub(super) fn pose(
+        &self,
+        mode: CameraMode,
+        state: Option<&OrbitalMotion>,
+    ) -> Result<Pose, PlayError> {
+        let camera = &self.scene.camera;
+        Ok(match (mode, state) {
+            (CameraMode::Geodetic, _) => self.ground_pose(),
+            (_, None) => return Err(PlayError::NoSatellite),
+            (CameraMode::Nadir, Some(state)) => Pose::nadir(state, camera.up, &self.ellipsoid),
+            (CameraMode::Horizon, Some(state)) => {
+                // The scene's own field of view, so that zooming keeps its centre.
+                Pose::horizon(state, &self.ellipsoid, camera.fov_deg.to_radians())
+            }
+            (CameraMode::Chase, Some(state)) => Pose::chase(state, &self.ellipsoid),
+        })
+    }
+
+    /// Above the scene's place, looking down.
+    pub(super) fn ground_pose(&self) -> Pose {
+        let camera = &self.scene.camera;
+        let height_m = camera.height_km * 1000.0;
+        let place = Geodetic::from_degrees(camera.lat_deg, camera.lon_deg, height_m);
+        let heading_rad = camera.heading_deg.to_radians();
+        let pitch_rad = camera.pitch_deg.to_radians();
+        Pose::geodetic(place, &self.ellipsoid).facing(heading_rad, pitch_rad)
+    }
+
+    pub(super) fn moment(
+        &self,
+        epoch: Epoch,
+        request: &ViewRequest,
+        pose: Pose,
+        state: Option<OrbitalMotion>,
+    ) -> Moment {
+        let sky = self.sky_at(epoch);
+        self.moment_under(epoch, request, pose, state, sky)
+    }
+
+    /// The same under a sky that is not the date's.
+    pub(super) fn moment_under(
+        &self,
+        epoch: Epoch,
+        request: &ViewRequest,
+        pose: Pose,
+        state: Option<OrbitalMotion>,
+        sky: Sky,
+    ) -> Moment {
+        let fov_rad = request.look.fov_rad(self.path.fov_rad(epoch));
+        let craft = match (request.mode, &state) {
+            (CameraMode::Chase, Some(state)) => Some(CraftPose::new(state, &self.ellipsoid, &sky)),
+            _ => None,
+        };
+        Moment {
+            epoch,
+            view: pose.turned(&request.look).view(fov_rad, request.aspect),
+            sky,
+            craft,
+            eye_velocity_m_s: match request.mode {
+                CameraMode::Geodetic => None,
+                _ => state.map(|state| state.velocity_m_s),
+            },
+            satellite: state.map(|state| {
+                let sun_itrf_m = sky.sun_itrf * sky.sun_distance_m;
+                let position_itrf_m = state.position_itrf_m;
+                SatelliteState {
+                    place: self.ellipsoid.geodetic_from_itrf(position_itrf_m),
+                    speed_m_s: state.velocity_m_s.length(),
+                    illumination: illumination(position_itrf_m, sun_itrf_m, &self.ellipsoid),
+                    error_m: self.feed().and_then(|feed| feed.error_m(epoch)),
+                }
+            }),
+            turn: None,
+            is_starless: false,
+            exposure_ev: self.path.exposure_ev(epoch),
+        }
+    }
+
+    /// The maps that the scene wants by default and is drawn without, because they are not there. Reads no map.
+    ///
+    /// # Errors
+    /// With `strict = true` the first of them.
+    pub fn dropped_layers(&self) -> Result<Vec<DroppedLayer>, PlayError> {
+        let mut dropped = dropped_layers(&self.scene)?;
+        dropped.extend(dropped_parts(&self.scene)?);
+        Ok(dropped)
+    }
+
+    /// How the colours of the scene's maps differ from sRGB, as far as their headers say it.
+    #[cfg(feature = "window")]
+    pub fn colour_notes(&self) -> Vec<String> {
+        super::colours::colour_notes(&self.scene)
+    }
+
+    /// Loads the maps that the scene wants and no others, and gathers its options. `bc` is what the adapter does with
+    /// compressed textures; it matters to packs alone.
+    pub fn earth_options(&self, bc: BcSupport) -> Result<EarthOptions, PlayError> {
+        earth_options(&self.scene, bc)
+    }
+
+    /// The same with the maps of an epoch, where they change with the date.
+    pub fn earth_options_at(&self, epoch: Epoch, bc: BcSupport) -> Result<EarthOptions, PlayError> {
+        earth_options_at(&self.scene, epoch, bc)
+    }
+}
+
+fn impact(
+    feed: &dyn Feed,
+    table: Option<&EarthOrientation>,
+    ellipsoid: &Ellipsoid,
+) -> Option<(Epoch, GroundPlace)> {
+    let epoch = feed.impact()?;
+    let state = feed.state_at(epoch).ok()?;
+    let orientation = orientation_at(table, epoch).unwrap_or_default();
+    let itrf = state.in_frame(Frame::Itrf, &orientation);
+    let place = ellipsoid.geodetic_from_itrf(itrf.position_m);
+    let place = GroundPlace {
+        lat_deg: place.lat_rad.to_degrees(),
+        lon_deg: place.lon_rad.to_degrees(),
+    };
+    Some((epoch, place))
+}
+
+/// The time about `start` in which a satellite is known without a gap, and whether gaps bound it. That behind the gap if
+/// `start` lies in one.
+fn known_around(feed: &dyn Feed, start: Epoch) -> ((Epoch, Epoch), Option<Ending>) {
+    let (mut first, mut last) = feed.validity();
+    let mut ending = None;
+    for (from, to) in feed.gaps() {
+        ending = Some(Ending::Gap);
+        if start <= from {
+            last = from;
+            break;
+        }
+        first = to;
+    }
+    ((first, last), ending)
+}
+
+fn decay(feed: &dyn Feed) -> Option<Ending> {
+    let (before, after) = feed.decay();
+    before.or(after).map(|_| Ending::Decay)
+}
+
+fn motion(state: &OrbitState, orientation: &Orientation) -> OrbitalMotion {
+    let (position_itrf_m, velocity_m_s) = state.inertial_in_itrf_axes(orientation);
+    OrbitalMotion {
+        position_itrf_m,
+        velocity_m_s,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    #[test]
+    fn the_sun_follows_the_table_that_the_scene_names() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/orbit");
+        let flight = |orientation: &str| {
+            let text = format!(
+                "[time]\nstart = \"2017-01-01T12:00:00Z\"\nduration_s = 60\n{orientation}[camera]\nmode = \"geodetic\"\n"
+            );
+            let scene = Scene::from_toml(&text, &folder.join("test.toml")).expect("a good scene");
+            Flight::open(scene).expect("opens")
+        };
+        let (plain, oriented) = (
+            flight(""),
+            flight("orientation = \"finals2000A.extract\"\n"),
+        );
+        let epoch = plain.scene().time.start;
+        let sun = |flight: &Flight| flight.at(epoch, 1.5).expect("a moment").sky.sun_itrf;
+        assert_eq!(sun(&plain), Sky::at(epoch).sun_itrf);
+        let ut1_s = oriented.orientation_at(epoch).ut1_minus_utc_s;
+        assert!((0.1..0.9).contains(&ut1_s.abs()), "{ut1_s}");
+        // 15.041 arc seconds for each second of UT1 − UTC, about the pole.
+        let lon = |sun: glam::DVec3| sun.y.atan2(sun.x).to_degrees() * 3600.0;
+        let moved = lon(sun(&plain)) - lon(sun(&oriented));
+        assert!(
+            (moved - 15.041 * ut1_s).abs() < 0.3,
+            "{moved}″ for {ut1_s} s"
+        );
+        assert_eq!(sun(&oriented), oriented.sky_at(epoch).sun_itrf);
+    }
+}

@@ -1,0 +1,163 @@
+//! Playing a scene: clock, cameras, window, stills and video.
+//!
+//! [`Flight`] is a scene made ready; at any instant it gives a [`Moment`]: where the eye is and what lights the Earth.
+//! An [`OffscreenRenderer`] draws moments without a display. Three ways lead out: [`write_still`], [`export()`] (frames and video)
+//! and [`play_in_window`]. Those two, and pictures with their files, are of the feature `command`; without it [`ScenePictures`] gives the
+//! pictures of a scene in memory.
+//!
+//! | file | what |
+//! |---|---|
+//! | `clock` | simulated time, exact frame instants |
+//! | `camera` | the four cameras, pure functions |
+//! | `camera_path`, `spline` | what a scene's keys make of its camera in the course of time |
+//! | `flight` | scene and orbit to moments |
+//! | `satellites`, `opening` | the scene's sources of motion, opened; which of them says when the scene begins |
+//! | `live`, `live_status` | the time of scenes whose simulator gives it; what the window reports of it |
+//! | `basilisk/` | the same of simulations of Basilisk, and the pictures of their cameras |
+//! | `simulator_time` | the window's time by either of them |
+//! | `ephemeris` | where its satellites are, as tables and messages |
+//! | `pass_table` | when they pass over a place |
+//! | `event_table` | what was found along integrated motions |
+//! | `maps` | the scene's maps: a folder or a pack |
+//! | `colours` | what their files say of their colours |
+//! | `dated_maps/` | those of them that change with the date |
+//! | `relief` | its heights |
+//! | `craft/` | the spacecraft that the chase camera follows |
+//! | `tracks/` | trails, ground tracks, footprints and names of its satellites |
+//! | `sky`, `sky_parts` | what is beyond the Earth |
+//! | `scene_files` | every file that its pictures come from |
+//! | `pictures` | a scene's pictures in memory, for programs that call us |
+//! | `offscreen`, `still`, `stats`, `export`, `video/` | the offscreen renderer; pictures, their numbers, films |
+//! | `outlook`, `export_words`, `written` | what light a film will be in; what is said of it before, and of its files after |
+//! | `film/` | films and their pictures: formats, averaged light, ranges, going on with a film, the page `frames.json` |
+//! | `file_checks` | files that are read later, looked at before |
+//! | `radiance` | a picture's light as a file |
+//! | `truth`, `truth_manifest` | what is where its pixels look, as files |
+//! | `float_files` | arrays and pictures of floats |
+//! | `output` | files that are complete or not there |
+//! | `window`, `window_renderer`, `surface` | the window: its events, its renderer, its surface |
+//! | `controls`, `keys`, `panel`, `overlay` | what the user has set, by which keys; the panel, and egui under it |
+//! | `egui_pass` | panel and names, drawn over pictures |
+//! | `place_text` | places as a person reads them |
+//! | `timeline/` | the time line along the bottom: scrubbing, real time, passes |
+//! | `quality_control` | the scene's resolution, and what is given up to hold its frame time |
+//! | `frame_cost` | what its frames cost, for adaptive quality |
+
+// Where a file is built without the command, what only that needs of it is left unused.
+mod basilisk;
+pub mod camera;
+mod camera_path;
+pub mod clock;
+#[cfg(feature = "window")]
+mod colours;
+#[cfg(feature = "window")]
+mod controls;
+mod craft;
+mod dated_maps;
+mod egui_pass;
+mod ephemeris;
+mod error;
+mod event_table;
+#[cfg(feature = "window")]
+mod export;
+#[cfg(feature = "window")]
+mod export_words;
+mod file_checks;
+#[cfg_attr(not(feature = "window"), allow(dead_code, unused_imports))]
+mod film;
+mod flight;
+#[cfg_attr(not(feature = "window"), allow(dead_code))]
+mod float_files;
+#[cfg(feature = "window")]
+mod frame_cost;
+#[cfg(feature = "window")]
+mod keys;
+#[cfg(feature = "window")]
+mod live;
+#[cfg(feature = "window")]
+mod live_status;
+mod maps;
+#[cfg_attr(not(feature = "window"), allow(dead_code))]
+mod offscreen;
+mod opening;
+mod outlook;
+#[cfg_attr(not(feature = "window"), allow(dead_code))]
+mod output;
+#[cfg(feature = "window")]
+mod overlay;
+#[cfg(feature = "window")]
+mod panel;
+mod pass_table;
+mod pictures;
+mod place_text;
+mod progress;
+mod quality_control;
+#[cfg(feature = "window")]
+mod radiance;
+mod relief;
+mod satellites;
+pub mod scene;
+mod scene_files;
+#[cfg(feature = "window")]
+mod simulator_time;
+mod sky;
+mod sky_parts;
+mod spline;
+mod stats;
+#[cfg(feature = "window")]
+mod still;
+#[cfg(feature = "window")]
+mod surface;
+#[cfg(feature = "window")]
+mod timeline;
+#[cfg_attr(not(feature = "window"), allow(dead_code))]
+mod tracks;
+#[cfg(feature = "window")]
+mod truth;
+#[cfg(feature = "window")]
+mod truth_manifest;
+#[cfg(feature = "window")]
+mod video;
+#[cfg(feature = "window")]
+mod window;
+#[cfg(feature = "window")]
+mod window_renderer;
+#[cfg(feature = "window")]
+mod written;
+
+#[cfg(feature = "window")]
+pub use basilisk::{ServeRequest, serve};
+pub use craft::CraftPose;
+pub use ephemeris::{Axes, Ephemeris, EphemerisRequest, Layout, Selection, Span, omm, select};
+pub use error::{PlayError, VideoError, WindowError};
+pub use event_table::EventTable;
+#[cfg(feature = "window")]
+pub use export::{ExportRequest, export};
+pub use film::{
+    Existing, FilmError, FilmFrames, FilmKey, FilmPainter, FilmRequest, FrameRange, FrameRecord,
+    PictureFormat, PictureSettings, SharedFolder, Shutter, checksum,
+};
+pub use flight::{Flight, Moment, SatelliteState, ViewRequest};
+pub use maps::{DroppedLayer, earth_options};
+#[cfg(feature = "window")]
+pub use offscreen::rgba_image;
+pub use offscreen::{OffscreenRenderer, TimedFrame};
+pub use outlook::{LightOutlook, LightTimes, night_note};
+pub use output::{OutputError, PendingFile};
+pub use pass_table::{PassRequest, PassTable};
+pub use pictures::{ScenePictures, Shot, take_starter_files};
+pub use place_text::GroundPlace;
+pub use progress::Progress;
+pub use quality_control::{HeldQuality, QualityControl, scene_quality};
+pub use relief::read_ground;
+pub use satellites::{FileRemark, Satellite};
+pub use scene_files::{SceneFile, scene_files};
+pub use stats::{EyePosition, PictureStats, SatelliteLight, SubsolarPoint};
+#[cfg(feature = "window")]
+pub use still::{StillRequest, write_still};
+#[cfg(feature = "window")]
+pub use tracks::TracksLayer;
+#[cfg(feature = "window")]
+pub use video::{EncoderChoice, VideoCodec, VideoCoding};
+#[cfg(feature = "window")]
+pub use window::{WindowRequest, play_in_window};

@@ -1,0 +1,536 @@
+//! The offscreen renderer, of stills, frames and video: an adapter of its own, an Earth, and textures to draw into.
+
+use super::craft::CraftLayer;
+use super::dated_maps::DatedMapsLayer;
+use super::error::PlayError;
+use super::flight::{Flight, Moment};
+use super::sky::SkyLayer;
+use super::tracks::{TrackDetail, TracksLayer};
+use terrella::celestial::CelestialOptions;
+use terrella::internals::gpu::{FrameTargets, GpuContext, GpuTimer, PassPart, PictureError, ScaledTarget};
+use terrella::internals::imagery::tile::TileKey;
+use terrella::internals::offscreen::{check_memory, new_targets, supported_samples};
+use terrella::{Adaptation, Earth, EarthError, EarthOptions, Exposure, EyeView, FrameStats, Quality};
+use image::RgbaImage;
+use std::time::{Duration, Instant};
+
+/// An Earth with textures to draw it into.
+pub struct OffscreenRenderer {
+    gpu: GpuContext,
+    earth: Earth,
+    craft: CraftLayer,
+    dated_maps: Option<DatedMapsLayer>,
+    sky: Option<SkyLayer>,
+    tracks: Option<TracksLayer>,
+    targets: FrameTargets,
+    /// What is drawn to where that is smaller than the picture.
+    smaller: Option<ScaledTarget>,
+    samples: u32,
+    /// Whether space hides nothing.
+    is_space_transparent: bool,
+    /// Follows the exposure that frames ask for, where it is metered.
+    adaptation: Option<Adaptation>,
+    /// Pictures that waited for heights in vain.
+    pictures_without_heights: u64,
+}
+
+/// A frame and how long it took.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TimedFrame {
+    /// What was drawn.
+    pub stats: FrameStats,
+    /// Time of [`Earth::prepare`], and of the craft's where there is one.
+    pub prepare: Duration,
+    /// Time of the whole frame, the device waited for.
+    pub frame: Duration,
+}
+
+impl OffscreenRenderer {
+    /// Uploads the maps to an adapter.
+    ///
+    /// Where the adapter cannot do the samples asked for, one sample a pixel is drawn, with a warning.
+    pub fn open(
+        gpu: GpuContext,
+        mut options: EarthOptions,
+        size: (u32, u32),
+    ) -> Result<Self, PlayError> {
+        options.color_format = FrameTargets::COLOR;
+        options.samples = supported_samples(&gpu.adapter, FrameTargets::COLOR, options.samples);
+        Self::open_as(gpu, &options, size)
+    }
+
+    /// The same for light itself ([`Self::read_light`]), with one sample a pixel: the light along the ray through its middle.
+    pub fn open_for_light(
+        gpu: GpuContext,
+        mut options: EarthOptions,
+        size: (u32, u32),
+    ) -> Result<Self, PlayError> {
+        options.color_format = gpu.float_format();
+        options.samples = 1;
+        Self::open_as(gpu, &options, size)
+    }
+
+    fn open_as(
+        gpu: GpuContext,
+        options: &EarthOptions,
+        size: (u32, u32),
+    ) -> Result<Self, PlayError> {
+        check_memory(size, options.color_format, options.samples)?;
+        let targets = new_targets(&gpu, size, options.color_format, options.samples)?;
+        let earth = Earth::new(&gpu.device, &gpu.queue, options)?;
+        Ok(Self {
+            gpu,
+            earth,
+            craft: CraftLayer::new(options)?,
+            dated_maps: None,
+            sky: None,
+            tracks: None,
+            targets,
+            smaller: None,
+            samples: options.samples,
+            is_space_transparent: false,
+            adaptation: (options.exposure == Exposure::Auto).then(Adaptation::default),
+            pictures_without_heights: 0,
+        })
+    }
+
+    /// Draws better or worse from now on, at the quality's scale of the picture's size. Where the adapter cannot do the samples asked
+    /// for, one sample a pixel is drawn, with a warning.
+    ///
+    /// # Errors
+    /// A quality that the Earth refuses, and textures that the device has no room for.
+    pub fn set_quality(&mut self, quality: &Quality) -> Result<(), PlayError> {
+        let format = self.earth.format().color;
+        let samples = match quality.samples == self.samples {
+            true => self.samples,
+            false => supported_samples(&self.gpu.adapter, format, quality.samples),
+        };
+        let quality = Quality {
+            samples,
+            ..*quality
+        };
+        if quality == *self.earth.quality() {
+            return Ok(());
+        }
+        self.earth.set_quality(&self.gpu.queue, &quality)?;
+        self.make_targets(self.size(), samples)?;
+        self.samples = samples;
+        self.craft.set_samples(samples);
+        if let Some(sky) = &mut self.sky {
+            sky.follow(&self.gpu, &self.earth)?;
+        }
+        if let Some(tracks) = &mut self.tracks {
+            tracks.follow(&self.earth)?;
+        }
+        Ok(())
+    }
+
+    /// Draws pictures of another size from now on.
+    ///
+    /// # Errors
+    /// A size that takes more memory than this program does, or that the device has no room for.
+    pub fn resize(&mut self, size: (u32, u32)) -> Result<(), PlayError> {
+        if size == self.size() {
+            return Ok(());
+        }
+        check_memory(size, self.earth.format().color, self.samples)?;
+        self.make_targets(size, self.samples)
+    }
+
+    /// Makes the textures for pictures of a size, at the quality's scale.
+    fn make_targets(&mut self, size: (u32, u32), samples: u32) -> Result<(), PlayError> {
+        let format = self.earth.format().color;
+        let drawn_size = self.earth.quality().drawn_size(size);
+        let device = &self.gpu.device;
+        self.smaller = match drawn_size == size {
+            true => None,
+            false => {
+                let smaller = ScaledTarget::new(device, format, size, drawn_size, samples);
+                Some(smaller.map_err(EarthError::from)?)
+            }
+        };
+        // The picture that is enlarged has its samples in the smaller one.
+        let picture_samples = if self.smaller.is_some() { 1 } else { samples };
+        self.targets = new_targets(&self.gpu, size, format, picture_samples)?;
+        if self.is_space_transparent {
+            self.targets.make_space_transparent();
+        }
+        Ok(())
+    }
+
+    /// Space hides nothing from now on: alpha of light is how much of what is behind is hidden. At full resolution alone.
+    pub fn make_space_transparent(&mut self) {
+        self.is_space_transparent = true;
+        self.targets.make_space_transparent();
+    }
+
+    /// Width and height that are drawn, pixels; [`Self::size`] where the quality's scale is 1.
+    pub fn drawn_size(&self) -> (u32, u32) {
+        let smaller = self.smaller.as_ref();
+        smaller.map_or(self.size(), ScaledTarget::drawn_size)
+    }
+
+    /// Draws the maps of each picture's date from now on, where they change with it; without, those that it was opened with.
+    pub fn show_dated_maps(&mut self, flight: &Flight) -> Result<(), PlayError> {
+        self.dated_maps = DatedMapsLayer::of(flight, &self.gpu)?;
+        Ok(())
+    }
+
+    /// Draws what is beyond the Earth from now on, where a flight's scene asks for any of it.
+    pub fn show_sky(&mut self, flight: &Flight) -> Result<(), PlayError> {
+        self.sky = SkyLayer::of(flight, &self.gpu, &self.earth)?;
+        Ok(())
+    }
+
+    /// The same without one part of it, by its key.
+    pub fn show_sky_without(&mut self, flight: &Flight, part: &str) -> Result<(), PlayError> {
+        let mut scene = flight.scene().clone();
+        scene.sky.switch_off(part);
+        self.sky = SkyLayer::of_scene(&scene, flight, &self.gpu, &self.earth)?;
+        Ok(())
+    }
+
+    /// Bytes of the WGSL that the driver got, of the Earth and of what is beside it.
+    pub fn shader_bytes(&self) -> u64 {
+        let sky = self.sky.as_ref();
+        let tracks = self.tracks.as_ref().map_or(0, TracksLayer::shader_bytes);
+        let sky = sky.map_or(0, |sky| sky.celestial().shader_bytes());
+        self.earth.diagnostics().shader_bytes + sky + tracks
+    }
+
+    /// Draws the tracks of a flight's satellites from now on, where its scene asks for any.
+    pub fn show_tracks(&mut self, flight: &Flight) -> Result<(), PlayError> {
+        self.tracks = TracksLayer::of(flight, &self.gpu, &self.earth)?;
+        Ok(())
+    }
+
+    /// Width and height, pixels.
+    pub fn size(&self) -> (u32, u32) {
+        self.targets.size()
+    }
+
+    /// Width over height.
+    pub fn aspect(&self) -> f64 {
+        let (width, height) = self.size();
+        f64::from(width) / f64::from(height)
+    }
+
+    /// The adapter that draws.
+    pub fn adapter_info(&self) -> wgpu::AdapterInfo {
+        self.gpu.adapter.get_info()
+    }
+
+    /// The Earth.
+    pub fn earth(&self) -> &Earth {
+        &self.earth
+    }
+
+    /// Names of what is drawn beyond the Earth, and of what is not.
+    pub fn sky_features(&self) -> [Vec<&'static str>; 2] {
+        let options = self.sky.as_ref().map(|sky| sky.celestial().options());
+        let on = options.map_or_else(Vec::new, CelestialOptions::features_on);
+        let off = CelestialOptions::FEATURES.into_iter();
+        [on.clone(), off.filter(|name| !on.contains(name)).collect()]
+    }
+
+    /// Adapter, device and queue.
+    pub fn gpu(&self) -> &GpuContext {
+        &self.gpu
+    }
+
+    /// Whether pictures are exposed as what is in view asks for.
+    pub fn meters_exposure(&self) -> bool {
+        self.adaptation.is_some()
+    }
+
+    /// Samples a pixel that are really drawn.
+    pub fn samples(&self) -> u32 {
+        self.samples
+    }
+
+    /// Draws an instant. Does not wait for the device.
+    pub fn draw(&mut self, moment: &Moment) -> FrameStats {
+        let stats = self.prepare(moment);
+        self.submit();
+        stats
+    }
+
+    /// Draws an instant when all tiles that it wants have come, or `wait` is over. Answers the tiles that are missing.
+    pub fn draw_complete(&mut self, moment: &Moment, wait: Duration) -> (FrameStats, Vec<TileKey>) {
+        self.expose(moment);
+        let size = self.drawn_size();
+        self.prepare_maps(moment, wait);
+        let (view, sky) = (&moment.view, &moment.sky);
+        let (mut stats, missing) =
+            self.earth
+                .prepare_complete(&self.gpu.queue, view, sky, size, wait);
+        self.warn_of_missing_heights();
+        self.prepare_others(moment, &mut stats);
+        self.submit();
+        (stats, missing)
+    }
+
+    /// Says that a picture's ground is coarser than its heights: of a film's pictures the first, and ever fewer of those after it.
+    fn warn_of_missing_heights(&mut self) {
+        let missing = self.earth.missing_heights();
+        let Some(first) = missing.first() else {
+            return;
+        };
+        self.pictures_without_heights += 1;
+        if self.pictures_without_heights.is_power_of_two() {
+            tracing::warn!(
+                "the ground lacks {} tiles of heights and is drawn coarser there ({first} among them; {} pictures so far); give it more time \
+                 (wait_s under [output]) or memory (ground_mb under [earth]), or run `terrella pack verify`",
+                missing.len(),
+                self.pictures_without_heights
+            );
+        }
+    }
+
+    /// Where exposure is metered, exposes the next picture as its view asks for, followed in the time since the last, seconds,
+    /// and not at once: for pictures of a film. Answers the exposure value, where one is metered.
+    pub fn follow_light(
+        &mut self,
+        moment: &Moment,
+        elapsed_s: f64,
+    ) -> Result<Option<f64>, PlayError> {
+        let Some(adaptation) = &mut self.adaptation else {
+            return Ok(None);
+        };
+        let Some(metered_ev) = self.earth.metered_ev(&moment.view, &moment.sky) else {
+            return Ok(None);
+        };
+        let ev = adaptation.follow(metered_ev, elapsed_s);
+        self.earth.set_exposure(Exposure::Ev(ev))?;
+        Ok(Some(ev))
+    }
+
+    /// Exposes the next pictures so, those apart that have an exposure of their own ([`Moment::exposure_ev`]).
+    ///
+    /// # Errors
+    /// An exposure value out of [`Exposure::RANGE_EV`].
+    pub fn set_exposure(&mut self, exposure: Exposure) -> Result<(), PlayError> {
+        Ok(self.earth.set_exposure(exposure)?)
+    }
+
+    /// Says where the eye will be soon, so that tiles are there when it comes.
+    pub fn expect(&mut self, views: &[EyeView]) {
+        self.earth.expect(views);
+    }
+
+    /// Reads back what was drawn last. Waits for the device.
+    pub fn read(&self) -> Result<RgbaImage, PlayError> {
+        let read = self.targets.read_back(&self.gpu.device, &self.gpu.queue);
+        let texels = self.gpu.checked(read)?;
+        let (width, height) = self.targets.size();
+        Ok(rgba_image(width, height, texels)?)
+    }
+
+    /// The same as light, of a renderer that is open for it: red, green, blue and what is no light, rows from the top.
+    pub fn read_light(&self) -> Result<Vec<[f32; 4]>, PlayError> {
+        let read = self.targets.read_light(&self.gpu.device, &self.gpu.queue);
+        Ok(self.gpu.checked(read)?)
+    }
+
+    /// Reads back what was drawn last to where it is wanted: four bytes a pixel. Waits for the device.
+    pub fn read_into(&self, rgba: &mut [u8]) -> Result<(), PlayError> {
+        let (device, queue) = (&self.gpu.device, &self.gpu.queue);
+        let read = self.targets.read_back_into(device, queue, rgba);
+        Ok(self.gpu.checked(read)?)
+    }
+
+    /// The same as light, of a renderer that is open for it: four numbers a pixel.
+    pub fn read_light_into(&self, light: &mut [f32]) -> Result<(), PlayError> {
+        let (device, queue) = (&self.gpu.device, &self.gpu.queue);
+        let read = self.targets.read_light_into(device, queue, light);
+        Ok(self.gpu.checked(read)?)
+    }
+
+    /// Draws an instant twice and times the second time: the first fills caches and compiles what drivers compile late.
+    pub fn measure(&mut self, moment: &Moment) -> Result<TimedFrame, PlayError> {
+        self.time(moment)?;
+        self.time(moment)
+    }
+
+    /// Draws an instant and times it, the device waited for.
+    pub fn time(&mut self, moment: &Moment) -> Result<TimedFrame, PlayError> {
+        let begin = Instant::now();
+        let stats = self.prepare(moment);
+        let prepare = begin.elapsed();
+        self.submit();
+        self.wait()?;
+        Ok(TimedFrame {
+            stats,
+            prepare,
+            frame: begin.elapsed(),
+        })
+    }
+
+    /// Draws an instant in two passes, "surface" (with the craft, where there is one) and "air" (with tracks), and reads how long
+    /// each took on the device, milliseconds. Clearing counts to the first and resolving samples to the last.
+    ///
+    /// Two passes and the writing of times cost time themselves: not for frames whose whole time is wanted. At the picture's own size,
+    /// whatever the quality's scale.
+    pub fn time_passes(
+        &mut self,
+        moment: &Moment,
+        timer: &GpuTimer,
+    ) -> Result<Vec<(&'static str, f64)>, PlayError> {
+        self.prepare(moment);
+        let names = match self.earth.has_air() {
+            true => &["surface", "air"][..],
+            false => &["surface"],
+        };
+        let count = names.len() as u32;
+        let mut encoder = self.encoder();
+        for (n, name) in (0..).zip(names) {
+            let part = PassPart {
+                is_first: n == 0,
+                is_last: n + 1 == count,
+            };
+            let times = Some(timer.writes(n));
+            let mut pass = self.targets.begin_part(&mut encoder, part, times);
+            if *name == "air" {
+                self.earth.render_air(&mut pass);
+            } else {
+                self.craft.render(&mut pass);
+                self.earth.render_surface(&mut pass);
+            }
+            if let Some(sky) = self.sky.as_ref().filter(|_| part.is_last) {
+                sky.render(&mut pass);
+            }
+            if let Some(tracks) = self.tracks.as_ref().filter(|_| part.is_last) {
+                tracks.render(&mut pass);
+            }
+        }
+        timer.resolve(&mut encoder, count);
+        self.gpu.queue.submit([encoder.finish()]);
+        let times = timer.read(&self.gpu.device, count)?;
+        Ok(names.iter().copied().zip(times).collect())
+    }
+
+    /// Prepares an instant that is not drawn, and waits until the device has what was written.
+    pub fn prepare_alone(&mut self, moment: &Moment) -> Result<(), PlayError> {
+        self.prepare(moment);
+        self.gpu.queue.submit([]);
+        self.wait()
+    }
+
+    fn prepare_maps(&mut self, moment: &Moment, wait: Duration) {
+        if let Some(maps) = &mut self.dated_maps {
+            maps.prepare(&self.gpu, &mut self.earth, moment.epoch, wait);
+        }
+    }
+
+    /// Takes the exposure that the moment has of its own.
+    fn expose(&mut self, moment: &Moment) {
+        if let Some(ev) = moment.exposure_ev
+            // Keys lie in the range, and what is between them too.
+            && let Err(error) = self.earth.set_exposure(Exposure::Ev(ev))
+        {
+            tracing::warn!("the exposure stays as it is: {error}");
+        }
+    }
+
+    fn prepare(&mut self, moment: &Moment) -> FrameStats {
+        self.expose(moment);
+        let size = self.drawn_size();
+        self.prepare_maps(moment, Duration::ZERO);
+        let mut stats = self
+            .earth
+            .prepare(&self.gpu.queue, &moment.view, &moment.sky, size);
+        self.prepare_others(moment, &mut stats);
+        stats
+    }
+
+    fn prepare_others(&mut self, moment: &Moment, stats: &mut FrameStats) {
+        let craft = moment.craft.as_ref();
+        self.craft
+            .prepare(&self.gpu, craft, &moment.view, &moment.sky, stats);
+        let size = self.drawn_size();
+        if let Some(sky) = &mut self.sky {
+            sky.prepare(&self.gpu, &self.earth, moment, size, stats);
+        }
+        if let Some(tracks) = &mut self.tracks {
+            tracks.prepare(&self.gpu, moment, size, TrackDetail::Complete, stats);
+        }
+    }
+
+    /// Times a pass into the same textures that draws something else in place of the Earth, the device waited for.
+    pub fn time_other(
+        &self,
+        draw: impl FnOnce(&mut wgpu::RenderPass<'_>),
+    ) -> Result<Duration, PlayError> {
+        let begin = Instant::now();
+        self.submit_pass(draw);
+        self.wait()?;
+        Ok(begin.elapsed())
+    }
+
+    fn submit(&mut self) {
+        let mut encoder = self.encoder();
+        let picture = self.targets.picture_view();
+        let mut pass = match &self.smaller {
+            Some(smaller) => smaller.begin_pass(&mut encoder, picture),
+            None => self.targets.begin_pass(&mut encoder),
+        };
+        let (sky, tracks) = (self.sky.as_ref(), self.tracks.as_ref());
+        render_in_order(&mut pass, &self.craft, &self.earth, sky, tracks);
+        drop(pass);
+        if let Some(smaller) = &self.smaller {
+            smaller.enlarge(&mut encoder, picture);
+        }
+        let (size, drawn_size) = (self.size(), self.drawn_size());
+        if let Some(tracks) = &mut self.tracks {
+            tracks.write_names(&self.gpu, &mut encoder, picture, size, drawn_size);
+        }
+        self.gpu.queue.submit([encoder.finish()]);
+    }
+
+    fn submit_pass(&self, draw: impl FnOnce(&mut wgpu::RenderPass<'_>)) {
+        let mut encoder = self.encoder();
+        let mut pass = self.targets.begin_pass(&mut encoder);
+        draw(&mut pass);
+        drop(pass);
+        self.gpu.queue.submit([encoder.finish()]);
+    }
+
+    fn encoder(&self) -> wgpu::CommandEncoder {
+        let device = &self.gpu.device;
+        device.create_command_encoder(&wgpu::CommandEncoderDescriptor {
+            label: Some("terrella picture"),
+        })
+    }
+
+    fn wait(&self) -> Result<(), PlayError> {
+        match self.gpu.device.poll(wgpu::PollType::wait_indefinitely()) {
+            Ok(_) => Ok(()),
+            Err(error) => Err(PlayError::DeviceLost(error.to_string())),
+        }
+    }
+}
+
+/// Draws what a picture holds: the craft first, so that the air lies behind it, then what is beyond the Earth, and the tracks
+/// last.
+pub(super) fn render_in_order(
+    pass: &mut wgpu::RenderPass<'_>,
+    craft: &CraftLayer,
+    earth: &Earth,
+    sky: Option<&SkyLayer>,
+    tracks: Option<&TracksLayer>,
+) {
+    craft.render(pass);
+    earth.render(pass);
+    if let Some(sky) = sky {
+        sky.render(pass);
+    }
+    if let Some(tracks) = tracks {
+        tracks.render(pass);
+    }
+}
+
+/// Texels that were read back, as encoders and comparisons take them.
+pub fn rgba_image(width: u32, height: u32, texels: Vec<u8>) -> Result<RgbaImage, PictureError> {
+    RgbaImage::from_raw(width, height, texels)
+        .ok_or_else(|| PictureError::ReadBack("short read".into()))
+}

@@ -1,0 +1,84 @@
+//! Opens the satellites of a scene, in an order in which one of them may say when the scene begins.
+//!
+//! Files know their own time and are opened first. A scene without a start then begins with the satellite that cameras fly with
+//! ([`Scene::begin_at`]). What else flies is told that start: motions that the scene describes, simulations, stand-ins.
+
+use super::error::PlayError;
+use super::satellites::{self, Listener, Satellite, stand_in};
+use terrella::frames::{EarthOrientation, Epoch};
+use crate::scene::{Orbit, Scene};
+
+/// The satellites of a scene, in its order; of the scene, what follows from them of its start.
+pub(super) fn open_all(
+    scene: &mut Scene,
+    table: Option<&EarthOrientation>,
+    listener: Listener,
+) -> Result<Vec<Satellite>, PlayError> {
+    let files = scene.orbits.iter().enumerate().map(|(index, orbit)| {
+        let is_file = orbit.file.is_some();
+        let open = || satellites::open(scene, index, orbit, table, listener);
+        is_file.then(open).transpose()
+    });
+    let files = files.collect::<Result<Vec<_>, _>>()?;
+    if !scene.is_live()
+        && let Some((start, from)) = own_start(scene, &files)
+    {
+        scene.begin_at(start, from)?;
+    }
+    if let Some(table) = table
+        && !scene.is_live()
+    {
+        scene.check_orientation(table.span())?;
+    }
+    stand_in(scene)?;
+    let all = scene.orbits.iter().zip(files).enumerate();
+    all.map(|(index, (orbit, opened))| match opened {
+        Some(satellite) => Ok(satellite),
+        None => satellites::open(scene, index, orbit, table, listener),
+    })
+    .collect()
+}
+
+/// When a scene begins that does not say so, and what says it: the satellite that cameras fly with, or where that flies at any
+/// time the first of the others that does not.
+fn own_start(scene: &Scene, files: &[Option<Satellite>]) -> Option<(Epoch, String)> {
+    let all = scene.orbits.iter().zip(files);
+    let names = all.clone().map(|(orbit, opened)| match opened {
+        Some(satellite) => satellite.name(),
+        None => orbit.name.as_deref().unwrap_or_default(),
+    });
+    let names: Vec<_> = names.collect();
+    // A name that nobody has is refused when all are open.
+    let followed = scene.followed(&names).unwrap_or(0);
+    let backwards = scene.time.speed < 0.0;
+    let is_given = |index| scene.orbit_line(index, "epoch").is_some();
+    let of = |index: usize| {
+        let orbit = scene.orbits.get(index)?;
+        match files.get(index)? {
+            Some(satellite) => Some(start_of(satellite, backwards)),
+            None => start_of_motion(orbit).filter(|_| is_given(index)),
+        }
+    };
+    if scene.orbits.get(followed)?.is_built_in() {
+        return None;
+    }
+    of(followed).or_else(|| (0..files.len()).find_map(of))
+}
+
+fn start_of(satellite: &Satellite, backwards: bool) -> (Epoch, String) {
+    let name = satellite.name();
+    if let Some(elements) = satellite.elements() {
+        return (elements.epoch, format!("epoch of the elements of {name}"));
+    }
+    let (first, last) = satellite.feed().validity();
+    match backwards {
+        false => (first, format!("first state of {name}")),
+        true => (last, format!("last state of {name}")),
+    }
+}
+
+fn start_of_motion(orbit: &Orbit) -> Option<(Epoch, String)> {
+    let start = orbit.motion.as_ref()?.start();
+    let name = orbit.name.as_deref().unwrap_or("the orbit");
+    Some((start.epoch, format!("epoch of {name}")))
+}

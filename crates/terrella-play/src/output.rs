@@ -1,0 +1,356 @@
+//! Output files: complete, or not there.
+//!
+//! A file is written under a temporary name in its own folder, synced, and renamed when it is complete, so that its final name
+//! never holds half of it, whatever stops the program or the machine. The temporary file is made before anything is drawn: a folder
+//! that cannot be written to is found at once and not after an hour.
+
+use terrella::durable;
+use terrella::internals::files::Unfinished;
+use image::{ImageEncoder, RgbaImage};
+use std::fs::File;
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+use tempfile::TempPath;
+
+/// Why something cannot be written.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum OutputError {
+    /// Another kind of file than its name says.
+    #[error("{}: {what} are written as .{extension}; name it {}", path.display(), path.with_extension(extension).display())]
+    Extension {
+        /// The name asked for.
+        path: PathBuf,
+        /// What is to be written.
+        what: &'static str,
+        /// The extension it has.
+        extension: &'static str,
+    },
+    /// A file of light whose name says no kind of it.
+    #[error(
+        "{}: radiance is written as .npy (NumPy) or .exr (OpenEXR); name it {} or {}",
+        path.display(), path.with_extension("npy").display(), path.with_extension("exr").display()
+    )]
+    RadianceName {
+        /// The name asked for.
+        path: PathBuf,
+    },
+    /// The folder is not there.
+    #[error("{}: cannot be written: there is no folder {}; make it first", path.display(), folder.display())]
+    NoFolder {
+        /// The file.
+        path: PathBuf,
+        /// Its folder.
+        folder: PathBuf,
+    },
+    /// The path is taken by something that is not a file.
+    #[error("{}: cannot be written: {found} of that name is in the way; choose another name", path.display())]
+    InTheWay {
+        /// The path.
+        path: PathBuf,
+        /// What stands at the path instead of a file.
+        found: &'static str,
+    },
+    /// A file of an earlier run cannot be read.
+    #[error("{}: {source}; move it away, or give another folder", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// A file of that name is write-protected.
+    #[error("{}: cannot be written: the file there is write-protected; choose another name or allow writing", path.display())]
+    Protected {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The system refuses.
+    #[error("{}: cannot be written: {source}", path.display())]
+    Write {
+        /// The file or folder.
+        path: PathBuf,
+        /// Error of the operating system.
+        source: std::io::Error,
+    },
+    /// There is no room.
+    #[error("{}: cannot be written: {source}; make room. What is finished stays, and `terrella play` goes on with frames by --resume", path.display())]
+    Full {
+        /// The file or folder.
+        path: PathBuf,
+        /// Error of the operating system.
+        source: std::io::Error,
+    },
+    /// A picture could not be put into its format.
+    #[error("{}: the picture could not be encoded: {source}", path.display())]
+    NotEncoded {
+        /// The file.
+        path: PathBuf,
+        /// What the encoder says.
+        source: std::io::Error,
+    },
+    /// A picture could not be encoded.
+    #[error("{}: the picture could not be encoded: {source}", path.display())]
+    Encode {
+        /// The file.
+        path: PathBuf,
+        /// Error of the encoder.
+        source: image::ImageError,
+    },
+}
+
+impl OutputError {
+    /// For what the system refuses of a file or folder.
+    pub fn write(path: &Path, source: std::io::Error) -> Self {
+        use std::io::ErrorKind::{FileTooLarge, QuotaExceeded, StorageFull};
+        let path = path.to_owned();
+        match source.kind() {
+            StorageFull | QuotaExceeded | FileTooLarge => Self::Full { path, source },
+            _ => Self::Write { path, source },
+        }
+    }
+}
+
+/// A file on its way: it exists under a temporary name beside its final one, and vanishes if it is not committed.
+#[derive(Debug)]
+pub struct PendingFile {
+    temporary: TempPath,
+    target: PathBuf,
+    _unfinished: Unfinished,
+}
+
+impl PendingFile {
+    /// Makes the temporary file. `what` are the things that are written with `extension`, for the message.
+    pub fn create(
+        target: &Path,
+        what: &'static str,
+        extension: &'static str,
+    ) -> Result<Self, OutputError> {
+        Self::create_as(target, what, extension, ".terrella-")
+    }
+
+    /// The same with a temporary name that begins so.
+    pub(super) fn create_as(
+        target: &Path,
+        what: &'static str,
+        extension: &'static str,
+        prefix: &str,
+    ) -> Result<Self, OutputError> {
+        let fits = target
+            .extension()
+            .is_some_and(|given| given.eq_ignore_ascii_case(extension));
+        if target.is_dir() {
+            return Err(OutputError::InTheWay {
+                path: target.into(),
+                found: "a folder",
+            });
+        }
+        if !fits {
+            return Err(OutputError::Extension {
+                path: target.into(),
+                what,
+                extension,
+            });
+        }
+        if let Ok(found) = std::fs::metadata(target) {
+            if !found.is_file() {
+                return Err(OutputError::InTheWay {
+                    path: target.into(),
+                    found: "something that is not a file",
+                });
+            }
+            if found.permissions().readonly() {
+                return Err(OutputError::Protected {
+                    path: target.into(),
+                });
+            }
+        }
+        let folder = match target.parent() {
+            Some(parent) if !parent.as_os_str().is_empty() => parent,
+            _ => Path::new("."),
+        };
+        if !folder.is_dir() {
+            return Err(OutputError::NoFolder {
+                path: target.into(),
+                folder: folder.into(),
+            });
+        }
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(prefix).suffix(".part");
+        // Made by hand for the rights of any new file: those of the crate are for secrets.
+        let made = builder.make_in(folder, |path| {
+            Unfinished::create(path, |path| File::create_new(path))
+        });
+        let made = made.map_err(|source| OutputError::write(target, source))?;
+        let ((_, unfinished), temporary) = made.into_parts();
+        Ok(Self {
+            temporary,
+            target: target.into(),
+            _unfinished: unfinished,
+        })
+    }
+
+    /// The final name.
+    pub fn target(&self) -> &Path {
+        &self.target
+    }
+
+    /// The temporary name, for programs that write by name.
+    pub fn temporary(&self) -> &Path {
+        &self.temporary
+    }
+
+    /// Opens the temporary file for writing.
+    pub fn open(&self) -> Result<BufWriter<File>, OutputError> {
+        match File::options().write(true).open(&self.temporary) {
+            Ok(file) => Ok(BufWriter::new(file)),
+            Err(source) => Err(self.write_error(source)),
+        }
+    }
+
+    /// Writes all of the file and gives it its name.
+    pub fn write_whole(self, contents: &[u8]) -> Result<(), OutputError> {
+        let mut file = self.open()?;
+        file.write_all(contents)
+            .and_then(|()| file.flush())
+            .map_err(|source| self.write_error(source))?;
+        self.commit()
+    }
+
+    /// Writes a picture as PNG and gives the file its name. Space is opaque: the alpha channel is not kept.
+    pub fn write_png(self, picture: &RgbaImage) -> Result<(), OutputError> {
+        let png = png_of(picture).map_err(|source| OutputError::Encode {
+            path: self.target.clone(),
+            source,
+        })?;
+        self.write_whole(&png)
+    }
+
+    /// Gives the complete file its name, replacing what had it. It then outlasts a power failure.
+    pub fn commit(self) -> Result<(), OutputError> {
+        let Self {
+            temporary,
+            target,
+            _unfinished,
+        } = self;
+        let failed = |source| OutputError::write(&target, source);
+        durable::sync_file(&temporary).map_err(failed)?;
+        temporary
+            .persist(&target)
+            .map_err(|error| failed(error.error))?;
+        durable::sync_folder_of(&target).map_err(failed)
+    }
+
+    fn write_error(&self, source: std::io::Error) -> OutputError {
+        OutputError::write(&self.target, source)
+    }
+}
+
+/// A picture as the bytes of a PNG, without its alpha channel. In memory: an encoder that writes to a file may lose what the disk
+/// refuses at its end.
+pub(super) fn png_of(picture: &RgbaImage) -> Result<Vec<u8>, image::ImageError> {
+    let (width, height) = picture.dimensions();
+    let rgb: Vec<u8> = picture.pixels().flat_map(|p| [p[0], p[1], p[2]]).collect();
+    let mut png = Vec::new();
+    image::codecs::png::PngEncoder::new(&mut png).write_image(
+        &rgb,
+        width,
+        height,
+        image::ExtendedColorType::Rgb8,
+    )?;
+    Ok(png)
+}
+
+/// Makes a folder and those above it, where they are not there.
+pub(super) fn make_folder(folder: &Path) -> Result<(), OutputError> {
+    if folder.exists() && !folder.is_dir() {
+        return Err(OutputError::InTheWay {
+            path: folder.into(),
+            found: "a file",
+        });
+    }
+    durable::make_folders(folder).map_err(|source| OutputError::write(folder, source))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(folder: &Path) -> Vec<String> {
+        let entries = std::fs::read_dir(folder).expect("a folder");
+        let mut names: Vec<_> = entries
+            .map(|entry| {
+                entry
+                    .expect("an entry")
+                    .file_name()
+                    .into_string()
+                    .expect("UTF-8")
+            })
+            .collect();
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn a_file_appears_whole_or_not_at_all() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let target = folder.path().join("a.png");
+        let pending = PendingFile::create(&target, "pictures", "png").expect("writable");
+        assert!(!target.exists());
+        pending
+            .open()
+            .expect("opens")
+            .write_all(b"half")
+            .expect("writes");
+        drop(pending);
+        assert!(
+            names(folder.path()).is_empty(),
+            "{:?}",
+            names(folder.path())
+        );
+
+        std::fs::write(&target, b"old").expect("writes");
+        let pending = PendingFile::create(&target, "pictures", "png").expect("writable");
+        assert_eq!(std::fs::read(&target).expect("reads"), b"old");
+        pending.write_whole(b"new").expect("commits");
+        assert_eq!(std::fs::read(&target).expect("reads"), b"new");
+        assert_eq!(names(folder.path()), ["a.png"]);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_file_is_as_readable_as_any_other() {
+        use std::os::unix::fs::PermissionsExt;
+        let folder = tempfile::tempdir().expect("a folder");
+        let (ours, plain) = (folder.path().join("a.png"), folder.path().join("b"));
+        let pending = PendingFile::create(&ours, "pictures", "png").expect("writable");
+        pending.commit().expect("commits");
+        std::fs::write(&plain, b"").expect("writes");
+        let mode = |path: &Path| std::fs::metadata(path).expect("there").permissions().mode();
+        assert_eq!(mode(&ours), mode(&plain));
+    }
+
+    #[test]
+    fn what_cannot_be_written_is_refused_before() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let at = |name: &str| folder.path().join(name);
+        let refusal = |path: PathBuf| {
+            PendingFile::create(&path, "pictures", "png")
+                .expect_err("refused")
+                .to_string()
+        };
+        assert!(refusal(at("missing/a.png")).contains("make it first"));
+        let jpg = refusal(at("a.jpg"));
+        assert!(jpg.contains(".png") && jpg.contains("a.png"), "{jpg}");
+        std::fs::create_dir(at("b.png")).expect("makes");
+        assert!(refusal(at("b.png")).contains("a folder"));
+        std::fs::write(at("file"), b"").expect("writes");
+        assert!(refusal(at("file/c.png")).contains("no folder"));
+        std::fs::write(at("d.png"), b"").expect("writes");
+        let mut rights = std::fs::metadata(at("d.png")).expect("there").permissions();
+        rights.set_readonly(true);
+        std::fs::set_permissions(at("d.png"), rights).expect("sets");
+        assert!(refusal(at("d.png")).contains("write-protected"));
+        assert_eq!(names(folder.path()), ["b.png", "d.png", "file"]);
+    }
+}

@@ -1,0 +1,353 @@
+//! The panel, the help and messages over the picture.
+
+use super::clock::Clock;
+use super::controls::Controls;
+use super::flight::Moment;
+use super::keys::{Action, BINDINGS, MOUSE};
+use super::place_text::place_text;
+use super::timeline;
+use terrella::frames::rfc3339;
+use crate::scene::CameraMode;
+use terrella::{AdaptiveQuality, FrameStats};
+use egui::{Align2, Color32, Context, Grid, RichText, ScrollArea, Ui, Vec2};
+
+/// Longer notices take several lines, points.
+const NOTICE_WIDTH: f32 = 420.0;
+/// Space between the window's edge and what is laid over the picture, points.
+const MARGIN: f32 = 8.0;
+/// Height of a window of egui without its content: title, frame, spacing, points.
+const WINDOW_CHROME: f32 = 44.0;
+/// Height of a line of buttons or text below a scrolled part, points.
+const FOOTER: f32 = 28.0;
+/// Width of the panel's names and of its frame, points.
+const NAMES_WIDTH: f32 = 104.0;
+
+/// What the panel shows beside the controls.
+pub struct PanelData<'p> {
+    /// The satellite's name, if there is one.
+    pub satellite: Option<&'p str>,
+    /// The moment on screen.
+    pub moment: &'p Moment,
+    /// Counts of the frame on screen.
+    pub stats: FrameStats,
+    /// Whether the tiles of a pack are drawn.
+    pub has_tiles: bool,
+    /// Adapts the quality, if a frame time is to be held.
+    pub adaptive: Option<&'p AdaptiveQuality>,
+    /// Milliseconds between frames, smoothed; `None` before there are two.
+    pub interval_ms: Option<f64>,
+    /// Milliseconds of this program's own work on a frame, smoothed.
+    pub work_ms: f64,
+    /// The adapter's name and backend.
+    pub adapter: &'p str,
+}
+
+/// Lays everything out and answers what the user clicked. Nothing reaches over the window's edge down to 640 × 360 points:
+/// what is too high is scrolled, what is too wide takes several lines.
+pub fn show(context: &Context, controls: &Controls, data: &PanelData<'_>) -> Vec<Action> {
+    let mut actions = Vec::new();
+    let screen = context.content_rect();
+    let mut bottom = 2.0 * MARGIN;
+    if controls.shows_line() {
+        bottom += timeline::show(context, &controls.line, &controls.clock, &mut actions);
+    }
+    let mut panel_right = screen.left();
+    if controls.panel {
+        let height = screen.height() - MARGIN - bottom - WINDOW_CHROME - FOOTER;
+        let window = egui::Window::new("Terrella")
+            .anchor(Align2::LEFT_TOP, Vec2::splat(MARGIN))
+            .resizable(false)
+            .show(context, |ui| {
+                panel(ui, controls, data, height, &mut actions)
+            });
+        panel_right = window.map_or(panel_right, |window| window.response.rect.right());
+    }
+    if let Some(notice) = controls.live.as_ref().and_then(|live| live.notice.as_ref()) {
+        show_notice(context, notice, screen.right() - panel_right);
+    }
+    if let Some(message) = &controls.message {
+        egui::Area::new("message".into())
+            .anchor(Align2::CENTER_BOTTOM, Vec2::new(0.0, -bottom))
+            .show(context, |ui| {
+                egui::Frame::popup(ui.style()).show(ui, |ui| {
+                    ui.set_max_width(screen.width() - 4.0 * MARGIN);
+                    ui.label(message)
+                });
+            });
+    }
+    if controls.help {
+        show_help(context, &mut actions);
+    }
+    if controls.asks_to_close {
+        ask_to_close(context, &mut actions);
+    }
+    actions
+}
+
+/// What must not be overlooked, at the right, in the room beside the panel.
+fn show_notice(context: &Context, notice: &str, room: f32) {
+    let width = NOTICE_WIDTH.min(room - 4.0 * MARGIN).max(0.0);
+    egui::Area::new("notice".into())
+        .anchor(Align2::RIGHT_TOP, Vec2::new(-MARGIN, MARGIN))
+        .show(context, |ui| {
+            egui::Frame::popup(ui.style()).show(ui, |ui| {
+                // Else it wraps at the width of the notice before.
+                ui.set_max_width(width);
+                ui.label(RichText::new(notice).color(Color32::GOLD).size(16.0))
+            });
+        });
+}
+
+/// The keys, with two ways to close them.
+fn show_help(context: &Context, actions: &mut Vec<Action>) {
+    let screen = context.content_rect();
+    let mut is_open = true;
+    egui::Window::new("Keys")
+        .open(&mut is_open)
+        .order(egui::Order::Foreground)
+        .anchor(Align2::CENTER_CENTER, Vec2::ZERO)
+        .resizable(false)
+        .collapsible(false)
+        .show(context, |ui| {
+            let height = screen.height() - 2.0 * MARGIN - WINDOW_CHROME - FOOTER;
+            scrolled(ui, height, help);
+            ui.label("Esc, H or the cross closes this help.");
+        });
+    if !is_open {
+        actions.push(Action::Dismiss);
+    }
+}
+
+/// The question that Esc asks.
+fn ask_to_close(context: &Context, actions: &mut Vec<Action>) {
+    egui::Window::new("Close Terrella?")
+        .order(egui::Order::Foreground)
+        .anchor(Align2::CENTER_CENTER, Vec2::ZERO)
+        .resizable(false)
+        .collapsible(false)
+        .show(context, |ui| {
+            ui.horizontal(|ui| {
+                if ui.button("Close (Enter)").clicked() {
+                    actions.push(Action::Confirm);
+                }
+                if ui.button("Stay (Esc)").clicked() {
+                    actions.push(Action::Dismiss);
+                }
+            });
+        });
+}
+
+/// `height`: most that the numbers take before they are scrolled, points.
+fn panel(
+    ui: &mut Ui,
+    controls: &Controls,
+    data: &PanelData<'_>,
+    height: f32,
+    actions: &mut Vec<Action>,
+) {
+    scrolled(ui, height, |ui| numbers(ui, controls, data));
+    buttons(ui, &controls.clock, actions);
+}
+
+/// What is higher than `height` points is scrolled, with a bar that shows it.
+fn scrolled(ui: &mut Ui, height: f32, add: impl FnOnce(&mut Ui)) {
+    ui.style_mut().spacing.scroll = egui::style::ScrollStyle::solid();
+    ScrollArea::vertical().max_height(height).show(ui, add);
+}
+
+fn numbers(ui: &mut Ui, controls: &Controls, data: &PanelData<'_>) {
+    let clock = &controls.clock;
+    let widest = ui.ctx().content_rect().width() - 2.0 * MARGIN - NAMES_WIDTH;
+    let grid = Grid::new("numbers").num_columns(2).max_col_width(widest);
+    grid.show(ui, |ui| {
+        let mut row = |name: &str, value: String| {
+            ui.label(name);
+            ui.label(RichText::new(value).monospace());
+            ui.end_row();
+        };
+        row("time", rfc3339(data.moment.epoch));
+        row(
+            "speed",
+            match &controls.live {
+                Some(live) => live.pace.clone(),
+                None => speed_text(clock.speed(), clock.is_paused()),
+            },
+        );
+        if let Some(live) = &controls.live {
+            for (name, value) in &live.rows {
+                row(name, value.clone());
+            }
+        }
+        if let Some(satellite) = data.moment.satellite {
+            let live = controls.live.as_ref().map(|live| live.name.as_str());
+            row(
+                "satellite",
+                live.or(data.satellite).unwrap_or("unnamed").to_owned(),
+            );
+            let place = satellite.place;
+            row("above", place_text(place.lat_rad, place.lon_rad));
+            row("height", format!("{:.1} km", place.height_m / 1000.0));
+            row(
+                "velocity",
+                format!("{:.3} km/s", satellite.speed_m_s / 1000.0),
+            );
+            row("light", satellite.illumination.0.name().to_owned());
+            if let Some(error_m) = satellite.error_m {
+                row("error", format!("±{error_m:.1} m"));
+            }
+        } else {
+            let eye = data.stats.eye;
+            row("eye above", place_text(eye.lat_rad, eye.lon_rad));
+            row("height", format!("{:.1} km", eye.height_m / 1000.0));
+        }
+        row("camera", camera_text(controls.mode).to_owned());
+        row("view", format!("{:.3}°", controls.fov_rad().to_degrees()));
+        row("frame", frame_text(data.interval_ms, data.work_ms));
+        row(
+            "blocks",
+            format!(
+                "{} of {} in sight",
+                data.stats.blocks_drawn, data.stats.blocks_visible
+            ),
+        );
+        if let Some(error_px) = data.stats.ground.error_px {
+            row("relief", format!("within {error_px:.1} px"));
+        }
+        if data.has_tiles {
+            for (name, value) in tile_rows(&data.stats) {
+                row(name, value);
+            }
+        }
+        if let Some(adaptive) = data.adaptive {
+            row("quality", quality_text(adaptive));
+        }
+        row("adapter", data.adapter.to_owned());
+    });
+}
+
+fn buttons(ui: &mut Ui, clock: &Clock, actions: &mut Vec<Action>) {
+    ui.horizontal(|ui| {
+        let pause = if clock.is_paused() { "play" } else { "pause" };
+        let buttons = [
+            (pause, Action::Pause),
+            ("slower", Action::Slower),
+            ("faster", Action::Faster),
+            ("reverse", Action::Reverse),
+            ("camera", Action::NextCamera),
+            ("time line", Action::TimeLine),
+            ("help", Action::Help),
+        ];
+        for (text, action) in buttons {
+            if ui.button(text).clicked() {
+                actions.push(action);
+            }
+        }
+    });
+}
+
+/// The panel's lines about tiles.
+fn tile_rows(stats: &FrameStats) -> [(&'static str, String); 4] {
+    let tiles = &stats.tiles;
+    let by_level = |counts: &[u32]| {
+        let last = counts.iter().rposition(|n| *n > 0).map_or(1, |n| n + 1);
+        let counts: Vec<_> = counts[..last].iter().map(u32::to_string).collect();
+        counts.join(" ")
+    };
+    let mb = |bytes: u64| format!("{:.0} MB", bytes as f64 / 1e6);
+    let failures = match tiles.failures {
+        0 => String::new(),
+        n => format!(", {n} unreadable"),
+    };
+    [
+        (
+            "texels",
+            format!("{:.2} a pixel at least", stats.texels_per_pixel),
+        ),
+        (
+            "tiles",
+            format!(
+                "{} wanted, {} held, finest first",
+                by_level(&tiles.requested),
+                by_level(&tiles.resident)
+            ),
+        ),
+        (
+            "loading",
+            format!(
+                "{} queued, {} decoding, {} to upload, {} stand-ins{failures}",
+                tiles.queued, tiles.loading, tiles.waiting_upload, tiles.fallbacks
+            ),
+        ),
+        (
+            "so far",
+            format!(
+                "{} decoded, {} uploaded, {} replaced",
+                mb(tiles.decoded_bytes),
+                mb(tiles.uploaded_bytes),
+                tiles.evictions
+            ),
+        ),
+    ]
+}
+
+fn help(ui: &mut Ui) {
+    Grid::new("keys").num_columns(2).show(ui, |ui| {
+        let keys = BINDINGS.iter().map(|binding| (binding.keys, binding.does));
+        for (keys, does) in keys.chain(MOUSE.iter().copied()) {
+            ui.label(RichText::new(keys).strong());
+            ui.label(does);
+            ui.end_row();
+        }
+    });
+}
+
+fn camera_text(mode: CameraMode) -> &'static str {
+    match mode {
+        CameraMode::Nadir => "nadir",
+        CameraMode::Horizon => "horizon",
+        CameraMode::Chase => "chase",
+        CameraMode::Geodetic => "geodetic",
+    }
+}
+
+fn speed_text(speed: f64, paused: bool) -> String {
+    let times = if speed.abs() < 1.0 {
+        format!("{speed} × real time")
+    } else {
+        format!("{speed:.0} × real time")
+    };
+    if paused {
+        format!("{times}, paused")
+    } else {
+        times
+    }
+}
+
+fn frame_text(interval_ms: Option<f64>, work_ms: f64) -> String {
+    match interval_ms {
+        Some(interval) => format!(
+            "{interval:.1} ms ({:.0} per second), {work_ms:.1} ms of it here",
+            1000.0 / interval
+        ),
+        None => format!("{work_ms:.1} ms"),
+    }
+}
+
+fn quality_text(adaptive: &AdaptiveQuality) -> String {
+    let reductions: Vec<_> = adaptive.reductions().map(|what| what.to_string()).collect();
+    let target_ms = adaptive.target_ms();
+    let drawn = match reductions.is_empty() {
+        true => format!("full, held to {target_ms} ms"),
+        false => format!("without {}", reductions.join(", ")),
+    };
+    match adaptive.out_of_reach_ms() {
+        Some(cost_ms) => {
+            format!("{drawn}; {target_ms} ms is out of reach, frames cost {cost_ms:.1}")
+        }
+        None => drawn,
+    }
+}
+
+#[cfg(test)]
+#[path = "panel_tests.rs"]
+mod tests;

@@ -1,0 +1,174 @@
+use super::*;
+use terrella::frames::{Epoch, Geodetic};
+use crate::flight::{Flight, SatelliteState};
+use crate::live_status::LiveStatus;
+use crate::scene::Scene;
+use egui::{RawInput, Rect, Shape};
+use std::path::Path;
+
+/// The smallest window in which nothing may be cut off, points.
+const SMALLEST: Vec2 = Vec2::new(640.0, 360.0);
+
+fn adaptive() -> AdaptiveQuality {
+    let day = terrella::LayerImage::from_rgba8(1, 1, vec![0; 4]).expect("a map");
+    let layers = terrella::EarthLayers {
+        day,
+        clouds: None,
+        normals: None,
+        night_lights: None,
+        water: None,
+    };
+    let full = terrella::Quality::of(&terrella::EarthOptions::new(layers));
+    AdaptiveQuality::new(10.0, terrella::QualityLadder::recorded().levels(full, false))
+}
+
+#[test]
+fn a_frame_time_out_of_reach_is_told() {
+    let mut adaptive = adaptive();
+    assert_eq!(quality_text(&adaptive), "full, held to 10 ms");
+    for _ in 0..1000 {
+        adaptive.observe(50.0);
+    }
+    let text = quality_text(&adaptive);
+    let end = "; 10 ms is out of reach, frames cost 50.0";
+    assert!(
+        text.starts_with("without ") && text.ends_with(end),
+        "{text}"
+    );
+}
+
+#[test]
+fn speeds_read_well() {
+    assert_eq!(speed_text(-64.0, false), "-64 × real time");
+    assert_eq!(speed_text(0.25, true), "0.25 × real time, paused");
+    assert!(frame_text(Some(20.0), 3.0).contains("50 per second"));
+}
+
+/// A flight with the longest of everything that the panel shows.
+struct Longest {
+    flight: Flight,
+    adaptive: AdaptiveQuality,
+}
+
+impl Longest {
+    fn new() -> Self {
+        let scene = Scene::from_toml("", Path::new("test.toml")).expect("a good scene");
+        let mut adaptive = adaptive();
+        for _ in 0..1000 {
+            adaptive.observe(50.0);
+        }
+        Self {
+            flight: Flight::open(scene).expect("opens"),
+            adaptive,
+        }
+    }
+
+    /// Lays out a few frames, as sizes settle, and returns the last one's text with where it may be seen, and the rectangles
+    /// of all windows.
+    fn lay_out(
+        &self,
+        size: Vec2,
+        change: impl Fn(&mut Controls),
+    ) -> (Vec<(Rect, Rect, String)>, Vec<Rect>) {
+        let mut controls = Controls::new(&self.flight);
+        change(&mut controls);
+        let request = controls.request(1.0);
+        let now: Epoch = controls.clock.now();
+        let mut moment = self.flight.view_at(now, &request).expect("a view");
+        moment.satellite = moment.satellite.map(|satellite| SatelliteState {
+            place: Geodetic::from_degrees(-51.123_456, -179.987_654, 420_123.4),
+            error_m: Some(1234.5),
+            ..satellite
+        });
+        let mut stats = FrameStats::default();
+        stats.tiles.failures = 12;
+        stats.ground.error_px = Some(0.9);
+        let data = PanelData {
+            satellite: Some("A SATELLITE WITH A LONG NAME (2018-001-ABC)"),
+            moment: &moment,
+            stats,
+            has_tiles: true,
+            adaptive: Some(&self.adaptive),
+            interval_ms: Some(123.4),
+            work_ms: 100.0,
+            adapter: "llvmpipe (LLVM 15.0.6, 256 bits), Vulkan, a software renderer of Mesa 22.3.6",
+        };
+        let context = Context::default();
+        let mut shapes = Vec::new();
+        for _ in 0..4 {
+            let input = RawInput {
+                screen_rect: Some(Rect::from_min_size(egui::Pos2::ZERO, size)),
+                ..RawInput::default()
+            };
+            let mut output = context.run_ui(input, |ui| {
+                show(ui.ctx(), &controls, &data);
+            });
+            output.textures_delta.clear();
+            shapes = output.shapes;
+        }
+        let texts = shapes.into_iter().filter_map(|shape| match shape.shape {
+            Shape::Text(text) => Some((
+                shape.clip_rect,
+                text.visual_bounding_rect(),
+                text.galley.text().to_owned(),
+            )),
+            _ => None,
+        });
+        let areas = context.memory(|memory| {
+            let layers: Vec<_> = memory.areas().visible_layer_ids().into_iter().collect();
+            let rects = layers.iter().map(|layer| memory.area_rect(layer.id));
+            rects.flatten().collect()
+        });
+        (texts.collect(), areas)
+    }
+
+    fn assert_nothing_is_cut_off(&self, what: &str, change: impl Fn(&mut Controls)) {
+        let (texts, areas) = self.lay_out(SMALLEST, change);
+        let screen = Rect::from_min_size(egui::Pos2::ZERO, SMALLEST);
+        assert!(!areas.is_empty(), "{what}: nothing is laid out");
+        for area in areas {
+            assert!(screen.contains_rect(area), "{what}: {area} leaves {screen}");
+        }
+        for (clip, rect, text) in texts.into_iter().filter(|(_, _, text)| !text.is_empty()) {
+            // Heights are scrolled, widths are not.
+            let is_whole = clip.left() - 1.0 <= rect.left() && rect.right() <= clip.right() + 1.0;
+            assert!(is_whole, "{what}: {text:?} at {rect} is cut off at {clip}");
+        }
+    }
+}
+
+fn nothing(_: &mut Controls) {}
+
+#[test]
+fn nothing_is_cut_off_in_a_small_window() {
+    let longest = Longest::new();
+    let message = "No further: the elements of A SATELLITE WITH A LONG NAME hold until 2026-11-25T00:00:00Z, and \
+                   the next set of elements is not in the file that the scene names";
+    longest.assert_nothing_is_cut_off("panel and time line", nothing);
+    longest.assert_nothing_is_cut_off("help", |controls| controls.help = true);
+    longest.assert_nothing_is_cut_off("question", |controls| controls.asks_to_close = true);
+    longest.assert_nothing_is_cut_off("message", |controls| {
+        controls.message = Some(message.to_owned());
+    });
+    longest.assert_nothing_is_cut_off("a simulator", |controls| {
+        controls.live = Some(LiveStatus {
+            name: "A SATELLITE WITH A LONG NAME".into(),
+            pace: "in lockstep".into(),
+            rows: vec![("simulator", "nothing has come since 12.3 s ago".into()); 6],
+            notice: Some(
+                "nothing has come from the simulator on tcp://127.0.0.1:5005 for 10.0 s".into(),
+            ),
+        });
+    });
+}
+
+#[test]
+fn the_help_names_every_way_to_close_it() {
+    let longest = Longest::new();
+    let (texts, _) = longest.lay_out(SMALLEST, |controls| controls.help = true);
+    assert!(
+        texts
+            .iter()
+            .any(|(_, _, text)| text.contains("closes this help"))
+    );
+}

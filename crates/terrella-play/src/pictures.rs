@@ -1,0 +1,281 @@
+//! The pictures of a scene in memory, for programs that call the library and have no window.
+
+use super::error::PlayError;
+use super::flight::{Flight, Moment};
+use super::offscreen::OffscreenRenderer;
+use super::quality_control::scene_quality;
+use terrella::frames::Epoch;
+use terrella::internals::gpu::GpuContext;
+use terrella::internals::imagery::tile::TileKey;
+use terrella::internals::offscreen::{Drawing, OffscreenEarth, TruthPicture};
+use crate::scene::{BetweenMaps, Scene};
+use terrella::{EarthOptions, Exposure, EyeView, FrameStats};
+use std::path::Path;
+use std::time::Duration;
+
+/// Has a scene take what it names no file for (maps, stars, heights) from this folder, in place of the starter pack that is looked for:
+/// for programs that bring one along.
+pub fn take_starter_files(scene: &mut Scene, folder: &Path) {
+    let earth = &mut scene.earth;
+    if earth.textures.is_none() && earth.pack.is_none() {
+        earth.textures = Some(folder.to_owned());
+    }
+    if let Some(relief) = earth
+        .relief
+        .as_mut()
+        .filter(|relief| relief.elevation.is_empty())
+    {
+        relief.elevation.push(folder.join("elevation.png"));
+    }
+    if scene.sky.folder.is_none() {
+        scene.sky.folder = Some(folder.to_owned());
+    }
+}
+
+/// What is pictured: an instant, by the scene's camera and exposure or by others.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shot {
+    /// The instant.
+    pub epoch: Epoch,
+    /// Where the eye is and what it sees; `None` is the scene's camera. A camera of the caller's flies with no satellite: it needs none
+    /// to be known at the instant, and no craft is before it.
+    pub view: Option<EyeView>,
+    /// The exposure value; `None` is the scene's exposure.
+    pub exposure_ev: Option<f64>,
+}
+
+impl From<Epoch> for Shot {
+    /// By the scene's camera and exposure.
+    fn from(epoch: Epoch) -> Self {
+        Self {
+            epoch,
+            view: None,
+            exposure_ev: None,
+        }
+    }
+}
+
+/// A scene with a device of its own, drawn into memory at any instant.
+///
+/// As for [`OffscreenEarth`], what draws a kind of picture is made when the first of that kind is asked for. Scenes whose time a
+/// simulator gives are refused: they are played by the command.
+pub struct ScenePictures {
+    flight: Flight,
+    gpu: GpuContext,
+    size: (u32, u32),
+    /// The maps, read with the first picture.
+    options: Option<EarthOptions>,
+    shown: Option<OffscreenRenderer>,
+    light: Option<OffscreenRenderer>,
+    truth: Option<(OffscreenEarth, Vec<BetweenMaps>)>,
+}
+
+impl ScenePictures {
+    /// Reads a scene file and opens what it names, and an adapter. `size` is width and height in pixels; `None` is the scene's.
+    ///
+    /// # Errors
+    /// What is wrong with the scene or its files; a live scene; no adapter.
+    pub fn open(
+        path: &Path,
+        adapter: Option<&str>,
+        size: Option<(u32, u32)>,
+    ) -> Result<Self, PlayError> {
+        Self::of_scene(Scene::load(path)?, adapter, size)
+    }
+
+    /// The same of a scene that is already read.
+    ///
+    /// # Errors
+    /// As [`Self::open`].
+    pub fn of_scene(
+        scene: Scene,
+        adapter: Option<&str>,
+        size: Option<(u32, u32)>,
+    ) -> Result<Self, PlayError> {
+        if let Some(live) = scene.orbits.iter().find_map(|orbit| orbit.live.as_ref()) {
+            return Err(PlayError::Live {
+                scene: scene.path.clone(),
+                listens_on: live.transport.to_string(),
+                work: "no other instant can be drawn",
+                remedy: "play it with the command `terrella`",
+            });
+        }
+        let flight = Flight::open(scene)?;
+        let gpu = OffscreenEarth::open_gpu(adapter)?;
+        let size = size.unwrap_or(flight.scene().output.size.into());
+        terrella::internals::offscreen::check_size(&gpu, size)?;
+        Ok(Self {
+            flight,
+            gpu,
+            size,
+            options: None,
+            shown: None,
+            light: None,
+            truth: None,
+        })
+    }
+
+    /// The scene made ready.
+    pub fn flight(&self) -> &Flight {
+        &self.flight
+    }
+
+    /// Adapter, device and queue.
+    pub fn gpu(&self) -> &GpuContext {
+        &self.gpu
+    }
+
+    /// Width and height of the pictures, pixels.
+    pub fn size(&self) -> (u32, u32) {
+        self.size
+    }
+
+    /// The view that is pictured.
+    ///
+    /// # Errors
+    /// An instant at which the satellite that the scene's camera flies with is not known.
+    pub fn moment(&self, shot: impl Into<Shot>) -> Result<Moment, PlayError> {
+        let shot = shot.into();
+        let mut moment = match shot.view {
+            None => self.flight.at(shot.epoch, self.aspect())?,
+            Some(view) => Moment {
+                epoch: shot.epoch,
+                view,
+                sky: self.flight.sky_at(shot.epoch),
+                satellite: None,
+                craft: None,
+                eye_velocity_m_s: None,
+                turn: None,
+                is_starless: false,
+                exposure_ev: None,
+            },
+        };
+        moment.exposure_ev = shot.exposure_ev.or(moment.exposure_ev);
+        Ok(moment)
+    }
+
+    /// Width over height.
+    pub fn aspect(&self) -> f64 {
+        f64::from(self.size.0) / f64::from(self.size.1)
+    }
+
+    /// Draws an instant as it is shown and writes it to `rgba`: four bytes a pixel, rows from the top. With all that the scene shows:
+    /// craft, sky, tracks and names. Waits for tiles as long as the scene says.
+    ///
+    /// # Errors
+    /// An instant at which the satellite is not known, maps that cannot be read, a buffer of another length, a device without room.
+    pub fn draw_color(
+        &mut self,
+        shot: impl Into<Shot>,
+        rgba: &mut [u8],
+    ) -> Result<Drawing, PlayError> {
+        self.check_buffer(rgba.len())?;
+        let moment = self.moment(shot)?;
+        let wait = self.flight.scene().output.wait();
+        let exposure = match moment.exposure_ev {
+            Some(ev) => Exposure::Ev(ev),
+            None => self.options()?.exposure,
+        };
+        let shown = self.shown()?;
+        shown.set_exposure(exposure)?;
+        let drawing = draw(shown, &moment, wait);
+        shown.read_into(rgba)?;
+        Ok(drawing)
+    }
+
+    /// Draws the light of an instant and writes it to `light`: four 32-bit floats a pixel, scene-referred and linear. Tracks are no
+    /// light and are not in it; the ground is without made detail.
+    ///
+    /// # Errors
+    /// As [`Self::draw_color`].
+    pub fn draw_light(
+        &mut self,
+        shot: impl Into<Shot>,
+        light: &mut [f32],
+    ) -> Result<Drawing, PlayError> {
+        self.check_buffer(light.len())?;
+        let moment = self.moment(shot)?;
+        let wait = self.flight.scene().output.wait();
+        let renderer = match self.light.take() {
+            Some(renderer) => renderer,
+            None => {
+                let mut options = self.options()?.clone();
+                // What is measured is what is known.
+                options.light.detail = false;
+                let gpu = self.gpu.clone();
+                let mut made = OffscreenRenderer::open_for_light(gpu, options, self.size)?;
+                made.show_dated_maps(&self.flight)?;
+                made.show_sky(&self.flight)?;
+                made
+            }
+        };
+        let renderer = self.light.insert(renderer);
+        let drawing = draw(renderer, &moment, wait);
+        renderer.read_light_into(light)?;
+        Ok(drawing)
+    }
+
+    /// Draws what is where each pixel of an instant looks: of the Earth alone, without craft.
+    ///
+    /// # Errors
+    /// As [`Self::draw_color`].
+    pub fn draw_truth(
+        &mut self,
+        shot: impl Into<Shot>,
+    ) -> Result<(TruthPicture, Drawing), PlayError> {
+        let moment = self.moment(shot)?;
+        let epoch = moment.epoch;
+        let wait = self.flight.scene().output.wait();
+        let dated = self.flight.scene().earth.dated_maps.iter();
+        let maps: Vec<_> = dated.map(|maps| maps.at(epoch)).collect();
+        let made = self.truth.take().filter(|(_, made_for)| *made_for == maps);
+        let earth = match made {
+            Some((earth, _)) => earth,
+            None => {
+                let options = match maps.is_empty() {
+                    true => self.options()?.clone(),
+                    // It has no maps that pass into each other.
+                    false => self.flight.earth_options_at(epoch, self.gpu.bc_support())?,
+                };
+                OffscreenEarth::new(self.gpu.clone(), options, self.size)?
+            }
+        };
+        let (earth, _) = self.truth.insert((earth, maps));
+        Ok(earth.draw_truth(&moment.view, &moment.sky, wait)?)
+    }
+
+    fn options(&mut self) -> Result<&EarthOptions, PlayError> {
+        let options = match self.options.take() {
+            Some(options) => options,
+            None => self.flight.earth_options(self.gpu.bc_support())?,
+        };
+        Ok(self.options.insert(options))
+    }
+
+    fn shown(&mut self) -> Result<&mut OffscreenRenderer, PlayError> {
+        let renderer = match self.shown.take() {
+            Some(renderer) => renderer,
+            None => {
+                let options = self.options()?.clone();
+                let flight = &self.flight;
+                let mut made = OffscreenRenderer::open(self.gpu.clone(), options, self.size)?;
+                made.show_dated_maps(flight)?;
+                made.show_sky(flight)?;
+                made.show_tracks(flight)?;
+                let quality = scene_quality(&flight.scene().quality, *made.earth().quality());
+                made.set_quality(&quality)?;
+                made
+            }
+        };
+        Ok(self.shown.insert(renderer))
+    }
+
+    fn check_buffer(&self, got: usize) -> Result<(), PlayError> {
+        Ok(terrella::internals::offscreen::check_length(self.size, 4, got)?)
+    }
+}
+
+fn draw(renderer: &mut OffscreenRenderer, moment: &Moment, wait: Duration) -> Drawing {
+    let (stats, missing): (FrameStats, Vec<TileKey>) = renderer.draw_complete(moment, wait);
+    Drawing { stats, missing }
+}

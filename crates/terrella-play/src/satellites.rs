@@ -1,0 +1,461 @@
+//! The satellites of a scene, each source opened.
+
+use super::error::PlayError;
+use terrella::basilisk::{
+    Meeting, RecordedCraft, Recording, Simulation, SimulationError, SimulationOptions,
+};
+use terrella::frames::{Duration, EarthOrientation, Epoch, Orientation, utc_from_rfc3339};
+use terrella::orbit::constants::EARTH_GM_M3_S2;
+use terrella::orbit::kepler::{Anomaly, Drift, KeplerElements, KeplerFeed, KeplerOptions, OrbitSize};
+use terrella::orbit::live::{LiveError, LiveFeed, LiveOptions};
+use terrella::orbit::numerical::{
+    Event, ForceModel, Gravity, NumericalFeed, NumericalOptions, Shadow,
+};
+use terrella::orbit::{
+    Catalogue, Ephemerides, Feed, FileFormat, Frame, MeanElements, OrbitError, OrbitState, Sgp4Feed,
+};
+use crate::scene::YEARS;
+use crate::scene::{
+    ForceOptions, InitialState, Motion, Orbit, OrbitParameters, OrbitSource, Scene,
+};
+use std::path::Path;
+use std::sync::Arc;
+
+/// A satellite of a scene.
+pub struct Satellite {
+    feed: Arc<dyn Feed>,
+    elements: Option<MeanElements>,
+    live: Option<Arc<LiveFeed>>,
+    simulation: Option<Arc<Simulation>>,
+    recording: Option<Arc<Recording>>,
+    events: Option<Vec<Event>>,
+    faults: Vec<FileRemark>,
+    faults_left_out: usize,
+}
+
+/// Whether live satellites listen for their simulators.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Listener {
+    Open,
+    Closed,
+}
+
+impl Satellite {
+    fn of(feed: impl Feed + 'static) -> Self {
+        Self {
+            feed: Arc::new(feed),
+            elements: None,
+            live: None,
+            simulation: None,
+            recording: None,
+            events: None,
+            faults: Vec::new(),
+            faults_left_out: 0,
+        }
+    }
+
+    /// Its name.
+    pub fn name(&self) -> &str {
+        self.feed.name()
+    }
+
+    /// Its motion.
+    pub fn feed(&self) -> &dyn Feed {
+        self.feed.as_ref()
+    }
+
+    /// The same, to be kept beside the flight.
+    pub fn shared_feed(&self) -> Arc<dyn Feed> {
+        Arc::clone(&self.feed)
+    }
+
+    /// The mean elements that it flies by, if it is flown by SGP4.
+    pub fn elements(&self) -> Option<&MeanElements> {
+        self.elements.as_ref()
+    }
+
+    /// What a simulator sends, if its states come from one.
+    pub fn live(&self) -> Option<&LiveFeed> {
+        self.live.as_deref()
+    }
+
+    /// The simulation that it flies in, if that runs meanwhile.
+    pub fn simulation(&self) -> Option<&Arc<Simulation>> {
+        self.simulation.as_ref()
+    }
+
+    /// The simulation that it flies in, if that was saved.
+    pub fn recording(&self) -> Option<&Arc<Recording>> {
+        self.recording.as_ref()
+    }
+
+    /// What was found along its motion, in order of time, if that is integrated.
+    pub fn events(&self) -> Option<&[Event]> {
+        self.events.as_deref()
+    }
+
+    /// The errors of other records of its file, and how many more there are that are not kept.
+    pub fn faults(&self) -> (&[FileRemark], usize) {
+        (&self.faults, self.faults_left_out)
+    }
+}
+
+/// What a reader says of a file that is flown all the same.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FileRemark {
+    /// "passed over" where something in the file is not used, else "noticed".
+    pub label: &'static str,
+    /// Where, what, and what to do.
+    pub text: String,
+}
+
+impl FileRemark {
+    fn of(error: &OrbitError) -> Self {
+        Self {
+            label: match error.is_notice() {
+                true => "noticed",
+                false => "passed over",
+            },
+            text: error.to_string(),
+        }
+    }
+}
+
+/// How many faults of a file are told when it is read.
+const FAULTS_TOLD: usize = 10;
+
+/// How long before and after the scene a motion is integrated, so that instants at its edges have neighbours.
+const MARGIN_S: f64 = 60.0;
+
+/// The orientation at an instant; none where there is no table or it does not reach.
+pub(super) fn orientation_at(
+    table: Option<&EarthOrientation>,
+    epoch: Epoch,
+) -> Option<Orientation> {
+    match table {
+        None => Some(Orientation::default()),
+        Some(table) => table.at(epoch),
+    }
+}
+
+/// Lets a stand-in fly for every satellite of the built-in elements where those do not reach to the scene's start.
+pub(super) fn stand_in(scene: &mut Scene) -> Result<(), PlayError> {
+    if scene.is_live() || !scene.orbits.iter().any(Orbit::is_built_in) {
+        return Ok(());
+    }
+    let feed = Sgp4Feed::built_in_iss()?;
+    let (first, last) = feed.validity();
+    if (first..=last).contains(&scene.time.start) {
+        return Ok(());
+    }
+    let mean = feed.elements();
+    let mean_motion_rad_s = mean.mean_motion_rev_day * std::f64::consts::TAU / 86_400.0;
+    let elements = KeplerElements {
+        // n² a³ = μ.
+        size: OrbitSize::SemiMajorAxis((EARTH_GM_M3_S2 / mean_motion_rad_s.powi(2)).cbrt()),
+        eccentricity: mean.eccentricity,
+        inclination_rad: mean.inclination_deg.to_radians(),
+        raan_rad: mean.raan_deg.to_radians(),
+        argument_of_periapsis_rad: mean.arg_perigee_deg.to_radians(),
+        anomaly: Anomaly::Mean(mean.mean_anomaly_deg.to_radians()),
+    };
+    for index in 0..scene.orbits.len() {
+        if scene.orbits.get(index).is_some_and(Orbit::is_built_in) {
+            scene.stand_in(index, elements, (first, last));
+        }
+    }
+    Ok(())
+}
+
+/// Opens the satellite of that place in the scene.
+pub(super) fn open(
+    scene: &Scene,
+    index: usize,
+    orbit: &Orbit,
+    table: Option<&EarthOrientation>,
+    listener: Listener,
+) -> Result<Satellite, PlayError> {
+    let name = orbit.name.as_deref();
+    if let Some(options) = &orbit.live {
+        let listen = options.transport.to_string();
+        // The numbers are the scene's: so are the file and the line.
+        let opened = live(options, listener)
+            .map_err(|error| scene.refuse_orbit(index, "listen", &listen, error.to_string()));
+        return Ok(opened?);
+    }
+    if let Some(options) = &orbit.basilisk {
+        let endpoint = options.meeting.endpoint().to_string();
+        let key = match options.meeting {
+            Meeting::Listen(_) => "listen",
+            Meeting::Subscribe(_) => "subscribe",
+        };
+        let opened = simulation(options, scene.time.start, listener)
+            .map_err(|error| scene.refuse_orbit(index, key, &endpoint, error.to_string()));
+        return Ok(opened?);
+    }
+    if let (OrbitSource::Basilisk, Some(file)) = (orbit.source, &orbit.file) {
+        let recording = Recording::open(file, scene.time.start, name);
+        let path = file.display().to_string();
+        let recording = recording
+            .map_err(|error| scene.refuse_orbit(index, "file", &path, error.to_string()))?;
+        for note in recording.notes() {
+            tracing::warn!("{note}");
+        }
+        let recording = Arc::new(recording);
+        return Ok(Satellite {
+            recording: Some(Arc::clone(&recording)),
+            ..Satellite::of(RecordedCraft::new(recording, name))
+        });
+    }
+    match (&orbit.motion, &orbit.file) {
+        (Some(motion), _) => {
+            let start = motion.start();
+            let default_name = match motion {
+                Motion::Kepler { .. } => "Kepler",
+                Motion::Numerical { .. } => "Numerical",
+            };
+            let orientation = orientation_at(table, start.epoch).ok_or_else(|| {
+                let remedy = "the table of [time] orientation does not reach to this epoch; take one that does, or start later";
+                scene.refuse_orbit(index, "epoch", &terrella::frames::rfc3339(start.epoch), remedy.to_owned())
+            })?;
+            let name = name.unwrap_or(default_name);
+            let opened = match motion {
+                Motion::Kepler { start, j2 } => kepler(name, start, *j2, &orientation),
+                Motion::Numerical { start, forces } => {
+                    numerical(name, scene, start, forces, &orientation)
+                }
+            };
+            // The numbers are the scene's: so are the file and the line.
+            opened.map_err(|error| {
+                let source = default_name.to_lowercase();
+                scene
+                    .refuse_orbit(index, "source", &source, error.to_string())
+                    .into()
+            })
+        }
+        (None, Some(file)) => from_file(scene, index, orbit, file),
+        (None, None) => {
+            let feed = Sgp4Feed::built_in_iss()?;
+            Ok(Satellite {
+                elements: Some(feed.elements().clone()),
+                ..Satellite::of(feed)
+            })
+        }
+    }
+}
+
+fn live(options: &LiveOptions, listener: Listener) -> Result<Satellite, LiveError> {
+    let feed = match listener {
+        Listener::Open => LiveFeed::open(options.clone())?,
+        Listener::Closed => LiveFeed::unconnected(options.clone())?,
+    };
+    if listener == Listener::Open {
+        tracing::info!("{} is waited for on {}", options.name, feed.listens_on());
+    }
+    let feed = Arc::new(feed);
+    Ok(Satellite {
+        live: Some(Arc::clone(&feed)),
+        ..Satellite::of(feed)
+    })
+}
+
+fn simulation(
+    options: &SimulationOptions,
+    start: Epoch,
+    listener: Listener,
+) -> Result<Satellite, SimulationError> {
+    let simulation = Arc::new(match listener {
+        Listener::Open => Simulation::open(options.clone(), start)?,
+        Listener::Closed => Simulation::unconnected(options.clone(), start)?,
+    });
+    if listener == Listener::Open {
+        tracing::info!("a simulation is waited for on {}", simulation.endpoint());
+    }
+    let feed = simulation.craft_feed(options.craft.as_deref());
+    Ok(Satellite {
+        simulation: Some(simulation),
+        ..Satellite::of(feed)
+    })
+}
+
+fn from_file(
+    scene: &Scene,
+    index: usize,
+    orbit: &Orbit,
+    file: &Path,
+) -> Result<Satellite, PlayError> {
+    let name = orbit.name.as_deref();
+    let check = |format| match OrbitSource::of(format) {
+        source if source == orbit.source => Ok(()),
+        source => {
+            let given = source_key(orbit.source);
+            let remedy = format!(
+                "{} holds {}; write source = \"{}\"",
+                file.display(),
+                format_name(format),
+                source_key(source)
+            );
+            Err(scene.refuse_orbit(index, "source", given, remedy))
+        }
+    };
+    let (tracked, faults, faults_left_out) = match orbit.source {
+        OrbitSource::Tle | OrbitSource::Omm => {
+            // Without a name the only satellite is meant, and which is the only one a spoilt record leaves open.
+            let is_strict = orbit.strict || name.is_none();
+            let catalogue = Catalogue::from_file(file, is_strict)?;
+            check(catalogue.format)?;
+            let left_out = catalogue.faults_left_out;
+            let mut catalogue = catalogue;
+            let faults = std::mem::take(&mut catalogue.faults);
+            let feed = catalogue.into_one(file, name)?;
+            let elements = Some(feed.elements().clone());
+            (
+                Satellite {
+                    elements,
+                    ..Satellite::of(feed)
+                },
+                faults,
+                left_out,
+            )
+        }
+        _ => {
+            let mut ephemerides = Ephemerides::from_file(file, orbit.strict)?;
+            check(ephemerides.format)?;
+            let left_out = ephemerides.faults_left_out;
+            let faults = std::mem::take(&mut ephemerides.faults);
+            (
+                Satellite::of(ephemerides.into_one(file, name)?),
+                faults,
+                left_out,
+            )
+        }
+    };
+    let faults: Vec<_> = faults.iter().map(FileRemark::of).collect();
+    for FileRemark { label, text } in faults.iter().take(FAULTS_TOLD) {
+        tracing::warn!("{label}: {text}");
+    }
+    match faults.len().saturating_sub(FAULTS_TOLD) + faults_left_out {
+        0 => {}
+        more => tracing::warn!(
+            "passed over: {more} more of {}; terrella check lists them, --strict refuses them",
+            file.display()
+        ),
+    }
+    Ok(Satellite {
+        faults,
+        faults_left_out,
+        ..tracked
+    })
+}
+
+fn source_key(source: OrbitSource) -> &'static str {
+    match source {
+        OrbitSource::Tle => "tle",
+        OrbitSource::Omm => "omm",
+        OrbitSource::Oem => "oem",
+        OrbitSource::Czml => "czml",
+        OrbitSource::Csv => "csv",
+        OrbitSource::Kepler => "kepler",
+        OrbitSource::Numerical => "numerical",
+        OrbitSource::Live => "live",
+        OrbitSource::Basilisk => "basilisk",
+    }
+}
+
+fn format_name(format: FileFormat) -> &'static str {
+    match format {
+        FileFormat::Tle => "two-line elements",
+        FileFormat::Omm => "an orbit mean-elements message",
+        FileFormat::Oem => "an orbit ephemeris message",
+        FileFormat::Czml => "CZML",
+        FileFormat::Csv => "states in columns",
+    }
+}
+
+fn kepler(
+    name: &str,
+    start: &InitialState,
+    j2: bool,
+    orientation: &Orientation,
+) -> Result<Satellite, OrbitError> {
+    let year =
+        |year: i32, day: &str| utc_from_rfc3339(&format!("{year}-{day}")).unwrap_or(start.epoch);
+    let options = KeplerOptions {
+        drift: if j2 { Drift::J2 } else { Drift::None },
+        first: year(*YEARS.start(), "01-01T00:00:00Z"),
+        last: year(*YEARS.end(), "12-31T23:59:59Z"),
+    };
+    Ok(Satellite::of(match start.parameters {
+        OrbitParameters::Elements(elements) => {
+            KeplerFeed::from_elements(name, start.frame, start.epoch, &elements, options)?
+        }
+        OrbitParameters::State { .. } => {
+            let mut state = state(start)?;
+            if state.frame.is_earth_fixed() {
+                state = state.in_frame(Frame::Gcrf, orientation);
+            }
+            KeplerFeed::from_state(name, &state, options)?
+        }
+    }))
+}
+
+/// The state at the start.
+fn state(start: &InitialState) -> Result<OrbitState, OrbitError> {
+    let (position_m, velocity_m_s) = match start.parameters {
+        OrbitParameters::State {
+            position_m,
+            velocity_m_s,
+        } => (position_m, velocity_m_s),
+        OrbitParameters::Elements(elements) => elements
+            .conic(EARTH_GM_M3_S2, start.epoch)?
+            .state_after(0.0),
+    };
+    Ok(OrbitState {
+        epoch: start.epoch,
+        frame: start.frame,
+        position_m,
+        velocity_m_s,
+    })
+}
+
+fn numerical(
+    name: &str,
+    scene: &Scene,
+    start: &InitialState,
+    forces: &ForceOptions,
+    orientation: &Orientation,
+) -> Result<Satellite, OrbitError> {
+    let degree = forces.gravity_degree as usize;
+    let model = ForceModel {
+        gravity: match degree {
+            0 | 1 => Gravity::Point,
+            degree => Gravity::Field {
+                degree,
+                order: forces.gravity_order as usize,
+            },
+        },
+        drag: forces.drag,
+        sun: forces.sun,
+        moon: forces.moon,
+        sunlight: forces.radiation.then_some(Shadow::Cone),
+        thrusts: forces.burns.clone(),
+        orientation: *orientation,
+    };
+    let margin = Duration::from_seconds(MARGIN_S);
+    let (a, b) = (scene.time.start, scene.time.end());
+    let options = NumericalOptions {
+        relative_tolerance: forces.tolerance,
+        solver: forces.method,
+        watch: forces.events,
+        ..NumericalOptions::between(
+            (a.min(b) - margin).min(start.epoch),
+            (a.max(b) + margin).max(start.epoch),
+        )
+    };
+    let state = state(start)?;
+    let feed = NumericalFeed::new(name, &state, &model, &forces.craft, &options)?;
+    Ok(Satellite {
+        events: Some(feed.events().to_vec()),
+        ..Satellite::of(feed)
+    })
+}

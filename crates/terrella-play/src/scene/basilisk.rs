@@ -1,0 +1,175 @@
+//! `[orbit] source = "basilisk"`: a simulation that runs meanwhile, or one that was saved.
+
+use super::error::{SceneError, printable};
+use super::field::{Bounds, Field, KeyText, UNKNOWN, quoted};
+use super::keys::RawOrbit;
+use super::orbit::{Orbit, OrbitSource};
+use super::text::SceneText;
+use terrella::basilisk::{Endpoint, Meeting, SimulationOptions};
+use std::time::Duration;
+
+/// Keys that simulations of Basilisk share with live satellites.
+pub(super) const SHARED_KEYS: &[&str] = &["listen", "allow_remote", "timeout_s", "stale_after_s"];
+
+const RUNS_NOT: &str = "is for simulations that run; a file is read as it was saved";
+const WAITS_NOT: &str = "is for simulations that wait for an answer; one that publishes does not";
+
+impl SceneText<'_> {
+    /// How a simulation is met; `None` where a file of it is read.
+    pub(super) fn basilisk(
+        &self,
+        orbit: &RawOrbit,
+        name: Option<&str>,
+        is_saved: bool,
+    ) -> Result<Option<SimulationOptions>, SceneError> {
+        let (listen, subscribe) = (orbit.listen(), orbit.subscribe());
+        let publishes = subscribe.is_given();
+        for (key, span) in orbit.given() {
+            let why = match key {
+                "timeout_s" if publishes => WAITS_NOT,
+                key if is_saved && (key == "subscribe" || SHARED_KEYS.contains(&key)) => RUNS_NOT,
+                "listen" if publishes => {
+                    "is where simulations connect, subscribe where one publishes; a scene has one of them"
+                }
+                _ => continue,
+            };
+            return Err(self.refuse_at("orbit", key, span, format!("{key} {why}; leave it out")));
+        }
+        if is_saved {
+            return Ok(None);
+        }
+        let field = if publishes { &subscribe } else { &listen };
+        let endpoint = self.endpoint(field)?.unwrap_or(Endpoint::TWO_WAY);
+        let allow_remote = orbit.allow_remote().is_on();
+        if endpoint.is_remote() && !allow_remote {
+            let advice = "other machines reach this address, and whoever reaches it can steer the picture; take 127.0.0.1 or [::1], or write allow_remote = true";
+            return Err(self.refuse(field, advice));
+        }
+        let meeting = match publishes {
+            true => Meeting::Subscribe(endpoint),
+            false => Meeting::Listen(endpoint),
+        };
+        let seconds = |field: Field<'_, f64, Bounds<f64>>| self.quantity(&field, "seconds");
+        let timeout_s = seconds(orbit.timeout_s())?;
+        Ok(Some(SimulationOptions {
+            craft: name.map(str::to_owned),
+            allow_remote,
+            // In range: it is finite and not negative.
+            timeout: Duration::try_from_secs_f64(timeout_s).unwrap_or_default(),
+            stale_after_s: seconds(orbit.stale_after_s())?,
+            ..SimulationOptions::new(meeting)
+        }))
+    }
+
+    fn endpoint(&self, field: &Field<'_, String>) -> Result<Option<Endpoint>, SceneError> {
+        let Some(given) = field.given else {
+            return Ok(None);
+        };
+        let endpoint = given.get_ref().parse();
+        endpoint.map(Some).map_err(|_| {
+            let advice = "must be \"tcp://\" with an IP address or localhost and a port, such as \"tcp://127.0.0.1:5556\", or \"ipc:///path\"";
+            self.refuse(field, advice)
+        })
+    }
+
+    /// Refuses a simulation beside other satellites: it brings all of its own, and the time.
+    pub(super) fn basilisk_alone(
+        &self,
+        raw: &[RawOrbit],
+        orbits: &[Orbit],
+    ) -> Result<(), SceneError> {
+        let mut all = raw.iter().zip(orbits);
+        let simulation = all.find(|(_, orbit)| orbit.source == OrbitSource::Basilisk);
+        match simulation {
+            Some((orbit, _)) if raw.len() > 1 => {
+                let advice = "a simulation brings its own satellites and its own time; leave the other [[orbit]] tables out";
+                Err(self.refuse(&orbit.source(), advice))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// The value of a key of a simulation, or why there is none.
+pub(super) fn value(orbit: &Orbit, key: &str) -> KeyText {
+    match (key, &orbit.file, &orbit.basilisk) {
+        ("name", ..) => match &orbit.name {
+            Some(name) => quoted(name),
+            None => Err("cameras fly with the simulation's first spacecraft"),
+        },
+        ("file", Some(file), _) => quoted(&file.display().to_string()),
+        ("file", None, _) => Err("the simulation runs meanwhile"),
+        (key, Some(_), _) if key == "subscribe" || SHARED_KEYS.contains(&key) => Err(RUNS_NOT),
+        ("listen", _, Some(options)) => match &options.meeting {
+            Meeting::Listen(endpoint) => quoted(&endpoint.to_string()),
+            Meeting::Subscribe(_) => Err("the simulation publishes"),
+        },
+        ("subscribe", _, Some(options)) => match &options.meeting {
+            Meeting::Subscribe(endpoint) => quoted(&endpoint.to_string()),
+            Meeting::Listen(_) => Err("the simulation connects"),
+        },
+        ("allow_remote", _, Some(options)) => Ok(options.allow_remote.to_string()),
+        ("timeout_s", _, Some(options)) => match options.meeting {
+            Meeting::Listen(_) => Ok(options.timeout.as_secs_f64().to_string()),
+            Meeting::Subscribe(_) => Err(WAITS_NOT),
+        },
+        ("stale_after_s", _, Some(options)) => Ok(options.stale_after_s.to_string()),
+        _ => Err(UNKNOWN),
+    }
+}
+
+/// The text of what a simulation is flown by.
+pub(super) fn flies_by(orbit: &Orbit) -> String {
+    let craft = match &orbit.name {
+        Some(name) => format!("cameras with {}", printable(name)),
+        None => "cameras with its first spacecraft".to_owned(),
+    };
+    match (&orbit.file, &orbit.basilisk) {
+        (Some(file), _) => format!("Basilisk, saved in {}, {craft}", file.display()),
+        (None, Some(options)) => match &options.meeting {
+            Meeting::Listen(endpoint) => {
+                format!("a Basilisk simulation that connects to {endpoint}, {craft}")
+            }
+            Meeting::Subscribe(endpoint) => {
+                format!("a Basilisk simulation that publishes on {endpoint}, {craft}")
+            }
+        },
+        (None, None) => craft,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Scene;
+    use std::path::Path;
+
+    #[test]
+    fn the_simulation_takes_all_that_the_scene_takes() {
+        let orbit = RawOrbit::default();
+        let ends = [
+            (
+                "timeout_s",
+                orbit.timeout_s().rule,
+                SimulationOptions::TIMEOUTS_S,
+            ),
+            (
+                "stale_after_s",
+                orbit.stale_after_s().rule,
+                SimulationOptions::STALE_AGES_S,
+            ),
+        ];
+        for (key, Bounds { range, default }, own) in ends {
+            assert_eq!(range, own, "{key}");
+            for end in [*range.start(), *range.end()] {
+                let text = format!("[orbit]\nsource = \"basilisk\"\n{key} = {end}\n");
+                let scene = Scene::from_toml(&text, Path::new("scene.toml"));
+                let scene = scene.unwrap_or_else(|error| panic!("{error}"));
+                assert!(scene.orbits[0].basilisk.is_some());
+            }
+            let usual = SimulationOptions::new(Meeting::Listen(Endpoint::TWO_WAY));
+            let usual = [usual.timeout.as_secs_f64(), usual.stale_after_s];
+            assert!(usual.contains(&default), "{key}");
+        }
+    }
+}

@@ -1,0 +1,179 @@
+//! Scenes that no scene file says: the one that comes with the program, and what a file of orbits is flown in.
+
+use super::error::SceneError;
+use super::orbit::{Orbit, OrbitSource};
+use super::{KeyLines, Scene, StartSource};
+use terrella::internals::files;
+use terrella::orbit::FileFormat;
+use std::io::Read;
+use std::path::Path;
+
+/// The scene that comes with the program.
+const SHIPPED: &str = include_str!("../../../../config/iss.toml");
+/// What messages call it.
+const SHIPPED_NAME: &str = "config/iss.toml (built in)";
+/// Its keys that are about the file of elements. The elements of that file are built in.
+const FILE_KEYS: &[(&str, &str)] = &[("orbit", "file"), ("orbit", "name"), ("orbit", "strict")];
+/// Those, and the keys that are about that satellite alone.
+const OWN_KEYS: &[(&str, &str)] = &[
+    ("orbit", "source"),
+    ("orbit", "file"),
+    ("orbit", "name"),
+    ("orbit", "strict"),
+    ("time", "start"),
+    ("camera", "follow"),
+];
+/// How much of a file is looked at to recognise it, bytes.
+const HEAD_BYTES: u64 = 64 << 10;
+
+impl Scene {
+    /// The scene that comes with the program, `config/iss.toml`, which needs no file beside it.
+    ///
+    /// # Errors
+    /// None as long as that file is as released.
+    pub fn shipped() -> Result<Self, SceneError> {
+        let text = without(SHIPPED, FILE_KEYS);
+        let mut scene = Self::from_toml(&text, Path::new(SHIPPED_NAME))?;
+        scene.text = Some(text);
+        Ok(scene)
+    }
+
+    /// Satellites of a file of orbits, each by its name or catalogue number, or the file's only one, flown as
+    /// [`Self::shipped`] flies the space station, from the first one's own time on.
+    ///
+    /// # Errors
+    /// None as long as the shipped scene is as released: the file is read when its satellites are opened.
+    pub fn of_orbits(
+        path: &Path,
+        format: FileFormat,
+        names: &[String],
+    ) -> Result<Self, SceneError> {
+        let text = without(SHIPPED, OWN_KEYS);
+        let mut scene = Self::from_toml(&text, path)?;
+        let track = scene.orbits.first().map(|orbit| orbit.track);
+        let satellite = |name: Option<&String>| Orbit {
+            source: OrbitSource::of(format),
+            file: Some(path.to_owned()),
+            name: name.cloned(),
+            track: track.unwrap_or_default(),
+            ..Orbit::built_in()
+        };
+        scene.orbits = match names {
+            [] => vec![satellite(None)],
+            names => names.iter().map(|name| satellite(Some(name))).collect(),
+        };
+        // No line of the file is one of the scene.
+        scene.lines = KeyLines::default();
+        scene.orbit_lines = vec![KeyLines::default(); scene.orbits.len()];
+        scene.time.start_from = StartSource::Default;
+        scene.text = Some(format!("{text}\n# {format:?} {names:?}\n"));
+        Ok(scene)
+    }
+
+    /// Reads a scene file, or a file of orbits in place of one ([`Self::of_orbits`]), whichever it is: files that end in `.toml` are
+    /// scenes, and what another is, its text says, or else the ending of its name. `names` are the satellites of a file of orbits.
+    ///
+    /// # Errors
+    /// As [`Self::load`]; a file that is neither.
+    pub fn load_or_orbits(path: &Path, names: &[String]) -> Result<Self, SceneError> {
+        if is_named_scene(path) {
+            return Self::load(path);
+        }
+        match recognise(path) {
+            Some(format) => Self::of_orbits(path, format, names),
+            None => Self::load(path).map_err(neither),
+        }
+    }
+
+    /// Whether a file of orbits is flown in place of a scene file.
+    pub fn is_of_orbits(&self) -> bool {
+        let is_file = |orbit: &Orbit| orbit.file.as_ref() == Some(&self.path);
+        self.orbits.iter().any(is_file)
+    }
+}
+
+fn is_named_scene(path: &Path) -> bool {
+    path.extension()
+        .is_some_and(|ending| ending.eq_ignore_ascii_case("toml"))
+}
+
+/// What kind of orbits a file holds. A pipe is not looked into: what is read from it is gone.
+fn recognise(path: &Path) -> Option<FileFormat> {
+    let mut head = Vec::new();
+    let file = files::open(path).ok()?;
+    file.take(HEAD_BYTES).read_to_end(&mut head).ok()?;
+    let ending = path.extension().unwrap_or_default().to_string_lossy();
+    FileFormat::of_text(&String::from_utf8_lossy(&head)).or_else(|| FileFormat::of_ending(&ending))
+}
+
+/// What is said of a file that is no scene and whose name does not call it one.
+fn neither(error: SceneError) -> SceneError {
+    match error {
+        SceneError::NotUtf8 { .. }
+        | SceneError::TooLarge { .. }
+        | SceneError::Syntax { .. }
+        | SceneError::Unknown { .. } => SceneError::Neither {
+            scene: Box::new(error),
+        },
+        error => error,
+    }
+}
+
+/// A scene's text with empty lines in place of some of its keys, each of one line.
+fn without(text: &str, keys: &[(&str, &str)]) -> String {
+    let mut table = "";
+    let lines = text.lines().map(|line| {
+        if let Some(name) = line.strip_prefix('[') {
+            table = name.trim_end().trim_matches(['[', ']']);
+        }
+        let key = line.split('=').next().unwrap_or_default().trim();
+        match keys.contains(&(table, key)) {
+            true => "",
+            false => line,
+        }
+    });
+    lines.fold(String::new(), |text, line| text + line + "\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use terrella::orbit::Sgp4Feed;
+
+    /// The scene that is built in cannot drift from the file: but for where the elements are, both are the same.
+    #[test]
+    fn the_built_in_scene_is_the_one_of_the_file() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../config/iss.toml");
+        let file = Scene::load(&path).expect("a good scene");
+        let mut shipped = Scene::shipped().expect("a good scene");
+        let [theirs] = file.orbits.as_slice() else {
+            panic!("one satellite");
+        };
+        let elements = theirs.file.as_ref().expect("a file");
+        let theirs = Sgp4Feed::from_file(elements, theirs.name.as_deref()).expect("elements");
+        let ours = Sgp4Feed::built_in_iss().expect("elements");
+        assert_eq!(theirs.elements(), ours.elements());
+        assert!(shipped.orbits.iter().all(Orbit::is_built_in));
+        shipped.orbits.clone_from(&file.orbits);
+        let told = |scene: &Scene| {
+            let summary = scene.full_summary();
+            let lines = summary.lines().skip(1);
+            let lines = lines.filter(|line| {
+                !["file", "name", "strict"]
+                    .contains(&line.split_whitespace().next().unwrap_or_default())
+            });
+            lines.map(|line| line.to_owned() + "\n").collect::<String>()
+        };
+        assert_eq!(told(&shipped), told(&file));
+    }
+
+    #[test]
+    fn keys_are_left_out_of_their_own_table_alone() {
+        let text = "[time]\nstart = 1\nfile = 2\n[orbit]\n# file = 3\nfile = 4\nfiles = 5\n";
+        let left = without(text, &[("orbit", "file"), ("time", "start")]);
+        assert_eq!(
+            left,
+            "[time]\n\nfile = 2\n[orbit]\n# file = 3\n\nfiles = 5\n"
+        );
+    }
+}

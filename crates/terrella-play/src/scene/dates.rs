@@ -1,0 +1,184 @@
+//! Whether an orbit answers for all of a scene's time, and what is flown where the scene does not ask for more.
+
+use super::Scene;
+use super::error::{KeyLocation, SceneError};
+use super::orbit::{InitialState, Motion, Orbit, OrbitParameters, OrbitSource};
+use super::time::{StartSource, utc, year_advice};
+use terrella::frames::Epoch;
+use terrella::orbit::Frame;
+use terrella::orbit::kepler::KeplerElements;
+
+/// What flies where the built-in elements do not reach.
+const STAND_IN: &str = "ISS stand-in";
+
+/// What ends the time that an orbit answers for, where that is not just how far its source reaches.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Ending {
+    /// The satellite meets the ground at this place.
+    Impact(String),
+    /// SGP4 has no orbit beyond: the satellite has decayed.
+    Decay,
+    /// An ephemeris has a gap there.
+    Gap,
+}
+
+fn validity_text(validity: (Epoch, Epoch), ending: Option<&Ending>) -> String {
+    let (first, last) = (utc(validity.0), utc(validity.1));
+    match ending {
+        Some(Ending::Impact(place)) => {
+            format!("the satellite meets the ground at {last}, {place}; it is known from {first}")
+        }
+        Some(Ending::Decay) => {
+            format!("SGP4 has an orbit for the satellite from {first} to {last} and none beyond")
+        }
+        Some(Ending::Gap) => {
+            format!("the ephemeris has a gap; it is known without one from {first} to {last}")
+        }
+        None => format!("the orbit answers from {first} to {last}"),
+    }
+}
+
+impl Scene {
+    /// Refuses a scene of which any part lies outside `validity`, the first and last epoch that its orbit
+    /// answers for without a gap ([`terrella::orbit::Feed::validity`], [`terrella::orbit::Feed::gaps`]). `ending` is what ends that time,
+    /// if it is known.
+    pub fn check_dates(
+        &self,
+        validity: (Epoch, Epoch),
+        ending: Option<&Ending>,
+    ) -> Result<(), SceneError> {
+        let (first, last) = validity;
+        let inside = |epoch: Epoch| first <= epoch && epoch <= last;
+        let validity_text = validity_text(validity, ending);
+        let (start, end) = (self.time.start, self.time.end());
+        if !inside(start) {
+            let is_file = self.orbits.iter().any(|orbit| orbit.source.is_file());
+            let or = match is_file || self.orbits.is_empty() {
+                true => ", or name newer elements with file in [orbit]",
+                false => "",
+            };
+            let remedy = format!("{validity_text}; choose a start in that time{or}");
+            return Err(self.refuse_time("start", utc(start), remedy));
+        }
+        if !inside(end) {
+            let room_s = if self.time.speed > 0.0 {
+                (last - start).to_seconds()
+            } else {
+                (start - first).to_seconds()
+            };
+            let remedy = format!(
+                "the flight from {} would end at {}, but {validity_text}; make it at most {} seconds or choose another start",
+                utc(start),
+                utc(end),
+                room_s.floor()
+            );
+            return Err(self.refuse_time("duration_s", self.time.duration_s.to_string(), remedy));
+        }
+        Ok(())
+    }
+
+    /// Shortens a duration that the scene does not give to what the orbit answers for, with a notice.
+    pub fn shorten(&mut self, validity: (Epoch, Epoch), ending: Option<&Ending>) {
+        let (start, end) = (self.time.start, self.time.end());
+        let inside = |epoch: Epoch| validity.0 <= epoch && epoch <= validity.1;
+        if self.line("time", "duration_s").is_some() || !inside(start) || inside(end) {
+            return;
+        }
+        let room = match self.time.speed > 0.0 {
+            true => validity.1 - start,
+            false => start - validity.0,
+        };
+        // Whole milliseconds, so that it ends on this side.
+        let room_s = (room.to_seconds() * 1e3).floor() / 1e3;
+        if room_s > 0.0 {
+            self.notices.push(format!(
+                "[time] duration_s is shortened from its default, {}, to {room_s}: {}",
+                self.time.duration_s,
+                validity_text(validity, ending)
+            ));
+            self.time.duration_s = room_s;
+        }
+    }
+
+    /// Begins a scene that gives no start at a satellite's own time, which `from` describes in words. Motions that the scene
+    /// describes without an epoch begin with it. Changes nothing in a scene that gives its start.
+    ///
+    /// # Errors
+    /// A time that no scene may reach.
+    pub fn begin_at(&mut self, start: Epoch, from: String) -> Result<(), SceneError> {
+        match self.time.start_from {
+            StartSource::Default => self.move_start(start, StartSource::Satellite(from)),
+            _ => Ok(()),
+        }
+    }
+
+    /// Begins the scene at this instant, whatever it says itself. Motions that it describes without an epoch begin with it.
+    ///
+    /// # Errors
+    /// A time that no scene may reach.
+    pub fn begin(&mut self, start: Epoch) -> Result<(), SceneError> {
+        self.move_start(start, StartSource::Caller)
+    }
+
+    fn move_start(&mut self, start: Epoch, from: StartSource) -> Result<(), SceneError> {
+        self.time.start = start;
+        self.time.start_from = from;
+        for index in 0..self.orbits.len() {
+            if self.orbit_line(index, "epoch").is_none()
+                && let Some(motion) = self.orbits.get_mut(index).and_then(|o| o.motion.as_mut())
+            {
+                motion.start_mut().epoch = start;
+            }
+        }
+        match self.time.bad_year() {
+            Some(year) => Err(self.refuse_time("start", utc(start), year_advice(year))),
+            None => Ok(()),
+        }
+    }
+
+    /// Lets the built-in satellite of that place fly a conic from the scene's start on, with a notice: its own elements,
+    /// `elements`, hold for `validity` only.
+    pub fn stand_in(&mut self, orbit: usize, elements: KeplerElements, validity: (Epoch, Epoch)) {
+        let start = self.time.start;
+        let Some(slot) = self.orbits.get_mut(orbit) else {
+            return;
+        };
+        *slot = Orbit {
+            source: OrbitSource::Kepler,
+            name: Some(STAND_IN.to_owned()),
+            motion: Some(Motion::Kepler {
+                start: InitialState {
+                    epoch: start,
+                    frame: Frame::Teme,
+                    parameters: OrbitParameters::Elements(elements),
+                },
+                j2: true,
+            }),
+            ..slot.clone()
+        };
+        self.notices.push(format!(
+            "{STAND_IN} is not where the International Space Station is at {}: the station's built-in elements hold from {} to {}, so an orbit of its size and inclination is flown; for the station itself name elements of that time with file in [orbit]",
+            utc(start),
+            utc(validity.0),
+            utc(validity.1)
+        ));
+    }
+
+    fn refuse_time(&self, key: &str, value: String, remedy: String) -> SceneError {
+        let line = self.line("time", key);
+        SceneError::Value {
+            place: Box::new(KeyLocation {
+                path: self.path.clone(),
+                line,
+                table: "time".to_owned(),
+                key: key.to_owned(),
+            }),
+            value: if line.is_some() {
+                value
+            } else {
+                format!("{value} (default)")
+            },
+            remedy,
+        }
+    }
+}

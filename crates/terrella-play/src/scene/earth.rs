@@ -1,0 +1,392 @@
+//! `[earth]`: the globe, its layers and its air, and the imagery pack that they may come from. Its keys of ground with relief
+//! are read in [`relief`](super::relief).
+
+use super::dated_maps::{DatedMaps, DatedScene, dated_maps_value};
+use super::error::{SceneError, printable};
+use super::field::{Field, KeyText, PathKind, UNKNOWN, quoted, range_text, whole, written};
+use super::keys::RawEarth;
+use super::relief::{ReliefTable, relief_value};
+use super::text::SceneText;
+use terrella::internals::air::{AirOptions, Atmosphere};
+use terrella::internals::globe::{Figure, LevelRule, Shading, Subdivision, Visibility};
+use std::ops::RangeInclusive;
+use std::path::PathBuf;
+use toml::Spanned;
+
+/// How many times brighter than in truth the night is by default: lamps show beside daylight.
+const NIGHT_GAIN: f64 = 1.5e5;
+/// The same where the Moon lights it: with more, a full Moon would look like
+/// an overcast day.
+const MOONLIT_NIGHT_GAIN: f64 = 4e4;
+
+/// Which effects are on where a scene says nothing of them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Look {
+    /// The 2011 paper's picture: its three layers, and no light of ours but the air's.
+    Paper,
+    /// What costs little: real light on land, sea and clouds, through the air.
+    #[default]
+    Standard,
+    /// All that there is.
+    Full,
+}
+
+/// `[earth]`
+#[derive(Clone, Debug, PartialEq)]
+pub struct EarthTable {
+    /// Which effects are on by default.
+    pub look: Look,
+    /// Whether a map that is not there refuses the scene.
+    pub strict: bool,
+    /// The Earth's figure.
+    pub figure: Figure,
+    /// Cells per block edge.
+    pub subdivision: Subdivision,
+    /// Which blocks are drawn.
+    pub visibility: Visibility,
+    /// How the surface is shaded.
+    pub shading: Shading,
+    /// Cloud layer.
+    pub clouds: bool,
+    /// Terrain normals.
+    pub normals: bool,
+    /// City lights.
+    pub night_lights: bool,
+    /// Open water, if the folder or the pack has its map.
+    pub water: bool,
+    /// How the air is drawn.
+    pub atmosphere: Atmosphere,
+    /// Vertical optical depth of the air's haze at 550 nm; 0 is clear air.
+    pub aerosol_optical_depth: f64,
+    /// The light on the surface; `None` with the paper's shading, which has its own.
+    pub light: Option<SurfaceLightTable>,
+    /// Folder of the maps; `None` is the starter pack. Not looked at where there is a pack.
+    pub textures: Option<PathBuf>,
+    /// The imagery pack; `None` draws whole maps.
+    pub pack: Option<PackTable>,
+    /// Ground with relief; `None` draws the smooth ellipsoid.
+    pub relief: Option<ReliefTable>,
+    /// Maps that change with the date.
+    pub dated_maps: Vec<DatedMaps>,
+}
+
+/// The keys of `[earth]` that say how light falls on sea, land and clouds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SurfaceLightTable {
+    /// Wind over the sea, metres a second.
+    pub wind_m_s: f64,
+    /// How many times too steep slopes are lit.
+    pub relief_exaggeration: f64,
+    /// Height of the cloud layer, kilometres.
+    pub cloud_height_km: f64,
+    /// How far the tops of thick clouds rise over thin ones, kilometres.
+    pub cloud_relief_km: f64,
+    /// Whether clouds throw shadows.
+    pub cloud_shadows: bool,
+    /// Whether what is smaller than the maps' texels is made up.
+    pub detail: bool,
+    /// Whether the Moon lights the Earth.
+    pub moonlight: bool,
+    /// Whether the air glows at night.
+    pub airglow: bool,
+    /// How many times brighter than in truth the lights of the night are.
+    pub night_gain: f64,
+}
+
+impl EarthTable {
+    /// Whether the surface is shaded as printed in the paper.
+    pub fn is_paper(&self) -> bool {
+        self.shading == Shading::Paper
+    }
+}
+
+/// The keys of `[earth]` that say how an imagery pack is drawn.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PackTable {
+    /// The pack's folder.
+    pub folder: PathBuf,
+    /// How the level of a block is chosen.
+    pub levels: LevelRule,
+    /// `levels = "screen"`: most screen pixels that a texel may cover.
+    pub texel_px: f64,
+    /// Which of the pack's storages is read.
+    pub storage: StorageChoice,
+    /// Textures of maps and tiles, megabytes.
+    pub texture_mb: f64,
+    /// Tiles uploaded in one frame, megabytes.
+    pub upload_mb: f64,
+}
+
+/// Which of a pack's storages is read.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum StorageChoice {
+    /// Compressed on graphics hardware that reads it, plain on software adapters; whichever there is otherwise.
+    #[default]
+    Auto,
+    /// Plain texels.
+    Plain,
+    /// BC7, BC5 and BC4.
+    Bc,
+}
+
+impl SceneText<'_> {
+    /// Checks `[earth]`.
+    pub(super) fn earth(&self, earth: &RawEarth) -> Result<EarthTable, SceneError> {
+        let look = self.choice(&earth.look(), Look::default())?;
+        let shading = match look {
+            Look::Paper => Shading::Paper,
+            Look::Standard | Look::Full => Shading::Sunlit,
+        };
+        let shading = self.choice(&earth.shading(), shading)?;
+        let lights = earth.night_lights();
+        let night_lights = lights.value().unwrap_or(shading == Shading::Sunlit);
+        if night_lights && shading == Shading::Paper {
+            let advice = "the paper's shading has no night lights; write false, leave it out, or take shading = \"sunlit\"";
+            return Err(self.refuse(&lights, advice));
+        }
+        let water = earth.water();
+        if shading == Shading::Paper && water.value() == Some(true) {
+            let advice = "the paper's shading has no water; write false, leave it out, or take shading = \"sunlit\"";
+            return Err(self.refuse(&water, advice));
+        }
+        let aerosol = earth.aerosol_optical_depth();
+        let aerosol_optical_depth = match aerosol.given {
+            Some(given) => self.given_quantity(&aerosol, given, "")?,
+            None if look == Look::Paper => 0.0,
+            None => AirOptions::default().aerosol_optical_depth,
+        };
+        let mut table = EarthTable {
+            aerosol_optical_depth,
+            light: self.surface_light(earth, look, shading)?,
+            look,
+            strict: earth.strict().is_on(),
+            figure: self.choice(&earth.figure(), Figure::default())?,
+            subdivision: self.subdivision(&earth.subdivision())?,
+            visibility: self.choice(&earth.visibility(), Visibility::default())?,
+            shading,
+            clouds: earth.clouds().is_on(),
+            normals: earth.normals().is_on(),
+            night_lights,
+            water: water.value().unwrap_or(shading == Shading::Sunlit),
+            atmosphere: self.choice(&earth.atmosphere(), Atmosphere::default())?,
+            textures: self.path(&earth.textures(), PathKind::Folder)?,
+            pack: self.pack(earth)?,
+            relief: self.relief(earth)?,
+            dated_maps: Vec::new(),
+        };
+        let dated = DatedScene {
+            is_paper: table.is_paper(),
+            clouds: table.clouds,
+            night_lights: table.night_lights,
+            has_pack: table.pack.is_some(),
+        };
+        table.dated_maps = self.dated_maps(earth, dated)?;
+        Ok(table)
+    }
+
+    fn surface_light(
+        &self,
+        earth: &RawEarth,
+        look: Look,
+        shading: Shading,
+    ) -> Result<Option<SurfaceLightTable>, SceneError> {
+        let shadows = earth.cloud_shadows();
+        let detail = earth.detail();
+        let (moonlight, airglow) = (earth.moonlight(), earth.airglow());
+        let is_full = look == Look::Full;
+        if shading == Shading::Paper {
+            self.only_in_sunlight(&earth.wind_m_s())?;
+            self.only_in_sunlight(&earth.relief_exaggeration())?;
+            self.only_in_sunlight(&earth.cloud_height_km())?;
+            self.only_in_sunlight(&earth.cloud_relief_km())?;
+            self.only_in_sunlight(&shadows)?;
+            self.only_in_sunlight(&detail)?;
+            self.only_in_sunlight(&moonlight)?;
+            self.only_in_sunlight(&airglow)?;
+            self.only_in_sunlight(&earth.night_gain())?;
+            return Ok(None);
+        }
+        let night_gain = earth.night_gain();
+        let moonlit = moonlight.value().unwrap_or(is_full);
+        Ok(Some(SurfaceLightTable {
+            wind_m_s: self.quantity(&earth.wind_m_s(), "metres a second")?,
+            relief_exaggeration: self.quantity(&earth.relief_exaggeration(), "")?,
+            cloud_height_km: self.quantity(&earth.cloud_height_km(), "kilometres")?,
+            cloud_relief_km: self.quantity(&earth.cloud_relief_km(), "kilometres")?,
+            cloud_shadows: shadows.value().unwrap_or(is_full),
+            detail: detail.value().unwrap_or(is_full),
+            moonlight: moonlit,
+            airglow: airglow.value().unwrap_or(is_full),
+            night_gain: match night_gain.given {
+                Some(given) => self.given_quantity(&night_gain, given, "")?,
+                None if moonlit => MOONLIT_NIGHT_GAIN,
+                None => NIGHT_GAIN,
+            },
+        }))
+    }
+
+    /// Refuses a key that does nothing with the paper's shading.
+    fn only_in_sunlight<T, R>(&self, field: &Field<'_, T, R>) -> Result<(), SceneError> {
+        if !field.is_given() {
+            return Ok(());
+        }
+        let advice = format!(
+            "the paper's shading has no {}; leave it out, or take shading = \"sunlit\"",
+            field.key
+        );
+        Err(self.refuse(field, advice))
+    }
+
+    fn pack(&self, earth: &RawEarth) -> Result<Option<PackTable>, SceneError> {
+        let folder = self.path(&earth.pack(), PathKind::Folder)?;
+        let (levels, texel_px, storage) = (earth.levels(), earth.texel_px(), earth.storage());
+        let (texture_mb, upload_mb) = (earth.texture_mb(), earth.upload_mb());
+        let Some(folder) = folder else {
+            self.only_with_a_pack(&levels)?;
+            self.only_with_a_pack(&texel_px)?;
+            self.only_with_a_pack(&storage)?;
+            self.only_with_a_pack(&texture_mb)?;
+            self.only_with_a_pack(&upload_mb)?;
+            return Ok(None);
+        };
+        let textures = earth.textures();
+        if textures.is_given() {
+            let advice = "a scene draws a folder of maps or a pack; leave out textures or pack";
+            return Err(self.refuse(&textures, advice));
+        }
+        let rule = self.choice(&levels, LevelRule::default())?;
+        if rule == LevelRule::Paper && texel_px.is_given() {
+            let advice = "texel_px has no meaning with levels = \"paper\", where distances alone decide; leave it out or write levels = \"screen\"";
+            return Err(self.refuse(&texel_px, advice));
+        }
+        let within =
+            |unit: &'static str| move |_, range: &str| format!("must be from {range} {unit}");
+        Ok(Some(PackTable {
+            folder,
+            levels: rule,
+            texel_px: self.number(&texel_px, within("screen pixels a texel"))?,
+            storage: self.choice(&storage, StorageChoice::default())?,
+            texture_mb: self.number(&texture_mb, within("megabytes"))?,
+            upload_mb: self.number(&upload_mb, within("megabytes a frame"))?,
+        }))
+    }
+
+    /// Refuses a key that does nothing without a pack.
+    pub(super) fn only_with_a_pack<T, R>(&self, field: &Field<'_, T, R>) -> Result<(), SceneError> {
+        if !field.is_given() {
+            return Ok(());
+        }
+        let advice = format!(
+            "{} is for imagery packs; leave it out, or name the pack's folder by pack = \"…\"",
+            field.key
+        );
+        Err(self.refuse(field, advice))
+    }
+
+    /// Reads the number of cells per block edge.
+    pub(super) fn subdivision(
+        &self,
+        field: &Field<'_, toml::Value, RangeInclusive<i64>>,
+    ) -> Result<Subdivision, SceneError> {
+        let cells = match field.given.map(Spanned::get_ref) {
+            None => return Ok(Subdivision::Auto),
+            Some(toml::Value::String(text)) if text == "auto" => return Ok(Subdivision::Auto),
+            Some(toml::Value::Integer(cells)) => whole(*cells, &field.rule),
+            Some(_) => None,
+        };
+        cells.map(Subdivision::Cells).ok_or_else(|| {
+            let advice = format!(
+                "must be \"auto\" or from {} cells per block edge",
+                range_text(&field.rule)
+            );
+            self.refuse(field, advice)
+        })
+    }
+}
+
+/// The value of a key as a scene would write it, or why it has none.
+pub(super) fn value(earth: &EarthTable, key: &str) -> KeyText {
+    match key {
+        "look" => quoted(&written(&earth.look)),
+        "strict" => Ok(earth.strict.to_string()),
+        "figure" => quoted(&written(&earth.figure)),
+        "subdivision" => match earth.subdivision {
+            Subdivision::Auto => quoted("auto"),
+            cells => Ok(cells.to_string()),
+        },
+        "visibility" => quoted(&written(&earth.visibility)),
+        "shading" => quoted(&written(&earth.shading)),
+        "clouds" => Ok(earth.clouds.to_string()),
+        "normals" => Ok(earth.normals.to_string()),
+        "night_lights" => Ok(earth.night_lights.to_string()),
+        "water" => Ok(earth.water.to_string()),
+        "atmosphere" => quoted(&written(&earth.atmosphere)),
+        "aerosol_optical_depth" if earth.atmosphere == Atmosphere::None => Err("there is no air"),
+        "aerosol_optical_depth" => Ok(earth.aerosol_optical_depth.to_string()),
+        "wind_m_s"
+        | "relief_exaggeration"
+        | "cloud_height_km"
+        | "cloud_relief_km"
+        | "cloud_shadows"
+        | "detail"
+        | "moonlight"
+        | "airglow"
+        | "night_gain" => match &earth.light {
+            Some(light) => surface_light_value(light, key),
+            None => Err("only for shading = \"sunlit\""),
+        },
+        "textures" => match &earth.textures {
+            Some(folder) => quoted(&folder.display().to_string()),
+            None if earth.pack.is_some() => Err("the pack is taken"),
+            None => Err("the starter pack is taken"),
+        },
+        "pack" | "levels" | "texel_px" | "storage" | "texture_mb" | "upload_mb" => {
+            match &earth.pack {
+                Some(pack) => pack_value(pack, key),
+                None => Err("no pack: whole maps are drawn"),
+            }
+        }
+        "day_maps" | "cloud_maps" | "night_light_maps" | "map_fade" => {
+            dated_maps_value(&earth.dated_maps, key)
+        }
+        "pack_heights" | "ground_mb" if earth.pack.is_none() => Err("no pack"),
+        "surface" | "elevation" | "pack_heights" | "ground_mb" | "tolerance_px" | "sea_floor"
+        | "denoise" | "clipmap" | "contours" | "projected_grid" | "quadtree" => {
+            relief_value(earth.relief.as_ref(), key)
+        }
+        _ => Err(UNKNOWN),
+    }
+}
+
+/// The value of one of the keys of light on the surface.
+fn surface_light_value(light: &SurfaceLightTable, key: &str) -> KeyText {
+    Ok(match key {
+        "wind_m_s" => light.wind_m_s.to_string(),
+        "relief_exaggeration" => light.relief_exaggeration.to_string(),
+        "cloud_height_km" => light.cloud_height_km.to_string(),
+        "cloud_relief_km" => light.cloud_relief_km.to_string(),
+        "cloud_shadows" => light.cloud_shadows.to_string(),
+        "detail" => light.detail.to_string(),
+        "moonlight" => light.moonlight.to_string(),
+        "airglow" => light.airglow.to_string(),
+        "night_gain" => light.night_gain.to_string(),
+        _ => return Err(UNKNOWN),
+    })
+}
+
+/// The value of one of the pack's keys.
+fn pack_value(pack: &PackTable, key: &str) -> KeyText {
+    Ok(match key {
+        "pack" => format!("\"{}\"", printable(&pack.folder.display().to_string())),
+        "levels" => format!("\"{}\"", written(&pack.levels)),
+        "texel_px" if pack.levels == LevelRule::Paper => {
+            return Err("only for levels = \"screen\"");
+        }
+        "texel_px" => pack.texel_px.to_string(),
+        "storage" => format!("\"{}\"", written(&pack.storage)),
+        "texture_mb" => pack.texture_mb.to_string(),
+        _ => pack.upload_mb.to_string(),
+    })
+}

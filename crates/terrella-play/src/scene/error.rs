@@ -1,0 +1,139 @@
+//! Errors of scenes. Every message says where (file, line, key), what is wrong, and what to do.
+
+pub(super) use terrella::internals::files::excerpt as printable;
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+/// Largest scene file, bytes. A scene of every key with generous comments is a hundredth of it.
+pub(super) const MAX_FILE_BYTES: u64 = 1 << 20;
+
+/// Where a key stands in a scene file, or would stand.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct KeyLocation {
+    /// The scene file.
+    pub path: PathBuf,
+    /// Line of the file, from 1; `None` where the file does not give the key and its default is meant.
+    pub line: Option<usize>,
+    /// The table's name; empty for what stands outside any table.
+    pub table: String,
+    /// The key; empty for a whole table.
+    pub key: String,
+}
+
+impl fmt::Display for KeyLocation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}:", self.path.display())?;
+        if let Some(line) = self.line {
+            write!(f, "{line}:")?;
+        }
+        if !self.table.is_empty() {
+            write!(f, " [{}]", printable(&self.table))?;
+        }
+        if !self.key.is_empty() {
+            write!(f, " {}", printable(&self.key))?;
+        }
+        Ok(())
+    }
+}
+
+/// Why a scene is refused.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum SceneError {
+    /// The file could not be opened or read.
+    #[error("{}: cannot be read: {source}; give the path of a scene file such as config/iss.toml, or of a file of orbits", path.display())]
+    Read {
+        /// The scene file.
+        path: PathBuf,
+        /// Error of the operating system.
+        source: std::io::Error,
+    },
+    /// The path is a folder.
+    #[error("{}: is a folder; give the path of a scene file in it", path.display())]
+    Folder {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// The file is larger than any scene needs to be.
+    #[error(
+        "{}: is larger than {MAX_FILE_BYTES} bytes, the most that a scene may have; is it a scene file?",
+        path.display()
+    )]
+    TooLarge {
+        /// The scene file.
+        path: PathBuf,
+    },
+    /// The file is not UTF-8 text.
+    #[error("{}:{line}: is not UTF-8 text; save it as UTF-8", path.display())]
+    NotUtf8 {
+        /// The scene file.
+        path: PathBuf,
+        /// First bad line, from 1.
+        line: usize,
+    },
+    /// The text is not TOML.
+    #[error("{}:{line}:{column}: is not TOML: {message}, at {found}", path.display())]
+    Syntax {
+        /// The scene file.
+        path: PathBuf,
+        /// Line, from 1.
+        line: usize,
+        /// Column in characters, from 1.
+        column: usize,
+        /// What the TOML reader expected.
+        message: String,
+        /// The text there.
+        found: String,
+    },
+    /// A key or table that no scene has.
+    #[error("{place}: {remedy}")]
+    Unknown {
+        /// The key.
+        place: Box<KeyLocation>,
+        /// The nearest known name and all known names.
+        remedy: String,
+    },
+    /// A file that is no scene, and whose name does not say that it should be one.
+    #[error(
+        "{scene}; nor is it a file of orbits: two-line elements, OMM, OEM, CZML, or CSV with columns epoch_utc, x_km, y_km, z_km"
+    )]
+    Neither {
+        /// Why it is no scene.
+        scene: Box<SceneError>,
+    },
+    /// A value of the wrong type, out of range, or in conflict with another.
+    #[error("{place} = {value}: {remedy}")]
+    Value {
+        /// The key.
+        place: Box<KeyLocation>,
+        /// The value as written, or the default.
+        value: String,
+        /// What it must be, and why where that is not plain.
+        remedy: String,
+    },
+}
+
+impl SceneError {
+    /// The scene file.
+    pub fn path(&self) -> &Path {
+        match self {
+            Self::Read { path, .. }
+            | Self::Folder { path }
+            | Self::TooLarge { path }
+            | Self::NotUtf8 { path, .. }
+            | Self::Syntax { path, .. } => path,
+            Self::Unknown { place, .. } | Self::Value { place, .. } => &place.path,
+            Self::Neither { scene } => scene.path(),
+        }
+    }
+
+    /// The line of the file, from 1, where there is one to name.
+    pub fn line(&self) -> Option<usize> {
+        match self {
+            Self::Read { .. } | Self::Folder { .. } | Self::TooLarge { .. } => None,
+            Self::NotUtf8 { line, .. } | Self::Syntax { line, .. } => Some(*line),
+            Self::Unknown { place, .. } | Self::Value { place, .. } => place.line,
+            Self::Neither { scene } => scene.line(),
+        }
+    }
+}

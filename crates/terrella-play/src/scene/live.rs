@@ -1,0 +1,264 @@
+//! `[orbit] source = "live"`: states that a simulator sends, and what several of them can share.
+
+use super::error::{SceneError, printable};
+use super::field::{Bounds, Field, KeyText, UNKNOWN, quoted, written};
+use super::keys::{MAX_LIVE_ORBITS, MAX_ORIGINS, RawOrbit};
+use super::orbit::Orbit;
+use super::text::SceneText;
+use terrella::orbit::live::{Extrapolation, LiveOptions, Pacing, Transport};
+use std::time::Duration;
+
+/// Keys of live satellites alone.
+pub(super) const KEYS: &[&str] = &[
+    "listen",
+    "allow_remote",
+    "allowed_origins",
+    "pacing",
+    "rate",
+    "playback_delay_s",
+    "timeout_s",
+    "stale_after_s",
+    "extrapolate_s",
+    "extrapolation",
+    "gap_s",
+    "packets_per_s",
+];
+
+impl SceneText<'_> {
+    /// How the states of one satellite are taken.
+    pub(super) fn live(
+        &self,
+        orbit: &RawOrbit,
+        name: Option<&str>,
+    ) -> Result<LiveOptions, SceneError> {
+        let listen = orbit.listen();
+        let Some(given) = listen.given else {
+            let advice = "needs a place to listen on; add listen = \"tcp://127.0.0.1:5005\", or \"udp://…\", \"ws://…\" or \"stdin\"";
+            return Err(self.refuse(&orbit.source(), advice));
+        };
+        let transport: Transport = given.get_ref().parse().map_err(|_| {
+            let advice = "must be \"stdin\", or \"tcp://\", \"udp://\" or \"ws://\" with an IP address and a port, such as \"tcp://127.0.0.1:5005\"";
+            self.refuse(&listen, advice)
+        })?;
+        let usual = LiveOptions::new(transport);
+        let pacing = self.choice(&orbit.pacing(), usual.pacing)?;
+        self.live_keys_fit(orbit, &usual.transport, pacing)?;
+        let allow_remote = orbit.allow_remote().is_on();
+        let is_remote = |transport: &Transport| {
+            let address = transport.address();
+            address.is_some_and(|address| !address.ip().is_loopback())
+        };
+        if is_remote(&usual.transport) && !allow_remote {
+            let advice = "other machines reach this address, and whoever reaches it can steer the picture; take 127.0.0.1 or [::1], or write allow_remote = true";
+            return Err(self.refuse(&listen, advice));
+        }
+        let seconds = |field: Field<'_, f64, Bounds<f64>>| self.quantity(&field, "seconds");
+        let timeout_s = seconds(orbit.timeout_s())?;
+        let max_packets_per_s = self.count(&orbit.packets_per_s(), |range| {
+            format!("must be from {range} packets per second")
+        })?;
+        Ok(LiveOptions {
+            pacing,
+            name: name.map_or(usual.name, str::to_owned),
+            allow_remote,
+            allowed_origins: self.origins(&orbit.allowed_origins())?,
+            rate: self.quantity(&orbit.rate(), "simulated seconds per second")?,
+            playback_delay_s: seconds(orbit.playback_delay_s())?,
+            stale_after_s: seconds(orbit.stale_after_s())?,
+            extrapolation_limit_s: seconds(orbit.extrapolate_s())?,
+            extrapolation: self.choice(&orbit.extrapolation(), usual.extrapolation)?,
+            gap_s: seconds(orbit.gap_s())?,
+            // In range: it is finite and not negative.
+            frame_timeout: Duration::try_from_secs_f64(timeout_s).unwrap_or_default(),
+            max_packets_per_s,
+            transport: usual.transport,
+        })
+    }
+
+    /// Refuses keys that have no meaning with the way in or the pacing.
+    fn live_keys_fit(
+        &self,
+        orbit: &RawOrbit,
+        transport: &Transport,
+        pacing: Pacing,
+    ) -> Result<(), SceneError> {
+        for (key, span) in orbit.given() {
+            if let Some(why) = idle(transport, pacing, key) {
+                return Err(self.refuse_at(
+                    "orbit",
+                    key,
+                    span,
+                    format!("{key} {why}; leave it out"),
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    fn origins(&self, field: &Field<'_, Vec<String>>) -> Result<Vec<String>, SceneError> {
+        let origins = field
+            .given
+            .map(|given| given.get_ref().clone())
+            .unwrap_or_default();
+        if origins.len() > MAX_ORIGINS {
+            let advice = format!("must be at most {MAX_ORIGINS} web pages");
+            return Err(self.refuse(field, advice));
+        }
+        let is_origin = |origin: &String| {
+            let host = ["http://", "https://"]
+                .iter()
+                .find_map(|scheme| origin.strip_prefix(scheme));
+            host.is_some_and(|host| {
+                let is_plain = |c: char| c.is_ascii_graphic() && c != '/';
+                !host.is_empty() && host.chars().all(is_plain)
+            })
+        };
+        match origins.iter().all(is_origin) {
+            true => Ok(origins),
+            false => {
+                let advice = "must be web pages as browsers name them, scheme and host without a path, like \"https://example.org\"";
+                Err(self.refuse(field, advice))
+            }
+        }
+    }
+
+    /// Refuses live satellites that cannot be in one scene: two on one port or both on standard input, two whose
+    /// simulators both wait, too many.
+    pub(super) fn live_together(
+        &self,
+        raw: &[RawOrbit],
+        orbits: &[Orbit],
+    ) -> Result<(), SceneError> {
+        let live = || {
+            let pairs = raw.iter().zip(orbits);
+            pairs.filter_map(|(raw, orbit)| Some((raw, orbit.live.as_ref()?)))
+        };
+        if let Some((orbit, _)) = live().nth(MAX_LIVE_ORBITS) {
+            let advice = format!(
+                "a scene has at most {MAX_LIVE_ORBITS} satellites whose states are sent; leave some out"
+            );
+            return Err(self.refuse(&orbit.source(), advice));
+        }
+        for (index, (orbit, options)) in live().enumerate() {
+            let before = || live().take(index).map(|(_, before)| before);
+            if before().any(|before| before.transport.collides_with(&options.transport)) {
+                let advice = match options.transport {
+                    Transport::Stdin => {
+                        "there is one standard input, and a satellite before this one reads it; give this one a port, such as \"udp://127.0.0.1:5006\""
+                    }
+                    _ => "a satellite before this one listens there; give this one another port",
+                };
+                return Err(self.refuse(&orbit.listen(), advice));
+            }
+            let waits = |options: &LiveOptions| options.pacing == Pacing::Lockstep;
+            if waits(options) && before().any(waits) {
+                let advice = "a picture is of one instant, and the simulator of a satellite before this one says which; write \"broadcast\" here";
+                return Err(self.refuse(&orbit.pacing(), advice));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Why a key does nothing with the way in or the pacing; `None` where it does something.
+fn idle(transport: &Transport, pacing: Pacing, key: &str) -> Option<&'static str> {
+    let is_lockstep = pacing == Pacing::Lockstep;
+    match key {
+        "allow_remote" if *transport == Transport::Stdin => {
+            Some("is for ports, and standard input is none")
+        }
+        "allowed_origins" if !matches!(transport, Transport::WebSocket(_)) => {
+            Some("is for listen = \"ws://…\"")
+        }
+        "rate" if is_lockstep => {
+            Some("is for pacing = \"broadcast\"; in lockstep each frame has its own instant")
+        }
+        "playback_delay_s" if is_lockstep => {
+            Some("is for pacing = \"broadcast\"; in lockstep nothing comes late")
+        }
+        "timeout_s" if !is_lockstep => {
+            Some("is for pacing = \"lockstep\"; in broadcast no simulator waits")
+        }
+        _ => None,
+    }
+}
+
+/// The value of one of [`KEYS`], or why there is none.
+pub(super) fn value(options: &LiveOptions, key: &str) -> KeyText {
+    if let Some(why) = idle(&options.transport, options.pacing, key) {
+        return Err(why);
+    }
+    Ok(match key {
+        "listen" => return quoted(&options.transport.to_string()),
+        "allow_remote" => options.allow_remote.to_string(),
+        "allowed_origins" => {
+            let pages = options.allowed_origins.iter();
+            let pages = pages
+                .map(|page| quoted(page))
+                .collect::<Result<Vec<_>, _>>()?;
+            format!("[{}]", pages.join(", "))
+        }
+        "pacing" => return quoted(&written(&options.pacing)),
+        "rate" => options.rate.to_string(),
+        "playback_delay_s" => options.playback_delay_s.to_string(),
+        "timeout_s" => options.frame_timeout.as_secs_f64().to_string(),
+        "stale_after_s" => options.stale_after_s.to_string(),
+        "extrapolate_s" => options.extrapolation_limit_s.to_string(),
+        "extrapolation" => return quoted(&written(&options.extrapolation)),
+        "gap_s" => options.gap_s.to_string(),
+        "packets_per_s" => options.max_packets_per_s.to_string(),
+        _ => return Err(UNKNOWN),
+    })
+}
+
+/// The text of what a live satellite flies by.
+pub(super) fn flies_by(options: &LiveOptions) -> String {
+    let whose = format!("{} on {}", printable(&options.name), options.transport);
+    let beyond = match options.extrapolation {
+        Extrapolation::TwoBody => "in free fall",
+        Extrapolation::Linear => "straight on",
+    };
+    match options.pacing {
+        Pacing::Broadcast => format!(
+            "states that a simulator sends, drawn {} s late, {beyond} for {} s beyond the last: {whose}",
+            options.playback_delay_s, options.extrapolation_limit_s
+        ),
+        Pacing::Lockstep => format!(
+            "frames that a simulator waits for, each up to {} s: {whose}",
+            options.frame_timeout.as_secs_f64()
+        ),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Scene;
+    use std::path::Path;
+
+    #[test]
+    fn the_feed_takes_all_that_the_scene_takes() {
+        let orbit = RawOrbit::default();
+        let ends = [
+            ("rate", orbit.rate().rule),
+            ("playback_delay_s", orbit.playback_delay_s().rule),
+            ("stale_after_s", orbit.stale_after_s().rule),
+            ("extrapolate_s", orbit.extrapolate_s().rule),
+            ("gap_s", orbit.gap_s().rule),
+            ("pacing = \"lockstep\"\ntimeout_s", orbit.timeout_s().rule),
+        ];
+        for (key, Bounds { range, .. }) in ends {
+            for end in [*range.start(), *range.end()] {
+                let text = format!(
+                    "[orbit]\nsource = \"live\"\nlisten = \"udp://127.0.0.1:0\"\n{key} = {end}\n"
+                );
+                let scene = Scene::from_toml(&text, Path::new("scene.toml"));
+                let scene = scene.unwrap_or_else(|error| panic!("{error}"));
+                let options = scene.orbits[0].live.as_ref().expect("a live satellite");
+                options
+                    .check()
+                    .unwrap_or_else(|error| panic!("{key} {end}: {error}"));
+            }
+        }
+    }
+}

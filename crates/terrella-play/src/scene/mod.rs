@@ -1,0 +1,204 @@
+//! Scene files: what to draw, when, from where. TOML read with serde; every message names file, line and key.
+//!
+//! Every table and key may be left out.
+//!
+//! # Where a key is
+//!
+//! | file | what of a key |
+//! |---|---|
+//! | `keys.rs` | its declaration: name, type, range, default. **Begin here** |
+//! | `time.rs`, `orbit.rs`, `tracks.rs`, `camera.rs`, `earth.rs`, `sky.rs`, `output.rs` | a table each: the checked value that hosts read, its check, its text in the summary |
+//! | `camera_keys.rs` | `[[camera.keys]]` |
+//! | `orbit_check.rs`, `orbit_summary.rs`, `live.rs`, `basilisk.rs` | the same of `[orbit]`, which has the most keys |
+//! | `relief.rs`, `surfaces.rs` | keys of `[earth]` that are about ground with relief |
+//! | `built_in.rs` | no key: the scene that comes with the program, and files of orbits in place of a scene |
+//! | `dated_maps.rs` | keys of `[earth]` that are about maps that change with the date |
+//! | `config/iss.toml` | its explanation for users: a test holds that every key stands there |
+//!
+//! # How a scene is read
+//!
+//! `text` is the file; `parse` makes the tables of `keys` of it, each value with its place, and turns the TOML reader's
+//! complaints into messages of our own; `check` goes through the tables by means of `field` (ranges, names, paths,
+//! defaults). Once the satellites are opened, [`Scene::check_dates`] and what else `dates` and `satellites` have. `summary` says in text what a scene
+//! comes to.
+
+mod basilisk;
+mod built_in;
+mod burns;
+mod camera;
+mod camera_keys;
+mod camera_mode;
+mod check;
+mod dated_maps;
+mod dates;
+mod earth;
+mod error;
+mod field;
+mod keys;
+mod live;
+mod orbit;
+mod orbit_check;
+mod orbit_summary;
+mod output;
+mod parse;
+mod relief;
+mod satellites;
+mod sky;
+mod summary;
+mod surfaces;
+mod text;
+mod time;
+mod tracks;
+
+use terrella::internals::files;
+use error::MAX_FILE_BYTES;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use text::{SceneText, line_starts};
+
+pub use camera::Camera;
+pub use camera_keys::CameraKey;
+pub use camera_mode::{CameraMode, CameraUp};
+pub use dated_maps::{BetweenMaps, DatedLayer, DatedMaps, MapTimes};
+pub use dates::Ending;
+pub use earth::{EarthTable, Look, PackTable, StorageChoice, SurfaceLightTable};
+pub use error::{KeyLocation, SceneError};
+pub(crate) use keys::YEARS;
+#[cfg(feature = "window")]
+pub use keys::{DEFAULT_TOLERANCE_PX, EDGE_SAMPLES};
+pub use orbit::{ForceOptions, InitialState, Motion, Orbit, OrbitParameters, OrbitSource};
+pub use output::{Output, QualityTable};
+pub use relief::ReliefTable;
+pub use sky::SkyTable;
+pub use time::{StartSource, Time};
+pub use tracks::{Footprint, Track, TrackSpan};
+
+/// A checked scene: every value is in range and every default filled in.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// The file it was read from.
+    pub path: PathBuf,
+    /// `[time]`
+    pub time: Time,
+    /// `[orbit]`, or each `[[orbit]]`; none where the camera needs no satellite.
+    pub orbits: Vec<Orbit>,
+    /// `[tracks] width_px`: width of lines, pixels. What else stands in `[tracks]` is in each satellite's [`Orbit::track`].
+    pub track_px: f64,
+    /// `[camera]`
+    pub camera: Camera,
+    /// `[earth]`
+    pub earth: EarthTable,
+    /// `[sky]`
+    pub sky: SkyTable,
+    /// `[output]`
+    pub output: Output,
+    /// `[quality]`
+    pub quality: QualityTable,
+    /// What is flown otherwise than the scene's defaults say, as satellites do not answer for those: a sentence each.
+    pub notices: Vec<String>,
+    /// Which keys the file gave, and where; of satellites, the first's.
+    lines: KeyLines,
+    /// The same of each satellite.
+    orbit_lines: Vec<KeyLines>,
+    /// The text that it was made of, where that is no file's.
+    text: Option<String>,
+}
+
+impl Scene {
+    /// Largest scene file, bytes.
+    pub const MAX_FILE_BYTES: u64 = MAX_FILE_BYTES;
+
+    /// Reads and checks a scene file. Paths in it are relative to its folder.
+    ///
+    /// # Errors
+    /// A file that cannot be read, has more than [`Self::MAX_FILE_BYTES`], is not UTF-8, or holds anything
+    /// that [`Scene::from_toml`] refuses.
+    pub fn load(path: &Path) -> Result<Self, SceneError> {
+        let unreadable = |source: std::io::Error| match source.kind() {
+            std::io::ErrorKind::IsADirectory => SceneError::Folder {
+                path: path.to_owned(),
+            },
+            _ => SceneError::Read {
+                path: path.to_owned(),
+                source,
+            },
+        };
+        let too_large = || SceneError::TooLarge {
+            path: path.to_owned(),
+        };
+        let bytes = files::read(path, MAX_FILE_BYTES).map_err(unreadable)?;
+        let bytes = bytes.ok_or_else(too_large)?;
+        let text = std::str::from_utf8(&bytes).map_err(|error| {
+            let good = bytes.iter().take(error.valid_up_to());
+            SceneError::NotUtf8 {
+                path: path.to_owned(),
+                line: good.filter(|byte| **byte == b'\n').count() + 1,
+            }
+        })?;
+        Self::from_toml(text, path)
+    }
+
+    /// Reads and checks the text of a scene; `path` is the file that messages name and whose folder the
+    /// paths in it are relative to. The empty text is a scene: every default. `start = "now"` is read off the system's clock here.
+    ///
+    /// # Errors
+    /// Text that is not TOML, unknown tables and keys, values of the wrong type or out of range, values in
+    /// conflict, files and folders that are not there: the first of them.
+    pub fn from_toml(text: &str, path: &Path) -> Result<Self, SceneError> {
+        let scene = SceneText {
+            path,
+            text,
+            line_starts: &line_starts(text),
+        };
+        check::check(scene, scene.parse()?)
+    }
+
+    /// The line, from 1, on which the file gives a key; `None` where it does not.
+    pub fn line(&self, table: &str, key: &str) -> Option<usize> {
+        let lines = &self.lines.0;
+        lines
+            .iter()
+            .find(|((t, k), _)| *t == table && *k == key)
+            .map(|(_, line)| *line)
+    }
+
+    /// The line, from 1, on which the file gives a key of the satellite of that place in [`Self::orbits`].
+    pub fn orbit_line(&self, orbit: usize, key: &str) -> Option<usize> {
+        let lines = self.orbit_lines.get(orbit)?.0.iter();
+        lines
+            .filter(|((_, k), _)| *k == key)
+            .map(|(_, line)| *line)
+            .next()
+    }
+
+    /// The text that it was made of, where that is not its file's ([`Self::shipped`], [`Self::of_orbits`]).
+    pub fn own_text(&self) -> Option<&str> {
+        self.text.as_deref()
+    }
+
+    /// Whether a simulator gives the time.
+    pub fn is_live(&self) -> bool {
+        let is_met = |orbit: &Orbit| orbit.live.is_some() || orbit.basilisk.is_some();
+        self.orbits.iter().any(is_met)
+    }
+}
+
+/// The keys that name files or folders, each with its table.
+#[cfg(test)]
+pub(crate) fn path_keys() -> impl Iterator<Item = (&'static str, &'static str)> {
+    keys::TABLES.iter().flat_map(|table| {
+        let paths = table.keys.iter().filter(|key| key.is_path);
+        paths.map(move |key| (table.name, key.name))
+    })
+}
+
+/// The line of every key that the file gave, by table and key.
+#[derive(Clone, Debug, Default)]
+struct KeyLines(BTreeMap<(&'static str, &'static str), usize>);
+
+impl KeyLines {
+    fn insert(&mut self, table: &'static str, key: &'static str, line: usize) {
+        self.0.insert((table, key), line);
+    }
+}

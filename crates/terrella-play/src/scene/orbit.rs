@@ -1,0 +1,192 @@
+//! `[orbit]`, checked: a satellite and where its motion is from.
+
+use super::tracks::Track;
+use terrella::basilisk::SimulationOptions;
+use terrella::frames::Epoch;
+use terrella::orbit::kepler::KeplerElements;
+use terrella::orbit::live::LiveOptions;
+use terrella::orbit::numerical::{AtmosphereModel, EventSelection, Solver, Spacecraft, Thrust};
+use terrella::orbit::{FileFormat, Frame};
+use glam::DVec3;
+use std::path::PathBuf;
+
+/// `[orbit]`, or one of several `[[orbit]]`: a satellite and where its motion is from.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Orbit {
+    /// The kind of source.
+    pub source: OrbitSource,
+    /// The file of a source that is one, absolute or relative to the working directory; `None` is the built-in ISS set, or a
+    /// simulation of Basilisk that runs.
+    pub file: Option<PathBuf>,
+    /// Which satellite of the file, where `None` is its only one; without a file, what it is called.
+    pub name: Option<String>,
+    /// Whether one bad record refuses the file; else bad records of other satellites and bad states of ephemerides are passed
+    /// over and reported.
+    pub strict: bool,
+    /// The motion that the scene itself describes: for [`OrbitSource::Kepler`] and [`OrbitSource::Numerical`].
+    pub motion: Option<Motion>,
+    /// How states of a simulator are taken: for [`OrbitSource::Live`].
+    pub live: Option<LiveOptions>,
+    /// How a running simulation is met: for [`OrbitSource::Basilisk`] without a file.
+    pub basilisk: Option<SimulationOptions>,
+    /// What is drawn of its path: trail, ground track, footprint, marker.
+    pub track: Track,
+}
+
+impl Orbit {
+    /// What a scene has where it says nothing: the built-in space station.
+    pub(super) fn built_in() -> Self {
+        Self {
+            source: OrbitSource::Tle,
+            file: None,
+            name: None,
+            strict: false,
+            motion: None,
+            live: None,
+            basilisk: None,
+            track: Track::default(),
+        }
+    }
+
+    /// Whether it flies by the elements of the space station that are built in.
+    pub fn is_built_in(&self) -> bool {
+        self.source == OrbitSource::Tle && self.file.is_none()
+    }
+}
+
+/// Kinds of source.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum OrbitSource {
+    /// Two-line elements, propagated by SGP4.
+    Tle,
+    /// Orbit mean-elements messages (CCSDS 502.0), propagated by SGP4.
+    Omm,
+    /// Orbit ephemeris messages (CCSDS 502.0): states, interpolated.
+    Oem,
+    /// Positions of a CZML document, interpolated.
+    Czml,
+    /// States in columns, interpolated.
+    Csv,
+    /// A conic from elements or a state.
+    Kepler,
+    /// Motion under forces, integrated from elements or a state.
+    Numerical,
+    /// States that a simulator sends meanwhile.
+    Live,
+    /// A simulation of Basilisk, running or saved.
+    Basilisk,
+}
+
+impl OrbitSource {
+    /// The source that a kind of file is of.
+    pub fn of(format: FileFormat) -> Self {
+        match format {
+            FileFormat::Tle => Self::Tle,
+            FileFormat::Omm => Self::Omm,
+            FileFormat::Oem => Self::Oem,
+            FileFormat::Czml => Self::Czml,
+            FileFormat::Csv => Self::Csv,
+        }
+    }
+
+    /// Whether it is always read from a file.
+    pub fn is_file(self) -> bool {
+        !matches!(
+            self,
+            Self::Kepler | Self::Numerical | Self::Live | Self::Basilisk
+        )
+    }
+
+    /// Whether the scene gives its start.
+    pub fn has_start(self) -> bool {
+        matches!(self, Self::Kepler | Self::Numerical)
+    }
+}
+
+/// A motion that a scene describes.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Motion {
+    /// On a conic.
+    Kepler {
+        /// From where.
+        start: InitialState,
+        /// Whether node and periapsis drift by the Earth's flattening.
+        j2: bool,
+    },
+    /// Under forces.
+    Numerical {
+        /// From where.
+        start: InitialState,
+        /// Forces that are integrated.
+        forces: ForceOptions,
+    },
+}
+
+impl Motion {
+    /// From where.
+    pub fn start(&self) -> &InitialState {
+        match self {
+            Self::Kepler { start, .. } | Self::Numerical { start, .. } => start,
+        }
+    }
+
+    /// From where, to be changed.
+    pub(super) fn start_mut(&mut self) -> &mut InitialState {
+        match self {
+            Self::Kepler { start, .. } | Self::Numerical { start, .. } => start,
+        }
+    }
+}
+
+/// Where a motion starts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct InitialState {
+    /// Epoch of the state.
+    pub epoch: Epoch,
+    /// In which axes.
+    pub frame: Frame,
+    /// How it is given.
+    pub parameters: OrbitParameters,
+}
+
+/// How a start is given.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum OrbitParameters {
+    /// As classical elements.
+    Elements(KeplerElements),
+    /// As a state.
+    State {
+        /// Metres from the Earth's centre.
+        position_m: DVec3,
+        /// Metres per second, as seen in the frame.
+        velocity_m_s: DVec3,
+    },
+}
+
+/// Forces of a numerical motion, and how it is integrated.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ForceOptions {
+    /// Degree of the Earth's gravity; 0 and 1 are a point.
+    pub gravity_degree: u32,
+    /// Its order, not above the degree; 0 leaves the zonal terms J2, J3, … alone.
+    pub gravity_order: u32,
+    /// The air whose drag acts; `None` for none.
+    pub drag: Option<AtmosphereModel>,
+    /// The Sun's gravity.
+    pub sun: bool,
+    /// The Moon's.
+    pub moon: bool,
+    /// The pressure of sunlight.
+    pub radiation: bool,
+    /// What air and sunlight act on.
+    pub craft: Spacecraft,
+    /// Thrusts, each over its own time.
+    pub burns: Vec<Thrust>,
+    /// Error allowed in a step, relative to distance and speed.
+    pub tolerance: f64,
+    /// How it is integrated.
+    pub method: Solver,
+    /// What is looked for along it; the impact always is.
+    pub events: EventSelection,
+}

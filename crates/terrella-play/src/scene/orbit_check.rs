@@ -1,0 +1,380 @@
+//! Checks `[orbit]`: sources of motion, which keys each takes, and the start and the forces of a motion.
+
+use super::burns::Method;
+use super::error::SceneError;
+use super::field::{Bounds, Field, PathKind, short_range_text, whole, written};
+use super::keys::{RawOrbit, RawTracks};
+use super::orbit::{ForceOptions, InitialState, Motion, Orbit, OrbitParameters, OrbitSource};
+use super::text::SceneText;
+use super::{basilisk, live};
+use terrella::frames::Epoch;
+use terrella::orbit::Frame;
+use terrella::orbit::kepler::{Anomaly, KeplerElements, OrbitSize};
+use terrella::orbit::numerical::{AtmosphereModel, Spacecraft};
+use glam::DVec3;
+use serde::Deserialize;
+use std::ops::RangeInclusive;
+use toml::Spanned;
+
+/// The axes of a start, as a scene writes them.
+#[derive(Clone, Copy, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum FrameName {
+    Teme,
+    Pef,
+    Itrf,
+    Gcrf,
+    Eme2000,
+}
+
+impl From<FrameName> for Frame {
+    fn from(name: FrameName) -> Self {
+        match name {
+            FrameName::Teme => Self::Teme,
+            FrameName::Pef => Self::Pef,
+            FrameName::Itrf => Self::Itrf,
+            FrameName::Gcrf => Self::Gcrf,
+            FrameName::Eme2000 => Self::Eme2000,
+        }
+    }
+}
+
+/// The air, as a scene writes it.
+#[derive(Clone, Copy, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum AirModel {
+    Us1976,
+    Exponential,
+}
+
+impl From<AirModel> for AtmosphereModel {
+    fn from(model: AirModel) -> Self {
+        match model {
+            AirModel::Us1976 => Self::Standard1976,
+            AirModel::Exponential => Self::Exponential,
+        }
+    }
+}
+
+/// Keys of classical elements.
+const ELEMENTS: &[&str] = &[
+    "semi_major_axis_km",
+    "periapsis_km",
+    "eccentricity",
+    "inclination_deg",
+    "raan_deg",
+    "argument_of_periapsis_deg",
+    "true_anomaly_deg",
+    "mean_anomaly_deg",
+];
+
+/// Keys of a start that is given as a state.
+const STATE: &[&str] = &["position_km", "velocity_km_s"];
+
+/// Why a key has no meaning with a source; `None` where it has.
+pub(super) fn foreign(source: OrbitSource, key: &str) -> Option<&'static str> {
+    let (fits, why) = match key {
+        "source" | "name" => (true, ""),
+        key if super::tracks::KEYS.contains(&key) => (true, ""),
+        "file" => (
+            source.is_file() || source == OrbitSource::Basilisk,
+            "is for sources that are read from files: \"tle\", \"omm\", \"oem\", \"czml\", \"csv\" and \"basilisk\"",
+        ),
+        "strict" => (
+            source.is_file(),
+            "is for files of which parts can be passed over: \"tle\", \"omm\", \"oem\", \"czml\" and \"csv\"",
+        ),
+        "subscribe" => (
+            source == OrbitSource::Basilisk,
+            "is for source = \"basilisk\", simulations that publish their steps",
+        ),
+        key if basilisk::SHARED_KEYS.contains(&key) => (
+            matches!(source, OrbitSource::Live | OrbitSource::Basilisk),
+            "is for source = \"live\" and \"basilisk\", what a simulator sends",
+        ),
+        "j2" => (
+            source == OrbitSource::Kepler,
+            "is for source = \"kepler\"; \"numerical\" takes gravity_degree",
+        ),
+        key if ["epoch", "frame"].contains(&key)
+            || ELEMENTS.contains(&key)
+            || STATE.contains(&key) =>
+        {
+            (
+                source.has_start(),
+                "is for source = \"kepler\" and \"numerical\", whose start the scene gives",
+            )
+        }
+        key if live::KEYS.contains(&key) => (
+            source == OrbitSource::Live,
+            "is for source = \"live\", states that a simulator sends",
+        ),
+        _ => (
+            source == OrbitSource::Numerical,
+            "is for source = \"numerical\", where forces are integrated",
+        ),
+    };
+    (!fits).then_some(why)
+}
+
+impl SceneText<'_> {
+    /// Checks one satellite. `scene_start` is its epoch where it gives none, `tracks` what is drawn of all.
+    pub(super) fn orbit(
+        &self,
+        orbit: &RawOrbit,
+        tracks: &RawTracks,
+        scene_start: Epoch,
+    ) -> Result<Orbit, SceneError> {
+        let source_field = orbit.source();
+        let source = self.choice(&source_field, OrbitSource::Tle)?;
+        for (key, span) in orbit.given() {
+            if let Some(why) = foreign(source, key) {
+                let advice = format!(
+                    "{key} {why}; leave it out, or write another source than \"{}\"",
+                    written(&source)
+                );
+                return Err(self.refuse_at("orbit", key, span, advice));
+            }
+        }
+        let file_field = orbit.file();
+        let file = self.path(&file_field, PathKind::File)?;
+        let name_field = orbit.name();
+        let name = name_field.given.map(|name| name.get_ref().clone());
+        if name.as_ref().is_some_and(|name| name.trim().is_empty()) {
+            let advice = "must not be empty; give the satellite's name, or leave name out where the file holds one satellite";
+            return Err(self.refuse(&name_field, advice));
+        }
+        if name
+            .as_ref()
+            .is_some_and(|name| name.contains(char::is_control))
+        {
+            let advice = "must be one line of text, without control characters";
+            return Err(self.refuse(&name_field, advice));
+        }
+        let strict = orbit.strict();
+        if source.is_file() && file.is_none() {
+            if source != OrbitSource::Tle {
+                let advice = "needs the file to read; add file = \"…\" to [orbit]";
+                return Err(self.refuse(&source_field, advice));
+            }
+            if name.is_some() {
+                let advice = "name chooses a satellite of an elements file; add file = \"…\" to [orbit], or leave name out for the built-in space station";
+                return Err(self.refuse(&name_field, advice));
+            }
+            if strict.is_given() {
+                let advice = "strict is for files; add file = \"…\" to [orbit], or leave strict out for the built-in space station";
+                return Err(self.refuse(&strict, advice));
+            }
+        }
+        let motion = match source {
+            OrbitSource::Kepler => Some(Motion::Kepler {
+                start: self.orbit_start(orbit, scene_start)?,
+                j2: orbit.j2().is_on(),
+            }),
+            OrbitSource::Numerical => Some(Motion::Numerical {
+                start: self.orbit_start(orbit, scene_start)?,
+                forces: self.forces(orbit)?,
+            }),
+            _ => None,
+        };
+        if let Some(Motion::Kepler { start, j2: true }) = &motion
+            && let OrbitParameters::Elements(elements) = &start.parameters
+            && elements.eccentricity >= 1.0
+        {
+            let advice = "the drift by J2 is an average over revolutions, which only an eccentricity below 1 has; write false or leave it out";
+            return Err(self.refuse(&orbit.j2(), advice));
+        }
+        let live = match source {
+            OrbitSource::Live => Some(self.live(orbit, name.as_deref())?),
+            _ => None,
+        };
+        let basilisk = match source {
+            OrbitSource::Basilisk => self.basilisk(orbit, name.as_deref(), file.is_some())?,
+            _ => None,
+        };
+        Ok(Orbit {
+            source,
+            file,
+            live,
+            basilisk,
+            name,
+            strict: strict.is_on(),
+            motion,
+            track: self.track(orbit, tracks)?,
+        })
+    }
+
+    fn orbit_start(
+        &self,
+        orbit: &RawOrbit,
+        scene_start: Epoch,
+    ) -> Result<InitialState, SceneError> {
+        let epoch = self.instant(&orbit.epoch(), scene_start)?;
+        let frame_field = orbit.frame();
+        let frame = Frame::from(self.choice(&frame_field, FrameName::Gcrf)?);
+        let (position, velocity) = (orbit.position_km(), orbit.velocity_km_s());
+        let given = orbit.given();
+        let parameters = match (position.is_given(), velocity.is_given()) {
+            (false, false) => {
+                if frame.is_earth_fixed() {
+                    let advice = "elements are of axes that do not turn with the Earth: \"teme\", \"gcrf\" or \"eme2000\"; or give position_km and velocity_km_s";
+                    return Err(self.refuse(&frame_field, advice));
+                }
+                OrbitParameters::Elements(self.elements(orbit)?)
+            }
+            (true, true) => {
+                let element = given.into_iter().find(|(key, _)| ELEMENTS.contains(key));
+                if let Some((key, span)) = element {
+                    let advice = "a start is given by elements or by position_km and velocity_km_s; leave out the one or the other";
+                    return Err(self.refuse_at("orbit", key, span, advice));
+                }
+                OrbitParameters::State {
+                    position_m: self.vector(&position, "kilometres")? * 1e3,
+                    velocity_m_s: self.vector(&velocity, "kilometres per second")? * 1e3,
+                }
+            }
+            (true, false) => {
+                return Err(self.refuse(&position, "needs velocity_km_s beside it"));
+            }
+            (false, true) => {
+                return Err(self.refuse(&velocity, "needs position_km beside it"));
+            }
+        };
+        Ok(InitialState {
+            epoch,
+            frame,
+            parameters,
+        })
+    }
+
+    fn elements(&self, orbit: &RawOrbit) -> Result<KeplerElements, SceneError> {
+        let (axis, periapsis) = (orbit.semi_major_axis_km(), orbit.periapsis_km());
+        let eccentricity_field = orbit.eccentricity();
+        let eccentricity = self.quantity(&eccentricity_field, "")?;
+        let size = match (axis.given, periapsis.given) {
+            (Some(_), Some(_)) => {
+                let advice = "semi_major_axis_km and periapsis_km both say how large the orbit is; leave one out";
+                return Err(self.refuse(&periapsis, advice));
+            }
+            (None, None) => {
+                let advice = "needs a start: semi_major_axis_km or periapsis_km (from the Earth's centre) with the other elements, or position_km and velocity_km_s";
+                return Err(self.refuse(&orbit.source(), advice));
+            }
+            (Some(given), None) => {
+                let km = self.given_quantity(&axis, given, "kilometres")?;
+                if eccentricity == 1.0 {
+                    let advice =
+                        "a parabola (eccentricity 1) has no semi-major axis; give periapsis_km";
+                    return Err(self.refuse(&axis, advice));
+                }
+                if (km > 0.0) != (eccentricity < 1.0) || km == 0.0 {
+                    let advice = "must be above 0 with an eccentricity below 1, and below 0 with one above 1";
+                    return Err(self.refuse(&axis, advice));
+                }
+                OrbitSize::SemiMajorAxis(km * 1e3)
+            }
+            (None, Some(given)) => {
+                OrbitSize::Periapsis(self.given_quantity(&periapsis, given, "kilometres")? * 1e3)
+            }
+        };
+        let angle = |field: Field<'_, f64, Bounds<f64>>| {
+            let degrees = self.quantity(&field, "degrees")?;
+            Ok::<f64, SceneError>(degrees.to_radians())
+        };
+        let (true_anomaly, mean) = (orbit.true_anomaly_deg(), orbit.mean_anomaly_deg());
+        let anomaly = match mean.is_given() {
+            true if true_anomaly.is_given() => {
+                let advice = "true_anomaly_deg and mean_anomaly_deg both say where on the orbit; leave one out";
+                return Err(self.refuse(&mean, advice));
+            }
+            true if eccentricity == 1.0 => {
+                let advice =
+                    "a parabola (eccentricity 1) has no mean anomaly; give true_anomaly_deg";
+                return Err(self.refuse(&mean, advice));
+            }
+            true => Anomaly::Mean(angle(mean)?),
+            false => Anomaly::True(angle(true_anomaly)?),
+        };
+        Ok(KeplerElements {
+            size,
+            eccentricity,
+            inclination_rad: angle(orbit.inclination_deg())?,
+            raan_rad: angle(orbit.raan_deg())?,
+            argument_of_periapsis_rad: angle(orbit.argument_of_periapsis_deg())?,
+            anomaly,
+        })
+    }
+
+    fn forces(&self, orbit: &RawOrbit) -> Result<ForceOptions, SceneError> {
+        let gravity_degree = self.count(&orbit.gravity_degree(), |range| {
+            format!("the degree of the Earth's gravity must be from {range}; 0 is a point")
+        })?;
+        let order_field = orbit.gravity_order();
+        let gravity_order = match order_field.value() {
+            None => gravity_degree,
+            Some(order) => whole(order, &(0..=i64::from(gravity_degree))).ok_or_else(|| {
+                let advice = format!(
+                    "the order of the Earth's gravity must be from 0, the zonal terms alone, to its degree, {gravity_degree}"
+                );
+                self.refuse(&order_field, advice)
+            })?,
+        };
+        let (drag, radiation) = (orbit.drag().is_on(), orbit.radiation().is_on());
+        let model = orbit.air_model();
+        if !drag && model.is_given() {
+            let advice = "air_model has no meaning with drag = false; leave one of them out";
+            return Err(self.refuse(&model, advice));
+        }
+        let model = self.choice(&model, AirModel::Us1976)?;
+        let (cd, cr) = (orbit.cd(), orbit.cr());
+        if !drag && cd.is_given() {
+            return Err(self.refuse(
+                &cd,
+                "cd has no meaning with drag = false; leave one of them out",
+            ));
+        }
+        if !radiation && cr.is_given() {
+            let advice = "cr has no meaning with radiation = false; leave one of them out";
+            return Err(self.refuse(&cr, advice));
+        }
+        let area_m2 = self.quantity(&orbit.area_m2(), "square metres")?;
+        Ok(ForceOptions {
+            gravity_degree,
+            gravity_order,
+            drag: drag.then_some(model.into()),
+            sun: orbit.sun().is_on(),
+            moon: orbit.moon().is_on(),
+            radiation,
+            craft: Spacecraft {
+                mass_kg: self.quantity(&orbit.mass_kg(), "kilograms")?,
+                drag_area_m2: area_m2,
+                drag_coefficient: self.quantity(&cd, "")?,
+                sunlit_area_m2: area_m2,
+                reflectivity: self.quantity(&cr, "")?,
+            },
+            burns: self.burns(&orbit.burns())?,
+            tolerance: self.quantity(&orbit.tolerance(), "")?,
+            method: self.choice(&orbit.method(), Method::Automatic)?.into(),
+            events: self.events(&orbit.events())?,
+        })
+    }
+
+    fn vector(
+        &self,
+        field: &Field<'_, Vec<f64>, RangeInclusive<f64>>,
+        unit: &str,
+    ) -> Result<DVec3, SceneError> {
+        let Some(&[x, y, z]) = field.given.map(Spanned::get_ref).map(Vec::as_slice) else {
+            return Err(self.refuse(field, "must be three numbers, [x, y, z]"));
+        };
+        // A range does not contain a number that is none.
+        if ![x, y, z].iter().all(|part| field.rule.contains(part)) {
+            let advice = format!(
+                "each number must be from {} {unit}",
+                short_range_text(&field.rule)
+            );
+            return Err(self.refuse(field, advice));
+        }
+        Ok(DVec3::new(x, y, z))
+    }
+}

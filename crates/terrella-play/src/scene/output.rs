@@ -1,0 +1,195 @@
+//! `[output]` and `[quality]`: pictures, and the frame time that the window holds.
+
+use super::camera::Camera;
+use super::camera_mode::CameraMode;
+use super::earth::EarthTable;
+use super::error::SceneError;
+use super::field::{Field, KeyText, PathKind, UNKNOWN, quoted, range_text, whole, written};
+use super::keys::{DEFAULT_SIZE_PX, EDGE_SAMPLES, RawOutput, RawQuality, SAMPLES, SIDE_PX};
+use super::text::SceneText;
+use terrella::internals::air::Atmosphere;
+use terrella::internals::light::{Exposure, Tone};
+use std::ops::RangeInclusive;
+use std::path::PathBuf;
+use toml::Spanned;
+
+/// `[output]`
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Output {
+    /// Width and height, pixels.
+    pub size: [u32; 2],
+    /// Samples per pixel, 1 or 4.
+    pub samples: u32,
+    /// How bright light is shown.
+    pub exposure: Exposure,
+    /// By which curve exposed light is shown.
+    pub tone: Tone,
+    /// How long a picture that is kept waits for the tiles of its pack, and for its satellite's simulator, seconds.
+    pub wait_s: f64,
+}
+
+/// `[quality]`: resolution, and a frame time that the window holds by giving up quality. Nothing more than the scale is given up in
+/// pictures that are kept.
+#[derive(Clone, Debug, PartialEq)]
+pub struct QualityTable {
+    /// Most milliseconds that a frame may cost; `None` draws everything however long it takes.
+    pub target_ms: Option<f64>,
+    /// Part of width and height that is drawn, 0.25…1, and then enlarged to [`Output::size`].
+    pub scale: f64,
+    /// The file of the steps; `None` takes those that were recorded for the adapter.
+    pub ladder: Option<PathBuf>,
+}
+
+impl Output {
+    /// Widths and heights, pixels.
+    pub const SIDE_PX: RangeInclusive<i64> = SIDE_PX;
+
+    /// [`Self::wait_s`] as a duration.
+    pub fn wait(&self) -> std::time::Duration {
+        // Bounds of scene files: a finite number that is not negative.
+        std::time::Duration::try_from_secs_f64(self.wait_s).unwrap_or_default()
+    }
+}
+
+impl SceneText<'_> {
+    /// Checks `[output]`. Some defaults follow from what is drawn.
+    pub(super) fn output(
+        &self,
+        output: &RawOutput,
+        camera: &Camera,
+        earth: &EarthTable,
+        has_live: bool,
+    ) -> Result<Output, SceneError> {
+        let size_field = output.size();
+        let range = &size_field.rule;
+        let size = match size_field.given.map(|given| given.get_ref().as_slice()) {
+            None => DEFAULT_SIZE_PX,
+            Some(&[width, height]) => match (whole(width, range), whole(height, range)) {
+                (Some(width), Some(height)) => [width, height],
+                _ => {
+                    let advice = format!(
+                        "width and height must each be from {} pixels",
+                        range_text(range)
+                    );
+                    return Err(self.refuse(&size_field, advice));
+                }
+            },
+            Some(other) => {
+                let advice = format!("must be two numbers, [width, height], not {}", other.len());
+                return Err(self.refuse(&size_field, advice));
+            }
+        };
+        let samples_field = output.samples();
+        let samples = match samples_field.value() {
+            // The air hides the limb's edge; a craft's edges and a bare limb are seen.
+            None if camera.mode == CameraMode::Chase || earth.atmosphere == Atmosphere::None => {
+                EDGE_SAMPLES
+            }
+            None => 1,
+            Some(count) => u32::try_from(count)
+                .ok()
+                .filter(|count| SAMPLES.contains(count))
+                .ok_or_else(|| {
+                    let advice = "must be 1 (edges as they fall) or 4 (smooth edges), the counts that every adapter can do";
+                    self.refuse(&samples_field, advice)
+                })?,
+        };
+        let wait = output.wait_s();
+        if earth.pack.is_none() && !has_live {
+            self.only_with_a_pack(&wait)?;
+        }
+        let wait_s = self.number(&wait, |_, range| format!("must be from {range} seconds"))?;
+        Ok(Output {
+            size,
+            samples,
+            exposure: self.exposure(&output.exposure_ev())?,
+            tone: self.choice(&output.tone(), Tone::default())?,
+            wait_s,
+        })
+    }
+
+    fn exposure(&self, field: &Field<'_, toml::Value>) -> Result<Exposure, SceneError> {
+        let ev = match field.given.map(Spanned::get_ref) {
+            None => return Ok(Exposure::default()),
+            Some(toml::Value::String(word)) if word == "auto" => return Ok(Exposure::Auto),
+            Some(toml::Value::Integer(ev)) => *ev as f64,
+            Some(toml::Value::Float(ev)) => *ev,
+            Some(_) => f64::NAN,
+        };
+        let range = Exposure::RANGE_EV;
+        if range.contains(&ev) {
+            return Ok(Exposure::Ev(ev));
+        }
+        let advice = format!(
+            "must be a number of exposure values from {}, each of which doubles the light, or \"auto\"",
+            range_text(&range)
+        );
+        Err(self.refuse(field, advice))
+    }
+
+    /// Checks `[quality]`.
+    pub(super) fn quality(&self, quality: &RawQuality) -> Result<QualityTable, SceneError> {
+        let target = quality.target_ms();
+        let range = &target.rule;
+        let advice = |_| {
+            format!(
+                "must be from {} milliseconds (16.7 is 60 frames per second)",
+                range_text(range)
+            )
+        };
+        let target_ms = target
+            .value()
+            .map(|target_ms| self.in_range(&target, target_ms, range, advice))
+            .transpose()?;
+        let scale = self.number(&quality.scale(), |_, range| {
+            format!("must be from {range}, a part of width and height")
+        })?;
+        let ladder = quality.ladder();
+        if ladder.given.is_some() && target_ms.is_none() {
+            let advice = "quality is given up where a frame time is to be held; give target_ms too, or leave ladder out";
+            return Err(self.refuse(&ladder, advice));
+        }
+        let ladder = self.path(&ladder, PathKind::File)?;
+        Ok(QualityTable {
+            target_ms,
+            scale,
+            ladder,
+        })
+    }
+}
+
+/// The value of a key of `[output]` as a scene would write it, or why it has none.
+pub(super) fn value(output: &Output, key: &str, is_waited_for: bool) -> KeyText {
+    match key {
+        "size" => {
+            let [width, height] = output.size;
+            Ok(format!("[{width}, {height}]"))
+        }
+        "samples" => Ok(output.samples.to_string()),
+        "exposure_ev" => match output.exposure {
+            Exposure::Ev(ev) => Ok(ev.to_string()),
+            Exposure::Auto => quoted("auto"),
+        },
+        "tone" => quoted(&written(&output.tone)),
+        "wait_s" if !is_waited_for => Err("no pack: nothing to wait for"),
+        "wait_s" => Ok(output.wait_s.to_string()),
+        _ => Err(UNKNOWN),
+    }
+}
+
+/// The same of `[quality]`.
+pub(super) fn quality_value(quality: &QualityTable, key: &str) -> KeyText {
+    match key {
+        "target_ms" => match quality.target_ms {
+            Some(target_ms) => Ok(target_ms.to_string()),
+            None => Err("everything is drawn however long it takes"),
+        },
+        "scale" => Ok(quality.scale.to_string()),
+        "ladder" => match &quality.ladder {
+            Some(path) => quoted(&path.display().to_string()),
+            None if quality.target_ms.is_none() => Err("no quality is given up"),
+            None => Err("the one that was recorded for the adapter"),
+        },
+        _ => Err(UNKNOWN),
+    }
+}

@@ -1,0 +1,179 @@
+//! `[earth]`: the keys of ground with relief.
+
+use super::error::{SceneError, printable};
+use super::field::{Field, KeyText, PathKind, RawPath, written};
+use super::keys::{MAX_ELEVATION_FILES, RawEarth};
+use super::surfaces;
+use super::text::SceneText;
+use terrella::internals::globe::{Subdivision, SurfaceKind, SurfaceSettings, Visibility};
+use std::path::PathBuf;
+
+/// The keys of `[earth]` that say how ground with relief is drawn.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ReliefTable {
+    /// The surface that draws the ground.
+    pub surface: SurfaceKind,
+    /// And how, as `[earth.clipmap]` and the like set it.
+    pub settings: SurfaceSettings,
+    /// Files of heights; none takes the starter pack's, of the whole Earth, unless the scene's pack has them.
+    pub elevation: Vec<PathBuf>,
+    /// Memory for the heights of the scene's pack, megabytes, where they lie beneath those of the files.
+    pub pack_heights_mb: Option<f64>,
+    /// Most pixels by which the drawn ground may differ from its data.
+    pub tolerance_px: f64,
+    /// Whether the sea's floor is drawn, and not its surface, where a file of the whole Earth has it.
+    pub sea_floor: bool,
+    /// Whether single wrong heights are taken out of the files before anything is made of them.
+    pub denoise: bool,
+}
+
+impl SceneText<'_> {
+    /// Relief is drawn where a scene names heights, or a surface other than the blocks, which need none.
+    pub(super) fn relief(&self, earth: &RawEarth) -> Result<Option<ReliefTable>, SceneError> {
+        let elevation_field = earth.elevation();
+        let pack_heights_mb = self.pack_heights_mb(earth)?;
+        // A smooth Earth is drawn as blocks.
+        let names_heights = elevation_field.is_given() || pack_heights_mb.is_some();
+        let usual = match names_heights {
+            true => SurfaceKind::default(),
+            false => SurfaceKind::Blocks,
+        };
+        let surface = self.choice(&earth.surface(), usual)?;
+        let settings = self.surface_settings(earth, surface)?;
+        let elevation = self.paths(&elevation_field)?;
+        let (tolerance_px, sea_floor) = (earth.tolerance_px(), earth.sea_floor());
+        let denoise = earth.denoise();
+        if surface == SurfaceKind::Blocks && !names_heights {
+            for (key, given) in [
+                (tolerance_px.key, tolerance_px.given.map(|v| v.span())),
+                (sea_floor.key, sea_floor.given.map(|v| v.span())),
+                (denoise.key, denoise.given.map(|v| v.span())),
+            ] {
+                if let Some(span) = given {
+                    let advice = format!(
+                        "{key} is for ground with relief; leave it out, or name heights by elevation = [] (the starter pack's) or [\"FILE\", …]"
+                    );
+                    return Err(self.refuse_at("earth", key, span, advice));
+                }
+            }
+            return Ok(None);
+        }
+        self.only_of_the_smooth_earth(earth, surface)?;
+        Ok(Some(ReliefTable {
+            surface,
+            settings,
+            elevation,
+            pack_heights_mb,
+            tolerance_px: self.number(&tolerance_px, |_, range| {
+                format!("must be from {range} pixels")
+            })?,
+            sea_floor: sea_floor.is_on(),
+            denoise: denoise.is_on(),
+        }))
+    }
+
+    /// The memory for the pack's heights, where a scene wants them.
+    fn pack_heights_mb(&self, earth: &RawEarth) -> Result<Option<f64>, SceneError> {
+        let (pack_heights, ground_mb) = (earth.pack_heights(), earth.ground_mb());
+        if !earth.pack().is_given() {
+            self.only_with_a_pack(&pack_heights)?;
+            self.only_with_a_pack(&ground_mb)?;
+        }
+        if !pack_heights.is_on() {
+            if ground_mb.is_given() {
+                let advice = "ground_mb is for heights of a pack; leave it out, or write pack_heights = true";
+                return Err(self.refuse(&ground_mb, advice));
+            }
+            return Ok(None);
+        }
+        let megabytes = self.number(&ground_mb, |_, range| {
+            format!("must be from {range} megabytes")
+        })?;
+        Ok(Some(megabytes))
+    }
+
+    /// A key that ground with relief takes no notice of.
+    fn only_of_the_smooth_earth(
+        &self,
+        earth: &RawEarth,
+        surface: SurfaceKind,
+    ) -> Result<(), SceneError> {
+        let subdivision = earth.subdivision();
+        let cells = self.subdivision(&subdivision)?;
+        if cells != Subdivision::Auto && surface != SurfaceKind::Blocks {
+            let advice =
+                "a number of cells is for surface = \"blocks\"; leave it out, or give tolerance_px";
+            return Err(self.refuse(&subdivision, advice));
+        }
+        let visibility = earth.visibility();
+        if self.choice(&visibility, Visibility::default())? == Visibility::Paper {
+            let advice = "the paper's rule loses ground behind the horizon; leave it out, or leave out elevation and surface";
+            return Err(self.refuse(&visibility, advice));
+        }
+        Ok(())
+    }
+
+    /// Files relative to the scene's folder, all of them there.
+    fn paths(
+        &self,
+        field: &Field<'_, Vec<toml::Spanned<RawPath>>>,
+    ) -> Result<Vec<PathBuf>, SceneError> {
+        let Some(given) = field.given else {
+            return Ok(Vec::new());
+        };
+        if given.get_ref().len() > MAX_ELEVATION_FILES {
+            let advice = format!("must be at most {MAX_ELEVATION_FILES} files; join some of them");
+            return Err(self.refuse(field, advice));
+        }
+        let mut paths = Vec::new();
+        for one in given.get_ref() {
+            let one = Field {
+                table: field.table,
+                key: field.key,
+                given: Some(one),
+                rule: (),
+            };
+            paths.extend(self.path(&one, PathKind::File)?);
+        }
+        Ok(paths)
+    }
+}
+
+/// The value of one of the keys of relief.
+pub(super) fn relief_value(relief: Option<&ReliefTable>, key: &str) -> KeyText {
+    let Some(relief) = relief else {
+        return match key {
+            "surface" => Ok("\"blocks\"".to_owned()),
+            "pack_heights" => Ok("false".to_owned()),
+            _ => Err("the smooth ellipsoid is drawn"),
+        };
+    };
+    Ok(match key {
+        "surface" => format!("\"{}\"", written(&relief.surface)),
+        "elevation" if relief.elevation.is_empty() => {
+            return Err(match relief.pack_heights_mb {
+                Some(_) => "the pack's heights are taken alone",
+                None => "the starter pack's heights are taken",
+            });
+        }
+        "pack_heights" => relief.pack_heights_mb.is_some().to_string(),
+        "ground_mb" => match relief.pack_heights_mb {
+            Some(megabytes) => megabytes.to_string(),
+            None => return Err("no heights of a pack are taken"),
+        },
+        "elevation" => {
+            let files = relief.elevation.iter();
+            let files = files.map(|file| format!("\"{}\"", printable(&file.display().to_string())));
+            format!("[{}]", files.collect::<Vec<_>>().join(", "))
+        }
+        "tolerance_px" => {
+            if let Some(reason) = surfaces::without_tolerance(&relief.settings) {
+                return Err(reason);
+            }
+            relief.tolerance_px.to_string()
+        }
+        "sea_floor" => relief.sea_floor.to_string(),
+        "denoise" => relief.denoise.to_string(),
+        _ => return surfaces::value(&relief.settings, key),
+    })
+}

@@ -1,0 +1,147 @@
+//! What can be checked only when the satellites are known: names to follow, sources that do not answer.
+
+use super::Scene;
+use super::error::{KeyLocation, SceneError, printable};
+use super::text::nearest;
+use super::time::utc;
+use terrella::frames::Epoch;
+
+impl Scene {
+    /// The place, in [`Self::orbits`], of the satellite that cameras fly with. `names` are those of all, in that order;
+    /// a name that `[orbit]` itself gives counts as well. 0 without `[camera] follow`.
+    ///
+    /// # Errors
+    /// If `follow` names none of them, or more than one.
+    pub fn followed(&self, names: &[&str]) -> Result<usize, SceneError> {
+        let Some(wanted) = &self.camera.follow else {
+            return Ok(0);
+        };
+        self.satellite(wanted, names).map_err(|remedy| {
+            self.refusal(
+                "camera",
+                "follow",
+                self.line("camera", "follow"),
+                wanted,
+                remedy,
+            )
+        })
+    }
+
+    /// The place of a satellite by name, letter case aside, as [`Self::followed`] looks for it; else what to do.
+    ///
+    /// # Errors
+    /// The remedy for a message: the nearest name and all names.
+    pub fn satellite(&self, wanted: &str, names: &[&str]) -> Result<usize, String> {
+        let folded = wanted.trim().to_lowercase();
+        let is_it = |index: usize, name: &str| {
+            let own = self
+                .orbits
+                .get(index)
+                .and_then(|orbit| orbit.name.as_deref());
+            [Some(name), own]
+                .into_iter()
+                .flatten()
+                .any(|name| name.trim().to_lowercase() == folded)
+        };
+        let found: Vec<usize> = names
+            .iter()
+            .enumerate()
+            .filter(|(index, name)| is_it(*index, name))
+            .map(|(index, _)| index)
+            .collect();
+        let list = || {
+            let few = names
+                .iter()
+                .take(10)
+                .map(|name| format!("\"{}\"", printable(name)));
+            let more = if names.len() > 10 { ", …" } else { "" };
+            few.collect::<Vec<_>>().join(", ") + more
+        };
+        match found.as_slice() {
+            [only] => Ok(*only),
+            [] => {
+                // Names are compared letter case aside, so the likeness is, too.
+                let lower: Vec<_> = names.iter().map(|name| name.to_lowercase()).collect();
+                let near = nearest(&folded, lower.iter().map(String::as_str))
+                    .and_then(|near| lower.iter().position(|name| name == near))
+                    .and_then(|index| names.get(index));
+                Err(match near {
+                    Some(near) => format!(
+                        "no satellite of the scene has that name; did you mean \"{}\"? It has {}",
+                        printable(near),
+                        list()
+                    ),
+                    None => {
+                        format!("no satellite of the scene has that name; it has {}", list())
+                    }
+                })
+            }
+            several => Err(format!(
+                "{} satellites of the scene have that name; give them names of their own by name in [[orbit]]",
+                several.len()
+            )),
+        }
+    }
+
+    /// A refusal of the satellite of that place, where its key stands.
+    pub fn refuse_orbit(&self, orbit: usize, key: &str, value: &str, remedy: String) -> SceneError {
+        let any = self
+            .orbit_lines
+            .get(orbit)
+            .and_then(|lines| lines.0.values().min());
+        let line = self.orbit_line(orbit, key).or(any.copied());
+        self.refusal("orbit", key, line, value, remedy)
+    }
+
+    /// Refuses a scene of which any part lies outside `span`, that of its table of the Earth's orientation.
+    ///
+    /// # Errors
+    /// Says what the table spans.
+    pub fn check_orientation(&self, span: (Epoch, Epoch)) -> Result<(), SceneError> {
+        let (start, end) = (self.time.start, self.time.end());
+        let (first, last) = (start.min(end), start.max(end));
+        if span.0 <= first && last <= span.1 {
+            return Ok(());
+        }
+        let shown = self
+            .time
+            .orientation
+            .as_ref()
+            .map(|path| path.display().to_string());
+        let remedy = format!(
+            "the table tells of {} to {}, the flight goes from {} to {}; take a table of that time, or leave orientation out",
+            utc(span.0),
+            utc(span.1),
+            utc(first),
+            utc(last)
+        );
+        let line = self.line("time", "orientation");
+        Err(self.refusal(
+            "time",
+            "orientation",
+            line,
+            &shown.unwrap_or_default(),
+            remedy,
+        ))
+    }
+
+    fn refusal(
+        &self,
+        table: &str,
+        key: &str,
+        line: Option<usize>,
+        value: &str,
+        remedy: String,
+    ) -> SceneError {
+        SceneError::Value {
+            place: Box::new(KeyLocation {
+                path: self.path.clone(),
+                line,
+                table: table.to_owned(),
+                key: key.to_owned(),
+            }),
+            value: format!("\"{}\"", printable(value)),
+            remedy,
+        }
+    }
+}

@@ -1,0 +1,330 @@
+//! What a scene comes to: every value and where it is from, what will be used and what is left out.
+
+use super::camera_mode::CameraMode;
+use super::error::printable;
+use super::field::{KeyText, NO_ORBIT, UNKNOWN, written};
+use super::keys::{TABLES, Table};
+use super::time::{StartSource, utc};
+use super::{Scene, camera, earth, orbit_summary, output, sky, time};
+use terrella::internals::air::Atmosphere;
+use terrella::internals::globe::SurfaceSettings;
+use std::fmt::Write;
+
+impl Scene {
+    /// The scene as text, many lines, each ended: the keys that are in force, in scene order, each with its value and whether
+    /// that is from the file or the default, and those that the file gives in vain; then what the scene uses and what it
+    /// leaves out.
+    pub fn summary(&self) -> String {
+        self.summary_of(false)
+    }
+
+    /// The same with every key that a scene can have, those that are not used with the reason.
+    pub fn full_summary(&self) -> String {
+        self.summary_of(true)
+    }
+
+    fn summary_of(&self, all: bool) -> String {
+        let mut out = format!("{}: good\n", self.path.display());
+        let mut hidden = 0;
+        for table in TABLES {
+            let is_shown = |key: &str| {
+                all || self.value(table.name, key).is_ok() || self.line(table.name, key).is_some()
+            };
+            let shown = table.keys.iter().filter(|key| is_shown(key.name)).count();
+            hidden += table.keys.len() - shown;
+            if shown == 0 {
+                continue;
+            }
+            let head = match table.name {
+                "orbit" if self.orbits.len() > 1 => "[[orbit]]".to_owned(),
+                name => format!("[{name}]"),
+            };
+            line(&mut out, format_args!("\n{head}"));
+            for key in table.keys.iter().filter(|key| is_shown(key.name)) {
+                let common = || match table.name {
+                    "orbit" => self.line("tracks", key.name),
+                    _ => None,
+                };
+                let from = match self.line(table.name, key.name).or_else(common) {
+                    Some(number) => format!("line {number} of the file"),
+                    None => self.default_from(table.name, key.name).to_owned(),
+                };
+                let from = match (table.name, key.name) {
+                    ("time", "start") => self.start_from(from),
+                    _ => from,
+                };
+                match self.value(table.name, key.name) {
+                    Ok(value) => line(
+                        &mut out,
+                        format_args!("  {:<18} {value:<28} {from}", key.name),
+                    ),
+                    Err(why) => {
+                        let given = match self.line(table.name, key.name) {
+                            Some(number) => format!("line {number} of the file is "),
+                            None => String::new(),
+                        };
+                        line(
+                            &mut out,
+                            format_args!("  {:<18} {given}not used: {why}", key.name),
+                        );
+                    }
+                }
+            }
+            if table.name == "orbit" {
+                self.other_orbits(&mut out, table);
+            }
+        }
+        if hidden > 0 {
+            line(
+                &mut out,
+                format_args!("\n{hidden} more keys have no meaning in this scene (--all)"),
+            );
+        }
+        if !self.notices.is_empty() {
+            line(&mut out, format_args!("\nnotice"));
+        }
+        for notice in &self.notices {
+            line(&mut out, format_args!("  {notice}"));
+        }
+        line(&mut out, format_args!("\nuses"));
+        for (what, how) in self.uses() {
+            line(&mut out, format_args!("  {what:<14} {how}"));
+        }
+        line(&mut out, format_args!("\nleaves out"));
+        let left_out = self.leaves_out();
+        if left_out.is_empty() {
+            line(&mut out, format_args!("  nothing"));
+        }
+        for what in left_out {
+            line(
+                &mut out,
+                format_args!("  {what}: off: not loaded, not in the shader"),
+            );
+        }
+        out
+    }
+
+    /// What a value is from that the file does not give.
+    fn default_from(&self, table: &str, key: &str) -> &'static str {
+        match self.is_of_orbits() {
+            false => "default",
+            true if table == "orbit" && ["source", "file", "name", "strict"].contains(&key) => {
+                "the command line"
+            }
+            true => "the built-in scene",
+        }
+    }
+
+    /// What says when the scene begins; `place` is where its key stands.
+    fn start_from(&self, place: String) -> String {
+        match &self.time.start_from {
+            StartSource::Given | StartSource::Default => place,
+            StartSource::Clock => format!("{place}, \"now\""),
+            StartSource::Caller => "the command line".to_owned(),
+            StartSource::Satellite(from) => printable(from),
+        }
+    }
+
+    /// Satellites after the first: only what they use.
+    fn other_orbits(&self, out: &mut String, table: &Table) {
+        for (index, orbit) in self.orbits.iter().enumerate().skip(1) {
+            line(out, format_args!("\n[[orbit]]"));
+            for key in table.keys {
+                let line_of = self.orbit_line(index, key.name);
+                let from = match line_of.or_else(|| self.line("tracks", key.name)) {
+                    Some(number) => format!("line {number} of the file"),
+                    None => self.default_from(table.name, key.name).to_owned(),
+                };
+                if let Ok(value) = orbit_summary::value(orbit, key.name) {
+                    line(out, format_args!("  {:<18} {value:<28} {from}", key.name));
+                }
+            }
+        }
+    }
+
+    /// A key's value as a scene would write it, or why it has none.
+    fn value(&self, table: &str, key: &str) -> KeyText {
+        match table {
+            "time" => time::value(&self.time, key),
+            "orbit" => orbit_summary::value(self.orbits.first().ok_or(NO_ORBIT)?, key),
+            "tracks" => self.tracks_value(key),
+            "camera" => camera::value(&self.camera, key, !self.orbits.is_empty()),
+            "earth" => earth::value(&self.earth, key),
+            "sky" => sky::value(&self.sky, key),
+            "output" => {
+                let is_waited_for = self.earth.pack.is_some() || self.is_live();
+                output::value(&self.output, key, is_waited_for)
+            }
+            "quality" => output::quality_value(&self.quality, key),
+            _ => Err(UNKNOWN),
+        }
+    }
+
+    fn uses(&self) -> Vec<(&'static str, String)> {
+        let time = &self.time;
+        let frames = time.frame_count();
+        let length = format!(
+            "{frames} frame{} in {:.1} s",
+            if frames == 1 { "" } else { "s" },
+            time.duration_s / time.speed.abs(),
+        );
+        let (start, end) = (utc(time.start), utc(time.end()));
+        let mut uses = vec![(
+            "playback",
+            match self.is_live() {
+                true => format!(
+                    "the time that the simulator sends, {start} until it does; a film has at most {length}"
+                ),
+                false => format!("{start} to {end}, {length}"),
+            },
+        )];
+        uses.push(("orientation", match &time.orientation {
+            Some(file) => format!(
+                "UT1 and polar motion of {}; what that leaves out is 5 cm on the ground, more where it predicts",
+                file.display()
+            ),
+            None => "UT1 taken as UTC, no polar motion: between the stars and the ground places are up to 420 m off at the \
+                 equator by the first and 20 m by the second; give a table by orientation in [time]"
+                .to_owned(),
+        }));
+        uses.extend(self.orbit_uses());
+        uses.extend(self.track_uses());
+        let camera = &self.camera;
+        let eye = match camera.mode {
+            CameraMode::Nadir => format!(
+                "at the satellite, straight down, {} upwards on screen",
+                written(&camera.up)
+            ),
+            CameraMode::Horizon => "at the satellite, forwards to the horizon".to_owned(),
+            CameraMode::Chase => "behind and above the satellite, looking at it".to_owned(),
+            CameraMode::Geodetic => {
+                let looks = match (camera.pitch_deg, camera.heading_deg) {
+                    (-90.0, 0.0) => "straight down, north upwards on screen".to_owned(),
+                    (-90.0, heading) => {
+                        format!("straight down, {heading}° from north upwards on screen")
+                    }
+                    (pitch, heading) => {
+                        format!("to {heading}° from north, {pitch}° above the horizontal")
+                    }
+                };
+                format!(
+                    "{} km above {}° latitude, {}° longitude, {looks}",
+                    camera.height_km, camera.lat_deg, camera.lon_deg
+                )
+            }
+        };
+        uses.push((
+            "camera",
+            match camera.keys.len() {
+                0 => format!("{eye}; {}° from bottom to top", camera.fov_deg),
+                keys => format!(
+                    "{eye}; {}° from bottom to top; what its {keys} keys set goes through them",
+                    camera.fov_deg
+                ),
+            },
+        ));
+        let maps = match (&self.earth.pack, &self.earth.textures) {
+            (Some(pack), _) => format!("the pack {}, those that it has", pack.folder.display()),
+            (None, Some(folder)) => folder.display().to_string(),
+            (None, None) => "the starter pack".to_owned(),
+        };
+        let layers: Vec<_> = self.layers().into_iter().filter(|(_, on)| *on).collect();
+        let names: Vec<_> = layers.iter().map(|(name, _)| *name).collect();
+        uses.push(("layers", format!("{} from {maps}", names.join(", "))));
+        if self.earth.light.is_some_and(|light| light.detail) {
+            let made = "made up between the maps' texels, not measured";
+            uses.push(("detail", made.to_owned()));
+        }
+        if let Some(relief) = &self.earth.relief {
+            let files = match relief.elevation.len() {
+                0 if relief.pack_heights_mb.is_some() => "the pack's heights".to_owned(),
+                0 => "the starter pack's heights".to_owned(),
+                1 => "one file of heights".to_owned(),
+                count => format!("{count} files of heights"),
+            };
+            let files = match relief.pack_heights_mb {
+                Some(_) if !relief.elevation.is_empty() => format!("{files} over the pack's"),
+                _ => files,
+            };
+            uses.push((
+                "relief",
+                match relief.settings {
+                    SurfaceSettings::CastContours(_) => {
+                        format!("contours from {files}, a ray cast at each pixel")
+                    }
+                    _ => format!("{} from {files}", written(&relief.surface)),
+                },
+            ));
+        }
+        if self.earth.atmosphere != Atmosphere::None {
+            uses.push(("air", written(&self.earth.atmosphere)));
+        }
+        uses
+    }
+
+    /// The layers in the order in which they are drawn, and whether each is on.
+    fn layers(&self) -> Vec<(&'static str, bool)> {
+        vec![
+            ("day map", true),
+            ("clouds", self.earth.clouds),
+            ("normals", self.earth.normals),
+            ("night lights", self.earth.night_lights),
+            ("water", self.earth.water),
+        ]
+    }
+
+    fn leaves_out(&self) -> Vec<&'static str> {
+        let mut names: Vec<_> = self
+            .layers()
+            .into_iter()
+            .filter(|(_, on)| !on)
+            .map(|(name, _)| name)
+            .collect();
+        if self.earth.atmosphere == Atmosphere::None {
+            names.push("atmosphere");
+        }
+        names
+    }
+}
+
+fn line(out: &mut String, text: std::fmt::Arguments<'_>) {
+    // Writing to a string cannot fail.
+    let _ = writeln!(out, "{text}");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    #[test]
+    fn every_key_has_a_value_or_a_reason_in_the_summary() {
+        let summary =
+            Scene::from_toml("", Path::new("scene.toml")).map(|scene| scene.full_summary());
+        let summary = summary.unwrap_or_else(|error| panic!("{error}"));
+        assert!(!summary.contains("unknown"), "{summary}");
+        for key in TABLES.iter().flat_map(|table| table.keys) {
+            let wanted = format!("\n  {} ", key.name);
+            assert!(
+                summary.contains(&wanted),
+                "{} is not in:\n{summary}",
+                key.name
+            );
+        }
+    }
+
+    /// The first scene that a newcomer opens explains every key.
+    #[test]
+    fn the_default_scene_shows_every_key() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../config/iss.toml");
+        let text = std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{error}"));
+        for key in TABLES.iter().flat_map(|table| table.keys) {
+            let shown = text.lines().any(|line| {
+                let line = line.trim_start_matches("# ");
+                line.strip_prefix(key.name)
+                    .is_some_and(|rest| rest.starts_with(" = "))
+            });
+            assert!(shown, "{} is not in {}", key.name, path.display());
+        }
+    }
+}

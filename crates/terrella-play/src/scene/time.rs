@@ -1,0 +1,202 @@
+//! `[time]`: when the flight starts and how it is played.
+
+use super::error::SceneError;
+use super::field::{Field, KeyText, PathKind, UNKNOWN, quoted, range_text};
+use super::keys::{DEFAULT_START, MAX_FRAMES, RawTime, YEARS};
+use super::text::SceneText;
+use terrella::frames::{Epoch, rfc3339, utc_from_rfc3339, utc_now};
+use hifitime::Unit;
+use std::path::PathBuf;
+use toml::Spanned;
+
+/// `[time]`: when the flight starts and how it is played.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Time {
+    /// UTC instant of the first frame. Where [`Self::start_from`] is [`StartSource::Default`] it is not final before the
+    /// satellites are opened: one of them may have a time of its own ([`Scene::begin_at`](super::Scene::begin_at)).
+    pub start: Epoch,
+    /// Where `start` is from.
+    pub start_from: StartSource,
+    /// Simulated seconds that are played, > 0.
+    pub duration_s: f64,
+    /// Simulated seconds per second of playback; negative plays backwards, never 0.
+    pub speed: f64,
+    /// Frames per second of playback.
+    pub frame_rate_hz: f64,
+    /// Table of the Earth's orientation by date; `None` takes UT1 as UTC and leaves polar motion out.
+    pub orientation: Option<PathBuf>,
+}
+
+/// Where the first instant of a scene is from.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub enum StartSource {
+    /// The scene gives it.
+    Given,
+    /// The scene says "now": the system's clock when it was read.
+    Clock,
+    /// The caller gives it in place of the scene ([`Scene::begin`](super::Scene::begin)).
+    Caller,
+    /// The scene does not give it, and no satellite that has a time of its own is opened.
+    #[default]
+    Default,
+    /// The scene does not give it, and a satellite has a time of its own; which, in words.
+    Satellite(String),
+}
+
+impl Time {
+    /// UTC instant at which playback ends: before `start` where the speed is negative.
+    pub fn end(&self) -> Epoch {
+        self.start + self.duration_s.copysign(self.speed) * Unit::Second
+    }
+
+    /// duration_s · frame_rate_hz / |speed|, before it is made a whole number.
+    pub(super) fn frames_exact(&self) -> f64 {
+        self.duration_s * self.frame_rate_hz / self.speed.abs()
+    }
+
+    /// The year in which it would begin or end that no scene may reach.
+    pub(super) fn bad_year(&self) -> Option<i32> {
+        let years = [self.start, self.end()].map(|epoch| epoch.to_gregorian_utc().0);
+        years.into_iter().find(|year| !YEARS.contains(year))
+    }
+
+    /// Frames of one playback, at least one.
+    pub fn frame_count(&self) -> u64 {
+        // At most [`MAX_FRAMES`] by the scene's checks; `as` saturates for a hand-made value.
+        self.frames_exact().round().max(1.0) as u64
+    }
+}
+
+impl SceneText<'_> {
+    /// Checks `[time]`.
+    pub(super) fn time(&self, time: &RawTime) -> Result<Time, SceneError> {
+        let start_field = time.start();
+        let default_start =
+            utc_from_rfc3339(DEFAULT_START).map_err(|error| self.refuse(&start_field, error))?;
+        let (start, start_from) = match start_field.given.map(Spanned::get_ref) {
+            None => (default_start, StartSource::Default),
+            Some(value) if is_now(value) => (
+                utc_now().map_err(|error| self.refuse(&start_field, error))?,
+                StartSource::Clock,
+            ),
+            Some(_) => (
+                self.instant(&start_field, default_start)?,
+                StartSource::Given,
+            ),
+        };
+        let (duration, speed_field) = (time.duration_s(), time.speed());
+        let most_s = *duration.rule.range.end();
+        let duration_s = self.number(&duration, |_, _| {
+            format!("must be more than 0 and at most {most_s} seconds")
+        })?;
+        let speed = self.number(&speed_field, |_, range| {
+            format!("must be from {range} simulated seconds per second")
+        })?;
+        if speed == 0.0 {
+            return Err(self.refuse(
+                &speed_field,
+                "a scene at speed 0 would never end; give 1 for real time, a negative speed to play backwards",
+            ));
+        }
+        let frame_rate_hz = self.number(&time.frame_rate_hz(), |_, range| {
+            format!("must be from {range} frames per second")
+        })?;
+        let time = Time {
+            start,
+            start_from,
+            duration_s,
+            speed,
+            frame_rate_hz,
+            orientation: self.path(&time.orientation(), PathKind::File)?,
+        };
+        if time.frames_exact() > MAX_FRAMES {
+            let advice = format!(
+                "duration_s {duration_s} × frame_rate_hz {frame_rate_hz} / speed {} makes more than {MAX_FRAMES} frames; \
+                 shorten the duration, lower the frame rate or raise the speed",
+                speed.abs()
+            );
+            // With the default duration only slow motion comes here, so the field that is named is one that is given.
+            let guilty = if speed.abs() < 1.0 {
+                &speed_field
+            } else {
+                &duration
+            };
+            return Err(self.refuse(guilty, advice));
+        }
+        if let Some(year) = time.bad_year() {
+            let advice = year_advice(year);
+            return Err(match duration.is_given() {
+                true => self.refuse(&duration, advice),
+                false => self.refuse(&start_field, advice),
+            });
+        }
+        Ok(time)
+    }
+
+    /// Reads a UTC instant, given as a string or as a date-time of TOML.
+    pub(super) fn instant(
+        &self,
+        field: &Field<'_, toml::Value>,
+        default: Epoch,
+    ) -> Result<Epoch, SceneError> {
+        const ADVICE: &str = "write UTC like \"2018-01-15T12:00:00Z\"";
+        let text = match field.given.map(Spanned::get_ref) {
+            None => return Ok(default),
+            Some(toml::Value::String(text)) => text.clone(),
+            Some(toml::Value::Datetime(when)) => {
+                let mut when = *when;
+                if when.date.is_none() || when.time.is_none() || when.offset.is_none() {
+                    let advice =
+                        format!("must have a date, a time of day and the zone Z; {ADVICE}");
+                    return Err(self.refuse(field, advice));
+                }
+                // TOML lets the seconds be left out, RFC 3339 does not.
+                if let Some(time) = &mut when.time {
+                    time.second.get_or_insert(0);
+                }
+                when.to_string()
+            }
+            Some(_) => {
+                return Err(
+                    self.refuse(field, format!("must be a date and a time of day; {ADVICE}"))
+                );
+            }
+        };
+        utc_from_rfc3339(&text).map_err(|error| self.refuse(field, error))
+    }
+}
+
+fn is_now(value: &toml::Value) -> bool {
+    value.as_str() == Some("now")
+}
+
+pub(super) fn year_advice(year: i32) -> String {
+    format!(
+        "the flight would reach the year {year}; it must stay in the years {}",
+        range_text(&YEARS)
+    )
+}
+
+/// The value of a key as a scene would write it, or why it has none.
+pub(super) fn value(time: &Time, key: &str) -> KeyText {
+    match key {
+        "start" => quoted(&utc(time.start)),
+        "duration_s" => Ok(time.duration_s.to_string()),
+        "speed" => Ok(time.speed.to_string()),
+        "frame_rate_hz" => Ok(time.frame_rate_hz.to_string()),
+        "orientation" => match &time.orientation {
+            Some(file) => quoted(&file.display().to_string()),
+            None => Err("UT1 is taken as UTC and polar motion as none"),
+        },
+        _ => Err(UNKNOWN),
+    }
+}
+
+/// An instant as a scene would write it: RFC 3339, without decimals of the second where they are all 0.
+pub(super) fn utc(epoch: Epoch) -> String {
+    let text = rfc3339(epoch);
+    match text.strip_suffix(".000Z") {
+        Some(whole) => format!("{whole}Z"),
+        None => text,
+    }
+}

@@ -1,0 +1,181 @@
+//! The window's surface: colour in sRGB, its samples and depth.
+
+use super::error::{PlayError, WindowError};
+use terrella::internals::gpu::{GpuContext, ScaledTarget, color_texture};
+use terrella::internals::offscreen::supported_samples;
+use terrella::{EarthError, Quality};
+use wgpu::TextureFormat::{Bgra8Unorm, Bgra8UnormSrgb, Rgba8Unorm, Rgba8UnormSrgb};
+
+/// A configured surface and what is drawn with it.
+pub struct WindowSurface {
+    surface: wgpu::Surface<'static>,
+    config: wgpu::SurfaceConfiguration,
+    /// The sRGB format that the surface's pictures are seen as.
+    format: wgpu::TextureFormat,
+    /// Part of width and height that is drawn.
+    scale: f64,
+    limit: u32,
+    target: ScaledTarget,
+}
+
+impl WindowSurface {
+    /// Configures the surface for a window of `size` pixels.
+    pub fn new(
+        gpu: &GpuContext,
+        surface: wgpu::Surface<'static>,
+        size: (u32, u32),
+        wanted_samples: u32,
+    ) -> Result<Self, PlayError> {
+        let capabilities = surface.get_capabilities(&gpu.adapter);
+        let (stored, format) = choose_formats(&gpu.adapter, &capabilities.formats)?;
+        let samples = supported_samples(&gpu.adapter, format, wanted_samples);
+        let limit = gpu.device.limits().max_texture_dimension_2d;
+        let (width, height) = (size.0.clamp(1, limit), size.1.clamp(1, limit));
+        let mut config = surface
+            .get_default_config(&gpu.adapter, width, height)
+            .ok_or(WindowError::NoFormat {
+                present: Vec::new(),
+            })?;
+        config.format = stored;
+        config.present_mode = wgpu::PresentMode::AutoVsync;
+        config.view_formats = if stored == format {
+            vec![]
+        } else {
+            vec![format]
+        };
+        surface.configure(&gpu.device, &config);
+        Ok(Self {
+            target: {
+                let size = (width, height);
+                let target = ScaledTarget::new(&gpu.device, format, size, size, samples);
+                target.map_err(EarthError::from)?
+            },
+            surface,
+            config,
+            format,
+            scale: 1.0,
+            limit,
+        })
+    }
+
+    /// The format that is drawn to.
+    pub fn format(&self) -> wgpu::TextureFormat {
+        self.format
+    }
+
+    /// Samples a pixel.
+    pub fn samples(&self) -> u32 {
+        self.target.samples()
+    }
+
+    /// `wanted` samples a pixel if the adapter does so many, else 1.
+    pub fn supported_samples(&self, gpu: &GpuContext, wanted: u32) -> u32 {
+        supported_samples(&gpu.adapter, self.format, wanted)
+    }
+
+    /// Draws from now on with the samples and at the scale of a quality, of which the adapter must do the samples.
+    pub fn set_quality(&mut self, device: &wgpu::Device, quality: &Quality) {
+        self.scale = quality.scale;
+        self.set_target(device, quality.drawn_size(self.size()), quality.samples);
+    }
+
+    fn set_target(&mut self, device: &wgpu::Device, drawn_size: (u32, u32), samples: u32) {
+        let set = self.target.set(device, self.size(), drawn_size, samples);
+        if let Err(error) = set {
+            // A fault of the program that its tests would have found.
+            tracing::warn!("the window's picture stays as it is: {error}");
+        }
+    }
+
+    /// Width and height, pixels.
+    pub fn size(&self) -> (u32, u32) {
+        (self.config.width, self.config.height)
+    }
+
+    /// Width and height that are drawn before they are enlarged to [`Self::size`], pixels.
+    pub fn drawn_size(&self) -> (u32, u32) {
+        self.target.drawn_size()
+    }
+
+    /// Follows the window to another size. A size of zero (a minimised window) changes nothing.
+    pub fn resize(&mut self, device: &wgpu::Device, size: (u32, u32)) {
+        let (width, height) = (size.0.min(self.limit), size.1.min(self.limit));
+        if width == 0 || height == 0 || (width, height) == self.size() {
+            return;
+        }
+        (self.config.width, self.config.height) = (width, height);
+        let drawn_size = Quality::drawn_size_at(self.scale, (width, height));
+        self.set_target(device, drawn_size, self.samples());
+        self.configure(device);
+    }
+
+    /// Configures the surface anew, as it asks for when it is outdated.
+    pub fn configure(&self, device: &wgpu::Device) {
+        self.surface.configure(device, &self.config);
+    }
+
+    /// Takes another surface in place of one that was lost.
+    pub fn replace(&mut self, device: &wgpu::Device, surface: wgpu::Surface<'static>) {
+        self.surface = surface;
+        self.configure(device);
+    }
+
+    /// The texture of the next frame, or why there is none.
+    pub fn acquire(&self) -> wgpu::CurrentSurfaceTexture {
+        self.surface.get_current_texture()
+    }
+
+    /// The view of a texture of this surface (or of [`Self::capture_texture`]) that is drawn to.
+    pub fn view_of(&self, texture: &wgpu::Texture) -> wgpu::TextureView {
+        texture.create_view(&wgpu::TextureViewDescriptor {
+            label: Some("terrella window view"),
+            format: Some(self.format),
+            ..Default::default()
+        })
+    }
+
+    /// Begins the Earth's pass on a view: black space, depth infinitely far.
+    pub fn begin_pass<'e>(
+        &self,
+        encoder: &'e mut wgpu::CommandEncoder,
+        view: &wgpu::TextureView,
+    ) -> wgpu::RenderPass<'e> {
+        self.target.begin_pass(encoder, view)
+    }
+
+    /// Enlarges what that pass drew to all of the view.
+    pub fn enlarge(&self, encoder: &mut wgpu::CommandEncoder, view: &wgpu::TextureView) {
+        self.target.enlarge(encoder, view);
+    }
+
+    /// A texture like the surface's that can be read: not every surface can.
+    pub fn capture_texture(&self, device: &wgpu::Device) -> wgpu::Texture {
+        let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC;
+        color_texture(
+            device,
+            "terrella capture",
+            self.size(),
+            self.format,
+            1,
+            usage,
+        )
+    }
+}
+
+/// The format that the surface stores and the sRGB one that it is drawn to as: the same, or two names of the same bits.
+fn choose_formats(
+    adapter: &wgpu::Adapter,
+    present: &[wgpu::TextureFormat],
+) -> Result<(wgpu::TextureFormat, wgpu::TextureFormat), WindowError> {
+    let flags = adapter.get_downlevel_capabilities().flags;
+    let reinterprets = flags.contains(wgpu::DownlevelFlags::SURFACE_VIEW_FORMATS);
+    let srgb = [Bgra8UnormSrgb, Rgba8UnormSrgb].map(|format| (format, format));
+    let linear = [(Bgra8Unorm, Bgra8UnormSrgb), (Rgba8Unorm, Rgba8UnormSrgb)];
+    let linear = linear.into_iter().filter(|_| reinterprets);
+    srgb.into_iter()
+        .chain(linear)
+        .find(|(stored, _)| present.contains(stored))
+        .ok_or_else(|| WindowError::NoFormat {
+            present: present.to_vec(),
+        })
+}

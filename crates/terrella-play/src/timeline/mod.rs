@@ -1,0 +1,289 @@
+//! The time line along the bottom of the window: its state, and what it says.
+//!
+//! | file | what |
+//! |---|---|
+//! | `ticks.rs` | marks at round times |
+//! | `bar.rs` | what is drawn, and what the pointer does on it |
+//! | `pass_search.rs` | passes, on a thread of their own |
+
+mod bar;
+mod pass_search;
+mod ticks;
+
+pub use bar::show;
+pub use pass_search::{PassQuery, PassResult, PassSearch};
+
+use super::clock::Clock;
+use super::flight::Flight;
+use super::place_text::place_text;
+use terrella::frames::{Duration, Epoch, Geodetic, rfc3339};
+use terrella::orbit::{Feed, Pass};
+use crate::scene::CameraMode;
+use hifitime::{TimeScale, Unit};
+use pass_search::{PassSite, Upcoming};
+
+/// Minimum elevation of a pass where nothing else is said, degrees.
+const DEFAULT_MIN_ELEVATION_DEG: f64 = 10.0;
+/// How far ahead the next pass is looked for, days.
+const NEXT_PASS_SEARCH_DAYS: f64 = 60.0;
+/// Shortest span around the present in real time, seconds.
+const REAL_TIME_SPAN_S: f64 = 5400.0;
+/// How much of the span may lie behind before real time moves it on.
+const REAL_TIME_MAX_FRACTION: f64 = 0.75;
+/// How much of a span that is moved to a pass lies before it.
+const PASS_LEAD_FRACTION: f64 = 0.05;
+
+/// The satellite that cameras fly with, and when it is known.
+#[derive(Clone, Copy, Debug)]
+pub struct Coverage<'f> {
+    /// The satellite.
+    pub name: &'f str,
+    /// The first instant at which it is known.
+    pub first: Epoch,
+    /// The last one.
+    pub last: Epoch,
+}
+
+impl<'f> Coverage<'f> {
+    /// That of a feed.
+    pub fn of(feed: &'f dyn Feed) -> Self {
+        let (first, last) = feed.validity();
+        Self {
+            name: feed.name(),
+            first,
+            last,
+        }
+    }
+
+    fn contains(&self, epoch: Epoch) -> bool {
+        (self.first..=self.last).contains(&epoch)
+    }
+}
+
+/// What the time line knows beside the clock.
+#[derive(Clone, Debug)]
+pub struct TimeLine {
+    /// Whether it is shown, where there is a panel.
+    pub shown: bool,
+    /// The place that passes are over.
+    pub place: Option<Geodetic>,
+    /// Minimum elevation of a pass over it, degrees.
+    pub min_elevation_deg: f64,
+    /// Passes of the span.
+    pub passes: Vec<Pass>,
+    /// Whether the clock follows the one on the wall.
+    real_time: bool,
+    /// What the present passes were searched for.
+    asked: Option<(PassSite, (Epoch, Epoch))>,
+}
+
+impl TimeLine {
+    /// As the scene has it: its passes are over the place of its geodetic camera, where it has one.
+    pub fn new(flight: &Flight) -> Self {
+        let scene = flight.scene();
+        let camera = &scene.camera;
+        let is_given = |key| scene.line("camera", key).is_some();
+        let has_place =
+            camera.mode == CameraMode::Geodetic || is_given("lat_deg") || is_given("lon_deg");
+        Self {
+            shown: true,
+            place: (has_place && flight.feed().is_some())
+                .then(|| Geodetic::from_degrees(camera.lat_deg, camera.lon_deg, 0.0)),
+            min_elevation_deg: DEFAULT_MIN_ELEVATION_DEG,
+            passes: Vec::new(),
+            real_time: false,
+            asked: None,
+        }
+    }
+
+    /// Whether the clock follows the one on the wall.
+    pub fn is_real_time(&self) -> bool {
+        self.real_time
+    }
+
+    /// The user has set the clock: it follows no more.
+    pub fn leave_real_time(&mut self) {
+        self.real_time = false;
+    }
+
+    /// Begins to follow the clock on the wall, which reads `now`. `coverage` is the satellite's, if
+    /// there is one. Answers the message to show, also where it cannot.
+    pub fn begin_real_time(
+        &mut self,
+        clock: &mut Clock,
+        now: Epoch,
+        coverage: Option<Coverage<'_>>,
+    ) -> String {
+        let now = now.to_time_scale(TimeScale::TAI);
+        if let Some(outside) = coverage.filter(|coverage| !coverage.contains(now)) {
+            return format!(
+                "no real time: {} is known from {} to {}, and it is {}; take elements of today",
+                outside.name,
+                seconds(outside.first),
+                seconds(outside.last),
+                seconds(now)
+            );
+        }
+        self.real_time = true;
+        clock.set_real_time();
+        clock.set_paused(false);
+        center_span_on(clock, now, coverage);
+        format!("real time: it is {}", seconds(now))
+    }
+
+    /// Sets the clock to the present, `now`, where it is followed. Answers the message to show if it cannot be any further.
+    pub fn follow(
+        &mut self,
+        clock: &mut Clock,
+        now: Epoch,
+        coverage: Option<Coverage<'_>>,
+    ) -> Option<String> {
+        let now = now.to_time_scale(TimeScale::TAI);
+        if let Some(outside) = coverage.filter(|coverage| !coverage.contains(now)) {
+            self.real_time = false;
+            clock.set_paused(true);
+            return Some(format!(
+                "real time ends: {} is known from {} to {}",
+                outside.name,
+                seconds(outside.first),
+                seconds(outside.last)
+            ));
+        }
+        let (first, last) = clock.span();
+        let elapsed_fraction = (now - first).to_seconds() / (last - first).to_seconds();
+        if !(0.0..=REAL_TIME_MAX_FRACTION).contains(&elapsed_fraction) {
+            center_span_on(clock, now, coverage);
+        }
+        clock.seek_to(now);
+        None
+    }
+
+    fn site(&self) -> Option<PassSite> {
+        self.place.map(|place| PassSite {
+            place,
+            min_elevation_rad: self.min_elevation_deg.to_radians(),
+        })
+    }
+
+    /// The query for the passes of the span, if that or the place is another than last time.
+    pub fn passes_query(&mut self, clock: &Clock) -> Option<PassQuery> {
+        let wanted = self.site().map(|site| (site, clock.span()));
+        if !self.shown || wanted == self.asked {
+            return None;
+        }
+        self.asked = wanted;
+        // Those of before are of another place, or drawn at another one.
+        self.passes.clear();
+        wanted.map(|(site, span)| PassQuery::InSpan(site, span))
+    }
+
+    /// The query for the next pass after the clock's instant.
+    ///
+    /// # Errors
+    /// The message to show where there is no place or no satellite.
+    pub fn next_pass_query(
+        &self,
+        clock: &Clock,
+        coverage: Option<Coverage<'_>>,
+    ) -> Result<PassQuery, String> {
+        let Some(coverage) = coverage else {
+            return Err("the scene has no satellite, so none passes".into());
+        };
+        let Some(site) = self.site() else {
+            return Err("over which place? Write latitude and longitude into the time line".into());
+        };
+        let now = clock.now();
+        let until = coverage
+            .last
+            .min(now + Duration::from_days(NEXT_PASS_SEARCH_DAYS));
+        Ok(PassQuery::Next(site, (now, until)))
+    }
+
+    /// Takes what a search has found. Answers the message to show.
+    pub fn receive(
+        &mut self,
+        clock: &mut Clock,
+        found: PassResult,
+        coverage: Option<Coverage<'_>>,
+    ) -> Option<String> {
+        let next = match found {
+            PassResult::InSpan(passes) => {
+                self.passes = passes;
+                return None;
+            }
+            PassResult::Next(next) => next,
+        };
+        let coverage = coverage?;
+        let name = coverage.name;
+        let place = self
+            .place
+            .map(|at| place_text(at.lat_rad, at.lon_rad))
+            .unwrap_or_default();
+        let min_elevation_deg = self.min_elevation_deg;
+        Some(match next {
+            Upcoming::Pass(pass) => {
+                self.real_time = false;
+                let (first, last) = clock.span();
+                if pass.begin < first || pass.end > last {
+                    let length = last - first;
+                    let begin = (pass.begin - length * PASS_LEAD_FRACTION).max(coverage.first);
+                    clock.set_span(begin, (begin + length).min(coverage.last));
+                }
+                clock.seek_to(pass.begin);
+                pass_text(name, &place, &pass)
+            }
+            Upcoming::AlwaysAbove => {
+                format!("{name} always stands more than {min_elevation_deg}° above {place}")
+            }
+            Upcoming::NoneFound => {
+                let until = coverage
+                    .last
+                    .min(clock.now() + Duration::from_days(NEXT_PASS_SEARCH_DAYS));
+                format!(
+                    "{name} does not rise {min_elevation_deg}° above {place} until {}",
+                    seconds(until)
+                )
+            }
+            Upcoming::Failed(message) => message,
+        })
+    }
+}
+
+/// Sets a span as long as the present one around an instant, as far as the satellite is known.
+fn center_span_on(clock: &mut Clock, now: Epoch, coverage: Option<Coverage<'_>>) {
+    let half = clock.duration_s().max(REAL_TIME_SPAN_S) * 0.5 * Unit::Second;
+    let (mut first, mut last) = (now - half, now + half);
+    if let Some(coverage) = coverage {
+        (first, last) = (first.max(coverage.first), last.min(coverage.last));
+    }
+    clock.set_span(first, last);
+    clock.seek_to(now);
+}
+
+/// Without decimals of the second.
+fn seconds(epoch: Epoch) -> String {
+    let text = rfc3339(epoch);
+    match text.split_once('.') {
+        Some((whole, _)) => format!("{whole}Z"),
+        None => text,
+    }
+}
+
+fn pass_text(name: &str, place: &str, pass: &Pass) -> String {
+    let day_and_time = seconds(pass.begin);
+    let time = |epoch| {
+        let text = seconds(epoch);
+        text.split_once('T')
+            .map_or(text.clone(), |(_, time)| time.to_owned())
+    };
+    format!(
+        "{name} over {place}: {day_and_time} to {}, {:.0}° high at {}",
+        time(pass.end),
+        pass.elevation_rad.to_degrees(),
+        time(pass.highest)
+    )
+}
+
+#[cfg(test)]
+#[path = "tests.rs"]
+mod tests;

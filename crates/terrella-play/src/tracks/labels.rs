@@ -1,0 +1,173 @@
+//! Names beside markers, in egui's fonts, on the finished picture.
+
+use crate::egui_pass::{self, EguiTarget};
+use terrella::tracks::TrackLabel;
+use egui::{Align2, Color32, FontId, LayerId, Pos2, RawInput, Rect, Vec2};
+use egui_wgpu::{Renderer, RendererOptions};
+
+/// Height of letters as a fraction of the picture's.
+const LETTER_FRACTION: f32 = 0.02;
+/// Bounds of the height of letters, pixels.
+const LETTER_PX: std::ops::RangeInclusive<f32> = 12.0..=48.0;
+/// Distance of a name from its marker's middle, in heights of letters.
+const MARKER_DISTANCE: f32 = 0.7;
+/// Characters after which a name is cut.
+const MAX_NAME_CHARS: usize = 48;
+
+/// egui's fonts and the pipeline that draws them.
+pub struct Labels {
+    context: egui::Context,
+    renderer: Renderer,
+}
+
+impl Labels {
+    /// For pictures of this format.
+    pub fn new(device: &wgpu::Device, format: wgpu::TextureFormat) -> Self {
+        Self {
+            context: egui::Context::default(),
+            // Without dithering: the same picture every time.
+            renderer: Renderer::new(device, format, RendererOptions::PREDICTABLE),
+        }
+    }
+
+    /// Writes names over a picture.
+    pub fn write<'n>(
+        &mut self,
+        target: EguiTarget<'_>,
+        names: impl Iterator<Item = (TrackLabel, &'n str)>,
+    ) {
+        let names: Vec<_> = names.map(|(label, name)| (label, one_line(name))).collect();
+        if names.is_empty() {
+            return;
+        }
+        let (width, height) = target.size;
+        let screen = Rect::from_min_size(Pos2::ZERO, Vec2::new(width as f32, height as f32));
+        let input = RawInput {
+            screen_rect: Some(screen),
+            ..Default::default()
+        };
+        let output = self.context.run_ui(input, |ui| {
+            let painter = ui.ctx().layer_painter(LayerId::background());
+            paint(&painter, screen, &names);
+        });
+        let renderer = &mut self.renderer;
+        let callbacks = egui_pass::draw(renderer, &self.context, output, target);
+        // Command buffers come of paint callbacks alone; there are none.
+        debug_assert!(callbacks.is_empty());
+    }
+}
+
+/// A feed's name as it can be written: control characters are blanks, and it ends somewhere.
+fn one_line(name: &str) -> String {
+    let blank = |c: char| if c.is_control() { ' ' } else { c };
+    let text: String = name
+        .trim()
+        .chars()
+        .take(MAX_NAME_CHARS)
+        .map(blank)
+        .collect();
+    let mut text = text.trim().to_owned();
+    if name.trim().chars().nth(MAX_NAME_CHARS).is_some() {
+        text.push('…');
+    }
+    text
+}
+
+fn paint(painter: &egui::Painter, screen: Rect, names: &[(TrackLabel, String)]) {
+    let letter = (LETTER_FRACTION * screen.height()).clamp(*LETTER_PX.start(), *LETTER_PX.end());
+    let font = FontId::proportional(letter);
+    let mut taken: Vec<Rect> = Vec::with_capacity(names.len());
+    for (label, name) in names {
+        let [red, green, blue] = label.color;
+        let color = Color32::from_rgb(red, green, blue);
+        let galley = painter.layout_no_wrap(name.clone(), font.clone(), color);
+        let at = Pos2::from(label.at_px);
+        let place = place(at, galley.size(), MARKER_DISTANCE * letter, screen, &taken);
+        taken.push(place);
+        // A dark edge, for names over clouds.
+        let edge = 0.06 * letter;
+        for (x, y) in [
+            (-1.0, 0.0),
+            (1.0, 0.0),
+            (0.0, -1.0),
+            (0.0, 1.0),
+            (0.7, 0.7),
+            (-0.7, 0.7),
+        ] {
+            let shadow = place.min + Vec2::new(x, y) * edge.max(1.0);
+            painter.galley_with_override_text_color(
+                shadow,
+                galley.clone(),
+                Color32::from_black_alpha(150),
+            );
+        }
+        painter.galley(place.min, galley, color);
+    }
+}
+
+/// Where a name of this size goes: right of its marker, left, above or below, the first of them that lies in the picture and
+/// on no other name; else right of it, moved into the picture.
+fn place(at: Pos2, size: Vec2, away: f32, screen: Rect, taken: &[Rect]) -> Rect {
+    let beside = [
+        (Align2::LEFT_CENTER, Vec2::new(away, 0.0)),
+        (Align2::RIGHT_CENTER, Vec2::new(-away, 0.0)),
+        (Align2::CENTER_BOTTOM, Vec2::new(0.0, -away)),
+        (Align2::CENTER_TOP, Vec2::new(0.0, away)),
+    ]
+    .map(|(align, off)| align.anchor_size(at + off, size));
+    let fits = |rect: &&Rect| {
+        screen.contains_rect(**rect) && !taken.iter().any(|other| other.intersects(**rect))
+    };
+    let chosen = *beside.iter().find(fits).unwrap_or(&beside[0]);
+    let max_corner = (screen.max - size).max(screen.min);
+    Rect::from_min_size(chosen.min.clamp(screen.min, max_corner), size)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SCREEN: Rect = Rect {
+        min: Pos2::ZERO,
+        max: Pos2::new(640.0, 360.0),
+    };
+
+    #[test]
+    fn names_stay_in_the_picture_and_off_each_other() {
+        let size = Vec2::new(100.0, 15.0);
+        let at = |x, y, taken: &[Rect]| place(Pos2::new(x, y), size, 10.0, SCREEN, taken);
+        let middle = at(320.0, 180.0, &[]);
+        assert_eq!(middle.min, Pos2::new(330.0, 172.5));
+        // The same spot again goes to the left, then above.
+        let second = at(320.0, 180.0, &[middle]);
+        assert_eq!(second.max.x, 310.0);
+        let third = at(320.0, 180.0, &[middle, second]);
+        assert!(third.max.y < 180.0 && !third.intersects(middle));
+        for (x, y) in [
+            (0.0, 0.0),
+            (639.0, 359.0),
+            (639.0, 2.0),
+            (1.0, 359.0),
+            (600.0, 180.0),
+        ] {
+            assert!(SCREEN.contains_rect(at(x, y, &[])), "{x} {y}");
+        }
+        // Wider than the picture: it begins where the picture does.
+        let wide = place(
+            Pos2::new(5.0, 5.0),
+            Vec2::new(900.0, 15.0),
+            10.0,
+            SCREEN,
+            &[],
+        );
+        assert_eq!(wide.min.x, 0.0);
+    }
+
+    #[test]
+    fn any_name_is_one_line() {
+        assert_eq!(one_line(" A\nB\u{7}\t "), "A B");
+        assert_eq!(one_line("天宫 🚀 \u{202e}x"), "天宫 🚀 \u{202e}x");
+        let long = one_line(&"ü".repeat(500));
+        assert_eq!(long.chars().count(), MAX_NAME_CHARS + 1);
+    }
+}

@@ -1,0 +1,180 @@
+//! The tracks of a scene's satellites in pictures and the window: the player draws them as any host of
+//! [`terrella::tracks`] would, and writes their names over the finished picture.
+//!
+//! A scene of which no satellite shows anything has no layer: nothing is made.
+
+mod labels;
+mod roster;
+mod style;
+
+use super::egui_pass::EguiTarget;
+use super::error::PlayError;
+use super::flight::{Flight, Moment};
+use super::satellites::orientation_at;
+use terrella::frames::EarthOrientation;
+use terrella::internals::gpu::GpuContext;
+use terrella::orbit::Feed;
+use terrella::tracks::{TrackLabel, TrackMoment, TrackStats, Tracks, TracksOptions};
+use terrella::{Earth, FrameStats};
+use labels::Labels;
+use roster::RosterTracks;
+use std::sync::Arc;
+use style::style;
+
+/// The tracks of a picture or a window.
+pub struct TracksLayer {
+    tracks: Tracks,
+    feeds: Vec<Arc<dyn Feed>>,
+    orientation: Option<EarthOrientation>,
+    labels: Option<Labels>,
+    is_complete: bool,
+    /// Where a simulation says what there is.
+    roster: Option<RosterTracks>,
+}
+
+/// How much of a curve is computed within a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TrackDetail {
+    /// What the frame's time allows; the rest in the frames to come.
+    Live,
+    /// All of it: for pictures that are kept.
+    Complete,
+}
+
+impl TracksLayer {
+    /// Whether a flight's scene asks for any.
+    pub fn is_wanted(flight: &Flight) -> bool {
+        let mut orbits = flight.scene().orbits.iter();
+        orbits.any(|orbit| !orbit.track.is_off())
+    }
+
+    /// Bytes of the WGSL that the driver got.
+    pub fn shader_bytes(&self) -> u64 {
+        self.tracks.shader_bytes()
+    }
+
+    /// The layer of a scene's satellites; `None` where none of them shows anything.
+    pub fn of(flight: &Flight, gpu: &GpuContext, earth: &Earth) -> Result<Option<Self>, PlayError> {
+        let scene = flight.scene();
+        let width_px = scene.track_px as f32;
+        let options = TracksOptions::of(earth);
+        if let Some(roster) = RosterTracks::of(flight) {
+            return Ok(Some(Self {
+                tracks: Tracks::new(&gpu.device, &options, &[])?,
+                feeds: Vec::new(),
+                orientation: flight.earth_orientation().cloned(),
+                labels: Some(Labels::new(&gpu.device, options.color_format)),
+                is_complete: false,
+                roster: Some(roster),
+            }));
+        }
+        let shown = scene.orbits.iter().zip(flight.satellites()).enumerate();
+        let (styles, feeds): (Vec<_>, Vec<_>) = shown
+            .filter(|(_, (orbit, _))| !orbit.track.is_off())
+            .map(|(index, (orbit, satellite))| {
+                (style(index, orbit, width_px), satellite.shared_feed())
+            })
+            .unzip();
+        if styles.is_empty() {
+            return Ok(None);
+        }
+        let has_names = styles.iter().any(|style| style.marker);
+        Ok(Some(Self {
+            tracks: Tracks::new(&gpu.device, &options, &styles)?,
+            feeds,
+            orientation: flight.earth_orientation().cloned(),
+            labels: has_names.then(|| Labels::new(&gpu.device, options.color_format)),
+            is_complete: false,
+            roster: None,
+        }))
+    }
+
+    /// Makes the tracks anew where a simulation has other craft or places than before.
+    fn follow_roster(&mut self, gpu: &GpuContext) {
+        let Some((styles, feeds)) = self.roster.as_mut().and_then(RosterTracks::changed) else {
+            return;
+        };
+        match Tracks::new(&gpu.device, self.tracks.options(), &styles) {
+            Ok(tracks) => {
+                self.tracks = tracks;
+                self.feeds = feeds;
+            }
+            // The styles are those of a scene, which are checked; the shaders were good before.
+            Err(error) => tracing::warn!("tracks stay as they were: {error}"),
+        }
+    }
+
+    /// Follows the Earth to another quality.
+    pub fn follow(&mut self, earth: &Earth) -> Result<(), PlayError> {
+        Ok(self.tracks.follow(earth)?)
+    }
+
+    /// Writes an instant's tracks, and counts them.
+    pub fn prepare(
+        &mut self,
+        gpu: &GpuContext,
+        moment: &Moment,
+        size: (u32, u32),
+        detail: TrackDetail,
+        stats: &mut FrameStats,
+    ) -> TrackStats {
+        self.follow_roster(gpu);
+        let orientation = orientation_at(self.orientation.as_ref(), moment.epoch);
+        let when = TrackMoment {
+            epoch: moment.epoch,
+            orientation: orientation.unwrap_or_default(),
+            turn: moment.turn,
+            view: &moment.view,
+            target: size.into(),
+        };
+        let feeds = self.feeds.iter().map(Arc::as_ref);
+        let own = match detail {
+            TrackDetail::Live => self.tracks.prepare(&gpu.queue, &when, feeds),
+            TrackDetail::Complete => self.tracks.prepare_complete(&gpu.queue, &when, feeds),
+        };
+        self.is_complete = own.is_complete;
+        stats.triangles += own.triangles;
+        stats.draw_calls += own.draw_calls;
+        stats.uploaded_bytes += own.uploaded_bytes;
+        own
+    }
+
+    /// Whether all curves are as long as they will be.
+    pub fn is_complete(&self) -> bool {
+        self.is_complete
+    }
+
+    /// After the Earth.
+    pub fn render(&self, pass: &mut wgpu::RenderPass<'_>) {
+        self.tracks.render(pass);
+    }
+
+    /// Writes the names over the finished picture on `view`, of `size` pixels with one sample each, where the tracks were drawn at
+    /// `drawn_size` and enlarged.
+    pub fn write_names(
+        &mut self,
+        gpu: &GpuContext,
+        encoder: &mut wgpu::CommandEncoder,
+        view: &wgpu::TextureView,
+        size: (u32, u32),
+        drawn_size: (u32, u32),
+    ) {
+        let larger = |shown: u32, drawn: u32| shown as f32 / drawn.max(1) as f32;
+        let [x, y] = [larger(size.0, drawn_size.0), larger(size.1, drawn_size.1)];
+        if let Some(labels) = &mut self.labels {
+            let names = self.tracks.labels().iter().filter_map(|label| {
+                let feed = self.feeds.get(label.satellite)?;
+                let at_px = [label.at_px[0] * x, label.at_px[1] * y];
+                Some((TrackLabel { at_px, ..*label }, feed.name()))
+            });
+            let target = EguiTarget {
+                device: &gpu.device,
+                queue: &gpu.queue,
+                encoder,
+                view,
+                size,
+            };
+            labels.write(target, names);
+        }
+    }
+}

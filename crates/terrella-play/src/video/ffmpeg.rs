@@ -1,0 +1,236 @@
+//! The `ffmpeg` program, fed with raw frames through a pipe.
+
+use super::mp4_check::pictures_in;
+use super::{FilmFrame, FrameSink, VideoCodec, VideoFormat, write_error};
+use crate::error::{PlayError, VideoError};
+use crate::output::PendingFile;
+use crate::written::Written;
+use std::io::{Read, Write};
+use std::process::{Child, ChildStdin, Command, Stdio};
+use std::thread::JoinHandle;
+
+/// Bytes of ffmpeg's standard error that are kept for a message.
+const MAX_STDERR_BYTES: usize = 2_000;
+
+/// The ffmpeg on the search path.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FfmpegInstalled {
+    /// An ffmpeg with the encoder that is asked for.
+    WithEncoder,
+    /// An ffmpeg without it.
+    WithoutEncoder,
+    /// None.
+    No,
+}
+
+/// Looks for ffmpeg and asks it whether it has an encoder.
+pub fn find(encoder: &str) -> FfmpegInstalled {
+    let answer = Command::new("ffmpeg")
+        .args(["-hide_banner", "-loglevel", "error", "-encoders"])
+        .stdin(Stdio::null())
+        .output();
+    match answer {
+        Ok(answer) if answer.status.success() => {
+            let text = String::from_utf8_lossy(&answer.stdout);
+            if text
+                .lines()
+                .any(|line| line.split_whitespace().nth(1) == Some(encoder))
+            {
+                FfmpegInstalled::WithEncoder
+            } else {
+                FfmpegInstalled::WithoutEncoder
+            }
+        }
+        _ => FfmpegInstalled::No,
+    }
+}
+
+/// A video that ffmpeg is encoding.
+pub struct Ffmpeg {
+    process: Process,
+    file: PendingFile,
+    /// Frames that it was given.
+    frames: u64,
+}
+
+/// A running ffmpeg; it is stopped when this is dropped.
+struct Process {
+    child: Child,
+    /// `None` once all frames are given.
+    input: Option<ChildStdin>,
+    /// Collects what ffmpeg says, so that its pipe never fills up.
+    stderr_text: Option<JoinHandle<String>>,
+}
+
+impl Ffmpeg {
+    /// Starts ffmpeg.
+    pub fn start(file: PendingFile, format: VideoFormat) -> Result<Self, PlayError> {
+        let (width, height) = format.size;
+        let codec = format.coding.codec;
+        let crf = format.coding.quality().to_string();
+        // What encoders say of themselves, and how Apple's players know H.265.
+        let own: &[&str] = match codec {
+            VideoCodec::H264 => &["-preset", "medium"],
+            VideoCodec::H265 => &[
+                "-preset",
+                "medium",
+                "-tag:v",
+                "hvc1",
+                "-x265-params",
+                "log-level=error",
+            ],
+            VideoCodec::Av1 => &["-preset", "6"],
+        };
+        let mut child = Command::new("ffmpeg")
+            .args(["-hide_banner", "-loglevel", "error", "-y"])
+            .args(["-f", "rawvideo", "-pix_fmt", "rgba"])
+            .args(["-s", &format!("{width}x{height}")])
+            .args(["-r", &format.frame_rate_hz.to_string()])
+            .args(["-i", "pipe:0", "-an"])
+            // Convert with BT.709 and say so: without the filter ffmpeg would convert with BT.601.
+            .args([
+                "-vf",
+                "scale=out_color_matrix=bt709:out_range=tv,format=yuv420p",
+            ])
+            .args(["-c:v", codec.encoder()])
+            .args(own)
+            .args(["-crf", &crf])
+            .args(["-colorspace", "bt709", "-color_primaries", "bt709"])
+            .args(["-color_trc", "bt709", "-color_range", "tv"])
+            .args(["-movflags", "+faststart", "-f", "mp4"])
+            .arg(file.temporary())
+            // SVT-AV1 speaks past ffmpeg.
+            .env("SVT_LOG", "1")
+            .stdin(Stdio::piped())
+            .stdout(Stdio::null())
+            .stderr(Stdio::piped())
+            .spawn()
+            .map_err(|source| VideoError::Ffmpeg {
+                path: file.target().into(),
+                status: "did not start".into(),
+                words: source.to_string(),
+            })?;
+        let stderr_text = child
+            .stderr
+            .take()
+            .map(|stderr| std::thread::spawn(move || last_lines(stderr)));
+        let process = Process {
+            input: child.stdin.take(),
+            child,
+            stderr_text,
+        };
+        Ok(Self {
+            process,
+            file,
+            frames: 0,
+        })
+    }
+
+    /// Waits for ffmpeg to end, and reports how if that was not well. Answers what it said.
+    fn wait(&mut self) -> Result<String, PlayError> {
+        let process = &mut self.process;
+        // Ends its input.
+        drop(process.input.take());
+        let status = process
+            .child
+            .wait()
+            .map_err(|source| write_error(&self.file, source))?;
+        let stderr_text = process
+            .stderr_text
+            .take()
+            .and_then(|thread| thread.join().ok())
+            .unwrap_or_default();
+        match status.success() {
+            true => Ok(stderr_text),
+            false => Err(self.failed(status.to_string(), stderr_text)),
+        }
+    }
+
+    /// Checks the file that ffmpeg left: where the disk was full it may have ended without an error.
+    fn check(&self, stderr_text: String) -> Result<(), PlayError> {
+        let problem = match pictures_in(self.file.temporary()) {
+            Ok(count) if count == self.frames => return Ok(()),
+            Ok(count) => format!("it holds {count} of {} frames", self.frames),
+            Err(error) => error.to_string(),
+        };
+        Err(self.failed(format!("the video is incomplete: {problem}"), stderr_text))
+    }
+
+    fn failed(&self, status: String, words: String) -> PlayError {
+        PlayError::Video(VideoError::Ffmpeg {
+            path: self.file.target().into(),
+            status,
+            words: match words.is_empty() {
+                true => "it said nothing".into(),
+                false => words,
+            },
+        })
+    }
+}
+
+impl FrameSink for Ffmpeg {
+    fn push(&mut self, frame: &FilmFrame) -> Result<(), PlayError> {
+        let written = match &mut self.process.input {
+            Some(input) => input.write_all(frame.picture.shown().as_raw()),
+            None => Ok(()),
+        };
+        match written {
+            Ok(()) => {
+                self.frames += 1;
+                Ok(())
+            }
+            // It closed its end: its own words are better than "broken pipe".
+            Err(source) => Err(match self.wait() {
+                Err(error) => error,
+                Ok(_) => write_error(&self.file, source),
+            }),
+        }
+    }
+
+    fn finish(mut self: Box<Self>) -> Result<Written, PlayError> {
+        let words = self.wait()?;
+        self.check(words)?;
+        let path = self.file.target().to_owned();
+        self.file.commit()?;
+        Ok(Written::file(path))
+    }
+}
+
+impl Drop for Process {
+    fn drop(&mut self) {
+        drop(self.input.take());
+        // Both fail harmlessly where it has ended.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+/// The end of what a program says, on one line.
+fn last_lines(mut source: impl Read) -> String {
+    let mut kept = Vec::new();
+    let mut buffer = [0; 1024];
+    while let Ok(count @ 1..) = source.read(&mut buffer) {
+        kept.extend_from_slice(&buffer[..count]);
+        let excess = kept.len().saturating_sub(MAX_STDERR_BYTES);
+        kept.drain(..excess);
+    }
+    let text = String::from_utf8_lossy(&kept);
+    let lines: Vec<_> = text
+        .lines()
+        .map(str::trim)
+        .filter(|l| !l.is_empty())
+        .collect();
+    lines.join("; ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_the_last_lines_are_kept() {
+        assert_eq!(last_lines(&b"one\n\n two \n"[..]), "one; two");
+        let long = vec![b'x'; 100_000];
+        assert_eq!(last_lines(long.as_slice()).len(), MAX_STDERR_BYTES);
+    }
+}

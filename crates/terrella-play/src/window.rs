@@ -1,0 +1,463 @@
+//! The window: winit's events in, pictures out.
+
+use super::basilisk::with_camera_service;
+use super::controls::{Controls, WindowTask};
+use super::error::{PlayError, WindowError};
+use super::flight::Flight;
+use super::keys::{Action, action_of};
+use super::progress::Progress;
+use super::simulator_time::SimulatorTime;
+use super::timeline::{Coverage, PassSearch};
+use super::window_renderer::{Presented, WindowRenderer};
+use terrella::EyeView;
+use terrella::frames::Epoch;
+use terrella::internals::gpu::PictureError;
+use hifitime::Unit;
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+use winit::application::ApplicationHandler;
+use winit::dpi::PhysicalSize;
+use winit::event::{ElementState, MouseButton, MouseScrollDelta, StartCause, WindowEvent};
+use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop};
+use winit::window::{Fullscreen, WindowId};
+
+/// Wait before a surface that gave no texture is asked again.
+const RETRY: Duration = Duration::from_millis(100);
+/// Pixels of a touchpad that magnify like one notch of a wheel.
+const PIXELS_PER_NOTCH: f64 = 50.0;
+/// Magnification of one notch, as a power of two.
+const ZOOM_PER_NOTCH: f64 = 0.25;
+/// How far ahead tiles are read for, seconds of the user's time.
+const EXPECTED_S: [f64; 3] = [0.5, 1.5, 4.0];
+/// How long a message stays.
+const MESSAGE_TIME: Duration = Duration::from_secs(4);
+/// How long a window in which nothing moves may go on after the program was asked to end.
+const LOOK_FOR_END: Duration = Duration::from_millis(250);
+
+/// How the window is opened.
+#[derive(Clone, Debug, Default)]
+pub struct WindowRequest<'r> {
+    /// Part of the adapter's name; `None` takes the best.
+    pub adapter: Option<&'r str>,
+    /// Width and height of the inside, pixels; `None` is the scene's.
+    pub size: Option<(u32, u32)>,
+    /// Closes the window by itself after this many seconds.
+    pub for_seconds: Option<f64>,
+}
+
+/// Opens a window and plays the flight in it until it is closed. Call it on the main thread, once in a program.
+pub fn play_in_window(
+    flight: &Flight,
+    request: &WindowRequest<'_>,
+    progress: &dyn Progress,
+) -> Result<(), PlayError> {
+    // Before the maps are loaded: whether there is a display is known at once.
+    let event_loop =
+        EventLoop::new().map_err(|error| WindowError::NoDisplay(no_display(&error)))?;
+    with_camera_service(flight, request.adapter, || {
+        run_window(event_loop, flight, request, progress)
+    })
+}
+
+fn run_window(
+    event_loop: EventLoop<()>,
+    flight: &Flight,
+    request: &WindowRequest<'_>,
+    progress: &dyn Progress,
+) -> Result<(), PlayError> {
+    std::thread::scope(|scope| {
+        let proxy = event_loop.create_proxy();
+        // A loop that has ended is woken no more.
+        let wake = move || {
+            let _ = proxy.send_event(());
+        };
+        let pass_search = PassSearch::start(scope, flight, wake).map_err(WindowError::NoPasses)?;
+        let mut app = App {
+            pass_search,
+            controls: Controls::new(flight),
+            live: SimulatorTime::of(flight),
+            flight,
+            request,
+            progress,
+            renderer: None,
+            failure: None,
+            closes_at: None,
+            last_frame: None,
+            message_ends: None,
+            repaint_at: None,
+            retry_at: None,
+            dragging: false,
+            pointer: None,
+            hidden: false,
+            expected: Vec::new(),
+        };
+        event_loop
+            .run_app(&mut app)
+            .map_err(|error| WindowError::NoDisplay(error.to_string()))?;
+        match app.failure {
+            Some(failure) => Err(failure),
+            None => Ok(()),
+        }
+    })
+}
+
+/// winit's reason without the place in its source that its message begins with: `os error at FILE:LINE: reason.`
+fn no_display(error: &winit::error::EventLoopError) -> String {
+    let text = error.to_string();
+    let reason = match text.strip_prefix("os error at ") {
+        Some(rest) => rest.split_once(": ").map_or(rest, |(_, reason)| reason),
+        None => &text,
+    };
+    reason.trim_end_matches('.').to_owned()
+}
+
+struct App<'a> {
+    flight: &'a Flight,
+    /// Where a simulator gives the time.
+    live: Option<SimulatorTime<'a>>,
+    pass_search: PassSearch,
+    request: &'a WindowRequest<'a>,
+    controls: Controls,
+    progress: &'a dyn Progress,
+    renderer: Option<WindowRenderer>,
+    failure: Option<PlayError>,
+    closes_at: Option<Instant>,
+    /// When the last frame began; `None` after a time without frames.
+    last_frame: Option<Instant>,
+    message_ends: Option<Instant>,
+    /// When egui, or a surface without a texture, wants another frame.
+    repaint_at: Option<Instant>,
+    /// When a surface that gave no texture is asked again.
+    retry_at: Option<Instant>,
+    dragging: bool,
+    /// Where the pointer was, pixels.
+    pointer: Option<(f64, f64)>,
+    /// Minimised or covered.
+    hidden: bool,
+    /// Where the eye will be soon.
+    expected: Vec<EyeView>,
+}
+
+impl ApplicationHandler for App<'_> {
+    fn new_events(&mut self, _event_loop: &ActiveEventLoop, cause: StartCause) {
+        // The loop wakes far more often than there is something to draw.
+        let is_due = self.repaint_at.is_some_and(|time| time <= Instant::now());
+        if matches!(cause, StartCause::ResumeTimeReached { .. }) && self.live.is_none() && is_due {
+            self.redraw();
+        }
+    }
+
+    fn resumed(&mut self, event_loop: &ActiveEventLoop) {
+        // Desktop systems resume once; on others the renderer of the first time is kept.
+        if self.renderer.is_some() {
+            return;
+        }
+        let [width, height] = self.flight.scene().output.size;
+        let (width, height) = self.request.size.unwrap_or((width, height));
+        let size = PhysicalSize::new(width, height);
+        let adapter = self.request.adapter;
+        match WindowRenderer::open(event_loop, size, self.flight, adapter, self.progress) {
+            Ok(renderer) => {
+                self.renderer = Some(renderer);
+                let time = self.request.for_seconds;
+                let time = time.and_then(|time| Duration::try_from_secs_f64(time).ok());
+                self.closes_at = time.and_then(|time| Instant::now().checked_add(time));
+                self.redraw();
+            }
+            Err(error) => self.fail(event_loop, error),
+        }
+    }
+
+    /// The search has an answer.
+    fn user_event(&mut self, _event_loop: &ActiveEventLoop, (): ()) {
+        while let Some(answer) = self.pass_search.answer() {
+            let coverage = self.coverage();
+            let controls = &mut self.controls;
+            if let Some(message) = controls.line.receive(&mut controls.clock, answer, coverage) {
+                self.show_message(message);
+            }
+        }
+        self.redraw();
+    }
+
+    fn window_event(&mut self, event_loop: &ActiveEventLoop, _id: WindowId, event: WindowEvent) {
+        let Some(renderer) = &mut self.renderer else {
+            return;
+        };
+        let response = renderer.offer(&event);
+        if response.repaint && !matches!(event, WindowEvent::RedrawRequested) {
+            renderer.window().request_redraw();
+        }
+        match event {
+            WindowEvent::CloseRequested => event_loop.exit(),
+            WindowEvent::Resized(size) => {
+                self.hidden = size.width == 0 || size.height == 0;
+                renderer.resize((size.width, size.height));
+                self.redraw();
+            }
+            WindowEvent::Occluded(occluded) => {
+                self.hidden = occluded;
+                self.redraw();
+            }
+            WindowEvent::RedrawRequested => self.draw(event_loop),
+            WindowEvent::KeyboardInput { event, .. }
+                if event.state == ElementState::Pressed && !response.consumed =>
+            {
+                let live = self.live.as_ref().filter(|_| !event.repeat);
+                if let Some(told) = live.and_then(|live| live.press(&event.logical_key)) {
+                    self.show_message(told);
+                    self.redraw();
+                    return;
+                }
+                let repeats = |action: Action| matches!(action, Action::Zoom(_) | Action::Skip(_));
+                let action = action_of(&event.logical_key);
+                if let Some(action) = action.filter(|action| !event.repeat || repeats(*action)) {
+                    self.act(event_loop, action);
+                }
+            }
+            WindowEvent::MouseInput {
+                state,
+                button: MouseButton::Left,
+                ..
+            } => {
+                self.dragging = state == ElementState::Pressed && !response.consumed;
+            }
+            WindowEvent::CursorMoved { position, .. } => {
+                let before = self.pointer.replace((position.x, position.y));
+                // A press that comes right after the pointer is known to be the panel's one layout later.
+                self.dragging &= !renderer.wants_pointer();
+                if let (true, Some((x, y))) = (self.dragging, before) {
+                    self.act(event_loop, Action::Drag(position.x - x, position.y - y));
+                }
+            }
+            WindowEvent::CursorLeft { .. } => self.pointer = None,
+            WindowEvent::MouseWheel { delta, .. } if !response.consumed => {
+                let notches = match delta {
+                    MouseScrollDelta::LineDelta(_, lines) => f64::from(lines),
+                    MouseScrollDelta::PixelDelta(pixels) => pixels.y / PIXELS_PER_NOTCH,
+                };
+                self.act(event_loop, Action::Zoom(notches * ZOOM_PER_NOTCH));
+            }
+            WindowEvent::PinchGesture { delta, .. } if delta.is_finite() => {
+                self.act(event_loop, Action::Zoom((1.0 + delta.max(-0.9)).log2()));
+            }
+            _ => {}
+        }
+    }
+
+    fn about_to_wait(&mut self, event_loop: &ActiveEventLoop) {
+        let now = Instant::now();
+        if self.closes_at.is_some_and(|end| end <= now) {
+            event_loop.exit();
+            return;
+        }
+        if let Some(fault) = self.renderer.as_ref().and_then(WindowRenderer::fault) {
+            self.fail(event_loop, PictureError::from(fault).into());
+            return;
+        }
+        if self.message_ends.is_some_and(|end| end <= now) {
+            (self.message_ends, self.controls.message) = (None, None);
+            self.redraw();
+        }
+        let is_over = self.live.as_ref().is_some_and(SimulatorTime::is_over);
+        if is_over || self.progress.cancelled() {
+            event_loop.exit();
+            return;
+        }
+        let is_paused = self.controls.clock.is_paused();
+        let mut poll_at = None;
+        let due = match &mut self.live {
+            None => !is_paused && !self.hidden && self.repaint_at.is_none(),
+            Some(live) => {
+                poll_at = live.pause(is_paused).map(|pause| now + pause);
+                let is_due = live.is_due(self.hidden, is_paused);
+                let is_past = |time: Instant| time <= now;
+                (is_due || self.repaint_at.is_some_and(is_past))
+                    && self.retry_at.is_none_or(is_past)
+            }
+        };
+        if due {
+            self.redraw();
+        }
+        let wake = [
+            self.closes_at,
+            self.message_ends,
+            self.repaint_at,
+            poll_at,
+            // A request to end comes from outside of the event loop.
+            Some(now + LOOK_FOR_END),
+        ];
+        if let Some(time) = wake.into_iter().flatten().min() {
+            event_loop.set_control_flow(ControlFlow::WaitUntil(time));
+        }
+    }
+}
+
+impl<'a> App<'a> {
+    fn redraw(&self) {
+        if let (Some(renderer), false) = (&self.renderer, self.hidden) {
+            renderer.window().request_redraw();
+        }
+    }
+
+    fn fail(&mut self, event_loop: &ActiveEventLoop, error: PlayError) {
+        self.failure = Some(error);
+        event_loop.exit();
+    }
+
+    fn show_message(&mut self, message: String) {
+        self.controls.message = Some(message);
+        self.message_ends = Some(Instant::now() + MESSAGE_TIME);
+    }
+
+    fn act(&mut self, event_loop: &ActiveEventLoop, action: Action) {
+        let Some(renderer) = &mut self.renderer else {
+            return;
+        };
+        let height_px = f64::from(renderer.size().1);
+        if let Some(denial) = self.live.as_ref().and_then(|live| live.denial(action)) {
+            self.show_message(denial);
+            self.redraw();
+            return;
+        }
+        let window = renderer.window();
+        if action == Action::Dismiss
+            && !self.controls.is_dialog_open()
+            && window.fullscreen().is_some()
+        {
+            window.set_fullscreen(None);
+            return;
+        }
+        match self.controls.apply(action, height_px) {
+            None => {}
+            Some(WindowTask::Quit) => event_loop.exit(),
+            Some(WindowTask::RealTime) => {
+                let coverage = self.coverage();
+                let controls = &mut self.controls;
+                let message = match Epoch::now() {
+                    Ok(now) => controls
+                        .line
+                        .begin_real_time(&mut controls.clock, now, coverage),
+                    Err(error) => format!("the clock on the wall cannot be read: {error}"),
+                };
+                self.show_message(message);
+            }
+            Some(WindowTask::NextPass) => {
+                match self
+                    .controls
+                    .line
+                    .next_pass_query(&self.controls.clock, self.coverage())
+                {
+                    Ok(query) => self.pass_search.ask(query),
+                    Err(message) => self.show_message(message),
+                }
+            }
+            Some(WindowTask::FullScreen) => {
+                let window = renderer.window();
+                let next = match window.fullscreen() {
+                    Some(_) => None,
+                    None => Some(Fullscreen::Borderless(None)),
+                };
+                window.set_fullscreen(next);
+            }
+            Some(WindowTask::Screenshot) => match renderer.screenshot(PathBuf::new()) {
+                Ok(path) => self.show_message(format!("saved {}", path.display())),
+                Err(error) => self.show_message(error.to_string()),
+            },
+        }
+        self.redraw();
+    }
+
+    /// The satellite that cameras fly with, and when it is known.
+    fn coverage(&self) -> Option<Coverage<'a>> {
+        self.flight.feed().map(Coverage::of)
+    }
+
+    /// Lets time pass, or sets the clock by the one on the wall.
+    fn advance(&mut self, wall: Duration) {
+        if self.live.is_some() {
+            // Time comes from the simulator.
+            return;
+        }
+        let coverage = self.coverage();
+        let controls = &mut self.controls;
+        let now = controls.line.is_real_time().then(Epoch::now);
+        let message = match now {
+            Some(Ok(now)) => controls.line.follow(&mut controls.clock, now, coverage),
+            _ => {
+                controls.advance(wall.as_secs_f64());
+                None
+            }
+        };
+        if let Some(message) = message {
+            self.show_message(message);
+        }
+        if let Some(query) = self.controls.line.passes_query(&self.controls.clock) {
+            self.pass_search.ask(query);
+        }
+    }
+
+    fn draw(&mut self, event_loop: &ActiveEventLoop) {
+        let now = Instant::now();
+        let interval = self.last_frame.map(|last| now - last);
+        self.advance(interval.unwrap_or_default());
+        let Some(renderer) = &mut self.renderer else {
+            return;
+        };
+        let request = self.controls.request(renderer.aspect());
+        let is_paused = self.controls.clock.is_paused();
+        let moment = match &mut self.live {
+            Some(live) => Ok(live.moment(&request, is_paused)),
+            None => self.flight.view_at(self.controls.clock.now(), &request),
+        };
+        self.controls.live = self.live.as_ref().map(|live| live.status(is_paused));
+        let moment = match (moment, renderer.last_moment()) {
+            (Ok(moment), _) => moment,
+            // The satellite cannot be followed any further: the last picture stays, with the reason.
+            (Err(error), Some(last)) => {
+                self.controls.clock.set_paused(true);
+                self.controls.message = Some(error.to_string());
+                last
+            }
+            (Err(error), None) => {
+                self.fail(event_loop, error);
+                return;
+            }
+        };
+        // Only consecutive frames give a frame rate.
+        let stands = self
+            .live
+            .as_ref()
+            .is_some_and(|live| live.pause(is_paused).is_some());
+        let moving = !is_paused && !stands;
+        self.last_frame = moving.then_some(now);
+        self.expected.clear();
+        if moving && renderer.has_tiles() {
+            let speed = match &self.live {
+                Some(live) => live.rate(),
+                None => Some(self.controls.clock.speed()),
+            };
+            let speeds = speed
+                .into_iter()
+                .flat_map(|speed| EXPECTED_S.map(|s| s * speed));
+            self.expected.extend(speeds.filter_map(|seconds| {
+                let epoch = moment.epoch + Unit::Second * seconds;
+                Some(self.flight.view_at(epoch, &request).ok()?.view)
+            }));
+        }
+        renderer.expect(&self.expected);
+        let (presented, actions) = renderer.draw(&moment, &self.controls, interval);
+        if let (Some(live), Presented::Until(_)) = (&mut self.live, presented) {
+            live.drawn();
+        }
+        self.repaint_at = match presented {
+            Presented::Until(_) if renderer.is_loading() => Some(now),
+            Presented::Until(delay) => now.checked_add(delay).filter(|_| !moving),
+            Presented::Skipped => Some(now + RETRY),
+        };
+        self.retry_at = self.repaint_at.filter(|_| presented == Presented::Skipped);
+        for action in actions {
+            self.act(event_loop, action);
+        }
+    }
+}

@@ -1,0 +1,495 @@
+//! The renderer of the window: adapter, surface, Earth, craft, tracks and panel.
+
+use super::controls::Controls;
+use super::craft::CraftLayer;
+use super::dated_maps::DatedMapsLayer;
+use super::egui_pass::EguiTarget;
+use super::error::{PlayError, WindowError};
+use super::flight::{Flight, Moment};
+use super::frame_cost::FrameCosts;
+use super::keys::Action;
+use super::offscreen::{render_in_order, rgba_image};
+use super::output::PendingFile;
+use super::overlay::{EventResponse, Overlay};
+use super::panel::{self, PanelData};
+use super::progress::Progress;
+use super::quality_control::{QualityControl, scene_quality};
+use super::sky::SkyLayer;
+use super::surface::WindowSurface;
+use super::tracks::{TrackDetail, TracksLayer};
+use terrella::frames::rfc3339;
+use terrella::internals::gpu::{GpuContext, GpuFault, read_texture};
+use crate::scene::EDGE_SAMPLES;
+use terrella::{Adaptation, Earth, Exposure, EyeView, FrameStats, Quality};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+use wgpu::CurrentSurfaceTexture;
+use winit::dpi::PhysicalSize;
+use winit::event::WindowEvent;
+use winit::event_loop::ActiveEventLoop;
+use winit::window::Window;
+
+/// Weight of the newest frame in the times that the panel shows.
+const SMOOTHING: f64 = 0.1;
+
+/// A window and everything that draws in it.
+pub struct WindowRenderer {
+    overlay: Overlay,
+    surface: WindowSurface,
+    earth: Earth,
+    craft: CraftLayer,
+    dated_maps: Option<DatedMapsLayer>,
+    sky: Option<SkyLayer>,
+    tracks: Option<TracksLayer>,
+    gpu: GpuContext,
+    window: Arc<Window>,
+    adapter: String,
+    satellite: Option<String>,
+    has_tiles: bool,
+    quality_control: Option<TimedQuality>,
+    /// Follows the exposure that views ask for, where it is metered.
+    adaptation: Option<Adaptation>,
+    samples: SamplesByView,
+    last: Option<(Moment, FrameStats)>,
+    interval_ms: Option<f64>,
+    work_ms: f64,
+}
+
+/// Samples a pixel, with and without a craft in the picture.
+#[derive(Clone, Copy)]
+struct SamplesByView {
+    with_craft: u32,
+    without: u32,
+}
+
+/// Quality that is adapted to hold a frame time, and what frames cost.
+struct TimedQuality {
+    control: QualityControl,
+    costs: FrameCosts,
+}
+
+/// Whether a frame reached the screen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Presented {
+    /// It is on screen and may stand this long.
+    Until(Duration),
+    /// The surface had no texture for it; draw again later.
+    Skipped,
+}
+
+impl WindowRenderer {
+    /// Opens the window, the adapter that presents to it, and the Earth.
+    pub fn open(
+        event_loop: &ActiveEventLoop,
+        size: PhysicalSize<u32>,
+        flight: &Flight,
+        adapter: Option<&str>,
+        progress: &dyn Progress,
+    ) -> Result<Self, PlayError> {
+        let scene = flight.scene().path.file_stem();
+        let name = scene.unwrap_or_default().to_string_lossy();
+        let attributes = Window::default_attributes()
+            .with_title(format!("{name} · Terrella"))
+            .with_inner_size(size)
+            // Shown when there is something to see.
+            .with_visible(false);
+        let window = event_loop
+            .create_window(attributes)
+            .map_err(|error| WindowError::NoDisplay(error.to_string()))?;
+        let window = Arc::new(window);
+        let display = Box::new(event_loop.owned_display_handle());
+        let (gpu, surface) = pollster::block_on(GpuContext::open_for_window(
+            adapter,
+            display,
+            window.clone(),
+        ))?;
+        progress.begin("loading maps", None);
+        let mut options = flight.earth_options(gpu.bc_support())?;
+        progress.end();
+        let inner = window.inner_size();
+        let inner = (inner.width, inner.height);
+        let surface = WindowSurface::new(&gpu, surface, inner, options.samples)?;
+        options.color_format = surface.format();
+        options.samples = surface.samples();
+        let earth = Earth::new(&gpu.device, &gpu.queue, &options)?;
+        let full = scene_quality(&flight.scene().quality, *earth.quality());
+        let control = QualityControl::of(flight.scene(), full, earth.has_tiles())?;
+        let quality_control = match control {
+            Some(control) => Some(TimedQuality {
+                control,
+                costs: FrameCosts::new(&gpu.device).map_err(WindowError::NoThread)?,
+            }),
+            None => None,
+        };
+        let samples = SamplesByView {
+            with_craft: match flight.scene().line("output", "samples") {
+                Some(_) => surface.samples(),
+                None => surface.supported_samples(&gpu, EDGE_SAMPLES),
+            },
+            without: surface.samples(),
+        };
+        window.set_visible(true);
+        let info = gpu.adapter.get_info();
+        tracing::info!("window on {} ({})", info.name, info.backend);
+        let mut renderer = Self {
+            overlay: Overlay::new(&window, &gpu.device, surface.format()),
+            surface,
+            craft: CraftLayer::new(&options)?,
+            dated_maps: DatedMapsLayer::of(flight, &gpu)?,
+            sky: SkyLayer::of(flight, &gpu, &earth)?,
+            tracks: TracksLayer::of(flight, &gpu, &earth)?,
+            earth,
+            gpu,
+            window,
+            adapter: format!("{} ({})", info.name, info.backend),
+            satellite: flight.feed().map(|feed| feed.name().to_owned()),
+            has_tiles: options.tiles.is_some(),
+            quality_control,
+            adaptation: (options.exposure == Exposure::Auto).then(Adaptation::default),
+            samples,
+            last: None,
+            interval_ms: None,
+            work_ms: 0.0,
+        };
+        renderer.set_quality(&full);
+        Ok(renderer)
+    }
+
+    /// The window.
+    pub fn window(&self) -> &Window {
+        &self.window
+    }
+
+    /// Whether the device has stopped for good.
+    pub fn fault(&self) -> Option<GpuFault> {
+        self.gpu.check().err()
+    }
+
+    /// Width and height of the picture, pixels.
+    pub fn size(&self) -> (u32, u32) {
+        self.surface.size()
+    }
+
+    /// Width over height.
+    pub fn aspect(&self) -> f64 {
+        let (width, height) = self.size();
+        f64::from(width) / f64::from(height)
+    }
+
+    /// Whether the Earth is drawn with the tiles of a pack.
+    pub fn has_tiles(&self) -> bool {
+        self.has_tiles
+    }
+
+    /// Whether the last picture still waits for tiles, or for tracks to be whole.
+    pub fn is_loading(&self) -> bool {
+        let tracks = self.tracks.as_ref();
+        let is_growing = tracks.is_some_and(|tracks| !tracks.is_complete());
+        let maps = self.dated_maps.as_ref();
+        is_growing
+            || maps.is_some_and(DatedMapsLayer::is_loading)
+            || self.last.is_some_and(|(_, stats)| {
+                let tiles = stats.tiles;
+                tiles.queued + tiles.loading + tiles.waiting_upload > 0
+            })
+    }
+
+    /// Says where the eye will be soon.
+    pub fn expect(&mut self, views: &[EyeView]) {
+        self.earth.expect(views);
+    }
+
+    /// The moment that was drawn last.
+    pub fn last_moment(&self) -> Option<Moment> {
+        self.last.map(|(moment, _)| moment)
+    }
+
+    /// Follows the window to another size.
+    pub fn resize(&mut self, size: (u32, u32)) {
+        self.surface.resize(&self.gpu.device, size);
+    }
+
+    /// Offers an event to the panel.
+    pub fn offer(&mut self, event: &WindowEvent) -> EventResponse {
+        // Before egui sees the key that ends it.
+        let is_typing = self.overlay.is_typing();
+        let response = self.overlay.on_event(&self.window, event);
+        if matches!(event, WindowEvent::KeyboardInput { .. }) {
+            return EventResponse {
+                consumed: is_typing,
+                ..response
+            };
+        }
+        let is_pointer = matches!(
+            event,
+            WindowEvent::MouseInput { .. } | WindowEvent::MouseWheel { .. }
+        );
+        EventResponse {
+            consumed: response.consumed || (is_pointer && self.overlay.wants_pointer()),
+            ..response
+        }
+    }
+
+    /// Whether the pointer is over the panel or holds something of it, as far as the last layout knows.
+    pub fn wants_pointer(&self) -> bool {
+        self.overlay.wants_pointer()
+    }
+
+    /// Draws an instant and the panel over it. `interval` is the time since the frame before, where there was one.
+    pub fn draw(
+        &mut self,
+        moment: &Moment,
+        controls: &Controls,
+        interval: Option<Duration>,
+    ) -> (Presented, Vec<Action>) {
+        if let Some(interval) = interval {
+            let milliseconds = interval.as_secs_f64() * 1e3;
+            self.interval_ms = Some(smooth(self.interval_ms, milliseconds));
+        }
+        let frame = match self.surface.acquire() {
+            CurrentSurfaceTexture::Success(frame) | CurrentSurfaceTexture::Suboptimal(frame) => {
+                frame
+            }
+            CurrentSurfaceTexture::Outdated => {
+                self.surface.configure(&self.gpu.device);
+                return (Presented::Skipped, Vec::new());
+            }
+            CurrentSurfaceTexture::Lost => {
+                self.replace_surface();
+                return (Presented::Skipped, Vec::new());
+            }
+            CurrentSurfaceTexture::Timeout
+            | CurrentSurfaceTexture::Occluded
+            | CurrentSurfaceTexture::Validation => return (Presented::Skipped, Vec::new()),
+        };
+        let begin = Instant::now();
+        match self.quality_control {
+            Some(_) => self.govern(),
+            None => self.follow_craft(moment),
+        }
+        self.follow_light(moment, interval);
+        let view = self.surface.view_of(&frame.texture);
+        let mut encoder = self.encoder();
+        let stats = self.draw_earth(moment, &mut encoder, &view);
+        let (delay, actions) = self.lay_out_panel(moment, controls, stats);
+        let panel = self.overlay.draw(EguiTarget {
+            device: &self.gpu.device,
+            queue: &self.gpu.queue,
+            encoder: &mut encoder,
+            view: &view,
+            size: self.surface.size(),
+        });
+        let submission = self
+            .gpu
+            .queue
+            .submit(panel.into_iter().chain([encoder.finish()]));
+        if let Some(quality_control) = &self.quality_control {
+            quality_control.costs.time(begin, submission);
+        }
+        self.window.pre_present_notify();
+        self.gpu.queue.present(frame);
+        let work = begin.elapsed().as_secs_f64() * 1e3;
+        self.work_ms = smooth((self.work_ms > 0.0).then_some(self.work_ms), work);
+        self.last = Some((*moment, stats));
+        (Presented::Until(delay), actions)
+    }
+
+    /// Writes the last picture, without the panel, into a folder. Answers the file.
+    pub fn screenshot(&mut self, folder: PathBuf) -> Result<PathBuf, PlayError> {
+        let Some((moment, _)) = self.last else {
+            return Err(PlayError::DeviceLost("nothing has been drawn yet".into()));
+        };
+        let path = free_name(folder, &rfc3339(moment.epoch));
+        let file = PendingFile::create(&path, "pictures", "png")?;
+        // Some surfaces cannot be read: the same is drawn once more into a texture that can.
+        let texture = self.surface.capture_texture(&self.gpu.device);
+        let view = self.surface.view_of(&texture);
+        let mut encoder = self.encoder();
+        self.draw_earth(&moment, &mut encoder, &view);
+        self.gpu.queue.submit([encoder.finish()]);
+        let texels = read_texture(&self.gpu.device, &self.gpu.queue, &texture)?;
+        file.write_png(&rgba_image(texture.width(), texture.height(), texels)?)?;
+        tracing::info!("saved {}", path.display());
+        Ok(path)
+    }
+
+    /// Smooths edges where there is a craft to be seen.
+    fn follow_craft(&mut self, moment: &Moment) {
+        let samples = match moment.craft {
+            Some(_) => self.samples.with_craft,
+            None => self.samples.without,
+        };
+        let quality = *self.earth.quality();
+        if quality.samples != samples {
+            self.set_quality(&Quality { samples, ..quality });
+        }
+    }
+
+    /// Exposes as the view asks for, followed in the time since the frame before.
+    fn follow_light(&mut self, moment: &Moment, interval: Option<Duration>) {
+        if let Some(ev) = moment.exposure_ev
+            && let Err(error) = self.earth.set_exposure(Exposure::Ev(ev))
+        {
+            tracing::warn!("the exposure stays as it is: {error}");
+        }
+        let Some(adaptation) = &mut self.adaptation else {
+            return;
+        };
+        if let Some(metered_ev) = self.earth.metered_ev(&moment.view, &moment.sky) {
+            let elapsed = interval.unwrap_or_default();
+            let ev = adaptation.follow(metered_ev, elapsed.as_secs_f64());
+            // What was metered lies in the range.
+            if let Err(error) = self.earth.set_exposure(Exposure::Ev(ev)) {
+                tracing::warn!("the exposure stays as it is: {error}");
+            }
+        }
+    }
+
+    fn set_quality(&mut self, quality: &Quality) -> bool {
+        let changed = self.earth.set_quality(&self.gpu.queue, quality);
+        if let Err(error) = &changed {
+            tracing::warn!("the quality stays as it is: {error}");
+        }
+        let samples = self.earth.quality().samples;
+        self.surface
+            .set_quality(&self.gpu.device, self.earth.quality());
+        self.craft.set_samples(samples);
+        if let Some(sky) = &mut self.sky
+            && let Err(error) = sky.follow(&self.gpu, &self.earth)
+        {
+            tracing::warn!("the sky is no longer drawn: {error}");
+            self.sky = None;
+        }
+        if let Some(tracks) = &mut self.tracks
+            && let Err(error) = tracks.follow(&self.earth)
+        {
+            tracing::warn!("tracks are no longer drawn: {error}");
+            self.tracks = None;
+        }
+        changed.is_ok()
+    }
+
+    /// Gives up quality, or takes it back, as the last frames' costs ask for.
+    fn govern(&mut self) {
+        let Some(TimedQuality { control, costs }) = &mut self.quality_control else {
+            return;
+        };
+        let Some(quality) = control.observe(costs.completed_ms()) else {
+            return;
+        };
+        if !self.set_quality(&quality) {
+            self.quality_control = None;
+        }
+    }
+
+    fn encoder(&self) -> wgpu::CommandEncoder {
+        let device = &self.gpu.device;
+        device.create_command_encoder(&wgpu::CommandEncoderDescriptor {
+            label: Some("terrella window"),
+        })
+    }
+
+    fn draw_earth(
+        &mut self,
+        moment: &Moment,
+        encoder: &mut wgpu::CommandEncoder,
+        view: &wgpu::TextureView,
+    ) -> FrameStats {
+        let (size, drawn_size) = (self.surface.size(), self.surface.drawn_size());
+        if let Some(maps) = &mut self.dated_maps {
+            maps.prepare(&self.gpu, &mut self.earth, moment.epoch, Duration::ZERO);
+        }
+        let mut stats = self
+            .earth
+            .prepare(&self.gpu.queue, &moment.view, &moment.sky, drawn_size);
+        let craft = moment.craft.as_ref();
+        self.craft
+            .prepare(&self.gpu, craft, &moment.view, &moment.sky, &mut stats);
+        if let Some(sky) = &mut self.sky {
+            sky.prepare(&self.gpu, &self.earth, moment, drawn_size, &mut stats);
+        }
+        if let Some(tracks) = &mut self.tracks {
+            tracks.prepare(&self.gpu, moment, drawn_size, TrackDetail::Live, &mut stats);
+        }
+        let mut pass = self.surface.begin_pass(encoder, view);
+        let (sky, tracks) = (self.sky.as_ref(), self.tracks.as_ref());
+        render_in_order(&mut pass, &self.craft, &self.earth, sky, tracks);
+        drop(pass);
+        self.surface.enlarge(encoder, view);
+        if let Some(tracks) = &mut self.tracks {
+            tracks.write_names(&self.gpu, encoder, view, size, drawn_size);
+        }
+        stats
+    }
+
+    fn lay_out_panel(
+        &mut self,
+        moment: &Moment,
+        controls: &Controls,
+        stats: FrameStats,
+    ) -> (Duration, Vec<Action>) {
+        let data = PanelData {
+            satellite: self.satellite.as_deref(),
+            moment,
+            stats,
+            has_tiles: self.has_tiles,
+            adaptive: self
+                .quality_control
+                .as_ref()
+                .map(|quality_control| quality_control.control.adaptive()),
+            interval_ms: self.interval_ms,
+            work_ms: self.work_ms,
+            adapter: &self.adapter,
+        };
+        let mut actions = Vec::new();
+        let delay = self.overlay.lay_out(&self.window, |context| {
+            // egui may lay out more than once; a click counts once.
+            actions = panel::show(context, controls, &data);
+        });
+        (delay, actions)
+    }
+
+    fn replace_surface(&mut self) {
+        match self.gpu.instance.create_surface(self.window.clone()) {
+            Ok(surface) => self.surface.replace(&self.gpu.device, surface),
+            Err(error) => tracing::warn!("the window's surface was lost: {error}"),
+        }
+    }
+}
+
+fn smooth(before: Option<f64>, newest: f64) -> f64 {
+    before.map_or(newest, |before| before + SMOOTHING * (newest - before))
+}
+
+/// `terrella-<time of the picture>.png`, with a number where that is taken.
+fn free_name(folder: PathBuf, epoch: &str) -> PathBuf {
+    // Colons cannot stand in file names everywhere.
+    let stem = format!("terrella-{}", epoch.replace(':', "-"));
+    let first = folder.join(format!("{stem}.png"));
+    let numbered = (2_u32..).map(|n| folder.join(format!("{stem}-{n}.png")));
+    std::iter::once(first)
+        .chain(numbered)
+        .find(|path| !path.exists())
+        .unwrap_or_else(|| folder.join("terrella.png"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn screenshots_of_one_instant_get_numbers() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let name = || free_name(folder.path().into(), "2018-01-15T12:00:00.000Z");
+        assert!(name().ends_with("terrella-2018-01-15T12-00-00.000Z.png"));
+        std::fs::write(name(), b"").expect("writes");
+        assert!(name().ends_with("terrella-2018-01-15T12-00-00.000Z-2.png"));
+    }
+
+    #[test]
+    fn times_are_smoothed() {
+        assert_eq!(smooth(None, 10.0), 10.0);
+        assert!((smooth(Some(10.0), 20.0) - 11.0).abs() < 1e-12);
+    }
+}
