@@ -28,9 +28,9 @@ use record::{Frame, Record};
 use std::time::Instant;
 use terrella::frames::{Ellipsoid, Epoch};
 use terrella::internals::gpu::{FrameTargets, GpuContext};
+use terrella::{Earth, EyeView, Sky};
 use terrella_play::Flight;
 use terrella_play::scene::Scene;
-use terrella::{Earth, EyeView, Sky};
 
 /// As far ahead as the window looks, seconds.
 const EXPECTED_S: [f64; 3] = [0.5, 1.5, 4.0];

@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 ///
 /// # Errors
 /// What the system says. The file then has its old name, unless only the folder could not be synced.
-pub(crate) fn replace(from: &Path, to: &Path) -> io::Result<()> {
+pub fn replace(from: &Path, to: &Path) -> io::Result<()> {
     sync_file(from)?;
     fs::rename(from, to)?;
     sync_folder_of(to)

@@ -12,9 +12,6 @@ pub mod air;
 pub mod durable;
 #[path = "earth/mod.rs"]
 pub mod earth;
-#[cfg(feature = "fetch")]
-#[path = "fetch/mod.rs"]
-pub mod fetch;
 #[path = "files/mod.rs"]
 pub mod files;
 #[path = "globe/mod.rs"]

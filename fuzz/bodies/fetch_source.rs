@@ -1,7 +1,7 @@
 //! Descriptions of sources of maps.
 
 use std::path::Path;
-use terrella::internals::fetch::{Estimate, FetchOptions, Fineness, Layer, Request, Source};
+use terrella_pack::fetch::{Estimate, FetchOptions, Fineness, Layer, Request, Source};
 
 /// Reads any text; of what is found good all that can be known without a request is asked.
 pub fn run(data: &[u8]) {
@@ -60,9 +60,9 @@ pub fn seeds() -> Vec<Vec<u8>> {
         "0".repeat(64)
     );
     let files: [&str; 3] = [
-        include_str!("../../src/fetch/sources/blue_marble.toml"),
-        include_str!("../../src/fetch/sources/black_marble.toml"),
-        include_str!("../../src/fetch/sources/terrarium.toml"),
+        include_str!("../../crates/terrella-pack/src/fetch/sources/blue_marble.toml"),
+        include_str!("../../crates/terrella-pack/src/fetch/sources/black_marble.toml"),
+        include_str!("../../crates/terrella-pack/src/fetch/sources/terrarium.toml"),
     ];
     let seeds = files.iter().map(|text| text.as_bytes().to_vec());
     seeds.chain([list.into_bytes()]).collect()

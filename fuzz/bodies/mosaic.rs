@@ -1,7 +1,7 @@
 //! Descriptions of mosaics, and the world files beside their maps.
 
 use std::path::Path;
-use terrella::internals::imagery::build::mosaic::{Description, PartSource, world_place};
+use terrella_pack::mosaic::{Description, PartSource, world_place};
 
 /// Reads any text; what is found good keeps its limits.
 pub fn run(data: &[u8]) {

@@ -2,7 +2,7 @@
 
 use std::io::Cursor;
 use std::path::Path;
-use terrella::internals::imagery::build::source::{MAX_SOURCE_HEIGHT, SourceLimits, read_source};
+use terrella_pack::source::{MAX_SOURCE_HEIGHT, SourceLimits, read_source};
 
 /// Bytes that a reader may hold, and most bytes of rows that are read.
 const LIMITS: SourceLimits = SourceLimits {

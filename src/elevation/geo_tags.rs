@@ -5,9 +5,9 @@ use tiff::decoder::Decoder;
 use tiff::tags::Tag;
 
 /// The key of the model: 1 is projected, 2 geographic, 3 geocentric.
-pub(crate) const MODEL_TYPE: u16 = 1024;
+pub const MODEL_TYPE: u16 = 1024;
 /// The key of the raster: 1 has areas, 2 points.
-pub(crate) const RASTER_TYPE: u16 = 1025;
+pub const RASTER_TYPE: u16 = 1025;
 /// The key of the geographic coordinate system, an EPSG code.
 pub(crate) const GEOGRAPHIC_TYPE: u16 = 2048;
 const DATUM: u16 = 2050;
@@ -52,7 +52,7 @@ const EQUATOR_TOLERANCE_M: f64 = 10.0;
 
 /// A coordinate system that heights or maps are taken in.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum System {
+pub enum System {
     /// Latitudes and longitudes of WGS84 or nearly that.
     Geographic {
         /// Radians of one unit.
@@ -65,14 +65,13 @@ pub(crate) enum System {
 }
 
 /// Whether a geographic system (EPSG) lies within a few metres of WGS84.
-#[cfg(feature = "pack-build")]
-pub(crate) fn is_near_wgs84(code: u32) -> bool {
+pub fn is_near_wgs84(code: u32) -> bool {
     u16::try_from(code).is_ok_and(|code| NEAR_WGS84.contains(&code))
 }
 
 /// What the tags say, as far as they are there.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct GeoTags {
+pub struct GeoTags {
     /// Size of a sample, to the east and to the south.
     pub scale: Option<Vec<f64>>,
     /// Column, row, (level) and longitude, latitude, (height) of points.
@@ -87,7 +86,7 @@ pub(crate) struct GeoTags {
 
 impl GeoTags {
     /// Tags that are not there or not of the right kind say nothing.
-    pub(crate) fn read<R: Read + Seek>(decoder: &mut Decoder<R>) -> Self {
+    pub fn read<R: Read + Seek>(decoder: &mut Decoder<R>) -> Self {
         let mut numbers = |tag| decoder.get_tag_f64_vec(tag).ok();
         let scale = numbers(Tag::ModelPixelScaleTag);
         let tie = numbers(Tag::ModelTiepointTag);
@@ -126,7 +125,7 @@ impl GeoTags {
     }
 
     /// The value of a key that has one.
-    pub(crate) fn key(&self, key: u16) -> Option<u16> {
+    pub fn key(&self, key: u16) -> Option<u16> {
         self.keys.iter().find(|(k, _)| *k == key).map(|(_, v)| *v)
     }
 
@@ -139,7 +138,7 @@ impl GeoTags {
     ///
     /// # Errors
     /// What a system is called that is neither Web Mercator nor within a few metres of WGS84 in degrees or radians.
-    pub(crate) fn system(&self) -> Result<Option<System>, String> {
+    pub fn system(&self) -> Result<Option<System>, String> {
         let projected = self.key(PROJECTED_TYPE);
         let geographic = self.key(GEOGRAPHIC_TYPE);
         match self.key(MODEL_TYPE) {

@@ -11,16 +11,15 @@ mod change;
 mod denoise;
 mod floor;
 mod fractal;
-pub(crate) mod geo_tags;
+pub mod geo_tags;
 mod grid;
 mod ground;
 pub mod read;
 mod samples;
 // Packs are built from them.
-#[cfg_attr(not(feature = "pack-build"), allow(dead_code, unused_imports))]
-pub(crate) mod spool;
+pub mod spool;
 mod stream;
-pub(crate) mod tiff_gaps;
+pub mod tiff_gaps;
 mod tiles;
 
 pub use change::{COARSEST_STEP_RAD, HeightChange};
@@ -30,8 +29,7 @@ pub use grid::{
     FEATHER_SAMPLES, Georeference, GridError, GridLimits, GridStats, HIGHEST_M, HeightGrid,
     LOWEST_M, MAX_SIDE, Registration,
 };
-#[cfg_attr(not(feature = "pack-build"), allow(unused_imports))]
-pub(crate) use grid::{joins::Joins, placement::Placement};
+pub use grid::{joins::Joins, placement::Placement};
 pub use ground::Ground;
 pub use read::{
     HeightFile, HeightFileError, check_heights, height_files, open_heights, open_heights_denoised,
@@ -92,7 +90,7 @@ impl Bounds {
     }
 
     /// Whether the two have a place in common, if only one on their edges.
-    pub(crate) fn overlaps(&self, other: &Self) -> bool {
+    pub fn overlaps(&self, other: &Self) -> bool {
         let from_west = (other.west_rad - self.west_rad).rem_euclid(TAU);
         let from_other = (self.west_rad - other.west_rad).rem_euclid(TAU);
         let along = from_west <= self.width_rad || from_other <= other.width_rad;

@@ -21,7 +21,7 @@ const CHUNK_BYTES: usize = 256 << 20;
 
 /// Why it could not be told which pixels hold nothing.
 #[derive(Debug, thiserror::Error)]
-pub(crate) enum TiffGapError {
+pub enum TiffGapError {
     /// The file cannot be read or is no good TIFF.
     #[error(transparent)]
     Tiff(#[from] TiffError),
@@ -37,7 +37,7 @@ pub(crate) enum TiffGapError {
 ///
 /// # Errors
 /// [`TiffGapError`] where one is said to begin at the file's header.
-pub(crate) fn absent_chunks<R: Read + Seek>(
+pub fn absent_chunks<R: Read + Seek>(
     decoder: &mut Decoder<R>,
 ) -> Result<Option<Vec<bool>>, TiffGapError> {
     let (offsets, lengths) = match decoder.get_chunk_type() {
@@ -71,7 +71,7 @@ fn places(
 }
 
 /// The mask of the first image of a file: 0 where a pixel holds nothing.
-pub(crate) struct TiffMask {
+pub struct TiffMask {
     columns: usize,
     chunk_columns: usize,
     chunk_rows: usize,
@@ -90,7 +90,7 @@ impl TiffMask {
     ///
     /// # Errors
     /// [`TiffGapError`], also for masks of another size and those that are compressed in unknown ways.
-    pub(crate) fn find<R: Read + Seek>(
+    pub fn find<R: Read + Seek>(
         decoder: &mut Decoder<R>,
         size: (u32, u32),
     ) -> Result<Option<Self>, TiffGapError> {
@@ -164,7 +164,7 @@ impl TiffMask {
     }
 
     /// Most bytes that are held while an image in strips or tiles of so many rows is read from its first row to its last.
-    pub(crate) fn working_bytes(&self, image_chunk_rows: usize) -> u64 {
+    pub fn working_bytes(&self, image_chunk_rows: usize) -> u64 {
         let across = self.columns.div_ceil(self.chunk_columns) as u64;
         let down = (image_chunk_rows.div_ceil(self.chunk_rows) + 1) as u64;
         let chunk = (self.row_bytes() * self.chunk_rows) as u64;
@@ -172,7 +172,7 @@ impl TiffMask {
     }
 
     /// Drops what lies above a row.
-    pub(crate) fn forget_above(&mut self, row: usize) {
+    pub fn forget_above(&mut self, row: usize) {
         let across = self.columns.div_ceil(self.chunk_columns);
         let first = row / self.chunk_rows * across;
         self.held = self.held.split_off(&first);
@@ -182,7 +182,7 @@ impl TiffMask {
     ///
     /// # Errors
     /// [`TiffGapError`] where the mask cannot be read or decoded.
-    pub(crate) fn row<R: Read + Seek>(
+    pub fn row<R: Read + Seek>(
         &mut self,
         decoder: &mut Decoder<R>,
         row: usize,

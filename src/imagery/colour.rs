@@ -5,7 +5,7 @@
 
 /// What a file says.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Said {
+pub struct Said {
     /// How its colours differ from sRGB, if they do.
     pub colours: Option<String>,
     /// How its texels lie: 1…8, 1 as they are drawn.

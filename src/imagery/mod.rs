@@ -18,18 +18,15 @@
 //! | `residency.rs` | what streaming hands to drawing |
 //! | `pack/` | packs on disk, with the feature `packs` |
 //! | `stream/` | tiles streamed into memory: what is requested, loaded, resident and drawn; with that feature too |
-//! | `build/` | packs built from large maps, with the feature `pack-build` |
 //! | `error.rs` | what can be wrong |
 
 mod albedo;
 mod between;
-#[cfg(feature = "pack-build")]
-pub mod build;
-mod colour;
+pub mod colour;
 mod decode;
 mod error;
 mod find;
-mod jpeg;
+pub mod jpeg;
 mod layer;
 mod load;
 mod mips;
@@ -37,8 +34,8 @@ mod mips;
 pub mod pack;
 pub mod residency;
 mod sea;
-mod slopes;
-mod srgb;
+pub mod slopes;
+pub mod srgb;
 #[cfg(feature = "packs")]
 pub mod stream;
 mod texel;

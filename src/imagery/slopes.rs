@@ -121,7 +121,7 @@ pub fn slopes_from_clouds(cover: &LayerImage) -> Result<LayerImage, ImageryError
 
 /// Makes slopes a row at a time, three rows of heights in memory. Rows go in from the north; each row's slopes come out
 /// when the row south of it is known.
-pub(super) struct SlopeRows {
+pub struct SlopeRows {
     rows: usize,
     row_spacing_m: f64,
     equator_spacing_m: f64,
@@ -137,7 +137,7 @@ pub(super) struct SlopeRows {
 
 impl SlopeRows {
     /// For a map of so many columns and rows, each at least 1.
-    pub(super) fn new(columns: usize, rows: usize, exaggeration: f64) -> Self {
+    pub fn new(columns: usize, rows: usize, exaggeration: f64) -> Self {
         Self {
             rows,
             row_spacing_m: MEAN_RADIUS_M * std::f64::consts::PI / rows as f64,
@@ -156,7 +156,7 @@ impl SlopeRows {
 
     /// Takes the next row, metres above the sea, negative in it. `store` gets the slopes of the row before, (east,
     /// north), not saturated; nothing for the first row.
-    pub(super) fn push(&mut self, heights_m: &[f64], store: impl FnMut([f64; 2])) {
+    pub fn push(&mut self, heights_m: &[f64], store: impl FnMut([f64; 2])) {
         let y = self.taken;
         let south_m = self.land_row(y, heights_m);
         if y == 0 {
@@ -175,7 +175,7 @@ impl SlopeRows {
     }
 
     /// The slopes of the last row; nothing if there was none.
-    pub(super) fn finish(&mut self, store: impl FnMut([f64; 2])) {
+    pub fn finish(&mut self, store: impl FnMut([f64; 2])) {
         if let Some(y) = self.taken.checked_sub(1) {
             self.slopes(y, &self.middle_m, store);
         }
@@ -243,13 +243,13 @@ fn box_mean(row: &[f64], size: f64) -> Vec<f64> {
 }
 
 /// 1 away from the poles, 0 at them, smooth between.
-pub(super) fn pole_fade(latitude_deg: f64) -> f64 {
+pub fn pole_fade(latitude_deg: f64) -> f64 {
     let t = ((90.0 - latitude_deg.abs()) / POLE_FADE_DEG).clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
 }
 
 /// The signed byte nearest to a value in −1…1, saturating.
-pub(super) fn snorm8(value: f64) -> u8 {
+pub fn snorm8(value: f64) -> u8 {
     (value.clamp(-1.0, 1.0) * 127.0).round() as i8 as u8
 }
 

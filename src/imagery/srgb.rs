@@ -3,11 +3,11 @@
 use std::sync::LazyLock;
 
 /// Linear light of every 8-bit sRGB value.
-pub(super) static LINEAR_FROM_SRGB: LazyLock<[f32; 256]> =
+pub static LINEAR_FROM_SRGB: LazyLock<[f32; 256]> =
     LazyLock::new(|| std::array::from_fn(|code| linear_from_encoded(code as f64 / 255.0) as f32));
 
 /// C = E/12.92 for E ≤ 0.04045, else ((E + 0.055)/1.055)^2.4.
-pub(super) fn linear_from_encoded(encoded: f64) -> f64 {
+pub fn linear_from_encoded(encoded: f64) -> f64 {
     if encoded <= 0.04045 {
         encoded / 12.92
     } else {
@@ -36,14 +36,14 @@ static ENCODER: LazyLock<Encoder> = LazyLock::new(|| {
 });
 
 /// The nearest 8-bit sRGB value, nearest in encoded space. Takes 0…1, saturates outside, 0 for NaN.
-pub(super) struct SrgbEncoder(&'static Encoder);
+pub struct SrgbEncoder(&'static Encoder);
 
 impl SrgbEncoder {
-    pub(super) fn new() -> Self {
+    pub fn new() -> Self {
         Self(&ENCODER)
     }
 
-    pub(super) fn code(&self, linear: f32) -> u8 {
+    pub fn code(&self, linear: f32) -> u8 {
         // `as` saturates and takes NaN to 0.
         let bucket = ((linear * BUCKETS as f32) as usize).min(BUCKETS - 1);
         let mut code = self.0.first[bucket];

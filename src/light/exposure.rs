@@ -29,7 +29,7 @@ impl Exposure {
     }
 
     /// The value, where it is a finite number in its range or metered; else what is wrong is the number itself.
-    pub(crate) fn check(self) -> Result<Self, f64> {
+    pub fn check(self) -> Result<Self, f64> {
         match self {
             Self::Ev(ev) if !Self::RANGE_EV.contains(&ev) => Err(ev),
             good => Ok(good),

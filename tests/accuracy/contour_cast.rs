@@ -470,8 +470,7 @@ fn trinidad_has_no_holes_in_descent_low_flight_and_horizon() {
     use terrella_measure::surfaces::SurfacePath;
     let files =
         ["textures/elevation.png", "textures/dem/trinidad.png"].map(std::path::PathBuf::from);
-    let ground =
-        Arc::new(terrella_play::read_ground(&files, false, false).expect("heights"));
+    let ground = Arc::new(terrella_play::read_ground(&files, false, false).expect("heights"));
     let site = Geodetic::from_degrees(37.5, -105.5, 0.0);
     let size = (192, 108);
     let wait = std::time::Duration::from_secs(60);

@@ -5,10 +5,10 @@ use image::RgbImage;
 use std::path::Path;
 use terrella::frames::{Ellipsoid, Geodetic};
 use terrella::internals::gpu::{ContextError, GpuContext};
-use terrella_play::{Flight, Moment, OffscreenRenderer};
-use terrella_play::scene::Scene;
 use terrella::{EarthOptions, Exposure, Sky};
 use terrella_measure::reference::{Reference, ReferenceOptions};
+use terrella_play::scene::Scene;
+use terrella_play::{Flight, Moment, OffscreenRenderer};
 
 const SIZE: (u32, u32) = (160, 90);
 

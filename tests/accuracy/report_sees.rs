@@ -6,13 +6,13 @@ use glam::DAffine3;
 use std::sync::OnceLock;
 use terrella::frames::{Ellipsoid, Geodetic};
 use terrella::internals::imagery::{EarthLayers, LayerImage};
-use terrella_play::scene::CameraMode;
 use terrella::{Atmosphere, EarthOptions, EyeView, Figure, Sky, Visibility};
 use terrella_measure::errors::{
     Difference, GeolocationErrors, GeolocationRenderer, SilhouetteErrors, geolocation, silhouette,
 };
 use terrella_measure::reference::{Reference, ReferenceOptions, ReferencePicture};
 use terrella_measure::{FrameTimer, GroundPath};
+use terrella_play::scene::CameraMode;
 
 const SIZE: (u32, u32) = (160, 90);
 const FIGURE: Ellipsoid = Ellipsoid::WGS84;

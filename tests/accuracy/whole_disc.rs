@@ -6,9 +6,9 @@
 use crate::common::gpu;
 use std::path::Path;
 use terrella::internals::gpu::BcSupport;
+use terrella_measure::clear_air::{DiscLight, LightRenderer};
 use terrella_play::Flight;
 use terrella_play::scene::Scene;
-use terrella_measure::clear_air::{DiscLight, LightRenderer};
 
 fn luminance([red, green, blue]: [f64; 3]) -> f64 {
     0.2126 * red + 0.7152 * green + 0.0722 * blue

@@ -6,8 +6,8 @@ use std::path::Path;
 use std::time::Duration;
 use terrella::frames::utc_from_rfc3339;
 use terrella::internals::gpu::{BcSupport, GpuContext};
-use terrella_play::{Flight, OffscreenRenderer};
 use terrella_play::scene::Scene;
+use terrella_play::{Flight, OffscreenRenderer};
 
 const SIZE: (u32, u32) = (96, 54);
 const WAIT: Duration = Duration::from_secs(20);

@@ -3,8 +3,8 @@
 use crate::{Place, words};
 use std::path::{Path, PathBuf};
 use terrella::frames::{Duration, EarthOrientation, Ellipsoid, Orientation, utc_from_rfc3339};
-use terrella_play::Flight;
 use terrella::orbit::{Catalogue, Ephemerides, EphemerisFeed, Feed, Frame, Sgp4Feed};
+use terrella_play::Flight;
 use terrella_play::scene::Scene;
 
 fn config(name: &str) -> PathBuf {

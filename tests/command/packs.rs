@@ -3,8 +3,8 @@
 use crate::{Place, png_size, words};
 use image::{ImageBuffer, Luma, Rgb, RgbImage};
 use std::path::PathBuf;
-use terrella_play::PictureStats;
 use terrella_measure::bench::{BenchReport, BenchRow};
+use terrella_play::PictureStats;
 
 /// A place with a pack of a map with coasts and waves, in both storages.
 pub fn with_pack() -> Place {

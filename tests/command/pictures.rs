@@ -3,8 +3,8 @@
 use crate::{Place, names, png_size};
 use std::path::Path;
 use terrella::frames::Duration;
-use terrella_play::{Flight, Moment, OffscreenRenderer};
 use terrella_play::scene::Scene;
+use terrella_play::{Flight, Moment, OffscreenRenderer};
 
 #[test]
 fn a_still_has_its_size_and_exactly_the_numbers_of_the_contract() {

@@ -4,10 +4,8 @@ use crate::{Place, png_size};
 use std::path::Path;
 use terrella::Quality;
 use terrella::internals::gpu::GpuContext;
-use terrella_play::{
-    Flight, HeldQuality, OffscreenRenderer, QualityControl, scene_quality,
-};
 use terrella_play::scene::Scene;
+use terrella_play::{Flight, HeldQuality, OffscreenRenderer, QualityControl, scene_quality};
 
 const SIZE: (u32, u32) = (96, 54);
 

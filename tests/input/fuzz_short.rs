@@ -271,7 +271,7 @@ fn seeds_are_good() {
             .all(|seed| pack_heights::is_good(seed))
     );
     {
-        use terrella::internals::imagery::build::source::{SourceLimits, read_source};
+        use terrella_pack::source::{SourceLimits, read_source};
         let limits = SourceLimits {
             buffer_bytes: 256 << 10,
         };
@@ -280,7 +280,7 @@ fn seeds_are_good() {
         assert!(source::seeds().iter().all(good));
     }
     {
-        use terrella::internals::imagery::build::mosaic::{Description, world_place};
+        use terrella_pack::mosaic::{Description, world_place};
         let seeds = mosaic::seeds();
         for seed in &seeds[..3] {
             Description::from_toml(&text(seed), path).expect("a good mosaic");
@@ -288,7 +288,7 @@ fn seeds_are_good() {
         world_place(&text(&seeds[3]), None).expect("a good world file");
     }
     for seed in fetch_source::seeds() {
-        terrella::internals::fetch::Source::from_toml(&text(&seed), path).expect("a good source");
+        terrella_pack::fetch::Source::from_toml(&text(&seed), path).expect("a good source");
     }
     {
         use terrella::elevation::{GridLimits, read};

@@ -3,8 +3,8 @@
 use std::cell::RefCell;
 use std::ffi::{CStr, CString, c_char};
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use terrella_play::PlayError;
 use terrella::{EarthError, OffscreenError};
+use terrella_play::PlayError;
 
 /// What a call answers. `terrella_message` has the words.
 #[repr(C)]

@@ -11,8 +11,8 @@ use std::ffi::{c_char, c_void};
 use std::path::Path;
 use terrella::Drawing;
 use terrella::frames::Epoch;
-use terrella_play::{ScenePictures, take_starter_files};
 use terrella_play::scene::Scene;
+use terrella_play::{ScenePictures, take_starter_files};
 
 /// A scene file with a device of its own. A handle, no address. Any thread may use it; calls from several are done one after another.
 pub struct TerrellaScene {

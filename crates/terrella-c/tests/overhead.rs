@@ -50,10 +50,7 @@ fn measure(size: (u32, u32)) {
     let mut rgba = vec![0_u8; size.0 as usize * size.1 as usize * 4];
     let epoch = terrella::frames::utc_from_rfc3339("2018-06-21T16:00:00Z").expect("a date");
     let place = terrella::frames::Geodetic::from_degrees(13.0, 14.0, 5e6);
-    let pose = terrella_play::camera::Pose::geodetic(
-        place,
-        &terrella::frames::Ellipsoid::WGS84,
-    );
+    let pose = terrella_play::camera::Pose::geodetic(place, &terrella::frames::Ellipsoid::WGS84);
     let pose = pose.facing(270_f64.to_radians(), -60_f64.to_radians());
     let view = pose.view(45_f64.to_radians(), 800.0 / 450.0);
     let (mut own, mut through_c) = (Vec::new(), Vec::new());

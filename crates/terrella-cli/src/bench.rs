@@ -7,9 +7,9 @@ use super::{Common, print};
 use clap::Args;
 use std::num::NonZeroU32;
 use std::path::PathBuf;
+use terrella_measure::bench::{BenchRequest, run_bench};
 use terrella_play::Flight;
 use terrella_play::scene::Scene;
-use terrella_measure::bench::{BenchRequest, run_bench};
 
 /// Arguments of `terrella bench`.
 #[derive(Debug, Args)]

@@ -11,10 +11,8 @@ use clap::{Args, CommandFactory, ValueEnum};
 use std::path::PathBuf;
 use terrella::frames::Epoch;
 use terrella::internals::gpu::ContextError;
-use terrella_play::{
-    Flight, PlayError, Progress, StillRequest, night_note, write_still,
-};
 use terrella_measure::reference::{ReferenceRequest, SAMPLES, write_reference_still};
+use terrella_play::{Flight, PlayError, Progress, StillRequest, night_note, write_still};
 
 /// Rays along each side of a pixel where none are asked for.
 const DEFAULT_SAMPLES: u32 = 4;

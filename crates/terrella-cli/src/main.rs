@@ -21,9 +21,9 @@ use clap::{Args, Parser, Subcommand};
 use std::ffi::OsString;
 use std::io::{IsTerminal, Write};
 use std::process::ExitCode;
+use terrella_measure::bench::BenchError;
 use terrella_play::PlayError;
 use terrella_play::scene::SceneError;
-use terrella_measure::bench::BenchError;
 
 /// Exit code of a bad scene, and of bad usage (clap's own).
 const BAD_SCENE: u8 = 2;
@@ -259,7 +259,8 @@ mod tests {
 
     #[test]
     fn a_bad_scene_is_told_from_a_bad_machine() {
-        let scene = terrella_play::scene::Scene::from_toml("[camera]\nfov_deg = 0\n", "x.toml".as_ref());
+        let scene =
+            terrella_play::scene::Scene::from_toml("[camera]\nfov_deg = 0\n", "x.toml".as_ref());
         let error = scene.expect_err("a bad scene");
         assert_eq!(exit_code(&anyhow::Error::from(error)), BAD_SCENE);
         let scene = terrella_play::scene::Scene::from_toml("[x]\n", "x.toml".as_ref());

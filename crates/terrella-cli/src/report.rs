@@ -6,13 +6,13 @@ use super::{Common, print, values};
 use clap::Args;
 use std::path::PathBuf;
 use terrella::SurfaceKind;
-use terrella_play::Flight;
-use terrella_play::scene::Scene;
 use terrella_measure::quality::{QualityError, QualityRequest, study_quality};
 use terrella_measure::report::{ReportError, ReportRequest, report};
 use terrella_measure::surfaces::{
     SettingsWanted, SurfacePath, SurfacesError, SurfacesPart, SurfacesRequest, compare_surfaces,
 };
+use terrella_play::Flight;
+use terrella_play::scene::Scene;
 
 /// Arguments of `terrella report`.
 #[derive(Debug, Args)]

@@ -4,9 +4,9 @@ use super::Cli;
 use clap::error::ErrorKind;
 use clap::{Args, CommandFactory};
 use std::path::{Path, PathBuf};
-use terrella_play::{Flight, PlayError};
 use terrella::orbit::OrbitError;
 use terrella_play::scene::{Scene, SceneError};
+use terrella_play::{Flight, PlayError};
 
 /// The scene of a command.
 #[derive(Debug, Args)]

@@ -8,8 +8,8 @@ use super::values;
 use clap::Args;
 use std::path::{Path, PathBuf};
 use terrella::basilisk::{Endpoint, Meeting};
-use terrella_play::{Flight, ServeRequest, serve};
 use terrella_play::scene::Scene;
+use terrella_play::{Flight, ServeRequest, serve};
 
 /// The scene of simulations where none is given.
 const BUILT_IN: &str = include_str!("../../../config/basilisk.toml");

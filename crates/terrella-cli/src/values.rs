@@ -2,9 +2,9 @@
 
 use terrella::SurfaceKind;
 use terrella::frames::{Epoch, Geodetic, utc_from_rfc3339, utc_now};
-use terrella_play::{FrameRange, PictureSettings};
-use terrella_play::scene::{Camera, Output};
 use terrella_measure::surfaces::{SurfacePath, SurfacesPart};
+use terrella_play::scene::{Camera, Output};
+use terrella_play::{FrameRange, PictureSettings};
 
 /// `1280x720`.
 pub fn size(text: &str) -> Result<(u32, u32), String> {

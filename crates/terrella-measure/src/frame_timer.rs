@@ -5,8 +5,8 @@ use image::RgbaImage;
 use std::time::Duration;
 use terrella::frames::Epoch;
 use terrella::internals::gpu::{GpuContext, GpuTimer};
-use terrella_play::{Moment, OffscreenRenderer, PlayError, TimedFrame};
 use terrella::{EarthOptions, EyeView, FrameStats, Sky};
+use terrella_play::{Moment, OffscreenRenderer, PlayError, TimedFrame};
 
 /// An Earth, textures of one size, and what its frames are compared with.
 ///

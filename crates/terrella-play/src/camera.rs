@@ -3,10 +3,10 @@
 //! "Down" is the ellipsoid's own vertical, so that the middle of a nadir picture is the point whose geodetic latitude
 //! and longitude the satellite has, and a horizon is as far below level as the actual figure has it.
 
-use terrella::internals::earth::EyeView;
-use terrella::frames::{Ellipsoid, Geodetic};
 use crate::scene::CameraUp;
 use glam::{DMat3, DQuat, DVec3};
+use terrella::frames::{Ellipsoid, Geodetic};
+use terrella::internals::earth::EyeView;
 
 /// Distance of the eye from the satellite in chase mode, metres.
 pub const CHASE_DISTANCE_M: f64 = 40.0;

@@ -7,9 +7,9 @@
 
 use super::camera::{Look, OrbitalMotion, Pose};
 use super::spline::{NumberTrack, SphereTrack};
-use terrella::frames::{Ellipsoid, Epoch, Geodetic};
 use crate::scene::{Camera, CameraKey, Scene};
 use glam::{DMat3, DQuat, DVec3};
+use terrella::frames::{Ellipsoid, Epoch, Geodetic};
 
 /// The course of a camera.
 #[derive(Clone, Debug)]

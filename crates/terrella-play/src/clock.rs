@@ -1,8 +1,8 @@
 //! Simulated time: the exact instants of an exported film, and the clock of the window.
 
-use terrella::frames::Epoch;
 use crate::scene::Time;
 use hifitime::Unit;
+use terrella::frames::Epoch;
 
 /// Fastest speed that the keys reach, in simulated seconds per second. A scene may start faster.
 pub const FASTEST: f64 = 65_536.0;

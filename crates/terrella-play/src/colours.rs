@@ -1,9 +1,9 @@
 //! What the files of a scene's maps say of their colours: those that are not sRGB's are told, not converted.
 
 use super::sky_parts::map_files;
-use terrella::internals::imagery::{colour_note, day_file, find_textures};
 use crate::scene::{DatedLayer, Scene};
 use std::path::PathBuf;
+use terrella::internals::imagery::{colour_note, day_file, find_textures};
 
 /// How the colours of the files that a scene draws differ from sRGB, as far as their headers say it.
 pub(super) fn colour_notes(scene: &Scene) -> Vec<String> {

@@ -6,8 +6,8 @@ use super::flight::{Flight, ViewRequest};
 use super::keys::Action;
 use super::live_status::LiveStatus;
 use super::timeline::TimeLine;
-use terrella::frames::Geodetic;
 use crate::scene::CameraMode;
+use terrella::frames::Geodetic;
 
 /// Most that one event magnifies, as a power of two: more comes from a faulty device.
 const MAX_ZOOM_STEP: f64 = 8.0;

@@ -1,6 +1,8 @@
 //! Where a scene's satellites are: tables for people and programs, and messages for other programs.
 
 use super::{Flight, PlayError, Satellite};
+use std::fmt::Write;
+use std::path::Path;
 use terrella::frames::{
     Duration, Epoch, Geodetic, Illumination, TimeScale, ccsds_time, illumination,
     sun_position_itrf_m,
@@ -11,8 +13,6 @@ use terrella::orbit::interpolated::{
 use terrella::orbit::{
     EphemerisFeed, Feed, Frame, Header, OrbitState, csv_header, csv_row, write_oem, write_omm,
 };
-use std::fmt::Write;
-use std::path::Path;
 
 /// Most rows of one ephemeris.
 const MAX_ROWS: u64 = 1_000_000;

@@ -2,6 +2,8 @@
 
 use super::film::FilmError;
 use super::output::OutputError;
+use crate::scene::SceneError;
+use std::path::PathBuf;
 use terrella::EarthError;
 use terrella::basilisk::RecordingError;
 use terrella::celestial::CelestialError;
@@ -12,9 +14,7 @@ use terrella::internals::imagery::ImageryError;
 use terrella::internals::imagery::pack::PackError;
 use terrella::internals::offscreen::OffscreenError;
 use terrella::orbit::OrbitError;
-use crate::scene::SceneError;
 use terrella::tracks::TracksError;
-use std::path::PathBuf;
 
 /// What can go wrong between a scene and a picture. The messages are those of the modules they come from.
 #[derive(Debug, thiserror::Error)]

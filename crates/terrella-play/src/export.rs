@@ -16,15 +16,15 @@ use super::video::{
     EncoderChoice, FilmFrame, FrameSink, VideoCoding, VideoFormat, check_size, open_video,
 };
 use super::written::Written;
+use std::collections::BTreeSet;
+use std::path::Path;
+use std::sync::mpsc::sync_channel;
+use std::time::Instant;
 use terrella::basilisk::Meeting;
 use terrella::internals::files::printable;
 use terrella::internals::gpu::GpuContext;
 use terrella::internals::imagery::tile::TileKey;
 use terrella::orbit::live::Pacing;
-use std::collections::BTreeSet;
-use std::path::Path;
-use std::sync::mpsc::sync_channel;
-use std::time::Instant;
 
 /// Frames that may wait to be written: one in the writer's hands, this many more drawn ahead of it.
 const FRAMES_AHEAD: usize = 2;
@@ -445,8 +445,13 @@ mod tests {
             for index in 0..20 {
                 drawn += 1;
                 let epoch = terrella::Epoch::from_tai_seconds(0.0);
-                let view =
-                    terrella::EyeView::itrf(glam::DVec3::X, glam::DVec3::Y, glam::DVec3::Z, 1.0, 1.0);
+                let view = terrella::EyeView::itrf(
+                    glam::DVec3::X,
+                    glam::DVec3::Y,
+                    glam::DVec3::Z,
+                    1.0,
+                    1.0,
+                );
                 let frame = FilmFrame {
                     record: FrameRecord::new(index.into(), epoch, epoch, &view, 0.0),
                     picture: FilmPicture::Shown(image::RgbaImage::from_pixel(

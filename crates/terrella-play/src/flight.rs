@@ -9,15 +9,15 @@ use super::opening::open_all;
 use super::place_text::GroundPlace;
 use super::satellites::{Listener, Satellite, orientation_at};
 use super::sky_parts::dropped_parts;
+use crate::scene::{CameraMode, Ending, Scene};
+use glam::DVec3;
 use terrella::frames::{
     EarthOrientation, Ellipsoid, Epoch, Geodetic, Illumination, Orientation, illumination,
 };
 use terrella::internals::gpu::BcSupport;
 use terrella::orbit::{Feed, Frame, OrbitError, OrbitState};
-use crate::scene::{CameraMode, Ending, Scene};
 use terrella::tracks::EarthTurn;
 use terrella::{EarthOptions, EyeView, Sky};
-use glam::DVec3;
 
 /// A scene with its satellites opened and its dates checked.
 pub struct Flight {

@@ -5,12 +5,12 @@ use super::error::PlayError;
 use super::flight::{Flight, Moment, ViewRequest};
 use super::keys::Action;
 use super::live_status::LiveStatus;
+use crate::scene::CameraMode;
+use std::time::{Duration, Instant};
 use terrella::basilisk::{Meeting, Simulation, StepPace, StepRequest};
 use terrella::frames::Epoch;
 use terrella::orbit::live::{FrameRequest, LiveFeed, Pacing, PacketCounters};
 use terrella::orbit::{Feed, Freshness};
-use crate::scene::CameraMode;
-use std::time::{Duration, Instant};
 
 /// How often a window without a picture to draw polls for a simulator's next frame.
 pub(super) const POLL_INTERVAL: Duration = Duration::from_millis(4);

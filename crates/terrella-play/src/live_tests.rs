@@ -1,9 +1,6 @@
 //! Simulators that are killed, stalled, restarted, flooding or slow, and what the window shows meanwhile.
 
 use super::*;
-use terrella::frames::utc_from_rfc3339;
-use terrella::orbit::live::{Packet, PacketKind};
-use terrella::orbit::{Frame, OrbitState};
 use crate::camera::Look;
 use crate::scene::Scene;
 use std::io::{BufRead, BufReader, Write};
@@ -12,6 +9,9 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
+use terrella::frames::utc_from_rfc3339;
+use terrella::orbit::live::{Packet, PacketKind};
+use terrella::orbit::{Frame, OrbitState};
 
 /// Longest that anything is waited for; a machine under load is slow, not wrong.
 const PATIENCE: Duration = Duration::from_secs(20);

@@ -3,6 +3,9 @@
 use super::dated_maps::set_dated_layers;
 use super::error::PlayError;
 use super::relief::ground_options;
+use crate::scene::{DatedLayer, PackTable, Scene, StorageChoice};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use terrella::frames::Epoch;
 use terrella::internals::gpu::BcSupport;
 use terrella::internals::imagery::pack::{MANIFEST_FILE, Pack, PackTiles};
@@ -11,10 +14,7 @@ use terrella::internals::imagery::{
     DamagedLayer, EarthLayers, LayerSelection, SLOPE_EXAGGERATION, find_textures, load_layers,
     load_whole_layers, slopes_from_clouds,
 };
-use crate::scene::{DatedLayer, PackTable, Scene, StorageChoice};
 use terrella::{EarthOptions, SurfaceLight, TileOptions};
-use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 /// Loads the maps that a scene wants at its start and no others, and gathers its options. `bc` is what the adapter does with
 /// compressed textures.

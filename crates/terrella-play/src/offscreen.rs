@@ -6,13 +6,17 @@ use super::error::PlayError;
 use super::flight::{Flight, Moment};
 use super::sky::SkyLayer;
 use super::tracks::{TrackDetail, TracksLayer};
-use terrella::celestial::CelestialOptions;
-use terrella::internals::gpu::{FrameTargets, GpuContext, GpuTimer, PassPart, PictureError, ScaledTarget};
-use terrella::internals::imagery::tile::TileKey;
-use terrella::internals::offscreen::{check_memory, new_targets, supported_samples};
-use terrella::{Adaptation, Earth, EarthError, EarthOptions, Exposure, EyeView, FrameStats, Quality};
 use image::RgbaImage;
 use std::time::{Duration, Instant};
+use terrella::celestial::CelestialOptions;
+use terrella::internals::gpu::{
+    FrameTargets, GpuContext, GpuTimer, PassPart, PictureError, ScaledTarget,
+};
+use terrella::internals::imagery::tile::TileKey;
+use terrella::internals::offscreen::{check_memory, new_targets, supported_samples};
+use terrella::{
+    Adaptation, Earth, EarthError, EarthOptions, Exposure, EyeView, FrameStats, Quality,
+};
 
 /// An Earth with textures to draw it into.
 pub struct OffscreenRenderer {

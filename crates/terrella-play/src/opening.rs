@@ -5,8 +5,8 @@
 
 use super::error::PlayError;
 use super::satellites::{self, Listener, Satellite, stand_in};
-use terrella::frames::{EarthOrientation, Epoch};
 use crate::scene::{Orbit, Scene};
+use terrella::frames::{EarthOrientation, Epoch};
 
 /// The satellites of a scene, in its order; of the scene, what follows from them of its start.
 pub(super) fn open_all(

@@ -3,9 +3,9 @@
 use super::clock::frame_epoch;
 use super::error::PlayError;
 use super::flight::{Flight, Moment};
-use terrella::frames::{Duration, Ellipsoid, Epoch, Illumination, rfc3339};
 use crate::scene::StartSource;
 use std::ops::Range;
+use terrella::frames::{Duration, Ellipsoid, Epoch, Illumination, rfc3339};
 
 /// Most frames that are looked at; more of a film are looked at evenly spread.
 const MOST_FRAMES: u64 = 1_000;

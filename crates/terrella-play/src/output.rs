@@ -4,13 +4,13 @@
 //! never holds half of it, whatever stops the program or the machine. The temporary file is made before anything is drawn: a folder
 //! that cannot be written to is found at once and not after an hour.
 
-use terrella::durable;
-use terrella::internals::files::Unfinished;
 use image::{ImageEncoder, RgbaImage};
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use tempfile::TempPath;
+use terrella::durable;
+use terrella::internals::files::Unfinished;
 
 /// Why something cannot be written.
 #[derive(Debug, thiserror::Error)]

@@ -6,10 +6,10 @@ use super::flight::Moment;
 use super::keys::{Action, BINDINGS, MOUSE};
 use super::place_text::place_text;
 use super::timeline;
-use terrella::frames::rfc3339;
 use crate::scene::CameraMode;
-use terrella::{AdaptiveQuality, FrameStats};
 use egui::{Align2, Color32, Context, Grid, RichText, ScrollArea, Ui, Vec2};
+use terrella::frames::rfc3339;
+use terrella::{AdaptiveQuality, FrameStats};
 
 /// Longer notices take several lines, points.
 const NOTICE_WIDTH: f32 = 420.0;

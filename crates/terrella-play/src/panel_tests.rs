@@ -1,10 +1,10 @@
 use super::*;
-use terrella::frames::{Epoch, Geodetic};
 use crate::flight::{Flight, SatelliteState};
 use crate::live_status::LiveStatus;
 use crate::scene::Scene;
 use egui::{RawInput, Rect, Shape};
 use std::path::Path;
+use terrella::frames::{Epoch, Geodetic};
 
 /// The smallest window in which nothing may be cut off, points.
 const SMALLEST: Vec2 = Vec2::new(640.0, 360.0);
@@ -19,7 +19,10 @@ fn adaptive() -> AdaptiveQuality {
         water: None,
     };
     let full = terrella::Quality::of(&terrella::EarthOptions::new(layers));
-    AdaptiveQuality::new(10.0, terrella::QualityLadder::recorded().levels(full, false))
+    AdaptiveQuality::new(
+        10.0,
+        terrella::QualityLadder::recorded().levels(full, false),
+    )
 }
 
 #[test]

@@ -2,9 +2,9 @@
 
 use super::ephemeris::Layout;
 use super::{Flight, PlayError, Satellite};
+use std::fmt::Write;
 use terrella::frames::{Duration, Epoch, Geodetic, rfc3339};
 use terrella::orbit::{LookAngles, Observer, Pass, csv_field, passes};
-use std::fmt::Write;
 
 /// Most passes of one table.
 const MAX_PASSES: usize = 100_000;

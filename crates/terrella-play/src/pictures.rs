@@ -4,14 +4,14 @@ use super::error::PlayError;
 use super::flight::{Flight, Moment};
 use super::offscreen::OffscreenRenderer;
 use super::quality_control::scene_quality;
+use crate::scene::{BetweenMaps, Scene};
+use std::path::Path;
+use std::time::Duration;
 use terrella::frames::Epoch;
 use terrella::internals::gpu::GpuContext;
 use terrella::internals::imagery::tile::TileKey;
 use terrella::internals::offscreen::{Drawing, OffscreenEarth, TruthPicture};
-use crate::scene::{BetweenMaps, Scene};
 use terrella::{EarthOptions, Exposure, EyeView, FrameStats};
-use std::path::Path;
-use std::time::Duration;
 
 /// Has a scene take what it names no file for (maps, stars, heights) from this folder, in place of the starter pack that is looked for:
 /// for programs that bring one along.
@@ -271,7 +271,9 @@ impl ScenePictures {
     }
 
     fn check_buffer(&self, got: usize) -> Result<(), PlayError> {
-        Ok(terrella::internals::offscreen::check_length(self.size, 4, got)?)
+        Ok(terrella::internals::offscreen::check_length(
+            self.size, 4, got,
+        )?)
     }
 }
 

@@ -3,8 +3,8 @@
 use super::error::PlayError;
 use super::flight::Moment;
 use super::offscreen::OffscreenRenderer;
-use terrella::internals::files;
 use crate::scene::{QualityTable, Scene};
+use terrella::internals::files;
 use terrella::{AdaptiveQuality, Quality, QualityLadder};
 
 /// Largest file of a ladder, bytes.

@@ -1,6 +1,9 @@
 //! A scene's heights.
 
 use super::error::PlayError;
+use crate::scene::{PackTable, ReliefTable};
+use std::path::PathBuf;
+use std::sync::Arc;
 use terrella::GroundOptions;
 use terrella::elevation::{
     Denoise, Elevation, GridLimits, Ground, HeightGrid, HeightStreamOptions, StreamedGround,
@@ -8,9 +11,6 @@ use terrella::elevation::{
 };
 use terrella::internals::imagery::find_textures;
 use terrella::internals::imagery::pack::Pack;
-use crate::scene::{PackTable, ReliefTable};
-use std::path::PathBuf;
-use std::sync::Arc;
 
 /// Reads the heights that a scene names, or the starter pack's; those of its pack are streamed.
 pub(super) fn ground_options(

@@ -1,12 +1,20 @@
 //! The satellites of a scene, each source opened.
 
 use super::error::PlayError;
+use crate::scene::YEARS;
+use crate::scene::{
+    ForceOptions, InitialState, Motion, Orbit, OrbitParameters, OrbitSource, Scene,
+};
+use std::path::Path;
+use std::sync::Arc;
 use terrella::basilisk::{
     Meeting, RecordedCraft, Recording, Simulation, SimulationError, SimulationOptions,
 };
 use terrella::frames::{Duration, EarthOrientation, Epoch, Orientation, utc_from_rfc3339};
 use terrella::orbit::constants::EARTH_GM_M3_S2;
-use terrella::orbit::kepler::{Anomaly, Drift, KeplerElements, KeplerFeed, KeplerOptions, OrbitSize};
+use terrella::orbit::kepler::{
+    Anomaly, Drift, KeplerElements, KeplerFeed, KeplerOptions, OrbitSize,
+};
 use terrella::orbit::live::{LiveError, LiveFeed, LiveOptions};
 use terrella::orbit::numerical::{
     Event, ForceModel, Gravity, NumericalFeed, NumericalOptions, Shadow,
@@ -14,12 +22,6 @@ use terrella::orbit::numerical::{
 use terrella::orbit::{
     Catalogue, Ephemerides, Feed, FileFormat, Frame, MeanElements, OrbitError, OrbitState, Sgp4Feed,
 };
-use crate::scene::YEARS;
-use crate::scene::{
-    ForceOptions, InitialState, Motion, Orbit, OrbitParameters, OrbitSource, Scene,
-};
-use std::path::Path;
-use std::sync::Arc;
 
 /// A satellite of a scene.
 pub struct Satellite {

@@ -5,10 +5,10 @@ use super::flight::{Flight, Moment};
 use super::maps::DroppedLayer;
 use super::satellites::orientation_at;
 use super::sky_parts::{Reading, read};
+use crate::scene::Scene;
 use terrella::celestial::{Celestial, CelestialMoment};
 use terrella::frames::EarthOrientation;
 use terrella::internals::gpu::GpuContext;
-use crate::scene::Scene;
 use terrella::{Earth, FrameStats};
 
 /// What is beyond the Earth in a picture or a window.

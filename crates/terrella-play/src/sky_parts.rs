@@ -2,11 +2,11 @@
 
 use super::error::PlayError;
 use super::maps::DroppedLayer;
-use terrella::celestial::{CelestialOptions, StarCatalogue};
-use terrella::internals::imagery::{LayerImage, find_textures, load_color_map};
 use crate::scene::Scene;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use terrella::celestial::{CelestialOptions, StarCatalogue};
+use terrella::internals::imagery::{LayerImage, find_textures, load_color_map};
 
 /// Its files in a folder.
 const STARS: &str = "stars.bin";

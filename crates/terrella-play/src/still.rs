@@ -10,12 +10,12 @@ use super::quality_control::{HeldQuality, scene_quality};
 use super::radiance::{Radiance, RadianceFile};
 use super::stats::PictureStats;
 use super::truth::TruthFolder;
+use hifitime::Unit;
+use std::path::Path;
 use terrella::EarthOptions;
 use terrella::frames::Epoch;
 use terrella::internals::gpu::GpuContext;
 use terrella::internals::imagery::tile::TileKey;
-use hifitime::Unit;
-use std::path::Path;
 
 /// Which picture is wanted, and where it goes.
 #[derive(Clone, Debug)]

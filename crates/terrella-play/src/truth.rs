@@ -8,6 +8,10 @@ use super::flight::{Flight, Moment};
 use super::float_files::{write_exr_header, write_exr_line, write_npy_header};
 use super::output::{OutputError, PendingFile, make_folder};
 use super::truth_manifest::{PICTURE, TruthManifest};
+use rayon::prelude::*;
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
+use std::path::Path;
 use terrella::internals::files::Unfinished;
 use terrella::internals::gpu::GpuContext;
 use terrella::internals::imagery::tile::TileKey;
@@ -15,10 +19,6 @@ use terrella::internals::offscreen::{
     LayerDtype, TRUTH_LAYERS, TruthPixel, check_truth_memory, new_truth_targets, set_truth,
 };
 use terrella::{Earth, EarthOptions, TruthView};
-use rayon::prelude::*;
-use std::fs::File;
-use std::io::{self, BufWriter, Write};
-use std::path::Path;
 
 /// The page that says what they are.
 const MANIFEST: &str = "truth.json";

@@ -13,8 +13,8 @@ use pyo3::types::PyDict;
 use std::path::PathBuf;
 use terrella::frames::{Ellipsoid, Geodetic};
 use terrella::internals::imagery::LayerSelection;
-use terrella_play::camera::Pose;
 use terrella::{Atmosphere, EarthOptions, Exposure, EyeView, OffscreenEarth, Sky, load_layers};
+use terrella_play::camera::Pose;
 
 /// Where the eye stands and how it looks, for pictures of any size: an eye (Earth-fixed axes, metres), the direction it looks in, and the one
 /// that is upwards on screen, of any length. `fov_deg` is the vertical field of view.

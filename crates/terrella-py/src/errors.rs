@@ -3,9 +3,9 @@
 use pyo3::create_exception;
 use pyo3::exceptions::{PyException, PyValueError};
 use pyo3::prelude::*;
-use terrella_play::PlayError;
 use terrella::orbit;
 use terrella::{EarthError, OffscreenError};
+use terrella_play::PlayError;
 
 create_exception!(
     terrella,

@@ -11,11 +11,11 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use terrella::GpuContext;
 use terrella::SurfaceKind;
+use terrella_play::scene::{Scene, StartSource};
 use terrella_play::{
     Existing, FilmFrames, FilmKey, FilmPainter, FilmRequest, Flight, FrameRange, FrameRecord,
     PictureFormat, PictureSettings, PlayError, SharedFolder, Shutter, checksum, take_starter_files,
 };
-use terrella_play::scene::{Scene, StartSource};
 
 /// How the pictures of a film are made and kept, as the command's options say.
 #[pyclass(frozen, from_py_object, name = "Pictures", module = "terrella")]

@@ -6,10 +6,10 @@ use pyo3::exceptions::{PyOSError, PyValueError};
 use pyo3::prelude::*;
 use std::path::PathBuf;
 use terrella::internals::imagery::SLOPE_EXAGGERATION;
-use terrella::internals::imagery::build::{
+use terrella::internals::imagery::tile::{MapLayer, Storage};
+use terrella_pack::{
     BuildError, BuildOptions, BuildProgress, BuildShare, Relief, begin_shares, build, build_share,
 };
-use terrella::internals::imagery::tile::{MapLayer, Storage};
 
 /// A share as Python has it: the map's name, its columns from the first to before the last, its texels, the tiles that it lacks.
 type Share = (String, u32, u32, u64, u64);

@@ -12,10 +12,10 @@ use pyo3::types::PyDict;
 use std::path::PathBuf;
 use std::sync::Arc;
 use terrella::frames::Epoch;
-use terrella_play::clock::frame_epoch;
-use terrella_play::{ScenePictures, Shot, take_starter_files};
 use terrella::orbit::Feed;
+use terrella_play::clock::frame_epoch;
 use terrella_play::scene::Scene;
+use terrella_play::{ScenePictures, Shot, take_starter_files};
 
 /// A scene with a device of its own.
 #[pyclass(frozen, subclass, name = "Scene", module = "terrella")]

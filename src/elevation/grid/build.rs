@@ -181,7 +181,7 @@ impl KnownHeights {
     }
 
     /// Refuses heights that no ground has, as soon as there are some.
-    pub(in crate::elevation) fn check(&self) -> Result<(), GridError> {
+    pub fn check(&self) -> Result<(), GridError> {
         let (low_m, high_m) = (f64::from(self.low), f64::from(self.high));
         if low_m < LOWEST_M || high_m > HIGHEST_M {
             return Err(GridError::NotEarth { low_m, high_m });
@@ -190,7 +190,7 @@ impl KnownHeights {
     }
 
     /// Lowest and highest of all.
-    pub(in crate::elevation) fn range(&self) -> Result<HeightRange, GridError> {
+    pub fn range(&self) -> Result<HeightRange, GridError> {
         if self.low > self.high {
             return Err(GridError::Empty);
         }

@@ -26,7 +26,7 @@ const SOUTH: usize = 3;
 
 /// What joins a grid to others.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Joins(Option<Box<Joined>>);
+pub struct Joins(Option<Box<Joined>>);
 
 #[derive(Clone, Debug)]
 struct Joined {
@@ -40,7 +40,7 @@ struct Joined {
 
 impl Joins {
     /// Of grids over one another, the uppermost first.
-    pub(crate) fn of(grids: &[&Placement]) -> Vec<Self> {
+    pub fn of(grids: &[&Placement]) -> Vec<Self> {
         let mut all: Vec<Joined> = grids.iter().map(|grid| Joined::alone(grid)).collect();
         let mut pairs = Vec::new();
         for (n, grid) in grids.iter().enumerate() {

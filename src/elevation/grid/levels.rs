@@ -18,7 +18,7 @@ pub(in crate::elevation) struct LevelShape {
 }
 
 impl LevelShape {
-    pub(super) fn new(lattice: &SampleLattice, columns: usize, rows: usize) -> Self {
+    pub fn new(lattice: &SampleLattice, columns: usize, rows: usize) -> Self {
         let row_ratio = rows as f64 / lattice.rows as f64;
         let (north, south) = lattice.pole_rows();
         let own = |row: f64| (row + 0.5) * row_ratio - 0.5;
@@ -180,11 +180,7 @@ pub(in crate::elevation) struct Averager<'a> {
 }
 
 impl<'a> Averager<'a> {
-    pub(in crate::elevation) fn new(
-        lattice: &'a SampleLattice,
-        fine: &'a LevelShape,
-        coarse: &LevelShape,
-    ) -> Self {
+    pub fn new(lattice: &'a SampleLattice, fine: &'a LevelShape, coarse: &LevelShape) -> Self {
         Self {
             lattice,
             fine,
@@ -194,12 +190,7 @@ impl<'a> Averager<'a> {
     }
 
     /// Appends a coarser row to `out`: means by area on the ground, of what is a number. `values` are the rows that it spans, one after another.
-    pub(in crate::elevation) fn row(
-        &mut self,
-        (first, parts): &Span,
-        values: &[f32],
-        out: &mut Vec<f32>,
-    ) {
+    pub fn row(&mut self, (first, parts): &Span, values: &[f32], out: &mut Vec<f32>) {
         self.sums.fill((0.0, 0.0));
         let rows = values.chunks_exact(self.fine.columns);
         for ((n, part), values) in parts.iter().enumerate().zip(rows) {

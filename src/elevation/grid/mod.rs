@@ -5,7 +5,7 @@ mod georeference;
 pub(super) mod holes;
 pub(super) mod joins;
 pub(super) mod levels;
-pub(super) mod placement;
+pub mod placement;
 mod ranges;
 #[cfg(test)]
 mod tests;
@@ -229,13 +229,13 @@ impl HeightGrid {
     }
 
     /// Where the grid lies.
-    pub(crate) fn placement(&self) -> &Placement {
+    pub fn placement(&self) -> &Placement {
         &self.place
     }
 
     /// Height and weight of a place; no height where the weight is 0.
     #[inline]
-    pub(crate) fn weighted(
+    pub fn weighted(
         &self,
         lat_rad: f64,
         lon_rad: f64,

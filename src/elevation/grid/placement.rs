@@ -7,8 +7,9 @@ use std::f64::consts::{PI, TAU};
 
 /// Place, spacing and feathered border of a grid, whatever holds its heights.
 #[derive(Clone, Debug)]
-pub(crate) struct Placement {
+pub struct Placement {
     pub(in crate::elevation) lattice: SampleLattice,
+    /// Edges of the grid, without its feather.
     pub bounds: Bounds,
     /// Angle between neighbouring samples, radians: along a column or along the row nearest to the equator, whichever is less.
     pub finest_rad: f64,
@@ -24,7 +25,11 @@ pub(super) fn smooth(part: f64) -> f64 {
 }
 
 impl Placement {
-    pub(in crate::elevation) fn new(georeference: &Georeference) -> Result<Self, GridError> {
+    /// The place that a georeference says.
+    ///
+    /// # Errors
+    /// A georeference that places no samples.
+    pub fn new(georeference: &Georeference) -> Result<Self, GridError> {
         let lattice = georeference.lattice()?;
         let ramp = |count: usize| {
             let side = (count - 1) as f64 + 2.0 * lattice.margin();
@@ -76,12 +81,12 @@ impl Placement {
     }
 
     /// Samples of a row, and rows.
-    pub(in crate::elevation) fn size(&self) -> (u32, u32) {
+    pub fn size(&self) -> (u32, u32) {
         (self.lattice.columns as u32, self.lattice.rows as u32)
     }
 
     /// From the first to the last sample each way.
-    pub(in crate::elevation) fn sample_bounds(&self) -> Bounds {
+    pub fn sample_bounds(&self) -> Bounds {
         let lattice = &self.lattice;
         let tall_rad = (lattice.rows - 1) as f64 * lattice.lat_step_rad;
         Bounds {
@@ -94,7 +99,7 @@ impl Placement {
 
     /// Angle over which what the grid makes of the ground varies, inside it, radians: [`Self::finest_rad`], but of a `uniform` grid, of one
     /// height without holes that are left, the width of its feathered border, and infinite where that is of the whole Earth.
-    pub(in crate::elevation) fn detail_rad(&self, uniform: bool) -> f64 {
+    pub fn detail_rad(&self, uniform: bool) -> f64 {
         if !uniform {
             return self.finest_rad;
         }

@@ -35,7 +35,7 @@ pub(super) struct Ranges {
 }
 
 impl Ranges {
-    pub(super) fn new(samples: &HeightSamples, levels: &[Level], coverage: Option<&[u8]>) -> Self {
+    pub fn new(samples: &HeightSamples, levels: &[Level], coverage: Option<&[u8]>) -> Self {
         let shape = levels[0].shape;
         let left_columns = shape.columns.div_ceil(FLAG_SIDE);
         let mut left = Vec::new();

@@ -117,7 +117,7 @@ pub enum HeightFileError {
 pub(super) struct FileContext(PathBuf);
 
 impl FileContext {
-    pub(super) fn new(path: &Path) -> Self {
+    pub fn new(path: &Path) -> Self {
         Self(path.to_path_buf())
     }
 

@@ -14,7 +14,7 @@ pub(super) struct Missing {
 
 impl Missing {
     /// At most one number.
-    pub(super) fn of(value: Option<f64>) -> Self {
+    pub fn of(value: Option<f64>) -> Self {
         let mut missing = Self {
             values: [f64::NAN; MOST],
             lowest: f64::NEG_INFINITY,

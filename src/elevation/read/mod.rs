@@ -144,8 +144,7 @@ pub fn check_heights(path: &Path, limits: &GridLimits) -> Result<(), HeightFileE
 ///
 /// # Errors
 /// As [`open_heights`].
-#[cfg(feature = "pack-build")]
-pub(crate) fn check_metres(path: &Path, is_placed: bool) -> Result<(), HeightFileError> {
+pub fn check_metres(path: &Path, is_placed: bool) -> Result<(), HeightFileError> {
     let reader = match HeightReader::open(path) {
         Err(HeightFileError::OtherCoordinates { .. }) if is_placed => return Ok(()),
         reader => reader?,
@@ -215,7 +214,7 @@ pub fn read_heights<R: BufRead + Seek>(
 }
 
 /// The first 8 bytes of a file, which say what it is; fewer where it ends. The reader goes back to where the file begins.
-pub(crate) fn first_bytes<R: Read + Seek>(mut reader: R) -> io::Result<Vec<u8>> {
+pub fn first_bytes<R: Read + Seek>(mut reader: R) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::with_capacity(8);
     (&mut reader).take(8).read_to_end(&mut bytes)?;
     reader.rewind()?;
@@ -284,7 +283,7 @@ impl<R: BufRead + Seek> HeightReader<R> {
     }
 
     /// Samples of a row, and rows, as they are stored.
-    pub(super) fn size(&self) -> (u32, u32) {
+    pub fn size(&self) -> (u32, u32) {
         (self.header.columns, self.header.rows)
     }
 
@@ -294,7 +293,7 @@ impl<R: BufRead + Seek> HeightReader<R> {
     }
 
     /// Whom to name for the heights.
-    pub(super) fn attribution(&self) -> Option<String> {
+    pub fn attribution(&self) -> Option<String> {
         self.said.attribution.clone()
     }
 
@@ -305,7 +304,7 @@ impl<R: BufRead + Seek> HeightReader<R> {
     }
 
     /// Bytes that reading holds at most, beside what becomes of the heights.
-    pub(super) fn working_bytes(&self) -> u64 {
+    pub fn working_bytes(&self) -> u64 {
         match &self.decoder {
             Decoder::Tiff(tiff) => tiff.working_bytes(),
             Decoder::Png(png) => png.working_bytes(),
@@ -320,7 +319,7 @@ impl<R: BufRead + Seek> HeightReader<R> {
 
     /// Reads all heights and hands each over once, in stretches of a row: row (0 is the northern), first column, metres. What has no data
     /// is no finite number. Stops at the first error of `put`.
-    pub(super) fn read<E: From<HeightFileError>>(
+    pub fn read<E: From<HeightFileError>>(
         self,
         conversion: Conversion,
         mut put: impl FnMut(usize, usize, &mut [f32]) -> Result<(), E>,

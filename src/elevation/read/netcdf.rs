@@ -440,12 +440,12 @@ impl<R: BufRead + Seek> NetCdf<R> {
     }
 
     /// Bytes that reading holds at most: a row as it is stored and as metres.
-    pub(super) fn working_bytes(&self) -> u64 {
+    pub fn working_bytes(&self) -> u64 {
         self.columns as u64 * (self.kind.bytes() as u64 + 4)
     }
 
     /// Hands over all rows.
-    pub(super) fn read<E: From<HeightFileError>>(
+    pub fn read<E: From<HeightFileError>>(
         &mut self,
         context: &FileContext,
         conversion: Conversion,

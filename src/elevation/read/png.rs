@@ -94,12 +94,12 @@ impl<R: BufRead + Seek> Png<R> {
     }
 
     /// Bytes that reading holds at most: a row as it is stored twice, and as metres.
-    pub(super) fn working_bytes(&self) -> u64 {
+    pub fn working_bytes(&self) -> u64 {
         self.columns as u64 * (2 * 2 + 4) + (1 << 20)
     }
 
     /// Hands over all rows.
-    pub(super) fn read<E: From<HeightFileError>>(
+    pub fn read<E: From<HeightFileError>>(
         &mut self,
         context: &FileContext,
         conversion: Conversion,

@@ -139,7 +139,7 @@ impl<R: BufRead + Seek> Tiff<R> {
     }
 
     /// Bytes that reading holds at most: a strip or tile decoded, its data, places and lengths of all, and as much of a mask.
-    pub(super) fn working_bytes(&self) -> u64 {
+    pub fn working_bytes(&self) -> u64 {
         let chunk = (self.chunk_columns * self.chunk_rows) as u64 * self.sample_bytes;
         let across = self.columns.div_ceil(self.chunk_columns) as u64;
         let down = self.rows.div_ceil(self.chunk_rows) as u64;
@@ -149,7 +149,7 @@ impl<R: BufRead + Seek> Tiff<R> {
     }
 
     /// Hands over all samples, strip by strip or tile by tile, each row by row.
-    pub(super) fn read<E: From<HeightFileError>>(
+    pub fn read<E: From<HeightFileError>>(
         &mut self,
         context: &FileContext,
         conversion: Conversion,

@@ -16,7 +16,7 @@ mod store;
 mod tests;
 mod window;
 
-pub(crate) use window::HeightWindow;
+pub use window::HeightWindow;
 
 use super::grid::build::{KnownHeights, mean};
 use super::grid::holes::{FILLED, LEFT, steps_to_data};
@@ -37,7 +37,7 @@ const BAND_ROWS: usize = 16;
 
 /// Why heights could not be spooled or looked at.
 #[derive(Debug, thiserror::Error)]
-pub(crate) enum SpoolError {
+pub enum SpoolError {
     /// The file cannot be read.
     #[error(transparent)]
     Heights(#[from] HeightFileError),
@@ -65,7 +65,7 @@ pub(crate) enum SpoolError {
 }
 
 /// Where scratch files may be written, and whether to go on.
-pub(crate) trait SpoolHost: Sync {
+pub trait SpoolHost: Sync {
     /// Bytes that are free in a folder, where that is known.
     fn free_bytes(&self, folder: &Path) -> Option<u64>;
     /// So many rows are going to be read.
@@ -113,7 +113,7 @@ impl Scratch<'_> {
 }
 
 /// A file that has been looked at.
-pub(crate) struct SpoolNeeds {
+pub struct SpoolNeeds {
     /// Samples of a row, and rows.
     pub size: (u32, u32),
     /// What the file covers.
@@ -123,7 +123,7 @@ pub(crate) struct SpoolNeeds {
 }
 
 /// Looks at a file without reading its heights.
-pub(crate) fn look(path: &Path) -> Result<SpoolNeeds, HeightFileError> {
+pub fn look(path: &Path) -> Result<SpoolNeeds, HeightFileError> {
     let reader = HeightReader::open(path)?;
     let georeference = reader.georeference()?;
     let place = Placement::new(&georeference).map_err(reader.refusal())?;
@@ -157,7 +157,7 @@ impl Pole {
 
 /// Heights of a file in a scratch file.
 #[derive(Debug)]
-pub(crate) struct HeightSpool {
+pub struct HeightSpool {
     place: Placement,
     shape: LevelShape,
     store: Store,
@@ -195,11 +195,7 @@ impl From<HeightFileError> for Stop {
 impl HeightSpool {
     /// Reads a file into scratch files whose names begin with the path `scratch`: 2 bytes a sample if all are whole metres, else 4, and
     /// another 1.4 while the means of a file with holes are made. They are removed with this.
-    pub(crate) fn read(
-        path: &Path,
-        scratch: &Path,
-        host: &dyn SpoolHost,
-    ) -> Result<Self, SpoolError> {
+    pub fn read(path: &Path, scratch: &Path, host: &dyn SpoolHost) -> Result<Self, SpoolError> {
         let scratch = Scratch {
             path: scratch,
             host,
@@ -330,47 +326,47 @@ impl HeightSpool {
     }
 
     /// Where its heights lie.
-    pub(crate) fn placement(&self) -> &Placement {
+    pub fn placement(&self) -> &Placement {
         &self.place
     }
 
     /// What the file covers.
-    pub(crate) fn bounds(&self) -> Bounds {
+    pub fn bounds(&self) -> Bounds {
         self.place.bounds
     }
 
     /// Samples of a row, and rows.
-    pub(crate) fn size(&self) -> (u32, u32) {
+    pub fn size(&self) -> (u32, u32) {
         self.place.size()
     }
 
     /// As [`HeightGrid::sample_bounds`](super::HeightGrid::sample_bounds).
-    pub(crate) fn sample_bounds(&self) -> Bounds {
+    pub fn sample_bounds(&self) -> Bounds {
         self.place.sample_bounds()
     }
 
     /// As [`HeightGrid::finest_spacing_rad`](super::HeightGrid::finest_spacing_rad).
-    pub(crate) fn finest_spacing_rad(&self) -> f64 {
+    pub fn finest_spacing_rad(&self) -> f64 {
         self.place.finest_rad
     }
 
     /// As [`HeightGrid::detail_rad`](super::HeightGrid::detail_rad).
-    pub(crate) fn detail_rad(&self) -> f64 {
+    pub fn detail_rad(&self) -> f64 {
         self.place.detail_rad(self.uniform_m.is_some())
     }
 
     /// Whether every height is the same.
-    pub(crate) fn is_flat(&self) -> bool {
+    pub fn is_flat(&self) -> bool {
         self.range.low_m == self.range.high_m
     }
 
     /// Lowest and highest sample.
-    pub(crate) fn range(&self) -> HeightRange {
+    pub fn range(&self) -> HeightRange {
         self.range
     }
 
     /// Step between heights that are held, metres; 0 where they are floating-point numbers.
-    pub(crate) fn quantum_m(&self) -> f64 {
+    pub fn quantum_m(&self) -> f64 {
         match self.is_whole {
             true => 1.0,
             false => 0.0,
@@ -378,7 +374,7 @@ impl HeightSpool {
     }
 
     /// Whom to name for the heights.
-    pub(crate) fn attribution(&self) -> Option<&str> {
+    pub fn attribution(&self) -> Option<&str> {
         self.attribution.as_deref()
     }
 }

@@ -115,7 +115,7 @@ impl OpenStore<'_> {
     }
 
     /// Reads heights of a row from a column on.
-    pub(super) fn read(
+    pub fn read(
         &mut self,
         row: usize,
         column: usize,

@@ -13,7 +13,7 @@ use std::ops::Range;
 const MORE: f64 = 2.0;
 
 /// The heights of a file inside some bounds.
-pub(crate) struct HeightWindow<'a> {
+pub struct HeightWindow<'a> {
     spool: &'a HeightSpool,
     /// One, or two where the bounds hold both ends of the rows; none where all heights are the same.
     pieces: Vec<Piece>,
@@ -23,7 +23,7 @@ pub(crate) struct HeightWindow<'a> {
 
 impl HeightSpool {
     /// Reads what is needed to say the heights of places inside the bounds.
-    pub(crate) fn window(&self, bounds: &Bounds) -> Result<HeightWindow<'_>, SpoolError> {
+    pub fn window(&self, bounds: &Bounds) -> Result<HeightWindow<'_>, SpoolError> {
         let mut pieces = Vec::new();
         if self.uniform_m.is_none() {
             let rows = self.rows_of(bounds);
@@ -81,7 +81,7 @@ impl HeightSpool {
 impl HeightWindow<'_> {
     /// Height and weight of a place inside the bounds, as of a grid at its finest spacing; no height where the weight is 0.
     #[inline]
-    pub(crate) fn weighted(&self, lat_rad: f64, lon_rad: f64, joins: &Joins) -> Option<(f64, f64)> {
+    pub fn weighted(&self, lat_rad: f64, lon_rad: f64, joins: &Joins) -> Option<(f64, f64)> {
         let HeightSpool {
             place,
             shape,

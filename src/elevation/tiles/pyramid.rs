@@ -339,7 +339,7 @@ impl TilePyramid {
     }
 
     /// The node of a tile, if it is in memory.
-    pub(in crate::elevation) fn find(&self, key: HeightTileKey) -> Option<u32> {
+    pub fn find(&self, key: HeightTileKey) -> Option<u32> {
         let up = self.layout.coarsest().checked_sub(key.level)?;
         let over = |up: u8| HeightTileKey {
             level: key.level + up,

@@ -35,7 +35,7 @@ const MAX_SCANS: u32 = 100;
 
 /// Why a JPEG is not whole.
 #[derive(Debug)]
-pub(super) enum Fault {
+pub enum Fault {
     /// It could not be read.
     Read(io::Error),
     /// It ends too early, or its data contradict themselves.
@@ -60,7 +60,7 @@ impl Fault {
 
 /// Walks a JPEG from its first byte to its end marker, and gives what it says of its colours. Holds eight bytes a block of a
 /// progressive picture: the size in its header must have been checked before.
-pub(super) fn check(reader: impl Read) -> Result<Said, Fault> {
+pub fn check(reader: impl Read) -> Result<Said, Fault> {
     let mut walk = Walk::new(reader);
     walk.run()?;
     Ok(walk.said())

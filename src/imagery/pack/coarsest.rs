@@ -206,7 +206,7 @@ fn paste(map: &mut [u8], layout: &LayerLayout, block: u8, texels: &[u8]) {
 }
 
 /// The block's own texels of a plain tile, `pixels` a side: averaged down by area where the tile has more.
-pub(super) fn inner_texels(tile: &Tile, pixels: u32) -> Vec<u8> {
+pub fn inner_texels(tile: &Tile, pixels: u32) -> Vec<u8> {
     let texel_bytes = tile.format.unit_bytes() as usize;
     let (own, border) = (tile.shape.pixels as usize, TILE_BORDER as usize);
     let row_bytes = tile.shape.side() as usize * texel_bytes;

@@ -115,7 +115,7 @@
 //! | `tiles.rs` | a pack as a source of tiles, each checked before it is used |
 //! | `decode.rs` | BC texels made plain |
 //! | `coarsest.rs` | the coarsest level as whole maps |
-//! | `verify.rs`, `preview.rs` | every tile checked; a contact sheet |
+//! | `verify.rs` | every tile checked |
 //! | `error.rs` | what can be wrong |
 
 mod coarsest;
@@ -126,11 +126,10 @@ mod file;
 mod heights;
 mod manifest;
 mod open;
-#[cfg(feature = "pack-build")]
-mod preview;
 mod tiles;
 mod verify;
 
+pub use coarsest::inner_texels;
 pub use container::{MAX_OVERHEAD_BYTES, read_ktx2, write_ktx2};
 pub use decode::decode_tile;
 pub use error::{MAX_MANIFEST_BYTES, MAX_MANIFEST_VALUES, ManifestPlace, PackError};
@@ -141,14 +140,11 @@ pub use heights::{
     HeightValues, HeightsEntry, MAX_HEIGHT_TILES, decode_heights, decode_index, encode_heights,
     encode_index,
 };
-#[cfg(feature = "fetch")]
-pub(crate) use manifest::quoted;
+pub use manifest::quoted;
 pub use manifest::{
     FORMAT_VERSION, LayerEntry, LevelEntry, MANIFEST_FILE, MAX_ATTRIBUTION_LINES, MAX_NAME_CHARS,
     MAX_TEXT_CHARS, Manifest, TileFile, tile_path,
 };
 pub use open::{JOURNAL_FILE, Pack};
-#[cfg(feature = "pack-build")]
-pub use preview::preview;
 pub use tiles::PackTiles;
 pub use verify::{BadTile, VerifyReport, verify};

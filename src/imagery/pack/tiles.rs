@@ -89,7 +89,7 @@ impl PackTiles {
     }
 
     /// A tile as it is stored.
-    pub(super) fn read_stored(
+    pub fn read_stored(
         &self,
         key: TileKey,
         cancelled: &dyn Fn() -> bool,

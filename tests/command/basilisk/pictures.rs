@@ -9,10 +9,8 @@ use image::RgbImage;
 use std::net::SocketAddr;
 use terrella::basilisk::Endpoint;
 use terrella::frames::{Ellipsoid, Geodetic, itrf_from_gcrf};
-use terrella_play::{
-    Flight, OffscreenRenderer, Progress, ServeRequest, ViewRequest, serve,
-};
 use terrella_play::scene::Scene;
+use terrella_play::{Flight, OffscreenRenderer, Progress, ServeRequest, ViewRequest, serve};
 
 const SIZE: (u32, u32) = (192, 128);
 const FOV_DEG: f64 = 35.0;

@@ -4,8 +4,8 @@ use super::{Folder, scene, utc};
 use terrella::internals::air::Atmosphere;
 use terrella::internals::earth::Shading;
 use terrella::internals::globe::{Figure, LevelRule, Subdivision, Visibility};
-use terrella_play::scene::{CameraKey, CameraMode, EarthTable, Look, Scene, StorageChoice};
 use terrella::{Exposure, Tone};
+use terrella_play::scene::{CameraKey, CameraMode, EarthTable, Look, Scene, StorageChoice};
 
 #[test]
 fn edges_that_are_seen_are_smoothed() {

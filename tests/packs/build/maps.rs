@@ -3,10 +3,8 @@
 use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
-use terrella::internals::imagery::build::BuildError;
-use terrella::internals::imagery::build::source::{
-    RowSource, SourceInfo, SourceLimits, read_source,
-};
+use terrella_pack::BuildError;
+use terrella_pack::source::{RowSource, SourceInfo, SourceLimits, read_source};
 use tiff::encoder::colortype::{ColorType, Gray16, Gray32Float, GrayI16, RGB8, RGB16};
 use tiff::encoder::{Compression, TiffEncoder, TiffKind, TiffKindBig, TiffKindStandard, TiffValue};
 use tiff::tags::Tag;

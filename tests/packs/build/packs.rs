@@ -5,11 +5,11 @@ use image::ExtendedColorType;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use terrella::internals::globe::Block;
-use terrella::internals::imagery::build::{BuildOptions, Relief, build};
 use terrella::internals::imagery::pack::{Pack, PackTiles};
 use terrella::internals::imagery::tile::{
     MapLayer, Storage, TILE_BORDER, Tile, TileKey, TileSource,
 };
+use terrella_pack::{BuildOptions, Relief, build};
 
 /// A smooth field over the sphere, 0…1; x and y go on beyond the edges.
 fn field(x: f64, y: f64, width: f64) -> f64 {

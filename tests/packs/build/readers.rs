@@ -5,7 +5,7 @@ use super::maps::{
     wide_map, wide_tiff,
 };
 use image::ExtendedColorType;
-use terrella::internals::imagery::build::source::{FileKind, Opacity, SampleKind};
+use terrella_pack::source::{FileKind, Opacity, SampleKind};
 use tiff::encoder::Compression;
 
 /// The file holds these texels.

@@ -6,8 +6,8 @@ use super::maps::{
 };
 use image::ExtendedColorType;
 use std::path::Path;
-use terrella::internals::imagery::build::source::{SourceLimits, open_source};
-use terrella::internals::imagery::build::{BuildError, BuildOptions, Relief, build};
+use terrella_pack::source::{SourceLimits, open_source};
+use terrella_pack::{BuildError, BuildOptions, Relief, build};
 use tiff::encoder::Compression;
 use tiff::encoder::colortype::{Gray8, RGB8};
 use tiff::tags::Tag;

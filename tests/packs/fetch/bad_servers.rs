@@ -4,7 +4,7 @@ use super::server::{Answer, Server};
 use super::{Notes, colour, description, files, layer, options, place, png, tile};
 use std::path::Path;
 use std::time::{Duration, Instant};
-use terrella::internals::fetch::{FetchError, Fetched, LayerDone};
+use terrella_pack::fetch::{FetchError, Fetched, LayerDone};
 
 fn good(path: &str) -> Answer {
     let [level, row, column] = place(path);
@@ -270,7 +270,7 @@ fn a_server_that_is_gone_is_not_asked_for_ever() {
         description(&server)
     };
     let mut options = options(folder.path());
-    options.fineness = terrella::internals::fetch::Fineness::Level(4);
+    options.fineness = terrella_pack::fetch::Fineness::Level(4);
     options.retries = 0;
     let error = layer(&text).fetch(&options, &()).expect_err("gone");
     let said = error.to_string();

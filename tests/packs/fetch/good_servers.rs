@@ -3,9 +3,9 @@
 use super::server::{Answer, Server};
 use super::{Notes, SIDE, colour, description, files, jpeg, layer, options, place, png, tile};
 use std::time::{Duration, Instant};
-use terrella::internals::fetch::{FetchError, Fineness};
-use terrella::internals::imagery::build::mosaic::{Bounds, Mosaic};
-use terrella::internals::imagery::build::source::{RowSource, SourceLimits};
+use terrella_pack::fetch::{FetchError, Fineness};
+use terrella_pack::mosaic::{Bounds, Mosaic};
+use terrella_pack::source::{RowSource, SourceLimits};
 
 const LIMITS: SourceLimits = SourceLimits {
     buffer_bytes: 64 << 20,

@@ -10,8 +10,8 @@ use server::Server;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::time::Duration;
-use terrella::internals::fetch::{ClientOptions, FetchOptions, Fineness, Layer, Request, Source};
-use terrella::internals::imagery::build::BuildProgress;
+use terrella_pack::BuildProgress;
+use terrella_pack::fetch::{ClientOptions, FetchOptions, Fineness, Layer, Request, Source};
 
 /// Texels of a tile.
 pub const SIDE: u32 = 32;

@@ -6,7 +6,7 @@ use crate::interruption::stop_by_itself;
 use clap::Args;
 use std::path::PathBuf;
 use terrella::internals::imagery::SLOPE_EXAGGERATION;
-use terrella::internals::imagery::build::{BuildOptions, Relief, build};
+use terrella_pack::{BuildOptions, Relief, build};
 
 /// Arguments of `terrella pack build`.
 #[derive(Debug, Args)]

@@ -9,14 +9,14 @@ use clap::Args;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
-use terrella::internals::fetch::{
+use terrella::internals::imagery::SLOPE_EXAGGERATION;
+use terrella_pack::fetch::{
     ClientOptions, FetchOptions, Fineness, Layer, LayerDone, Request, SourceLayer, find_source,
     source_names, write_heights,
 };
-use terrella::internals::imagery::SLOPE_EXAGGERATION;
-use terrella::internals::imagery::build::mosaic::Bounds;
-use terrella::internals::imagery::build::source::SourceLimits;
-use terrella::internals::imagery::build::{BuildOptions, Relief, build};
+use terrella_pack::mosaic::Bounds;
+use terrella_pack::source::SourceLimits;
+use terrella_pack::{BuildOptions, Relief, build};
 
 /// Arguments of `terrella pack fetch`.
 #[derive(Debug, Args)]

@@ -3,8 +3,8 @@
 use crate::progress::Bars;
 use clap::{Args, ValueEnum};
 use std::path::Path;
-use terrella::internals::imagery::build::{BuildOptions, BuildProgress, DEFAULT_MEMORY_BYTES};
 use terrella::internals::imagery::tile::{MapLayer, Storage};
+use terrella_pack::{BuildOptions, BuildProgress, DEFAULT_MEMORY_BYTES};
 use terrella_play::Progress;
 
 /// How a pack is built, whatever it is built from.

@@ -3,8 +3,9 @@
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use std::sync::Arc;
-use terrella::internals::imagery::pack::{Pack, preview};
+use terrella::internals::imagery::pack::Pack;
 use terrella::internals::imagery::tile::Storage;
+use terrella_pack::preview;
 use terrella_play::PendingFile;
 
 /// Arguments of `terrella pack preview`.

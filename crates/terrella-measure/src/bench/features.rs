@@ -7,12 +7,12 @@ use crate::{FrameTimer, median};
 use terrella::internals::gpu::{BcSupport, GpuContext};
 use terrella::internals::imagery::tile::MapLayer;
 use terrella::internals::offscreen::target_bytes;
+use terrella::{Atmosphere, EarthOptions, Shading};
 use terrella_play::clock::frame_epoch;
+use terrella_play::scene::Scene;
 use terrella_play::{
     Flight, Moment, OffscreenRenderer, PlayError, Progress, TimedFrame, TracksLayer, earth_options,
 };
-use terrella_play::scene::Scene;
-use terrella::{Atmosphere, EarthOptions, Shading};
 
 /// Frames of each kind drawn before the first that counts.
 const WARM_UP: u32 = 2;

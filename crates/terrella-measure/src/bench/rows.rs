@@ -7,9 +7,9 @@ use std::collections::BTreeMap;
 use terrella::internals::globe::Meshes;
 use terrella::internals::gpu::GpuTimer;
 use terrella::internals::imagery::tile::MAX_LEVELS;
-use terrella_play::{PlayError, Progress};
-use terrella_play::scene::Scene;
 use terrella::{EyeView, FrameStats, Sky};
+use terrella_play::scene::Scene;
+use terrella_play::{PlayError, Progress};
 
 /// Frames drawn before the first that counts: caches fill, and drivers compile what they compile late.
 const WARM_UP: u32 = 3;

@@ -13,8 +13,8 @@ use std::num::NonZeroU32;
 use std::path::Path;
 use terrella::internals::globe::Meshes;
 use terrella::internals::gpu::{GpuContext, GpuTimer};
-use terrella_play::{Flight, OutputError, PendingFile, PlayError, Progress};
 use terrella::{EarthError, EarthOptions};
+use terrella_play::{Flight, OutputError, PendingFile, PlayError, Progress};
 
 /// What is measured and where it goes.
 #[derive(Clone, Debug)]

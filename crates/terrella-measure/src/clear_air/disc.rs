@@ -4,8 +4,8 @@ use super::LightRenderer;
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 use terrella::frames::Ellipsoid;
-use terrella_play::PlayError;
 use terrella::{EyeView, Sky};
+use terrella_play::PlayError;
 
 /// Distance of the eye, metres.
 const FAR_M: f64 = 1e9;

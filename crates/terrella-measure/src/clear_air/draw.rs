@@ -3,8 +3,8 @@
 use super::PlacedView;
 use terrella::internals::gpu::{Attachments, GpuContext, color_texture, read_halves};
 use terrella::internals::imagery::{EarthLayers, ImageryError, LayerImage};
-use terrella_play::PlayError;
 use terrella::{Earth, EarthOptions, EyeView, Sky};
+use terrella_play::PlayError;
 
 /// Draws an Earth into a target of half floats.
 pub struct LightRenderer {

@@ -11,9 +11,9 @@ use cpu_time::ProcessTime;
 use image::RgbaImage;
 use std::time::Duration;
 use terrella::internals::gpu::GpuContext;
-use terrella_play::{Flight, Moment, OffscreenRenderer, PlayError, Progress};
-use terrella_play::scene::EDGE_SAMPLES;
 use terrella::{Exposure, Quality, QualityReduction};
+use terrella_play::scene::EDGE_SAMPLES;
+use terrella_play::{Flight, Moment, OffscreenRenderer, PlayError, Progress};
 
 /// Measures all that is worth it, or what was when it is stopped.
 pub(super) fn run(

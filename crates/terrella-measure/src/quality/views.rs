@@ -1,9 +1,9 @@
 //! Where reductions of quality are seen from.
 
 use crate::GroundPath;
+use terrella::{EyeView, Sky};
 use terrella_play::Flight;
 use terrella_play::scene::CameraMode;
-use terrella::{EyeView, Sky};
 
 /// Heights of the eye, kilometres, with the camera that looks from there.
 const HEIGHTS: [(f64, CameraMode); 3] = [

@@ -10,10 +10,10 @@ use terrella::frames::{Epoch, rfc3339};
 use terrella::internals::earth::metered_ev;
 use terrella::internals::gpu::BcSupport;
 use terrella::internals::imagery::tile::{MapLayer, TileError};
+use terrella::{Atmosphere, Exposure};
 use terrella_play::{
     EyePosition, Flight, Moment, OutputError, PendingFile, PlayError, Progress, SubsolarPoint,
 };
-use terrella::{Atmosphere, Exposure};
 
 /// Most memory that the picture itself may take, MiB.
 const MAX_PICTURE_MIB: u64 = 4096;

@@ -5,8 +5,8 @@ use crate::errors::{
 };
 use terrella::frames::Ellipsoid;
 use terrella::internals::gpu::GpuContext;
-use terrella_play::PlayError;
 use terrella::{EyeView, Figure, Visibility};
+use terrella_play::PlayError;
 
 /// What limb and places depend on. Maps play no part.
 #[derive(Clone, Copy, Debug, PartialEq)]

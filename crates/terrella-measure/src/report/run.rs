@@ -14,8 +14,8 @@ use image::RgbaImage;
 use std::time::Instant;
 use terrella::frames::Ellipsoid;
 use terrella::internals::gpu::GpuContext;
-use terrella_play::{Flight, PlayError, Progress};
 use terrella::{EarthOptions, Exposure, EyeView, Sky};
+use terrella_play::{Flight, PlayError, Progress};
 
 /// Heights that can be looked from, kilometres.
 const HEIGHTS_KM: std::ops::RangeInclusive<f64> = 1.0..=1e6;

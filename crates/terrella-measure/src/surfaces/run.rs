@@ -3,8 +3,8 @@
 use super::{Candidate, SurfacePath, TestGround};
 use terrella::frames::Ellipsoid;
 use terrella::internals::gpu::GpuContext;
-use terrella_play::Progress;
 use terrella::{EarthOptions, EyeView, GroundOptions, Sky};
+use terrella_play::Progress;
 
 /// The picture, the Earth and the adapter that everything is measured with.
 pub(super) struct FlightMeter<'s> {

@@ -2,8 +2,6 @@
 //! whether anything is.
 
 use super::depth::{USUAL_CLIP_M, depth_map};
-use terrella::basilisk::{PictureRequest, Simulation};
-use terrella::internals::gpu::GpuContext;
 use crate::error::PlayError;
 use crate::flight::Flight;
 use crate::offscreen::OffscreenRenderer;
@@ -12,6 +10,8 @@ use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder, RgbImage};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
+use terrella::basilisk::{PictureRequest, Simulation};
+use terrella::internals::gpu::GpuContext;
 
 /// How often the service looks whether it is to end.
 const LOOK: Duration = Duration::from_millis(50);

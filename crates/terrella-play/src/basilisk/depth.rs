@@ -1,9 +1,9 @@
 //! Depth maps as Basilisk reads them: how far the ground is along a camera's boresight, in three bytes a pixel.
 
-use terrella::frames::Ellipsoid;
 use crate::flight::Moment;
 use glam::{DVec3, DVec4};
 use image::{Rgb, RgbImage};
+use terrella::frames::Ellipsoid;
 
 /// Distances at which depth begins and ends where a camera says none, metres.
 pub const USUAL_CLIP_M: [f64; 2] = [0.1, 100.0];
@@ -71,8 +71,8 @@ fn encode(depth_m: Option<f64>, far_m: f64) -> Rgb<u8> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use terrella::Sky;
     use crate::camera::Pose;
+    use terrella::Sky;
 
     fn decoded(pixel: &Rgb<u8>, far_m: f64) -> f64 {
         let [red, green, blue] = pixel.0.map(f64::from);

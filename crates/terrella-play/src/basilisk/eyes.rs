@@ -1,12 +1,12 @@
 //! What the window shows of a simulation before it has a craft, and what the simulation's own cameras see.
 
 use super::moments::{sky, turn};
-use terrella::basilisk::{Camera, Snapshot, camera_pose};
 use crate::camera::{Look, OrbitalMotion, Pose};
 use crate::craft::CraftPose;
 use crate::flight::{Flight, Moment, ViewRequest};
 use crate::scene::CameraMode;
 use glam::DMat3;
+use terrella::basilisk::{Camera, Snapshot, camera_pose};
 
 /// Craft farther than this from a camera are less than a pixel.
 const CRAFT_RANGE_M: f64 = 50e3;

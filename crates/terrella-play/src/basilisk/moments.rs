@@ -1,14 +1,14 @@
 //! Instants of a simulation as moments of a flight: where the eye is, what lights the Earth, how it stands.
 
-use terrella::Sky;
-use terrella::basilisk::{Recording, Simulation, Snapshot};
-use terrella::frames::{EARTH_ROTATION_RATE_RAD_S, Epoch};
 use crate::camera::OrbitalMotion;
 use crate::error::PlayError;
 use crate::flight::{Flight, Moment, ViewRequest};
-use terrella::tracks::EarthTurn;
 use glam::DMat3;
 use std::sync::Arc;
+use terrella::Sky;
+use terrella::basilisk::{Recording, Simulation, Snapshot};
+use terrella::frames::{EARTH_ROTATION_RATE_RAD_S, Epoch};
+use terrella::tracks::EarthTurn;
 
 /// What lights the Earth at an instant of a simulation, as the simulation says it.
 pub(super) fn sky(snapshot: &Snapshot) -> Sky {

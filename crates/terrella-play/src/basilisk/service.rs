@@ -1,11 +1,11 @@
 //! A camera service without a display: waits for simulations and draws what their cameras ask for.
 
 use super::camera_service::CameraService;
-use terrella::basilisk::{Counters, StepPace};
 use crate::error::PlayError;
 use crate::flight::Flight;
 use crate::progress::Progress;
 use std::time::{Duration, Instant};
+use terrella::basilisk::{Counters, StepPace};
 
 /// How a service is run.
 #[derive(Clone, Copy, Debug, Default)]

@@ -1,11 +1,11 @@
 //! The window's time where a simulation of Basilisk gives it: which instant is shown, and what is told of it.
 
-use terrella::basilisk::{Simulation, Snapshot, StepPace};
 use crate::flight::{Flight, Moment, ViewRequest};
 use crate::keys::Action;
 use crate::live_status::LiveStatus;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
+use terrella::basilisk::{Simulation, Snapshot, StepPace};
 use winit::keyboard::Key;
 
 /// How often a window asks for the simulation's next step.

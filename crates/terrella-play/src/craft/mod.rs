@@ -6,15 +6,15 @@
 mod mesh;
 
 use super::camera::OrbitalMotion;
+use bytemuck::{Pod, Zeroable};
+use glam::{DMat3, DMat4, DVec3, Mat4, Vec2, Vec3};
+use mesh::CraftVertex;
 use terrella::frames::{Ellipsoid, illumination};
 use terrella::internals::gpu::{
     FrameTargets, GpuContext, PassFormat, PipelineDescription, ShaderError, ShaderText, TargetColor,
 };
 use terrella::internals::light::exposure_factor;
 use terrella::{EarthError, EarthOptions, EyeView, FrameStats, Sky};
-use bytemuck::{Pod, Zeroable};
-use glam::{DMat3, DMat4, DVec3, Mat4, Vec2, Vec3};
-use mesh::CraftVertex;
 
 /// The shader's text: how light is shown is the Earth's, the materials' numbers are ours.
 fn shader(target: TargetColor) -> Result<String, ShaderError> {

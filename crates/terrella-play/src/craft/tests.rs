@@ -1,11 +1,11 @@
 //! Light, attitude and size of the craft, and its shader.
 
 use super::*;
-use terrella::frames::Geodetic;
 use crate::camera::Pose;
 use glam::DVec4;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use std::mem::offset_of;
+use terrella::frames::Geodetic;
 
 const WGS84: Ellipsoid = Ellipsoid::WGS84;
 

@@ -1,14 +1,14 @@
 //! The maps of one epoch, read at once: what an Earth begins with, and what pictures without a GPU are drawn with.
 
 use super::super::error::PlayError;
+use crate::scene::{DatedLayer, DatedMaps, Scene};
+use std::path::PathBuf;
 use terrella::frames::Epoch;
 use terrella::internals::imagery::tile::MapLayer;
 use terrella::internals::imagery::{
     EarthLayers, ImageryError, LayerImage, LayerSelection, find_textures, load_color_map,
     load_day_map, load_grey_map,
 };
-use crate::scene::{DatedLayer, DatedMaps, Scene};
-use std::path::PathBuf;
 
 /// The map that a key's maps are of.
 pub(super) const fn map_layer(layer: DatedLayer) -> MapLayer {

@@ -2,12 +2,12 @@
 
 use super::super::error::PlayError;
 use super::at_once::{MapFiles, map_layer};
-use terrella::internals::gpu::{GpuContext, GpuMap};
 use crate::scene::{DatedMaps, Scene};
 use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
+use terrella::internals::gpu::{GpuContext, GpuMap};
 
 /// A map that has come, or what is wrong with its file.
 pub(super) struct Loaded {

@@ -12,15 +12,15 @@ mod loader;
 
 use super::error::PlayError;
 use super::flight::Flight;
-use terrella::frames::Epoch;
-use terrella::internals::gpu::{GpuContext, GpuMap, MapFade};
 use crate::scene::{BetweenMaps, DatedMaps};
-use terrella::{Earth, EarthError};
 use at_once::MapFiles;
 pub(super) use at_once::set_dated_layers;
 use loader::{Loaded, MapLoader};
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
+use terrella::frames::Epoch;
+use terrella::internals::gpu::{GpuContext, GpuMap, MapFade};
+use terrella::{Earth, EarthError};
 
 /// How often what two maps lend to the light of the air is set anew while one passes into the other.
 const AIR_STEPS: f64 = 16.0;

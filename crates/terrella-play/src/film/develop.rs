@@ -2,10 +2,10 @@
 //!
 //! What a screen gets is decided as in `shaders/common/displayed.wgsl`; here light of many pixels and instants is averaged before.
 
-use terrella::Tone;
 use glam::{DVec3, DVec4};
 use image::RgbaImage;
 use rayon::prelude::*;
+use terrella::Tone;
 
 /// Light of a picture that is gathered from many pixels and instants.
 ///

@@ -1,11 +1,11 @@
 //! A folder of numbered frames: their names, and one run at a time that writes them.
 
 use super::error::FilmError;
-use terrella::internals::files::{self, Unfinished};
 use crate::error::PlayError;
 use crate::output::{OutputError, PendingFile, make_folder};
 use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
+use terrella::internals::files::{self, Unfinished};
 
 /// What becomes of a folder that holds something already.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -7,12 +7,12 @@ use super::painter::FilmPainter;
 use super::picture::FilmPicture;
 use super::record::FrameRecord;
 use super::settings::PictureSettings;
-use terrella::frames::Epoch;
-use terrella::internals::gpu::GpuContext;
-use terrella::internals::imagery::tile::TileKey;
 use crate::clock::{epoch_after, frame_epoch};
 use crate::error::PlayError;
 use crate::flight::Flight;
+use terrella::frames::Epoch;
+use terrella::internals::gpu::GpuContext;
+use terrella::internals::imagery::tile::TileKey;
 use terrella::{EarthOptions, Exposure};
 
 /// Draws the frames of a scene's film.

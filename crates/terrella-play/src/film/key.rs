@@ -2,15 +2,15 @@
 
 use super::error::FilmError;
 use super::settings::PictureSettings;
-use terrella::internals::files;
-use terrella::frames::{TimeScale, ccsds_time};
 use crate::error::PlayError;
-use crate::scene_files::{SceneFile, scene_files};
 use crate::scene::Scene;
+use crate::scene_files::{SceneFile, scene_files};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
+use terrella::frames::{TimeScale, ccsds_time};
+use terrella::internals::files;
 
 /// Most files that a message names of each kind of change.
 const MOST_NAMED: usize = 5;

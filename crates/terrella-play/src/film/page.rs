@@ -9,8 +9,6 @@ use super::folder::FrameFolder;
 use super::key::{FilmKey, checksum};
 use super::page_text::{BEFORE_FRAMES, END, PageText};
 use super::record::FrameRecord;
-use terrella::internals::files::{self, printable};
-use terrella::frames::{Epoch, TimeScale, ccsds_time};
 use crate::error::PlayError;
 use crate::output::{OutputError, PendingFile};
 use crate::scene::Scene;
@@ -21,6 +19,8 @@ use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use terrella::frames::{Epoch, TimeScale, ccsds_time};
+use terrella::internals::files::{self, printable};
 
 /// The page's name.
 const NAME: &str = "frames.json";
@@ -329,8 +329,8 @@ mod tests {
     use super::super::folder::Existing;
     use super::super::settings::PictureSettings;
     use super::*;
-    use terrella::EyeView;
     use glam::DVec3;
+    use terrella::EyeView;
 
     const FRAMES: u64 = 3;
 

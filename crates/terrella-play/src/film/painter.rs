@@ -4,15 +4,15 @@ use super::develop::GatheredLight;
 use super::error::FilmError;
 use super::picture::FilmPicture;
 use super::settings::PictureSettings;
-use terrella::internals::gpu::GpuContext;
-use terrella::internals::imagery::tile::TileKey;
 use crate::error::PlayError;
 use crate::flight::{Flight, Moment};
 use crate::offscreen::OffscreenRenderer;
 use crate::quality_control::scene_quality;
 use crate::tracks::TracksLayer;
-use terrella::{EarthOptions, exposure_factor};
 use std::time::Duration;
+use terrella::internals::gpu::GpuContext;
+use terrella::internals::imagery::tile::TileKey;
+use terrella::{EarthOptions, exposure_factor};
 
 /// Draws the pictures of a film, as its settings ask for.
 pub struct FilmPainter {

@@ -1,9 +1,9 @@
 //! What the page of a film says of a frame.
 
-use terrella::EyeView;
-use terrella::frames::{Epoch, TimeScale, ccsds_time};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
+use terrella::EyeView;
+use terrella::frames::{Epoch, TimeScale, ccsds_time};
 
 /// A frame on the page of its film.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -84,9 +84,9 @@ impl CameraRecord {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use terrella::frames::utc_from_rfc3339;
     use crate::clock::frame_epoch;
     use crate::scene::Scene;
+    use terrella::frames::utc_from_rfc3339;
 
     #[test]
     fn an_instant_and_a_camera_are_told_exactly() {

@@ -6,13 +6,13 @@ use super::page::{FilmPage, KeptFrames, PageHead};
 use super::range::FrameRange;
 use super::record::FrameRecord;
 use super::settings::PictureSettings;
-use terrella::internals::files;
 use crate::clock::frame_epoch;
 use crate::error::PlayError;
 use crate::flight::Flight;
 use crate::output::OutputError;
 use std::ops::Range;
 use std::path::Path;
+use terrella::internals::files;
 
 /// A film's folder and its page, in the hands of one process while others write frames into it.
 pub struct SharedFolder {

@@ -5,8 +5,8 @@ use super::field::{Bounds, Field, KeyText, UNKNOWN, quoted};
 use super::keys::RawOrbit;
 use super::orbit::{Orbit, OrbitSource};
 use super::text::SceneText;
-use terrella::basilisk::{Endpoint, Meeting, SimulationOptions};
 use std::time::Duration;
+use terrella::basilisk::{Endpoint, Meeting, SimulationOptions};
 
 /// Keys that simulations of Basilisk share with live satellites.
 pub(super) const SHARED_KEYS: &[&str] = &["listen", "allow_remote", "timeout_s", "stale_after_s"];

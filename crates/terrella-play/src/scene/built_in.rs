@@ -3,10 +3,10 @@
 use super::error::SceneError;
 use super::orbit::{Orbit, OrbitSource};
 use super::{KeyLines, Scene, StartSource};
-use terrella::internals::files;
-use terrella::orbit::FileFormat;
 use std::io::Read;
 use std::path::Path;
+use terrella::internals::files;
+use terrella::orbit::FileFormat;
 
 /// The scene that comes with the program.
 const SHIPPED: &str = include_str!("../../../../config/iss.toml");

@@ -5,10 +5,10 @@ use super::field::{Field, KeyText, range_text};
 use super::keys::{BURN_M_S2, BURN_S, MAX_BURNS};
 use super::text::SceneText;
 use super::time::utc;
-use terrella::frames::{Duration, Epoch, utc_from_rfc3339};
-use terrella::orbit::numerical::{EventSelection, Solver, Thrust, ThrustAxes};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
+use terrella::frames::{Duration, Epoch, utc_from_rfc3339};
+use terrella::orbit::numerical::{EventSelection, Solver, Thrust, ThrustAxes};
 use toml::{Spanned, Value};
 
 /// The method of integration, as a scene writes it.

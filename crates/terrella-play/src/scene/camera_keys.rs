@@ -5,9 +5,9 @@ use super::error::{SceneError, printable};
 use super::field::{KeyText, short_range_text, written};
 use super::keys::{LAT_DEG, LON_DEG, MAX_CAMERA_KEYS, RawCameraKey};
 use super::text::{SceneText, nearest};
-use terrella::internals::light::Exposure;
 use std::fmt::Write;
 use std::ops::{Range, RangeInclusive};
+use terrella::internals::light::Exposure;
 use toml::{Spanned, Value};
 
 /// The camera at a moment. What is `None` is not keyed there: it goes from the key before to the next that have it.

@@ -5,8 +5,8 @@ use super::field::{Field, KeyText};
 use super::keys::{MAX_DATED_MAPS, RawDatedMaps, RawEarth};
 use super::text::SceneText;
 use super::time::utc;
-use terrella::frames::{Epoch, utc_from_rfc3339};
 use std::path::{Path, PathBuf};
+use terrella::frames::{Epoch, utc_from_rfc3339};
 use toml::{Spanned, Value};
 
 /// The maps that may change with the date.

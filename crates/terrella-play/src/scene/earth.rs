@@ -7,10 +7,10 @@ use super::field::{Field, KeyText, PathKind, UNKNOWN, quoted, range_text, whole,
 use super::keys::RawEarth;
 use super::relief::{ReliefTable, relief_value};
 use super::text::SceneText;
-use terrella::internals::air::{AirOptions, Atmosphere};
-use terrella::internals::globe::{Figure, LevelRule, Shading, Subdivision, Visibility};
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
+use terrella::internals::air::{AirOptions, Atmosphere};
+use terrella::internals::globe::{Figure, LevelRule, Shading, Subdivision, Visibility};
 use toml::Spanned;
 
 /// How many times brighter than in truth the night is by default: lamps show beside daylight.

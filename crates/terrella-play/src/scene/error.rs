@@ -1,8 +1,8 @@
 //! Errors of scenes. Every message says where (file, line, key), what is wrong, and what to do.
 
-pub(super) use terrella::internals::files::excerpt as printable;
 use std::fmt;
 use std::path::{Path, PathBuf};
+pub(super) use terrella::internals::files::excerpt as printable;
 
 /// Largest scene file, bytes. A scene of every key with generous comments is a hundredth of it.
 pub(super) const MAX_FILE_BYTES: u64 = 1 << 20;

@@ -3,14 +3,14 @@
 //! hands its rule to the checks, so that neither can differ from what is written here.
 
 use super::field::{Bounds, Field, RawPath};
-use terrella::internals::air::AirOptions;
-use terrella::orbit::live::{LiveOptions, Transport};
-use terrella::orbit::numerical::Spacecraft;
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 use std::collections::BTreeMap;
 use std::ops::{Range, RangeInclusive};
+use terrella::internals::air::AirOptions;
+use terrella::orbit::live::{LiveOptions, Transport};
+use terrella::orbit::numerical::Spacecraft;
 use toml::Spanned;
 
 /// First and last year (UTC) that a scene may reach: those of [`utc_from_rfc3339`](terrella::frames::utc_from_rfc3339).
@@ -52,7 +52,8 @@ pub(super) const SPAN_MIN: RangeInclusive<f64> = 0.0..=10_080.0;
 /// `samples` of `[earth.clipmap]`: along an edge of a level.
 pub(super) const CLIPMAP_SAMPLES: [i64; 3] = [65, 129, 257];
 /// `levels` of `[earth.clipmap]`, besides the globe's.
-pub(super) const CLIPMAP_LEVELS: RangeInclusive<i64> = 0..=terrella::internals::globe::clipmap::MAX_LEVELS as i64;
+pub(super) const CLIPMAP_LEVELS: RangeInclusive<i64> =
+    0..=terrella::internals::globe::clipmap::MAX_LEVELS as i64;
 /// `samples` of `[earth.projected_grid]`, across and down.
 pub(super) const GRID_SAMPLES: RangeInclusive<i64> = 2..=1025;
 /// `lambda` of `[earth.quadtree]`: metres of distance for a metre of error.

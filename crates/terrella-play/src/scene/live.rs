@@ -5,8 +5,8 @@ use super::field::{Bounds, Field, KeyText, UNKNOWN, quoted, written};
 use super::keys::{MAX_LIVE_ORBITS, MAX_ORIGINS, RawOrbit};
 use super::orbit::Orbit;
 use super::text::SceneText;
-use terrella::orbit::live::{Extrapolation, LiveOptions, Pacing, Transport};
 use std::time::Duration;
+use terrella::orbit::live::{Extrapolation, LiveOptions, Pacing, Transport};
 
 /// Keys of live satellites alone.
 pub(super) const KEYS: &[&str] = &[

@@ -50,10 +50,10 @@ mod text;
 mod time;
 mod tracks;
 
-use terrella::internals::files;
 use error::MAX_FILE_BYTES;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use terrella::internals::files;
 
 use text::{SceneText, line_starts};
 

@@ -1,14 +1,14 @@
 //! `[orbit]`, checked: a satellite and where its motion is from.
 
 use super::tracks::Track;
+use glam::DVec3;
+use std::path::PathBuf;
 use terrella::basilisk::SimulationOptions;
 use terrella::frames::Epoch;
 use terrella::orbit::kepler::KeplerElements;
 use terrella::orbit::live::LiveOptions;
 use terrella::orbit::numerical::{AtmosphereModel, EventSelection, Solver, Spacecraft, Thrust};
 use terrella::orbit::{FileFormat, Frame};
-use glam::DVec3;
-use std::path::PathBuf;
 
 /// `[orbit]`, or one of several `[[orbit]]`: a satellite and where its motion is from.
 #[derive(Clone, Debug, PartialEq)]

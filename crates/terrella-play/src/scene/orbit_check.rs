@@ -7,13 +7,13 @@ use super::keys::{RawOrbit, RawTracks};
 use super::orbit::{ForceOptions, InitialState, Motion, Orbit, OrbitParameters, OrbitSource};
 use super::text::SceneText;
 use super::{basilisk, live};
+use glam::DVec3;
+use serde::Deserialize;
+use std::ops::RangeInclusive;
 use terrella::frames::Epoch;
 use terrella::orbit::Frame;
 use terrella::orbit::kepler::{Anomaly, KeplerElements, OrbitSize};
 use terrella::orbit::numerical::{AtmosphereModel, Spacecraft};
-use glam::DVec3;
-use serde::Deserialize;
-use std::ops::RangeInclusive;
 use toml::Spanned;
 
 /// The axes of a start, as a scene writes them.

@@ -7,9 +7,9 @@ use super::orbit_check::foreign;
 use super::time::utc;
 use super::tracks::TrackSpan;
 use super::{Scene, basilisk, burns, live, tracks};
+use glam::DVec3;
 use terrella::orbit::kepler::{Anomaly, KeplerElements, OrbitSize};
 use terrella::orbit::numerical::AtmosphereModel;
-use glam::DVec3;
 
 const BUILT_IN: &str = "the space station's elements are built in";
 

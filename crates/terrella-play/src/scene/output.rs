@@ -7,10 +7,10 @@ use super::error::SceneError;
 use super::field::{Field, KeyText, PathKind, UNKNOWN, quoted, range_text, whole, written};
 use super::keys::{DEFAULT_SIZE_PX, EDGE_SAMPLES, RawOutput, RawQuality, SAMPLES, SIDE_PX};
 use super::text::SceneText;
-use terrella::internals::air::Atmosphere;
-use terrella::internals::light::{Exposure, Tone};
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
+use terrella::internals::air::Atmosphere;
+use terrella::internals::light::{Exposure, Tone};
 use toml::Spanned;
 
 /// `[output]`

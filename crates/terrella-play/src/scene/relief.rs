@@ -5,8 +5,8 @@ use super::field::{Field, KeyText, PathKind, RawPath, written};
 use super::keys::{MAX_ELEVATION_FILES, RawEarth};
 use super::surfaces;
 use super::text::SceneText;
-use terrella::internals::globe::{Subdivision, SurfaceKind, SurfaceSettings, Visibility};
 use std::path::PathBuf;
+use terrella::internals::globe::{Subdivision, SurfaceKind, SurfaceSettings, Visibility};
 
 /// The keys of `[earth]` that say how ground with relief is drawn.
 #[derive(Clone, Debug, PartialEq)]

@@ -6,9 +6,9 @@ use super::field::{KeyText, NO_ORBIT, UNKNOWN, written};
 use super::keys::{TABLES, Table};
 use super::time::{StartSource, utc};
 use super::{Scene, camera, earth, orbit_summary, output, sky, time};
+use std::fmt::Write;
 use terrella::internals::air::Atmosphere;
 use terrella::internals::globe::SurfaceSettings;
-use std::fmt::Write;
 
 impl Scene {
     /// The scene as text, many lines, each ended: the keys that are in force, in scene order, each with its value and whether

@@ -4,9 +4,9 @@ use super::error::SceneError;
 use super::field::{Field, KeyText, PathKind, UNKNOWN, quoted, range_text};
 use super::keys::{DEFAULT_START, MAX_FRAMES, RawTime, YEARS};
 use super::text::SceneText;
-use terrella::frames::{Epoch, rfc3339, utc_from_rfc3339, utc_now};
 use hifitime::Unit;
 use std::path::PathBuf;
+use terrella::frames::{Epoch, rfc3339, utc_from_rfc3339, utc_now};
 use toml::Spanned;
 
 /// `[time]`: when the flight starts and how it is played.

@@ -5,11 +5,11 @@ use super::super::keys::Action;
 use super::super::place_text::place_text;
 use super::ticks::ticks;
 use super::{TimeLine, seconds};
-use terrella::orbit::Pass;
 use egui::{
     Align2, Color32, Context, CornerRadius, DragValue, FontId, Id, Pos2, Rect, Response, RichText,
     Sense, Stroke, TextEdit, Ui, Vec2, vec2,
 };
+use terrella::orbit::Pass;
 
 /// Height of its content while its buttons take one line, points.
 const CONTENT_HEIGHT: f32 = 72.0;
@@ -73,7 +73,8 @@ fn bar(ui: &mut Ui, line: &TimeLine, clock: &Clock, actions: &mut Vec<Action>) {
     let played = Rect::from_x_y_ranges(x_of(from)..=x_of(to), bar.y_range());
     painter.rect_filled(played, CornerRadius::same(3), PLAYED);
     let span_s = clock.duration_s();
-    let fraction_of = |epoch: terrella::frames::Epoch| (epoch - clock.span().0).to_seconds() / span_s;
+    let fraction_of =
+        |epoch: terrella::frames::Epoch| (epoch - clock.span().0).to_seconds() / span_s;
     for pass in &line.passes {
         // At least two points wide, so that a pass of minutes is seen in a month.
         let x = x_of(fraction_of(pass.begin));

@@ -16,11 +16,11 @@ pub use pass_search::{PassQuery, PassResult, PassSearch};
 use super::clock::Clock;
 use super::flight::Flight;
 use super::place_text::place_text;
-use terrella::frames::{Duration, Epoch, Geodetic, rfc3339};
-use terrella::orbit::{Feed, Pass};
 use crate::scene::CameraMode;
 use hifitime::{TimeScale, Unit};
 use pass_search::{PassSite, Upcoming};
+use terrella::frames::{Duration, Epoch, Geodetic, rfc3339};
+use terrella::orbit::{Feed, Pass};
 
 /// Minimum elevation of a pass where nothing else is said, degrees.
 const DEFAULT_MIN_ELEVATION_DEG: f64 = 10.0;

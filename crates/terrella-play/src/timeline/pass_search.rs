@@ -1,12 +1,12 @@
 //! Passes are looked for on a thread of their own, so that no picture waits for them.
 
 use super::super::flight::Flight;
-use terrella::frames::{Epoch, Geodetic};
-use terrella::orbit::{Feed, Observer, OrbitError, OrbitState, Pass, passes};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread::{Builder, Scope};
+use terrella::frames::{Epoch, Geodetic};
+use terrella::orbit::{Feed, Observer, OrbitError, OrbitState, Pass, passes};
 
 /// Most passes that are marked on the time line.
 const MAX_PASSES: usize = 500;
@@ -213,11 +213,11 @@ impl Feed for Wanted<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use terrella::frames::Duration;
     use crate::scene::Scene;
     use std::path::Path;
     use std::sync::mpsc::channel;
     use std::time::Duration as WallTime;
+    use terrella::frames::Duration;
 
     fn flight(scene: &str) -> Flight {
         let scene = Scene::from_toml(scene, Path::new("test.toml")).expect("a good scene");

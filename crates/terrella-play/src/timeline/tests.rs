@@ -2,10 +2,10 @@
 
 use super::bar::read_place;
 use super::*;
-use terrella::frames::utc_from_rfc3339;
 use crate::clock::AtEnd;
 use crate::scene::Scene;
 use std::path::Path;
+use terrella::frames::utc_from_rfc3339;
 
 fn instant(text: &str) -> Epoch {
     utc_from_rfc3339(text).expect("a date")

@@ -1,9 +1,9 @@
 //! Names beside markers, in egui's fonts, on the finished picture.
 
 use crate::egui_pass::{self, EguiTarget};
-use terrella::tracks::TrackLabel;
 use egui::{Align2, Color32, FontId, LayerId, Pos2, RawInput, Rect, Vec2};
 use egui_wgpu::{Renderer, RendererOptions};
+use terrella::tracks::TrackLabel;
 
 /// Height of letters as a fraction of the picture's.
 const LETTER_FRACTION: f32 = 0.02;

@@ -11,15 +11,15 @@ use super::egui_pass::EguiTarget;
 use super::error::PlayError;
 use super::flight::{Flight, Moment};
 use super::satellites::orientation_at;
+use labels::Labels;
+use roster::RosterTracks;
+use std::sync::Arc;
+use style::style;
 use terrella::frames::EarthOrientation;
 use terrella::internals::gpu::GpuContext;
 use terrella::orbit::Feed;
 use terrella::tracks::{TrackLabel, TrackMoment, TrackStats, Tracks, TracksOptions};
 use terrella::{Earth, FrameStats};
-use labels::Labels;
-use roster::RosterTracks;
-use std::sync::Arc;
-use style::style;
 
 /// The tracks of a picture or a window.
 pub struct TracksLayer {

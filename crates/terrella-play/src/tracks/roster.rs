@@ -1,14 +1,14 @@
 //! Tracks of a simulation, whose craft and places are known once it says them.
 
 use super::style::style;
+use crate::flight::Flight;
+use crate::scene::Orbit;
+use glam::DVec3;
+use std::sync::Arc;
 use terrella::basilisk::{Place, RecordedCraft, RecordedPlace, Recording, Roster, Simulation};
 use terrella::frames::{Ellipsoid, Geodetic};
 use terrella::orbit::Feed;
-use crate::flight::Flight;
-use crate::scene::Orbit;
 use terrella::tracks::TrackStyle;
-use glam::DVec3;
-use std::sync::Arc;
 
 /// Most craft and most places that have tracks and names: more is not to be told apart.
 const MAX_TRACKS: usize = 200;

@@ -1,10 +1,10 @@
 //! Whether an MP4 is complete: ffmpeg may end without an error although the disk was full.
 
-use terrella::internals::files;
 use std::fs::File;
 use std::io::{self, ErrorKind, Read, Seek, SeekFrom};
 use std::ops::Range;
 use std::path::Path;
+use terrella::internals::files;
 
 /// Where the number of pictures of a video is.
 const TO_SAMPLE_SIZES: [&[u8; 4]; 6] = [b"moov", b"trak", b"mdia", b"minf", b"stbl", b"stsz"];

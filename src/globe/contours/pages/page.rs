@@ -61,7 +61,7 @@ pub struct Page {
     /// Finer shows nothing more.
     pub is_last: bool,
     /// The cell it draws; as [`Self::block`].
-    pub(super) key: u64,
+    pub key: u64,
     pub(super) block: u32,
 }
 

@@ -69,10 +69,7 @@ impl HeightIndex {
     }
 
     /// Reads the index of the pack in a folder.
-    pub(in crate::internals::imagery::pack) fn read(
-        dir: &Path,
-        entry: &HeightsEntry,
-    ) -> Result<Self, PackError> {
+    pub fn read(dir: &Path, entry: &HeightsEntry) -> Result<Self, PackError> {
         let path = dir.join(HeightsEntry::index_path());
         let refuse = |cause: String| PackError::HeightIndex {
             path: path.clone(),

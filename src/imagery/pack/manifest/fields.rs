@@ -123,7 +123,7 @@ pub(super) struct Value<'a> {
 
 impl<'a> Value<'a> {
     /// The value of a key outside any table.
-    pub(super) fn new(source: Source<'a>, key: &str, value: &'a Spanned<DeValue<'a>>) -> Self {
+    pub fn new(source: Source<'a>, key: &str, value: &'a Spanned<DeValue<'a>>) -> Self {
         Self {
             source,
             key: key.to_owned(),

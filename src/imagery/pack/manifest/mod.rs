@@ -15,8 +15,7 @@ pub use crate::imagery::pack::file::TileFile;
 use crate::imagery::pack::heights::HeightsEntry;
 use crate::imagery::tile::{MapLayer, Storage, TileKey, TileShape};
 use std::path::PathBuf;
-#[cfg(feature = "fetch")]
-pub(crate) use write::quoted;
+pub use write::quoted;
 
 /// Name of the manifest in the pack's folder.
 pub const MANIFEST_FILE: &str = "pack.toml";

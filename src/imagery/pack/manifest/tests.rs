@@ -39,7 +39,7 @@ fn manifest() -> Manifest {
     }
 }
 
-pub(super) fn read(text: &str) -> Result<Manifest, PackError> {
+pub fn read(text: &str) -> Result<Manifest, PackError> {
     Manifest::from_toml(text, Path::new("earth/pack.toml"))
 }
 

@@ -148,7 +148,7 @@ fn list(items: &[String], per_line: usize) -> String {
 }
 
 /// A TOML string.
-pub(crate) fn quoted(text: &str) -> String {
+pub fn quoted(text: &str) -> String {
     let mut quoted = String::from("\"");
     for c in text.chars() {
         match c {

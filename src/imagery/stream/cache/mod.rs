@@ -425,7 +425,7 @@ impl TileCache {
 }
 
 /// The tile, if it is what was asked for.
-pub(super) fn check(tile: Tile, format: TileFormat, shape: TileShape) -> Result<Tile, LoadError> {
+pub fn check(tile: Tile, format: TileFormat, shape: TileShape) -> Result<Tile, LoadError> {
     let (due, got) = (shape.bytes(format), tile.texels.len());
     if (tile.format, tile.shape, got) == (format, shape, due) {
         return Ok(tile);

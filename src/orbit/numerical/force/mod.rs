@@ -132,7 +132,7 @@ const MAX_THRUSTS: usize = 10_000;
 
 impl ForceModel {
     /// Whether the numbers make sense together with a craft's.
-    pub(super) fn check(&self, craft: &Spacecraft) -> Result<(), NumericalError> {
+    pub fn check(&self, craft: &Spacecraft) -> Result<(), NumericalError> {
         let range = |field, value, expected| {
             Err(NumericalError::from(StartError::Range {
                 field,

@@ -1,0 +1,103 @@
+//! Why maps could not be fetched, said with the place, the cause and what to do.
+
+use std::path::PathBuf;
+
+/// Why maps could not be fetched. What was fetched before stays in the cache.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum FetchError {
+    /// A description of a source is wrong.
+    #[error("{}: {cause}", path.display())]
+    Description {
+        /// The file, or the name of a source that comes with the program.
+        path: PathBuf,
+        /// What is wrong, with the line where there is one.
+        cause: String,
+    },
+    /// There is no such source.
+    #[error("there is no source {name:?}{}; known are {known}; or give the path of a description", near.as_ref().map_or(String::new(), |near| format!(" (did you mean {near}?)")))]
+    Unknown {
+        /// What was asked for.
+        name: String,
+        /// A known name that is nearly it.
+        near: Option<String>,
+        /// All known names.
+        known: String,
+    },
+    /// An option that cannot be.
+    #[error("{option}: {cause}")]
+    Option {
+        /// Name of the option.
+        option: &'static str,
+        /// What is wrong and what is allowed.
+        cause: String,
+    },
+    /// The cache could not be read or written.
+    #[error("{}: {source}; make room or correct the permissions, then run the same command again to go on", path.display())]
+    Cache {
+        /// The file or folder.
+        path: PathBuf,
+        /// The system's words.
+        source: std::io::Error,
+    },
+    /// Another process fetches into the same folder.
+    #[error("{}: another fetch is writing there; wait for it or give another --cache", path.display())]
+    Busy {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// The folder holds tiles of another address.
+    #[error(
+        "{}: holds files fetched from {found}, not from {wanted}; give another --cache or remove this folder", path.display()
+    )]
+    OtherAddress {
+        /// The folder.
+        path: PathBuf,
+        /// The address that its files are from.
+        found: String,
+        /// The address asked for.
+        wanted: String,
+    },
+    /// The server refuses, or cannot be trusted: nothing else from it will do better.
+    #[error("{url}: {cause}; {advice}. What was fetched is kept")]
+    Refused {
+        /// What was asked for.
+        url: String,
+        /// What came.
+        cause: String,
+        /// What to do.
+        advice: &'static str,
+    },
+    /// Some files could not be fetched, after all attempts.
+    #[error(
+        "{failed} of {total} files could not be fetched, the first of them {url}: {cause}; run the same command again to go on, \
+         or add --allow-missing to go on without them"
+    )]
+    Incomplete {
+        /// How many failed.
+        failed: u64,
+        /// How many there are.
+        total: u64,
+        /// The first that failed.
+        url: String,
+        /// What came.
+        cause: String,
+    },
+    /// The clients of HTTP could not be made.
+    #[error("{0}")]
+    Client(String),
+    /// Heights could not be written.
+    #[error("{}: {cause}", path.display())]
+    Heights {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong and what to do.
+        cause: String,
+    },
+    /// What was fetched cannot be used as a map.
+    #[error(transparent)]
+    Map(#[from] crate::BuildError),
+    /// Stopped on request.
+    #[error("stopped; run the same command again to go on")]
+    Cancelled,
+}

@@ -1,0 +1,302 @@
+//! HTTP. The only file of the program that reaches the network on its own account (`tests/house` holds it), and only for this module.
+//!
+//! Nothing is believed: sizes are counted while they come, compressed answers are refused (none is asked for), and redirects are
+//! followed by this file, which knows where they may lead.
+
+use super::address::{joined, may_follow};
+use super::error::FetchError;
+use std::io::{ErrorKind, Read, Write};
+use std::path::Path;
+use std::time::{Duration, Instant};
+use terrella::internals::files::{self, printable};
+use ureq::tls::{Certificate, PemItem, RootCerts, TlsConfig, parse_pem};
+use ureq::{Agent, Error};
+
+/// Redirects that are followed for one file.
+const MOST_REDIRECTS: u32 = 5;
+
+/// A server that gives less on average, once its time is over, is too slow, bytes a second.
+const SLOWEST_BYTES_PER_S: f64 = 2000.0;
+
+/// Largest file of certificates, bytes.
+const MAX_PEM_BYTES: u64 = 4 << 20;
+
+/// How servers are asked.
+#[derive(Clone, Debug)]
+pub struct ClientOptions {
+    /// Longest wait for a connection, for the beginning of an answer and for each further piece of it.
+    pub timeout: Duration,
+    /// A file with certificates (PEM) of authorities that are trusted instead of those that come with the program.
+    pub authorities: Option<std::path::PathBuf>,
+    /// Hosts (with the port, where it is not the usual one) that redirects may lead to beside the one asked.
+    pub redirect_hosts: Vec<String>,
+}
+
+impl Default for ClientOptions {
+    fn default() -> Self {
+        Self {
+            timeout: Duration::from_secs(30),
+            authorities: None,
+            redirect_hosts: Vec::new(),
+        }
+    }
+}
+
+/// A client, shared by all threads.
+pub(super) struct Client {
+    agent: Agent,
+    options: ClientOptions,
+}
+
+/// Why one request gave nothing.
+#[derive(Debug, thiserror::Error)]
+pub(super) enum GetError {
+    /// An answer other than 200.
+    #[error("the server answers {code}")]
+    Status {
+        code: u16,
+        /// What its header Retry-After says.
+        retry_after: Option<String>,
+    },
+    /// Elsewhere than it may.
+    #[error("the server sends on to {to}")]
+    Redirect { to: String },
+    /// More than a file may have.
+    #[error("the answer has more than {most} bytes{}", told.map_or(String::new(), |told| format!(" (the server says {told})")))]
+    TooLarge { most: u64, told: Option<u64> },
+    /// Something other than the picture that was asked for.
+    #[error("the answer is {found} and must be {wanted}")]
+    Media { found: String, wanted: &'static str },
+    /// Compressed, though that was not asked for.
+    #[error("the answer is compressed ({0}), which was not asked for")]
+    Compressed(String),
+    /// Broken off.
+    #[error("the answer breaks off after {0} bytes")]
+    Truncated(u64),
+    /// Nothing for too long, or too little.
+    #[error("the server is too slow ({0})")]
+    Slow(String),
+    /// It cannot be trusted.
+    #[error("the server's certificate is not good: {0}")]
+    Certificate(String),
+    /// No connection, or one that broke.
+    #[error("no connection: {0}")]
+    Connection(String),
+    /// The file could not be written.
+    #[error("{0}")]
+    Write(std::io::Error),
+    /// No longer wanted.
+    #[error("stopped")]
+    Cancelled,
+}
+
+impl Client {
+    pub(super) fn new(options: ClientOptions) -> Result<Self, FetchError> {
+        let roots = match &options.authorities {
+            Some(path) => RootCerts::new_with_certs(&certificates(path)?),
+            None => RootCerts::WebPki,
+        };
+        let timeout = Some(options.timeout);
+        let config = Agent::config_builder()
+            .tls_config(TlsConfig::builder().root_certs(roots).build())
+            .http_status_as_error(false)
+            .max_redirects(0)
+            .max_redirects_will_error(false)
+            .user_agent(concat!("terrella/", env!("CARGO_PKG_VERSION")))
+            .accept_encoding("identity")
+            .timeout_resolve(timeout)
+            .timeout_connect(timeout)
+            .timeout_recv_response(timeout)
+            .timeout_per_read(timeout)
+            .max_response_header_size(64 << 10)
+            .build();
+        Ok(Self {
+            agent: config.into(),
+            options,
+        })
+    }
+
+    /// Asks for a picture and writes it. Gives its length.
+    pub(super) fn get(
+        &self,
+        url: &str,
+        wanted: &'static str,
+        most_bytes: u64,
+        out: &mut dyn Write,
+        is_cancelled: &dyn Fn() -> bool,
+    ) -> Result<u64, GetError> {
+        let mut at = url.to_string();
+        for _ in 0..=MOST_REDIRECTS {
+            let response = self
+                .agent
+                .get(&at)
+                .header("accept", wanted)
+                .call()
+                .map_err(|error| told(error, 0))?;
+            let header = |name: &str| {
+                let value = response.headers().get(name)?.to_str().ok()?;
+                Some(value.chars().take(200).collect::<String>())
+            };
+            let code = response.status().as_u16();
+            if matches!(code, 301 | 302 | 303 | 307 | 308) {
+                let to = header("location").unwrap_or_default();
+                match joined(&at, &to) {
+                    Some(next) if may_follow(url, &next, &self.options.redirect_hosts) => {
+                        at = next;
+                        continue;
+                    }
+                    _ => return Err(GetError::Redirect { to: printable(&to) }),
+                }
+            }
+            if code != 200 {
+                return Err(GetError::Status {
+                    code,
+                    retry_after: header("retry-after"),
+                });
+            }
+            if let Some(encoding) =
+                header("content-encoding").filter(|e| !e.eq_ignore_ascii_case("identity"))
+            {
+                return Err(GetError::Compressed(printable(&encoding)));
+            }
+            let media = header("content-type").unwrap_or_else(|| "of no type".to_string());
+            let essence = media.split(';').next().unwrap_or_default().trim();
+            if !is_media(essence, wanted) {
+                return Err(GetError::Media {
+                    found: printable(&media),
+                    wanted,
+                });
+            }
+            let length = header("content-length").and_then(|digits| digits.trim().parse().ok());
+            if length.is_some_and(|length: u64| length > most_bytes) {
+                return Err(GetError::TooLarge {
+                    most: most_bytes,
+                    told: length,
+                });
+            }
+            let mut body = response.into_body();
+            return self.copy(&mut body.as_reader(), most_bytes, out, is_cancelled);
+        }
+        Err(GetError::Redirect {
+            to: format!(
+                "{} and on, more than {MOST_REDIRECTS} times",
+                printable(&at)
+            ),
+        })
+    }
+
+    fn copy(
+        &self,
+        body: &mut dyn Read,
+        most_bytes: u64,
+        out: &mut dyn Write,
+        is_cancelled: &dyn Fn() -> bool,
+    ) -> Result<u64, GetError> {
+        let (begun, mut count, mut piece) = (Instant::now(), 0_u64, vec![0; 64 << 10]);
+        loop {
+            if is_cancelled() {
+                return Err(GetError::Cancelled);
+            }
+            let read = match body.read(&mut piece) {
+                Ok(0) => return Ok(count),
+                Ok(read) => read,
+                Err(error) if error.kind() == ErrorKind::Interrupted => continue,
+                Err(error) => return Err(told(Error::from(error), count)),
+            };
+            count += read as u64;
+            if count > most_bytes {
+                return Err(GetError::TooLarge {
+                    most: most_bytes,
+                    told: None,
+                });
+            }
+            out.write_all(&piece[..read]).map_err(GetError::Write)?;
+            let passed = begun.elapsed();
+            if passed > self.options.timeout
+                && (count as f64) < SLOWEST_BYTES_PER_S * passed.as_secs_f64()
+            {
+                return Err(GetError::Slow(format!(
+                    "{count} bytes in {:.1} s",
+                    passed.as_secs_f64()
+                )));
+            }
+        }
+    }
+}
+
+/// Whether an answer's type is the one wanted; `image/jpg` is a common mistake for `image/jpeg`.
+fn is_media(found: &str, wanted: &str) -> bool {
+    found.eq_ignore_ascii_case(wanted)
+        || (wanted == "image/jpeg" && found.eq_ignore_ascii_case("image/jpg"))
+}
+
+/// What went wrong, after so many bytes.
+fn told(error: Error, count: u64) -> GetError {
+    match error {
+        Error::Timeout(what) => GetError::Slow(what.to_string()),
+        Error::Tls(cause) => GetError::Certificate(printable(cause)),
+        Error::Rustls(cause) => certificate_or_connection(&cause.to_string()),
+        Error::Io(error) => match error.kind() {
+            ErrorKind::UnexpectedEof => GetError::Truncated(count),
+            ErrorKind::TimedOut | ErrorKind::WouldBlock => {
+                GetError::Slow(printable(&error.to_string()))
+            }
+            _ => certificate_or_connection(&error.to_string()),
+        },
+        Error::Protocol(_) if count > 0 => GetError::Truncated(count),
+        other => GetError::Connection(printable(&other.to_string())),
+    }
+}
+
+fn certificate_or_connection(cause: &str) -> GetError {
+    if cause.contains("certificate") {
+        GetError::Certificate(printable(cause))
+    } else {
+        GetError::Connection(printable(cause))
+    }
+}
+
+fn certificates(path: &Path) -> Result<Vec<Certificate<'static>>, FetchError> {
+    let wrong = |cause: String| FetchError::Option {
+        option: "--ca",
+        cause: format!("{}: {cause}", path.display()),
+    };
+    let pem = files::read(path, MAX_PEM_BYTES).map_err(|error| wrong(error.to_string()))?;
+    let pem = pem.ok_or_else(|| wrong(format!("has more than {MAX_PEM_BYTES} bytes")))?;
+    let mut found = Vec::new();
+    for item in parse_pem(&pem) {
+        match item.map_err(|error| wrong(printable(&error.to_string())))? {
+            PemItem::Certificate(certificate) => found.push(certificate),
+            _ => {
+                return Err(wrong(
+                    "holds more than certificates; give a file without keys".to_string(),
+                ));
+            }
+        }
+    }
+    if found.is_empty() {
+        return Err(wrong("holds no certificate in PEM".to_string()));
+    }
+    Ok(found)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn types_are_compared_as_such() {
+        assert!(is_media("IMAGE/PNG", "image/png") && is_media("image/jpg", "image/jpeg"));
+        assert!(
+            !is_media("image/jpg", "image/png")
+                && !is_media("", "image/png")
+                && !is_media("text/html", "image/jpeg")
+        );
+    }
+
+    #[test]
+    fn what_servers_say_is_made_printable() {
+        let said = printable(&format!("a\u{1b}[31m{}", "b".repeat(500)));
+        assert!(said.len() < 250 && !said.contains('\u{1b}'), "{said}");
+    }
+}

@@ -1,0 +1,85 @@
+//! What distinguishes one build from another: all that decides what is written, and the maps by size, time and their ends.
+
+use super::error::BuildError;
+use super::input::MapInput;
+use super::mosaic::Mosaic;
+use super::source::FileContext;
+use super::{BuildOptions, Map};
+use std::fmt::Write;
+use std::io::{Read, Seek, SeekFrom};
+use std::path::Path;
+use std::time::UNIX_EPOCH;
+use terrella::internals::files;
+
+/// Bytes of a map's file that are looked at, at its start and at its end.
+const ENDS: u64 = 1 << 20;
+
+/// Hexadecimal digits; equal for builds that write the same files. Memory and threads do not count.
+pub(super) fn of(options: &BuildOptions, maps: &[Map<'_>]) -> Result<String, BuildError> {
+    let mut text = format!(
+        "{} {:?} {:?} {:?}\n",
+        env!("CARGO_PKG_VERSION"),
+        options.pack_name(),
+        options.attribution,
+        options.storages
+    );
+    for map in maps {
+        // Writing to a string does not fail.
+        let _ = writeln!(
+            text,
+            "{} {:?} {:?} {:?} {}",
+            map.layer.name(),
+            map.path,
+            map.meaning,
+            map.levels,
+            match &map.input {
+                MapInput::File(path) => of_file(path)?,
+                MapInput::Mosaic(mosaic) => of_mosaic(mosaic),
+            }
+        );
+    }
+    for path in &options.heights {
+        let sidecar = path.with_extension("toml");
+        let said = if sidecar.is_file() {
+            of_file(&sidecar)?
+        } else {
+            String::new()
+        };
+        let _ = writeln!(text, "heights {path:?} {} {said}", of_file(path)?);
+    }
+    Ok(blake3::hash(text.as_bytes()).to_hex().to_string())
+}
+
+/// Of what a mosaic is made of, and of sizes and times of all its files: there may be thousands of them.
+fn of_mosaic(mosaic: &Mosaic) -> String {
+    let mut hasher = blake3::Hasher::new();
+    hasher.update(mosaic.identity().as_bytes());
+    for path in mosaic.files() {
+        let known = std::fs::metadata(&path).ok();
+        let known = known.map(|known| (known.len(), known.modified().ok()));
+        hasher.update(format!("{} {known:?}\n", path.display()).as_bytes());
+    }
+    hasher.finalize().to_hex().to_string()
+}
+
+fn of_file(path: &Path) -> Result<String, BuildError> {
+    let read = || -> std::io::Result<String> {
+        let mut file = files::open(path)?;
+        let metadata = file.metadata()?;
+        // A file system without times is recognised by the rest.
+        let modified = metadata
+            .modified()
+            .ok()
+            .and_then(|time| time.duration_since(UNIX_EPOCH).ok());
+        let mut hasher = blake3::Hasher::new();
+        hasher.update_reader((&mut file).take(ENDS))?;
+        file.seek(SeekFrom::Start(metadata.len().saturating_sub(ENDS)))?;
+        hasher.update_reader((&mut file).take(ENDS))?;
+        Ok(format!(
+            "{} {modified:?} {}",
+            metadata.len(),
+            hasher.finalize().to_hex()
+        ))
+    };
+    read().map_err(|error| FileContext::new(path).unreadable(error))
+}

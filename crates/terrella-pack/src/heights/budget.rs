@@ -1,0 +1,99 @@
+//! Which files of heights are held in memory, and which are read part by part.
+
+use super::layout::MOST_SIDE;
+use crate::BuildError;
+use crate::plan::{BASE_BYTES, Means};
+use std::path::PathBuf;
+use terrella::elevation::GridLimits;
+use terrella::elevation::spool::{SpoolNeeds, look};
+
+/// Bytes beside each byte that a grid holds while it is made: its heights as they are read, which of them are holes, means.
+const MAKING: f64 = 1.85;
+
+/// Bytes of a part of one file about one tile: 466² samples with their holes, from 430² of which come those of the tile.
+const WINDOW_BYTES: u64 = 4 << 20;
+
+/// Bytes that are kept of tiles for each sample of a file.
+const NOTED_BYTES: f64 = 0.004;
+
+/// Finer tiles that are kept for each thread: the 16 that a tile with its border reaches, and some for its neighbours.
+pub(super) const KEPT_A_THREAD: usize = 24;
+
+/// Bytes of tiles that so many threads hold at most.
+fn working_bytes(threads: usize) -> u64 {
+    let side = u64::from(MOST_SIDE) + 2;
+    // Kept tiles, one being made and one being decoded, of floats; and its compressed bytes.
+    side * side * 4 * threads as u64 * (KEPT_A_THREAD as u64 + 4)
+}
+
+/// What may be held.
+pub(super) struct Budget {
+    /// Threads that make tiles.
+    pub threads: usize,
+    allowed: u64,
+    /// Of all that is not files held.
+    fixed: u64,
+    held: u64,
+}
+
+impl Budget {
+    /// Looks at all files. What reading the greediest of them part by part takes is kept for that, whether it comes to it or not.
+    pub(super) fn of(paths: &[PathBuf], means: Means) -> Result<Self, BuildError> {
+        let mut files = Vec::new();
+        for path in paths {
+            files.push((path, look(path)?));
+        }
+        // As many as may lie over one tile.
+        let beside = |file: &SpoolNeeds| {
+            let over = files
+                .iter()
+                .filter(|(_, other)| file.bounds.overlaps(&other.bounds));
+            over.count() as u64
+        };
+        let windows = files
+            .iter()
+            .map(|(_, file)| beside(file))
+            .max()
+            .unwrap_or(0);
+        let of_threads = |threads: usize| {
+            BASE_BYTES + working_bytes(threads) + threads as u64 * windows * WINDOW_BYTES
+        };
+        let fits = |threads: &usize| of_threads(*threads) <= means.memory_bytes / 2;
+        let threads = (1..=means.threads.max(1)).rev().find(fits).unwrap_or(1);
+        let samples = |file: &SpoolNeeds| f64::from(file.size.0) * f64::from(file.size.1);
+        let noted: f64 = files.iter().map(|(_, file)| samples(file)).sum();
+        let mut fixed = of_threads(threads) + (NOTED_BYTES * noted) as u64;
+        let greediest = files.iter().max_by_key(|(_, file)| file.working_bytes);
+        if let Some((path, file)) = greediest {
+            fixed += file.working_bytes;
+            if fixed > means.memory_bytes {
+                return Err(BuildError::HeightsMemory {
+                    path: path.to_path_buf(),
+                    columns: file.size.0,
+                    rows: file.size.1,
+                    allowed_mb: means.memory_bytes / 1_000_000,
+                    needed_mb: fixed.div_ceil(1_000_000),
+                });
+            }
+        }
+        Ok(Self {
+            threads,
+            allowed: means.memory_bytes,
+            fixed,
+            held: 0,
+        })
+    }
+
+    /// What the next file may take.
+    pub(super) fn limits(&self) -> GridLimits {
+        let left = self.allowed.saturating_sub(self.fixed + self.held);
+        GridLimits {
+            bytes: (left as f64 / (1.0 + MAKING)) as u64,
+        }
+    }
+
+    /// A file is held.
+    pub(super) fn hold(&mut self, bytes: u64) {
+        self.held += bytes;
+    }
+}

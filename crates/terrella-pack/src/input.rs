@@ -1,0 +1,135 @@
+//! A map of the whole Earth that a pack is built from: one file, or a mosaic.
+
+use super::error::BuildError;
+use super::mosaic::{Description, Mosaic, check_whole_earth};
+use super::source::{self, FileContext, RowSource, SourceInfo, SourceLimits};
+use super::values::Meaning;
+use std::path::{Path, PathBuf};
+use terrella::elevation::read::{check_metres, first_bytes};
+use terrella::internals::files;
+
+/// A map that has been looked at.
+pub(super) enum MapInput {
+    /// One file of the whole Earth.
+    File(PathBuf),
+    /// Several that say where they lie.
+    Mosaic(Box<Mosaic>),
+}
+
+impl MapInput {
+    /// A folder is a mosaic, and a file that ends in `.toml` and is no picture.
+    pub(super) fn open(
+        path: &Path,
+        meaning: Meaning,
+        limits: SourceLimits,
+    ) -> Result<Self, BuildError> {
+        let is_mosaic = path.is_dir() || (is_named_toml(path) && !is_picture(path)?);
+        if !is_mosaic {
+            return Ok(Self::File(path.to_path_buf()));
+        }
+        let mut description = Description::read(path)?;
+        if meaning == Meaning::Amount {
+            description = description.of_amounts();
+        }
+        let mosaic = Mosaic::of(description, path, None, limits)?;
+        Ok(Self::Mosaic(Box::new(mosaic)))
+    }
+
+    /// Refuses a file that what lies beside it says to be no map of the whole Earth.
+    pub(super) fn check_place(&self, info: &SourceInfo) -> Result<(), BuildError> {
+        match self {
+            Self::File(path) => check_whole_earth(path, (info.width, info.height)),
+            Self::Mosaic(_) => Ok(()),
+        }
+    }
+
+    /// How its colours differ from sRGB, where `source`, its rows, or the files of its parts say so; a few of them.
+    pub(super) fn colour_notes(&self, source: &dyn RowSource) -> Vec<String> {
+        const MOST: usize = 8;
+        match self {
+            Self::File(path) => {
+                let note = source.colour_note();
+                note.map(|note| format!("{}: {note}", path.display()))
+                    .into_iter()
+                    .collect()
+            }
+            Self::Mosaic(mosaic) => {
+                let mut notes: Vec<_> = mosaic.colour_notes().collect();
+                if notes.len() > MOST {
+                    let more = notes.len() - MOST;
+                    notes.truncate(MOST);
+                    notes.push(format!("{more} more parts have other colours than sRGB"));
+                }
+                notes
+            }
+        }
+    }
+
+    /// Reads it from its first row.
+    pub(super) fn rows(&self, limits: SourceLimits) -> Result<Box<dyn RowSource>, BuildError> {
+        match self {
+            Self::File(path) => source::open_source(path, limits),
+            Self::Mosaic(mosaic) => Ok(Box::new(mosaic.rows(limits))),
+        }
+    }
+
+    /// Rejects elevations for what heights are rejected for, as far as its files are read as they are.
+    pub(super) fn check_metres(&self, path: &Path) -> Result<(), BuildError> {
+        match self {
+            Self::File(_) => check_metres(path, false)?,
+            Self::Mosaic(mosaic) => {
+                for path in mosaic.plain_files() {
+                    check_metres(path, true)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// What packs call it: its own name, or that of its file.
+    pub(super) fn name(&self, path: &Path) -> String {
+        match self {
+            Self::Mosaic(mosaic) if mosaic.name().is_some() => {
+                mosaic.name().unwrap_or_default().to_string()
+            }
+            _ => path
+                .file_name()
+                .unwrap_or_default()
+                .to_string_lossy()
+                .into_owned(),
+        }
+    }
+
+    /// What is to be told before it is read.
+    pub(super) fn notes(&self) -> &[String] {
+        match self {
+            Self::File(_) => &[],
+            Self::Mosaic(mosaic) => mosaic.notes(),
+        }
+    }
+
+    /// Whose data it is, as far as it says.
+    pub(super) fn attribution(&self) -> &[String] {
+        match self {
+            Self::File(_) => &[],
+            Self::Mosaic(mosaic) => mosaic.attribution(),
+        }
+    }
+}
+
+fn is_named_toml(path: &Path) -> bool {
+    path.extension()
+        .is_some_and(|ending| ending.eq_ignore_ascii_case("toml"))
+}
+
+fn is_picture(path: &Path) -> Result<bool, BuildError> {
+    let magic = files::open(path).and_then(first_bytes);
+    let magic = magic.map_err(|error| FileContext::new(path).unreadable(error))?;
+    Ok(matches!(
+        magic.as_slice(),
+        [0x89, b'P', b'N', b'G', ..]
+            | [0xFF, 0xD8, ..]
+            | [b'I', b'I', 42 | 43, 0, ..]
+            | [b'M', b'M', 0, 42 | 43, ..]
+    ))
+}

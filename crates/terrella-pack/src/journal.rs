@@ -1,0 +1,328 @@
+//! What a build has done so far, line by line, so that it can go on after any end.
+//!
+//! ```text
+//! terrella build 1
+//! <fingerprint of maps and options>
+//! plain day 1350 0 123456 <checksum>
+//! plain day 2700/2 0/3 123456 <checksum>
+//! heights 0 37 120 23456 <checksum> <lowest> <highest>
+//! ```
+//!
+//! Storage, map, texels per block, block, bytes; of levels that are cut with the parts along a block's side, and the part. Of heights level, row and
+//! column, bytes, and the bits of the lowest and the highest height.
+//!
+//! A line that has no end, or is not understood, was cut off: it and all after it do not count.
+
+use super::error::BuildError;
+use super::tile_name::TileName;
+use std::fs::{self, File, OpenOptions, TryLockError};
+use std::io::{self, Read, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+use terrella::internals::files;
+use terrella::internals::imagery::pack::{HeightPlace, HeightRecord, TileFile};
+use terrella::internals::imagery::tile::{MapLayer, Storage};
+
+/// Name of the journal in the pack's folder.
+pub(super) const JOURNAL_FILE: &str = "build.journal";
+
+/// How the journal of a share of a build is called, which a process of its own makes.
+pub(super) fn share_journal_file(share: &str) -> String {
+    format!("build-{share}.journal")
+}
+
+/// Whether a file is called like the journal of a share.
+pub(super) fn is_share_journal(name: &str) -> bool {
+    name.starts_with("build-") && name.ends_with(".journal")
+}
+
+const FIRST_LINE: &str = "terrella build 1";
+
+/// First word of the line of a tile of heights.
+const HEIGHTS: &str = "heights";
+
+/// A journal of every tile that can be has less: 5 maps × 128 blocks × 346 tiles of all levels × 2 storages × 100 bytes, and as much for each of
+/// 2 097 152 tiles of heights.
+const MAX_BYTES: u64 = 256 << 20;
+
+/// A line of the journal.
+pub(super) enum Noted {
+    Tile(TileName, TileFile),
+    Heights(HeightRecord),
+}
+
+/// The open, locked journal.
+pub(super) struct Journal {
+    path: PathBuf,
+    file: File,
+    /// What it held when it was opened, as far as it is text.
+    text: String,
+    /// How many bytes it then had.
+    bytes: u64,
+}
+
+impl Journal {
+    /// Opens or makes the one of this name and locks it.
+    pub(super) fn open(dir: &Path, name: &str) -> Result<Self, BuildError> {
+        let path = dir.join(name);
+        let fail = |source| BuildError::Write {
+            path: path.clone(),
+            source,
+        };
+        let mut options = OpenOptions::new();
+        options.read(true).append(true).create(true);
+        let mut file = files::open_with(&options, &path).map_err(fail)?;
+        match file.try_lock() {
+            Ok(()) => {}
+            Err(TryLockError::WouldBlock) => {
+                return Err(BuildError::Busy {
+                    path: dir.to_path_buf(),
+                });
+            }
+            // A file system without locks: one does without.
+            Err(TryLockError::Error(error)) if error.kind() == io::ErrorKind::Unsupported => {}
+            Err(TryLockError::Error(error)) => return Err(fail(error)),
+        }
+        let (text, bytes) = read_text(&mut file).map_err(fail)?;
+        Ok(Self {
+            path,
+            file,
+            text,
+            bytes,
+        })
+    }
+
+    /// The tiles noted in a journal that is another process's or of another run; none where it is of another build.
+    pub(super) fn tiles_of(path: &Path, fingerprint: &str) -> Vec<Noted> {
+        match files::open(path).and_then(|mut file| read_text(&mut file)) {
+            Ok((text, _)) if begins_with(&text, fingerprint) => parse_all(&text).0,
+            _ => Vec::new(),
+        }
+    }
+
+    /// Whether no tile of any build was ever noted: it is empty, or the beginning of a journal of this build was cut off.
+    pub(super) fn is_empty(&self, fingerprint: &str) -> bool {
+        self.text.len() as u64 == self.bytes && beginning(fingerprint).starts_with(&self.text)
+    }
+
+    /// Whether it is of this build.
+    pub(super) fn has_fingerprint(&self, fingerprint: &str) -> bool {
+        begins_with(&self.text, fingerprint)
+    }
+
+    fn fail(&self, source: io::Error) -> BuildError {
+        BuildError::Write {
+            path: self.path.clone(),
+            source,
+        }
+    }
+
+    /// Empties it and begins a build.
+    pub(super) fn begin(&mut self, fingerprint: &str) -> Result<(), BuildError> {
+        let begun = self
+            .file
+            .set_len(0)
+            .and_then(|()| self.file.write_all(beginning(fingerprint).as_bytes()))
+            .and_then(|()| self.file.sync_all());
+        begun.map_err(|error| self.fail(error))?;
+        self.text.clear();
+        self.bytes = 0;
+        Ok(())
+    }
+
+    /// The tiles noted when it was opened, once. What was cut off is taken away, so that new lines begin well.
+    pub(super) fn tiles(&mut self) -> Vec<Noted> {
+        let text = std::mem::take(&mut self.text);
+        let (tiles, good) = parse_all(&text);
+        if (good as u64) < self.bytes {
+            // If this fails, notes on the same line as the cut one are not understood next time: tiles are made again.
+            let _ = self.file.set_len(good as u64);
+            let _ = self.file.seek(SeekFrom::End(0));
+        }
+        tiles
+    }
+
+    /// Notes a tile.
+    pub(super) fn note(&mut self, name: TileName, file: TileFile) -> Result<(), BuildError> {
+        let checksum = hex(file);
+        let (pixels, block) = (name.pixels, name.block);
+        let place = match name.parts {
+            1 => format!("{pixels} {block}"),
+            parts => format!("{pixels}/{parts} {block}/{}", name.part),
+        };
+        let line = format!(
+            "{} {} {place} {} {checksum}\n",
+            name.storage.name(),
+            name.layer.name(),
+            file.bytes
+        );
+        self.write(&line)
+    }
+
+    /// Notes a tile of heights.
+    pub(super) fn note_heights(&mut self, record: &HeightRecord) -> Result<(), BuildError> {
+        let HeightPlace { level, row, column } = record.place;
+        let [low, high] = [record.low_m, record.high_m].map(f32::to_bits);
+        let (bytes, checksum) = (record.file.bytes, hex(record.file));
+        self.write(&format!(
+            "{HEIGHTS} {level} {row} {column} {bytes} {checksum} {low:08x} {high:08x}\n"
+        ))
+    }
+
+    fn write(&mut self, line: &str) -> Result<(), BuildError> {
+        self.file
+            .write_all(line.as_bytes())
+            .map_err(|error| self.fail(error))
+    }
+
+    pub(super) fn sync(&self) -> Result<(), BuildError> {
+        self.file.sync_data().map_err(|error| self.fail(error))
+    }
+
+    /// The build is over.
+    pub(super) fn remove(self) -> Result<(), BuildError> {
+        fs::remove_file(&self.path).map_err(|error| self.fail(error))
+    }
+}
+
+/// What a journal holds, as far as it is text, and how many bytes it has: a power failure may leave anything behind its last line.
+fn read_text(file: &mut File) -> io::Result<(String, u64)> {
+    let mut bytes = Vec::new();
+    file.take(MAX_BYTES).read_to_end(&mut bytes)?;
+    let length = bytes.len() as u64;
+    let text = String::from_utf8(bytes).unwrap_or_else(|error| {
+        let good = error.utf8_error().valid_up_to();
+        let mut bytes = error.into_bytes();
+        bytes.truncate(good);
+        String::from_utf8(bytes).unwrap_or_default()
+    });
+    Ok((text, length))
+}
+
+fn beginning(fingerprint: &str) -> String {
+    format!("{FIRST_LINE}\n{fingerprint}\n")
+}
+
+fn begins_with(text: &str, fingerprint: &str) -> bool {
+    text.starts_with(&beginning(fingerprint))
+}
+
+/// What a journal notes, and how many of its bytes are understood.
+fn parse_all(text: &str) -> (Vec<Noted>, usize) {
+    let mut tiles = Vec::new();
+    let mut good = 0;
+    for (n, line) in text.split_inclusive('\n').enumerate() {
+        let Some(whole) = line.strip_suffix('\n') else {
+            break;
+        };
+        if n >= 2 {
+            let Some(tile) = parse(whole) else { break };
+            tiles.push(tile);
+        }
+        good += line.len();
+    }
+    (tiles, good)
+}
+
+fn hex(file: TileFile) -> String {
+    let bytes = file.checksum.iter();
+    bytes.map(|byte| format!("{byte:02x}")).collect()
+}
+
+fn parse(line: &str) -> Option<Noted> {
+    let words: Vec<&str> = line.split(' ').collect();
+    if let [HEIGHTS, level, row, column, bytes, digits, low, high] = words.as_slice() {
+        let height_m = |bits: &str| u32::from_str_radix(bits, 16).ok().map(f32::from_bits);
+        return Some(Noted::Heights(HeightRecord {
+            place: HeightPlace {
+                level: level.parse().ok()?,
+                row: row.parse().ok()?,
+                column: column.parse().ok()?,
+            },
+            file: parse_file(bytes, digits)?,
+            low_m: height_m(low)?,
+            high_m: height_m(high)?,
+        }));
+    }
+    let [storage, layer, pixels, block, bytes, digits] = words.as_slice() else {
+        return None;
+    };
+    let storage = Storage::ALL
+        .into_iter()
+        .find(|kind| kind.name() == *storage)?;
+    let (pixels, parts) = pixels.split_once('/').unwrap_or((pixels, "1"));
+    let (block, part) = block.split_once('/').unwrap_or((block, "0"));
+    let name = TileName {
+        storage,
+        layer: MapLayer::from_name(layer)?,
+        pixels: pixels.parse().ok()?,
+        parts: parts.parse().ok()?,
+        block: block.parse().ok()?,
+        part: part.parse().ok()?,
+    };
+    // Of a tile that can be.
+    name.path()?;
+    Some(Noted::Tile(name, parse_file(bytes, digits)?))
+}
+
+fn parse_file(bytes: &str, digits: &str) -> Option<TileFile> {
+    let mut checksum = [0; 16];
+    if digits.len() != 32 || !digits.is_ascii() {
+        return None;
+    }
+    for (n, byte) in checksum.iter_mut().enumerate() {
+        *byte = u8::from_str_radix(&digits[2 * n..2 * n + 2], 16).ok()?;
+    }
+    let bytes = bytes.parse().ok()?;
+    Some(TileFile { bytes, checksum })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TILES: [&str; 2] = [
+        "plain day 1350 0 123456 000102030405060708090a0b0c0d0e0f\n",
+        "heights 0 37 120 23456 000102030405060708090a0b0c0d0e0f 00000000 3f800000\n",
+    ];
+
+    /// Cut off anywhere, with or without what a power failure leaves behind it.
+    #[test]
+    fn a_cut_journal_keeps_the_lines_before_the_cut() {
+        let root = tempfile::tempdir().expect("a folder");
+        let path = root.path().join(JOURNAL_FILE);
+        let head = beginning("abc");
+        let text = [&head, TILES[0], TILES[1]].concat();
+        let ends = [head.len() + TILES[0].len(), text.len()];
+        for length in 0..=text.len() {
+            for tail in [&b""[..], b"\0\0\0", b"\xff\xfe\n"] {
+                fs::write(&path, [&text.as_bytes()[..length], tail].concat()).expect("writes");
+                let noted = ends.iter().filter(|end| length >= **end).count();
+                assert_eq!(Journal::tiles_of(&path, "abc").len(), noted, "{length}");
+                let mut journal = Journal::open(root.path(), JOURNAL_FILE).expect("opens");
+                assert_eq!(
+                    journal.has_fingerprint("abc"),
+                    length >= head.len(),
+                    "{length}"
+                );
+                let is_cut_head = tail.is_empty() && length <= head.len();
+                assert_eq!(journal.is_empty("abc"), is_cut_head, "{length}");
+                if !journal.has_fingerprint("abc") {
+                    continue;
+                }
+                // What is noted from now on is understood the next time.
+                assert_eq!(journal.tiles().len(), noted, "{length}");
+                journal.write(TILES[0]).expect("notes");
+                drop(journal);
+                assert_eq!(Journal::tiles_of(&path, "abc").len(), noted + 1, "{length}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_journal_of_another_build_is_not_empty() {
+        let root = tempfile::tempdir().expect("a folder");
+        fs::write(root.path().join(JOURNAL_FILE), beginning("other")).expect("writes");
+        let journal = Journal::open(root.path(), JOURNAL_FILE).expect("opens");
+        assert!(!journal.has_fingerprint("abc") && !journal.is_empty("abc"));
+    }
+}

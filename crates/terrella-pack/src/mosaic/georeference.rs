@@ -1,0 +1,346 @@
+//! Where a file of a mosaic lies: by its description, its GeoTIFF tags, its world file or NASA's names; and in which coordinate system
+//! its numbers are.
+//!
+//! A system is never guessed: numbers that can be degrees are degrees, all others must be said to be metres of Web Mercator, by the
+//! description, by the tags or by a text beside the file.
+
+use super::place::{Bounds, Crs, Place, place_in_name};
+use super::wkt::{MAX_WKT_BYTES, crs_of};
+use crate::error::BuildError;
+use crate::source::{FileContext, TagGrid, grid_of, in_other_system};
+use std::io::{BufRead, BufReader, Read, Seek};
+use std::path::{Path, PathBuf};
+use terrella::elevation::geo_tags::{GeoTags, System};
+use terrella::internals::files;
+use tiff::decoder::Decoder;
+
+/// Metres of Web Mercator for a degree of longitude: π·6 378 137 / 180.
+const METRES_PER_DEG: f64 = std::f64::consts::PI * 6_378_137.0 / 180.0;
+
+/// Largest world file, bytes.
+const WORLD_FILE_BYTES: u64 = 4096;
+
+const ADVICE: &str = "warp it (`gdalwarp -t_srs EPSG:4326`)";
+
+/// What a description says of where a file lies.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Stated {
+    /// The system of its rows, or of the numbers of its world file.
+    pub crs: Option<Crs>,
+    /// Its edges.
+    pub bounds: Option<Bounds>,
+}
+
+/// Where a file of so many texels lies.
+pub(super) fn place_of(path: &Path, stated: Stated, size: (u32, u32)) -> Result<Place, BuildError> {
+    let context = FileContext::new(path);
+    let found = match stated.bounds {
+        Some(bounds) => {
+            let crs = stated.crs.unwrap_or_default();
+            Some(Place::from_bounds(crs, &bounds, size))
+        }
+        None => of_file(path, stated.crs, size)?,
+    };
+    let Some(place) = found else {
+        return Err(context.refused(
+            "does not say where it lies (no GeoTIFF tags, no world file, no name of NASA's like NAME.A1.jpg)",
+            "describe the mosaic in a TOML file and give its bounds_deg = [west, south, east, north]",
+        ));
+    };
+    match place.complaint(size) {
+        None => Ok(place),
+        Some(complaint) => {
+            Err(context.refused(complaint, "correct its bounds, tags or world file"))
+        }
+    }
+}
+
+/// Refuses a map of the whole Earth that is said to be something else by the files beside it. Its own tags are its reader's matter.
+pub(crate) fn check_whole_earth(
+    path: &Path,
+    (width, height): (u32, u32),
+) -> Result<(), BuildError> {
+    let context = FileContext::new(path);
+    let crs = of_text(path)?;
+    if crs == Some(Crs::WebMercator) {
+        return Err(context.refused("is projected (EPSG:3857 by the text beside it)", ADVICE));
+    }
+    let Some(grid) = of_world_file(path)? else {
+        return Ok(());
+    };
+    match grid.complaint(width, height, "its world file") {
+        None => Ok(()),
+        Some(complaint) => Err(context.refused(
+            complaint,
+            "warp it to the whole globe (`gdalwarp -t_srs EPSG:4326 -te -180 -90 180 90`), or give it as a part of a mosaic",
+        )),
+    }
+}
+
+/// What a file says itself, and what lies beside it.
+fn of_file(
+    path: &Path,
+    stated: Option<Crs>,
+    size: (u32, u32),
+) -> Result<Option<Place>, BuildError> {
+    let context = FileContext::new(path);
+    let refused = |complaint: String| context.refused(complaint, ADVICE);
+    let file = files::open(path).map_err(|error| context.unreadable(error))?;
+    let tags = tags_of(BufReader::new(file));
+    let said = match tags
+        .system()
+        .map_err(|system| refused(in_other_system(&system)))?
+    {
+        Some(system) => Some(system),
+        None => of_text(path)?.map(system_of),
+    };
+    let system = agreed(said, stated, &context)?;
+    let grid = match grid_of(&tags).map_err(refused)? {
+        Some(grid) => Some(grid),
+        None => of_world_file(path)?,
+    };
+    match (grid, system) {
+        (Some(grid), system) => match placed(grid, system) {
+            Ok(place) => Ok(Some(place)),
+            Err(cause) => Err(context.refused(cause, metric_advice())),
+        },
+        // Names are of degrees.
+        (None, Some(System::WebMercator)) => Ok(None),
+        (None, _) => Ok(of_name(path, size)),
+    }
+}
+
+fn metric_advice() -> String {
+    format!(
+        "if they are metres of Web Mercator, add crs = {:?} to its [[part]] or put a .prj beside it that says so; else {ADVICE}",
+        Crs::WebMercator.name()
+    )
+}
+
+/// The tags of a TIFF; those of another file, or of one that cannot be read, say nothing: what is wrong is told by its reader.
+fn tags_of<R: BufRead + Seek>(mut reader: R) -> GeoTags {
+    let mut magic = [0; 4];
+    let is_tiff = reader.read_exact(&mut magic).is_ok()
+        && matches!(magic, [b'I', b'I', 42 | 43, 0] | [b'M', b'M', 0, 42 | 43]);
+    if !is_tiff || reader.rewind().is_err() {
+        return GeoTags::default();
+    }
+    let tags = Decoder::new(reader).map(|mut decoder| GeoTags::read(&mut decoder));
+    tags.unwrap_or_default()
+}
+
+fn system_of(crs: Crs) -> System {
+    match crs {
+        Crs::WebMercator => System::WebMercator,
+        Crs::Geographic => System::Geographic {
+            unit_rad: 1f64.to_radians(),
+            is_named: true,
+        },
+    }
+}
+
+/// What a file says, or its description; they must not contradict each other.
+fn agreed(
+    said: Option<System>,
+    stated: Option<Crs>,
+    context: &FileContext,
+) -> Result<Option<System>, BuildError> {
+    let is_mercator = |system: System| system == System::WebMercator;
+    match (said, stated.map(system_of)) {
+        (Some(said), Some(stated)) if is_mercator(said) != is_mercator(stated) => {
+            let of = |system| match is_mercator(system) {
+                true => Crs::WebMercator.name(),
+                false => Crs::Geographic.name(),
+            };
+            Err(context.refused(
+                format!(
+                    "lies in {} by its tags or the text beside it, and in {} by its [[part]]",
+                    of(said),
+                    of(stated)
+                ),
+                "correct crs, or leave it out",
+            ))
+        }
+        (said, stated) => Ok(said.or(stated)),
+    }
+}
+
+/// Where a grid of a system lies.
+fn placed(grid: TagGrid, system: Option<System>) -> Result<Place, String> {
+    let (crs, unit) = match system {
+        Some(System::WebMercator) => (Crs::WebMercator, METRES_PER_DEG),
+        Some(System::Geographic { unit_rad, .. }) => {
+            (Crs::Geographic, 1f64.to_radians() / unit_rad)
+        }
+        None if can_be_degrees(&grid) => (Crs::Geographic, 1.0),
+        None => {
+            return Err(format!(
+                "has its corner at {:?} {:?}, which are no degrees, and does not say in which coordinate system",
+                grid.left, grid.top
+            ));
+        }
+    };
+    if grid.scale_y < 0.0 {
+        return Err("runs from south to north".to_string());
+    }
+    let grid = grid.in_units_of(unit);
+    Ok(Place {
+        crs,
+        west_deg: grid.left,
+        north_deg: grid.top,
+        column_deg: grid.scale_x,
+        row_deg: grid.scale_y,
+    })
+}
+
+/// No longitude is beyond 360 degrees and no latitude beyond 90; half a texel on all sides.
+fn can_be_degrees(grid: &TagGrid) -> bool {
+    grid.left.abs() <= 361.0 && grid.top.abs() <= 91.0 && grid.scale_x.abs() <= 361.0
+}
+
+/// By the text beside it: `.prj`, or the `.aux.xml` of GDAL.
+fn of_text(path: &Path) -> Result<Option<Crs>, BuildError> {
+    let prj = ["prj", "PRJ"].map(|ending| path.with_extension(ending));
+    let prj = prj.into_iter().find(|file| file.is_file());
+    if let Some(file) = prj {
+        return crs_in(&file, &text_of(&file, MAX_WKT_BYTES)?).map(Some);
+    }
+    let mut aux = path.as_os_str().to_owned();
+    aux.push(".aux.xml");
+    let aux = PathBuf::from(aux);
+    if !aux.is_file() {
+        return Ok(None);
+    }
+    let text = text_of(&aux, 16 * MAX_WKT_BYTES)?;
+    let system = text
+        .split_once("<SRS")
+        .and_then(|(_, rest)| rest.split_once('>'));
+    let system = system.and_then(|(_, rest)| rest.split_once("</SRS>"));
+    let system = system.map(|(text, _)| text.replace("&quot;", "\""));
+    system.map(|text| crs_in(&aux, &text)).transpose()
+}
+
+fn crs_in(file: &Path, text: &str) -> Result<Crs, BuildError> {
+    crs_of(text).map_err(|cause| {
+        FileContext::new(file).refused(
+            cause,
+            "warp the map beside it (`gdalwarp -t_srs EPSG:4326`): those of EPSG:4326 and EPSG:3857 are taken",
+        )
+    })
+}
+
+/// By the world file beside it: `.tfw`, `.jgw`, `.pgw`, or `.wld`.
+fn of_world_file(path: &Path) -> Result<Option<TagGrid>, BuildError> {
+    let Some(file) = world_files(path).into_iter().find(|file| file.is_file()) else {
+        return Ok(None);
+    };
+    let grid = world_grid(&text_of(&file, WORLD_FILE_BYTES)?);
+    grid.map(Some)
+        .map_err(|cause| FileContext::new(&file).refused(cause, ADVICE))
+}
+
+/// The text of a small file.
+fn text_of(file: &Path, most_bytes: u64) -> Result<String, BuildError> {
+    let context = FileContext::new(file);
+    let opened = files::open(file).map_err(|error| context.unreadable(error))?;
+    let mut bytes = Vec::new();
+    opened
+        .take(most_bytes)
+        .read_to_end(&mut bytes)
+        .map_err(|error| context.unreadable(error))?;
+    Ok(String::from_utf8_lossy(&bytes).into_owned())
+}
+
+/// What a world file may be called: two letters of the map's ending and w, the ending and w, or wld; also in capitals.
+fn world_files(path: &Path) -> Vec<PathBuf> {
+    let ending = path
+        .extension()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .into_owned();
+    let mut letters = ending.chars();
+    let mut names = vec![format!("{ending}w"), "wld".to_string()];
+    if let (Some(first), Some(last)) = (letters.next(), letters.next_back()) {
+        names.insert(0, format!("{first}{last}w"));
+    }
+    let capitals: Vec<_> = names.iter().map(|name| name.to_uppercase()).collect();
+    let all = names.iter().chain(&capitals);
+    all.map(|name| path.with_extension(name)).collect()
+}
+
+/// The grid of a world file: sizes and turns of a texel, then the centre of the first one.
+fn world_grid(text: &str) -> Result<TagGrid, String> {
+    let numbers: Vec<f64> = text
+        .split_whitespace()
+        .map_while(|word| word.parse().ok())
+        .collect();
+    let [column, turn_y, turn_x, row, x, y] = numbers.as_slice() else {
+        return Err(format!("has {} numbers and must have six", numbers.len()));
+    };
+    if *turn_x != 0.0 || *turn_y != 0.0 {
+        return Err("turns its map (its second and third number are not 0)".to_string());
+    }
+    Ok(TagGrid {
+        left: x - 0.5 * column,
+        top: y - 0.5 * row,
+        scale_x: *column,
+        scale_y: -row,
+    })
+}
+
+/// Where a world file says that its map lies. Without a system its numbers must be degrees.
+///
+/// # Errors
+/// What is wrong with it.
+pub fn world_place(text: &str, crs: Option<Crs>) -> Result<Place, String> {
+    placed(world_grid(text)?, crs.map(system_of))
+}
+
+/// By NASA's names of eight parts.
+fn of_name(path: &Path, size: (u32, u32)) -> Option<Place> {
+    let stem = path.file_stem()?.to_string_lossy();
+    let bounds = place_in_name(&stem)?;
+    // A part is a square.
+    (size.0 == size.1).then(|| Place::from_bounds(Crs::Geographic, &bounds, size))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn world_files_are_read_and_turned_ones_refused() {
+        let place = world_place("0.5\n0\n0\n-0.25\n-179.75\n89.875\n", None).expect("good");
+        assert_eq!((place.west_deg, place.north_deg), (-180.0, 90.0));
+        assert_eq!(
+            (place.column_deg, place.row_deg, place.crs),
+            (0.5, 0.25, Crs::Geographic)
+        );
+        let text = "1000 0 0 -1000 500 5000500";
+        assert!(world_place(text, None).is_err_and(|said| said.contains("at 0.0 5001000.0")));
+        let metric = world_place(text, Some(Crs::WebMercator)).expect("good");
+        assert_eq!(metric.crs, Crs::WebMercator);
+        assert!((metric.north_deg - 5_001_000.0 / METRES_PER_DEG).abs() < 1e-9);
+        let wrong = |text: &str| world_place(text, None).expect_err(text);
+        assert!(wrong("0.5\n0.1\n0\n-0.5\n0\n0").contains("turns"));
+        assert!(wrong("0.5 0 0 0.5 0 0").contains("from south to north"));
+        for bad in ["", "1 2 3", "1 0 0 -1 5 x", "1 0 0 -1 5 5 5"] {
+            assert!(wrong(bad).contains("six"), "{bad}");
+        }
+    }
+
+    #[test]
+    fn world_files_have_their_usual_names() {
+        let names = world_files(Path::new("d/a.tif"));
+        assert_eq!(
+            names[..4],
+            ["d/a.tfw", "d/a.tifw", "d/a.wld", "d/a.TFW"].map(PathBuf::from)
+        );
+        let names = world_files(Path::new("a.jpeg"));
+        assert_eq!(names[0], Path::new("a.jgw"));
+        assert_eq!(
+            world_files(Path::new("a"))[..2],
+            ["a.w", "a.wld"].map(PathBuf::from)
+        );
+    }
+}

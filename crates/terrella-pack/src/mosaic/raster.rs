@@ -1,0 +1,77 @@
+//! A raster of a mosaic, a row at a time: a file, or tiles that lie side by side.
+
+use super::row::{AlphaMeans, RasterRow, without_alpha};
+use super::tiles::TileRows;
+use crate::error::BuildError;
+use crate::source::{RowSource, SourceInfo};
+
+/// Where rows come from.
+pub(super) enum Raster {
+    /// One file.
+    File {
+        /// Its reader.
+        rows: Box<dyn RowSource>,
+        /// A row as it is read.
+        bytes: Vec<u8>,
+        /// What its alpha means.
+        alpha: AlphaMeans,
+    },
+    /// Tiles.
+    Tiles(Box<TileRows>),
+}
+
+impl Raster {
+    /// Of a file.
+    pub(super) fn file(rows: Box<dyn RowSource>, alpha: AlphaMeans) -> Self {
+        let bytes = vec![0; rows.info().row_bytes()];
+        Self::File { rows, bytes, alpha }
+    }
+
+    /// How a file's colours differ from sRGB, where it says so.
+    pub(super) fn colour_note(&self) -> Option<String> {
+        match self {
+            Self::File { rows, .. } => rows.colour_note(),
+            Self::Tiles(_) => None,
+        }
+    }
+
+    /// Its size and texels, alpha among them.
+    pub(super) fn info(&self) -> SourceInfo {
+        match self {
+            Self::File { rows, .. } => rows.info(),
+            Self::Tiles(tiles) => tiles.info(),
+        }
+    }
+
+    /// Fills the next row.
+    pub(super) fn next_row(&mut self, row: &mut RasterRow) -> Result<(), BuildError> {
+        match self {
+            Self::File { rows, bytes, alpha } => {
+                rows.next_row(bytes)?;
+                let info = rows.info();
+                without_alpha(&info, *alpha, bytes, row);
+                Ok(())
+            }
+            Self::Tiles(tiles) => tiles.next_row(row),
+        }
+    }
+
+    /// Leaves out so many rows.
+    pub(super) fn skip(&mut self, count: u32) -> Result<(), BuildError> {
+        match self {
+            Self::File { rows, bytes, .. } => (0..count).try_for_each(|_| rows.next_row(bytes)),
+            Self::Tiles(tiles) => {
+                tiles.skip(count);
+                Ok(())
+            }
+        }
+    }
+
+    /// What was left out since it was asked last.
+    pub(super) fn notes(&mut self) -> Vec<String> {
+        match self {
+            Self::File { rows, .. } => rows.notes(),
+            Self::Tiles(tiles) => tiles.notes(),
+        }
+    }
+}

@@ -1,0 +1,257 @@
+//! Coordinate systems in words (well-known text): WKT 1 of GDAL and ESRI (OGC 01-009), and WKT 2 (OGC 18-010r7).
+
+use super::place::Crs;
+use terrella::elevation::geo_tags::is_near_wgs84;
+
+/// Longest text that is read, bytes.
+pub(super) const MAX_WKT_BYTES: u64 = 64 << 10;
+
+/// Deepest nesting that is read.
+const MAX_DEPTH: usize = 16;
+
+/// Longest foreign name in a message, characters.
+const NAME_CHARS: usize = 60;
+
+/// Datums whose degrees lie within a few metres of WGS84, in small letters without marks: where no code is given.
+const DATUMS: [&str; 9] = [
+    "wgs1984",
+    "wgs84",
+    "dwgs1984",
+    "worldgeodeticsystem1984",
+    "worldgeodeticsystem1984ensemble",
+    "northamericandatum1983",
+    "dnorthamerican1983",
+    "europeanterrestrialreferencesystem1989",
+    "detrs1989",
+];
+
+/// Names of Web Mercator, likewise.
+const WEB_MERCATOR: [&str; 4] = [
+    "wgs84pseudomercator",
+    "wgs1984webmercatorauxiliarysphere",
+    "wgs1984webmercator",
+    "googlemapsglobalmercator",
+];
+
+/// Codes of Web Mercator: EPSG's, and those that were used before there was one.
+const WEB_MERCATOR_CODES: [u32; 5] = [3857, 3785, 900_913, 102_100, 102_113];
+
+/// The system that a text names.
+///
+/// # Errors
+/// What is wrong with it: no text of that kind, or another system than EPSG:4326 or its like and EPSG:3857.
+pub(super) fn crs_of(text: &str) -> Result<Crs, String> {
+    let root = Reader { rest: text }
+        .node(0)
+        .ok_or("is no well-known text")?;
+    let other = || {
+        let name: String = root.name().chars().take(NAME_CHARS).collect();
+        format!("names the coordinate system {name:?}")
+    };
+    match root.word.as_str() {
+        "PROJCS" | "PROJCRS" | "PROJECTEDCRS" => {
+            let is_mercator = match root.code() {
+                Some(code) => WEB_MERCATOR_CODES.contains(&code),
+                None => WEB_MERCATOR.contains(&plain(root.name()).as_str()),
+            };
+            is_mercator.then_some(Crs::WebMercator).ok_or_else(other)
+        }
+        "GEOGCS" | "GEOGCRS" | "GEOGRAPHICCRS" | "GEODCRS" | "GEODETICCRS" => {
+            root.check_geographic()
+                .map_err(|why| format!("{}, {why}", other()))?;
+            Ok(Crs::Geographic)
+        }
+        _ => Err(other()),
+    }
+}
+
+/// A word with what stands in its brackets.
+#[derive(Default)]
+struct Node {
+    word: String,
+    /// Texts and numbers.
+    values: Vec<String>,
+    nodes: Vec<Node>,
+}
+
+impl Node {
+    fn name(&self) -> &str {
+        self.values.first().map_or("", String::as_str)
+    }
+
+    fn child(&self, words: &[&str]) -> Option<&Self> {
+        self.nodes
+            .iter()
+            .find(|node| words.contains(&node.word.as_str()))
+    }
+
+    /// Its own code in a registry.
+    fn code(&self) -> Option<u32> {
+        let code = self.child(&["AUTHORITY", "ID"])?;
+        code.values.get(1)?.parse().ok()
+    }
+
+    fn number(&self, at: usize) -> Option<f64> {
+        self.values.get(at)?.parse().ok()
+    }
+
+    /// Refuses other degrees than those of WGS84 or its like.
+    fn check_geographic(&self) -> Result<(), String> {
+        let datum = self.child(&["DATUM", "GEODETICDATUM", "TRF", "ENSEMBLE"]);
+        let is_known = match self.code() {
+            Some(code) => is_near_wgs84(code),
+            None => datum.is_some_and(|datum| DATUMS.contains(&plain(datum.name()).as_str())),
+        };
+        if !is_known {
+            return Err("whose degrees are not those of WGS84".to_string());
+        }
+        let meridian = self.child(&["PRIMEM", "PRIMEMERIDIAN"]);
+        if meridian.is_some_and(|meridian| meridian.number(1) != Some(0.0)) {
+            return Err("whose longitudes do not begin at Greenwich".to_string());
+        }
+        let axes = self
+            .nodes
+            .iter()
+            .find_map(|node| node.child(&["ANGLEUNIT"]));
+        let unit = self.child(&["UNIT", "ANGLEUNIT"]).or(axes);
+        let is_degree = |unit: &Self| {
+            let size = unit.number(1);
+            size.is_some_and(|size| (size - 1f64.to_radians()).abs() < 1e-9)
+        };
+        match unit.is_none_or(is_degree) {
+            true => Ok(()),
+            false => Err("whose angles are no degrees".to_string()),
+        }
+    }
+}
+
+/// Small letters and digits alone.
+fn plain(name: &str) -> String {
+    let kept = name.chars().filter(char::is_ascii_alphanumeric);
+    kept.map(|c| c.to_ascii_lowercase()).collect()
+}
+
+struct Reader<'a> {
+    rest: &'a str,
+}
+
+impl Reader<'_> {
+    fn skip_blanks(&mut self) {
+        let is_blank = |c: char| c.is_whitespace() || matches!(c, '\0' | '\u{feff}');
+        self.rest = self.rest.trim_start_matches(is_blank);
+    }
+
+    fn takes(&mut self, marks: &[char]) -> bool {
+        self.skip_blanks();
+        let rest = self.rest.strip_prefix(marks);
+        self.rest = rest.unwrap_or(self.rest);
+        rest.is_some()
+    }
+
+    /// Characters up to one of these marks.
+    fn until(&mut self, marks: &[char]) -> String {
+        let end = self.rest.find(marks).unwrap_or(self.rest.len());
+        let (text, rest) = self.rest.split_at(end);
+        self.rest = rest;
+        text.trim().to_string()
+    }
+
+    /// A word in brackets; `None` of anything else.
+    fn node(&mut self, depth: usize) -> Option<Node> {
+        self.skip_blanks();
+        let word = self.until(&['[', '(', ']', ')', ',', '"']);
+        let is_node = depth < MAX_DEPTH && self.takes(&['[', '(']);
+        is_node.then_some(())?;
+        let mut node = Node {
+            word: word.to_ascii_uppercase(),
+            ..Node::default()
+        };
+        loop {
+            self.argument(&mut node, depth)?;
+            if self.takes(&[']', ')']) {
+                return Some(node);
+            }
+            self.takes(&[',']).then_some(())?;
+        }
+    }
+
+    fn argument(&mut self, node: &mut Node, depth: usize) -> Option<()> {
+        if self.takes(&['"']) {
+            node.values.push(self.until(&['"']));
+            return self.takes(&['"']).then_some(());
+        }
+        let before = self.rest;
+        let value = self.until(&['[', '(', ']', ')', ',']);
+        if self.rest.starts_with(['[', '(']) {
+            self.rest = before;
+            node.nodes.push(self.node(depth + 1)?);
+        } else {
+            node.values.push(value);
+        }
+        Some(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// As GDAL 3.8 and ArcGIS write them.
+    #[test]
+    fn degrees_of_wgs84_and_web_mercator_are_known() {
+        let esri = "GEOGCS[\"GCS_WGS_1984\",DATUM[\"D_WGS_1984\",SPHEROID[\"WGS_1984\",6378137.0,298.257223563]],\
+                    PRIMEM[\"Greenwich\",0.0],UNIT[\"Degree\",0.0174532925199433]]";
+        let gdal = "GEOGCS[\"WGS 84\",DATUM[\"WGS_1984\",SPHEROID[\"WGS 84\",6378137,298.257223563,AUTHORITY[\"EPSG\",\"7030\"]],\
+                    AUTHORITY[\"EPSG\",\"6326\"]],PRIMEM[\"Greenwich\",0,AUTHORITY[\"EPSG\",\"8901\"]],\
+                    UNIT[\"degree\",0.0174532925199433,AUTHORITY[\"EPSG\",\"9122\"]],AXIS[\"Latitude\",NORTH],\
+                    AXIS[\"Longitude\",EAST],AUTHORITY[\"EPSG\",\"4326\"]]";
+        let second = "GEOGCRS[\"WGS 84\",\n    ENSEMBLE[\"World Geodetic System 1984 ensemble\",\n        MEMBER[\"World Geodetic \
+                      System 1984 (Transit)\"],\n        ELLIPSOID[\"WGS 84\",6378137,298.257223563,\n            \
+                      LENGTHUNIT[\"metre\",1]],\n        ENSEMBLEACCURACY[2.0]],\n    PRIMEM[\"Greenwich\",0,\n        \
+                      ANGLEUNIT[\"degree\",0.0174532925199433]],\n    CS[ellipsoidal,2],\n        AXIS[\"geodetic latitude \
+                      (Lat)\",north,\n            ORDER[1],\n            ANGLEUNIT[\"degree\",0.0174532925199433]],\n    \
+                      ID[\"EPSG\",4326]]\n";
+        for text in [esri, gdal, second] {
+            assert_eq!(crs_of(text), Ok(Crs::Geographic), "{text}");
+        }
+        let esri = "PROJCS[\"WGS_1984_Web_Mercator_Auxiliary_Sphere\",GEOGCS[\"GCS_WGS_1984\",DATUM[\"D_WGS_1984\",\
+                    SPHEROID[\"WGS_1984\",6378137.0,298.257223563]],PRIMEM[\"Greenwich\",0.0],UNIT[\"Degree\",\
+                    0.0174532925199433]],PROJECTION[\"Mercator_Auxiliary_Sphere\"],UNIT[\"Meter\",1.0]]";
+        let gdal = "PROJCS[\"WGS 84 / Pseudo-Mercator\",GEOGCS[\"WGS 84\",DATUM[\"WGS_1984\",SPHEROID[\"WGS 84\",6378137,\
+                    298.257223563]],AUTHORITY[\"EPSG\",\"4326\"]],PROJECTION[\"Mercator_1SP\"],UNIT[\"metre\",1],\
+                    AUTHORITY[\"EPSG\",\"3857\"]]";
+        for text in [esri, gdal] {
+            assert_eq!(crs_of(text), Ok(Crs::WebMercator), "{text}");
+        }
+    }
+
+    #[test]
+    fn others_are_named() {
+        let utm = "PROJCS[\"WGS 84 / UTM zone 33N\",GEOGCS[\"WGS 84\",DATUM[\"WGS_1984\",SPHEROID[\"WGS 84\",6378137,298.257223563]],\
+                   PRIMEM[\"Greenwich\",0],UNIT[\"degree\",0.0174532925199433]],PROJECTION[\"Transverse_Mercator\"],\
+                   UNIT[\"metre\",1]]";
+        let nad27 = "GEOGCS[\"GCS_North_American_1927\",DATUM[\"D_North_American_1927\",SPHEROID[\"Clarke_1866\",6378206.4,\
+                     294.9786982]],PRIMEM[\"Greenwich\",0.0],UNIT[\"Degree\",0.0174532925199433]]";
+        let moon = "GEOGCS[\"GCS_Moon_2000\",DATUM[\"D_Moon_2000\",SPHEROID[\"Moon_2000_IAU_IAG\",1737400.0,0.0]],\
+                    PRIMEM[\"Reference_Meridian\",0.0],UNIT[\"Degree\",0.0174532925199433]]";
+        let paris = "GEOGCS[\"WGS 84 of Paris\",DATUM[\"WGS_1984\",SPHEROID[\"WGS 84\",6378137,298.257223563]],\
+                     PRIMEM[\"Paris\",2.33722917],UNIT[\"degree\",0.0174532925199433]]";
+        let grads = "GEOGCS[\"WGS 84 in grads\",DATUM[\"WGS_1984\",SPHEROID[\"WGS 84\",6378137,298.257223563]],\
+                     PRIMEM[\"Greenwich\",0],UNIT[\"grad\",0.01570796326794897]]";
+        let deep = "GEOGCS[".repeat(100_000);
+        for (text, words) in [
+            (utm, "\"WGS 84 / UTM zone 33N\""),
+            (nad27, "\"GCS_North_American_1927\", whose degrees"),
+            (moon, "\"GCS_Moon_2000\", whose degrees"),
+            (paris, "do not begin at Greenwich"),
+            (grads, "no degrees"),
+            ("LOCAL_CS[\"here\"]", "\"here\""),
+            ("GEOGCS[\"cut", "no well-known text"),
+            ("", "no well-known text"),
+            (&deep, "no well-known text"),
+        ] {
+            let said = crs_of(text).expect_err(words);
+            assert!(said.contains(words) && said.len() < 200, "{words}: {said}");
+        }
+    }
+}

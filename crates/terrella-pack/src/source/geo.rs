@@ -1,0 +1,158 @@
+//! Where a GeoTIFF says that it lies.
+
+use terrella::elevation::geo_tags::{GeoTags, RASTER_TYPE, System};
+
+const RASTER_POINT: u16 = 2;
+
+/// Where a map's texels lie by its tags or its world file, in the unit of its system: the corner of the first, and their size to the
+/// east and to the south.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct TagGrid {
+    pub left: f64,
+    pub top: f64,
+    pub scale_x: f64,
+    pub scale_y: f64,
+}
+
+impl TagGrid {
+    /// The same in another unit, of which so many of its own make one.
+    pub(crate) fn in_units_of(self, unit: f64) -> Self {
+        Self {
+            left: self.left / unit,
+            top: self.top / unit,
+            scale_x: self.scale_x / unit,
+            scale_y: self.scale_y / unit,
+        }
+    }
+
+    /// What is wrong if a map with this grid in degrees is not the whole globe with its left edge at 180° W, north up. `said_by` is
+    /// what says so.
+    ///
+    /// A texel of tolerance: maps whose texels stand on whole degrees (grid-registered, 21 601 × 10 801) are taken.
+    pub(crate) fn complaint(&self, width: u32, height: u32, said_by: &str) -> Option<String> {
+        let Self { left, top, .. } = *self;
+        let (right, bottom) = (
+            left + self.scale_x * f64::from(width),
+            top - self.scale_y * f64::from(height),
+        );
+        let near = |value: f64, target: f64, texel: f64| (value - target).abs() <= texel * 1.001;
+        let (texel_x, texel_y) = (360.0 / f64::from(width), 180.0 / f64::from(height));
+        let fits = near(left, -180.0, texel_x)
+            && near(right, 180.0, texel_x)
+            && near(top, 90.0, texel_y)
+            && near(bottom, -90.0, texel_y);
+        (!fits).then(|| {
+            format!(
+                "covers longitudes {left:.4} to {right:.4} and latitudes {bottom:.4} to {top:.4} by {said_by}"
+            )
+        })
+    }
+}
+
+/// Where the texels lie; `None` of tags that do not say it, an error of those that turn the map.
+pub(crate) fn grid_of(tags: &GeoTags) -> Result<Option<TagGrid>, String> {
+    let (scale_x, scale_y, left, top) = match (&tags.matrix, &tags.scale, &tags.tie) {
+        (Some(m), ..) if m.len() == 16 => {
+            if m[1] != 0.0 || m[4] != 0.0 {
+                return Err("is rotated or sheared by its GeoTIFF matrix".to_string());
+            }
+            (m[0], -m[5], m[3], m[7])
+        }
+        (_, Some(scale), Some(tie)) if scale.len() >= 2 && tie.len() >= 6 => (
+            scale[0],
+            scale[1],
+            tie[3] - tie[0] * scale[0],
+            tie[4] + tie[1] * scale[1],
+        ),
+        _ => return Ok(None),
+    };
+    // The point may be the texel's centre.
+    let half = if tags.key(RASTER_TYPE) == Some(RASTER_POINT) {
+        0.5
+    } else {
+        0.0
+    };
+    Ok(Some(TagGrid {
+        left: left - half * scale_x,
+        top: top + half * scale_y,
+        scale_x,
+        scale_y,
+    }))
+}
+
+/// What is wrong if the map is not the whole globe in degrees of WGS84, as [`TagGrid::complaint`]. Without tags nothing is.
+pub(crate) fn complaint_of(tags: &GeoTags, width: u32, height: u32) -> Option<String> {
+    let unit_rad = match tags.system() {
+        Ok(Some(System::Geographic { unit_rad, .. })) => unit_rad,
+        Ok(Some(System::WebMercator)) => {
+            return Some("is projected (EPSG:3857 by its GeoTIFF keys)".to_string());
+        }
+        Ok(None) => 1f64.to_radians(),
+        Err(system) => return Some(in_other_system(&system)),
+    };
+    match grid_of(tags) {
+        Ok(Some(grid)) => grid.in_units_of(1f64.to_radians() / unit_rad).complaint(
+            width,
+            height,
+            "its GeoTIFF tags",
+        ),
+        Ok(None) => None,
+        Err(complaint) => Some(complaint),
+    }
+}
+
+/// That a map lies in a system that is not taken.
+pub(crate) fn in_other_system(system: &str) -> String {
+    format!("lies in {system} by its GeoTIFF keys")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use terrella::elevation::geo_tags::MODEL_TYPE;
+
+    fn tags(scale: [f64; 2], tie: [f64; 4]) -> GeoTags {
+        GeoTags {
+            scale: Some(vec![scale[0], scale[1], 0.0]),
+            tie: Some(vec![tie[0], tie[1], 0.0, tie[2], tie[3], 0.0]),
+            keys: vec![(MODEL_TYPE, 2)],
+            ..GeoTags::default()
+        }
+    }
+
+    #[test]
+    fn the_whole_globe_is_taken_and_others_are_named() {
+        let whole = tags([0.5, 0.5], [0.0, 0.0, -180.0, 90.0]);
+        assert_eq!(complaint_of(&whole, 720, 360), None);
+        assert_eq!(complaint_of(&GeoTags::default(), 720, 360), None);
+        // Texels that stand on whole degrees, told as points: half a texel over on all sides.
+        let mut grid = tags([0.5, 0.5], [0.0, 0.0, -180.0, 90.0]);
+        grid.keys.push((RASTER_TYPE, RASTER_POINT));
+        assert_eq!(complaint_of(&grid, 721, 361), None);
+
+        let shifted = tags([0.5, 0.5], [0.0, 0.0, 0.0, 90.0]);
+        assert!(
+            complaint_of(&shifted, 720, 360)
+                .unwrap()
+                .contains("0.0000 to 360.0000")
+        );
+        let quarter = tags([0.25, 0.25], [0.0, 0.0, -180.0, 90.0]);
+        assert!(complaint_of(&quarter, 720, 360).is_some());
+        let mut projected = whole.clone();
+        projected.keys = vec![(MODEL_TYPE, 1)];
+        assert!(
+            complaint_of(&projected, 720, 360)
+                .unwrap()
+                .contains("projected")
+        );
+        let south_up = GeoTags {
+            matrix: Some(vec![
+                0.5, 0.0, 0.0, -180.0, 0.0, 0.5, 0.0, -90.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0,
+            ]),
+            ..GeoTags::default()
+        };
+        assert!(complaint_of(&south_up, 720, 360).is_some());
+        let not_a_number = tags([f64::NAN, 0.5], [0.0, 0.0, -180.0, 90.0]);
+        assert!(complaint_of(&not_a_number, 720, 360).is_some());
+    }
+}

@@ -1,0 +1,476 @@
+//! TIFF maps: strips or tiles, uncompressed, LZW, deflate or PackBits, of one plane or several, also BigTIFF and GeoTIFF.
+//!
+//! | file | what |
+//! |---|---|
+//! | `recoded.rs` | palettes shown to the decoder as grey |
+//! | `gaps.rs` | texels that stand for nothing |
+
+mod gaps;
+mod recoded;
+
+use super::{
+    Extent, FileContext, FileKind, Opacity, RowSource, SampleKind, SourceInfo, SourceLimits,
+    check_size, complaint_of,
+};
+use crate::error::BuildError;
+use gaps::Gaps;
+use recoded::Recoded;
+use std::io::{BufRead, Seek};
+use terrella::elevation::geo_tags::GeoTags;
+use terrella::internals::files::printable;
+use terrella::internals::imagery::colour::Said;
+use tiff::decoder::{ChunkType, Decoder, DecodingResult, Limits};
+use tiff::tags::{CompressionMethod, PlanarConfiguration, Tag};
+use tiff::{ColorType, TiffError};
+
+/// Rows of a TIFF file.
+pub(super) struct TiffRows<R: BufRead + Seek> {
+    decoder: Decoder<Recoded<R>>,
+    info: SourceInfo,
+    context: FileContext,
+    said: Said,
+    stored: Stored,
+    chunks: Chunks,
+    gaps: Gaps,
+    given: u32,
+    /// The rows of the chunks that the next row lies in, as they are stored.
+    rows: Vec<u8>,
+}
+
+/// Texels as the file stores them.
+struct Stored {
+    channels: usize,
+    sample: SampleKind,
+    /// Each channel has strips or tiles of its own.
+    is_planar: bool,
+    /// Colours of the numbers that are stored.
+    palette: Option<Vec<[u8; 3]>>,
+}
+
+/// Strips or tiles.
+#[derive(Clone, Copy)]
+struct Chunks {
+    /// Texels of one.
+    columns: u32,
+    rows: u32,
+    /// How many lie side by side, and in one plane.
+    across: u32,
+    per_plane: u32,
+}
+
+impl Stored {
+    fn texel_bytes(&self) -> usize {
+        self.channels * self.sample.bytes()
+    }
+
+    /// Reads what the header says, and refuses what is not read.
+    fn of<R: BufRead + Seek>(
+        decoder: &mut Decoder<Recoded<R>>,
+        has_palette: bool,
+        context: &FileContext,
+    ) -> Result<Self, BuildError> {
+        let with_file = |error| decode_error(context, error);
+        let colour = decoder.colortype().map_err(with_file)?;
+        let extra = decoder.find_tag_unsigned_vec::<u16>(Tag::ExtraSamples);
+        let extra = extra
+            .map_err(with_file)?
+            .and_then(|extra| extra.first().copied());
+        let (channels, bits) = match colour {
+            ColorType::Gray(bits) => (1, bits),
+            ColorType::GrayA(bits) => (2, bits),
+            ColorType::RGB(bits) => (3, bits),
+            ColorType::RGBA(bits) => (4, bits),
+            // 1 and 2 are alpha.
+            ColorType::Multiband {
+                bit_depth,
+                num_samples: 2,
+            } if matches!(extra, None | Some(1 | 2)) => (2, bit_depth),
+            other => return Err(unfit(context, format!("holds {other:?} texels"))),
+        };
+        let palette = match has_palette {
+            true => Some(palette(decoder, (channels, bits), context)?),
+            false => None,
+        };
+        let planar = decoder.find_tag_unsigned::<u16>(Tag::PlanarConfiguration);
+        let planar = planar.map_err(with_file)? == Some(PlanarConfiguration::Planar.to_u16());
+        let format = decoder
+            .find_tag_unsigned_vec::<u16>(Tag::SampleFormat)
+            .map_err(with_file)?
+            .and_then(|formats| formats.first().copied())
+            .unwrap_or(1);
+        let sample = match (bits, format) {
+            (8, 1) => SampleKind::U8,
+            (16, 1) => SampleKind::U16,
+            (16, 2) => SampleKind::I16,
+            (32, 3) => SampleKind::F32,
+            _ => {
+                return Err(unfit(
+                    context,
+                    format!("holds {bits}-bit samples of format {format}"),
+                ));
+            }
+        };
+        Ok(Self {
+            channels,
+            sample,
+            is_planar: channels > 1 && planar,
+            palette,
+        })
+    }
+}
+
+/// The colours of a palette of 8-bit numbers.
+fn palette<R: BufRead + Seek>(
+    decoder: &mut Decoder<Recoded<R>>,
+    (channels, bits): (usize, u8),
+    context: &FileContext,
+) -> Result<Vec<[u8; 3]>, BuildError> {
+    let map = decoder.find_tag_unsigned_vec::<u16>(Tag::ColorMap);
+    let map = map.map_err(|error| decode_error(context, error))?;
+    let map = map.unwrap_or_default();
+    if (channels, bits) != (1, 8) {
+        return Err(context.refused(
+            format!("has a palette of {bits}-bit numbers"),
+            "write its colours out (`gdal_translate -expand rgb IN OUT`)",
+        ));
+    }
+    if map.len() != 3 * 256 {
+        return Err(context.damaged(format!("a palette of {} numbers", map.len())));
+    }
+    // Colours have 16 bits; some old writers gave 8.
+    let shift = if map.iter().all(|value| *value < 256) {
+        0
+    } else {
+        8
+    };
+    let at = |n: usize| (map[n] >> shift) as u8;
+    Ok((0..256)
+        .map(|n| [at(n), at(256 + n), at(512 + n)])
+        .collect())
+}
+
+impl Chunks {
+    fn of<R: BufRead + Seek>(decoder: &mut Decoder<Recoded<R>>, width: u32, height: u32) -> Self {
+        let (columns, rows) = decoder.chunk_dimensions();
+        // A strip may claim more rows than the map has; a tile may be wider and higher than it.
+        let rows = match decoder.get_chunk_type() {
+            ChunkType::Tile => rows,
+            ChunkType::Strip => rows.min(height),
+        };
+        // Neither is 0: the decoder has refused that.
+        let across = width.div_ceil(columns);
+        Self {
+            columns,
+            rows,
+            across,
+            per_plane: across.saturating_mul(height.div_ceil(rows)),
+        }
+    }
+}
+
+impl<R: BufRead + Seek> TiffRows<R> {
+    pub(super) fn open(
+        reader: R,
+        context: FileContext,
+        limits: SourceLimits,
+        extent: Extent,
+    ) -> Result<Self, BuildError> {
+        let with_file = |error| decode_error(&context, error);
+        let (reader, has_palette) =
+            Recoded::new(reader).map_err(|error| context.unreadable(error))?;
+        let mut decoder = Decoder::new(reader).map_err(with_file)?;
+        let (width, height) = decoder.dimensions().map_err(with_file)?;
+        check_size(&context, width, height, extent)?;
+        let stored = Stored::of(&mut decoder, has_palette, &context)?;
+        if extent == Extent::WholeEarth
+            && let Some(complaint) = complaint_of(&GeoTags::read(&mut decoder), width, height)
+        {
+            return Err(context.refused(
+                complaint,
+                "warp it to the whole globe (`gdalwarp -t_srs EPSG:4326 -te -180 -90 180 90`)",
+            ));
+        }
+        let said = said(&mut decoder).map_err(with_file)?;
+        context.check_turned(&said)?;
+
+        let chunks = Chunks::of(&mut decoder, width, height);
+        let texel_bytes = stored.texel_bytes() as u64;
+        let chunk_bytes = u64::from(chunks.columns)
+            .saturating_mul(u64::from(chunks.rows))
+            .saturating_mul(texel_bytes);
+        let row_bytes = u64::from(width) * u64::from(chunks.rows.min(height)) * texel_bytes;
+        let needed = row_bytes.saturating_add(chunk_bytes.saturating_mul(2));
+        let check = |needed: u64| {
+            match needed > limits.buffer_bytes {
+            true => Err(context.too_large(
+                "a row of its strips or tiles",
+                needed,
+                limits,
+                "rewrite it with smaller ones (`gdal_translate -co TILED=YES` or `tiffcp -r 16`) or allow more --memory",
+            )),
+            false => Ok(()),
+        }
+        };
+        check(needed)?;
+        let mut decoder_limits = Limits::default();
+        // Below the caller's limit, so a usize.
+        decoder_limits.decoding_buffer_size = chunk_bytes as usize;
+        // Compressed data are at most a little longer than their texels.
+        decoder_limits.intermediate_buffer_size = chunk_bytes as usize * 2 + 4096;
+        // Places and lengths of all strips or tiles.
+        decoder_limits.ifd_value_size = 64 << 20;
+        let mut decoder = decoder.with_limits(decoder_limits);
+        let gaps = Gaps::find(&mut decoder, (width, height), &context)?;
+        if let Some(complaint) =
+            short_chunk(&mut decoder, &stored, chunks, height, &gaps).map_err(with_file)?
+        {
+            return Err(context.damaged(complaint));
+        }
+        let needed = needed.saturating_add(gaps.working_bytes(chunks.rows));
+        check(needed)?;
+        let colours = match (&stored.palette, stored.channels) {
+            (Some(_), _) => 3,
+            (None, channels) => channels,
+        };
+        let opacity =
+            Opacity::of_channels(colours).or(gaps.are_possible().then_some(Opacity::Mask));
+        Ok(Self {
+            decoder,
+            info: SourceInfo {
+                file: FileKind::Tiff,
+                width,
+                height,
+                channels: colours + usize::from(opacity == Some(Opacity::Mask)),
+                sample: stored.sample,
+                opacity,
+                buffer_bytes: needed,
+            },
+            context,
+            said,
+            stored,
+            chunks,
+            gaps,
+            given: 0,
+            rows: vec![0; row_bytes as usize],
+        })
+    }
+
+    /// Reads the row of strips or tiles from this row of texels on.
+    fn read_chunks(&mut self, first_row: u32) -> Result<(), BuildError> {
+        let planes = if self.stored.is_planar {
+            self.stored.channels
+        } else {
+            1
+        };
+        let first_chunk = first_row / self.chunks.rows * self.chunks.across;
+        for place in 0..self.chunks.across {
+            for plane in 0..planes {
+                // Below 2^32: all planes are listed in the file.
+                let chunk = plane as u32 * self.chunks.per_plane + first_chunk + place;
+                if self.gaps.is_absent(chunk) {
+                    continue;
+                }
+                self.read_chunk(chunk, place, plane, first_row)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Reads a strip or tile into its place among the rows.
+    fn read_chunk(
+        &mut self,
+        chunk: u32,
+        place: u32,
+        plane: usize,
+        first_row: u32,
+    ) -> Result<(), BuildError> {
+        let decoded = self.decoder.read_chunk(chunk);
+        let decoded = decoded.map_err(|error| decode_error(&self.context, error))?;
+        let bytes: &[u8] = match &decoded {
+            DecodingResult::U8(values) => values,
+            DecodingResult::U16(values) => bytemuck::cast_slice(values),
+            DecodingResult::I16(values) => bytemuck::cast_slice(values),
+            DecodingResult::F32(values) => bytemuck::cast_slice(values),
+            _ => {
+                let cause = "texels of another kind than its header says";
+                return Err(self.context.damaged(cause));
+            }
+        };
+        let texel_bytes = self.stored.texel_bytes();
+        let piece_bytes = match self.stored.is_planar {
+            true => self.stored.sample.bytes(),
+            false => texel_bytes,
+        };
+        let row_bytes = self.info.width as usize * texel_bytes;
+        let (columns, _) = self.decoder.chunk_data_dimensions(chunk);
+        let rows = self.chunks.rows.min(self.info.height - first_row) as usize;
+        let run = columns as usize * piece_bytes;
+        let start = place as usize * self.chunks.columns as usize * texel_bytes;
+        if bytes.len() < run * rows
+            || run == 0
+            || start + columns as usize * texel_bytes > row_bytes
+        {
+            return Err(self.context.damaged("a strip or tile of the wrong size"));
+        }
+        let out = self.rows.chunks_exact_mut(row_bytes);
+        for (row, texels) in out.zip(bytes.chunks_exact(run).take(rows)) {
+            let row = &mut row[start..start + columns as usize * texel_bytes];
+            if piece_bytes == texel_bytes {
+                row.copy_from_slice(texels);
+                continue;
+            }
+            let samples = texels.chunks_exact(piece_bytes);
+            for (texel, sample) in row.chunks_exact_mut(texel_bytes).zip(samples) {
+                texel[plane * piece_bytes..][..piece_bytes].copy_from_slice(sample);
+            }
+        }
+        Ok(())
+    }
+
+    /// Writes a row out of those held, with its palette's colours and what of it is there.
+    fn write(&mut self, inside: usize, row: &mut [u8]) -> Result<(), BuildError> {
+        let stored_bytes = self.info.width as usize * self.stored.texel_bytes();
+        let stored = &self.rows[inside * stored_bytes..][..stored_bytes];
+        if self.gaps.are_possible() {
+            let first_chunk = self.given / self.chunks.rows * self.chunks.across;
+            let place = (first_chunk, self.chunks.columns);
+            self.gaps
+                .look(&mut self.decoder, self.given, place, &self.context)?;
+            let Stored {
+                channels, sample, ..
+            } = self.stored;
+            let colours = channels - usize::from(matches!(channels, 2 | 4));
+            self.gaps.take_no_data(sample, stored, channels, colours);
+        } else if self.stored.palette.is_none() {
+            row.copy_from_slice(stored);
+            return Ok(());
+        }
+        let (size, sample_bytes) = (self.stored.texel_bytes(), self.stored.sample.bytes());
+        let out = row.chunks_exact_mut(self.info.channels * sample_bytes);
+        let texels = stored.chunks_exact(size).zip(&self.gaps.is_there);
+        let full = full(self.stored.sample);
+        for (out, (texel, is_there)) in out.zip(texels) {
+            if !is_there {
+                out.fill(0);
+                continue;
+            }
+            match &self.stored.palette {
+                Some(palette) => out[..3].copy_from_slice(&palette[usize::from(texel[0])]),
+                None => out[..size].copy_from_slice(texel),
+            }
+            if self.info.opacity == Some(Opacity::Mask) {
+                let colours = out.len() - sample_bytes;
+                out[colours..].copy_from_slice(&full[..sample_bytes]);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The bytes of a sample that says that something is there.
+fn full(sample: SampleKind) -> [u8; 4] {
+    match sample {
+        SampleKind::F32 => 1f32.to_ne_bytes(),
+        SampleKind::U8 | SampleKind::U16 | SampleKind::I16 => [0xFF; 4],
+    }
+}
+
+/// What the tags say of orientation and colours.
+fn said<R: BufRead + Seek>(decoder: &mut Decoder<Recoded<R>>) -> Result<Said, TiffError> {
+    let orientation = decoder.find_tag_unsigned::<u16>(Tag::Orientation)?;
+    // A profile beyond the decoder's limits is no small thing to be told, but no reason to refuse the picture.
+    let profile = decoder.get_tag_u8_vec(Tag::IccProfile).ok();
+    Ok(Said {
+        orientation,
+        ..Said::of_parts(None, profile.as_deref())
+    })
+}
+
+/// What is wrong with uncompressed strips and tiles that have fewer bytes than texels: they would be read on into others.
+fn short_chunk<R: BufRead + Seek>(
+    decoder: &mut Decoder<Recoded<R>>,
+    stored: &Stored,
+    chunks: Chunks,
+    height: u32,
+    gaps: &Gaps,
+) -> Result<Option<String>, TiffError> {
+    let none = CompressionMethod::None.to_u16();
+    let compression = decoder.find_tag_unsigned::<u16>(Tag::Compression)?;
+    if compression.is_some_and(|compression| compression != none) {
+        return Ok(None);
+    }
+    let is_strip = decoder.get_chunk_type() == ChunkType::Strip;
+    let lengths = decoder.find_tag_unsigned_vec::<u64>(match is_strip {
+        true => Tag::StripByteCounts,
+        false => Tag::TileByteCounts,
+    })?;
+    let samples = if stored.is_planar { 1 } else { stored.channels };
+    let row_bytes = u64::from(chunks.columns) * (samples * stored.sample.bytes()) as u64;
+    let is_short = |(n, length): &(u32, u64)| {
+        let first_row = n % chunks.per_plane / chunks.across * chunks.rows;
+        let rows = match is_strip {
+            true => chunks.rows.min(height - first_row),
+            false => chunks.rows,
+        };
+        *length < row_bytes * u64::from(rows) && !gaps.is_absent(*n)
+    };
+    let short = (0_u32..).zip(lengths.unwrap_or_default()).find(is_short);
+    Ok(short
+        .map(|(n, length)| format!("strip or tile {n} has {length} bytes, fewer than its texels")))
+}
+
+impl<R: BufRead + Seek> RowSource for TiffRows<R> {
+    fn info(&self) -> SourceInfo {
+        self.info
+    }
+
+    fn colour_note(&self) -> Option<String> {
+        self.said.note()
+    }
+
+    fn next_row(&mut self, row: &mut [u8]) -> Result<(), BuildError> {
+        if self.given >= self.info.height {
+            return Err(self.context.damaged("too few rows"));
+        }
+        let inside = (self.given % self.chunks.rows) as usize;
+        if inside == 0 {
+            self.read_chunks(self.given)?;
+        }
+        self.write(inside, row)?;
+        self.given += 1;
+        Ok(())
+    }
+}
+
+fn unfit(context: &FileContext, cause: String) -> BuildError {
+    context.refused(
+        cause,
+        "convert it to grey or RGB of 8 or 16 bits (elevations also signed 16-bit or 32-bit float); a palette by `gdal_translate -expand rgb`",
+    )
+}
+
+fn decode_error(context: &FileContext, error: TiffError) -> BuildError {
+    match error {
+        TiffError::IoError(error) if error.kind() == std::io::ErrorKind::UnexpectedEof => {
+            context.damaged("the file ends too early")
+        }
+        // The decoders of compressed data report damage this way.
+        TiffError::IoError(error)
+            if matches!(
+                error.kind(),
+                std::io::ErrorKind::InvalidData
+                    | std::io::ErrorKind::InvalidInput
+                    | std::io::ErrorKind::Other
+            ) =>
+        {
+            context.damaged(printable(&error.to_string()))
+        }
+        TiffError::IoError(error) => context.unreadable(error),
+        TiffError::UnsupportedError(error) => unfit(context, printable(&error.to_string())),
+        TiffError::LimitsExceeded => context.refused(
+            "has tags or strips beyond all measure",
+            "rewrite it (`gdal_translate` or `tiffcp`)",
+        ),
+        other => context.damaged(printable(&other.to_string())),
+    }
+}
