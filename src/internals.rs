@@ -8,12 +8,8 @@
 
 #[path = "air/mod.rs"]
 pub mod air;
-#[path = "durable.rs"]
-pub mod durable;
 #[path = "earth/mod.rs"]
 pub mod earth;
-#[path = "files/mod.rs"]
-pub mod files;
 #[path = "globe/mod.rs"]
 pub mod globe;
 #[path = "gpu/mod.rs"]

@@ -76,8 +76,6 @@ pub mod celestial;
 pub mod elevation;
 pub mod frames;
 pub mod internals;
-#[cfg(any(feature = "packs", feature = "terrain"))]
-mod loaders;
 #[cfg(feature = "orbit")]
 pub mod orbit;
 #[cfg(feature = "tracks")]
@@ -87,7 +85,7 @@ pub use {glam, wgpu};
 
 #[cfg(feature = "offscreen")]
 pub(crate) use internals::offscreen;
-pub use internals::{air, durable, earth, files, globe, gpu, imagery, light};
+pub use internals::{air, earth, globe, gpu, imagery, light};
 
 pub use air::{AirOptions, Atmosphere};
 pub use earth::{

@@ -1,8 +1,5 @@
 //! Where simulators are met: addresses as Basilisk writes them, and the sockets under them.
 
-#[cfg(unix)]
-use crate::files::Unfinished;
-use crate::files::excerpt;
 use std::fmt;
 use std::io::{self, ErrorKind, Read, Write};
 use std::net::{IpAddr, Ipv4Addr, Shutdown, SocketAddr, TcpListener, TcpStream};
@@ -13,6 +10,9 @@ use std::os::unix::net::{UnixListener, UnixStream};
 use std::path::PathBuf;
 use std::str::FromStr;
 use std::time::Duration;
+#[cfg(unix)]
+use terrella_files::Unfinished;
+use terrella_files::excerpt;
 
 /// A place where a simulator is met: `tcp://127.0.0.1:5556`, or on Unix `ipc:///path`.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -1,9 +1,9 @@
 //! The stars, from a file.
 
-use crate::files;
 use glam::{DVec3, Vec3};
 use std::f64::consts::{PI, TAU};
 use std::path::{Path, PathBuf};
+use terrella_files as files;
 
 /// First bytes of a star file.
 const MAGIC: &[u8; 8] = b"TRSTARS1";

@@ -473,6 +473,7 @@ impl Earth {
     }
 
     /// The surface that draws ground with relief, as scenes name it; `None` without relief.
+    #[cfg(feature = "terrain")]
     pub fn surface_name(&self) -> Option<&'static str> {
         self.first.planner.ground().map(|surface| surface.name())
     }

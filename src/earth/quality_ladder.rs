@@ -1,8 +1,8 @@
 //! Ladders of quality: what is given up, in which order, and what that was measured to save and to cost in error.
 
 use super::quality::{Quality, QualityReduction};
-use crate::files::excerpt;
 use std::fmt::Write;
+use terrella_files::excerpt;
 
 /// The ladder of software adapters, written by `terrella report SCENE --quality`.
 const SOFTWARE: &str = include_str!("quality_ladder/software.csv");

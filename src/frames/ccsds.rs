@@ -5,7 +5,7 @@ use super::time::{
     MJD_1900, NS_PER_DAY, NS_PER_SECOND, Reading, day_and_rest, utc_day_from_tai_ns,
 };
 use super::{Duration, Epoch, TimeError, utc_from_rfc3339};
-use crate::files::excerpt;
+use terrella_files::excerpt;
 
 /// A scale that dates are written in. Others (UT1, TDB, Moon time…) are not TAI and a constant, or UTC, and are not read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -3,8 +3,8 @@
 use super::calendar::Calendar;
 use super::time::{tai_from_utc_day, tai_minus_utc_s, utc_day_from_tai_ns};
 use super::{Epoch, Orientation};
-use crate::files;
 use std::path::{Path, PathBuf};
+use terrella_files as files;
 
 /// UT1 − UTC and polar motion by date: `finals2000A.all` or `finals2000A.daily` of the IERS (Bulletin A), one row a day at
 /// 0 h UTC, from 1973 to a year ahead.

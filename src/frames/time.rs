@@ -12,7 +12,7 @@
 
 use super::calendar::Calendar;
 use super::{Duration, Epoch};
-use crate::files::{excerpt, is_unprintable};
+use terrella_files::{excerpt, is_unprintable};
 
 pub(super) const NS_PER_SECOND: i64 = 1_000_000_000;
 pub(super) const NS_PER_DAY: i64 = 86_400 * NS_PER_SECOND;

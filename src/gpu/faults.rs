@@ -3,8 +3,8 @@
 //! wgpu panics on them where nobody listens. A device that we open ourselves records the first, and the next call that draws or reads
 //! a picture returns it. A host's device is the host's: we listen there to nothing.
 
-use crate::files::cause;
 use std::sync::{Arc, Mutex, PoisonError};
+use terrella_files::cause;
 
 /// What has gone wrong on a device outside all error scopes.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

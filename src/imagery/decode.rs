@@ -3,9 +3,9 @@
 
 use super::colour::Said;
 use super::jpeg::{self, Fault};
-use crate::files::printable;
 use std::fmt;
 use std::io::Cursor;
+use terrella_files::printable;
 use zune_jpeg::JpegDecoder;
 use zune_jpeg::zune_core::bytestream::ZCursor;
 use zune_jpeg::zune_core::colorspace::ColorSpace;

@@ -8,8 +8,8 @@ use super::sea::{SeaFloor, grow_land};
 use super::slopes::{ELEVATION_OFFSET_M, SLOPE_EXAGGERATION, slopes_from_elevation};
 use super::texel::{MAX_HEIGHT, MIN_HEIGHT};
 use super::tile::MapLayer;
-use crate::files;
 use std::path::{Path, PathBuf};
+use terrella_files as files;
 
 /// Largest map file, bytes.
 pub const MAX_FILE_BYTES: u64 = 1 << 30;
@@ -200,7 +200,7 @@ struct DayTexels {
 /// How the colours of a map differ from sRGB, by its header. What is wrong with the file is told when it is read.
 pub fn colour_note(path: &Path) -> Option<String> {
     let mut file = files::open(path).ok()?;
-    let magic = crate::elevation::read::first_bytes(&mut file).ok()?;
+    let magic = files::first_bytes(&mut file).ok()?;
     let said = match FileKind::of(&magic)? {
         FileKind::Png => {
             let decoder = png::Decoder::new(std::io::BufReader::new(file));

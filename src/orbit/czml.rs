@@ -8,13 +8,13 @@ use super::interpolated::{
     StateSample, doubts, sift,
 };
 use super::text::json::{Document, Object};
-use crate::files::excerpt;
 use crate::frames::{Duration, Epoch, TimeScale, epoch_from_ccsds, utc_from_rfc3339};
 use glam::DVec3;
 use serde_json::value::RawValue;
 use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
+use terrella_files::excerpt;
 
 /// Most packets of a document.
 const MAX_PACKETS: usize = 1_000_000;

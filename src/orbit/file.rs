@@ -1,8 +1,8 @@
 //! Files from outside, read into memory within limits.
 
 use super::OrbitError;
-use crate::files;
 use std::path::Path;
+use terrella_files as files;
 
 /// The text of a file of at most `limit` bytes.
 pub(super) fn read_text(path: &Path, limit: u64) -> Result<String, OrbitError> {

@@ -8,8 +8,8 @@ use std::process::exit;
 use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
 use std::sync::{Mutex, PoisonError};
 #[cfg(target_os = "linux")]
-use terrella::internals::files::read_text;
-use terrella::internals::files::remove_unfinished;
+use terrella_files::read_text;
+use terrella_files::remove_unfinished;
 
 /// The number of the first signal; 0 before.
 static ASKED_BY: AtomicU8 = AtomicU8::new(0);

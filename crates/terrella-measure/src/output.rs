@@ -1,7 +1,7 @@
 //! Where measurements are written: a folder of tables, charts, pictures and a page.
 
 use std::path::{Path, PathBuf};
-use terrella::internals::files;
+use terrella_files as files;
 use terrella_play::{OutputError, PendingFile};
 
 /// Largest table that is read back, bytes.

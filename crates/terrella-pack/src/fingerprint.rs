@@ -9,7 +9,7 @@ use std::fmt::Write;
 use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 use std::time::UNIX_EPOCH;
-use terrella::internals::files;
+use terrella_files as files;
 
 /// Bytes of a map's file that are looked at, at its start and at its end.
 const ENDS: u64 = 1 << 20;

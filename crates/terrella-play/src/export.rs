@@ -21,10 +21,10 @@ use std::path::Path;
 use std::sync::mpsc::sync_channel;
 use std::time::Instant;
 use terrella::basilisk::Meeting;
-use terrella::internals::files::printable;
 use terrella::internals::gpu::GpuContext;
 use terrella::internals::imagery::tile::TileKey;
 use terrella::orbit::live::Pacing;
+use terrella_files::printable;
 
 /// Frames that may wait to be written: one in the writer's hands, this many more drawn ahead of it.
 const FRAMES_AHEAD: usize = 2;

@@ -9,8 +9,8 @@ use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use tempfile::TempPath;
-use terrella::durable;
-use terrella::internals::files::Unfinished;
+use terrella_files::Unfinished;
+use terrella_files::durable;
 
 /// Why something cannot be written.
 #[derive(Debug, thiserror::Error)]

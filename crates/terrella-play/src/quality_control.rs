@@ -4,8 +4,8 @@ use super::error::PlayError;
 use super::flight::Moment;
 use super::offscreen::OffscreenRenderer;
 use crate::scene::{QualityTable, Scene};
-use terrella::internals::files;
 use terrella::{AdaptiveQuality, Quality, QualityLadder};
+use terrella_files as files;
 
 /// Largest file of a ladder, bytes.
 const MAX_LADDER_BYTES: u64 = 1 << 16;

@@ -1,9 +1,9 @@
 //! Why heights could not be read, said with the file, the cause, what was expected and what to do.
 
 use crate::elevation::GridError;
-use crate::files;
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
+use terrella_files as files;
 
 /// Why heights could not be read from a file.
 #[derive(Debug, thiserror::Error)]

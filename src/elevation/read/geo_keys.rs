@@ -5,7 +5,7 @@ use super::error::FileContext;
 use super::sidecar::HeightUnit;
 use crate::elevation::geo_tags::{GEOGRAPHIC_TYPE, GeoTags, MODEL_TYPE, RASTER_TYPE, System};
 use crate::elevation::{Georeference, Registration};
-use crate::files::excerpt;
+use terrella_files::excerpt;
 
 const VERTICAL_TYPE: u16 = 4096;
 const VERTICAL_UNITS: u16 = 4099;

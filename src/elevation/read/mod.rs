@@ -25,12 +25,12 @@ pub use error::HeightFileError;
 pub use sidecar::{ByteOrder, HeightUnit, MAX_SIDECAR_BYTES, Sidecar, SidecarGeoreference};
 
 use super::{Denoise, Denoised, Georeference, GridError, GridLimits, HeightGrid};
-use crate::files;
 use error::FileContext;
 use missing::Missing;
 use std::fs::File;
-use std::io::{self, BufRead, BufReader, ErrorKind, Read, Seek};
+use std::io::{BufRead, BufReader, ErrorKind, Read, Seek};
 use std::path::{Path, PathBuf};
+use terrella_files as files;
 
 /// Heights of a file.
 #[derive(Debug)]
@@ -213,18 +213,11 @@ pub fn read_heights<R: BufRead + Seek>(
     HeightReader::new(reader, sidecar, path)?.whole(limits, None)
 }
 
-/// The first 8 bytes of a file, which say what it is; fewer where it ends. The reader goes back to where the file begins.
-pub fn first_bytes<R: Read + Seek>(mut reader: R) -> io::Result<Vec<u8>> {
-    let mut bytes = Vec::with_capacity(8);
-    (&mut reader).take(8).read_to_end(&mut bytes)?;
-    reader.rewind()?;
-    Ok(bytes)
-}
-
 impl<R: BufRead + Seek> HeightReader<R> {
     fn new(mut reader: R, sidecar: Option<&Sidecar>, path: &Path) -> Result<Self, HeightFileError> {
         let context = FileContext::new(path);
-        let magic = first_bytes(&mut reader).map_err(|error| context.unreadable(error))?;
+        let magic =
+            terrella_files::first_bytes(&mut reader).map_err(|error| context.unreadable(error))?;
         let formats = "a GeoTIFF, a PNG or a NetCDF classic file";
         let said = sidecar.cloned().unwrap_or_default();
         let (decoder, header) = match magic.as_slice() {

@@ -8,8 +8,8 @@ use super::missing::Missing;
 use super::sidecar::HeightUnit;
 use super::{Conversion, Header, HeightFileError};
 use crate::elevation::{Georeference, GridError, MAX_SIDE, Registration};
-use crate::files::printable;
 use std::io::{BufRead, Read, Seek, SeekFrom};
+use terrella_files::printable;
 
 /// Largest header, bytes, and most dimensions, attributes or variables of one list.
 const HEADER_BYTES: u64 = 1 << 20;

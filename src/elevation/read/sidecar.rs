@@ -2,9 +2,9 @@
 
 use super::HeightFileError;
 use crate::elevation::{Bounds, Georeference, GridError, Registration};
-use crate::files::printable;
 use serde::Deserialize;
 use std::path::Path;
+use terrella_files::printable;
 use toml::Spanned;
 
 /// Largest sidecar that is read, bytes.

@@ -1,10 +1,10 @@
 //! Rows of heights in a scratch file.
 
 use super::SpoolError;
-use crate::files::{self, Unfinished};
 use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::PathBuf;
+use terrella_files::{self as files, Unfinished};
 
 /// What stands for a hole among whole metres: no height of the Earth.
 const HOLE: i16 = i16::MIN;

@@ -5,11 +5,11 @@
 
 use crate::elevation::tiles::HeldTile;
 use crate::elevation::{HeightTileError, HeightTileKey, HeightTileLayout, HeightTileSource};
-use crate::loaders::{Loaders, lock, try_lock};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::Duration;
+use terrella_files::loaders::{Loaders, lock, try_lock};
 
 /// Loaded tiles that may wait to be taken in; threads rest meanwhile.
 const MOST_WAITING: usize = 32;

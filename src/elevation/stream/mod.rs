@@ -37,12 +37,12 @@ use super::{
     HeightTileKey, HeightTileSource,
 };
 use crate::frames::HeightTileStats;
-use crate::loaders::{lock, try_lock};
 use cache::HeightCache;
 use loader::HeightLoader;
 use std::fmt;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, RwLock, Weak};
 use std::time::Duration;
+use terrella_files::loaders::{lock, try_lock};
 use viewer::Look;
 
 /// Tiles that a frame takes over in an [`Earth`](crate::Earth), at most: each has its part of the ground made anew.

@@ -1,9 +1,9 @@
 //! A file of a pack: what it must be, and its bytes where it is that.
 
-use crate::files;
 use crate::imagery::tile::TileError;
 use std::io::{ErrorKind, Read};
 use std::path::Path;
+use terrella_files as files;
 
 /// What a tile's file must be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -3,10 +3,10 @@
 use super::error::{MAX_MANIFEST_BYTES, PackError};
 use super::heights::HeightIndex;
 use super::manifest::{MANIFEST_FILE, Manifest, tile_path};
-use crate::files;
 use crate::imagery::tile::{Storage, TileKey};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
+use terrella_files as files;
 
 /// Name of the file in a pack's folder by which the building goes on after it was broken off. It is there from the
 /// first tile to the last, and the manifest only after it.

@@ -7,11 +7,11 @@
 use super::cache::{LoadError, LoadId, TileCache, check};
 use super::pools::usable;
 use crate::imagery::tile::{LayerLayout, Tile, TileFormat, TileKey, TileShape, TileSource};
-use crate::loaders::{Loaders, lock, try_lock};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::{Duration, Instant};
+use terrella_files::loaders::{Loaders, lock, try_lock};
 
 pub(super) struct Loader {
     shared: Arc<Shared>,

@@ -83,7 +83,6 @@ pub use split::{Received, Splitter};
 
 use super::connections::Standing;
 use super::{Feed, Freshness, OrbitError, OrbitState};
-use crate::files::printable;
 use crate::frames::{Epoch, rfc3339, utc_from_rfc3339};
 use buffer::later;
 use lockstep::Outcome;
@@ -93,6 +92,7 @@ use std::net::SocketAddr;
 use std::sync::Arc;
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
+use terrella_files::printable;
 
 /// A feed whose states come while it is asked. See the [module](self) for what simulators send.
 ///

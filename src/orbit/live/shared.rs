@@ -7,10 +7,10 @@ use super::options::{LiveOptions, Pacing};
 use super::packet::{Packet, PacketFault, PacketKind};
 use super::reply::Reply;
 use super::split::Received;
-use crate::files::printable;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
+use terrella_files::printable;
 
 /// What has come and what became of it, since the feed was opened.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

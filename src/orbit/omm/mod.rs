@@ -12,10 +12,10 @@ use super::text::json::Document;
 use super::text::xml::XmlItem;
 use super::text::{csv, kvn, unmarked, xml};
 use super::{MeanElements, OrbitError};
-use crate::files::excerpt;
 use fields::{ElementEntries, OmmSource};
 use std::borrow::Cow;
 use std::path::Path;
+use terrella_files::excerpt;
 
 pub use write::write_omm;
 

@@ -2,13 +2,13 @@
 
 use super::super::entry::{Entry, RecordError, RecordFault, TextPosition};
 use super::{Lines, offset};
-use crate::files::{excerpt, printable};
 use serde::de::{Error as _, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 use serde_json::value::RawValue;
 use std::borrow::Cow;
 use std::fmt;
 use std::path::Path;
+use terrella_files::{excerpt, printable};
 
 /// Most members of an object that is looked into.
 const MAX_MEMBERS: usize = 10_000;

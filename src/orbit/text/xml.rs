@@ -2,11 +2,11 @@
 
 use super::super::entry::{Entry, RecordError, RecordFault};
 use super::Lines;
-use crate::files::printable;
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::{Reader, XmlVersion};
 use std::borrow::Cow;
 use std::path::Path;
+use terrella_files::printable;
 
 /// Elements within elements; messages of the CCSDS have nine.
 const MAX_DEPTH: usize = 32;

@@ -154,7 +154,7 @@ fn damaged_manifests_with_parts_are_refused_with_line_or_key() {
 
 #[test]
 fn the_contact_sheet_shows_parts_at_their_places() {
-    use terrella::internals::imagery::pack::preview;
+    use terrella_pack::preview;
     // The block that is shown is 40.
     let shapes = vec![shape(20, 4), shape(20, 1), shape(16, 1)];
     let fixture = Fixture::of_shapes(&[Storage::Plain], &[(MapLayer::Day, shapes)], |key| {

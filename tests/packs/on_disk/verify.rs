@@ -2,8 +2,9 @@
 
 use super::fixture::{Fixture, key, write};
 use std::path::Path;
-use terrella::internals::imagery::pack::{PackError, preview, verify};
+use terrella::internals::imagery::pack::{PackError, verify};
 use terrella::internals::imagery::tile::{MapLayer, Storage};
+use terrella_pack::preview;
 
 #[test]
 fn a_good_pack_is_good() {

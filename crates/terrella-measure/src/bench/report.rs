@@ -4,7 +4,7 @@ use super::error::BenchError;
 use crate::{GroundPath, Quantiles, median};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
-use terrella::internals::files::{self, printable};
+use terrella_files::{self as files, printable};
 
 /// The layout of the file. A reader refuses others.
 pub const VERSION: u32 = 2;

@@ -3,7 +3,7 @@
 use std::fmt::Display;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
-use terrella::internals::files;
+use terrella_files as files;
 use terrella_play::{OutputError, PendingFile};
 
 /// Extension of the files.

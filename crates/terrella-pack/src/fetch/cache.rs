@@ -15,8 +15,8 @@ use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
-use terrella::durable;
-use terrella::internals::files::{self, Unfinished, printable};
+use terrella_files::durable;
+use terrella_files::{self as files, Unfinished, printable};
 
 /// Name of the journal in a folder.
 const JOURNAL_FILE: &str = "fetched.journal";

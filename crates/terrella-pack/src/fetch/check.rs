@@ -3,7 +3,7 @@
 use super::source::Media;
 use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
-use terrella::internals::files;
+use terrella_files as files;
 
 /// Bytes at both ends of a file that are looked at. A JPEG may have much before its size.
 const HEAD_BYTES: u64 = 256 << 10;

@@ -7,8 +7,8 @@ use crate::source::{RowSource, SampleKind, SourceLimits};
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::Path;
-use terrella::durable;
-use terrella::internals::files::Unfinished;
+use terrella_files::Unfinished;
+use terrella_files::durable;
 use tiff::encoder::{TiffEncoder, colortype::Gray32Float};
 use tiff::tags::Tag;
 

@@ -8,7 +8,7 @@ use super::error::FetchError;
 use std::io::{ErrorKind, Read, Write};
 use std::path::Path;
 use std::time::{Duration, Instant};
-use terrella::internals::files::{self, printable};
+use terrella_files::{self as files, printable};
 use ureq::tls::{Certificate, PemItem, RootCerts, TlsConfig, parse_pem};
 use ureq::{Agent, Error};
 

@@ -3,7 +3,7 @@
 use super::error::FetchError;
 use super::source::{MAX_SOURCE_BYTES, Source};
 use std::path::Path;
-use terrella::internals::files;
+use terrella_files as files;
 
 /// Descriptions, each by its name.
 const NAMED: &[(&str, &str)] = &[

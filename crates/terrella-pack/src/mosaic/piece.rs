@@ -15,7 +15,7 @@ use crate::source::{Extent, FileContext, SourceInfo, SourceLimits, read_extent};
 use std::collections::VecDeque;
 use std::io::BufReader;
 use std::path::Path;
-use terrella::internals::files;
+use terrella_files as files;
 
 /// A part that has been looked at.
 #[derive(Clone, Debug)]

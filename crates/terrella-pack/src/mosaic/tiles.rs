@@ -6,7 +6,7 @@ use crate::source::{Extent, FileContext, SampleKind, SourceInfo, SourceLimits, r
 use std::io::{Cursor, ErrorKind, Read};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
-use terrella::internals::files;
+use terrella_files as files;
 
 /// Largest file of a tile, bytes.
 pub const MAX_TILE_FILE_BYTES: u64 = 64 << 20;

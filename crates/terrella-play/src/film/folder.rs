@@ -5,7 +5,7 @@ use crate::error::PlayError;
 use crate::output::{OutputError, PendingFile, make_folder};
 use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
-use terrella::internals::files::{self, Unfinished};
+use terrella_files::{self as files, Unfinished};
 
 /// What becomes of a folder that holds something already.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
 use terrella::frames::{TimeScale, ccsds_time};
-use terrella::internals::files;
+use terrella_files as files;
 
 /// Most files that a message names of each kind of change.
 const MOST_NAMED: usize = 5;

@@ -20,7 +20,7 @@ use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use terrella::frames::{Epoch, TimeScale, ccsds_time};
-use terrella::internals::files::{self, printable};
+use terrella_files::{self as files, printable};
 
 /// The page's name.
 const NAME: &str = "frames.json";

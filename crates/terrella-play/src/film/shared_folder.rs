@@ -12,7 +12,7 @@ use crate::flight::Flight;
 use crate::output::OutputError;
 use std::ops::Range;
 use std::path::Path;
-use terrella::internals::files;
+use terrella_files as files;
 
 /// A film's folder and its page, in the hands of one process while others write frames into it.
 pub struct SharedFolder {

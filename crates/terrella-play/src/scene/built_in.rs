@@ -5,8 +5,8 @@ use super::orbit::{Orbit, OrbitSource};
 use super::{KeyLines, Scene, StartSource};
 use std::io::Read;
 use std::path::Path;
-use terrella::internals::files;
 use terrella::orbit::FileFormat;
+use terrella_files as files;
 
 /// The scene that comes with the program.
 const SHIPPED: &str = include_str!("../../../../config/iss.toml");

@@ -2,7 +2,7 @@
 
 use std::fmt;
 use std::path::{Path, PathBuf};
-pub(super) use terrella::internals::files::excerpt as printable;
+pub(super) use terrella_files::excerpt as printable;
 
 /// Largest scene file, bytes. A scene of every key with generous comments is a hundredth of it.
 pub(super) const MAX_FILE_BYTES: u64 = 1 << 20;

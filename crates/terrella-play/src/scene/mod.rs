@@ -53,7 +53,7 @@ mod tracks;
 use error::MAX_FILE_BYTES;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use terrella::internals::files;
+use terrella_files as files;
 
 use text::{SceneText, line_starts};
 

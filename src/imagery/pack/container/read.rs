@@ -2,8 +2,8 @@
 
 use super::descriptor::{PLANE_SIZES, descriptor, vulkan_format};
 use super::{MAX_OVERHEAD_BYTES, SCHEME_ZSTD};
-use crate::files::printable;
 use crate::imagery::tile::{TILE_MIPS, Tile, TileFormat, TileShape};
+use terrella_files::printable;
 
 /// The tile of a KTX2 file, which must be of this format and shape.
 ///

@@ -1,7 +1,7 @@
 //! The samples of a tile as bytes: differences from what neighbours let expect, compressed.
 
 use super::{HeightKind, HeightsEntry};
-use crate::files::printable;
+use terrella_files::printable;
 
 /// Zstandard's level: a third smaller than its usual one, decompressed as fast.
 const ZSTD_LEVEL: i32 = 12;

@@ -1,10 +1,10 @@
 //! TOML tables and values with their places: what is missing, unknown or not as it must be is named with line and key.
 
-use crate::files::{self, excerpt, is_unprintable};
 use crate::imagery::pack::error::{ManifestPlace, PackError};
 use std::fmt::Display;
 use std::ops::RangeInclusive;
 use std::path::Path;
+use terrella_files::{self as files, excerpt, is_unprintable};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 

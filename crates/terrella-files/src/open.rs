@@ -1,7 +1,7 @@
 //! The one way in which files from outside are opened.
 
 use std::fs::{self, File, FileType, Metadata, OpenOptions};
-use std::io::{self, Error, ErrorKind, Read};
+use std::io::{self, Error, ErrorKind, Read, Seek};
 use std::path::Path;
 
 /// Longest path that a file from outside may name, bytes: what every system can open.
@@ -59,6 +59,14 @@ pub fn read_text(path: &Path, limit: u64) -> io::Result<Option<String>> {
     bytes
         .map(|bytes| String::from_utf8(bytes).map_err(not_text))
         .transpose()
+}
+
+/// The first 8 bytes of a file, which say what it is; fewer where it ends. The reader goes back to where the file begins.
+pub fn first_bytes<R: Read + Seek>(mut reader: R) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::with_capacity(8);
+    (&mut reader).take(8).read_to_end(&mut bytes)?;
+    reader.rewind()?;
+    Ok(bytes)
 }
 
 /// What is wrong with a path that a file names, before the system is asked and its message repeats the path.

@@ -8,12 +8,12 @@ use std::time::Duration;
 const JOIN_TIMEOUT: Duration = Duration::from_secs(2);
 
 /// Locks what nobody panics under, so that a poisoned mutex is as good.
-pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+pub fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// The same, if it is free just now: a frame does not wait for a thread of low priority that was put to sleep inside.
-pub(crate) fn try_lock<T>(mutex: &Mutex<T>) -> Option<MutexGuard<'_, T>> {
+pub fn try_lock<T>(mutex: &Mutex<T>) -> Option<MutexGuard<'_, T>> {
     match mutex.try_lock() {
         Ok(held) => Some(held),
         Err(TryLockError::Poisoned(held)) => Some(held.into_inner()),
@@ -22,7 +22,7 @@ pub(crate) fn try_lock<T>(mutex: &Mutex<T>) -> Option<MutexGuard<'_, T>> {
 }
 
 /// Threads of low priority that work until they are told to stop.
-pub(crate) struct Loaders {
+pub struct Loaders {
     what: &'static str,
     running: Arc<Running>,
     threads: Vec<JoinHandle<()>>,
@@ -66,7 +66,6 @@ impl Loaders {
     }
 
     /// Whether the system gave no thread.
-    #[cfg(feature = "terrain")]
     pub fn is_empty(&self) -> bool {
         self.threads.is_empty()
     }
@@ -101,7 +100,6 @@ impl Running {
 }
 
 /// Between the lowest priority, 0, and the highest, 99: on Linux a niceness of about 10.
-#[cfg(feature = "packs")]
 fn lower_priority() {
     use thread_priority::{ThreadPriority, ThreadPriorityValue};
     const PRIORITY: u8 = 25;
@@ -110,7 +108,3 @@ fn lower_priority() {
         let _ = ThreadPriority::Crossplatform(priority).set_for_current();
     }
 }
-
-/// Without packs the crate that sets priorities is not there: the threads are as any others.
-#[cfg(not(feature = "packs"))]
-fn lower_priority() {}
