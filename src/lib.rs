@@ -74,13 +74,13 @@ pub mod basilisk;
 pub mod celestial;
 #[cfg(feature = "terrain")]
 pub mod elevation;
-pub mod frames;
 pub mod internals;
 #[cfg(feature = "orbit")]
 pub mod orbit;
 #[cfg(feature = "tracks")]
 pub mod tracks;
 
+pub use terrella_frames as frames;
 pub use {glam, wgpu};
 
 #[cfg(feature = "offscreen")]
@@ -95,7 +95,6 @@ pub use earth::{
     ReadyChange, Sky, SurfaceLight, SurfaceOutput, TILED_SUBDIVISION, TileOptions, TruthPoint,
     TruthView, ViewFrame, Viewport,
 };
-pub use frames::Epoch;
 pub use globe::{Figure, LevelRule, Shading, Subdivision, Visibility};
 #[cfg(feature = "terrain")]
 pub use globe::{
@@ -124,3 +123,4 @@ pub use offscreen::{
     Drawing, LayerDtype, LayerValues, OffscreenEarth, OffscreenError, TRUTH_LAYERS, TruthLayer,
     TruthPicture,
 };
+pub use terrella_frames::Epoch;

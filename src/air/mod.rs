@@ -1,6 +1,6 @@
 //! The atmosphere as numbers: density profiles, scattering tables and the paper's billboard. No GPU here.
 //!
-//! Everything is computed on the unit sphere of scaled space (see [`crate::frames::Ellipsoid`]): there the limb of an
+//! Everything is computed on the unit sphere of scaled space (see [`terrella_frames::Ellipsoid`]): there the limb of an
 //! ellipsoid is a circle, so halo and limb meet at the poles as they do at the equator. Lengths are in units of the
 //! equatorial radius; that makes the air 0.3 % thinner over the poles, which is far below its natural variation.
 

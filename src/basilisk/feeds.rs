@@ -2,10 +2,10 @@
 
 use super::shared::Shared;
 use super::world::{Snapshot, seconds};
-use crate::frames::{Epoch, rfc3339, utc_from_rfc3339};
 use crate::orbit::{Feed, Frame, Freshness, OrbitError, OrbitState};
 use glam::DVec3;
 use std::sync::{Arc, OnceLock};
+use terrella_frames::{Epoch, rfc3339, utc_from_rfc3339};
 
 /// The states of a craft that have come, in GCRF about the Earth's centre.
 pub struct CraftFeed {

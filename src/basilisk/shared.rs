@@ -6,11 +6,11 @@ use super::message::{Camera, Message};
 use super::options::SimulationOptions;
 use super::wire::WireFault;
 use super::world::{Roster, Snapshot, UpdateFault, World};
-use crate::frames::Epoch;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
+use terrella_frames::Epoch;
 
 /// How long the first picture may be waited for while maps are loaded and the renderer is made.
 const OPENING_TIME: Duration = Duration::from_secs(120);

@@ -7,11 +7,11 @@ use super::options::{Meeting, SimulationError, SimulationOptions};
 use super::shared::{Counters, Shared, StepPace};
 use super::world::{Roster, Snapshot};
 use super::{server, subscriber};
-use crate::frames::Epoch;
 use glam::DVec3;
 use std::sync::{Arc, OnceLock};
 use std::thread::{Builder, JoinHandle};
 use std::time::Duration;
+use terrella_frames::Epoch;
 
 /// A simulation that is met: answers it, keeps what it says, hands out what it waits for.
 ///

@@ -6,12 +6,12 @@
 use super::attitude::rotation_of_mrp;
 use super::message::{Body, Camera, Craft, EpochDate, Location, MAX_LOCATIONS, Message, is_black};
 use super::undrawn::Undrawn;
-use crate::frames::{
-    Calendar, Duration, Epoch, moon_position_gcrf_m, rfc3339, sun_position_gcrf_m, tai_from_utc_day,
-};
 use glam::{DMat3, DQuat, DVec3};
 use std::collections::BTreeSet;
 use std::sync::Arc;
+use terrella_frames::{
+    Calendar, Duration, Epoch, moon_position_gcrf_m, rfc3339, sun_position_gcrf_m, tai_from_utc_day,
+};
 
 /// Most simulated time, seconds: some 95 years.
 const MAX_ELAPSED_S: f64 = 3e9;

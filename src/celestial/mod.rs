@@ -33,7 +33,6 @@ mod stars;
 
 use crate::air::TOP;
 use crate::earth::{Earth, EarthView, EyeView, Viewport, ball_bounds};
-use crate::frames::{Epoch, MOON_RADIUS_M, Observer, Orientation, SUN_RADIUS_M};
 use crate::gpu::{AirSide, AirTextures, DepthBuffer, PassFormat, ShaderError};
 use crate::gpu::{
     CelestialDrawable, CelestialKind, CelestialParts, CelestialUniforms, GLARE_RADIUS_RAD,
@@ -46,6 +45,7 @@ use seen::Seen;
 pub use stars::{Star, StarCatalogue, StarError};
 use std::f64::consts::PI;
 use std::sync::Arc;
+use terrella_frames::{Epoch, MOON_RADIUS_M, Observer, Orientation, SUN_RADIUS_M};
 
 /// A disc of a smaller radius is drawn as a point, pixels: its edge would be most of it.
 const POINT_PX: f64 = 2.0;

@@ -1,9 +1,9 @@
 //! From directions to pixels.
 
 use crate::earth::{ItrfView, Viewport, ball_bounds};
-use crate::frames::Ellipsoid;
 use crate::gpu::{Disc, StarPoint};
 use glam::{DMat3, DVec2, DVec3, Vec3, Vec4};
+use terrella_frames::Ellipsoid;
 
 /// From directions to pixels.
 pub(super) struct Projection<'v> {

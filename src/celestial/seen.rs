@@ -4,11 +4,11 @@ use super::moon::{MoonLaw, earthshine};
 use super::projection::{Projection, disc_axes};
 use super::stars::StarCatalogue;
 use crate::earth::{ItrfView, moonlight};
-use crate::frames::{Ellipsoid, MOON_RADIUS_M, MoonShadow, Observer, illumination};
 use crate::gpu::{CelestialUniforms, Disc, StarPoint};
 use bytemuck::Zeroable;
 use glam::{DMat3, DVec3};
 use std::f64::consts::PI;
+use terrella_frames::{Ellipsoid, MOON_RADIUS_M, MoonShadow, Observer, illumination};
 
 /// How far stars may have moved since the catalogue's date, radians: 200 years of the fastest and aberration, with room.
 const MOVED_RAD: f64 = 0.02;

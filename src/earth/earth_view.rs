@@ -128,7 +128,7 @@ impl EarthView {
 
     /// The figure of its Earth.
     #[cfg(feature = "celestial")]
-    pub(crate) fn ellipsoid(&self) -> crate::frames::Ellipsoid {
+    pub(crate) fn ellipsoid(&self) -> terrella_frames::Ellipsoid {
         self.planner.ellipsoid()
     }
 

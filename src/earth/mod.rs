@@ -497,7 +497,7 @@ impl Earth {
 
     /// The figure that it has.
     #[cfg(feature = "tracks")]
-    pub(crate) fn ellipsoid(&self) -> crate::frames::Ellipsoid {
+    pub(crate) fn ellipsoid(&self) -> terrella_frames::Ellipsoid {
         self.first.planner.ellipsoid()
     }
 

@@ -1,8 +1,8 @@
 //! What lights the Earth.
 
-use crate::frames::{ASTRONOMICAL_UNIT_M, Epoch, MoonShadow, Observer, Orientation};
 use crate::gpu::LAMPS_OUT_SIN;
 use glam::{DMat3, DVec3};
+use terrella_frames::{ASTRONOMICAL_UNIT_M, Epoch, MoonShadow, Observer, Orientation};
 
 /// A block on which the sine of the Sun's elevation is nowhere less has no lamp lit, with room for the ellipsoid.
 pub(super) const LIGHTS_OUT: f64 = LAMPS_OUT_SIN + ROOM_SIN;
@@ -121,7 +121,7 @@ mod tests {
 
     #[test]
     fn a_date_beyond_all_ephemerides_has_a_sky_or_none_and_never_panics() {
-        use crate::frames::Duration;
+        use terrella_frames::Duration;
         let origin = Epoch::from_gregorian_utc(2000, 1, 1, 0, 0, 0, 0);
         for years in [
             -32_000.0, -20_000.0, -3000.0, 3000.0, 20_000.0, 32_000.0, 1e6,

@@ -6,7 +6,6 @@ use super::tile_parts::{PartLevels, PartRequests};
 use super::tile_rule::{Ladder, NONE, TileRule};
 use super::tile_view::{TileDetail, TileView};
 use super::{EarthError, EyeView};
-use crate::frames::HeightRange;
 use crate::globe::{
     BLOCK_COUNT, Block, BlockGrid, BlockSet, Figure, LevelRule, PartSight, Visibility,
     select_blocks, texels_per_pixel,
@@ -20,6 +19,7 @@ use glam::DVec3;
 use std::fmt;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
+use terrella_frames::HeightRange;
 
 /// Most expected views that are looked at.
 const MAX_EXPECTED: usize = 4;

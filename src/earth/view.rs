@@ -1,11 +1,11 @@
 //! The eye: where it is, what it sees, and on which part of the host's target; the projection to reversed depth.
 
-use crate::frames::Ellipsoid;
 use crate::gpu::FrameUniforms;
 use bytemuck::Zeroable;
 #[cfg(any(feature = "celestial", feature = "tracks"))]
 use glam::DVec2;
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3, DVec4};
+use terrella_frames::Ellipsoid;
 
 /// Where the eye is and what it sees, in the host's own world.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,9 +1,9 @@
 //! The lattice of 16 × 8 blocks, each of n × n cells.
 
 use super::culling::ScaledRect;
-use crate::frames::Ellipsoid;
 use glam::{DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_8, PI};
+use terrella_frames::Ellipsoid;
 
 /// Blocks around the equator, from 180° W eastwards.
 pub const COLUMNS: u32 = 16;

@@ -7,10 +7,10 @@ use super::blocks::{Block, BlockGrid, BlockRow, SubdivisionError};
 use super::select::select_blocks_between;
 use super::surface::{GroundVertex, GroundView, Patch, Surface, SurfaceStats, TriangleList};
 use crate::elevation::{Bounds, COARSEST_STEP_RAD, Elevation, HeightChange};
-use crate::frames::Ellipsoid;
 use glam::{DVec3, Vec2};
 use std::f64::consts::{FRAC_PI_8, PI};
 use std::sync::Arc;
+use terrella_frames::Ellipsoid;
 
 /// A displaced vertex.
 #[derive(Clone, Copy)]

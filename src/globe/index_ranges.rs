@@ -2,9 +2,9 @@
 
 use super::blocks::{BlockSet, COLUMNS, ROWS};
 use super::surface::{IndexRange, Patch};
-use crate::frames::Ellipsoid;
 use glam::{DVec3, Vec3};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use terrella_frames::Ellipsoid;
 
 /// Most triangles of a range: those of a square of 16 × 16 cells.
 pub const RANGE_TRIANGLES: usize = 512;
@@ -76,7 +76,7 @@ pub fn patch_ranges(patch: &Patch, ellipsoid: &Ellipsoid, out: &mut Vec<IndexRan
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::frames::Geodetic;
+    use terrella_frames::Geodetic;
 
     /// The block of a place, from its latitude and longitude.
     fn block_of(place: Geodetic) -> u8 {

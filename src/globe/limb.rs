@@ -2,8 +2,8 @@
 //! horizon. What lies beyond the limb is lifted onto the cone of tangents: then mesh and ellipsoid have one outline, and
 //! nothing that was in sight is moved.
 
-use crate::frames::Ellipsoid;
 use glam::DVec3;
+use terrella_frames::Ellipsoid;
 
 /// An eye lower than this sees the outline of one so high, metres: from the ground itself the mesh would be seen edge on.
 const LOWEST_EYE_M: f64 = 1.0;
@@ -53,7 +53,7 @@ impl TangentCone {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::frames::Geodetic;
+    use terrella_frames::Geodetic;
 
     #[test]
     fn what_is_in_sight_stays_and_what_is_beyond_is_seen_at_the_limb() {

@@ -1,10 +1,10 @@
 //! Level of detail (LOD) of the smooth globe's mesh: as fine as the limb needs it in this picture, and no finer.
 
 use super::blocks::{BlockGrid, SubdivisionError};
-use crate::frames::Ellipsoid;
 use std::f64::consts::PI;
 use std::fmt;
 use std::sync::Arc;
+use terrella_frames::Ellipsoid;
 
 /// How many cells a block's edge has.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

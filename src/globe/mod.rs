@@ -90,10 +90,10 @@ pub enum Figure {
 
 impl Figure {
     /// The ellipsoid of this figure.
-    pub fn ellipsoid(self) -> crate::frames::Ellipsoid {
+    pub fn ellipsoid(self) -> terrella_frames::Ellipsoid {
         match self {
-            Self::Wgs84 => crate::frames::Ellipsoid::WGS84,
-            Self::Sphere => crate::frames::Ellipsoid::PAPER_SPHERE,
+            Self::Wgs84 => terrella_frames::Ellipsoid::WGS84,
+            Self::Sphere => terrella_frames::Ellipsoid::PAPER_SPHERE,
         }
     }
 }

@@ -2,8 +2,8 @@
 
 use super::blocks::{Block, SPAN_RAD};
 use super::culling::{Frustum, GroundShell, Horizon, ScaledFrustum, ScaledRect};
-use crate::frames::{Ellipsoid, HeightRange};
 use glam::{DMat4, DVec2, DVec3};
+use terrella_frames::{Ellipsoid, HeightRange};
 
 /// One of the 2^depth × 2^depth parts of a block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -106,8 +106,8 @@ impl PartSight {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::frames::Geodetic;
     use crate::globe::BlockGrid;
+    use terrella_frames::Geodetic;
 
     const RANGE: HeightRange = HeightRange {
         low_m: 0.0,

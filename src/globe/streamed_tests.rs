@@ -5,11 +5,11 @@ use super::*;
 use crate::elevation::{
     Elevation, Ground, HeightEye, HeightStreamOptions, StreamedGround, TestTiles,
 };
-use crate::frames::{Ellipsoid, Geodetic};
 use glam::{DVec3, dcamera};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
+use terrella_frames::{Ellipsoid, Geodetic};
 
 /// A place, a height and a slope, by their bits.
 type Corner = ([u64; 3], u32, [u32; 2]);

@@ -5,7 +5,6 @@ use super::crossing::draws_of;
 use super::lattice::BlockInstance;
 use super::mesh::{BindMaps, DrawCosts, SurfaceMesh};
 use super::shader::{PatchTiles, VertexForm, WHOLE_MAP};
-use crate::frames::Ellipsoid;
 use crate::globe::{
     Block, BlockGrid, BlockSet, GroundVertex, IndexRange, Patch, Surface, TriangleList,
     patch_ranges,
@@ -16,6 +15,7 @@ use std::collections::HashMap;
 use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 use std::sync::Arc;
+use terrella_frames::Ellipsoid;
 
 /// Frames that a patch out of sight is kept for.
 const KEPT_FRAMES: u64 = 120;

@@ -3,12 +3,12 @@
 
 use super::{AirSide, FrameUniforms};
 use crate::air::Billboard;
-use crate::frames::Ellipsoid;
 use crate::globe::{BLOCK_COUNT, Block, BlockGrid, BlockSet, TangentCone};
 use crate::imagery::residency::{PartTables, ResidentTile};
 use crate::imagery::tile::MAP_LAYERS;
 use bytemuck::Zeroable;
 use glam::{DVec3, Vec3};
+use terrella_frames::Ellipsoid;
 
 /// The tiles that a block is drawn with, by [`crate::imagery::tile::MapLayer::index`]; `None` is the whole map.
 pub(crate) type BlockTiles = [Option<ResidentTile>; MAP_LAYERS];

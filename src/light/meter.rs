@@ -8,10 +8,10 @@
 
 use super::Exposure;
 use crate::air::{AirTables, LUMINANCE};
-use crate::frames::{MoonShadow, SUN_RADIUS_RAD};
 use glam::{DMat4, DVec3, Vec3, Vec4};
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
+use terrella_frames::{MoonShadow, SUN_RADIUS_RAD};
 
 /// Rays across and down.
 const RAYS: [u32; 2] = [32, 18];
@@ -191,8 +191,8 @@ fn mean_of_brightest(values: &mut [(f64, f64)], part: f64) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::frames::Ellipsoid;
     use glam::dcamera;
+    use terrella_frames::Ellipsoid;
 
     const RADII: DVec3 = DVec3::new(6_378_137.0, 6_378_137.0, 6_356_752.314);
 

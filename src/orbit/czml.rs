@@ -8,13 +8,13 @@ use super::interpolated::{
     StateSample, doubts, sift,
 };
 use super::text::json::{Document, Object};
-use crate::frames::{Duration, Epoch, TimeScale, epoch_from_ccsds, utc_from_rfc3339};
 use glam::DVec3;
 use serde_json::value::RawValue;
 use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
 use terrella_files::excerpt;
+use terrella_frames::{Duration, Epoch, TimeScale, epoch_from_ccsds, utc_from_rfc3339};
 
 /// Most packets of a document.
 const MAX_PACKETS: usize = 1_000_000;
@@ -322,7 +322,7 @@ fn date<'t>(document: &Document<'t>, key: &str, value: &'t RawValue) -> Result<E
 }
 
 /// CZML's dates are ISO 8601 with a zone; some writers leave it out and mean UTC.
-fn read_date(text: &str) -> Result<Epoch, crate::frames::TimeError> {
+fn read_date(text: &str) -> Result<Epoch, terrella_frames::TimeError> {
     match text.ends_with('Z') || text.contains('+') {
         true => utc_from_rfc3339(text),
         false => epoch_from_ccsds(text, TimeScale::Utc),

@@ -3,10 +3,10 @@
 
 use super::cut::CutOff;
 use super::interpolated::{Doubt, InterpolationError, SegmentError};
-use crate::frames::{Epoch, TimeError, TimeScale, epoch_from_ccsds};
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 use terrella_files::excerpt;
+use terrella_frames::{Epoch, TimeError, TimeScale, epoch_from_ccsds};
 
 /// Most entries read from a file.
 pub(super) const MAX_ENTRIES: usize = 1_000_000;

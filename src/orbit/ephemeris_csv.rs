@@ -11,12 +11,12 @@ use super::interpolated::{
     StateSample, doubts, sift,
 };
 use super::text::csv;
-use crate::frames::TimeScale;
 use glam::DVec3;
 use std::borrow::Cow;
 use std::collections::HashMap;
 use std::path::Path;
 use terrella_files::excerpt;
+use terrella_frames::TimeScale;
 
 /// Most rows of a table.
 const MAX_ROWS: usize = 2_000_000;

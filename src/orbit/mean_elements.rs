@@ -1,7 +1,7 @@
 //! Mean elements for SGP4, however they were written.
 
-use crate::frames::{Calendar, Epoch, utc_day};
 use sgp4::chrono::{NaiveDate, NaiveDateTime, TimeDelta};
+use terrella_frames::{Calendar, Epoch, utc_day};
 
 /// One satellite's mean elements for SGP4 (WGS72, TEME): what a two-line set or an OMM holds.
 #[derive(Clone, Debug, PartialEq)]

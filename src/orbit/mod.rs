@@ -13,7 +13,7 @@
 //! | tell what kind of orbits a file holds | `recognise.rs` |
 //! | see how long a feed answers | [`Feed::validity`], `validity.rs` |
 //!
-//! Time scales and leap seconds are in [`frames`](crate::frames). Why the readers of OEM and OMM and the
+//! Time scales and leap seconds are in [`frames`](terrella_frames). Why the readers of OEM and OMM and the
 //! integrators are our own stands in `oem/mod.rs`, `omm/mod.rs` and `numerical/integrate/mod.rs`.
 
 mod catalogue;
@@ -49,7 +49,7 @@ mod validity;
 mod write_ccsds;
 mod write_csv;
 
-use crate::frames::Epoch;
+use terrella_frames::Epoch;
 
 pub use catalogue::Catalogue;
 pub use cut::CutOff;

@@ -2,8 +2,10 @@
 
 use super::constants::EARTH_GM_M3_S2;
 use super::{Feed, Frame, OrbitError, OrbitState};
-use crate::frames::{Duration, EARTH_ROTATION_RATE_RAD_S, Ellipsoid, Epoch, Geodetic, Orientation};
 use glam::DVec3;
+use terrella_frames::{
+    Duration, EARTH_ROTATION_RATE_RAD_S, Ellipsoid, Epoch, Geodetic, Orientation,
+};
 
 /// How exactly the ends of a pass are found, seconds.
 const EXACT_S: f64 = 1e-3;

@@ -1,13 +1,13 @@
 //! Passes against a look at every second.
 
 use super::*;
-use crate::frames::utc_from_rfc3339;
 use crate::orbit::interpolated::{
     EphemerisSegment, InterpolatedStates, Interpolation, StateSample,
 };
 use crate::orbit::kepler::{Anomaly, Drift, KeplerElements, KeplerFeed, KeplerOptions, OrbitSize};
 use crate::orbit::{EphemerisFeed, Sgp4Feed};
 use std::path::Path;
+use terrella_frames::utc_from_rfc3339;
 
 const DAY_S: f64 = 86_400.0;
 

@@ -5,10 +5,10 @@ use super::mean_elements::MeanElements;
 use super::tle_fields::elements;
 use super::tle_text::ElementSet;
 use super::{Feed, Frame, OrbitError, OrbitState};
-use crate::frames::{Duration, Epoch, rfc3339};
 use glam::DVec3;
 use std::path::Path;
 use std::sync::{Arc, OnceLock};
+use terrella_frames::{Duration, Epoch, rfc3339};
 
 /// One satellite's mean elements, propagated by SGP4 with the constants WGS72 and in the mode that agrees with the
 /// operational code of the US Space Force ("AFSPC"), for which published elements are made.

@@ -1,10 +1,10 @@
 //! State vectors: position and velocity, and the step from inertial axes to the turning Earth.
 
-use crate::frames::{
+use glam::{DMat3, DVec3};
+use terrella_frames::{
     EARTH_ROTATION_RATE_RAD_S, Epoch, Orientation, gcrf_from_eme2000, itrf_from_gcrf_oriented,
     itrf_from_pef, pef_from_teme,
 };
-use glam::{DMat3, DVec3};
 
 /// The axes that a state is given in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

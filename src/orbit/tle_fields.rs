@@ -4,8 +4,8 @@
 
 use super::tle_text::{ElementSet, columns};
 use super::{LineFault, MeanElements, OrbitError};
-use crate::frames::{Calendar, Epoch, tai_from_utc_day};
 use std::path::Path;
+use terrella_frames::{Calendar, Epoch, tai_from_utc_day};
 
 const NS_PER_DAY: i64 = 86_400_000_000_000;
 /// Days of the last digit of an epoch, 1e-8 d = 864 µs: exact in nanoseconds.

@@ -1,8 +1,8 @@
 //! The interval that a feed answers for, and the impacts on the ground that cut it short.
 
 use super::OrbitError;
-use crate::frames::{Ellipsoid, Epoch, rfc3339};
 use glam::DVec3;
+use terrella_frames::{Ellipsoid, Epoch, rfc3339};
 
 /// First and last epoch to answer for, and where in between the ground ends the motion.
 #[derive(Clone, Copy, Debug)]

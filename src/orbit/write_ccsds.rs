@@ -1,6 +1,6 @@
 //! What all messages that are written have in common.
 
-use crate::frames::{Epoch, TimeScale, ccsds_time};
+use terrella_frames::{Epoch, TimeScale, ccsds_time};
 
 /// Who wrote a message and when.
 #[derive(Clone, Debug, PartialEq)]

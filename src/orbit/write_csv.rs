@@ -2,7 +2,7 @@
 
 use super::OrbitState;
 use super::write_ccsds::{one_line, real, shifted};
-use crate::frames::{Geodetic, TimeScale, ccsds_time};
+use terrella_frames::{Geodetic, TimeScale, ccsds_time};
 
 /// The first line of a table of [`csv_row`]: the names of the columns, ended. All that is said of a state stands in its row.
 pub fn csv_header() -> &'static str {

@@ -4,10 +4,10 @@ use super::curve::TimeWindow;
 use super::footprint::{WIDEST_HALF_ANGLE_RAD, footprint_outline, is_hidden};
 use super::projection::EyeProjection;
 use super::satellite::{Axes, Satellite, subpoint};
-use crate::frames::Ellipsoid;
 use crate::gpu::{Fill, LinePoint, Mark};
 use crate::gpu::{TRACK_FROM_PREVIOUS, TRACK_ON_GROUND};
 use glam::DVec3;
+use terrella_frames::Ellipsoid;
 
 /// Nearer than this a satellite is no dot, metres: it is then the eye's own, or a craft that is seen.
 pub const NEAREST_MARKER_M: f64 = 1000.0;

@@ -1,7 +1,7 @@
 //! Footprints and hiding against rays that are walked in steps of bisection.
 
 use super::*;
-use crate::frames::Geodetic;
+use terrella_frames::Geodetic;
 
 const WGS84: Ellipsoid = Ellipsoid::WGS84;
 /// An ellipsoid so flat that taking it for a sphere anywhere is seen.

@@ -56,7 +56,6 @@ mod turn;
 
 use crate::air::TOP;
 use crate::earth::{Earth, EarthView, EyeView, Viewport};
-use crate::frames::{Ellipsoid, Epoch, Orientation};
 use crate::gpu::{AirSide, AirTextures, DepthBuffer, PassFormat, ShaderError};
 use crate::gpu::{TrackKinds, TrackUniforms, TracksDrawable};
 use crate::orbit::Feed;
@@ -68,6 +67,7 @@ pub use footprint::{
 use projection::EyeProjection;
 use satellite::{Axes, Satellite};
 pub use style::{Footprint, TrackSpan, TrackStyle};
+use terrella_frames::{Ellipsoid, Epoch, Orientation};
 pub use turn::EarthTurn;
 
 /// Most states that [`Tracks::prepare`] asks feeds for to grow their curves.

@@ -1,8 +1,8 @@
 //! From places to pixels: where on screen a place is, and what of the screen a ball may cover.
 
 use crate::earth::ball_bounds;
-use crate::frames::Ellipsoid;
 use glam::{DMat4, DVec3, DVec4};
+use terrella_frames::Ellipsoid;
 
 /// The eye of a frame and its projection.
 pub(super) struct EyeProjection<'e> {

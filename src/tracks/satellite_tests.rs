@@ -1,9 +1,9 @@
 //! Curves of real orbits: where they lie, how smooth they are, where they end.
 
 use super::*;
-use crate::frames::{Geodetic, utc_from_rfc3339};
 use crate::orbit::kepler::{Anomaly, KeplerElements, KeplerFeed, KeplerOptions, OrbitSize};
 use crate::orbit::{OrbitError, Sgp4Feed};
+use terrella_frames::{Geodetic, utc_from_rfc3339};
 
 const WGS84: Ellipsoid = Ellipsoid::WGS84;
 

@@ -10,9 +10,9 @@ mod transports;
 use std::io::{BufRead, BufReader, Write};
 use std::net::{SocketAddr, TcpStream};
 use std::time::{Duration, Instant};
-use terrella::frames::{Epoch, utc_from_rfc3339};
 use terrella::orbit::live::{LiveFeed, LiveOptions, Pacing, Packet, PacketKind, Transport};
 use terrella::orbit::{Frame, OrbitState};
+use terrella_frames::{Epoch, utc_from_rfc3339};
 
 /// Longest that anything is waited for; a machine under load is slow, not wrong.
 const PATIENCE: Duration = Duration::from_secs(20);
@@ -46,7 +46,7 @@ fn open(options: LiveOptions) -> (LiveFeed, SocketAddr) {
 
 fn at(t_s: f64) -> Epoch {
     let start = utc_from_rfc3339("2018-01-15T12:00:00Z").unwrap();
-    start + terrella::frames::Duration::from_total_nanoseconds((t_s * 1e9).round() as i128)
+    start + terrella_frames::Duration::from_total_nanoseconds((t_s * 1e9).round() as i128)
 }
 
 /// A circle 400 km above the equator, `t_s` seconds after noon.

@@ -4,8 +4,8 @@
 //! package sgp4 2.27, WGS72), looked for at every second from the epoch on.
 
 use crate::{from_text, with_checksum};
-use terrella::frames::{Duration, Epoch};
 use terrella::orbit::{Feed, OrbitError, TleFeed};
+use terrella_frames::{Duration, Epoch};
 
 const SETS: &str = include_str!("../data/orbit/SGP4-VER.TLE");
 

@@ -17,8 +17,8 @@ mod track;
 mod verification;
 
 use std::path::Path;
-use terrella::frames::{Epoch, utc_from_rfc3339};
 use terrella::orbit::{OrbitError, TleFeed};
+use terrella_frames::{Epoch, utc_from_rfc3339};
 
 /// The epoch that a test writes down.
 fn utc(text: &str) -> Epoch {

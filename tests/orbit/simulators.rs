@@ -6,8 +6,8 @@ use crate::utc;
 use glam::DVec3;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
-use terrella::frames::{Duration, EarthOrientation, Ellipsoid, Epoch, Geodetic};
 use terrella::orbit::{Ephemerides, EphemerisFeed, Feed, Frame};
+use terrella_frames::{Duration, EarthOrientation, Ellipsoid, Epoch, Geodetic};
 
 fn data(file: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/orbit");

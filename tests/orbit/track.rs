@@ -3,8 +3,8 @@
 use crate::{ISS, config, edited, from_text, utc};
 use glam::DVec3;
 use std::path::{Path, PathBuf};
-use terrella::frames::{Duration, Ellipsoid, Geodetic, itrf_from_teme, rfc3339};
 use terrella::orbit::{Feed, Frame, OrbitState, TleFeed};
+use terrella_frames::{Duration, Ellipsoid, Geodetic, itrf_from_teme, rfc3339};
 
 fn place(state: &OrbitState) -> Geodetic {
     Ellipsoid::WGS84.geodetic_from_itrf(state.position_itrf_m())

@@ -26,13 +26,13 @@ mod transmittance;
 use super::model::{AirModel, AirOptions, RADIUS_M, TOP};
 use super::profile;
 use super::spectrum::Spectrum;
-use crate::frames::SUN_RADIUS_RAD;
 use glam::{DVec3, Vec3, Vec4};
 use path::{Light, Path, Ray};
 use source_table::{COEFFICIENTS, HEIGHTS, SUNS, Source};
 use sources::Sources;
 use std::f64::consts::PI;
 use std::sync::{Arc, LazyLock, Mutex, PoisonError};
+use terrella_frames::SUN_RADIUS_RAD;
 use transmittance::{SunRow, TransmittanceTable, horizon_cosine, to_top};
 
 /// Texels along each axis.

@@ -10,7 +10,6 @@ mod index;
 
 use super::message::Message;
 use super::world::{Place, Roster, Snapshot, UpdateFault, World, seconds};
-use crate::frames::{Epoch, rfc3339};
 use crate::orbit::{Feed, Frame, OrbitError, OrbitState};
 pub use error::RecordingError;
 use glam::DVec3;
@@ -21,6 +20,7 @@ use std::io::{Read, Seek};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use terrella_files::{self as files, printable};
+use terrella_frames::{Epoch, rfc3339};
 
 /// Most messages that are kept as they were read last.
 const MAX_KEPT: usize = 32;

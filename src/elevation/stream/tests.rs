@@ -6,10 +6,10 @@ use crate::elevation::{
     FEATHER_SAMPLES, Georeference, GridLimits, HeightGrid, HeightSamples, HeightTileLayout,
     Registration,
 };
-use crate::frames::{Ellipsoid, Geodetic};
 use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::time::Instant;
+use terrella_frames::{Ellipsoid, Geodetic};
 
 fn streamed(tiles: TestTiles, memory_bytes: u64) -> (Arc<TestTiles>, StreamedGround) {
     let tiles = Arc::new(tiles);

@@ -2,11 +2,11 @@
 
 use crate::elevation::Bounds;
 use crate::elevation::tiles::NearEye;
-use crate::frames::{Ellipsoid, Geodetic};
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 use std::sync::Mutex;
 use terrella_files::loaders::lock;
+use terrella_frames::{Ellipsoid, Geodetic};
 
 /// Mean radius of the Earth, metres: good enough to say what is near.
 const RADIUS_M: f64 = 6_371_000.0;

@@ -5,10 +5,10 @@ use super::level_extent::LevelExtent;
 use super::toroidal::{Slots, ToroidalBuffer};
 use super::{Trim, triangles};
 use crate::elevation::Elevation;
-use crate::frames::Ellipsoid;
 use crate::globe::surface::{GroundVertex, TriangleList};
 use glam::DVec3;
 use std::sync::Arc;
+use terrella_frames::Ellipsoid;
 
 /// Angle of an edge of the icosahedron at the Earth's centre, radians: 2·atan of the inverse of the golden ratio.
 pub const EDGE_RAD: f64 = 1.107_148_717_794_090_4;

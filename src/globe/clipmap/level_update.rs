@@ -5,10 +5,10 @@ use super::level::{HeightSource, Level};
 use super::level_extent::LevelExtent;
 use super::{ClipmapCounts, ClipmapOptions, Trim, level};
 use crate::elevation::{Bounds, Elevation, HeightRange};
-use crate::frames::Ellipsoid;
 use crate::globe::culling::{Frustum, GroundShell, Horizon};
 use crate::globe::surface::GroundView;
 use glam::DVec3;
+use terrella_frames::Ellipsoid;
 
 /// Quarters of a cell that the eye may be from a level's middle before the level moves. Half a cell more than the nearest
 /// even point can be: that is the hysteresis.

@@ -51,9 +51,9 @@ pub use level_extent::{DiamondExtent, IndexBox, LevelExtent};
 
 use super::surface::{GroundView, Patch, Surface, SurfaceStats};
 use crate::elevation::{Bounds, Elevation, HeightChange};
-use crate::frames::Ellipsoid;
 use level::{HeightSource, Level};
 use level_update::{FinestData, SubEyePoint, is_base_visible};
+use terrella_frames::Ellipsoid;
 
 /// The outline of a level.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, serde::Serialize)]

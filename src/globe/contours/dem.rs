@@ -1,8 +1,8 @@
 //! A grid of heights and where its samples lie in space.
 
 use crate::elevation::{Bounds, HeightRange};
-use crate::frames::Ellipsoid;
 use glam::{DVec2, DVec3};
+use terrella_frames::Ellipsoid;
 
 /// Most samples of a grid: 16 385 × 16 385.
 pub const MAX_SAMPLES: u64 = 16_385 * 16_385;

@@ -1,10 +1,10 @@
 //! A view, as surfaces with relief cull and choose levels of detail by it.
 
 use super::{Containment, Frustum, GroundShell, Horizon};
-use crate::frames::{Ellipsoid, HeightRange};
 use crate::globe::surface::GroundView;
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI};
+use terrella_frames::{Ellipsoid, HeightRange};
 
 /// A ball that holds a piece of ground and all that is drawn of it.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -2,8 +2,8 @@
 
 use super::horizon::GroundShell;
 use super::rect::ScaledRect;
-use crate::frames::Ellipsoid;
 use glam::{DMat4, DVec3, DVec4};
+use terrella_frames::Ellipsoid;
 
 /// How much of a bound lies in a volume.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -13,8 +13,8 @@
 //! with s² − L² sin²η = L² sin(η_b − η) sin(η_b + η): nothing cancels, at no height and not at the limb.
 
 use super::screen::ScreenPlane;
-use crate::frames::Ellipsoid;
 use glam::DVec3;
+use terrella_frames::Ellipsoid;
 
 /// Where a ray meets a sphere about the origin.
 #[derive(Clone, Copy, Debug, PartialEq)]

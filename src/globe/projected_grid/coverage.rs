@@ -8,9 +8,9 @@
 use super::cast::Caster;
 use super::relief::{RINGS, ReliefRings};
 use super::screen::ScreenPlane;
-use crate::frames::Ellipsoid;
 use glam::{DVec2, DVec3};
 use std::f64::consts::TAU;
+use terrella_frames::Ellipsoid;
 
 /// A rectangle of the grid's plane.
 #[derive(Clone, Copy, Debug, PartialEq)]

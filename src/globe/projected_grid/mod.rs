@@ -45,9 +45,9 @@ use super::{
     DrawKind, Figure, GridDraw, GroundVertex, GroundView, IndexRange, Patch, Surface, SurfaceStats,
 };
 use crate::elevation::{Elevation, HeightChange};
-use crate::frames::{Ellipsoid, Geodetic};
 use glam::{DMat4, DVec2, DVec3, UVec2, Vec2};
 use std::sync::Arc;
+use terrella_frames::{Ellipsoid, Geodetic};
 use triangles::indices;
 
 /// Over how much ground a sample's height is averaged.

@@ -1,10 +1,10 @@
 //! Between which heights the ground lies around an eye, and how far of it can show.
 
 use crate::elevation::{Bounds, Elevation, HeightRange};
-use crate::frames::Ellipsoid;
 use crate::globe::culling::{GroundShell, Horizon};
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use terrella_frames::Ellipsoid;
 
 /// Rings of ground about the eye, each twice as wide as the one inside it.
 pub const RINGS: usize = 24;

@@ -12,11 +12,11 @@
 
 use super::{Caster, GridFrame};
 use crate::elevation::{Bounds, Elevation, HeightChange};
-use crate::frames::Ellipsoid;
 use crate::globe::culling::is_within_angle;
 use crate::globe::surface::{LEVELS, NO_SLOT, TILE_CELLS, TILE_SAMPLES, WINDOW_TILES};
 use glam::{DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use terrella_frames::Ellipsoid;
 
 /// m of the paper: samples that a window may need.
 pub const WINDOW_SAMPLES: f64 = 36.0 * (TILE_CELLS * TILE_CELLS) as f64;

@@ -3,8 +3,8 @@
 use super::node::{Cut, Domain, Node};
 use super::page::{DEPTH, PAGE_NODES, PageReader, SquareInfo, bounds, quarter};
 use crate::elevation::{Elevation, HeightChange};
-use crate::frames::Ellipsoid;
 use crate::globe::blocks::{BLOCK_COUNT, COLUMNS, ROWS};
+use terrella_frames::Ellipsoid;
 
 /// No page.
 const NONE: u32 = u32::MAX;

@@ -2,9 +2,9 @@
 
 use super::page::SquareInfo;
 use crate::elevation::HeightRange;
-use crate::frames::Ellipsoid;
 use crate::globe::culling::{BoundVisibility, CullingContext, GroundBound, NormalCone};
 use crate::globe::surface::GroundView;
+use terrella_frames::Ellipsoid;
 
 /// When a leaf is divided.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -3,9 +3,9 @@
 use super::bound::{leaf_error, leaf_range_error};
 use super::node::{Node, Point, Square};
 use crate::elevation::{Bounds, Elevation, HeightRange};
-use crate::frames::Ellipsoid;
 use glam::DVec3;
 use std::f64::consts::PI;
+use terrella_frames::Ellipsoid;
 
 /// Halvings from a block to the finest point that can be named: 2 µm on the ground.
 pub const DEPTH: u8 = 40;

@@ -4,7 +4,6 @@ use super::forest::{BLOCKS, Forest, Slot};
 use super::node::{Among, Cut, Node, Point, Square, among, child_among, ring};
 use super::page::{DEPTH, bounds, lat_lon_rad, side_rad};
 use crate::elevation::{COARSEST_STEP_RAD, Elevation, HeightChange};
-use crate::frames::Geodetic;
 use crate::globe::blocks::Block;
 use crate::globe::culling::NormalCone;
 use crate::globe::surface::{GroundVertex, Patch, TriangleList};
@@ -13,6 +12,7 @@ use glam::DVec3;
 use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
 use std::sync::Arc;
+use terrella_frames::Geodetic;
 
 /// Finest level of a patch, 15 cm: below it a patch only has more leaves.
 pub const MAX_PATCH_LEVEL: u8 = 24;

@@ -6,10 +6,10 @@ use super::node::{Cut, Node, Side};
 use super::page::side_rad;
 use super::patch::{BuiltPatch, Scratch};
 use crate::elevation::{Elevation, HeightChange, HeightRange};
-use crate::frames::Ellipsoid;
 use crate::globe::culling::BoundVisibility;
 use crate::globe::surface::{GroundView, Patch, Surface, SurfaceStats};
 use std::collections::HashMap;
+use terrella_frames::Ellipsoid;
 
 /// What a [`Quadtree`] may take, and by which rule it divides.
 #[derive(Clone, Copy, Debug, PartialEq)]

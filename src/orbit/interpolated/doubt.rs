@@ -1,10 +1,10 @@
 //! States that can be interpolated and cannot be meant: most often a unit has been mistaken.
 
 use super::StateSample;
-use crate::frames::{EARTH_ROTATION_RATE_RAD_S, Ellipsoid};
 use crate::orbit::Frame;
 use crate::orbit::start_error::METRES_FOR_KILOMETRES;
 use glam::DVec3;
+use terrella_frames::{EARTH_ROTATION_RATE_RAD_S, Ellipsoid};
 
 /// Nothing that leaves the Earth moves away from it so fast, m/s.
 const FASTEST_M_S: f64 = 100_000.0;

@@ -2,9 +2,9 @@
 
 use super::InterpolatedStates;
 use super::segment_error::SegmentError;
-use crate::frames::{Epoch, rfc3339};
 use crate::orbit::{Feed, OrbitError, OrbitState};
 use std::sync::Arc;
+use terrella_frames::{Epoch, rfc3339};
 
 /// Samples that belong together: nothing is interpolated across segments, for between two of them an engine may have fired.
 #[derive(Clone, Debug)]

@@ -1,9 +1,9 @@
 //! The error of interpolated ephemerides against a Kepler orbit, by degree and step.
 
 use super::{InterpolatedStates, Interpolation, InterpolationError, StateSample};
-use crate::frames::{Duration, Epoch};
 use crate::orbit::Frame;
 use glam::DVec3;
+use terrella_frames::{Duration, Epoch};
 
 /// An unperturbed orbit in its own plane, x to perigee.
 #[derive(Clone, Copy, Debug, PartialEq)]

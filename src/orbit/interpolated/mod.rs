@@ -10,9 +10,9 @@ mod segment_error;
 mod sift;
 
 use super::{Frame, OrbitState};
-use crate::frames::{Epoch, rfc3339};
 use basis::{Basis, MAX_NODES};
 use glam::DVec3;
+use terrella_frames::{Epoch, rfc3339};
 
 pub use doubt::Doubt;
 pub(super) use doubt::doubts;
@@ -369,6 +369,6 @@ fn ns_between(first: Epoch, epoch: Epoch) -> Option<i64> {
         .flatten()
 }
 
-fn nanoseconds(ns: i64) -> crate::frames::Duration {
-    crate::frames::Duration::from_total_nanoseconds(i128::from(ns))
+fn nanoseconds(ns: i64) -> terrella_frames::Duration {
+    terrella_frames::Duration::from_total_nanoseconds(i128::from(ns))
 }

@@ -1,7 +1,7 @@
 //! Samples that cannot be interpolated, told from their neighbours.
 
 use super::{InterpolationError, StateSample, ns_between};
-use crate::frames::rfc3339;
+use terrella_frames::rfc3339;
 
 /// The samples that can be interpolated together, in order; the others go to `fault`, whose error ends the work.
 ///
@@ -59,8 +59,8 @@ pub(in crate::orbit) fn sift<E>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::frames::{Duration, Epoch};
     use glam::DVec3;
+    use terrella_frames::{Duration, Epoch};
 
     /// Which samples are left out of those at these seconds.
     fn left_out(seconds: &[f64]) -> Vec<usize> {

@@ -1,10 +1,10 @@
 //! Keplerian (classical) elements: semi-major axis or periapsis, eccentricity, inclination, RAAN, argument of periapsis, anomaly.
 
 use super::{Conic, KeplerError};
-use crate::frames::Epoch;
 use crate::orbit::StartError;
 use glam::DVec3;
 use std::f64::consts::TAU;
+use terrella_frames::Epoch;
 
 /// Size of a conic.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -23,9 +23,9 @@ pub use error::KeplerError;
 use super::constants::EARTH_GM_M3_S2;
 use super::validity::{Impacts, Validity};
 use super::{Feed, Frame, OrbitError, OrbitState, StartError};
-use crate::frames::{Duration, Ellipsoid, Epoch, rfc3339};
 use elements::{angles, plane};
 use glam::DVec3;
+use terrella_frames::{Duration, Ellipsoid, Epoch, rfc3339};
 
 /// What is taken of the Earth's flattening.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

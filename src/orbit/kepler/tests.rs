@@ -1,6 +1,6 @@
 use super::*;
-use crate::frames::utc_from_rfc3339;
 use std::f64::consts::{PI, TAU};
+use terrella_frames::utc_from_rfc3339;
 
 const MU: f64 = EARTH_GM_M3_S2;
 

@@ -5,8 +5,8 @@ use super::super::interpolated::{InterpolatedStates, Interpolation, StateSample}
 use super::super::kepler::Conic;
 use super::super::{Frame, OrbitState};
 use super::options::Extrapolation;
-use crate::frames::{Duration, Epoch, Orientation};
 use std::collections::VecDeque;
+use terrella_frames::{Duration, Epoch, Orientation};
 
 /// How many states are kept.
 pub const MAX_STATES: usize = 256;
@@ -198,8 +198,8 @@ pub fn later(epoch: Epoch, seconds: f64) -> Epoch {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::frames::utc_from_rfc3339;
     use glam::DVec3;
+    use terrella_frames::utc_from_rfc3339;
 
     fn orbit(t_s: f64) -> OrbitState {
         let start = utc_from_rfc3339("2018-01-15T12:00:00Z").unwrap();

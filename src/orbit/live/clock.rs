@@ -1,8 +1,8 @@
 //! Which instant a picture shows, when nobody waits for it.
 
 use super::buffer::{later, nanoseconds};
-use crate::frames::Epoch;
 use std::time::Instant;
+use terrella_frames::Epoch;
 
 /// Arrivals are kept for eight bins of a quarter of a second.
 const BINS: usize = 8;
@@ -69,8 +69,8 @@ impl PlaybackClock {
 mod tests {
     use super::super::buffer::seconds;
     use super::*;
-    use crate::frames::utc_from_rfc3339;
     use std::time::Duration;
+    use terrella_frames::utc_from_rfc3339;
 
     #[test]
     fn jitter_does_not_move_it_and_a_pause_does() {

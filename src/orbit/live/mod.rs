@@ -83,7 +83,6 @@ pub use split::{Received, Splitter};
 
 use super::connections::Standing;
 use super::{Feed, Freshness, OrbitError, OrbitState};
-use crate::frames::{Epoch, rfc3339, utc_from_rfc3339};
 use buffer::later;
 use lockstep::Outcome;
 use shared::Shared;
@@ -93,6 +92,7 @@ use std::sync::Arc;
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 use terrella_files::printable;
+use terrella_frames::{Epoch, rfc3339, utc_from_rfc3339};
 
 /// A feed whose states come while it is asked. See the [module](self) for what simulators send.
 ///

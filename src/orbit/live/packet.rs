@@ -1,12 +1,12 @@
 //! One message of a simulator, as a JSON line or in binary.
 
 use super::super::{Frame, OrbitState};
-use crate::frames::{Duration, Epoch, TimeScale, ccsds_time, utc_from_rfc3339};
 use glam::DVec3;
 use serde::Deserialize;
 use serde_json::value::RawValue;
 use std::borrow::Cow;
 use terrella_files::{excerpt, printable};
+use terrella_frames::{Duration, Epoch, TimeScale, ccsds_time, utc_from_rfc3339};
 
 /// What a binary packet begins with. Its first byte occurs in no text in UTF-8 as the first of a character.
 pub const MAGIC: [u8; 4] = *b"\x89TRL";

@@ -2,8 +2,8 @@
 
 use super::force::{EquationsOfMotion, sun_above_limb_rad};
 use super::integrate::Step;
-use crate::frames::Epoch;
 use glam::DVec3;
+use terrella_frames::Epoch;
 
 /// Kinds of events.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -5,10 +5,10 @@ use super::force::EquationsOfMotion;
 use super::integrate::{Dense, Driver, IntegrationFault};
 use super::trajectory::Trajectory;
 use super::{Event, EventKind, ForceModel, NumericalError, NumericalOptions, Spacecraft};
-use crate::frames::{Duration, Epoch, rfc3339};
 use crate::orbit::numerical::Counts;
 use crate::orbit::{OrbitState, StartError};
 use glam::DVec3;
+use terrella_frames::{Duration, Epoch, rfc3339};
 
 /// How a stretch ended.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -24,8 +24,8 @@ pub use integrate::{Counts, Solver};
 
 use super::validity::{Impacts, Validity};
 use super::{Feed, Frame, OrbitError, OrbitState};
-use crate::frames::{Duration, Epoch};
 use integration::{Integration, StopReason};
+use terrella_frames::{Duration, Epoch};
 use trajectory::Trajectory;
 
 /// Settings of an integration.

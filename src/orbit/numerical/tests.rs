@@ -1,12 +1,12 @@
 use super::force::EquationsOfMotion;
 use super::*;
-use crate::frames::{Ellipsoid, Orientation, utc_from_rfc3339};
 use crate::orbit::StartError;
 use crate::orbit::constants::EARTH_GM_M3_S2;
 use crate::orbit::kepler::{
     Anomaly, Conic, Drift, KeplerElements, KeplerFeed, KeplerOptions, OrbitSize, SecularRates,
 };
 use glam::DVec3;
+use terrella_frames::{Ellipsoid, Orientation, utc_from_rfc3339};
 
 mod any;
 mod extremes;
@@ -375,7 +375,7 @@ fn the_shadow_is_entered_and_left_once_a_turn() {
             _ => assert!((56.0..63.0).contains(&minutes), "{minutes}"),
         }
         let state = feed.state_at(pair[0].epoch).unwrap();
-        let sun = crate::frames::sun_position_gcrf_m(pair[0].epoch);
+        let sun = terrella_frames::sun_position_gcrf_m(pair[0].epoch);
         assert!(super::force::sun_above_limb_rad(state.position_m, sun).abs() < 1e-6);
     }
 }

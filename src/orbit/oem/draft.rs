@@ -7,10 +7,10 @@ use super::super::interpolated::{
     EphemerisFeed, EphemerisSegment, InterpolatedStates, Interpolation, InterpolationError,
     StateSample, doubts, sift,
 };
-use crate::frames::{Epoch, TimeScale, rfc3339};
 use crate::orbit::Frame;
 use glam::DVec3;
 use std::path::Path;
+use terrella_frames::{Epoch, TimeScale, rfc3339};
 
 /// Most states of a message.
 const MAX_STATES: usize = 2_000_000;
@@ -230,7 +230,7 @@ impl<'o> Draft<'o> {
                 .last()
                 .is_some_and(|(before, _)| *before >= epoch)
             {
-                let text = crate::frames::rfc3339(epoch);
+                let text = terrella_frames::rfc3339(epoch);
                 return Err(wrong(
                     "the covariance's EPOCH",
                     text,

@@ -9,11 +9,11 @@ use super::super::text::kvn::{KvnLine, lines};
 use super::super::text::offset;
 use super::VERSION;
 use super::draft::{Draft, metadata};
-use crate::frames::Epoch;
 use glam::DVec3;
 use std::borrow::Cow;
 use std::path::Path;
 use terrella_files::excerpt;
+use terrella_frames::Epoch;
 
 /// Calls `each` for every message.
 pub fn read(text: &str, origin: &Path, each: &mut Each<'_>) -> Result<(), RecordError> {

@@ -2,9 +2,9 @@
 
 use super::super::interpolated::{EphemerisFeed, Interpolation};
 use super::super::write_ccsds::{Header, one_line, real, shifted};
-use crate::frames::{Epoch, TimeScale, ccsds_time};
 use crate::orbit::Frame;
 use std::fmt::Write;
+use terrella_frames::{Epoch, TimeScale, ccsds_time};
 
 /// Writes an ephemeris as OEM (CCSDS 502.0-B-2, KVN, UTC), segment by segment.
 ///

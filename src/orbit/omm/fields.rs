@@ -2,9 +2,9 @@
 
 use super::super::entry::{Entry, Fields, RecordError, TextPosition, printable};
 use super::super::tle_fields::catalogue_number;
-use crate::frames::TimeScale;
 use crate::orbit::MeanElements;
 use std::path::Path;
+use terrella_frames::TimeScale;
 
 /// The keys that are looked at and the units they may say they are in; all others are passed over, `USER_DEFINED_…` too.
 const KEYS: [(&str, &str); 21] = [

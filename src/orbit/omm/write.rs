@@ -1,9 +1,9 @@
 //! OMM out, in KVN.
 
 use super::super::write_ccsds::{Header, one_line, real};
-use crate::frames::{TimeScale, ccsds_time};
 use crate::orbit::MeanElements;
 use std::fmt::Write;
+use terrella_frames::{TimeScale, ccsds_time};
 
 /// Writes elements as OMM (CCSDS 502.0-B-2, KVN), a message for each satellite, one after the other.
 ///

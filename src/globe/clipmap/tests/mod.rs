@@ -6,9 +6,9 @@ mod surface;
 
 use super::*;
 use crate::elevation::{Bounds, HeightRange};
-use crate::frames::Geodetic;
 use glam::{DMat4, DVec3};
 use std::collections::{HashMap, HashSet};
+use terrella_frames::Geodetic;
 
 /// A ground of one rule.
 pub struct Rule {

@@ -23,7 +23,6 @@ use super::gpu_layout::{ContourRay, contour_cast};
 use super::surface::lattice::{Cell, ball, chord_m};
 use super::surface::lookup::KeyMap;
 use crate::elevation::{Bounds, Elevation, HeightChange, HeightRange};
-use crate::frames::Ellipsoid;
 use crate::globe::culling::{CullingContext, GroundBound};
 use crate::globe::{
     ContourPage, ContourPageSet, DrawKind, GroundView, Patch, Surface, SurfaceStats,
@@ -32,6 +31,7 @@ use glam::DVec3;
 use page::{CELLS, MAX_LEVEL};
 pub use page::{MAX_NODES, Page};
 use std::f64::consts::FRAC_PI_8;
+use terrella_frames::Ellipsoid;
 
 /// How much the surface may take.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -9,9 +9,9 @@ use super::super::surface::lattice::{
 };
 use super::super::tree::{ContourTree, Node, corners_m};
 use crate::elevation::{Bounds, Elevation, HeightRange};
-use crate::frames::Ellipsoid;
 use crate::globe::Block;
 use glam::{DVec2, DVec3};
+use terrella_frames::Ellipsoid;
 
 /// Cells along an edge of a page.
 pub const CELLS: u32 = 16;

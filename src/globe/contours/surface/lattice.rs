@@ -1,10 +1,10 @@
 //! Cells of the forest: 16 × 8 blocks of 22.5°, each a quadtree.
 
 use crate::elevation::Bounds;
-use crate::frames::Ellipsoid;
 use crate::globe::{Block, COLUMNS, ROWS};
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_8, PI};
+use terrella_frames::Ellipsoid;
 
 /// Deepest level: cells of 2.4 m.
 pub const MAX_LEVEL: u8 = 20;

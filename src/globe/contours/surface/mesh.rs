@@ -7,10 +7,10 @@ use super::lattice::{
     lon_rad,
 };
 use crate::elevation::Elevation;
-use crate::frames::Ellipsoid;
 use crate::globe::{GroundVertex, Patch, TriangleList};
 use glam::{DVec2, DVec3};
 use std::sync::Arc;
+use terrella_frames::Ellipsoid;
 
 const SIDE: usize = SEGMENTS as usize + 1;
 /// Vertices of a cell.

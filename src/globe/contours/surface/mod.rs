@@ -26,7 +26,6 @@ mod mesh;
 mod tests;
 
 use crate::elevation::{Bounds, Elevation, HeightChange, HeightRange};
-use crate::frames::Ellipsoid;
 use crate::globe::culling::CullingContext;
 use crate::globe::{GroundView, Patch, Surface, SurfaceStats, TriangleList};
 use glam::DVec3;
@@ -37,6 +36,7 @@ use lookup::{KeyMap, SetCache};
 use std::collections::BinaryHeap;
 use std::f64::consts::FRAC_PI_8;
 use std::sync::Arc;
+use terrella_frames::Ellipsoid;
 
 /// How much the surface may take.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -2,10 +2,10 @@
 
 use super::{Posts, for_each_triangle, placed, view, whole};
 use crate::elevation::Elevation;
-use crate::frames::{Ellipsoid, Geodetic};
 use crate::globe::quadtree::{Quadtree, QuadtreeOptions};
 use crate::globe::surface::{GroundView, Surface};
 use glam::DVec3;
+use terrella_frames::{Ellipsoid, Geodetic};
 
 /// Largest distance, metres and pixels, between a drawn point and the point of the data with the same share of latitude and
 /// longitude in its triangle. Triangles at a pole or over the date line are left out.

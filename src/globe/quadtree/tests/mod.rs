@@ -7,10 +7,10 @@ mod extremes;
 
 use super::{Quadtree, QuadtreeOptions};
 use crate::elevation::{Bounds, Elevation, HeightRange};
-use crate::frames::{Ellipsoid, Geodetic};
 use crate::globe::surface::{GroundView, Patch, Surface};
 use glam::{DVec3, dcamera};
 use std::f64::consts::{PI, TAU};
+use terrella_frames::{Ellipsoid, Geodetic};
 
 /// Heights on the posts of a grid over the whole Earth, bilinear between them; one height at each pole.
 pub struct Posts {

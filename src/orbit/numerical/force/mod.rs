@@ -24,13 +24,13 @@ pub(super) use sun_moon_axes::SunMoonAxes;
 
 use super::NumericalError;
 use super::integrate::Equations;
-use crate::frames::{ASTRONOMICAL_UNIT_M, Ellipsoid, Epoch, Orientation};
 use crate::orbit::StartError;
 use crate::orbit::constants::{
     EARTH_GM_M3_S2, MOON_GM_M3_S2, SUN_GM_M3_S2, SUNLIGHT_PRESSURE_N_M2,
 };
 use glam::DVec3;
 use gravity::Field;
+use terrella_frames::{ASTRONOMICAL_UNIT_M, Ellipsoid, Epoch, Orientation};
 
 /// Models of the Earth's gravity.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -353,7 +353,7 @@ mod tests {
     #[test]
     fn forces_have_the_sizes_that_are_known() {
         // Montenbruck & Gill 2000, figure 3.1, at 1000 km height and at the geostationary radius, m/s².
-        let epoch = crate::frames::utc_from_rfc3339("2018-01-15T12:00:00Z").unwrap();
+        let epoch = terrella_frames::utc_from_rfc3339("2018-01-15T12:00:00Z").unwrap();
         let size = |model: ForceModel, km: f64| {
             let r = DVec3::new(km * 1e3, 0.0, 0.0);
             let v = DVec3::new(0.0, (EARTH_GM_M3_S2 / r.length()).sqrt(), 0.0);

@@ -1,7 +1,7 @@
 //! The Earth's shadow.
 
-use crate::frames::{Ellipsoid, SUN_RADIUS_M, uncovered};
 use glam::DVec3;
+use terrella_frames::{Ellipsoid, SUN_RADIUS_M, uncovered};
 
 /// The Earth's shadow: of a sphere of 6378.137 km, without refraction. The flattening shifts its edge at the poles by 21 km,
 /// 3 s of flight in low orbit; the air lets red light in some 10 s further.

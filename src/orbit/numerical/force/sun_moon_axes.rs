@@ -1,11 +1,11 @@
 //! Sun, Moon and the Earth's axes along a span, interpolated.
 
-use crate::frames::{
+use glam::{DMat3, DVec3};
+use std::f64::consts::{PI, TAU};
+use terrella_frames::{
     Duration, EARTH_ROTATION_RATE_RAD_S, Epoch, Orientation, earth_rotation_angle_rad,
     intermediate_from_gcrf, itrf_from_pef, moon_position_gcrf_m, sun_position_gcrf_m,
 };
-use glam::{DMat3, DVec3};
-use std::f64::consts::{PI, TAU};
 
 /// Length of a piece, seconds.
 const PIECE_S: f64 = 4.0 * 86_400.0;
@@ -152,7 +152,7 @@ impl Piece {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::frames::{itrf_from_gcrf_oriented, utc_from_rfc3339};
+    use terrella_frames::{itrf_from_gcrf_oriented, utc_from_rfc3339};
 
     #[test]
     fn interpolated_is_as_computed() {

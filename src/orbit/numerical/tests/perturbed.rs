@@ -136,7 +136,7 @@ fn the_average_drift_follows_the_integrated_one() {
 fn sun_and_moon_tilt_the_geostationary_orbit_as_is_known() {
     // 0.75° to 0.95° a year, with the Moon's node in its course of 18.6 years (Soop 1994, Handbook of Geostationary Orbits).
     let mut conic = conic(42_164_170.0, 0.0, 0.0, 0.0);
-    let pole = crate::frames::intermediate_from_gcrf(epoch()).row(2);
+    let pole = terrella_frames::intermediate_from_gcrf(epoch()).row(2);
     conic.to_periapsis = pole.any_orthonormal_vector();
     conic.across = pole.cross(conic.to_periapsis);
     let tilt = |sun, moon| {
@@ -169,7 +169,7 @@ fn drag_lowers_an_orbit_as_the_formula_says() {
     // Circular, over the equator: da/dt = −ρ B a² v (v − ωa)²/μ, all constant but for the fall itself.
     for air in [AtmosphereModel::Exponential, AtmosphereModel::Standard1976] {
         let mut conic = conic(6_378_137.0 + 400e3, 0.0, 0.0, 0.0);
-        let pole = crate::frames::intermediate_from_gcrf(epoch()).row(2);
+        let pole = terrella_frames::intermediate_from_gcrf(epoch()).row(2);
         conic.to_periapsis = pole.any_orthonormal_vector();
         conic.across = pole.cross(conic.to_periapsis);
         let model = ForceModel {
@@ -184,7 +184,7 @@ fn drag_lowers_an_orbit_as_the_formula_says() {
                 .reciprocal_axis_1_m;
         let a0 = conic.periapsis_m;
         let v = (EARTH_GM_M3_S2 / a0).sqrt();
-        let through_air = v - crate::frames::EARTH_ROTATION_RATE_RAD_S * a0;
+        let through_air = v - terrella_frames::EARTH_ROTATION_RATE_RAD_S * a0;
         let craft = Spacecraft::default();
         let b = craft.drag_coefficient * craft.drag_area_m2 / craft.mass_kg;
         let rate = -air.density_kg_m3(400e3) * b * a0 * a0 * v * through_air * through_air

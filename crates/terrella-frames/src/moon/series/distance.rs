@@ -1,6 +1,6 @@
 /// Distance, kilometres.
 #[rustfmt::skip]
-pub(in crate::frames::moon) static DISTANCE: [[f64; 6]; 213] = [
+pub(in crate::moon) static DISTANCE: [[f64; 6]; 213] = [
     [385000.50972, 1.57079633, 0.0, 0.0, 0.0, 0.0],
     [20905.35389, 0.78475822, 8328.691424623, 0.0001522924, 2.507189e-7, -1.235984e-9],
     [3699.11071, 0.18739741, 7214.062865358, -0.0002184756, -1.886012e-7, 8.279648e-10],
@@ -218,7 +218,7 @@ pub(in crate::frames::moon) static DISTANCE: [[f64; 6]; 213] = [
 
 /// Distance, kilometres, per century.
 #[rustfmt::skip]
-pub(in crate::frames::moon) static DISTANCE_T: [[f64; 6]; 9] = [
+pub(in crate::moon) static DISTANCE_T: [[f64; 6]; 9] = [
     [0.51395, 5.72767031, 14914.452334768, -6.351929e-5, 6.150133e-8, -3.535795e-10],
     [0.38245, 3.37211576, 6585.760910144, -0.0002158117, -1.892175e-7, 8.824045e-10],
     [0.32654, 3.96947657, 7700.389469409, 0.0001549563, 2.501025e-7, -1.181544e-9],

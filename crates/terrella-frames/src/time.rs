@@ -280,7 +280,6 @@ pub fn tai_from_utc_day(mjd: i64, ns_of_day: i64) -> Epoch {
 }
 
 /// Day, as a modified Julian date, and nanosecond of the day that UTC reads; 86 400 s and more in a leap second.
-#[cfg(feature = "orbit")]
 pub fn utc_day(epoch: Epoch) -> (i64, i64) {
     utc_day_from_tai_ns(epoch.to_tai_duration().total_nanoseconds())
 }

@@ -143,7 +143,7 @@ mod tests {
     /// Against JPL DE423, 1800 to 2200; the table's head says how it was made.
     #[test]
     fn sun_and_moon_hold_for_two_hundred_years() {
-        let table = include_str!("../../tests/data/sky/sun_moon_de423.csv");
+        let table = include_str!("../../../tests/data/sky/sun_moon_de423.csv");
         let rows = table.lines().filter(|line| !line.starts_with('#')).skip(1);
         // ″ and km: the Sun within the theory's years, beyond them, and the Moon.
         let mut worst = [[0.0_f64; 2]; 3];

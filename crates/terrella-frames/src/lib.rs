@@ -21,12 +21,10 @@ mod time;
 pub use bodies::{
     ASTRONOMICAL_UNIT_M, earth_rotation_angle_rad, intermediate_from_gcrf, sun_position_gcrf_m,
 };
-#[cfg(feature = "orbit")]
 pub use calendar::Calendar;
 pub use ccsds::{TimeScale, ccsds_time, epoch_from_ccsds};
 pub use earth_orientation::{EarthOrientation, EarthOrientationError};
-#[cfg(feature = "orbit")]
-pub(crate) use eclipse::uncovered;
+pub use eclipse::uncovered;
 pub use eclipse::{Illumination, SUN_RADIUS_M, illumination, sun_position_itrf_m};
 pub use ellipsoid::{Ellipsoid, Geodetic};
 pub use height_range::HeightRange;
@@ -42,5 +40,4 @@ pub use rotation::{
 };
 pub use sun::{SUN_RADIUS_RAD, subsolar_point, sun_direction_itrf, sun_direction_itrf_oriented};
 pub use time::{TimeError, rfc3339, utc_from_rfc3339, utc_now};
-#[cfg(feature = "orbit")]
 pub use time::{tai_from_utc_day, utc_day};

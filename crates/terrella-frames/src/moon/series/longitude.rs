@@ -1,6 +1,6 @@
 /// Longitude from the mean one, arc seconds.
 #[rustfmt::skip]
-pub(in crate::frames::moon) static LONGITUDE: [[f64; 6]; 435] = [
+pub(in crate::moon) static LONGITUDE: [[f64; 6]; 435] = [
     [22639.58566, 2.35555455, 8328.691424623, 0.0001522924, 2.507189e-7, -1.235984e-9],
     [4586.43827, 1.75819374, 7214.062865358, -0.0002184756, -1.886012e-7, 8.279648e-10],
     [2369.91393, 4.11374829, 15542.754289982, -6.618318e-5, 6.211772e-8, -4.080192e-10],
@@ -440,7 +440,7 @@ pub(in crate::frames::moon) static LONGITUDE: [[f64; 6]; 435] = [
 
 /// Longitude from the mean one, arc seconds, per century.
 #[rustfmt::skip]
-pub(in crate::frames::moon) static LONGITUDE_T: [[f64; 6]; 21] = [
+pub(in crate::moon) static LONGITUDE_T: [[f64; 6]; 21] = [
     [1.6768, 6.24005962, 628.301955214, -2.663881e-6, 6.163921e-10, -5.443973e-11],
     [0.51642, 4.94291208, 6585.760910144, -0.0002158117, -1.892175e-7, 8.824045e-10],
     [0.41383, 1.01528133, 14914.452334768, -6.351929e-5, 6.150133e-8, -3.535795e-10],

@@ -74,7 +74,7 @@ pub fn illumination(
 
 /// Share of a disc of angular radius `a` that one of radius `b` leaves free, centres `c` apart (Montenbruck & Gill 2000,
 /// 3.4.2).
-pub(crate) fn uncovered(a: f64, b: f64, c: f64) -> f64 {
+pub fn uncovered(a: f64, b: f64, c: f64) -> f64 {
     if c >= a + b {
         return 1.0;
     }
