@@ -4,9 +4,9 @@ use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use std::hint::black_box;
 use std::path::Path;
 use std::sync::Arc;
-use terrella::frames::{Duration, Epoch};
-use terrella::orbit::interpolated::{InterpolatedStates, Interpolation, KeplerOrbit, StateSample};
-use terrella::orbit::{Feed, Frame, Sgp4Feed};
+use terrella_frames::{Duration, Epoch};
+use terrella_orbit::interpolated::{InterpolatedStates, Interpolation, KeplerOrbit, StateSample};
+use terrella_orbit::{Feed, Frame, Sgp4Feed};
 
 const SATELLITES: u64 = 10_000;
 

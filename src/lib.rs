@@ -68,19 +68,17 @@
 //! [`TileOptions`], and the compiler drops all that would use one. The host chooses wgpu's backends, by the features `vulkan`,
 //! `gles`, `metal` and `dx12` or by its own dependency on wgpu, which is also [`wgpu`] here.
 
-#[cfg(feature = "basilisk")]
-pub mod basilisk;
 #[cfg(feature = "celestial")]
 pub mod celestial;
 #[cfg(feature = "terrain")]
 pub mod elevation;
 pub mod internals;
-#[cfg(feature = "orbit")]
-pub mod orbit;
 #[cfg(feature = "tracks")]
 pub mod tracks;
 
 pub use terrella_frames as frames;
+#[cfg(feature = "tracks")]
+pub use terrella_orbit as orbit;
 pub use {glam, wgpu};
 
 #[cfg(feature = "offscreen")]

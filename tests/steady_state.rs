@@ -138,8 +138,8 @@ fn tracks_allocate_nothing_of_their_own() {
     let _alone = alone();
     use std::time::{Duration, Instant};
     use terrella::frames::{Duration as Span, Orientation, utc_from_rfc3339};
-    use terrella::orbit::{Feed, Sgp4Feed};
     use terrella::tracks::{Footprint, TrackMoment, TrackSpan, TrackStyle, Tracks, TracksOptions};
+    use terrella_orbit::{Feed, Sgp4Feed};
     let gpu = common::gpu();
     let options = EarthOptions::new(common::plain([90, 90, 90]));
     let style = TrackStyle {

@@ -1,7 +1,7 @@
 //! What simulations of Basilisk send and what they save.
 
 use std::io::{self, Read, Write};
-use terrella::basilisk::{Message, World, ZmtpConnection};
+use terrella_orbit::basilisk::{Message, World, ZmtpConnection};
 
 #[path = "../../tests/common/basilisk.rs"]
 mod messages;
@@ -47,7 +47,7 @@ fn take(world: &mut World, bytes: &[u8]) {
         assert!(craft.position_m.is_finite() && craft.velocity_m_s.is_finite());
         assert!(craft.inertial_from_body.is_normalized());
         for camera in snapshot.cameras.iter() {
-            if let Some(pose) = terrella::basilisk::camera_pose(camera, craft) {
+            if let Some(pose) = terrella_orbit::basilisk::camera_pose(camera, craft) {
                 assert!(pose.forward.is_normalized() && pose.up.is_normalized());
                 assert!(pose.forward.dot(pose.up).abs() < 1e-9);
             }
@@ -61,7 +61,7 @@ fn take(world: &mut World, bytes: &[u8]) {
 
 /// As a file: played from end to end.
 fn saved(data: &[u8]) {
-    use terrella::basilisk::Recording;
+    use terrella_orbit::basilisk::Recording;
     let file = io::Cursor::new(data.to_vec());
     let start = terrella::Epoch::default();
     let Ok(recording) = Recording::read(file, "fuzz".as_ref(), start, None) else {

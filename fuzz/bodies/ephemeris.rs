@@ -1,7 +1,7 @@
 //! Ephemerides in all file formats: OEM in KVN and XML, CZML, CSV.
 
 use std::path::Path;
-use terrella::orbit::{Ephemerides, Feed, Header, write_oem};
+use terrella_orbit::{Ephemerides, Feed, Header, write_oem};
 
 /// Reads any text; what is found good must give finite states within its validity, and come back from what is written of
 /// it bit for bit.

@@ -1,6 +1,6 @@
 //! Packets of simulators, alone and in a stream, and what is shown of them.
 
-use terrella::orbit::live::{MAX_PACKET_BYTES, Packet, Splitter};
+use terrella_orbit::live::{MAX_PACKET_BYTES, Packet, Splitter};
 
 /// Reads any bytes as one packet of either form and as a stream. What is taken must be finite and come back from what is
 /// written of it bit for bit; a stream gives the same packets in one piece and in many, and keeps no more than one packet.
@@ -55,7 +55,7 @@ fn comes_back(packet: &Packet) {
 /// Good inputs to start from.
 #[allow(dead_code, reason = "the fuzzer reads its corpus from files")]
 pub fn seeds() -> Vec<Vec<u8>> {
-    use terrella::orbit::{Frame, OrbitState};
+    use terrella_orbit::{Frame, OrbitState};
     let line = br#"{"message":"frame","seq":1,"name":"Sonde","epoch":"2018-01-15T12:00:00.000Z","frame":"GCRF","position_m":[6778136.3,-1e-3,0],"velocity_m_s":[0,7668.6,0]}"#;
     let packet = Packet::from_json(line).expect("a good line");
     let mut seeds = vec![line.to_vec()];

@@ -1,7 +1,7 @@
 //! Elements in all forms: two-line lists, OMM in KVN, XML, JSON and CSV.
 
 use std::path::Path;
-use terrella::orbit::{Catalogue, Feed, Header, write_omm};
+use terrella_orbit::{Catalogue, Feed, Header, write_omm};
 
 /// Reads any text; what is found good must propagate or say why not, and come back from what is written of it.
 pub fn run(data: &[u8]) {

@@ -1,7 +1,7 @@
 //! Orbital elements.
 
 use std::path::Path;
-use terrella::orbit::{Feed, TleFeed};
+use terrella_orbit::{Feed, TleFeed};
 
 /// Reads any text, as it is and with its checksums put right, for else hardly a change would get past them; elements
 /// that are found good must propagate or say why not.

@@ -58,7 +58,6 @@ use crate::air::TOP;
 use crate::earth::{Earth, EarthView, EyeView, Viewport};
 use crate::gpu::{AirSide, AirTextures, DepthBuffer, PassFormat, ShaderError};
 use crate::gpu::{TrackKinds, TrackUniforms, TracksDrawable};
-use crate::orbit::Feed;
 use buffers::TrackBuffers;
 pub use buffers::{NEAREST_MARKER_M, TrackLabel};
 pub use footprint::{
@@ -68,6 +67,7 @@ use projection::EyeProjection;
 use satellite::{Axes, Satellite};
 pub use style::{Footprint, TrackSpan, TrackStyle};
 use terrella_frames::{Ellipsoid, Epoch, Orientation};
+use terrella_orbit::Feed;
 pub use turn::EarthTurn;
 
 /// Most states that [`Tracks::prepare`] asks feeds for to grow their curves.

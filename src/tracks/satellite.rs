@@ -3,10 +3,10 @@
 use super::curve::{Curve, CurvePoint, STEP_RAD, TimeWindow};
 use super::style::{TrackSpan, TrackStyle};
 use super::turn::EarthTurn;
-use crate::orbit::constants::EARTH_GM_M3_S2;
-use crate::orbit::{Feed, Frame, Freshness, OrbitState};
 use glam::{DMat3, DVec3};
 use terrella_frames::{Duration, EARTH_ROTATION_RATE_RAD_S, Ellipsoid, Epoch, Orientation};
+use terrella_orbit::constants::EARTH_GM_M3_S2;
+use terrella_orbit::{Feed, Frame, Freshness, OrbitState};
 
 /// Longest revolution that spans are counted in, seconds; the span of what takes longer is counted in days.
 const LONGEST_REVOLUTION_S: f64 = 2.0 * 86_400.0;

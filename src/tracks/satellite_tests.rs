@@ -1,9 +1,9 @@
 //! Curves of real orbits: where they lie, how smooth they are, where they end.
 
 use super::*;
-use crate::orbit::kepler::{Anomaly, KeplerElements, KeplerFeed, KeplerOptions, OrbitSize};
-use crate::orbit::{OrbitError, Sgp4Feed};
 use terrella_frames::{Geodetic, utc_from_rfc3339};
+use terrella_orbit::kepler::{Anomaly, KeplerElements, KeplerFeed, KeplerOptions, OrbitSize};
+use terrella_orbit::{OrbitError, Sgp4Feed};
 
 const WGS84: Ellipsoid = Ellipsoid::WGS84;
 
@@ -21,7 +21,7 @@ fn kepler(periapsis_m: f64, eccentricity: f64, inclination_deg: f64) -> KeplerFe
         anomaly: Anomaly::Mean(0.4),
     };
     let options = KeplerOptions {
-        drift: crate::orbit::kepler::Drift::None,
+        drift: terrella_orbit::kepler::Drift::None,
         first: utc("1900-01-01T00:00:00Z"),
         last: utc("2099-12-31T00:00:00Z"),
     };

@@ -3,7 +3,7 @@
 use crate::{Place, words};
 use std::path::{Path, PathBuf};
 use terrella::frames::{Duration, EarthOrientation, Ellipsoid, Orientation, utc_from_rfc3339};
-use terrella::orbit::{Catalogue, Ephemerides, EphemerisFeed, Feed, Frame, Sgp4Feed};
+use terrella_orbit::{Catalogue, Ephemerides, EphemerisFeed, Feed, Frame, Sgp4Feed};
 use terrella_play::Flight;
 use terrella_play::scene::Scene;
 

@@ -2,7 +2,7 @@
 
 use crate::Place;
 use terrella::frames::{Ellipsoid, Epoch, Geodetic, Orientation, utc_from_rfc3339};
-use terrella::orbit::{Feed, Frame, Sgp4Feed};
+use terrella_orbit::{Feed, Frame, Sgp4Feed};
 
 fn printed(place: &Place, arguments: &[&str]) -> String {
     String::from_utf8(place.succeed(arguments).stdout).expect("UTF-8")

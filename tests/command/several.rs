@@ -2,7 +2,7 @@
 
 use crate::{Place, words};
 use std::path::Path;
-use terrella::orbit::{Ephemerides, Feed};
+use terrella_orbit::{Ephemerides, Feed};
 use terrella_play::scene::Scene;
 
 fn printed(place: &Place, arguments: &[&str]) -> String {

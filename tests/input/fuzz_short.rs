@@ -314,7 +314,7 @@ fn seeds_are_good() {
         terrella_play::scene::Scene::from_toml(&text(&seed), path).expect("a good scene");
     }
     let good =
-        |seed: &&Vec<u8>| terrella::orbit::TleFeed::from_text(&text(seed), path, None).is_ok();
+        |seed: &&Vec<u8>| terrella_orbit::TleFeed::from_text(&text(seed), path, None).is_ok();
     let elements = tle::seeds();
     assert!(
         elements.iter().filter(good).count() > 20,
@@ -322,13 +322,13 @@ fn seeds_are_good() {
         elements.len()
     );
     for seed in omm::seeds() {
-        terrella::orbit::Catalogue::from_text(&text(&seed), path, true).expect("good elements");
+        terrella_orbit::Catalogue::from_text(&text(&seed), path, true).expect("good elements");
     }
     for seed in ephemeris::seeds() {
-        terrella::orbit::Ephemerides::from_text(&text(&seed), path, true).expect("good states");
+        terrella_orbit::Ephemerides::from_text(&text(&seed), path, true).expect("good states");
     }
     for seed in live::seeds() {
-        let mut splitter = terrella::orbit::live::Splitter::default();
+        let mut splitter = terrella_orbit::live::Splitter::default();
         splitter.push(&seed);
         while let Some(received) = splitter.finish() {
             let packet = received.packet;
@@ -336,7 +336,7 @@ fn seeds_are_good() {
         }
     }
     {
-        use terrella::basilisk::{Message, Recording};
+        use terrella_orbit::basilisk::{Message, Recording};
         let [first, second, file, _] = <[Vec<u8>; 4]>::try_from(basilisk::seeds()).expect("four");
         for message in [first, second] {
             let message = Message::read(&message).expect("a good message");

@@ -2,8 +2,8 @@
 
 use super::*;
 use std::net::UdpSocket;
-use terrella::orbit::live::Extrapolation;
-use terrella::orbit::{Feed, Freshness};
+use terrella_orbit::live::Extrapolation;
+use terrella_orbit::{Feed, Freshness};
 
 fn send(socket: &UdpSocket, to: SocketAddr, packet: &Packet) {
     socket.send_to(&packet.to_bytes().unwrap(), to).unwrap();

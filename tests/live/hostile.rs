@@ -2,7 +2,7 @@
 
 use super::*;
 use std::io::Read;
-use terrella::orbit::{Feed, Freshness};
+use terrella_orbit::{Feed, Freshness};
 
 /// Marsaglia's xorshift: the same numbers on every machine.
 struct Random(u64);

@@ -3,7 +3,7 @@
 use super::*;
 use std::io::Read;
 use std::net::UdpSocket;
-use terrella::orbit::Feed;
+use terrella_orbit::Feed;
 
 /// Draws frames until `count` are drawn; gives their numbers.
 fn draw(feed: &LiveFeed, count: usize) -> Vec<u64> {

@@ -10,9 +10,9 @@ mod transports;
 use std::io::{BufRead, BufReader, Write};
 use std::net::{SocketAddr, TcpStream};
 use std::time::{Duration, Instant};
-use terrella::orbit::live::{LiveFeed, LiveOptions, Pacing, Packet, PacketKind, Transport};
-use terrella::orbit::{Frame, OrbitState};
 use terrella_frames::{Epoch, utc_from_rfc3339};
+use terrella_orbit::live::{LiveFeed, LiveOptions, Pacing, Packet, PacketKind, Transport};
+use terrella_orbit::{Frame, OrbitState};
 
 /// Longest that anything is waited for; a machine under load is slow, not wrong.
 const PATIENCE: Duration = Duration::from_secs(20);

@@ -1,7 +1,7 @@
 //! Streams cut into packets, however they arrive.
 
 use super::*;
-use terrella::orbit::live::{PacketFault, Splitter};
+use terrella_orbit::live::{PacketFault, Splitter};
 
 fn all(splitter: &mut Splitter) -> (Vec<u64>, Vec<PacketFault>) {
     let (mut good, mut bad) = (Vec::new(), Vec::new());

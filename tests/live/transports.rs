@@ -2,8 +2,8 @@
 
 use super::*;
 use std::net::UdpSocket;
-use terrella::orbit::live::LiveError;
-use terrella::orbit::{Feed, Freshness};
+use terrella_orbit::live::LiveError;
+use terrella_orbit::{Feed, Freshness};
 
 #[test]
 fn states_come_over_tcp_in_both_forms_mixed() {

@@ -4,8 +4,8 @@ use crate::{ISS, edited, from_text, utc, with_checksum};
 use proptest::prelude::*;
 use std::io::Write;
 use std::path::Path;
-use terrella::orbit::{Feed, OrbitError, TleFeed};
 use terrella_frames::Duration;
+use terrella_orbit::{Feed, OrbitError, TleFeed};
 
 const GOES: [&str; 2] = [
     "1 41866U 16071A   18019.87773469 -.00000245  00000-0  00000-0 0  9992",

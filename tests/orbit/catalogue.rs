@@ -3,8 +3,8 @@
 use crate::{ISS, edited};
 use std::fmt::Write;
 use std::path::Path;
-use terrella::orbit::{Catalogue, Feed, LineFault, OrbitError};
 use terrella_frames::Duration;
+use terrella_orbit::{Catalogue, Feed, LineFault, OrbitError};
 
 fn read(text: &str, is_strict: bool) -> Result<Catalogue, OrbitError> {
     Catalogue::from_text(text, Path::new("sets.tle"), is_strict)

@@ -1,7 +1,7 @@
 //! Files that end before their text does, and states that cannot be meant.
 
 use std::path::Path;
-use terrella::orbit::{Catalogue, Ephemerides};
+use terrella_orbit::{Catalogue, Ephemerides};
 
 const OEM: &str = "CCSDS_OEM_VERS = 2.0
 CREATION_DATE = 2026-01-01T00:00:00
@@ -60,7 +60,7 @@ fn read(text: &str, is_strict: bool) -> Result<Vec<String>, String> {
 fn span_s(text: &str) -> f64 {
     let read = Ephemerides::from_text(text, Path::new("x"), false).expect("reads");
     let feed = read.feeds.first().expect("an object");
-    let (first, last) = terrella::orbit::Feed::validity(feed);
+    let (first, last) = terrella_orbit::Feed::validity(feed);
     (last - first).to_seconds()
 }
 

@@ -3,9 +3,9 @@
 use crate::utc;
 use glam::DVec3;
 use std::path::Path;
-use terrella::orbit::interpolated::{InterpolatedStates, Interpolation, StateSample};
-use terrella::orbit::{Ephemerides, EphemerisFeed, Feed, Frame, OrbitError};
 use terrella_frames::Duration;
+use terrella_orbit::interpolated::{InterpolatedStates, Interpolation, StateSample};
+use terrella_orbit::{Ephemerides, EphemerisFeed, Feed, Frame, OrbitError};
 
 const SIMPLE: &str = include_str!("../data/orbit/simple.czml");
 

@@ -4,8 +4,8 @@
 //! package sgp4 2.27, WGS72), looked for at every second from the epoch on.
 
 use crate::{from_text, with_checksum};
-use terrella::orbit::{Feed, OrbitError, TleFeed};
 use terrella_frames::{Duration, Epoch};
+use terrella_orbit::{Feed, OrbitError, TleFeed};
 
 const SETS: &str = include_str!("../data/orbit/SGP4-VER.TLE");
 
@@ -133,7 +133,7 @@ fn nothing_is_answered_after_a_decay() {
 fn an_orbit_that_grows_without_bound_is_not_believed() {
     let feed = made_up(" 50000-2", " 51.6000", "0010000", "16.35000000");
     let (first, _) = feed.validity();
-    let radius_km = |state: terrella::orbit::OrbitState| state.position_m.length() / 1e3;
+    let radius_km = |state: terrella_orbit::OrbitState| state.position_m.length() / 1e3;
     let days = (feed.epoch() - first).to_seconds() / 86_400.0;
     let at_end = radius_km(feed.state_at(first).unwrap());
     println!("{days} days back, {at_end} km");

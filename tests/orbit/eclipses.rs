@@ -1,10 +1,10 @@
 //! When satellites go through the Earth's shadow.
 
 use crate::{config, utc};
-use terrella::orbit::{Feed, TleFeed};
 use terrella_frames::{
     Duration, Ellipsoid, Epoch, Illumination, Orientation, illumination, sun_position_itrf_m,
 };
+use terrella_orbit::{Feed, TleFeed};
 
 /// Contacts of whole disc and shadow by another program: skyfield 1.55 flies the sets of `config/orbits`, JPL's DE421 gives the
 /// Sun as it is seen from the Earth, and of 1 440 rays to its limb those count that do not meet the ellipsoid. The times at which

@@ -2,12 +2,12 @@
 
 use crate::utc;
 use glam::DVec3;
-use terrella::orbit::Frame;
-use terrella::orbit::interpolated::{
+use terrella_frames::{Duration, Epoch};
+use terrella_orbit::Frame;
+use terrella_orbit::interpolated::{
     InterpolatedStates, Interpolation, InterpolationError, KeplerOrbit, StateSample,
     interpolation_error,
 };
-use terrella_frames::{Duration, Epoch};
 
 fn start() -> Epoch {
     utc("2016-12-31T23:00:00Z")

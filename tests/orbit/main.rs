@@ -17,8 +17,11 @@ mod track;
 mod verification;
 
 use std::path::Path;
-use terrella::orbit::{OrbitError, TleFeed};
 use terrella_frames::{Epoch, utc_from_rfc3339};
+use terrella_orbit::{OrbitError, TleFeed};
+
+/// The repository's root.
+const REPOSITORY: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
 
 /// The epoch that a test writes down.
 fn utc(text: &str) -> Epoch {
@@ -27,7 +30,7 @@ fn utc(text: &str) -> Epoch {
 
 /// A set of `config/orbits`.
 fn config(file: &str) -> TleFeed {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("config/orbits");
+    let folder = Path::new(REPOSITORY).join("config/orbits");
     TleFeed::from_file(&folder.join(file), None).unwrap()
 }
 

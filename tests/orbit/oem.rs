@@ -4,11 +4,11 @@ use crate::utc;
 use glam::DVec3;
 use std::fmt::Write;
 use std::path::Path;
-use terrella::orbit::interpolated::{
+use terrella_frames::{Duration, Epoch, TimeScale, ccsds_time};
+use terrella_orbit::interpolated::{
     EphemerisSegment, InterpolatedStates, Interpolation, KeplerOrbit, StateSample,
 };
-use terrella::orbit::{Ephemerides, EphemerisFeed, Feed, Frame, Header, OrbitError, write_oem};
-use terrella_frames::{Duration, Epoch, TimeScale, ccsds_time};
+use terrella_orbit::{Ephemerides, EphemerisFeed, Feed, Frame, Header, OrbitError, write_oem};
 
 pub(crate) fn epoch(t_s: f64) -> Epoch {
     utc("2016-12-31T23:50:00Z") + Duration::from_seconds(t_s)

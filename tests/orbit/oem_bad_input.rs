@@ -2,8 +2,8 @@
 
 use crate::oem::{COVARIANCE, HEADER, every_minute, kvn, meta, read, rows, xml};
 use std::path::Path;
-use terrella::orbit::{Ephemerides, Feed, OrbitError};
 use terrella_frames::TimeScale;
+use terrella_orbit::{Ephemerides, Feed, OrbitError};
 
 /// Each with one thing wrong: what is replaced by what, where, and what is said.
 #[test]

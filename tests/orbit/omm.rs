@@ -2,8 +2,8 @@
 
 use crate::{ISS, from_text};
 use std::path::Path;
-use terrella::orbit::{Catalogue, Feed, Header, MeanElements, OrbitError, Sgp4Feed, write_omm};
 use terrella_frames::Duration;
+use terrella_orbit::{Catalogue, Feed, Header, MeanElements, OrbitError, Sgp4Feed, write_omm};
 
 const KVN: &str = "\
 CCSDS_OMM_VERS = 2.0

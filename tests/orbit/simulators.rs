@@ -6,11 +6,11 @@ use crate::utc;
 use glam::DVec3;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
-use terrella::orbit::{Ephemerides, EphemerisFeed, Feed, Frame};
 use terrella_frames::{Duration, EarthOrientation, Ellipsoid, Epoch, Geodetic};
+use terrella_orbit::{Ephemerides, EphemerisFeed, Feed, Frame};
 
 fn data(file: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/orbit");
+    let folder = Path::new(crate::REPOSITORY).join("tests/data/orbit");
     folder.join(file)
 }
 

@@ -3,9 +3,9 @@
 use crate::{config, utc};
 use std::fmt::Write;
 use std::path::Path;
-use terrella::orbit::interpolated::Interpolation;
-use terrella::orbit::{Ephemerides, EphemerisFeed, Feed, Frame, OrbitError, csv_header, csv_row};
 use terrella_frames::{Duration, Ellipsoid, TimeScale, ccsds_time, rfc3339};
+use terrella_orbit::interpolated::Interpolation;
+use terrella_orbit::{Ephemerides, EphemerisFeed, Feed, Frame, OrbitError, csv_header, csv_row};
 
 fn read(text: &str) -> Result<EphemerisFeed, OrbitError> {
     let origin = Path::new("folder/sat.csv");

@@ -3,8 +3,8 @@
 use crate::{ISS, config, edited, from_text, utc};
 use glam::DVec3;
 use std::path::{Path, PathBuf};
-use terrella::orbit::{Feed, Frame, OrbitState, TleFeed};
 use terrella_frames::{Duration, Ellipsoid, Geodetic, itrf_from_teme, rfc3339};
+use terrella_orbit::{Feed, Frame, OrbitState, TleFeed};
 
 fn place(state: &OrbitState) -> Geodetic {
     Ellipsoid::WGS84.geodetic_from_itrf(state.position_itrf_m())
@@ -241,7 +241,7 @@ fn no_epoch_makes_a_feed_panic() {
 #[test]
 fn a_catalogue_of_real_sets_is_read() {
     let shared = std::env::var_os("TERRELLA_SHARED").map_or_else(
-        || Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared"),
+        || Path::new(crate::REPOSITORY).join("../shared"),
         PathBuf::from,
     );
     let path = shared.join("data/orbits/gpredict_tle_2018.dat");

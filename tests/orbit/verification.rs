@@ -6,8 +6,8 @@
 
 use crate::{from_text, with_checksum};
 use glam::DVec3;
-use terrella::orbit::{Feed, OrbitError, OrbitState, TleFeed};
 use terrella_frames::Duration;
+use terrella_orbit::{Feed, OrbitError, OrbitState, TleFeed};
 
 const SETS: &str = include_str!("../data/orbit/SGP4-VER.TLE");
 const REFERENCE: &str = include_str!("../data/orbit/tcppver.out");

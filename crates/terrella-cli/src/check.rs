@@ -4,7 +4,7 @@ use super::scene_args::{SatelliteArgs, SceneArgs, open_flight};
 use super::{Common, print};
 use clap::Args;
 use terrella::frames::rfc3339;
-use terrella::orbit::Feed;
+use terrella_orbit::Feed;
 use terrella_play::{Flight, LightOutlook};
 
 /// Arguments of `terrella check`.

@@ -5,7 +5,7 @@ use super::{Common, print, values};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use terrella::frames::{Duration, Epoch, Geodetic, rfc3339};
-use terrella::orbit::{Frame, Header};
+use terrella_orbit::{Frame, Header};
 use terrella_play::{
     Axes, Ephemeris, EphemerisRequest, EventTable, Flight, Layout, OutputError, PassRequest,
     PassTable, PendingFile, Selection, Span, omm, select,

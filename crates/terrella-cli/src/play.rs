@@ -10,8 +10,8 @@ use super::{Cli, Common};
 use clap::error::ErrorKind;
 use clap::{Args, CommandFactory, ValueEnum};
 use std::path::PathBuf;
-use terrella::basilisk::Endpoint;
 use terrella::frames::Epoch;
+use terrella_orbit::basilisk::Endpoint;
 use terrella_play::{
     EncoderChoice, Existing, ExportRequest, Flight, FrameRange, VideoCodec, VideoCoding,
     WindowRequest, export, play_in_window,

@@ -4,7 +4,7 @@ use super::Cli;
 use clap::error::ErrorKind;
 use clap::{Args, CommandFactory};
 use std::path::{Path, PathBuf};
-use terrella::orbit::OrbitError;
+use terrella_orbit::OrbitError;
 use terrella_play::scene::{Scene, SceneError};
 use terrella_play::{Flight, PlayError};
 

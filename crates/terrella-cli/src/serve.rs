@@ -7,7 +7,7 @@ use super::scene_args::load;
 use super::values;
 use clap::Args;
 use std::path::{Path, PathBuf};
-use terrella::basilisk::{Endpoint, Meeting};
+use terrella_orbit::basilisk::{Endpoint, Meeting};
 use terrella_play::scene::Scene;
 use terrella_play::{Flight, ServeRequest, serve};
 

@@ -7,10 +7,10 @@ use terrella::frames::{
     Duration, Epoch, Geodetic, Illumination, TimeScale, ccsds_time, illumination,
     sun_position_itrf_m,
 };
-use terrella::orbit::interpolated::{
+use terrella_orbit::interpolated::{
     EphemerisSegment, InterpolatedStates, Interpolation, StateSample,
 };
-use terrella::orbit::{
+use terrella_orbit::{
     EphemerisFeed, Feed, Frame, Header, OrbitState, csv_header, csv_row, write_oem, write_omm,
 };
 
@@ -50,7 +50,7 @@ impl Axes {
 pub enum Layout {
     /// Columns for people.
     Text,
-    /// As [`Ephemerides`](terrella::orbit::Ephemerides) reads it.
+    /// As [`Ephemerides`](terrella_orbit::Ephemerides) reads it.
     Csv,
     /// An object with `name`, `frame` and an array `states`.
     Json,

@@ -5,7 +5,6 @@ use super::output::OutputError;
 use crate::scene::SceneError;
 use std::path::PathBuf;
 use terrella::EarthError;
-use terrella::basilisk::RecordingError;
 use terrella::celestial::CelestialError;
 use terrella::elevation::{HeightFileError, StreamedGroundError};
 use terrella::frames::EarthOrientationError;
@@ -13,8 +12,9 @@ use terrella::internals::gpu::{ContextError, PictureError, TimerError};
 use terrella::internals::imagery::ImageryError;
 use terrella::internals::imagery::pack::PackError;
 use terrella::internals::offscreen::OffscreenError;
-use terrella::orbit::OrbitError;
 use terrella::tracks::TracksError;
+use terrella_orbit::OrbitError;
+use terrella_orbit::basilisk::RecordingError;
 
 /// What can go wrong between a scene and a picture. The messages are those of the modules they come from.
 #[derive(Debug, thiserror::Error)]

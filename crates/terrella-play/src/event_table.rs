@@ -4,8 +4,8 @@ use super::ephemeris::Layout;
 use super::{PlayError, Satellite};
 use std::fmt::Write;
 use terrella::frames::rfc3339;
-use terrella::orbit::csv_field;
-use terrella::orbit::numerical::{Event, EventKind};
+use terrella_orbit::csv_field;
+use terrella_orbit::numerical::{Event, EventKind};
 
 /// The columns of a table of events.
 const CSV_HEADER: &str = "name,epoch_utc,event\n";

@@ -20,11 +20,11 @@ use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::mpsc::sync_channel;
 use std::time::Instant;
-use terrella::basilisk::Meeting;
 use terrella::internals::gpu::GpuContext;
 use terrella::internals::imagery::tile::TileKey;
-use terrella::orbit::live::Pacing;
 use terrella_files::printable;
+use terrella_orbit::basilisk::Meeting;
+use terrella_orbit::live::Pacing;
 
 /// Frames that may wait to be written: one in the writer's hands, this many more drawn ahead of it.
 const FRAMES_AHEAD: usize = 2;

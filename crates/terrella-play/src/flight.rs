@@ -15,9 +15,9 @@ use terrella::frames::{
     EarthOrientation, Ellipsoid, Epoch, Geodetic, Illumination, Orientation, illumination,
 };
 use terrella::internals::gpu::BcSupport;
-use terrella::orbit::{Feed, Frame, OrbitError, OrbitState};
 use terrella::tracks::EarthTurn;
 use terrella::{EarthOptions, EyeView, Sky};
+use terrella_orbit::{Feed, Frame, OrbitError, OrbitState};
 
 /// A scene with its satellites opened and its dates checked.
 pub struct Flight {

@@ -7,10 +7,10 @@ use super::keys::Action;
 use super::live_status::LiveStatus;
 use crate::scene::CameraMode;
 use std::time::{Duration, Instant};
-use terrella::basilisk::{Meeting, Simulation, StepPace, StepRequest};
 use terrella::frames::Epoch;
-use terrella::orbit::live::{FrameRequest, LiveFeed, Pacing, PacketCounters};
-use terrella::orbit::{Feed, Freshness};
+use terrella_orbit::basilisk::{Meeting, Simulation, StepPace, StepRequest};
+use terrella_orbit::live::{FrameRequest, LiveFeed, Pacing, PacketCounters};
+use terrella_orbit::{Feed, Freshness};
 
 /// How often a window without a picture to draw polls for a simulator's next frame.
 pub(super) const POLL_INTERVAL: Duration = Duration::from_millis(4);

@@ -10,8 +10,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 use terrella::frames::utc_from_rfc3339;
-use terrella::orbit::live::{Packet, PacketKind};
-use terrella::orbit::{Frame, OrbitState};
+use terrella_orbit::live::{Packet, PacketKind};
+use terrella_orbit::{Frame, OrbitState};
 
 /// Longest that anything is waited for; a machine under load is slow, not wrong.
 const PATIENCE: Duration = Duration::from_secs(20);

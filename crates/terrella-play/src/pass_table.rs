@@ -4,7 +4,7 @@ use super::ephemeris::Layout;
 use super::{Flight, PlayError, Satellite};
 use std::fmt::Write;
 use terrella::frames::{Duration, Epoch, Geodetic, rfc3339};
-use terrella::orbit::{LookAngles, Observer, Pass, csv_field, passes};
+use terrella_orbit::{LookAngles, Observer, Pass, csv_field, passes};
 
 /// Most passes of one table.
 const MAX_PASSES: usize = 100_000;

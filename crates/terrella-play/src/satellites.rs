@@ -7,19 +7,19 @@ use crate::scene::{
 };
 use std::path::Path;
 use std::sync::Arc;
-use terrella::basilisk::{
+use terrella::frames::{Duration, EarthOrientation, Epoch, Orientation, utc_from_rfc3339};
+use terrella_orbit::basilisk::{
     Meeting, RecordedCraft, Recording, Simulation, SimulationError, SimulationOptions,
 };
-use terrella::frames::{Duration, EarthOrientation, Epoch, Orientation, utc_from_rfc3339};
-use terrella::orbit::constants::EARTH_GM_M3_S2;
-use terrella::orbit::kepler::{
+use terrella_orbit::constants::EARTH_GM_M3_S2;
+use terrella_orbit::kepler::{
     Anomaly, Drift, KeplerElements, KeplerFeed, KeplerOptions, OrbitSize,
 };
-use terrella::orbit::live::{LiveError, LiveFeed, LiveOptions};
-use terrella::orbit::numerical::{
+use terrella_orbit::live::{LiveError, LiveFeed, LiveOptions};
+use terrella_orbit::numerical::{
     Event, ForceModel, Gravity, NumericalFeed, NumericalOptions, Shadow,
 };
-use terrella::orbit::{
+use terrella_orbit::{
     Catalogue, Ephemerides, Feed, FileFormat, Frame, MeanElements, OrbitError, OrbitState, Sgp4Feed,
 };
 

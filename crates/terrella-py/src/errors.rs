@@ -3,8 +3,8 @@
 use pyo3::create_exception;
 use pyo3::exceptions::{PyException, PyValueError};
 use pyo3::prelude::*;
-use terrella::orbit;
 use terrella::{EarthError, OffscreenError};
+use terrella_orbit as orbit;
 use terrella_play::PlayError;
 
 create_exception!(

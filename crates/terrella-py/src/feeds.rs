@@ -8,7 +8,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use std::path::PathBuf;
 use terrella::frames::{Epoch, Orientation};
-use terrella::orbit::{Catalogue, Ephemerides, Feed, Frame, OrbitError};
+use terrella_orbit::{Catalogue, Ephemerides, Feed, Frame, OrbitError};
 
 /// Most states that one call gives.
 const MAX_STATES: usize = 1 << 27;

@@ -9,7 +9,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use terrella::Sky;
 use terrella::frames::{Ellipsoid, Epoch, Geodetic, Orientation};
-use terrella::orbit::OrbitState;
+use terrella_orbit::OrbitState;
 
 fn array<'py>(
     py: Python<'py>,

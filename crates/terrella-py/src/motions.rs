@@ -7,11 +7,11 @@ use crate::times::{PyEpoch, epoch};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use terrella::frames::Epoch;
-use terrella::orbit::OrbitState;
-use terrella::orbit::kepler::{
+use terrella_orbit::OrbitState;
+use terrella_orbit::kepler::{
     Anomaly, Drift, KeplerElements, KeplerFeed, KeplerOptions, OrbitSize,
 };
-use terrella::orbit::numerical::{
+use terrella_orbit::numerical::{
     AtmosphereModel, ForceModel, Gravity, NumericalFeed, NumericalOptions, Shadow, Spacecraft,
 };
 

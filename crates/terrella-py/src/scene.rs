@@ -12,7 +12,7 @@ use pyo3::types::PyDict;
 use std::path::PathBuf;
 use std::sync::Arc;
 use terrella::frames::Epoch;
-use terrella::orbit::Feed;
+use terrella_orbit::Feed;
 use terrella_play::clock::frame_epoch;
 use terrella_play::scene::Scene;
 use terrella_play::{ScenePictures, Shot, take_starter_files};

@@ -7,8 +7,8 @@ use crate::{Place, frame_names};
 use glam::{DMat3, DQuat, DVec3};
 use image::RgbImage;
 use std::net::SocketAddr;
-use terrella::basilisk::Endpoint;
 use terrella::frames::{Ellipsoid, Geodetic, itrf_from_gcrf};
+use terrella_orbit::basilisk::Endpoint;
 use terrella_play::scene::Scene;
 use terrella_play::{Flight, OffscreenRenderer, Progress, ServeRequest, ViewRequest, serve};
 

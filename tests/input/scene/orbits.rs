@@ -2,10 +2,10 @@
 
 use super::{Bad, Folder, scene, utc};
 use glam::DVec3;
-use terrella::orbit::Frame;
-use terrella::orbit::kepler::{Anomaly, OrbitSize};
-use terrella::orbit::live::{Extrapolation, LiveOptions, Pacing};
-use terrella::orbit::numerical::{AtmosphereModel, EventSelection, Solver, ThrustAxes};
+use terrella_orbit::Frame;
+use terrella_orbit::kepler::{Anomaly, OrbitSize};
+use terrella_orbit::live::{Extrapolation, LiveOptions, Pacing};
+use terrella_orbit::numerical::{AtmosphereModel, EventSelection, Solver, ThrustAxes};
 use terrella_play::scene::{Motion, OrbitParameters, OrbitSource};
 
 #[rustfmt::skip]
@@ -275,7 +275,7 @@ fn bad_simulations_are_refused_with_file_line_key_and_remedy() {
 
 #[test]
 fn keys_of_simulations_reach_them() {
-    use terrella::basilisk::{Endpoint, Meeting, SimulationOptions};
+    use terrella_orbit::basilisk::{Endpoint, Meeting, SimulationOptions};
     let options = |keys: &str| {
         let scene = scene(&format!("[orbit]\nsource = \"basilisk\"\n{keys}"));
         assert!(scene.is_live());

@@ -3,8 +3,8 @@
 use super::*;
 use crate::until;
 use std::time::Duration;
-use terrella::basilisk::StepPace;
-use terrella::orbit::Feed;
+use terrella_orbit::Feed;
+use terrella_orbit::basilisk::StepPace;
 
 #[test]
 fn requests_are_answered_as_basilisk_expects() {

@@ -3,7 +3,7 @@
 use super::*;
 use crate::{resident_kib, until};
 use std::time::Duration;
-use terrella::basilisk::StepPace;
+use terrella_orbit::basilisk::StepPace;
 
 /// Numbers that are the same every time.
 struct Random(u64);

@@ -11,8 +11,8 @@ pub mod messages;
 use super::PATIENCE;
 use std::io::{Read, Write};
 use std::net::{SocketAddr, TcpStream};
-use terrella::basilisk::{Endpoint, Meeting, Simulation, SimulationOptions};
 use terrella_frames::{Epoch, utc_from_rfc3339};
+use terrella_orbit::basilisk::{Endpoint, Meeting, Simulation, SimulationOptions};
 
 pub fn start() -> Epoch {
     utc_from_rfc3339("2018-01-15T12:00:00Z").expect("a date")

@@ -3,7 +3,7 @@
 use super::*;
 use crate::until;
 use std::net::TcpListener;
-use terrella::basilisk::StepPace;
+use terrella_orbit::basilisk::StepPace;
 
 fn publish(listener: &TcpListener) -> Peer {
     let (stream, _) = listener.accept().expect("a subscriber");

@@ -3,7 +3,7 @@
 use super::*;
 use crate::until;
 use std::time::{Duration, Instant};
-use terrella::basilisk::StepPace;
+use terrella_orbit::basilisk::StepPace;
 
 /// Lets a simulator wait for a picture, does something, and gives what the simulator got and whether the connection ended then.
 fn while_a_picture_is_waited_for(

@@ -13,12 +13,12 @@ use rig::{
 use terrella::frames::{Ellipsoid, Geodetic};
 use terrella::internals::air::{Atmosphere, TOP};
 use terrella::internals::gpu::{DepthBuffer, FrameTargets};
-use terrella::orbit::Feed;
 use terrella::tracks::{
     Footprint, TrackSpan, TrackStyle, Tracks, TracksOptions, footprint_outline, is_beyond_air,
     is_hidden,
 };
 use terrella::{Earth, EarthOptions, EyeView};
+use terrella_orbit::Feed;
 
 #[test]
 fn a_trail_is_where_it_is_and_the_globe_hides_it_exactly() {

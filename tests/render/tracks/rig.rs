@@ -6,10 +6,10 @@ use image::RgbaImage;
 use terrella::frames::{Ellipsoid, Epoch, Geodetic, Orientation, utc_from_rfc3339};
 use terrella::internals::air::Atmosphere;
 use terrella::internals::gpu::{Attachments, DepthBuffer, color_texture, read_texture};
-use terrella::orbit::constants::EARTH_GM_M3_S2;
-use terrella::orbit::{Feed, Frame, OrbitError, OrbitState};
 use terrella::tracks::{TrackMoment, TrackSpan, TrackStats, TrackStyle, Tracks, TracksOptions};
 use terrella::{Earth, EarthOptions, EyeView, Sky, ViewFrame};
+use terrella_orbit::constants::EARTH_GM_M3_S2;
+use terrella_orbit::{Feed, Frame, OrbitError, OrbitState};
 
 pub const WGS84: Ellipsoid = Ellipsoid::WGS84;
 pub const SIZE: (u32, u32) = (480, 360);

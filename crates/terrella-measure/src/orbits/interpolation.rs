@@ -1,7 +1,7 @@
 //! Interpolated ephemerides by degree and step, as a table.
 
 use crate::output::csv_text;
-use terrella::orbit::interpolated::{Interpolation, KeplerOrbit, interpolation_error};
+use terrella_orbit::interpolated::{Interpolation, KeplerOrbit, interpolation_error};
 
 /// Steps from state to state, seconds.
 const STEPS_S: [f64; 7] = [10.0, 30.0, 60.0, 120.0, 300.0, 600.0, 1200.0];

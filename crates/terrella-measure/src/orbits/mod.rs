@@ -23,14 +23,14 @@ use glam::DVec3;
 use std::cell::OnceCell;
 use std::hint::black_box;
 use terrella::frames::{Duration, Epoch};
-use terrella::orbit::constants::{EARTH_GM_M3_S2, EGM96_EQUATORIAL_RADIUS_M, EGM96_J2};
-use terrella::orbit::kepler::{
+use terrella_orbit::constants::{EARTH_GM_M3_S2, EGM96_EQUATORIAL_RADIUS_M, EGM96_J2};
+use terrella_orbit::kepler::{
     Anomaly, Drift, KeplerElements, KeplerFeed, KeplerOptions, OrbitSize,
 };
-use terrella::orbit::numerical::{
+use terrella_orbit::numerical::{
     ForceModel, Gravity, NumericalFeed, NumericalOptions, Solver, Spacecraft,
 };
-use terrella::orbit::{Feed, Frame, OrbitState};
+use terrella_orbit::{Feed, Frame, OrbitState};
 
 /// The parameter that trades error for run time.
 pub const TOLERANCE: &str = "relative_tolerance";

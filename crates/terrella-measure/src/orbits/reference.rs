@@ -2,7 +2,7 @@
 
 use super::double_double::DoubleDouble;
 use glam::DVec3;
-use terrella::orbit::constants::{EARTH_GM_M3_S2, EGM96_EQUATORIAL_RADIUS_M, EGM96_J2};
+use terrella_orbit::constants::{EARTH_GM_M3_S2, EGM96_EQUATORIAL_RADIUS_M, EGM96_J2};
 
 type State = [DoubleDouble; 6];
 

@@ -4,11 +4,11 @@ use super::super::numeric::{Method, Sweep, Work};
 use std::cell::{OnceCell, RefCell};
 use std::collections::BTreeMap;
 use terrella::frames::{Duration, Epoch};
-use terrella::orbit::Frame;
-use terrella::orbit::OrbitState;
-use terrella::orbit::constants::EARTH_GM_M3_S2;
-use terrella::orbit::kepler::{Anomaly, KeplerElements, OrbitSize};
-use terrella::orbit::numerical::{
+use terrella_orbit::Frame;
+use terrella_orbit::OrbitState;
+use terrella_orbit::constants::EARTH_GM_M3_S2;
+use terrella_orbit::kepler::{Anomaly, KeplerElements, OrbitSize};
+use terrella_orbit::numerical::{
     AtmosphereModel, ForceModel, Gravity, NumericalFeed, NumericalOptions, Solver, Spacecraft,
 };
 

@@ -5,7 +5,7 @@ use crate::Quartiles;
 use crate::output::csv_text;
 use cpu_time::ThreadTime;
 use std::hint::black_box;
-use terrella::orbit::numerical::Solver;
+use terrella_orbit::numerical::Solver;
 
 /// One method with one tolerance in one case.
 #[derive(Clone, Debug, PartialEq)]

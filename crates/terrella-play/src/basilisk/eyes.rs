@@ -6,7 +6,7 @@ use crate::craft::CraftPose;
 use crate::flight::{Flight, Moment, ViewRequest};
 use crate::scene::CameraMode;
 use glam::DMat3;
-use terrella::basilisk::{Camera, Snapshot, camera_pose};
+use terrella_orbit::basilisk::{Camera, Snapshot, camera_pose};
 
 /// Craft farther than this from a camera are less than a pixel.
 const CRAFT_RANGE_M: f64 = 50e3;
@@ -71,7 +71,7 @@ impl Flight {
         let sky = sky(snapshot);
         let moment = self.moment_under(snapshot.epoch, &request, pose, Some(state), sky);
         let others = snapshot.craft.iter().filter(|one| one.name != parent.name);
-        let range_m = |one: &&terrella::basilisk::CraftState| {
+        let range_m = |one: &&terrella_orbit::basilisk::CraftState| {
             (itrf_from_gcrf * one.position_m - eye_itrf_m).length()
         };
         let nearest = others.min_by(|a, b| range_m(a).total_cmp(&range_m(b)));

@@ -6,9 +6,9 @@ use crate::flight::{Flight, Moment, ViewRequest};
 use glam::DMat3;
 use std::sync::Arc;
 use terrella::Sky;
-use terrella::basilisk::{Recording, Simulation, Snapshot};
 use terrella::frames::{EARTH_ROTATION_RATE_RAD_S, Epoch};
 use terrella::tracks::EarthTurn;
+use terrella_orbit::basilisk::{Recording, Simulation, Snapshot};
 
 /// What lights the Earth at an instant of a simulation, as the simulation says it.
 pub(super) fn sky(snapshot: &Snapshot) -> Sky {

@@ -5,7 +5,7 @@ use crate::error::PlayError;
 use crate::flight::Flight;
 use crate::progress::Progress;
 use std::time::{Duration, Instant};
-use terrella::basilisk::{Counters, StepPace};
+use terrella_orbit::basilisk::{Counters, StepPace};
 
 /// How a service is run.
 #[derive(Clone, Copy, Debug, Default)]

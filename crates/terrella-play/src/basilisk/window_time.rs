@@ -5,7 +5,7 @@ use crate::keys::Action;
 use crate::live_status::LiveStatus;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
-use terrella::basilisk::{Simulation, Snapshot, StepPace};
+use terrella_orbit::basilisk::{Simulation, Snapshot, StepPace};
 use winit::keyboard::Key;
 
 /// How often a window asks for the simulation's next step.

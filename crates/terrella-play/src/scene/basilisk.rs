@@ -6,7 +6,7 @@ use super::keys::RawOrbit;
 use super::orbit::{Orbit, OrbitSource};
 use super::text::SceneText;
 use std::time::Duration;
-use terrella::basilisk::{Endpoint, Meeting, SimulationOptions};
+use terrella_orbit::basilisk::{Endpoint, Meeting, SimulationOptions};
 
 /// Keys that simulations of Basilisk share with live satellites.
 pub(super) const SHARED_KEYS: &[&str] = &["listen", "allow_remote", "timeout_s", "stale_after_s"];

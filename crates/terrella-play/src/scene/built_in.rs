@@ -5,8 +5,8 @@ use super::orbit::{Orbit, OrbitSource};
 use super::{KeyLines, Scene, StartSource};
 use std::io::Read;
 use std::path::Path;
-use terrella::orbit::FileFormat;
 use terrella_files as files;
+use terrella_orbit::FileFormat;
 
 /// The scene that comes with the program.
 const SHIPPED: &str = include_str!("../../../../config/iss.toml");
@@ -138,7 +138,7 @@ fn without(text: &str, keys: &[(&str, &str)]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use terrella::orbit::Sgp4Feed;
+    use terrella_orbit::Sgp4Feed;
 
     /// The scene that is built in cannot drift from the file: but for where the elements are, both are the same.
     #[test]

@@ -8,7 +8,7 @@ use super::time::utc;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use terrella::frames::{Duration, Epoch, utc_from_rfc3339};
-use terrella::orbit::numerical::{EventSelection, Solver, Thrust, ThrustAxes};
+use terrella_orbit::numerical::{EventSelection, Solver, Thrust, ThrustAxes};
 use toml::{Spanned, Value};
 
 /// The method of integration, as a scene writes it.

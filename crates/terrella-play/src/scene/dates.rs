@@ -5,8 +5,8 @@ use super::error::{KeyLocation, SceneError};
 use super::orbit::{InitialState, Motion, Orbit, OrbitParameters, OrbitSource};
 use super::time::{StartSource, utc, year_advice};
 use terrella::frames::Epoch;
-use terrella::orbit::Frame;
-use terrella::orbit::kepler::KeplerElements;
+use terrella_orbit::Frame;
+use terrella_orbit::kepler::KeplerElements;
 
 /// What flies where the built-in elements do not reach.
 const STAND_IN: &str = "ISS stand-in";
@@ -40,7 +40,7 @@ fn validity_text(validity: (Epoch, Epoch), ending: Option<&Ending>) -> String {
 
 impl Scene {
     /// Refuses a scene of which any part lies outside `validity`, the first and last epoch that its orbit
-    /// answers for without a gap ([`terrella::orbit::Feed::validity`], [`terrella::orbit::Feed::gaps`]). `ending` is what ends that time,
+    /// answers for without a gap ([`terrella_orbit::Feed::validity`], [`terrella_orbit::Feed::gaps`]). `ending` is what ends that time,
     /// if it is known.
     pub fn check_dates(
         &self,

@@ -9,8 +9,8 @@ use serde::{Deserialize, Deserializer};
 use std::collections::BTreeMap;
 use std::ops::{Range, RangeInclusive};
 use terrella::internals::air::AirOptions;
-use terrella::orbit::live::{LiveOptions, Transport};
-use terrella::orbit::numerical::Spacecraft;
+use terrella_orbit::live::{LiveOptions, Transport};
+use terrella_orbit::numerical::Spacecraft;
 use toml::Spanned;
 
 /// First and last year (UTC) that a scene may reach: those of [`utc_from_rfc3339`](terrella::frames::utc_from_rfc3339).

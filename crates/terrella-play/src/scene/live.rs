@@ -6,7 +6,7 @@ use super::keys::{MAX_LIVE_ORBITS, MAX_ORIGINS, RawOrbit};
 use super::orbit::Orbit;
 use super::text::SceneText;
 use std::time::Duration;
-use terrella::orbit::live::{Extrapolation, LiveOptions, Pacing, Transport};
+use terrella_orbit::live::{Extrapolation, LiveOptions, Pacing, Transport};
 
 /// Keys of live satellites alone.
 pub(super) const KEYS: &[&str] = &[

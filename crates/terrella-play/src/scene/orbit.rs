@@ -3,12 +3,12 @@
 use super::tracks::Track;
 use glam::DVec3;
 use std::path::PathBuf;
-use terrella::basilisk::SimulationOptions;
 use terrella::frames::Epoch;
-use terrella::orbit::kepler::KeplerElements;
-use terrella::orbit::live::LiveOptions;
-use terrella::orbit::numerical::{AtmosphereModel, EventSelection, Solver, Spacecraft, Thrust};
-use terrella::orbit::{FileFormat, Frame};
+use terrella_orbit::basilisk::SimulationOptions;
+use terrella_orbit::kepler::KeplerElements;
+use terrella_orbit::live::LiveOptions;
+use terrella_orbit::numerical::{AtmosphereModel, EventSelection, Solver, Spacecraft, Thrust};
+use terrella_orbit::{FileFormat, Frame};
 
 /// `[orbit]`, or one of several `[[orbit]]`: a satellite and where its motion is from.
 #[derive(Clone, Debug, PartialEq)]

@@ -11,9 +11,9 @@ use glam::DVec3;
 use serde::Deserialize;
 use std::ops::RangeInclusive;
 use terrella::frames::Epoch;
-use terrella::orbit::Frame;
-use terrella::orbit::kepler::{Anomaly, KeplerElements, OrbitSize};
-use terrella::orbit::numerical::{AtmosphereModel, Spacecraft};
+use terrella_orbit::Frame;
+use terrella_orbit::kepler::{Anomaly, KeplerElements, OrbitSize};
+use terrella_orbit::numerical::{AtmosphereModel, Spacecraft};
 use toml::Spanned;
 
 /// The axes of a start, as a scene writes them.

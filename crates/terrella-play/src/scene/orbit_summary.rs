@@ -8,8 +8,8 @@ use super::time::utc;
 use super::tracks::TrackSpan;
 use super::{Scene, basilisk, burns, live, tracks};
 use glam::DVec3;
-use terrella::orbit::kepler::{Anomaly, KeplerElements, OrbitSize};
-use terrella::orbit::numerical::AtmosphereModel;
+use terrella_orbit::kepler::{Anomaly, KeplerElements, OrbitSize};
+use terrella_orbit::numerical::AtmosphereModel;
 
 const BUILT_IN: &str = "the space station's elements are built in";
 

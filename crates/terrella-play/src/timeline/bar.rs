@@ -9,7 +9,7 @@ use egui::{
     Align2, Color32, Context, CornerRadius, DragValue, FontId, Id, Pos2, Rect, Response, RichText,
     Sense, Stroke, TextEdit, Ui, Vec2, vec2,
 };
-use terrella::orbit::Pass;
+use terrella_orbit::Pass;
 
 /// Height of its content while its buttons take one line, points.
 const CONTENT_HEIGHT: f32 = 72.0;

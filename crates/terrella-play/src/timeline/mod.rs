@@ -20,7 +20,7 @@ use crate::scene::CameraMode;
 use hifitime::{TimeScale, Unit};
 use pass_search::{PassSite, Upcoming};
 use terrella::frames::{Duration, Epoch, Geodetic, rfc3339};
-use terrella::orbit::{Feed, Pass};
+use terrella_orbit::{Feed, Pass};
 
 /// Minimum elevation of a pass where nothing else is said, degrees.
 const DEFAULT_MIN_ELEVATION_DEG: f64 = 10.0;

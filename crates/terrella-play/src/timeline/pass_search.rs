@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread::{Builder, Scope};
 use terrella::frames::{Epoch, Geodetic};
-use terrella::orbit::{Feed, Observer, OrbitError, OrbitState, Pass, passes};
+use terrella_orbit::{Feed, Observer, OrbitError, OrbitState, Pass, passes};
 
 /// Most passes that are marked on the time line.
 const MAX_PASSES: usize = 500;

@@ -17,9 +17,9 @@ use std::sync::Arc;
 use style::style;
 use terrella::frames::EarthOrientation;
 use terrella::internals::gpu::GpuContext;
-use terrella::orbit::Feed;
 use terrella::tracks::{TrackLabel, TrackMoment, TrackStats, Tracks, TracksOptions};
 use terrella::{Earth, FrameStats};
+use terrella_orbit::Feed;
 
 /// The tracks of a picture or a window.
 pub struct TracksLayer {

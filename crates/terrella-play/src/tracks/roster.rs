@@ -5,10 +5,12 @@ use crate::flight::Flight;
 use crate::scene::Orbit;
 use glam::DVec3;
 use std::sync::Arc;
-use terrella::basilisk::{Place, RecordedCraft, RecordedPlace, Recording, Roster, Simulation};
 use terrella::frames::{Ellipsoid, Geodetic};
-use terrella::orbit::Feed;
 use terrella::tracks::TrackStyle;
+use terrella_orbit::Feed;
+use terrella_orbit::basilisk::{
+    Place, RecordedCraft, RecordedPlace, Recording, Roster, Simulation,
+};
 
 /// Most craft and most places that have tracks and names: more is not to be told apart.
 const MAX_TRACKS: usize = 200;

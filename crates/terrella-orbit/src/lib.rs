@@ -1,0 +1,167 @@
+//! Orbits: where a satellite is at an epoch, propagated, interpolated or sent; whatever says so is a [`Feed`].
+//!
+//! | to | look in |
+//! |---|---|
+//! | propagate an orbit from mean elements (TLE, OMM) by SGP4 | `sgp4_feed.rs`; read them: `tle_text.rs`, `tle_fields.rs`, `omm/`, `catalogue.rs`; how long they fly: `decay.rs` |
+//! | propagate Keplerian elements, with J2 or without | [`kepler`] |
+//! | integrate under forces; eclipses, nodes, apsides and impact on the way | [`numerical`] |
+//! | interpolate an ephemeris (Lagrange, Hermite) | [`interpolated`]; read one: `oem/`, `czml.rs`, `ephemeris_csv.rs`, `ephemerides.rs`, `found.rs` |
+//! | notice a file that was cut off | `cut.rs` |
+//! | take states that a simulator sends | [`live`] |
+//! | find passes over a place | `passes.rs` |
+//! | turn a state vector from frame to frame | `state.rs` |
+//! | tell what kind of orbits a file holds | `recognise.rs` |
+//! | see how long a feed answers | [`Feed::validity`], `validity.rs` |
+//!
+//! Time scales and leap seconds are in [`frames`](terrella_frames). Why the readers of OEM and OMM and the
+//! integrators are our own stands in `oem/mod.rs`, `omm/mod.rs` and `numerical/integrate/mod.rs`.
+
+#[cfg(feature = "basilisk")]
+pub mod basilisk;
+mod catalogue;
+#[cfg(any(feature = "basilisk", feature = "live"))]
+pub(crate) mod connections;
+pub mod constants;
+mod cut;
+mod czml;
+mod decay;
+mod entry;
+mod ephemerides;
+mod ephemeris_csv;
+mod error;
+mod file;
+mod found;
+pub mod interpolated;
+pub mod kepler;
+#[cfg(feature = "live")]
+pub mod live;
+mod mean_elements;
+pub mod numerical;
+mod oem;
+mod omm;
+mod passes;
+mod recognise;
+mod sgp4_feed;
+mod start_error;
+mod state;
+mod text;
+mod tle_fields;
+mod tle_text;
+mod validity;
+mod write_ccsds;
+mod write_csv;
+
+use terrella_frames::Epoch;
+
+pub use catalogue::Catalogue;
+pub use cut::CutOff;
+pub use entry::{RecordError, RecordFault};
+pub use ephemerides::Ephemerides;
+pub use error::{LineFault, OrbitError};
+pub use interpolated::EphemerisFeed;
+pub use mean_elements::MeanElements;
+pub use oem::write_oem;
+pub use omm::write_omm;
+pub use passes::{LookAngles, Observer, Pass, next_pass, passes};
+pub use sgp4_feed::{Sgp4Feed, TleFeed};
+pub use start_error::StartError;
+pub use state::{Frame, OrbitState};
+pub use write_ccsds::Header;
+pub use write_csv::{csv_field, csv_header, csv_row};
+
+/// Kinds of files of orbits. What kind a file is: [`FileFormat::of_text`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FileFormat {
+    /// Two-line elements.
+    Tle,
+    /// Orbit mean-elements message.
+    Omm,
+    /// Orbit ephemeris message.
+    Oem,
+    /// CZML.
+    Czml,
+    /// States in columns.
+    Csv,
+}
+
+/// A source of motion.
+pub trait Feed: Send + Sync {
+    /// The satellite's name, for panels and pictures.
+    fn name(&self) -> &str;
+    /// First and last epoch that the feed answers for.
+    fn validity(&self) -> (Epoch, Epoch);
+    /// The state at `epoch`; an epoch outside the validity interval is an error that names the interval.
+    fn state_at(&self, epoch: Epoch) -> Result<OrbitState, OrbitError>;
+    /// How far the position may be off at `epoch`, metres (one standard deviation), where the source knows.
+    fn error_m(&self, epoch: Epoch) -> Option<f64> {
+        let _ = epoch;
+        None
+    }
+    /// When it meets the ground after its start, if it does so in the time that it is known of: its validity ends there.
+    fn impact(&self) -> Option<Epoch> {
+        None
+    }
+    /// Last instants before and after the epoch of mean elements at which their theory still gives an orbit, where that ends within
+    /// the time that they hold for: the validity is cut there.
+    fn decay(&self) -> (Option<Epoch>, Option<Epoch>) {
+        (None, None)
+    }
+    /// Times within the validity, in order, in which it has no state: from the last instant before to the first one after.
+    fn gaps(&self) -> Vec<(Epoch, Epoch)> {
+        Vec::new()
+    }
+    /// Whether what it says now is up to date; only live feeds can be late.
+    fn freshness(&self) -> Freshness {
+        Freshness::Settled
+    }
+}
+
+impl<F: Feed + ?Sized> Feed for std::sync::Arc<F> {
+    fn name(&self) -> &str {
+        self.as_ref().name()
+    }
+
+    fn validity(&self) -> (Epoch, Epoch) {
+        self.as_ref().validity()
+    }
+
+    fn state_at(&self, epoch: Epoch) -> Result<OrbitState, OrbitError> {
+        self.as_ref().state_at(epoch)
+    }
+
+    fn error_m(&self, epoch: Epoch) -> Option<f64> {
+        self.as_ref().error_m(epoch)
+    }
+
+    fn impact(&self) -> Option<Epoch> {
+        self.as_ref().impact()
+    }
+
+    fn decay(&self) -> (Option<Epoch>, Option<Epoch>) {
+        self.as_ref().decay()
+    }
+
+    fn gaps(&self) -> Vec<(Epoch, Epoch)> {
+        self.as_ref().gaps()
+    }
+
+    fn freshness(&self) -> Freshness {
+        self.as_ref().freshness()
+    }
+}
+
+/// Whether a feed's states are up to date.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Freshness {
+    /// All states are known: nothing is waited for.
+    Settled,
+    /// States come in time.
+    Live,
+    /// The last state is older than the feed's limit: it goes on from there. Seconds since it came.
+    Stale {
+        /// Age of the last state, seconds.
+        age_s: f64,
+    },
+    /// No state has come yet.
+    Waiting,
+}

@@ -1,0 +1,333 @@
+//! A message while it is read: what KVN and XML have in common.
+
+use super::super::cut::CutOff;
+use super::super::entry::{Entry, Fields, Keys, RecordError, RecordFault, TextPosition, printable};
+use super::super::found::{Each, Found};
+use super::super::interpolated::{
+    EphemerisFeed, EphemerisSegment, InterpolatedStates, Interpolation, InterpolationError,
+    StateSample, doubts, sift,
+};
+use crate::Frame;
+use glam::DVec3;
+use std::path::Path;
+use terrella_frames::{Epoch, TimeScale, rfc3339};
+
+/// Most states of a message.
+const MAX_STATES: usize = 2_000_000;
+/// Instants that are written to a millisecond may differ by as much, seconds.
+const STOP_TOLERANCE_S: f64 = 0.002;
+/// Most segments of a message.
+const MAX_SEGMENTS: usize = 100_000;
+
+const META_KEYS: &Keys = &[
+    ("OBJECT_NAME", ""),
+    ("OBJECT_ID", ""),
+    ("CENTER_NAME", ""),
+    ("REF_FRAME", ""),
+    ("REF_FRAME_EPOCH", ""),
+    ("TIME_SYSTEM", ""),
+    ("START_TIME", ""),
+    ("USEABLE_START_TIME", ""),
+    ("USEABLE_STOP_TIME", ""),
+    ("STOP_TIME", ""),
+    ("INTERPOLATION", ""),
+    ("INTERPOLATION_DEGREE", ""),
+];
+
+/// An empty set of a segment's metadata.
+pub fn metadata(place: TextPosition) -> Fields {
+    Fields::new("the metadata", place, META_KEYS)
+}
+
+/// A message, segment after segment.
+pub struct Draft<'o> {
+    origin: &'o Path,
+    /// Where it begins.
+    place: TextPosition,
+    /// Name and identifier of the object.
+    object: Option<(String, String)>,
+    segments: Vec<EphemerisSegment>,
+    segment_places: Vec<TextPosition>,
+    states: usize,
+    open: Option<OpenSegment>,
+}
+
+struct OpenSegment {
+    place: TextPosition,
+    frame: Frame,
+    scale: TimeScale,
+    usable: (Epoch, Epoch),
+    stop: Epoch,
+    interpolation: Option<Interpolation>,
+    samples: Vec<StateSample>,
+    /// Lines of the samples.
+    lines: Vec<usize>,
+    sigma_m: Vec<(Epoch, f64)>,
+}
+
+impl<'o> Draft<'o> {
+    pub fn new(origin: &'o Path, place: TextPosition) -> Self {
+        Self {
+            origin,
+            place,
+            object: None,
+            segments: Vec::new(),
+            segment_places: Vec::new(),
+            states: 0,
+            open: None,
+        }
+    }
+
+    /// Where the message begins.
+    pub fn place(&self) -> TextPosition {
+        self.place
+    }
+
+    /// The time system of the open segment; an error where no metadata have been.
+    pub fn scale(&self, place: TextPosition) -> Result<TimeScale, RecordError> {
+        self.open.as_ref().map(|s| s.scale).ok_or_else(|| {
+            let fault = RecordFault::Missing {
+                what: "a state",
+                key: "metadata before it",
+                remedy: "; begin the segment with META_START",
+            };
+            place.error(self.origin, fault)
+        })
+    }
+
+    /// Begins a segment with its metadata.
+    pub fn begin(&mut self, meta: &Fields, each: &mut Each<'_>) -> Result<(), RecordError> {
+        self.finish_segment(each)?;
+        let origin = self.origin;
+        if self.segments.len() >= MAX_SEGMENTS {
+            let (what, limit) = ("segments", MAX_SEGMENTS);
+            return Err(meta
+                .place()
+                .error(origin, RecordFault::TooMany { what, limit }));
+        }
+        let must = |key| meta.must(key, "", origin);
+        self.check_object(must("OBJECT_NAME")?, must("OBJECT_ID")?)?;
+        let center = must("CENTER_NAME")?;
+        if !center.value.eq_ignore_ascii_case("EARTH") {
+            return Err(center.unsupported(origin, "only orbits about the Earth are flown"));
+        }
+        let frame = must("REF_FRAME")?;
+        let frame = Frame::from_ccsds_name(&frame.value).ok_or_else(|| {
+            frame.unsupported(
+                origin,
+                "known frames are ICRF, GCRF, EME2000, TEME, ITRF… and GTOD",
+            )
+        })?;
+        if let Some(date) = meta.get("REF_FRAME_EPOCH") {
+            return Err(date.unsupported(
+                origin,
+                "axes of a fixed date are not known; only of the state's own",
+            ));
+        }
+        let scale = must("TIME_SYSTEM")?;
+        let scale = TimeScale::from_name(&scale.value).ok_or_else(|| {
+            scale.unsupported(
+                origin,
+                "known time systems are UTC, TAI, TT and GPS; none is guessed",
+            )
+        })?;
+        let (start, stop) = (
+            must("START_TIME")?.epoch(origin, scale)?,
+            must("STOP_TIME")?.epoch(origin, scale)?,
+        );
+        let date = |key, otherwise| match meta.get(key) {
+            Some(entry) => entry.epoch(origin, scale),
+            None => Ok(otherwise),
+        };
+        self.open = Some(OpenSegment {
+            place: meta.place(),
+            frame,
+            scale,
+            usable: (
+                date("USEABLE_START_TIME", start)?,
+                date("USEABLE_STOP_TIME", stop)?,
+            ),
+            stop,
+            interpolation: interpolation(meta, origin)?,
+            samples: Vec::new(),
+            lines: Vec::new(),
+            sigma_m: Vec::new(),
+        });
+        Ok(())
+    }
+
+    /// A message is of one object.
+    fn check_object(&mut self, name: &Entry<'_>, id: &Entry<'_>) -> Result<(), RecordError> {
+        match &self.object {
+            Some((_, first)) if *first != id.value => Err(id.unsupported(
+                self.origin,
+                "a message tells of one object; write one for each",
+            )),
+            Some(_) => Ok(()),
+            None => {
+                self.object = Some((printable(&name.value), printable(&id.value)));
+                Ok(())
+            }
+        }
+    }
+
+    /// Adds a state to the open segment.
+    pub fn state(
+        &mut self,
+        place: TextPosition,
+        epoch: Epoch,
+        position_m: DVec3,
+        velocity_m_s: DVec3,
+    ) -> Result<(), RecordError> {
+        self.scale(place)?;
+        self.states += 1;
+        if self.states > MAX_STATES {
+            let (what, limit) = ("states", MAX_STATES);
+            return Err(place.error(self.origin, RecordFault::TooMany { what, limit }));
+        }
+        if let Some(open) = &mut self.open {
+            open.samples.push(StateSample {
+                epoch,
+                position_m,
+                velocity_m_s: Some(velocity_m_s),
+            });
+            open.lines.push(place.line);
+        }
+        Ok(())
+    }
+
+    /// Adds the variances of a covariance matrix's position, km². Their sum is the same in all axes.
+    pub fn covariance(
+        &mut self,
+        place: TextPosition,
+        epoch: Epoch,
+        variances_km2: [f64; 3],
+    ) -> Result<(), RecordError> {
+        self.scale(place)?;
+        let variance_km2: f64 = variances_km2.iter().sum();
+        let wrong = |key: &str, text: String, expected| {
+            let key = key.to_owned();
+            place.error(
+                self.origin,
+                RecordFault::Field {
+                    key,
+                    text,
+                    expected,
+                },
+            )
+        };
+        if !(variances_km2.iter().all(|v| *v >= 0.0) && variance_km2 < 1e20) {
+            let text = format!("{variances_km2:?}");
+            return Err(wrong(
+                "the diagonal of the covariance",
+                text,
+                "squares of km, none below 0",
+            ));
+        }
+        if let Some(open) = &mut self.open {
+            if open
+                .sigma_m
+                .last()
+                .is_some_and(|(before, _)| *before >= epoch)
+            {
+                let text = terrella_frames::rfc3339(epoch);
+                return Err(wrong(
+                    "the covariance's EPOCH",
+                    text,
+                    "a later one than the one before it",
+                ));
+            }
+            open.sigma_m.push((epoch, variance_km2.sqrt() * 1e3));
+        }
+        Ok(())
+    }
+
+    fn finish_segment(&mut self, each: &mut Each<'_>) -> Result<(), RecordError> {
+        let Some(open) = self.open.take() else {
+            return Ok(());
+        };
+        let interpolation = open.interpolation.unwrap_or(Interpolation::WITH_VELOCITIES);
+        let at_its_line = |error: InterpolationError| {
+            let line = error.index().and_then(|i| open.lines.get(i));
+            let place = line.map_or(open.place, |&line| TextPosition { line, column: 1 });
+            place.error(self.origin, RecordFault::Samples(error))
+        };
+        let samples = sift(&open.samples, |error| {
+            each(Found::BadState(at_its_line(error)))
+        })?;
+        let line_of = |sample: Option<&StateSample>| {
+            let at = open.samples.iter().rposition(|one| Some(one) == sample);
+            let line = at.and_then(|at| open.lines.get(at));
+            line.map_or(open.place, |&line| TextPosition { line, column: 1 })
+        };
+        if let Some(last) = samples.last()
+            && (open.stop - last.epoch).to_seconds() > STOP_TOLERANCE_S
+        {
+            let cut = CutOff::Stop {
+                last: rfc3339(last.epoch),
+                key: "STOP_TIME",
+                stop: rfc3339(open.stop),
+            };
+            let place = line_of(Some(last));
+            each(Found::BadState(
+                place.error(self.origin, RecordFault::CutOff(cut)),
+            ))?;
+        }
+        for doubt in doubts(open.frame, &samples) {
+            let place = line_of(samples.get(doubt.index()));
+            each(Found::BadState(
+                place.error(self.origin, RecordFault::Doubt(doubt)),
+            ))?;
+        }
+        let samples = InterpolatedStates::new(open.frame, &samples, interpolation)
+            .map_err(|error| open.place.error(self.origin, RecordFault::Samples(error)))?;
+        let mut segment = EphemerisSegment::whole(samples);
+        segment.usable = open.usable;
+        segment.sigma_m = open.sigma_m;
+        self.segments.push(segment);
+        self.segment_places.push(open.place);
+        Ok(())
+    }
+
+    /// Ends the message: the object's feed.
+    pub fn finish(mut self, each: &mut Each<'_>) -> Result<EphemerisFeed, RecordError> {
+        self.finish_segment(each)?;
+        let (name, id) = self.object.take().unwrap_or_default();
+        let segments = std::mem::take(&mut self.segments);
+        let name = match name.is_empty() {
+            true => id.clone(),
+            false => name,
+        };
+        let id = (!id.is_empty() && !id.eq_ignore_ascii_case("UNKNOWN")).then_some(id);
+        match EphemerisFeed::new(name, id, segments) {
+            Ok(feed) => Ok(feed.at_line(self.place.line)),
+            Err(error) => {
+                let place = self.segment_places.get(error.index());
+                let place = place.copied().unwrap_or(self.place);
+                Err(place.error(self.origin, RecordFault::Segments(error)))
+            }
+        }
+    }
+}
+
+fn interpolation(meta: &Fields, origin: &Path) -> Result<Option<Interpolation>, RecordError> {
+    let Some(method) = meta.get("INTERPOLATION") else {
+        return Ok(None);
+    };
+    let unsupported = || {
+        method.unsupported(
+            origin,
+            "known interpolations are LINEAR, LAGRANGE and HERMITE",
+        )
+    };
+    let linear = Interpolation::from_name(&method.value, 1).ok_or_else(unsupported)?;
+    if linear == Interpolation::Linear {
+        return Ok(Some(linear));
+    }
+    let degree = meta.must("INTERPOLATION_DEGREE", "; INTERPOLATION needs it", origin)?;
+    let number = degree.value.parse::<usize>().ok();
+    let number = number
+        .filter(|n| (1..=Interpolation::MAX_DEGREE).contains(n))
+        .ok_or_else(|| degree.wrong(origin, "a whole number from 1 to 31"))?;
+    Ok(Interpolation::from_name(&method.value, number))
+}

@@ -1,0 +1,179 @@
+//! What kind of file of orbits a text or a name is of.
+
+use super::text::{kvn, unmarked};
+use super::{FileFormat, ephemeris_csv};
+
+/// Shortest line of two-line elements: 69 columns, of which the checksum and blanks at the end may be missing.
+const TLE_LINE: usize = 60;
+
+impl FileFormat {
+    /// What kind a text is of by how it begins; `None` where it is no kind of orbits. The first tens of kilobytes are enough.
+    pub fn of_text(text: &str) -> Option<Self> {
+        let text = unmarked(text).trim_start();
+        match text.as_bytes().first()? {
+            b'<' => of_xml(text),
+            b'[' | b'{' => of_json(text),
+            _ => of_lines(text),
+        }
+    }
+
+    /// What kind the ending of a file's name promises, without its dot and in any case. Endings that say no more than how a text
+    /// is written (`txt`, `xml`, `json`) promise nothing.
+    pub fn of_ending(ending: &str) -> Option<Self> {
+        Some(match ending.to_lowercase().as_str() {
+            "tle" | "2le" | "3le" => Self::Tle,
+            "omm" => Self::Omm,
+            "oem" => Self::Oem,
+            "czml" => Self::Czml,
+            "csv" => Self::Csv,
+            _ => return None,
+        })
+    }
+}
+
+/// The first of the words that a text has, each with what it says.
+fn first_of(text: &str, words: &[(&str, FileFormat)]) -> Option<FileFormat> {
+    let found = words.iter().filter_map(|(word, format)| {
+        let at = text.find(word)?;
+        Some((at, *format))
+    });
+    found.min_by_key(|(at, _)| *at).map(|(_, format)| format)
+}
+
+fn of_xml(text: &str) -> Option<FileFormat> {
+    use FileFormat::{Oem, Omm};
+    // Messages may stand in an <ndm>, and tags may have prefixes.
+    first_of(
+        text,
+        &[
+            (VERSIONS[0], Omm),
+            (VERSIONS[1], Oem),
+            ("<omm", Omm),
+            ("<oem", Oem),
+            ("MEAN_MOTION>", Omm),
+            ("stateVector>", Oem),
+        ],
+    )
+}
+
+fn of_json(text: &str) -> Option<FileFormat> {
+    // A table of TOML begins so too, but no value follows.
+    let inner = text.trim_start_matches(['[', '{']).trim_start();
+    if !inner.starts_with(['"', '{']) {
+        return None;
+    }
+    use FileFormat::{Czml, Omm};
+    first_of(
+        text,
+        &[
+            ("\"MEAN_MOTION\"", Omm),
+            ("\"SEMI_MAJOR_AXIS\"", Omm),
+            ("\"OBJECT_NAME\"", Omm),
+            ("\"OBJECT_ID\"", Omm),
+            ("\"document\"", Czml),
+            ("\"position\"", Czml),
+        ],
+    )
+}
+
+/// What messages in keys and values begin with.
+const VERSIONS: [&str; 2] = ["CCSDS_OMM_VERS", "CCSDS_OEM_VERS"];
+
+fn of_lines(text: &str) -> Option<FileFormat> {
+    match kvn::lines(text).next() {
+        Some(kvn::KvnLine::Entry(entry)) if entry.key == VERSIONS[0] => {
+            return Some(FileFormat::Omm);
+        }
+        Some(kvn::KvnLine::Entry(entry)) if entry.key == VERSIONS[1] => {
+            return Some(FileFormat::Oem);
+        }
+        Some(kvn::KvnLine::Other { text, .. })
+            if text.contains(',') && text.contains("MEAN_MOTION") =>
+        {
+            return Some(FileFormat::Omm);
+        }
+        _ => {}
+    }
+    if ephemeris_csv::is_table(text) {
+        return Some(FileFormat::Csv);
+    }
+    has_elements(text).then_some(FileFormat::Tle)
+}
+
+/// Whether two lines that follow one another are those of an element set.
+fn has_elements(text: &str) -> bool {
+    let is = |line: &str, number: &str| line.starts_with(number) && line.len() >= TLE_LINE;
+    let mut lines = text.lines().map(str::trim);
+    let mut before = lines.next().unwrap_or_default();
+    lines.any(|line| {
+        let is_pair = is(before, "1 ") && is(line, "2 ");
+        before = line;
+        is_pair
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    #[test]
+    fn files_that_come_with_the_program_are_recognised() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../config/orbits");
+        let mut seen = 0;
+        for entry in std::fs::read_dir(folder).expect("a folder") {
+            let path = entry.expect("an entry").path();
+            let text = std::fs::read_to_string(&path).expect("text");
+            let ending = path.extension().expect("an ending").to_string_lossy();
+            let promised = FileFormat::of_ending(&ending);
+            assert!(promised.is_some(), "{}", path.display());
+            assert_eq!(FileFormat::of_text(&text), promised, "{}", path.display());
+            seen += 1;
+        }
+        assert!(seen >= 5, "{seen}");
+    }
+
+    #[test]
+    fn all_forms_are_told_from_one_another_and_from_scenes() {
+        use FileFormat::{Csv, Czml, Oem, Omm, Tle};
+        let set = "1 25544U 98067A   26329.50000000  .00016717  00000-0  10270-3 0  9993\n2 25544  51.6400 208.9163 0006703  69.9862  25.2906 15.50000000    13\n";
+        let cases: &[(&str, Option<FileFormat>)] = &[
+            (set, Some(Tle)),
+            (
+                &format!(
+                    "\u{feff}# by hand\r\n\r\nISS\r\n{}",
+                    set.replace('\n', "\r\n")
+                ),
+                Some(Tle),
+            ),
+            ("CCSDS_OMM_VERS = 2.0\n", Some(Omm)),
+            ("COMMENT x\nCCSDS_OEM_VERS = 2.0\n", Some(Oem)),
+            ("CCSDS_OEM_VERS = 2.0\n", Some(Oem)),
+            (
+                "<?xml version=\"1.0\"?>\n<ndm><omm id=\"CCSDS_OMM_VERS\">",
+                Some(Omm),
+            ),
+            ("<ndm:oem id=\"CCSDS_OEM_VERS\">", Some(Oem)),
+            ("<html><body>", None),
+            (
+                "[{\"OBJECT_NAME\":\"ISS\",\"MEAN_MOTION\":15.5}]",
+                Some(Omm),
+            ),
+            ("[\n {\"id\":\"document\",\"version\":\"1.0\"}]", Some(Czml)),
+            ("{\"name\":\"x\"}", None),
+            ("OBJECT_NAME,OBJECT_ID,EPOCH,MEAN_MOTION\n", Some(Omm)),
+            ("# frame = ITRF\nepoch_utc,x_km,y_km,z_km\n", Some(Csv)),
+            ("a,b,c\n1,2,3\n", None),
+            ("[time]\nstart = \"now\"\n", None),
+            ("[[orbit]]\nfile = \"a.tle\"\n", None),
+            ("[ camera ]\n", None),
+            ("", None),
+            ("1 apple\n2 pears\n", None),
+        ];
+        for (text, wanted) in cases {
+            assert_eq!(FileFormat::of_text(text), *wanted, "{text}");
+        }
+        assert_eq!(FileFormat::of_ending("TLE"), Some(Tle));
+        assert_eq!(FileFormat::of_ending("txt"), None);
+    }
+}
