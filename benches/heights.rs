@@ -20,13 +20,13 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use std::hint::black_box;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
-use terrella::elevation::{
+use terrella::frames::{Ellipsoid, Geodetic};
+use terrella::{EyeView, Figure, Subdivision, SurfaceKind, SurfaceSettings};
+use terrella_ground::elevation::{
     Bounds, Elevation, Georeference, GridLimits, Ground, HeightEye, HeightGrid,
     HeightStreamOptions, HeightViewer, Registration, StreamedGround, TILES_PER_FRAME,
 };
-use terrella::frames::{Ellipsoid, Geodetic};
-use terrella::internals::globe::{GroundView, Surface};
-use terrella::{EyeView, Figure, Subdivision, SurfaceKind, SurfaceSettings};
+use terrella_ground::globe::{GroundView, Surface};
 
 const LEVELS: u8 = 9;
 const SIDE: u32 = 128;

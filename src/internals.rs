@@ -6,18 +6,12 @@
     reason = "what hosts meet is documented where it is exported"
 )]
 
-#[path = "air/mod.rs"]
-pub mod air;
 #[path = "earth/mod.rs"]
 pub mod earth;
-#[path = "globe/mod.rs"]
-pub mod globe;
 #[path = "gpu/mod.rs"]
 pub mod gpu;
 #[path = "imagery/mod.rs"]
 pub mod imagery;
-#[path = "light/mod.rs"]
-pub mod light;
 #[cfg(feature = "offscreen")]
 #[path = "offscreen/mod.rs"]
 pub mod offscreen;

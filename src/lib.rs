@@ -70,34 +70,27 @@
 
 #[cfg(feature = "celestial")]
 pub mod celestial;
-#[cfg(feature = "terrain")]
-pub mod elevation;
 pub mod internals;
 #[cfg(feature = "tracks")]
 pub mod tracks;
 
 pub use terrella_frames as frames;
+#[cfg(feature = "terrain")]
+pub use terrella_ground::elevation;
 #[cfg(feature = "tracks")]
 pub use terrella_orbit as orbit;
 pub use {glam, wgpu};
 
 #[cfg(feature = "offscreen")]
 pub(crate) use internals::offscreen;
-pub use internals::{air, earth, globe, gpu, imagery, light};
+pub use internals::{earth, gpu, imagery};
 
-pub use air::{AirOptions, Atmosphere};
 pub use earth::{
     AdaptiveQuality, Appearance, ChangeMaker, DepthBuffer, DiagnosticOptions, Diagnostics, Earth,
     EarthError, EarthOptions, EarthView, EyeView, FrameStats, GroundOptions, Quality,
     QualityChange, QualityLadder, QualityLadderError, QualityLevel, QualityReduction, QualityStep,
     ReadyChange, Sky, SurfaceLight, SurfaceOutput, TILED_SUBDIVISION, TileOptions, TruthPoint,
     TruthView, ViewFrame, Viewport,
-};
-pub use globe::{Figure, LevelRule, Shading, Subdivision, Visibility};
-#[cfg(feature = "terrain")]
-pub use globe::{
-    SurfaceKind, SurfaceSettings, clipmap::ClipmapOptions, contours::ContourOptions,
-    contours::PageOptions, projected_grid::GridOptions, quadtree::QuadtreeOptions,
 };
 pub use gpu::{
     FrameTargets, GpuMap, MapError, MapFade, ScaledTarget, ShaderError, TruthTargets, TruthTexel,
@@ -115,10 +108,17 @@ pub use imagery::{
     pack::{Pack, PackTiles},
     tile::Storage,
 };
-pub use light::{Adaptation, Exposure, Tone, exposure_factor};
 #[cfg(feature = "offscreen")]
 pub use offscreen::{
     Drawing, LayerDtype, LayerValues, OffscreenEarth, OffscreenError, TRUTH_LAYERS, TruthLayer,
     TruthPicture,
 };
 pub use terrella_frames::Epoch;
+pub use terrella_ground::air::{AirOptions, Atmosphere};
+pub use terrella_ground::globe::{Figure, LevelRule, Shading, Subdivision, Visibility};
+#[cfg(feature = "terrain")]
+pub use terrella_ground::globe::{
+    SurfaceKind, SurfaceSettings, clipmap::ClipmapOptions, contours::ContourOptions,
+    contours::PageOptions, projected_grid::GridOptions, quadtree::QuadtreeOptions,
+};
+pub use terrella_ground::light::{Adaptation, Exposure, Tone, exposure_factor};

@@ -8,9 +8,9 @@ mod common;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::sync::{Mutex, MutexGuard, PoisonError};
-use terrella::elevation::{Bounds, Elevation, HeightRange};
 use terrella::frames::Geodetic;
 use terrella::{Earth, EarthOptions, Sky};
+use terrella_ground::elevation::{Bounds, Elevation, HeightRange};
 
 struct Counting;
 
@@ -223,7 +223,7 @@ fn tracks_allocate_nothing_of_their_own() {
 #[test]
 fn choosing_and_staging_allocate_nothing_at_all() {
     let _alone = alone();
-    use terrella::internals::globe::{BlockGrid, Visibility, select_blocks};
+    use terrella_ground::globe::{BlockGrid, Visibility, select_blocks};
     let grid = BlockGrid::new(terrella::frames::Ellipsoid::WGS84, 6).unwrap();
     let mut drawn = Vec::with_capacity(128);
     let count = allocations(|| {
@@ -371,10 +371,10 @@ fn a_view_at_rest_with_all_its_tiles_allocates_nothing_of_its_own() {
 #[test]
 fn a_projected_grid_allocates_nothing() {
     let _alone = alone();
-    use terrella::internals::globe::projected_grid::{
+    use terrella_ground::globe::projected_grid::{
         GridOptions, GridUniforms, HeightTiles, ProjectedGrid,
     };
-    use terrella::internals::globe::{GroundView, Surface};
+    use terrella_ground::globe::{GroundView, Surface};
 
     let mut grid = ProjectedGrid::new(&GridOptions::on_cpu());
     let mut tiles = HeightTiles::new(256);
@@ -405,7 +405,7 @@ fn a_projected_grid_allocates_nothing() {
 #[test]
 fn a_grid_of_the_gpu_allocates_nothing_of_its_own() {
     let _alone = alone();
-    use terrella::internals::globe::projected_grid::{
+    use terrella_ground::globe::projected_grid::{
         GPU_LOADS, GridOptions, GridUniforms, TILE_SAMPLES,
     };
 
@@ -503,8 +503,8 @@ fn a_grid_of_the_gpu_allocates_nothing_of_its_own() {
 #[test]
 fn pages_of_contours_allocate_nothing_once_they_are_built() {
     let _alone = alone();
-    use terrella::internals::globe::contours::{ContourPages, PageOptions};
-    use terrella::internals::globe::{GroundView, Surface};
+    use terrella_ground::globe::contours::{ContourPages, PageOptions};
+    use terrella_ground::globe::{GroundView, Surface};
 
     let view = |step: u32| {
         let place = Geodetic::from_degrees(47.0, 2e-4 * f64::from(step), 2e4);
@@ -520,7 +520,7 @@ fn pages_of_contours_allocate_nothing_once_they_are_built() {
             pixel_rad: 1e-3,
             tolerance_px: 1.0,
         };
-        let mut stats = terrella::internals::globe::SurfaceStats::default();
+        let mut stats = terrella_ground::globe::SurfaceStats::default();
         let count = allocations(|| stats = pages.prepare(&view, &Waves));
         if stats.samples_read == 0 {
             assert_eq!(count, 0, "step {step}");

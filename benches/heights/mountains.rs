@@ -4,7 +4,7 @@ use super::{LEVELS, SIDE};
 use std::collections::HashMap;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::time::Duration;
-use terrella::elevation::{
+use terrella_ground::elevation::{
     Bounds, HeightRange, HeightSamples, HeightTileError, HeightTileKey, HeightTileLayout,
     HeightTileSource,
 };

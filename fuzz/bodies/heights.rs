@@ -2,8 +2,8 @@
 
 use std::io::Cursor;
 use std::path::Path;
-use terrella::elevation::read::{HeightFile, HeightFileError, Sidecar, read_heights};
-use terrella::elevation::{Bounds, Elevation, GridLimits, Ground};
+use terrella_ground::elevation::read::{HeightFile, HeightFileError, Sidecar, read_heights};
+use terrella_ground::elevation::{Bounds, Elevation, GridLimits, Ground};
 
 /// Bytes that a grid may hold.
 const LIMITS: GridLimits = GridLimits { bytes: 2 << 20 };

@@ -1,7 +1,7 @@
 //! Serialized quadtrees.
 
 use glam::DVec3;
-use terrella::internals::globe::quadtree::SplitRule;
+use terrella_ground::globe::quadtree::SplitRule;
 use terrella_measure::terrain::quadtree::{
     ErrorMetric, GridQuadtree, Order, Posts, SelectedLeaves, TreeOptions, TreeView,
 };

@@ -1,7 +1,7 @@
 //! Sidecars of files of heights.
 
 use std::path::Path;
-use terrella::elevation::read::{Sidecar, SidecarGeoreference};
+use terrella_ground::elevation::read::{Sidecar, SidecarGeoreference};
 
 /// Reads any text as a sidecar.
 pub fn run(data: &[u8]) {

@@ -31,7 +31,6 @@ mod projection;
 mod seen;
 mod stars;
 
-use crate::air::TOP;
 use crate::earth::{Earth, EarthView, EyeView, Viewport, ball_bounds};
 use crate::gpu::{AirSide, AirTextures, DepthBuffer, PassFormat, ShaderError};
 use crate::gpu::{
@@ -46,6 +45,7 @@ pub use stars::{Star, StarCatalogue, StarError};
 use std::f64::consts::PI;
 use std::sync::Arc;
 use terrella_frames::{Epoch, MOON_RADIUS_M, Observer, Orientation, SUN_RADIUS_M};
+use terrella_ground::air::TOP;
 
 /// A disc of a smaller radius is drawn as a point, pixels: its edge would be most of it.
 const POINT_PX: f64 = 2.0;

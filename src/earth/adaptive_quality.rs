@@ -196,10 +196,10 @@ impl AdaptiveQuality {
 mod tests {
     use super::super::quality::{Quality, QualityReduction};
     use super::*;
-    use crate::air::Atmosphere;
+    use terrella_ground::air::Atmosphere;
 
     const FULL: Quality = Quality {
-        subdivision: crate::globe::Subdivision::Auto,
+        subdivision: terrella_ground::globe::Subdivision::Auto,
         anisotropy: 8,
         samples: 4,
         texel_px: 1.0,

@@ -1,7 +1,7 @@
 //! What an Earth is drawn as, besides its maps and its quality.
 
 use super::{EarthError, GroundOptions, SurfaceLight};
-use crate::air::AirOptions;
+use terrella_ground::air::AirOptions;
 
 /// What an Earth is drawn as, besides its maps and its quality: what [`Earth::change_maker`](crate::Earth::change_maker) changes
 /// while it is drawn. What is meant is said at the same fields of [`EarthOptions`](crate::EarthOptions).

@@ -4,8 +4,6 @@ use super::earth_view::Version;
 use super::ground::GroundDriver;
 use super::surface_config::{SurfaceStyle, surface_config};
 use super::{Appearance, Earth, EarthError, EyeView, Quality, Viewport, air_textures, resolved};
-use crate::air::Atmosphere;
-use crate::globe::{BLOCK_COUNT, Figure, Meshes};
 use crate::gpu::{
     AirDrawable, AirTextures, PassFormat, SurfaceMaker, SurfaceOutput, SurfacePipelines,
     SurfaceView,
@@ -13,6 +11,8 @@ use crate::gpu::{
 use crate::imagery::NeighbourhoodAlbedo;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
+use terrella_ground::air::Atmosphere;
+use terrella_ground::globe::{BLOCK_COUNT, Figure, Meshes};
 
 /// Makes what other qualities and appearances of one Earth need, on any thread: [`Earth::change_maker`].
 ///

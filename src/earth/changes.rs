@@ -2,8 +2,8 @@
 
 use super::{Earth, EarthError, resolved};
 use crate::gpu::{GpuMap, MapError};
-use crate::light::Exposure;
 use std::sync::Arc;
+use terrella_ground::light::Exposure;
 
 impl Earth {
     /// Exposes so from the next [`Self::prepare`] on.

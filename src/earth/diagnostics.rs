@@ -1,9 +1,9 @@
 //! For measuring and for looking at how an Earth is drawn. Pictures need none of it.
 
 use super::Earth;
-use crate::globe::{BlockGrid, TangentCone};
 use crate::gpu::{FramePlan, SurfaceOutput};
 use glam::{DVec3, Vec3};
+use terrella_ground::globe::{BlockGrid, TangentCone};
 
 /// What an Earth draws that is to be examined. The default is the picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -4,11 +4,11 @@ use super::plan::Planner;
 use super::tile_view::TileView;
 use super::tiles::TileLevels;
 use super::{Earth, EarthError, EyeView, FrameStats, Quality, Sky, Viewport};
-use crate::globe::{BlockSet, Meshes};
 #[cfg(feature = "celestial")]
 use crate::gpu::FrameUniforms;
 use crate::gpu::{AirDrawable, AirTextures, FramePlan, SurfaceView};
-use crate::light::Exposure;
+use terrella_ground::globe::{BlockSet, Meshes};
+use terrella_ground::light::Exposure;
 
 /// A further view of an [`Earth`]: for split screens, stereo, and the cameras of instruments.
 ///

@@ -1,8 +1,8 @@
 //! What can be wrong with the options of an Earth.
 
-use crate::globe::SubdivisionError;
 use crate::gpu::{MapError, ShaderError, SurfaceOutput};
 use crate::imagery::ImageryError;
+use terrella_ground::globe::SubdivisionError;
 
 /// Why an Earth cannot be drawn as its options say.
 #[derive(Debug, thiserror::Error)]
@@ -14,14 +14,14 @@ pub enum EarthError {
     /// Settings of ground with relief.
     #[cfg(feature = "terrain")]
     #[error(transparent)]
-    Surface(#[from] crate::globe::SurfaceError),
-    /// Exposure outside [`Exposure::RANGE_EV`](crate::Exposure::RANGE_EV) or not finite.
+    Surface(#[from] terrella_ground::globe::SurfaceError),
+    /// Exposure outside [`Exposure::RANGE_EV`](terrella_ground::light::Exposure::RANGE_EV) or not finite.
     #[error("exposure is {0} EV; it must be a number from −20 to 20")]
     Exposure(f64),
     /// Scale outside [`Quality::SCALES`](crate::Quality::SCALES) or not a number.
     #[error("the picture's scale is {0}; it must be from 0.25 to 1")]
     Scale(f64),
-    /// Aerosol outside 0 to [`AirOptions::MAX_AEROSOL`](crate::AirOptions::MAX_AEROSOL) or not a number.
+    /// Aerosol outside 0 to [`AirOptions::MAX_AEROSOL`](terrella_ground::air::AirOptions::MAX_AEROSOL) or not a number.
     #[error("the aerosol's optical depth is {0}; it must be from 0 to 5")]
     Aerosol(f64),
     /// An option of the light on the surface out of its range, or not a number.

@@ -1,20 +1,20 @@
 //! Ground with relief: the surface that a scene chose, and the heights that it is made from.
 
 use super::view::ItrfView;
-use crate::elevation::{
-    Bounds, Elevation, Ground, HeightChange, HeightEye, HeightTileKey, HeightTileStats,
-    HeightViewer, StreamedGround, TILES_PER_FRAME,
-};
-use crate::globe::contours::ContourOptions;
-use crate::globe::projected_grid::GPU_TILES;
-use crate::globe::{
-    Block, BlockGrid, DrawKind, Figure, GroundView, Surface, SurfaceError, SurfaceSettings,
-    SurfaceStats, select_blocks_between,
-};
 use crate::gpu::{GridMesh, PageMesh};
 use std::fmt;
 use std::sync::Arc;
 use std::time::Duration;
+use terrella_ground::elevation::{
+    Bounds, Elevation, Ground, HeightChange, HeightEye, HeightTileKey, HeightTileStats,
+    HeightViewer, StreamedGround, TILES_PER_FRAME,
+};
+use terrella_ground::globe::contours::ContourOptions;
+use terrella_ground::globe::projected_grid::GPU_TILES;
+use terrella_ground::globe::{
+    Block, BlockGrid, DrawKind, Figure, GroundView, Surface, SurfaceError, SurfaceSettings,
+    SurfaceStats, select_blocks_between,
+};
 
 /// Ground with relief in place of the smooth ellipsoid.
 #[derive(Clone)]

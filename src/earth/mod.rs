@@ -57,9 +57,6 @@ mod tiles;
 mod truth;
 mod view;
 
-use crate::air::{AirModel, AirTables, Atmosphere};
-use crate::globe::Figure;
-pub use crate::globe::Shading;
 use crate::gpu::{
     AirDrawable, AirTextures, ChosenTiles, PassFormat, SurfaceConfig, SurfaceDrawable, SurfaceView,
 };
@@ -88,6 +85,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 use surface_config::{SurfaceStyle, surface_config};
 pub use surface_light::{AIRGLOW_LUMINANCE, CITY_RADIANCE, SurfaceLight};
+use terrella_ground::air::{AirModel, AirTables, Atmosphere};
+use terrella_ground::globe::Figure;
+pub use terrella_ground::globe::Shading;
 use tiles::TileDriver;
 pub use tiles::TileOptions;
 pub use truth::{TruthPoint, TruthView};
@@ -319,7 +319,7 @@ impl Earth {
     /// Tiles of heights that the ground of the last [`Self::prepare`] would have been drawn finer with: those on their way, those
     /// that the budget has no room for, and those that cannot be read.
     #[cfg(feature = "terrain")]
-    pub fn missing_heights(&self) -> Vec<crate::elevation::HeightTileKey> {
+    pub fn missing_heights(&self) -> Vec<terrella_ground::elevation::HeightTileKey> {
         let ground = self.first.planner.ground_driver();
         ground.map_or_else(Vec::new, ground::GroundDriver::missing)
     }
@@ -343,8 +343,8 @@ impl Earth {
         }
     }
 
-    /// The exposure that [`Exposure::Auto`](crate::Exposure::Auto) would take for a view, EV; `None` where no picture is defined. For
-    /// hosts that follow it in time ([`crate::Adaptation`]) or expose a float target themselves.
+    /// The exposure that [`Exposure::Auto`](terrella_ground::light::Exposure::Auto) would take for a view, EV; `None` where no picture is defined. For
+    /// hosts that follow it in time ([`terrella_ground::light::Adaptation`]) or expose a float target themselves.
     pub fn metered_ev(&mut self, view: &EyeView, sky: &Sky) -> Option<f64> {
         let planner = &mut self.first.planner;
         let ellipsoid = planner.ellipsoid();

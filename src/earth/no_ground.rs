@@ -3,9 +3,9 @@
 
 use super::EarthError;
 use super::view::ItrfView;
-use crate::globe::{Block, BlockGrid, Figure, Surface, SurfaceStats};
 use std::time::Duration;
 use terrella_frames::HeightTileStats;
+use terrella_ground::globe::{Block, BlockGrid, Figure, Surface, SurfaceStats};
 
 /// Ground with relief in place of the smooth ellipsoid. It needs the feature `terrain`; without, there is no value of this type.
 #[derive(Clone, Debug)]

@@ -3,12 +3,12 @@
 use super::{
     Appearance, DiagnosticOptions, EarthError, GroundOptions, Quality, SurfaceLight, TileOptions,
 };
-use crate::air::{AirOptions, Atmosphere};
-use crate::globe::{Figure, Shading, Subdivision, Visibility};
 use crate::gpu::{DepthBuffer, SurfaceOutput};
 use crate::imagery::EarthLayers;
 use crate::imagery::tile::MapLayer;
-use crate::light::{Exposure, Tone};
+use terrella_ground::air::{AirOptions, Atmosphere};
+use terrella_ground::globe::{Figure, Shading, Subdivision, Visibility};
+use terrella_ground::light::{Exposure, Tone};
 
 /// What is fixed when an Earth is made.
 #[derive(Clone, Debug)]

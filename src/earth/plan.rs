@@ -8,17 +8,17 @@ use super::sky::LIGHTS_OUT;
 use super::tile_view::TileView;
 use super::view::ItrfView;
 use super::{Appearance, EarthError, EarthOptions, FrameStats, Quality, Sky};
-use crate::air::{Atmosphere, Billboard, TOP};
-use crate::globe::{
-    BLOCK_COUNT, Block, BlockGrid, COLUMNS, Meshes, Subdivision, SubdivisionError, Surface,
-    Visibility, sagitta, select_blocks, texels_per_pixel,
-};
 use crate::gpu::{AirPlan, FramePlan, FrameUniforms, MoonShadowUniforms};
-use crate::light::exposure_factor;
 use bytemuck::Zeroable;
 use glam::DVec3;
 use std::f64::consts::FRAC_PI_2;
 use terrella_frames::{Ellipsoid, MOON_RADIUS_M, MoonShadow};
+use terrella_ground::air::{Atmosphere, Billboard, TOP};
+use terrella_ground::globe::{
+    BLOCK_COUNT, Block, BlockGrid, COLUMNS, Meshes, Subdivision, SubdivisionError, Surface,
+    Visibility, sagitta, select_blocks, texels_per_pixel,
+};
+use terrella_ground::light::exposure_factor;
 
 /// Turns the views of one eye into plans.
 pub(super) struct Planner {
@@ -304,9 +304,9 @@ pub(super) fn meshes(
 mod tests {
     use super::*;
     use crate::earth::{EyeView, Viewport};
-    use crate::globe::TangentCone;
     use crate::imagery::{EarthLayers, LayerImage};
     use terrella_frames::Geodetic;
+    use terrella_ground::globe::TangentCone;
 
     const SKY: Sky = Sky::new(DVec3::X);
 

@@ -1,10 +1,10 @@
 //! How well an Earth is drawn, and what can be given up where time is short.
 
-use crate::air::Atmosphere;
-use crate::globe::Subdivision;
 use crate::imagery::tile::{MAP_LAYERS, MapLayer};
 use std::fmt;
 use std::ops::RangeInclusive;
+use terrella_ground::air::Atmosphere;
+use terrella_ground::globe::Subdivision;
 
 /// Cells per block edge that an Earth with tiles should have.
 ///

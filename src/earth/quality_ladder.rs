@@ -250,9 +250,9 @@ impl QualityStep {
 mod tests {
     use super::super::quality::TILED_SUBDIVISION;
     use super::*;
-    use crate::air::Atmosphere;
-    use crate::globe::Subdivision;
     use crate::imagery::tile::MAP_LAYERS;
+    use terrella_ground::air::Atmosphere;
+    use terrella_ground::globe::Subdivision;
 
     fn full() -> Quality {
         Quality {

@@ -1,9 +1,9 @@
 //! How the surface is drawn.
 
 use super::{DiagnosticOptions, Quality, SurfaceLight};
-use crate::globe::{Shading, Surface};
 use crate::gpu::{AirTextures, PassFormat, SurfaceConfig, SurfaceOutput};
 use crate::imagery::tile::MapLayer;
+use terrella_ground::globe::{Shading, Surface};
 
 /// How the surface is drawn, whatever the quality.
 #[derive(Clone, Copy)]

@@ -5,7 +5,7 @@ use crate::gpu::{NightLight, SurfaceLightUniforms};
 use crate::imagery::SLOPE_EXAGGERATION;
 use std::ops::RangeInclusive;
 
-/// What of the light on the surface can be chosen, with [`crate::Shading::Sunlit`]. What belongs to a map that the Earth is made
+/// What of the light on the surface can be chosen, with [`terrella_ground::globe::Shading::Sunlit`]. What belongs to a map that the Earth is made
 /// without does nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfaceLight {

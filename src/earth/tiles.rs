@@ -6,10 +6,6 @@ use super::tile_parts::{PartLevels, PartRequests};
 use super::tile_rule::{Ladder, NONE, TileRule};
 use super::tile_view::{TileDetail, TileView};
 use super::{EarthError, EyeView};
-use crate::globe::{
-    BLOCK_COUNT, Block, BlockGrid, BlockSet, Figure, LevelRule, PartSight, Visibility,
-    select_blocks, texels_per_pixel,
-};
 use crate::gpu::{BlockTiles, ChosenTiles, GLINT_ENDS_SIN};
 use crate::imagery::EarthLayers;
 use crate::imagery::residency::{PartTable, Pool, StreamCounters, Upload};
@@ -20,6 +16,10 @@ use std::fmt;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use terrella_frames::HeightRange;
+use terrella_ground::globe::{
+    BLOCK_COUNT, Block, BlockGrid, BlockSet, Figure, LevelRule, PartSight, Visibility,
+    select_blocks, texels_per_pixel,
+};
 
 /// Most expected views that are looked at.
 const MAX_EXPECTED: usize = 4;

@@ -3,11 +3,11 @@
 
 use super::view::PixelRays;
 use super::{EyeView, Sky, Viewport};
-use crate::globe::Figure;
 use crate::gpu::TruthTexel;
 use glam::DVec3;
 use std::f64::consts::PI;
 use terrella_frames::{Ellipsoid, Geodetic, MoonShadow, SUN_RADIUS_M};
+use terrella_ground::globe::Figure;
 
 /// The rays of a view's pixels, and what lights the ground that they meet.
 ///

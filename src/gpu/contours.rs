@@ -5,10 +5,10 @@ use super::lattice::BlockInstance;
 use super::mesh::{BindMaps, DrawCosts, SurfaceMesh};
 use super::shader::{ShaderCapability, VertexForm};
 use super::{DepthBuffer, FramePlan};
-use crate::globe::contours::{ContourNode, MAX_NODES, PageOptions};
-use crate::globe::{Block, BlockGrid, BlockSet, ContourPageSet, DrawKind, Surface};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
+use terrella_ground::globe::contours::{ContourNode, MAX_NODES, PageOptions};
+use terrella_ground::globe::{Block, BlockGrid, BlockSet, ContourPageSet, DrawKind, Surface};
 
 /// The binding of the nodes.
 const BINDING: u32 = 6;
@@ -22,7 +22,7 @@ struct PageInstance {
     eye_from_origin_m: Vec3,
     /// Where its tree begins among all nodes.
     root: u32,
-    /// See [`crate::globe::contours::ContourRay`].
+    /// See [`terrella_ground::globe::contours::ContourRay`].
     slack_m: f32,
     cone: f32,
     step_m: f32,

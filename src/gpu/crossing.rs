@@ -1,8 +1,8 @@
 //! Triangles that lie in several blocks, drawn with the tiles of each.
 
 use super::shader::{PER_BLOCK_TILES, WHOLE_MAP};
-use crate::globe::{Block, BlockSet, IndexRange, merged_ranges};
 use std::ops::Range;
+use terrella_ground::globe::{Block, BlockSet, IndexRange, merged_ranges};
 
 /// How triangles that lie in several blocks are drawn where some of these have tiles: each range of them as what, and with the
 /// tiles of which block.

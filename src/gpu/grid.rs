@@ -5,9 +5,9 @@ use super::FramePlan;
 use super::crossing::draws_of;
 use super::mesh::{BindMaps, DrawCosts, SurfaceMesh};
 use super::shader::{ATLAS_COLUMNS, VertexForm};
-use crate::globe::projected_grid::{GridUniforms, TILE_SAMPLES};
-use crate::globe::{Block, BlockGrid, BlockSet, DrawKind, GridDraw, IndexRange, Surface};
 use std::ops::Range;
+use terrella_ground::globe::projected_grid::{GridUniforms, TILE_SAMPLES};
+use terrella_ground::globe::{Block, BlockGrid, BlockSet, DrawKind, GridDraw, IndexRange, Surface};
 
 const BINDINGS: [u32; 2] = [4, 5];
 

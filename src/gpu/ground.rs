@@ -5,10 +5,6 @@ use super::crossing::draws_of;
 use super::lattice::BlockInstance;
 use super::mesh::{BindMaps, DrawCosts, SurfaceMesh};
 use super::shader::{PatchTiles, VertexForm, WHOLE_MAP};
-use crate::globe::{
-    Block, BlockGrid, BlockSet, GroundVertex, IndexRange, Patch, Surface, TriangleList,
-    patch_ranges,
-};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use std::collections::HashMap;
@@ -16,6 +12,10 @@ use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 use std::sync::Arc;
 use terrella_frames::Ellipsoid;
+use terrella_ground::globe::{
+    Block, BlockGrid, BlockSet, GroundVertex, IndexRange, Patch, Surface, TriangleList,
+    patch_ranges,
+};
 
 /// Frames that a patch out of sight is kept for.
 const KEPT_FRAMES: u64 = 120;

@@ -3,9 +3,9 @@
 use super::FramePlan;
 use super::mesh::{BindMaps, DrawCosts, SurfaceMesh};
 use super::shader::VertexForm;
-use crate::globe::{BLOCK_COUNT, Block, BlockGrid, BlockRow, BlockSet, Surface};
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3};
+use terrella_ground::globe::{BLOCK_COUNT, Block, BlockGrid, BlockRow, BlockSet, Surface};
 
 /// Per-block values, one instance a block.
 #[repr(C)]

@@ -93,7 +93,7 @@ impl GpuLayer {
         device: &wgpu::Device,
         queue: &wgpu::Queue,
         label: &str,
-        size: crate::air::TableSize,
+        size: terrella_ground::air::TableSize,
         texels: &[glam::Vec4],
     ) -> Self {
         let texture = device.create_texture(&wgpu::TextureDescriptor {

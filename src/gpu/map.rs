@@ -2,11 +2,11 @@
 
 use super::shader::{MapFadeVariant, ShaderModule};
 use super::{DepthBuffer, GpuLayer, PassFormat, PipelineDescription, ShaderError};
-use crate::globe::Shading;
 use crate::imagery::tile::MapLayer;
 use crate::imagery::{ImageryError, LayerImage, MapAlbedo};
-use crate::light::Tone;
 use std::sync::Arc;
+use terrella_ground::globe::Shading;
+use terrella_ground::light::Tone;
 
 /// Why a texture cannot be a map.
 #[derive(Debug, thiserror::Error)]

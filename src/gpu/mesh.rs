@@ -2,7 +2,7 @@
 
 use super::FramePlan;
 use super::shader::VertexForm;
-use crate::globe::{Block, BlockGrid, BlockSet, Surface};
+use terrella_ground::globe::{Block, BlockGrid, BlockSet, Surface};
 
 /// Draw calls and triangles of a frame's meshes.
 #[derive(Clone, Copy, Debug)]

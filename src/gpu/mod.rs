@@ -83,7 +83,7 @@ pub(crate) use surface_view::SurfaceView;
 #[cfg(feature = "tracks")]
 pub(crate) use tracks::{Fill, LinePoint, Mark, TrackKinds, TracksDrawable};
 
-use crate::light::Tone;
+use terrella_ground::light::Tone;
 
 /// The depth buffer of the pass that the Earth is drawn in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -2,7 +2,7 @@
 
 use super::mesh::SurfaceMesh;
 use super::surface_config::SurfaceConfig;
-use crate::globe::DrawKind;
+use terrella_ground::globe::DrawKind;
 
 pub(super) fn mesh(
     _: &wgpu::Device,

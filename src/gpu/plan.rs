@@ -2,13 +2,13 @@
 //! nothing but what writing it cost.
 
 use super::{AirSide, FrameUniforms};
-use crate::air::Billboard;
-use crate::globe::{BLOCK_COUNT, Block, BlockGrid, BlockSet, TangentCone};
 use crate::imagery::residency::{PartTables, ResidentTile};
 use crate::imagery::tile::MAP_LAYERS;
 use bytemuck::Zeroable;
 use glam::{DVec3, Vec3};
 use terrella_frames::Ellipsoid;
+use terrella_ground::air::Billboard;
+use terrella_ground::globe::{BLOCK_COUNT, Block, BlockGrid, BlockSet, TangentCone};
 
 /// The tiles that a block is drawn with, by [`crate::imagery::tile::MapLayer::index`]; `None` is the whole map.
 pub(crate) type BlockTiles = [Option<ResidentTile>; MAP_LAYERS];
@@ -30,7 +30,7 @@ pub(crate) struct FramePlan {
     pub eye_itrf_m: DVec3,
     /// What all shaders of the Earth read of a frame.
     pub uniforms: FrameUniforms,
-    /// The mesh that blocks are drawn with: its place among [`crate::globe::Meshes::grids`].
+    /// The mesh that blocks are drawn with: its place among [`terrella_ground::globe::Meshes::grids`].
     pub mesh: usize,
     /// The blocks in sight, in the order in which they are drawn.
     pub blocks: Vec<Block>,

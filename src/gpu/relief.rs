@@ -5,8 +5,8 @@ use super::grid::GridMesh;
 use super::ground::GroundMesh;
 use super::mesh::SurfaceMesh;
 use super::surface_config::SurfaceConfig;
-use crate::globe::DrawKind;
-use crate::globe::projected_grid::GPU_TILES;
+use terrella_ground::globe::DrawKind;
+use terrella_ground::globe::projected_grid::GPU_TILES;
 
 /// The mesh of ground that is drawn so.
 pub(super) fn mesh(

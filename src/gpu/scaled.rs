@@ -5,7 +5,7 @@ use super::{
     Attachments, DepthBuffer, PassFormat, PipelineDescription, ShaderError, TargetColor,
     UpscaleVariant, color_texture,
 };
-use crate::light::Tone;
+use terrella_ground::light::Tone;
 
 /// Draws a picture at one size and shows it at another, for [`Quality::scale`](crate::Quality::scale): what a pass needs, the
 /// texture that is drawn to in between, and the pass that enlarges it, bilinear in light.

@@ -1,8 +1,8 @@
 //! How the surface is drawn.
 
 use super::{AirTextures, PassFormat, SurfaceLightUniforms, SurfaceOutput};
-use crate::globe::{DrawKind, Shading};
 use crate::imagery::tile::MAP_LAYERS;
+use terrella_ground::globe::{DrawKind, Shading};
 
 /// How the surface is drawn: what can change while the maps stay.
 pub(crate) struct SurfaceConfig<'a> {

@@ -5,7 +5,7 @@ use super::mesh::{DrawCosts, SurfaceMesh};
 use super::relief;
 use super::surface_config::SurfaceConfig;
 use super::{FramePlan, FrameUniforms};
-use crate::globe::{BlockGrid, BlockSet, Surface};
+use terrella_ground::globe::{BlockGrid, BlockSet, Surface};
 
 /// One view of the surface.
 pub(crate) struct SurfaceView {

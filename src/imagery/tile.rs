@@ -9,9 +9,9 @@
 //! Levels too fine for a tile of that size are cut further: each block into 2 × 2, 4 × 4 … *parts*, tiles of the same size as those of
 //! the finest level that is not cut. Parts of a block are numbered row by row from its north-west corner.
 
-use crate::globe::Block;
-pub use crate::globe::BlockSet;
 use std::fmt;
+use terrella_ground::globe::Block;
+pub use terrella_ground::globe::BlockSet;
 
 /// Most levels of one map.
 pub const MAX_LEVELS: usize = 10;
@@ -255,22 +255,22 @@ impl TileShape {
 
     /// Width of the whole map at this level, texels.
     pub fn map_width(self) -> u32 {
-        self.block_pixels() * crate::globe::COLUMNS
+        self.block_pixels() * terrella_ground::globe::COLUMNS
     }
 
     /// Height of the whole map at this level, texels.
     pub fn map_height(self) -> u32 {
-        self.block_pixels() * crate::globe::ROWS
+        self.block_pixels() * terrella_ground::globe::ROWS
     }
 
     /// Tiles of the whole map from west to east.
     pub fn tile_columns(self) -> u32 {
-        self.parts * crate::globe::COLUMNS
+        self.parts * terrella_ground::globe::COLUMNS
     }
 
     /// Tiles of the whole map from north to south.
     pub fn tile_rows(self) -> u32 {
-        self.parts * crate::globe::ROWS
+        self.parts * terrella_ground::globe::ROWS
     }
 }
 
@@ -302,8 +302,8 @@ impl TileKey {
     pub fn block(self) -> Block {
         let index = u32::from(self.block);
         Block {
-            column: index % crate::globe::COLUMNS,
-            row: index / crate::globe::COLUMNS,
+            column: index % terrella_ground::globe::COLUMNS,
+            row: index / terrella_ground::globe::COLUMNS,
         }
     }
 }
@@ -335,7 +335,8 @@ pub struct TileSet {
 impl TileSet {
     /// None of the tiles of a shape.
     pub fn none(shape: TileShape) -> Self {
-        let tiles = crate::globe::BLOCK_COUNT as usize * usize::from(shape.tiles_of_block());
+        let tiles =
+            terrella_ground::globe::BLOCK_COUNT as usize * usize::from(shape.tiles_of_block());
         Self {
             parts: shape.parts,
             words: vec![0; tiles.div_ceil(64)],
@@ -350,7 +351,9 @@ impl TileSet {
     /// All of these blocks.
     pub fn of_blocks(shape: TileShape, blocks: BlockSet) -> Self {
         let mut set = Self::none(shape);
-        for block in (0..crate::globe::BLOCK_COUNT as u8).filter(|block| blocks.contains(*block)) {
+        for block in
+            (0..terrella_ground::globe::BLOCK_COUNT as u8).filter(|block| blocks.contains(*block))
+        {
             for part in 0..shape.tiles_of_block() {
                 set.insert(block, part);
             }
@@ -360,7 +363,7 @@ impl TileSet {
 
     fn place(&self, block: u8, part: u16) -> Option<(usize, u64)> {
         let of_block = self.parts * self.parts;
-        if u32::from(block) >= crate::globe::BLOCK_COUNT || u32::from(part) >= of_block {
+        if u32::from(block) >= terrella_ground::globe::BLOCK_COUNT || u32::from(part) >= of_block {
             return None;
         }
         let tile = u32::from(block) * of_block + u32::from(part);

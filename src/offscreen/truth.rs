@@ -4,8 +4,9 @@ use super::error::OffscreenError;
 use super::truth_layers::{LayerDtype, TruthLayer, TruthPixel};
 use crate::gpu::{SurfaceOutput, TruthTexel};
 use crate::imagery::LayerImage;
-use crate::{EarthOptions, Exposure, TruthView};
+use crate::{EarthOptions, TruthView};
 use rayon::prelude::*;
+use terrella_ground::light::Exposure;
 
 /// Lines of pixels that are worked on at once.
 const BAND_LINES: usize = 64;

@@ -1,8 +1,8 @@
 //! The ground that a sensor sees, and whether the globe hides a place: on the exact ellipsoid, in scaled space.
 
-use crate::globe::culling::{GroundShell, Horizon};
 use glam::DVec3;
 use terrella_frames::Ellipsoid;
+use terrella_ground::globe::culling::{GroundShell, Horizon};
 
 /// Points of a footprint's outline; the first is not repeated.
 pub const OUTLINE_POINTS: usize = 256;

@@ -54,7 +54,6 @@ mod satellite;
 mod style;
 mod turn;
 
-use crate::air::TOP;
 use crate::earth::{Earth, EarthView, EyeView, Viewport};
 use crate::gpu::{AirSide, AirTextures, DepthBuffer, PassFormat, ShaderError};
 use crate::gpu::{TrackKinds, TrackUniforms, TracksDrawable};
@@ -67,6 +66,7 @@ use projection::EyeProjection;
 use satellite::{Axes, Satellite};
 pub use style::{Footprint, TrackSpan, TrackStyle};
 use terrella_frames::{Ellipsoid, Epoch, Orientation};
+use terrella_ground::air::TOP;
 use terrella_orbit::Feed;
 pub use turn::EarthTurn;
 

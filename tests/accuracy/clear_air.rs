@@ -5,8 +5,8 @@ use crate::common::gpu;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use terrella::frames::Geodetic;
-use terrella::internals::globe::Figure;
 use terrella::{AirOptions, EarthOptions};
+use terrella_ground::globe::Figure;
 use terrella_measure::clear_air::{
     AirErrors, AirRow, AirSet, AirTable, LightRenderer, PlacedView, RowError, grey_ground,
     read_table, stored_albedo,

@@ -4,13 +4,13 @@
 use crate::common::{self, down, tilted};
 use glam::DVec3;
 use std::sync::Arc;
-use terrella::elevation::{Bounds, Elevation, HeightRange};
 use terrella::frames::{Ellipsoid, Geodetic};
-use terrella::internals::globe::contours::{
+use terrella::{EyeView, GroundOptions, SurfaceSettings};
+use terrella_ground::elevation::{Bounds, Elevation, HeightRange};
+use terrella_ground::globe::contours::{
     ContourPages, ContourRay, MAX_NODES, PageOptions, contour_cast,
 };
-use terrella::internals::globe::{GroundView, Surface, SurfaceStats};
-use terrella::{EyeView, GroundOptions, SurfaceSettings};
+use terrella_ground::globe::{GroundView, Surface, SurfaceStats};
 
 /// Width and height of the pictures, pixels.
 const SIZE: (u32, u32) = (96, 54);
@@ -345,7 +345,7 @@ fn whatever_is_asked_the_answer_is_finite_and_bounded() {
                 for drawn in draw.drawn {
                     let page = &draw.pages[drawn.page as usize];
                     assert!((1..=MAX_NODES as usize).contains(&page.nodes.len()));
-                    let is_finite = |node: &terrella::internals::globe::contours::ContourNode| {
+                    let is_finite = |node: &terrella_ground::globe::contours::ContourNode| {
                         node.normal.is_finite()
                             && node.at.is_finite()
                             && node.walls.iter().all(|wall| wall.is_finite())
@@ -465,7 +465,7 @@ fn the_gpu_answers_as_the_cpu_does() {
 #[test]
 fn trinidad_has_no_holes_in_descent_low_flight_and_horizon() {
     use std::time::Instant;
-    use terrella::internals::globe::contours::ContourOptions;
+    use terrella_ground::globe::contours::ContourOptions;
     use terrella_measure::errors::{GeolocationRenderer, GroundPicture};
     use terrella_measure::surfaces::SurfacePath;
     let files =

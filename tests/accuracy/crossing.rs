@@ -5,10 +5,7 @@ use crate::common::{Rig, gpu, looks_at, map, plain, ray, tilted};
 use crate::hills::Hills;
 use image::RgbaImage;
 use std::sync::Arc;
-use terrella::elevation::Elevation;
 use terrella::frames::{Ellipsoid, Geodetic};
-use terrella::internals::globe::clipmap::ClipmapOptions;
-use terrella::internals::globe::projected_grid::GridOptions;
 use terrella::internals::imagery::EarthLayers;
 use terrella::internals::imagery::tile::{
     BlockSet, LayerLayout, LevelLayout, MapLayer, Tile, TileError, TileFormat, TileKey, TileShape,
@@ -18,6 +15,9 @@ use terrella::{
     Atmosphere, EarthOptions, EyeView, FrameStats, GroundOptions, Shading, SurfaceKind,
     SurfaceSettings, TileOptions,
 };
+use terrella_ground::elevation::Elevation;
+use terrella_ground::globe::clipmap::ClipmapOptions;
+use terrella_ground::globe::projected_grid::GridOptions;
 use terrella_measure::errors::{GeolocationBuffer, GeolocationRenderer};
 
 const SIZE: (u32, u32) = (320, 180);

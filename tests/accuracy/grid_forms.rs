@@ -4,14 +4,14 @@ use crate::common::{Rig, gpu, map, plain, ray, tilted};
 use crate::hills::Hills;
 use glam::DVec3;
 use std::sync::Arc;
-use terrella::elevation::Elevation;
 use terrella::frames::{Ellipsoid, Geodetic};
-use terrella::internals::globe::projected_grid::{
-    GPU_FIRST_LOADS, GPU_LOADS, GridOptions, GridUniforms, TILE_SAMPLES,
-};
 use terrella::internals::gpu::FrameUniforms;
 use terrella::internals::imagery::EarthLayers;
 use terrella::{Atmosphere, EarthOptions, EyeView, GroundOptions, Shading, SurfaceSettings};
+use terrella_ground::elevation::Elevation;
+use terrella_ground::globe::projected_grid::{
+    GPU_FIRST_LOADS, GPU_LOADS, GridOptions, GridUniforms, TILE_SAMPLES,
+};
 use terrella_measure::errors::{GeolocationBuffer, GeolocationRenderer, GroundPicture};
 
 const SIZE: (u32, u32) = (320, 180);

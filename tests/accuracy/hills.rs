@@ -1,7 +1,7 @@
 //! Ground of a formula: sums of waves over the whole Earth, filtered to any spacing.
 
-use terrella::elevation::{Bounds, Elevation, HeightRange};
 use terrella::frames::Ellipsoid;
+use terrella_ground::elevation::{Bounds, Elevation, HeightRange};
 
 /// Hills of several sizes.
 pub struct Hills {

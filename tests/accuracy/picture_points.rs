@@ -5,11 +5,11 @@ use crate::hills::Hills;
 use std::sync::Arc;
 use std::time::Duration;
 use terrella::GroundOptions;
-use terrella::elevation::Elevation;
 use terrella::frames::{Ellipsoid, Geodetic};
 use terrella::internals::earth::PixelLattice;
-use terrella::internals::globe::contours::PageOptions;
 use terrella::{Subdivision, SurfaceKind, SurfaceSettings};
+use terrella_ground::elevation::Elevation;
+use terrella_ground::globe::contours::PageOptions;
 use terrella_measure::errors::{GeolocationRenderer, GroundPicture};
 
 const SIZE: (u32, u32) = (320, 180);

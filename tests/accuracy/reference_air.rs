@@ -2,7 +2,7 @@
 
 use crate::clear_air::{placed, show};
 use terrella::EarthOptions;
-use terrella::internals::globe::Figure;
+use terrella_ground::globe::Figure;
 use terrella_measure::clear_air::{
     AirErrors, AirSet, RowError, ViewGroup, grey_ground, stored_albedo,
 };

@@ -4,13 +4,13 @@ use crate::common::{gpu, tilted};
 use glam::DVec2;
 use std::sync::Arc;
 use std::time::Duration;
-use terrella::elevation::{
+use terrella::frames::{Ellipsoid, Geodetic};
+use terrella::{EyeView, GroundOptions, Subdivision, SurfaceKind, SurfaceSettings};
+use terrella_ground::elevation::{
     Bounds, Elevation, Georeference, GridLimits, Ground, HeightGrid, HeightRange, Registration,
 };
-use terrella::frames::{Ellipsoid, Geodetic};
-use terrella::internals::globe::contours::PageOptions;
-use terrella::internals::globe::projected_grid::GridOptions;
-use terrella::{EyeView, GroundOptions, Subdivision, SurfaceKind, SurfaceSettings};
+use terrella_ground::globe::contours::PageOptions;
+use terrella_ground::globe::projected_grid::GridOptions;
 use terrella_measure::errors::{GeolocationRenderer, GroundErrors, GroundPicture};
 use terrella_measure::reference::TrueRelief;
 

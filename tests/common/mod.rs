@@ -68,7 +68,7 @@ pub fn plain(color: [u8; 3]) -> EarthLayers {
 
 /// Ground in waves of 2000 m, drawn by this surface.
 pub fn waves(kind: terrella::SurfaceKind) -> terrella::GroundOptions {
-    use terrella::elevation::{Bounds, Elevation, HeightRange};
+    use terrella_ground::elevation::{Bounds, Elevation, HeightRange};
     struct Waves;
     impl Elevation for Waves {
         fn height_m(&self, lat_rad: f64, lon_rad: f64, _: f64) -> f64 {

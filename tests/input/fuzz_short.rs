@@ -291,7 +291,7 @@ fn seeds_are_good() {
         terrella_pack::fetch::Source::from_toml(&text(&seed), path).expect("a good source");
     }
     {
-        use terrella::elevation::{GridLimits, read};
+        use terrella_ground::elevation::{GridLimits, read};
         let sidecars = sidecar::seeds().into_iter().map(|seed| text(&seed));
         let sidecars: Vec<_> = sidecars
             .map(|text| read::Sidecar::from_toml(&text, path).expect("a good sidecar"))

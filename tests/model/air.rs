@@ -1,7 +1,7 @@
 //! The air's numbers: the paper's square in its stable form, and tables that obey physics.
 
 use glam::{Vec3, Vec4};
-use terrella::internals::air::{
+use terrella_ground::air::{
     AirOptions, AirTables, SCATTERING, SUNLIGHT, TRANSMITTANCE, horizon_square,
 };
 
@@ -51,13 +51,7 @@ fn at_and_below_the_surface_there_is_no_square() {
     assert_eq!(horizon_square(0.0, 1.0), None);
 }
 
-fn texel(
-    table: &[Vec4],
-    x: u32,
-    y: u32,
-    z: u32,
-    size: terrella::internals::air::TableSize,
-) -> Vec4 {
+fn texel(table: &[Vec4], x: u32, y: u32, z: u32, size: terrella_ground::air::TableSize) -> Vec4 {
     table[((z * size.y + y) * size.x + x) as usize]
 }
 

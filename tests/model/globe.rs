@@ -4,7 +4,7 @@ use glam::{DMat4, DVec3};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use terrella::EyeView;
 use terrella::frames::{Ellipsoid, Geodetic};
-use terrella::internals::globe::{Block, BlockGrid, BlockRow, Visibility, select_blocks};
+use terrella_ground::globe::{Block, BlockGrid, BlockRow, Visibility, select_blocks};
 
 /// Everything is in front: no frustum.
 fn all_round() -> DMat4 {

@@ -2,7 +2,7 @@
 
 use glam::{DMat4, DVec3};
 use terrella::frames::Ellipsoid;
-use terrella::internals::air::{Billboard, TOP, horizon_square};
+use terrella_ground::air::{Billboard, TOP, horizon_square};
 
 fn ring(eye_scaled: DVec3, inside: f64, clip_from_eye: &DMat4) -> Billboard {
     let scale = Ellipsoid::WGS84.itrf_from_scaled();

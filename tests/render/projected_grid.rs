@@ -3,13 +3,13 @@
 use crate::common::gpu;
 use glam::{DVec3, Vec3};
 use terrella::EyeView;
-use terrella::elevation::{Bounds, Elevation, HeightRange};
 use terrella::frames::{Ellipsoid, Geodetic};
-use terrella::internals::globe::GroundView;
-use terrella::internals::globe::projected_grid::{
+use terrella::internals::gpu::{EarthOutput, EarthVariant, ShaderVariant, VertexForm};
+use terrella_ground::elevation::{Bounds, Elevation, HeightRange};
+use terrella_ground::globe::GroundView;
+use terrella_ground::globe::projected_grid::{
     GridFrame, GridOptions, GridUniforms, HeightTiles, ProjectedGrid, TILE_SAMPLES, eye_place,
 };
-use terrella::internals::gpu::{EarthOutput, EarthVariant, ShaderVariant, VertexForm};
 
 const ENTRY: &str = "
 struct Found { at: vec4f, place: vec4f, normal: vec4f }

@@ -5,12 +5,12 @@ use glam::DVec3;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
-use terrella::elevation::{
+use terrella::frames::Geodetic;
+use terrella::{Atmosphere, EarthOptions, EyeView, GroundOptions, Sky, Subdivision, SurfaceKind};
+use terrella_ground::elevation::{
     Ground, HeightRange, HeightSamples, HeightStreamOptions, HeightTileError, HeightTileKey,
     HeightTileLayout, HeightTileSource, StreamedGround,
 };
-use terrella::frames::Geodetic;
-use terrella::{Atmosphere, EarthOptions, EyeView, GroundOptions, Sky, Subdivision, SurfaceKind};
 
 const SIZE: (u32, u32) = (320, 180);
 

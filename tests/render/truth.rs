@@ -421,9 +421,9 @@ fn a_pass_that_cannot_hold_truth_is_refused_by_name() {
 mod relief {
     use super::*;
     use std::sync::Arc;
-    use terrella::elevation::{Bounds, Elevation, HeightRange};
-    use terrella::internals::globe::contours::PageOptions;
     use terrella::{GroundOptions, Subdivision, SurfaceKind, SurfaceSettings};
+    use terrella_ground::elevation::{Bounds, Elevation, HeightRange};
+    use terrella_ground::globe::contours::PageOptions;
 
     /// Hills some 300 km wide, 6 km high and 6 km deep.
     struct Hills;

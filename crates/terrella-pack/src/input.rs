@@ -5,9 +5,9 @@ use super::mosaic::{Description, Mosaic, check_whole_earth};
 use super::source::{self, FileContext, RowSource, SourceInfo, SourceLimits};
 use super::values::Meaning;
 use std::path::{Path, PathBuf};
-use terrella::elevation::read::check_metres;
 use terrella_files as files;
 use terrella_files::first_bytes;
+use terrella_ground::elevation::read::check_metres;
 
 /// A map that has been looked at.
 pub(super) enum MapInput {

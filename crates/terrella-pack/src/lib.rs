@@ -59,9 +59,9 @@ use run::Job;
 use source::{Opacity, SourceInfo, SourceLimits};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
-use terrella::internals::globe::{Block, COLUMNS};
 use terrella::internals::imagery::pack::{LayerEntry, LevelEntry, Manifest, TileFile};
 use terrella::internals::imagery::tile::{MAX_PART_PIXELS, MapLayer, Storage, TileShape};
+use terrella_ground::globe::{Block, COLUMNS};
 use tile_name::TileName;
 use values::{Meaning, ValueRows};
 
@@ -100,7 +100,7 @@ pub struct BuildOptions {
     /// Open water: white where there is some.
     pub water: Option<PathBuf>,
     /// Heights of the ground, files of one part of the Earth or of all of it, finer ones over coarser ones: see
-    /// [`elevation::read`](terrella::elevation::read).
+    /// [`elevation::read`](terrella_ground::elevation::read).
     pub heights: Vec<PathBuf>,
     /// The pack's folder: new, empty, or of the same build stopped before.
     pub out: PathBuf,

@@ -136,8 +136,8 @@ mod tests {
     use super::*;
     use crate::ladder::ladder;
     use crate::source::{FileKind, SampleKind};
-    use terrella::internals::globe::COLUMNS;
     use terrella::internals::imagery::tile::MAX_PART_PIXELS;
+    use terrella_ground::globe::COLUMNS;
 
     fn info(width: u32) -> SourceInfo {
         SourceInfo {

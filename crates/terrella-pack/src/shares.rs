@@ -4,8 +4,8 @@
 use super::folder::{BuildFolder, Disk};
 use super::{BuildError, BuildOptions, BuildProgress, Division, Prepared, run};
 use std::ops::Range;
-use terrella::internals::globe::COLUMNS;
 use terrella::internals::imagery::tile::MapLayer;
+use terrella_ground::globe::COLUMNS;
 
 /// Some columns of blocks of a map.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -66,7 +66,7 @@ pub fn begin_shares(
         let block: u64 = shapes
             .map(|shape| u64::from(shape.block_pixels()).pow(2))
             .sum();
-        block * columns * u64::from(terrella::internals::globe::ROWS) * texel_cost(map.layer)
+        block * columns * u64::from(terrella_ground::globe::ROWS) * texel_cost(map.layer)
     };
     let all: u64 = prepared
         .maps
@@ -89,7 +89,7 @@ pub fn begin_shares(
                 .iter()
                 .map(|shape| u64::from(shape.tiles_of_block()));
             tiles += of_block.sum::<u64>()
-                * u64::from(width * terrella::internals::globe::ROWS)
+                * u64::from(width * terrella_ground::globe::ROWS)
                 * options.storages.len() as u64;
             if missing > 0 {
                 let cost = cost(map, u64::from(width));

@@ -6,13 +6,13 @@ use crate::scene::SceneError;
 use std::path::PathBuf;
 use terrella::EarthError;
 use terrella::celestial::CelestialError;
-use terrella::elevation::{HeightFileError, StreamedGroundError};
 use terrella::frames::EarthOrientationError;
 use terrella::internals::gpu::{ContextError, PictureError, TimerError};
 use terrella::internals::imagery::ImageryError;
 use terrella::internals::imagery::pack::PackError;
 use terrella::internals::offscreen::OffscreenError;
 use terrella::tracks::TracksError;
+use terrella_ground::elevation::{HeightFileError, StreamedGroundError};
 use terrella_orbit::OrbitError;
 use terrella_orbit::basilisk::RecordingError;
 

@@ -6,9 +6,9 @@ mod view;
 use super::shader::ShaderModule;
 use super::{AirPlan, AirSide, AirUniforms, AirVariant, FramePlan, FrameUniforms};
 use super::{PassFormat, PipelineDescription, ShaderError};
-use crate::air::Billboard;
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec3};
+use terrella_ground::air::Billboard;
 pub(crate) use textures::{AirTextures, Binding};
 use view::AirView;
 
@@ -202,7 +202,7 @@ fn uniforms(
     let (eye_moon, moon_level) = seen_from_eye(frame.moon_itrf);
     let (limb_sin, limb_cos) = ring.limb();
     let coefficients = textures.model().rgb();
-    let per_radius = |per_m: DVec3| (per_m * crate::air::RADIUS_M).as_vec3();
+    let per_radius = |per_m: DVec3| (per_m * terrella_ground::air::RADIUS_M).as_vec3();
     AirUniforms {
         across_x: across_x.as_vec3(),
         eye_distance: ring.eye_distance as f32,

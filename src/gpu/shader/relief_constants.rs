@@ -1,8 +1,8 @@
 //! Constants that only shaders of ground with relief and Rust both know.
 
 use super::value::Value::{self, F32, U32};
-use crate::globe::contours::STACK;
-use crate::globe::projected_grid as grid;
+use terrella_ground::globe::contours::STACK;
+use terrella_ground::globe::projected_grid as grid;
 
 /// Slots in a row of the atlas of height tiles.
 pub(crate) const ATLAS_COLUMNS: u32 = 16;

@@ -2,7 +2,7 @@
 
 use super::assemble::{ShaderError, ShaderText};
 use super::capability::ShaderCapability;
-use crate::light::Tone;
+use terrella_ground::light::Tone;
 
 /// What the colour target stores.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

@@ -3,7 +3,6 @@
 use super::decode::decode_tile;
 use super::error::PackError;
 use super::tiles::PackTiles;
-use crate::globe::{BLOCK_COUNT, Block, COLUMNS};
 use crate::imagery::mips::{decode_tables, encode};
 use crate::imagery::tile::{
     LayerLayout, MAP_LAYERS, MapLayer, TILE_BORDER, Tile, TileError, TileFormat, TileKey,
@@ -12,6 +11,7 @@ use crate::imagery::tile::{
 use crate::imagery::{EarthLayers, ImageryError, LayerImage, TexelFormat};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc;
+use terrella_ground::globe::{BLOCK_COUNT, Block, COLUMNS};
 
 /// Threads that read. More would not be faster than the two cores that the Earth asks for.
 const READERS: usize = 2;

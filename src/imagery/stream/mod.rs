@@ -39,10 +39,10 @@ pub use cache::{LoadError, LoadId, PendingLoad, TileCache};
 pub use pools::plan_pools;
 
 use super::tile::{MapLayer, TileKey, TileSource};
-use crate::globe::Part;
 use loader::Loader;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
+use terrella_ground::globe::Part;
 
 /// What a [`TileStream`] may use. Fixed when it is made.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -3,7 +3,7 @@
 use glam::{DMat4, DVec3, DVec4};
 use std::f64::consts::PI;
 use terrella::frames::{Ellipsoid, Geodetic};
-use terrella::internals::globe::{Block, BlockGrid, Visibility, select_blocks};
+use terrella_ground::globe::{Block, BlockGrid, Visibility, select_blocks};
 use terrella_measure::numeric::log_spaced;
 use terrella_measure::numeric::oracle::{Real, dot, real3};
 

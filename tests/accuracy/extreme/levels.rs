@@ -1,7 +1,7 @@
 //! The choice of a level, to the last bit of a distance.
 
 use proptest::prelude::*;
-use terrella::internals::globe::{COLUMNS, HYSTERESIS, PAPER_BANDS_M, paper_level, screen_level};
+use terrella_ground::globe::{COLUMNS, HYSTERESIS, PAPER_BANDS_M, paper_level, screen_level};
 use terrella_measure::numeric::oracle::Real;
 
 const LADDER: [u32; 5] = [1350, 675, 450, 270, 135];

@@ -1,9 +1,9 @@
 //! Ground with relief: when it is drawn, and by what.
 
 use super::Folder;
-use terrella::internals::globe::clipmap::Trim;
-use terrella::internals::globe::quadtree::SplitRule;
-use terrella::internals::globe::{SurfaceKind, SurfaceSettings};
+use terrella_ground::globe::clipmap::Trim;
+use terrella_ground::globe::quadtree::SplitRule;
+use terrella_ground::globe::{SurfaceKind, SurfaceSettings};
 
 #[test]
 fn heights_of_a_pack_are_the_ground_if_asked_for() {

@@ -2,9 +2,9 @@
 
 use super::{scene, utc};
 use std::path::{Path, PathBuf};
-use terrella::internals::air::Atmosphere;
 use terrella::internals::earth::Shading;
-use terrella::internals::globe::{Figure, Subdivision, Visibility};
+use terrella_ground::air::Atmosphere;
+use terrella_ground::globe::{Figure, Subdivision, Visibility};
 use terrella_play::scene::Scene;
 
 #[test]

@@ -1,10 +1,10 @@
 //! What a scene comes to: defaults, and what follows from the keys that are given.
 
 use super::{Folder, scene, utc};
-use terrella::internals::air::Atmosphere;
 use terrella::internals::earth::Shading;
-use terrella::internals::globe::{Figure, LevelRule, Subdivision, Visibility};
 use terrella::{Exposure, Tone};
+use terrella_ground::air::Atmosphere;
+use terrella_ground::globe::{Figure, LevelRule, Subdivision, Visibility};
 use terrella_play::scene::{CameraKey, CameraMode, EarthTable, Look, Scene, StorageChoice};
 
 #[test]

@@ -3,12 +3,12 @@
 use super::all_shaders;
 use naga::TypeInner;
 use std::mem::offset_of;
-use terrella::internals::globe::contours::ContourNode;
-use terrella::internals::globe::projected_grid::{GridLevel, GridUniforms};
 use terrella::internals::gpu::{
     AirUniforms, CelestialUniforms, Disc, FrameUniforms, MoonShadowUniforms, SurfaceLightUniforms,
     TrackUniforms,
 };
+use terrella_ground::globe::contours::ContourNode;
+use terrella_ground::globe::projected_grid::{GridLevel, GridUniforms};
 
 /// Member offsets and size of a struct, of a shader that has it.
 fn reflected(name: &str) -> (Vec<(String, usize)>, usize) {

@@ -6,7 +6,7 @@ use crate::program::{run, terrella};
 use std::fs;
 use std::process::{Command, Stdio};
 use std::time::Duration;
-use terrella::elevation::GridLimits;
+use terrella_ground::elevation::GridLimits;
 
 fn good() -> Server {
     Server::new(|path, _| {
@@ -207,8 +207,10 @@ fn heights_become_a_file_that_relief_reads() {
     let (code, _, complaint) = run(&command, folder.path());
     assert_eq!(code, Some(0), "{complaint}");
     assert!(complaint.contains("ends at 85.05 degrees"), "{complaint}");
-    let read =
-        terrella::elevation::open_heights(&folder.path().join("alps.tif"), &GridLimits::default());
+    let read = terrella_ground::elevation::open_heights(
+        &folder.path().join("alps.tif"),
+        &GridLimits::default(),
+    );
     let grid = read.expect("heights").grid;
     for latitude_deg in [25.0_f64, 40.0, 55.0] {
         let height_m = grid.height_m(latitude_deg.to_radians(), 0.1, 1e-3);

@@ -3,13 +3,13 @@
 use super::fixture::{Fixture, key, tile, write};
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use terrella::internals::globe::Block;
 use terrella::internals::imagery::pack::{
     MAX_OVERHEAD_BYTES, PackError, PackTiles, TileFile, decode_tile,
 };
 use terrella::internals::imagery::tile::{
     MapLayer, Storage, Tile, TileError, TileKey, TileSet, TileSource,
 };
+use terrella_ground::globe::Block;
 
 fn never() -> bool {
     false

@@ -3,7 +3,6 @@
 use super::source::{scramble, tile};
 use std::collections::{HashMap, HashSet};
 use std::time::{Duration, Instant};
-use terrella::internals::globe::Part;
 use terrella::internals::imagery::stream::{
     LoadError, LoadId, PartTables, Pool, ResidentTile, StreamCounters, TileCache, TileRequest,
     TileSlot, Upload,
@@ -11,6 +10,7 @@ use terrella::internals::imagery::stream::{
 use terrella::internals::imagery::tile::{
     LayerLayout, MAX_LEVELS, MapLayer, TILE_MIPS, Tile, TileError, TileKey, TileShape,
 };
+use terrella_ground::globe::Part;
 
 /// How the simulated loader behaves.
 #[derive(Clone, Debug)]

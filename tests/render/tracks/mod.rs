@@ -11,13 +11,13 @@ use rig::{
     options, pixel, q_of, style, views, whole,
 };
 use terrella::frames::{Ellipsoid, Geodetic};
-use terrella::internals::air::{Atmosphere, TOP};
 use terrella::internals::gpu::{DepthBuffer, FrameTargets};
 use terrella::tracks::{
     Footprint, TrackSpan, TrackStyle, Tracks, TracksOptions, footprint_outline, is_beyond_air,
     is_hidden,
 };
 use terrella::{Earth, EarthOptions, EyeView};
+use terrella_ground::air::{Atmosphere, TOP};
 use terrella_orbit::Feed;
 
 #[test]

@@ -4,10 +4,10 @@ use crate::common;
 use glam::{DVec2, DVec3, DVec4};
 use image::RgbaImage;
 use terrella::frames::{Ellipsoid, Epoch, Geodetic, Orientation, utc_from_rfc3339};
-use terrella::internals::air::Atmosphere;
 use terrella::internals::gpu::{Attachments, DepthBuffer, color_texture, read_texture};
 use terrella::tracks::{TrackMoment, TrackSpan, TrackStats, TrackStyle, Tracks, TracksOptions};
 use terrella::{Earth, EarthOptions, EyeView, Sky, ViewFrame};
+use terrella_ground::air::Atmosphere;
 use terrella_orbit::constants::EARTH_GM_M3_S2;
 use terrella_orbit::{Feed, Frame, OrbitError, OrbitState};
 

@@ -1,4 +1,4 @@
-//! What the elevation maps do not say themselves: place, unit and whom to name, as `terrella::elevation::read` reads it.
+//! What the elevation maps do not say themselves: place, unit and whom to name, as `terrella_ground::elevation::read` reads it.
 
 /// Of `elevation.png`.
 pub const GLOBE: &str = r#"# Heights of the whole Earth, metres + 11 000 (SOURCES.md).

@@ -3,7 +3,7 @@
 use glam::{DMat4, DVec3};
 use std::f64::consts::PI;
 use terrella::frames::Ellipsoid;
-use terrella::internals::globe::{Block, BlockGrid, Visibility, select_blocks};
+use terrella_ground::globe::{Block, BlockGrid, Visibility, select_blocks};
 
 /// Blocks above the horizon, the frustum left aside.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

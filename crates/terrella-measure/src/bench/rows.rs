@@ -4,10 +4,10 @@ use super::blocks::BlockCounts;
 use super::report::{BenchRow, RowTimes, ratios, spread};
 use crate::{EyeHeight, FrameTimer, GroundPath, Quantiles, jank, median};
 use std::collections::BTreeMap;
-use terrella::internals::globe::Meshes;
 use terrella::internals::gpu::GpuTimer;
 use terrella::internals::imagery::tile::MAX_LEVELS;
 use terrella::{EyeView, FrameStats, Sky};
+use terrella_ground::globe::Meshes;
 use terrella_play::scene::Scene;
 use terrella_play::{PlayError, Progress};
 

@@ -11,9 +11,9 @@ use super::table;
 use crate::{EYE_HEIGHTS, FrameTimer, GroundPath, machine, median};
 use std::num::NonZeroU32;
 use std::path::Path;
-use terrella::internals::globe::Meshes;
 use terrella::internals::gpu::{GpuContext, GpuTimer};
 use terrella::{EarthError, EarthOptions};
+use terrella_ground::globe::Meshes;
 use terrella_play::{Flight, OutputError, PendingFile, PlayError, Progress};
 
 /// What is measured and where it goes.

@@ -6,9 +6,9 @@ use crate::reference::{Rays, TrueRelief};
 use glam::{DMat4, DVec3};
 use rayon::prelude::*;
 use terrella::EyeView;
-use terrella::elevation::{Bounds, Elevation};
 use terrella::frames::{Ellipsoid, Geodetic};
 use terrella::internals::earth::PixelLattice;
+use terrella_ground::elevation::{Bounds, Elevation};
 
 /// A drawn picture of ground: what each pixel shows, and how wrong it is there.
 #[derive(Clone, Debug)]

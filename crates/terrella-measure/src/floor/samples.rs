@@ -5,7 +5,8 @@ use std::fmt::Write;
 use terrella::internals::gpu::{GpuContext, GpuLayer, LAMPS_OUT_SIN};
 use terrella::internals::imagery::NEIGHBOURHOODS;
 use terrella::internals::imagery::tile::MapLayer;
-use terrella::{Atmosphere, EarthOptions, Shading, internals::air};
+use terrella::{Atmosphere, EarthOptions, Shading};
+use terrella_ground::air;
 
 /// The first binding of a texture.
 const FIRST_TEXTURE: u32 = 3;

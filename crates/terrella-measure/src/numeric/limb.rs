@@ -4,7 +4,7 @@ use super::formula::{AnyFormula, ErrorMeasure, Form, Formula};
 use super::method::log_spaced;
 use super::oracle::Real;
 use terrella::frames::Ellipsoid;
-use terrella::internals::air::horizon_square;
+use terrella_ground::air::horizon_square;
 
 /// An eye above a sphere.
 pub(super) struct EyeAboveSphere {

@@ -9,7 +9,7 @@ use super::oracle::{Real, Real3, along, dot, real3, scaled};
 use glam::{DVec3, Vec2, Vec3};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_8, PI};
 use terrella::frames::{Ellipsoid, Geodetic};
-use terrella::internals::globe::{Block, COLUMNS, ROWS};
+use terrella_ground::globe::{Block, COLUMNS, ROWS};
 
 const FIGURE: Ellipsoid = Ellipsoid::WGS84;
 

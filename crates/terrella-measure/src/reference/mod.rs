@@ -11,7 +11,7 @@
 //!   mean of what is there, not what is there in the mean.
 //! - **Light** by wavelength, in 16 bands, and from them linear sRGB with the Sun as white. A map's colour is a factor on each
 //!   channel of what white ground would show.
-//! - **Air** by quadrature along each ray, in scaled space as the drawables' air is ([`terrella::internals::air`]): molecules, ozone and
+//! - **Air** by quadrature along each ray, in scaled space as the drawables' air is ([`terrella_ground::air`]): molecules, ozone and
 //!   aerosol of this renderer's own sources, all orders of scattering, ground as bright as the maps about it. It is held against
 //!   tables of another program ([`super::clear_air`]).
 //!
@@ -74,12 +74,12 @@ use std::fmt;
 use std::ops::RangeInclusive;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use terrella::elevation::Elevation;
-use terrella::internals::globe::Figure;
 use terrella::internals::imagery::{EarthLayers, ImageryError, TexelFormat};
 use terrella::{
     Atmosphere, EarthOptions, EyeView, Shading, Sky, SurfaceLight, Tone, exposure_factor,
 };
+use terrella_ground::elevation::Elevation;
+use terrella_ground::globe::Figure;
 
 /// Rays along each side of a pixel.
 pub const SAMPLES: RangeInclusive<u32> = 1..=16;

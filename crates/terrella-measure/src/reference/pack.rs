@@ -134,7 +134,7 @@ fn read(
         let parts = layout.levels[level].shape.parts;
         let of_tile = finest / parts;
         let (own_row, own_column) = (row / of_tile, column / of_tile);
-        let block = own_row / parts * terrella::internals::globe::COLUMNS + own_column / parts;
+        let block = own_row / parts * terrella_ground::globe::COLUMNS + own_column / parts;
         let part = own_row % parts * parts + own_column % parts;
         // 0…127, and below 256.
         (block as u8, part as u16, of_tile)

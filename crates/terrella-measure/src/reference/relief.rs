@@ -5,9 +5,9 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use terrella::EyeView;
-use terrella::elevation::{Bounds, Elevation};
 use terrella::frames::{Ellipsoid, Geodetic};
 use terrella::internals::earth::PixelLattice;
+use terrella_ground::elevation::{Bounds, Elevation};
 
 /// A picture of how far away the ground is, one ray through the middle of each pixel.
 #[derive(Clone, Debug)]
@@ -228,7 +228,7 @@ fn chord(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use terrella::elevation::HeightRange;
+    use terrella_ground::elevation::HeightRange;
 
     const FIGURE: Ellipsoid = Ellipsoid::WGS84;
 

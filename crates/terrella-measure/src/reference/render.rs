@@ -8,9 +8,9 @@ use super::shading::GroundShader;
 use super::shading_point::ShadingPoint;
 use glam::DVec3;
 use std::f64::consts::PI;
-use terrella::elevation::Elevation;
 use terrella::frames::Ellipsoid;
 use terrella::{EyeView, Sky};
+use terrella_ground::elevation::Elevation;
 
 /// Most taps along each side of a ray's part of the pixel.
 pub const MAX_TAPS: u32 = 512;

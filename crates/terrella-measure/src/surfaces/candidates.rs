@@ -2,11 +2,11 @@
 
 use super::rows::{CAST, Setting};
 use terrella::Subdivision;
-use terrella::internals::globe::clipmap::{ClipmapOptions, Trim};
-use terrella::internals::globe::contours::PageOptions;
-use terrella::internals::globe::projected_grid::GridOptions;
-use terrella::internals::globe::quadtree::{QuadtreeOptions, SplitRule};
-use terrella::internals::globe::{SurfaceKind, SurfaceSettings};
+use terrella_ground::globe::clipmap::{ClipmapOptions, Trim};
+use terrella_ground::globe::contours::PageOptions;
+use terrella_ground::globe::projected_grid::GridOptions;
+use terrella_ground::globe::quadtree::{QuadtreeOptions, SplitRule};
+use terrella_ground::globe::{SurfaceKind, SurfaceSettings};
 use terrella_play::scene::DEFAULT_TOLERANCE_PX;
 
 /// A surface to be compared.

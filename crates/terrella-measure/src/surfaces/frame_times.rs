@@ -8,8 +8,8 @@ use crate::FrameTimer;
 use crate::frame_timer::milliseconds;
 use cpu_time::ProcessTime;
 use std::time::Duration;
-use terrella::internals::globe::SurfaceKind;
 use terrella::{EarthOptions, EyeView, Subdivision};
+use terrella_ground::globe::SurfaceKind;
 
 /// Frames that move before the one that is timed.
 const FRAMES_BEFORE: u32 = 8;

@@ -4,7 +4,7 @@ use super::rows::{CAST, ErrorRow};
 use super::{FlightSummary, SurfacePath, SurfaceStudy};
 use std::collections::BTreeMap;
 use std::fmt::Write;
-use terrella::internals::globe::SurfaceKind;
+use terrella_ground::globe::SurfaceKind;
 
 /// What [`numbers`] gives, as heads of a table.
 pub const COLUMNS: [&str; 19] = [

@@ -44,9 +44,9 @@ use rows::replace;
 use run::FlightMeter;
 use std::path::Path;
 use terrella::Sky;
-use terrella::elevation::GridError;
-use terrella::internals::globe::SurfaceKind;
 use terrella::internals::gpu::GpuContext;
+use terrella_ground::elevation::GridError;
+use terrella_ground::globe::SurfaceKind;
 use terrella_play::{Flight, OutputError, PlayError, Progress};
 
 /// What of surfaces is compared.

@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 use terrella::EyeView;
-use terrella::elevation::Elevation;
 use terrella::frames::{Ellipsoid, Geodetic};
+use terrella_ground::elevation::Elevation;
 
 /// A flight that surfaces are compared on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]

@@ -3,7 +3,7 @@
 use super::SurfacePath;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
-use terrella::internals::globe::SurfaceKind;
+use terrella_ground::globe::SurfaceKind;
 use terrella_play::scene::DEFAULT_TOLERANCE_PX;
 
 /// A surface with one of its settings.

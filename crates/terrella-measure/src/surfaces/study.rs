@@ -6,7 +6,7 @@ use crate::{Quartiles, SortedSample};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::fmt::Write;
-use terrella::internals::globe::SurfaceKind;
+use terrella_ground::globe::SurfaceKind;
 
 /// What was found, and with what.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]

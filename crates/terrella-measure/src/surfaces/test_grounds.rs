@@ -2,10 +2,10 @@
 
 use super::SurfacesError;
 use std::sync::Arc;
-use terrella::elevation::{
+use terrella::frames::Geodetic;
+use terrella_ground::elevation::{
     Bounds, Elevation, Georeference, GridLimits, Ground, HeightGrid, Registration,
 };
-use terrella::frames::Geodetic;
 use terrella_play::read_ground;
 use terrella_play::scene::Scene;
 

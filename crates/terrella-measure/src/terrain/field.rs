@@ -4,8 +4,8 @@ use super::TerrainError;
 use super::contours::{Dem, DemError, DemFrame};
 use glam::DVec2;
 use std::path::Path;
-use terrella::elevation::{Bounds, GridLimits, fractal_heights_m, open_heights};
 use terrella::frames::Ellipsoid;
+use terrella_ground::elevation::{Bounds, GridLimits, fractal_heights_m, open_heights};
 
 /// A fractal ground made by midpoint displacement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

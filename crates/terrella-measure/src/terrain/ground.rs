@@ -1,9 +1,9 @@
 //! Ground for tests.
 
 use glam::DVec2;
-use terrella::elevation::{Bounds, fractal_heights_m};
 use terrella::frames::Ellipsoid;
-use terrella::internals::globe::contours::dem::{Dem, DemFrame};
+use terrella_ground::elevation::{Bounds, fractal_heights_m};
+use terrella_ground::globe::contours::dem::{Dem, DemFrame};
 
 /// Numbers in −1…1 that look random.
 pub fn noise(seed: &mut u64) -> f64 {

@@ -42,8 +42,8 @@ use patches::PatchError;
 use qbernstein::QError;
 use quadtree::TreeError;
 use std::path::{Path, PathBuf};
-use terrella::elevation::HeightFileError;
 use terrella::internals::gpu::{ContextError, GpuContext};
+use terrella_ground::elevation::HeightFileError;
 use terrella_play::{OutputError, PendingFile, PlayError, Progress};
 use trees::CachedTrees;
 

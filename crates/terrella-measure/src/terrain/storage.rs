@@ -1,7 +1,7 @@
 //! What a grid of heights takes in several forms of storage.
 
-use terrella::internals::globe::contours::dem::{Dem, Span, quarters};
-use terrella::internals::globe::contours::tree::TreeStats;
+use terrella_ground::globe::contours::dem::{Dem, Span, quarters};
+use terrella_ground::globe::contours::tree::TreeStats;
 
 /// Bytes of one DEM in several forms.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,7 +54,7 @@ pub fn morton_leaves(dem: &Dem, tolerance_m: f64) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use terrella::internals::globe::contours::dem::DemFrame;
+    use terrella_ground::globe::contours::dem::DemFrame;
 
     #[test]
     fn equal_samples_merge() {

@@ -13,7 +13,7 @@ use super::trees::{CachedTrees, quadtree_options};
 use crate::Quantiles;
 use glam::DVec3;
 use std::time::Instant;
-use terrella::internals::globe::quadtree::SplitRule;
+use terrella_ground::globe::quadtree::SplitRule;
 
 /// λ of the publication's table: metres of distance for a metre of error.
 const LAMBDA: f64 = 300.0;

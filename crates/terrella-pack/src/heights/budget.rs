@@ -4,8 +4,8 @@ use super::layout::MOST_SIDE;
 use crate::BuildError;
 use crate::plan::{BASE_BYTES, Means};
 use std::path::PathBuf;
-use terrella::elevation::GridLimits;
-use terrella::elevation::spool::{SpoolNeeds, look};
+use terrella_ground::elevation::GridLimits;
+use terrella_ground::elevation::spool::{SpoolNeeds, look};
 
 /// Bytes beside each byte that a grid holds while it is made: its heights as they are read, which of them are holes, means.
 const MAKING: f64 = 1.85;

@@ -10,8 +10,8 @@ use crate::error::BuildError;
 use crate::source::{FileContext, TagGrid, grid_of, in_other_system};
 use std::io::{BufRead, BufReader, Read, Seek};
 use std::path::{Path, PathBuf};
-use terrella::elevation::geo_tags::{GeoTags, System};
 use terrella_files as files;
+use terrella_ground::elevation::geo_tags::{GeoTags, System};
 use tiff::decoder::Decoder;
 
 /// Metres of Web Mercator for a degree of longitude: π·6 378 137 / 180.

@@ -1,7 +1,7 @@
 //! Coordinate systems in words (well-known text): WKT 1 of GDAL and ESRI (OGC 01-009), and WKT 2 (OGC 18-010r7).
 
 use super::place::Crs;
-use terrella::elevation::geo_tags::is_near_wgs84;
+use terrella_ground::elevation::geo_tags::is_near_wgs84;
 
 /// Longest text that is read, bytes.
 pub(super) const MAX_WKT_BYTES: u64 = 64 << 10;

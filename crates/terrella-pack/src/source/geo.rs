@@ -1,6 +1,6 @@
 //! Where a GeoTIFF says that it lies.
 
-use terrella::elevation::geo_tags::{GeoTags, RASTER_TYPE, System};
+use terrella_ground::elevation::geo_tags::{GeoTags, RASTER_TYPE, System};
 
 const RASTER_POINT: u16 = 2;
 
@@ -109,7 +109,7 @@ pub(crate) fn in_other_system(system: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use terrella::elevation::geo_tags::MODEL_TYPE;
+    use terrella_ground::elevation::geo_tags::MODEL_TYPE;
 
     fn tags(scale: [f64; 2], tie: [f64; 4]) -> GeoTags {
         GeoTags {

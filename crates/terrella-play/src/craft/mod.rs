@@ -13,8 +13,8 @@ use terrella::frames::{Ellipsoid, illumination};
 use terrella::internals::gpu::{
     FrameTargets, GpuContext, PassFormat, PipelineDescription, ShaderError, ShaderText, TargetColor,
 };
-use terrella::internals::light::exposure_factor;
 use terrella::{EarthError, EarthOptions, EyeView, FrameStats, Sky};
+use terrella_ground::light::exposure_factor;
 
 /// The shader's text: how light is shown is the Earth's, the materials' numbers are ours.
 fn shader(target: TargetColor) -> Result<String, ShaderError> {

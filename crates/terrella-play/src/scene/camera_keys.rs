@@ -7,7 +7,7 @@ use super::keys::{LAT_DEG, LON_DEG, MAX_CAMERA_KEYS, RawCameraKey};
 use super::text::{SceneText, nearest};
 use std::fmt::Write;
 use std::ops::{Range, RangeInclusive};
-use terrella::internals::light::Exposure;
+use terrella_ground::light::Exposure;
 use toml::{Spanned, Value};
 
 /// The camera at a moment. What is `None` is not keyed there: it goes from the key before to the next that have it.

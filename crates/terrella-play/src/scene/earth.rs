@@ -9,8 +9,8 @@ use super::relief::{ReliefTable, relief_value};
 use super::text::SceneText;
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
-use terrella::internals::air::{AirOptions, Atmosphere};
-use terrella::internals::globe::{Figure, LevelRule, Shading, Subdivision, Visibility};
+use terrella_ground::air::{AirOptions, Atmosphere};
+use terrella_ground::globe::{Figure, LevelRule, Shading, Subdivision, Visibility};
 use toml::Spanned;
 
 /// How many times brighter than in truth the night is by default: lamps show beside daylight.

@@ -8,7 +8,7 @@ use serde::de::{MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 use std::collections::BTreeMap;
 use std::ops::{Range, RangeInclusive};
-use terrella::internals::air::AirOptions;
+use terrella_ground::air::AirOptions;
 use terrella_orbit::live::{LiveOptions, Transport};
 use terrella_orbit::numerical::Spacecraft;
 use toml::Spanned;
@@ -53,7 +53,7 @@ pub(super) const SPAN_MIN: RangeInclusive<f64> = 0.0..=10_080.0;
 pub(super) const CLIPMAP_SAMPLES: [i64; 3] = [65, 129, 257];
 /// `levels` of `[earth.clipmap]`, besides the globe's.
 pub(super) const CLIPMAP_LEVELS: RangeInclusive<i64> =
-    0..=terrella::internals::globe::clipmap::MAX_LEVELS as i64;
+    0..=terrella_ground::globe::clipmap::MAX_LEVELS as i64;
 /// `samples` of `[earth.projected_grid]`, across and down.
 pub(super) const GRID_SAMPLES: RangeInclusive<i64> = 2..=1025;
 /// `lambda` of `[earth.quadtree]`: metres of distance for a metre of error.

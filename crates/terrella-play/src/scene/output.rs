@@ -9,8 +9,8 @@ use super::keys::{DEFAULT_SIZE_PX, EDGE_SAMPLES, RawOutput, RawQuality, SAMPLES,
 use super::text::SceneText;
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
-use terrella::internals::air::Atmosphere;
-use terrella::internals::light::{Exposure, Tone};
+use terrella_ground::air::Atmosphere;
+use terrella_ground::light::{Exposure, Tone};
 use toml::Spanned;
 
 /// `[output]`

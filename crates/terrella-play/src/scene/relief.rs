@@ -6,7 +6,7 @@ use super::keys::{MAX_ELEVATION_FILES, RawEarth};
 use super::surfaces;
 use super::text::SceneText;
 use std::path::PathBuf;
-use terrella::internals::globe::{Subdivision, SurfaceKind, SurfaceSettings, Visibility};
+use terrella_ground::globe::{Subdivision, SurfaceKind, SurfaceSettings, Visibility};
 
 /// The keys of `[earth]` that say how ground with relief is drawn.
 #[derive(Clone, Debug, PartialEq)]

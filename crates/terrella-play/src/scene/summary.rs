@@ -7,8 +7,8 @@ use super::keys::{TABLES, Table};
 use super::time::{StartSource, utc};
 use super::{Scene, camera, earth, orbit_summary, output, sky, time};
 use std::fmt::Write;
-use terrella::internals::air::Atmosphere;
-use terrella::internals::globe::SurfaceSettings;
+use terrella_ground::air::Atmosphere;
+use terrella_ground::globe::SurfaceSettings;
 
 impl Scene {
     /// The scene as text, many lines, each ended: the keys that are in force, in scene order, each with its value and whether

@@ -6,11 +6,11 @@ use super::keys::{
     CLIPMAP_LEVELS, CLIPMAP_SAMPLES, GRID_SAMPLES, MAX_LEAVES, QUADTREE_LAMBDA, RawEarth,
 };
 use super::text::SceneText;
-use terrella::internals::globe::clipmap::{ClipmapOptions, Trim};
-use terrella::internals::globe::contours::PageOptions;
-use terrella::internals::globe::projected_grid::GridOptions;
-use terrella::internals::globe::quadtree::{QuadtreeOptions, SplitRule};
-use terrella::internals::globe::{ContourDrawing, SurfaceKind, SurfaceSettings};
+use terrella_ground::globe::clipmap::{ClipmapOptions, Trim};
+use terrella_ground::globe::contours::PageOptions;
+use terrella_ground::globe::projected_grid::GridOptions;
+use terrella_ground::globe::quadtree::{QuadtreeOptions, SplitRule};
+use terrella_ground::globe::{ContourDrawing, SurfaceKind, SurfaceSettings};
 use toml::{Spanned, Value};
 
 impl SceneText<'_> {

@@ -1,15 +1,15 @@
 //! A pack as a source of height tiles.
 
 use super::{HeightIndex, HeightKind, HeightPlace, HeightValues, HeightsEntry, decode_heights};
-use crate::elevation::{
-    HeightRange, HeightSamples, HeightTileError, HeightTileKey, HeightTileLayout, HeightTileSource,
-};
 use crate::imagery::pack::error::PackError;
 use crate::imagery::pack::file::read_whole;
 use crate::imagery::pack::open::Pack;
 use crate::imagery::tile::TileError;
 use std::path::PathBuf;
 use std::sync::Arc;
+use terrella_ground::elevation::{
+    HeightRange, HeightSamples, HeightTileError, HeightTileKey, HeightTileLayout, HeightTileSource,
+};
 
 /// The heights of a pack. Ranges are held in memory, 48 bytes a tile; every reading opens its file anew.
 #[derive(Debug)]

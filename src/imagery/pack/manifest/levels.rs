@@ -2,13 +2,13 @@
 
 use super::fields::{Table, Value};
 use super::{LevelEntry, MAX_LEVELS_1, TileFile};
-use crate::globe::BLOCK_COUNT;
 use crate::imagery::pack::container::MAX_OVERHEAD_BYTES;
 use crate::imagery::pack::error::PackError;
 use crate::imagery::tile::{
     MAX_COARSEST_PIXELS, MAX_LEVELS, MAX_PART_PIXELS, MAX_PARTS, MAX_PIXELS, MIN_PIXELS, MapLayer,
     Storage, TileShape,
 };
+use terrella_ground::globe::BLOCK_COUNT;
 
 const FILES_KEYS: [&str; 2] = ["bytes", "checksums"];
 const CUT_KEYS: [&str; 1] = ["block"];

@@ -10,11 +10,11 @@ mod read;
 mod tests;
 mod write;
 
-use crate::globe::Block;
 pub use crate::imagery::pack::file::TileFile;
 use crate::imagery::pack::heights::HeightsEntry;
 use crate::imagery::tile::{MapLayer, Storage, TileKey, TileShape};
 use std::path::PathBuf;
+use terrella_ground::globe::Block;
 pub use write::quoted;
 
 /// Name of the manifest in the pack's folder.

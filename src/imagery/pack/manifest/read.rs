@@ -6,10 +6,10 @@ use super::levels::levels;
 use super::{
     FORMAT_VERSION, LayerEntry, MAX_ATTRIBUTION_LINES, MAX_NAME_CHARS, MAX_TEXT_CHARS, Manifest,
 };
-use crate::globe::{COLUMNS, ROWS};
 use crate::imagery::pack::error::{MAX_MANIFEST_BYTES, MAX_MANIFEST_VALUES, PackError};
 use crate::imagery::tile::{MAP_LAYERS, MapLayer, Storage, TILE_BORDER, TILE_MIPS};
 use std::path::Path;
+use terrella_ground::globe::{COLUMNS, ROWS};
 
 /// The last of them since version 2.
 const ROOT_KEYS: [&str; 10] = [

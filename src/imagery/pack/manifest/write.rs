@@ -1,10 +1,10 @@
 //! Writing a manifest.
 
 use super::{LevelEntry, Manifest, TileFile};
-use crate::globe::{COLUMNS, ROWS};
 use crate::imagery::pack::heights::{HeightKind, HeightsEntry};
 use crate::imagery::tile::{TILE_BORDER, TILE_MIPS};
 use std::fmt::Write;
+use terrella_ground::globe::{COLUMNS, ROWS};
 
 impl Manifest {
     /// The text of `pack.toml`. The same manifest gives the same text, and [`Manifest::from_toml`] reads it back if

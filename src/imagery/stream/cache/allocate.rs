@@ -1,9 +1,9 @@
 //! Allocation of the pools' slots to requested tiles.
 
 use super::{Allocation, Level, PendingUpload, TileCache, TileRequest, TileStage};
-use crate::globe::BLOCK_COUNT;
 use crate::imagery::tile::{MAX_LEVELS, TileKey};
 use std::time::Instant;
+use terrella_ground::globe::BLOCK_COUNT;
 
 impl TileCache {
     /// Begins a frame with what is requested, most urgent first. `reserved_bytes` is what the host counts for tiles that

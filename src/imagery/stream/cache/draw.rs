@@ -1,9 +1,9 @@
 //! What a block is drawn with.
 
 use super::{TileCache, TileStage};
-use crate::globe::BLOCK_COUNT;
 use crate::imagery::stream::{ResidentTile, TileSlot};
 use crate::imagery::tile::{MapLayer, TileKey};
+use terrella_ground::globe::BLOCK_COUNT;
 
 impl TileCache {
     /// The tile to draw a block of a map with; `None` is the whole coarsest map: see [`super::super::TileStream::draw`].

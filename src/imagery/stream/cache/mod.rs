@@ -8,12 +8,12 @@ mod upload;
 
 use super::pools::usable;
 use super::{Pool, StreamCounters, TileRequest};
-use crate::globe::BLOCK_COUNT;
 use crate::imagery::tile::{
     LayerLayout, LevelLayout, MAP_LAYERS, Tile, TileError, TileFormat, TileKey, TileSet, TileShape,
 };
 use places::TilePlaces;
 use std::time::{Duration, Instant};
+use terrella_ground::globe::BLOCK_COUNT;
 
 /// Why a load gave no tile.
 #[derive(Debug, thiserror::Error)]

@@ -4,11 +4,11 @@
 //! whose own tile has one, and of parts all that are not promised give way to those that are.
 
 use super::{TileCache, TileStage};
-use crate::globe::Part;
 use crate::imagery::residency::{PartCell, PartTable, PartTables, ResidentTile};
 use crate::imagery::stream::TileRequest;
 use crate::imagery::tile::{MapLayer, TileKey};
 use std::time::Instant;
+use terrella_ground::globe::Part;
 
 impl TileCache {
     /// Promises a slot to a part, or to a coarser one that holds it.

@@ -1,7 +1,7 @@
 //! Where the state of each tile stands.
 
-use crate::globe::BLOCK_COUNT;
 use crate::imagery::tile::{LayerLayout, MAP_LAYERS, MAX_LEVELS, TileKey};
+use terrella_ground::globe::BLOCK_COUNT;
 
 /// Places of all tiles of some maps, one after another.
 #[derive(Clone, Copy)]

@@ -2,9 +2,9 @@
 //! thread that is free.
 
 use crate::terrain::workers::{PART_CELLS, Workers};
-use terrella::internals::globe::contours::build::{TreeBuilder, raise};
-use terrella::internals::globe::contours::dem::{Dem, cells};
-use terrella::internals::globe::contours::tree::{
+use terrella_ground::globe::contours::build::{TreeBuilder, raise};
+use terrella_ground::globe::contours::dem::{Dem, cells};
+use terrella_ground::globe::contours::tree::{
     BudgetError, ContourTree, Node, TreeStats, corners_m,
 };
 

@@ -1,8 +1,8 @@
 //! The nodes of a tree that a view is drawn with.
 
 use glam::{DMat4, DVec3};
-use terrella::internals::globe::contours::tree::ContourTree;
-use terrella::internals::globe::culling::Frustum;
+use terrella_ground::globe::contours::tree::ContourTree;
+use terrella_ground::globe::culling::Frustum;
 
 /// World error that shows as `pixels` at a depth: ε = τ·2 P_z tan(θ/2)/h. Depths below 1 mm count as 1 mm.
 pub fn world_error_m(pixels: f64, viewport_px: f64, depth_m: f64, field_of_view_rad: f64) -> f64 {

@@ -8,9 +8,9 @@
 use super::{ContourTree, Dem, DemFrame, Node, TreeStats};
 use crate::terrain::deserialize::{DeserializeError, read_f64, read_u32};
 use glam::DVec3;
-use terrella::internals::globe::contours::build::radius_m;
-use terrella::internals::globe::contours::dem::{Span, quarters};
-use terrella::internals::globe::contours::plane::{Contour, Support};
+use terrella_ground::globe::contours::build::radius_m;
+use terrella_ground::globe::contours::dem::{Span, quarters};
+use terrella_ground::globe::contours::plane::{Contour, Support};
 
 const MAGIC: &[u8; 8] = b"TERRCONT";
 const VERSION: u32 = 1;

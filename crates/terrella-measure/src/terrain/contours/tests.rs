@@ -3,9 +3,9 @@
 use super::{ContourTree, build_on, screen_error_px, select, world_error_m};
 use crate::terrain::ground::{flat, fractal, globe};
 use glam::DVec3;
-use terrella::elevation::Bounds;
-use terrella::internals::globe::contours::dem::quarters;
-use terrella::internals::globe::contours::tree::corners_m;
+use terrella_ground::elevation::Bounds;
+use terrella_ground::globe::contours::dem::quarters;
+use terrella_ground::globe::contours::tree::corners_m;
 
 const BUDGET: u64 = 1 << 30;
 

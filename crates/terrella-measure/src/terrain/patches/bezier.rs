@@ -1,7 +1,7 @@
 //! Bicubic patches by their Bézier control heights.
 
 use crate::terrain::qbernstein::Conversion;
-use terrella::internals::globe::contours::hermite::{Corner, bezier_values, cubic};
+use terrella_ground::globe::contours::hermite::{Corner, bezier_values, cubic};
 
 /// Bézier control heights of a bicubic patch, `[along u][along v]`.
 pub type Net = [[f64; 4]; 4];

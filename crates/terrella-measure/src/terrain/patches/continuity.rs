@@ -4,8 +4,8 @@ use super::bezier::Net;
 use super::{Leaf, PatchTree, QPatch};
 use crate::terrain::qbernstein::QBasis;
 use glam::{DVec2, DVec3};
-use terrella::internals::globe::contours::dem::{Dem, DemFrame};
-use terrella::internals::globe::contours::hermite::cubic;
+use terrella_ground::globe::contours::dem::{Dem, DemFrame};
+use terrella_ground::globe::contours::hermite::cubic;
 
 /// What the edges of a tree of patches were found to be.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

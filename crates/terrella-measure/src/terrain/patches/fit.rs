@@ -4,9 +4,9 @@ use super::bezier::net;
 use super::{Leaf, NONE, PatchTree};
 use crate::terrain::workers::{PART_CELLS, Workers};
 use std::sync::atomic::{AtomicUsize, Ordering};
-use terrella::internals::globe::contours::dem::{Dem, Span, cells, quarters};
-use terrella::internals::globe::contours::hermite::{Corner, cubic, estimate};
-use terrella::internals::globe::contours::tree::ContourTree;
+use terrella_ground::globe::contours::dem::{Dem, Span, cells, quarters};
+use terrella_ground::globe::contours::hermite::{Corner, cubic, estimate};
+use terrella_ground::globe::contours::tree::ContourTree;
 
 /// South-west, south-east, north-west, north-east.
 pub fn places([w, e, s, n]: Span) -> [[u32; 2]; 4] {

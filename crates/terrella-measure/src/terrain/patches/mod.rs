@@ -23,8 +23,8 @@ use super::qbernstein::{QBasis, QError};
 use super::workers::Workers;
 use bezier::{converted, net};
 use fit::{Fitting, PART_LEAVES, free, leaf_of, places};
-use terrella::internals::globe::contours::dem::{Dem, Span, quarters};
-use terrella::internals::globe::contours::hermite::{Corner, restrict};
+use terrella_ground::globe::contours::dem::{Dem, Span, quarters};
+use terrella_ground::globe::contours::hermite::{Corner, restrict};
 
 /// Degree of the patches each way.
 pub const DEGREE: usize = 3;

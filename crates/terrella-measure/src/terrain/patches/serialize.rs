@@ -7,7 +7,7 @@
 
 use super::{Leaf, PatchOptions, PatchTree};
 use crate::terrain::deserialize::{DeserializeError, read_f64, read_u32};
-use terrella::internals::globe::contours::dem::{Dem, MAX_SAMPLES, Span, quarters};
+use terrella_ground::globe::contours::dem::{Dem, MAX_SAMPLES, Span, quarters};
 
 const MAGIC: &[u8; 8] = b"TERRQBEZ";
 const VERSION: u32 = 1;

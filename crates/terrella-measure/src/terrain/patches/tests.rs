@@ -1,7 +1,7 @@
 use super::*;
 use crate::terrain::ground::{fractal, noise};
 use glam::DVec2;
-use terrella::internals::globe::contours::dem::DemFrame;
+use terrella_ground::globe::contours::dem::DemFrame;
 
 fn rough(columns: u32, rows: u32, seed: u64, f: impl Fn(u32, u32, f64) -> f64) -> Dem {
     let mut seed = seed;

@@ -7,7 +7,7 @@
 //! | `select.rs` | the leaves of a view, and their triangles |
 //! | `serialize.rs` | the tree as bytes |
 //!
-//! What draws the Earth is [`Quadtree`](terrella::internals::globe::quadtree::Quadtree); both share the squares and the bound on a leaf's error.
+//! What draws the Earth is [`Quadtree`](terrella_ground::globe::quadtree::Quadtree); both share the squares and the bound on a leaf's error.
 
 mod order;
 mod select;

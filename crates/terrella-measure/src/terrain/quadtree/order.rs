@@ -1,6 +1,6 @@
 //! In which order the nodes of a tree stand in memory.
 
-use terrella::internals::globe::quadtree::Node;
+use terrella_ground::globe::quadtree::Node;
 
 /// Order of the groups of four children in a tree's array (section 2.4 of the paper). The root stands first.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -2,7 +2,7 @@
 
 use super::tree::{ABSENT, CELLS, GridQuadtree, LEAF, TreeNode};
 use glam::DVec3;
-use terrella::internals::globe::quadtree::{
+use terrella_ground::globe::quadtree::{
     Cut, Domain, Node, Point, SplitRule, among, child_among, ring,
 };
 

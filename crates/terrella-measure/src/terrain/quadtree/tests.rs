@@ -4,7 +4,7 @@ use super::*;
 use glam::{DVec2, DVec3};
 use proptest::prelude::*;
 use std::collections::{HashMap, HashSet};
-use terrella::internals::globe::quadtree::{Node, SplitRule};
+use terrella_ground::globe::quadtree::{Node, SplitRule};
 
 fn mixed(seed: u64, x: u64, y: u64) -> u64 {
     let mut h = seed ^ x.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ y.rotate_left(32);

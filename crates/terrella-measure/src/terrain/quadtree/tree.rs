@@ -2,7 +2,7 @@
 
 use super::order::Order;
 use crate::terrain::workers::Workers;
-use terrella::internals::globe::quadtree::{Node, leaf_error};
+use terrella_ground::globe::quadtree::{Node, leaf_error};
 
 /// Which squares are merged for good. Neither changes the surface at any post.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -5,7 +5,7 @@ use super::super::{FileContext, SampleKind};
 use super::decode_error;
 use crate::error::BuildError;
 use std::io::{Read, Seek};
-use terrella::elevation::tiff_gaps::{TiffGapError, TiffMask, absent_chunks};
+use terrella_ground::elevation::tiff_gaps::{TiffGapError, TiffMask, absent_chunks};
 use tiff::TiffError;
 use tiff::decoder::Decoder;
 use tiff::tags::Tag;

@@ -29,7 +29,7 @@ const METER_ALBEDO: [usize; 2] = [66, 32];
 const AIR_SCALE: f64 = 8e3 / 6.378e6;
 
 /// What it sees.
-pub(crate) struct MeterView<'a> {
+pub struct MeterView<'a> {
     /// The eye, scaled space.
     pub eye_scaled: DVec3,
     /// Diagonal of the ellipsoid: takes scaled space to metres.
@@ -43,7 +43,7 @@ pub(crate) struct MeterView<'a> {
 }
 
 /// Meters views of an Earth.
-pub(crate) struct Meter {
+pub struct Meter {
     /// Of the ground under its clouds, RGB, [`METER_ALBEDO`] texels.
     albedo: Vec<Vec4>,
     /// The air, if there is any.

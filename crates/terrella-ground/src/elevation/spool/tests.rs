@@ -248,7 +248,7 @@ fn flat_files_have_no_more_detail_than_their_edge() {
 /// Tiles and strips, floats and whole numbers, the southern row first, records of NetCDF.
 #[test]
 fn files_of_all_formats_are_spooled() {
-    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/heights");
+    let data = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("tests/data/heights");
     let mut count = 0;
     for entry in std::fs::read_dir(&data).expect("there") {
         let path = entry.expect("readable").path();

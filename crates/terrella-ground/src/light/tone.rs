@@ -3,12 +3,12 @@
 use glam::DVec3;
 
 /// Where the neutral curve leaves the identity, and how fast highlights lose colour beyond.
-pub(crate) const NEUTRAL_START: f64 = 0.76;
-pub(crate) const NEUTRAL_DESATURATION: f64 = 0.15;
+pub const NEUTRAL_START: f64 = 0.76;
+pub const NEUTRAL_DESATURATION: f64 = 0.15;
 
 /// The filmic curve's input is scaled by this; its coefficients a…e of x(ax + b)/(x(cx + d) + e).
-pub(crate) const FILMIC_SCALE: f64 = 0.6;
-pub(crate) const FILMIC: [f64; 5] = [2.51, 0.03, 2.43, 0.59, 0.14];
+pub const FILMIC_SCALE: f64 = 0.6;
+pub const FILMIC: [f64; 5] = [2.51, 0.03, 2.43, 0.59, 0.14];
 
 /// Light beyond this is as this: its square leaves no range, and every curve is at its end.
 const BRIGHTEST: f64 = 1e9;

@@ -15,6 +15,6 @@ mod meter;
 mod tone;
 
 pub use exposure::{Adaptation, Exposure, exposure_factor};
-pub(crate) use meter::{Meter, MeterView};
+pub use meter::{Meter, MeterView};
 pub use tone::Tone;
-pub(crate) use tone::{FILMIC, FILMIC_SCALE, NEUTRAL_DESATURATION, NEUTRAL_START};
+pub use tone::{FILMIC, FILMIC_SCALE, NEUTRAL_DESATURATION, NEUTRAL_START};

@@ -74,12 +74,12 @@ pub const SOURCES: TableSize = TableSize::new(SUNS as u32, (SOURCE_BANDS * HEIGH
 /// Size of the profile.
 pub const PROFILE: TableSize = TableSize::new(128, 1, 1);
 /// Bands of the source table.
-pub(crate) const SOURCE_BANDS: usize = COEFFICIENTS + 1;
+pub const SOURCE_BANDS: usize = COEFFICIENTS + 1;
 
 /// Lowest Sun cosine that tables hold; below it the night is black.
-pub(crate) const LOWEST_SUN: f64 = -0.3;
+pub const LOWEST_SUN: f64 = -0.3;
 /// Sine of the Sun's elevation within which Sun cosines are spaced evenly; beyond they are spaced in proportion to it.
-pub(crate) const SUN_SPACING: f64 = 0.05;
+pub const SUN_SPACING: f64 = 0.05;
 /// What the profile of molecules is told against, metres.
 pub const MOLECULE_SCALE_HEIGHT_M: f64 = 8_000.0;
 
@@ -418,7 +418,7 @@ fn height_coordinate(r: f64) -> f64 {
 }
 
 /// Luminance of linear red, green and blue (Rec. 709).
-pub(crate) const LUMINANCE: DVec3 = DVec3::new(0.2126, 0.7152, 0.0722);
+pub const LUMINANCE: DVec3 = DVec3::new(0.2126, 0.7152, 0.0722);
 
 fn luminance(v: DVec3) -> f64 {
     v.dot(LUMINANCE)

@@ -114,7 +114,7 @@ struct Need {
 
 /// Tiles are averaged over less than is asked for: what lies between their samples is averaged once more. A box of half the
 /// width s has the variance s²/3; with interpolation between samples 2s apart it becomes s², with this s²/2.
-pub(crate) const SHARPER: f64 = 0.7;
+pub const SHARPER: f64 = 0.7;
 
 /// Every so many samples of the grid are asked, each way.
 const STRIDE: usize = 4;

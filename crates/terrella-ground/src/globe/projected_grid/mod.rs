@@ -32,7 +32,7 @@ pub use cast::{Cast, Caster, Foot, cast};
 pub use coverage::{CoverageFinder, Rect};
 pub use relief::{RINGS, ReliefRings, Ring};
 pub use screen::ScreenPlane;
-pub(crate) use tiles::SHARPER;
+pub use tiles::SHARPER;
 pub use tiles::{
     HeightTile, HeightTiles, TileCounts, TileWindow, WINDOW_SAMPLES, eye_place, first_density,
     level_of, level_spacing_rad, pyramid_level,

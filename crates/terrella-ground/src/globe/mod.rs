@@ -27,7 +27,6 @@ mod kinds;
 mod levels;
 mod limb;
 mod meshes;
-#[cfg(feature = "packs")]
 mod parts;
 #[cfg(feature = "terrain")]
 pub mod projected_grid;
@@ -54,7 +53,6 @@ pub use levels::{
 };
 pub use limb::TangentCone;
 pub use meshes::{LIMB_PX, Meshes, Subdivision, limb_error_px, sagitta};
-#[cfg(feature = "packs")]
 pub use parts::{Part, PartSight};
 pub use select::{Selection, select_blocks, select_blocks_between};
 #[cfg(feature = "terrain")]

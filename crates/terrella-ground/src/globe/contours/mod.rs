@@ -24,7 +24,7 @@ mod surface;
 pub(crate) mod tests;
 pub mod tree;
 
-pub(crate) use gpu_layout::STACK;
+pub use gpu_layout::STACK;
 pub use gpu_layout::{ContourNode, ContourRay, contour_cast};
 pub use pages::{ContourPages, DrawnPage, MAX_NODES, Page, PageOptions, PagesDraw};
 pub use surface::{ContourOptions, ContourSurface};

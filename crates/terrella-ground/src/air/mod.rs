@@ -20,7 +20,7 @@ pub use tables::{
     AirTables, BOUNCE, MOLECULE_SCALE_HEIGHT_M, PROFILE, SCATTERING, SOURCES, SUNLIGHT,
     SUNLIGHT_AND_CLOUDS, THROUGH, TRANSMITTANCE, TableSize,
 };
-pub(crate) use tables::{LOWEST_SUN, LUMINANCE, SOURCE_BANDS, SUN_SPACING};
+pub use tables::{LOWEST_SUN, LUMINANCE, SOURCE_BANDS, SUN_SPACING};
 
 /// How the air is drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

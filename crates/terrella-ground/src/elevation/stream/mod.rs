@@ -45,7 +45,7 @@ use terrella_files::loaders::{lock, try_lock};
 use terrella_frames::HeightTileStats;
 use viewer::Look;
 
-/// Tiles that a frame takes over in an [`Earth`](crate::Earth), at most: each has its part of the ground made anew.
+/// Tiles that a frame takes over in an `Earth`, at most: each has its part of the ground made anew.
 pub const TILES_PER_FRAME: usize = 4;
 
 /// What a [`StreamedGround`] may use.
@@ -80,7 +80,7 @@ pub enum StreamedGroundError {
     Coarsest(#[from] GridError),
 }
 
-/// Heights of a source of tiles, under any number of [`HeightGrid`](super::HeightGrid)s. Give it to [`GroundOptions`](crate::GroundOptions).
+/// Heights of a source of tiles, under any number of [`HeightGrid`](super::HeightGrid)s. Give it to `GroundOptions`.
 ///
 /// As an [`Elevation`] it answers by the tiles that are in memory when it is asked; surfaces use [`Self::now`].
 pub struct StreamedGround {

@@ -239,7 +239,7 @@ fn no_data_values_become_holes() {
 /// The grids of the starter pack lie where they should: well-known heights, and each in the other's frame.
 #[test]
 fn the_starter_pack_is_read() {
-    let textures = Path::new(env!("CARGO_MANIFEST_DIR")).join("textures");
+    let textures = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("textures");
     let open = |name| open_heights(&textures.join(name), &GridLimits::default()).expect("good");
     let (globe, trinidad) = (open("elevation.png"), open("dem/trinidad.png"));
     assert!(globe.attribution.expect("told").contains("ETOPO1"));

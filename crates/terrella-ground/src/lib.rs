@@ -1,0 +1,21 @@
+//! The ground and the light on it, as numbers: nothing here knows the GPU.
+//!
+//! | module | what |
+//! |---|---|
+//! | [`elevation`] | heights of the ground: grids, their pyramids, readers of elevation data; with the feature `terrain` |
+//! | [`globe`] | the block sphere, and surfaces with relief: vertices, culling, level of detail |
+//! | [`air`] | density, scattering tables, the billboard |
+//! | [`light`] | exposure, tone curves, metering |
+//!
+//! Hosts of the renderer meet what they need of it in the crate `terrella`.
+
+#![allow(
+    missing_docs,
+    reason = "what hosts meet of it is documented, the rest says itself"
+)]
+
+pub mod air;
+#[cfg(feature = "terrain")]
+pub mod elevation;
+pub mod globe;
+pub mod light;
