@@ -4,9 +4,9 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use std::hint::black_box;
 use terrella::frames::{Ellipsoid, Geodetic};
 use terrella::internals::gpu::GpuContext;
-use terrella::internals::imagery::{EarthLayers, LayerImage};
 use terrella::{Earth, EarthOptions, EyeView, Sky};
 use terrella_ground::globe::{BlockGrid, Visibility, select_blocks};
+use terrella_imagery::{EarthLayers, LayerImage};
 
 fn views() -> Vec<(&'static str, EyeView)> {
     [("400 km", 4e5), ("20 000 km, whole disc", 2e7)]

@@ -10,8 +10,6 @@
 pub mod earth;
 #[path = "gpu/mod.rs"]
 pub mod gpu;
-#[path = "imagery/mod.rs"]
-pub mod imagery;
 #[cfg(feature = "offscreen")]
 #[path = "offscreen/mod.rs"]
 pub mod offscreen;

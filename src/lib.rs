@@ -83,7 +83,7 @@ pub use {glam, wgpu};
 
 #[cfg(feature = "offscreen")]
 pub(crate) use internals::offscreen;
-pub use internals::{earth, gpu, imagery};
+pub use internals::{earth, gpu};
 
 pub use earth::{
     AdaptiveQuality, Appearance, ChangeMaker, DepthBuffer, DiagnosticOptions, Diagnostics, Earth,
@@ -97,17 +97,6 @@ pub use gpu::{
 };
 #[cfg(feature = "offscreen")]
 pub use gpu::{GpuContext, GpuFault, PictureError};
-#[cfg(all(feature = "packs", feature = "terrain"))]
-pub use imagery::pack::PackHeights;
-pub use imagery::{
-    EarthLayers, ImageryError, LayerImage, LayerSelection, find_textures, load_layers,
-    tile::{MapLayer, TileKey},
-};
-#[cfg(feature = "packs")]
-pub use imagery::{
-    pack::{Pack, PackTiles},
-    tile::Storage,
-};
 #[cfg(feature = "offscreen")]
 pub use offscreen::{
     Drawing, LayerDtype, LayerValues, OffscreenEarth, OffscreenError, TRUTH_LAYERS, TruthLayer,
@@ -122,3 +111,14 @@ pub use terrella_ground::globe::{
     contours::PageOptions, projected_grid::GridOptions, quadtree::QuadtreeOptions,
 };
 pub use terrella_ground::light::{Adaptation, Exposure, Tone, exposure_factor};
+#[cfg(all(feature = "packs", feature = "terrain"))]
+pub use terrella_imagery::pack::PackHeights;
+pub use terrella_imagery::{
+    EarthLayers, ImageryError, LayerImage, LayerSelection, find_textures, load_layers,
+    tile::{MapLayer, TileKey},
+};
+#[cfg(feature = "packs")]
+pub use terrella_imagery::{
+    pack::{Pack, PackTiles},
+    tile::Storage,
+};

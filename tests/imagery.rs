@@ -4,7 +4,7 @@ use image::{DynamicImage, ImageBuffer, ImageFormat};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use tempfile::TempDir;
-use terrella::internals::imagery::{
+use terrella_imagery::{
     EarthLayers, ImageryError, LayerSelection, SLOPE_EXAGGERATION, TexelFormat, load_layers,
     load_whole_layers, slopes_from_elevation,
 };

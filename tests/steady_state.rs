@@ -252,8 +252,8 @@ fn streaming_what_is_there_allocates_nothing_at_all() {
     let _alone = alone();
     use std::sync::Arc;
     use std::time::{Duration, Instant};
-    use terrella::internals::imagery::stream::{StreamOptions, TileRequest, TileStream};
-    use terrella::internals::imagery::tile::{
+    use terrella_imagery::stream::{StreamOptions, TileRequest, TileStream};
+    use terrella_imagery::tile::{
         BlockSet, LayerLayout, LevelLayout, MapLayer, Storage, Tile, TileError, TileKey, TileShape,
         TileSource,
     };

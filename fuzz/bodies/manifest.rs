@@ -1,10 +1,10 @@
 //! A pack's manifest.
 
 use std::path::Path;
-use terrella::internals::imagery::pack::{
+use terrella_imagery::pack::{
     HeightKind, HeightsEntry, LayerEntry, LevelEntry, Manifest, TileFile,
 };
-use terrella::internals::imagery::tile::{MapLayer, Storage, TileShape};
+use terrella_imagery::tile::{MapLayer, Storage, TileShape};
 
 /// Reads any text; what is found good must be written and read back the same.
 pub fn run(data: &[u8]) {

@@ -1,6 +1,6 @@
 //! Heights of a pack: a byte for what follows, then the bytes of an index or of a tile.
 
-use terrella::internals::imagery::pack::{
+use terrella_imagery::pack::{
     HeightKind, HeightPlace, HeightRecord, HeightValues, HeightsEntry, TileFile, decode_heights,
     decode_index, encode_heights, encode_index,
 };

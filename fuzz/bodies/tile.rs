@@ -1,7 +1,7 @@
 //! A pack's tile: a byte for the format, one for the size, then the file.
 
-use terrella::internals::imagery::pack::{decode_tile, read_ktx2, write_ktx2};
-use terrella::internals::imagery::tile::{Tile, TileFormat, TileShape};
+use terrella_imagery::pack::{decode_tile, read_ktx2, write_ktx2};
+use terrella_imagery::tile::{Tile, TileFormat, TileShape};
 
 const FORMATS: [TileFormat; 6] = [
     TileFormat::Rgba8Srgb,

@@ -37,7 +37,6 @@ use crate::gpu::{
     CelestialDrawable, CelestialKind, CelestialParts, CelestialUniforms, GLARE_RADIUS_RAD,
     StarPoint,
 };
-use crate::imagery::LayerImage;
 use glam::{DVec3, Vec3, Vec4};
 use projection::Projection;
 use seen::Seen;
@@ -46,6 +45,7 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 use terrella_frames::{Epoch, MOON_RADIUS_M, Observer, Orientation, SUN_RADIUS_M};
 use terrella_ground::air::TOP;
+use terrella_imagery::LayerImage;
 
 /// A disc of a smaller radius is drawn as a point, pixels: its edge would be most of it.
 const POINT_PX: f64 = 2.0;
@@ -101,7 +101,7 @@ impl CelestialOptions {
         for (what, map) in [("milky_way", &self.milky_way), ("moon", &self.moon)] {
             if let Some(map) = map {
                 let cause = map.check().err().map(|error| error.to_string());
-                let is_color = map.format == crate::imagery::TexelFormat::Rgba8Srgb;
+                let is_color = map.format == terrella_imagery::TexelFormat::Rgba8Srgb;
                 let cause = cause.or((!is_color).then(|| "it is no colour map".to_owned()));
                 if let Some(cause) = cause {
                     return Err(CelestialError::Map { what, cause });

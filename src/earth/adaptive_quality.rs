@@ -203,7 +203,7 @@ mod tests {
         anisotropy: 8,
         samples: 4,
         texel_px: 1.0,
-        maps: [true; crate::imagery::tile::MAP_LAYERS],
+        maps: [true; terrella_imagery::tile::MAP_LAYERS],
         atmosphere: Atmosphere::Billboard,
         scale: 1.0,
     };

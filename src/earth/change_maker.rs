@@ -8,11 +8,11 @@ use crate::gpu::{
     AirDrawable, AirTextures, PassFormat, SurfaceMaker, SurfaceOutput, SurfacePipelines,
     SurfaceView,
 };
-use crate::imagery::NeighbourhoodAlbedo;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use terrella_ground::air::Atmosphere;
 use terrella_ground::globe::{BLOCK_COUNT, Figure, Meshes};
+use terrella_imagery::NeighbourhoodAlbedo;
 
 /// Makes what other qualities and appearances of one Earth need, on any thread: [`Earth::change_maker`].
 ///

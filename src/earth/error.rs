@@ -1,8 +1,8 @@
 //! What can be wrong with the options of an Earth.
 
 use crate::gpu::{MapError, ShaderError, SurfaceOutput};
-use crate::imagery::ImageryError;
 use terrella_ground::globe::SubdivisionError;
+use terrella_imagery::ImageryError;
 
 /// Why an Earth cannot be drawn as its options say.
 #[derive(Debug, thiserror::Error)]

@@ -2,13 +2,13 @@
 
 use super::view::ItrfView;
 use super::{Appearance, EarthOptions, EyeView, Sky, Viewport};
-use crate::imagery::NeighbourhoodAlbedo;
-use crate::imagery::tile::MAP_LAYERS;
 use glam::DVec3;
 use std::sync::Arc;
 use terrella_frames::{Ellipsoid, MoonShadow};
 use terrella_ground::air::{AirOptions, AirTables, Atmosphere};
 use terrella_ground::light::{Exposure, Meter, MeterView};
+use terrella_imagery::NeighbourhoodAlbedo;
+use terrella_imagery::tile::MAP_LAYERS;
 
 /// Says with what exposure a frame of one view is drawn. Clones share what they meter with.
 #[derive(Clone)]

@@ -61,8 +61,6 @@ use crate::gpu::{
     AirDrawable, AirTextures, ChosenTiles, PassFormat, SurfaceConfig, SurfaceDrawable, SurfaceView,
 };
 pub use crate::gpu::{DepthBuffer, SurfaceOutput};
-use crate::imagery::NeighbourhoodAlbedo;
-use crate::imagery::tile::TileKey;
 pub use adaptive_quality::{AdaptiveQuality, QualityChange};
 pub use appearance::Appearance;
 pub use change_maker::{ChangeMaker, ReadyChange};
@@ -88,6 +86,8 @@ pub use surface_light::{AIRGLOW_LUMINANCE, CITY_RADIANCE, SurfaceLight};
 use terrella_ground::air::{AirModel, AirTables, Atmosphere};
 use terrella_ground::globe::Figure;
 pub use terrella_ground::globe::Shading;
+use terrella_imagery::NeighbourhoodAlbedo;
+use terrella_imagery::tile::TileKey;
 use tiles::TileDriver;
 pub use tiles::TileOptions;
 pub use truth::{TruthPoint, TruthView};

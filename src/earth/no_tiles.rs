@@ -4,11 +4,11 @@ use super::quality::Quality;
 use super::tile_view::{TileDetail, TileView};
 use super::{EarthError, EyeView};
 use crate::gpu::ChosenTiles;
-use crate::imagery::EarthLayers;
-use crate::imagery::residency::{Pool, StreamCounters, Upload};
-use crate::imagery::tile::TileKey;
 use std::time::Duration;
 use terrella_ground::globe::{Block, BlockGrid, Figure, Visibility};
+use terrella_imagery::EarthLayers;
+use terrella_imagery::residency::{Pool, StreamCounters, Upload};
+use terrella_imagery::tile::TileKey;
 
 /// How tiles are chosen, loaded and held. It needs the feature `packs`; without, there is no value of this type.
 #[derive(Clone, Debug)]

@@ -4,11 +4,11 @@ use super::{
     Appearance, DiagnosticOptions, EarthError, GroundOptions, Quality, SurfaceLight, TileOptions,
 };
 use crate::gpu::{DepthBuffer, SurfaceOutput};
-use crate::imagery::EarthLayers;
-use crate::imagery::tile::MapLayer;
 use terrella_ground::air::{AirOptions, Atmosphere};
 use terrella_ground::globe::{Figure, Shading, Subdivision, Visibility};
 use terrella_ground::light::{Exposure, Tone};
+use terrella_imagery::EarthLayers;
+use terrella_imagery::tile::MapLayer;
 
 /// What is fixed when an Earth is made.
 #[derive(Clone, Debug)]

@@ -304,9 +304,9 @@ pub(super) fn meshes(
 mod tests {
     use super::*;
     use crate::earth::{EyeView, Viewport};
-    use crate::imagery::{EarthLayers, LayerImage};
     use terrella_frames::Geodetic;
     use terrella_ground::globe::TangentCone;
+    use terrella_imagery::{EarthLayers, LayerImage};
 
     const SKY: Sky = Sky::new(DVec3::X);
 

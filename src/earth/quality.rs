@@ -1,10 +1,10 @@
 //! How well an Earth is drawn, and what can be given up where time is short.
 
-use crate::imagery::tile::{MAP_LAYERS, MapLayer};
 use std::fmt;
 use std::ops::RangeInclusive;
 use terrella_ground::air::Atmosphere;
 use terrella_ground::globe::Subdivision;
+use terrella_imagery::tile::{MAP_LAYERS, MapLayer};
 
 /// Cells per block edge that an Earth with tiles should have.
 ///
@@ -13,7 +13,7 @@ use terrella_ground::globe::Subdivision;
 /// R(1 − cos(11.25°/n)) below the ellipsoid: 3.4 km for n = 6 and 0.21 km for n = 24, which even at 6° above the ground
 /// is little more than a texel of 1.9 km, the paper's finest.
 ///
-/// [`TILE_BORDER`]: crate::imagery::tile::TILE_BORDER
+/// [`TILE_BORDER`]: terrella_imagery::tile::TILE_BORDER
 pub const TILED_SUBDIVISION: u32 = 24;
 
 /// How well an Earth is drawn: what [`super::Earth::set_quality`] changes while maps and tiles stay where they are.

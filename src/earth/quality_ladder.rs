@@ -250,9 +250,9 @@ impl QualityStep {
 mod tests {
     use super::super::quality::TILED_SUBDIVISION;
     use super::*;
-    use crate::imagery::tile::MAP_LAYERS;
     use terrella_ground::air::Atmosphere;
     use terrella_ground::globe::Subdivision;
+    use terrella_imagery::tile::MAP_LAYERS;
 
     fn full() -> Quality {
         Quality {

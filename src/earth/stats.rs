@@ -1,11 +1,11 @@
 //! What a frame drew.
 
-use crate::imagery::residency::StreamCounters;
-use crate::imagery::tile::MAX_LEVELS;
 use std::time::Duration;
 use terrella_frames::Geodetic;
 use terrella_frames::HeightTileStats;
 use terrella_ground::globe::SurfaceStats;
+use terrella_imagery::residency::StreamCounters;
+use terrella_imagery::tile::MAX_LEVELS;
 
 /// Counts of what one frame drew.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

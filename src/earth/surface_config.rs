@@ -2,8 +2,8 @@
 
 use super::{DiagnosticOptions, Quality, SurfaceLight};
 use crate::gpu::{AirTextures, PassFormat, SurfaceConfig, SurfaceOutput};
-use crate::imagery::tile::MapLayer;
 use terrella_ground::globe::{Shading, Surface};
+use terrella_imagery::tile::MapLayer;
 
 /// How the surface is drawn, whatever the quality.
 #[derive(Clone, Copy)]

@@ -2,8 +2,8 @@
 
 use super::EarthError;
 use crate::gpu::{NightLight, SurfaceLightUniforms};
-use crate::imagery::SLOPE_EXAGGERATION;
 use std::ops::RangeInclusive;
+use terrella_imagery::SLOPE_EXAGGERATION;
 
 /// What of the light on the surface can be chosen, with [`terrella_ground::globe::Shading::Sunlit`]. What belongs to a map that the Earth is made
 /// without does nothing.
@@ -13,7 +13,7 @@ pub struct SurfaceLight {
     /// that mirror the Sun is 0.003 + 0.00512 W; foam covers 2.95e-6 W^3.52 of the sea (Monahan and O'Muircheartaigh 1980).
     pub wind_m_s: f64,
     /// How many times steeper than the truth the normal map's slopes are lit, 0…20; 1 is true. The map is taken to be
-    /// stored [`SLOPE_EXAGGERATION`] times too steep, as [`crate::load_layers`] and packs do; for one that is stored
+    /// stored [`SLOPE_EXAGGERATION`] times too steep, as [`terrella_imagery::load_layers`] and packs do; for one that is stored
     /// otherwise, multiply.
     pub relief_exaggeration: f64,
     /// Height of the cloud layer, metres, 100…20 000.

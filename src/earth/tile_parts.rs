@@ -1,10 +1,10 @@
 //! Which parts of blocks a frame requests, where maps have levels that are cut into parts.
 
 use super::tile_rule::{Ladder, NONE, TileRule};
-use crate::imagery::residency::PartTables;
-use crate::imagery::stream::TileRequest;
-use crate::imagery::tile::{MAP_LAYERS, MapLayer, TileKey};
 use terrella_ground::globe::{BLOCK_COUNT, Block, BlockSet, Part, PartSight};
+use terrella_imagery::residency::PartTables;
+use terrella_imagery::stream::TileRequest;
+use terrella_imagery::tile::{MAP_LAYERS, MapLayer, TileKey};
 
 /// The levels that the parts of one map's blocks were given in this frame and the one before, for the hysteresis. Where a part was not
 /// divided, all that lie in it have its level.

@@ -1,7 +1,7 @@
 //! How fine a map is asked for.
 
-use crate::imagery::tile::{LayerLayout, TileShape};
 use terrella_ground::globe::{LevelRule, paper_level, screen_level};
+use terrella_imagery::tile::{LayerLayout, TileShape};
 
 /// Level of a block that was not requested in the frame before.
 pub(super) const NONE: u8 = u8::MAX;

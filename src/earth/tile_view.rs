@@ -1,7 +1,7 @@
 //! What tiles are chosen by, and how fine they came out.
 
-use crate::imagery::tile::MAX_LEVELS;
 use glam::{DMat4, DVec3};
+use terrella_imagery::tile::MAX_LEVELS;
 
 /// What a frame's choice depends on beside the blocks.
 #[derive(Clone, Copy, Debug)]

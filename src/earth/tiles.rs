@@ -7,10 +7,6 @@ use super::tile_rule::{Ladder, NONE, TileRule};
 use super::tile_view::{TileDetail, TileView};
 use super::{EarthError, EyeView};
 use crate::gpu::{BlockTiles, ChosenTiles, GLINT_ENDS_SIN};
-use crate::imagery::EarthLayers;
-use crate::imagery::residency::{PartTable, Pool, StreamCounters, Upload};
-use crate::imagery::stream::{StreamOptions, TileRequest, TileStream};
-use crate::imagery::tile::{LayerLayout, MAP_LAYERS, MAX_LEVELS, MapLayer, TileKey, TileSource};
 use glam::DVec3;
 use std::fmt;
 use std::sync::Arc;
@@ -20,6 +16,10 @@ use terrella_ground::globe::{
     BLOCK_COUNT, Block, BlockGrid, BlockSet, Figure, LevelRule, PartSight, Visibility,
     select_blocks, texels_per_pixel,
 };
+use terrella_imagery::EarthLayers;
+use terrella_imagery::residency::{PartTable, Pool, StreamCounters, Upload};
+use terrella_imagery::stream::{StreamOptions, TileRequest, TileStream};
+use terrella_imagery::tile::{LayerLayout, MAP_LAYERS, MAX_LEVELS, MapLayer, TileKey, TileSource};
 
 /// Most expected views that are looked at.
 const MAX_EXPECTED: usize = 4;

@@ -5,9 +5,9 @@ use super::{
     AirSide, AirTextures, Binding, FrameUniforms, GpuLayer, PassFormat, PipelineDescription,
     ShaderError,
 };
-use crate::imagery::LayerImage;
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3, Vec4};
+use terrella_imagery::LayerImage;
 
 /// `Disc` of `shaders/celestial.wgsl`.
 #[repr(C)]

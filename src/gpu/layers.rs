@@ -1,6 +1,6 @@
 //! Maps as textures.
 
-use crate::imagery::{LayerImage, TexelFormat};
+use terrella_imagery::{LayerImage, TexelFormat};
 
 /// One map on the GPU.
 #[derive(Clone, Debug)]

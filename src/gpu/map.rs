@@ -2,11 +2,11 @@
 
 use super::shader::{MapFadeVariant, ShaderModule};
 use super::{DepthBuffer, GpuLayer, PassFormat, PipelineDescription, ShaderError};
-use crate::imagery::tile::MapLayer;
-use crate::imagery::{ImageryError, LayerImage, MapAlbedo};
 use std::sync::Arc;
 use terrella_ground::globe::Shading;
 use terrella_ground::light::Tone;
+use terrella_imagery::tile::MapLayer;
+use terrella_imagery::{ImageryError, LayerImage, MapAlbedo};
 
 /// Why a texture cannot be a map.
 #[derive(Debug, thiserror::Error)]

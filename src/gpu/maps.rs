@@ -1,8 +1,8 @@
 //! The maps of the surface's fragment shader: whole maps, and the bind groups that hold them or tiles of them.
 
 use super::GpuLayer;
-use crate::imagery::EarthLayers;
-use crate::imagery::tile::{MAP_LAYERS, MapLayer};
+use terrella_imagery::EarthLayers;
+use terrella_imagery::tile::{MAP_LAYERS, MapLayer};
 
 /// Whole maps on the GPU and what is needed to bind them, each map with its own sampler: around the Earth a whole map
 /// repeats, a tile ends at its border.

@@ -2,15 +2,15 @@
 //! nothing but what writing it cost.
 
 use super::{AirSide, FrameUniforms};
-use crate::imagery::residency::{PartTables, ResidentTile};
-use crate::imagery::tile::MAP_LAYERS;
 use bytemuck::Zeroable;
 use glam::{DVec3, Vec3};
 use terrella_frames::Ellipsoid;
 use terrella_ground::air::Billboard;
 use terrella_ground::globe::{BLOCK_COUNT, Block, BlockGrid, BlockSet, TangentCone};
+use terrella_imagery::residency::{PartTables, ResidentTile};
+use terrella_imagery::tile::MAP_LAYERS;
 
-/// The tiles that a block is drawn with, by [`crate::imagery::tile::MapLayer::index`]; `None` is the whole map.
+/// The tiles that a block is drawn with, by [`terrella_imagery::tile::MapLayer::index`]; `None` is the whole map.
 pub(crate) type BlockTiles = [Option<ResidentTile>; MAP_LAYERS];
 
 /// What the blocks in sight are drawn with, and parts of them.

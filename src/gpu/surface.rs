@@ -11,9 +11,9 @@ use super::surface_pipelines::{
 use super::surface_view::{PassGroups, SurfaceView};
 use super::tiles::TileTextures;
 use super::{Binding, ChosenTiles, FramePlan, GpuMap, MapError, ShaderError, SurfaceLightUniforms};
-use crate::imagery::EarthLayers;
-use crate::imagery::residency::{Pool, Upload};
 use terrella_ground::globe::{Block, BlockSet, Shading};
+use terrella_imagery::EarthLayers;
+use terrella_imagery::residency::{Pool, Upload};
 
 pub(crate) struct SurfaceDrawable {
     pipelines: SurfacePipelines,

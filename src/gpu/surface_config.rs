@@ -1,8 +1,8 @@
 //! How the surface is drawn.
 
 use super::{AirTextures, PassFormat, SurfaceLightUniforms, SurfaceOutput};
-use crate::imagery::tile::MAP_LAYERS;
 use terrella_ground::globe::{DrawKind, Shading};
+use terrella_imagery::tile::MAP_LAYERS;
 
 /// How the surface is drawn: what can change while the maps stay.
 pub(crate) struct SurfaceConfig<'a> {

@@ -11,8 +11,8 @@ use super::surface_view::SurfaceView;
 use super::tiles::tiles_bytes;
 use super::{AirSide, FrameUniforms, SurfaceLightUniforms, SurfaceOutput};
 use super::{PipelineDescription, ShaderError};
-use crate::imagery::tile::{MAP_LAYERS, MapLayer};
 use terrella_ground::globe::Shading;
+use terrella_imagery::tile::{MAP_LAYERS, MapLayer};
 
 /// Makes pipelines for the surface that it comes from.
 #[derive(Clone)]

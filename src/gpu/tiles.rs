@@ -3,10 +3,10 @@
 use super::BlockTiles;
 use super::maps::{Maps, array_view};
 use super::shader::{PART_CELL_WORDS, PART_INDEX_BITS};
-use crate::imagery::residency::{PartCell, PartTables, Pool, Upload};
-use crate::imagery::tile::{MAP_LAYERS, MapLayer, TILE_BORDER, TILE_MIPS, TileFormat, TileShape};
 use glam::Vec4;
 use terrella_ground::globe::{BLOCK_COUNT, Block, BlockSet, COLUMNS, ROWS};
+use terrella_imagery::residency::{PartCell, PartTables, Pool, Upload};
+use terrella_imagery::tile::{MAP_LAYERS, MapLayer, TILE_BORDER, TILE_MIPS, TileFormat, TileShape};
 
 type Placements = [[Vec4; MAP_LAYERS]; BLOCK_COUNT as usize];
 const PLACEMENTS_BYTES: usize = size_of::<Placements>();

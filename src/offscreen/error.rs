@@ -2,7 +2,7 @@
 
 use crate::EarthError;
 use crate::gpu::{ContextError, PictureError};
-use crate::imagery::ImageryError;
+use terrella_imagery::ImageryError;
 
 /// What can go wrong between an Earth and its picture in memory.
 #[derive(Debug, thiserror::Error)]

@@ -23,10 +23,10 @@ pub use truth::{LayerValues, TruthPicture};
 pub use truth_layers::{LayerDtype, TRUTH_LAYERS, TruthLayer, TruthPixel};
 
 use crate::gpu::{FrameTargets, GpuContext, TruthTargets};
-use crate::imagery::tile::TileKey;
-use crate::imagery::{EarthLayers, LayerImage};
 use crate::{DiagnosticOptions, Earth, EarthOptions, EyeView, FrameStats, Sky, TruthView};
 use std::time::Duration;
+use terrella_imagery::tile::TileKey;
+use terrella_imagery::{EarthLayers, LayerImage};
 
 /// An Earth that is drawn into memory, by a device of its own or one that is shared by clones of its [`GpuContext`].
 ///

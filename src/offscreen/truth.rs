@@ -3,10 +3,10 @@
 use super::error::OffscreenError;
 use super::truth_layers::{LayerDtype, TruthLayer, TruthPixel};
 use crate::gpu::{SurfaceOutput, TruthTexel};
-use crate::imagery::LayerImage;
 use crate::{EarthOptions, TruthView};
 use rayon::prelude::*;
 use terrella_ground::light::Exposure;
+use terrella_imagery::LayerImage;
 
 /// Lines of pixels that are worked on at once.
 const BAND_LINES: usize = 64;

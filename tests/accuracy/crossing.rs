@@ -6,11 +6,6 @@ use crate::hills::Hills;
 use image::RgbaImage;
 use std::sync::Arc;
 use terrella::frames::{Ellipsoid, Geodetic};
-use terrella::internals::imagery::EarthLayers;
-use terrella::internals::imagery::tile::{
-    BlockSet, LayerLayout, LevelLayout, MapLayer, Tile, TileError, TileFormat, TileKey, TileShape,
-    TileSource,
-};
 use terrella::{
     Atmosphere, EarthOptions, EyeView, FrameStats, GroundOptions, Shading, SurfaceKind,
     SurfaceSettings, TileOptions,
@@ -18,6 +13,11 @@ use terrella::{
 use terrella_ground::elevation::Elevation;
 use terrella_ground::globe::clipmap::ClipmapOptions;
 use terrella_ground::globe::projected_grid::GridOptions;
+use terrella_imagery::EarthLayers;
+use terrella_imagery::tile::{
+    BlockSet, LayerLayout, LevelLayout, MapLayer, Tile, TileError, TileFormat, TileKey, TileShape,
+    TileSource,
+};
 use terrella_measure::errors::{GeolocationBuffer, GeolocationRenderer};
 
 const SIZE: (u32, u32) = (320, 180);

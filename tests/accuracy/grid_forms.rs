@@ -6,12 +6,12 @@ use glam::DVec3;
 use std::sync::Arc;
 use terrella::frames::{Ellipsoid, Geodetic};
 use terrella::internals::gpu::FrameUniforms;
-use terrella::internals::imagery::EarthLayers;
 use terrella::{Atmosphere, EarthOptions, EyeView, GroundOptions, Shading, SurfaceSettings};
 use terrella_ground::elevation::Elevation;
 use terrella_ground::globe::projected_grid::{
     GPU_FIRST_LOADS, GPU_LOADS, GridOptions, GridUniforms, TILE_SAMPLES,
 };
+use terrella_imagery::EarthLayers;
 use terrella_measure::errors::{GeolocationBuffer, GeolocationRenderer, GroundPicture};
 
 const SIZE: (u32, u32) = (320, 180);

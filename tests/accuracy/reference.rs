@@ -5,9 +5,9 @@ use glam::{DMat4, DVec2, DVec3, DVec4};
 use std::f64::consts::PI;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use terrella::frames::{Ellipsoid, Epoch, Geodetic, sun_direction_itrf, utc_from_rfc3339};
-use terrella::internals::imagery::{EarthLayers, LayerImage};
 use terrella::{Atmosphere, EyeView, Shading, Sky, SurfaceLight, Tone};
 use terrella_ground::globe::Figure;
+use terrella_imagery::{EarthLayers, LayerImage};
 use terrella_measure::reference::{
     Reference, ReferenceError, ReferenceOptions, ReferencePicture, ground_point, limb_angle_rad,
 };

@@ -5,8 +5,8 @@ use crate::common::{down, gpu, map, tilted};
 use glam::DAffine3;
 use std::sync::OnceLock;
 use terrella::frames::{Ellipsoid, Geodetic};
-use terrella::internals::imagery::{EarthLayers, LayerImage};
 use terrella::{Atmosphere, EarthOptions, EyeView, Figure, Sky, Visibility};
+use terrella_imagery::{EarthLayers, LayerImage};
 use terrella_measure::errors::{
     Difference, GeolocationErrors, GeolocationRenderer, SilhouetteErrors, geolocation, silhouette,
 };

@@ -9,9 +9,9 @@ use std::sync::OnceLock;
 use std::time::Duration;
 use terrella::frames::{Ellipsoid, Geodetic};
 use terrella::internals::gpu::{FrameTargets, GpuContext};
-use terrella::internals::imagery::tile::TileKey;
-use terrella::internals::imagery::{EarthLayers, LayerImage};
 use terrella::{Earth, EarthOptions, EyeView, FrameStats, Quality, Sky};
+use terrella_imagery::tile::TileKey;
+use terrella_imagery::{EarthLayers, LayerImage};
 
 /// The device that all tests of a process draw with: a software adapter if there is one, for the same pictures
 /// everywhere, else the best. `TERRELLA_TEST_ADAPTER` names another.

@@ -1,8 +1,8 @@
 //! Tiles of maps that are functions, made when they are asked for.
 
 use std::sync::atomic::{AtomicBool, Ordering};
-use terrella::internals::imagery::LayerImage;
-use terrella::internals::imagery::tile::{
+use terrella_imagery::LayerImage;
+use terrella_imagery::tile::{
     BlockSet, LayerLayout, LevelLayout, MapLayer, TILE_BORDER, TILE_MIPS, Tile, TileError,
     TileFormat, TileKey, TileSet, TileShape, TileSource,
 };

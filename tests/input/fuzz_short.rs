@@ -260,7 +260,7 @@ fn kept_patches() {
 /// The seeds are good inputs: a fuzzer that starts from refused ones would look at little.
 #[test]
 fn seeds_are_good() {
-    use terrella::internals::imagery::pack::Manifest;
+    use terrella_imagery::pack::Manifest;
     let text = |seed: &Vec<u8>| String::from_utf8(seed.clone()).expect("text");
     let path = Path::new("seed");
     let good = |seed: &&Vec<u8>| Manifest::from_toml(&text(seed), path).is_ok();

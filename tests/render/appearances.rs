@@ -2,8 +2,8 @@
 
 use crate::common::{self, gpu, map, plain};
 use crate::views::{alone, eyes, hills, together};
-use terrella::internals::imagery::{EarthLayers, LayerImage};
 use terrella::{Appearance, Earth, EarthError, EarthOptions, Exposure, Quality};
+use terrella_imagery::{EarthLayers, LayerImage};
 
 fn layers() -> EarthLayers {
     let texels = (0..64 * 32_u32).map(|n| (n % 64 * 3 + n / 64) as u8);
@@ -86,8 +86,8 @@ fn tiles_stay_when_the_ground_changes() {
     use crate::views::{SIZE, sky};
     use std::sync::Arc;
     use std::time::Duration;
-    use terrella::internals::imagery::tile::TileSource;
     use terrella::{SurfaceKind, TileOptions};
+    use terrella_imagery::tile::TileSource;
     let tiles = Arc::new(FunctionTiles::new(&[256, 128, 64, 32], hills));
     let mut options = EarthOptions::new(common::day_only(tiles.whole(3)));
     options.tiles = Some(TileOptions {

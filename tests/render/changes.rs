@@ -7,11 +7,11 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 use terrella::frames::Geodetic;
 use terrella::internals::gpu::{FrameTargets, GpuContext};
-use terrella::internals::imagery::tile::MapLayer;
-use terrella::internals::imagery::{EarthLayers, LayerImage};
 use terrella::{
     Earth, EarthError, EarthOptions, EyeView, GpuMap, MapError, MapFade, Quality, Shading, Sky,
 };
+use terrella_imagery::tile::MapLayer;
+use terrella_imagery::{EarthLayers, LayerImage};
 
 const SIZE: (u32, u32) = (160, 90);
 

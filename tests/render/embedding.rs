@@ -5,8 +5,8 @@ use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
 use image::RgbaImage;
 use terrella::frames::Geodetic;
 use terrella::internals::gpu::{FrameTargets, GpuContext, GpuTimer, PassPart};
-use terrella::internals::imagery::EarthLayers;
 use terrella::{Atmosphere, DepthBuffer, Earth, EarthOptions, EyeView, Shading, Sky, Viewport};
+use terrella_imagery::EarthLayers;
 
 const SIZE: (u32, u32) = (160, 120);
 

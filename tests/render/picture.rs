@@ -3,8 +3,8 @@
 use crate::common::{Rig, day_only, down, looks_at, map, plain, ray, tilted};
 use glam::DVec3;
 use terrella::frames::{Ellipsoid, Geodetic};
-use terrella::internals::imagery::{EarthLayers, LayerImage};
 use terrella::{Atmosphere, EarthOptions, EyeView, Shading, Visibility};
+use terrella_imagery::{EarthLayers, LayerImage};
 
 const SIZE: (u32, u32) = (320, 180);
 

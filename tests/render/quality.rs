@@ -5,9 +5,9 @@ use crate::common::{self, Rig, map, tilted};
 use glam::DVec3;
 use std::sync::Arc;
 use terrella::frames::Geodetic;
-use terrella::internals::imagery::tile::{MapLayer, TileSource};
-use terrella::internals::imagery::{EarthLayers, LayerImage};
 use terrella::{EarthOptions, EyeView, Quality, QualityLadder, QualityReduction, TileOptions};
+use terrella_imagery::tile::{MapLayer, TileSource};
+use terrella_imagery::{EarthLayers, LayerImage};
 
 const SIZE: (u32, u32) = (192, 108);
 

@@ -5,13 +5,13 @@ use glam::DVec3;
 use std::f64::consts::PI;
 use std::sync::Arc;
 use terrella::frames::{Ellipsoid, Geodetic};
-use terrella::internals::imagery::EarthLayers;
 use terrella::{
     Atmosphere, EarthOptions, EyeView, GroundOptions, Shading, Subdivision, SurfaceKind,
     SurfaceSettings,
 };
 use terrella_ground::elevation::{Bounds, Elevation, HeightRange};
 use terrella_ground::globe::contours::PageOptions;
+use terrella_imagery::EarthLayers;
 
 const SIZE: (u32, u32) = (320, 180);
 const TOLERANCE_PX: f64 = 0.25;

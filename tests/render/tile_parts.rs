@@ -5,8 +5,8 @@ use crate::common::{Rig, day_only, tilted};
 use image::RgbaImage;
 use std::sync::Arc;
 use terrella::frames::Geodetic;
-use terrella::internals::imagery::tile::TileSource;
 use terrella::{Atmosphere, EarthOptions, EyeView, FrameStats, Shading, Subdivision, TileOptions};
+use terrella_imagery::tile::TileSource;
 
 const SIZE: (u32, u32) = (320, 180);
 

@@ -7,12 +7,12 @@ use image::RgbaImage;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use terrella::frames::{Ellipsoid, Geodetic};
-use terrella::internals::imagery::EarthLayers;
-use terrella::internals::imagery::tile::{MapLayer, TileSource};
 use terrella::{
     Atmosphere, Earth, EarthOptions, EyeView, Shading, Sky, TILED_SUBDIVISION, TileOptions,
 };
 use terrella_ground::globe::LevelRule;
+use terrella_imagery::EarthLayers;
+use terrella_imagery::tile::{MapLayer, TileSource};
 
 const SIZE: (u32, u32) = (320, 180);
 const LADDER: [u32; 3] = [128, 64, 32];

@@ -6,11 +6,11 @@ use glam::DVec3;
 use std::f64::consts::TAU;
 use std::time::Duration;
 use terrella::frames::{Ellipsoid, Geodetic};
-use terrella::internals::imagery::EarthLayers;
 use terrella::{
     DiagnosticOptions, Earth, EarthOptions, EyeView, Figure, LayerImage, Sky, SurfaceOutput,
     TruthTargets, TruthTexel, TruthView,
 };
+use terrella_imagery::EarthLayers;
 
 const SIZE: (u32, u32) = (96, 64);
 const ASPECT: f64 = 1.5;

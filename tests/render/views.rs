@@ -116,7 +116,7 @@ fn views_of_tiles_are_as_alone() {
     use crate::common::tiles::FunctionTiles;
     use std::sync::Arc;
     use terrella::TileOptions;
-    use terrella::internals::imagery::tile::TileSource;
+    use terrella_imagery::tile::TileSource;
     let tiles = Arc::new(FunctionTiles::new(&[256, 128, 64, 32], hills));
     let mut options = EarthOptions::new(crate::common::day_only(tiles.whole(3)));
     options.subdivision = terrella::Subdivision::Cells(48);

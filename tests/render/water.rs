@@ -4,8 +4,8 @@ use crate::common::{Rig, down, looks_at, map, ray, tilted};
 use glam::{DMat3, DVec2, DVec3};
 use image::RgbaImage;
 use terrella::frames::{Ellipsoid, Geodetic};
-use terrella::internals::imagery::{EarthLayers, LayerImage};
 use terrella::{Atmosphere, EarthOptions, EyeView};
+use terrella_imagery::{EarthLayers, LayerImage};
 
 const SIZE: (u32, u32) = (320, 180);
 

@@ -3,7 +3,7 @@
 use super::codes;
 use super::memory::{Permit, Pool};
 use std::ops::Range;
-use terrella::internals::imagery::tile::{TILE_BORDER, TileShape};
+use terrella_imagery::tile::{TILE_BORDER, TileShape};
 
 /// Texels of a tile's side that are its neighbours': border and padding.
 fn overlap(shape: TileShape) -> usize {

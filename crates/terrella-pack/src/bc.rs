@@ -2,7 +2,7 @@
 
 use block_compression::encode::compress_rgba8;
 use block_compression::{BC7Settings, CompressionVariant};
-use terrella::internals::imagery::tile::{MapLayer, Storage, TILE_MIPS, Tile};
+use terrella_imagery::tile::{MapLayer, Storage, TILE_MIPS, Tile};
 
 /// The tile compressed. `plain` is the uncompressed tile of this layer.
 pub(super) fn compress(plain: &Tile, layer: MapLayer) -> Tile {
@@ -181,7 +181,7 @@ fn pack(first: i32, second: i32, indices: [u8; 16]) -> [u8; 8] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use terrella::internals::imagery::tile::TileShape;
+    use terrella_imagery::tile::TileShape;
 
     /// Bytes without pattern, the same at every run.
     fn noise(count: usize, seed: u64) -> Vec<u8> {

@@ -1,7 +1,7 @@
 //! Values as the bytes that tiles keep, and back: one byte a channel; colour without alpha until a tile is made.
 
-use terrella::internals::imagery::slopes::snorm8;
-use terrella::internals::imagery::srgb::{LINEAR_FROM_SRGB, SrgbEncoder};
+use terrella_imagery::slopes::snorm8;
+use terrella_imagery::srgb::{LINEAR_FROM_SRGB, SrgbEncoder};
 
 /// The bytes of values of 3 channels (linear colour), 2 (slopes) or 1 (amount), saturated.
 pub(super) fn encode<const C: usize>(values: &[f32], bytes: &mut [u8]) {

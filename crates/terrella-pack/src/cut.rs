@@ -2,7 +2,7 @@
 
 use super::bands::Band;
 use super::codes;
-use terrella::internals::imagery::tile::{MapLayer, Storage, TILE_MIPS, Tile};
+use terrella_imagery::tile::{MapLayer, Storage, TILE_MIPS, Tile};
 
 /// The uncompressed tile of a column. Mip levels are means of 2 × 2 texels of the unrounded level above, the
 /// first of the base as it is stored; sides halve exactly.

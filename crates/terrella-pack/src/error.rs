@@ -1,9 +1,9 @@
 //! Why a pack could not be built, said with the file, the cause and what to do.
 
 use std::path::PathBuf;
-use terrella::internals::imagery::tile::MapLayer;
 use terrella_ground::elevation::HeightFileError;
 use terrella_ground::elevation::spool::SpoolError;
+use terrella_imagery::tile::MapLayer;
 
 /// Why a pack could not be built.
 #[derive(Debug, thiserror::Error)]

@@ -8,11 +8,11 @@ use std::fs::{self, File};
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
-use terrella::internals::imagery::pack::{
-    HEIGHTS_FOLDER, HeightPlace, HeightRecord, HeightsEntry, MANIFEST_FILE, Manifest, TileFile,
-};
 use terrella_files::durable;
 use terrella_files::{self as files, Unfinished};
+use terrella_imagery::pack::{
+    HEIGHTS_FOLDER, HeightPlace, HeightRecord, HeightsEntry, MANIFEST_FILE, Manifest, TileFile,
+};
 
 /// Folder of the tiles.
 const TILES: &str = "tiles";

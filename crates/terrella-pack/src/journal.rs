@@ -18,9 +18,9 @@ use super::tile_name::TileName;
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
-use terrella::internals::imagery::pack::{HeightPlace, HeightRecord, TileFile};
-use terrella::internals::imagery::tile::{MapLayer, Storage};
 use terrella_files as files;
+use terrella_imagery::pack::{HeightPlace, HeightRecord, TileFile};
+use terrella_imagery::tile::{MapLayer, Storage};
 
 /// Name of the journal in the pack's folder.
 pub(super) const JOURNAL_FILE: &str = "build.journal";

@@ -2,10 +2,10 @@
 
 use super::error::BuildError;
 use std::fmt;
-use terrella::internals::imagery::tile::{
+use terrella_ground::globe::COLUMNS;
+use terrella_imagery::tile::{
     MAX_COARSEST_PIXELS, MAX_LEVELS, MAX_PART_PIXELS, MAX_PARTS, MIN_PIXELS, MapLayer, TileShape,
 };
-use terrella_ground::globe::COLUMNS;
 
 /// Levels of a map and those of the usual ladder that are left out.
 #[derive(Debug, PartialEq, Eq)]

@@ -59,9 +59,9 @@ use run::Job;
 use source::{Opacity, SourceInfo, SourceLimits};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
-use terrella::internals::imagery::pack::{LayerEntry, LevelEntry, Manifest, TileFile};
-use terrella::internals::imagery::tile::{MAX_PART_PIXELS, MapLayer, Storage, TileShape};
 use terrella_ground::globe::{Block, COLUMNS};
+use terrella_imagery::pack::{LayerEntry, LevelEntry, Manifest, TileFile};
+use terrella_imagery::tile::{MAX_PART_PIXELS, MapLayer, Storage, TileShape};
 use tile_name::TileName;
 use values::{Meaning, ValueRows};
 

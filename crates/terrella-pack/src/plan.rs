@@ -5,7 +5,7 @@ use super::error::BuildError;
 use super::resample::Resampler;
 use super::source::SourceInfo;
 use std::ops::Range;
-use terrella::internals::imagery::tile::{MapLayer, Storage, TileShape};
+use terrella_imagery::tile::{MapLayer, Storage, TileShape};
 
 /// What the program itself takes, and what the allocator keeps of what was given back.
 pub(super) const BASE_BYTES: u64 = 48 << 20;
@@ -136,8 +136,8 @@ mod tests {
     use super::*;
     use crate::ladder::ladder;
     use crate::source::{FileKind, SampleKind};
-    use terrella::internals::imagery::tile::MAX_PART_PIXELS;
     use terrella_ground::globe::COLUMNS;
+    use terrella_imagery::tile::MAX_PART_PIXELS;
 
     fn info(width: u32) -> SourceInfo {
         SourceInfo {

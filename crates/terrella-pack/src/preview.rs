@@ -2,12 +2,10 @@
 
 use image::{Rgb, RgbImage};
 use std::sync::Arc;
-use terrella::internals::imagery::pack::{Pack, PackError, PackTiles, decode_tile, inner_texels};
-use terrella::internals::imagery::tile::{
-    MapLayer, Storage, TileError, TileFormat, TileKey, TileSource,
-};
-use terrella::internals::imagery::{EarthLayers, LayerImage, TexelFormat};
 use terrella_ground::globe::{Block, ROWS};
+use terrella_imagery::pack::{Pack, PackError, PackTiles, decode_tile, inner_texels};
+use terrella_imagery::tile::{MapLayer, Storage, TileError, TileFormat, TileKey, TileSource};
+use terrella_imagery::{EarthLayers, LayerImage, TexelFormat};
 
 /// Height of a row's pictures, pixels. The map is twice as wide, a block as wide as high.
 const ROW_HEIGHT: u32 = 320;

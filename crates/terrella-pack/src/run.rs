@@ -18,8 +18,8 @@ use std::ops::Range;
 use std::path::Path;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
-use terrella::internals::imagery::pack::write_ktx2;
-use terrella::internals::imagery::tile::{MapLayer, Storage, TileShape};
+use terrella_imagery::pack::write_ktx2;
+use terrella_imagery::tile::{MapLayer, Storage, TileShape};
 
 /// One map and what is made of it.
 pub(super) struct Job<'a> {

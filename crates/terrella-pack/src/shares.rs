@@ -4,8 +4,8 @@
 use super::folder::{BuildFolder, Disk};
 use super::{BuildError, BuildOptions, BuildProgress, Division, Prepared, run};
 use std::ops::Range;
-use terrella::internals::imagery::tile::MapLayer;
 use terrella_ground::globe::COLUMNS;
+use terrella_imagery::tile::MapLayer;
 
 /// Some columns of blocks of a map.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -1,9 +1,9 @@
 //! What a tile's file is named by.
 
 use std::path::PathBuf;
-use terrella::internals::imagery::pack::tile_path;
-use terrella::internals::imagery::tile::{MapLayer, Storage, TileShape};
 use terrella_ground::globe::{BLOCK_COUNT, Block, COLUMNS};
+use terrella_imagery::pack::tile_path;
+use terrella_imagery::tile::{MapLayer, Storage, TileShape};
 
 /// A tile's file, by what its path is made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

@@ -3,8 +3,8 @@
 use super::error::BuildError;
 use super::source::{FileContext, FileKind, RowSource, SampleKind, SourceInfo, sample};
 use std::path::Path;
-use terrella::internals::imagery::slopes::{ELEVATION_OFFSET_M, SlopeRows, pole_fade};
-use terrella::internals::imagery::srgb::linear_from_encoded;
+use terrella_imagery::slopes::{ELEVATION_OFFSET_M, SlopeRows, pole_fade};
+use terrella_imagery::srgb::linear_from_encoded;
 
 /// Heights beyond this are marks for "no data", metres.
 const HIGHEST_M: f64 = 20_000.0;

@@ -3,7 +3,7 @@
 use super::sky_parts::map_files;
 use crate::scene::{DatedLayer, Scene};
 use std::path::PathBuf;
-use terrella::internals::imagery::{colour_note, day_file, find_textures};
+use terrella_imagery::{colour_note, day_file, find_textures};
 
 /// How the colours of the files that a scene draws differ from sRGB, as far as their headers say it.
 pub(super) fn colour_notes(scene: &Scene) -> Vec<String> {

@@ -8,11 +8,11 @@ use terrella::EarthError;
 use terrella::celestial::CelestialError;
 use terrella::frames::EarthOrientationError;
 use terrella::internals::gpu::{ContextError, PictureError, TimerError};
-use terrella::internals::imagery::ImageryError;
-use terrella::internals::imagery::pack::PackError;
 use terrella::internals::offscreen::OffscreenError;
 use terrella::tracks::TracksError;
 use terrella_ground::elevation::{HeightFileError, StreamedGroundError};
+use terrella_imagery::ImageryError;
+use terrella_imagery::pack::PackError;
 use terrella_orbit::OrbitError;
 use terrella_orbit::basilisk::RecordingError;
 

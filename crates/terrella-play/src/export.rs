@@ -21,8 +21,8 @@ use std::path::Path;
 use std::sync::mpsc::sync_channel;
 use std::time::Instant;
 use terrella::internals::gpu::GpuContext;
-use terrella::internals::imagery::tile::TileKey;
 use terrella_files::printable;
+use terrella_imagery::tile::TileKey;
 use terrella_orbit::basilisk::Meeting;
 use terrella_orbit::live::Pacing;
 

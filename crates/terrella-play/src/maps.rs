@@ -8,13 +8,13 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use terrella::frames::Epoch;
 use terrella::internals::gpu::BcSupport;
-use terrella::internals::imagery::pack::{MANIFEST_FILE, Pack, PackTiles};
-use terrella::internals::imagery::tile::{MapLayer, Storage};
-use terrella::internals::imagery::{
+use terrella::{EarthOptions, SurfaceLight, TileOptions};
+use terrella_imagery::pack::{MANIFEST_FILE, Pack, PackTiles};
+use terrella_imagery::tile::{MapLayer, Storage};
+use terrella_imagery::{
     DamagedLayer, EarthLayers, LayerSelection, SLOPE_EXAGGERATION, find_textures, load_layers,
     load_whole_layers, slopes_from_clouds,
 };
-use terrella::{EarthOptions, SurfaceLight, TileOptions};
 
 /// Loads the maps that a scene wants at its start and no others, and gathers its options. `bc` is what the adapter does with
 /// compressed textures.

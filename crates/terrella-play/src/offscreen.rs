@@ -12,11 +12,11 @@ use terrella::celestial::CelestialOptions;
 use terrella::internals::gpu::{
     FrameTargets, GpuContext, GpuTimer, PassPart, PictureError, ScaledTarget,
 };
-use terrella::internals::imagery::tile::TileKey;
 use terrella::internals::offscreen::{check_memory, new_targets, supported_samples};
 use terrella::{
     Adaptation, Earth, EarthError, EarthOptions, Exposure, EyeView, FrameStats, Quality,
 };
+use terrella_imagery::tile::TileKey;
 
 /// An Earth with textures to draw it into.
 pub struct OffscreenRenderer {

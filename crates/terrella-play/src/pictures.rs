@@ -9,9 +9,9 @@ use std::path::Path;
 use std::time::Duration;
 use terrella::frames::Epoch;
 use terrella::internals::gpu::GpuContext;
-use terrella::internals::imagery::tile::TileKey;
 use terrella::internals::offscreen::{Drawing, OffscreenEarth, TruthPicture};
 use terrella::{EarthOptions, Exposure, EyeView, FrameStats};
+use terrella_imagery::tile::TileKey;
 
 /// Has a scene take what it names no file for (maps, stars, heights) from this folder, in place of the starter pack that is looked for:
 /// for programs that bring one along.

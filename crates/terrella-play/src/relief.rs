@@ -5,12 +5,12 @@ use crate::scene::{PackTable, ReliefTable};
 use std::path::PathBuf;
 use std::sync::Arc;
 use terrella::GroundOptions;
-use terrella::internals::imagery::find_textures;
-use terrella::internals::imagery::pack::Pack;
 use terrella_ground::elevation::{
     Denoise, Elevation, GridLimits, Ground, HeightGrid, HeightStreamOptions, StreamedGround,
     check_heights, height_files, open_heights_denoised,
 };
+use terrella_imagery::find_textures;
+use terrella_imagery::pack::Pack;
 
 /// Reads the heights that a scene names, or the starter pack's; those of its pack are streamed.
 pub(super) fn ground_options(

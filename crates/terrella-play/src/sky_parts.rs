@@ -6,7 +6,7 @@ use crate::scene::Scene;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use terrella::celestial::{CelestialOptions, StarCatalogue};
-use terrella::internals::imagery::{LayerImage, find_textures, load_color_map};
+use terrella_imagery::{LayerImage, find_textures, load_color_map};
 
 /// Its files in a folder.
 const STARS: &str = "stars.bin";

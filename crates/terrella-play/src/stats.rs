@@ -8,7 +8,7 @@ use glam::DVec3;
 use std::time::Duration;
 use terrella::FrameStats;
 use terrella::frames::{Geodetic, rfc3339};
-use terrella::internals::imagery::tile::TileKey;
+use terrella_imagery::tile::TileKey;
 
 /// The numbers of one picture. Every key is always there, but `relief` only where ground with relief is, `tiles` only where a pack
 /// is drawn, `exposure_ev` only where it was metered, `drawn_size` only where it is another, `quality` only where the scene holds a

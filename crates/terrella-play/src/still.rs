@@ -15,7 +15,7 @@ use std::path::Path;
 use terrella::EarthOptions;
 use terrella::frames::Epoch;
 use terrella::internals::gpu::GpuContext;
-use terrella::internals::imagery::tile::TileKey;
+use terrella_imagery::tile::TileKey;
 
 /// Which picture is wanted, and where it goes.
 #[derive(Clone, Debug)]

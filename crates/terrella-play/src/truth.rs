@@ -13,12 +13,12 @@ use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 use terrella::internals::gpu::GpuContext;
-use terrella::internals::imagery::tile::TileKey;
 use terrella::internals::offscreen::{
     LayerDtype, TRUTH_LAYERS, TruthPixel, check_truth_memory, new_truth_targets, set_truth,
 };
 use terrella::{Earth, EarthOptions, TruthView};
 use terrella_files::Unfinished;
+use terrella_imagery::tile::TileKey;
 
 /// The page that says what they are.
 const MANIFEST: &str = "truth.json";

@@ -12,8 +12,8 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::PathBuf;
 use terrella::frames::{Ellipsoid, Geodetic};
-use terrella::internals::imagery::LayerSelection;
 use terrella::{Atmosphere, EarthOptions, Exposure, EyeView, OffscreenEarth, Sky, load_layers};
+use terrella_imagery::LayerSelection;
 use terrella_play::camera::Pose;
 
 /// Where the eye stands and how it looks, for pictures of any size: an eye (Earth-fixed axes, metres), the direction it looks in, and the one

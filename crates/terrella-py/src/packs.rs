@@ -5,8 +5,8 @@ use crate::errors::{Error, of_any};
 use pyo3::exceptions::{PyOSError, PyValueError};
 use pyo3::prelude::*;
 use std::path::PathBuf;
-use terrella::internals::imagery::SLOPE_EXAGGERATION;
-use terrella::internals::imagery::tile::{MapLayer, Storage};
+use terrella_imagery::SLOPE_EXAGGERATION;
+use terrella_imagery::tile::{MapLayer, Storage};
 use terrella_pack::{
     BuildError, BuildOptions, BuildProgress, BuildShare, Relief, begin_shares, build, build_share,
 };

@@ -1,10 +1,10 @@
 //! The air's tables on the GPU, with what else its shaders read, shared by all that draw through it.
 
 use crate::gpu::{AirSide, AirUniforms, GpuLayer, VIEW_ANGLES, VIEW_AZIMUTHS};
-use crate::imagery::NEIGHBOURHOODS;
 use glam::{Vec3, Vec4};
 use std::sync::Arc;
 use terrella_ground::air::{self, AirModel, AirTables, TableSize};
+use terrella_imagery::NEIGHBOURHOODS;
 
 /// A binding of group 0: what its layout has, and what is bound.
 pub(crate) type Binding<'a> = (wgpu::BindGroupLayoutEntry, wgpu::BindGroupEntry<'a>);

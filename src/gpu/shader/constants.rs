@@ -3,14 +3,14 @@
 #[cfg(feature = "terrain")]
 use super::relief_constants::RELIEF;
 use super::value::Value::{self, F32, U32, Vec3};
-use crate::imagery::tile::{MAP_LAYERS, MapLayer, TILE_BORDER};
-use crate::imagery::{CLOUD_ALBEDO, FLOOR_SEEN_M, NEIGHBOURHOODS};
 use glam::DVec3;
 use std::f64::consts::PI;
 use terrella_frames::{MOON_RADIUS_M, SUN_RADIUS_M, SUN_RADIUS_RAD};
 use terrella_ground::air::{self, TableSize};
 use terrella_ground::globe::{BLOCK_COUNT, COLUMNS, ROWS};
 use terrella_ground::light;
+use terrella_imagery::tile::{MAP_LAYERS, MapLayer, TILE_BORDER};
+use terrella_imagery::{CLOUD_ALBEDO, FLOOR_SEEN_M, NEIGHBOURHOODS};
 
 /// In place of a block's index: drawn with whole maps.
 pub(crate) const WHOLE_MAP: u32 = 2 * BLOCK_COUNT;

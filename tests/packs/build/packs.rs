@@ -4,11 +4,9 @@ use super::maps::{f32_tiff, png, read};
 use image::ExtendedColorType;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use terrella::internals::imagery::pack::{Pack, PackTiles};
-use terrella::internals::imagery::tile::{
-    MapLayer, Storage, TILE_BORDER, Tile, TileKey, TileSource,
-};
 use terrella_ground::globe::Block;
+use terrella_imagery::pack::{Pack, PackTiles};
+use terrella_imagery::tile::{MapLayer, Storage, TILE_BORDER, Tile, TileKey, TileSource};
 use terrella_pack::{BuildOptions, Relief, build};
 
 /// A smooth field over the sphere, 0…1; x and y go on beyond the edges.

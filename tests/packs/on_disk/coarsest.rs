@@ -2,9 +2,9 @@
 
 use super::fixture::{Fixture, key, texel, write};
 use std::time::Instant;
-use terrella::internals::imagery::LayerImage;
-use terrella::internals::imagery::pack::{PackError, PackTiles};
-use terrella::internals::imagery::tile::{MapLayer, Storage, TileError, TileShape};
+use terrella_imagery::LayerImage;
+use terrella_imagery::pack::{PackError, PackTiles};
+use terrella_imagery::tile::{MapLayer, Storage, TileError, TileShape};
 
 fn tiles(fixture: &Fixture, storage: Storage, decode: bool) -> PackTiles {
     let layers: Vec<_> = fixture.manifest.layers.iter().map(|l| l.layer).collect();

@@ -3,7 +3,7 @@
 use super::fixture::{Fixture, key, write};
 use std::path::Path;
 use std::process::{Command, Output};
-use terrella::internals::imagery::tile::{MapLayer, Storage};
+use terrella_imagery::tile::{MapLayer, Storage};
 
 fn terrella(arguments: &[&str], folder: &Path) -> (Option<i32>, String, String) {
     let Output {

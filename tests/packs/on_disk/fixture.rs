@@ -3,13 +3,13 @@
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, LazyLock};
 use tempfile::TempDir;
-use terrella::internals::imagery::pack::{
+use terrella_ground::globe::Block;
+use terrella_imagery::pack::{
     LayerEntry, LevelEntry, MANIFEST_FILE, Manifest, Pack, TileFile, tile_path, write_ktx2,
 };
-use terrella::internals::imagery::tile::{
+use terrella_imagery::tile::{
     MapLayer, Storage, TILE_BORDER, TILE_MIPS, Tile, TileFormat, TileKey, TileShape,
 };
-use terrella_ground::globe::Block;
 
 /// A pack in a folder of its own.
 pub struct Fixture {

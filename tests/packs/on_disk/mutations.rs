@@ -4,9 +4,9 @@ use super::fixture::{Fixture, key, tile};
 use proptest::prelude::*;
 use std::path::Path;
 use std::sync::LazyLock;
-use terrella::internals::imagery::pack::{Manifest, PackTiles, read_ktx2, write_ktx2};
-use terrella::internals::imagery::tile::{MapLayer, Storage, Tile, TileShape, TileSource};
 use terrella_ground::globe::Block;
+use terrella_imagery::pack::{Manifest, PackTiles, read_ktx2, write_ktx2};
+use terrella_imagery::tile::{MapLayer, Storage, Tile, TileShape, TileSource};
 
 /// A small tile of each format.
 static TILES: LazyLock<Vec<Tile>> = LazyLock::new(|| {

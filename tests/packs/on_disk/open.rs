@@ -2,9 +2,7 @@
 
 use super::fixture::{Fixture, write};
 use std::path::Path;
-use terrella::internals::imagery::pack::{
-    JOURNAL_FILE, MANIFEST_FILE, MAX_MANIFEST_BYTES, Pack, PackError,
-};
+use terrella_imagery::pack::{JOURNAL_FILE, MANIFEST_FILE, MAX_MANIFEST_BYTES, Pack, PackError};
 
 fn refused(dir: &Path) -> PackError {
     Pack::open(dir).expect_err("no good pack")

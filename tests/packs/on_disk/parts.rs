@@ -2,10 +2,8 @@
 
 use super::fixture::{Fixture, key, part_tile, write};
 use std::path::Path;
-use terrella::internals::imagery::pack::{Manifest, Pack, PackTiles, verify};
-use terrella::internals::imagery::tile::{
-    MapLayer, Storage, TileError, TileKey, TileShape, TileSource,
-};
+use terrella_imagery::pack::{Manifest, Pack, PackTiles, verify};
+use terrella_imagery::tile::{MapLayer, Storage, TileError, TileKey, TileShape, TileSource};
 
 fn shape(pixels: u32, parts: u32) -> TileShape {
     TileShape::cut(pixels, parts).expect("in range")

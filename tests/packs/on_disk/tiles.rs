@@ -3,13 +3,9 @@
 use super::fixture::{Fixture, key, tile, write};
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use terrella::internals::imagery::pack::{
-    MAX_OVERHEAD_BYTES, PackError, PackTiles, TileFile, decode_tile,
-};
-use terrella::internals::imagery::tile::{
-    MapLayer, Storage, Tile, TileError, TileKey, TileSet, TileSource,
-};
 use terrella_ground::globe::Block;
+use terrella_imagery::pack::{MAX_OVERHEAD_BYTES, PackError, PackTiles, TileFile, decode_tile};
+use terrella_imagery::tile::{MapLayer, Storage, Tile, TileError, TileKey, TileSet, TileSource};
 
 fn never() -> bool {
     false
@@ -54,7 +50,7 @@ fn every_tile_is_read_as_it_was_written() {
 #[test]
 fn compressed_texels_are_those_of_their_blocks() {
     for layer in MapLayer::ALL {
-        let shape = terrella::internals::imagery::tile::TileShape::new(33).expect("in range");
+        let shape = terrella_imagery::tile::TileShape::new(33).expect("in range");
         let block = Block { column: 15, row: 7 };
         let compressed = tile(Storage::Bc, layer, shape, block);
         let plain = tile(Storage::Plain, layer, shape, block);

@@ -2,8 +2,8 @@
 
 use super::fixture::{Fixture, key, write};
 use std::path::Path;
-use terrella::internals::imagery::pack::{PackError, verify};
-use terrella::internals::imagery::tile::{MapLayer, Storage};
+use terrella_imagery::pack::{PackError, verify};
+use terrella_imagery::tile::{MapLayer, Storage};
 use terrella_pack::preview;
 
 #[test]

@@ -3,14 +3,14 @@
 use super::source::{scramble, tile};
 use std::collections::{HashMap, HashSet};
 use std::time::{Duration, Instant};
-use terrella::internals::imagery::stream::{
+use terrella_ground::globe::Part;
+use terrella_imagery::stream::{
     LoadError, LoadId, PartTables, Pool, ResidentTile, StreamCounters, TileCache, TileRequest,
     TileSlot, Upload,
 };
-use terrella::internals::imagery::tile::{
+use terrella_imagery::tile::{
     LayerLayout, MAX_LEVELS, MapLayer, TILE_MIPS, Tile, TileError, TileKey, TileShape,
 };
-use terrella_ground::globe::Part;
 
 /// How the simulated loader behaves.
 #[derive(Clone, Debug)]

@@ -4,11 +4,9 @@ use super::host::{Host, Loading};
 use super::source::{cut_layout, layout, scramble};
 use proptest::prelude::*;
 use std::collections::{HashMap, HashSet};
-use terrella::internals::imagery::stream::{Pool, TileRequest, plan_pools};
-use terrella::internals::imagery::tile::{
-    BlockSet, LayerLayout, MapLayer, Storage, TileKey, TileSet,
-};
 use terrella_ground::globe::Part;
+use terrella_imagery::stream::{Pool, TileRequest, plan_pools};
+use terrella_imagery::tile::{BlockSet, LayerLayout, MapLayer, Storage, TileKey, TileSet};
 
 /// One frame of an eye path.
 #[derive(Clone, Debug)]

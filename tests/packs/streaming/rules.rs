@@ -3,8 +3,8 @@
 use super::host::{Host, Loading};
 use super::source::layout;
 use std::time::Duration;
-use terrella::internals::imagery::stream::{TileRequest, plan_pools};
-use terrella::internals::imagery::tile::{MapLayer, Storage, TileKey};
+use terrella_imagery::stream::{TileRequest, plan_pools};
+use terrella_imagery::tile::{MapLayer, Storage, TileKey};
 
 const QUICK: Loading = Loading {
     threads: 4,

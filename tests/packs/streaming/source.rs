@@ -1,6 +1,6 @@
 //! Small maps whose every texel tells which tile it is of.
 
-use terrella::internals::imagery::tile::{
+use terrella_imagery::tile::{
     BlockSet, LayerLayout, LevelLayout, MapLayer, Storage, Tile, TileKey, TileShape,
 };
 

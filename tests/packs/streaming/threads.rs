@@ -5,10 +5,8 @@ use std::collections::{HashMap, HashSet};
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
-use terrella::internals::imagery::stream::{
-    ResidentTile, StreamOptions, TileRequest, TileSlot, TileStream,
-};
-use terrella::internals::imagery::tile::{
+use terrella_imagery::stream::{ResidentTile, StreamOptions, TileRequest, TileSlot, TileStream};
+use terrella_imagery::tile::{
     LayerLayout, MapLayer, Storage, Tile, TileError, TileKey, TileSource,
 };
 

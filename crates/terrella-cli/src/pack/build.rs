@@ -5,7 +5,7 @@ use crate::Common;
 use crate::interruption::stop_by_itself;
 use clap::Args;
 use std::path::PathBuf;
-use terrella::internals::imagery::SLOPE_EXAGGERATION;
+use terrella_imagery::SLOPE_EXAGGERATION;
 use terrella_pack::{BuildOptions, Relief, build};
 
 /// Arguments of `terrella pack build`.

@@ -9,7 +9,7 @@ use clap::Args;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
-use terrella::internals::imagery::SLOPE_EXAGGERATION;
+use terrella_imagery::SLOPE_EXAGGERATION;
 use terrella_pack::fetch::{
     ClientOptions, FetchOptions, Fineness, Layer, LayerDone, Request, SourceLayer, find_source,
     source_names, write_heights,

@@ -4,9 +4,7 @@ use super::{bytes, print};
 use clap::Args;
 use std::fmt::Write;
 use std::path::PathBuf;
-use terrella::internals::imagery::pack::{
-    HeightIndex, HeightKind, HeightsEntry, LayerEntry, Manifest, Pack,
-};
+use terrella_imagery::pack::{HeightIndex, HeightKind, HeightsEntry, LayerEntry, Manifest, Pack};
 
 /// Arguments of `terrella pack info`.
 #[derive(Debug, Args)]

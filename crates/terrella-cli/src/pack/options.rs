@@ -3,7 +3,7 @@
 use crate::progress::Bars;
 use clap::{Args, ValueEnum};
 use std::path::Path;
-use terrella::internals::imagery::tile::{MapLayer, Storage};
+use terrella_imagery::tile::{MapLayer, Storage};
 use terrella_pack::{BuildOptions, BuildProgress, DEFAULT_MEMORY_BYTES};
 use terrella_play::Progress;
 

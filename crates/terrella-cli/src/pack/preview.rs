@@ -3,8 +3,8 @@
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use std::sync::Arc;
-use terrella::internals::imagery::pack::Pack;
-use terrella::internals::imagery::tile::Storage;
+use terrella_imagery::pack::Pack;
+use terrella_imagery::tile::Storage;
 use terrella_pack::preview;
 use terrella_play::PendingFile;
 

@@ -5,7 +5,7 @@ use crate::progress::Bars;
 use clap::Args;
 use std::fmt::Write;
 use std::path::PathBuf;
-use terrella::internals::imagery::pack::{VerifyReport, verify};
+use terrella_imagery::pack::{VerifyReport, verify};
 use terrella_play::Progress;
 
 /// Most files that do not belong to the pack which are listed.

@@ -5,9 +5,9 @@ use super::rows::{precise, rounded};
 use crate::frame_timer::milliseconds;
 use crate::{FrameTimer, median};
 use terrella::internals::gpu::{BcSupport, GpuContext};
-use terrella::internals::imagery::tile::MapLayer;
 use terrella::internals::offscreen::target_bytes;
 use terrella::{Atmosphere, EarthOptions, Shading};
+use terrella_imagery::tile::MapLayer;
 use terrella_play::clock::frame_epoch;
 use terrella_play::scene::Scene;
 use terrella_play::{

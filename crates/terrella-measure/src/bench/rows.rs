@@ -5,9 +5,9 @@ use super::report::{BenchRow, RowTimes, ratios, spread};
 use crate::{EyeHeight, FrameTimer, GroundPath, Quantiles, jank, median};
 use std::collections::BTreeMap;
 use terrella::internals::gpu::GpuTimer;
-use terrella::internals::imagery::tile::MAX_LEVELS;
 use terrella::{EyeView, FrameStats, Sky};
 use terrella_ground::globe::Meshes;
+use terrella_imagery::tile::MAX_LEVELS;
 use terrella_play::scene::Scene;
 use terrella_play::{PlayError, Progress};
 

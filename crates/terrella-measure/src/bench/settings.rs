@@ -5,7 +5,7 @@ use std::fmt::Debug;
 use std::path::Path;
 use terrella::EarthOptions;
 use terrella::frames::rfc3339;
-use terrella::internals::imagery::tile::MapLayer;
+use terrella_imagery::tile::MapLayer;
 use terrella_play::scene::{CameraMode, Scene};
 
 /// The scene's part of the settings, each value as the scene writes it. Folders are left out, they differ from machine to

@@ -2,8 +2,8 @@
 
 use super::PlacedView;
 use terrella::internals::gpu::{Attachments, GpuContext, color_texture, read_halves};
-use terrella::internals::imagery::{EarthLayers, ImageryError, LayerImage};
 use terrella::{Earth, EarthOptions, EyeView, Sky};
+use terrella_imagery::{EarthLayers, ImageryError, LayerImage};
 use terrella_play::PlayError;
 
 /// Draws an Earth into a target of half floats.

@@ -9,11 +9,11 @@ use std::time::Duration;
 use terrella::frames::Ellipsoid;
 use terrella::internals::earth::PixelLattice;
 use terrella::internals::gpu::{Attachments, GpuContext, color_texture, read_floats};
-use terrella::internals::imagery::{EarthLayers, LayerImage};
 use terrella::{
     DiagnosticOptions, Earth, EarthError, EarthOptions, EyeView, Figure, FrameStats, GroundOptions,
     Sky, Subdivision, SurfaceOutput, Visibility,
 };
+use terrella_imagery::{EarthLayers, LayerImage};
 use terrella_play::PlayError;
 
 /// Draws an Earth's geolocation buffer: places instead of colours, on the same mesh.

@@ -14,8 +14,8 @@ use std::time::Duration;
 use terrella::internals::gpu::{
     Attachments, FrameTargets, GpuContext, PictureError, color_texture, read_halves, read_texture,
 };
-use terrella::internals::imagery::EarthLayers;
 use terrella::{Atmosphere, DepthBuffer, Earth, EarthError, EarthOptions, Exposure};
+use terrella_imagery::EarthLayers;
 
 /// A drawn picture in linear light, rows from the top.
 pub struct LinearPicture {

@@ -3,10 +3,10 @@
 use super::view::CORNERS;
 use std::fmt::Write;
 use terrella::internals::gpu::{GpuContext, GpuLayer, LAMPS_OUT_SIN};
-use terrella::internals::imagery::NEIGHBOURHOODS;
-use terrella::internals::imagery::tile::MapLayer;
 use terrella::{Atmosphere, EarthOptions, Shading};
 use terrella_ground::air;
+use terrella_imagery::NEIGHBOURHOODS;
+use terrella_imagery::tile::MapLayer;
 
 /// The first binding of a texture.
 const FIRST_TEXTURE: u32 = 3;

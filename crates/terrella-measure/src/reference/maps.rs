@@ -1,8 +1,8 @@
 //! Maps as functions of the place: bilinear between full-resolution texels, round the date line, held at the poles.
 
 use super::ReferenceError;
-use terrella::internals::imagery::tile::{MAP_LAYERS, MapLayer};
-use terrella::internals::imagery::{EarthLayers, LayerImage, TexelFormat};
+use terrella_imagery::tile::{MAP_LAYERS, MapLayer};
+use terrella_imagery::{EarthLayers, LayerImage, TexelFormat};
 
 /// A map's full-resolution texels: row-major, north row first, left edge at 180° W.
 #[derive(Clone, Debug, PartialEq, Eq)]

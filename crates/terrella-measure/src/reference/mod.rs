@@ -74,12 +74,12 @@ use std::fmt;
 use std::ops::RangeInclusive;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use terrella::internals::imagery::{EarthLayers, ImageryError, TexelFormat};
 use terrella::{
     Atmosphere, EarthOptions, EyeView, Shading, Sky, SurfaceLight, Tone, exposure_factor,
 };
 use terrella_ground::elevation::Elevation;
 use terrella_ground::globe::Figure;
+use terrella_imagery::{EarthLayers, ImageryError, TexelFormat};
 
 /// Rays along each side of a pixel.
 pub const SAMPLES: RangeInclusive<u32> = 1..=16;

@@ -6,7 +6,7 @@ use glam::DVec3;
 use std::f64::consts::PI;
 use terrella::SurfaceLight;
 use terrella::frames::Ellipsoid;
-use terrella::internals::imagery::FLOOR_SEEN_M;
+use terrella_imagery::FLOOR_SEEN_M;
 
 /// Part of the light that falls on clear ocean that comes out of it: π times the remote-sensing reflectance of Case 1 water
 /// with 0.1 mg/m³ of chlorophyll a, by Morel and Maritorena 2001, in linear sRGB with the Sun as white.

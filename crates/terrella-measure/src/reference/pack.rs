@@ -3,8 +3,8 @@
 use super::maps::{FullMap, FullMaps};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
-use terrella::internals::imagery::TexelFormat;
-use terrella::internals::imagery::tile::{
+use terrella_imagery::TexelFormat;
+use terrella_imagery::tile::{
     LayerLayout, TILE_BORDER, Tile, TileError, TileFormat, TileKey, TileSource,
 };
 
@@ -208,7 +208,7 @@ fn copy_row(found: &Found, y: usize, pixels: usize, line: &mut [u8]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use terrella::internals::imagery::tile::{BlockSet, LevelLayout, MapLayer, TileShape};
+    use terrella_imagery::tile::{BlockSet, LevelLayout, MapLayer, TileShape};
 
     /// A pack of tiles whose texels tell block and place. Its finest level has no block 5.
     struct Made {

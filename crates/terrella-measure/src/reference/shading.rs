@@ -9,9 +9,9 @@ use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
 use std::sync::Arc;
 use terrella::internals::earth::CITY_RADIANCE;
-use terrella::internals::imagery::tile::MapLayer;
-use terrella::internals::imagery::{CLOUD_ALBEDO, SLOPE_EXAGGERATION};
 use terrella::{Shading, SurfaceLight, Tone};
+use terrella_imagery::tile::MapLayer;
+use terrella_imagery::{CLOUD_ALBEDO, SLOPE_EXAGGERATION};
 
 /// Colour of street lamps.
 const LAMP_COLOR: DVec3 = DVec3::new(1.0, 0.72, 0.38);

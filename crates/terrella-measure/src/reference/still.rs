@@ -9,8 +9,8 @@ use std::time::{Duration, Instant};
 use terrella::frames::{Epoch, rfc3339};
 use terrella::internals::earth::metered_ev;
 use terrella::internals::gpu::BcSupport;
-use terrella::internals::imagery::tile::{MapLayer, TileError};
 use terrella::{Atmosphere, Exposure};
+use terrella_imagery::tile::{MapLayer, TileError};
 use terrella_play::{
     EyePosition, Flight, Moment, OutputError, PendingFile, PlayError, Progress, SubsolarPoint,
 };

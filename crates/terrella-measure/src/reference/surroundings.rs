@@ -2,7 +2,7 @@
 
 use super::maps::{Decode, FullMaps};
 use glam::DVec3;
-use terrella::internals::imagery::tile::MapLayer;
+use terrella_imagery::tile::MapLayer;
 
 /// Reflectance of open water with its foam and what it mirrors.
 const SEA_ALBEDO: f64 = 0.05;

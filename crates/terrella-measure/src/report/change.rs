@@ -2,10 +2,10 @@
 
 use crate::EYE_HEIGHTS;
 use terrella::internals::gpu::{FrameTargets, GpuContext};
-use terrella::internals::imagery::{EarthLayers, LayerImage};
 use terrella::{
     Atmosphere, EarthOptions, LevelRule, Shading, Subdivision, TileOptions, Visibility,
 };
+use terrella_imagery::{EarthLayers, LayerImage};
 
 /// One setting that differs from the scene's.
 #[derive(Clone, Copy, Debug, PartialEq)]

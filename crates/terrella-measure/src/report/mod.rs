@@ -40,7 +40,7 @@ use crate::output::OutputFolder;
 use crate::reference::ReferenceError;
 use std::path::{Path, PathBuf};
 use terrella::Subdivision;
-use terrella::internals::imagery::tile::TileError;
+use terrella_imagery::tile::TileError;
 use terrella_play::{Flight, OutputError, PlayError, Progress};
 
 /// How a report is wanted.

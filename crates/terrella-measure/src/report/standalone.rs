@@ -8,7 +8,7 @@ use crate::orbits;
 use crate::output::csv_text;
 use terrella::EarthError;
 use terrella::internals::gpu::GpuContext;
-use terrella::internals::imagery::{EarthLayers, LayerImage};
+use terrella_imagery::{EarthLayers, LayerImage};
 use terrella_play::{PlayError, Progress};
 
 /// What was measured.

@@ -4,8 +4,8 @@ use super::ReportError;
 use super::change::SettingChange;
 use crate::reference::{FullMaps, Reference, ReferenceOptions, ReferencePicture, whole_maps};
 use std::sync::Arc;
-use terrella::internals::imagery::tile::TileError;
 use terrella::{Atmosphere, EarthOptions, EyeView, Shading, Sky};
+use terrella_imagery::tile::TileError;
 use terrella_play::Progress;
 
 /// Most bytes of maps put together of a pack's tiles, for each of at most three reference renderers.

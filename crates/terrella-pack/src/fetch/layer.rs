@@ -11,7 +11,7 @@ use crate::BuildProgress;
 use crate::mosaic::{Bounds, Crs, MOSAIC_FILE};
 use std::fmt::Write;
 use std::path::PathBuf;
-use terrella::internals::imagery::pack::quoted;
+use terrella_imagery::pack::quoted;
 
 /// How maps are fetched.
 #[derive(Clone, Debug)]

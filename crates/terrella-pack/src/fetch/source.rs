@@ -5,8 +5,8 @@ use super::error::FetchError;
 use crate::mosaic::{Bounds, Crs, Encoding, syntax_complaint};
 use serde::Deserialize;
 use std::path::Path;
-use terrella::internals::imagery::pack::{MAX_ATTRIBUTION_LINES, MAX_TEXT_CHARS};
 use terrella_files as files;
+use terrella_imagery::pack::{MAX_ATTRIBUTION_LINES, MAX_TEXT_CHARS};
 
 /// Largest description, bytes.
 pub const MAX_SOURCE_BYTES: u64 = 1 << 20;

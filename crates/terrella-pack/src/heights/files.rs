@@ -8,12 +8,12 @@ use crate::{BuildError, BuildProgress};
 use std::borrow::Cow;
 use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
-use terrella::internals::imagery::pack::{HeightKind, HeightsEntry, TileFile};
 use terrella_ground::elevation::spool::{HeightSpool, HeightWindow, SpoolHost};
 use terrella_ground::elevation::{
     Bounds, GridError, GridLimits, HeightFileError, HeightGrid, HeightRange, Joins, Placement,
     open_heights,
 };
+use terrella_imagery::pack::{HeightKind, HeightsEntry, TileFile};
 
 /// Steps of 16-bit samples that are used: a few are left for rounding.
 const STEPS: f64 = 65_500.0;

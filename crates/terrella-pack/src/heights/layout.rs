@@ -2,8 +2,8 @@
 
 use crate::BuildError;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
-use terrella::internals::imagery::pack::{HeightPlace, HeightsEntry, MAX_HEIGHT_TILES};
 use terrella_ground::elevation::Bounds;
+use terrella_imagery::pack::{HeightPlace, HeightsEntry, MAX_HEIGHT_TILES};
 
 /// Most samples of a tile's side.
 pub(super) const MOST_SIDE: u32 = 384;

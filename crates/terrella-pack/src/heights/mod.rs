@@ -23,7 +23,7 @@ use files::HeightFiles;
 use rayon::prelude::*;
 use samples::TileMaker;
 use std::path::PathBuf;
-use terrella::internals::imagery::pack::{
+use terrella_imagery::pack::{
     HeightPlace, HeightRecord, HeightValues, HeightsEntry, TileFile, encode_heights, encode_index,
 };
 

@@ -6,10 +6,10 @@ use crate::BuildError;
 use crate::folder::BuildFolder;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::sync::{Arc, Mutex, PoisonError};
-use terrella::internals::imagery::pack::{
+use terrella_ground::elevation::Bounds;
+use terrella_imagery::pack::{
     HeightKind, HeightPlace, HeightRecord, HeightValues, HeightsEntry, decode_heights,
 };
-use terrella_ground::elevation::Bounds;
 
 /// Where the samples of a tile come from, kept from one to the next.
 #[derive(Default)]

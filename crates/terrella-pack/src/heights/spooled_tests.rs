@@ -8,7 +8,7 @@ use image::{ImageBuffer, Luma};
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicU32;
-use terrella::internals::imagery::pack::{HeightKind, verify};
+use terrella_imagery::pack::{HeightKind, verify};
 
 /// How many files were read part by part.
 fn spooled(notes: Notes) -> usize {

@@ -7,11 +7,11 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicU32;
 use tempfile::TempDir;
-use terrella::internals::imagery::pack::{HeightKind, Pack, PackHeights, verify};
-use terrella::internals::imagery::tile::{MapLayer, Storage};
 use terrella_ground::elevation::{
     Elevation, GridLimits, Ground, HeightSamples, HeightTileKey, HeightTileSource, open_heights,
 };
+use terrella_imagery::pack::{HeightKind, Pack, PackHeights, verify};
+use terrella_imagery::tile::{MapLayer, Storage};
 
 /// Rolling ground of whole metres, −400…900 m, with its ridges at other places for each `salt`.
 fn ground_m(column: u32, row: u32, salt: u32) -> u16 {

@@ -9,8 +9,8 @@ use crate::error::BuildError;
 use crate::source::{FileContext, MAX_PIECE_SIDE};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
-use terrella::internals::imagery::pack::{MAX_ATTRIBUTION_LINES, MAX_TEXT_CHARS};
 use terrella_files::{self as files, path_complaint, printable};
+use terrella_imagery::pack::{MAX_ATTRIBUTION_LINES, MAX_TEXT_CHARS};
 
 /// Largest description, bytes.
 pub const MAX_DESCRIPTION_BYTES: u64 = 4 << 20;

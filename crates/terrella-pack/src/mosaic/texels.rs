@@ -2,7 +2,7 @@
 
 use crate::source::sample;
 use crate::source::{SampleKind, SourceInfo};
-use terrella::internals::imagery::srgb::{LINEAR_FROM_SRGB, SrgbEncoder, linear_from_encoded};
+use terrella_imagery::srgb::{LINEAR_FROM_SRGB, SrgbEncoder, linear_from_encoded};
 
 /// How heights are written as colours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize)]

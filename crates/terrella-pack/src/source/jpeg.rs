@@ -14,8 +14,8 @@ use std::cell::Cell;
 use std::io::{BufRead, Read, Seek, SeekFrom};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::rc::Rc;
-use terrella::internals::imagery::colour::Said;
-use terrella::internals::imagery::jpeg::{self, Fault};
+use terrella_imagery::colour::Said;
+use terrella_imagery::jpeg::{self, Fault};
 
 /// Rows of a JPEG file.
 pub(super) struct JpegRows<R: BufRead> {

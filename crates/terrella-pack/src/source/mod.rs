@@ -13,9 +13,9 @@ pub(super) use sample::sample;
 use std::fmt;
 use std::io::{BufRead, BufReader, Seek};
 use std::path::{Path, PathBuf};
-use terrella::internals::imagery::colour::Said;
 use terrella_files as files;
 use terrella_files::first_bytes;
+use terrella_imagery::colour::Said;
 
 /// Smallest height of a map, texels.
 pub const MIN_SOURCE_HEIGHT: u32 = 16;

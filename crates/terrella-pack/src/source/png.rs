@@ -7,7 +7,7 @@ use super::{
 use crate::error::BuildError;
 use png::{BitDepth, DecodingError, Limits, Reader, Transformations};
 use std::io::{BufRead, Seek};
-use terrella::internals::imagery::colour::Said;
+use terrella_imagery::colour::Said;
 
 /// What the decoder itself may hold: rows, palette, text. 65 536 × 4 × 2 bytes a row, a few of them.
 const DECODER_BYTES: usize = 64 << 20;

@@ -8,9 +8,9 @@ use crate::memory::Pool;
 use crate::resample::{Resampler, Sizes};
 use std::f64::consts::{PI, TAU};
 use std::ops::Range;
-use terrella::internals::imagery::srgb::{LINEAR_FROM_SRGB, SrgbEncoder};
-use terrella::internals::imagery::tile::{MapLayer, TILE_BORDER, Tile, TileShape};
 use terrella_ground::globe::COLUMNS;
+use terrella_imagery::srgb::{LINEAR_FROM_SRGB, SrgbEncoder};
+use terrella_imagery::tile::{MapLayer, TILE_BORDER, Tile, TileShape};
 
 /// Longitude of a column's centre and latitude of a row's, radians. Beyond the edges they go on.
 fn place(column: f64, row: f64, width: u32, height: u32) -> (f64, f64) {

@@ -8,10 +8,8 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicU32;
 use tempfile::TempDir;
-use terrella::internals::imagery::pack::{Manifest, Pack, PackTiles, verify};
-use terrella::internals::imagery::tile::{
-    MapLayer, Storage, TILE_BORDER, Tile, TileKey, TileSource,
-};
+use terrella_imagery::pack::{Manifest, Pack, PackTiles, verify};
+use terrella_imagery::tile::{MapLayer, Storage, TILE_BORDER, Tile, TileKey, TileSource};
 
 const CUT: Division = Division {
     columns: None,

@@ -6,7 +6,7 @@ use crate::{BuildError, BuildOptions, BuildShare, begin_shares, build, build_sha
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
-use terrella::internals::imagery::tile::{MapLayer, Storage};
+use terrella_imagery::tile::{MapLayer, Storage};
 
 fn options(folder: &Path, out: &str) -> BuildOptions {
     let image = folder.join("day.png");

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU32, Ordering};
 use tempfile::TempDir;
-use terrella::internals::imagery::tile::{MapLayer, Storage};
+use terrella_imagery::tile::{MapLayer, Storage};
 
 /// Writes so many files and then fails; where asked, leaves half a file beside the one that fails, as a full disk may.
 pub(crate) struct Failing {

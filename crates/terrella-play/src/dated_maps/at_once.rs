@@ -4,8 +4,8 @@ use super::super::error::PlayError;
 use crate::scene::{DatedLayer, DatedMaps, Scene};
 use std::path::PathBuf;
 use terrella::frames::Epoch;
-use terrella::internals::imagery::tile::MapLayer;
-use terrella::internals::imagery::{
+use terrella_imagery::tile::MapLayer;
+use terrella_imagery::{
     EarthLayers, ImageryError, LayerImage, LayerSelection, find_textures, load_color_map,
     load_day_map, load_grey_map,
 };

@@ -12,8 +12,8 @@ use crate::error::PlayError;
 use crate::flight::Flight;
 use terrella::frames::Epoch;
 use terrella::internals::gpu::GpuContext;
-use terrella::internals::imagery::tile::TileKey;
 use terrella::{EarthOptions, Exposure};
+use terrella_imagery::tile::TileKey;
 
 /// Draws the frames of a scene's film.
 pub struct FilmFrames {

@@ -11,8 +11,8 @@ use crate::quality_control::scene_quality;
 use crate::tracks::TracksLayer;
 use std::time::Duration;
 use terrella::internals::gpu::GpuContext;
-use terrella::internals::imagery::tile::TileKey;
 use terrella::{EarthOptions, exposure_factor};
+use terrella_imagery::tile::TileKey;
 
 /// Draws the pictures of a film, as its settings ask for.
 pub struct FilmPainter {

@@ -1,0 +1,83 @@
+//! A file of a pack: what it must be, and its bytes where it is that.
+
+use crate::tile::TileError;
+use std::io::{ErrorKind, Read};
+use std::path::Path;
+use terrella_files as files;
+
+/// What a tile's file must be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TileFile {
+    /// Its length.
+    pub bytes: u64,
+    /// The first 16 bytes of its BLAKE3 hash.
+    pub checksum: [u8; 16],
+}
+
+impl TileFile {
+    /// Of these contents.
+    pub fn of(contents: &[u8]) -> Self {
+        let mut checksum = [0; 16];
+        checksum.copy_from_slice(&blake3::hash(contents).as_bytes()[..16]);
+        Self {
+            bytes: contents.len() as u64,
+            checksum,
+        }
+    }
+}
+
+/// An error once a reading is no longer wanted.
+pub(super) fn unless(cancelled: &dyn Fn() -> bool) -> Result<(), TileError> {
+    if cancelled() {
+        Err(TileError::Cancelled)
+    } else {
+        Ok(())
+    }
+}
+
+/// The bytes of a file, which must be just what the manifest says.
+///
+/// They are read once, hashed and decoded from memory: whatever happens to the file meanwhile, either they are those that the
+/// manifest knows or there are none. The caller has bounded the length.
+pub(super) fn read_whole(
+    path: &Path,
+    file: TileFile,
+    cancelled: &dyn Fn() -> bool,
+) -> Result<Vec<u8>, TileError> {
+    let unreadable = |source| TileError::Unreadable {
+        path: path.into(),
+        source,
+    };
+    let corrupt = |cause: String| TileError::Corrupt {
+        path: path.into(),
+        cause,
+    };
+    unless(cancelled)?;
+    let opened = files::open(path).map_err(|source| match source.kind() {
+        // What is no file holds no tile, however often it is tried.
+        ErrorKind::IsADirectory | ErrorKind::InvalidInput => corrupt(source.to_string()),
+        _ => unreadable(source),
+    })?;
+    unless(cancelled)?;
+    // One byte more shows that the file has grown.
+    let mut bytes = Vec::with_capacity(file.bytes as usize + 1);
+    opened
+        .take(file.bytes + 1)
+        .read_to_end(&mut bytes)
+        .map_err(unreadable)?;
+    let expected = file.bytes;
+    if bytes.len() as u64 > expected {
+        return Err(corrupt(format!("it is longer than {expected} bytes")));
+    }
+    if (bytes.len() as u64) < expected {
+        let found = bytes.len();
+        return Err(corrupt(format!(
+            "it has {found} bytes instead of {expected}"
+        )));
+    }
+    unless(cancelled)?;
+    if TileFile::of(&bytes) != file {
+        return Err(corrupt("its checksum is not that of the manifest".into()));
+    }
+    Ok(bytes)
+}

@@ -1,0 +1,327 @@
+//! Decoder threads, and what they share with the frame.
+//!
+//! One mutex guards lists of keys and finished tiles; nobody reads, decodes, computes or frees a tile under it. The
+//! frame only tries it: where a thread of low priority was put to sleep inside, the frame goes on and comes back the
+//! next time.
+
+use super::cache::{LoadError, LoadId, TileCache, check};
+use super::pools::usable;
+use crate::tile::{LayerLayout, Tile, TileFormat, TileKey, TileShape, TileSource};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+use terrella_files::loaders::{Loaders, lock, try_lock};
+
+pub(super) struct Loader {
+    shared: Arc<Shared>,
+    threads: Loaders,
+    /// What the last look under the mutex found.
+    reserved_bytes: u64,
+    /// Lists that change places with the shared ones, so that nothing is allocated under the mutex.
+    started: Vec<(TileKey, LoadId)>,
+    finished: Vec<(TileKey, Result<Tile, LoadError>)>,
+}
+
+struct Shared {
+    source: Arc<dyn TileSource>,
+    layers: Vec<LayerLayout>,
+    limit_bytes: u64,
+    work: Mutex<Work>,
+    /// There may be something to do for a thread.
+    to_do: Condvar,
+    /// A load has ended.
+    ended: Condvar,
+    stop: AtomicBool,
+    /// For each thread the number of the load that it shall give up; 0 is none.
+    cancelled: Vec<AtomicU64>,
+}
+
+#[derive(Default)]
+struct Work {
+    /// Tiles to load, the most urgent first; those before `next` are taken.
+    queue: Vec<TileKey>,
+    next: usize,
+    /// Taken since the frame last looked.
+    started: Vec<(TileKey, LoadId)>,
+    finished: Vec<(TileKey, Result<Tile, LoadError>)>,
+    /// Tiles that are done with, to be freed by a thread: giving back much memory takes time.
+    retired: Vec<Tile>,
+    /// Bytes of all tiles from the moment that a thread takes them to the moment that they are freed.
+    reserved_bytes: u64,
+    /// Number of loads taken so far.
+    loads: u64,
+}
+
+impl Loader {
+    /// Starts the threads.
+    pub fn new(source: Arc<dyn TileSource>, limit_bytes: u64, threads: usize) -> Self {
+        let layers = usable(source.layers()).into_iter().cloned().collect();
+        let shared = Arc::new(Shared {
+            source,
+            layers,
+            limit_bytes,
+            work: Mutex::default(),
+            to_do: Condvar::new(),
+            ended: Condvar::new(),
+            stop: AtomicBool::new(false),
+            cancelled: (0..threads).map(|_| AtomicU64::new(0)).collect(),
+        });
+        let own = Arc::clone(&shared);
+        let threads = Loaders::start("tiles", threads, move |worker| {
+            own.work_until_stopped(worker);
+        });
+        Self {
+            shared,
+            threads,
+            reserved_bytes: 0,
+            started: Vec::new(),
+            finished: Vec::new(),
+        }
+    }
+
+    /// Bytes of tiles under way or waiting, when last looked.
+    pub fn reserved_bytes(&self) -> u64 {
+        self.reserved_bytes
+    }
+
+    /// Reports to the cache which loads were taken and which have ended. Never waits.
+    pub fn collect(
+        &mut self,
+        cache: &mut TileCache,
+        now: Instant,
+        report_error: impl FnMut(TileKey, LoadError),
+    ) {
+        let shared = Arc::clone(&self.shared);
+        if let Some(mut work) = try_lock(&shared.work) {
+            self.exchange(&mut work);
+        }
+        self.report(cache, now, report_error);
+    }
+
+    /// Hands the threads the new queue and what is to be freed, and cancels what is no longer requested. Never waits.
+    pub fn hand_over(&mut self, cache: &mut TileCache) {
+        for load in cache.pending_loads() {
+            let LoadId { worker, number } = load.id;
+            let number = if load.cancel { number } else { 0 };
+            self.shared.cancelled[worker].store(number, Ordering::Relaxed);
+        }
+        if let Some(mut work) = try_lock(&self.shared.work) {
+            self.shared.hand_over(&mut work, cache);
+        }
+    }
+
+    /// Waits until a load ends or the time is over; whether one has ended.
+    pub fn wait(
+        &mut self,
+        cache: &mut TileCache,
+        timeout: Duration,
+        now: Instant,
+        report_error: impl FnMut(TileKey, LoadError),
+    ) -> bool {
+        let shared = Arc::clone(&self.shared);
+        let mut work = lock(&shared.work);
+        shared.hand_over(&mut work, cache);
+        let waited = shared
+            .ended
+            .wait_timeout_while(work, timeout, |work| work.finished.is_empty());
+        let (mut work, _) = waited.unwrap_or_else(PoisonError::into_inner);
+        let has_ended = !work.finished.is_empty();
+        self.exchange(&mut work);
+        drop(work);
+        self.report(cache, now, report_error);
+        has_ended
+    }
+
+    fn exchange(&mut self, work: &mut Work) {
+        self.reserved_bytes = work.reserved_bytes;
+        std::mem::swap(&mut self.started, &mut work.started);
+        std::mem::swap(&mut self.finished, &mut work.finished);
+    }
+
+    fn report(
+        &mut self,
+        cache: &mut TileCache,
+        now: Instant,
+        mut report_error: impl FnMut(TileKey, LoadError),
+    ) {
+        for (key, id) in self.started.drain(..) {
+            cache.begin(key, id);
+        }
+        for (key, result) in self.finished.drain(..) {
+            if let Some(error) = cache.finish(key, now, result) {
+                report_error(key, error);
+            }
+        }
+    }
+}
+
+impl Drop for Loader {
+    fn drop(&mut self) {
+        self.shared.stop.store(true, Ordering::Relaxed);
+        // Under the lock, so that no thread misses it between its look and its sleep.
+        let work = lock(&self.shared.work);
+        self.shared.to_do.notify_all();
+        drop(work);
+        self.threads.join();
+    }
+}
+
+impl Shared {
+    fn hand_over(&self, work: &mut Work, cache: &mut TileCache) {
+        let retired = cache.retired();
+        let has_retired = retired.len() > 0;
+        work.retired.extend(retired);
+        let Work { queue, started, .. } = work;
+        queue.clear();
+        // The cache does not know yet of what was taken since it last heard.
+        let is_taken = |key: &TileKey| started.iter().any(|(taken, _)| taken == key);
+        queue.extend(cache.queue().iter().filter(|key| !is_taken(key)));
+        work.next = 0;
+        if has_retired || !work.queue.is_empty() {
+            self.to_do.notify_all();
+        }
+    }
+
+    /// Format and shape that a tile must have.
+    fn expected(&self, key: TileKey) -> Option<(TileFormat, TileShape)> {
+        let layer = self.layers.iter().find(|layer| layer.layer == key.layer)?;
+        let level = layer.levels.get(usize::from(key.level))?;
+        Some((layer.format, level.shape))
+    }
+
+    fn bytes(&self, key: TileKey) -> u64 {
+        let expected = self.expected(key);
+        expected.map_or(0, |(format, shape)| shape.bytes(format) as u64)
+    }
+
+    fn work_until_stopped(&self, worker: usize) {
+        while let Some((key, number)) = self.take(worker) {
+            let result = self.load(key, worker, number);
+            let mut work = lock(&self.work);
+            if result.is_err() {
+                work.reserved_bytes -= self.bytes(key);
+            }
+            work.finished.push((key, result));
+            self.ended.notify_all();
+        }
+    }
+
+    /// Waits for a tile to load and takes it; frees retired tiles meanwhile. `None` when it is time to stop.
+    fn take(&self, worker: usize) -> Option<(TileKey, u64)> {
+        let mut work = lock(&self.work);
+        loop {
+            if self.stop.load(Ordering::Relaxed) {
+                return None;
+            }
+            if let Some(tile) = work.retired.pop() {
+                drop(work);
+                let bytes = tile.texels.len() as u64;
+                drop(tile);
+                work = lock(&self.work);
+                work.reserved_bytes -= bytes;
+                continue;
+            }
+            if let Some(key) = work.queue.get(work.next).copied() {
+                let bytes = self.bytes(key);
+                let reserved = work.reserved_bytes;
+                if reserved == 0 || reserved.saturating_add(bytes) <= self.limit_bytes {
+                    work.next += 1;
+                    work.loads += 1;
+                    work.reserved_bytes += bytes;
+                    let number = work.loads;
+                    work.started.push((key, LoadId { worker, number }));
+                    return Some((key, number));
+                }
+            }
+            work = self
+                .to_do
+                .wait(work)
+                .unwrap_or_else(PoisonError::into_inner);
+        }
+    }
+
+    fn load(&self, key: TileKey, worker: usize, number: u64) -> Result<Tile, LoadError> {
+        let is_cancelled = || {
+            self.stop.load(Ordering::Relaxed)
+                || self.cancelled[worker].load(Ordering::Relaxed) == number
+        };
+        // A source that panics half-way may be left in disorder; what it gives is checked each time.
+        let read = catch_unwind(AssertUnwindSafe(|| self.source.read(key, &is_cancelled)));
+        let tile = match read {
+            Ok(tile) => tile?,
+            Err(panic) => return Err(LoadError::Panicked(panic_text(panic.as_ref()))),
+        };
+        match self.expected(key) {
+            Some((format, shape)) => check(tile, format, shape),
+            None => Ok(tile),
+        }
+    }
+}
+
+fn panic_text(panic: &(dyn std::any::Any + Send)) -> String {
+    let text = panic.downcast_ref::<&str>().map(|text| (*text).to_owned());
+    text.or_else(|| panic.downcast_ref::<String>().cloned())
+        .unwrap_or_else(|| "without a message".to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::stream::{TileRequest, plan_pools};
+    use crate::tile::{BlockSet, LevelLayout, MapLayer, TileError};
+
+    /// Waits in each read until it may go on.
+    struct Gate(Vec<LayerLayout>, AtomicBool);
+
+    impl TileSource for Gate {
+        fn layers(&self) -> &[LayerLayout] {
+            &self.0
+        }
+
+        fn read(&self, key: TileKey, _: &dyn Fn() -> bool) -> Result<Tile, TileError> {
+            while !self.1.load(Ordering::Relaxed) {
+                std::thread::sleep(Duration::from_millis(1));
+            }
+            Err(TileError::Absent(key))
+        }
+    }
+
+    #[test]
+    fn a_tile_taken_since_the_last_look_is_not_queued_again() {
+        let level = |pixels| {
+            LevelLayout::of_blocks(TileShape::new(pixels).expect("in range"), BlockSet::ALL)
+        };
+        let layers = vec![LayerLayout {
+            layer: MapLayer::Day,
+            format: TileFormat::R8Unorm,
+            levels: vec![level(24), level(16)],
+        }];
+        let mut cache = TileCache::new(&layers, plan_pools(&layers, u64::MAX), u64::MAX);
+        let source = Arc::new(Gate(layers, AtomicBool::new(false)));
+        let mut loader = Loader::new(Arc::clone(&source) as Arc<dyn TileSource>, u64::MAX, 1);
+        let key = |block| TileKey {
+            layer: MapLayer::Day,
+            level: 0,
+            block,
+            part: 0,
+        };
+        let requests = [1, 2].map(|block| TileRequest {
+            key: key(block),
+            drawn: true,
+        });
+        cache.allocate(Instant::now(), &requests, 0);
+        let shared = Arc::clone(&loader.shared);
+        shared.hand_over(&mut lock(&shared.work), &mut cache);
+        while lock(&shared.work).started.is_empty() {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        // The frame has not looked, and hands over what it still believes to be queued.
+        assert_eq!(cache.queue(), [key(1), key(2)]);
+        shared.hand_over(&mut lock(&shared.work), &mut cache);
+        assert_eq!(lock(&shared.work).queue, [key(2)]);
+        loader.collect(&mut cache, Instant::now(), |_, _| {});
+        assert_eq!(cache.queue(), [key(2)]);
+        source.1.store(true, Ordering::Relaxed);
+    }
+}
