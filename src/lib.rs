@@ -70,6 +70,7 @@
 
 #[cfg(feature = "celestial")]
 pub mod celestial;
+#[doc(hidden)]
 pub mod internals;
 #[cfg(feature = "tracks")]
 pub mod tracks;
@@ -93,7 +94,8 @@ pub use earth::{
     TruthView, ViewFrame, Viewport,
 };
 pub use gpu::{
-    FrameTargets, GpuMap, MapError, MapFade, ScaledTarget, ShaderError, TruthTargets, TruthTexel,
+    Attachments, FrameTargets, GpuMap, MapError, MapFade, ScaledTarget, ShaderError, TruthTargets,
+    TruthTexel,
 };
 #[cfg(feature = "offscreen")]
 pub use gpu::{GpuContext, GpuFault, PictureError};

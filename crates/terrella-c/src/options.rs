@@ -4,8 +4,8 @@ use crate::failure::{Failure, TerrellaStatus, answer};
 use crate::pointers::{read, text_if_any, write};
 use std::ffi::c_char;
 use std::path::PathBuf;
+use terrella::LayerSelection;
 use terrella::{Atmosphere, EarthOptions, Exposure, find_textures, load_layers};
-use terrella_imagery::LayerSelection;
 
 /// What an Earth is made of. Fill it by `terrella_options_default` and change what you want otherwise.
 #[repr(C)]

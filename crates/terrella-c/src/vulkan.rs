@@ -9,7 +9,7 @@ use crate::pointers::{check_out, read, row, text, write};
 use crate::time::TerrellaTime;
 use ash::vk::{self, Handle};
 use std::ffi::{CStr, c_char, c_void};
-use terrella::internals::gpu::Attachments;
+use terrella::Attachments;
 use terrella::wgpu::{self, hal};
 use terrella::{Drawing, Earth, Sky};
 

@@ -39,10 +39,12 @@ static ENCODER: LazyLock<Encoder> = LazyLock::new(|| {
 pub struct SrgbEncoder(&'static Encoder);
 
 impl SrgbEncoder {
+    /// With its table filled.
     pub fn new() -> Self {
         Self(&ENCODER)
     }
 
+    /// The code, 0…255, of a linear value of 0…1.
     pub fn code(&self, linear: f32) -> u8 {
         // `as` saturates and takes NaN to 0.
         let bucket = ((linear * BUCKETS as f32) as usize).min(BUCKETS - 1);

@@ -50,6 +50,7 @@ mod values;
 pub use error::BuildError;
 pub use preview::preview;
 pub use shares::{BuildShare, SharesPlan, begin_shares, build_share};
+pub use terrella_imagery::SLOPE_EXAGGERATION;
 
 use folder::{BuildFolder, Disk, Writer};
 use heights::BuiltHeights;

@@ -11,9 +11,9 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::PathBuf;
+use terrella::LayerSelection;
 use terrella::frames::{Ellipsoid, Geodetic};
 use terrella::{Atmosphere, EarthOptions, Exposure, EyeView, OffscreenEarth, Sky, load_layers};
-use terrella_imagery::LayerSelection;
 use terrella_play::camera::Pose;
 
 /// Where the eye stands and how it looks, for pictures of any size: an eye (Earth-fixed axes, metres), the direction it looks in, and the one

@@ -5,10 +5,10 @@ use crate::errors::{Error, of_any};
 use pyo3::exceptions::{PyOSError, PyValueError};
 use pyo3::prelude::*;
 use std::path::PathBuf;
-use terrella_imagery::SLOPE_EXAGGERATION;
-use terrella_imagery::tile::{MapLayer, Storage};
+use terrella::{MapLayer, Storage};
 use terrella_pack::{
-    BuildError, BuildOptions, BuildProgress, BuildShare, Relief, begin_shares, build, build_share,
+    BuildError, BuildOptions, BuildProgress, BuildShare, Relief, SLOPE_EXAGGERATION, begin_shares,
+    build, build_share,
 };
 
 /// A share as Python has it: the map's name, its columns from the first to before the last, its texels, the tiles that it lacks.
