@@ -12,7 +12,7 @@ use terrella_play::scene::Scene;
 use terrella_play::{Flight, ServeRequest, serve};
 
 /// The scene of simulations where none is given.
-const BUILT_IN: &str = include_str!("../../../config/basilisk.toml");
+const BUILT_IN: &str = terrella::internals::shipped::BASILISK;
 
 /// Arguments of `terrella serve`.
 #[derive(Debug, Args)]

@@ -41,8 +41,8 @@ struct Reach {
 /// Two-line elements are one of the forms that [`Sgp4Feed`] reads.
 pub type TleFeed = Sgp4Feed;
 
-/// The International Space Station in January 2018, which the command flies where a scene names no file.
-const BUILT_IN_ISS: &str = include_str!("../../../config/orbits/iss.tle");
+/// The International Space Station in January 2018, which the command flies where a scene names no file: `config/orbits/iss.tle`.
+const BUILT_IN_ISS: &str = include_str!("../data/iss.tle");
 
 /// Radius below which the reference code says "decayed": one equatorial radius of WGS72, kilometres.
 const DECAYED_BELOW_KM: f64 = 6378.135;

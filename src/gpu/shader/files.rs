@@ -39,6 +39,7 @@ files![
     "common/tone/filmic.wgsl",
     "common/tone/neutral.wgsl",
     "common/whole_target.wgsl",
+    "craft.wgsl",
     "earth.wgsl",
     "earth/bindings.wgsl",
     "earth/fragment/color.wgsl",

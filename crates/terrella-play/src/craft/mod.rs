@@ -19,8 +19,8 @@ use terrella_ground::light::exposure_factor;
 /// The shader's text: how light is shown is the Earth's, the materials' numbers are ours.
 fn shader(target: TargetColor) -> Result<String, ShaderError> {
     let displayed = ShaderText::assemble("common/displayed.wgsl", &target.conditions())?;
-    let craft = include_str!("../../../../shaders/craft.wgsl");
-    Ok(displayed.text + &mesh::material_constants() + craft)
+    let craft = ShaderText::assemble("craft.wgsl", &[])?;
+    Ok(displayed.text + &mesh::material_constants() + &craft.text)
 }
 
 /// Part of the sunlight that the Earth throws back (Bond albedo).

@@ -9,7 +9,7 @@ use terrella_files as files;
 use terrella_orbit::FileFormat;
 
 /// The scene that comes with the program.
-const SHIPPED: &str = include_str!("../../../../config/iss.toml");
+const SHIPPED: &str = terrella::internals::shipped::ISS;
 /// What messages call it.
 const SHIPPED_NAME: &str = "config/iss.toml (built in)";
 /// Its keys that are about the file of elements. The elements of that file are built in.
