@@ -38,9 +38,9 @@ enum Place {
     Item(Path),
 }
 
-/// What is wrong with the circles of these files, against those that are known.
-pub fn violations(files: &[File]) -> Vec<String> {
-    let uses = Modules::new(files).uses();
+/// What is wrong with the circles of the files of a crate, whose sources are in `folder`, against those that are known.
+pub fn violations(files: &[File], folder: &str) -> Vec<String> {
+    let uses = Modules::new(files, folder).uses();
     let found = circles(&uses);
     let is_known = |circle: &Vec<&str>| KNOWN.contains(&circle.as_slice());
     let new = found
@@ -63,9 +63,9 @@ pub fn violations(files: &[File]) -> Vec<String> {
 }
 
 impl Modules {
-    fn new(files: &[File]) -> Self {
+    fn new(files: &[File], folder: &str) -> Self {
         let modules = files.iter().filter_map(|file| {
-            let path = module_path(&file.path)?;
+            let path = module_path(&file.path, folder)?;
             Some((path, Module::new(file)))
         });
         Self(modules.collect())
@@ -130,7 +130,7 @@ impl Modules {
             return None;
         }
         let first = names.first()?;
-        if first == "crate" || first == "terrella" {
+        if first == "crate" {
             return self.walk(&Path::new(), &names[1..], depth);
         }
         let up = names.iter().take_while(|name| *name == "super").count();
@@ -291,8 +291,9 @@ const DEFINING: [&str; 9] = [
 ];
 
 /// The module of a source file; `None` for the program, and for files of tests.
-fn module_path(file: &str) -> Option<Path> {
-    let inside = file.strip_prefix("src/")?.strip_suffix(".rs")?;
+fn module_path(file: &str, folder: &str) -> Option<Path> {
+    let inside = file.strip_prefix(folder)?.strip_prefix('/')?;
+    let inside = inside.strip_suffix(".rs")?;
     let mut path: Path = inside.split('/').map(str::to_owned).collect();
     if path
         .iter()
@@ -312,7 +313,7 @@ fn module_path(file: &str) -> Option<Path> {
 
 /// Whether a module is part of another that is a folder's.
 fn is_part_of(module: &Path, whole: &Path, file: &str) -> bool {
-    let is_folder = file.ends_with("/mod.rs") || file == "src/lib.rs";
+    let is_folder = file.ends_with("/mod.rs") || file.ends_with("/lib.rs");
     is_folder && module.starts_with(whole)
 }
 
@@ -377,7 +378,7 @@ mod tests {
             .iter()
             .map(|(path, text)| File::new(path, text))
             .collect();
-        let uses = Modules::new(&files).uses();
+        let uses = Modules::new(&files, "src").uses();
         let owned = |circle: Vec<&str>| circle.into_iter().map(str::to_owned).collect();
         circles(&uses).into_iter().map(owned).collect()
     }

@@ -1,4 +1,4 @@
-//! Defaults that `config/iss.toml` tells users, against those that `src/scene/keys.rs` declares.
+//! Defaults that `config/iss.toml` tells users, against those that `crates/terrella-play/src/scene/keys.rs` declares.
 
 use std::collections::BTreeMap;
 

@@ -26,16 +26,16 @@ fn none(violations: Vec<String>) {
     );
 }
 
-/// Applies a rule to every source file of `src/`.
-#[track_caller]
-fn holds_in_src(rule: Rule) {
-    holds_in(&["src"], rule);
-}
-
 /// Applies a rule to every source file of `src/` and of the packages for other languages.
 #[track_caller]
 fn holds_in_products(rule: Rule) {
     holds_in(&["src", "crates"], rule);
+}
+
+/// The sources of all crates that the table of modules is about.
+fn sources(repository: &Repository) -> Vec<source::File> {
+    let files = modules::folders().map(|folder| repository.rust_files(folder));
+    files.flatten().collect()
 }
 
 #[track_caller]
@@ -52,7 +52,7 @@ fn modules_use_only_modules_before_them() {
     let repository = Repository::open();
     let exports = modules::exports(&repository.rust_file("src/lib.rs"));
     assert!(!exports.is_empty(), "src/lib.rs exports nothing");
-    let files = repository.rust_files("src");
+    let files = sources(&repository);
     none(
         files
             .iter()
@@ -65,7 +65,7 @@ fn modules_use_only_modules_before_them() {
 fn modules_are_allowed_only_what_they_use() {
     let repository = Repository::open();
     let exports = modules::exports(&repository.rust_file("src/lib.rs"));
-    none(modules::unused(&repository.rust_files("src"), &exports));
+    none(modules::unused(&sources(&repository), &exports));
 }
 
 #[test]
@@ -78,12 +78,16 @@ fn the_printed_table_of_modules_is_the_enforced_one() {
 
 #[test]
 fn no_files_use_each_other_in_a_circle() {
-    none(circles::violations(&Repository::open().rust_files("src")));
+    let repository = Repository::open();
+    // Cargo allows none between crates.
+    for folder in modules::folders() {
+        none(circles::violations(&repository.rust_files(folder), folder));
+    }
 }
 
 #[test]
 fn modules_without_a_gpu_do_not_name_it() {
-    holds_in_src(rules::names_no_gpu);
+    holds_in_products(rules::names_no_gpu);
 }
 
 #[test]
@@ -99,7 +103,7 @@ fn files_are_opened_in_one_place() {
 #[test]
 fn one_file_asks_servers() {
     holds_in_products(rules::asks_no_server);
-    let files = Repository::open().rust_files("src");
+    let files = sources(&Repository::open());
     let asking = files
         .iter()
         .filter(|file| !file.find(&["ureq", ":", ":"]).is_empty());
@@ -272,11 +276,19 @@ fn pages_of_registries_show_their_pictures() {
 #[test]
 fn defaults_in_comments_are_those_of_the_code() {
     let repository = Repository::open();
-    let keys = repository.text("src/scene/keys.rs");
+    let keys = repository.text("crates/terrella-play/src/scene/keys.rs");
     let (wrong, compared) = defaults::differences(&keys, &repository.text("config/iss.toml"));
     none(wrong);
     // Fewer would mean that the comments or the declarations are no longer understood.
     assert!(compared >= 20, "{compared} defaults were compared");
+}
+
+/// A crate's package holds only what lies in its folder.
+#[test]
+fn the_built_in_elements_are_the_shipped_ones() {
+    let repository = Repository::open();
+    let built_in = repository.text("crates/terrella-orbit/data/iss.tle");
+    assert_eq!(built_in, repository.text("config/orbits/iss.tle"));
 }
 
 #[test]
@@ -299,7 +311,7 @@ fn the_first_page_says_how_to_have_the_command() {
     ] {
         assert!(repository.text(page).contains(&told), "{page}: {told}");
     }
-    let install = first.find("cargo install --path . --locked");
+    let install = first.find("cargo install --path crates/terrella-cli --locked");
     let used = first.find("\nterrella ");
     assert!(install.is_some() && used.is_some() && install < used);
     assert!(first.contains("~/.cargo/bin") && first.contains("PATH"));

@@ -1,26 +1,25 @@
-//! Which module of `src/` may use which. A module is a folder or file directly in `src/`, with all that is in it.
+//! Which module may use which. A module is a folder or file directly in the sources of a crate, with all that is in it; what a crate has
+//! there that is no module of this table belongs to the crate's first one.
 
 use crate::source::{File, Token, after_group};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Each module with the modules that it may use. A module that is not here may not exist.
+/// Each module with the modules that it may use. A module that is not here may not exist. That no crate uses one above it, the compiler
+/// sees too; within a crate only this table does.
 #[rustfmt::skip]
 const MODULES: &[(&str, &[&str])] = &[
     ("files", &[]),
     ("durable", &[]),
-    ("frames", &["files"]),
     ("loaders", &[]),
+    ("frames", &["files"]),
     ("orbit", &["files", "frames"]),
     ("basilisk", &["files", "frames", "orbit"]),
-    ("elevation", &["files", "frames", "loaders"]),
+    ("elevation", &["files", "loaders", "frames"]),
     ("globe", &["frames", "elevation"]),
     ("air", &["frames"]),
     ("light", &["frames", "air"]),
     // Maps and drawables know nothing of satellites.
-    ("imagery", &["files", "durable", "loaders", "elevation", "globe"]),
-    // Maps from the network, for packs.
-    ("fetch", &["files", "durable", "imagery"]),
-    ("scene", &["files", "frames", "orbit", "basilisk", "globe", "air", "light"]),
+    ("imagery", &["files", "loaders", "elevation", "globe"]),
     ("gpu", &["files", "frames", "globe", "air", "light", "imagery"]),
     ("earth", &["files", "frames", "elevation", "globe", "air", "light", "imagery", "gpu"]),
     // Drawn into memory.
@@ -29,37 +28,99 @@ const MODULES: &[(&str, &[&str])] = &[
     ("celestial", &["files", "frames", "air", "imagery", "gpu", "earth"]),
     // Drawn with the Earth, for any feed: knows no scene.
     ("tracks", &["frames", "orbit", "globe", "air", "gpu", "earth"]),
+    ("pack", &["files", "durable", "elevation", "globe", "imagery"]),
+    // Maps from the network, for packs.
+    ("fetch", &["files", "durable", "imagery", "pack"]),
+    ("scene", &["files", "frames", "orbit", "basilisk", "globe", "air", "light"]),
     ("play", &["files", "frames", "durable", "orbit", "basilisk", "elevation", "light", "imagery", "scene", "gpu", "earth", "offscreen", "celestial", "tracks"]),
     ("measure", &["files", "frames", "orbit", "elevation", "globe", "air", "light", "imagery", "scene", "gpu", "earth", "offscreen", "play"]),
     ("cli", &["files", "frames", "orbit", "basilisk", "globe", "imagery", "fetch", "scene", "gpu", "play", "measure"]),
 ];
 
-/// Names that `lib.rs` exports from modules, with their modules: `crate::Earth` is `earth`.
+/// A crate of the product.
+struct Crate {
+    /// Its name in paths.
+    name: &'static str,
+    /// Its sources.
+    folder: &'static str,
+    /// The module that what stands beside its other modules belongs to; a crate without one has modules only.
+    first: Option<&'static str>,
+    modules: &'static [&'static str],
+}
+
+#[rustfmt::skip]
+const CRATES: &[Crate] = &[
+    Crate { name: "terrella_files", folder: "crates/terrella-files/src/", first: Some("files"), modules: &["durable", "loaders"] },
+    Crate { name: "terrella_frames", folder: "crates/terrella-frames/src/", first: Some("frames"), modules: &[] },
+    Crate { name: "terrella_orbit", folder: "crates/terrella-orbit/src/", first: Some("orbit"), modules: &["basilisk"] },
+    Crate { name: "terrella_ground", folder: "crates/terrella-ground/src/", first: None, modules: &["elevation", "globe", "air", "light"] },
+    Crate { name: "terrella_imagery", folder: "crates/terrella-imagery/src/", first: Some("imagery"), modules: &[] },
+    Crate { name: "terrella", folder: "src/", first: None, modules: &["gpu", "earth", "offscreen", "celestial", "tracks"] },
+    Crate { name: "terrella_pack", folder: "crates/terrella-pack/src/", first: Some("pack"), modules: &["fetch"] },
+    Crate { name: "terrella_play", folder: "crates/terrella-play/src/", first: Some("play"), modules: &["scene"] },
+    Crate { name: "terrella_measure", folder: "crates/terrella-measure/src/", first: Some("measure"), modules: &[] },
+    Crate { name: "terrella_cli", folder: "crates/terrella-cli/src/", first: Some("cli"), modules: &[] },
+];
+
+/// The folders of all sources that the table is about.
+pub fn folders() -> impl Iterator<Item = &'static str> {
+    CRATES.iter().map(|one| one.folder.trim_end_matches('/'))
+}
+
+/// Names that `lib.rs` exports, with their modules: `terrella::Earth` is `earth`, `terrella::Epoch` is `frames`.
 pub fn exports(lib: &File) -> BTreeMap<String, String> {
     let mut exports = BTreeMap::new();
     for start in lib.find(&["pub", "use"]) {
         let path = start + 2;
-        let Some(module) = lib.tokens.get(path).and_then(Token::name) else {
+        let Some(first) = lib.tokens.get(path).and_then(Token::name) else {
             continue;
         };
+        let Some(from) = CRATES.iter().find(|one| one.name == first) else {
+            for (name, _) in heads(&lib.tokens, path + 1) {
+                exports.insert(name.to_owned(), first.to_owned());
+            }
+            continue;
+        };
+        // `pub use terrella_ground::globe::{Figure, Shading};`, and `pub use terrella_frames::Epoch;`.
         for (name, _) in heads(&lib.tokens, path + 1) {
-            exports.insert(name.to_string(), module.to_string());
+            if !from.modules.contains(&name) {
+                let first = from.first.unwrap_or(name);
+                exports.insert(name.to_owned(), first.to_owned());
+                continue;
+            }
+            for (inner, _) in heads(&lib.tokens, path + 4) {
+                exports.insert(inner.to_owned(), name.to_owned());
+            }
         }
     }
     exports
 }
 
-/// The module of a source file; `None` for `lib.rs`, `internals.rs` and `main.rs`, which hold the modules together.
-fn module_of(path: &str) -> Option<&str> {
-    let inside = path.strip_prefix("src/")?;
-    let module = inside.split('/').next()?.trim_end_matches(".rs");
-    (!matches!(inside, "lib.rs" | "internals.rs" | "main.rs")).then_some(module)
+/// The crate of a source file, and the file's path below the crate's sources.
+fn crate_of(path: &str) -> Option<(&'static Crate, &str)> {
+    let inside = |one: &'static Crate| Some((one, path.strip_prefix(one.folder)?));
+    CRATES.iter().find_map(inside)
+}
+
+/// The module of a source file; `None` for those that hold modules together, and outside of the product.
+pub fn module_of(path: &str) -> Option<&str> {
+    let (one, inside) = crate_of(path)?;
+    let first = inside.split('/').next()?.trim_end_matches(".rs");
+    match (one.modules.contains(&first), one.first) {
+        (true, _) => Some(first),
+        (false, Some(module)) => Some(module),
+        (false, None) => (!matches!(inside, "lib.rs" | "internals.rs")).then_some(first),
+    }
 }
 
 /// How many modules deep the file's own module is: `super` that often leads to the crate.
 fn depth(path: &str) -> usize {
-    let inside = path.trim_start_matches("src/").trim_end_matches(".rs");
-    inside.trim_end_matches("/mod").split('/').count()
+    let inside = crate_of(path).map_or(path, |(_, inside)| inside);
+    let inside = inside.trim_end_matches(".rs").trim_end_matches("/mod");
+    match inside {
+        "lib" | "main" => 0,
+        _ => inside.split('/').count(),
+    }
 }
 
 /// What in this file uses a module that it may not know.
@@ -74,8 +135,8 @@ pub fn violations(file: &File, exports: &BTreeMap<String, String>) -> Vec<String
         )];
     };
     let mut violations = Vec::new();
-    for (name, token) in uses(file) {
-        let Some(target) = target_of(name, exports) else {
+    for (root, name, token) in uses(file) {
+        let Some(target) = target_of(root, name, exports) else {
             violations.push(file.at(
                 token,
                 format!("`{name}` is no module and nothing that lib.rs exports"),
@@ -99,7 +160,7 @@ pub fn unused(files: &[File], exports: &BTreeMap<String, String>) -> Vec<String>
         .filter_map(|file| Some((module_of(&file.path)?, file)))
         .flat_map(|(module, file)| {
             let names = uses(file).into_iter();
-            names.filter_map(move |(name, _)| Some((module, target_of(name, exports)?)))
+            names.filter_map(move |(root, name, _)| Some((module, target_of(root, name, exports)?)))
         })
         .collect();
     let allowed = MODULES
@@ -144,17 +205,28 @@ fn printed_modules(text: &str, first: &str) -> Option<Vec<String>> {
     Some(cells[start..].iter().map_while(Clone::clone).collect())
 }
 
-/// The module that a name from the crate's root leads to.
-fn target_of<'e>(name: &str, exports: &'e BTreeMap<String, String>) -> Option<&'e str> {
-    let module = MODULES.iter().map(|(module, _)| *module);
-    module
-        .into_iter()
-        .find(|module| *module == name)
-        .or_else(|| exports.get(name).map(String::as_str))
+/// The module that a name at the root of a crate leads to.
+fn target_of<'e>(
+    one: &'static Crate,
+    name: &'e str,
+    exports: &'e BTreeMap<String, String>,
+) -> Option<&'e str> {
+    if one.modules.contains(&name) {
+        return Some(name);
+    }
+    one.first.or_else(|| {
+        let module = MODULES.iter().map(|(module, _)| *module);
+        let mut module = module.filter(|module| *module == name);
+        let exported = exports.get(name).map(String::as_str);
+        exported.or_else(|| module.next())
+    })
 }
 
-/// All names that the file reaches from the crate's root.
-fn uses(file: &File) -> Vec<(&str, &Token)> {
+/// All names that the file reaches from the root of a crate, with that crate.
+fn uses(file: &File) -> Vec<(&'static Crate, &str, &Token)> {
+    let Some((own, _)) = crate_of(&file.path) else {
+        return Vec::new();
+    };
     let tokens = &file.tokens;
     let mut uses = Vec::new();
     let mut i = 0;
@@ -163,14 +235,21 @@ fn uses(file: &File) -> Vec<(&str, &Token)> {
         // A path's first word: not after `::`, not a field.
         let follows_path =
             i >= 1 && (tokens[i - 1].is_mark(':') && i >= 2 && tokens[i - 2].is_mark(':'));
+        let named = CRATES.iter().find(|one| token.is_name(one.name));
+        let root = named.or(token.is_name("crate").then_some(own));
         if follows_path {
             i += 1;
-        } else if token.is_name("crate") || token.is_name("terrella") {
-            // The modules that hosts do not see stand one name deeper, for all outside of the library.
+        } else if let Some(root) = root {
+            // The modules that hosts do not see stand one name deeper.
             let through_internals =
                 is_path(tokens, i + 1) && tokens.get(i + 3).is_some_and(|t| t.is_name("internals"));
             let end = if through_internals { i + 4 } else { i + 1 };
-            uses.extend(heads(tokens, end));
+            let heads = heads(tokens, end);
+            if heads.is_empty() && root.first.is_some() && named.is_some() {
+                // `use terrella_files as files;`
+                uses.push((root, root.name, token));
+            }
+            uses.extend(heads.into_iter().map(|(name, at)| (root, name, at)));
             i = end;
         } else if token.is_name("super") {
             let mut supers = 1;
@@ -180,7 +259,11 @@ fn uses(file: &File) -> Vec<(&str, &Token)> {
                 end += 3;
             }
             if supers >= depth(&file.path) + token.inline_modules {
-                uses.extend(heads(tokens, end));
+                uses.extend(
+                    heads(tokens, end)
+                        .into_iter()
+                        .map(|(name, at)| (own, name, at)),
+                );
             }
             i = end;
         } else {
@@ -231,7 +314,7 @@ mod tests {
     fn check(path: &str, text: &str) -> Vec<String> {
         let lib = File::new(
             "src/lib.rs",
-            "pub mod earth; pub use earth::{Earth, EyeView}; pub use frames::Epoch;",
+            "pub mod earth; pub use earth::{Earth, EyeView}; pub use terrella_frames::Epoch; pub use terrella_ground::globe::{Figure, quadtree::QuadtreeOptions};",
         );
         violations(&File::new(path, text), &exports(&lib))
     }
@@ -253,31 +336,31 @@ mod tests {
     fn what_may_be_used() {
         for (path, text) in [
             (
-                "src/orbit/tle.rs",
-                "use crate::frames::Epoch; use super::OrbitState;",
+                "crates/terrella-orbit/src/tle.rs",
+                "use terrella_frames::Epoch; use super::OrbitState; use terrella_files as files;",
             ),
             (
                 "src/earth.rs",
-                "use crate::{frames::{Epoch, self}, gpu::GpuContext};",
+                "use terrella_frames::{Epoch, self}; use crate::{gpu::GpuContext, Epoch};",
             ),
             (
-                "src/globe/mod.rs",
-                "mod blocks; use crate::globe::blocks; use crate::Epoch;",
+                "crates/terrella-ground/src/globe/mod.rs",
+                "mod blocks; use crate::globe::blocks; use crate::elevation::Bounds;",
             ),
-            ("src/lib.rs", "use crate::play::Clock;"),
-            ("src/main.rs", "use terrella_play;"),
+            ("src/lib.rs", "use terrella_play::Clock;"),
             (
-                "src/frames/sun.rs",
-                "// crate::earth\nmod tests { use super::*; use super::super::Epoch; }",
+                "crates/terrella-frames/src/sun.rs",
+                "// terrella::earth\nmod tests { use super::*; use super::super::Epoch; }",
             ),
             (
                 "src/gpu/air.rs",
                 "pub(crate) fn f() {} mod a { use super::super::Targets; }",
             ),
             (
-                "src/play/clock.rs",
-                "fn f() { crate::scene::Scene::load() }",
+                "crates/terrella-play/src/clock.rs",
+                "use crate::film::Key; fn f() { crate::scene::Scene::load() } use terrella::{EyeView, frames};",
             ),
+            ("xtask/src/main.rs", "use crate::anything;"),
         ] {
             assert_eq!(check(path, text), [""; 0], "{path}: {text}");
         }
@@ -286,27 +369,47 @@ mod tests {
     #[test]
     fn what_may_not_be_used() {
         for (path, text) in [
-            ("src/frames/sun.rs", "use crate::earth::Sky;"),
-            ("src/frames/sun.rs", "fn f() -> crate::earth::Sky {}"),
-            ("src/frames/sun.rs", "use super::super::earth;"),
-            ("src/frames/mod.rs", "use super::earth::Sky;"),
+            ("crates/terrella-frames/src/sun.rs", "use terrella::Earth;"),
             (
-                "src/frames/mod.rs",
+                "crates/terrella-frames/src/sun.rs",
+                "fn f() -> terrella::internals::earth::Sky {}",
+            ),
+            (
+                "crates/terrella-frames/src/sun.rs",
+                "use terrella_orbit as orbit;",
+            ),
+            ("src/gpu/sun.rs", "use super::super::earth;"),
+            ("src/gpu/mod.rs", "use super::earth::Sky;"),
+            (
+                "src/gpu/mod.rs",
                 "mod tests { use super::super::earth::Sky; }",
             ),
             (
-                "src/scene/mod.rs",
-                "use crate::{frames::Epoch, earth::{Sky, Shading}};",
+                "crates/terrella-play/src/scene/mod.rs",
+                "use terrella::{frames::Epoch, EyeView};",
             ),
-            ("src/scene/mod.rs", "use crate::EyeView;"),
-            ("src/imagery/mod.rs", "use crate::orbit::OrbitState;"),
-            ("src/gpu/earth.rs", "use crate::orbit::OrbitState;"),
-            ("src/gpu/earth.rs", "use crate::scene::Scene;"),
-            ("src/earth.rs", "use crate::scene::Scene;"),
-            ("src/air/mod.rs", "use crate::orbit::OrbitState;"),
-            ("src/earth.rs", "use super::play::Clock;"),
-            ("src/earth.rs", "use terrella_play::Clock;"),
-            ("src/air/mod.rs", "use crate::globe::Figure;"),
+            (
+                "crates/terrella-play/src/scene/mod.rs",
+                "use crate::film::Key;",
+            ),
+            (
+                "crates/terrella-play/src/scene/mod.rs",
+                "use crate::{scene::Camera, film};",
+            ),
+            (
+                "crates/terrella-imagery/src/lib.rs",
+                "use terrella_orbit::OrbitState;",
+            ),
+            ("src/gpu/earth.rs", "use terrella_orbit::OrbitState;"),
+            ("src/gpu/earth.rs", "use terrella_play::scene::Scene;"),
+            (
+                "crates/terrella-ground/src/air/mod.rs",
+                "use crate::globe::Figure;",
+            ),
+            (
+                "crates/terrella-pack/src/cut.rs",
+                "use crate::fetch::Source;",
+            ),
             ("src/new/mod.rs", "fn f() {}"),
             ("src/new.rs", "fn f() {}"),
             ("src/earth.rs", "use crate::nothing;"),
@@ -341,10 +444,13 @@ mod tests {
 
     #[test]
     fn what_is_allowed_must_be_used() {
-        let lib = File::new("src/lib.rs", "pub use frames::Epoch;");
+        let lib = File::new("src/lib.rs", "");
         let files = [
-            File::new("src/orbit/mod.rs", "use crate::Epoch;"),
-            File::new("src/globe/mod.rs", "fn f() {}"),
+            File::new(
+                "crates/terrella-orbit/src/lib.rs",
+                "use terrella_frames::Epoch;",
+            ),
+            File::new("crates/terrella-ground/src/globe/mod.rs", "fn f() {}"),
         ];
         let unused = unused(&files, &exports(&lib));
         assert!(!unused.contains(&"`orbit` is allowed `frames` and does not use it".to_owned()));
@@ -353,10 +459,10 @@ mod tests {
 
     #[test]
     fn a_violation_says_where() {
-        let found = check("src/orbit/tle.rs", "\nuse crate::gpu::X;");
+        let found = check("src/gpu/tile.rs", "\nuse crate::earth::X;");
         assert_eq!(
             found,
-            ["src/orbit/tle.rs:2: `orbit` may not use `gpu` (by `gpu`)"]
+            ["src/gpu/tile.rs:2: `gpu` may not use `earth` (by `earth`)"]
         );
     }
 }

@@ -7,7 +7,7 @@ pub const PYPI_PAGE: &str = "crates/terrella-py/README.md";
 /// The name of the module, and on PyPI that of a stranger's distribution.
 const MODULE: &str = "terrella";
 /// Features that change nothing in the public items of the library.
-const NOT_DOCUMENTED: &[&str] = &["command", "default", "dx12", "gles", "metal", "vulkan"];
+const NOT_DOCUMENTED: &[&str] = &["default", "dx12", "gles", "maps", "metal", "vulkan"];
 
 /// The value of a key in a table of a TOML file, as it is written there; lists may take several lines.
 pub fn value<'t>(toml: &'t str, table: &str, key: &str) -> Option<&'t str> {
@@ -183,7 +183,7 @@ mod tests {
 
     #[test]
     fn a_feature_without_documentation_is_found() {
-        let manifest = "\n[package.metadata.docs.rs]\nfeatures = [\"b\"]\n\n[features]\n# A word.\na = []\nb = [\n  \"c\", \"dep:x\"\n]\nc = [\"a\"]\nd = []\ncommand = [\"d\"]\n\n[lib]\n";
+        let manifest = "\n[package.metadata.docs.rs]\nfeatures = [\"b\"]\n\n[features]\n# A word.\na = []\nb = [\n  \"c\", \"dep:x\"\n]\nc = [\"a\"]\nd = []\nmaps = [\"d\"]\n\n[lib]\n";
         assert_eq!(undocumented_features(manifest), ["d"]);
     }
 }

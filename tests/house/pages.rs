@@ -3,8 +3,10 @@
 use crate::repository::{Page, Repository};
 
 /// Folders whose paths are checked where a page names them.
-const FOLDERS: [&str; 8] = [
+const FOLDERS: [&str; 10] = [
     "src/",
+    "crates/",
+    "xtask/",
     "shaders/",
     "tests/",
     "docs/",

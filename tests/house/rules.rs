@@ -1,12 +1,13 @@
 //! Rules about one file each. They give a line for each violation.
 
+use crate::modules;
 use crate::repository::{Page, Repository};
 use crate::source::{File, Word, after_group};
 
 /// A rule about one source file.
 pub type Rule = fn(&File) -> Vec<String>;
 
-/// Rooms that compile and are tested without a GPU.
+/// Modules that compile and are tested without a GPU.
 const WITHOUT_GPU: &[&str] = &[
     "frames",
     "orbit",
@@ -15,6 +16,7 @@ const WITHOUT_GPU: &[&str] = &[
     "air",
     "light",
     "imagery",
+    "pack",
     "fetch",
     "scene",
 ];
@@ -33,13 +35,8 @@ fn all(file: &File, words: &[&str], message: &str) -> Vec<String> {
 
 /// No `wgpu` in a module that must do without.
 pub fn names_no_gpu(file: &File) -> Vec<String> {
-    let is_without = WITHOUT_GPU.iter().any(|module| {
-        let rest = file
-            .path
-            .strip_prefix("src/")
-            .and_then(|path| path.strip_prefix(module));
-        rest.is_some_and(|rest| rest.starts_with('/') || rest == ".rs")
-    });
+    let is_without =
+        modules::module_of(&file.path).is_some_and(|module| WITHOUT_GPU.contains(&module));
     if !is_without {
         return Vec::new();
     }
@@ -100,7 +97,7 @@ pub fn labels_gpu_objects(file: &File) -> Vec<String> {
 }
 
 /// The one file that reaches the network on its own account.
-const HTTP_FILE: &str = "src/fetch/http.rs";
+const HTTP_FILE: &str = "crates/terrella-pack/src/fetch/http.rs";
 
 /// Only one file asks servers for anything: nothing reaches the network unless `pack fetch` is run.
 pub fn asks_no_server(file: &File) -> Vec<String> {
@@ -111,17 +108,17 @@ pub fn asks_no_server(file: &File) -> Vec<String> {
 }
 
 /// The module whose opener rejects pipes, devices and folders.
-const FILES_FOLDER: &str = "src/files/";
+const FILES_FOLDER: &str = "crates/terrella-files/src/";
 
-/// Files that open nothing from outside: one opens folders to sync them, the other reads what the system says of itself.
-const OPENS_NOTHING_FROM_OUTSIDE: [&str; 2] = ["src/durable.rs", "src/measure/machine.rs"];
+/// It opens nothing from outside: it reads what the system says of itself.
+const MACHINE_FILE: &str = "crates/terrella-measure/src/machine.rs";
 
 /// Files are opened and read by one opener.
 pub fn opens_files_in_one_place(file: &File) -> Vec<String> {
     if file.path.starts_with(FILES_FOLDER)
-        || OPENS_NOTHING_FROM_OUTSIDE.contains(&file.path.as_str())
+        || file.path == MACHINE_FILE
         || file.path.contains("tests")
-        || !file.path.starts_with("src/")
+        || modules::module_of(&file.path).is_none()
     {
         return Vec::new();
     }
@@ -150,9 +147,7 @@ pub fn leaves_nothing_unfinished(file: &File) -> Vec<String> {
 
 /// `anyhow` only in the command.
 pub fn keeps_anyhow_in_the_command(file: &File) -> Vec<String> {
-    if file.path.starts_with("src/cli/")
-        || matches!(file.path.as_str(), "src/main.rs" | "src/cli.rs")
-    {
+    if file.path.starts_with("crates/terrella-cli/") {
         return Vec::new();
     }
     all(
@@ -255,14 +250,20 @@ mod tests {
     #[test]
     fn gpu_names() {
         let text = "//! no wgpu here\nuse wgpu::Device;";
-        assert_eq!(count(names_no_gpu, "src/frames/sun.rs", text), 1);
-        assert_eq!(count(names_no_gpu, "src/air.rs", text), 1);
+        assert_eq!(
+            count(names_no_gpu, "crates/terrella-frames/src/sun.rs", text),
+            1
+        );
+        assert_eq!(
+            count(names_no_gpu, "crates/terrella-ground/src/air.rs", text),
+            1
+        );
         assert_eq!(count(names_no_gpu, "src/gpu/air.rs", text), 0);
         assert_eq!(count(names_no_gpu, "src/airship/mod.rs", text), 0);
         assert_eq!(
             count(
                 names_no_gpu,
-                "src/frames/sun.rs",
+                "crates/terrella-frames/src/sun.rs",
                 "// wgpu\nlet a = \"wgpu\";"
             ),
             0
@@ -295,7 +296,14 @@ mod tests {
     #[test]
     fn servers() {
         let text = "//! no ureq here\nuse ureq::Agent;";
-        assert_eq!(count(asks_no_server, "src/fetch/download.rs", text), 1);
+        assert_eq!(
+            count(
+                asks_no_server,
+                "crates/terrella-pack/src/fetch/download.rs",
+                text
+            ),
+            1
+        );
         assert_eq!(count(asks_no_server, HTTP_FILE, text), 0);
     }
 
@@ -313,14 +321,21 @@ mod tests {
     fn typed_errors() {
         let text = "use anyhow::Context;";
         assert_eq!(
-            count(keeps_anyhow_in_the_command, "src/play/video.rs", text),
+            count(
+                keeps_anyhow_in_the_command,
+                "crates/terrella-play/src/video.rs",
+                text
+            ),
             1
         );
         assert_eq!(
-            count(keeps_anyhow_in_the_command, "src/cli/frame.rs", text),
+            count(
+                keeps_anyhow_in_the_command,
+                "crates/terrella-cli/src/frame.rs",
+                text
+            ),
             0
         );
-        assert_eq!(count(keeps_anyhow_in_the_command, "src/main.rs", text), 0);
     }
 
     #[test]
