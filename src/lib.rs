@@ -28,32 +28,47 @@
 //! | [`GroundOptions`], [`SurfaceSettings`] | ground with relief, and the surface that draws it |
 //! | [`TileOptions`] | imagery larger than memory, streamed |
 //! | [`OffscreenEarth`] | an Earth with a device of its own, drawn into memory: for programs without wgpu |
-//! | [`orbit::Feed`] | where a satellite is, for [`tracks::Tracks`] and for your camera |
+//! | `orbit::Feed` | where a satellite is, for `tracks::Tracks` and for your camera |
 //!
-//! # Modules
+//! # Crates and modules
 //!
-//! A module may use those above it in this table and none below; `tests/house` reads the sources and holds it.
+//! | crate | holds |
+//! |---|---|
+//! | `terrella-files` | opening untrusted files, writing durable ones, loading in the background |
+//! | `terrella-frames` | reference frames and time, here as [`frames`] |
+//! | `terrella-orbit` | satellites, here as `orbit` with the feature `tracks` |
+//! | `terrella-ground` | elevation, globe, air and light as numbers |
+//! | `terrella-imagery` | maps and packs of tiles |
+//! | `terrella` | this crate: what is drawn with a GPU |
+//! | `terrella-pack` | packs made from large maps, and fetched maps |
+//! | `terrella-play` | scene files, pictures, films, the window |
+//! | `terrella-measure` | frame rates, the reference renderer, error against run time |
+//! | `terrella-cli` | the command |
+//! | `terrella-maps` | the starter maps |
+//!
+//! A module may use those above it in this table and none below; the compiler holds it between crates, `tests/house` within one.
 //!
 //! | module | knows | must not know |
 //! |---|---|---|
 //! | `files` | opening files from outside, files that are not finished, text from outside in messages | anything below |
 //! | `durable` | files that outlast a power failure: synced, then renamed | anything below |
-//! | [`frames`] | ellipsoid, time scales, Earth rotation, Sun; f64 | anything below |
 //! | `loaders` | threads that load tiles beside the frame | anything below |
-//! | [`orbit`] | readers and propagators: a state at an epoch | GPU |
-//! | [`basilisk`] | simulations of Basilisk: their sockets, messages and files, what is kept of them | GPU |
-//! | [`elevation`] | heights of the ground: grids, their pyramids, readers of elevation data | GPU |
-//! | [`globe`] | the block sphere, and surfaces with relief: vertices, culling, level of detail | GPU, files |
-//! | [`air`] | density, scattering tables, the billboard | GPU, files |
-//! | [`light`] | exposure, tone curves, metering | GPU, files |
-//! | [`imagery`] | maps and packs on disk, checks, mip levels, slopes, streaming | GPU, orbits |
-//! | `fetch` | maps from their public sources into a cache; all of the network that there is | GPU, orbits |
-//! | [`scene`] | the TOML file, defaults, checks with line and key | GPU |
-//! | [`gpu`] | adapter, targets, shaders, one file per drawable | files, orbits |
-//! | [`earth`] | the façade | the command |
+//! | [`frames`] | ellipsoid, time scales, Earth rotation, Sun; f64 | anything below |
+//! | `orbit` | readers and propagators: a state at an epoch | GPU |
+//! | `basilisk` | simulations of Basilisk: their sockets, messages and files, what is kept of them | GPU |
+//! | `elevation` | heights of the ground: grids, their pyramids, readers of elevation data | GPU |
+//! | `globe` | the block sphere, and surfaces with relief: vertices, culling, level of detail | GPU, files |
+//! | `air` | density, scattering tables, the billboard | GPU, files |
+//! | `light` | exposure, tone curves, metering | GPU, files |
+//! | `imagery` | maps and packs on disk, checks, mip levels, slopes, streaming | GPU, orbits |
+//! | `gpu` | adapter, targets, shaders, one file per drawable | files, orbits |
+//! | `earth` | the façade | the command |
 //! | `offscreen` | an Earth that is drawn into memory | files, the command |
-//! | [`celestial`] | stars, the Milky Way, Sun and Moon behind the Earth | files but the star catalogue, the command |
-//! | [`tracks`] | trails, ground tracks, footprints and markers of feeds | files, the command |
+//! | `celestial` | stars, the Milky Way, Sun and Moon behind the Earth | files but the star catalogue, the command |
+//! | `tracks` | trails, ground tracks, footprints and markers of feeds | files, the command |
+//! | `pack` | packs built from large maps | GPU, orbits |
+//! | `fetch` | maps from their public sources into a cache; all of the network that there is | GPU, orbits |
+//! | `scene` | the TOML file, defaults, checks with line and key | GPU |
 //! | `play` | clock, cameras, window, stills, video | |
 //! | `measure` | harness, reference renderer, error against run time, stability | |
 //! | `cli` | arguments, progress, exit codes | mathematics |
@@ -62,11 +77,10 @@
 //!
 //! # Features
 //!
-//! A host pays for what it draws. `default-features = false` is the Earth and its air from maps held whole, and no more;
-//! `celestial`, `orbit`, `tracks`, `live`, `basilisk`, `packs`, `pack-build`, `fetch`, `terrain`, `scene` and `offscreen` add their modules, `playback` plays scenes without
-//! a window, `command` (default) is all of them, the window, the video writer and the command line. Without `terrain` there is no value of [`GroundOptions`], without `packs` none of
-//! [`TileOptions`], and the compiler drops all that would use one. The host chooses wgpu's backends, by the features `vulkan`,
-//! `gles`, `metal` and `dx12` or by its own dependency on wgpu, which is also [`wgpu`] here.
+//! A host pays for what it draws. By default this crate is the Earth and its air from the starter maps (`maps`), held whole, on all backends of
+//! wgpu. `packs`, `terrain`, `tracks`, `celestial` and `offscreen` add what their names say. Without `terrain` there is no value of [`GroundOptions`],
+//! without `packs` none of [`TileOptions`], and the compiler drops all that would use one. With `default-features = false` the host chooses wgpu's backends, by
+//! the features `vulkan`, `gles`, `metal` and `dx12` or by its own dependency on wgpu, which is also [`wgpu`] here.
 
 #[cfg(feature = "celestial")]
 pub mod celestial;

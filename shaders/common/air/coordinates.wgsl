@@ -1,4 +1,4 @@
-// How a ray of sight passes the Earth, and coordinates of the air's tables: the mapping of src/air/tables, whose tables end on
+// How a ray of sight passes the Earth, and coordinates of the air's tables: the mapping of crates/terrella-ground/src/air/tables, whose tables end on
 // texel centres.
 import common/map_uv.wgsl;
 import rust::{LOWEST_SUN, SUN_SPACING};

@@ -1,4 +1,4 @@
-// Narkowicz 2016, "ACES Filmic Tone Mapping Curve": x(ax + b)/(x(cx + d) + e). `Tone::Filmic` in src/light/tone.rs.
+// Narkowicz 2016, "ACES Filmic Tone Mapping Curve": x(ax + b)/(x(cx + d) + e). `Tone::Filmic` in crates/terrella-ground/src/light/tone.rs.
 import rust::{TONE_FILMIC_A, TONE_FILMIC_B, TONE_FILMIC_C, TONE_FILMIC_D, TONE_FILMIC_E, TONE_FILMIC_SCALE};
 
 fn filmic(light: vec3f) -> vec3f {

@@ -1,4 +1,4 @@
-// Khronos PBR Neutral (2024), its highlights alone. `Tone::Neutral` in src/light/tone.rs says why.
+// Khronos PBR Neutral (2024), its highlights alone. `Tone::Neutral` in crates/terrella-ground/src/light/tone.rs says why.
 import rust::{TONE_NEUTRAL_DESATURATION, TONE_NEUTRAL_START};
 
 fn neutral(light: vec3f) -> vec3f {

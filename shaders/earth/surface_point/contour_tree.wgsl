@@ -1,4 +1,4 @@
-// Casting rays at trees of contours: the walk of `contour_cast` in src/globe/contours/gpu_layout.rs, with its names.
+// Casting rays at trees of contours: the walk of `contour_cast` in crates/terrella-ground/src/globe/contours/gpu_layout.rs, with its names.
 // Positions are metres from the origin of a tree.
 import rust::CONTOUR_STACK;
 

@@ -1,5 +1,5 @@
 // A vertex of the projected grid: its number is a grid point; its ray is cast on the base, the vertex is displaced along
-// the normal by the height of the resident tiles. Formulas and names are those of src/globe/projected_grid/cast.rs.
+// the normal by the height of the resident tiles. Formulas and names are those of crates/terrella-ground/src/globe/projected_grid/cast.rs.
 //
 // Single precision holds because nothing here is a difference of large numbers. Angles from the limb come as their sines
 // and cosines; the place is kept as its offset from the place under the eye, Δm, whose relative error is a few 1e-7 at every

@@ -1,4 +1,4 @@
-// What a frame's projected grid is made from. Mirrored by `GridLevel` and `GridUniforms` in src/globe/projected_grid/uniforms.rs,
+// What a frame's projected grid is made from. Mirrored by `GridLevel` and `GridUniforms` in crates/terrella-ground/src/globe/projected_grid/uniforms.rs,
 // where members are explained.
 import rust::{GRID_LEVELS, GRID_WINDOW_TILES};
 
