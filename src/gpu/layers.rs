@@ -1,5 +1,6 @@
 //! Maps as textures.
 
+use terrella_ground::half::half_bits;
 use terrella_imagery::{LayerImage, TexelFormat};
 
 /// One map on the GPU.
@@ -137,41 +138,5 @@ impl GpuLayer {
             },
             texture.size(),
         );
-    }
-}
-
-/// A finite f32 as IEEE half bits, round to nearest, at most 65504 in size; below 2⁻²⁴ it is zero.
-fn half_bits(value: f32) -> u16 {
-    let sign = if value < 0.0 { 0x8000 } else { 0 };
-    let size = value.abs().min(65504.0);
-    if size < 6.103_515_6e-5 {
-        // Subnormal: units of 2⁻²⁴.
-        return sign | (size * 16_777_216.0).round() as u16;
-    }
-    let bits = size.to_bits() + 0x1000;
-    sign | ((bits >> 13) - ((127 - 15) << 10)) as u16
-}
-
-#[cfg(test)]
-mod tests {
-    use super::half_bits;
-
-    #[test]
-    fn halves_match_known_patterns() {
-        for (value, bits) in [
-            (0.0, 0),
-            (1.0, 0x3c00),
-            (0.5, 0x3800),
-            (65504.0, 0x7bff),
-            (1e9, 0x7bff),
-            (6.103_515_6e-5, 0x0400),
-            (5.960_464_5e-8, 1),
-            (-0.5, 0xb800),
-            (-5.960_464_5e-8, 0x8001),
-        ] {
-            assert_eq!(half_bits(value), bits, "{value}");
-        }
-        // One third rounds to the nearest half.
-        assert_eq!(half_bits(1.0 / 3.0), 0x3555);
     }
 }

@@ -5,6 +5,7 @@ use super::DepthBuffer;
 use super::read_back::each_row;
 use super::read_back::{PictureError, read_rows};
 use std::time::Duration;
+use terrella_ground::half::float_of_half;
 
 /// A colour texture (`Rgba8UnormSrgb` if not said otherwise, multisampled if asked) and a reversed-Z depth buffer of one size.
 pub struct FrameTargets {
@@ -311,20 +312,6 @@ pub fn read_halves(
     Ok(values.as_chunks::<4>().0.to_vec())
 }
 
-/// The value of an IEEE half.
-pub(super) fn float_of_half(bits: u16) -> f32 {
-    let sign = if bits >> 15 == 1 { -1.0 } else { 1.0 };
-    let exponent = i32::from(bits >> 10 & 0x1f);
-    let mantissa = f32::from(bits & 0x3ff);
-    let size = match exponent {
-        0 => mantissa * 2f32.powi(-24),
-        31 if mantissa == 0.0 => f32::INFINITY,
-        31 => f32::NAN,
-        _ => (1024.0 + mantissa) * 2f32.powi(exponent - 25),
-    };
-    sign * size
-}
-
 /// Reads an `Rgba32Float` texture (usage `COPY_SRC`), rows one after another. Waits for the device.
 pub fn read_floats(
     device: &wgpu::Device,
@@ -335,26 +322,4 @@ pub fn read_floats(
     let floats = bytes.as_chunks::<4>().0.iter();
     let floats: Vec<f32> = floats.map(|bytes| f32::from_le_bytes(*bytes)).collect();
     Ok(floats.as_chunks::<4>().0.to_vec())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn halves() {
-        for (bits, value) in [
-            (0x0000, 0.0),
-            (0x3c00, 1.0),
-            (0xc000, -2.0),
-            (0x7bff, 65_504.0),
-            (0x0001, 5.960_464_5e-8),
-            (0x0400, 6.103_515_6e-5),
-            (0x3555, 0.333_251_95),
-            (0xfc00, f32::NEG_INFINITY),
-        ] {
-            assert_eq!(float_of_half(bits), value);
-        }
-        assert!(float_of_half(0x7e00).is_nan());
-    }
 }

@@ -2,9 +2,10 @@
 
 use super::read_back::{PictureError, read_lines};
 use super::shader::{TRUTH_LAND, TRUTH_SUNLIT};
-use super::targets::{FrameTargets, color_texture, float_of_half};
+use super::targets::{FrameTargets, color_texture};
 use super::{SurfaceOutput, view};
 use std::ops::Range;
+use terrella_ground::half::float_of_half;
 
 /// What a pixel of the targets [`SurfaceOutput::TRUTH`] holds.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

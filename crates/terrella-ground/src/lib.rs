@@ -6,6 +6,7 @@
 //! | [`globe`] | the block sphere, and surfaces with relief: vertices, culling, level of detail |
 //! | [`air`] | density, scattering tables, the billboard |
 //! | [`light`] | exposure, tone curves, metering |
+//! | [`half`] | half floats |
 //!
 //! Hosts of the renderer meet what they need of it in the crate `terrella`.
 
@@ -18,4 +19,5 @@ pub mod air;
 #[cfg(feature = "terrain")]
 pub mod elevation;
 pub mod globe;
+pub mod half;
 pub mod light;

@@ -19,6 +19,7 @@
 
 mod path;
 mod quadrature;
+mod shipped;
 mod source_table;
 mod sources;
 mod transmittance;
@@ -104,7 +105,8 @@ pub struct AirTables {
 }
 
 impl AirTables {
-    /// The tables for these options: computed where the process has not them yet, half a second on two cores, else free.
+    /// The tables for these options. Those of the default air come with the crate; others are computed where the process has not them yet,
+    /// half a second on two cores.
     pub fn shared(options: &AirOptions) -> Arc<Self> {
         /// Airs that are kept: a host with more makes some of them anew.
         const KEPT: usize = 4;
@@ -113,7 +115,10 @@ impl AirTables {
         if let Some((_, tables)) = made.iter().find(|(of, _)| of == options) {
             return tables.clone();
         }
-        let tables = Arc::new(Self::compute(options));
+        let tables = Arc::new(match *options == AirOptions::default() {
+            true => shipped::default_tables(),
+            false => Self::compute(options),
+        });
         made.truncate(KEPT - 1);
         made.insert(0, (*options, tables.clone()));
         tables
