@@ -59,6 +59,7 @@ pub fn run(data: &Path, out: &Path, only_sources: bool) -> Result<()> {
     }
     let built = ["build", "--release", "--locked", "--bin", "terrella"];
     let terrella = crate::cargo::build(&built)?
+        .terrella
         .context("cargo built the program and did not say where it is")?;
     let mut build = Command::new(terrella);
     build.args(["pack", "build", "--name", NAME]);

@@ -14,8 +14,28 @@ pub fn cargo() -> Command {
     command
 }
 
-/// Runs a building cargo command and gives the `terrella` executable that it made; `None` where its arguments made none.
-pub fn build(arguments: &[&str]) -> anyhow::Result<Option<PathBuf>> {
+/// A program of tests.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct TestProgram {
+    /// Name of the library, the program or the file of tests.
+    pub name: String,
+    /// Folder of its package, where cargo starts it.
+    pub package: PathBuf,
+    /// The program.
+    pub executable: PathBuf,
+}
+
+/// What a building cargo command made.
+#[derive(Debug, Default)]
+pub struct Built {
+    /// The `terrella` executable; `None` where the arguments made none.
+    pub terrella: Option<PathBuf>,
+    /// Programs of tests.
+    pub tests: Vec<TestProgram>,
+}
+
+/// Runs a building cargo command and gives what it made.
+pub fn build(arguments: &[&str]) -> anyhow::Result<Built> {
     let mut command = cargo();
     command.args(arguments);
     let what = shown(&command);
@@ -26,18 +46,34 @@ pub fn build(arguments: &[&str]) -> anyhow::Result<Option<PathBuf>> {
         .stdout(Stdio::piped())
         .spawn()
         .with_context(|| format!("cannot start `{what}`"))?;
-    let mut executable = None;
+    let mut built = Built::default();
     if let Some(stdout) = child.stdout.take() {
         for line in BufReader::new(stdout).lines() {
             let line = line.with_context(|| format!("cannot read the output of `{what}`"))?;
-            executable = executable_in(&line).or(executable);
+            built.terrella = executable_in(&line).or(built.terrella);
+            built.tests.extend(test_in(&line));
         }
     }
     let status = child.wait()?;
     if !status.success() {
         return Err(ChildFailed::new(what, status).into());
     }
-    Ok(executable)
+    Ok(built)
+}
+
+/// The program of tests in one of cargo's messages, if it is about one.
+fn test_in(line: &str) -> Option<TestProgram> {
+    let message: Value = serde_json::from_str(line).ok()?;
+    let is_test = message.get("reason")? == "compiler-artifact"
+        && message.get("profile")?.get("test")?.as_bool()?;
+    let text = |value: &Value| value.as_str().map(str::to_owned);
+    let manifest = PathBuf::from(text(message.get("manifest_path")?)?);
+    let program = TestProgram {
+        name: text(message.get("target")?.get("name")?)?,
+        package: manifest.parent()?.to_path_buf(),
+        executable: PathBuf::from(text(message.get("executable")?)?),
+    };
+    is_test.then_some(program)
 }
 
 /// The output of a cargo command that only tells.
@@ -77,6 +113,23 @@ mod tests {
         format!(
             r#"{{"reason":"compiler-artifact","target":{{"kind":["{kind}"],"name":"terrella"}},"profile":{{"test":{test}}},"executable":{executable}}}"#
         )
+    }
+
+    #[test]
+    fn programs_of_tests_are_taken_with_their_packages() {
+        let message = |test: bool| {
+            format!(
+                r#"{{"reason":"compiler-artifact","manifest_path":"/r/crates/a/Cargo.toml","target":{{"kind":["test"],"name":"orbit"}},"profile":{{"test":{test}}},"executable":"/t/orbit-1"}}"#
+            )
+        };
+        let program = TestProgram {
+            name: "orbit".into(),
+            package: "/r/crates/a".into(),
+            executable: "/t/orbit-1".into(),
+        };
+        assert_eq!(test_in(&message(true)), Some(program));
+        assert_eq!(test_in(&message(false)), None);
+        assert_eq!(test_in("running 3 tests"), None);
     }
 
     #[test]

@@ -62,6 +62,7 @@ pub fn run(policy: Policy, open_window: bool) -> anyhow::Result<()> {
     };
     prepare::run(policy, window)?;
     let terrella = cargo::build(&["build", "--release", "--locked", "--bin", "terrella"])?
+        .terrella
         .context("cargo built the program and did not say where it is")?;
     prepare::check_adapter(policy, &terrella)?;
     let display = display(&|name| std::env::var_os(name));

@@ -1,5 +1,7 @@
 //! `cargo xtask test`: the same preparation as the demonstration, then the whole suite.
 
+mod pool;
+
 use crate::cargo;
 use crate::prepare::{self, Policy, Window};
 use crate::process::{self, say};
@@ -17,10 +19,15 @@ pub fn run(policy: Policy, arguments: &[String]) -> anyhow::Result<()> {
     // With the tests and not by a build of its own, which would compile other variants of the dependencies.
     let mut build = cargo_arguments.clone();
     build.push("--no-run");
-    match cargo::build(&build)? {
+    let built = cargo::build(&build)?;
+    match built.terrella {
         // Said once and plainly, instead of by every test that draws.
         Some(terrella) => prepare::check_adapter(policy, &terrella)?,
         None => say("the adapter is not tried: these arguments do not build the program"),
+    }
+    if arguments.is_empty() {
+        pool::run(built.tests)?;
+        cargo_arguments.push("--doc");
     }
     process::run(cargo::cargo().args(cargo_arguments).args(for_tests))
 }

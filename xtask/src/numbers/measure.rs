@@ -149,7 +149,7 @@ fn program(command: &str) -> anyhow::Result<(PathBuf, Vec<&str>)> {
 
 /// The program, built for release.
 fn terrella() -> anyhow::Result<PathBuf> {
-    let built = cargo::build(&["build", "--release", "--locked", "--bin", "terrella"])?;
+    let built = cargo::build(&["build", "--release", "--locked", "--bin", "terrella"])?.terrella;
     built.context("cargo built no `terrella`")
 }
 
