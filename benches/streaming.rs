@@ -196,7 +196,7 @@ fn fly(
         let (view, sky) = course_at(course, flight, seconds, aspect);
         let expected = EXPECTED_S.map(|ahead| course_at(course, flight, seconds + ahead, aspect).0);
         let (prepare, prepare_cpu) = (Instant::now(), ThreadTime::now());
-        renderer.earth.expect(&expected);
+        renderer.earth.prefetch(&expected);
         let stats = renderer
             .earth
             .prepare(&renderer.gpu.queue, &view, &sky, renderer.size);

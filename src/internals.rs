@@ -13,11 +13,5 @@ pub mod gpu;
 #[cfg(feature = "offscreen")]
 #[path = "offscreen/mod.rs"]
 pub mod offscreen;
-
-/// Scenes of `config/` that come with every program.
-pub mod shipped {
-    /// The scene that is flown where none is named.
-    pub const ISS: &str = include_str!("../config/iss.toml");
-    /// The scene of Basilisk's viewer.
-    pub const BASILISK: &str = include_str!("../config/basilisk.toml");
-}
+#[path = "shipped.rs"]
+pub mod shipped;

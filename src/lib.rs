@@ -58,9 +58,11 @@
 //! | `basilisk` | simulations of Basilisk: their sockets, messages and files, what is kept of them | GPU |
 //! | `elevation` | heights of the ground: grids, their pyramids, readers of elevation data | GPU |
 //! | `globe` | the block sphere, and surfaces with relief: vertices, culling, level of detail | GPU, files |
+//! | `half` | half floats | GPU, files |
 //! | `air` | density, scattering tables, the billboard | GPU, files |
 //! | `light` | exposure, tone curves, metering | GPU, files |
 //! | `imagery` | maps and packs on disk, checks, mip levels, slopes, streaming | GPU, orbits |
+//! | `shipped` | scenes that come with every program | |
 //! | `gpu` | adapter, targets, shaders, one file per drawable | files, orbits |
 //! | `earth` | the façade | the command |
 //! | `offscreen` | an Earth that is drawn into memory | files, the command |
@@ -131,7 +133,7 @@ pub use terrella_ground::light::{Adaptation, Exposure, Tone, exposure_factor};
 pub use terrella_imagery::pack::PackHeights;
 pub use terrella_imagery::{
     EarthLayers, ImageryError, LayerImage, LayerSelection, find_textures, load_layers,
-    tile::{MapLayer, TileKey},
+    tile::{LayerLayout, MapLayer, Tile, TileError, TileFormat, TileKey, TileShape, TileSource},
 };
 #[cfg(feature = "packs")]
 pub use terrella_imagery::{

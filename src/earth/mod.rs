@@ -337,9 +337,9 @@ impl Earth {
 
     /// Says where the eye is expected soon, the nearest time first, so that tiles are there when it comes. At most four
     /// views are looked at; they stand until others are given. Without tiles it does nothing.
-    pub fn expect(&mut self, views: &[EyeView]) {
+    pub fn prefetch(&mut self, views: &[EyeView]) {
         if let Some(tiles) = &mut self.tiles {
-            tiles.expect(views);
+            tiles.prefetch(views);
         }
     }
 

@@ -47,7 +47,7 @@ impl TileDriver {
         match *self {}
     }
 
-    pub fn expect(&mut self, _: &[EyeView]) {
+    pub fn prefetch(&mut self, _: &[EyeView]) {
         match *self {}
     }
 

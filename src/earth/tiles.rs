@@ -227,7 +227,7 @@ impl TileDriver {
     }
 
     /// Where the eye will be soon, the nearest time first.
-    pub fn expect(&mut self, views: &[EyeView]) {
+    pub fn prefetch(&mut self, views: &[EyeView]) {
         self.expected.clear();
         self.expected.extend(views.iter().take(MAX_EXPECTED));
     }

@@ -468,8 +468,8 @@ fn trinidad_has_no_holes_in_descent_low_flight_and_horizon() {
     use terrella_ground::globe::contours::ContourOptions;
     use terrella_measure::errors::{GeolocationRenderer, GroundPicture};
     use terrella_measure::surfaces::SurfacePath;
-    let files =
-        ["textures/elevation.png", "textures/dem/trinidad.png"].map(std::path::PathBuf::from);
+    let files = ["textures/elevation.png", "textures/dem/trinidad.png"]
+        .map(|file| std::path::Path::new(crate::REPOSITORY).join(file));
     let ground = Arc::new(terrella_play::read_ground(&files, false, false).expect("heights"));
     let site = Geodetic::from_degrees(37.5, -105.5, 0.0);
     let size = (192, 108);

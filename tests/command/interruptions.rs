@@ -191,8 +191,8 @@ fn measurements() {
 
 #[test]
 fn ephemerides() {
-    interrupt(&["orbit", "orbit.toml", "--every", "0.5", "--oem", "a.oem"]);
-    interrupt(&["orbit", "orbit.toml", "--every", "0.5"]);
+    interrupt(&["orbit", "orbit.toml", "--every", "1", "--oem", "a.oem"]);
+    interrupt(&["orbit", "orbit.toml", "--every", "1"]);
 }
 
 #[test]

@@ -16,11 +16,13 @@ const MODULES: &[(&str, &[&str])] = &[
     ("basilisk", &["files", "frames", "orbit"]),
     ("elevation", &["files", "loaders", "frames"]),
     ("globe", &["frames", "elevation"]),
-    ("air", &["frames"]),
+    ("half", &[]),
+    ("air", &["frames", "half"]),
     ("light", &["frames", "air"]),
     // Maps and drawables know nothing of satellites.
     ("imagery", &["files", "loaders", "elevation", "globe"]),
-    ("gpu", &["files", "frames", "globe", "air", "light", "imagery"]),
+    ("shipped", &[]),
+    ("gpu", &["files", "frames", "globe", "half", "air", "light", "imagery"]),
     ("earth", &["files", "frames", "elevation", "globe", "air", "light", "imagery", "gpu"]),
     // Drawn into memory.
     ("offscreen", &["light", "imagery", "gpu", "earth"]),
@@ -31,10 +33,10 @@ const MODULES: &[(&str, &[&str])] = &[
     ("pack", &["files", "durable", "elevation", "globe", "imagery"]),
     // Maps from the network, for packs.
     ("fetch", &["files", "durable", "imagery", "pack"]),
-    ("scene", &["files", "frames", "orbit", "basilisk", "globe", "air", "light"]),
+    ("scene", &["shipped", "files", "frames", "orbit", "basilisk", "globe", "air", "light"]),
     ("play", &["files", "frames", "durable", "orbit", "basilisk", "elevation", "light", "imagery", "scene", "gpu", "earth", "offscreen", "celestial", "tracks"]),
     ("measure", &["files", "frames", "orbit", "elevation", "globe", "air", "light", "imagery", "scene", "gpu", "earth", "offscreen", "play"]),
-    ("cli", &["files", "frames", "orbit", "basilisk", "globe", "imagery", "fetch", "scene", "gpu", "play", "measure"]),
+    ("cli", &["shipped", "files", "frames", "orbit", "basilisk", "globe", "imagery", "pack", "fetch", "scene", "gpu", "play", "measure"]),
 ];
 
 /// A crate of the product.
@@ -53,9 +55,9 @@ const CRATES: &[Crate] = &[
     Crate { name: "terrella_files", folder: "crates/terrella-files/src/", first: Some("files"), modules: &["durable", "loaders"] },
     Crate { name: "terrella_frames", folder: "crates/terrella-frames/src/", first: Some("frames"), modules: &[] },
     Crate { name: "terrella_orbit", folder: "crates/terrella-orbit/src/", first: Some("orbit"), modules: &["basilisk"] },
-    Crate { name: "terrella_ground", folder: "crates/terrella-ground/src/", first: None, modules: &["elevation", "globe", "air", "light"] },
+    Crate { name: "terrella_ground", folder: "crates/terrella-ground/src/", first: None, modules: &["elevation", "globe", "half", "air", "light"] },
     Crate { name: "terrella_imagery", folder: "crates/terrella-imagery/src/", first: Some("imagery"), modules: &[] },
-    Crate { name: "terrella", folder: "src/", first: None, modules: &["gpu", "earth", "offscreen", "celestial", "tracks"] },
+    Crate { name: "terrella", folder: "src/", first: None, modules: &["shipped", "gpu", "earth", "offscreen", "celestial", "tracks"] },
     Crate { name: "terrella_pack", folder: "crates/terrella-pack/src/", first: Some("pack"), modules: &["fetch"] },
     Crate { name: "terrella_play", folder: "crates/terrella-play/src/", first: Some("play"), modules: &["scene"] },
     Crate { name: "terrella_measure", folder: "crates/terrella-measure/src/", first: Some("measure"), modules: &[] },

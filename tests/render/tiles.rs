@@ -370,7 +370,7 @@ fn expected_views_are_loaded_before_they_come() {
     let at = |lon| down(Geodetic::from_degrees(10.0, lon, 5e5), 40.0, aspect);
     let (here, there) = (at(0.0), at(40.0));
     let sun = DVec3::new(0.9, 0.4, 0.1).normalize();
-    rig.earth.expect(&[there]);
+    rig.earth.prefetch(&[there]);
     for _ in 0..2_000 {
         let (_, stats) = rig.draw(&here, sun);
         let tiles = stats.tiles;

@@ -318,8 +318,8 @@ impl OffscreenRenderer {
     }
 
     /// Says where the eye will be soon, so that tiles are there when it comes.
-    pub fn expect(&mut self, views: &[EyeView]) {
-        self.earth.expect(views);
+    pub fn prefetch(&mut self, views: &[EyeView]) {
+        self.earth.prefetch(views);
     }
 
     /// Reads back what was drawn last. Waits for the device.

@@ -445,7 +445,7 @@ impl<'a> App<'a> {
                 Some(self.flight.view_at(epoch, &request).ok()?.view)
             }));
         }
-        renderer.expect(&self.expected);
+        renderer.prefetch(&self.expected);
         let (presented, actions) = renderer.draw(&moment, &self.controls, interval);
         if let (Some(live), Presented::Until(_)) = (&mut self.live, presented) {
             live.drawn();

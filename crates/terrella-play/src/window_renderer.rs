@@ -196,8 +196,8 @@ impl WindowRenderer {
     }
 
     /// Says where the eye will be soon.
-    pub fn expect(&mut self, views: &[EyeView]) {
-        self.earth.expect(views);
+    pub fn prefetch(&mut self, views: &[EyeView]) {
+        self.earth.prefetch(views);
     }
 
     /// The moment that was drawn last.

@@ -23,7 +23,9 @@ pub fn run(mut programs: Vec<TestProgram>) -> anyhow::Result<()> {
     programs.sort_by_key(|program| place(program).unwrap_or(LONGEST.len()));
     let at_once = std::thread::available_parallelism().map_or(1, usize::from);
     let count = programs.len();
-    say(format_args!("{count} programs of tests, {at_once} at a time"));
+    say(format_args!(
+        "{count} programs of tests, {at_once} at a time"
+    ));
     let waiting = Mutex::new(programs.into_iter());
     let failed = Mutex::new(Vec::new());
     std::thread::scope(|scope| {
@@ -38,7 +40,9 @@ pub fn run(mut programs: Vec<TestProgram>) -> anyhow::Result<()> {
             });
         }
     });
-    let mut failed = failed.into_inner().unwrap_or_else(|error| error.into_inner());
+    let mut failed = failed
+        .into_inner()
+        .unwrap_or_else(|error| error.into_inner());
     match failed.pop() {
         None => Ok(()),
         Some(last) => {
@@ -52,7 +56,10 @@ pub fn run(mut programs: Vec<TestProgram>) -> anyhow::Result<()> {
 }
 
 fn next(waiting: &Mutex<std::vec::IntoIter<TestProgram>>) -> Option<TestProgram> {
-    waiting.lock().unwrap_or_else(|error| error.into_inner()).next()
+    waiting
+        .lock()
+        .unwrap_or_else(|error| error.into_inner())
+        .next()
 }
 
 fn run_one(program: &TestProgram) -> anyhow::Result<()> {
@@ -72,7 +79,11 @@ fn run_one(program: &TestProgram) -> anyhow::Result<()> {
     let output = command
         .output()
         .with_context(|| format!("cannot start {}", program.executable.display()))?;
-    say(format_args!("{}, {:.0} s", told(program, &output), begun.elapsed().as_secs_f64()));
+    say(format_args!(
+        "{}, {:.0} s",
+        told(program, &output),
+        begun.elapsed().as_secs_f64()
+    ));
     match output.status.success() {
         true => Ok(()),
         false => Err(ChildFailed::new(&program.name, output.status).into()),
@@ -91,7 +102,10 @@ fn told(program: &TestProgram, output: &Output) -> String {
         .filter(|line| line.contains("SKIPPED"))
         .map(|line| format!("{}: {line}\nxtask: ", program.name))
         .collect();
-    let results: Vec<_> = stdout.lines().filter(|line| line.starts_with("test result")).collect();
+    let results: Vec<_> = stdout
+        .lines()
+        .filter(|line| line.starts_with("test result"))
+        .collect();
     format!("{skipped}{}: {}", program.name, results.join(" "))
 }
 
@@ -105,7 +119,11 @@ mod tests {
         let executable = folder.join(name);
         std::fs::write(&executable, format!("#!/bin/sh\n{script}\n")).unwrap();
         std::fs::set_permissions(&executable, std::fs::Permissions::from_mode(0o755)).unwrap();
-        TestProgram { name: name.to_owned(), package: folder.to_path_buf(), executable }
+        TestProgram {
+            name: name.to_owned(),
+            package: folder.to_path_buf(),
+            executable,
+        }
     }
 
     #[test]
@@ -141,6 +159,10 @@ mod tests {
         let program = program(folder.path(), "a", script);
         let output = Command::new(&program.executable).output().unwrap();
         let told = told(&program, &output);
-        assert!(told.contains("a: SKIPPED: no display") && told.ends_with("a: test result: ok. 3 passed"), "{told}");
+        assert!(
+            told.contains("a: SKIPPED: no display")
+                && told.ends_with("a: test result: ok. 3 passed"),
+            "{told}"
+        );
     }
 }

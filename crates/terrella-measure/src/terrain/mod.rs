@@ -18,14 +18,14 @@ pub mod contours;
 mod deserialize;
 mod draw;
 mod field;
-#[cfg(test)]
-mod ground;
 pub mod patches;
 pub mod qbernstein;
 pub mod quadtree;
 mod storage;
 mod table;
 mod tables;
+#[cfg(test)]
+mod tests;
 mod trees;
 mod workers;
 

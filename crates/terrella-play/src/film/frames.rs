@@ -100,7 +100,7 @@ impl FilmFrames {
             let next = flight.at(frame_epoch(time, index + 1), aspect);
             let next = next.as_ref();
             let views = next.map_or(&[][..], |next| std::slice::from_ref(&next.view));
-            self.painter.renderer().expect(views);
+            self.painter.renderer().prefetch(views);
         }
         let after = |part: f64| epoch_after(time, index as f64 + part);
         let painted = self

@@ -196,7 +196,7 @@ fn connect(nodes: &mut [Node], dem: &Dem, tolerance_m: f64) -> Option<TreeStats>
 mod tests {
     use super::super::build_on;
     use super::*;
-    use crate::terrain::ground::fractal;
+    use crate::terrain::tests::ground::fractal;
 
     #[test]
     fn contours_come_back_to_the_last_bit() {

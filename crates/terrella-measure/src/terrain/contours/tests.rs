@@ -1,7 +1,7 @@
 //! Large trees of contours, on any number of threads.
 
 use super::{ContourTree, build_on, screen_error_px, select, world_error_m};
-use crate::terrain::ground::{flat, fractal, globe};
+use crate::terrain::tests::ground::{flat, fractal, globe};
 use glam::DVec3;
 use terrella_ground::elevation::Bounds;
 use terrella_ground::globe::contours::dem::quarters;

@@ -181,7 +181,7 @@ fn whole([columns, rows]: [u32; 2]) -> Span {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::terrain::ground::fractal;
+    use crate::terrain::tests::ground::fractal;
 
     fn built() -> (PatchTree, [u8; 32]) {
         let dem = fractal(65, 3);

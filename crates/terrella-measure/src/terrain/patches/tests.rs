@@ -1,5 +1,5 @@
 use super::*;
-use crate::terrain::ground::{fractal, noise};
+use crate::terrain::tests::ground::{fractal, noise};
 use glam::DVec2;
 use terrella_ground::globe::contours::dem::DemFrame;
 

@@ -1,0 +1,3 @@
+//! What the tests of several trees share.
+
+pub mod ground;
