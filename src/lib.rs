@@ -84,6 +84,9 @@
 //! without `packs` none of [`TileOptions`], and the compiler drops all that would use one. With `default-features = false` the host chooses wgpu's backends, by
 //! the features `vulkan`, `gles`, `metal` and `dx12` or by its own dependency on wgpu, which is also [`wgpu`] here.
 
+// docs.rs says of each item which feature it needs.
+#![cfg_attr(docsrs, feature(doc_cfg))]
+
 #[cfg(feature = "celestial")]
 pub mod celestial;
 #[doc(hidden)]

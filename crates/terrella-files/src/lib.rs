@@ -1,6 +1,9 @@
 //! What every crate of Terrella does alike with files and with text from outside: opening files, writing files that outlast a power
 //! failure, removing those that were not finished, quoting text in messages, and loading in the background.
 
+// docs.rs says of each item which feature it needs.
+#![cfg_attr(docsrs, feature(doc_cfg))]
+
 pub mod durable;
 #[cfg(feature = "loaders")]
 pub mod loaders;

@@ -10,6 +10,8 @@
 //!
 //! Hosts of the renderer meet what they need of it in the crate `terrella`.
 
+// docs.rs says of each item which feature it needs.
+#![cfg_attr(docsrs, feature(doc_cfg))]
 #![allow(
     missing_docs,
     reason = "what hosts meet of it is documented, the rest says itself"

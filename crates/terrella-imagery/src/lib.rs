@@ -20,6 +20,9 @@
 //! | `stream/` | tiles streamed into memory: what is requested, loaded, resident and drawn; with that feature too |
 //! | `error.rs` | what can be wrong |
 
+// docs.rs says of each item which feature it needs.
+#![cfg_attr(docsrs, feature(doc_cfg))]
+
 mod albedo;
 mod between;
 pub mod colour;

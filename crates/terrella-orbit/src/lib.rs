@@ -16,6 +16,9 @@
 //! Time scales and leap seconds are in [`frames`](terrella_frames). Why the readers of OEM and OMM and the
 //! integrators are our own stands in `oem/mod.rs`, `omm/mod.rs` and `numerical/integrate/mod.rs`.
 
+// docs.rs says of each item which feature it needs.
+#![cfg_attr(docsrs, feature(doc_cfg))]
+
 #[cfg(feature = "basilisk")]
 pub mod basilisk;
 mod catalogue;

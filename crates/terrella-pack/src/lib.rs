@@ -21,6 +21,9 @@
 //! several times, for some columns of blocks each. What is written does not depend on that, nor on the number of
 //! threads.
 
+// docs.rs says of each item which feature it needs.
+#![cfg_attr(docsrs, feature(doc_cfg))]
+
 mod bands;
 mod bc;
 mod codes;

@@ -43,6 +43,9 @@
 //! | `quality_control` | the scene's resolution, and what is given up to hold its frame time |
 //! | `frame_cost` | what its frames cost, for adaptive quality |
 
+// docs.rs says of each item which feature it needs.
+#![cfg_attr(docsrs, feature(doc_cfg))]
+
 // Where a file is built without the command, what only that needs of it is left unused.
 mod basilisk;
 pub mod camera;
