@@ -51,9 +51,7 @@ pub struct CelestialUniforms {
     pub stars_z: Vec3,
     /// Light of the Sun that comes past Earth and Moon, as a part of all.
     pub sun_seen: f32,
-    /// The Sun.
     pub sun: Disc,
-    /// The Moon.
     pub moon: Disc,
     /// The Moon's axes from those of its disc, by columns.
     pub moon_x: Vec3,

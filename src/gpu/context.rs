@@ -52,11 +52,8 @@ pub enum BcSupport {
 pub struct GpuContext {
     /// The instance that surfaces are created from.
     pub instance: wgpu::Instance,
-    /// The adapter.
     pub adapter: wgpu::Adapter,
-    /// The device.
     pub device: wgpu::Device,
-    /// Its queue.
     pub queue: wgpu::Queue,
     faults: GpuFaults,
 }

@@ -19,7 +19,6 @@ pub(super) struct BlockInstance {
 }
 
 impl BlockInstance {
-    /// That of a block.
     pub fn of_block(block: Block) -> Self {
         let uv = block.center_uv().as_vec2().to_array();
         Self::new(

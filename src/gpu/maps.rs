@@ -74,7 +74,6 @@ impl Maps {
         self.view_arrays();
     }
 
-    /// Which maps there are.
     pub fn there(&self) -> [bool; MAP_LAYERS] {
         self.whole.each_ref().map(Option::is_some)
     }
@@ -196,7 +195,6 @@ impl MapArrangement {
         self.shown[layer.index()]
     }
 
-    /// Layout of the bind groups.
     pub fn layout(&self) -> &wgpu::BindGroupLayout {
         &self.layout
     }

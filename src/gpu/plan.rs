@@ -47,7 +47,6 @@ pub(crate) struct FramePlan {
 /// How the air of a frame is drawn.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct AirPlan {
-    /// The ring.
     pub ring: Billboard,
     /// The normal of the ellipsoid at the eye.
     pub eye_up: DVec3,

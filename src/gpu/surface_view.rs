@@ -7,7 +7,6 @@ use super::surface_config::SurfaceConfig;
 use super::{FramePlan, FrameUniforms};
 use terrella_ground::globe::{BlockGrid, BlockSet, Surface};
 
-/// One view of the surface.
 pub(crate) struct SurfaceView {
     /// [`FrameUniforms`].
     uniforms: wgpu::Buffer,

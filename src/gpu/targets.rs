@@ -17,7 +17,6 @@ pub struct FrameTargets {
 impl FrameTargets {
     /// Colour format of the picture.
     pub const COLOR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
-    /// Depth format.
     pub const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
     /// The depth buffer of its passes.
     pub const REVERSED_DEPTH: DepthBuffer = DepthBuffer::ReversedZ(Self::DEPTH);

@@ -19,7 +19,6 @@ pub struct TrackUniforms {
     pub padding: f32,
 }
 
-/// A point of a line.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub(crate) struct LinePoint {

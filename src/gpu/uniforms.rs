@@ -43,7 +43,6 @@ pub struct FrameUniforms {
 pub struct MoonShadowUniforms {
     /// The Moon's centre from the Earth's.
     pub moon: Vec3,
-    /// Its radius.
     pub radius: f32,
     /// From the Sun through the Moon, unit.
     pub axis: Vec3,

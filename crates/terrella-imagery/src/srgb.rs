@@ -38,6 +38,12 @@ static ENCODER: LazyLock<Encoder> = LazyLock::new(|| {
 /// The nearest 8-bit sRGB value, nearest in encoded space. Takes 0…1, saturates outside, 0 for NaN.
 pub struct SrgbEncoder(&'static Encoder);
 
+impl Default for SrgbEncoder {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 impl SrgbEncoder {
     /// With its table filled.
     pub fn new() -> Self {

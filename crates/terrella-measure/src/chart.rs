@@ -45,7 +45,6 @@ pub struct Series {
     pub joined: bool,
 }
 
-/// One chart.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chart {
     /// Above it.

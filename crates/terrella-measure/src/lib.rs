@@ -20,6 +20,8 @@
 //! | `statistics`, `histogram`, `pareto` | medians, quartiles, jank; quantiles of many values; the Pareto front |
 //! | `chart`, `axis`, `html`, `output` | measurements as charts, pages and tables, and the folder they are written to |
 
+#![allow(missing_docs, reason = "names of measurements say what they are")]
+
 mod axis;
 pub mod bench;
 mod chart;

@@ -53,7 +53,6 @@ impl SortedSample {
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Quantiles {
-    /// The median.
     pub median: f64,
     /// The value that 95 of a hundred do not exceed; none of fewer than 20 values, where it would be the largest.
     pub p95: Option<f64>,
@@ -80,7 +79,6 @@ impl Quantiles {
 pub struct Quartiles {
     /// The value that a quarter of the sample does not exceed.
     pub lower: f64,
-    /// The median.
     pub median: f64,
     /// The value that three quarters of the sample do not exceed.
     pub upper: f64,

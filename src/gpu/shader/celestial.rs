@@ -23,7 +23,6 @@ pub enum CelestialKind {
     Stars,
     /// The Sun's disc.
     Sun,
-    /// The Moon.
     Moon,
     /// The Sun's light in the lens.
     Glare,

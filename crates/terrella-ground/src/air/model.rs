@@ -33,7 +33,6 @@ impl Default for AirOptions {
 /// Optical depths of a vertical column at some wavelengths.
 #[derive(Clone, Copy, Debug)]
 struct Depths<V> {
-    /// Of molecules.
     molecules: V,
     /// Of 300 Dobson units of ozone.
     ozone: V,

@@ -9,7 +9,6 @@ use terrella_frames::Ellipsoid;
 pub const COLUMNS: u32 = 16;
 /// Blocks from the north pole to the south pole.
 pub const ROWS: u32 = 8;
-/// All blocks.
 pub const BLOCK_COUNT: u32 = COLUMNS * ROWS;
 
 /// Most cells per block edge.
@@ -79,7 +78,6 @@ impl Block {
     }
 }
 
-/// A set of blocks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct BlockSet(pub u128);
 
@@ -248,7 +246,6 @@ impl BlockGrid {
         (self.subdivision + 1) * (self.subdivision + 1)
     }
 
-    /// Triangles of one block.
     pub fn triangles(&self, kind: BlockRow) -> u32 {
         let n = self.subdivision;
         2 * n * n - if kind == BlockRow::Middle { 0 } else { n }

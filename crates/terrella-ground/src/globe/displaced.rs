@@ -12,7 +12,6 @@ use std::f64::consts::{FRAC_PI_8, PI};
 use std::sync::Arc;
 use terrella_frames::Ellipsoid;
 
-/// A displaced vertex.
 #[derive(Clone, Copy)]
 struct DisplacedVertex {
     position_itrf_m: DVec3,

@@ -8,7 +8,6 @@ use terrella_frames::{Ellipsoid, HeightRange};
 /// One of the 2^depth × 2^depth parts of a block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Part {
-    /// The block.
     pub block: Block,
     /// How often it is halved, 0…15.
     pub depth: u8,
@@ -19,7 +18,6 @@ pub struct Part {
 }
 
 impl Part {
-    /// A whole block.
     pub fn whole(block: Block) -> Self {
         Self {
             block,

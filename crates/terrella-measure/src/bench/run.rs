@@ -47,7 +47,6 @@ pub const MAX_FRAMES: u32 = 10_000;
 /// A finished or interrupted run. Its files are written.
 #[derive(Clone, Debug)]
 pub struct BenchRun {
-    /// The report.
     pub report: BenchReport,
     /// The comparison with the baseline, if one was given and the run is complete.
     pub comparison: Option<Comparison>,

@@ -41,7 +41,6 @@ pub enum ViewGroup {
     Limb,
     /// From space, past the edge below 5 km or above 60 km.
     OtherLimb,
-    /// The sky from the ground.
     SkyFromGround,
     /// The sky from 10 km.
     SkyFrom10Km,

@@ -148,7 +148,6 @@ pub enum TableError {
     Column {
         /// Which table.
         path: PathBuf,
-        /// Which column.
         column: String,
     },
     /// A value.
@@ -156,7 +155,6 @@ pub enum TableError {
     Number {
         /// Which table.
         path: PathBuf,
-        /// Which column.
         column: String,
         /// Which row, the first below the head being 1.
         row: usize,

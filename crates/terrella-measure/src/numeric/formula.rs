@@ -57,11 +57,9 @@ pub struct Formula<I, O = f64> {
     pub range: &'static str,
     /// Name of the swept parameter, with its unit.
     pub parameter: &'static str,
-    /// Its values.
     pub values: Vec<f64>,
     /// The cases that a value stands for. The error at the value is the worst of them.
     pub inputs: fn(f64) -> Vec<I>,
-    /// What an error is.
     pub error_measure: ErrorMeasure<I, O>,
     /// The forms; the first is the printed or obvious one.
     pub forms: Vec<Form<I, O>>,
@@ -70,7 +68,6 @@ pub struct Formula<I, O = f64> {
 /// How one form of a formula stands up to the oracle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StabilityRow {
-    /// The formula.
     pub formula: &'static str,
     /// The form: `as printed: …` or `stable: …`.
     pub form: &'static str,

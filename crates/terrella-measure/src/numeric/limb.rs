@@ -6,7 +6,6 @@ use super::oracle::Real;
 use terrella::frames::Ellipsoid;
 use terrella_ground::air::horizon_square;
 
-/// An eye above a sphere.
 pub(super) struct EyeAboveSphere {
     pub radius_m: f64,
     pub height_m: f64,

@@ -42,7 +42,6 @@ pub trait Method {
 
 /// Cost of one variant at one value.
 pub enum Work<'m> {
-    /// To be timed.
     Timed {
         /// How many calls one run makes: the time is divided by it. Enough of them to fill some 10 µs.
         calls: u32,
@@ -58,7 +57,6 @@ pub enum Work<'m> {
 pub struct Measurement {
     /// [`Method::name`].
     pub method: String,
-    /// The variant.
     pub variant: String,
     /// Name of the parameter, with its unit.
     pub parameter: &'static str,
@@ -66,11 +64,9 @@ pub struct Measurement {
     pub value: f64,
     /// Error there.
     pub error: f64,
-    /// Its unit.
     pub error_unit: String,
     /// Cost there.
     pub cost: Quartiles,
-    /// Its unit.
     pub cost_unit: String,
 }
 

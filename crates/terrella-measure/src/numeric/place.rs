@@ -20,7 +20,6 @@ pub struct PixelRay {
     pub eye_itrf_m: DVec3,
     /// The pixel's ray, ITRF axes, of any length.
     pub ray: DVec3,
-    /// The block.
     pub block: Block,
 }
 
@@ -31,7 +30,6 @@ pub struct ShaderInput {
     pub eye_scaled: Vec3,
     /// |`eye_scaled`|² − 1, computed in f64.
     pub above: f32,
-    /// The ray.
     pub ray: Vec3,
     /// a/b.
     pub polar_stretch: f32,

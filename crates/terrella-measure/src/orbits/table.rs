@@ -12,7 +12,6 @@ use terrella_orbit::numerical::Solver;
 pub struct OrbitRow {
     /// The orbit, the forces and the span.
     pub case: String,
-    /// The method.
     pub method: &'static str,
     /// Relative tolerance; `None` for a formula.
     pub relative_tolerance: Option<f64>,

@@ -48,7 +48,6 @@ pub enum QualityError {
     /// Writing.
     #[error(transparent)]
     Output(#[from] OutputError),
-    /// The chart.
     #[error(transparent)]
     Chart(#[from] ChartError),
     /// Stopped by the user.

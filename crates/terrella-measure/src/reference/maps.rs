@@ -13,7 +13,6 @@ pub struct FullMap {
     pub height: u32,
     /// How texels are stored.
     pub format: TexelFormat,
-    /// The texels.
     pub texels: Vec<u8>,
 }
 

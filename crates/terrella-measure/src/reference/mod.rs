@@ -87,7 +87,6 @@ pub const SAMPLES: RangeInclusive<u32> = 1..=16;
 /// What is fixed when a reference is made.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ReferenceOptions {
-    /// The figure.
     pub figure: Figure,
     /// How the ground is shaded.
     pub shading: Shading,
@@ -139,13 +138,9 @@ pub enum ReferenceError {
         layer: &'static str,
         /// The format it must have.
         wanted: TexelFormat,
-        /// Its width.
         width: u32,
-        /// Its height.
         height: u32,
-        /// Its format.
         format: TexelFormat,
-        /// Its bytes.
         bytes: usize,
     },
     /// No surface colour.
@@ -226,7 +221,6 @@ impl Reference {
         }
     }
 
-    /// The options.
     pub fn options(&self) -> &ReferenceOptions {
         &self.options
     }
@@ -254,7 +248,6 @@ impl Reference {
         self.relief.is_some()
     }
 
-    /// The maps.
     pub fn maps(&self) -> &FullMaps {
         &self.ground.maps
     }

@@ -33,7 +33,6 @@ pub(super) struct Path {
     pub meets_ground: bool,
 }
 
-/// A point of a path.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PathPoint {
     /// From the centre, of length 1 + `height`.
@@ -181,7 +180,6 @@ impl Breakpoints {
         self
     }
 
-    /// The pieces, from and to.
     pub fn pieces(&self) -> impl Iterator<Item = (f64, f64)> {
         self.at[..self.count]
             .windows(2)

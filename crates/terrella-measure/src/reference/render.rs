@@ -75,7 +75,6 @@ pub(super) struct PixelPart {
     pub x: f64,
     /// Upper left corner.
     pub y: f64,
-    /// Its side.
     pub side: f64,
 }
 

@@ -97,7 +97,6 @@ pub struct ReferenceStats {
     pub ground: f64,
     /// Features that are drawn.
     pub features_on: Vec<String>,
-    /// Features that are off.
     pub features_off: Vec<String>,
     /// What the scene asks for and this renderer does not draw.
     pub left_out: Vec<String>,

@@ -28,7 +28,6 @@ pub enum SettingChange {
     Samples(u32),
     /// The air.
     Atmosphere(Atmosphere),
-    /// The shading.
     Shading(Shading),
     /// Width and height of the picture.
     Size((u32, u32)),
@@ -156,7 +155,6 @@ fn reduced(layers: &EarthLayers, levels: u32) -> EarthLayers {
 pub struct UnavailableSweep {
     /// The setting.
     pub parameter: &'static str,
-    /// Why.
     pub why: String,
 }
 

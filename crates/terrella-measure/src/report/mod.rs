@@ -78,10 +78,8 @@ pub enum ReportError {
     /// Writing.
     #[error(transparent)]
     Output(#[from] OutputError),
-    /// A chart.
     #[error(transparent)]
     Chart(#[from] ChartError),
-    /// The page.
     #[error(transparent)]
     Page(#[from] PageError),
     /// A height is below the ground or is no number.
@@ -97,7 +95,6 @@ pub enum ReportError {
         done: usize,
         /// Rows that were wanted.
         wanted: usize,
-        /// The page.
         page: PathBuf,
     },
 }

@@ -26,7 +26,6 @@ pub struct SweepRow {
     pub floor_ratio: Quartiles,
     /// Time of `prepare`, milliseconds.
     pub prepare_ms: f64,
-    /// Mean of FLIP.
     pub flip_mean: f64,
     /// 99th percentile of FLIP.
     pub flip_p99: f64,

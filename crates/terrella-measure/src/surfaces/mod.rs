@@ -112,7 +112,6 @@ pub struct SurfacesRequest<'r> {
     /// The folder that it is written to; made if it is not there. Of tables that lie there rows that are measured now are
     /// replaced and others kept.
     pub folder: &'r Path,
-    /// The settings.
     pub settings: SettingsWanted,
     /// The surfaces; none takes all.
     pub only: &'r [SurfaceKind],
@@ -159,10 +158,8 @@ pub enum SurfacesError {
     /// Writing.
     #[error(transparent)]
     Output(#[from] OutputError),
-    /// A chart.
     #[error(transparent)]
     Chart(#[from] ChartError),
-    /// The page.
     #[error(transparent)]
     Page(#[from] PageError),
 }

@@ -9,7 +9,6 @@ use terrella_play::scene::DEFAULT_TOLERANCE_PX;
 /// A surface with one of its settings.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Setting {
-    /// The surface.
     pub surface: SurfaceKind,
     /// What is set.
     pub parameter: &'static str,

@@ -86,7 +86,6 @@ pub enum TerrainError {
     /// Heights of a synthetic ground, or of every so many samples of a file, that these trees cannot be made of.
     #[error("{ground}: {error}")]
     Ground {
-        /// The ground.
         ground: String,
         /// Why not.
         error: DemError,
@@ -94,7 +93,6 @@ pub enum TerrainError {
     /// The quadtree was refused.
     #[error("{ground}: {error}")]
     Quadtree {
-        /// The ground.
         ground: String,
         /// Why not.
         error: TreeError,
@@ -102,7 +100,6 @@ pub enum TerrainError {
     /// The tree of contours was refused.
     #[error("{ground}: {error}")]
     Contours {
-        /// The ground.
         ground: String,
         /// Why not.
         error: BudgetError,
@@ -110,7 +107,6 @@ pub enum TerrainError {
     /// The patches were refused.
     #[error("{ground}: {error}")]
     Patches {
-        /// The ground.
         ground: String,
         /// Why not.
         error: PatchError,

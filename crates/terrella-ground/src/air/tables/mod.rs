@@ -52,7 +52,6 @@ impl TableSize {
         Self { x, y, z }
     }
 
-    /// All texels.
     pub const fn texels(self) -> usize {
         (self.x * self.y * self.z) as usize
     }
@@ -72,7 +71,6 @@ pub const SUNLIGHT: TableSize = TableSize::new(256, 2, 1);
 pub const SUNLIGHT_AND_CLOUDS: TableSize = TableSize::new(SUNLIGHT.x, SUNLIGHT.y + 1, 1);
 /// Size of the source table: six coefficients and the isotropic source of the ground's light, a band of heights each.
 pub const SOURCES: TableSize = TableSize::new(SUNS as u32, (SOURCE_BANDS * HEIGHTS) as u32, 1);
-/// Size of the profile.
 pub const PROFILE: TableSize = TableSize::new(128, 1, 1);
 /// Bands of the source table.
 pub const SOURCE_BANDS: usize = COEFFICIENTS + 1;

@@ -44,7 +44,6 @@ pub enum GridError {
     Size {
         /// Samples of a row.
         columns: u32,
-        /// Rows.
         rows: u32,
     },
     /// No such place on Earth.
@@ -69,7 +68,6 @@ pub enum GridError {
     Memory {
         /// Samples of a row.
         columns: u32,
-        /// Rows.
         rows: u32,
         /// What it would take, megabytes.
         needed_mb: u64,

@@ -65,7 +65,6 @@ pub enum HeightFileError {
     NoPlace {
         /// The file.
         path: PathBuf,
-        /// Its sidecar.
         sidecar: PathBuf,
     },
     /// Neither file nor sidecar say the unit of heights.
@@ -76,7 +75,6 @@ pub enum HeightFileError {
     NoUnit {
         /// The file.
         path: PathBuf,
-        /// Its sidecar.
         sidecar: PathBuf,
     },
     /// File and sidecar contradict each other.
@@ -87,9 +85,7 @@ pub enum HeightFileError {
     TwoUnits {
         /// The file.
         path: PathBuf,
-        /// By the file.
         of_file: &'static str,
-        /// By the sidecar.
         of_sidecar: &'static str,
     },
     /// A sidecar is wrong.

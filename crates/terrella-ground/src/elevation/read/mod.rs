@@ -32,7 +32,6 @@ use std::io::{BufRead, BufReader, ErrorKind, Read, Seek};
 use std::path::{Path, PathBuf};
 use terrella_files as files;
 
-/// Heights of a file.
 #[derive(Debug)]
 pub struct HeightFile {
     /// The heights.

@@ -133,7 +133,6 @@ impl SidecarGeoreference {
 pub struct Sidecar {
     /// Where it lies.
     pub georeference: Option<SidecarGeoreference>,
-    /// Unit of heights.
     pub unit: Option<HeightUnit>,
     /// Heights in the unit are offset + scale × stored.
     pub scale: Option<f64>,

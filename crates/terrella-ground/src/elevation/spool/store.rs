@@ -92,7 +92,6 @@ impl Drop for Store {
     }
 }
 
-/// An open store.
 pub(super) struct OpenStore<'a> {
     store: &'a Store,
     file: File,

@@ -8,7 +8,6 @@ use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicI64, AtomicUsize, Ordering};
 use std::time::Duration;
 
-/// The tiles.
 pub(crate) struct TestTiles {
     layout: HeightTileLayout,
     /// By level, the heights of all samples, row by row.

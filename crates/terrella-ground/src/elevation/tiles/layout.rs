@@ -13,7 +13,6 @@ const MOST_SIDE: u32 = 1024;
 /// Most samples round the Earth: cells of 4 cm.
 const MOST_SAMPLES: u64 = 1 << 30;
 
-/// A tile of heights.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct HeightTileKey {
     /// 0 is the finest.
@@ -74,7 +73,6 @@ impl fmt::Display for HeightTileKey {
      more than 2^30 samples round the Earth"
 )]
 pub struct HeightLayoutError {
-    /// Levels.
     pub levels: u8,
     /// Columns of the coarsest level.
     pub coarsest_columns: u32,

@@ -26,7 +26,6 @@ pub struct IndexBox {
 /// pentagon.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LevelExtent {
-    /// The middle.
     pub middle: LatticeIndex,
     /// Cells of a diamond's edge.
     pub n: i64,

@@ -10,7 +10,6 @@ use super::dem::{Dem, HalfSpace};
 use super::tree::{ContourTree, Node};
 use glam::DVec3;
 
-/// A ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
     /// Where it begins, metres from the DEM's origin.

@@ -37,7 +37,6 @@ pub struct Node {
 /// Counts of a tree's nodes, and what they come to.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TreeStats {
-    /// All nodes.
     pub nodes: u64,
     /// Of those without children.
     pub leaves: u64,

@@ -149,7 +149,6 @@ const KEPT: f64 = 0.9;
 /// One frame's grid, in f64: all that a vertex is computed from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GridFrame {
-    /// The ellipsoid.
     pub ellipsoid: Ellipsoid,
     /// The eye, ITRF metres.
     pub eye_itrf_m: DVec3,

@@ -72,7 +72,6 @@ pub fn side_rad(level: u8) -> f64 {
     PI / 8.0 / (1_u64 << level) as f64
 }
 
-/// The bounds of a square.
 pub fn bounds(square: Square) -> Bounds {
     let (north_rad, west_rad) = lat_lon_rad((square.x, square.y));
     let (south_rad, east_rad) = lat_lon_rad((square.x + square.size, square.y + square.size));
@@ -304,7 +303,6 @@ impl PageReader {
 pub struct Ball {
     /// Its middle, ITRF metres.
     pub center_itrf_m: DVec3,
-    /// Its radius.
     pub radius_m: f64,
     /// Most that triangles between points of the square depart from the curved ground for its curvature alone.
     pub bend_m: f64,

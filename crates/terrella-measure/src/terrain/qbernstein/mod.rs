@@ -107,7 +107,6 @@ impl QBasis {
         self.degree
     }
 
-    /// q.
     pub fn q(&self) -> f64 {
         self.q
     }

@@ -82,7 +82,6 @@ pub struct ContourSurface {
     clock: u64,
     cell_infos: SetCache<CellInfo>,
     known_knots: SetCache<Knots>,
-    /// Cells that are cut.
     cut_cells: KeyMap,
     /// Cells that were cut in the last frame.
     cut_before: KeyMap,
