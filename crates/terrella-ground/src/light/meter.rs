@@ -51,7 +51,7 @@ pub struct Meter {
 }
 
 impl Meter {
-    /// `albedo` has [`METER_ALBEDO`] texels.
+    /// `albedo` has `METER_ALBEDO` texels.
     pub fn new(albedo: Vec<Vec4>, air: Option<Arc<AirTables>>) -> Self {
         Self { albedo, air }
     }

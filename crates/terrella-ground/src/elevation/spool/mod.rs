@@ -8,7 +8,7 @@
 //!
 //! What a window answers at the finest spacing is what a [`HeightGrid`](super::HeightGrid) of the same file answers, to the last bit: the
 //! functions that average, fill and interpolate are the same. Holes are filled from all coarser levels, which takes a third as many
-//! samples more in scratch files, and are believed as far as data within [`LEFT`] samples allow: a window reads so much more on all sides.
+//! samples more in scratch files, and are believed as far as data within `LEFT` samples allow: a window reads so much more on all sides.
 
 mod means;
 mod store;
