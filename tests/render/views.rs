@@ -11,7 +11,7 @@ use terrella::{
 };
 
 pub const SIZE: (u32, u32) = (160, 90);
-const WAIT: Duration = Duration::from_secs(10);
+const WAIT: Duration = Duration::from_secs(180);
 
 pub fn hills(lat: f64, lon: f64) -> [u8; 3] {
     let wave = |angle: f64| (120.0 + 80.0 * angle.sin()).round() as u8;
