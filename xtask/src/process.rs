@@ -87,12 +87,7 @@ pub fn shown(command: &Command) -> String {
 pub fn run(command: &mut Command) -> anyhow::Result<()> {
     let what = shown(command);
     say(&what);
-    if std::env::var_os("XDG_RUNTIME_DIR").is_none() {
-        // Mesa looks for a Wayland session whenever a program opens Vulkan, and Wayland's library prints an error where
-        // this is not set. A folder without a session is answered in silence.
-        command.env("XDG_RUNTIME_DIR", std::env::temp_dir());
-    }
-    let status = command
+    let status = without_session_errors(command)
         .status()
         .with_context(|| format!("cannot start `{what}`"))?;
     if status.success() {
@@ -100,6 +95,15 @@ pub fn run(command: &mut Command) -> anyhow::Result<()> {
     } else {
         Err(ChildFailed::new(what, status).into())
     }
+}
+
+/// Keeps Wayland's library from printing an error where no session runs: Mesa looks for one whenever a program opens Vulkan, and a
+/// folder without a session satisfies it.
+pub fn without_session_errors(command: &mut Command) -> &mut Command {
+    if std::env::var_os("XDG_RUNTIME_DIR").is_none() {
+        command.env("XDG_RUNTIME_DIR", std::env::temp_dir());
+    }
+    command
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 //! for programs of its own.
 
 use crate::cargo::TestProgram;
-use crate::process::{ChildFailed, say};
+use crate::process::{ChildFailed, say, without_session_errors};
 use anyhow::{Context, bail};
 use std::process::{Command, Output};
 use std::sync::Mutex;
@@ -11,7 +11,7 @@ use std::time::Instant;
 /// Programs that take longest, the longest first, so that none is left alone at the end.
 const LONGEST: [&str; 5] = ["command", "python", "accuracy", "terrella_ground", "render"];
 
-/// Runs all, as many at a time as there are processors, and prints what each said when it ends: of those that pass the last line.
+/// Runs all, as many at a time as there are processors, and prints the output of those that fail and the last line of those that pass.
 ///
 /// # Errors
 /// Names every program that failed.
@@ -71,17 +71,13 @@ fn run_one(program: &TestProgram) -> anyhow::Result<()> {
     if let Some(cargo) = std::env::var_os("CARGO") {
         command.env("CARGO", cargo);
     }
-    if std::env::var_os("XDG_RUNTIME_DIR").is_none() {
-        // See `process::run`.
-        command.env("XDG_RUNTIME_DIR", std::env::temp_dir());
-    }
     let begun = Instant::now();
-    let output = command
+    let output = without_session_errors(&mut command)
         .output()
         .with_context(|| format!("cannot start {}", program.executable.display()))?;
     say(format_args!(
         "{}, {:.0} s",
-        told(program, &output),
+        summary(program, &output),
         begun.elapsed().as_secs_f64()
     ));
     match output.status.success() {
@@ -90,8 +86,8 @@ fn run_one(program: &TestProgram) -> anyhow::Result<()> {
     }
 }
 
-/// What a program said: its skipped tests and its result if it passed, else everything.
-fn told(program: &TestProgram, output: &Output) -> String {
+/// The whole output of a program that failed; else its result and its skipped tests.
+fn summary(program: &TestProgram, output: &Output) -> String {
     let stdout = String::from_utf8_lossy(&output.stdout);
     let stderr = String::from_utf8_lossy(&output.stderr);
     if !output.status.success() {
@@ -139,7 +135,7 @@ mod tests {
     }
 
     #[test]
-    fn a_failure_is_told_and_the_others_run() {
+    fn the_others_run_after_a_failure_which_is_named() {
         let folder = tempfile::tempdir().unwrap();
         let programs = vec![
             program(folder.path(), "bad", "exit 101"),
@@ -158,11 +154,11 @@ mod tests {
         let script = "echo 'SKIPPED: no display' >&2; echo 'test result: ok. 3 passed'";
         let program = program(folder.path(), "a", script);
         let output = Command::new(&program.executable).output().unwrap();
-        let told = told(&program, &output);
+        let summary = summary(&program, &output);
         assert!(
-            told.contains("a: SKIPPED: no display")
-                && told.ends_with("a: test result: ok. 3 passed"),
-            "{told}"
+            summary.contains("a: SKIPPED: no display")
+                && summary.ends_with("a: test result: ok. 3 passed"),
+            "{summary}"
         );
     }
 }
