@@ -34,6 +34,7 @@
 //! | `radiance` | a picture's light as a file |
 //! | `truth`, `truth_manifest` | what is where its pixels look, as files |
 //! | `float_files` | arrays and pictures of floats |
+//! | `mp4` | whether a film is complete |
 //! | `output` | files that are complete or not there |
 //! | `window`, `window_renderer`, `surface` | the window: its events, its renderer, its surface |
 //! | `controls`, `keys`, `panel`, `overlay` | what the user has set, by which keys; the panel, and egui under it |
@@ -80,6 +81,7 @@ mod live;
 #[cfg(feature = "window")]
 mod live_status;
 mod maps;
+mod mp4;
 #[cfg_attr(not(feature = "window"), allow(dead_code))]
 mod offscreen;
 mod opening;
@@ -142,6 +144,7 @@ pub use film::{
 };
 pub use flight::{Flight, Moment, SatelliteState, ViewRequest};
 pub use maps::{DroppedLayer, earth_options};
+pub use mp4::mp4_problem;
 #[cfg(feature = "window")]
 pub use offscreen::rgba_image;
 pub use offscreen::{OffscreenRenderer, TimedFrame};

@@ -6,14 +6,21 @@ use std::ops::Range;
 use std::path::Path;
 use terrella_files as files;
 
-/// Where the number of pictures of a video is.
+/// Where the number of frames of a video is.
 const TO_SAMPLE_SIZES: [&[u8; 4]; 6] = [b"moov", b"trak", b"mdia", b"minf", b"stbl", b"stsz"];
 
-/// The number of pictures in an MP4 whose boxes are all there.
-///
-/// # Errors
-/// What the system says; a file that is cut off or has no index of its pictures.
-pub(super) fn pictures_in(path: &Path) -> io::Result<u64> {
+/// What an MP4 of `frames` frames lacks, in words; `None` where it is complete. Without an index of its frames it is not.
+pub fn mp4_problem(path: &Path, frames: u64) -> Option<String> {
+    match frames_in(path) {
+        Ok(count) if count == frames => None,
+        Ok(count) => Some(format!("it holds {count} of {frames} frames")),
+        Err(error) if error.kind() == ErrorKind::UnexpectedEof => Some("it is cut off".into()),
+        Err(error) => Some(error.to_string()),
+    }
+}
+
+/// The number of frames in an MP4 whose boxes are all there.
+fn frames_in(path: &Path) -> io::Result<u64> {
     let mut file = files::open(path)?;
     let mut inside = 0..file.metadata()?.len();
     let kinds = boxes(&mut file, inside.clone())?;
@@ -101,10 +108,12 @@ mod tests {
         let path = root.path().join("a.mp4");
         let video = video();
         std::fs::write(&path, &video).expect("writes");
-        assert_eq!(pictures_in(&path).expect("complete"), 7);
+        assert_eq!(mp4_problem(&path, 7), None);
+        let words = mp4_problem(&path, 8);
+        assert_eq!(words.as_deref(), Some("it holds 7 of 8 frames"));
         for length in 0..video.len() {
             std::fs::write(&path, &video[..length]).expect("writes");
-            assert!(pictures_in(&path).is_err(), "{length}");
+            assert!(mp4_problem(&path, 7).is_some(), "{length}");
         }
     }
 
@@ -118,7 +127,7 @@ mod tests {
             [&1_u32.to_be_bytes()[..], b"moov", &u64::MAX.to_be_bytes()].concat(),
         ] {
             std::fs::write(&path, head).expect("writes");
-            assert!(pictures_in(&path).is_err());
+            assert!(mp4_problem(&path, 7).is_some());
         }
     }
 }

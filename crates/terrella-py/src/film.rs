@@ -327,10 +327,17 @@ fn scene_dates(py: Python<'_>, path: PathBuf, textures: PathBuf) -> PyResult<(Py
     Ok((PyEpoch(time.start), PyEpoch(time.end())))
 }
 
+/// What an MP4 of so many frames lacks, in words; None where it is complete. ffmpeg may end without an error although the disk was full.
+#[pyfunction]
+fn mp4_problem(py: Python<'_>, path: PathBuf, frames: u64) -> Option<String> {
+    py.detach(|| terrella_play::mp4_problem(&path, frames))
+}
+
 pub fn add(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<PyPictures>()?;
     module.add_class::<PyFilmFrames>()?;
     module.add_class::<PyFilmFolder>()?;
+    module.add_function(wrap_pyfunction!(mp4_problem, module)?)?;
     module.add_function(wrap_pyfunction!(scene_dates, module)?)?;
     module.add_function(wrap_pyfunction!(scene_key, module)?)
 }

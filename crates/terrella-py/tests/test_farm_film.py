@@ -242,13 +242,13 @@ def test_the_video_is_that_of_the_frames(film, tmp_path):
     assert sums("-i", str(video)) == sums(*picked) and len(sums(*picked)) == FRAMES
 
     # What ffmpeg leaves on a full disk, with status 0.
-    from terrella._film import _lack
+    from terrella._native import mp4_problem
 
     contents, cut = video.read_bytes(), tmp_path / "cut.mp4"
-    assert _lack(video, FRAMES) is None and "frames" in _lack(video, FRAMES + 1)
+    assert mp4_problem(video, FRAMES) is None and "frames" in mp4_problem(video, FRAMES + 1)
     for length in (0, 4, 100, len(contents) // 2, len(contents) - 1):
         cut.write_bytes(contents[:length])
-        assert _lack(cut, FRAMES), length
+        assert mp4_problem(cut, FRAMES), length
 
 
 def test_workers_refuse_other_scenes_than_were_meant(film, tmp_path, monkeypatch):

@@ -1,8 +1,8 @@
 //! The `ffmpeg` program, fed with raw frames through a pipe.
 
-use super::mp4_check::pictures_in;
 use super::{FilmFrame, FrameSink, VideoCodec, VideoFormat, write_error};
 use crate::error::{PlayError, VideoError};
+use crate::mp4::mp4_problem;
 use crate::output::PendingFile;
 use crate::written::Written;
 use std::io::{Read, Write};
@@ -148,12 +148,12 @@ impl Ffmpeg {
 
     /// Checks the file that ffmpeg left: where the disk was full it may have ended without an error.
     fn check(&self, stderr_text: String) -> Result<(), PlayError> {
-        let problem = match pictures_in(self.file.temporary()) {
-            Ok(count) if count == self.frames => return Ok(()),
-            Ok(count) => format!("it holds {count} of {} frames", self.frames),
-            Err(error) => error.to_string(),
-        };
-        Err(self.failed(format!("the video is incomplete: {problem}"), stderr_text))
+        match mp4_problem(self.file.temporary(), self.frames) {
+            None => Ok(()),
+            Some(problem) => {
+                Err(self.failed(format!("the video is incomplete: {problem}"), stderr_text))
+            }
+        }
     }
 
     fn failed(&self, status: String, words: String) -> PlayError {

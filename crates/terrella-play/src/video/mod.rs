@@ -5,7 +5,6 @@
 
 mod builtin;
 mod ffmpeg;
-mod mp4_check;
 mod yuv;
 
 use super::error::{PlayError, VideoError};

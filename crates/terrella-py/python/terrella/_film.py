@@ -38,38 +38,6 @@ def _coding(crf):
             "-color_trc", "bt709", "-color_range", "tv", "-movflags", "+faststart"]
 
 
-def _lack(path, frames):
-    """What an MP4 of so many frames lacks, in words; None where it is complete. ffmpeg may end without an error although the disk was full."""
-    try:
-        with open(path, "rb") as file:
-            inside = 0, os.fstat(file.fileno()).st_size
-            for kind in (b"moov", b"trak", b"mdia", b"minf", b"stbl", b"stsz"):
-                inside = _boxes(file, *inside)[kind]
-            # Version and flags, the size of all or 0, their number.
-            file.seek(inside[0] + 8)
-            count, = struct.unpack(">I", file.read(4))
-    except (OSError, KeyError, struct.error):
-        return "it is cut off"
-    return None if count == frames else f"it holds {count} of {frames} frames"
-
-
-def _boxes(file, start, end):
-    """Where the contents of the boxes in a part of a file are, the first of each kind."""
-    found = {}
-    while start < end:
-        file.seek(start)
-        length, kind = struct.unpack(">I4s", file.read(8))
-        head = 8
-        if length == 1:
-            length, = struct.unpack(">Q", file.read(8))
-            head = 16
-        if not head <= length <= end - start:
-            raise KeyError(kind)
-        found.setdefault(kind, (start + head, start + length))
-        start += length
-    return found
-
-
 def encode_frames(path, folder, first, count, frame_rate_hz, *, crf=18):
     """An H.264 film (MP4) of numbered pictures in a folder: of ``count`` from the one named ``first`` on, ``frame_00000.png`` for example."""
     from . import _native
@@ -86,9 +54,9 @@ def encode_frames(path, folder, first, count, frame_rate_hz, *, crf=18):
             [program, "-y", "-loglevel", "error", "-framerate", str(frame_rate_hz), "-start_number", str(int(number)), "-i", pattern,
              "-frames:v", str(count), *_coding(crf), os.fspath(unfinished)],
             stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
-        lack = _lack(unfinished, count) if ran.returncode == 0 else None
-        if ran.returncode != 0 or lack:
-            status = f"the video is incomplete: {lack}" if lack else ran.returncode
+        problem = _native.mp4_problem(unfinished, count) if ran.returncode == 0 else None
+        if ran.returncode != 0 or problem:
+            status = f"the video is incomplete: {problem}" if problem else ran.returncode
             raise _native.Error(f"{path}: ffmpeg failed ({status}): {ran.stderr.decode(errors='replace').strip()[-500:]}")
         _whole.replace(unfinished, path)
     finally:
@@ -137,6 +105,8 @@ class Film:
 
     def close(self):
         """Finishes the film and gives the file its name."""
+        from . import _native
+
         if self._ffmpeg is None:
             return
         try:
@@ -145,8 +115,8 @@ class Film:
             self._fail()
         if self._ffmpeg.wait() != 0:
             self._fail()
-        if lack := _lack(self._unfinished, self._frames):
-            self._fail(f"the video is incomplete: {lack}")
+        if problem := _native.mp4_problem(self._unfinished, self._frames):
+            self._fail(f"the video is incomplete: {problem}")
         self._ffmpeg = None
         self._errors.close()
         _whole.replace(self._unfinished, self._path)
