@@ -1,5 +1,4 @@
-//! Formulas and pictures held against the instruments of `terrella_measure`: arithmetic of 320 bits, the reference renderer,
-//! the places that pixels show.
+//! Formulas and pictures compared with `terrella_measure`: arithmetic of 320 bits, the reference renderer, the places that pixels show.
 
 mod clear_air;
 #[path = "../common/mod.rs"]

@@ -51,7 +51,7 @@ impl LayerImage {
         texels: Vec<u8>,
     ) -> Result<Self, ImageryError> {
         check_dimensions(width, height)?;
-        // At most 2^15 × 2^14 × 4 bytes: fits a usize, which has 64 bits wherever wgpu runs such maps.
+        // At most 2^15 × 2^14 × 4 bytes: fits a usize, which has 64 bits on every machine with memory for such maps.
         let needed = width as usize * height as usize * format.texel_bytes();
         if texels.len() != needed {
             return Err(ImageryError::Length {

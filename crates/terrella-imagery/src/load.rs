@@ -197,7 +197,7 @@ struct DayTexels {
     rgba: Vec<u8>,
 }
 
-/// How the colours of a map differ from sRGB, by its header. What is wrong with the file is told when it is read.
+/// How the colours of a map differ from sRGB, by its header. Reading the file reports what is wrong with it.
 pub fn colour_note(path: &Path) -> Option<String> {
     let mut file = files::open(path).ok()?;
     let magic = files::first_bytes(&mut file).ok()?;
