@@ -17,6 +17,10 @@
     reason = "what hosts meet of it is documented, the rest says itself"
 )]
 
+// Test files that other crates use too name this one as they do.
+#[cfg(test)]
+extern crate self as terrella_ground;
+
 pub mod air;
 #[cfg(feature = "terrain")]
 pub mod elevation;

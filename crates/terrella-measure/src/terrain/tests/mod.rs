@@ -1,3 +1,4 @@
 //! What the tests of several trees share.
 
+#[path = "../../../../terrella-ground/src/globe/contours/tests/ground.rs"]
 pub mod ground;

@@ -1,9 +1,9 @@
 //! Ground for tests.
 
-use crate::elevation::{Bounds, fractal_heights_m};
-use crate::globe::contours::dem::{Dem, DemFrame};
 use glam::DVec2;
 use terrella_frames::Ellipsoid;
+use terrella_ground::elevation::{Bounds, fractal_heights_m};
+use terrella_ground::globe::contours::dem::{Dem, DemFrame};
 
 /// Numbers in −1…1 that look random.
 pub fn noise(seed: &mut u64) -> f64 {
