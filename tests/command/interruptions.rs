@@ -182,8 +182,6 @@ fn measurements() {
         "1025",
         "--threads",
         "1",
-        "--cache",
-        "cache",
         "-o",
         "out",
     ]);

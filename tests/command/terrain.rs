@@ -1,4 +1,4 @@
-//! `terrella terrain`: tables, and trees that are kept.
+//! `terrella terrain`: its tables.
 
 use crate::{Place, names, png_size, words};
 use std::process::Output;
@@ -85,75 +85,6 @@ fn the_tables_say_what_is_asked_for() {
 }
 
 #[test]
-fn trees_are_kept_and_what_cannot_be_used_is_named_and_built_again() {
-    let place = Place::new();
-    let run = || place.succeed(&with(&["--csv", "--cache", "kept"]));
-    let files = [
-        "made-1-129x129-contours-20m.tree",
-        "made-1-129x129-patches-20m.tree",
-        "made-1-129x129-quadtree.tree",
-    ];
-    let path = |name: &str| place.path(&format!("kept/{name}"));
-    let read = |name: &str| std::fs::read(path(name)).expect("a file");
-    let time = |name: &str| {
-        let metadata = std::fs::metadata(path(name)).expect("a file");
-        metadata.modified().expect("a time")
-    };
-    let first = run();
-    assert_eq!(words(&first), "");
-    assert_eq!(names(&place.path("kept")), files);
-    let (good, times) = (files.map(read), files.map(time));
-    // Found again: nothing is said, nothing is written, and the numbers are the same.
-    let second = run();
-    assert_eq!(words(&second), "");
-    assert_eq!(files.map(time), times);
-    assert_eq!(table(&second, STORAGE), table(&first, STORAGE));
-    // One bit another way, cut short, of another ground, and no tree at all.
-    for name in files {
-        let index = files.iter().position(|file| *file == name).expect("one");
-        let (whole, middle) = (&good[index], good[index].len() / 2);
-        let mut changed = whole.clone();
-        changed[middle] ^= 4;
-        for (bad, why) in [
-            (changed, "checksum"),
-            (whole[..middle].to_vec(), "build it"),
-            (b"no tree".to_vec(), "build it"),
-        ] {
-            std::fs::write(path(name), bad).expect("writes");
-            let again = run();
-            let said = words(&again);
-            assert!(said.contains(name) && said.contains(why), "{said}");
-            assert_eq!(said.lines().count(), 1, "{said}");
-            assert_eq!(files.map(read), good, "{name} was not built again");
-            assert_eq!(table(&again, STORAGE), table(&first, STORAGE));
-        }
-    }
-    place.succeed(&with(&["--cache", "kept", "--seed", "2", "-q"]));
-    for name in files {
-        let other = name.replace("made-1", "made-2");
-        std::fs::rename(path(&other), path(name)).expect("renames");
-        let again = run();
-        let said = words(&again);
-        assert!(
-            said.contains(name) && said.contains("other heights"),
-            "{said}"
-        );
-        assert_eq!(files.map(read), good, "{name} was not built again");
-        assert_eq!(table(&again, STORAGE), table(&first, STORAGE));
-    }
-    assert_eq!(names(&place.path("kept")), files);
-    // What cannot be replaced is an error, and nothing half-written is left.
-    std::fs::remove_file(path(files[2])).expect("removes");
-    std::fs::create_dir(path(files[2])).expect("makes");
-    let said = place.fail(1, &with(&["--cache", "kept"]));
-    assert!(
-        said.contains(files[2]) && said.contains("a folder"),
-        "{said}"
-    );
-    assert_eq!(names(&place.path("kept")), files);
-}
-
-#[test]
 fn bad_input_is_told_before_anything_is_built() {
     let place = Place::new();
     for bad in [
@@ -180,7 +111,7 @@ fn bad_input_is_told_before_anything_is_built() {
     let code = code.expect("the code of WGS84");
     tiff[code..code + 2].copy_from_slice(&4267u16.to_le_bytes());
     std::fs::write(place.path("nad27.tif"), tiff).expect("writes");
-    let said = place.fail(1, &["terrain", "nad27.tif", "--cache", "kept"]);
+    let said = place.fail(1, &["terrain", "nad27.tif"]);
     assert!(
         said.contains("nad27.tif") && said.contains("gdalwarp"),
         "{said}"
@@ -201,11 +132,6 @@ fn bad_input_is_told_before_anything_is_built() {
     let said = place.fail(1, &["terrain", "globe.png"]);
     assert!(
         said.contains("globe.png") && said.contains("gdal_translate"),
-        "{said}"
-    );
-    let said = place.fail(1, &with(&["--cache", "globe.toml"]));
-    assert!(
-        said.contains("globe.toml") && said.contains("in the way"),
         "{said}"
     );
     let said = place.fail(1, &["terrain", "--fractal", "513", "--memory", "1"]);

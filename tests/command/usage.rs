@@ -74,7 +74,6 @@ fn every_command_has_help() {
         (
             &["terrain", "--help"],
             &[
-                "--cache",
                 "--csv",
                 "--fractal",
                 "--memory",

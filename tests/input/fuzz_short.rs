@@ -4,8 +4,6 @@ use std::path::Path;
 
 #[path = "../../fuzz/bodies/basilisk.rs"]
 mod basilisk;
-#[path = "../../fuzz/bodies/contour_cache.rs"]
-mod contour_cache;
 #[path = "../../fuzz/bodies/earth_orientation.rs"]
 mod earth_orientation;
 #[path = "../../fuzz/bodies/ephemeris.rs"]
@@ -24,10 +22,6 @@ mod mosaic;
 mod omm;
 #[path = "../../fuzz/bodies/pack_heights.rs"]
 mod pack_heights;
-#[path = "../../fuzz/bodies/patch_cache.rs"]
-mod patch_cache;
-#[path = "../../fuzz/bodies/quadtree_cache.rs"]
-mod quadtree_cache;
 #[path = "../../fuzz/bodies/scene.rs"]
 mod scene;
 #[path = "../../fuzz/bodies/sidecar.rs"]
@@ -63,19 +57,6 @@ pub const TARGETS: &[Target] = &[
         earth_orientation::run,
         30_000,
     ),
-    (
-        "quadtree_cache",
-        quadtree_cache::seeds,
-        quadtree_cache::run,
-        30_000,
-    ),
-    (
-        "contour_cache",
-        contour_cache::seeds,
-        contour_cache::run,
-        30_000,
-    ),
-    ("patch_cache", patch_cache::seeds, patch_cache::run, 30_000),
     ("source", source::seeds, source::run, 30_000),
     ("mosaic", mosaic::seeds, mosaic::run, 100_000),
     (
@@ -242,21 +223,6 @@ fn tables_of_the_earths_orientation() {
     run("earth_orientation");
 }
 
-#[test]
-fn kept_quadtrees() {
-    run("quadtree_cache");
-}
-
-#[test]
-fn kept_contours() {
-    run("contour_cache");
-}
-
-#[test]
-fn kept_patches() {
-    run("patch_cache");
-}
-
 /// The seeds are good inputs: a fuzzer that starts from refused ones would look at little.
 #[test]
 fn seeds_are_good() {
@@ -301,14 +267,6 @@ fn seeds_are_good() {
             let seed = std::io::Cursor::new(seed);
             read::read_heights(seed, sidecar, path, &GridLimits::default()).expect("good heights");
         }
-    }
-    {
-        let quadtrees = quadtree_cache::seeds();
-        assert!(quadtrees.iter().all(|s| quadtree_cache::is_good(s)));
-        let contours = contour_cache::seeds();
-        assert!(contours.iter().all(|s| contour_cache::is_good(s)));
-        let patches = patch_cache::seeds();
-        assert!(patches.iter().all(|s| patch_cache::is_good(s)));
     }
     for seed in scene::seeds() {
         terrella_play::scene::Scene::from_toml(&text(&seed), path).expect("a good scene");

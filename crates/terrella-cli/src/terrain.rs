@@ -31,9 +31,6 @@ pub struct TerrainArgs {
     /// Memory limit for building one tree, megabytes
     #[arg(long, value_name = "MB", default_value_t = 2000, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     memory: u64,
-    /// Cache built trees in this folder, which is made if it is not there
-    #[arg(long, value_name = "DIR")]
-    cache: Option<PathBuf>,
     /// Print the tables as CSV
     #[arg(long)]
     csv: bool,
@@ -54,7 +51,6 @@ pub fn run(args: &TerrainArgs, common: &Common) -> anyhow::Result<()> {
         tolerances_m: &args.tolerances,
         threads: &threads,
         memory_bytes: args.memory * 1_000_000,
-        cache: args.cache.as_deref(),
         output: args.output.as_deref(),
         adapter: common.adapter.as_deref(),
     };

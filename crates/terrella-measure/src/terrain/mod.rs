@@ -6,16 +6,12 @@
 //! | [`quadtree`], [`contours`], [`patches`] | the trees |
 //! | [`qbernstein`] | the basis of the patches |
 //! | `workers.rs` | building in parts, on threads |
-//! | `deserialize.rs` | what the readers of serialized trees share |
-//! | `trees.rs` | trees of a field: from the cache, or built |
-//! | `cache.rs` | serialized trees in files |
+//! | `trees.rs` | trees of a field, built within a memory limit |
 //! | `tables.rs` | what is measured |
 //! | `draw.rs` | drawing the quadtree's triangles |
 //! | `table.rs` | tables as text and CSV |
 
-mod cache;
 pub mod contours;
-mod deserialize;
 mod draw;
 mod field;
 pub mod patches;
@@ -29,12 +25,10 @@ mod tests;
 mod trees;
 mod workers;
 
-pub use deserialize::DeserializeError;
 pub use field::SyntheticGround;
 pub use table::Table;
 
 use super::output::OutputFolder;
-use cache::Cache;
 use contours::{BudgetError, DemError};
 use draw::Canvas;
 use field::HeightField;
@@ -45,7 +39,7 @@ use std::path::{Path, PathBuf};
 use terrella::internals::gpu::{ContextError, GpuContext};
 use terrella_ground::elevation::HeightFileError;
 use terrella_play::{OutputError, PendingFile, PlayError, Progress};
-use trees::CachedTrees;
+use trees::TreeBuilds;
 
 /// Which heights are measured, how, and where the results go.
 #[derive(Clone, Debug)]
@@ -60,8 +54,6 @@ pub struct TerrainRequest<'r> {
     pub threads: &'r [usize],
     /// Most memory that building one tree takes, bytes.
     pub memory_bytes: u64,
-    /// Folder of serialized trees; `None` writes none.
-    pub cache: Option<&'r Path>,
     /// Where tables and pictures are written to.
     pub output: Option<&'r Path>,
     /// Part of the adapter's name; `None` takes the best.
@@ -117,11 +109,11 @@ pub enum TerrainError {
     /// The device failed, or a frame.
     #[error(transparent)]
     Play(#[from] PlayError),
-    /// A table, picture or tree could not be written.
+    /// A table or picture could not be written.
     #[error(transparent)]
     Output(#[from] OutputError),
     /// The user stopped it.
-    #[error("interrupted; trees that were finished are in the cache, if one was given")]
+    #[error("interrupted; tables that were complete are kept")]
     Interrupted,
 }
 
@@ -138,7 +130,7 @@ impl HeightField {
 /// Measures all fields. `report` is given each table when it is complete.
 ///
 /// # Errors
-/// Files that cannot be read, a cache or a folder that cannot be written to, before anything is built; trees beyond the
+/// Files that cannot be read, a folder that cannot be written to, before anything is built; trees beyond the
 /// memory; a lost device; an interrupt. A missing adapter is a warning, and its columns stay empty; one that was
 /// asked for by name and is not there is an error.
 pub fn measure_terrain(
@@ -147,8 +139,7 @@ pub fn measure_terrain(
     report: &mut dyn FnMut(&Table),
 ) -> Result<Vec<Table>, TerrainError> {
     let folder = request.output.map(OutputFolder::open).transpose()?;
-    let trees = CachedTrees {
-        cache: Cache::open(request.cache, request.memory_bytes)?,
+    let trees = TreeBuilds {
         memory_bytes: request.memory_bytes,
         threads: request.threads.iter().copied().max().unwrap_or(1),
         progress,

@@ -12,12 +12,12 @@ pub struct Storage {
     pub morton: u64,
     /// Contours: three f32 a leaf (two slopes, one height), one bit a node.
     pub contours: u64,
-    /// Patches, as [`PatchTree::to_bytes`](super::patches::PatchTree::to_bytes) writes them.
+    /// Patches: see [`PatchTree::packed_bytes`](super::patches::PatchTree::packed_bytes).
     pub patches: u64,
 }
 
 impl Storage {
-    /// Counts what a grid takes with contours and patches of the same tolerance; of the latter, the bytes as serialized.
+    /// Counts what a grid takes with contours and patches of the same tolerance.
     pub fn count(dem: &Dem, tolerance_m: f64, contours: &TreeStats, patch_bytes: u64) -> Self {
         let leaves = morton_leaves(dem, tolerance_m);
         Self {

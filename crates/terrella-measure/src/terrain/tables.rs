@@ -1,15 +1,13 @@
 //! What is measured, a table each.
 
 use super::TerrainError;
-use super::contours::{contours_from_bytes, contours_to_bytes};
 use super::draw::{Canvas, SIZE};
 use super::field::HeightField;
-use super::patches::PatchTree;
 use super::qbernstein::{MAX_DEGREE, QBasis};
 use super::quadtree::{ErrorMetric, GridQuadtree, Order, SelectedLeaves, TreeView};
 use super::storage::Storage;
 use super::table::Table;
-use super::trees::{CachedTrees, quadtree_options};
+use super::trees::{TreeBuilds, quadtree_options};
 use crate::Quantiles;
 use glam::DVec3;
 use std::time::Instant;
@@ -83,12 +81,13 @@ pub(super) fn rates() -> Table {
 
 /// A row of [`rates`].
 pub(super) fn rate(
-    trees: &CachedTrees<'_>,
+    trees: &TreeBuilds<'_>,
     field: &HeightField,
     canvas: Option<&mut Canvas>,
     is_pictured: bool,
 ) -> Result<(Vec<String>, Option<image::RgbaImage>), TerrainError> {
-    let tree = trees.quadtree(field)?;
+    let options = quadtree_options(Order::default(), trees.threads, trees.memory_bytes);
+    let tree = trees.quadtree(field, &options)?;
     trees.check_cancelled()?;
     let lambda = SplitRule::Paper { lambda: LAMBDA };
     let everything = SplitRule::Paper {
@@ -136,7 +135,7 @@ pub(super) fn rate(
 
 /// Frames a second of all cells and of each view; "-" where the device cannot hold them.
 fn frames(
-    trees: &CachedTrees<'_>,
+    trees: &TreeBuilds<'_>,
     tree: &GridQuadtree,
     views: &[TreeView; 3],
     canvas: &mut Canvas,
@@ -201,14 +200,17 @@ pub(super) fn storage() -> Table {
 
 /// A row of [`storage`].
 pub(super) fn stored(
-    trees: &CachedTrees<'_>,
+    trees: &TreeBuilds<'_>,
     field: &HeightField,
     tolerance_m: f64,
 ) -> Result<Vec<String>, TerrainError> {
     let dem = field.dem().map_err(|error| field.refused(error))?;
     // One after the other: both do not fit into the memory for one.
-    let contours = trees.contours(field, &dem, tolerance_m)?.stats;
-    let (patch_bytes, error_m) = trees.patches(field, &dem, tolerance_m)?;
+    let contours = trees.contours(field, &dem, tolerance_m, trees.threads)?;
+    let contours = contours.stats;
+    let options = trees.patch_options(tolerance_m, trees.threads);
+    let patches = trees.patches(field, &dem, &options)?;
+    let (patch_bytes, error_m) = (patches.packed_bytes(), patches.error_m);
     let bytes = Storage::count(&dem, tolerance_m, &contours, patch_bytes);
     let numbers = [bytes.raw, bytes.morton, bytes.contours, bytes.patches];
     let mut row = vec![field.name.clone(), field.size(), tolerance_m.to_string()];
@@ -220,9 +222,7 @@ pub(super) fn stored(
 
 /// Times of building.
 pub(super) fn builds(threads: &[usize]) -> Table {
-    let title = format!(
-        "Building, seconds, the least of {BUILDS} runs; the bytes that are kept, and how long it takes to check and read them."
-    );
+    let title = format!("Building, seconds, the least of {BUILDS} runs, and what the tree takes.");
     let mut table = Table::new("builds", title, &["ground", "size", "tree", "tolerance, m"]);
     for threads in threads {
         table.head.push(match threads {
@@ -230,75 +230,43 @@ pub(super) fn builds(threads: &[usize]) -> Table {
             _ => format!("{threads} threads, s"),
         });
     }
-    let last = ["memory, MB", "kept, MB", "read again, s"];
-    table.head.extend(last.map(str::to_owned));
+    table.head.push("memory, MB".to_owned());
     table
 }
 
 /// The rows of [`builds`] for a field.
 pub(super) fn built(
-    trees: &CachedTrees<'_>,
+    trees: &TreeBuilds<'_>,
     field: &HeightField,
     tolerance_m: f64,
     threads: &[usize],
 ) -> Result<Vec<Vec<String>>, TerrainError> {
     let dem = field.dem().map_err(|error| field.refused(error))?;
     let memory_bytes = trees.memory_bytes;
-    let row = |tree: &str, tolerance: String, times: Vec<f64>, serialized: Serialized| {
+    let row = |tree: &str, tolerance: String, times: Vec<f64>, memory_bytes: u64| {
         let mut row = vec![field.name.clone(), field.size(), tree.to_owned(), tolerance];
         row.extend(times.iter().map(|time| format!("{time:.2}")));
-        row.push(format!("{:.1}", serialized.memory_bytes as f64 / 1e6));
-        row.push(format!("{:.1}", serialized.bytes as f64 / 1e6));
-        row.push(format!("{:.2}", serialized.read_s));
+        row.push(format!("{:.1}", memory_bytes as f64 / 1e6));
         row
     };
     let (times, tree) = least(threads, |threads| {
         let options = quadtree_options(Order::default(), threads, memory_bytes);
-        trees.build_quadtree(field, &options)
+        trees.quadtree(field, &options)
     })?;
     let memory = tree.resident_bytes() as u64;
-    let bytes = tree.to_bytes(&[0; 32]);
-    let (read_s, _) = timed(|| GridQuadtree::from_bytes(&bytes, &[0; 32], usize::MAX));
-    let quadtree = row(
-        "quadtree",
-        "-".to_owned(),
-        times,
-        Serialized::new(memory, &bytes, read_s),
-    );
-    let (times, tree) = least(threads, |threads| {
-        trees.build_contours(field, &dem, tolerance_m, threads)
-    })?;
-    let (memory, bytes) = (tree.stats.bytes, contours_to_bytes(&tree, &[0; 32]));
     drop(tree);
-    let (read_s, _) = timed(|| contours_from_bytes(&bytes, &dem, &[0; 32], u64::MAX));
-    let serialized = Serialized::new(memory, &bytes, read_s);
-    let contours = row("contours", tolerance_m.to_string(), times, serialized);
+    let quadtree = row("quadtree", "-".to_owned(), times, memory);
     let (times, tree) = least(threads, |threads| {
-        trees.build_patches(field, &dem, &trees.patch_options(tolerance_m, threads))
+        trees.contours(field, &dem, tolerance_m, threads)
     })?;
-    let (memory, bytes) = (tree.bytes(), tree.to_bytes(&[0; 32]));
+    let memory = tree.stats.bytes;
     drop(tree);
-    let (read_s, _) = timed(|| PatchTree::from_bytes(&bytes, &[0; 32], u64::MAX));
-    let serialized = Serialized::new(memory, &bytes, read_s);
-    let patches = row("patches", tolerance_m.to_string(), times, serialized);
+    let contours = row("contours", tolerance_m.to_string(), times, memory);
+    let (times, tree) = least(threads, |threads| {
+        trees.patches(field, &dem, &trees.patch_options(tolerance_m, threads))
+    })?;
+    let patches = row("patches", tolerance_m.to_string(), times, tree.bytes());
     Ok(vec![quadtree, contours, patches])
-}
-
-/// What a built tree takes in memory and as bytes, and how long these take to read.
-struct Serialized {
-    memory_bytes: u64,
-    bytes: u64,
-    read_s: f64,
-}
-
-impl Serialized {
-    fn new(memory_bytes: u64, bytes: &[u8], read_s: f64) -> Self {
-        Self {
-            memory_bytes,
-            bytes: bytes.len() as u64,
-            read_s,
-        }
-    }
 }
 
 /// The least time of some builds for each number of threads, and what is built.
@@ -347,14 +315,14 @@ pub(super) fn orders() -> Table {
 
 /// The rows of [`orders`] for a field.
 pub(super) fn ordered(
-    trees: &CachedTrees<'_>,
+    trees: &TreeBuilds<'_>,
     field: &HeightField,
 ) -> Result<Vec<Vec<String>>, TerrainError> {
     let names = ["plain", "Morton", "Hilbert", "interleaved", "depth-first"];
     let mut rows = Vec::new();
     for (order, name) in Order::ALL.into_iter().zip(names) {
         let options = quadtree_options(order, trees.threads, trees.memory_bytes);
-        let tree = trees.build_quadtree(field, &options)?;
+        let tree = trees.quadtree(field, &options)?;
         let mut selected = SelectedLeaves::default();
         let mut row = vec![field.name.clone(), field.size(), name.to_owned()];
         for lambda in [f64::INFINITY, LAMBDA] {

@@ -1,43 +1,24 @@
-//! The trees of a field: from the cache, or built and then stored there.
+//! The trees of a field.
 
 use super::TerrainError;
-use super::cache::Cache;
-use super::contours::{
-    ContourTree, Dem, build_on, contours_from_bytes, contours_source, contours_to_bytes,
-};
+use super::contours::{ContourTree, Dem, build_on};
 use super::field::HeightField;
 use super::patches::{PatchOptions, PatchTree};
 use super::quadtree::{GridQuadtree, Order, Posts, TreeOptions};
 use std::cell::Cell;
 use terrella_play::Progress;
 
-/// Builds trees within a memory budget, and caches them.
-pub(super) struct CachedTrees<'r> {
-    pub cache: Cache,
+/// Builds trees within a memory limit.
+pub(super) struct TreeBuilds<'r> {
     /// Most that building one tree takes.
     pub memory_bytes: u64,
     pub threads: usize,
     pub progress: &'r dyn Progress,
 }
 
-impl CachedTrees<'_> {
-    /// The quadtree of a field in the plain order, from the cache if it is there.
-    pub fn quadtree(&self, field: &HeightField) -> Result<GridQuadtree, TerrainError> {
-        let options = quadtree_options(Order::default(), self.threads, self.memory_bytes);
-        let source = GridQuadtree::source_hash(posts_of(field), &options);
-        let name = format!("{}-{}-quadtree", field.name, field.size());
-        let most = self.memory_bytes as usize;
-        let read = |bytes: &[u8]| GridQuadtree::from_bytes(bytes, &source, most);
-        if let Some(tree) = self.cache.load(&name, read) {
-            return Ok(tree);
-        }
-        let tree = self.build_quadtree(field, &options)?;
-        self.cache.store(&name, || tree.to_bytes(&source))?;
-        Ok(tree)
-    }
-
-    /// Builds the quadtree without asking the cache.
-    pub fn build_quadtree(
+impl TreeBuilds<'_> {
+    /// The quadtree of a field.
+    pub fn quadtree(
         &self,
         field: &HeightField,
         options: &TreeOptions,
@@ -51,28 +32,8 @@ impl CachedTrees<'_> {
         })
     }
 
-    /// The contours of a field, from the cache if they are there.
+    /// The contours of a field.
     pub fn contours(
-        &self,
-        field: &HeightField,
-        dem: &Dem,
-        tolerance_m: f64,
-    ) -> Result<ContourTree, TerrainError> {
-        let source = contours_source(dem, tolerance_m);
-        let name = format!("{}-{}-contours-{tolerance_m}m", field.name, field.size());
-        let read =
-            |bytes: &[u8]| contours_from_bytes(bytes, dem, &source, self.memory_beside(bytes));
-        if let Some(tree) = self.cache.load(&name, read) {
-            return Ok(tree);
-        }
-        let tree = self.build_contours(field, dem, tolerance_m, self.threads)?;
-        self.cache
-            .store(&name, || contours_to_bytes(&tree, &source))?;
-        Ok(tree)
-    }
-
-    /// Builds the contours without asking the cache.
-    pub fn build_contours(
         &self,
         field: &HeightField,
         dem: &Dem,
@@ -88,32 +49,8 @@ impl CachedTrees<'_> {
         })
     }
 
-    /// The bytes of a field's patches and their largest error, metres; from the cache if they are there.
+    /// The patches of a field.
     pub fn patches(
-        &self,
-        field: &HeightField,
-        dem: &Dem,
-        tolerance_m: f64,
-    ) -> Result<(u64, f64), TerrainError> {
-        let options = self.patch_options(tolerance_m, self.threads);
-        let source = PatchTree::source_hash(dem, &options, false);
-        let name = format!("{}-{}-patches-{tolerance_m}m", field.name, field.size());
-        let read = |bytes: &[u8]| {
-            let tree = PatchTree::from_bytes(bytes, &source, self.memory_beside(bytes))?;
-            Ok::<_, super::DeserializeError>((bytes.len() as u64, tree.error_m))
-        };
-        if let Some(found) = self.cache.load(&name, read) {
-            return Ok(found);
-        }
-        let tree = self.build_patches(field, dem, &options)?;
-        let bytes = tree.to_bytes(&source);
-        let found = (bytes.len() as u64, tree.error_m);
-        self.cache.store(&name, || bytes)?;
-        Ok(found)
-    }
-
-    /// The same as a tree, built in any case.
-    pub fn build_patches(
         &self,
         field: &HeightField,
         dem: &Dem,
@@ -135,11 +72,6 @@ impl CachedTrees<'_> {
             budget_bytes: self.memory_bytes,
             ..PatchOptions::default()
         }
-    }
-
-    /// What is left of the memory beside a file that was read.
-    fn memory_beside(&self, bytes: &[u8]) -> u64 {
-        self.memory_bytes.saturating_sub(bytes.len() as u64)
     }
 
     /// Does some work with a progress bar, unless the user has cancelled.

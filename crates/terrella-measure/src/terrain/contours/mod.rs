@@ -1,15 +1,13 @@
 //! Contours of a whole grid of heights, of which [`ContourPages`](terrella_ground::globe::contours::ContourPages) draw many small ones:
-//! their tree built on threads, selected from by a view, and as bytes.
+//! their tree built on threads and selected from by a view.
 
 mod build;
 mod select;
-mod serialize;
 #[cfg(test)]
 mod tests;
 
 pub use build::build_on;
 pub use select::{screen_error_px, select, world_error_m};
-pub use serialize::{contours_from_bytes, contours_source, contours_to_bytes};
 pub use terrella_ground::globe::contours::cast::{Hit, Ray};
 pub use terrella_ground::globe::contours::dem::{Dem, DemError, DemFrame};
 pub use terrella_ground::globe::contours::tree::{BudgetError, ContourTree, Node, TreeStats};

@@ -11,7 +11,6 @@
 mod bezier;
 mod continuity;
 mod fit;
-mod serialize;
 #[cfg(test)]
 mod tests;
 
@@ -186,15 +185,6 @@ impl PatchTree {
         self.set_corners(&owners, |_| free.next().unwrap_or_default());
     }
 
-    /// The same with free corners from elsewhere, asked for in an order that depends on the leaves alone.
-    fn resettle(&mut self, free: &mut dyn FnMut() -> Corner) {
-        let (owners, _) = self.number();
-        self.set_corners(&owners, |owner| match owner {
-            NONE => free(),
-            _ => Corner::default(),
-        });
-    }
-
     /// Puts leaves in order and numbers their corners. Answers of each corner the leaf inside whose edge it lies, and the depth
     /// of the finest leaf about it.
     fn number(&mut self) -> (Vec<u32>, Vec<u8>) {
@@ -309,6 +299,26 @@ impl PatchTree {
     pub fn bezier_from_q(&self, patch: &QPatch) -> Net {
         let [along_u, along_v] = self.bases.map(|basis| basis.bernstein_from_q());
         converted(&patch.control_m, &along_u, &along_v)
+    }
+
+    /// Bytes of the patches packed: four f32 for each free corner, and one bit for each node of the tree. Hanging corners follow from
+    /// the others.
+    pub fn packed_bytes(&self) -> u64 {
+        let free = self.hangs.iter().filter(|hangs| !**hangs).count() as u64;
+        let mut spans: Vec<Span> = self.leaves.iter().map(|leaf| leaf.span).collect();
+        spans.sort_unstable();
+        let [columns, rows] = self.size;
+        let mut nodes = 0_u64;
+        let mut stack = vec![[0, columns - 1, 0, rows - 1]];
+        while let Some(span) = stack.pop() {
+            nodes += 1;
+            if spans.binary_search(&span).is_err()
+                && let Some((children, count)) = quarters(span)
+            {
+                stack.extend(&children[..count]);
+            }
+        }
+        16 * free + nodes.div_ceil(8)
     }
 
     /// Memory held, bytes.

@@ -21,6 +21,22 @@ fn build(dem: &Dem, tolerance_m: f64, q: [f64; 2]) -> PatchTree {
     PatchTree::build(dem, None, &options, &mut |_| ()).unwrap()
 }
 
+#[test]
+fn packed_patches_take_corners_and_cuts() {
+    let flat = Dem::new(2, 2, vec![7.0; 4], DemFrame::Flat { step_m: DVec2::ONE }).unwrap();
+    // Four corners of four f32, and one bit.
+    assert_eq!(build(&flat, 0.0, [1.0; 2]).packed_bytes(), 65);
+    // Seventeen posts a side that are all needed: 256 cells and 85 cuts, 289 corners.
+    let rough = fractal(17, 3);
+    let tree = build(&rough, 0.0, [1.0; 2]);
+    let (free, nodes) = (
+        tree.hangs.iter().filter(|hangs| !**hangs).count() as u64,
+        341_u64,
+    );
+    assert_eq!((tree.leaves.len(), free), (256, 289));
+    assert_eq!(tree.packed_bytes(), 16 * free + nodes.div_ceil(8));
+}
+
 fn shapes() -> Vec<(&'static str, Dem)> {
     vec![
         ("1 × 1", rough(1, 1, 1, |_, _, _| 7.0)),

@@ -5,13 +5,11 @@
 //! | `tree.rs` | the tree and how it is built |
 //! | `order.rs` | in which order its nodes stand in memory |
 //! | `select.rs` | the leaves of a view, and their triangles |
-//! | `serialize.rs` | the tree as bytes |
 //!
 //! What draws the Earth is [`Quadtree`](terrella_ground::globe::quadtree::Quadtree); both share the squares and the bound on a leaf's error.
 
 mod order;
 mod select;
-mod serialize;
 #[cfg(test)]
 mod tests;
 mod tree;

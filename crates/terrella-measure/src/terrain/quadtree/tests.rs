@@ -360,65 +360,6 @@ fn every_order_and_every_number_of_threads_gives_the_same_leaves() {
     assert_eq!(with_threads(1), with_threads(2));
 }
 
-const SOURCE: [u8; 32] = [7; 32];
-
-#[test]
-fn bytes_come_back_or_are_refused() {
-    for (columns, rows) in SIZES {
-        let tree = tree(columns, rows, 5, Merge::Flat, Order::Hilbert);
-        let bytes = tree.to_bytes(&SOURCE);
-        assert_eq!(
-            GridQuadtree::from_bytes(&bytes, &SOURCE, 1 << 20).as_ref(),
-            Ok(&tree)
-        );
-        // Cut short anywhere, one bit another way anywhere, or with something behind.
-        for at in (0..bytes.len()).step_by(1 + bytes.len() / 60) {
-            assert!(GridQuadtree::from_bytes(&bytes[..at], &SOURCE, 1 << 20).is_err());
-            let mut bad = bytes.clone();
-            bad[at] ^= 1 << (at % 8);
-            assert!(GridQuadtree::from_bytes(&bad, &SOURCE, 1 << 20).is_err());
-        }
-        let longer = [bytes.clone(), vec![0]].concat();
-        assert!(GridQuadtree::from_bytes(&longer, &SOURCE, 1 << 20).is_err());
-    }
-    let bytes = tree(100, 37, 5, Merge::Flat, Order::Hilbert).to_bytes(&SOURCE);
-    assert!(matches!(
-        GridQuadtree::from_bytes(&bytes, &SOURCE, 1_000),
-        Err(TreeError::TooLarge { .. })
-    ));
-    let mut other = SOURCE;
-    other[31] ^= 1;
-    assert_eq!(
-        GridQuadtree::from_bytes(&bytes, &other, 1 << 20),
-        Err(TreeError::Stale)
-    );
-    // With a checksum that fits, what does not describe a tree is refused all the same.
-    let signed = |mut body: Vec<u8>| {
-        body.truncate(body.len() - 32);
-        let checksum = blake3::hash(&body);
-        body.extend(checksum.as_bytes());
-        GridQuadtree::from_bytes(&body, &SOURCE, 1 << 20)
-    };
-    assert!(signed(bytes.clone()).is_ok());
-    let root = 72 + 4 * 100 * 37;
-    for (at, value) in [
-        (48, u32::MAX),
-        (48, 99),
-        (64, 9),
-        (68, u32::MAX),
-        (root, 0),
-        (root, 7),
-        (root, u32::MAX),
-        (root, u32::MAX - 1),
-        (root + 8, 0),
-        (root + 36, 1),
-    ] {
-        let mut bad = bytes.clone();
-        bad[at..at + 4].copy_from_slice(&value.to_le_bytes());
-        assert!(signed(bad).is_err(), "{value} at {at}");
-    }
-}
-
 #[test]
 fn what_cannot_be_built_is_refused() {
     let build = |size, heights: Vec<f32>, max_bytes| {

@@ -79,12 +79,6 @@ pub enum TreeError {
         /// Bytes allowed.
         most: usize,
     },
-    /// Bytes that are not a tree of this version, or are damaged.
-    #[error("the bytes hold no tree that can be read: {0}; build it anew")]
-    Bytes(&'static str),
-    /// Bytes of a tree of other heights, or made otherwise.
-    #[error("the bytes hold a tree of other heights or options; build it anew")]
-    Stale,
 }
 
 /// Most posts of a side: 2¹⁵ + 1.
