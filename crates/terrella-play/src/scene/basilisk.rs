@@ -1,9 +1,10 @@
 //! `[orbit] source = "basilisk"`: a simulation that runs meanwhile, or one that was saved.
 
+use super::choices::OrbitSource;
 use super::error::{SceneError, printable};
 use super::field::{Bounds, Field, KeyText, UNKNOWN, quoted};
 use super::keys::RawOrbit;
-use super::orbit::{Orbit, OrbitSource};
+use super::orbit::Orbit;
 use super::text::SceneText;
 use std::time::Duration;
 use terrella_orbit::basilisk::{Endpoint, Meeting, SimulationOptions};

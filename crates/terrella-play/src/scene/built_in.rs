@@ -1,7 +1,8 @@
 //! Scenes that no scene file says: the one that comes with the program, and what a file of orbits is flown in.
 
+use super::choices::OrbitSource;
 use super::error::SceneError;
-use super::orbit::{Orbit, OrbitSource};
+use super::orbit::Orbit;
 use super::{KeyLines, Scene, StartSource};
 use std::io::Read;
 use std::path::Path;

@@ -6,29 +6,9 @@ use super::keys::{BURN_M_S2, BURN_S, MAX_BURNS};
 use super::text::SceneText;
 use super::time::utc;
 use glam::DVec3;
-use serde::{Deserialize, Serialize};
 use terrella::frames::{Duration, Epoch, utc_from_rfc3339};
 use terrella_orbit::numerical::{EventSelection, Solver, Thrust, ThrustAxes};
 use toml::{Spanned, Value};
-
-/// The method of integration, as a scene writes it.
-#[derive(Clone, Copy, Deserialize, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub(super) enum Method {
-    Automatic,
-    Explicit,
-    Implicit,
-}
-
-impl From<Method> for Solver {
-    fn from(method: Method) -> Self {
-        match method {
-            Method::Automatic => Self::Automatic,
-            Method::Explicit => Self::Explicit,
-            Method::Implicit => Self::Implicit,
-        }
-    }
-}
 
 /// The word for a method.
 pub(super) fn method_name(solver: Solver) -> &'static str {

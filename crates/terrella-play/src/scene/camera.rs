@@ -1,7 +1,7 @@
 //! `[camera]`: where the eye is and what it looks at.
 
 use super::camera_keys::{CameraKey, keys_value, stand_on_ground};
-use super::camera_mode::{CameraMode, CameraUp};
+use super::choices::{CameraMode, CameraUp};
 use super::error::SceneError;
 use super::field::{KeyText, NO_ORBIT, UNKNOWN, quoted, written};
 use super::keys::{LAT_DEG, LON_DEG, RawCamera};

@@ -1,6 +1,6 @@
 //! `[[camera.keys]]`: what the camera does at moments of the flight; between them it goes smoothly.
 
-use super::camera_mode::CameraMode;
+use super::choices::CameraMode;
 use super::error::{SceneError, printable};
 use super::field::{KeyText, short_range_text, written};
 use super::keys::{LAT_DEG, LON_DEG, MAX_CAMERA_KEYS, RawCameraKey};

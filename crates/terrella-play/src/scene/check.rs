@@ -1,6 +1,6 @@
 //! Checks a scene: table by table, and what the tables say of each other.
 
-use super::camera_mode::CameraMode;
+use super::choices::CameraMode;
 use super::error::SceneError;
 use super::keys::{MAX_ORBITS, RawOrbit, RawScene};
 use super::orbit::Orbit;

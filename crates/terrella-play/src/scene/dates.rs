@@ -1,8 +1,9 @@
 //! Whether an orbit answers for all of a scene's time, and what is flown where the scene does not ask for more.
 
 use super::Scene;
+use super::choices::OrbitSource;
 use super::error::{KeyLocation, SceneError};
-use super::orbit::{InitialState, Motion, Orbit, OrbitParameters, OrbitSource};
+use super::orbit::{InitialState, Motion, Orbit, OrbitParameters};
 use super::time::{StartSource, utc, year_advice};
 use terrella::frames::Epoch;
 use terrella_orbit::Frame;

@@ -1,6 +1,7 @@
 //! `[earth]`: the globe, its layers and its air, and the imagery pack that they may come from. Its keys of ground with relief
 //! are read in [`relief`](super::relief).
 
+use super::choices::{Look, StorageChoice};
 use super::dated_maps::{DatedMaps, DatedScene, dated_maps_value};
 use super::error::{SceneError, printable};
 use super::field::{Field, KeyText, PathKind, UNKNOWN, quoted, range_text, whole, written};
@@ -18,19 +19,6 @@ const NIGHT_GAIN: f64 = 1.5e5;
 /// The same where the Moon lights it: with more, a full Moon would look like
 /// an overcast day.
 const MOONLIT_NIGHT_GAIN: f64 = 4e4;
-
-/// Which effects are on where a scene says nothing of them.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Look {
-    /// The 2011 paper's picture: its three layers, and no light of ours but the air's.
-    Paper,
-    /// What costs little: real light on land, sea and clouds, through the air.
-    #[default]
-    Standard,
-    /// All that there is.
-    Full,
-}
 
 /// `[earth]`
 #[derive(Clone, Debug, PartialEq)]
@@ -116,19 +104,6 @@ pub struct PackTable {
     pub texture_mb: f64,
     /// Tiles uploaded in one frame, megabytes.
     pub upload_mb: f64,
-}
-
-/// Which of a pack's storages is read.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum StorageChoice {
-    /// Compressed on graphics hardware that reads it, plain on software adapters; whichever there is otherwise.
-    #[default]
-    Auto,
-    /// Plain texels.
-    Plain,
-    /// BC7, BC5 and BC4.
-    Bc,
 }
 
 impl SceneText<'_> {

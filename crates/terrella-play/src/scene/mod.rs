@@ -8,6 +8,7 @@
 //! |---|---|
 //! | `keys.rs` | its declaration: name, type, range, default. **Begin here** |
 //! | `time.rs`, `orbit.rs`, `tracks.rs`, `camera.rs`, `earth.rs`, `sky.rs`, `output.rs` | a table each: the checked value that hosts read, its check, its text in the summary |
+//! | `choices.rs` | the words that keys choose from |
 //! | `camera_keys.rs` | `[[camera.keys]]` |
 //! | `orbit_check.rs`, `orbit_summary.rs`, `live.rs`, `basilisk.rs` | the same of `[orbit]`, which has the most keys |
 //! | `relief.rs`, `surfaces.rs` | keys of `[earth]` that are about ground with relief |
@@ -27,8 +28,8 @@ mod built_in;
 mod burns;
 mod camera;
 mod camera_keys;
-mod camera_mode;
 mod check;
+mod choices;
 mod dated_maps;
 mod dates;
 mod earth;
@@ -59,15 +60,15 @@ use text::{SceneText, line_starts};
 
 pub use camera::Camera;
 pub use camera_keys::CameraKey;
-pub use camera_mode::{CameraMode, CameraUp};
+pub use choices::{CameraMode, CameraUp, Look, OrbitSource, StorageChoice};
 pub use dated_maps::{BetweenMaps, DatedLayer, DatedMaps, MapTimes};
 pub use dates::Ending;
-pub use earth::{EarthTable, Look, PackTable, StorageChoice, SurfaceLightTable};
+pub use earth::{EarthTable, PackTable, SurfaceLightTable};
 pub use error::{KeyLocation, SceneError};
 pub(crate) use keys::YEARS;
 #[cfg(feature = "window")]
 pub use keys::{DEFAULT_TOLERANCE_PX, EDGE_SAMPLES};
-pub use orbit::{ForceOptions, InitialState, Motion, Orbit, OrbitParameters, OrbitSource};
+pub use orbit::{ForceOptions, InitialState, Motion, Orbit, OrbitParameters};
 pub use output::{Output, QualityTable};
 pub use relief::ReliefTable;
 pub use sky::SkyTable;

@@ -1,14 +1,15 @@
 //! `[orbit]`, checked: a satellite and where its motion is from.
 
+use super::choices::OrbitSource;
 use super::tracks::Track;
 use glam::DVec3;
 use std::path::PathBuf;
 use terrella::frames::Epoch;
+use terrella_orbit::Frame;
 use terrella_orbit::basilisk::SimulationOptions;
 use terrella_orbit::kepler::KeplerElements;
 use terrella_orbit::live::LiveOptions;
 use terrella_orbit::numerical::{AtmosphereModel, EventSelection, Solver, Spacecraft, Thrust};
-use terrella_orbit::{FileFormat, Frame};
 
 /// `[orbit]`, or one of several `[[orbit]]`: a satellite and where its motion is from.
 #[derive(Clone, Debug, PartialEq)]
@@ -51,56 +52,6 @@ impl Orbit {
     /// Whether it flies by the elements of the space station that are built in.
     pub fn is_built_in(&self) -> bool {
         self.source == OrbitSource::Tle && self.file.is_none()
-    }
-}
-
-/// Kinds of source.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum OrbitSource {
-    /// Two-line elements, propagated by SGP4.
-    Tle,
-    /// Orbit mean-elements messages (CCSDS 502.0), propagated by SGP4.
-    Omm,
-    /// Orbit ephemeris messages (CCSDS 502.0): states, interpolated.
-    Oem,
-    /// Positions of a CZML document, interpolated.
-    Czml,
-    /// States in columns, interpolated.
-    Csv,
-    /// A conic from elements or a state.
-    Kepler,
-    /// Motion under forces, integrated from elements or a state.
-    Numerical,
-    /// States that a simulator sends meanwhile.
-    Live,
-    /// A simulation of Basilisk, running or saved.
-    Basilisk,
-}
-
-impl OrbitSource {
-    /// The source that a kind of file is of.
-    pub fn of(format: FileFormat) -> Self {
-        match format {
-            FileFormat::Tle => Self::Tle,
-            FileFormat::Omm => Self::Omm,
-            FileFormat::Oem => Self::Oem,
-            FileFormat::Czml => Self::Czml,
-            FileFormat::Csv => Self::Csv,
-        }
-    }
-
-    /// Whether it is always read from a file.
-    pub fn is_file(self) -> bool {
-        !matches!(
-            self,
-            Self::Kepler | Self::Numerical | Self::Live | Self::Basilisk
-        )
-    }
-
-    /// Whether the scene gives its start.
-    pub fn has_start(self) -> bool {
-        matches!(self, Self::Kepler | Self::Numerical)
     }
 }
 

@@ -1,60 +1,19 @@
 //! Checks `[orbit]`: sources of motion, which keys each takes, and the start and the forces of a motion.
 
-use super::burns::Method;
+use super::choices::{AirModel, FrameName, Method, OrbitSource};
 use super::error::SceneError;
 use super::field::{Bounds, Field, PathKind, short_range_text, whole, written};
 use super::keys::{RawOrbit, RawTracks};
-use super::orbit::{ForceOptions, InitialState, Motion, Orbit, OrbitParameters, OrbitSource};
+use super::orbit::{ForceOptions, InitialState, Motion, Orbit, OrbitParameters};
 use super::text::SceneText;
 use super::{basilisk, live};
 use glam::DVec3;
-use serde::Deserialize;
 use std::ops::RangeInclusive;
 use terrella::frames::Epoch;
 use terrella_orbit::Frame;
 use terrella_orbit::kepler::{Anomaly, KeplerElements, OrbitSize};
-use terrella_orbit::numerical::{AtmosphereModel, Spacecraft};
+use terrella_orbit::numerical::Spacecraft;
 use toml::Spanned;
-
-/// The axes of a start, as a scene writes them.
-#[derive(Clone, Copy, Deserialize)]
-#[serde(rename_all = "lowercase")]
-enum FrameName {
-    Teme,
-    Pef,
-    Itrf,
-    Gcrf,
-    Eme2000,
-}
-
-impl From<FrameName> for Frame {
-    fn from(name: FrameName) -> Self {
-        match name {
-            FrameName::Teme => Self::Teme,
-            FrameName::Pef => Self::Pef,
-            FrameName::Itrf => Self::Itrf,
-            FrameName::Gcrf => Self::Gcrf,
-            FrameName::Eme2000 => Self::Eme2000,
-        }
-    }
-}
-
-/// The air, as a scene writes it.
-#[derive(Clone, Copy, Deserialize)]
-#[serde(rename_all = "lowercase")]
-enum AirModel {
-    Us1976,
-    Exponential,
-}
-
-impl From<AirModel> for AtmosphereModel {
-    fn from(model: AirModel) -> Self {
-        match model {
-            AirModel::Us1976 => Self::Standard1976,
-            AirModel::Exponential => Self::Exponential,
-        }
-    }
-}
 
 /// Keys of classical elements.
 const ELEMENTS: &[&str] = &[

@@ -1,8 +1,9 @@
 //! The part of the summary that is about satellites.
 
+use super::choices::OrbitSource;
 use super::error::printable;
 use super::field::{KeyText, UNKNOWN, quoted, written};
-use super::orbit::{ForceOptions, InitialState, Motion, Orbit, OrbitParameters, OrbitSource};
+use super::orbit::{ForceOptions, InitialState, Motion, Orbit, OrbitParameters};
 use super::orbit_check::foreign;
 use super::time::utc;
 use super::tracks::TrackSpan;

@@ -1,7 +1,7 @@
 //! `[output]` and `[quality]`: pictures, and the frame time that the window holds.
 
 use super::camera::Camera;
-use super::camera_mode::CameraMode;
+use super::choices::CameraMode;
 use super::earth::EarthTable;
 use super::error::SceneError;
 use super::field::{Field, KeyText, PathKind, UNKNOWN, quoted, range_text, whole, written};

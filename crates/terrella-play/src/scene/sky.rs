@@ -1,6 +1,7 @@
 //! `[sky]`: what is beyond the Earth.
 
-use super::earth::{EarthTable, Look};
+use super::choices::Look;
+use super::earth::EarthTable;
 use super::error::{SceneError, printable};
 use super::field::{KeyText, PathKind, UNKNOWN};
 use super::keys::RawSky;

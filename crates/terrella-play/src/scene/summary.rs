@@ -1,6 +1,6 @@
 //! What a scene comes to: every value and where it is from, what will be used and what is left out.
 
-use super::camera_mode::CameraMode;
+use super::choices::CameraMode;
 use super::error::printable;
 use super::field::{KeyText, NO_ORBIT, UNKNOWN, written};
 use super::keys::{TABLES, Table};
