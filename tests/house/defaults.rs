@@ -27,7 +27,8 @@ fn declared(keys: &str) -> BTreeMap<(&str, &str), Literal> {
         }
         let key = line.trim().split_once(": ").map(|(key, _)| key);
         let default = line.split_once(", default ").map(|(_, value)| value);
-        let value = default.and_then(|value| literal(value.trim_end().trim_end_matches(';')));
+        let value = default.and_then(|value| value.split([',', ';']).next());
+        let value = value.and_then(literal);
         if let (Some(key), Some(value)) = (key, value) {
             found.insert((table, key), value);
         }
@@ -95,7 +96,7 @@ pub fn differences(keys: &str, scene: &str) -> (Vec<String>, usize) {
 mod tests {
     use super::*;
 
-    const KEYS: &str = "table!(RawPack = \"pack\" {\n    size_mb: f64 = \"a number\", in 1.0..=2.0, default 512.0;\n    upload_mb: f64 = \"a number\", default 4.0;\n    fade: bool = \"true or false\", default true;\n});\n";
+    const KEYS: &str = "table!(RawPack = \"pack\" {\n    size_mb: f64, in 1.0..=2.0, default 512.0, for PACK;\n    upload_mb: f64, default 4.0;\n    fade: bool, default true;\n});\n";
 
     #[test]
     fn a_wrong_default_is_found() {

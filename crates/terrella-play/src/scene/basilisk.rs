@@ -26,7 +26,7 @@ impl SceneText<'_> {
         let (listen, subscribe) = (orbit.listen(), orbit.subscribe());
         let publishes = subscribe.is_given();
         for (key, span) in orbit.given() {
-            let why = match key {
+            let why = match key.name {
                 "timeout_s" if publishes => WAITS_NOT,
                 key if is_saved && (key == "subscribe" || SHARED_KEYS.contains(&key)) => RUNS_NOT,
                 "listen" if publishes => {
@@ -34,7 +34,12 @@ impl SceneText<'_> {
                 }
                 _ => continue,
             };
-            return Err(self.refuse_at("orbit", key, span, format!("{key} {why}; leave it out")));
+            return Err(self.refuse_at(
+                "orbit",
+                key.name,
+                span,
+                format!("{} {why}; leave it out", key.name),
+            ));
         }
         if is_saved {
             return Ok(None);

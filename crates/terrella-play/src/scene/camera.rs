@@ -55,7 +55,7 @@ impl SceneText<'_> {
             true => CameraMode::Geodetic,
             false => CameraMode::Nadir,
         };
-        let mode = self.choice(&camera.mode(), default_mode)?;
+        let mode = self.choice_or(&camera.mode(), default_mode)?;
         if let Some(field) = stands
             && mode != CameraMode::Geodetic
         {
@@ -74,7 +74,7 @@ impl SceneText<'_> {
             );
             return Err(self.refuse(&up, advice));
         }
-        let up = self.choice(&up, CameraUp::default())?;
+        let up = self.choice(&up)?;
         let fov_deg = self.number(&camera.fov_deg(), |_, range| {
             format!(
                 "the field of view must be more than 0 and less than 180 degrees (from {range})"

@@ -2,8 +2,8 @@
 
 use super::choices::CameraMode;
 use super::error::{SceneError, printable};
-use super::field::{KeyText, short_range_text, written};
-use super::keys::{LAT_DEG, LON_DEG, MAX_CAMERA_KEYS, RawCameraKey};
+use super::field::{KeyText, RawCameraKey, short_range_text, written};
+use super::keys::{LAT_DEG, LON_DEG, MAX_CAMERA_KEYS};
 use super::text::{SceneText, nearest};
 use std::fmt::Write;
 use std::ops::{Range, RangeInclusive};

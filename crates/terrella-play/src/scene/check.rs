@@ -40,14 +40,14 @@ pub(super) fn check(source: SceneText<'_>, raw: RawScene) -> Result<Scene, Scene
         ("quality", quality.given()),
     ] {
         for (key, span) in given {
-            lines.insert(table, key, source.line(span.start));
+            lines.insert(table, key.name, source.line(span.start));
         }
     }
 
     let orbit_lines = orbits.iter().map(|orbit| {
         let mut lines = KeyLines::default();
         for (key, span) in orbit.given() {
-            lines.insert("orbit", key, source.line(span.start));
+            lines.insert("orbit", key.name, source.line(span.start));
         }
         lines
     });

@@ -80,7 +80,7 @@ impl OrbitSource {
 }
 
 /// The axes of a start, as a scene writes them.
-#[derive(Clone, Copy, Deserialize, Serialize)]
+#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum FrameName {
     Teme,
@@ -103,7 +103,7 @@ impl From<FrameName> for Frame {
 }
 
 /// The air, as a scene writes it.
-#[derive(Clone, Copy, Deserialize, Serialize)]
+#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum AirModel {
     Us1976,
@@ -120,7 +120,7 @@ impl From<AirModel> for AtmosphereModel {
 }
 
 /// The method of integration, as a scene writes it.
-#[derive(Clone, Copy, Deserialize, Serialize)]
+#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum Method {
     Automatic,

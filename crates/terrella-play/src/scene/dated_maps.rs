@@ -1,8 +1,8 @@
 //! `day_maps`, `cloud_maps`, `night_light_maps` and `map_fade` of `[earth]`: maps that stand for dates or for months.
 
 use super::error::{SceneError, printable};
-use super::field::{Field, KeyText};
-use super::keys::{MAX_DATED_MAPS, RawDatedMaps, RawEarth};
+use super::field::{Field, KeyText, RawDatedMaps};
+use super::keys::{MAX_DATED_MAPS, RawEarth};
 use super::text::SceneText;
 use super::time::utc;
 use std::path::{Path, PathBuf};

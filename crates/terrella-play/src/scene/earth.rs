@@ -109,12 +109,12 @@ pub struct PackTable {
 impl SceneText<'_> {
     /// Checks `[earth]`.
     pub(super) fn earth(&self, earth: &RawEarth) -> Result<EarthTable, SceneError> {
-        let look = self.choice(&earth.look(), Look::default())?;
+        let look = self.choice(&earth.look())?;
         let shading = match look {
             Look::Paper => Shading::Paper,
             Look::Standard | Look::Full => Shading::Sunlit,
         };
-        let shading = self.choice(&earth.shading(), shading)?;
+        let shading = self.choice_or(&earth.shading(), shading)?;
         let lights = earth.night_lights();
         let night_lights = lights.value().unwrap_or(shading == Shading::Sunlit);
         if night_lights && shading == Shading::Paper {
@@ -137,15 +137,15 @@ impl SceneText<'_> {
             light: self.surface_light(earth, look, shading)?,
             look,
             strict: earth.strict().is_on(),
-            figure: self.choice(&earth.figure(), Figure::default())?,
+            figure: self.choice(&earth.figure())?,
             subdivision: self.subdivision(&earth.subdivision())?,
-            visibility: self.choice(&earth.visibility(), Visibility::default())?,
+            visibility: self.choice(&earth.visibility())?,
             shading,
             clouds: earth.clouds().is_on(),
             normals: earth.normals().is_on(),
             night_lights,
             water: water.value().unwrap_or(shading == Shading::Sunlit),
-            atmosphere: self.choice(&earth.atmosphere(), Atmosphere::default())?,
+            atmosphere: self.choice(&earth.atmosphere())?,
             textures: self.path(&earth.textures(), PathKind::Folder)?,
             pack: self.pack(earth)?,
             relief: self.relief(earth)?,
@@ -231,7 +231,7 @@ impl SceneText<'_> {
             let advice = "a scene draws a folder of maps or a pack; leave out textures or pack";
             return Err(self.refuse(&textures, advice));
         }
-        let rule = self.choice(&levels, LevelRule::default())?;
+        let rule = self.choice(&levels)?;
         if rule == LevelRule::Paper && texel_px.is_given() {
             let advice = "texel_px has no meaning with levels = \"paper\", where distances alone decide; leave it out or write levels = \"screen\"";
             return Err(self.refuse(&texel_px, advice));
@@ -242,7 +242,7 @@ impl SceneText<'_> {
             folder,
             levels: rule,
             texel_px: self.number(&texel_px, within("screen pixels a texel"))?,
-            storage: self.choice(&storage, StorageChoice::default())?,
+            storage: self.choice(&storage)?,
             texture_mb: self.number(&texture_mb, within("megabytes"))?,
             upload_mb: self.number(&upload_mb, within("megabytes a frame"))?,
         }))

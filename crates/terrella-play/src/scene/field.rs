@@ -4,7 +4,9 @@ use super::error::{KeyLocation, SceneError, printable};
 use super::text::{SceneText, nearest};
 use serde::Deserialize;
 use serde::de::value::StrDeserializer;
+use std::collections::BTreeMap;
 use std::fmt::Display;
+use std::marker::PhantomData;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use toml::Spanned;
@@ -109,17 +111,25 @@ impl SceneText<'_> {
             .ok_or_else(|| self.refuse(field, remedy(&range_text(range))))
     }
 
-    /// One of the names of an enum, as its serde derive spells them.
-    pub(super) fn choice<T: for<'de> Deserialize<'de>>(
+    /// One of the names of an enum, or its default.
+    pub(super) fn choice<T: Copy + for<'de> Deserialize<'de>>(
         &self,
-        field: &Field<'_, String>,
+        field: &Field<'_, Choice<T>, T>,
+    ) -> Result<T, SceneError> {
+        self.choice_or(field, field.rule)
+    }
+
+    /// The same where the default is not always the same.
+    pub(super) fn choice_or<T: for<'de> Deserialize<'de>, R>(
+        &self,
+        field: &Field<'_, Choice<T>, R>,
         default: T,
     ) -> Result<T, SceneError> {
         let Some(given) = field.given else {
             return Ok(default);
         };
-        let word = given.get_ref();
-        T::deserialize(StrDeserializer::<UnknownName>::new(word)).map_err(|UnknownName(known)| {
+        let word = &given.get_ref().word;
+        named(word).map_err(|UnknownName(known)| {
             let all = known
                 .iter()
                 .map(|name| format!("\"{name}\""))
@@ -217,6 +227,23 @@ impl SceneText<'_> {
 #[serde(transparent)]
 pub(super) struct RawPath(pub(super) String);
 
+/// A word as a scene gives it, which should be the name of one of an enum's values.
+#[derive(Debug, Deserialize)]
+#[serde(transparent, bound = "")]
+pub(super) struct Choice<T> {
+    word: String,
+    #[serde(skip)]
+    of: PhantomData<T>,
+}
+
+/// Maps with their dates, whose files are paths; checked by dated_maps.rs.
+#[derive(Debug, Deserialize)]
+#[serde(transparent)]
+pub(super) struct RawDatedMaps(pub(super) toml::Value);
+
+/// One of `[[camera.keys]]`, checked by camera_keys.rs.
+pub(super) type RawCameraKey = BTreeMap<String, Spanned<toml::Value>>;
+
 /// What a path must lead to.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum PathKind {
@@ -244,6 +271,17 @@ impl serde::de::Error for UnknownName {
     fn unknown_variant(_: &str, expected: &'static [&'static str]) -> Self {
         Self(expected)
     }
+}
+
+/// The value of an enum that its serde derive spells so.
+fn named<T: for<'de> Deserialize<'de>>(word: &str) -> Result<T, UnknownName> {
+    T::deserialize(StrDeserializer::new(word))
+}
+
+/// The names of an enum's values, in their order.
+pub(super) fn names_of<T: for<'de> Deserialize<'de>>() -> &'static [&'static str] {
+    let unnamed = named::<T>("").err();
+    unnamed.map_or(&[], |UnknownName(names)| names)
 }
 
 /// The name of an enum's value as a scene writes it.

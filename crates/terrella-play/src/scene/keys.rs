@@ -1,15 +1,19 @@
-//! Declares the scene keys, each once: its name, the type of its value, the numbers that it may be, and what it is where a
-//! scene leaves it out. The declaration makes the key's field in the table as written and a method of the same name that
-//! hands its rule to the checks, so that neither can differ from what is written here.
+//! Declares the scene keys, each once: its name, the type of its value, the numbers that it may be, what it is where a scene
+//! leaves it out, where it has a meaning and what that is. [`table`](super::table) explains the form. The sentences
+//! above the keys are those of `docs/scene-reference.md`.
 
-use super::field::{Bounds, Field, RawPath};
+use super::choices::{AirModel, CameraMode, CameraUp, FrameName, Look, Method, StorageChoice};
+use super::choices::{OrbitSource, OrbitSource::*};
+use super::field::{Bounds, Choice, Field, RawCameraKey, RawDatedMaps, RawPath};
+use super::table::{Key, Only, Table, Value, given_or, method, table};
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
-use std::collections::BTreeMap;
 use std::ops::{Range, RangeInclusive};
-use terrella_ground::air::AirOptions;
-use terrella_orbit::live::{LiveOptions, Transport};
+use terrella_ground::air::{AirOptions, Atmosphere};
+use terrella_ground::globe::{Figure, LevelRule, Shading, SurfaceKind, Visibility};
+use terrella_ground::light::Tone;
+use terrella_orbit::live::{Extrapolation, LiveOptions, Pacing, Transport};
 use terrella_orbit::numerical::Spacecraft;
 use toml::Spanned;
 
@@ -78,147 +82,73 @@ pub(super) const RENAMED: &[(&str, &str)] = &[
     ("argument_deg", "argument_of_periapsis_deg"),
 ];
 
-/// Maps with their dates, whose files are paths; checked by dated_maps.rs.
-#[derive(Debug, Deserialize)]
-#[serde(transparent)]
-pub(super) struct RawDatedMaps(pub(super) toml::Value);
-
-/// A key that a table knows.
-#[derive(Debug)]
-pub(super) struct Key {
-    pub(super) name: &'static str,
-    /// What its value must be, to be read after "must be".
-    pub(super) expected: &'static str,
-    /// Whether it names files or folders.
-    #[cfg(test)]
-    pub(super) is_path: bool,
+/// A key of the sources of `[orbit]` alone.
+const fn only(sources: &'static [OrbitSource], why: &'static str) -> Only {
+    Only { why, sources }
 }
 
-/// A table that a scene knows.
-#[derive(Debug)]
-pub(super) struct Table {
-    pub(super) name: &'static str,
-    pub(super) keys: &'static [Key],
-}
-
-impl Table {
-    /// Whether a scene may have several of it.
-    pub(super) fn is_list(&self) -> bool {
-        self.name == RawOrbit::TABLE.name
-    }
-}
-
-/// Types of values with numbers in them.
-pub(super) trait Numeric {
-    /// The type of the numbers.
-    type Number;
-}
-
-macro_rules! numeric {
-    ($($kind:ty: $number:ty,)*) => { $(impl Numeric for $kind { type Number = $number; })* };
-}
-
-numeric! { f64: f64, i64: i64, Vec<f64>: f64, Vec<i64>: i64, toml::Value: i64, }
-
-/// Whether values of a type name files or folders.
-#[cfg(test)]
-pub(super) trait NamesFiles {
-    const NAMES_FILES: bool;
-}
-
-#[cfg(test)]
-macro_rules! names_files {
-    ($($kind:ty: $names_files:literal,)*) => { $(impl NamesFiles for $kind { const NAMES_FILES: bool = $names_files; })* };
-}
-
-#[cfg(test)]
-names_files! {
-    RawPath: true, Vec<Spanned<RawPath>>: true, RawDatedMaps: true,
-    bool: false, f64: false, i64: false, String: false, toml::Value: false,
-    Vec<f64>: false, Vec<i64>: false, Vec<String>: false, Vec<RawCameraKey>: false,
-}
-
-/// The method of a key, with as much of a rule as its declaration has.
-macro_rules! method {
-    ($(#[$doc:meta])+ $key:ident: $kind:ty) => {
-        method! { @ $(#[$doc])+ $key: $kind, (), () }
-    };
-    ($(#[$doc:meta])+ $key:ident: $kind:ty, in $range:expr) => {
-        method! { @ $(#[$doc])+ $key: $kind, RangeInclusive<<$kind as Numeric>::Number>, $range }
-    };
-    ($(#[$doc:meta])+ $key:ident: $kind:ty, in $range:expr, default $default:expr) => {
-        method! { @ $(#[$doc])+ $key: $kind, Bounds<<$kind as Numeric>::Number>, Bounds { range: $range, default: $default } }
-    };
-    ($(#[$doc:meta])+ $key:ident: $kind:ty, default $default:expr) => {
-        method! { @ $(#[$doc])+ $key: $kind, $kind, $default }
-    };
-    (@ $(#[$doc:meta])+ $key:ident: $kind:ty, $rule:ty, $value:expr) => {
-        $(#[$doc])+
-        pub(super) fn $key(&self) -> Field<'_, $kind, $rule> {
-            Field {
-                table: Self::TABLE.name,
-                key: stringify!($key),
-                given: self.$key.as_ref(),
-                rule: $value,
-            }
-        }
-    };
-}
-
-/// A table from its keys: `key: type = "what it must be", in its range, default its default;`.
-macro_rules! table {
-    ($name:ident = $table:literal {
-        $($(#[$doc:meta])+ $key:ident: $kind:ty = $expected:literal $(, in $range:expr)? $(, default $default:expr)?;)*
-    }) => {
-        #[derive(Debug, Default, Deserialize)]
-        #[serde(deny_unknown_fields)]
-        pub(super) struct $name {
-            $($(#[$doc])+ $key: Option<Spanned<$kind>>,)*
-        }
-
-        impl $name {
-            pub(super) const TABLE: Table = Table {
-                name: $table,
-                keys: &[$(Key {
-                    name: stringify!($key),
-                    expected: $expected,
-                    #[cfg(test)]
-                    is_path: <$kind as NamesFiles>::NAMES_FILES,
-                }),*],
-            };
-
-            /// The keys that the file gives, with the span of their values.
-            pub(super) fn given(&self) -> Vec<(&'static str, Range<usize>)> {
-                let mut given = Vec::new();
-                $(given.extend(self.$key.as_ref().map(|value| (stringify!($key), value.span())));)*
-                given
-            }
-
-            $(method! { $(#[$doc])+ $key: $kind $(, in $range)? $(, default $default)? })*
-        }
-    };
-}
+const FILE: &Only = &only(
+    &[Tle, Omm, Oem, Czml, Csv, Basilisk],
+    "is for sources that are read from files: \"tle\", \"omm\", \"oem\", \"czml\", \"csv\" and \"basilisk\"",
+);
+const STRICT: &Only = &only(
+    &[Tle, Omm, Oem, Czml, Csv],
+    "is for files of which parts can be passed over: \"tle\", \"omm\", \"oem\", \"czml\" and \"csv\"",
+);
+const MOTION: &Only = &only(
+    &[Kepler, Numerical],
+    "is for source = \"kepler\" and \"numerical\", whose start the scene gives",
+);
+const KEPLER: &Only = &only(
+    &[Kepler],
+    "is for source = \"kepler\"; \"numerical\" takes gravity_degree",
+);
+const FORCES: &Only = &only(
+    &[Numerical],
+    "is for source = \"numerical\", where forces are integrated",
+);
+const SENT: &Only = &only(
+    &[OrbitSource::Live, Basilisk],
+    "is for source = \"live\" and \"basilisk\", what a simulator sends",
+);
+const LIVE: &Only = &only(
+    &[OrbitSource::Live],
+    "is for source = \"live\", states that a simulator sends",
+);
+const PUBLISHED: &Only = &only(
+    &[Basilisk],
+    "is for source = \"basilisk\", simulations that publish their steps",
+);
+pub(super) const NADIR: &Only = &only(&[], "only for mode = \"nadir\"");
+pub(super) const GEODETIC: &Only = &only(&[], "only for mode = \"geodetic\"");
+pub(super) const SUNLIT: &Only = &only(&[], "only for shading = \"sunlit\"");
+pub(super) const PACK: &Only = &only(&[], "only for scenes with a pack");
+pub(super) const SCREEN: &Only = &only(&[], "only for levels = \"screen\"");
+pub(super) const RELIEF: &Only = &only(&[], "only for ground with relief");
+pub(super) const CLIPMAP: &Only = &only(&[], "for surface = \"clipmap\"");
+pub(super) const CONTOURS: &Only = &only(&[], "for surface = \"contours\"");
+pub(super) const PROJECTED_GRID: &Only = &only(&[], "for surface = \"projected-grid\"");
+pub(super) const QUADTREE: &Only = &only(&[], "for surface = \"quadtree\"");
 
 /// A table with the keys of tracks between its own: `[tracks]` has them for all satellites, `[orbit]` for one.
 macro_rules! table_with_tracks {
     ($name:ident = $table:literal { $($before:tt)* } { $($after:tt)* }) => {
         table!($name = $table {
             $($before)*
-            // Any value: true, false or a table.
-            /// The orbit, drawn over a time.
-            trail: toml::Value = "true, false or { before_min = 90, after_min = 45 }";
-            /// Where the satellite passes overhead, drawn over a time.
-            ground_track: toml::Value = "true, false or { before_min = 90, after_min = 45 }";
+            /// The trail: the orbit, drawn over a time. `true` is the last revolution.
+            trail: toml::Value, of "true, false or { before_min = 90, after_min = 45 }";
+            /// The ground track: where the satellite passes overhead, drawn over a time. `true` is half a revolution to each side of now.
+            ground_track: toml::Value, of "true, false or { before_min = 90, after_min = 45 }";
             /// A dot where the satellite is, with its name.
-            marker: bool = "true or false", default false;
-            /// A ring where it is overhead.
-            subpoint: bool = "true or false", default false;
-            /// The outline of the ground that its sensor sees; drawn also where an angle is given.
-            footprint: bool = "true or false";
-            /// Half angle of the sensor's cone about straight down; without it all the ground in sight is seen.
-            sensor_half_angle_deg: f64 = "a number of degrees", in 0.001..=90.0;
+            marker: bool, default false;
+            /// A ring where the satellite is overhead.
+            subpoint: bool, default false;
+            /// The outline of the ground that the satellite sees. By default drawn where sensor_half_angle_deg is given.
+            footprint: bool;
+            /// Half angle of the sensor's cone about straight down. By default the sensor sees all the ground to the horizon.
+            sensor_half_angle_deg: f64, of "degrees", in 0.001..=90.0;
             /// Whether the footprint is tinted.
-            footprint_fill: bool = "true or false", default false;
+            footprint_fill: bool, default false;
             $($after)*
         });
     };
@@ -226,117 +156,117 @@ macro_rules! table_with_tracks {
 
 table!(RawTime = "time" {
     // Any value: both a string and TOML's own date-time are read.
-    /// UTC instant of the first frame; by default the satellite's own time, [`DEFAULT_START`] where it has none.
-    start: toml::Value = "a UTC instant like \"2018-01-15T12:00:00Z\", or \"now\"";
-    /// Simulated seconds that are played, about 32 years at most; by default a revolution of the space station.
-    duration_s: f64 = "a number of simulated seconds", in f64::MIN_POSITIVE..=1e9, default 5580.0;
-    /// Simulated seconds per second of playback; negative plays backwards, never 0.
-    speed: f64 = "a number of simulated seconds per second", in -1e6..=1e6, default 60.0;
+    /// UTC instant of the first frame. By default the satellite's own time; 2018-01-15T12:00:00Z where it has none.
+    start: toml::Value, of "a UTC instant like \"2018-01-15T12:00:00Z\", or \"now\"";
+    /// Simulated time that is played. Where the scene does not give it, it is shortened to the time for which the satellite is known.
+    duration_s: f64, of "simulated seconds", in f64::MIN_POSITIVE..=1e9, default 5580.0;
+    /// Simulated seconds per second of playback. Negative plays backwards; 0 is rejected.
+    speed: f64, of "simulated seconds per second", in -1e6..=1e6, default 60.0;
     /// Frames per second of playback.
-    frame_rate_hz: f64 = "a number of frames per second", in 1.0..=240.0, default 30.0;
-    /// Table of the Earth's orientation by date; without it UT1 is taken as UTC and polar motion as none.
-    orientation: RawPath = "a string, the path of a file like finals2000A.all";
+    frame_rate_hz: f64, of "frames per second", in 1.0..=240.0, default 30.0;
+    /// Table of the Earth's orientation by date. By default UT1 is taken as UTC and polar motion as none.
+    orientation: RawPath, of "a file like finals2000A.all";
 });
 
 table_with_tracks!(RawOrbit = "orbit" {
-    /// The kind of source, [`OrbitSource`](super::OrbitSource): "tle" by default.
-    source: String = "a string, the kind of source: \"tle\", \"omm\", \"oem\", \"czml\", \"csv\", \"kepler\", \"numerical\", \"live\" or \"basilisk\"";
-    /// The file of a source that is one; without it "tle" flies the built-in space station, and "basilisk" meets a simulation
-    /// that runs.
-    file: RawPath = "a string, the path of a file of elements or states";
-    /// Which satellite of the file; without a file, what it is called.
-    name: String = "a string, the satellite's name";
-    /// Whether one bad record refuses the file.
-    strict: bool = "true or false", default false;
+    /// The kind of source.
+    source: Choice<OrbitSource>, of "the kind of source", default Tle;
+    /// The file of elements or states. By default "tle" flies the built-in space station, and "basilisk" connects to a running
+    /// simulation.
+    file: RawPath, of "a file of elements or states", for FILE;
+    /// Which satellite of the file; without a file, what the satellite is called.
+    name: String, of "a string, the satellite's name";
+    /// Whether one bad record rejects the file.
+    strict: bool, default false, for STRICT;
     // Any value: both a string and TOML's own date-time are read.
-    /// When the start of a motion holds; the start of the scene by default.
-    epoch: toml::Value = "a UTC instant like \"2018-01-15T12:00:00Z\"";
-    /// The axes that the start is given in, "gcrf" by default.
-    frame: String = "a string: \"teme\", \"pef\", \"itrf\", \"gcrf\" or \"eme2000\"";
-    /// Semi-major axis; below 0 for hyperbolas.
-    semi_major_axis_km: f64 = "a number of kilometres", in ORBIT_KM;
+    /// Epoch of the initial state. By default the start of the scene.
+    epoch: toml::Value, of "a UTC instant like \"2018-01-15T12:00:00Z\"", for MOTION;
+    /// Reference frame of the initial state.
+    frame: Choice<FrameName>, default FrameName::Gcrf, for MOTION;
+    /// Semi-major axis; negative for hyperbolas.
+    semi_major_axis_km: f64, of "kilometres", in ORBIT_KM, for MOTION;
     /// Distance of the periapsis from the Earth's centre, in place of the semi-major axis.
-    periapsis_km: f64 = "a number of kilometres", in 0.001..=*ORBIT_KM.end();
-    /// Eccentricity: 0 a circle, 1 a parabola.
-    eccentricity: f64 = "a number", in 0.0..=1e6, default 0.0;
+    periapsis_km: f64, of "kilometres", in 0.001..=*ORBIT_KM.end(), for MOTION;
+    /// Eccentricity: 0 is a circle, 1 a parabola.
+    eccentricity: f64, in 0.0..=1e6, default 0.0, for MOTION;
     /// Inclination.
-    inclination_deg: f64 = "a number of degrees", in 0.0..=180.0, default 0.0;
+    inclination_deg: f64, of "degrees", in 0.0..=180.0, default 0.0, for MOTION;
     /// Right ascension of the ascending node (RAAN).
-    raan_deg: f64 = "a number of degrees", in TURN_DEG, default 0.0;
+    raan_deg: f64, of "degrees", in TURN_DEG, default 0.0, for MOTION;
     /// Argument of periapsis.
-    argument_of_periapsis_deg: f64 = "a number of degrees", in TURN_DEG, default 0.0;
+    argument_of_periapsis_deg: f64, of "degrees", in TURN_DEG, default 0.0, for MOTION;
     /// True anomaly at the epoch.
-    true_anomaly_deg: f64 = "a number of degrees", in TURN_DEG, default 0.0;
-    /// Mean anomaly at the epoch, in place of the true one.
-    mean_anomaly_deg: f64 = "a number of degrees", in TURN_DEG, default 0.0;
+    true_anomaly_deg: f64, of "degrees", in TURN_DEG, default 0.0, for MOTION;
+    /// Mean anomaly at the epoch, in place of the true anomaly.
+    mean_anomaly_deg: f64, of "degrees", in TURN_DEG, default 0.0, for MOTION;
     // Lists of any length, so that a wrong length gets our own message.
-    /// Position of a start that is given as a state vector, from the Earth's centre.
-    position_km: Vec<f64> = "[x, y, z], three numbers of kilometres", in ORBIT_KM;
-    /// Its velocity, as seen in the frame.
-    velocity_km_s: Vec<f64> = "[x, y, z], three numbers of kilometres per second", in -5000.0..=5000.0;
-    /// Source "kepler": whether node and periapsis drift by the Earth's flattening.
-    j2: bool = "true or false", default false;
-    /// Source "numerical": degree of the Earth's gravity; 0 is a point, 1 would be the same. By default all there is.
-    gravity_degree: i64 = "a whole number from 0 to 20", in 0..=20, default 20;
-    /// Its order, the degree by default; 0 leaves the zonal terms alone.
-    gravity_order: i64 = "a whole number from 0 to gravity_degree";
+    /// Position of an initial state that is given as a state vector, from the Earth's centre.
+    position_km: Vec<f64>, of "[x, y, z], three numbers of kilometres", in ORBIT_KM, for MOTION;
+    /// Velocity of that state, as seen in the frame.
+    velocity_km_s: Vec<f64>, of "[x, y, z], three numbers of kilometres per second", in -5000.0..=5000.0, for MOTION;
+    /// Whether node and periapsis drift by the Earth's flattening.
+    j2: bool, default false, for KEPLER;
+    /// Degree of the Earth's gravity; 0 is a point mass.
+    gravity_degree: i64, of "a whole number from 0 to 20", in 0..=20, default 20, for FORCES;
+    /// Order of the Earth's gravity; 0 leaves the zonal terms alone. By default the degree.
+    gravity_order: i64, of "a whole number from 0 to gravity_degree", for FORCES;
     /// Whether the air's drag acts.
-    drag: bool = "true or false", default true;
-    /// The air's density by height, "us1976" by default.
-    air_model: String = "a string: \"us1976\" or \"exponential\"";
+    drag: bool, default true, for FORCES;
+    /// Model of the air's density by height.
+    air_model: Choice<AirModel>, default AirModel::Us1976, for FORCES;
     /// Whether the Sun's gravity acts.
-    sun: bool = "true or false", default true;
+    sun: bool, default true, for FORCES;
     /// Whether the Moon's gravity acts.
-    moon: bool = "true or false", default true;
+    moon: bool, default true, for FORCES;
     /// Whether the pressure of sunlight acts.
-    radiation: bool = "true or false", default true;
+    radiation: bool, default true, for FORCES;
     /// Mass of the satellite.
-    mass_kg: f64 = "a number of kilograms", in 1e-6..=1e9, default Spacecraft::default().mass_kg;
+    mass_kg: f64, of "kilograms", in 1e-6..=1e9, default Spacecraft::default().mass_kg, for FORCES;
     /// Area against air and sunlight.
-    area_m2: f64 = "a number of square metres", in 0.0..=1e9, default Spacecraft::default().drag_area_m2;
+    area_m2: f64, of "square metres", in 0.0..=1e9, default Spacecraft::default().drag_area_m2, for FORCES;
     /// Drag coefficient.
-    cd: f64 = "a number", in 0.0..=100.0, default Spacecraft::default().drag_coefficient;
-    /// Coefficient of reflectivity: 1 where light is taken up, 2 where it is thrown back.
-    cr: f64 = "a number", in 0.0..=100.0, default Spacecraft::default().reflectivity;
-    /// Error allowed in a step of the integration, relative to distance and speed; by default millimetres a revolution.
-    tolerance: f64 = "a number", in 1e-14..=1e-3, default 1e-10;
-    /// How it is integrated, "automatic" by default.
-    method: String = "a string: \"automatic\", \"explicit\" or \"implicit\"";
+    cd: f64, in 0.0..=100.0, default Spacecraft::default().drag_coefficient, for FORCES;
+    /// Coefficient of reflectivity: 1 where light is absorbed, 2 where it is reflected.
+    cr: f64, in 0.0..=100.0, default Spacecraft::default().reflectivity, for FORCES;
+    /// Error allowed in a step of the integration, relative to distance and speed.
+    tolerance: f64, in 1e-14..=1e-3, default 1e-10, for FORCES;
+    /// Method of integration.
+    method: Choice<Method>, default Method::Automatic, for FORCES;
     // A list of tables, checked by burns.rs.
-    /// Thrusts, each over its own time.
-    burns: toml::Value = "a list like [{ start = \"2018-01-15T12:30:00Z\", duration_s = 60, acceleration_m_s2 = [0.05, 0, 0], axes = \"flight\" }]";
+    /// Burns, each over its own time. By default none.
+    burns: toml::Value, of "a list like [{ start = \"2018-01-15T12:30:00Z\", duration_s = 60, acceleration_m_s2 = [0.05, 0, 0], axes = \"flight\" }]", for FORCES;
     // A list of any length.
-    /// Which events are looked for besides the impact; none by default.
-    events: Vec<String> = "a list of \"nodes\", \"apsides\" and \"eclipses\"";
-    /// Sources "live" and "basilisk": where the simulator is met; of the latter port 5556 of this machine by default.
-    listen: String = "a string: \"stdin\", or \"tcp://\", \"udp://\" or \"ws://\" with an IP address and a port";
-    /// Source "basilisk": where a simulation publishes its steps, in place of listening.
-    subscribe: String = "a string: \"tcp://\" with an IP address and a port";
-    /// Whether the port may be one that other machines reach.
-    allow_remote: bool = "true or false", default false;
+    /// Events that are looked for besides the impact. By default none.
+    events: Vec<String>, of "a list of \"nodes\", \"apsides\" and \"eclipses\"", for FORCES;
+    /// Address on which a simulator's connection is accepted. "live" needs it; by default "basilisk" listens on port 5556 of this machine.
+    listen: String, of "a string: \"stdin\", or \"tcp://\", \"udp://\" or \"ws://\" with an IP address and a port", for SENT;
+    /// Address on which a simulation publishes its steps, in place of listening.
+    subscribe: String, of "a string: \"tcp://\" with an IP address and a port", for PUBLISHED;
+    /// Whether the address may be one that other machines reach.
+    allow_remote: bool, default false, for SENT;
     // A list of any length.
-    /// Web pages whose scripts may connect.
-    allowed_origins: Vec<String> = "a list of strings, web pages like \"https://example.org\"";
-    /// Whether the simulator waits for its pictures, "broadcast" by default.
-    pacing: String = "a string: \"broadcast\" or \"lockstep\"";
-    /// Simulated seconds in a second of a simulator that nobody waits for.
-    rate: f64 = "a number of simulated seconds per second", in LiveOptions::RATES, default usual_live().rate;
-    /// How far pictures are behind such a simulator.
-    playback_delay_s: f64 = "a number of seconds", in LiveOptions::PLAYBACK_DELAYS_S, default usual_live().playback_delay_s;
+    /// Web pages whose scripts may connect. By default none.
+    allowed_origins: Vec<String>, of "a list of strings, web pages like \"https://example.org\"", for LIVE;
+    /// Whether the simulator waits for its pictures ("lockstep") or not.
+    pacing: Choice<Pacing>, default Pacing::default(), for LIVE;
+    /// Simulated seconds per second of a simulator that does not wait.
+    rate: f64, of "simulated seconds per second", in LiveOptions::RATES, default usual_live().rate, for LIVE;
+    /// How far pictures are behind a simulator that does not wait.
+    playback_delay_s: f64, of "seconds", in LiveOptions::PLAYBACK_DELAYS_S, default usual_live().playback_delay_s, for LIVE;
     /// How long a simulator waits for its picture.
-    timeout_s: f64 = "a number of seconds", in LiveOptions::FRAME_TIMEOUTS_S, default usual_live().frame_timeout.as_secs_f64();
+    timeout_s: f64, of "seconds", in LiveOptions::FRAME_TIMEOUTS_S, default usual_live().frame_timeout.as_secs_f64(), for SENT;
     /// Age of the last state from which on the simulator is reported as silent.
-    stale_after_s: f64 = "a number of seconds", in LiveOptions::STALE_AGES_S, default usual_live().stale_after_s;
-    /// How far a satellite goes on beyond its simulator's last state.
-    extrapolate_s: f64 = "a number of simulated seconds", in LiveOptions::EXTRAPOLATION_LIMITS_S, default usual_live().extrapolation_limit_s;
-    /// How it goes on there, "two-body" by default.
-    extrapolation: String = "a string: \"two-body\" or \"linear\"";
-    /// How far apart two states are a jump.
-    gap_s: f64 = "a number of simulated seconds", in LiveOptions::GAPS_S, default usual_live().gap_s;
-    /// Packets that the simulator may send in a second.
-    packets_per_s: i64 = "a whole number of packets per second", in LiveOptions::PACKET_RATES_PER_S, default i64::from(usual_live().max_packets_per_s);
-    /// Colour of all that is drawn of the satellite; by default one of the usual ones, by its place in the scene.
-    color: String = "a string, \"#\" and six hexadecimal digits";
+    stale_after_s: f64, of "seconds", in LiveOptions::STALE_AGES_S, default usual_live().stale_after_s, for SENT;
+    /// How far the satellite is extrapolated beyond the last state.
+    extrapolate_s: f64, of "simulated seconds", in LiveOptions::EXTRAPOLATION_LIMITS_S, default usual_live().extrapolation_limit_s, for LIVE;
+    /// How the satellite is extrapolated.
+    extrapolation: Choice<Extrapolation>, default Extrapolation::default(), for LIVE;
+    /// Time between two states from which on they are a jump.
+    gap_s: f64, of "simulated seconds", in LiveOptions::GAPS_S, default usual_live().gap_s, for LIVE;
+    /// Packets that a connection may send in a second; more are dropped.
+    packets_per_s: i64, of "a whole number of packets per second", in LiveOptions::PACKET_RATES_PER_S, default i64::from(usual_live().max_packets_per_s), for LIVE;
+    /// Colour of all that is drawn of the satellite. By default one of a palette, by the satellite's place in the scene.
+    color: String, of "a string, \"#\" and six hexadecimal digits";
 } {});
 
 /// The settings that a live feed has where a scene says nothing; the transport is always said.
@@ -346,7 +276,7 @@ fn usual_live() -> LiveOptions {
 
 table_with_tracks!(RawTracks = "tracks" {} {
     /// Width of all lines.
-    width_px: f64 = "a number of pixels", in 0.5..=16.0, default 2.0;
+    width_px: f64, of "pixels", in 0.5..=16.0, default 2.0;
 });
 
 /// `[orbit]`, or `[[orbit]]` as often as there are satellites.
@@ -383,170 +313,165 @@ impl<'de> Deserialize<'de> for RawOrbits {
     }
 }
 
-/// One of `[[camera.keys]]`, checked by camera_keys.rs.
-pub(super) type RawCameraKey = BTreeMap<String, Spanned<toml::Value>>;
-
 table!(RawCamera = "camera" {
-    /// Where the eye looks from: "nadir" by default, "geodetic" where a place is given.
-    mode: String = "a string: \"nadir\", \"horizon\", \"chase\" or \"geodetic\"";
-    /// Nadir mode: what is upwards on screen, "flight" by default.
-    up: String = "a string: \"flight\" or \"north\"";
-    /// The satellite that cameras fly with, the first by default.
-    follow: String = "a string, the name of one of the scene's satellites";
-    /// Vertical field of view: a thousandth of a degree away from no view at all and from a half space, where a perspective
-    /// projection has no meaning.
-    fov_deg: f64 = "a number of degrees", in 0.001..=179.999, default 45.0;
-    /// Geodetic mode: latitude.
-    lat_deg: f64 = "a number of degrees", in LAT_DEG, default 0.0;
-    /// Geodetic mode: longitude east.
-    lon_deg: f64 = "a number of degrees", in LON_DEG, default 0.0;
-    /// Geodetic mode: height above the ellipsoid, from one metre to seven times the distance of the Sun; by default the whole
-    /// disc is in view.
-    height_km: f64 = "a number of kilometres", in 0.001..=1e9, default 20_000.0;
-    /// Geodetic mode: where the eye looks to, clockwise from north.
-    heading_deg: f64 = "a number of degrees", in TURN_DEG, default 0.0;
-    /// Geodetic mode: how far above the horizontal it looks; by default straight down.
-    pitch_deg: f64 = "a number of degrees", in -90.0..=90.0, default -90.0;
+    /// Where the eye looks from. By default "nadir"; "geodetic" where a place or its direction of view is given.
+    mode: Choice<CameraMode>;
+    /// What is upwards on screen.
+    up: Choice<CameraUp>, default CameraUp::default(), for NADIR;
+    /// The satellite that cameras fly with. By default the first.
+    follow: String, of "a string, the name of one of the scene's satellites";
+    // A thousandth of a degree away from no view at all and from a half space, where a perspective projection has no meaning.
+    /// Vertical field of view.
+    fov_deg: f64, of "degrees", in 0.001..=179.999, default 45.0;
+    /// Geodetic latitude, south negative.
+    lat_deg: f64, of "degrees", in LAT_DEG, default 0.0, for GEODETIC;
+    /// Longitude, west negative.
+    lon_deg: f64, of "degrees", in LON_DEG, default 0.0, for GEODETIC;
+    /// Height above the ellipsoid.
+    height_km: f64, of "kilometres", in 0.001..=1e9, default 20_000.0, for GEODETIC;
+    /// Direction in which the eye looks, clockwise from north; straight down it is what is upwards on screen.
+    heading_deg: f64, of "degrees", in TURN_DEG, default 0.0, for GEODETIC;
+    /// How far above the horizontal the eye looks; -90 is straight down.
+    pitch_deg: f64, of "degrees", in -90.0..=90.0, default -90.0, for GEODETIC;
     // A list of tables of any keys.
-    /// What the camera does at moments of the flight.
-    keys: Vec<RawCameraKey> = "a list of tables: write [[camera.keys]] on a line of its own for each, and below it time_s and what is set there";
+    /// What the camera does at moments of the flight. By default nothing.
+    keys: Vec<RawCameraKey>, of "a list of tables: write [[camera.keys]] on a line of its own for each, and below it time_s and what is set there";
 });
 
 table!(RawEarth = "earth" {
-    /// Which effects are on where their own keys say nothing, "standard" by default.
-    look: String = "a string: \"paper\", \"standard\" or \"full\"";
-    /// Whether a map that is not there refuses the scene; else it is left out.
-    strict: bool = "true or false", default false;
-    /// The Earth's figure, "wgs84" by default.
-    figure: String = "a string: \"wgs84\" or \"sphere\"";
+    /// Which effects are on where their own keys are left out.
+    look: Choice<Look>, default Look::default();
+    /// Whether a missing map rejects the scene; else the map is left out.
+    strict: bool, default false;
+    /// The Earth's figure: the ellipsoid, or a sphere of 6378.164 km.
+    figure: Choice<Figure>, default Figure::default();
     // Any value: a number or a word.
-    /// Cells per block edge, "auto" by default.
-    subdivision: toml::Value = "\"auto\" or a whole number from 1 to 48", in 1..=48;
-    /// Which blocks are drawn, "conservative" by default.
-    visibility: String = "a string: \"conservative\" or \"paper\"";
-    /// How the surface is shaded, "sunlit" by default and "paper" with look = "paper".
-    shading: String = "a string: \"sunlit\" or \"paper\"";
-    /// The cloud layer.
-    clouds: bool = "true or false", default true;
-    /// Normals of the terrain.
-    normals: bool = "true or false", default true;
-    /// City lights, on by default with shading = "sunlit".
-    night_lights: bool = "true or false";
-    /// The air, "billboard" by default.
-    atmosphere: String = "a string: \"billboard\" or \"none\"";
-    /// Optical depth of the haze that the air holds, straight up and at 550 nm: 0 is clear air; by default that with look =
-    /// "paper", else 0.1.
-    aerosol_optical_depth: f64 = "a number", in 0.0..=AirOptions::MAX_AEROSOL;
-    /// Wind over the sea, which roughens it.
-    wind_m_s: f64 = "a number of metres a second", in 0.0..=30.0, default 7.0;
+    /// Cells per block edge. By default "auto": as many as the limb needs.
+    subdivision: toml::Value, of "\"auto\" or a whole number from 1 to 48", in 1..=48;
+    /// Which blocks are drawn.
+    visibility: Choice<Visibility>, default Visibility::default();
+    /// How the surface is shaded. By default "sunlit"; "paper" with look = "paper".
+    shading: Choice<Shading>;
+    /// Whether clouds are drawn.
+    clouds: bool, default true;
+    /// Whether the terrain's normals shade the ground.
+    normals: bool, default true;
+    /// Whether city lights are drawn. By default with shading = "sunlit".
+    night_lights: bool;
+    /// How the air is drawn.
+    atmosphere: Choice<Atmosphere>, default Atmosphere::default();
+    /// Vertical optical depth of the air's haze at 550 nm; 0 is clear air. By default 0.1; 0 with look = "paper".
+    aerosol_optical_depth: f64, in 0.0..=AirOptions::MAX_AEROSOL;
+    /// Wind that roughens the sea.
+    wind_m_s: f64, of "metres a second", in 0.0..=30.0, default 7.0, for SUNLIT;
     /// How many times too steep slopes are lit; 1 is true.
-    relief_exaggeration: f64 = "a number", in 0.0..=20.0, default 1.0;
+    relief_exaggeration: f64, in 0.0..=20.0, default 1.0, for SUNLIT;
     /// Height of the cloud layer.
-    cloud_height_km: f64 = "a number of kilometres", in 0.1..=20.0, default 6.0;
+    cloud_height_km: f64, of "kilometres", in 0.1..=20.0, default 6.0, for SUNLIT;
     /// How far the tops of thick clouds rise over thin ones.
-    cloud_relief_km: f64 = "a number of kilometres", in 0.0..=20.0, default 4.0;
-    /// Whether clouds throw shadows, by default with look = "full".
-    cloud_shadows: bool = "true or false";
-    /// Whether what is smaller than the maps' texels is made up; by default with look = "full".
-    detail: bool = "true or false";
-    /// Whether the Moon lights the Earth, by its phase; by default with look = "full".
-    moonlight: bool = "true or false";
-    /// Whether the air glows green at night, 95 km up; by default with look = "full".
-    airglow: bool = "true or false";
-    /// How many times brighter than in truth the lights of the night are, cities, moonlight and airglow; by default 40 000 with
-    /// moonlight, else 150 000.
-    night_gain: f64 = "a number", in 0.0..=1e6;
-    /// Folder of the maps, the starter pack by default.
-    textures: RawPath = "a string, the path of a folder of maps";
-    /// Folder of an imagery pack, in place of maps.
-    pack: RawPath = "a string, the path of an imagery pack's folder";
+    cloud_relief_km: f64, of "kilometres", in 0.0..=20.0, default 4.0, for SUNLIT;
+    /// Whether clouds throw shadows. By default with look = "full".
+    cloud_shadows: bool, for SUNLIT;
+    /// Whether detail smaller than the maps' texels is made up. By default with look = "full".
+    detail: bool, for SUNLIT;
+    /// Whether the Moon lights the Earth, by its phase. By default with look = "full".
+    moonlight: bool, for SUNLIT;
+    /// Whether the air glows green at night, 95 km up. By default with look = "full".
+    airglow: bool, for SUNLIT;
+    /// How many times brighter than in truth the lights of the night are: cities, moonlight and airglow. By default 150000; 40000 with
+    /// moonlight.
+    night_gain: f64, in 0.0..=1e6, for SUNLIT;
+    /// Folder of the maps. By default the starter pack.
+    textures: RawPath, of "a folder of maps";
+    /// Folder of an imagery pack, in place of maps. By default none.
+    pack: RawPath, of "an imagery pack's folder";
     // Lists, checked by dated_maps.rs.
-    /// Day maps that change with the date.
-    day_maps: RawDatedMaps = "a list of maps with their dates, or of twelve files, from January on";
-    /// Cloud maps that change with the date.
-    cloud_maps: RawDatedMaps = "a list of maps with their dates, or of twelve files, from January on";
-    /// Maps of city lights that change with the date.
-    night_light_maps: RawDatedMaps = "a list of maps with their dates, or of twelve files, from January on";
+    /// Day maps that change with the date. By default none.
+    day_maps: RawDatedMaps, of "a list of maps with their dates, or of twelve files, from January on", for SUNLIT;
+    /// Cloud maps that change with the date. By default none.
+    cloud_maps: RawDatedMaps, of "a list of maps with their dates, or of twelve files, from January on", for SUNLIT;
+    /// Maps of city lights that change with the date. By default none.
+    night_light_maps: RawDatedMaps, of "a list of maps with their dates, or of twelve files, from January on", for SUNLIT;
     /// Whether maps that change with the date pass into each other.
-    map_fade: bool = "true or false", default true;
-    /// Open water, where the maps have it; on by default with shading = "sunlit".
-    water: bool = "true or false";
-    /// Packs: how the level of a block is chosen, "screen" by default.
-    levels: String = "a string: \"screen\" or \"paper\"";
-    /// Packs: most screen pixels that a texel of a tile may cover.
-    texel_px: f64 = "a number of screen pixels", in 0.25..=16.0, default 1.0;
-    /// Packs: which of the storages is read, "auto" by default.
-    storage: String = "a string: \"auto\", \"plain\" or \"bc\"";
-    /// Packs: textures of maps and tiles (10⁶ bytes), from what the coarsest maps take to more than any adapter has.
-    texture_mb: f64 = "a number of megabytes", in 1.0..=1e6, default 512.0;
-    /// Packs: tiles uploaded in one frame.
-    upload_mb: f64 = "a number of megabytes", in 0.01..=1e4, default 4.0;
-    /// What draws ground with relief: "quadtree" by default where heights are named, else "blocks".
-    surface: String = "a string: \"blocks\", \"projected-grid\", \"quadtree\", \"contours\" or \"clipmap\"";
-    /// Files of heights; an empty list takes the starter pack's, or with pack_heights none.
-    elevation: Vec<Spanned<RawPath>> = "a list of strings, the paths of files of heights";
-    /// Packs: whether the pack's heights are the ground, beneath the files of `elevation`.
-    pack_heights: bool = "true or false", default false;
-    /// Packs: memory of their heights (10⁶ bytes), with pack_heights.
-    ground_mb: f64 = "a number of megabytes", in 1.0..=1e6, default 256.0;
-    /// Most pixels by which the drawn ground may differ from its data.
-    tolerance_px: f64 = "a number of pixels", in 0.0..=1000.0, default DEFAULT_TOLERANCE_PX;
+    map_fade: bool, default true, for SUNLIT;
+    /// Whether open water is drawn as such, where the maps have it. By default with shading = "sunlit".
+    water: bool;
+    /// How the level of a block's tiles is chosen.
+    levels: Choice<LevelRule>, default LevelRule::default(), for PACK;
+    /// Most screen pixels that a texel of a tile may cover.
+    texel_px: f64, of "screen pixels", in 0.25..=16.0, default 1.0, for SCREEN;
+    /// Which of the pack's storages is read; "auto" takes what the adapter draws fastest.
+    storage: Choice<StorageChoice>, default StorageChoice::default(), for PACK;
+    /// Memory for the textures of maps and tiles (10⁶ bytes).
+    texture_mb: f64, of "megabytes", in 1.0..=1e6, default 512.0, for PACK;
+    /// Tiles that are uploaded in one frame (10⁶ bytes).
+    upload_mb: f64, of "megabytes", in 0.01..=1e4, default 4.0, for PACK;
+    /// What draws the ground. By default "quadtree" where heights are given, else "blocks".
+    surface: Choice<SurfaceKind>;
+    /// Files of heights, the finest last; an empty list takes the starter pack's heights, or none with pack_heights. By default the smooth ellipsoid is drawn.
+    elevation: Vec<Spanned<RawPath>>, of "a list of strings, the paths of files of heights";
+    /// Whether the pack's heights are the ground, beneath the files of elevation.
+    pack_heights: bool, default false, for PACK;
+    /// Memory for the pack's heights (10⁶ bytes), with pack_heights.
+    ground_mb: f64, of "megabytes", in 1.0..=1e6, default 256.0, for PACK;
+    /// Most pixels by which the drawn ground may differ from its heights.
+    tolerance_px: f64, of "pixels", in 0.0..=1000.0, default DEFAULT_TOLERANCE_PX, for RELIEF;
     /// Whether the sea's floor is drawn, and not its surface.
-    sea_floor: bool = "true or false", default false;
+    sea_floor: bool, default false, for RELIEF;
     // Any value: tables within the table, whose keys are read in `surfaces`.
     /// Settings of surface = "clipmap".
-    clipmap: toml::Value = "a table like { samples = 129, levels = 12, trimming = \"diamond\" }";
+    clipmap: toml::Value, of "a table like { samples = 129, levels = 12, trimming = \"diamond\" }", for CLIPMAP;
     /// Settings of surface = "contours".
-    contours: toml::Value = "a table like { drawn = \"patches\" }";
+    contours: toml::Value, of "a table like { drawn = \"patches\" }", for CONTOURS;
     /// Settings of surface = "projected-grid".
-    projected_grid: toml::Value = "a table like { samples = [129, 129], on_gpu = true }";
+    projected_grid: toml::Value, of "a table like { samples = [129, 129], on_gpu = true }", for PROJECTED_GRID;
     /// Settings of surface = "quadtree".
-    quadtree: toml::Value = "a table like { lambda = 300, culling = true, max_leaves = 24000 }";
+    quadtree: toml::Value, of "a table like { lambda = 300, culling = true, max_leaves = 24000 }", for QUADTREE;
     /// Whether single wrong heights are taken out of the files.
-    denoise: bool = "true or false", default false;
+    denoise: bool, default false, for RELIEF;
 });
 
 table!(RawSky = "sky" {
-    /// The stars of the Hipparcos catalogue to magnitude 6.5; off by default with look = "paper" alone.
-    stars: bool = "true or false";
-    /// The light of the stars too faint for that; by default with look = "full".
-    milky_way: bool = "true or false";
-    /// The Sun's disc; off by default with look = "paper" alone.
-    sun: bool = "true or false";
-    /// The Moon; off by default with look = "paper" alone.
-    moon: bool = "true or false";
-    /// The light of the Sun that a lens scatters about it; by default with look = "full".
-    glare: bool = "true or false";
-    /// The Moon's shadow on ground, clouds and air; off by default with look = "paper" alone.
-    eclipses: bool = "true or false";
+    /// The stars of the Hipparcos catalogue to magnitude 6.5. By default on; off with look = "paper".
+    stars: bool;
+    /// The light of the stars too faint for that. By default with look = "full".
+    milky_way: bool;
+    /// The Sun's disc. By default on; off with look = "paper".
+    sun: bool;
+    /// The Moon. By default on; off with look = "paper".
+    moon: bool;
+    /// The light of the Sun that a lens scatters about it. By default with look = "full".
+    glare: bool;
+    /// The Moon's shadow on ground, clouds and air. By default on; off with look = "paper".
+    eclipses: bool;
     /// How many times brighter than in truth stars and Milky Way are drawn.
-    star_gain: f64 = "a number", in 0.0..=1e6, default 4e4;
-    /// Folder of stars.bin, milky_way.jpg and moon.jpg, the starter pack by default.
-    folder: RawPath = "a string, the path of a folder of star catalogue and maps";
+    star_gain: f64, in 0.0..=1e6, default 4e4;
+    /// Folder of stars.bin, milky_way.jpg and moon.jpg. By default the starter pack.
+    folder: RawPath, of "a folder of star catalogue and maps";
 });
 
 table!(RawOutput = "output" {
     // A list of any length, so that a wrong length gets our own message.
-    /// Width and height of pictures, [`DEFAULT_SIZE_PX`] by default.
-    size: Vec<i64> = "[width, height], two whole numbers of pixels", in SIDE_PX;
-    /// Samples per pixel, one of [`SAMPLES`]; [`EDGE_SAMPLES`] by default where edges are seen, else 1.
-    samples: i64 = "1 or 4";
+    /// Width and height of pictures. By default [1280, 720].
+    size: Vec<i64>, of "[width, height], two whole numbers of pixels", in SIDE_PX;
+    /// Samples per pixel. By default 4 with mode = "chase" or without air, else 1.
+    samples: i64, of "1 or 4";
     // Any value: a number or a word.
-    /// What light is multiplied by before it is shown: 2 to the power of it; "auto" meters each picture.
-    exposure_ev: toml::Value = "a number of exposure values from −20 to 20 or \"auto\"";
-    /// By which curve exposed light is shown, "neutral" by default.
-    tone: String = "a string: \"neutral\", \"linear\" or \"filmic\"";
+    /// Exposure: light is multiplied by 2 to the power of it before it is shown; "auto" meters each picture. By default 0.5.
+    exposure_ev: toml::Value, of "a number of exposure values from −20 to 20 or \"auto\"";
+    /// The curve by which exposed light is shown.
+    tone: Choice<Tone>, default Tone::default();
     /// How long a picture that is kept waits for its tiles and its simulator.
-    wait_s: f64 = "a number of seconds", in 0.0..=3600.0, default 30.0;
+    wait_s: f64, of "seconds", in 0.0..=3600.0, default 30.0;
 });
 
 table!(RawQuality = "quality" {
-    /// Most milliseconds that a frame may cost before quality is given up; without it everything is drawn.
-    target_ms: f64 = "a number of milliseconds", in 1.0..=1000.0;
+    /// Most time that a frame may cost before quality is reduced, in the window. By default quality is not reduced.
+    target_ms: f64, of "milliseconds", in 1.0..=1000.0;
     /// Part of width and height that is drawn and then enlarged, in the window and in pictures.
-    scale: f64 = "a number", in 0.25..=1.0, default 1.0;
-    /// The steps of quality, in place of those that were recorded for the adapter.
-    ladder: RawPath = "a string, the path of a ladder.csv that `terrella report --quality` wrote";
+    scale: f64, in 0.25..=1.0, default 1.0;
+    /// The steps of quality. By default those that were recorded for the adapter.
+    ladder: RawPath, of "a ladder.csv that `terrella report --quality` wrote";
 });
 
 /// A scene file; a table that is left out is `None`.

@@ -8,22 +8,6 @@ use super::text::SceneText;
 use std::time::Duration;
 use terrella_orbit::live::{Extrapolation, LiveOptions, Pacing, Transport};
 
-/// Keys of live satellites alone.
-pub(super) const KEYS: &[&str] = &[
-    "listen",
-    "allow_remote",
-    "allowed_origins",
-    "pacing",
-    "rate",
-    "playback_delay_s",
-    "timeout_s",
-    "stale_after_s",
-    "extrapolate_s",
-    "extrapolation",
-    "gap_s",
-    "packets_per_s",
-];
-
 impl SceneText<'_> {
     /// How the states of one satellite are taken.
     pub(super) fn live(
@@ -41,7 +25,7 @@ impl SceneText<'_> {
             self.refuse(&listen, advice)
         })?;
         let usual = LiveOptions::new(transport);
-        let pacing = self.choice(&orbit.pacing(), usual.pacing)?;
+        let pacing = self.choice(&orbit.pacing())?;
         self.live_keys_fit(orbit, &usual.transport, pacing)?;
         let allow_remote = orbit.allow_remote().is_on();
         let is_remote = |transport: &Transport| {
@@ -66,7 +50,7 @@ impl SceneText<'_> {
             playback_delay_s: seconds(orbit.playback_delay_s())?,
             stale_after_s: seconds(orbit.stale_after_s())?,
             extrapolation_limit_s: seconds(orbit.extrapolate_s())?,
-            extrapolation: self.choice(&orbit.extrapolation(), usual.extrapolation)?,
+            extrapolation: self.choice(&orbit.extrapolation())?,
             gap_s: seconds(orbit.gap_s())?,
             // In range: it is finite and not negative.
             frame_timeout: Duration::try_from_secs_f64(timeout_s).unwrap_or_default(),
@@ -83,12 +67,12 @@ impl SceneText<'_> {
         pacing: Pacing,
     ) -> Result<(), SceneError> {
         for (key, span) in orbit.given() {
-            if let Some(why) = idle(transport, pacing, key) {
+            if let Some(why) = idle(transport, pacing, key.name) {
                 return Err(self.refuse_at(
                     "orbit",
-                    key,
+                    key.name,
                     span,
-                    format!("{key} {why}; leave it out"),
+                    format!("{} {why}; leave it out", key.name),
                 ));
             }
         }
@@ -183,7 +167,7 @@ fn idle(transport: &Transport, pacing: Pacing, key: &str) -> Option<&'static str
     }
 }
 
-/// The value of one of [`KEYS`], or why there is none.
+/// The value of a key of a live satellite, or why there is none.
 pub(super) fn value(options: &LiveOptions, key: &str) -> KeyText {
     if let Some(why) = idle(&options.transport, options.pacing, key) {
         return Err(why);

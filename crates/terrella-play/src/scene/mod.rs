@@ -6,7 +6,7 @@
 //!
 //! | file | what of a key |
 //! |---|---|
-//! | `keys.rs` | its declaration: name, type, range, default. **Begin here** |
+//! | `keys.rs` | its declaration: name, type, unit, range, default, meaning. **Begin here**; `table.rs` explains the form |
 //! | `time.rs`, `orbit.rs`, `tracks.rs`, `camera.rs`, `earth.rs`, `sky.rs`, `output.rs` | a table each: the checked value that hosts read, its check, its text in the summary |
 //! | `choices.rs` | the words that keys choose from |
 //! | `camera_keys.rs` | `[[camera.keys]]` |
@@ -47,6 +47,7 @@ mod satellites;
 mod sky;
 mod summary;
 mod surfaces;
+mod table;
 mod text;
 mod time;
 mod tracks;
@@ -189,7 +190,10 @@ impl Scene {
 #[cfg(test)]
 pub(crate) fn path_keys() -> impl Iterator<Item = (&'static str, &'static str)> {
     keys::TABLES.iter().flat_map(|table| {
-        let paths = table.keys.iter().filter(|key| key.is_path);
+        let paths = table.keys.iter().filter(|key| {
+            use table::Shape::{DatedMaps, Path, Paths};
+            matches!((key.shape)(), Path | Paths | DatedMaps)
+        });
         paths.map(move |key| (table.name, key.name))
     })
 }

@@ -1,12 +1,12 @@
 //! Checks `[orbit]`: sources of motion, which keys each takes, and the start and the forces of a motion.
 
-use super::choices::{AirModel, FrameName, Method, OrbitSource};
+use super::choices::OrbitSource;
 use super::error::SceneError;
 use super::field::{Bounds, Field, PathKind, short_range_text, whole, written};
 use super::keys::{RawOrbit, RawTracks};
 use super::orbit::{ForceOptions, InitialState, Motion, Orbit, OrbitParameters};
+use super::table::Key;
 use super::text::SceneText;
-use super::{basilisk, live};
 use glam::DVec3;
 use std::ops::RangeInclusive;
 use terrella::frames::Epoch;
@@ -27,53 +27,10 @@ const ELEMENTS: &[&str] = &[
     "mean_anomaly_deg",
 ];
 
-/// Keys of a start that is given as a state.
-const STATE: &[&str] = &["position_km", "velocity_km_s"];
-
 /// Why a key has no meaning with a source; `None` where it has.
-pub(super) fn foreign(source: OrbitSource, key: &str) -> Option<&'static str> {
-    let (fits, why) = match key {
-        "source" | "name" => (true, ""),
-        key if super::tracks::KEYS.contains(&key) => (true, ""),
-        "file" => (
-            source.is_file() || source == OrbitSource::Basilisk,
-            "is for sources that are read from files: \"tle\", \"omm\", \"oem\", \"czml\", \"csv\" and \"basilisk\"",
-        ),
-        "strict" => (
-            source.is_file(),
-            "is for files of which parts can be passed over: \"tle\", \"omm\", \"oem\", \"czml\" and \"csv\"",
-        ),
-        "subscribe" => (
-            source == OrbitSource::Basilisk,
-            "is for source = \"basilisk\", simulations that publish their steps",
-        ),
-        key if basilisk::SHARED_KEYS.contains(&key) => (
-            matches!(source, OrbitSource::Live | OrbitSource::Basilisk),
-            "is for source = \"live\" and \"basilisk\", what a simulator sends",
-        ),
-        "j2" => (
-            source == OrbitSource::Kepler,
-            "is for source = \"kepler\"; \"numerical\" takes gravity_degree",
-        ),
-        key if ["epoch", "frame"].contains(&key)
-            || ELEMENTS.contains(&key)
-            || STATE.contains(&key) =>
-        {
-            (
-                source.has_start(),
-                "is for source = \"kepler\" and \"numerical\", whose start the scene gives",
-            )
-        }
-        key if live::KEYS.contains(&key) => (
-            source == OrbitSource::Live,
-            "is for source = \"live\", states that a simulator sends",
-        ),
-        _ => (
-            source == OrbitSource::Numerical,
-            "is for source = \"numerical\", where forces are integrated",
-        ),
-    };
-    (!fits).then_some(why)
+pub(super) fn foreign(source: OrbitSource, key: &Key) -> Option<&'static str> {
+    let only = key.only?;
+    (!only.sources.contains(&source)).then_some(only.why)
 }
 
 impl SceneText<'_> {
@@ -85,14 +42,15 @@ impl SceneText<'_> {
         scene_start: Epoch,
     ) -> Result<Orbit, SceneError> {
         let source_field = orbit.source();
-        let source = self.choice(&source_field, OrbitSource::Tle)?;
+        let source = self.choice(&source_field)?;
         for (key, span) in orbit.given() {
             if let Some(why) = foreign(source, key) {
                 let advice = format!(
-                    "{key} {why}; leave it out, or write another source than \"{}\"",
+                    "{} {why}; leave it out, or write another source than \"{}\"",
+                    key.name,
                     written(&source)
                 );
-                return Err(self.refuse_at("orbit", key, span, advice));
+                return Err(self.refuse_at("orbit", key.name, span, advice));
             }
         }
         let file_field = orbit.file();
@@ -170,7 +128,7 @@ impl SceneText<'_> {
     ) -> Result<InitialState, SceneError> {
         let epoch = self.instant(&orbit.epoch(), scene_start)?;
         let frame_field = orbit.frame();
-        let frame = Frame::from(self.choice(&frame_field, FrameName::Gcrf)?);
+        let frame = Frame::from(self.choice(&frame_field)?);
         let (position, velocity) = (orbit.position_km(), orbit.velocity_km_s());
         let given = orbit.given();
         let parameters = match (position.is_given(), velocity.is_given()) {
@@ -182,10 +140,12 @@ impl SceneText<'_> {
                 OrbitParameters::Elements(self.elements(orbit)?)
             }
             (true, true) => {
-                let element = given.into_iter().find(|(key, _)| ELEMENTS.contains(key));
+                let element = given
+                    .into_iter()
+                    .find(|(key, _)| ELEMENTS.contains(&key.name));
                 if let Some((key, span)) = element {
                     let advice = "a start is given by elements or by position_km and velocity_km_s; leave out the one or the other";
-                    return Err(self.refuse_at("orbit", key, span, advice));
+                    return Err(self.refuse_at("orbit", key.name, span, advice));
                 }
                 OrbitParameters::State {
                     position_m: self.vector(&position, "kilometres")? * 1e3,
@@ -284,7 +244,7 @@ impl SceneText<'_> {
             let advice = "air_model has no meaning with drag = false; leave one of them out";
             return Err(self.refuse(&model, advice));
         }
-        let model = self.choice(&model, AirModel::Us1976)?;
+        let model = self.choice(&model)?;
         let (cd, cr) = (orbit.cd(), orbit.cr());
         if !drag && cd.is_given() {
             return Err(self.refuse(
@@ -313,7 +273,7 @@ impl SceneText<'_> {
             },
             burns: self.burns(&orbit.burns())?,
             tolerance: self.quantity(&orbit.tolerance(), "")?,
-            method: self.choice(&orbit.method(), Method::Automatic)?.into(),
+            method: self.choice(&orbit.method())?.into(),
             events: self.events(&orbit.events())?,
         })
     }

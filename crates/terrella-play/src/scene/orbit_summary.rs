@@ -3,6 +3,7 @@
 use super::choices::OrbitSource;
 use super::error::printable;
 use super::field::{KeyText, UNKNOWN, quoted, written};
+use super::keys::RawOrbit;
 use super::orbit::{ForceOptions, InitialState, Motion, Orbit, OrbitParameters};
 use super::orbit_check::foreign;
 use super::time::utc;
@@ -16,7 +17,8 @@ const BUILT_IN: &str = "the space station's elements are built in";
 
 /// The value of a key of a satellite.
 pub(super) fn value(orbit: &Orbit, key: &str) -> KeyText {
-    if let Some(why) = foreign(orbit.source, key) {
+    let declared = RawOrbit::TABLE.keys.iter().find(|known| known.name == key);
+    if let Some(why) = declared.and_then(|known| foreign(orbit.source, known)) {
         return Err(why);
     }
     if tracks::KEYS.contains(&key) {

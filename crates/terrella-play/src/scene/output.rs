@@ -103,7 +103,7 @@ impl SceneText<'_> {
             size,
             samples,
             exposure: self.exposure(&output.exposure_ev())?,
-            tone: self.choice(&output.tone(), Tone::default())?,
+            tone: self.choice(&output.tone())?,
             wait_s,
         })
     }

@@ -1,7 +1,8 @@
 //! From text to tables and keys: the TOML reader's complaints become messages that name file, line, key, value and remedy.
 
 use super::error::{KeyLocation, SceneError, printable};
-use super::keys::{Key, RENAMED, RawScene, TABLES, Table};
+use super::keys::{RENAMED, RawScene, TABLES};
+use super::table::{Key, Table};
 use super::text::{SceneText, nearest};
 use std::ops::Range;
 use toml::Spanned;
@@ -190,7 +191,7 @@ impl SceneText<'_> {
         SceneError::Value {
             place: self.place(offset, table.name, key.name),
             value: self.excerpt(&value.span()),
-            remedy: format!("must be {}{why}", key.expected),
+            remedy: format!("must be {}{why}", (key.expected)()),
         }
     }
 }

@@ -38,7 +38,7 @@ impl SceneText<'_> {
             true => SurfaceKind::default(),
             false => SurfaceKind::Blocks,
         };
-        let surface = self.choice(&earth.surface(), usual)?;
+        let surface = self.choice_or(&earth.surface(), usual)?;
         let settings = self.surface_settings(earth, surface)?;
         let elevation = self.paths(&elevation_field)?;
         let (tolerance_px, sea_floor) = (earth.tolerance_px(), earth.sea_floor());
@@ -106,7 +106,7 @@ impl SceneText<'_> {
             return Err(self.refuse(&subdivision, advice));
         }
         let visibility = earth.visibility();
-        if self.choice(&visibility, Visibility::default())? == Visibility::Paper {
+        if self.choice(&visibility)? == Visibility::Paper {
             let advice = "the paper's rule loses ground behind the horizon; leave it out, or leave out elevation and surface";
             return Err(self.refuse(&visibility, advice));
         }

@@ -3,7 +3,8 @@
 use super::choices::CameraMode;
 use super::error::printable;
 use super::field::{KeyText, NO_ORBIT, UNKNOWN, written};
-use super::keys::{TABLES, Table};
+use super::keys::TABLES;
+use super::table::Table;
 use super::time::{StartSource, utc};
 use super::{Scene, camera, earth, orbit_summary, output, sky, time};
 use std::fmt::Write;

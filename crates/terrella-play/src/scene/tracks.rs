@@ -101,7 +101,7 @@ impl SceneText<'_> {
             .filter(|_| !has_satellites)
         {
             let advice = "tracks are of satellites and this scene has none; give it an [orbit] table, or leave [tracks] out";
-            return Err(self.refuse_at("tracks", key, span, advice));
+            return Err(self.refuse_at("tracks", key.name, span, advice));
         }
         // Each satellite may have keys of its own: what is common is checked here too.
         self.track(&RawOrbit::default(), tracks)?;
