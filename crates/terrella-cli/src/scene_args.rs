@@ -57,8 +57,8 @@ pub fn load(path: Option<&Path>, satellites: &[String], strict: bool) -> Result<
         Some(path) => Scene::load_or_orbits(path, satellites)?,
         None => Scene::shipped()?,
     };
-    for orbit in &mut scene.orbits {
-        orbit.strict |= strict && orbit.file.is_some();
+    if strict {
+        scene.read_strictly();
     }
     Ok(scene)
 }

@@ -2,9 +2,10 @@
 
 use super::choices::OrbitSource;
 use super::error::{SceneError, printable};
-use super::field::{Bounds, Field, KeyText, UNKNOWN, quoted};
+use super::field::{Bounds, Field};
 use super::keys::RawOrbit;
 use super::orbit::Orbit;
+use super::record::{KeyText, UNKNOWN, quoted};
 use super::text::SceneText;
 use std::time::Duration;
 use terrella_orbit::basilisk::{Endpoint, Meeting, SimulationOptions};
@@ -55,7 +56,7 @@ impl SceneText<'_> {
             true => Meeting::Subscribe(endpoint),
             false => Meeting::Listen(endpoint),
         };
-        let seconds = |field: Field<'_, f64, Bounds<f64>>| self.quantity(&field, "seconds");
+        let seconds = |field: Field<'_, f64, Bounds<f64>>| self.quantity(&field);
         let timeout_s = seconds(orbit.timeout_s())?;
         Ok(Some(SimulationOptions {
             craft: name.map(str::to_owned),

@@ -3,7 +3,8 @@
 use super::choices::OrbitSource;
 use super::error::SceneError;
 use super::orbit::Orbit;
-use super::{KeyLines, Scene, StartSource};
+use super::record::Record;
+use super::{Scene, StartSource};
 use std::io::Read;
 use std::path::Path;
 use terrella_files as files;
@@ -64,8 +65,10 @@ impl Scene {
             names => names.iter().map(|name| satellite(Some(name))).collect(),
         };
         // No line of the file is one of the scene.
-        scene.lines = KeyLines::default();
-        scene.orbit_lines = vec![KeyLines::default(); scene.orbits.len()];
+        for record in scene.records.values_mut() {
+            record.forget_lines();
+        }
+        scene.orbit_records = vec![Record::default(); scene.orbits.len()];
         scene.time.start_from = StartSource::Default;
         scene.text = Some(format!("{text}\n# {format:?} {names:?}\n"));
         Ok(scene)

@@ -1,8 +1,9 @@
 //! `burns`, `events` and `method` of `[orbit]`: thrusts of a numerical motion, what is looked for along it, how it is integrated.
 
 use super::error::{SceneError, printable};
-use super::field::{Field, KeyText, range_text};
+use super::field::{Field, range_text};
 use super::keys::{BURN_M_S2, BURN_S, MAX_BURNS};
+use super::record::KeyText;
 use super::text::SceneText;
 use super::time::utc;
 use glam::DVec3;

@@ -1,10 +1,11 @@
 //! `[camera]`: where the eye is and what it looks at.
 
-use super::camera_keys::{CameraKey, keys_value, stand_on_ground};
+use super::camera_keys::{CameraKey, keys_text, stand_on_ground};
 use super::choices::{CameraMode, CameraUp};
 use super::error::SceneError;
-use super::field::{KeyText, NO_ORBIT, UNKNOWN, quoted, written};
-use super::keys::{LAT_DEG, LON_DEG, RawCamera};
+use super::field::{Bounds, NO_ORBIT, range_text, written};
+use super::keys::{GEODETIC, LAT_DEG, LON_DEG, NADIR, RawCamera};
+use super::record::{number_text, quoted};
 use super::text::SceneText;
 use std::ops::RangeInclusive;
 
@@ -43,12 +44,15 @@ impl Camera {
 
 impl SceneText<'_> {
     /// Checks `[camera]`.
-    pub(super) fn camera(&self, camera: &RawCamera) -> Result<Camera, SceneError> {
+    pub(super) fn camera(
+        &self,
+        camera: &RawCamera,
+        has_orbits: bool,
+    ) -> Result<Camera, SceneError> {
         let (lat, lon, height) = (camera.lat_deg(), camera.lon_deg(), camera.height_km());
         let (heading, pitch) = (camera.heading_deg(), camera.pitch_deg());
-        let stands = [&lat, &lon, &height, &heading, &pitch]
-            .into_iter()
-            .find(|field| field.is_given());
+        let of_places = [&lat, &lon, &height, &heading, &pitch];
+        let stands = of_places.into_iter().find(|field| field.is_given());
         let keys = camera.keys();
         let raw_keys = keys.given.map_or(&[][..], |keys| keys.get_ref());
         let default_mode = match stands.is_some() || stand_on_ground(raw_keys) {
@@ -56,23 +60,23 @@ impl SceneText<'_> {
             false => CameraMode::Nadir,
         };
         let mode = self.choice_or(&camera.mode(), default_mode)?;
-        if let Some(field) = stands
-            && mode != CameraMode::Geodetic
-        {
-            let advice = format!(
-                "{} has no meaning with mode = \"{}\", where the eye is the satellite's; leave it out or write mode = \"geodetic\"",
-                field.key,
-                written(&mode)
-            );
-            return Err(self.refuse(field, advice));
+        if mode != CameraMode::Geodetic {
+            for field in of_places {
+                let advice = format!(
+                    "{} has no meaning with mode = \"{}\", where the eye is the satellite's; leave it out or write mode = \"geodetic\"",
+                    field.key,
+                    written(&mode)
+                );
+                self.idle(field, GEODETIC.why, advice)?;
+            }
         }
         let up = camera.up();
-        if up.is_given() && mode != CameraMode::Nadir {
+        if mode != CameraMode::Nadir {
             let advice = format!(
                 "up has no meaning with mode = \"{}\"; leave it out or write mode = \"nadir\"",
                 written(&mode)
             );
-            return Err(self.refuse(&up, advice));
+            self.idle(&up, NADIR.why, advice)?;
         }
         let up = self.choice(&up)?;
         let fov_deg = self.number(&camera.fov_deg(), |_, range| {
@@ -83,9 +87,12 @@ impl SceneText<'_> {
         let lat_deg = self.number(&lat, |_, range| {
             format!("must be from {range} degrees, south negative")
         })?;
-        let lon_deg = self.number(&lon, |_, range| {
-            format!("must be from {range} degrees, west negative")
-        })?;
+        let Bounds { range, default } = &lon.rule;
+        let lon_deg = lon.value().unwrap_or(*default);
+        let lon_deg = half_turn(self.in_range(&lon, lon_deg, range, |_| {
+            format!("must be from {} degrees, west negative", range_text(range))
+        })?);
+        lon.note(Ok(number_text(lon_deg)));
         let lowest_km = *height.rule.range.start();
         let height_km = self.number(&height, |height_km, range| {
             let why = match height_km {
@@ -107,17 +114,26 @@ impl SceneText<'_> {
             let advice = "must not be empty; give the name of a satellite of the scene, or leave follow out for the first";
             return Err(self.refuse(&follow_field, advice));
         }
+        follow_field.note(match &follow {
+            Some(name) => quoted(name),
+            None if has_orbits || mode != CameraMode::Geodetic => {
+                Err("the first satellite is flown with")
+            }
+            None => Err(NO_ORBIT),
+        });
+        let keys_of_mode = self.camera_keys(keys.given, mode)?;
+        keys.note(keys_text(&keys_of_mode));
         Ok(Camera {
             mode,
             follow,
             up,
             fov_deg,
             lat_deg,
-            lon_deg: half_turn(lon_deg),
+            lon_deg,
             height_km,
             heading_deg,
             pitch_deg,
-            keys: self.camera_keys(keys.given, mode)?,
+            keys: keys_of_mode,
         })
     }
 }
@@ -128,33 +144,5 @@ fn half_turn(lon_deg: f64) -> f64 {
         lon if lon > 180.0 => lon - 360.0,
         lon if lon < -180.0 => lon + 360.0,
         lon => lon,
-    }
-}
-
-/// The value of a key as a scene would write it, or why it has none.
-pub(super) fn value(camera: &Camera, key: &str, has_satellites: bool) -> KeyText {
-    let place = |degrees: f64| match camera.mode {
-        CameraMode::Geodetic => Ok(degrees.to_string()),
-        _ => Err("only for mode = \"geodetic\""),
-    };
-    match key {
-        "follow" => match &camera.follow {
-            Some(name) => quoted(name),
-            None if !has_satellites => Err(NO_ORBIT),
-            None => Err("the first satellite is flown with"),
-        },
-        "mode" => quoted(&written(&camera.mode)),
-        "up" => match camera.mode {
-            CameraMode::Nadir => quoted(&written(&camera.up)),
-            _ => Err("only for mode = \"nadir\""),
-        },
-        "fov_deg" => Ok(camera.fov_deg.to_string()),
-        "lat_deg" => place(camera.lat_deg),
-        "lon_deg" => place(camera.lon_deg),
-        "height_km" => place(camera.height_km),
-        "heading_deg" => place(camera.heading_deg),
-        "pitch_deg" => place(camera.pitch_deg),
-        "keys" => keys_value(&camera.keys),
-        _ => Err(UNKNOWN),
     }
 }

@@ -2,8 +2,9 @@
 
 use super::choices::CameraMode;
 use super::error::{SceneError, printable};
-use super::field::{KeyText, RawCameraKey, short_range_text, written};
+use super::field::{RawCameraKey, short_range_text, written};
 use super::keys::{LAT_DEG, LON_DEG, MAX_CAMERA_KEYS};
+use super::record::KeyText;
 use super::text::{SceneText, nearest};
 use std::fmt::Write;
 use std::ops::{Range, RangeInclusive};
@@ -260,7 +261,7 @@ fn angle_deg(from: [f64; 3], to: [f64; 3]) -> f64 {
 }
 
 /// Keys as a scene would write them.
-pub(super) fn keys_value(keys: &[CameraKey]) -> KeyText {
+pub(super) fn keys_text(keys: &[CameraKey]) -> KeyText {
     if keys.is_empty() {
         return Err("the camera stays as it is");
     }

@@ -1,22 +1,15 @@
 //! Checks a scene: table by table, and what the tables say of each other.
 
+use super::Scene;
 use super::choices::CameraMode;
 use super::error::SceneError;
 use super::keys::{MAX_ORBITS, RawOrbit, RawScene};
 use super::orbit::Orbit;
 use super::text::SceneText;
-use super::{KeyLines, Scene};
 
 /// Checks a whole scene.
 pub(super) fn check(source: SceneText<'_>, raw: RawScene) -> Result<Scene, SceneError> {
-    let time = raw.time.unwrap_or_default();
-    let orbits = raw.orbit.map(|orbits| orbits.0).unwrap_or_default();
-    let tracks = raw.tracks.unwrap_or_default();
-    let camera = raw.camera.unwrap_or_default();
-    let earth = raw.earth.unwrap_or_default();
-    let sky = raw.sky.unwrap_or_default();
-    let output = raw.output.unwrap_or_default();
-    let quality = raw.quality.unwrap_or_default();
+    let mut orbits = raw.orbit.0;
     if let Some(orbit) = orbits.get(MAX_ORBITS) {
         let advice = format!(
             "a scene has at most {MAX_ORBITS} satellites and this one {}; leave some out",
@@ -25,47 +18,23 @@ pub(super) fn check(source: SceneText<'_>, raw: RawScene) -> Result<Scene, Scene
         return Err(source.refuse(&orbit.source(), advice));
     }
 
-    let mut lines = KeyLines::default();
-    for (table, given) in [
-        ("time", time.given()),
-        (
-            "orbit",
-            orbits.first().map_or_else(Vec::new, RawOrbit::given),
-        ),
-        ("tracks", tracks.given()),
-        ("camera", camera.given()),
-        ("earth", earth.given()),
-        ("sky", sky.given()),
-        ("output", output.given()),
-        ("quality", quality.given()),
-    ] {
-        for (key, span) in given {
-            lines.insert(table, key.name, source.line(span.start));
-        }
-    }
-
-    let orbit_lines = orbits.iter().map(|orbit| {
-        let mut lines = KeyLines::default();
-        for (key, span) in orbit.given() {
-            lines.insert("orbit", key.name, source.line(span.start));
-        }
-        lines
-    });
-    let orbit_lines = orbit_lines.collect();
-
-    let follow = camera.follow().given;
+    let follow = raw.camera.follow().given;
     if let Some(follow) = follow.filter(|_| orbits.is_empty()) {
         let advice = "follow names one of the scene's own satellites and it has none; give it an [orbit] table, or leave follow out";
         return Err(source.refuse_at("camera", "follow", follow.span(), advice));
     }
-    let raw_keys = camera.keys().given.map(toml::Spanned::span);
-    let camera = source.camera(&camera)?;
-    let earth = source.earth(&earth)?;
-    let sky = source.sky(&sky, &earth)?;
-    let time = source.time(&time)?;
-    let mut checked = orbits
+    let raw_keys = raw.camera.keys().given.map(toml::Spanned::span);
+    let camera = source.camera(&raw.camera, !orbits.is_empty())?;
+    let earth = source.earth(&raw.earth)?;
+    let sky = source.sky(&raw.sky, &earth)?;
+    let time = source.time(&raw.time)?;
+    if orbits.is_empty() && camera.mode != CameraMode::Geodetic {
+        // The space station, whose elements are built in.
+        orbits.push(RawOrbit::default());
+    }
+    let checked = orbits
         .iter()
-        .map(|orbit| source.orbit(orbit, &tracks, time.start))
+        .map(|orbit| source.orbit(orbit, &raw.tracks, time.start))
         .collect::<Result<Vec<_>, _>>()?;
     source.live_together(&orbits, &checked)?;
     source.basilisk_alone(&orbits, &checked)?;
@@ -76,7 +45,8 @@ pub(super) fn check(source: SceneText<'_>, raw: RawScene) -> Result<Scene, Scene
             let advice = "keys are moments of the scene's own time, and here a simulator gives the time; leave them out";
             return Err(source.refuse_at("camera", "keys", keys, advice));
         }
-        if output
+        if raw
+            .output
             .exposure_ev()
             .given
             .is_some_and(|ev| ev.get_ref().as_str() == Some("auto"))
@@ -86,26 +56,32 @@ pub(super) fn check(source: SceneText<'_>, raw: RawScene) -> Result<Scene, Scene
             return Err(source.refuse_at("camera", "keys", keys, advice));
         }
     }
-    if checked.is_empty() && camera.mode != CameraMode::Geodetic {
-        checked.push(Orbit {
-            track: source.track(&RawOrbit::default(), &tracks)?,
-            ..Orbit::built_in()
-        });
-    }
-    let track_px = source.tracks(&tracks, !checked.is_empty())?;
+    let track_px = source.tracks(&raw.tracks, !checked.is_empty())?;
+    let output = source.output(&raw.output, &camera, &earth, has_live)?;
+    let quality = source.quality(&raw.quality)?;
+    let records = [
+        ("time", raw.time.record(source)),
+        ("tracks", raw.tracks.record(source)),
+        ("camera", raw.camera.record(source)),
+        ("earth", raw.earth.record(source)),
+        ("sky", raw.sky.record(source)),
+        ("output", raw.output.record(source)),
+        ("quality", raw.quality.record(source)),
+    ];
+    let orbit_records = orbits.into_iter().map(|orbit| orbit.record(source));
     Ok(Scene {
         path: source.path.to_owned(),
         time,
         orbits: checked,
-        orbit_lines,
         notices: Vec::new(),
         track_px,
-        output: source.output(&output, &camera, &earth, has_live)?,
         camera,
-        sky,
-        quality: source.quality(&quality)?,
         earth,
-        lines,
+        sky,
+        output,
+        quality,
+        records: records.into(),
+        orbit_records: orbit_records.collect(),
         text: None,
     })
 }

@@ -1,8 +1,9 @@
 //! `day_maps`, `cloud_maps`, `night_light_maps` and `map_fade` of `[earth]`: maps that stand for dates or for months.
 
 use super::error::{SceneError, printable};
-use super::field::{Field, KeyText, RawDatedMaps};
+use super::field::{Field, RawDatedMaps};
 use super::keys::{MAX_DATED_MAPS, RawEarth};
+use super::record::KeyText;
 use super::text::SceneText;
 use super::time::utc;
 use std::path::{Path, PathBuf};

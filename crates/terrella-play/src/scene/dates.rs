@@ -4,6 +4,7 @@ use super::Scene;
 use super::choices::OrbitSource;
 use super::error::{KeyLocation, SceneError};
 use super::orbit::{InitialState, Motion, Orbit, OrbitParameters};
+use super::record::{number_text, quoted};
 use super::time::{StartSource, utc, year_advice};
 use terrella::frames::Epoch;
 use terrella_orbit::Frame;
@@ -98,6 +99,7 @@ impl Scene {
                 validity_text(validity, ending)
             ));
             self.time.duration_s = room_s;
+            self.set("time", "duration_s", Ok(number_text(room_s)));
         }
     }
 
@@ -124,11 +126,13 @@ impl Scene {
     fn move_start(&mut self, start: Epoch, from: StartSource) -> Result<(), SceneError> {
         self.time.start = start;
         self.time.start_from = from;
-        for index in 0..self.orbits.len() {
-            if self.orbit_line(index, "epoch").is_none()
-                && let Some(motion) = self.orbits.get_mut(index).and_then(|o| o.motion.as_mut())
+        self.set("time", "start", quoted(&utc(start)));
+        for (orbit, record) in self.orbits.iter_mut().zip(&mut self.orbit_records) {
+            if record.line("epoch").is_none()
+                && let Some(motion) = &mut orbit.motion
             {
                 motion.start_mut().epoch = start;
+                record.set("epoch", quoted(&utc(start)));
             }
         }
         match self.time.bad_year() {

@@ -4,8 +4,9 @@
 use super::choices::{Look, StorageChoice};
 use super::dated_maps::{DatedMaps, DatedScene, dated_maps_value};
 use super::error::{SceneError, printable};
-use super::field::{Field, KeyText, PathKind, UNKNOWN, quoted, range_text, whole, written};
+use super::field::{Field, PathKind, range_text, whole, written};
 use super::keys::RawEarth;
+use super::record::{KeyText, UNKNOWN, quoted};
 use super::relief::{ReliefTable, relief_value};
 use super::text::SceneText;
 use std::ops::RangeInclusive;
@@ -128,7 +129,7 @@ impl SceneText<'_> {
         }
         let aerosol = earth.aerosol_optical_depth();
         let aerosol_optical_depth = match aerosol.given {
-            Some(given) => self.given_quantity(&aerosol, given, "")?,
+            Some(given) => self.quantity_or(&aerosol, *given.get_ref())?,
             None if look == Look::Paper => 0.0,
             None => AirOptions::default().aerosol_optical_depth,
         };
@@ -146,7 +147,11 @@ impl SceneText<'_> {
             night_lights,
             water: water.value().unwrap_or(shading == Shading::Sunlit),
             atmosphere: self.choice(&earth.atmosphere())?,
-            textures: self.path(&earth.textures(), PathKind::Folder)?,
+            textures: self.path(
+                &earth.textures(),
+                PathKind::Folder,
+                "the starter pack is taken",
+            )?,
             pack: self.pack(earth)?,
             relief: self.relief(earth)?,
             dated_maps: Vec::new(),
@@ -186,16 +191,16 @@ impl SceneText<'_> {
         let night_gain = earth.night_gain();
         let moonlit = moonlight.value().unwrap_or(is_full);
         Ok(Some(SurfaceLightTable {
-            wind_m_s: self.quantity(&earth.wind_m_s(), "metres a second")?,
-            relief_exaggeration: self.quantity(&earth.relief_exaggeration(), "")?,
-            cloud_height_km: self.quantity(&earth.cloud_height_km(), "kilometres")?,
-            cloud_relief_km: self.quantity(&earth.cloud_relief_km(), "kilometres")?,
+            wind_m_s: self.quantity(&earth.wind_m_s())?,
+            relief_exaggeration: self.quantity(&earth.relief_exaggeration())?,
+            cloud_height_km: self.quantity(&earth.cloud_height_km())?,
+            cloud_relief_km: self.quantity(&earth.cloud_relief_km())?,
             cloud_shadows: shadows.value().unwrap_or(is_full),
             detail: detail.value().unwrap_or(is_full),
             moonlight: moonlit,
             airglow: airglow.value().unwrap_or(is_full),
             night_gain: match night_gain.given {
-                Some(given) => self.given_quantity(&night_gain, given, "")?,
+                Some(given) => self.quantity_or(&night_gain, *given.get_ref())?,
                 None if moonlit => MOONLIT_NIGHT_GAIN,
                 None => NIGHT_GAIN,
             },
@@ -215,7 +220,11 @@ impl SceneText<'_> {
     }
 
     fn pack(&self, earth: &RawEarth) -> Result<Option<PackTable>, SceneError> {
-        let folder = self.path(&earth.pack(), PathKind::Folder)?;
+        let folder = self.path(
+            &earth.pack(),
+            PathKind::Folder,
+            "no pack: whole maps are drawn",
+        )?;
         let (levels, texel_px, storage) = (earth.levels(), earth.texel_px(), earth.storage());
         let (texture_mb, upload_mb) = (earth.texture_mb(), earth.upload_mb());
         let Some(folder) = folder else {

@@ -1,9 +1,10 @@
 //! What every key needs: its value or default, a range, a choice of names, a path, and the text of a refusal.
 
 use super::error::{KeyLocation, SceneError, printable};
+use super::record::{KeyText, Notes, number_text, quoted};
 use super::text::{SceneText, nearest};
-use serde::Deserialize;
 use serde::de::value::StrDeserializer;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt::Display;
 use std::marker::PhantomData;
@@ -16,8 +17,12 @@ use toml::Spanned;
 pub(super) struct Field<'r, T, R = ()> {
     pub(super) table: &'static str,
     pub(super) key: &'static str,
+    /// The unit of a number.
+    pub(super) of: &'static str,
     pub(super) given: Option<&'r Spanned<T>>,
     pub(super) rule: R,
+    /// Where its reader notes what it comes to.
+    pub(super) notes: &'r Notes,
 }
 
 /// What a number may be, and what it is where a scene does not give it.
@@ -30,6 +35,11 @@ impl<T, R> Field<'_, T, R> {
     pub(super) fn is_given(&self) -> bool {
         self.given.is_some()
     }
+
+    /// Notes what it comes to.
+    pub(super) fn note(&self, text: KeyText) {
+        self.notes.note(self.key, text);
+    }
 }
 
 impl<T: Copy, R> Field<'_, T, R> {
@@ -39,10 +49,19 @@ impl<T: Copy, R> Field<'_, T, R> {
     }
 }
 
+impl<R> Field<'_, bool, R> {
+    /// Whether it is on, by the file or by this default.
+    pub(super) fn is_on_or(&self, default: bool) -> bool {
+        let is_on = self.value().unwrap_or(default);
+        self.note(Ok(is_on.to_string()));
+        is_on
+    }
+}
+
 impl Field<'_, bool, bool> {
     /// Whether it is on, by the file or by default.
     pub(super) fn is_on(&self) -> bool {
-        self.value().unwrap_or(self.rule)
+        self.is_on_or(self.rule)
     }
 }
 
@@ -54,36 +73,44 @@ impl SceneText<'_> {
         remedy: impl Fn(f64, &str) -> String,
     ) -> Result<f64, SceneError> {
         let Bounds { range, default } = &field.rule;
-        self.in_range(field, field.value().unwrap_or(*default), range, |value| {
+        let value = field.value().unwrap_or(*default);
+        let value = self.in_range(field, value, range, |value| {
             remedy(value, &range_text(range))
-        })
+        })?;
+        field.note(Ok(number_text(value)));
+        Ok(value)
     }
 
     /// The same, with the usual remedy, for ranges that are best written with exponents.
-    pub(super) fn quantity(
-        &self,
-        field: &Field<'_, f64, Bounds<f64>>,
-        unit: &str,
-    ) -> Result<f64, SceneError> {
+    pub(super) fn quantity(&self, field: &Field<'_, f64, Bounds<f64>>) -> Result<f64, SceneError> {
         let Bounds { range, default } = &field.rule;
-        let value = field.value().unwrap_or(*default);
-        self.in_range(field, value, range, |_| must_be_within(range, unit))
+        self.quantity_in(field, range, *default, field.of)
     }
 
-    /// The same for the value that the file gives of a key without a default.
-    pub(super) fn given_quantity(
+    /// The same where the default is not always the same.
+    pub(super) fn quantity_or(
         &self,
         field: &Field<'_, f64, RangeInclusive<f64>>,
-        given: &Spanned<f64>,
-        unit: &str,
+        default: f64,
     ) -> Result<f64, SceneError> {
-        let range = &field.rule;
-        self.in_range(field, *given.get_ref(), range, |_| {
-            must_be_within(range, unit)
-        })
+        self.quantity_in(field, &field.rule, default, field.of)
     }
 
-    /// A finite number in a range; `remedy` gets the number that is not.
+    /// The same with another word for the unit.
+    pub(super) fn quantity_in<R>(
+        &self,
+        field: &Field<'_, f64, R>,
+        range: &RangeInclusive<f64>,
+        default: f64,
+        unit: &str,
+    ) -> Result<f64, SceneError> {
+        let value = field.value().unwrap_or(default);
+        let value = self.in_range(field, value, range, |_| must_be_within(range, unit))?;
+        field.note(Ok(number_text(value)));
+        Ok(value)
+    }
+
+    /// A finite number in a range, which is not noted; `remedy` gets the number that is not.
     pub(super) fn in_range<R>(
         &self,
         field: &Field<'_, f64, R>,
@@ -107,12 +134,14 @@ impl SceneText<'_> {
         remedy: impl Fn(&str) -> String,
     ) -> Result<u32, SceneError> {
         let Bounds { range, default } = &field.rule;
-        whole(field.value().unwrap_or(*default), range)
-            .ok_or_else(|| self.refuse(field, remedy(&range_text(range))))
+        let count = whole(field.value().unwrap_or(*default), range)
+            .ok_or_else(|| self.refuse(field, remedy(&range_text(range))))?;
+        field.note(Ok(count.to_string()));
+        Ok(count)
     }
 
     /// One of the names of an enum, or its default.
-    pub(super) fn choice<T: Copy + for<'de> Deserialize<'de>>(
+    pub(super) fn choice<T: Copy + for<'de> Deserialize<'de> + Serialize>(
         &self,
         field: &Field<'_, Choice<T>, T>,
     ) -> Result<T, SceneError> {
@@ -120,15 +149,24 @@ impl SceneText<'_> {
     }
 
     /// The same where the default is not always the same.
-    pub(super) fn choice_or<T: for<'de> Deserialize<'de>, R>(
+    pub(super) fn choice_or<T: for<'de> Deserialize<'de> + Serialize, R>(
         &self,
         field: &Field<'_, Choice<T>, R>,
         default: T,
     ) -> Result<T, SceneError> {
-        let Some(given) = field.given else {
-            return Ok(default);
+        let value = match field.given {
+            Some(given) => self.named(field, &given.get_ref().word)?,
+            None => default,
         };
-        let word = &given.get_ref().word;
+        field.note(quoted(&written(&value)));
+        Ok(value)
+    }
+
+    fn named<T: for<'de> Deserialize<'de>, R>(
+        &self,
+        field: &Field<'_, Choice<T>, R>,
+        word: &str,
+    ) -> Result<T, SceneError> {
         named(word).map_err(|UnknownName(known)| {
             let all = known
                 .iter()
@@ -146,15 +184,29 @@ impl SceneText<'_> {
         })
     }
 
-    /// A path relative to the scene's folder, of something that is there.
+    /// A path relative to the scene's folder, of something that is there; `without` is why there is none.
     pub(super) fn path(
         &self,
         field: &Field<'_, RawPath>,
         kind: PathKind,
+        without: &'static str,
     ) -> Result<Option<PathBuf>, SceneError> {
-        let Some(RawPath(given)) = field.given.map(Spanned::get_ref) else {
+        let Some(given) = field.given.map(Spanned::get_ref) else {
+            field.note(Err(without));
             return Ok(None);
         };
+        let path = self.existing(field, given, kind)?;
+        field.note(quoted(&path.display().to_string()));
+        Ok(Some(path))
+    }
+
+    /// A path relative to the scene's folder, of something that is there.
+    pub(super) fn existing(
+        &self,
+        field: &Field<'_, RawPath>,
+        RawPath(given): &RawPath,
+        kind: PathKind,
+    ) -> Result<PathBuf, SceneError> {
         let (what, other) = match kind {
             PathKind::File => ("a file", "a folder"),
             PathKind::Folder => ("a folder", "a file"),
@@ -169,7 +221,7 @@ impl SceneText<'_> {
         let path = folder.join(given);
         let shown = printable(&path.display().to_string());
         match std::fs::metadata(&path) {
-            Ok(found) if found.is_dir() == (kind == PathKind::Folder) => Ok(Some(path)),
+            Ok(found) if found.is_dir() == (kind == PathKind::Folder) => Ok(path),
             Ok(_) => {
                 let advice = format!("{shown} is {other}; give the path of {what}");
                 Err(self.refuse(field, advice))
@@ -181,6 +233,20 @@ impl SceneText<'_> {
                 Err(self.refuse(field, advice))
             }
         }
+    }
+
+    /// Rejects a key that has no meaning in the scene where the file gives it; else notes why it has none.
+    pub(super) fn idle<T, R>(
+        &self,
+        field: &Field<'_, T, R>,
+        why: &'static str,
+        advice: impl Display,
+    ) -> Result<(), SceneError> {
+        if field.is_given() {
+            return Err(self.refuse(field, advice));
+        }
+        field.note(Err(why));
+        Ok(())
     }
 
     /// Refuses a key that the file gives, by the span of its value.
@@ -324,16 +390,5 @@ pub(super) fn short_range_text(range: &RangeInclusive<f64>) -> String {
     format!("{} to {}", short(*range.start()), short(*range.end()))
 }
 
-/// The value of a key as a scene would write it, or why it has none.
-pub(super) type KeyText = Result<String, &'static str>;
-
-/// Why a key has no value that no table knows. A test holds that it is never said.
-pub(super) const UNKNOWN: &str = "unknown to the summary";
-
 /// Why nothing of satellites has a value in a scene without any.
 pub(super) const NO_ORBIT: &str = "the camera stands over a place on the ground";
-
-/// A value in quotation marks.
-pub(super) fn quoted(text: &str) -> KeyText {
-    Ok(format!("\"{}\"", printable(text)))
-}

@@ -5,7 +5,9 @@
 use super::choices::{AirModel, CameraMode, CameraUp, FrameName, Look, Method, StorageChoice};
 use super::choices::{OrbitSource, OrbitSource::*};
 use super::field::{Bounds, Choice, Field, RawCameraKey, RawDatedMaps, RawPath};
+use super::record::{Notes, Record};
 use super::table::{Key, Only, Table, Value, given_or, method, table};
+use super::text::SceneText;
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
@@ -280,7 +282,7 @@ table_with_tracks!(RawTracks = "tracks" {} {
 });
 
 /// `[orbit]`, or `[[orbit]]` as often as there are satellites.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct RawOrbits(pub(super) Vec<RawOrbit>);
 
 impl<'de> Deserialize<'de> for RawOrbits {
@@ -474,18 +476,18 @@ table!(RawQuality = "quality" {
     ladder: RawPath, of "a ladder.csv that `terrella report --quality` wrote";
 });
 
-/// A scene file; a table that is left out is `None`.
+/// A scene file.
 #[derive(Debug, Default, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(default, deny_unknown_fields)]
 pub(super) struct RawScene {
-    pub(super) time: Option<RawTime>,
-    pub(super) orbit: Option<RawOrbits>,
-    pub(super) tracks: Option<RawTracks>,
-    pub(super) camera: Option<RawCamera>,
-    pub(super) earth: Option<RawEarth>,
-    pub(super) sky: Option<RawSky>,
-    pub(super) output: Option<RawOutput>,
-    pub(super) quality: Option<RawQuality>,
+    pub(super) time: RawTime,
+    pub(super) orbit: RawOrbits,
+    pub(super) tracks: RawTracks,
+    pub(super) camera: RawCamera,
+    pub(super) earth: RawEarth,
+    pub(super) sky: RawSky,
+    pub(super) output: RawOutput,
+    pub(super) quality: RawQuality,
 }
 
 /// Every table and key, in the order in which a scene is best written.

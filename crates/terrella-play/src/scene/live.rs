@@ -1,9 +1,10 @@
 //! `[orbit] source = "live"`: states that a simulator sends, and what several of them can share.
 
 use super::error::{SceneError, printable};
-use super::field::{Bounds, Field, KeyText, UNKNOWN, quoted, written};
+use super::field::{Bounds, Field, written};
 use super::keys::{MAX_LIVE_ORBITS, MAX_ORIGINS, RawOrbit};
 use super::orbit::Orbit;
+use super::record::{KeyText, UNKNOWN, quoted};
 use super::text::SceneText;
 use std::time::Duration;
 use terrella_orbit::live::{Extrapolation, LiveOptions, Pacing, Transport};
@@ -36,7 +37,10 @@ impl SceneText<'_> {
             let advice = "other machines reach this address, and whoever reaches it can steer the picture; take 127.0.0.1 or [::1], or write allow_remote = true";
             return Err(self.refuse(&listen, advice));
         }
-        let seconds = |field: Field<'_, f64, Bounds<f64>>| self.quantity(&field, "seconds");
+        let seconds = |field: Field<'_, f64, Bounds<f64>>| {
+            let Bounds { range, default } = &field.rule;
+            self.quantity_in(&field, range, *default, "seconds")
+        };
         let timeout_s = seconds(orbit.timeout_s())?;
         let max_packets_per_s = self.count(&orbit.packets_per_s(), |range| {
             format!("must be from {range} packets per second")
@@ -46,7 +50,7 @@ impl SceneText<'_> {
             name: name.map_or(usual.name, str::to_owned),
             allow_remote,
             allowed_origins: self.origins(&orbit.allowed_origins())?,
-            rate: self.quantity(&orbit.rate(), "simulated seconds per second")?,
+            rate: self.quantity(&orbit.rate())?,
             playback_delay_s: seconds(orbit.playback_delay_s())?,
             stale_after_s: seconds(orbit.stale_after_s())?,
             extrapolation_limit_s: seconds(orbit.extrapolate_s())?,

@@ -7,21 +7,21 @@
 //! | file | what of a key |
 //! |---|---|
 //! | `keys.rs` | its declaration: name, type, unit, range, default, meaning. **Begin here**; `table.rs` explains the form |
-//! | `time.rs`, `orbit.rs`, `tracks.rs`, `camera.rs`, `earth.rs`, `sky.rs`, `output.rs` | a table each: the checked value that hosts read, its check, its text in the summary |
 //! | `choices.rs` | the words that keys choose from |
+//! | `time.rs`, `orbit.rs`, `tracks.rs`, `camera.rs`, `earth.rs`, `sky.rs`, `output.rs` | a table each: the checked value that hosts read, and its reader |
 //! | `camera_keys.rs` | `[[camera.keys]]` |
-//! | `orbit_check.rs`, `orbit_summary.rs`, `live.rs`, `basilisk.rs` | the same of `[orbit]`, which has the most keys |
-//! | `relief.rs`, `surfaces.rs` | keys of `[earth]` that are about ground with relief |
+//! | `orbit_check.rs`, `live.rs`, `basilisk.rs`, `burns.rs` | readers of `[orbit]`, which has the most keys |
+//! | `relief.rs`, `surfaces.rs` | readers of the keys of `[earth]` that are about ground with relief |
+//! | `dated_maps.rs` | readers of the keys of `[earth]` that are about maps that change with the date |
 //! | `built_in.rs` | no key: the scene that comes with the program, and files of orbits in place of a scene |
-//! | `dated_maps.rs` | keys of `[earth]` that are about maps that change with the date |
 //! | `config/iss.toml` | its explanation for users: a test holds that every key stands there |
 //!
 //! # How a scene is read
 //!
 //! `text` is the file; `parse` makes the tables of `keys` of it, each value with its place, and turns the TOML reader's
 //! complaints into messages of our own; `check` goes through the tables by means of `field` (ranges, names, paths,
-//! defaults). Once the satellites are opened, [`Scene::check_dates`] and what else `dates` and `satellites` have. `summary` says in text what a scene
-//! comes to.
+//! defaults), which notes in `record` what each key comes to. Once the satellites are opened, [`Scene::check_dates`] and what
+//! else `dates` and `satellites` have. `summary` prints the record and says in text what the scene comes to.
 
 mod basilisk;
 mod built_in;
@@ -42,6 +42,7 @@ mod orbit_check;
 mod orbit_summary;
 mod output;
 mod parse;
+mod record;
 mod relief;
 mod satellites;
 mod sky;
@@ -57,6 +58,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use terrella_files as files;
 
+use record::{KeyText, Record};
 use text::{SceneText, line_starts};
 
 pub use camera::Camera;
@@ -99,10 +101,10 @@ pub struct Scene {
     pub quality: QualityTable,
     /// What is flown otherwise than the scene's defaults say, as satellites do not answer for those: a sentence each.
     pub notices: Vec<String>,
-    /// Which keys the file gave, and where; of satellites, the first's.
-    lines: KeyLines,
+    /// What the keys of each table came to, and where the file gives them.
+    records: BTreeMap<&'static str, Record>,
     /// The same of each satellite.
-    orbit_lines: Vec<KeyLines>,
+    orbit_records: Vec<Record>,
     /// The text that it was made of, where that is no file's.
     text: Option<String>,
 }
@@ -156,22 +158,32 @@ impl Scene {
         check::check(scene, scene.parse()?)
     }
 
-    /// The line, from 1, on which the file gives a key; `None` where it does not.
+    /// The line, from 1, on which the file gives a key, of `[orbit]` the first satellite's; `None` where it does not.
     pub fn line(&self, table: &str, key: &str) -> Option<usize> {
-        let lines = &self.lines.0;
-        lines
-            .iter()
-            .find(|((t, k), _)| *t == table && *k == key)
-            .map(|(_, line)| *line)
+        match table {
+            "orbit" => self.orbit_line(0, key),
+            table => self.records.get(table)?.line(key),
+        }
     }
 
     /// The line, from 1, on which the file gives a key of the satellite of that place in [`Self::orbits`].
     pub fn orbit_line(&self, orbit: usize, key: &str) -> Option<usize> {
-        let lines = self.orbit_lines.get(orbit)?.0.iter();
-        lines
-            .filter(|((_, k), _)| *k == key)
-            .map(|(_, line)| *line)
-            .next()
+        self.orbit_records.get(orbit)?.line(key)
+    }
+
+    /// Reads all of its files of orbits as `strict = true` does.
+    pub fn read_strictly(&mut self) {
+        for (orbit, record) in self.orbits.iter_mut().zip(&mut self.orbit_records) {
+            if orbit.file.is_some() {
+                orbit.strict = true;
+                record.set("strict", Ok(true.to_string()));
+            }
+        }
+    }
+
+    /// Changes what a key comes to.
+    fn set(&mut self, table: &'static str, key: &'static str, text: KeyText) {
+        self.records.entry(table).or_default().set(key, text);
     }
 
     /// The text that it was made of, where that is not its file's ([`Self::shipped`], [`Self::of_orbits`]).
@@ -196,14 +208,4 @@ pub(crate) fn path_keys() -> impl Iterator<Item = (&'static str, &'static str)> 
         });
         paths.map(move |key| (table.name, key.name))
     })
-}
-
-/// The line of every key that the file gave, by table and key.
-#[derive(Clone, Debug, Default)]
-struct KeyLines(BTreeMap<(&'static str, &'static str), usize>);
-
-impl KeyLines {
-    fn insert(&mut self, table: &'static str, key: &'static str, line: usize) {
-        self.0.insert((table, key), line);
-    }
 }

@@ -54,7 +54,11 @@ impl SceneText<'_> {
             }
         }
         let file_field = orbit.file();
-        let file = self.path(&file_field, PathKind::File)?;
+        let file = self.path(
+            &file_field,
+            PathKind::File,
+            "the space station's elements are built in",
+        )?;
         let name_field = orbit.name();
         let name = name_field.given.map(|name| name.get_ref().clone());
         if name.as_ref().is_some_and(|name| name.trim().is_empty()) {
@@ -169,7 +173,7 @@ impl SceneText<'_> {
     fn elements(&self, orbit: &RawOrbit) -> Result<KeplerElements, SceneError> {
         let (axis, periapsis) = (orbit.semi_major_axis_km(), orbit.periapsis_km());
         let eccentricity_field = orbit.eccentricity();
-        let eccentricity = self.quantity(&eccentricity_field, "")?;
+        let eccentricity = self.quantity(&eccentricity_field)?;
         let size = match (axis.given, periapsis.given) {
             (Some(_), Some(_)) => {
                 let advice = "semi_major_axis_km and periapsis_km both say how large the orbit is; leave one out";
@@ -180,7 +184,7 @@ impl SceneText<'_> {
                 return Err(self.refuse(&orbit.source(), advice));
             }
             (Some(given), None) => {
-                let km = self.given_quantity(&axis, given, "kilometres")?;
+                let km = self.quantity_or(&axis, *given.get_ref())?;
                 if eccentricity == 1.0 {
                     let advice =
                         "a parabola (eccentricity 1) has no semi-major axis; give periapsis_km";
@@ -193,11 +197,11 @@ impl SceneText<'_> {
                 OrbitSize::SemiMajorAxis(km * 1e3)
             }
             (None, Some(given)) => {
-                OrbitSize::Periapsis(self.given_quantity(&periapsis, given, "kilometres")? * 1e3)
+                OrbitSize::Periapsis(self.quantity_or(&periapsis, *given.get_ref())? * 1e3)
             }
         };
         let angle = |field: Field<'_, f64, Bounds<f64>>| {
-            let degrees = self.quantity(&field, "degrees")?;
+            let degrees = self.quantity(&field)?;
             Ok::<f64, SceneError>(degrees.to_radians())
         };
         let (true_anomaly, mean) = (orbit.true_anomaly_deg(), orbit.mean_anomaly_deg());
@@ -256,7 +260,7 @@ impl SceneText<'_> {
             let advice = "cr has no meaning with radiation = false; leave one of them out";
             return Err(self.refuse(&cr, advice));
         }
-        let area_m2 = self.quantity(&orbit.area_m2(), "square metres")?;
+        let area_m2 = self.quantity(&orbit.area_m2())?;
         Ok(ForceOptions {
             gravity_degree,
             gravity_order,
@@ -265,14 +269,14 @@ impl SceneText<'_> {
             moon: orbit.moon().is_on(),
             radiation,
             craft: Spacecraft {
-                mass_kg: self.quantity(&orbit.mass_kg(), "kilograms")?,
+                mass_kg: self.quantity(&orbit.mass_kg())?,
                 drag_area_m2: area_m2,
-                drag_coefficient: self.quantity(&cd, "")?,
+                drag_coefficient: self.quantity(&cd)?,
                 sunlit_area_m2: area_m2,
-                reflectivity: self.quantity(&cr, "")?,
+                reflectivity: self.quantity(&cr)?,
             },
             burns: self.burns(&orbit.burns())?,
-            tolerance: self.quantity(&orbit.tolerance(), "")?,
+            tolerance: self.quantity(&orbit.tolerance())?,
             method: self.choice(&orbit.method())?.into(),
             events: self.events(&orbit.events())?,
         })

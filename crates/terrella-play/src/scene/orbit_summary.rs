@@ -2,10 +2,11 @@
 
 use super::choices::OrbitSource;
 use super::error::printable;
-use super::field::{KeyText, UNKNOWN, quoted, written};
+use super::field::written;
 use super::keys::RawOrbit;
 use super::orbit::{ForceOptions, InitialState, Motion, Orbit, OrbitParameters};
 use super::orbit_check::foreign;
+use super::record::{KeyText, UNKNOWN, quoted};
 use super::time::utc;
 use super::tracks::TrackSpan;
 use super::{Scene, basilisk, burns, live, tracks};

@@ -4,8 +4,9 @@ use super::camera::Camera;
 use super::choices::CameraMode;
 use super::earth::EarthTable;
 use super::error::SceneError;
-use super::field::{Field, KeyText, PathKind, UNKNOWN, quoted, range_text, whole, written};
+use super::field::{Field, PathKind, range_text, whole};
 use super::keys::{DEFAULT_SIZE_PX, EDGE_SAMPLES, RawOutput, RawQuality, SAMPLES, SIDE_PX};
+use super::record::{number_text, quoted};
 use super::text::SceneText;
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
@@ -79,6 +80,7 @@ impl SceneText<'_> {
                 return Err(self.refuse(&size_field, advice));
             }
         };
+        size_field.note(Ok(format!("[{}, {}]", size[0], size[1])));
         let samples_field = output.samples();
         let samples = match samples_field.value() {
             // The air hides the limb's edge; a craft's edges and a bare limb are seen.
@@ -94,9 +96,11 @@ impl SceneText<'_> {
                     self.refuse(&samples_field, advice)
                 })?,
         };
+        samples_field.note(Ok(samples.to_string()));
         let wait = output.wait_s();
         if earth.pack.is_none() && !has_live {
             self.only_with_a_pack(&wait)?;
+            wait.note(Err("no pack: nothing to wait for"));
         }
         let wait_s = self.number(&wait, |_, range| format!("must be from {range} seconds"))?;
         Ok(Output {
@@ -109,6 +113,15 @@ impl SceneText<'_> {
     }
 
     fn exposure(&self, field: &Field<'_, toml::Value>) -> Result<Exposure, SceneError> {
+        let exposure = self.exposure_of(field)?;
+        field.note(match exposure {
+            Exposure::Ev(ev) => Ok(number_text(ev)),
+            Exposure::Auto => quoted("auto"),
+        });
+        Ok(exposure)
+    }
+
+    fn exposure_of(&self, field: &Field<'_, toml::Value>) -> Result<Exposure, SceneError> {
         let ev = match field.given.map(Spanned::get_ref) {
             None => return Ok(Exposure::default()),
             Some(toml::Value::String(word)) if word == "auto" => return Ok(Exposure::Auto),
@@ -141,6 +154,10 @@ impl SceneText<'_> {
             .value()
             .map(|target_ms| self.in_range(&target, target_ms, range, advice))
             .transpose()?;
+        target.note(match target_ms {
+            Some(target_ms) => Ok(number_text(target_ms)),
+            None => Err("everything is drawn however long it takes"),
+        });
         let scale = self.number(&quality.scale(), |_, range| {
             format!("must be from {range}, a part of width and height")
         })?;
@@ -149,47 +166,15 @@ impl SceneText<'_> {
             let advice = "quality is given up where a frame time is to be held; give target_ms too, or leave ladder out";
             return Err(self.refuse(&ladder, advice));
         }
-        let ladder = self.path(&ladder, PathKind::File)?;
+        let without = match target_ms {
+            Some(_) => "the one that was recorded for the adapter",
+            None => "no quality is given up",
+        };
+        let ladder = self.path(&ladder, PathKind::File, without)?;
         Ok(QualityTable {
             target_ms,
             scale,
             ladder,
         })
-    }
-}
-
-/// The value of a key of `[output]` as a scene would write it, or why it has none.
-pub(super) fn value(output: &Output, key: &str, is_waited_for: bool) -> KeyText {
-    match key {
-        "size" => {
-            let [width, height] = output.size;
-            Ok(format!("[{width}, {height}]"))
-        }
-        "samples" => Ok(output.samples.to_string()),
-        "exposure_ev" => match output.exposure {
-            Exposure::Ev(ev) => Ok(ev.to_string()),
-            Exposure::Auto => quoted("auto"),
-        },
-        "tone" => quoted(&written(&output.tone)),
-        "wait_s" if !is_waited_for => Err("no pack: nothing to wait for"),
-        "wait_s" => Ok(output.wait_s.to_string()),
-        _ => Err(UNKNOWN),
-    }
-}
-
-/// The same of `[quality]`.
-pub(super) fn quality_value(quality: &QualityTable, key: &str) -> KeyText {
-    match key {
-        "target_ms" => match quality.target_ms {
-            Some(target_ms) => Ok(target_ms.to_string()),
-            None => Err("everything is drawn however long it takes"),
-        },
-        "scale" => Ok(quality.scale.to_string()),
-        "ladder" => match &quality.ladder {
-            Some(path) => quoted(&path.display().to_string()),
-            None if quality.target_ms.is_none() => Err("no quality is given up"),
-            None => Err("the one that was recorded for the adapter"),
-        },
-        _ => Err(UNKNOWN),
     }
 }

@@ -1,8 +1,9 @@
 //! `[earth]`: the keys of ground with relief.
 
 use super::error::{SceneError, printable};
-use super::field::{Field, KeyText, PathKind, RawPath, written};
+use super::field::{Field, PathKind, RawPath, written};
 use super::keys::{MAX_ELEVATION_FILES, RawEarth};
+use super::record::KeyText;
 use super::surfaces;
 use super::text::SceneText;
 use std::path::PathBuf;
@@ -126,14 +127,16 @@ impl SceneText<'_> {
             return Err(self.refuse(field, advice));
         }
         let mut paths = Vec::new();
-        for one in given.get_ref() {
+        for given in given.get_ref() {
             let one = Field {
                 table: field.table,
                 key: field.key,
-                given: Some(one),
+                of: field.of,
+                given: Some(given),
                 rule: (),
+                notes: field.notes,
             };
-            paths.extend(self.path(&one, PathKind::File)?);
+            paths.push(self.existing(&one, given.get_ref(), PathKind::File)?);
         }
         Ok(paths)
     }

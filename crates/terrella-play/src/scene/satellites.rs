@@ -2,6 +2,7 @@
 
 use super::Scene;
 use super::error::{KeyLocation, SceneError, printable};
+use super::record::Record;
 use super::text::nearest;
 use super::time::utc;
 use terrella::frames::Epoch;
@@ -85,11 +86,9 @@ impl Scene {
 
     /// A refusal of the satellite of that place, where its key stands.
     pub fn refuse_orbit(&self, orbit: usize, key: &str, value: &str, remedy: String) -> SceneError {
-        let any = self
-            .orbit_lines
-            .get(orbit)
-            .and_then(|lines| lines.0.values().min());
-        let line = self.orbit_line(orbit, key).or(any.copied());
+        let record = self.orbit_records.get(orbit);
+        let any = record.and_then(Record::first_line);
+        let line = self.orbit_line(orbit, key).or(any);
         self.refusal("orbit", key, line, value, remedy)
     }
 

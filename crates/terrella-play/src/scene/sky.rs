@@ -2,8 +2,8 @@
 
 use super::choices::Look;
 use super::earth::EarthTable;
-use super::error::{SceneError, printable};
-use super::field::{KeyText, PathKind, UNKNOWN};
+use super::error::SceneError;
+use super::field::PathKind;
 use super::keys::RawSky;
 use super::text::SceneText;
 use std::path::PathBuf;
@@ -70,32 +70,21 @@ impl SceneText<'_> {
             let advice = "the paper's shading has no eclipses; write false, leave it out, or take shading = \"sunlit\"";
             return Err(self.refuse(&eclipses, advice));
         }
-        Ok(SkyTable {
-            stars: sky.stars().value().unwrap_or(is_real),
-            milky_way: sky.milky_way().value().unwrap_or(is_full),
-            sun: sky.sun().value().unwrap_or(is_real),
-            moon: sky.moon().value().unwrap_or(is_real),
-            glare: sky.glare().value().unwrap_or(is_full),
-            eclipses: is_sunlit && eclipses.value().unwrap_or(is_real),
-            star_gain: self.quantity(&sky.star_gain(), "")?,
-            folder: self.path(&sky.folder(), PathKind::Folder)?,
-        })
-    }
-}
-
-/// The value of a key as a scene would write it, or why it has none.
-pub(super) fn value(sky: &SkyTable, key: &str) -> KeyText {
-    match key {
-        "eclipses" => Ok(sky.eclipses.to_string()),
-        "star_gain" if !sky.stars && !sky.milky_way => Err("there are no stars"),
-        "star_gain" => Ok(sky.star_gain.to_string()),
-        "folder" => match &sky.folder {
-            Some(folder) => Ok(format!("\"{}\"", printable(&folder.display().to_string()))),
-            None => Err("the starter pack is taken"),
-        },
-        _ => {
-            let part = sky.parts().into_iter().find(|(name, _)| *name == key);
-            part.map(|(_, on)| on.to_string()).ok_or(UNKNOWN)
+        let stars = sky.stars().is_on_or(is_real);
+        let milky_way = sky.milky_way().is_on_or(is_full);
+        let star_gain = sky.star_gain();
+        if !stars && !milky_way {
+            star_gain.note(Err("there are no stars"));
         }
+        Ok(SkyTable {
+            stars,
+            milky_way,
+            sun: sky.sun().is_on_or(is_real),
+            moon: sky.moon().is_on_or(is_real),
+            glare: sky.glare().is_on_or(is_full),
+            eclipses: eclipses.is_on_or(is_sunlit && is_real),
+            star_gain: self.quantity(&star_gain)?,
+            folder: self.path(&sky.folder(), PathKind::Folder, "the starter pack is taken")?,
+        })
     }
 }

@@ -2,11 +2,12 @@
 
 use super::choices::CameraMode;
 use super::error::printable;
-use super::field::{KeyText, NO_ORBIT, UNKNOWN, written};
+use super::field::{NO_ORBIT, written};
 use super::keys::TABLES;
-use super::table::Table;
+use super::record::{KeyText, UNKNOWN};
+use super::table::{Key, Table};
 use super::time::{StartSource, utc};
-use super::{Scene, camera, earth, orbit_summary, output, sky, time};
+use super::{Scene, earth, orbit_summary};
 use std::fmt::Write;
 use terrella_ground::air::Atmosphere;
 use terrella_ground::globe::SurfaceSettings;
@@ -14,7 +15,7 @@ use terrella_ground::globe::SurfaceSettings;
 impl Scene {
     /// The scene as text, many lines, each ended: the keys that are in force, in scene order, each with its value and whether
     /// that is from the file or the default, and those that the file gives in vain; then what the scene uses and what it
-    /// leaves out.
+    /// leaves out. Values are those that were read: fields that a host sets afterwards do not change them.
     pub fn summary(&self) -> String {
         self.summary_of(false)
     }
@@ -28,10 +29,10 @@ impl Scene {
         let mut out = format!("{}: good\n", self.path.display());
         let mut hidden = 0;
         for table in TABLES {
-            let is_shown = |key: &str| {
-                all || self.value(table.name, key).is_ok() || self.line(table.name, key).is_some()
+            let is_shown = |key: &Key| {
+                all || self.value(table, key).is_ok() || self.line(table.name, key.name).is_some()
             };
-            let shown = table.keys.iter().filter(|key| is_shown(key.name)).count();
+            let shown = table.keys.iter().filter(|key| is_shown(key)).count();
             hidden += table.keys.len() - shown;
             if shown == 0 {
                 continue;
@@ -41,7 +42,7 @@ impl Scene {
                 name => format!("[{name}]"),
             };
             line(&mut out, format_args!("\n{head}"));
-            for key in table.keys.iter().filter(|key| is_shown(key.name)) {
+            for key in table.keys.iter().filter(|key| is_shown(key)) {
                 let common = || match table.name {
                     "orbit" => self.line("tracks", key.name),
                     _ => None,
@@ -54,7 +55,7 @@ impl Scene {
                     ("time", "start") => self.start_from(from),
                     _ => from,
                 };
-                match self.value(table.name, key.name) {
+                match self.value(table, key) {
                     Ok(value) => line(
                         &mut out,
                         format_args!("  {:<18} {value:<28} {from}", key.name),
@@ -143,21 +144,17 @@ impl Scene {
         }
     }
 
-    /// A key's value as a scene would write it, or why it has none.
-    fn value(&self, table: &str, key: &str) -> KeyText {
-        match table {
-            "time" => time::value(&self.time, key),
-            "orbit" => orbit_summary::value(self.orbits.first().ok_or(NO_ORBIT)?, key),
-            "tracks" => self.tracks_value(key),
-            "camera" => camera::value(&self.camera, key, !self.orbits.is_empty()),
-            "earth" => earth::value(&self.earth, key),
-            "sky" => sky::value(&self.sky, key),
-            "output" => {
-                let is_waited_for = self.earth.pack.is_some() || self.is_live();
-                output::value(&self.output, key, is_waited_for)
+    /// What a key comes to.
+    fn value(&self, table: &Table, key: &Key) -> KeyText {
+        match table.name {
+            "orbit" => orbit_summary::value(self.orbits.first().ok_or(NO_ORBIT)?, key.name),
+            "tracks" => self.tracks_value(key.name),
+            "earth" => earth::value(&self.earth, key.name),
+            name => {
+                let record = self.records.get(name);
+                let value = record.and_then(|record| record.value(key.name));
+                value.cloned().unwrap_or(Err(UNKNOWN))
             }
-            "quality" => output::quality_value(&self.quality, key),
-            _ => Err(UNKNOWN),
         }
     }
 

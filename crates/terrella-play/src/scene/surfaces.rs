@@ -1,10 +1,11 @@
 //! `[earth.clipmap]`, `[earth.contours]`, `[earth.projected_grid]` and `[earth.quadtree]`: settings that one surface alone has.
 
 use super::error::{SceneError, printable};
-use super::field::{Field, KeyText, range_text, written};
+use super::field::{Field, range_text, written};
 use super::keys::{
     CLIPMAP_LEVELS, CLIPMAP_SAMPLES, GRID_SAMPLES, MAX_LEAVES, QUADTREE_LAMBDA, RawEarth,
 };
+use super::record::KeyText;
 use super::text::SceneText;
 use terrella_ground::globe::clipmap::{ClipmapOptions, Trim};
 use terrella_ground::globe::contours::PageOptions;

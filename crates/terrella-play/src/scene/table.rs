@@ -176,29 +176,31 @@ macro_rules! given_or {
 
 /// The method of a key, with as much of a rule as its declaration has.
 macro_rules! method {
-    ($(#[doc = $doc:literal])+ $key:ident: $kind:ty) => {
-        method! { @ $(#[doc = $doc])+ $key: $kind, (), () }
+    ($(#[doc = $doc:literal])+ $key:ident: $kind:ty, of $of:expr) => {
+        method! { @ $(#[doc = $doc])+ $key: $kind, $of, (), () }
     };
-    ($(#[doc = $doc:literal])+ $key:ident: $kind:ty, in $range:expr) => {
-        method! { @ $(#[doc = $doc])+ $key: $kind, RangeInclusive<<$kind as Value>::Number>, $range }
+    ($(#[doc = $doc:literal])+ $key:ident: $kind:ty, of $of:expr, in $range:expr) => {
+        method! { @ $(#[doc = $doc])+ $key: $kind, $of, RangeInclusive<<$kind as Value>::Number>, $range }
     };
-    ($(#[doc = $doc:literal])+ $key:ident: $kind:ty, in $range:expr, default $default:expr) => {
+    ($(#[doc = $doc:literal])+ $key:ident: $kind:ty, of $of:expr, in $range:expr, default $default:expr) => {
         method! {
-            @ $(#[doc = $doc])+ $key: $kind,
+            @ $(#[doc = $doc])+ $key: $kind, $of,
             Bounds<<$kind as Value>::Number>, Bounds { range: $range, default: $default }
         }
     };
-    ($(#[doc = $doc:literal])+ $key:ident: $kind:ty, default $default:expr) => {
-        method! { @ $(#[doc = $doc])+ $key: $kind, <$kind as Value>::Default, $default }
+    ($(#[doc = $doc:literal])+ $key:ident: $kind:ty, of $of:expr, default $default:expr) => {
+        method! { @ $(#[doc = $doc])+ $key: $kind, $of, <$kind as Value>::Default, $default }
     };
-    (@ $(#[doc = $doc:literal])+ $key:ident: $kind:ty, $rule:ty, $value:expr) => {
+    (@ $(#[doc = $doc:literal])+ $key:ident: $kind:ty, $of:expr, $rule:ty, $value:expr) => {
         $(#[doc = $doc])+
         pub(super) fn $key(&self) -> Field<'_, $kind, $rule> {
             Field {
                 table: Self::TABLE.name,
                 key: stringify!($key),
+                of: $of,
                 given: self.$key.as_ref(),
                 rule: $value,
+                notes: &self.notes,
             }
         }
     };
@@ -214,6 +216,9 @@ macro_rules! table {
         #[serde(deny_unknown_fields)]
         pub(super) struct $name {
             $($(#[doc = $doc])+ $key: Option<Spanned<$kind>>,)*
+            /// What its readers note.
+            #[serde(skip)]
+            pub(super) notes: Notes,
         }
 
         impl $name {
@@ -228,14 +233,25 @@ macro_rules! table {
                 }),*],
             };
 
-            /// The keys that the file gives, with the span of their values.
-            pub(super) fn given(&self) -> Vec<(&'static Key, Range<usize>)> {
+            /// All keys, with the span of their values where the file gives them.
+            pub(super) fn declared(&self) -> impl Iterator<Item = (&'static Key, Option<Range<usize>>)> {
                 let spans = [$(self.$key.as_ref().map(Spanned::span)),*];
-                let keys = Self::TABLE.keys.iter().zip(spans);
-                keys.filter_map(|(key, span)| Some((key, span?))).collect()
+                Self::TABLE.keys.iter().zip(spans)
             }
 
-            $(method! { $(#[doc = $doc])+ $key: $kind $(, in $range)? $(, default $default)? })*
+            /// The keys that the file gives, with the span of their values.
+            pub(super) fn given(&self) -> impl Iterator<Item = (&'static Key, Range<usize>)> {
+                self.declared().filter_map(|(key, span)| Some((key, span?)))
+            }
+
+            /// What its keys came to, once all of them are read.
+            pub(super) fn record(self, source: SceneText<'_>) -> Record {
+                let given = self.given();
+                let lines = given.map(|(key, span)| (key.name, source.line(span.start))).collect();
+                Record::new(lines, self.notes)
+            }
+
+            $(method! { $(#[doc = $doc])+ $key: $kind, of given_or!(""; $($of)?) $(, in $range)? $(, default $default)? })*
         }
     };
 }

@@ -1,8 +1,9 @@
 //! `[time]`: when the flight starts and how it is played.
 
 use super::error::SceneError;
-use super::field::{Field, KeyText, PathKind, UNKNOWN, quoted, range_text};
+use super::field::{Field, PathKind, range_text};
 use super::keys::{DEFAULT_START, MAX_FRAMES, RawTime, YEARS};
+use super::record::quoted;
 use super::text::SceneText;
 use hifitime::Unit;
 use std::path::PathBuf;
@@ -84,6 +85,7 @@ impl SceneText<'_> {
                 StartSource::Given,
             ),
         };
+        start_field.note(quoted(&utc(start)));
         let (duration, speed_field) = (time.duration_s(), time.speed());
         let most_s = *duration.rule.range.end();
         let duration_s = self.number(&duration, |_, _| {
@@ -107,7 +109,11 @@ impl SceneText<'_> {
             duration_s,
             speed,
             frame_rate_hz,
-            orientation: self.path(&time.orientation(), PathKind::File)?,
+            orientation: self.path(
+                &time.orientation(),
+                PathKind::File,
+                "UT1 is taken as UTC and polar motion as none",
+            )?,
         };
         if time.frames_exact() > MAX_FRAMES {
             let advice = format!(
@@ -175,21 +181,6 @@ pub(super) fn year_advice(year: i32) -> String {
         "the flight would reach the year {year}; it must stay in the years {}",
         range_text(&YEARS)
     )
-}
-
-/// The value of a key as a scene would write it, or why it has none.
-pub(super) fn value(time: &Time, key: &str) -> KeyText {
-    match key {
-        "start" => quoted(&utc(time.start)),
-        "duration_s" => Ok(time.duration_s.to_string()),
-        "speed" => Ok(time.speed.to_string()),
-        "frame_rate_hz" => Ok(time.frame_rate_hz.to_string()),
-        "orientation" => match &time.orientation {
-            Some(file) => quoted(&file.display().to_string()),
-            None => Err("UT1 is taken as UTC and polar motion as none"),
-        },
-        _ => Err(UNKNOWN),
-    }
 }
 
 /// An instant as a scene would write it: RFC 3339, without decimals of the second where they are all 0.

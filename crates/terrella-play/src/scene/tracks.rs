@@ -1,8 +1,9 @@
 //! What is drawn of satellites: keys of `[orbit]`, and `[tracks]` with what holds for all.
 
 use super::error::{SceneError, printable};
-use super::field::{Field, KeyText, range_text};
+use super::field::{Field, range_text};
 use super::keys::{RawOrbit, RawTracks, SPAN_MIN};
+use super::record::KeyText;
 use super::text::SceneText;
 use toml::Spanned;
 
@@ -94,12 +95,7 @@ impl SceneText<'_> {
         tracks: &RawTracks,
         has_satellites: bool,
     ) -> Result<f64, SceneError> {
-        if let Some((key, span)) = tracks
-            .given()
-            .into_iter()
-            .next()
-            .filter(|_| !has_satellites)
-        {
+        if let Some((key, span)) = tracks.given().next().filter(|_| !has_satellites) {
             let advice = "tracks are of satellites and this scene has none; give it an [orbit] table, or leave [tracks] out";
             return Err(self.refuse_at("tracks", key.name, span, advice));
         }
