@@ -215,6 +215,7 @@ impl SceneText<'_> {
             ),
         ] {
             let Some(RawDatedMaps(given)) = field.given.map(Spanned::get_ref) else {
+                field.note(Err("this map does not change with the date"));
                 continue;
             };
             if scene.is_paper {
@@ -231,16 +232,18 @@ impl SceneText<'_> {
                 return Err(self.refuse(&field, advice));
             }
             let (files, times) = self.maps_in(&field, given)?;
-            all.push(DatedMaps {
+            let maps = DatedMaps {
                 layer,
                 files,
                 times,
                 fades: fade.is_on(),
-            });
+            };
+            field.note(maps_text(&maps));
+            all.push(maps);
         }
-        if all.is_empty() && fade.is_given() {
+        if all.is_empty() {
             let advice = "is for day_maps, cloud_maps and night_light_maps, of which there are none; leave it out";
-            return Err(self.refuse(&fade, advice));
+            self.idle(&fade, "no map changes with the date", advice)?;
         }
         Ok(all)
     }
@@ -333,17 +336,8 @@ fn file_in(folder: &Path, name: &str) -> Result<PathBuf, String> {
     }
 }
 
-/// The value of one of these keys as a scene would write it.
-pub(super) fn dated_maps_value(dated: &[DatedMaps], key: &str) -> KeyText {
-    if key == "map_fade" {
-        let first = dated.first();
-        return first
-            .map(|maps| maps.fades.to_string())
-            .ok_or("no map changes with the date");
-    }
-    let Some(maps) = dated.iter().find(|maps| maps.layer.key() == key) else {
-        return Err("this map does not change with the date");
-    };
+/// Maps as a scene would write them.
+fn maps_text(maps: &DatedMaps) -> KeyText {
     let file = |path: &PathBuf| format!("\"{}\"", printable(&path.display().to_string()));
     let texts: Vec<_> = match &maps.times {
         MapTimes::Months => maps.files.iter().map(file).collect(),

@@ -2,12 +2,12 @@
 //! are read in [`relief`](super::relief).
 
 use super::choices::{Look, StorageChoice};
-use super::dated_maps::{DatedMaps, DatedScene, dated_maps_value};
-use super::error::{SceneError, printable};
-use super::field::{Field, PathKind, range_text, whole, written};
-use super::keys::RawEarth;
-use super::record::{KeyText, UNKNOWN, quoted};
-use super::relief::{ReliefTable, relief_value};
+use super::dated_maps::{DatedMaps, DatedScene};
+use super::error::SceneError;
+use super::field::{Field, PathKind, range_text, whole};
+use super::keys::{PACK, RawEarth, SCREEN, SUNLIT};
+use super::record::quoted;
+use super::relief::ReliefTable;
 use super::text::SceneText;
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
@@ -117,7 +117,7 @@ impl SceneText<'_> {
         };
         let shading = self.choice_or(&earth.shading(), shading)?;
         let lights = earth.night_lights();
-        let night_lights = lights.value().unwrap_or(shading == Shading::Sunlit);
+        let night_lights = lights.is_on_or(shading == Shading::Sunlit);
         if night_lights && shading == Shading::Paper {
             let advice = "the paper's shading has no night lights; write false, leave it out, or take shading = \"sunlit\"";
             return Err(self.refuse(&lights, advice));
@@ -127,14 +127,21 @@ impl SceneText<'_> {
             let advice = "the paper's shading has no water; write false, leave it out, or take shading = \"sunlit\"";
             return Err(self.refuse(&water, advice));
         }
+        let atmosphere = self.choice(&earth.atmosphere())?;
         let aerosol = earth.aerosol_optical_depth();
-        let aerosol_optical_depth = match aerosol.given {
-            Some(given) => self.quantity_or(&aerosol, *given.get_ref())?,
-            None if look == Look::Paper => 0.0,
-            None => AirOptions::default().aerosol_optical_depth,
+        if atmosphere == Atmosphere::None {
+            aerosol.note(Err("there is no air"));
+        }
+        let usual_aerosol = match look {
+            Look::Paper => 0.0,
+            Look::Standard | Look::Full => AirOptions::default().aerosol_optical_depth,
+        };
+        let without_textures = match earth.pack().is_given() {
+            true => "the pack is taken",
+            false => "the starter pack is taken",
         };
         let mut table = EarthTable {
-            aerosol_optical_depth,
+            aerosol_optical_depth: self.quantity_or(&aerosol, usual_aerosol)?,
             light: self.surface_light(earth, look, shading)?,
             look,
             strict: earth.strict().is_on(),
@@ -145,13 +152,9 @@ impl SceneText<'_> {
             clouds: earth.clouds().is_on(),
             normals: earth.normals().is_on(),
             night_lights,
-            water: water.value().unwrap_or(shading == Shading::Sunlit),
-            atmosphere: self.choice(&earth.atmosphere())?,
-            textures: self.path(
-                &earth.textures(),
-                PathKind::Folder,
-                "the starter pack is taken",
-            )?,
+            water: water.is_on_or(shading == Shading::Sunlit),
+            atmosphere,
+            textures: self.path(&earth.textures(), PathKind::Folder, without_textures)?,
             pack: self.pack(earth)?,
             relief: self.relief(earth)?,
             dated_maps: Vec::new(),
@@ -172,51 +175,44 @@ impl SceneText<'_> {
         look: Look,
         shading: Shading,
     ) -> Result<Option<SurfaceLightTable>, SceneError> {
-        let shadows = earth.cloud_shadows();
-        let detail = earth.detail();
-        let (moonlight, airglow) = (earth.moonlight(), earth.airglow());
         let is_full = look == Look::Full;
         if shading == Shading::Paper {
             self.only_in_sunlight(&earth.wind_m_s())?;
             self.only_in_sunlight(&earth.relief_exaggeration())?;
             self.only_in_sunlight(&earth.cloud_height_km())?;
             self.only_in_sunlight(&earth.cloud_relief_km())?;
-            self.only_in_sunlight(&shadows)?;
-            self.only_in_sunlight(&detail)?;
-            self.only_in_sunlight(&moonlight)?;
-            self.only_in_sunlight(&airglow)?;
+            self.only_in_sunlight(&earth.cloud_shadows())?;
+            self.only_in_sunlight(&earth.detail())?;
+            self.only_in_sunlight(&earth.moonlight())?;
+            self.only_in_sunlight(&earth.airglow())?;
             self.only_in_sunlight(&earth.night_gain())?;
             return Ok(None);
         }
-        let night_gain = earth.night_gain();
-        let moonlit = moonlight.value().unwrap_or(is_full);
+        let moonlight = earth.moonlight().is_on_or(is_full);
+        let usual_gain = match moonlight {
+            true => MOONLIT_NIGHT_GAIN,
+            false => NIGHT_GAIN,
+        };
         Ok(Some(SurfaceLightTable {
             wind_m_s: self.quantity(&earth.wind_m_s())?,
             relief_exaggeration: self.quantity(&earth.relief_exaggeration())?,
             cloud_height_km: self.quantity(&earth.cloud_height_km())?,
             cloud_relief_km: self.quantity(&earth.cloud_relief_km())?,
-            cloud_shadows: shadows.value().unwrap_or(is_full),
-            detail: detail.value().unwrap_or(is_full),
-            moonlight: moonlit,
-            airglow: airglow.value().unwrap_or(is_full),
-            night_gain: match night_gain.given {
-                Some(given) => self.quantity_or(&night_gain, *given.get_ref())?,
-                None if moonlit => MOONLIT_NIGHT_GAIN,
-                None => NIGHT_GAIN,
-            },
+            cloud_shadows: earth.cloud_shadows().is_on_or(is_full),
+            detail: earth.detail().is_on_or(is_full),
+            moonlight,
+            airglow: earth.airglow().is_on_or(is_full),
+            night_gain: self.quantity_or(&earth.night_gain(), usual_gain)?,
         }))
     }
 
     /// Refuses a key that does nothing with the paper's shading.
     fn only_in_sunlight<T, R>(&self, field: &Field<'_, T, R>) -> Result<(), SceneError> {
-        if !field.is_given() {
-            return Ok(());
-        }
         let advice = format!(
             "the paper's shading has no {}; leave it out, or take shading = \"sunlit\"",
             field.key
         );
-        Err(self.refuse(field, advice))
+        self.idle(field, SUNLIT.why, advice)
     }
 
     fn pack(&self, earth: &RawEarth) -> Result<Option<PackTable>, SceneError> {
@@ -228,11 +224,11 @@ impl SceneText<'_> {
         let (levels, texel_px, storage) = (earth.levels(), earth.texel_px(), earth.storage());
         let (texture_mb, upload_mb) = (earth.texture_mb(), earth.upload_mb());
         let Some(folder) = folder else {
-            self.only_with_a_pack(&levels)?;
-            self.only_with_a_pack(&texel_px)?;
-            self.only_with_a_pack(&storage)?;
-            self.only_with_a_pack(&texture_mb)?;
-            self.only_with_a_pack(&upload_mb)?;
+            self.only_with_a_pack(&levels, PACK.why)?;
+            self.only_with_a_pack(&texel_px, PACK.why)?;
+            self.only_with_a_pack(&storage, PACK.why)?;
+            self.only_with_a_pack(&texture_mb, PACK.why)?;
+            self.only_with_a_pack(&upload_mb, PACK.why)?;
             return Ok(None);
         };
         let textures = earth.textures();
@@ -241,9 +237,9 @@ impl SceneText<'_> {
             return Err(self.refuse(&textures, advice));
         }
         let rule = self.choice(&levels)?;
-        if rule == LevelRule::Paper && texel_px.is_given() {
+        if rule == LevelRule::Paper {
             let advice = "texel_px has no meaning with levels = \"paper\", where distances alone decide; leave it out or write levels = \"screen\"";
-            return Err(self.refuse(&texel_px, advice));
+            self.idle(&texel_px, SCREEN.why, advice)?;
         }
         let within =
             |unit: &'static str| move |_, range: &str| format!("must be from {range} {unit}");
@@ -258,15 +254,16 @@ impl SceneText<'_> {
     }
 
     /// Refuses a key that does nothing without a pack.
-    pub(super) fn only_with_a_pack<T, R>(&self, field: &Field<'_, T, R>) -> Result<(), SceneError> {
-        if !field.is_given() {
-            return Ok(());
-        }
+    pub(super) fn only_with_a_pack<T, R>(
+        &self,
+        field: &Field<'_, T, R>,
+        why: &'static str,
+    ) -> Result<(), SceneError> {
         let advice = format!(
             "{} is for imagery packs; leave it out, or name the pack's folder by pack = \"…\"",
             field.key
         );
-        Err(self.refuse(field, advice))
+        self.idle(field, why, advice)
     }
 
     /// Reads the number of cells per block edge.
@@ -275,102 +272,22 @@ impl SceneText<'_> {
         field: &Field<'_, toml::Value, RangeInclusive<i64>>,
     ) -> Result<Subdivision, SceneError> {
         let cells = match field.given.map(Spanned::get_ref) {
-            None => return Ok(Subdivision::Auto),
-            Some(toml::Value::String(text)) if text == "auto" => return Ok(Subdivision::Auto),
-            Some(toml::Value::Integer(cells)) => whole(*cells, &field.rule),
+            None => Some(Subdivision::Auto),
+            Some(toml::Value::String(text)) if text == "auto" => Some(Subdivision::Auto),
+            Some(toml::Value::Integer(cells)) => whole(*cells, &field.rule).map(Subdivision::Cells),
             Some(_) => None,
         };
-        cells.map(Subdivision::Cells).ok_or_else(|| {
+        let cells = cells.ok_or_else(|| {
             let advice = format!(
                 "must be \"auto\" or from {} cells per block edge",
                 range_text(&field.rule)
             );
             self.refuse(field, advice)
-        })
-    }
-}
-
-/// The value of a key as a scene would write it, or why it has none.
-pub(super) fn value(earth: &EarthTable, key: &str) -> KeyText {
-    match key {
-        "look" => quoted(&written(&earth.look)),
-        "strict" => Ok(earth.strict.to_string()),
-        "figure" => quoted(&written(&earth.figure)),
-        "subdivision" => match earth.subdivision {
+        })?;
+        field.note(match cells {
             Subdivision::Auto => quoted("auto"),
             cells => Ok(cells.to_string()),
-        },
-        "visibility" => quoted(&written(&earth.visibility)),
-        "shading" => quoted(&written(&earth.shading)),
-        "clouds" => Ok(earth.clouds.to_string()),
-        "normals" => Ok(earth.normals.to_string()),
-        "night_lights" => Ok(earth.night_lights.to_string()),
-        "water" => Ok(earth.water.to_string()),
-        "atmosphere" => quoted(&written(&earth.atmosphere)),
-        "aerosol_optical_depth" if earth.atmosphere == Atmosphere::None => Err("there is no air"),
-        "aerosol_optical_depth" => Ok(earth.aerosol_optical_depth.to_string()),
-        "wind_m_s"
-        | "relief_exaggeration"
-        | "cloud_height_km"
-        | "cloud_relief_km"
-        | "cloud_shadows"
-        | "detail"
-        | "moonlight"
-        | "airglow"
-        | "night_gain" => match &earth.light {
-            Some(light) => surface_light_value(light, key),
-            None => Err("only for shading = \"sunlit\""),
-        },
-        "textures" => match &earth.textures {
-            Some(folder) => quoted(&folder.display().to_string()),
-            None if earth.pack.is_some() => Err("the pack is taken"),
-            None => Err("the starter pack is taken"),
-        },
-        "pack" | "levels" | "texel_px" | "storage" | "texture_mb" | "upload_mb" => {
-            match &earth.pack {
-                Some(pack) => pack_value(pack, key),
-                None => Err("no pack: whole maps are drawn"),
-            }
-        }
-        "day_maps" | "cloud_maps" | "night_light_maps" | "map_fade" => {
-            dated_maps_value(&earth.dated_maps, key)
-        }
-        "pack_heights" | "ground_mb" if earth.pack.is_none() => Err("no pack"),
-        "surface" | "elevation" | "pack_heights" | "ground_mb" | "tolerance_px" | "sea_floor"
-        | "denoise" | "clipmap" | "contours" | "projected_grid" | "quadtree" => {
-            relief_value(earth.relief.as_ref(), key)
-        }
-        _ => Err(UNKNOWN),
+        });
+        Ok(cells)
     }
-}
-
-/// The value of one of the keys of light on the surface.
-fn surface_light_value(light: &SurfaceLightTable, key: &str) -> KeyText {
-    Ok(match key {
-        "wind_m_s" => light.wind_m_s.to_string(),
-        "relief_exaggeration" => light.relief_exaggeration.to_string(),
-        "cloud_height_km" => light.cloud_height_km.to_string(),
-        "cloud_relief_km" => light.cloud_relief_km.to_string(),
-        "cloud_shadows" => light.cloud_shadows.to_string(),
-        "detail" => light.detail.to_string(),
-        "moonlight" => light.moonlight.to_string(),
-        "airglow" => light.airglow.to_string(),
-        "night_gain" => light.night_gain.to_string(),
-        _ => return Err(UNKNOWN),
-    })
-}
-
-/// The value of one of the pack's keys.
-fn pack_value(pack: &PackTable, key: &str) -> KeyText {
-    Ok(match key {
-        "pack" => format!("\"{}\"", printable(&pack.folder.display().to_string())),
-        "levels" => format!("\"{}\"", written(&pack.levels)),
-        "texel_px" if pack.levels == LevelRule::Paper => {
-            return Err("only for levels = \"screen\"");
-        }
-        "texel_px" => pack.texel_px.to_string(),
-        "storage" => format!("\"{}\"", written(&pack.storage)),
-        "texture_mb" => pack.texture_mb.to_string(),
-        _ => pack.upload_mb.to_string(),
-    })
 }

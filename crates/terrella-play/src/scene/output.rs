@@ -99,8 +99,7 @@ impl SceneText<'_> {
         samples_field.note(Ok(samples.to_string()));
         let wait = output.wait_s();
         if earth.pack.is_none() && !has_live {
-            self.only_with_a_pack(&wait)?;
-            wait.note(Err("no pack: nothing to wait for"));
+            self.only_with_a_pack(&wait, "no pack: nothing to wait for")?;
         }
         let wait_s = self.number(&wait, |_, range| format!("must be from {range} seconds"))?;
         Ok(Output {

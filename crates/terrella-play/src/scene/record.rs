@@ -3,6 +3,7 @@
 use super::error::printable;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
+use std::fmt::Display;
 
 /// The value of a key as a scene would write it, or why it has none.
 pub(super) type KeyText = Result<String, &'static str>;
@@ -75,4 +76,10 @@ pub(super) fn number_text(number: f64) -> String {
 /// A text as a scene would write it.
 pub(super) fn quoted(text: &str) -> KeyText {
     Ok(format!("\"{}\"", printable(text)))
+}
+
+/// Texts as a scene would write them.
+pub(super) fn list_text(texts: impl Iterator<Item = impl Display>) -> String {
+    let texts = texts.map(|text| format!("\"{}\"", printable(&text.to_string())));
+    format!("[{}]", texts.collect::<Vec<_>>().join(", "))
 }

@@ -1,9 +1,9 @@
 //! `[earth]`: the keys of ground with relief.
 
-use super::error::{SceneError, printable};
-use super::field::{Field, PathKind, RawPath, written};
-use super::keys::{MAX_ELEVATION_FILES, RawEarth};
-use super::record::KeyText;
+use super::error::SceneError;
+use super::field::{Field, PathKind, RawPath};
+use super::keys::{MAX_ELEVATION_FILES, PACK, RELIEF, RawEarth};
+use super::record::list_text;
 use super::surfaces;
 use super::text::SceneText;
 use std::path::PathBuf;
@@ -45,21 +45,21 @@ impl SceneText<'_> {
         let (tolerance_px, sea_floor) = (earth.tolerance_px(), earth.sea_floor());
         let denoise = earth.denoise();
         if surface == SurfaceKind::Blocks && !names_heights {
-            for (key, given) in [
-                (tolerance_px.key, tolerance_px.given.map(|v| v.span())),
-                (sea_floor.key, sea_floor.given.map(|v| v.span())),
-                (denoise.key, denoise.given.map(|v| v.span())),
-            ] {
-                if let Some(span) = given {
-                    let advice = format!(
-                        "{key} is for ground with relief; leave it out, or name heights by elevation = [] (the starter pack's) or [\"FILE\", …]"
-                    );
-                    return Err(self.refuse_at("earth", key, span, advice));
-                }
-            }
+            elevation_field.note(Err(RELIEF.why));
+            self.only_with_relief(&tolerance_px)?;
+            self.only_with_relief(&sea_floor)?;
+            self.only_with_relief(&denoise)?;
             return Ok(None);
         }
         self.only_of_the_smooth_earth(earth, surface)?;
+        elevation_field.note(match (elevation.is_empty(), pack_heights_mb) {
+            (false, _) => Ok(list_text(elevation.iter().map(|file| file.display()))),
+            (true, Some(_)) => Err("the pack's heights are taken alone"),
+            (true, None) => Err("the starter pack's heights are taken"),
+        });
+        if let Some(why) = surfaces::without_tolerance(&settings) {
+            tolerance_px.note(Err(why));
+        }
         Ok(Some(ReliefTable {
             surface,
             settings,
@@ -73,18 +73,26 @@ impl SceneText<'_> {
         }))
     }
 
+    /// Rejects a key that has no meaning without relief.
+    fn only_with_relief<T, R>(&self, field: &Field<'_, T, R>) -> Result<(), SceneError> {
+        let advice = format!(
+            "{} is for ground with relief; leave it out, or name heights by elevation = [] (the starter pack's) or [\"FILE\", …]",
+            field.key
+        );
+        self.idle(field, RELIEF.why, advice)
+    }
+
     /// The memory for the pack's heights, where a scene wants them.
     fn pack_heights_mb(&self, earth: &RawEarth) -> Result<Option<f64>, SceneError> {
         let (pack_heights, ground_mb) = (earth.pack_heights(), earth.ground_mb());
         if !earth.pack().is_given() {
-            self.only_with_a_pack(&pack_heights)?;
-            self.only_with_a_pack(&ground_mb)?;
+            self.only_with_a_pack(&pack_heights, PACK.why)?;
+            self.only_with_a_pack(&ground_mb, PACK.why)?;
         }
         if !pack_heights.is_on() {
-            if ground_mb.is_given() {
-                let advice = "ground_mb is for heights of a pack; leave it out, or write pack_heights = true";
-                return Err(self.refuse(&ground_mb, advice));
-            }
+            let advice =
+                "ground_mb is for heights of a pack; leave it out, or write pack_heights = true";
+            self.idle(&ground_mb, "no heights of a pack are taken", advice)?;
             return Ok(None);
         }
         let megabytes = self.number(&ground_mb, |_, range| {
@@ -140,43 +148,4 @@ impl SceneText<'_> {
         }
         Ok(paths)
     }
-}
-
-/// The value of one of the keys of relief.
-pub(super) fn relief_value(relief: Option<&ReliefTable>, key: &str) -> KeyText {
-    let Some(relief) = relief else {
-        return match key {
-            "surface" => Ok("\"blocks\"".to_owned()),
-            "pack_heights" => Ok("false".to_owned()),
-            _ => Err("the smooth ellipsoid is drawn"),
-        };
-    };
-    Ok(match key {
-        "surface" => format!("\"{}\"", written(&relief.surface)),
-        "elevation" if relief.elevation.is_empty() => {
-            return Err(match relief.pack_heights_mb {
-                Some(_) => "the pack's heights are taken alone",
-                None => "the starter pack's heights are taken",
-            });
-        }
-        "pack_heights" => relief.pack_heights_mb.is_some().to_string(),
-        "ground_mb" => match relief.pack_heights_mb {
-            Some(megabytes) => megabytes.to_string(),
-            None => return Err("no heights of a pack are taken"),
-        },
-        "elevation" => {
-            let files = relief.elevation.iter();
-            let files = files.map(|file| format!("\"{}\"", printable(&file.display().to_string())));
-            format!("[{}]", files.collect::<Vec<_>>().join(", "))
-        }
-        "tolerance_px" => {
-            if let Some(reason) = surfaces::without_tolerance(&relief.settings) {
-                return Err(reason);
-            }
-            relief.tolerance_px.to_string()
-        }
-        "sea_floor" => relief.sea_floor.to_string(),
-        "denoise" => relief.denoise.to_string(),
-        _ => return surfaces::value(&relief.settings, key),
-    })
 }

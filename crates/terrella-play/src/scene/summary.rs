@@ -7,7 +7,7 @@ use super::keys::TABLES;
 use super::record::{KeyText, UNKNOWN};
 use super::table::{Key, Table};
 use super::time::{StartSource, utc};
-use super::{Scene, earth, orbit_summary};
+use super::{Scene, orbit_summary};
 use std::fmt::Write;
 use terrella_ground::air::Atmosphere;
 use terrella_ground::globe::SurfaceSettings;
@@ -149,7 +149,6 @@ impl Scene {
         match table.name {
             "orbit" => orbit_summary::value(self.orbits.first().ok_or(NO_ORBIT)?, key.name),
             "tracks" => self.tracks_value(key.name),
-            "earth" => earth::value(&self.earth, key.name),
             name => {
                 let record = self.records.get(name);
                 let value = record.and_then(|record| record.value(key.name));

@@ -2,10 +2,10 @@
 
 use super::error::{SceneError, printable};
 use super::field::{Field, range_text, written};
-use super::keys::{
-    CLIPMAP_LEVELS, CLIPMAP_SAMPLES, GRID_SAMPLES, MAX_LEAVES, QUADTREE_LAMBDA, RawEarth,
-};
-use super::record::KeyText;
+use super::keys::RawEarth;
+use super::keys::{CLIPMAP, CONTOURS, PROJECTED_GRID, QUADTREE};
+use super::keys::{CLIPMAP_LEVELS, CLIPMAP_SAMPLES, GRID_SAMPLES, MAX_LEAVES, QUADTREE_LAMBDA};
+use super::table::Only;
 use super::text::SceneText;
 use terrella_ground::globe::clipmap::{ClipmapOptions, Trim};
 use terrella_ground::globe::contours::PageOptions;
@@ -22,13 +22,13 @@ impl SceneText<'_> {
         surface: SurfaceKind,
     ) -> Result<SurfaceSettings, SceneError> {
         let clipmap = earth.clipmap();
-        self.only_of(&clipmap, SurfaceKind::Clipmap, surface)?;
+        self.only_for(&clipmap, CLIPMAP, surface == SurfaceKind::Clipmap)?;
         let grid = earth.projected_grid();
-        self.only_of(&grid, SurfaceKind::ProjectedGrid, surface)?;
+        self.only_for(&grid, PROJECTED_GRID, surface == SurfaceKind::ProjectedGrid)?;
         let contours = earth.contours();
-        self.only_of(&contours, SurfaceKind::Contours, surface)?;
+        self.only_for(&contours, CONTOURS, surface == SurfaceKind::Contours)?;
         let quadtree = earth.quadtree();
-        self.only_of(&quadtree, SurfaceKind::Quadtree, surface)?;
+        self.only_for(&quadtree, QUADTREE, surface == SurfaceKind::Quadtree)?;
         if self.contours(&contours)? == ContourDrawing::Cast {
             return Ok(SurfaceSettings::CastContours(PageOptions::default()));
         }
@@ -43,20 +43,20 @@ impl SceneText<'_> {
         Ok(settings)
     }
 
-    fn only_of(
+    fn only_for(
         &self,
         table: &Field<'_, Value>,
-        of: SurfaceKind,
-        surface: SurfaceKind,
+        only: &Only,
+        is_drawn: bool,
     ) -> Result<(), SceneError> {
-        if !table.is_given() || of == surface {
-            return Ok(());
-        }
         let advice = format!(
-            "this table is for surface = \"{}\"; leave it out, or write that below [earth]",
-            of.name()
+            "this table is {}; leave it out, or write that below [earth]",
+            only.why
         );
-        Err(self.refuse(table, advice))
+        match is_drawn {
+            true => Ok(()),
+            false => self.idle(table, only.why, advice),
+        }
     }
 
     fn clipmap(
@@ -64,7 +64,7 @@ impl SceneText<'_> {
         table: &Field<'_, Value>,
         options: &mut ClipmapOptions,
     ) -> Result<(), SceneError> {
-        for (key, value) in self.entries(table, CLIPMAP)? {
+        for (key, value) in self.entries(table)? {
             let must = match (key.as_str(), value) {
                 ("samples", Value::Integer(samples)) if CLIPMAP_SAMPLES.contains(samples) => {
                     options.samples = *samples as u32;
@@ -89,13 +89,19 @@ impl SceneText<'_> {
                     format!("a clipmap has samples, levels and trimming, not {other}")
                 }
             };
-            return Err(self.refuse(table, format!("{must}; write them like {CLIPMAP}")));
+            return Err(self.refuse(table, format!("{must}; write them like {}", like(table))));
         }
+        table.note(Ok(format!(
+            "{{ samples = {}, levels = {}, trimming = \"{}\" }}",
+            options.samples,
+            options.levels,
+            written(&options.trim)
+        )));
         Ok(())
     }
 
     fn grid(&self, table: &Field<'_, Value>, options: &mut GridOptions) -> Result<(), SceneError> {
-        for (key, value) in self.entries(table, GRID)? {
+        for (key, value) in self.entries(table)? {
             let must = match (key.as_str(), value) {
                 ("samples", Value::Array(sides)) if sides_of(sides).is_some() => {
                     options.samples = sides_of(sides).unwrap_or(options.samples);
@@ -115,8 +121,12 @@ impl SceneText<'_> {
                     format!("a projected grid has samples and on_gpu, not {other}")
                 }
             };
-            return Err(self.refuse(table, format!("{must}; write them like {GRID}")));
+            return Err(self.refuse(table, format!("{must}; write them like {}", like(table))));
         }
+        table.note(Ok(format!(
+            "{{ samples = [{}, {}], on_gpu = {} }}",
+            options.samples.0, options.samples.1, options.on_gpu
+        )));
         Ok(())
     }
 
@@ -125,7 +135,7 @@ impl SceneText<'_> {
         table: &Field<'_, Value>,
         options: &mut QuadtreeOptions,
     ) -> Result<(), SceneError> {
-        for (key, value) in self.entries(table, QUADTREE)? {
+        for (key, value) in self.entries(table)? {
             let number = match value {
                 Value::Integer(whole) => Some(*whole as f64),
                 Value::Float(number) => Some(*number),
@@ -159,14 +169,22 @@ impl SceneText<'_> {
                     format!("a quadtree has lambda, culling and max_leaves, not {other}")
                 }
             };
-            return Err(self.refuse(table, format!("{must}; write them like {QUADTREE}")));
+            return Err(self.refuse(table, format!("{must}; write them like {}", like(table))));
         }
+        let lambda = match options.split_rule {
+            SplitRule::Paper { lambda } => format!("lambda = {lambda}, "),
+            _ => String::new(),
+        };
+        table.note(Ok(format!(
+            "{{ {lambda}culling = {}, max_leaves = {} }}",
+            options.is_culled, options.max_leaves
+        )));
         Ok(())
     }
 
     fn contours(&self, table: &Field<'_, Value>) -> Result<ContourDrawing, SceneError> {
         let mut drawing = ContourDrawing::default();
-        for (key, value) in self.entries(table, CONTOURS)? {
+        for (key, value) in self.entries(table)? {
             let must = match (key.as_str(), value) {
                 ("drawn", Value::String(word)) if drawing_of(word).is_some() => {
                     drawing = drawing_of(word).unwrap_or_default();
@@ -175,8 +193,9 @@ impl SceneText<'_> {
                 ("drawn", _) => "drawn must be \"patches\" or \"cast\"".into(),
                 (other, _) => format!("contours have drawn, not {}", printable(other)),
             };
-            return Err(self.refuse(table, format!("{must}; write it like {CONTOURS}")));
+            return Err(self.refuse(table, format!("{must}; write it like {}", like(table))));
         }
+        table.note(Ok(format!("{{ drawn = \"{}\" }}", written(&drawing))));
         Ok(drawing)
     }
 
@@ -184,21 +203,20 @@ impl SceneText<'_> {
     fn entries<'v>(
         &self,
         table: &Field<'v, Value>,
-        like: &str,
     ) -> Result<impl Iterator<Item = (&'v String, &'v Value)>, SceneError> {
         let entries = match table.given.map(Spanned::get_ref) {
             None => None,
             Some(Value::Table(entries)) => Some(entries),
-            Some(_) => return Err(self.refuse(table, format!("must be a table like {like}"))),
+            Some(_) => return Err(self.refuse(table, format!("must be {}", table.of))),
         };
         Ok(entries.into_iter().flatten())
     }
 }
 
-const CLIPMAP: &str = "{ samples = 129, levels = 12, trimming = \"diamond\" }";
-const CONTOURS: &str = "{ drawn = \"patches\" }";
-const QUADTREE: &str = "{ lambda = 300, culling = true, max_leaves = 24000 }";
-const GRID: &str = "{ samples = [129, 129], on_gpu = true }";
+/// A table as a scene may write it.
+fn like(table: &Field<'_, Value>) -> &'static str {
+    table.of.trim_start_matches("a table like ")
+}
 
 fn trim_of(word: &str) -> Option<Trim> {
     let trims = [Trim::Diamond, Trim::Hexagon];
@@ -225,38 +243,6 @@ fn sides_of(sides: &[Value]) -> Option<(u32, u32)> {
     }
 }
 
-/// The settings of a surface's own table as a scene writes them, by the table's key.
-pub(super) fn value(settings: &SurfaceSettings, key: &str) -> KeyText {
-    match (key, settings) {
-        ("clipmap", SurfaceSettings::Clipmap(options)) => Ok(format!(
-            "{{ samples = {}, levels = {}, trimming = \"{}\" }}",
-            options.samples,
-            options.levels,
-            written(&options.trim)
-        )),
-        ("projected_grid", SurfaceSettings::ProjectedGrid(options)) => Ok(format!(
-            "{{ samples = [{}, {}], on_gpu = {} }}",
-            options.samples.0, options.samples.1, options.on_gpu
-        )),
-        ("quadtree", SurfaceSettings::Quadtree(options)) => {
-            let lambda = match options.split_rule {
-                SplitRule::Paper { lambda } => format!("lambda = {lambda}, "),
-                _ => String::new(),
-            };
-            let (culling, leaves) = (options.is_culled, options.max_leaves);
-            Ok(format!(
-                "{{ {lambda}culling = {culling}, max_leaves = {leaves} }}"
-            ))
-        }
-        ("contours", SurfaceSettings::Contours(_)) => Ok(drawn(ContourDrawing::Patches)),
-        ("contours", SurfaceSettings::CastContours(_)) => Ok(drawn(ContourDrawing::Cast)),
-        ("contours", _) => Err("for surface = \"contours\""),
-        ("clipmap", _) => Err("for surface = \"clipmap\""),
-        ("quadtree", _) => Err("for surface = \"quadtree\""),
-        _ => Err("for surface = \"projected-grid\""),
-    }
-}
-
 /// Why a surface takes no notice of `tolerance_px`; `None` where it does.
 pub(super) fn without_tolerance(settings: &SurfaceSettings) -> Option<&'static str> {
     match settings {
@@ -270,8 +256,4 @@ pub(super) fn without_tolerance(settings: &SurfaceSettings) -> Option<&'static s
         }) => Some("lambda is given"),
         _ => None,
     }
-}
-
-fn drawn(drawing: ContourDrawing) -> String {
-    format!("{{ drawn = \"{}\" }}", written(&drawing))
 }
