@@ -2,16 +2,13 @@
 
 use super::choices::OrbitSource;
 use super::error::{SceneError, printable};
-use super::field::{Bounds, Field};
+use super::field::Field;
 use super::keys::RawOrbit;
 use super::orbit::Orbit;
-use super::record::{KeyText, UNKNOWN, quoted};
+use super::record::quoted;
 use super::text::SceneText;
 use std::time::Duration;
 use terrella_orbit::basilisk::{Endpoint, Meeting, SimulationOptions};
-
-/// Keys that simulations of Basilisk share with live satellites.
-pub(super) const SHARED_KEYS: &[&str] = &["listen", "allow_remote", "timeout_s", "stale_after_s"];
 
 const RUNS_NOT: &str = "is for simulations that run; a file is read as it was saved";
 const WAITS_NOT: &str = "is for simulations that wait for an answer; one that publishes does not";
@@ -26,21 +23,27 @@ impl SceneText<'_> {
     ) -> Result<Option<SimulationOptions>, SceneError> {
         let (listen, subscribe) = (orbit.listen(), orbit.subscribe());
         let publishes = subscribe.is_given();
-        for (key, span) in orbit.given() {
+        if publishes {
+            listen.note(Err("the simulation publishes"));
+        }
+        for (key, span) in orbit.declared() {
+            let is_met = key
+                .only
+                .is_some_and(|only| only.sources.contains(&OrbitSource::Basilisk))
+                && key.name != "file";
             let why = match key.name {
                 "timeout_s" if publishes => WAITS_NOT,
-                key if is_saved && (key == "subscribe" || SHARED_KEYS.contains(&key)) => RUNS_NOT,
+                _ if is_saved && is_met => RUNS_NOT,
                 "listen" if publishes => {
                     "is where simulations connect, subscribe where one publishes; a scene has one of them"
                 }
                 _ => continue,
             };
-            return Err(self.refuse_at(
-                "orbit",
-                key.name,
-                span,
-                format!("{} {why}; leave it out", key.name),
-            ));
+            if let Some(span) = span {
+                let advice = format!("{} {why}; leave it out", key.name);
+                return Err(self.refuse_at("orbit", key.name, span, advice));
+            }
+            orbit.notes.note(key.name, Err(why));
         }
         if is_saved {
             return Ok(None);
@@ -52,18 +55,21 @@ impl SceneText<'_> {
             let advice = "other machines reach this address, and whoever reaches it can steer the picture; take 127.0.0.1 or [::1], or write allow_remote = true";
             return Err(self.refuse(field, advice));
         }
+        field.note(quoted(&endpoint.to_string()));
+        if !publishes {
+            subscribe.note(Err("the simulation connects"));
+        }
         let meeting = match publishes {
             true => Meeting::Subscribe(endpoint),
             false => Meeting::Listen(endpoint),
         };
-        let seconds = |field: Field<'_, f64, Bounds<f64>>| self.quantity(&field);
-        let timeout_s = seconds(orbit.timeout_s())?;
+        let timeout_s = self.quantity(&orbit.timeout_s())?;
         Ok(Some(SimulationOptions {
             craft: name.map(str::to_owned),
             allow_remote,
             // In range: it is finite and not negative.
             timeout: Duration::try_from_secs_f64(timeout_s).unwrap_or_default(),
-            stale_after_s: seconds(orbit.stale_after_s())?,
+            stale_after_s: self.quantity(&orbit.stale_after_s())?,
             ..SimulationOptions::new(meeting)
         }))
     }
@@ -97,34 +103,6 @@ impl SceneText<'_> {
     }
 }
 
-/// The value of a key of a simulation, or why there is none.
-pub(super) fn value(orbit: &Orbit, key: &str) -> KeyText {
-    match (key, &orbit.file, &orbit.basilisk) {
-        ("name", ..) => match &orbit.name {
-            Some(name) => quoted(name),
-            None => Err("cameras fly with the simulation's first spacecraft"),
-        },
-        ("file", Some(file), _) => quoted(&file.display().to_string()),
-        ("file", None, _) => Err("the simulation runs meanwhile"),
-        (key, Some(_), _) if key == "subscribe" || SHARED_KEYS.contains(&key) => Err(RUNS_NOT),
-        ("listen", _, Some(options)) => match &options.meeting {
-            Meeting::Listen(endpoint) => quoted(&endpoint.to_string()),
-            Meeting::Subscribe(_) => Err("the simulation publishes"),
-        },
-        ("subscribe", _, Some(options)) => match &options.meeting {
-            Meeting::Subscribe(endpoint) => quoted(&endpoint.to_string()),
-            Meeting::Listen(_) => Err("the simulation connects"),
-        },
-        ("allow_remote", _, Some(options)) => Ok(options.allow_remote.to_string()),
-        ("timeout_s", _, Some(options)) => match options.meeting {
-            Meeting::Listen(_) => Ok(options.timeout.as_secs_f64().to_string()),
-            Meeting::Subscribe(_) => Err(WAITS_NOT),
-        },
-        ("stale_after_s", _, Some(options)) => Ok(options.stale_after_s.to_string()),
-        _ => Err(UNKNOWN),
-    }
-}
-
 /// The text of what a simulation is flown by.
 pub(super) fn flies_by(orbit: &Orbit) -> String {
     let craft = match &orbit.name {
@@ -149,6 +127,7 @@ pub(super) fn flies_by(orbit: &Orbit) -> String {
 mod tests {
     use super::*;
     use crate::scene::Scene;
+    use crate::scene::field::Bounds;
     use std::path::Path;
 
     #[test]

@@ -2,8 +2,10 @@
 
 use super::choices::OrbitSource;
 use super::error::SceneError;
+use super::field::written;
 use super::orbit::Orbit;
-use super::record::Record;
+use super::orbit_check::ONLY_OF_FILE;
+use super::record::quoted;
 use super::{Scene, StartSource};
 use std::io::Read;
 use std::path::Path;
@@ -65,10 +67,25 @@ impl Scene {
             names => names.iter().map(|name| satellite(Some(name))).collect(),
         };
         // No line of the file is one of the scene.
-        for record in scene.records.values_mut() {
+        for record in scene.records.values_mut().chain(&mut scene.orbit_records) {
             record.forget_lines();
         }
-        scene.orbit_records = vec![Record::default(); scene.orbits.len()];
+        let record = scene.orbit_records.first().cloned().unwrap_or_default();
+        let record_of = |orbit: &Orbit| {
+            let mut record = record.clone();
+            record.set("source", quoted(&written(&orbit.source)));
+            record.set("file", quoted(&path.display().to_string()));
+            record.set("strict", Ok(orbit.strict.to_string()));
+            record.set(
+                "name",
+                match &orbit.name {
+                    Some(name) => quoted(name),
+                    None => Err(ONLY_OF_FILE),
+                },
+            );
+            record
+        };
+        scene.orbit_records = scene.orbits.iter().map(record_of).collect();
         scene.time.start_from = StartSource::Default;
         scene.text = Some(format!("{text}\n# {format:?} {names:?}\n"));
         Ok(scene)
@@ -169,6 +186,28 @@ mod tests {
             lines.map(|line| line.to_owned() + "\n").collect::<String>()
         };
         assert_eq!(told(&shipped), told(&file));
+    }
+
+    #[test]
+    fn satellites_of_a_file_are_recorded_each_by_its_name() {
+        let names = ["A", "B"].map(str::to_owned);
+        let scene = Scene::of_orbits(Path::new("two.oem"), FileFormat::Oem, &names);
+        let mut scene = scene.expect("a good scene");
+        for strict in ["false", "true"] {
+            let summary = scene.summary();
+            for value in ["\"oem\"", "\"two.oem\"", "\"A\"", "\"B\""] {
+                assert!(
+                    summary.contains(&format!(" {value} ")),
+                    "{value}: {summary}"
+                );
+            }
+            let is_strict =
+                |line: &&str| line.starts_with(&format!("  strict             {strict} "));
+            // Of [earth] and of each satellite.
+            let count = summary.lines().filter(is_strict).count();
+            assert_eq!(count, if strict == "true" { 2 } else { 3 }, "{summary}");
+            scene.read_strictly();
+        }
     }
 
     #[test]

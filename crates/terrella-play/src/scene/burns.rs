@@ -8,25 +8,16 @@ use super::text::SceneText;
 use super::time::utc;
 use glam::DVec3;
 use terrella::frames::{Duration, Epoch, utc_from_rfc3339};
-use terrella_orbit::numerical::{EventSelection, Solver, Thrust, ThrustAxes};
+use terrella_orbit::numerical::{EventSelection, Thrust, ThrustAxes};
 use toml::{Spanned, Value};
-
-/// The word for a method.
-pub(super) fn method_name(solver: Solver) -> &'static str {
-    match solver {
-        Solver::Automatic => "automatic",
-        Solver::Explicit => "explicit",
-        Solver::Implicit => "implicit",
-    }
-}
 
 const KNOWN_KEYS: &str = "a burn has start, duration_s, acceleration_m_s2 and axes";
 
 impl SceneText<'_> {
     /// Checks `burns`.
     pub(super) fn burns(&self, field: &Field<'_, Value>) -> Result<Vec<Thrust>, SceneError> {
-        let burns = match field.given.map(Spanned::get_ref) {
-            None => return Ok(Vec::new()),
+        let burns: &[Value] = match field.given.map(Spanned::get_ref) {
+            None => &[],
             Some(Value::Array(burns)) => burns,
             Some(_) => {
                 let advice = format!("must be a list of burns, [{{ … }}, {{ … }}]; {KNOWN_KEYS}");
@@ -44,7 +35,9 @@ impl SceneText<'_> {
                 self.refuse(field, advice)
             })
         });
-        read.collect()
+        let burns = read.collect::<Result<Vec<_>, _>>()?;
+        field.note(burns_text(&burns));
+        Ok(burns)
     }
 
     /// Checks `events`.
@@ -70,6 +63,7 @@ impl SceneText<'_> {
                 return Err(self.refuse(field, format!("names {word:?} twice")));
             }
         }
+        field.note(events_text(selection));
         Ok(selection)
     }
 }
@@ -145,7 +139,7 @@ fn number(value: &Value) -> Option<f64> {
 }
 
 /// Burns as a scene would write them.
-pub(super) fn burns_value(burns: &[Thrust]) -> KeyText {
+fn burns_text(burns: &[Thrust]) -> KeyText {
     if burns.is_empty() {
         return Err("there are none");
     }
@@ -168,7 +162,7 @@ pub(super) fn burns_value(burns: &[Thrust]) -> KeyText {
 }
 
 /// Events as a scene would write them.
-pub(super) fn events_value(events: EventSelection) -> KeyText {
+fn events_text(events: EventSelection) -> KeyText {
     let words = [
         (events.nodes, "\"nodes\""),
         (events.apsides, "\"apsides\""),

@@ -1,9 +1,11 @@
 //! Whether an orbit answers for all of a scene's time, and what is flown where the scene does not ask for more.
 
 use super::Scene;
-use super::choices::OrbitSource;
+use super::choices::{FrameName, OrbitSource};
 use super::error::{KeyLocation, SceneError};
+use super::field::written;
 use super::orbit::{InitialState, Motion, Orbit, OrbitParameters};
+use super::orbit_check::set_elements;
 use super::record::{number_text, quoted};
 use super::time::{StartSource, utc, year_advice};
 use terrella::frames::Epoch;
@@ -145,9 +147,23 @@ impl Scene {
     /// `elements`, hold for `validity` only.
     pub fn stand_in(&mut self, orbit: usize, elements: KeplerElements, validity: (Epoch, Epoch)) {
         let start = self.time.start;
-        let Some(slot) = self.orbits.get_mut(orbit) else {
+        let Some((slot, record)) = self
+            .orbits
+            .get_mut(orbit)
+            .zip(self.orbit_records.get_mut(orbit))
+        else {
             return;
         };
+        for (key, text) in [
+            ("source", quoted(&written(&OrbitSource::Kepler))),
+            ("name", quoted(STAND_IN)),
+            ("epoch", quoted(&utc(start))),
+            ("frame", quoted(&written(&FrameName::Teme))),
+            ("j2", Ok(true.to_string())),
+        ] {
+            record.set(key, text);
+        }
+        set_elements(record, &elements);
         *slot = Orbit {
             source: OrbitSource::Kepler,
             name: Some(STAND_IN.to_owned()),

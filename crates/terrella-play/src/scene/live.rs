@@ -1,10 +1,10 @@
 //! `[orbit] source = "live"`: states that a simulator sends, and what several of them can share.
 
 use super::error::{SceneError, printable};
-use super::field::{Bounds, Field, written};
+use super::field::{Bounds, Field};
 use super::keys::{MAX_LIVE_ORBITS, MAX_ORIGINS, RawOrbit};
 use super::orbit::Orbit;
-use super::record::{KeyText, UNKNOWN, quoted};
+use super::record::{list_text, quoted};
 use super::text::SceneText;
 use std::time::Duration;
 use terrella_orbit::live::{Extrapolation, LiveOptions, Pacing, Transport};
@@ -37,6 +37,7 @@ impl SceneText<'_> {
             let advice = "other machines reach this address, and whoever reaches it can steer the picture; take 127.0.0.1 or [::1], or write allow_remote = true";
             return Err(self.refuse(&listen, advice));
         }
+        listen.note(quoted(&usual.transport.to_string()));
         let seconds = |field: Field<'_, f64, Bounds<f64>>| {
             let Bounds { range, default } = &field.rule;
             self.quantity_in(&field, range, *default, "seconds")
@@ -70,8 +71,11 @@ impl SceneText<'_> {
         transport: &Transport,
         pacing: Pacing,
     ) -> Result<(), SceneError> {
-        for (key, span) in orbit.given() {
-            if let Some(why) = idle(transport, pacing, key.name) {
+        for (key, span) in orbit.declared() {
+            let Some(why) = idle(transport, pacing, key.name) else {
+                continue;
+            };
+            if let Some(span) = span {
                 return Err(self.refuse_at(
                     "orbit",
                     key.name,
@@ -79,6 +83,7 @@ impl SceneText<'_> {
                     format!("{} {why}; leave it out", key.name),
                 ));
             }
+            orbit.notes.note(key.name, Err(why));
         }
         Ok(())
     }
@@ -102,7 +107,10 @@ impl SceneText<'_> {
             })
         };
         match origins.iter().all(is_origin) {
-            true => Ok(origins),
+            true => {
+                field.note(Ok(list_text(origins.iter())));
+                Ok(origins)
+            }
             false => {
                 let advice = "must be web pages as browsers name them, scheme and host without a path, like \"https://example.org\"";
                 Err(self.refuse(field, advice))
@@ -169,34 +177,6 @@ fn idle(transport: &Transport, pacing: Pacing, key: &str) -> Option<&'static str
         }
         _ => None,
     }
-}
-
-/// The value of a key of a live satellite, or why there is none.
-pub(super) fn value(options: &LiveOptions, key: &str) -> KeyText {
-    if let Some(why) = idle(&options.transport, options.pacing, key) {
-        return Err(why);
-    }
-    Ok(match key {
-        "listen" => return quoted(&options.transport.to_string()),
-        "allow_remote" => options.allow_remote.to_string(),
-        "allowed_origins" => {
-            let pages = options.allowed_origins.iter();
-            let pages = pages
-                .map(|page| quoted(page))
-                .collect::<Result<Vec<_>, _>>()?;
-            format!("[{}]", pages.join(", "))
-        }
-        "pacing" => return quoted(&written(&options.pacing)),
-        "rate" => options.rate.to_string(),
-        "playback_delay_s" => options.playback_delay_s.to_string(),
-        "timeout_s" => options.frame_timeout.as_secs_f64().to_string(),
-        "stale_after_s" => options.stale_after_s.to_string(),
-        "extrapolate_s" => options.extrapolation_limit_s.to_string(),
-        "extrapolation" => return quoted(&written(&options.extrapolation)),
-        "gap_s" => options.gap_s.to_string(),
-        "packets_per_s" => options.max_packets_per_s.to_string(),
-        _ => return Err(UNKNOWN),
-    })
 }
 
 /// The text of what a live satellite flies by.

@@ -5,8 +5,10 @@ use super::error::SceneError;
 use super::field::{Bounds, Field, PathKind, short_range_text, whole, written};
 use super::keys::{RawOrbit, RawTracks};
 use super::orbit::{ForceOptions, InitialState, Motion, Orbit, OrbitParameters};
+use super::record::{Record, number_text, quoted};
 use super::table::Key;
 use super::text::SceneText;
+use super::time::utc;
 use glam::DVec3;
 use std::ops::RangeInclusive;
 use terrella::frames::Epoch;
@@ -14,6 +16,17 @@ use terrella_orbit::Frame;
 use terrella_orbit::kepler::{Anomaly, KeplerElements, OrbitSize};
 use terrella_orbit::numerical::Spacecraft;
 use toml::Spanned;
+
+// Why keys of a satellite have no value.
+const BUILT_IN: &str = "the space station's elements are built in";
+pub(super) const ONLY_OF_FILE: &str = "the file's only satellite is taken";
+const BY_ELEMENTS: &str = "the start is given by elements";
+const BY_AXIS: &str = "the size is given by the semi-major axis";
+const BY_PERIAPSIS: &str = "the size is given by the periapsis";
+const BY_MEAN: &str = "the place is given by the mean anomaly";
+const BY_TIME: &str = "the place is given by the time at the periapsis";
+const BY_TRUE: &str = "the place is given by the true anomaly";
+const WITH_DRAG: &str = "only for drag = true";
 
 /// Keys of classical elements.
 const ELEMENTS: &[&str] = &[
@@ -53,12 +66,11 @@ impl SceneText<'_> {
                 return Err(self.refuse_at("orbit", key.name, span, advice));
             }
         }
-        let file_field = orbit.file();
-        let file = self.path(
-            &file_field,
-            PathKind::File,
-            "the space station's elements are built in",
-        )?;
+        let without = match source {
+            OrbitSource::Basilisk => "the simulation runs meanwhile",
+            _ => BUILT_IN,
+        };
+        let file = self.path(&orbit.file(), PathKind::File, without)?;
         let name_field = orbit.name();
         let name = name_field.given.map(|name| name.get_ref().clone());
         if name.as_ref().is_some_and(|name| name.trim().is_empty()) {
@@ -72,7 +84,20 @@ impl SceneText<'_> {
             let advice = "must be one line of text, without control characters";
             return Err(self.refuse(&name_field, advice));
         }
+        name_field.note(match &name {
+            Some(name) => quoted(name),
+            None => Err(match source {
+                OrbitSource::Basilisk => "cameras fly with the simulation's first spacecraft",
+                OrbitSource::Live => "it is called as its packets say",
+                _ if file.is_some() => ONLY_OF_FILE,
+                _ if source.is_file() => BUILT_IN,
+                _ => "it is called by its source",
+            }),
+        });
         let strict = orbit.strict();
+        if file.is_none() {
+            strict.note(Err(BUILT_IN));
+        }
         if source.is_file() && file.is_none() {
             if source != OrbitSource::Tle {
                 let advice = "needs the file to read; add file = \"…\" to [orbit]";
@@ -130,13 +155,16 @@ impl SceneText<'_> {
         orbit: &RawOrbit,
         scene_start: Epoch,
     ) -> Result<InitialState, SceneError> {
-        let epoch = self.instant(&orbit.epoch(), scene_start)?;
+        let epoch_field = orbit.epoch();
+        let epoch = self.instant(&epoch_field, scene_start)?;
+        epoch_field.note(quoted(&utc(epoch)));
         let frame_field = orbit.frame();
         let frame = Frame::from(self.choice(&frame_field)?);
         let (position, velocity) = (orbit.position_km(), orbit.velocity_km_s());
-        let given = orbit.given();
         let parameters = match (position.is_given(), velocity.is_given()) {
             (false, false) => {
+                position.note(Err(BY_ELEMENTS));
+                velocity.note(Err(BY_ELEMENTS));
                 if frame.is_earth_fixed() {
                     let advice = "elements are of axes that do not turn with the Earth: \"teme\", \"gcrf\" or \"eme2000\"; or give position_km and velocity_km_s";
                     return Err(self.refuse(&frame_field, advice));
@@ -144,12 +172,15 @@ impl SceneText<'_> {
                 OrbitParameters::Elements(self.elements(orbit)?)
             }
             (true, true) => {
-                let element = given
-                    .into_iter()
-                    .find(|(key, _)| ELEMENTS.contains(&key.name));
-                if let Some((key, span)) = element {
-                    let advice = "a start is given by elements or by position_km and velocity_km_s; leave out the one or the other";
-                    return Err(self.refuse_at("orbit", key.name, span, advice));
+                let elements = orbit.declared();
+                for (key, span) in elements.filter(|(key, _)| ELEMENTS.contains(&key.name)) {
+                    if let Some(span) = span {
+                        let advice = "a start is given by elements or by position_km and velocity_km_s; leave out the one or the other";
+                        return Err(self.refuse_at("orbit", key.name, span, advice));
+                    }
+                    orbit
+                        .notes
+                        .note(key.name, Err("the start is given by position and velocity"));
                 }
                 OrbitParameters::State {
                     position_m: self.vector(&position, "kilometres")? * 1e3,
@@ -185,6 +216,7 @@ impl SceneText<'_> {
             }
             (Some(given), None) => {
                 let km = self.quantity_or(&axis, *given.get_ref())?;
+                periapsis.note(Err(BY_AXIS));
                 if eccentricity == 1.0 {
                     let advice =
                         "a parabola (eccentricity 1) has no semi-major axis; give periapsis_km";
@@ -197,6 +229,7 @@ impl SceneText<'_> {
                 OrbitSize::SemiMajorAxis(km * 1e3)
             }
             (None, Some(given)) => {
+                axis.note(Err(BY_PERIAPSIS));
                 OrbitSize::Periapsis(self.quantity_or(&periapsis, *given.get_ref())? * 1e3)
             }
         };
@@ -215,8 +248,14 @@ impl SceneText<'_> {
                     "a parabola (eccentricity 1) has no mean anomaly; give true_anomaly_deg";
                 return Err(self.refuse(&mean, advice));
             }
-            true => Anomaly::Mean(angle(mean)?),
-            false => Anomaly::True(angle(true_anomaly)?),
+            true => {
+                true_anomaly.note(Err(BY_MEAN));
+                Anomaly::Mean(angle(mean)?)
+            }
+            false => {
+                mean.note(Err(BY_TRUE));
+                Anomaly::True(angle(true_anomaly)?)
+            }
         };
         Ok(KeplerElements {
             size,
@@ -242,23 +281,22 @@ impl SceneText<'_> {
                 self.refuse(&order_field, advice)
             })?,
         };
+        order_field.note(Ok(gravity_order.to_string()));
         let (drag, radiation) = (orbit.drag().is_on(), orbit.radiation().is_on());
         let model = orbit.air_model();
-        if !drag && model.is_given() {
+        if !drag {
             let advice = "air_model has no meaning with drag = false; leave one of them out";
-            return Err(self.refuse(&model, advice));
+            self.idle(&model, WITH_DRAG, advice)?;
         }
         let model = self.choice(&model)?;
         let (cd, cr) = (orbit.cd(), orbit.cr());
-        if !drag && cd.is_given() {
-            return Err(self.refuse(
-                &cd,
-                "cd has no meaning with drag = false; leave one of them out",
-            ));
+        if !drag {
+            let advice = "cd has no meaning with drag = false; leave one of them out";
+            self.idle(&cd, WITH_DRAG, advice)?;
         }
-        if !radiation && cr.is_given() {
+        if !radiation {
             let advice = "cr has no meaning with radiation = false; leave one of them out";
-            return Err(self.refuse(&cr, advice));
+            self.idle(&cr, "only for radiation = true", advice)?;
         }
         let area_m2 = self.quantity(&orbit.area_m2())?;
         Ok(ForceOptions {
@@ -298,6 +336,44 @@ impl SceneText<'_> {
             );
             return Err(self.refuse(field, advice));
         }
+        let [x_text, y_text, z_text] = [x, y, z].map(number_text);
+        field.note(Ok(format!("[{x_text}, {y_text}, {z_text}]")));
         Ok(DVec3::new(x, y, z))
     }
+}
+
+/// Sets what the keys of a satellite come to that flies by these elements, which no file gives.
+pub(super) fn set_elements(record: &mut Record, elements: &KeplerElements) {
+    let km = |metres: f64| Ok(rounded(metres / 1e3));
+    let degrees = |radians: f64| Ok(rounded(radians.to_degrees()));
+    let (axis, periapsis) = match elements.size {
+        OrbitSize::SemiMajorAxis(metres) => (km(metres), Err(BY_AXIS)),
+        OrbitSize::Periapsis(metres) => (Err(BY_PERIAPSIS), km(metres)),
+    };
+    let (true_anomaly, mean_anomaly) = match elements.anomaly {
+        Anomaly::True(radians) => (degrees(radians), Err(BY_TRUE)),
+        Anomaly::Mean(radians) => (Err(BY_MEAN), degrees(radians)),
+        Anomaly::PeriapsisAt(_) => (Err(BY_TIME), Err(BY_TIME)),
+    };
+    let argument = degrees(elements.argument_of_periapsis_rad);
+    for (key, text) in [
+        ("semi_major_axis_km", axis),
+        ("periapsis_km", periapsis),
+        ("eccentricity", Ok(number_text(elements.eccentricity))),
+        ("inclination_deg", degrees(elements.inclination_rad)),
+        ("raan_deg", degrees(elements.raan_rad)),
+        ("argument_of_periapsis_deg", argument),
+        ("true_anomaly_deg", true_anomaly),
+        ("mean_anomaly_deg", mean_anomaly),
+        ("position_km", Err(BY_ELEMENTS)),
+        ("velocity_km_s", Err(BY_ELEMENTS)),
+    ] {
+        record.set(key, text);
+    }
+}
+
+/// Twelve digits: what is left of a number after it went through other units.
+fn rounded(value: f64) -> String {
+    let digits: f64 = format!("{value:.11e}").parse().unwrap_or(value);
+    number_text(digits)
 }

@@ -8,9 +8,6 @@ use std::fmt::Display;
 /// The value of a key as a scene would write it, or why it has none.
 pub(super) type KeyText = Result<String, &'static str>;
 
-/// Why a key has no value that no reader noted. A test holds that it is never said.
-pub(super) const UNKNOWN: &str = "unknown to the summary";
-
 /// What is noted of the keys of a table while it is read.
 #[derive(Debug, Default)]
 pub(super) struct Notes(RefCell<BTreeMap<&'static str, KeyText>>);

@@ -1,16 +1,20 @@
 //! What a scene comes to: every value and where it is from, what will be used and what is left out.
 
+use super::Scene;
 use super::choices::CameraMode;
 use super::error::printable;
 use super::field::{NO_ORBIT, written};
 use super::keys::TABLES;
-use super::record::{KeyText, UNKNOWN};
+use super::orbit_check::foreign;
+use super::record::Record;
 use super::table::{Key, Table};
 use super::time::{StartSource, utc};
-use super::{Scene, orbit_summary};
 use std::fmt::Write;
 use terrella_ground::air::Atmosphere;
 use terrella_ground::globe::SurfaceSettings;
+
+/// Why a key has no value that no reader noted. A test holds that it is never said.
+const UNKNOWN: &str = "unknown to the summary";
 
 impl Scene {
     /// The scene as text, many lines, each ended: the keys that are in force, in scene order, each with its value and whether
@@ -129,7 +133,7 @@ impl Scene {
 
     /// Satellites after the first: only what they use.
     fn other_orbits(&self, out: &mut String, table: &Table) {
-        for (index, orbit) in self.orbits.iter().enumerate().skip(1) {
+        for index in 1..self.orbits.len() {
             line(out, format_args!("\n[[orbit]]"));
             for key in table.keys {
                 let line_of = self.orbit_line(index, key.name);
@@ -137,7 +141,7 @@ impl Scene {
                     Some(number) => format!("line {number} of the file"),
                     None => self.default_from(table.name, key.name).to_owned(),
                 };
-                if let Ok(value) = orbit_summary::value(orbit, key.name) {
+                if let Ok(value) = self.orbit_value(index, key) {
                     line(out, format_args!("  {:<18} {value:<28} {from}", key.name));
                 }
             }
@@ -145,15 +149,20 @@ impl Scene {
     }
 
     /// What a key comes to.
-    fn value(&self, table: &Table, key: &Key) -> KeyText {
-        match table.name {
-            "orbit" => orbit_summary::value(self.orbits.first().ok_or(NO_ORBIT)?, key.name),
-            "tracks" => self.tracks_value(key.name),
-            name => {
-                let record = self.records.get(name);
-                let value = record.and_then(|record| record.value(key.name));
-                value.cloned().unwrap_or(Err(UNKNOWN))
-            }
+    fn value(&self, table: &Table, key: &Key) -> Result<&str, &'static str> {
+        let record = match table.name {
+            "orbit" => return self.orbit_value(0, key),
+            name => self.records.get(name),
+        };
+        recorded(record, key)
+    }
+
+    /// The same for the satellite of that place.
+    fn orbit_value(&self, index: usize, key: &Key) -> Result<&str, &'static str> {
+        let orbit = self.orbits.get(index).ok_or(NO_ORBIT)?;
+        match foreign(orbit.source, key) {
+            Some(why) => Err(why),
+            None => recorded(self.orbit_records.get(index), key),
         }
     }
 
@@ -281,6 +290,14 @@ impl Scene {
             names.push("atmosphere");
         }
         names
+    }
+}
+
+fn recorded<'r>(record: Option<&'r Record>, key: &Key) -> Result<&'r str, &'static str> {
+    match record.and_then(|record| record.value(key.name)) {
+        Some(Ok(value)) => Ok(value),
+        Some(Err(why)) => Err(why),
+        None => Err(UNKNOWN),
     }
 }
 

@@ -3,7 +3,7 @@
 use super::error::{SceneError, printable};
 use super::field::{Field, range_text};
 use super::keys::{RawOrbit, RawTracks, SPAN_MIN};
-use super::record::KeyText;
+use super::record::{number_text, quoted};
 use super::text::SceneText;
 use toml::Spanned;
 
@@ -58,21 +58,28 @@ impl Track {
     }
 }
 
-/// Keys of a satellite that are about its track.
-pub(super) const KEYS: &[&str] = &[
-    "color",
-    "trail",
-    "ground_track",
-    "marker",
-    "subpoint",
-    "footprint",
-    "sensor_half_angle_deg",
-    "footprint_fill",
-];
-
-/// The satellite's own key, or the one for all.
+/// The satellite's own key, or the one for all. What it comes to is noted with the satellite.
 fn own_or<'r, T, R>(own: Field<'r, T, R>, common: Field<'r, T, R>) -> Field<'r, T, R> {
-    if own.is_given() { own } else { common }
+    match own.is_given() {
+        true => own,
+        false => Field {
+            notes: own.notes,
+            ..common
+        },
+    }
+}
+
+impl TrackSpan {
+    /// As a scene would write it.
+    fn text(self) -> String {
+        match self {
+            Self::Usual => "true".to_owned(),
+            Self::Minutes {
+                before_min,
+                after_min,
+            } => format!("{{ before_min = {before_min}, after_min = {after_min} }}"),
+        }
+    }
 }
 
 impl SceneText<'_> {
@@ -101,13 +108,22 @@ impl SceneText<'_> {
         }
         // Each satellite may have keys of its own: what is common is checked here too.
         self.track(&RawOrbit::default(), tracks)?;
-        self.number(&tracks.width_px(), |_, range| {
+        let width_px = self.number(&tracks.width_px(), |_, range| {
             format!("lines must be from {range} pixels wide")
-        })
+        })?;
+        for (key, span) in tracks.declared() {
+            let why = match span {
+                Some(_) => "it is told with each satellite",
+                None => "each satellite's own",
+            };
+            tracks.notes.note(key.name, Err(why));
+        }
+        Ok(width_px)
     }
 
     fn color(&self, field: &Field<'_, String>) -> Result<Option<[u8; 3]>, SceneError> {
         let Some(text) = field.given.map(Spanned::get_ref) else {
+            field.note(Err("one of the usual colours, by its place in the scene"));
             return Ok(None);
         };
         let digits = text.strip_prefix('#').filter(|digits| {
@@ -119,11 +135,18 @@ impl SceneText<'_> {
                 "must be \"#\" and six hexadecimal digits, red, green and blue: \"#ffc42e\"";
             return Err(self.refuse(field, advice));
         };
+        field.note(quoted(&text.to_lowercase()));
         let [_, red, green, blue] = number.to_be_bytes();
         Ok(Some([red, green, blue]))
     }
 
     fn span(&self, field: &Field<'_, toml::Value>) -> Result<Option<TrackSpan>, SceneError> {
+        let span = self.span_of(field)?;
+        field.note(Ok(span.map_or_else(|| "false".to_owned(), TrackSpan::text)));
+        Ok(span)
+    }
+
+    fn span_of(&self, field: &Field<'_, toml::Value>) -> Result<Option<TrackSpan>, SceneError> {
         let advice = || {
             format!(
                 "must be true, false, or minutes before and after now like {{ before_min = 90, after_min = 45 }}, each from {}",
@@ -192,7 +215,15 @@ impl SceneText<'_> {
             })?),
         };
         // An angle is given to be seen.
-        let is_shown = shown.value().unwrap_or(angle.is_given());
+        let is_shown = shown.is_on_or(angle.is_given());
+        angle.note(match half_angle_deg {
+            _ if !is_shown => Err("only for footprint = true"),
+            Some(degrees) => Ok(number_text(degrees)),
+            None => Err("all the ground in sight"),
+        });
+        if !is_shown {
+            fill.note(Err("only for footprint = true"));
+        }
         let is_meant = |table: &str| !shown.is_given() || shown.table == table;
         if !is_shown && angle.is_given() && is_meant(angle.table) {
             let advice =
@@ -208,42 +239,4 @@ impl SceneText<'_> {
             fill: fill.is_on(),
         }))
     }
-}
-
-/// The value of a key as a scene would write it.
-pub(super) fn value(track: &Track, key: &str) -> KeyText {
-    let span = |span: Option<TrackSpan>| match span {
-        None => "false".to_owned(),
-        Some(TrackSpan::Usual) => "true".to_owned(),
-        Some(TrackSpan::Minutes {
-            before_min,
-            after_min,
-        }) => format!("{{ before_min = {before_min}, after_min = {after_min} }}"),
-    };
-    Ok(match key {
-        "color" => match track.color {
-            Some([red, green, blue]) => format!("\"#{red:02x}{green:02x}{blue:02x}\""),
-            None => return Err("one of the usual colours, by its place in the scene"),
-        },
-        "trail" => span(track.trail),
-        "ground_track" => span(track.ground_track),
-        "marker" => track.marker.to_string(),
-        "subpoint" => track.subpoint.to_string(),
-        "footprint" => track.footprint.is_some().to_string(),
-        "sensor_half_angle_deg" => match track.footprint {
-            None => return Err("only for footprint = true"),
-            Some(Footprint {
-                half_angle_deg: None,
-                ..
-            }) => return Err("all the ground in sight"),
-            Some(Footprint {
-                half_angle_deg: Some(degrees),
-                ..
-            }) => degrees.to_string(),
-        },
-        _ => match track.footprint {
-            None => return Err("only for footprint = true"),
-            Some(footprint) => footprint.fill.to_string(),
-        },
-    })
 }
