@@ -31,7 +31,7 @@ pub struct CameraKey {
 }
 
 /// The keys of a camera key, what each may be, and in which unit.
-const NUMBERS: [(&str, RangeInclusive<f64>, &str); 9] = [
+pub(super) const NUMBERS: [(&str, RangeInclusive<f64>, &str); 9] = [
     ("time_s", -1e9..=1e9, "seconds after the scene's start"),
     ("lat_deg", LAT_DEG, "degrees, south negative"),
     ("lon_deg", LON_DEG, "degrees, west negative"),
@@ -50,9 +50,9 @@ const NUMBERS: [(&str, RangeInclusive<f64>, &str); 9] = [
     ("fov_deg", 0.001..=179.999, "degrees"),
     ("exposure_ev", Exposure::RANGE_EV, "exposure values"),
 ];
-const OFFSET: &str = "offset_m";
+pub(super) const OFFSET: &str = "offset_m";
 /// Each part of an offset, and the least of all of it, metres: outside of the craft that is drawn.
-const OFFSET_M: RangeInclusive<f64> = -1e6..=1e6;
+pub(super) const OFFSET_M: RangeInclusive<f64> = -1e6..=1e6;
 const NEAREST_M: f64 = 15.0;
 /// Places farther apart than this have no one way between them.
 const WIDEST_STEP_DEG: f64 = 170.0;

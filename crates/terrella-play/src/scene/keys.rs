@@ -6,11 +6,15 @@ use super::choices::{AirModel, CameraMode, CameraUp, FrameName, Look, Method, St
 use super::choices::{OrbitSource, OrbitSource::*};
 use super::field::{Bounds, Choice, Field, RawCameraKey, RawDatedMaps, RawPath};
 use super::record::{Notes, Record};
+#[cfg(test)]
+use super::table::About;
 use super::table::{Key, Only, Table, Value, given_or, method, table};
 use super::text::SceneText;
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
+#[cfg(test)]
+use serde_json::json;
 use std::ops::{Range, RangeInclusive};
 use terrella_ground::air::{AirOptions, Atmosphere};
 use terrella_ground::globe::{Figure, LevelRule, Shading, SurfaceKind, Visibility};
@@ -137,9 +141,10 @@ macro_rules! table_with_tracks {
     ($name:ident = $table:literal { $($before:tt)* } { $($after:tt)* }) => {
         table!($name = $table {
             $($before)*
-            /// The trail: the orbit, drawn over a time. `true` is the last revolution.
+            /// The trail: the orbit, drawn over a time; `true` is the last revolution. By default false.
             trail: toml::Value, of "true, false or { before_min = 90, after_min = 45 }";
-            /// The ground track: where the satellite passes overhead, drawn over a time. `true` is half a revolution to each side of now.
+            /// The ground track: where the satellite passes overhead, drawn over a time; `true` is half a revolution to each side of now.
+            /// By default false.
             ground_track: toml::Value, of "true, false or { before_min = 90, after_min = 45 }";
             /// A dot where the satellite is, with its name.
             marker: bool, default false;
@@ -410,7 +415,7 @@ table!(RawEarth = "earth" {
     upload_mb: f64, of "megabytes", in 0.01..=1e4, default 4.0, for PACK;
     /// What draws the ground. By default "quadtree" where heights are given, else "blocks".
     surface: Choice<SurfaceKind>;
-    /// Files of heights, the finest last; an empty list takes the starter pack's heights, or none with pack_heights. By default the smooth ellipsoid is drawn.
+    /// Files of heights, of which the finest lies on top; an empty list takes the starter pack's heights, or none with pack_heights. By default the smooth ellipsoid is drawn.
     elevation: Vec<Spanned<RawPath>>, of "a list of strings, the paths of files of heights";
     /// Whether the pack's heights are the ground, beneath the files of elevation.
     pack_heights: bool, default false, for PACK;

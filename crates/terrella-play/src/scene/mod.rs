@@ -43,8 +43,12 @@ mod orbit_summary;
 mod output;
 mod parse;
 mod record;
+#[cfg(test)]
+mod reference;
 mod relief;
 mod satellites;
+#[cfg(test)]
+mod schema;
 mod sky;
 mod summary;
 mod surfaces;
@@ -204,7 +208,7 @@ pub(crate) fn path_keys() -> impl Iterator<Item = (&'static str, &'static str)> 
     keys::TABLES.iter().flat_map(|table| {
         let paths = table.keys.iter().filter(|key| {
             use table::Shape::{DatedMaps, Path, Paths};
-            matches!((key.shape)(), Path | Paths | DatedMaps)
+            matches!((key.about.shape)(), Path | Paths | DatedMaps)
         });
         paths.map(move |key| (table.name, key.name))
     })

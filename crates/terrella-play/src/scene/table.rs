@@ -22,7 +22,7 @@ pub(super) struct Key {
     /// Where it has a meaning; `None` is everywhere.
     pub(super) only: Option<&'static Only>,
     #[cfg(test)]
-    pub(super) shape: fn() -> Shape,
+    pub(super) about: About,
 }
 
 /// Where a key has a meaning.
@@ -32,6 +32,18 @@ pub(super) struct Only {
     pub(super) why: &'static str,
     /// The sources of `[orbit]` that it is for; none for keys of other tables.
     pub(super) sources: &'static [OrbitSource],
+}
+
+/// What the reference page and the schema have of a key besides.
+#[cfg(test)]
+#[derive(Debug)]
+pub(super) struct About {
+    pub(super) meaning: &'static str,
+    pub(super) of: &'static str,
+    pub(super) shape: fn() -> Shape,
+    /// Least and greatest number.
+    pub(super) range: Option<[f64; 2]>,
+    pub(super) default: Option<fn() -> serde_json::Value>,
 }
 
 /// What a value is.
@@ -229,7 +241,16 @@ macro_rules! table {
                     expected: || <$kind as Value>::expected(given_or!(""; $($of)?)),
                     only: given_or!(None; $(Some($only))?),
                     #[cfg(test)]
-                    shape: <$kind as Value>::SHAPE,
+                    about: About {
+                        meaning: concat!($($doc),+),
+                        of: given_or!(""; $($of)?),
+                        shape: <$kind as Value>::SHAPE,
+                        range: given_or!(None; $(Some({
+                            let range = $range;
+                            [*range.start() as f64, *range.end() as f64]
+                        }))?),
+                        default: given_or!(None; $(Some(|| json!($default)))?),
+                    },
                 }),*],
             };
 

@@ -1,0 +1,233 @@
+//! The values of keys as JSON Schema describes them, made from the declarations of the keys.
+
+use super::camera_keys::{NUMBERS, OFFSET, OFFSET_M};
+use super::field::names_of;
+use super::keys::{
+    BURN_M_S2, BURN_S, CLIPMAP_LEVELS, CLIPMAP_SAMPLES, GRID_SAMPLES, MAX_BURNS, MAX_CAMERA_KEYS,
+    MAX_DATED_MAPS, MAX_ELEVATION_FILES, MAX_LEAVES, MAX_ORIGINS, QUADTREE_LAMBDA, SAMPLES,
+    SPAN_MIN,
+};
+use super::table::{Key, Shape};
+use serde_json::{Map, Value, json};
+use std::ops::RangeInclusive;
+use terrella_ground::globe::ContourDrawing;
+use terrella_ground::globe::clipmap::Trim;
+use terrella_ground::light::Exposure;
+
+/// The value of a key where a scene leaves it out, if that is always the same.
+pub(super) fn default_of(key: &Key) -> Option<Value> {
+    let default = key.about.default?();
+    Some(default.as_f64().map_or(default, number))
+}
+
+/// The schema of a key's value.
+pub(super) fn value_schema(key: &Key) -> Value {
+    let range = key.about.range;
+    let bounded = |kind: &str| match range {
+        Some(range) => bounded(kind, range),
+        None => json!({ "type": kind }),
+    };
+    let path = json!({ "type": "string" });
+    match (key.about.shape)() {
+        Shape::Flag => json!({ "type": "boolean" }),
+        Shape::Number => bounded("number"),
+        Shape::Whole => match key.name {
+            "samples" => json!({ "enum": SAMPLES }),
+            _ => bounded("integer"),
+        },
+        Shape::Word(names) => json!({ "enum": names }),
+        Shape::Text | Shape::Path => path,
+        Shape::Paths => json!({ "type": "array", "maxItems": MAX_ELEVATION_FILES, "items": path }),
+        Shape::Vector => list(bounded("number"), 3),
+        Shape::Pair => list(bounded("integer"), 2),
+        Shape::DatedMaps => json!({
+            "type": "array",
+            "minItems": 1,
+            "maxItems": MAX_DATED_MAPS,
+            "items": { "anyOf": [path, table_within(key.name)] },
+        }),
+        Shape::Own => own(key),
+    }
+}
+
+/// The schema of a value that its key alone has.
+fn own(key: &Key) -> Value {
+    let table = || table_within(key.name);
+    match key.name {
+        "start" | "epoch" => json!({ "type": "string" }),
+        "trail" | "ground_track" => json!({ "anyOf": [{ "type": "boolean" }, table()] }),
+        "burns" => json!({ "type": "array", "maxItems": MAX_BURNS, "items": table() }),
+        "events" => {
+            json!({ "type": "array", "items": { "enum": ["nodes", "apsides", "eclipses"] } })
+        }
+        "allowed_origins" => {
+            json!({ "type": "array", "maxItems": MAX_ORIGINS, "items": { "type": "string" } })
+        }
+        "keys" => json!({
+            "type": "array", "minItems": 1, "maxItems": MAX_CAMERA_KEYS, "items": table(),
+        }),
+        "subdivision" => json!({ "anyOf": [
+            { "const": "auto" },
+            bounded("integer", key.about.range.expect("a range")),
+        ] }),
+        "exposure_ev" => json!({ "anyOf": [
+            { "const": "auto" },
+            bounded("number", ends(&Exposure::RANGE_EV)),
+        ] }),
+        _ => table(),
+    }
+}
+
+/// A key of a table within the value of a key.
+pub(super) struct Part {
+    pub(super) name: &'static str,
+    /// The schema of its value.
+    pub(super) value: Value,
+    pub(super) meaning: &'static str,
+    pub(super) is_needed: bool,
+}
+
+/// The keys of the table within the value of a key; none where it has no table.
+pub(super) fn parts(key: &str) -> Vec<Part> {
+    let part = |name, value, meaning| Part {
+        name,
+        value,
+        meaning,
+        is_needed: false,
+    };
+    let needed = |name, value, meaning| Part {
+        is_needed: true,
+        ..part(name, value, meaning)
+    };
+    let whole = |range: &RangeInclusive<i64>| {
+        bounded("integer", [*range.start() as f64, *range.end() as f64])
+    };
+    let number = |range: &RangeInclusive<f64>| bounded("number", ends(range));
+    let flag = || json!({ "type": "boolean" });
+    let text = || json!({ "type": "string" });
+    let words = |names: &[&str]| json!({ "enum": names });
+    match key {
+        "trail" | "ground_track" => vec![
+            part("before_min", number(&SPAN_MIN), "Minutes before now."),
+            part("after_min", number(&SPAN_MIN), "Minutes after now."),
+        ],
+        "burns" => vec![
+            needed("start", text(), "UTC instant at which the burn begins."),
+            needed("duration_s", number(&BURN_S), "Length, seconds."),
+            needed(
+                "acceleration_m_s2",
+                list(number(&BURN_M_S2), 3),
+                "Acceleration along the three axes, m/s².",
+            ),
+            part(
+                "axes",
+                words(&["flight", "gcrf"]),
+                "Axes of the acceleration: of the flight (x along the velocity, z along the angular momentum), the default, or of the GCRF.",
+            ),
+        ],
+        "day_maps" | "cloud_maps" | "night_light_maps" => vec![
+            needed("date", text(), "UTC instant of the map."),
+            needed("file", text(), "Path of the map."),
+        ],
+        "keys" => {
+            let numbers = NUMBERS.iter().map(|(name, range, unit)| Part {
+                is_needed: *name == "time_s",
+                ..part(name, number(range), unit)
+            });
+            let offset = part(
+                OFFSET,
+                list(number(&OFFSET_M), 3),
+                "metres ahead of the satellite, to its right and down",
+            );
+            numbers.chain([offset]).collect()
+        }
+        "clipmap" => vec![
+            part(
+                "samples",
+                json!({ "enum": CLIPMAP_SAMPLES }),
+                "Samples along an edge of a level.",
+            ),
+            part(
+                "levels",
+                whole(&CLIPMAP_LEVELS),
+                "Levels besides the globe's.",
+            ),
+            part(
+                "trimming",
+                words(names_of::<Trim>()),
+                "Shape of a level: a hexagon cuts off the sharp corners of a diamond.",
+            ),
+        ],
+        "contours" => vec![part(
+            "drawn",
+            words(names_of::<ContourDrawing>()),
+            "As triangles, or by a ray cast at each pixel.",
+        )],
+        "projected_grid" => vec![
+            part(
+                "samples",
+                list(whole(&GRID_SAMPLES), 2),
+                "Samples across and down.",
+            ),
+            part("on_gpu", flag(), "Whether the GPU makes the vertices."),
+        ],
+        "quadtree" => vec![
+            part(
+                "lambda",
+                number(&QUADTREE_LAMBDA),
+                "Metres of distance for a metre of error; without it tolerance_px divides the squares.",
+            ),
+            part(
+                "culling",
+                flag(),
+                "Whether squares out of sight are left out.",
+            ),
+            part("max_leaves", whole(&MAX_LEAVES), "Most squares."),
+        ],
+        _ => Vec::new(),
+    }
+}
+
+fn table_within(key: &str) -> Value {
+    let parts = parts(key);
+    assert!(!parts.is_empty(), "{key} has no schema");
+    let needed = parts.iter().filter(|part| part.is_needed);
+    let needed: Vec<_> = needed.map(|part| part.name).collect();
+    let properties = parts.into_iter().map(|mut part| {
+        part.value["description"] = part.meaning.into();
+        (part.name.to_owned(), part.value)
+    });
+    object(properties.collect(), &needed)
+}
+
+fn list(items: Value, count: usize) -> Value {
+    json!({ "type": "array", "minItems": count, "maxItems": count, "items": items })
+}
+
+fn object(properties: Map<String, Value>, required: &[&str]) -> Value {
+    let mut schema = json!({ "type": "object", "properties": properties });
+    if !required.is_empty() {
+        schema["required"] = required.into();
+    }
+    schema["additionalProperties"] = false.into();
+    schema
+}
+
+fn ends(range: &RangeInclusive<f64>) -> [f64; 2] {
+    [*range.start(), *range.end()]
+}
+
+fn bounded(kind: &str, [least, most]: [f64; 2]) -> Value {
+    match least == f64::MIN_POSITIVE {
+        true => json!({ "type": kind, "exclusiveMinimum": 0, "maximum": number(most) }),
+        false => json!({ "type": kind, "minimum": number(least), "maximum": number(most) }),
+    }
+}
+
+/// A number as people write it: without a fraction where it has none.
+fn number(number: f64) -> Value {
+    match number.fract() == 0.0 && number.abs() < 1e15 {
+        true => json!(number as i64),
+        false => json!(number),
+    }
+}
