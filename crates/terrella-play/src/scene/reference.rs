@@ -13,7 +13,8 @@ const HEAD: &str = "# Keys of scenes
 
 A scene is a TOML file. Each table and key may be left out; unknown ones are rejected. Where the column of defaults is empty, the default is
 none or depends on other keys, as the last column says. [`config/iss.toml`](../config/iss.toml) shows every key in context,
-`terrella check SCENE --all` the values that a scene comes to.
+`terrella check SCENE --all` the values that a scene comes to. Editors that know TOML schemas complete and check a scene whose first line is
+`#:schema` and the path of [`config/terrella.schema.json`](../config/terrella.schema.json).
 ";
 
 fn page() -> String {
@@ -117,6 +118,7 @@ fn line(page: &mut String, text: &str) {
 #[cfg(test)]
 mod tests {
     use super::super::Scene;
+    use super::super::schema::{schema, schema_text};
     use super::*;
     use std::path::{Path, PathBuf};
 
@@ -125,16 +127,156 @@ mod tests {
     }
 
     #[test]
-    fn the_reference_page_is_that_of_the_declarations() {
-        let path = repository().join("docs/scene-reference.md");
-        if std::env::var_os("TERRELLA_UPDATE_REFERENCE").is_some() {
-            std::fs::write(&path, page()).expect("written");
+    fn the_reference_page_and_the_schema_are_those_of_the_declarations() {
+        for (name, text) in [
+            ("docs/scene-reference.md", page()),
+            ("config/terrella.schema.json", schema_text()),
+        ] {
+            let path = repository().join(name);
+            if std::env::var_os("TERRELLA_UPDATE_REFERENCE").is_some() {
+                std::fs::write(&path, &text).expect("written");
+            }
+            let committed = std::fs::read_to_string(&path).unwrap_or_default();
+            assert!(
+                committed == text,
+                "{name} is not what the declarations of keys say; run `TERRELLA_UPDATE_REFERENCE=1 cargo test -p terrella-play reference`"
+            );
         }
-        let committed = std::fs::read_to_string(&path).unwrap_or_default();
-        assert!(
-            committed == page(),
-            "docs/scene-reference.md is not what the declarations of keys say; run `TERRELLA_UPDATE_REFERENCE=1 cargo test -p terrella-play reference`"
-        );
+    }
+
+    /// Why a value does not conform to a schema; `None` where it does. Panics at a keyword that it does not know.
+    fn fault(value: &Value, schema: &Value, root: &Value) -> Option<String> {
+        let rules = schema.as_object().expect("a schema is a table");
+        rules.iter().find_map(|(rule, wanted)| {
+            let number = value.as_f64();
+            let count = value.as_array().map(|items| items.len() as f64);
+            let bound = wanted.as_f64().unwrap_or(f64::NAN);
+            let is_good = match rule.as_str() {
+                "$schema" | "$defs" | "title" | "description" | "default" => true,
+                "$ref" => {
+                    let pointer = wanted.as_str().expect("a pointer").trim_start_matches('#');
+                    return fault(value, root.pointer(pointer).expect("a schema"), root);
+                }
+                "anyOf" => {
+                    let mut schemas = wanted.as_array().expect("a list").iter();
+                    schemas.any(|schema| fault(value, schema, root).is_none())
+                }
+                "const" => value == wanted,
+                "enum" => wanted.as_array().expect("a list").contains(value),
+                "type" => match wanted.as_str().expect("a name") {
+                    "object" => value.is_object(),
+                    "array" => value.is_array(),
+                    "string" => value.is_string(),
+                    "boolean" => value.is_boolean(),
+                    "integer" => value.is_i64(),
+                    "number" => value.is_number(),
+                    other => panic!("no type {other}"),
+                },
+                "minimum" => number.is_none_or(|number| number >= bound),
+                "exclusiveMinimum" => number.is_none_or(|number| number > bound),
+                "maximum" => number.is_none_or(|number| number <= bound),
+                "minItems" => count.is_none_or(|count| count >= bound),
+                "maxItems" => count.is_none_or(|count| count <= bound),
+                "items" => {
+                    let mut items = value.as_array().into_iter().flatten();
+                    return items.find_map(|item| fault(item, wanted, root));
+                }
+                "properties" => {
+                    let mut keys = value.as_object().into_iter().flatten();
+                    return keys.find_map(|(key, value)| {
+                        let fault = fault(value, wanted.get(key)?, root)?;
+                        Some(format!("{key}: {fault}"))
+                    });
+                }
+                "required" => {
+                    let mut keys = wanted.as_array().expect("a list").iter();
+                    keys.all(|key| value.get(key.as_str().expect("a name")).is_some())
+                }
+                "additionalProperties" => {
+                    let mut keys = value.as_object().into_iter().flatten();
+                    keys.all(|(key, _)| schema["properties"].get(key).is_some())
+                }
+                other => panic!("no rule {other}"),
+            };
+            (!is_good).then(|| format!("{value} against {rule} {wanted}"))
+        })
+    }
+
+    /// A scene as JSON has it, dates as strings.
+    fn json_of(value: toml::Value) -> Value {
+        match value {
+            toml::Value::Datetime(when) => when.to_string().into(),
+            toml::Value::Array(items) => items.into_iter().map(json_of).collect(),
+            toml::Value::Table(keys) => {
+                let keys = keys.into_iter().map(|(key, value)| (key, json_of(value)));
+                Value::Object(keys.collect())
+            }
+            toml::Value::String(text) => text.into(),
+            toml::Value::Integer(whole) => whole.into(),
+            toml::Value::Float(number) => number.into(),
+            toml::Value::Boolean(flag) => flag.into(),
+        }
+    }
+
+    fn scene_fault(text: &str) -> Option<String> {
+        let scene: toml::Table = text.parse().unwrap_or_else(|error| panic!("{error}"));
+        let schema = schema();
+        fault(&json_of(scene.into()), &schema, &schema)
+    }
+
+    #[test]
+    fn shipped_scenes_name_the_schema_and_conform_to_it() {
+        let folder = repository().join("config");
+        let paths = std::fs::read_dir(folder).expect("config/");
+        let paths = paths.map(|entry| entry.expect("an entry").path());
+        let scenes = paths.filter(|path| path.extension().is_some_and(|ending| ending == "toml"));
+        let mut count = 0;
+        for path in scenes {
+            let text = std::fs::read_to_string(&path).expect("a scene");
+            let first = text.lines().next();
+            assert_eq!(
+                first,
+                Some("#:schema terrella.schema.json"),
+                "{}",
+                path.display()
+            );
+            assert_eq!(scene_fault(&text), None, "{}", path.display());
+            count += 1;
+        }
+        assert!(count > 20, "{count} scenes");
+    }
+
+    #[test]
+    fn what_no_scene_may_have_does_not_conform() {
+        for good in [
+            "",
+            "[time]\nstart = 2018-01-15T12:00:00Z\nduration_s = 1e9\n",
+            "[[orbit]]\ntrail = { before_min = 90 }\n[[orbit]]\ntrail = true\n",
+            "[earth]\nsubdivision = \"auto\"\n[output]\nexposure_ev = -20\nsamples = 4\n",
+            "[[camera.keys]]\ntime_s = 0\noffset_m = [0, 0, -20.5]\n",
+        ] {
+            assert_eq!(scene_fault(good), None, "{good}");
+        }
+        for bad in [
+            "[times]\n",
+            "[time]\nsped = 1\n",
+            "[time]\nduration_s = 0\n",
+            "[time]\nframe_rate_hz = 241\n",
+            "[time]\nspeed = \"fast\"\n",
+            "[orbit]\ngravity_degree = 2.5\n",
+            "[[orbit]]\n[[orbit]]\nsource = \"tles\"\n",
+            "[orbit]\ntrail = { before = 90 }\n",
+            "[orbit]\nposition_km = [1, 2]\n",
+            "[orbit]\nburns = [{ duration_s = 1 }]\n",
+            "[earth]\nsubdivision = \"many\"\n",
+            "[earth]\nclipmap = { samples = 100 }\n",
+            "[earth]\nelevation = [1]\n",
+            "[output]\nsamples = 2\n",
+            "[output]\nsize = [0, 720]\n",
+            "[[camera.keys]]\nfov_deg = 1\n",
+        ] {
+            assert!(scene_fault(bad).is_some(), "{bad}");
+        }
     }
 
     /// What the sentences above the keys say of defaults that depend on other keys.

@@ -1,18 +1,74 @@
-//! The values of keys as JSON Schema describes them, made from the declarations of the keys.
+//! `config/terrella.schema.json`, by which editors complete and check scenes: made from the declarations of the keys.
+//!
+//! `TERRELLA_UPDATE_REFERENCE=1 cargo test -p terrella-play reference` writes it anew, and the reference page with it; without
+//! the variable the same test compares.
 
 use super::camera_keys::{NUMBERS, OFFSET, OFFSET_M};
 use super::field::names_of;
 use super::keys::{
     BURN_M_S2, BURN_S, CLIPMAP_LEVELS, CLIPMAP_SAMPLES, GRID_SAMPLES, MAX_BURNS, MAX_CAMERA_KEYS,
-    MAX_DATED_MAPS, MAX_ELEVATION_FILES, MAX_LEAVES, MAX_ORIGINS, QUADTREE_LAMBDA, SAMPLES,
-    SPAN_MIN,
+    MAX_DATED_MAPS, MAX_ELEVATION_FILES, MAX_LEAVES, MAX_ORBITS, MAX_ORIGINS, QUADTREE_LAMBDA,
+    SAMPLES, SPAN_MIN, TABLES,
 };
-use super::table::{Key, Shape};
+use super::table::{Key, Shape, Table};
 use serde_json::{Map, Value, json};
 use std::ops::RangeInclusive;
 use terrella_ground::globe::ContourDrawing;
 use terrella_ground::globe::clipmap::Trim;
 use terrella_ground::light::Exposure;
+
+/// The schema of scenes.
+pub(super) fn schema() -> Value {
+    let tables = TABLES.iter().map(|table| {
+        let schema = match table.is_list() {
+            true => json!({ "anyOf": [
+                { "$ref": "#/$defs/orbit" },
+                { "type": "array", "maxItems": MAX_ORBITS, "items": { "$ref": "#/$defs/orbit" } },
+            ] }),
+            false => table_schema(table),
+        };
+        (table.name.to_owned(), schema)
+    });
+    let orbit = TABLES.iter().find(|table| table.is_list());
+    json!({
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "A scene of Terrella",
+        "type": "object",
+        "properties": tables.collect::<Map<_, _>>(),
+        "additionalProperties": false,
+        "$defs": { "orbit": orbit.map(table_schema) },
+    })
+}
+
+/// The same as text, a line for each key.
+pub(super) fn schema_text() -> String {
+    /// How deep the keys lie: in the properties of a table, of the properties of a scene.
+    const KEYS: usize = 4;
+    fn text(value: &Value, depth: usize) -> String {
+        let Some(entries) = value.as_object().filter(|_| depth < KEYS) else {
+            return value.to_string();
+        };
+        let indent = "  ".repeat(depth + 1);
+        let lines = entries.iter();
+        let lines =
+            lines.map(|(name, value)| format!("{indent}{name:?}: {}", text(value, depth + 1)));
+        let lines = lines.collect::<Vec<_>>().join(",\n");
+        format!("{{\n{lines}\n{}}}", "  ".repeat(depth))
+    }
+    text(&schema(), 0) + "\n"
+}
+
+fn table_schema(table: &Table) -> Value {
+    let keys = table.keys.iter().map(|key| {
+        let mut schema = value_schema(key);
+        schema["description"] = key.about.meaning.trim().into();
+        if let Some(default) = default_of(key) {
+            schema["default"] = default;
+        }
+        (key.name.to_owned(), schema)
+    });
+    object(keys.collect(), &[])
+}
 
 /// The value of a key where a scene leaves it out, if that is always the same.
 pub(super) fn default_of(key: &Key) -> Option<Value> {
