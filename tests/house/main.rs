@@ -3,7 +3,6 @@
 //! What clippy can hold, clippy holds (`[workspace.lints]`); here is what it cannot.
 
 mod circles;
-mod defaults;
 mod licences;
 mod modules;
 mod packages;
@@ -271,16 +270,6 @@ fn pages_of_registries_show_their_pictures() {
         .into_iter()
         .filter(|target| !target.starts_with("https://"));
     none(relative.map(str::to_owned).collect());
-}
-
-#[test]
-fn defaults_in_comments_are_those_of_the_code() {
-    let repository = Repository::open();
-    let keys = repository.text("crates/terrella-play/src/scene/keys.rs");
-    let (wrong, compared) = defaults::differences(&keys, &repository.text("config/iss.toml"));
-    none(wrong);
-    // Fewer would mean that the comments or the declarations are no longer understood.
-    assert!(compared >= 20, "{compared} defaults were compared");
 }
 
 /// A crate's package holds only what lies in its folder.

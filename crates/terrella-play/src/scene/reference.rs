@@ -1,4 +1,4 @@
-//! `docs/scene-reference.md`: all keys of scenes, made from their declarations.
+//! `docs/scene-reference.md`: all keys of scenes, made from their declarations, and tests of what is said of keys elsewhere.
 
 use super::keys::TABLES;
 use super::schema::{default_of, parts, value_schema};
@@ -276,6 +276,88 @@ mod tests {
             "[[camera.keys]]\nfov_deg = 1\n",
         ] {
             assert!(scene_fault(bad).is_some(), "{bad}");
+        }
+    }
+
+    /// The defaults that a comment gives: "Default: 512 and 4." is two.
+    fn defaults_in(comment: &str) -> Vec<&str> {
+        let Some((_, text)) = comment.split_once("Default: ") else {
+            return Vec::new();
+        };
+        let end = text.find(". ").unwrap_or(text.len());
+        let text = text[..end].trim_end_matches('.');
+        text.split(", ")
+            .flat_map(|part| part.trim_start_matches("and ").split(" and "))
+            .collect()
+    }
+
+    /// A value as TOML has it, if it is one.
+    fn literal(text: &str) -> Option<Value> {
+        let table: toml::Table = format!("value = {text}").parse().ok()?;
+        let value = json_of(table["value"].clone());
+        // 1 and 1.0 are the same default.
+        Some(value.as_f64().map_or(value, Value::from))
+    }
+
+    /// Keys of a scene whose comment gives another default than the declared one, or that are commented out with another
+    /// value; and how many defaults were compared.
+    fn wrong_defaults(scene: &str) -> (Vec<String>, usize) {
+        let (mut table, mut comment, mut keys_below) = (None, String::new(), 0);
+        let (mut wrong, mut compared) = (Vec::new(), 0);
+        for line in scene.lines() {
+            if let Some(name) = line.strip_prefix('[') {
+                let name = name.trim_matches(['[', ']']);
+                table = TABLES.iter().find(|table| table.name == name);
+                (comment, keys_below) = (String::new(), 0);
+                continue;
+            }
+            let is_commented_out = line.starts_with('#');
+            let given = line.trim_start_matches("# ").split_once(" = ");
+            let key = given.zip(table).and_then(|((name, value), table)| {
+                let key = table.keys.iter().find(|key| key.name == name)?;
+                Some((key, value))
+            });
+            let Some((key, value)) = key else {
+                if keys_below > 0 {
+                    (comment, keys_below) = (String::new(), 0);
+                }
+                comment.push_str(line.trim_start_matches('#'));
+                continue;
+            };
+            let defaults = defaults_in(&comment);
+            let said = defaults.get(keys_below).or(defaults.last());
+            let said = said.and_then(|text| literal(text));
+            let shown = literal(value).filter(|_| is_commented_out);
+            keys_below += 1;
+            let Some(default) = default_of(key) else {
+                continue;
+            };
+            let default = default.as_f64().map_or(default, Value::from);
+            for value in said.into_iter().chain(shown) {
+                compared += 1;
+                if value != default {
+                    wrong.push(format!("{line}: {value}, declared {default}"));
+                }
+            }
+        }
+        (wrong, compared)
+    }
+
+    #[test]
+    fn the_explained_scene_gives_the_declared_defaults() {
+        let path = repository().join("config/iss.toml");
+        let text = std::fs::read_to_string(path).expect("a scene");
+        let (wrong, compared) = wrong_defaults(&text);
+        assert!(wrong.is_empty(), "{wrong:#?}");
+        // Fewer would mean that the comments are no longer understood.
+        assert!(compared > 100, "{compared} defaults were compared");
+        for (right, bad) in [
+            ("Default: 512 and 4.", "Default: 512 and 8."),
+            ("# upload_mb = 4", "# upload_mb = 8"),
+        ] {
+            assert_eq!(text.matches(right).count(), 1, "{right}");
+            let (wrong, _) = wrong_defaults(&text.replace(right, bad));
+            assert_eq!(wrong.len(), 1, "{wrong:?}");
         }
     }
 
