@@ -1,5 +1,6 @@
 //! Threads that load tiles beside the frame, and locks for what they share with it.
 
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError, TryLockError};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
@@ -21,7 +22,91 @@ pub fn try_lock<T>(mutex: &Mutex<T>) -> Option<MutexGuard<'_, T>> {
     }
 }
 
-/// Threads of low priority that work until they are told to stop.
+/// What loader threads share with who draws. One mutex guards lists of keys and loaded tiles: nobody reads, decodes or frees a tile
+/// under it.
+pub struct LoadQueue<W> {
+    work: Mutex<W>,
+    /// There may be something to do for a thread.
+    to_do: Condvar,
+    /// A load has ended.
+    ended: Condvar,
+    is_stopped: AtomicBool,
+}
+
+impl<W> LoadQueue<W> {
+    /// A queue that holds this work.
+    pub fn new(work: W) -> Self {
+        Self {
+            work: Mutex::new(work),
+            to_do: Condvar::new(),
+            ended: Condvar::new(),
+            is_stopped: AtomicBool::new(false),
+        }
+    }
+
+    /// The work; waits until the mutex is free.
+    pub fn lock(&self) -> MutexGuard<'_, W> {
+        lock(&self.work)
+    }
+
+    /// The work, if the mutex is free just now.
+    pub fn try_lock(&self) -> Option<MutexGuard<'_, W>> {
+        try_lock(&self.work)
+    }
+
+    /// Wakes the threads: there may be something to do.
+    pub fn wake(&self) {
+        self.to_do.notify_all();
+    }
+
+    /// Whether it is time for the threads to stop.
+    pub fn is_stopped(&self) -> bool {
+        self.is_stopped.load(Ordering::Relaxed)
+    }
+
+    /// For a thread: waits until `next` finds something to do; `None` when it is time to stop.
+    pub fn take<T>(&self, mut next: impl FnMut(&mut W) -> Option<T>) -> Option<T> {
+        let mut work = self.lock();
+        while !self.is_stopped() {
+            let found = next(&mut work);
+            if found.is_some() {
+                return found;
+            }
+            let waited = self.to_do.wait(work);
+            work = waited.unwrap_or_else(PoisonError::into_inner);
+        }
+        None
+    }
+
+    /// For a thread: notes that a load has ended.
+    pub fn end(&self, note: impl FnOnce(&mut W)) {
+        note(&mut self.lock());
+        self.ended.notify_all();
+    }
+
+    /// Waits while loads end and `is_waiting` holds, or for so long.
+    pub fn wait<'a>(
+        &self,
+        work: MutexGuard<'a, W>,
+        timeout: Duration,
+        is_waiting: impl FnMut(&mut W) -> bool,
+    ) -> MutexGuard<'a, W> {
+        let waited = self.ended.wait_timeout_while(work, timeout, is_waiting);
+        waited.unwrap_or_else(PoisonError::into_inner).0
+    }
+
+    /// Stops the threads and waits for them.
+    pub fn stop(&self, threads: &mut Loaders) {
+        self.is_stopped.store(true, Ordering::Relaxed);
+        // Under the lock, so that no thread misses it between its look and its sleep.
+        let work = self.lock();
+        self.wake();
+        drop(work);
+        threads.join();
+    }
+}
+
+/// Threads of low priority that work until their queue is stopped.
 pub struct Loaders {
     what: &'static str,
     running: Arc<Running>,

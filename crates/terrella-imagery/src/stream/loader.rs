@@ -1,20 +1,19 @@
 //! Decoder threads, and what they share with the frame.
 //!
-//! One mutex guards lists of keys and finished tiles; nobody reads, decodes, computes or frees a tile under it. The
-//! frame only tries it: where a thread of low priority was put to sleep inside, the frame goes on and comes back the
+//! The frame only tries the mutex: where a thread of low priority was put to sleep inside, the frame goes on and comes back the
 //! next time.
 
 use super::cache::{LoadError, LoadId, TileCache, check};
 use super::pools::usable;
 use crate::tile::{LayerLayout, Tile, TileFormat, TileKey, TileShape, TileSource};
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
-use terrella_files::loaders::{Loaders, lock, try_lock};
+use terrella_files::loaders::{LoadQueue, Loaders};
 
 pub(super) struct Loader {
-    shared: Arc<Shared>,
+    reads: Arc<TileReads>,
     threads: Loaders,
     /// What the last look under the mutex found.
     reserved_bytes: u64,
@@ -23,16 +22,11 @@ pub(super) struct Loader {
     finished: Vec<(TileKey, Result<Tile, LoadError>)>,
 }
 
-struct Shared {
+struct TileReads {
     source: Arc<dyn TileSource>,
     layers: Vec<LayerLayout>,
     limit_bytes: u64,
-    work: Mutex<Work>,
-    /// There may be something to do for a thread.
-    to_do: Condvar,
-    /// A load has ended.
-    ended: Condvar,
-    stop: AtomicBool,
+    queue: LoadQueue<Work>,
     /// For each thread the number of the load that it shall give up; 0 is none.
     cancelled: Vec<AtomicU64>,
 }
@@ -53,26 +47,30 @@ struct Work {
     loads: u64,
 }
 
+/// What a thread does next.
+enum Next {
+    Free(Tile),
+    /// A tile, and the number of its load.
+    Load(TileKey, u64),
+}
+
 impl Loader {
     /// Starts the threads.
     pub fn new(source: Arc<dyn TileSource>, limit_bytes: u64, threads: usize) -> Self {
         let layers = usable(source.layers()).into_iter().cloned().collect();
-        let shared = Arc::new(Shared {
+        let reads = Arc::new(TileReads {
             source,
             layers,
             limit_bytes,
-            work: Mutex::default(),
-            to_do: Condvar::new(),
-            ended: Condvar::new(),
-            stop: AtomicBool::new(false),
+            queue: LoadQueue::new(Work::default()),
             cancelled: (0..threads).map(|_| AtomicU64::new(0)).collect(),
         });
-        let own = Arc::clone(&shared);
+        let own = Arc::clone(&reads);
         let threads = Loaders::start("tiles", threads, move |worker| {
             own.work_until_stopped(worker);
         });
         Self {
-            shared,
+            reads,
             threads,
             reserved_bytes: 0,
             started: Vec::new(),
@@ -92,8 +90,8 @@ impl Loader {
         now: Instant,
         report_error: impl FnMut(TileKey, LoadError),
     ) {
-        let shared = Arc::clone(&self.shared);
-        if let Some(mut work) = try_lock(&shared.work) {
+        let reads = Arc::clone(&self.reads);
+        if let Some(mut work) = reads.queue.try_lock() {
             self.exchange(&mut work);
         }
         self.report(cache, now, report_error);
@@ -104,10 +102,10 @@ impl Loader {
         for load in cache.pending_loads() {
             let LoadId { worker, number } = load.id;
             let number = if load.cancel { number } else { 0 };
-            self.shared.cancelled[worker].store(number, Ordering::Relaxed);
+            self.reads.cancelled[worker].store(number, Ordering::Relaxed);
         }
-        if let Some(mut work) = try_lock(&self.shared.work) {
-            self.shared.hand_over(&mut work, cache);
+        if let Some(mut work) = self.reads.queue.try_lock() {
+            self.reads.hand_over(&mut work, cache);
         }
     }
 
@@ -119,13 +117,11 @@ impl Loader {
         now: Instant,
         report_error: impl FnMut(TileKey, LoadError),
     ) -> bool {
-        let shared = Arc::clone(&self.shared);
-        let mut work = lock(&shared.work);
-        shared.hand_over(&mut work, cache);
-        let waited = shared
-            .ended
-            .wait_timeout_while(work, timeout, |work| work.finished.is_empty());
-        let (mut work, _) = waited.unwrap_or_else(PoisonError::into_inner);
+        let reads = Arc::clone(&self.reads);
+        let mut work = reads.queue.lock();
+        reads.hand_over(&mut work, cache);
+        let nothing = |work: &mut Work| work.finished.is_empty();
+        let mut work = reads.queue.wait(work, timeout, nothing);
         let has_ended = !work.finished.is_empty();
         self.exchange(&mut work);
         drop(work);
@@ -158,16 +154,11 @@ impl Loader {
 
 impl Drop for Loader {
     fn drop(&mut self) {
-        self.shared.stop.store(true, Ordering::Relaxed);
-        // Under the lock, so that no thread misses it between its look and its sleep.
-        let work = lock(&self.shared.work);
-        self.shared.to_do.notify_all();
-        drop(work);
-        self.threads.join();
+        self.reads.queue.stop(&mut self.threads);
     }
 }
 
-impl Shared {
+impl TileReads {
     fn hand_over(&self, work: &mut Work, cache: &mut TileCache) {
         let retired = cache.retired();
         let has_retired = retired.len() > 0;
@@ -179,7 +170,7 @@ impl Shared {
         queue.extend(cache.queue().iter().filter(|key| !is_taken(key)));
         work.next = 0;
         if has_retired || !work.queue.is_empty() {
-            self.to_do.notify_all();
+            self.queue.wake();
         }
     }
 
@@ -196,56 +187,47 @@ impl Shared {
     }
 
     fn work_until_stopped(&self, worker: usize) {
-        while let Some((key, number)) = self.take(worker) {
-            let result = self.load(key, worker, number);
-            let mut work = lock(&self.work);
-            if result.is_err() {
-                work.reserved_bytes -= self.bytes(key);
+        while let Some(next) = self.queue.take(|work| self.next(work, worker)) {
+            match next {
+                Next::Free(tile) => {
+                    let bytes = tile.texels.len() as u64;
+                    drop(tile);
+                    self.queue.lock().reserved_bytes -= bytes;
+                }
+                Next::Load(key, number) => {
+                    let result = self.load(key, worker, number);
+                    self.queue.end(|work| {
+                        if result.is_err() {
+                            work.reserved_bytes -= self.bytes(key);
+                        }
+                        work.finished.push((key, result));
+                    });
+                }
             }
-            work.finished.push((key, result));
-            self.ended.notify_all();
         }
     }
 
-    /// Waits for a tile to load and takes it; frees retired tiles meanwhile. `None` when it is time to stop.
-    fn take(&self, worker: usize) -> Option<(TileKey, u64)> {
-        let mut work = lock(&self.work);
-        loop {
-            if self.stop.load(Ordering::Relaxed) {
-                return None;
-            }
-            if let Some(tile) = work.retired.pop() {
-                drop(work);
-                let bytes = tile.texels.len() as u64;
-                drop(tile);
-                work = lock(&self.work);
-                work.reserved_bytes -= bytes;
-                continue;
-            }
-            if let Some(key) = work.queue.get(work.next).copied() {
-                let bytes = self.bytes(key);
-                let reserved = work.reserved_bytes;
-                if reserved == 0 || reserved.saturating_add(bytes) <= self.limit_bytes {
-                    work.next += 1;
-                    work.loads += 1;
-                    work.reserved_bytes += bytes;
-                    let number = work.loads;
-                    work.started.push((key, LoadId { worker, number }));
-                    return Some((key, number));
-                }
-            }
-            work = self
-                .to_do
-                .wait(work)
-                .unwrap_or_else(PoisonError::into_inner);
+    fn next(&self, work: &mut Work, worker: usize) -> Option<Next> {
+        if let Some(tile) = work.retired.pop() {
+            return Some(Next::Free(tile));
         }
+        let key = work.queue.get(work.next).copied()?;
+        let bytes = self.bytes(key);
+        let reserved = work.reserved_bytes;
+        if reserved > 0 && reserved.saturating_add(bytes) > self.limit_bytes {
+            return None;
+        }
+        work.next += 1;
+        work.loads += 1;
+        work.reserved_bytes += bytes;
+        let number = work.loads;
+        work.started.push((key, LoadId { worker, number }));
+        Some(Next::Load(key, number))
     }
 
     fn load(&self, key: TileKey, worker: usize, number: u64) -> Result<Tile, LoadError> {
-        let is_cancelled = || {
-            self.stop.load(Ordering::Relaxed)
-                || self.cancelled[worker].load(Ordering::Relaxed) == number
-        };
+        let is_cancelled =
+            || self.queue.is_stopped() || self.cancelled[worker].load(Ordering::Relaxed) == number;
         // A source that panics half-way may be left in disorder; what it gives is checked each time.
         let read = catch_unwind(AssertUnwindSafe(|| self.source.read(key, &is_cancelled)));
         let tile = match read {
@@ -270,6 +252,7 @@ mod tests {
     use super::*;
     use crate::stream::{TileRequest, plan_pools};
     use crate::tile::{BlockSet, LevelLayout, MapLayer, TileError};
+    use std::sync::atomic::AtomicBool;
 
     /// Waits in each read until it may go on.
     struct Gate(Vec<LayerLayout>, AtomicBool);
@@ -311,15 +294,15 @@ mod tests {
             drawn: true,
         });
         cache.allocate(Instant::now(), &requests, 0);
-        let shared = Arc::clone(&loader.shared);
-        shared.hand_over(&mut lock(&shared.work), &mut cache);
-        while lock(&shared.work).started.is_empty() {
+        let reads = Arc::clone(&loader.reads);
+        reads.hand_over(&mut reads.queue.lock(), &mut cache);
+        while reads.queue.lock().started.is_empty() {
             std::thread::sleep(Duration::from_millis(1));
         }
         // The frame has not looked, and hands over what it still believes to be queued.
         assert_eq!(cache.queue(), [key(1), key(2)]);
-        shared.hand_over(&mut lock(&shared.work), &mut cache);
-        assert_eq!(lock(&shared.work).queue, [key(2)]);
+        reads.hand_over(&mut reads.queue.lock(), &mut cache);
+        assert_eq!(reads.queue.lock().queue, [key(2)]);
         loader.collect(&mut cache, Instant::now(), |_, _| {});
         assert_eq!(cache.queue(), [key(2)]);
         source.1.store(true, Ordering::Relaxed);

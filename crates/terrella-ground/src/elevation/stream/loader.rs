@@ -1,15 +1,14 @@
 //! Loader threads, and what they share with who draws.
 //!
-//! One mutex guards lists of keys and loaded tiles; nobody reads or decodes under it. Who draws only tries it: where a thread of low
-//! priority was put to sleep inside, the frame goes on and comes back the next time.
+//! Who draws only tries the mutex: where a thread of low priority was put to sleep inside, the frame goes on and comes back the next time.
 
 use crate::elevation::tiles::HeldTile;
 use crate::elevation::{HeightTileError, HeightTileKey, HeightTileLayout, HeightTileSource};
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::Duration;
-use terrella_files::loaders::{Loaders, lock, try_lock};
+use terrella_files::loaders::{LoadQueue, Loaders};
 
 /// Loaded tiles that may wait to be taken in; threads rest meanwhile.
 const MOST_WAITING: usize = 32;
@@ -18,19 +17,14 @@ const MOST_WAITING: usize = 32;
 pub(super) type Loaded = (HeightTileKey, Result<HeldTile, HeightTileError>);
 
 pub(super) struct HeightLoader {
-    shared: Arc<Shared>,
+    reads: Arc<HeightReads>,
     threads: Loaders,
 }
 
-struct Shared {
+struct HeightReads {
     source: Arc<dyn HeightTileSource>,
     layout: HeightTileLayout,
-    work: Mutex<Work>,
-    /// There may be something to do for a thread.
-    to_do: Condvar,
-    /// A load has ended.
-    ended: Condvar,
-    stop: AtomicBool,
+    queue: LoadQueue<Work>,
     /// Each thread's load is not wanted any more.
     cancelled: Vec<AtomicBool>,
 }
@@ -51,28 +45,25 @@ impl HeightLoader {
             loading: vec![None; threads],
             ..Work::default()
         };
-        let shared = Arc::new(Shared {
+        let reads = Arc::new(HeightReads {
             layout: source.layout(),
             source,
-            work: Mutex::new(work),
-            to_do: Condvar::new(),
-            ended: Condvar::new(),
-            stop: AtomicBool::new(false),
+            queue: LoadQueue::new(work),
             cancelled: (0..threads).map(|_| AtomicBool::new(false)).collect(),
         });
-        let own = Arc::clone(&shared);
+        let own = Arc::clone(&reads);
         let threads = Loaders::start("heights", threads, move |worker| {
             own.work_until_stopped(worker);
         });
-        Self { shared, threads }
+        Self { reads, threads }
     }
 
     /// Takes what has been loaded, if the list is free just now. Never waits.
     pub fn collect(&self) -> Vec<Loaded> {
-        let work = try_lock(&self.shared.work);
+        let work = self.reads.queue.try_lock();
         work.map_or_else(Vec::new, |mut work| {
             if !work.finished.is_empty() {
-                self.shared.to_do.notify_all();
+                self.reads.queue.wake();
             }
             std::mem::take(&mut work.finished)
         })
@@ -81,7 +72,7 @@ impl HeightLoader {
     /// Hands over what shall be loaded, most lacking first; loads that are not among it are given up. Never waits: false
     /// where the list is not free just now.
     pub fn hand_over(&self, queue: &[HeightTileKey]) -> bool {
-        let Some(mut work) = try_lock(&self.shared.work) else {
+        let Some(mut work) = self.reads.queue.try_lock() else {
             return false;
         };
         let Work {
@@ -90,7 +81,7 @@ impl HeightLoader {
             finished,
             ..
         } = &mut *work;
-        for (cancelled, key) in self.shared.cancelled.iter().zip(&*loading) {
+        for (cancelled, key) in self.reads.cancelled.iter().zip(&*loading) {
             let is_wanted = key.is_none_or(|key| queue.contains(&key));
             cancelled.store(!is_wanted, Ordering::Relaxed);
         }
@@ -100,14 +91,14 @@ impl HeightLoader {
         todo.clear();
         todo.extend(queue.iter().rev().filter(|key| !is_under_way(key)));
         if !todo.is_empty() {
-            self.shared.to_do.notify_all();
+            self.reads.queue.wake();
         }
         true
     }
 
     /// Whether nothing is being loaded, or waits to be taken.
     pub fn is_idle(&self) -> bool {
-        let work = lock(&self.shared.work);
+        let work = self.reads.queue.lock();
         work.finished.is_empty()
             && work.queue.is_empty()
             && work.loading.iter().all(Option::is_none)
@@ -118,56 +109,42 @@ impl HeightLoader {
         if self.threads.is_empty() {
             return;
         }
-        let work = lock(&self.shared.work);
+        let work = self.reads.queue.lock();
         let nothing = |work: &mut Work| work.finished.is_empty();
-        let waited = self.shared.ended.wait_timeout_while(work, timeout, nothing);
-        drop(waited.unwrap_or_else(PoisonError::into_inner));
+        drop(self.reads.queue.wait(work, timeout, nothing));
     }
 }
 
 impl Drop for HeightLoader {
     fn drop(&mut self) {
-        self.shared.stop.store(true, Ordering::Relaxed);
-        // Under the lock, so that no thread misses it between its look and its sleep.
-        let work = lock(&self.shared.work);
-        self.shared.to_do.notify_all();
-        drop(work);
-        self.threads.join();
+        self.reads.queue.stop(&mut self.threads);
     }
 }
 
-impl Shared {
+impl HeightReads {
     fn work_until_stopped(&self, worker: usize) {
-        while let Some(key) = self.take(worker) {
+        while let Some(key) = self.queue.take(|work| self.next(work, worker)) {
             let result = self.load(key, worker);
-            let mut work = lock(&self.work);
-            work.loading[worker] = None;
-            work.finished.push((key, result));
-            self.ended.notify_all();
+            self.queue.end(|work| {
+                work.loading[worker] = None;
+                work.finished.push((key, result));
+            });
         }
     }
 
-    /// Waits for a tile to load; `None` when it is time to stop.
-    fn take(&self, worker: usize) -> Option<HeightTileKey> {
-        let mut work = lock(&self.work);
-        loop {
-            if self.stop.load(Ordering::Relaxed) {
-                return None;
-            }
-            let may_load = work.finished.len() < MOST_WAITING;
-            if let Some(key) = may_load.then(|| work.queue.pop()).flatten() {
-                work.loading[worker] = Some(key);
-                self.cancelled[worker].store(false, Ordering::Relaxed);
-                return Some(key);
-            }
-            let waited = self.to_do.wait(work);
-            work = waited.unwrap_or_else(PoisonError::into_inner);
+    fn next(&self, work: &mut Work, worker: usize) -> Option<HeightTileKey> {
+        if work.finished.len() >= MOST_WAITING {
+            return None;
         }
+        let key = work.queue.pop()?;
+        work.loading[worker] = Some(key);
+        self.cancelled[worker].store(false, Ordering::Relaxed);
+        Some(key)
     }
 
     fn load(&self, key: HeightTileKey, worker: usize) -> Result<HeldTile, HeightTileError> {
         let is_cancelled =
-            || self.stop.load(Ordering::Relaxed) || self.cancelled[worker].load(Ordering::Relaxed);
+            || self.queue.is_stopped() || self.cancelled[worker].load(Ordering::Relaxed);
         // A source that panics half-way may be left in disorder; what it gives is checked each time.
         let read = catch_unwind(AssertUnwindSafe(|| self.source.read(key, &is_cancelled)));
         let samples = read.unwrap_or_else(|_| {
