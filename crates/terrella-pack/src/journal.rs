@@ -14,9 +14,10 @@
 //! A line that has no end, or is not understood, was cut off: it and all after it do not count.
 
 use super::error::BuildError;
+use super::locked_journal::{LockedJournal, read_text};
 use super::tile_name::TileName;
-use std::fs::{self, File, OpenOptions, TryLockError};
-use std::io::{self, Read, Seek, SeekFrom, Write};
+use std::fs::{self, TryLockError};
+use std::io;
 use std::path::{Path, PathBuf};
 use terrella_files as files;
 use terrella_imagery::pack::{HeightPlace, HeightRecord, TileFile};
@@ -40,10 +41,6 @@ const FIRST_LINE: &str = "terrella build 1";
 /// First word of the line of a tile of heights.
 const HEIGHTS: &str = "heights";
 
-/// A journal of every tile that can be has less: 5 maps × 128 blocks × 346 tiles of all levels × 2 storages × 100 bytes, and as much for each of
-/// 2 097 152 tiles of heights.
-const MAX_BYTES: u64 = 256 << 20;
-
 /// A line of the journal.
 pub(super) enum Noted {
     Tile(TileName, TileFile),
@@ -53,42 +50,20 @@ pub(super) enum Noted {
 /// The open, locked journal.
 pub(super) struct Journal {
     path: PathBuf,
-    file: File,
-    /// What it held when it was opened, as far as it is text.
-    text: String,
-    /// How many bytes it then had.
-    bytes: u64,
+    lines: LockedJournal,
 }
 
 impl Journal {
     /// Opens or makes the one of this name and locks it.
     pub(super) fn open(dir: &Path, name: &str) -> Result<Self, BuildError> {
         let path = dir.join(name);
-        let fail = |source| BuildError::Write {
-            path: path.clone(),
-            source,
-        };
-        let mut options = OpenOptions::new();
-        options.read(true).append(true).create(true);
-        let mut file = files::open_with(&options, &path).map_err(fail)?;
-        match file.try_lock() {
-            Ok(()) => {}
-            Err(TryLockError::WouldBlock) => {
-                return Err(BuildError::Busy {
-                    path: dir.to_path_buf(),
-                });
-            }
-            // A file system without locks: one does without.
-            Err(TryLockError::Error(error)) if error.kind() == io::ErrorKind::Unsupported => {}
-            Err(TryLockError::Error(error)) => return Err(fail(error)),
+        match LockedJournal::open(&path) {
+            Ok(lines) => Ok(Self { path, lines }),
+            Err(TryLockError::WouldBlock) => Err(BuildError::Busy {
+                path: dir.to_path_buf(),
+            }),
+            Err(TryLockError::Error(source)) => Err(BuildError::Write { path, source }),
         }
-        let (text, bytes) = read_text(&mut file).map_err(fail)?;
-        Ok(Self {
-            path,
-            file,
-            text,
-            bytes,
-        })
     }
 
     /// The tiles noted in a journal that is another process's or of another run; none where it is of another build.
@@ -101,43 +76,24 @@ impl Journal {
 
     /// Whether no tile of any build was ever noted: it is empty, or the beginning of a journal of this build was cut off.
     pub(super) fn is_empty(&self, fingerprint: &str) -> bool {
-        self.text.len() as u64 == self.bytes && beginning(fingerprint).starts_with(&self.text)
+        self.lines.is_empty(&beginning(fingerprint))
     }
 
     /// Whether it is of this build.
     pub(super) fn has_fingerprint(&self, fingerprint: &str) -> bool {
-        begins_with(&self.text, fingerprint)
-    }
-
-    fn fail(&self, source: io::Error) -> BuildError {
-        BuildError::Write {
-            path: self.path.clone(),
-            source,
-        }
+        begins_with(self.lines.text(), fingerprint)
     }
 
     /// Empties it and begins a build.
     pub(super) fn begin(&mut self, fingerprint: &str) -> Result<(), BuildError> {
-        let begun = self
-            .file
-            .set_len(0)
-            .and_then(|()| self.file.write_all(beginning(fingerprint).as_bytes()))
-            .and_then(|()| self.file.sync_all());
-        begun.map_err(|error| self.fail(error))?;
-        self.text.clear();
-        self.bytes = 0;
-        Ok(())
+        let begun = self.lines.begin(&beginning(fingerprint));
+        begun.map_err(|error| self.fail(error))
     }
 
-    /// The tiles noted when it was opened, once. What was cut off is taken away, so that new lines begin well.
+    /// The tiles noted when it was opened. What was cut off is taken away, so that new lines begin well.
     pub(super) fn tiles(&mut self) -> Vec<Noted> {
-        let text = std::mem::take(&mut self.text);
-        let (tiles, good) = parse_all(&text);
-        if (good as u64) < self.bytes {
-            // If this fails, notes on the same line as the cut one are not understood next time: tiles are made again.
-            let _ = self.file.set_len(good as u64);
-            let _ = self.file.seek(SeekFrom::End(0));
-        }
+        let (tiles, good) = parse_all(self.lines.text());
+        self.lines.cut(good);
         tiles
     }
 
@@ -155,7 +111,7 @@ impl Journal {
             name.layer.name(),
             file.bytes
         );
-        self.write(&line)
+        self.append(&line)
     }
 
     /// Notes a tile of heights.
@@ -163,39 +119,31 @@ impl Journal {
         let HeightPlace { level, row, column } = record.place;
         let [low, high] = [record.low_m, record.high_m].map(f32::to_bits);
         let (bytes, checksum) = (record.file.bytes, hex(record.file));
-        self.write(&format!(
+        self.append(&format!(
             "{HEIGHTS} {level} {row} {column} {bytes} {checksum} {low:08x} {high:08x}\n"
         ))
     }
 
-    fn write(&mut self, line: &str) -> Result<(), BuildError> {
-        self.file
-            .write_all(line.as_bytes())
-            .map_err(|error| self.fail(error))
+    fn append(&mut self, line: &str) -> Result<(), BuildError> {
+        let appended = self.lines.append(line);
+        appended.map_err(|error| self.fail(error))
     }
 
     pub(super) fn sync(&self) -> Result<(), BuildError> {
-        self.file.sync_data().map_err(|error| self.fail(error))
+        self.lines.sync().map_err(|error| self.fail(error))
+    }
+
+    fn fail(&self, source: io::Error) -> BuildError {
+        BuildError::Write {
+            path: self.path.clone(),
+            source,
+        }
     }
 
     /// The build is over.
     pub(super) fn remove(self) -> Result<(), BuildError> {
         fs::remove_file(&self.path).map_err(|error| self.fail(error))
     }
-}
-
-/// What a journal holds, as far as it is text, and how many bytes it has: a power failure may leave anything behind its last line.
-fn read_text(file: &mut File) -> io::Result<(String, u64)> {
-    let mut bytes = Vec::new();
-    file.take(MAX_BYTES).read_to_end(&mut bytes)?;
-    let length = bytes.len() as u64;
-    let text = String::from_utf8(bytes).unwrap_or_else(|error| {
-        let good = error.utf8_error().valid_up_to();
-        let mut bytes = error.into_bytes();
-        bytes.truncate(good);
-        String::from_utf8(bytes).unwrap_or_default()
-    });
-    Ok((text, length))
 }
 
 fn beginning(fingerprint: &str) -> String {
@@ -311,7 +259,7 @@ mod tests {
                 }
                 // What is noted from now on is understood the next time.
                 assert_eq!(journal.tiles().len(), noted, "{length}");
-                journal.write(TILES[0]).expect("notes");
+                journal.append(TILES[0]).expect("notes");
                 drop(journal);
                 assert_eq!(Journal::tiles_of(&path, "abc").len(), noted + 1, "{length}");
             }

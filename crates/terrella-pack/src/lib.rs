@@ -13,7 +13,7 @@
 //! | `ladder.rs` | which levels a map gets |
 //! | `plan.rs`, `memory.rs` | passes, and who may hold how much |
 //! | `heights/` | heights of the ground |
-//! | `folder.rs`, `journal.rs` | whole files, and going on after an end |
+//! | `folder.rs`, `journal.rs`, `locked_journal.rs` | whole files, and going on after an end |
 //! | `shares.rs` | a build that several processes share |
 //! | `run.rs` | one map, from its file to its tiles |
 //!
@@ -37,6 +37,7 @@ mod heights;
 mod input;
 mod journal;
 mod ladder;
+mod locked_journal;
 mod memory;
 pub mod mosaic;
 mod plan;

@@ -10,9 +10,10 @@
 //! A line that has no end, or is not understood, does not count: its file is fetched again.
 
 use super::error::FetchError;
+use crate::locked_journal::LockedJournal;
 use std::collections::HashMap;
-use std::fs::{self, File, OpenOptions, TryLockError};
-use std::io::{self, Read, Write};
+use std::fs::{self, File, TryLockError};
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use terrella_files::durable;
@@ -22,9 +23,6 @@ use terrella_files::{self as files, Unfinished, printable};
 const JOURNAL_FILE: &str = "fetched.journal";
 
 const FIRST_LINE: &str = "terrella fetch 1";
-
-/// A journal of a million tiles has 90 MB.
-const MAX_JOURNAL_BYTES: u64 = 256 << 20;
 
 /// Ending of a file that is being written.
 const PART: &str = "part";
@@ -45,7 +43,7 @@ pub(super) struct Shelf {
 }
 
 struct State {
-    journal: File,
+    journal: LockedJournal,
     kept: HashMap<String, Kept>,
 }
 
@@ -70,37 +68,20 @@ impl Shelf {
             path: dir.to_path_buf(),
             source,
         })?;
-        let mut options = OpenOptions::new();
-        options.read(true).append(true).create(true);
-        let mut journal = files::open_with(&options, &path).map_err(fail)?;
-        match journal.try_lock() {
-            Ok(()) => {}
-            Err(TryLockError::WouldBlock) => {
-                return Err(FetchError::Busy {
-                    path: dir.to_path_buf(),
-                });
-            }
-            // A file system without locks: one does without.
-            Err(TryLockError::Error(error)) if error.kind() == io::ErrorKind::Unsupported => {}
-            Err(TryLockError::Error(error)) => return Err(fail(error)),
-        }
-        let mut bytes = Vec::new();
-        (&mut journal)
-            .take(MAX_JOURNAL_BYTES)
-            .read_to_end(&mut bytes)
-            .map_err(fail)?;
-        let text = String::from_utf8_lossy(&bytes);
-        let mut lines = text
-            .split_inclusive('\n')
-            .filter_map(|line| line.strip_suffix('\n'));
+        let mut journal = LockedJournal::open(&path).map_err(|error| match error {
+            TryLockError::WouldBlock => FetchError::Busy {
+                path: dir.to_path_buf(),
+            },
+            TryLockError::Error(error) => fail(error),
+        })?;
+        let text = journal.text();
+        let good = text.rfind('\n').map_or(0, |end| end + 1);
+        let mut lines = text[..good].lines();
         let mut kept = HashMap::new();
         let beginning = format!("{FIRST_LINE}\n{address}\n");
         // One whose beginning is cut off notes nothing yet.
-        if beginning.starts_with(&*text) || lines.next() != Some(FIRST_LINE) {
-            journal
-                .set_len(0)
-                .and_then(|()| journal.write_all(beginning.as_bytes()))
-                .map_err(fail)?;
+        if beginning.starts_with(text) || lines.next() != Some(FIRST_LINE) {
+            journal.begin(&beginning).map_err(fail)?;
         } else {
             let found = lines.next().unwrap_or_default();
             if found != address {
@@ -111,9 +92,7 @@ impl Shelf {
                 });
             }
             kept.extend(lines.filter_map(line_of));
-            if !text.ends_with('\n') {
-                journal.write_all(b"\n").map_err(fail)?;
-            }
+            journal.cut(good);
         }
         Ok(Self {
             dir: dir.to_path_buf(),
@@ -168,7 +147,7 @@ impl Shelf {
         let mut state = self.state();
         state
             .journal
-            .write_all(line.as_bytes())
+            .append(&line)
             .map_err(|source| FetchError::Cache {
                 path: self.dir.join(JOURNAL_FILE),
                 source,
