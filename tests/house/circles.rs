@@ -7,11 +7,6 @@
 use crate::source::{File, Token, Word, after_group};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Circles that are still there, each as the files in it. The shorter the better: the test fails too where one is gone.
-#[rustfmt::skip]
-const KNOWN: &[&[&str]] = &[
-];
-
 /// A path of names, or of modules from the crate's root.
 type Path = Vec<String>;
 
@@ -38,28 +33,19 @@ enum Place {
     Item(Path),
 }
 
-/// What is wrong with the circles of the files of a crate, whose sources are in `folder`, against those that are known.
+/// The circles among the files of a crate, whose sources are in `folder`.
 pub fn violations(files: &[File], folder: &str) -> Vec<String> {
     let uses = Modules::new(files, folder).uses();
-    let found = circles(&uses);
-    let is_known = |circle: &Vec<&str>| KNOWN.contains(&circle.as_slice());
-    let new = found
-        .iter()
-        .filter(|circle| !is_known(circle))
-        .map(|circle| {
-            let inside = uses.iter().filter(|((user, used), _)| {
-                circle.contains(&user.as_str()) && circle.contains(&used.as_str())
-            });
-            let inside: Vec<_> = inside
-                .map(|((user, used), name)| format!("\n    {user} uses `{name}` of {used}"))
-                .collect();
-            format!("a circle of {} files:{}", circle.len(), inside.concat())
+    let circles = circles(&uses).into_iter().map(|circle| {
+        let inside = uses.iter().filter(|((user, used), _)| {
+            circle.contains(&user.as_str()) && circle.contains(&used.as_str())
         });
-    let gone = KNOWN
-        .iter()
-        .filter(|known| !found.iter().any(|circle| circle == *known));
-    new.chain(gone.map(|known| format!("no circle any more, take it from the list: {known:?}")))
-        .collect()
+        let inside: Vec<_> = inside
+            .map(|((user, used), name)| format!("\n    {user} uses `{name}` of {used}"))
+            .collect();
+        format!("a circle of {} files:{}", circle.len(), inside.concat())
+    });
+    circles.collect()
 }
 
 impl Modules {

@@ -79,8 +79,15 @@ fn the_printed_table_of_modules_is_the_enforced_one() {
 fn no_files_use_each_other_in_a_circle() {
     let repository = Repository::open();
     // Cargo allows none between crates.
-    for folder in modules::folders() {
-        none(circles::violations(&repository.rust_files(folder), folder));
+    let others = [
+        "crates/bevy_terrella/src",
+        "crates/terrella-c/src",
+        "crates/terrella-py/src",
+    ];
+    for folder in modules::folders().chain(others) {
+        let files = repository.rust_files(folder);
+        assert!(!files.is_empty(), "{folder} holds no source file");
+        none(circles::violations(&files, folder));
     }
 }
 

@@ -1,7 +1,6 @@
 //! An Earth for one format and sample count: made by a task, with a view for each camera.
 
 use super::extract::SeenScene;
-use super::prepare::Picture;
 use crate::{EarthCameraStatus, EarthFault};
 use bevy::ecs::entity::Entity;
 use bevy::ecs::resource::Resource;
@@ -10,10 +9,19 @@ use bevy::render::renderer::{RenderDevice, RenderQueue};
 use bevy::tasks::futures::check_ready;
 use bevy::tasks::{AsyncComputeTaskPool, Task, TaskPool};
 use std::sync::Arc;
-use terrella::{Earth, EarthView, Sky, ViewFrame, wgpu};
+use terrella::{Earth, EarthView, Exposure, EyeView, Sky, ViewFrame, Viewport, wgpu};
 
 /// What pipelines are made for: the format and the samples of a camera's pass.
 pub(super) type Key = (TextureFormat, u32);
+
+/// One camera's picture of the Earth.
+pub(super) struct Picture {
+    pub camera: Entity,
+    pub eye: EyeView,
+    pub exposure: Exposure,
+    pub target: Viewport,
+    pub key: Key,
+}
 
 /// Frames after which an Earth that no camera sees is let go of.
 const IDLE_FRAMES: u32 = 300;

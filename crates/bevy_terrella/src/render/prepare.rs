@@ -2,7 +2,7 @@
 
 use super::extract::{Reports, SeenEarth};
 use super::eye::eye;
-use super::planet::{Key, Planets};
+use super::planet::{Picture, Planets};
 use crate::{EarthCamera, EarthCameraStatus, EarthFault, EarthFrame};
 use bevy::camera::MainPassResolutionOverride;
 use bevy::ecs::entity::Entity;
@@ -12,16 +12,7 @@ use bevy::render::camera::{ExtractedCamera, TemporalJitter};
 use bevy::render::renderer::{RenderDevice, RenderQueue};
 use bevy::render::view::{ExtractedView, Msaa};
 use std::sync::Arc;
-use terrella::{EarthError, Exposure, EyeView, Viewport};
-
-/// One camera's picture of the Earth.
-pub(super) struct Picture {
-    pub camera: Entity,
-    pub eye: EyeView,
-    pub exposure: Exposure,
-    pub target: Viewport,
-    key: Key,
-}
+use terrella::{EarthError, Exposure};
 
 type View<'a> = (
     &'a ExtractedView,

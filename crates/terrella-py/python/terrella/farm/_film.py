@@ -14,7 +14,8 @@ from .. import _native
 from .._earth import _textures
 from .._film import encode_frames
 from . import _files, _run, _worker
-from ._engine import Call, open_engine
+from ._engine import Call
+from ._open_engine import open_engine
 from ._report import FarmError, Report
 
 # How frames begin that are not whole yet, as the command names them.

@@ -10,7 +10,8 @@ from typing import Any, Literal
 
 from .. import _native
 from . import _run, _worker
-from ._engine import Call, open_engine
+from ._engine import Call
+from ._open_engine import open_engine
 from ._report import FarmError, Report
 
 

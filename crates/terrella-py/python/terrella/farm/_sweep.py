@@ -12,8 +12,9 @@ from typing import Any, Literal
 from .. import _native
 from .._earth import _textures
 from . import _files, _run, _worker
-from ._engine import Call, open_engine
+from ._engine import Call
 from ._formats import FORMATS
+from ._open_engine import open_engine
 from ._report import FarmError, Report
 from ._samples import ORDER, Plan
 from .distributions import Constant, Dates, Drawn, LogUniform, OnSphere, Uniform, as_distribution, told
