@@ -17,7 +17,7 @@ use terrella_measure::reference::TrueRelief;
 const SIZE: (u32, u32) = (160, 90);
 const ASPECT: f64 = 16.0 / 9.0;
 const FIGURE: Ellipsoid = Ellipsoid::WGS84;
-const SETTLE: Duration = Duration::from_secs(180);
+const SETTLE: Duration = Duration::from_secs(10);
 const TOLERANCE_PX: f64 = 0.5;
 /// More than any surface may hold for one view, bytes.
 const MOST_BYTES: u64 = 128 << 20;
