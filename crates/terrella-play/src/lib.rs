@@ -27,6 +27,7 @@
 //! | `sky`, `sky_parts` | what is beyond the Earth |
 //! | `scene_files` | every file that its pictures come from |
 //! | `pictures` | a scene's pictures in memory, for programs that call us |
+//! | `scene_painter` | what pictures of a scene hold, and the order in which it is prepared and drawn |
 //! | `offscreen`, `still`, `stats`, `export`, `video/` | the offscreen renderer; pictures, their numbers, films |
 //! | `outlook`, `export_words`, `written` | what light a film will be in; what is said of it before, and of its files after |
 //! | `film/` | films and their pictures: formats, averaged light, ranges, going on with a film, the page `frames.json` |
@@ -103,6 +104,8 @@ mod relief;
 mod satellites;
 pub mod scene;
 mod scene_files;
+#[cfg_attr(not(feature = "window"), allow(dead_code))]
+mod scene_painter;
 #[cfg(feature = "window")]
 mod simulator_time;
 mod sky;

@@ -1,41 +1,60 @@
 //! The offscreen renderer, of stills, frames and video: an adapter of its own, an Earth, and textures to draw into.
 
-use super::craft::CraftLayer;
-use super::dated_maps::DatedMapsLayer;
 use super::error::PlayError;
 use super::flight::{Flight, Moment};
-use super::sky::SkyLayer;
-use super::tracks::{TrackDetail, TracksLayer};
+use super::scene_painter::{Patience, PictureTarget, ScenePainter};
 use image::RgbaImage;
 use std::time::{Duration, Instant};
-use terrella::celestial::CelestialOptions;
 use terrella::internals::gpu::{
     FrameTargets, GpuContext, GpuTimer, PassPart, PictureError, ScaledTarget,
 };
 use terrella::internals::offscreen::{check_memory, new_targets, supported_samples};
-use terrella::{
-    Adaptation, Earth, EarthError, EarthOptions, Exposure, EyeView, FrameStats, Quality,
-};
+use terrella::{Earth, EarthError, EarthOptions, Exposure, EyeView, FrameStats, Quality};
 use terrella_imagery::tile::TileKey;
 
 /// An Earth with textures to draw it into.
 pub struct OffscreenRenderer {
-    gpu: GpuContext,
-    earth: Earth,
-    craft: CraftLayer,
-    dated_maps: Option<DatedMapsLayer>,
-    sky: Option<SkyLayer>,
-    tracks: Option<TracksLayer>,
-    targets: FrameTargets,
-    /// What is drawn to where that is smaller than the picture.
-    smaller: Option<ScaledTarget>,
+    painter: ScenePainter,
+    textures: PictureTextures,
     samples: u32,
     /// Whether space hides nothing.
     is_space_transparent: bool,
-    /// Follows the exposure that frames ask for, where it is metered.
-    adaptation: Option<Adaptation>,
     /// Pictures that waited for heights in vain.
     pictures_without_heights: u64,
+}
+
+/// Textures of a picture, and a smaller one that is drawn to where the quality's scale is below 1.
+struct PictureTextures {
+    targets: FrameTargets,
+    smaller: Option<ScaledTarget>,
+}
+
+impl PictureTarget for PictureTextures {
+    fn size(&self) -> (u32, u32) {
+        self.targets.size()
+    }
+
+    fn drawn_size(&self) -> (u32, u32) {
+        let smaller = self.smaller.as_ref();
+        smaller.map_or(self.size(), ScaledTarget::drawn_size)
+    }
+
+    fn begin_pass<'e>(&self, encoder: &'e mut wgpu::CommandEncoder) -> wgpu::RenderPass<'e> {
+        match &self.smaller {
+            Some(smaller) => smaller.begin_pass(encoder, self.view()),
+            None => self.targets.begin_pass(encoder),
+        }
+    }
+
+    fn enlarge(&self, encoder: &mut wgpu::CommandEncoder) {
+        if let Some(smaller) = &self.smaller {
+            smaller.enlarge(encoder, self.view());
+        }
+    }
+
+    fn view(&self) -> &wgpu::TextureView {
+        self.targets.picture_view()
+    }
 }
 
 /// A frame and how long it took.
@@ -81,19 +100,14 @@ impl OffscreenRenderer {
     ) -> Result<Self, PlayError> {
         check_memory(size, options.color_format, options.samples)?;
         let targets = new_targets(&gpu, size, options.color_format, options.samples)?;
-        let earth = Earth::new(&gpu.device, &gpu.queue, options)?;
         Ok(Self {
-            gpu,
-            earth,
-            craft: CraftLayer::new(options)?,
-            dated_maps: None,
-            sky: None,
-            tracks: None,
-            targets,
-            smaller: None,
+            painter: ScenePainter::new(gpu, options)?,
+            textures: PictureTextures {
+                targets,
+                smaller: None,
+            },
             samples: options.samples,
             is_space_transparent: false,
-            adaptation: (options.exposure == Exposure::Auto).then(Adaptation::default),
             pictures_without_heights: 0,
         })
     }
@@ -104,29 +118,25 @@ impl OffscreenRenderer {
     /// # Errors
     /// A quality that the Earth refuses, and textures that the device has no room for.
     pub fn set_quality(&mut self, quality: &Quality) -> Result<(), PlayError> {
-        let format = self.earth.format().color;
+        let format = self.earth().format().color;
         let samples = match quality.samples == self.samples {
             true => self.samples,
-            false => supported_samples(&self.gpu.adapter, format, quality.samples),
+            false => supported_samples(&self.gpu().adapter, format, quality.samples),
         };
         let quality = Quality {
             samples,
             ..*quality
         };
-        if quality == *self.earth.quality() {
+        if quality == *self.earth().quality() {
             return Ok(());
         }
-        self.earth.set_quality(&self.gpu.queue, &quality)?;
+        self.painter.set_quality(&quality)?;
         self.make_targets(self.size(), samples)?;
         self.samples = samples;
-        self.craft.set_samples(samples);
-        if let Some(sky) = &mut self.sky {
-            sky.follow(&self.gpu, &self.earth)?;
+        match self.painter.follow_quality().into_iter().next() {
+            Some((_, error)) => Err(error),
+            None => Ok(()),
         }
-        if let Some(tracks) = &mut self.tracks {
-            tracks.follow(&self.earth)?;
-        }
-        Ok(())
     }
 
     /// Draws pictures of another size from now on.
@@ -137,16 +147,16 @@ impl OffscreenRenderer {
         if size == self.size() {
             return Ok(());
         }
-        check_memory(size, self.earth.format().color, self.samples)?;
+        check_memory(size, self.earth().format().color, self.samples)?;
         self.make_targets(size, self.samples)
     }
 
     /// Makes the textures for pictures of a size, at the quality's scale.
     fn make_targets(&mut self, size: (u32, u32), samples: u32) -> Result<(), PlayError> {
-        let format = self.earth.format().color;
-        let drawn_size = self.earth.quality().drawn_size(size);
-        let device = &self.gpu.device;
-        self.smaller = match drawn_size == size {
+        let format = self.earth().format().color;
+        let drawn_size = self.earth().quality().drawn_size(size);
+        let device = &self.gpu().device;
+        let smaller = match drawn_size == size {
             true => None,
             false => {
                 let smaller = ScaledTarget::new(device, format, size, drawn_size, samples);
@@ -154,63 +164,54 @@ impl OffscreenRenderer {
             }
         };
         // The picture that is enlarged has its samples in the smaller one.
-        let picture_samples = if self.smaller.is_some() { 1 } else { samples };
-        self.targets = new_targets(&self.gpu, size, format, picture_samples)?;
+        let picture_samples = if smaller.is_some() { 1 } else { samples };
+        let mut targets = new_targets(self.gpu(), size, format, picture_samples)?;
         if self.is_space_transparent {
-            self.targets.make_space_transparent();
+            targets.make_space_transparent();
         }
+        self.textures = PictureTextures { targets, smaller };
         Ok(())
     }
 
     /// Space hides nothing from now on: alpha of light is how much of what is behind is hidden. At full resolution alone.
     pub fn make_space_transparent(&mut self) {
         self.is_space_transparent = true;
-        self.targets.make_space_transparent();
+        self.textures.targets.make_space_transparent();
     }
 
     /// Width and height that are drawn, pixels; [`Self::size`] where the quality's scale is 1.
     pub fn drawn_size(&self) -> (u32, u32) {
-        let smaller = self.smaller.as_ref();
-        smaller.map_or(self.size(), ScaledTarget::drawn_size)
+        self.textures.drawn_size()
     }
 
     /// Draws the maps of each picture's date from now on, where they change with it; without, those that it was opened with.
     pub fn show_dated_maps(&mut self, flight: &Flight) -> Result<(), PlayError> {
-        self.dated_maps = DatedMapsLayer::of(flight, &self.gpu)?;
-        Ok(())
+        self.painter.show_dated_maps(flight)
     }
 
     /// Draws what is beyond the Earth from now on, where a flight's scene asks for any of it.
     pub fn show_sky(&mut self, flight: &Flight) -> Result<(), PlayError> {
-        self.sky = SkyLayer::of(flight, &self.gpu, &self.earth)?;
-        Ok(())
+        self.painter.show_sky(flight)
     }
 
     /// The same without one part of it, by its key.
     pub fn show_sky_without(&mut self, flight: &Flight, part: &str) -> Result<(), PlayError> {
-        let mut scene = flight.scene().clone();
-        scene.sky.switch_off(part);
-        self.sky = SkyLayer::of_scene(&scene, flight, &self.gpu, &self.earth)?;
-        Ok(())
+        self.painter.show_sky_without(flight, part)
     }
 
     /// Bytes of the WGSL that the driver got, of the Earth and of what is beside it.
     pub fn shader_bytes(&self) -> u64 {
-        let sky = self.sky.as_ref();
-        let tracks = self.tracks.as_ref().map_or(0, TracksLayer::shader_bytes);
-        let sky = sky.map_or(0, |sky| sky.celestial().shader_bytes());
-        self.earth.diagnostics().shader_bytes + sky + tracks
+        self.painter.shader_bytes()
     }
 
     /// Draws the tracks of a flight's satellites from now on, where its scene asks for any.
     pub fn show_tracks(&mut self, flight: &Flight) -> Result<(), PlayError> {
-        self.tracks = TracksLayer::of(flight, &self.gpu, &self.earth)?;
-        Ok(())
+        self.painter.show_tracks(flight)
     }
 
     /// Width and height, pixels.
     pub fn size(&self) -> (u32, u32) {
-        self.targets.size()
+        self.textures.size()
     }
 
     /// Width over height.
@@ -221,30 +222,27 @@ impl OffscreenRenderer {
 
     /// The adapter that draws.
     pub fn adapter_info(&self) -> wgpu::AdapterInfo {
-        self.gpu.adapter.get_info()
+        self.gpu().adapter.get_info()
     }
 
     /// The Earth.
     pub fn earth(&self) -> &Earth {
-        &self.earth
+        self.painter.earth()
     }
 
     /// Names of what is drawn beyond the Earth, and of what is not.
     pub fn sky_features(&self) -> [Vec<&'static str>; 2] {
-        let options = self.sky.as_ref().map(|sky| sky.celestial().options());
-        let on = options.map_or_else(Vec::new, CelestialOptions::features_on);
-        let off = CelestialOptions::FEATURES.into_iter();
-        [on.clone(), off.filter(|name| !on.contains(name)).collect()]
+        self.painter.sky_features()
     }
 
     /// Adapter, device and queue.
     pub fn gpu(&self) -> &GpuContext {
-        &self.gpu
+        self.painter.gpu()
     }
 
     /// Whether pictures are exposed as what is in view asks for.
     pub fn meters_exposure(&self) -> bool {
-        self.adaptation.is_some()
+        self.painter.meters_exposure()
     }
 
     /// Samples a pixel that are really drawn.
@@ -261,22 +259,16 @@ impl OffscreenRenderer {
 
     /// Draws an instant when all tiles that it wants have come, or `wait` is over. Answers the tiles that are missing.
     pub fn draw_complete(&mut self, moment: &Moment, wait: Duration) -> (FrameStats, Vec<TileKey>) {
-        self.expose(moment);
-        let size = self.drawn_size();
-        self.prepare_maps(moment, wait);
-        let (view, sky) = (&moment.view, &moment.sky);
-        let (mut stats, missing) =
-            self.earth
-                .prepare_complete(&self.gpu.queue, view, sky, size, wait);
+        let patience = Patience::Complete(wait);
+        let drawn = self.painter.prepare(moment, self.drawn_size(), patience);
         self.warn_of_missing_heights();
-        self.prepare_others(moment, &mut stats);
         self.submit();
-        (stats, missing)
+        drawn
     }
 
     /// Says that a picture's ground is coarser than its heights: of a film's pictures the first, and ever fewer of those after it.
     fn warn_of_missing_heights(&mut self) {
-        let missing = self.earth.missing_heights();
+        let missing = self.earth().missing_heights();
         let Some(first) = missing.first() else {
             return;
         };
@@ -298,15 +290,7 @@ impl OffscreenRenderer {
         moment: &Moment,
         elapsed_s: f64,
     ) -> Result<Option<f64>, PlayError> {
-        let Some(adaptation) = &mut self.adaptation else {
-            return Ok(None);
-        };
-        let Some(metered_ev) = self.earth.metered_ev(&moment.view, &moment.sky) else {
-            return Ok(None);
-        };
-        let ev = adaptation.follow(metered_ev, elapsed_s);
-        self.earth.set_exposure(Exposure::Ev(ev))?;
-        Ok(Some(ev))
+        Ok(self.painter.follow_light(moment, elapsed_s)?)
     }
 
     /// Exposes the next pictures so, those apart that have an exposure of their own ([`Moment::exposure_ev`]).
@@ -314,40 +298,46 @@ impl OffscreenRenderer {
     /// # Errors
     /// An exposure value out of [`Exposure::RANGE_EV`].
     pub fn set_exposure(&mut self, exposure: Exposure) -> Result<(), PlayError> {
-        Ok(self.earth.set_exposure(exposure)?)
+        Ok(self.painter.set_exposure(exposure)?)
     }
 
     /// Says where the eye will be soon, so that tiles are there when it comes.
     pub fn prefetch(&mut self, views: &[EyeView]) {
-        self.earth.prefetch(views);
+        self.painter.prefetch(views);
     }
 
     /// Reads back what was drawn last. Waits for the device.
     pub fn read(&self) -> Result<RgbaImage, PlayError> {
-        let read = self.targets.read_back(&self.gpu.device, &self.gpu.queue);
-        let texels = self.gpu.checked(read)?;
-        let (width, height) = self.targets.size();
+        let read = self
+            .textures
+            .targets
+            .read_back(&self.gpu().device, &self.gpu().queue);
+        let texels = self.gpu().checked(read)?;
+        let (width, height) = self.textures.targets.size();
         Ok(rgba_image(width, height, texels)?)
     }
 
     /// The same as light, of a renderer that is open for it: red, green, blue and what is no light, rows from the top.
     pub fn read_light(&self) -> Result<Vec<[f32; 4]>, PlayError> {
-        let read = self.targets.read_light(&self.gpu.device, &self.gpu.queue);
-        Ok(self.gpu.checked(read)?)
+        let read = self
+            .textures
+            .targets
+            .read_light(&self.gpu().device, &self.gpu().queue);
+        Ok(self.gpu().checked(read)?)
     }
 
     /// Reads back what was drawn last to where it is wanted: four bytes a pixel. Waits for the device.
     pub fn read_into(&self, rgba: &mut [u8]) -> Result<(), PlayError> {
-        let (device, queue) = (&self.gpu.device, &self.gpu.queue);
-        let read = self.targets.read_back_into(device, queue, rgba);
-        Ok(self.gpu.checked(read)?)
+        let (device, queue) = (&self.gpu().device, &self.gpu().queue);
+        let read = self.textures.targets.read_back_into(device, queue, rgba);
+        Ok(self.gpu().checked(read)?)
     }
 
     /// The same as light, of a renderer that is open for it: four numbers a pixel.
     pub fn read_light_into(&self, light: &mut [f32]) -> Result<(), PlayError> {
-        let (device, queue) = (&self.gpu.device, &self.gpu.queue);
-        let read = self.targets.read_light_into(device, queue, light);
-        Ok(self.gpu.checked(read)?)
+        let (device, queue) = (&self.gpu().device, &self.gpu().queue);
+        let read = self.textures.targets.read_light_into(device, queue, light);
+        Ok(self.gpu().checked(read)?)
     }
 
     /// Draws an instant twice and times the second time: the first fills caches and compiles what drivers compile late.
@@ -381,7 +371,7 @@ impl OffscreenRenderer {
         timer: &GpuTimer,
     ) -> Result<Vec<(&'static str, f64)>, PlayError> {
         self.prepare(moment);
-        let names = match self.earth.has_air() {
+        let names = match self.earth().has_air() {
             true => &["surface", "air"][..],
             false => &["surface"],
         };
@@ -393,71 +383,32 @@ impl OffscreenRenderer {
                 is_last: n + 1 == count,
             };
             let times = Some(timer.writes(n));
-            let mut pass = self.targets.begin_part(&mut encoder, part, times);
-            if *name == "air" {
-                self.earth.render_air(&mut pass);
-            } else {
-                self.craft.render(&mut pass);
-                self.earth.render_surface(&mut pass);
+            let targets = &self.textures.targets;
+            let mut pass = targets.begin_part(&mut encoder, part, times);
+            match *name {
+                "air" => self.painter.render_air(&mut pass),
+                _ => self.painter.render_surface(&mut pass),
             }
-            if let Some(sky) = self.sky.as_ref().filter(|_| part.is_last) {
-                sky.render(&mut pass);
-            }
-            if let Some(tracks) = self.tracks.as_ref().filter(|_| part.is_last) {
-                tracks.render(&mut pass);
+            if part.is_last {
+                self.painter.render_beyond(&mut pass);
             }
         }
         timer.resolve(&mut encoder, count);
-        self.gpu.queue.submit([encoder.finish()]);
-        let times = timer.read(&self.gpu.device, count)?;
+        self.gpu().queue.submit([encoder.finish()]);
+        let times = timer.read(&self.gpu().device, count)?;
         Ok(names.iter().copied().zip(times).collect())
     }
 
     /// Prepares an instant that is not drawn, and waits until the device has what was written.
     pub fn prepare_alone(&mut self, moment: &Moment) -> Result<(), PlayError> {
         self.prepare(moment);
-        self.gpu.queue.submit([]);
+        self.gpu().queue.submit([]);
         self.wait()
     }
 
-    fn prepare_maps(&mut self, moment: &Moment, wait: Duration) {
-        if let Some(maps) = &mut self.dated_maps {
-            maps.prepare(&self.gpu, &mut self.earth, moment.epoch, wait);
-        }
-    }
-
-    /// Takes the exposure that the moment has of its own.
-    fn expose(&mut self, moment: &Moment) {
-        if let Some(ev) = moment.exposure_ev
-            // Keys lie in the range, and what is between them too.
-            && let Err(error) = self.earth.set_exposure(Exposure::Ev(ev))
-        {
-            tracing::warn!("the exposure stays as it is: {error}");
-        }
-    }
-
     fn prepare(&mut self, moment: &Moment) -> FrameStats {
-        self.expose(moment);
         let size = self.drawn_size();
-        self.prepare_maps(moment, Duration::ZERO);
-        let mut stats = self
-            .earth
-            .prepare(&self.gpu.queue, &moment.view, &moment.sky, size);
-        self.prepare_others(moment, &mut stats);
-        stats
-    }
-
-    fn prepare_others(&mut self, moment: &Moment, stats: &mut FrameStats) {
-        let craft = moment.craft.as_ref();
-        self.craft
-            .prepare(&self.gpu, craft, &moment.view, &moment.sky, stats);
-        let size = self.drawn_size();
-        if let Some(sky) = &mut self.sky {
-            sky.prepare(&self.gpu, &self.earth, moment, size, stats);
-        }
-        if let Some(tracks) = &mut self.tracks {
-            tracks.prepare(&self.gpu, moment, size, TrackDetail::Complete, stats);
-        }
+        self.painter.prepare(moment, size, Patience::WholeTracks).0
     }
 
     /// Times a pass into the same textures that draws something else in place of the Earth, the device waited for.
@@ -473,63 +424,30 @@ impl OffscreenRenderer {
 
     fn submit(&mut self) {
         let mut encoder = self.encoder();
-        let picture = self.targets.picture_view();
-        let mut pass = match &self.smaller {
-            Some(smaller) => smaller.begin_pass(&mut encoder, picture),
-            None => self.targets.begin_pass(&mut encoder),
-        };
-        let (sky, tracks) = (self.sky.as_ref(), self.tracks.as_ref());
-        render_in_order(&mut pass, &self.craft, &self.earth, sky, tracks);
-        drop(pass);
-        if let Some(smaller) = &self.smaller {
-            smaller.enlarge(&mut encoder, picture);
-        }
-        let (size, drawn_size) = (self.size(), self.drawn_size());
-        if let Some(tracks) = &mut self.tracks {
-            tracks.write_names(&self.gpu, &mut encoder, picture, size, drawn_size);
-        }
-        self.gpu.queue.submit([encoder.finish()]);
+        self.painter.paint(&mut encoder, &self.textures);
+        self.gpu().queue.submit([encoder.finish()]);
     }
 
     fn submit_pass(&self, draw: impl FnOnce(&mut wgpu::RenderPass<'_>)) {
         let mut encoder = self.encoder();
-        let mut pass = self.targets.begin_pass(&mut encoder);
+        let mut pass = self.textures.targets.begin_pass(&mut encoder);
         draw(&mut pass);
         drop(pass);
-        self.gpu.queue.submit([encoder.finish()]);
+        self.gpu().queue.submit([encoder.finish()]);
     }
 
     fn encoder(&self) -> wgpu::CommandEncoder {
-        let device = &self.gpu.device;
+        let device = &self.gpu().device;
         device.create_command_encoder(&wgpu::CommandEncoderDescriptor {
             label: Some("terrella picture"),
         })
     }
 
     fn wait(&self) -> Result<(), PlayError> {
-        match self.gpu.device.poll(wgpu::PollType::wait_indefinitely()) {
+        match self.gpu().device.poll(wgpu::PollType::wait_indefinitely()) {
             Ok(_) => Ok(()),
             Err(error) => Err(PlayError::DeviceLost(error.to_string())),
         }
-    }
-}
-
-/// Draws what a picture holds: the craft first, so that the air lies behind it, then what is beyond the Earth, and the tracks
-/// last.
-pub(super) fn render_in_order(
-    pass: &mut wgpu::RenderPass<'_>,
-    craft: &CraftLayer,
-    earth: &Earth,
-    sky: Option<&SkyLayer>,
-    tracks: Option<&TracksLayer>,
-) {
-    craft.render(pass);
-    earth.render(pass);
-    if let Some(sky) = sky {
-        sky.render(pass);
-    }
-    if let Some(tracks) = tracks {
-        tracks.render(pass);
     }
 }
 

@@ -1,29 +1,26 @@
-//! The renderer of the window: adapter, surface, Earth, craft, tracks and panel.
+//! The renderer of the window: surface, scene and panel.
 
 use super::controls::Controls;
-use super::craft::CraftLayer;
-use super::dated_maps::DatedMapsLayer;
 use super::egui_pass::EguiTarget;
 use super::error::{PlayError, WindowError};
 use super::flight::{Flight, Moment};
 use super::frame_cost::FrameCosts;
 use super::keys::Action;
-use super::offscreen::{render_in_order, rgba_image};
+use super::offscreen::rgba_image;
 use super::output::PendingFile;
 use super::overlay::{EventResponse, Overlay};
 use super::panel::{self, PanelData};
 use super::progress::Progress;
 use super::quality_control::{QualityControl, scene_quality};
-use super::sky::SkyLayer;
+use super::scene_painter::{Patience, PictureTarget, ScenePainter};
 use super::surface::WindowSurface;
-use super::tracks::{TrackDetail, TracksLayer};
 use crate::scene::EDGE_SAMPLES;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use terrella::frames::rfc3339;
 use terrella::internals::gpu::{GpuContext, GpuFault, read_texture};
-use terrella::{Adaptation, Earth, Exposure, EyeView, FrameStats, Quality};
+use terrella::{EyeView, FrameStats, Quality};
 use wgpu::CurrentSurfaceTexture;
 use winit::dpi::PhysicalSize;
 use winit::event::WindowEvent;
@@ -37,19 +34,12 @@ const SMOOTHING: f64 = 0.1;
 pub struct WindowRenderer {
     overlay: Overlay,
     surface: WindowSurface,
-    earth: Earth,
-    craft: CraftLayer,
-    dated_maps: Option<DatedMapsLayer>,
-    sky: Option<SkyLayer>,
-    tracks: Option<TracksLayer>,
-    gpu: GpuContext,
+    painter: ScenePainter,
     window: Arc<Window>,
     adapter: String,
     satellite: Option<String>,
     has_tiles: bool,
     quality_control: Option<TimedQuality>,
-    /// Follows the exposure that views ask for, where it is metered.
-    adaptation: Option<Adaptation>,
     samples: SamplesByView,
     last: Option<(Moment, FrameStats)>,
     interval_ms: Option<f64>,
@@ -67,6 +57,34 @@ struct SamplesByView {
 struct TimedQuality {
     control: QualityControl,
     costs: FrameCosts,
+}
+
+/// A texture of the window, or one like it.
+struct SurfaceView<'a> {
+    surface: &'a WindowSurface,
+    view: &'a wgpu::TextureView,
+}
+
+impl PictureTarget for SurfaceView<'_> {
+    fn size(&self) -> (u32, u32) {
+        self.surface.size()
+    }
+
+    fn drawn_size(&self) -> (u32, u32) {
+        self.surface.drawn_size()
+    }
+
+    fn begin_pass<'e>(&self, encoder: &'e mut wgpu::CommandEncoder) -> wgpu::RenderPass<'e> {
+        self.surface.begin_pass(encoder, self.view)
+    }
+
+    fn enlarge(&self, encoder: &mut wgpu::CommandEncoder) {
+        self.surface.enlarge(encoder, self.view);
+    }
+
+    fn view(&self) -> &wgpu::TextureView {
+        self.view
+    }
 }
 
 /// Whether a frame reached the screen.
@@ -112,7 +130,11 @@ impl WindowRenderer {
         let surface = WindowSurface::new(&gpu, surface, inner, options.samples)?;
         options.color_format = surface.format();
         options.samples = surface.samples();
-        let earth = Earth::new(&gpu.device, &gpu.queue, &options)?;
+        let mut painter = ScenePainter::new(gpu, &options)?;
+        painter.show_dated_maps(flight)?;
+        painter.show_sky(flight)?;
+        painter.show_tracks(flight)?;
+        let (gpu, earth) = (painter.gpu(), painter.earth());
         let full = scene_quality(&flight.scene().quality, *earth.quality());
         let control = QualityControl::of(flight.scene(), full, earth.has_tiles())?;
         let quality_control = match control {
@@ -125,7 +147,7 @@ impl WindowRenderer {
         let samples = SamplesByView {
             with_craft: match flight.scene().line("output", "samples") {
                 Some(_) => surface.samples(),
-                None => surface.supported_samples(&gpu, EDGE_SAMPLES),
+                None => surface.supported_samples(gpu, EDGE_SAMPLES),
             },
             without: surface.samples(),
         };
@@ -135,18 +157,12 @@ impl WindowRenderer {
         let mut renderer = Self {
             overlay: Overlay::new(&window, &gpu.device, surface.format()),
             surface,
-            craft: CraftLayer::new(&options)?,
-            dated_maps: DatedMapsLayer::of(flight, &gpu)?,
-            sky: SkyLayer::of(flight, &gpu, &earth)?,
-            tracks: TracksLayer::of(flight, &gpu, &earth)?,
-            earth,
-            gpu,
+            painter,
             window,
             adapter: format!("{} ({})", info.name, info.backend),
             satellite: flight.feed().map(|feed| feed.name().to_owned()),
             has_tiles: options.tiles.is_some(),
             quality_control,
-            adaptation: (options.exposure == Exposure::Auto).then(Adaptation::default),
             samples,
             last: None,
             interval_ms: None,
@@ -163,7 +179,7 @@ impl WindowRenderer {
 
     /// Whether the device has stopped for good.
     pub fn fault(&self) -> Option<GpuFault> {
-        self.gpu.check().err()
+        self.painter.gpu().check().err()
     }
 
     /// Width and height of the picture, pixels.
@@ -184,11 +200,7 @@ impl WindowRenderer {
 
     /// Whether the last picture still waits for tiles, or for tracks to be whole.
     pub fn is_loading(&self) -> bool {
-        let tracks = self.tracks.as_ref();
-        let is_growing = tracks.is_some_and(|tracks| !tracks.is_complete());
-        let maps = self.dated_maps.as_ref();
-        is_growing
-            || maps.is_some_and(DatedMapsLayer::is_loading)
+        self.painter.is_loading()
             || self.last.is_some_and(|(_, stats)| {
                 let tiles = stats.tiles;
                 tiles.queued + tiles.loading + tiles.waiting_upload > 0
@@ -197,7 +209,7 @@ impl WindowRenderer {
 
     /// Says where the eye will be soon.
     pub fn prefetch(&mut self, views: &[EyeView]) {
-        self.earth.prefetch(views);
+        self.painter.prefetch(views);
     }
 
     /// The moment that was drawn last.
@@ -207,7 +219,7 @@ impl WindowRenderer {
 
     /// Follows the window to another size.
     pub fn resize(&mut self, size: (u32, u32)) {
-        self.surface.resize(&self.gpu.device, size);
+        self.surface.resize(&self.painter.gpu().device, size);
     }
 
     /// Offers an event to the panel.
@@ -252,7 +264,7 @@ impl WindowRenderer {
                 frame
             }
             CurrentSurfaceTexture::Outdated => {
-                self.surface.configure(&self.gpu.device);
+                self.surface.configure(&self.painter.gpu().device);
                 return (Presented::Skipped, Vec::new());
             }
             CurrentSurfaceTexture::Lost => {
@@ -271,24 +283,25 @@ impl WindowRenderer {
         self.follow_light(moment, interval);
         let view = self.surface.view_of(&frame.texture);
         let mut encoder = self.encoder();
-        let stats = self.draw_earth(moment, &mut encoder, &view);
+        let stats = self.draw_scene(moment, &mut encoder, &view);
         let (delay, actions) = self.lay_out_panel(moment, controls, stats);
         let panel = self.overlay.draw(EguiTarget {
-            device: &self.gpu.device,
-            queue: &self.gpu.queue,
+            device: &self.painter.gpu().device,
+            queue: &self.painter.gpu().queue,
             encoder: &mut encoder,
             view: &view,
             size: self.surface.size(),
         });
         let submission = self
-            .gpu
+            .painter
+            .gpu()
             .queue
             .submit(panel.into_iter().chain([encoder.finish()]));
         if let Some(quality_control) = &self.quality_control {
             quality_control.costs.time(begin, submission);
         }
         self.window.pre_present_notify();
-        self.gpu.queue.present(frame);
+        self.painter.gpu().queue.present(frame);
         let work = begin.elapsed().as_secs_f64() * 1e3;
         self.work_ms = smooth((self.work_ms > 0.0).then_some(self.work_ms), work);
         self.last = Some((*moment, stats));
@@ -303,12 +316,16 @@ impl WindowRenderer {
         let path = free_name(folder, &rfc3339(moment.epoch));
         let file = PendingFile::create(&path, "pictures", "png")?;
         // Some surfaces cannot be read: the same is drawn once more into a texture that can.
-        let texture = self.surface.capture_texture(&self.gpu.device);
+        let texture = self.surface.capture_texture(&self.painter.gpu().device);
         let view = self.surface.view_of(&texture);
         let mut encoder = self.encoder();
-        self.draw_earth(&moment, &mut encoder, &view);
-        self.gpu.queue.submit([encoder.finish()]);
-        let texels = read_texture(&self.gpu.device, &self.gpu.queue, &texture)?;
+        self.draw_scene(&moment, &mut encoder, &view);
+        self.painter.gpu().queue.submit([encoder.finish()]);
+        let texels = read_texture(
+            &self.painter.gpu().device,
+            &self.painter.gpu().queue,
+            &texture,
+        )?;
         file.write_png(&rgba_image(texture.width(), texture.height(), texels)?)?;
         tracing::info!("saved {}", path.display());
         Ok(path)
@@ -320,7 +337,7 @@ impl WindowRenderer {
             Some(_) => self.samples.with_craft,
             None => self.samples.without,
         };
-        let quality = *self.earth.quality();
+        let quality = *self.painter.earth().quality();
         if quality.samples != samples {
             self.set_quality(&Quality { samples, ..quality });
         }
@@ -328,44 +345,23 @@ impl WindowRenderer {
 
     /// Exposes as the view asks for, followed in the time since the frame before.
     fn follow_light(&mut self, moment: &Moment, interval: Option<Duration>) {
-        if let Some(ev) = moment.exposure_ev
-            && let Err(error) = self.earth.set_exposure(Exposure::Ev(ev))
-        {
+        let elapsed_s = interval.unwrap_or_default().as_secs_f64();
+        // What was metered lies in the range.
+        if let Err(error) = self.painter.follow_light(moment, elapsed_s) {
             tracing::warn!("the exposure stays as it is: {error}");
-        }
-        let Some(adaptation) = &mut self.adaptation else {
-            return;
-        };
-        if let Some(metered_ev) = self.earth.metered_ev(&moment.view, &moment.sky) {
-            let elapsed = interval.unwrap_or_default();
-            let ev = adaptation.follow(metered_ev, elapsed.as_secs_f64());
-            // What was metered lies in the range.
-            if let Err(error) = self.earth.set_exposure(Exposure::Ev(ev)) {
-                tracing::warn!("the exposure stays as it is: {error}");
-            }
         }
     }
 
     fn set_quality(&mut self, quality: &Quality) -> bool {
-        let changed = self.earth.set_quality(&self.gpu.queue, quality);
+        let changed = self.painter.set_quality(quality);
         if let Err(error) = &changed {
             tracing::warn!("the quality stays as it is: {error}");
         }
-        let samples = self.earth.quality().samples;
+        let quality = self.painter.earth().quality();
         self.surface
-            .set_quality(&self.gpu.device, self.earth.quality());
-        self.craft.set_samples(samples);
-        if let Some(sky) = &mut self.sky
-            && let Err(error) = sky.follow(&self.gpu, &self.earth)
-        {
-            tracing::warn!("the sky is no longer drawn: {error}");
-            self.sky = None;
-        }
-        if let Some(tracks) = &mut self.tracks
-            && let Err(error) = tracks.follow(&self.earth)
-        {
-            tracing::warn!("tracks are no longer drawn: {error}");
-            self.tracks = None;
+            .set_quality(&self.painter.gpu().device, quality);
+        for (what, error) in self.painter.follow_quality() {
+            tracing::warn!("{what} no longer drawn: {error}");
         }
         changed.is_ok()
     }
@@ -384,42 +380,22 @@ impl WindowRenderer {
     }
 
     fn encoder(&self) -> wgpu::CommandEncoder {
-        let device = &self.gpu.device;
+        let device = &self.painter.gpu().device;
         device.create_command_encoder(&wgpu::CommandEncoderDescriptor {
             label: Some("terrella window"),
         })
     }
 
-    fn draw_earth(
+    fn draw_scene(
         &mut self,
         moment: &Moment,
         encoder: &mut wgpu::CommandEncoder,
         view: &wgpu::TextureView,
     ) -> FrameStats {
-        let (size, drawn_size) = (self.surface.size(), self.surface.drawn_size());
-        if let Some(maps) = &mut self.dated_maps {
-            maps.prepare(&self.gpu, &mut self.earth, moment.epoch, Duration::ZERO);
-        }
-        let mut stats = self
-            .earth
-            .prepare(&self.gpu.queue, &moment.view, &moment.sky, drawn_size);
-        let craft = moment.craft.as_ref();
-        self.craft
-            .prepare(&self.gpu, craft, &moment.view, &moment.sky, &mut stats);
-        if let Some(sky) = &mut self.sky {
-            sky.prepare(&self.gpu, &self.earth, moment, drawn_size, &mut stats);
-        }
-        if let Some(tracks) = &mut self.tracks {
-            tracks.prepare(&self.gpu, moment, drawn_size, TrackDetail::Live, &mut stats);
-        }
-        let mut pass = self.surface.begin_pass(encoder, view);
-        let (sky, tracks) = (self.sky.as_ref(), self.tracks.as_ref());
-        render_in_order(&mut pass, &self.craft, &self.earth, sky, tracks);
-        drop(pass);
-        self.surface.enlarge(encoder, view);
-        if let Some(tracks) = &mut self.tracks {
-            tracks.write_names(&self.gpu, encoder, view, size, drawn_size);
-        }
+        let drawn_size = self.surface.drawn_size();
+        let (stats, _) = self.painter.prepare(moment, drawn_size, Patience::Live);
+        let surface = &self.surface;
+        self.painter.paint(encoder, &SurfaceView { surface, view });
         stats
     }
 
@@ -451,8 +427,13 @@ impl WindowRenderer {
     }
 
     fn replace_surface(&mut self) {
-        match self.gpu.instance.create_surface(self.window.clone()) {
-            Ok(surface) => self.surface.replace(&self.gpu.device, surface),
+        match self
+            .painter
+            .gpu()
+            .instance
+            .create_surface(self.window.clone())
+        {
+            Ok(surface) => self.surface.replace(&self.painter.gpu().device, surface),
             Err(error) => tracing::warn!("the window's surface was lost: {error}"),
         }
     }

@@ -1,0 +1,274 @@
+//! What pictures of a scene hold, and the order in which it is prepared and drawn: of a window's pictures and of those without one.
+
+use super::craft::CraftLayer;
+use super::dated_maps::DatedMapsLayer;
+use super::error::PlayError;
+use super::flight::{Flight, Moment};
+use super::sky::SkyLayer;
+use super::tracks::{TrackDetail, TracksLayer};
+use std::time::Duration;
+use terrella::celestial::CelestialOptions;
+use terrella::internals::gpu::GpuContext;
+use terrella::{
+    Adaptation, Earth, EarthError, EarthOptions, Exposure, EyeView, FrameStats, Quality,
+};
+use terrella_imagery::tile::TileKey;
+
+/// The Earth, and what a scene has beside it: a craft, maps of the date, the sky and tracks.
+pub struct ScenePainter {
+    gpu: GpuContext,
+    earth: Earth,
+    craft: CraftLayer,
+    dated_maps: Option<DatedMapsLayer>,
+    sky: Option<SkyLayer>,
+    tracks: Option<TracksLayer>,
+    /// Follows the exposure that views ask for, where it is metered.
+    adaptation: Option<Adaptation>,
+}
+
+/// Textures that a picture is drawn to.
+pub trait PictureTarget {
+    /// Width and height of the picture, pixels.
+    fn size(&self) -> (u32, u32);
+
+    /// Width and height that are drawn before they are enlarged to [`Self::size`], pixels.
+    fn drawn_size(&self) -> (u32, u32);
+
+    /// Begins the pass that draws it: black space, depth infinitely far.
+    fn begin_pass<'e>(&self, encoder: &'e mut wgpu::CommandEncoder) -> wgpu::RenderPass<'e>;
+
+    /// Enlarges what that pass drew to all of the picture, where it is smaller.
+    fn enlarge(&self, encoder: &mut wgpu::CommandEncoder);
+
+    /// The finished picture.
+    fn view(&self) -> &wgpu::TextureView;
+}
+
+/// How long a picture may wait, and how much of its tracks it shows.
+#[derive(Clone, Copy)]
+pub enum Patience {
+    /// Drawn with what is there; tracks grow over the next pictures.
+    Live,
+    /// Drawn with what is there, and whole tracks.
+    WholeTracks,
+    /// The same, when all tiles that it wants have come or this time is over.
+    Complete(Duration),
+}
+
+impl ScenePainter {
+    /// Uploads the maps; the Earth alone is drawn until layers are added by the methods below.
+    pub fn new(gpu: GpuContext, options: &EarthOptions) -> Result<Self, PlayError> {
+        Ok(Self {
+            earth: Earth::new(&gpu.device, &gpu.queue, options)?,
+            craft: CraftLayer::new(options)?,
+            gpu,
+            dated_maps: None,
+            sky: None,
+            tracks: None,
+            adaptation: (options.exposure == Exposure::Auto).then(Adaptation::default),
+        })
+    }
+
+    /// Adapter, device and queue.
+    pub fn gpu(&self) -> &GpuContext {
+        &self.gpu
+    }
+
+    /// The Earth.
+    pub fn earth(&self) -> &Earth {
+        &self.earth
+    }
+
+    /// Draws the maps of each picture's date from now on, where they change with it; without, those that it was opened with.
+    pub fn show_dated_maps(&mut self, flight: &Flight) -> Result<(), PlayError> {
+        self.dated_maps = DatedMapsLayer::of(flight, &self.gpu)?;
+        Ok(())
+    }
+
+    /// Draws what is beyond the Earth from now on, where a flight's scene asks for any of it.
+    pub fn show_sky(&mut self, flight: &Flight) -> Result<(), PlayError> {
+        self.sky = SkyLayer::of(flight, &self.gpu, &self.earth)?;
+        Ok(())
+    }
+
+    /// The same without one part of it, by its key.
+    pub fn show_sky_without(&mut self, flight: &Flight, part: &str) -> Result<(), PlayError> {
+        let mut scene = flight.scene().clone();
+        scene.sky.switch_off(part);
+        self.sky = SkyLayer::of_scene(&scene, flight, &self.gpu, &self.earth)?;
+        Ok(())
+    }
+
+    /// Draws the tracks of a flight's satellites from now on, where its scene asks for any.
+    pub fn show_tracks(&mut self, flight: &Flight) -> Result<(), PlayError> {
+        self.tracks = TracksLayer::of(flight, &self.gpu, &self.earth)?;
+        Ok(())
+    }
+
+    /// Draws the Earth better or worse from now on. The other layers follow by [`Self::follow_quality`].
+    pub fn set_quality(&mut self, quality: &Quality) -> Result<(), EarthError> {
+        self.earth.set_quality(&self.gpu.queue, quality)
+    }
+
+    /// Draws all else with the samples of the Earth. What cannot is drawn no longer, and is answered: what it is, with its verb, and why.
+    pub fn follow_quality(&mut self) -> Vec<(&'static str, PlayError)> {
+        self.craft.set_samples(self.earth.quality().samples);
+        let mut lost = Vec::new();
+        if let Some(sky) = &mut self.sky
+            && let Err(error) = sky.follow(&self.gpu, &self.earth)
+        {
+            lost.push(("the sky is", error));
+            self.sky = None;
+        }
+        if let Some(tracks) = &mut self.tracks
+            && let Err(error) = tracks.follow(&self.earth)
+        {
+            lost.push(("tracks are", error));
+            self.tracks = None;
+        }
+        lost
+    }
+
+    /// Whether pictures are exposed as what is in view asks for.
+    pub fn meters_exposure(&self) -> bool {
+        self.adaptation.is_some()
+    }
+
+    /// Exposes the next pictures so, those apart that have an exposure of their own ([`Moment::exposure_ev`]).
+    ///
+    /// # Errors
+    /// An exposure value out of [`Exposure::RANGE_EV`].
+    pub fn set_exposure(&mut self, exposure: Exposure) -> Result<(), EarthError> {
+        self.earth.set_exposure(exposure)
+    }
+
+    /// Where exposure is metered, exposes the next picture as its view asks for, followed in the time since the last, seconds,
+    /// and not at once. Answers the exposure value, where one is metered.
+    pub fn follow_light(
+        &mut self,
+        moment: &Moment,
+        elapsed_s: f64,
+    ) -> Result<Option<f64>, EarthError> {
+        let Some(adaptation) = &mut self.adaptation else {
+            return Ok(None);
+        };
+        let Some(metered_ev) = self.earth.metered_ev(&moment.view, &moment.sky) else {
+            return Ok(None);
+        };
+        let ev = adaptation.follow(metered_ev, elapsed_s);
+        self.earth.set_exposure(Exposure::Ev(ev))?;
+        Ok(Some(ev))
+    }
+
+    /// Says where the eye will be soon, so that tiles are there when it comes.
+    pub fn prefetch(&mut self, views: &[EyeView]) {
+        self.earth.prefetch(views);
+    }
+
+    /// Prepares an instant at a size in pixels. Answers the tiles that are missing, if it waited for them.
+    pub fn prepare(
+        &mut self,
+        moment: &Moment,
+        drawn_size: (u32, u32),
+        patience: Patience,
+    ) -> (FrameStats, Vec<TileKey>) {
+        self.expose(moment);
+        let (wait, detail) = match patience {
+            Patience::Live => (None, TrackDetail::Live),
+            Patience::WholeTracks => (None, TrackDetail::Complete),
+            Patience::Complete(wait) => (Some(wait), TrackDetail::Complete),
+        };
+        if let Some(maps) = &mut self.dated_maps {
+            let wait = wait.unwrap_or_default();
+            maps.prepare(&self.gpu, &mut self.earth, moment.epoch, wait);
+        }
+        let (queue, view, sky) = (&self.gpu.queue, &moment.view, &moment.sky);
+        let (mut stats, missing) = match wait {
+            None => (self.earth.prepare(queue, view, sky, drawn_size), Vec::new()),
+            Some(wait) => self
+                .earth
+                .prepare_complete(queue, view, sky, drawn_size, wait),
+        };
+        let craft = moment.craft.as_ref();
+        self.craft.prepare(&self.gpu, craft, view, sky, &mut stats);
+        if let Some(sky) = &mut self.sky {
+            sky.prepare(&self.gpu, &self.earth, moment, drawn_size, &mut stats);
+        }
+        if let Some(tracks) = &mut self.tracks {
+            tracks.prepare(&self.gpu, moment, drawn_size, detail, &mut stats);
+        }
+        (stats, missing)
+    }
+
+    /// Takes the exposure that the moment has of its own.
+    fn expose(&mut self, moment: &Moment) {
+        if let Some(ev) = moment.exposure_ev
+            // Keys lie in the range, and what is between them too.
+            && let Err(error) = self.earth.set_exposure(Exposure::Ev(ev))
+        {
+            tracing::warn!("the exposure stays as it is: {error}");
+        }
+    }
+
+    /// Draws what was prepared, with the names of tracks over the enlarged picture.
+    pub fn paint(&mut self, encoder: &mut wgpu::CommandEncoder, target: &impl PictureTarget) {
+        let mut pass = target.begin_pass(encoder);
+        self.render_surface(&mut pass);
+        self.render_air(&mut pass);
+        self.render_beyond(&mut pass);
+        drop(pass);
+        target.enlarge(encoder);
+        if let Some(tracks) = &mut self.tracks {
+            let (size, drawn_size) = (target.size(), target.drawn_size());
+            tracks.write_names(&self.gpu, encoder, target.view(), size, drawn_size);
+        }
+    }
+
+    /// Draws the craft and the ground: the first part of a picture, so that the air lies behind the craft.
+    pub fn render_surface(&self, pass: &mut wgpu::RenderPass<'_>) {
+        self.craft.render(pass);
+        self.earth.render_surface(pass);
+    }
+
+    /// Draws the air, which follows.
+    pub fn render_air(&self, pass: &mut wgpu::RenderPass<'_>) {
+        self.earth.render_air(pass);
+    }
+
+    /// Draws what is beyond the Earth, and tracks, which come last.
+    pub fn render_beyond(&self, pass: &mut wgpu::RenderPass<'_>) {
+        if let Some(sky) = &self.sky {
+            sky.render(pass);
+        }
+        if let Some(tracks) = &self.tracks {
+            tracks.render(pass);
+        }
+    }
+
+    /// Whether the picture still waits for maps of its date, or for tracks to be whole.
+    #[cfg(feature = "window")]
+    pub fn is_loading(&self) -> bool {
+        let is_growing = |tracks: &TracksLayer| !tracks.is_complete();
+        self.tracks.as_ref().is_some_and(is_growing)
+            || self
+                .dated_maps
+                .as_ref()
+                .is_some_and(DatedMapsLayer::is_loading)
+    }
+
+    /// Bytes of the WGSL that the driver got, of the Earth and of what is beside it.
+    pub fn shader_bytes(&self) -> u64 {
+        let tracks = self.tracks.as_ref().map_or(0, TracksLayer::shader_bytes);
+        let sky = self.sky.as_ref();
+        let sky = sky.map_or(0, |sky| sky.celestial().shader_bytes());
+        self.earth.diagnostics().shader_bytes + sky + tracks
+    }
+
+    /// Names of what is drawn beyond the Earth, and of what is not.
+    pub fn sky_features(&self) -> [Vec<&'static str>; 2] {
+        let options = self.sky.as_ref().map(|sky| sky.celestial().options());
+        let on = options.map_or_else(Vec::new, CelestialOptions::features_on);
+        let off = CelestialOptions::FEATURES.into_iter();
+        [on.clone(), off.filter(|name| !on.contains(name)).collect()]
+    }
+}
