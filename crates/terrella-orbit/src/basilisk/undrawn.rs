@@ -9,7 +9,7 @@ pub struct Undrawn(u128);
 /// A part of a message. Its number is its bit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
-pub enum Part {
+pub(super) enum Part {
     QuadMaps,
     Dialogs,
     ReactionWheels,
@@ -27,10 +27,6 @@ pub enum Part {
     LocationFields,
     TargetLines,
     TooMany,
-    LineColors,
-    GroundTrackBody,
-    CraftParts,
-    BodyModels,
     RelativeOrbitChief,
     PlaybackPaused,
     PlaybackInRealTime,
@@ -42,7 +38,7 @@ pub enum Part {
 }
 
 /// Their names, by their bit.
-const PARTS: [&str; 29] = [
+const PARTS: [&str; 25] = [
     "maps on the ground (quadMaps)",
     "dialogs (vizEventDialogs)",
     "reaction wheels",
@@ -60,10 +56,6 @@ const PARTS: [&str; 29] = [
     "fields of view of ground locations",
     "lines to targets",
     "more parts than a message may have",
-    "colours of orbit lines and ground tracks",
-    "groundTrackBodyName",
-    "spacecraft as parts of others (parentSpacecraftName)",
-    "celestial body models by key",
     "liveSettings.relativeOrbitChief",
     "liveSettings.playbackPaused",
     "liveSettings.playbackInRealTime",
@@ -180,12 +172,12 @@ impl Asks {
 
 impl Undrawn {
     /// Adds a part of a message.
-    pub fn add(&mut self, part: Part) {
+    pub(super) fn add(&mut self, part: Part) {
         self.0 |= 1 << part as u8;
     }
 
     /// Adds a setting, where it asks for something that is not drawn.
-    pub fn add_setting(&mut self, field: &Field<'_>) {
+    pub(super) fn add_setting(&mut self, field: &Field<'_>) {
         match SETTINGS.binary_search_by_key(&field.number, |(number, ..)| *number) {
             Ok(at) => {
                 let (number, _, asks) = SETTINGS[at];

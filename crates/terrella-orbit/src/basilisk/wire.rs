@@ -33,7 +33,7 @@ pub enum WireFault {
 
 /// A field's value as it stands on the wire.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Value<'b> {
+pub(in crate::basilisk) enum Value<'b> {
     /// Whole numbers, truth values.
     Varint(u64),
     /// Doubles.
@@ -46,7 +46,7 @@ pub enum Value<'b> {
 
 /// A field of a message.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Field<'b> {
+pub(in crate::basilisk) struct Field<'b> {
     /// Its number.
     pub number: u32,
     /// Its value.
@@ -55,7 +55,7 @@ pub struct Field<'b> {
 
 /// The fields of a message, in the order of its bytes. Ends with the first fault.
 #[derive(Clone, Debug)]
-pub struct Fields<'b> {
+pub(in crate::basilisk) struct Fields<'b> {
     rest: &'b [u8],
 }
 
