@@ -107,7 +107,7 @@ pub use internals::{earth, gpu};
 
 pub use earth::{
     AdaptiveQuality, Appearance, ChangeMaker, DepthBuffer, DiagnosticOptions, Diagnostics, Earth,
-    EarthError, EarthOptions, EarthView, EyeView, FrameStats, GroundOptions, Quality,
+    EarthError, EarthOptions, EarthView, EyeView, FrameStats, GroundOptions, PixelRays, Quality,
     QualityChange, QualityLadder, QualityLadderError, QualityLevel, QualityReduction, QualityStep,
     ReadyChange, Sky, SurfaceLight, SurfaceOutput, TILED_SUBDIVISION, TileOptions, TruthPoint,
     TruthView, ViewFrame, Viewport,

@@ -18,7 +18,7 @@ pub use limits::check_length;
 pub use limits::{MAX_PICTURE_MIB, target_bytes};
 pub use limits::{check_memory, check_size, new_targets, supported_samples};
 pub use limits::{check_truth_memory, new_truth_targets};
-pub use truth::set_truth;
+pub use truth::{HiddenMaps, set_truth};
 pub use truth::{LayerValues, TruthPicture};
 pub use truth_layers::{LayerDtype, TRUTH_LAYERS, TruthLayer, TruthPixel};
 

@@ -142,8 +142,9 @@ pub use event_table::EventTable;
 #[cfg(feature = "window")]
 pub use export::{ExportRequest, export};
 pub use film::{
-    Existing, FilmError, FilmFrames, FilmKey, FilmPainter, FilmRequest, FrameRange, FrameRecord,
-    PictureFormat, PictureSettings, SharedFolder, Shutter, checksum,
+    CameraRecord, DrawnFrame, Existing, FilmError, FilmFrames, FilmInput, FilmKey, FilmPainter,
+    FilmPicture, FilmRequest, FrameRange, FrameRecord, LightPicture, Painted, PictureFormat,
+    PictureSettings, SharedFolder, Shutter, checksum,
 };
 pub use flight::{Flight, Moment, SatelliteState, ViewRequest};
 pub use maps::{DroppedLayer, earth_options};
@@ -161,11 +162,11 @@ pub use quality_control::{HeldQuality, QualityControl, scene_quality};
 pub use relief::read_ground;
 pub use satellites::{FileRemark, Satellite};
 pub use scene_files::{SceneFile, scene_files};
-pub use stats::{EyePosition, PictureStats, SatelliteLight, SubsolarPoint};
+pub use stats::{EyePosition, PictureStats, ReliefStats, SatelliteLight, SubsolarPoint, TileStats};
 #[cfg(feature = "window")]
 pub use still::{StillRequest, write_still};
 #[cfg(feature = "window")]
-pub use tracks::TracksLayer;
+pub use tracks::{TrackDetail, TracksLayer};
 #[cfg(feature = "window")]
 pub use video::{EncoderChoice, VideoCodec, VideoCoding};
 #[cfg(feature = "window")]

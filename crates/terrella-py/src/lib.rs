@@ -3,6 +3,9 @@
 //! Everything that takes long lets go of the interpreter. Arrays that come back are written once, by the library, and handed to NumPy
 //! as they are.
 
+// Its classes have their names in Python.
+#![allow(unnameable_types)]
+
 mod arguments;
 mod earth;
 mod errors;

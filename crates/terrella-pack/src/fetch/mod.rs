@@ -32,4 +32,7 @@ pub use http::ClientOptions;
 pub use layer::{Estimate, FetchOptions, Layer, LayerDone, Request};
 pub use named::{find_source, source_names};
 pub use plan::Fineness;
-pub use source::{MAX_SOURCE_BYTES, Source, SourceLayer};
+pub use source::{
+    Files, Gentleness, ListedFile, MAX_SOURCE_BYTES, Media, Source, SourceLayer, Tiles, TimeStep,
+    Times,
+};

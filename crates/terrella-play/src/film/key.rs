@@ -28,7 +28,7 @@ pub struct FilmKey {
     /// The instant of frame 0, UTC: a scene may leave it to the clock, to the command line, or to the file of its satellite.
     pub start_utc: String,
     /// The files that its pictures come from.
-    pub inputs: Vec<Input>,
+    pub inputs: Vec<FilmInput>,
     /// Width and height, pixels.
     pub size: [u32; 2],
     /// How they are made and kept.
@@ -38,7 +38,7 @@ pub struct FilmKey {
 /// A file that pictures come from.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Input {
+pub struct FilmInput {
     /// The scene's key that leads to it.
     pub key: String,
     /// Its name, without folders: a film may be gone on with elsewhere.
@@ -59,7 +59,7 @@ impl FilmKey {
     ) -> Result<Self, PlayError> {
         let inputs = scene_files(scene)?
             .par_iter()
-            .map(Input::of)
+            .map(FilmInput::of)
             .collect::<Result<_, _>>()?;
         Ok(Self {
             program: concat!("terrella ", env!("CARGO_PKG_VERSION")).to_owned(),
@@ -108,7 +108,7 @@ impl FilmKey {
     }
 }
 
-impl Input {
+impl FilmInput {
     fn of(file: &SceneFile) -> Result<Self, FilmError> {
         let name = file.path.file_name().unwrap_or_default();
         Ok(Self {
@@ -125,7 +125,7 @@ impl Input {
 }
 
 /// How the files of two films differ, in words. Files of one name in different folders are told apart by their order.
-fn input_differences(now: &[Input], before: &[Input]) -> Vec<String> {
+fn input_differences(now: &[FilmInput], before: &[FilmInput]) -> Vec<String> {
     let (now, before) = (numbered(now), numbered(before));
     let only_in = |some: &Numbered<'_>, others: &Numbered<'_>| {
         let others = others.clone();
@@ -146,9 +146,9 @@ fn input_differences(now: &[Input], before: &[Input]) -> Vec<String> {
 }
 
 /// Files by their keys, their names and their numbers among those that are alike in both.
-type Numbered<'i> = BTreeMap<(&'i str, &'i str, usize), &'i Input>;
+type Numbered<'i> = BTreeMap<(&'i str, &'i str, usize), &'i FilmInput>;
 
-fn numbered(inputs: &[Input]) -> Numbered<'_> {
+fn numbered(inputs: &[FilmInput]) -> Numbered<'_> {
     let mut numbered = BTreeMap::new();
     for input in inputs {
         let alike = (1..).map(|n| (&*input.key, &*input.file, n));
@@ -234,8 +234,8 @@ mod tests {
         );
     }
 
-    fn input(file: &str, blake3: &str) -> Input {
-        Input {
+    fn input(file: &str, blake3: &str) -> FilmInput {
+        FilmInput {
             key: "earth.cloud_maps".into(),
             file: file.into(),
             blake3: blake3.into(),

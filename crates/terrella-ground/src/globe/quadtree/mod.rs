@@ -26,7 +26,7 @@ mod surface;
 #[cfg(test)]
 mod tests;
 
-pub use bound::leaf_error;
+pub use bound::{LeafError, leaf_error};
 pub use lod::SplitRule;
-pub use node::{Cut, Domain, Node, Point, among, child_among, ring};
+pub use node::{Among, Cut, Domain, Node, Point, Side, Square, among, child_among, ring};
 pub use surface::{Quadtree, QuadtreeOptions};
