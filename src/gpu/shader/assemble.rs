@@ -53,17 +53,15 @@ impl ShaderText {
         }
         done.push(file);
         self.push(&format!("// {file}"), (file, 1));
+        let error = |line, problem| ShaderError {
+            file: (*file).to_owned(),
+            line,
+            problem,
+        };
+        let mut branches = Branches::new(conditions);
         for (number, line) in (1..).zip(text.lines()) {
-            let error = |problem| ShaderError {
-                file: (*file).to_owned(),
-                line: number,
-                problem,
-            };
-            // Comments are for people; the driver need not read them.
-            if line.trim().is_empty() || line.trim_start().starts_with("//") {
-                continue;
-            }
-            let Some(line) = kept(line, conditions).map_err(error)? else {
+            let error = |problem| error(number, problem);
+            let Some(line) = branches.kept(line).map_err(error)? else {
                 continue;
             };
             let Some(imported) = line.strip_prefix("import ") else {
@@ -86,7 +84,10 @@ impl ShaderText {
                 None => return Err(error(format!("no shader file {imported}"))),
             }
         }
-        Ok(true)
+        match branches.open.last() {
+            None => Ok(true),
+            Some(branch) => Err(error(branch.line, "what @if keeps does not end".into())),
+        }
     }
 
     fn push(&mut self, line: &str, origin: (&'static str, usize)) {
@@ -96,65 +97,195 @@ impl ShaderText {
     }
 }
 
-/// What a line gives to the text: itself without its `@if`, or nothing where that does not hold.
-fn kept<'a>(line: &'a str, conditions: Conditions<'_>) -> Result<Option<&'a str>, String> {
-    let Some(rest) = line.trim_start().strip_prefix("@if(") else {
-        return match line.contains("@if") {
-            true => Err("@if stands first in its line".into()),
-            false => Ok(Some(line)),
+/// Reads a file line by line and leaves out what is behind a condition that does not hold.
+struct Branches<'a> {
+    conditions: Conditions<'a>,
+    /// Lines that were read.
+    lines: usize,
+    /// Brackets that are open.
+    depth: usize,
+    /// Declarations, members and statements behind conditions that have not ended yet, outermost first.
+    open: Vec<Branch>,
+    /// Whether the condition held whose declaration, member or statement has just ended: for an `@else` after it.
+    ended: Option<bool>,
+}
+
+/// What an `@if` or `@else` decides about.
+struct Branch {
+    is_kept: bool,
+    /// Brackets that were open at its start, and so are at its end.
+    depth: usize,
+    /// The line that it begins in.
+    line: usize,
+    has_else: bool,
+}
+
+impl<'a> Branches<'a> {
+    fn new(conditions: Conditions<'a>) -> Self {
+        Self {
+            conditions,
+            lines: 0,
+            depth: 0,
+            open: Vec::new(),
+            ended: None,
+        }
+    }
+
+    /// What the next line gives to the text. Comments are for people; the driver need not read them.
+    fn kept<'t>(&mut self, line: &'t str) -> Result<Option<&'t str>, String> {
+        self.lines += 1;
+        let trimmed = line.trim_start();
+        if trimmed.is_empty() || trimmed.starts_with("//") {
+            return Ok(None);
+        }
+        let ended = self.ended.take();
+        let (condition, rest) = if let Some(rest) = trimmed.strip_prefix("@if(") {
+            let (all, rest) = rest.split_once(')').ok_or("@if( without )")?;
+            (Some((self.hold(all)?, true)), rest.trim())
+        } else if let Some(rest) = trimmed.strip_prefix("@else") {
+            let held = ended.ok_or("@else stands directly after what @if keeps")?;
+            (Some((!held, false)), rest.trim())
+        } else {
+            (None, line)
         };
-    };
-    let (all, rest) = rest.split_once(')').ok_or("@if( without )")?;
-    let rest = rest.trim();
-    let code = rest.split("//").next().unwrap_or_default().trim_end();
-    let is_whole = code.ends_with([';', ',']) || code.ends_with('}') && code.contains('{');
-    if !is_whole {
-        return Err("what @if keeps ends in its line".into());
-    }
-    let mut keeps = true;
-    for wanted in all.split("&&").map(str::trim) {
-        let name = wanted.trim_start_matches('!');
-        let (_, holds) = conditions
+        if ["@if", "@elif", "@else"]
             .iter()
-            .find(|(known, _)| *known == name)
-            .ok_or_else(|| format!("unknown condition {name}"))?;
-        keeps &= *holds == (name == wanted);
+            .any(|word| rest.contains(word))
+        {
+            return Err("@if and @else stand first in their line, and there is no @elif".into());
+        }
+        self.open
+            .extend(condition.map(|(is_kept, has_else)| Branch {
+                is_kept,
+                depth: self.depth,
+                line: self.lines,
+                has_else,
+            }));
+        let is_kept = self.open.iter().all(|branch| branch.is_kept);
+        let code = rest.split("//").next().unwrap_or_default().trim_end();
+        for bracket in code.chars() {
+            match bracket {
+                '(' | '[' | '{' => self.depth += 1,
+                ')' | ']' | '}' => self.depth = self.depth.saturating_sub(1),
+                _ => {}
+            }
+        }
+        let is_end =
+            |branch: &mut Branch| branch.depth == self.depth && code.ends_with([';', ',', '}']);
+        if let Some(branch) = self.open.pop_if(is_end) {
+            self.ended = branch.has_else.then_some(branch.is_kept);
+        }
+        Ok((is_kept && !code.is_empty()).then_some(rest))
     }
-    Ok(keeps.then_some(rest))
+
+    /// Whether all of these conditions hold.
+    fn hold(&self, all: &str) -> Result<bool, String> {
+        let mut hold = true;
+        for wanted in all.split("&&").map(str::trim) {
+            let name = wanted.trim_start_matches('!');
+            let mut known = self.conditions.iter();
+            let (_, holds) = known
+                .find(|(known, _)| *known == name)
+                .ok_or_else(|| format!("unknown condition {name}"))?;
+            hold &= *holds == (name == wanted);
+        }
+        Ok(hold)
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    #[test]
-    fn a_condition_keeps_its_line() {
-        let conditions = [("a", true), ("b", false)];
-        let kept = |line| kept(line, &conditions);
-        assert_eq!(kept("    let x = 1;"), Ok(Some("    let x = 1;")));
-        assert_eq!(
-            kept("    @if(a) let x = 1; // Why."),
-            Ok(Some("let x = 1; // Why."))
-        );
-        assert_eq!(kept("@if(a && !b) block: u32,"), Ok(Some("block: u32,")));
-        assert_eq!(kept("@if(a && b) block: u32,"), Ok(None));
-        assert_eq!(kept("@if(!a) import x.wgsl;"), Ok(None));
+    /// What is left of a text where `a` holds and `b` does not.
+    fn kept(text: &str) -> Result<Vec<&str>, String> {
+        let mut branches = Branches::new(&[("a", true), ("b", false)]);
+        let lines = text.lines().map(|line| branches.kept(line));
+        lines.filter_map(Result::transpose).collect()
     }
 
     #[test]
-    fn misuse_is_refused() {
-        let problem = |line| kept(line, &[("a", true)]).unwrap_err();
+    fn a_condition_keeps_a_line() {
+        let kept = |line| kept(line).unwrap();
+        assert_eq!(kept("    let x = 1;"), ["    let x = 1;"]);
+        assert_eq!(
+            kept("    @if(a) let x = 1; // Why."),
+            ["let x = 1; // Why."]
+        );
+        assert_eq!(kept("@if(a && !b) block: u32,"), ["block: u32,"]);
+        assert!(kept("@if(a && b) block: u32,").is_empty());
+        assert!(kept("@if(!a) import x.wgsl;").is_empty());
+    }
+
+    #[test]
+    fn a_condition_keeps_a_whole_declaration_or_its_alternative() {
+        let text = "@if(CONDITION)
+@fragment
+fn f(
+    x: f32, // A member.
+) -> f32 {
+    @if(b) return 0.0;
+    // Why.
+    @else return 1.0;
+}
+// The other.
+@else
+fn f() -> f32 { return 2.0; }
+struct After {}";
+        let first = [
+            "@fragment",
+            "fn f(",
+            "    x: f32, // A member.",
+            ") -> f32 {",
+            "return 1.0;",
+            "}",
+        ];
+        let of_a = text.replace("CONDITION", "a");
+        assert_eq!(
+            kept(&of_a).unwrap(),
+            [&first[..], &["struct After {}"]].concat()
+        );
+        let of_b = text.replace("CONDITION", "b");
+        assert_eq!(
+            kept(&of_b).unwrap(),
+            ["fn f() -> f32 { return 2.0; }", "struct After {}"]
+        );
+    }
+
+    #[test]
+    fn misuse_is_rejected() {
+        let problem = |text| kept(text).unwrap_err();
         assert_eq!(problem("@if(c) x,"), "unknown condition c");
+        assert_eq!(
+            problem("@if(b) fn f() {\n@if(c) x;\n}"),
+            "unknown condition c"
+        );
         assert_eq!(problem("@if(a x,"), "@if( without )");
-        assert_eq!(problem("@if(a) if x {"), "what @if keeps ends in its line");
-        assert_eq!(
-            problem("@if(a) x = max("),
-            "what @if keeps ends in its line"
-        );
-        assert_eq!(
-            problem("x = 1; @if(a) y = 2;"),
-            "@if stands first in its line"
-        );
+        let place = "@if and @else stand first in their line, and there is no @elif";
+        for text in [
+            "x = 1; @if(a) y = 2;",
+            "@if(a) x;\n@else @if(b) y;",
+            "@if(b) x;\n@elif(a) y;",
+        ] {
+            assert_eq!(problem(text), place);
+        }
+        let alone = "@else stands directly after what @if keeps";
+        for text in [
+            "@else x;",
+            "@if(a) x;\ny;\n@else z;",
+            "@if(a) x;\n@else y;\n@else z;",
+        ] {
+            assert_eq!(problem(text), alone);
+        }
+    }
+
+    #[test]
+    fn a_declaration_without_end_is_rejected() {
+        let mut branches = Branches::new(&[("a", true)]);
+        for line in ["", "@if(a) fn f() {", "    x();"] {
+            branches.kept(line).unwrap();
+        }
+        assert_eq!(branches.open.last().map(|branch| branch.line), Some(2));
     }
 
     #[test]
