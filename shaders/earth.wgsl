@@ -19,16 +19,11 @@ import earth/surface_point.wgsl;
 @if(cast) import earth/surface_point/ray_cast.wgsl;
 
 // How maps are read there: fn sample_map(map, filtering, layer, at: SurfacePoint) -> vec4f.
-@if(!geolocation && !tiles) import earth/maps/whole_maps.wgsl;
-@if(!geolocation && tiles && !parts) import earth/maps/tiles.wgsl;
-@if(!geolocation && parts) import earth/maps/tile_parts.wgsl;
-@if(per_block_tiles) import earth/maps/per_block_tiles.wgsl;
+@if(!geolocation) import earth/maps.wgsl;
+@if(per_block_tiles) import earth/blocks.wgsl;
 
 // How the ground leans: fn surface_normal(at: SurfacePoint) -> vec3f.
-@if(!geolocation && !relief && !normals) import earth/normal/ellipsoid.wgsl;
-@if(!geolocation && !relief && normals) import earth/normal/normal_map.wgsl;
-@if(!geolocation && relief && !normals) import earth/normal/relief.wgsl;
-@if(!geolocation && relief && normals) import earth/normal/normal_map_on_relief.wgsl;
+@if(!geolocation) import earth/surface_normal.wgsl;
 
 // What it looks like: fn shade(at: SurfacePoint) -> vec3f.
 @if(paper) import earth/shading/paper.wgsl;
@@ -36,8 +31,7 @@ import earth/surface_point.wgsl;
 @if(sunlit) import earth/shading/sunlit.wgsl;
 
 // Fragment stage: what is written.
-@if(!truth && !depth) import earth/fragment/color.wgsl;
-@if(!truth && depth) import earth/fragment/color_and_depth.wgsl;
+import earth/fragment/drawn.wgsl;
 @if(picture) import earth/fragment/picture.wgsl;
 @if(geolocation) import earth/fragment/geolocation.wgsl;
 @if(truth) import earth/fragment/truth.wgsl;

@@ -17,7 +17,7 @@ const CELLS_START: usize = PLACEMENTS_BYTES + size_of::<BlockSet>();
 /// Most cells.
 const MAX_CELLS: usize = 8 * PART_CELL_WORDS as usize;
 
-/// Bytes of `Tiles` of `shaders/earth/maps/tile_placements.wgsl`: placements, the set of blocks that have tiles, and cells.
+/// Bytes of `Tiles` of `shaders/earth/bindings.wgsl`: placements, the set of blocks that have tiles, and cells.
 pub(super) fn tiles_bytes(has_parts: bool) -> usize {
     CELLS_START
         + if has_parts {
@@ -356,7 +356,7 @@ fn in_tile(shape: TileShape) -> Vec4 {
     )
 }
 
-/// Where the cells of a block begin, how often it is halved for one, and its tiles: see `shaders/earth/maps/tile_parts.wgsl`.
+/// Where the cells of a block begin, how often it is halved for one, and its tiles: see `shaders/earth/maps.wgsl`.
 fn in_parts(shape: TileShape, first: usize, depth: u8) -> Vec4 {
     let side = f64::from(shape.side());
     Vec4::new(

@@ -6,6 +6,6 @@
 fn fragment(in: Varying) -> Drawn {
     let at = surface_point(in);
     @if(per_block_tiles) if drawn_block(at) != in.block { discard; }
-    @if(!relief) return drawn(vec4f(at.uv, at.center_uv), at);
     @if(relief) return drawn(vec4f(1.0, 1.0, 1.0, at.along), at);
+    @else return drawn(vec4f(at.uv, at.center_uv), at);
 }

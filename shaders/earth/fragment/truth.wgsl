@@ -1,10 +1,9 @@
 // In place of colour: what is where the pixel looks, in three targets that are cleared to 0. `TruthTexel` in
 // src/gpu/truth_targets.rs says what they hold.
 import rust::{TRUTH_LAND, TRUTH_SUNLIT};
-import earth/maps/block_at.wgsl;
+import earth/blocks.wgsl;
 @if(clouds) import earth/shading/cloud_cover.wgsl;
 @if(water) import earth/shading/open_water.wgsl;
-@if(depth) import earth/fragment/depth.wgsl;
 
 struct Drawn {
     // Texture coordinates from the centre of the block that the place lies in; its range and height, metres.
@@ -25,14 +24,14 @@ fn fragment(in: Varying) -> Drawn {
     // The first difference is exact.
     var uv = (at.center_uv - block_center(block)) + at.uv;
     uv.x -= round(uv.x);
-    @if(!relief) let height_m = 0.0;
     @if(relief) let height_m = at.height_m;
+    @else let height_m = 0.0;
     let normal = surface_normal(at);
     let slope = -vec2f(dot(normal, at.east), dot(normal, at.north)) / dot(normal, at.up);
-    @if(!water) let land = 1.0;
     @if(water) let land = 1.0 - open_water(at);
-    @if(!clouds) let cover = 0.0;
+    @else let land = 1.0;
     @if(clouds) let cover = cover_at(at, lifted_before(at), 1.0);
+    @else let cover = 0.0;
     var out: Drawn;
     out.place = vec4f(uv, at.range_m, height_m);
     out.marks = block + 1u;

@@ -1,16 +1,25 @@
-// Tiles of blocks that may be cut into parts, or whole maps in their place.
+// How maps are read at a point of the ground: maps of the whole Earth, or a block's tiles with whole maps in their place.
 //
-// A block's placement then is: its first cell, how often it is halved for a cell, and negative the part of a tile's side that is
-// border, and the part that is its own.
-import rust::{BLOCK_COLUMNS, BLOCK_ROWS, MAP_LAYERS, PART_INDEX_BITS, TILE_BORDER};
-@if(relief) import rust::WHOLE_MAP;
+// With parts, blocks may be cut. Such a block's placement is: its first cell, how often it is halved for a cell, and negative the part
+// of a tile's side that is border, and the part that is its own.
+@if(tiles) import rust::{MAP_LAYERS, TILE_BORDER};
+@if(tiles && relief) import rust::WHOLE_MAP;
+@if(parts) import rust::{BLOCK_COLUMNS, BLOCK_ROWS, PART_INDEX_BITS};
 
+@if(tiles && !parts)
+fn map_placement(layer: u32, at: SurfacePoint) -> vec4f {
+    @if(relief) if at.block >= WHOLE_MAP { return vec4f(at.center_uv, 1.0, 1.0); }
+    return tiles.placements[at.block * MAP_LAYERS + layer];
+}
+
+@if(parts)
 struct MapPlacement {
     // Texture coordinates of the block's centre, and their change per whole map.
     uv: vec4f,
     array_layer: u32,
 }
 
+@if(parts)
 fn map_placement(layer: u32, at: SurfacePoint) -> MapPlacement {
     @if(relief) if at.block >= WHOLE_MAP { return MapPlacement(vec4f(at.center_uv, 1.0, 1.0), 0u); }
     let of_block = tiles.placements[at.block * MAP_LAYERS + layer];
@@ -35,18 +44,29 @@ fn map_placement(layer: u32, at: SurfacePoint) -> MapPlacement {
 
 // A change of texture coordinates, as far as a map of so many texels can follow it: a tile ends at its border.
 fn map_shift(layer: u32, at: SurfacePoint, texels: vec2f, shift: vec2f) -> vec2f {
-    let moved = abs(shift * map_texels(layer, at, texels));
-    return shift * min(f32(TILE_BORDER - 1u) / max(max(moved.x, moved.y), 1e-6), 1.0);
+    @if(!tiles) return shift;
+    @if(tiles) let moved = abs(shift * map_texels(layer, at, texels));
+    @if(tiles) return shift * min(f32(TILE_BORDER - 1u) / max(max(moved.x, moved.y), 1e-6), 1.0);
 }
 
 // Texels of a map of so many, from west to east and north to south, as if they covered the whole Earth.
 fn map_texels(layer: u32, at: SurfacePoint, texels: vec2f) -> vec2f {
-    return texels * map_placement(layer, at).uv.zw;
+    @if(!tiles) return texels;
+    @if(tiles && !parts) return texels * map_placement(layer, at).zw;
+    @if(parts) return texels * map_placement(layer, at).uv.zw;
 }
 
+@if(parts)
 fn sample_map(map: texture_2d_array<f32>, filtering: sampler, layer: u32, at: SurfacePoint) -> vec4f {
     let placement = map_placement(layer, at);
     let scale = placement.uv.zw;
     let uv = placement.uv.xy + at.uv * scale;
     return textureSampleGrad(map, filtering, uv, placement.array_layer, at.uv_dx * scale, at.uv_dy * scale);
+}
+@else
+fn sample_map(map: texture_2d<f32>, filtering: sampler, layer: u32, at: SurfacePoint) -> vec4f {
+    @if(!tiles) return textureSampleGrad(map, filtering, at.center_uv + at.uv, at.uv_dx, at.uv_dy);
+    @if(tiles) let placement = map_placement(layer, at);
+    @if(tiles) let uv = placement.xy + at.uv * placement.zw;
+    @if(tiles) return textureSampleGrad(map, filtering, uv, at.uv_dx * placement.zw, at.uv_dy * placement.zw);
 }

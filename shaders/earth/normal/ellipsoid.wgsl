@@ -1,3 +1,0 @@
-fn surface_normal(at: SurfacePoint) -> vec3f {
-    return at.up;
-}
