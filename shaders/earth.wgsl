@@ -13,10 +13,8 @@ import earth/varying.wgsl;
 
 // Where a pixel looks: fn surface_point(in: Varying) -> SurfacePoint.
 import earth/surface_point.wgsl;
-@if(blocks) import earth/surface_point/ray_on_ellipsoid.wgsl;
-@if(patches) import earth/surface_point/ray_to_mesh.wgsl;
-@if(grid) import earth/surface_point/ray_to_mesh.wgsl;
-@if(cast) import earth/surface_point/ray_cast.wgsl;
+@if(relief) import earth/surface_point/on_relief.wgsl;
+@else import earth/surface_point/ray_on_ellipsoid.wgsl;
 
 // How maps are read there: fn sample_map(map, filtering, layer, at: SurfacePoint) -> vec4f.
 @if(!geolocation) import earth/maps.wgsl;

@@ -19,3 +19,24 @@ struct Varying {
     @if(cast) @location(5) @interpolate(flat) root: u32,
     @if(cast) @location(6) @interpolate(flat) ray: vec3f,
 }
+
+// What is the same for a whole block, patch or page. Mirrored by `BlockInstance` in src/gpu/lattice.rs.
+@if(!grid)
+struct BlockInstance {
+    // The block's centre, or that of a patch in several blocks: (cos, sin) of longitude and of latitude, and its texture
+    // coordinates.
+    @location(1) center_lon: vec2f,
+    @location(2) center_lat: vec2f,
+    @location(3) center_uv: vec2f,
+    @if(tiles) @location(4) block: u32,
+}
+
+@if(!grid)
+fn varying_of(instance: BlockInstance) -> Varying {
+    var out: Varying;
+    out.center_lon = instance.center_lon;
+    out.center_lat = instance.center_lat;
+    out.center_uv = instance.center_uv;
+    @if(tiles) out.block = instance.block;
+    return out;
+}

@@ -50,7 +50,7 @@ pub struct MoonShadowUniforms {
     pub spread: f32,
 }
 
-/// `SurfaceLightUniforms` of `shaders/earth/shading/surface_light.wgsl`.
+/// `SurfaceLightUniforms` of `shaders/earth/bindings.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct SurfaceLightUniforms {

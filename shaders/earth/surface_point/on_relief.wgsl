@@ -1,4 +1,34 @@
-// A point of ground with relief, found along the pixel's ray by whoever imports this.
+// A point of ground with relief, on the pixel's ray.
+@if(cast) import earth/surface_point/contour_tree.wgsl;
+
+// Where the ray meets the contours of the page whose prism is drawn; no pixel where it meets none.
+@if(cast)
+fn surface_point(in: Varying) -> SurfacePoint {
+    let ray = pixel_ray(in.clip.xy);
+    let ray_length = length(ray);
+    let in_page = ContourRay(in.eye_from_origin_m, 1e30, ray / ray_length, in.ray.y, in.ray.x, in.ray.z);
+    let hit = contour_cast(in_page, in.root);
+    if hit.node == NO_NODE {
+        discard;
+    }
+    let along = hit.t / ray_length;
+    let radii = along / frame.radius_m;
+    let scaled = ray * vec3f(1.0, 1.0, frame.polar_stretch);
+    // |p|² − 1 without cancellation.
+    let above = frame.above + radii * (2.0 * dot(frame.eye_scaled, scaled) + radii * dot(scaled, scaled));
+    let height_m = frame.radius_m * above / (1.0 + sqrt(max(1.0 + above, 0.0)));
+    let slope = contour_slope(hit.node, in_page.start + hit.t * in_page.towards);
+    return point_on_relief(in, ray, along, height_m, slope);
+}
+
+// Where the mesh is drawn.
+@else
+fn surface_point(in: Varying) -> SurfacePoint {
+    let ray = pixel_ray(in.clip.xy);
+    // The mesh's own place, moved onto the pixel's ray, so that what is interpolated can be wrong along the ray only.
+    let along = dot(in.from_eye_m, ray) / dot(ray, ray);
+    return point_on_relief(in, ray, along, in.height_m, in.slope);
+}
 
 // `along`: its distance in lengths of the ray.
 fn point_on_relief(in: Varying, ray: vec3f, along: f32, height_m: f32, slope: vec2f) -> SurfacePoint {

@@ -1,5 +1,4 @@
 // The block sphere: a lattice of vertices on the ellipsoid.
-import earth/vertex/block_instance.wgsl;
 
 struct BlockVertex {
     // From the eye, ITRF metres: subtracted in f64.

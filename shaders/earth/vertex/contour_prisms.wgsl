@@ -1,5 +1,4 @@
 // Prisms that pages of contours lie in: behind their faces each pixel's ray is cast. `PageInstance` in src/gpu/contours.rs.
-import earth/vertex/block_instance.wgsl;
 
 struct PrismVertex {
     // A corner of the page's prism from the eye, ITRF metres: subtracted in f64.

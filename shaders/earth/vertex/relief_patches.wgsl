@@ -1,6 +1,5 @@
 // Patches of ground with relief, their vertices displaced on the CPU: `GroundVertex` about the origin of each, `PatchInstance`
 // in src/gpu/ground.rs.
-import earth/vertex/block_instance.wgsl;
 
 struct PatchVertex {
     // From the patch's origin, ITRF metres.

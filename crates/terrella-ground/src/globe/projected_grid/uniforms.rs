@@ -1,4 +1,4 @@
-//! What the GPU form is given each frame: the uniform of `shaders/earth/vertex/projected_grid_uniforms.wgsl`, from a [`GridFrame`] in f64.
+//! What the GPU form is given each frame: the uniform of `shaders/earth/vertex/projected_grid.wgsl`, from a [`GridFrame`] in f64.
 
 use super::tiles::{HeightTiles, eye_place, level_spacing_rad};
 use super::{Footprint, GridFrame};
