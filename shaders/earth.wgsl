@@ -25,7 +25,6 @@ import earth/surface_point.wgsl;
 
 // What it looks like: fn shade(at: SurfacePoint) -> vec3f.
 @if(paper) import earth/shading/paper.wgsl;
-@if(paper && air) import earth/shading/paper_through_air.wgsl;
 @if(sunlit) import earth/shading/sunlit.wgsl;
 
 // Fragment stage: what is written.

@@ -1,9 +1,8 @@
 // What the air before a point of the ground does to its light.
 import common/air.wgsl;
-@if(!inside) import earth/shading/air_before/from_outside.wgsl;
-@if(inside) import earth/shading/air_before/from_inside.wgsl;
-@if(relief) import earth/shading/air_before/thinned.wgsl;
-@if(eclipse) import earth/shading/air_before/eclipsed.wgsl;
+@if(eclipse) import common/air/eclipsed.wgsl;
+@if(relief) import rust::AIR_SCALE_HEIGHT_M;
+@if(relief && inside) import earth/shading/part_of_air.wgsl;
 
 // What it leaves of the ground's light, and what it adds.
 struct AirBefore {
@@ -14,6 +13,54 @@ struct AirBefore {
 // The ground's light as the eye sees it. `mu_s` is the cosine of the Sun's zenith angle there.
 fn through_air(color: vec3f, at: SurfacePoint, mu_s: f32) -> vec3f {
     let air_ = air_before(at, mu_s);
-    @if(!eclipse) return air_.through * color + air_.light;
     @if(eclipse) return air_.through * color + sun_on_air_before(at) * air_.light;
+    @else return air_.through * color + air_.light;
+}
+
+// To an eye in the air: by the ray's direction, as far as the smooth ground. Ground with relief may be nearer, or stand where the
+// smooth ground does not.
+@if(inside)
+fn air_before(at: SurfacePoint, mu_s: f32) -> AirBefore {
+    let to_ground = -at.to_eye * vec3f(1.0, 1.0, air.polar_stretch);
+    let direction = normalize(to_ground);
+    let uv = at.center_uv + at.uv;
+    // Of a mountain above the limb it is the air before the limb.
+    @if(relief) let column = ground_view_column(max(tangent_below_limb(direction), 0.0));
+    @else let column = view_column(direction);
+    let air_ = AirBefore(through_seen(column), seen(column, direction, uv).rgb);
+    @if(relief) return thinned(air_, part_before(at, direction, length(to_ground)));
+    @else return air_;
+}
+
+// To an eye outside the air: by the ray's zenith angle at the point.
+@else
+fn air_before(at: SurfacePoint, mu_s: f32) -> AirBefore {
+    let ray = -normalize(at.to_eye);
+    let mu = clamp(-dot(ray, at.up), 0.0, 1.0);
+    let x = ground_coordinate(mu);
+    let uv = at.center_uv + at.uv;
+    let sunlit = scattered(x, mu, ray, air.sun, mu_s, uv).rgb;
+    @if(moonlight) let light = sunlit + air.moon_light * scattered(x, mu, ray, air.moon, dot(at.up, air.moon), uv).rgb;
+    @else let light = sunlit;
+    // On a height there is less air, of the same shape.
+    @if(relief) return thinned(AirBefore(through_at(x), light), exp(-at.height_m / AIR_SCALE_HEIGHT_M));
+    @else return AirBefore(through_at(x), light);
+}
+
+// The air before ground with relief, as a part of the air before the smooth ground: by an exponential profile, since only the part
+// counts. `part` of the optical depth, and of the light as if its source were the same all along.
+@if(relief)
+fn thinned(air_: AirBefore, part: f32) -> AirBefore {
+    let through = pow(max(air_.through, vec3f(1e-6)), vec3f(part));
+    return AirBefore(through, air_.light * (1.0 - through) / max(1.0 - air_.through, vec3f(1e-6)));
+}
+
+// What the Moon leaves of the sunlight that the air before a point of the ground scatters.
+@if(eclipse)
+fn sun_on_air_before(at: SurfacePoint) -> vec3f {
+    let stretch = vec3f(1.0, 1.0, air.polar_stretch);
+    let ground = place_over(at.up, 0.0, air.polar_stretch) * stretch;
+    let to_eye = normalize(at.to_eye);
+    let reach = length(ground + air.eye_distance * air.toward_center);
+    return sun_on_rising_air(ground, normalize(to_eye * stretch), max(dot(to_eye, at.up), 0.0), reach);
 }

@@ -1,7 +1,7 @@
 // City lights: they go on at dusk. The map's values are brightness in a published picture whose tone curve is not known and
 // shows hamlets beside cities; their fourth power spans the hundredfold range that radiometers find between these.
 import rust::{LAMPS_FULL_SIN, LAMPS_OUT_SIN, NIGHT_LIGHTS};
-@if(detail) import earth/shading/detail/lamps.wgsl;
+@if(detail) import earth/shading/detail.wgsl;
 
 const LAMP_COLOR: vec3f = vec3f(1.0, 0.72, 0.38);
 
@@ -10,6 +10,43 @@ fn city_light(at: SurfacePoint, mu_s: f32) -> vec3f {
     let glow = sample_map(light_map, light_sampler, NIGHT_LIGHTS, at).r;
     let squared = glow * glow;
     var light = squared * squared;
-    @if(detail) if light * is_on > 1e-5 { light *= lamps_apart(at); }
+    @if(detail) if light * is_on > 1e-5 {
+        light *= lamps_apart(at);
+    }
     return surface_light.lamp_light * is_on * light * LAMP_COLOR;
+}
+
+// Between the map's texels lamps stand close in a town's heart and along its streets. How much towns differ from what is about
+// them, down to spacings of 1 km (equatorial radii).
+@if(detail) const TOWN_CONTRAST: f32 = 2.0;
+@if(detail) const FINEST_TOWN: f32 = 1.6e-4;
+// Streets run where noise changes its sign: those between towns and those in them, lattices of 5 and 1.2 km. What of the light
+// stands in them.
+@if(detail) const STREETS: array<f32, 2> = array<f32, 2>(8e-4, 1.9e-4);
+@if(detail) const STREET_SHARE: f32 = 0.65;
+// Half the width of a street, in values of the noise, and the noise's density at 0 times √π.
+@if(detail) const STREET_WIDTH: f32 = 0.06;
+@if(detail) const STREET_DENSITY: f32 = 1.758;
+
+// How much brighter a place is than the map has it; the mean is 1.
+@if(detail)
+fn lamps_apart(at: SurfacePoint) -> f32 {
+    let pixel = pixel_radii(at);
+    let texel = texel_radii(NIGHT_LIGHTS, at, textureDimensions(light_map));
+    var light = uneven_factor(TOWN_CONTRAST, detail(at.up, texel, max(pixel, 0.4 * FINEST_TOWN), 1.0));
+    for (var i = 0; i < 2; i++) {
+        let spacing = STREETS[i];
+        let share = STREET_SHARE * shown(spacing, 2.0 * pixel);
+        if share > 0.0 {
+            light *= 1.0 - share + share * street(at.up / spacing, pixel / spacing);
+        }
+    }
+    return light;
+}
+
+@if(detail)
+fn street(at: vec3f, pixel: f32) -> f32 {
+    let off = value_noise(at).w;
+    let width = sqrt(STREET_WIDTH * STREET_WIDTH + pixel * pixel);
+    return exp(-off * off / (width * width)) / (STREET_DENSITY * width);
 }

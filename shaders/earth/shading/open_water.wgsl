@@ -5,13 +5,19 @@ import rust::WATER;
 // How much a coast is bent between the map's texels.
 @if(detail) const COAST_CONTRAST: f32 = 2.3;
 
-@if(detail) fn coast_detail(at: SurfacePoint, share: f32) -> f32 { return uneven_share(share, COAST_CONTRAST, detail(at.up, texel_radii(WATER, at, textureDimensions(water_map)), pixel_radii(at), 0.4)); }
+@if(detail)
+fn coast_detail(at: SurfacePoint, share: f32) -> f32 {
+    let texel = texel_radii(WATER, at, textureDimensions(water_map));
+    return uneven_share(share, COAST_CONTRAST, detail(at.up, texel, pixel_radii(at), 0.4));
+}
 
 // The map is one half at the coast, which is drawn as wide as a pixel where texels are larger than pixels; else the map's own
 // mean is what the pixel shows.
 fn open_water(at: SurfacePoint) -> f32 {
     var share = sample_map(water_map, water_sampler, WATER, at).r;
-    @if(detail) if share > 0.02 && share < 0.98 { share = coast_detail(at, share); }
+    @if(detail) if share > 0.02 && share < 0.98 {
+        share = coast_detail(at, share);
+    }
     let per_map = map_texels(WATER, at, vec2f(textureDimensions(water_map)));
     let footprint = max(length(at.uv_dx * per_map), length(at.uv_dy * per_map));
     return saturate((share - 0.5) / clamp(0.7 * footprint, 1e-3, 1.0) + 0.5);

@@ -1,7 +1,6 @@
 // Open water: what comes out of it, the sky that it mirrors, the Sun's glint and foam. Radiance, a white sheet that faces the
 // Sun in space being 1.
 import rust::{FLOOR_SEEN_M, PI};
-import earth/shading/fresnel.wgsl;
 import earth/shading/open_water.wgsl;
 
 // Part of the light that falls on clear ocean that comes out of it: π times the remote-sensing reflectance of Case 1 water with
@@ -47,4 +46,17 @@ fn glint(at: SurfacePoint, to_eye: vec3f, cos_eye: f32, sun: vec3f, mu_s: f32) -
 fn hidden(cosine: f32) -> f32 {
     let a = cosine * inverseSqrt(surface_light.wave_slope_squared * max(1.0 - cosine * cosine, 1e-6));
     return select((1.0 - a * (1.259 - 0.396 * a)) / (a * (3.535 + 2.181 * a)), 0.0, a >= 1.6);
+}
+
+// Reflectance of a smooth water surface for unpolarised light and the cosine of the angle of incidence, by Fresnel's equations
+// in the form of Cook and Torrance 1982, with c = cos ω and g² = n² − 1 + c²:
+//   ρ = ½ ((g − c)/(g + c))² (1 + ((c(g + c) − 1)/(c(g − c) + 1))²)
+const SEA_WATER_INDEX: f32 = 1.34;
+
+fn fresnel(cos_incidence: f32) -> f32 {
+    let c = saturate(cos_incidence);
+    let g = sqrt(SEA_WATER_INDEX * SEA_WATER_INDEX - 1.0 + c * c);
+    let apart = (g - c) / (g + c);
+    let ratio = (c * (g + c) - 1.0) / (c * (g - c) + 1.0);
+    return 0.5 * apart * apart * (1.0 + ratio * ratio);
 }

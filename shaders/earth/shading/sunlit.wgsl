@@ -1,18 +1,11 @@
 // Linear light: a white sheet that faces the Sun in space is 1.
 import rust::DAY;
-@if(!air) import earth/shading/light_without_air.wgsl;
-@if(air) import earth/shading/light_through_air.wgsl;
+import earth/shading/light.wgsl;
+@if(air) import earth/shading/air_before.wgsl;
 @if(water) import earth/shading/sea.wgsl;
 @if(night_lights) import earth/shading/night_lights.wgsl;
 @if(clouds) import earth/shading/clouds.wgsl;
-@if(detail) import earth/shading/detail/land.wgsl;
-@if(eclipse) import earth/shading/eclipsed.wgsl;
-
-// Light that falls on the ground: the Sun's after the air, and the sky's.
-struct Light {
-    sun: vec3f,
-    sky: vec3f,
-}
+@if(detail) import earth/shading/detail.wgsl;
 
 // What of a place shows, whatever lights it.
 struct Surface {
@@ -31,19 +24,36 @@ fn surface_at(at: SurfacePoint) -> Surface {
     @if(water) out.water = open_water(at);
     @if(detail && !water) out = with_detail(at, out);
     // Nothing of the land shows where there is none.
-    @if(detail && water) if out.water < 0.98 { out = with_detail(at, out); }
+    @if(detail && water) if out.water < 0.98 {
+        out = with_detail(at, out);
+    }
     @if(clouds) out.clouds = clouds_before(at);
+    return out;
+}
+
+@if(detail) const LAND_CONTRAST: f32 = 0.4;
+@if(detail) const LAND_ROUGHNESS: f32 = 0.7;
+
+// The same surface with its land uneven: brighter and darker, and rougher where it is steep.
+@if(detail)
+fn with_detail(at: SurfacePoint, surface: Surface) -> Surface {
+    let made = detail(at.up, texel_radii(DAY, at, textureDimensions(day_map)), pixel_radii(at), 0.75);
+    let level = made.slope - dot(made.slope, at.up) * at.up;
+    let steepness = length(cross(surface.normal, at.up));
+    var out = surface;
+    out.day = vec4f(out.day.rgb * uneven_factor(LAND_CONTRAST, made), out.day.a);
+    out.normal = normalize(out.normal - LAND_ROUGHNESS * steepness * level);
     return out;
 }
 
 // Its light, and that of the clouds before it, by a Sun in this direction.
 fn lit(at: SurfacePoint, surface: Surface, sun: vec3f) -> vec3f {
     let mu_s = dot(at.up, sun);
-    @if(!eclipse) let above = light_at(at, mu_s);
     @if(eclipse) let clear = light_at(at, mu_s);
     @if(eclipse) let above = eclipsed(clear, at);
-    @if(!clouds) let light = above;
+    @else let above = light_at(at, mu_s);
     @if(clouds) let light = below_clouds(at, above, sun, mu_s);
+    @else let light = above;
     var color = surface.day.rgb * (light.sun * max(dot(surface.normal, sun), 0.0) + light.sky);
     @if(water) color = mix(color, sea(at, light, sun, mu_s, surface.day.a), surface.water);
     @if(clouds && !eclipse) let of_clouds = light_of_clouds(surface.clouds, above, sun);

@@ -1,0 +1,56 @@
+// Light that falls on the ground, and on the clouds over it.
+@if(air) import common/air.wgsl;
+@if(air) import rust::SUNLIGHT_SIZE;
+@else import rust::SUN_RADIUS_RAD;
+@if(eclipse) import common/eclipse.wgsl;
+
+// The Sun's after the air, and the sky's.
+struct Light {
+    sun: vec3f,
+    sky: vec3f,
+}
+
+// Sunlight that arrives and the sky's light on level ground, with what goes to and fro between the ground and the air.
+@if(air)
+fn light_at(at: SurfacePoint, mu_s: f32) -> Light {
+    let sun = sunlight(mu_s, OF_GROUND);
+    // (direct + sky)/(1 − A s) is direct + sky + (direct + sky)·A s/(1 − A s).
+    let again = sent_up(at.center_uv + at.uv) * air.sky_albedo;
+    return Light(sun, sunlight(mu_s, OF_SKY) * (1.0 + again) + sun * max(mu_s, 0.0) * again);
+}
+@else
+fn light_at(at: SurfacePoint, mu_s: f32) -> Light {
+    return Light(light_of_disc(mu_s), vec3f(0.0));
+}
+
+// Rows of the table: transmittance of the Sun's light to the ground, the sky's light on black ground, transmittance to the clouds.
+@if(air) const OF_GROUND: f32 = 0.5 / 3.0;
+@if(air) const OF_SKY: f32 = 1.5 / 3.0;
+@if(air && clouds) const OF_CLOUDS: f32 = 2.5 / 3.0;
+
+@if(air)
+fn sunlight(mu: f32, row: f32) -> vec3f {
+    let at = vec2f(table_coordinate(sun_coordinate(mu), SUNLIGHT_SIZE.x), row);
+    return textureSampleLevel(sunlight_table, table_sampler, at, 0.0).rgb;
+}
+
+// The Sun's disc sets gradually.
+@if(!air)
+fn light_of_disc(above_horizon: f32) -> vec3f {
+    return vec3f(smoothstep(-SUN_RADIUS_RAD, SUN_RADIUS_RAD, above_horizon));
+}
+
+// What the Moon leaves of the light on a place of the ground, and on the clouds before it. The sky there is as dark as the place: light
+// from beyond the shadow does not come in.
+@if(eclipse)
+fn eclipsed(light: Light, at: SurfacePoint) -> Light {
+    @if(relief) let height = at.height_m / frame.radius_m;
+    @else let height = 0.0;
+    let left = sun_left(frame.shadow, place_over(at.up, height, frame.polar_stretch));
+    return Light(left * light.sun, left * light.sky);
+}
+
+@if(eclipse && clouds)
+fn sun_left_to_clouds(clouds: CloudsBefore) -> vec3f {
+    return sun_left(frame.shadow, place_over(clouds.up, surface_light.cloud_height, frame.polar_stretch));
+}
