@@ -37,9 +37,9 @@ fn fragment(in: Varying) -> @location(0) vec4f {
     let nearest = air.eye_distance * vec3f(d.z * d.xy, -sin2) - d * pass_.mu;
     let up = normal_at(scaled(select(vec3f(0.0, 0.0, -1.0), nearest, pass_.along > 0.0)));
     let light = gathered(pass_, up, map_uv(up));
-    @if(!eclipse) let of_sun = light.rgb;
     @if(eclipse) let of_sun = light.rgb * sun_on_air(pass_, scaled(nearest));
-    @if(!airglow) let shown = of_sun;
+    @else let of_sun = light.rgb;
     @if(airglow) let shown = of_sun + airglow(pass_, dot(up, air.sun), fwidth(pass_.q));
+    @else let shown = of_sun;
     return vec4f(displayed(shown, air.exposure, in.clip.xy), light.a);
 }

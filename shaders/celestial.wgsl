@@ -8,7 +8,7 @@
 import common/ray.wgsl;
 import common/displayed.wgsl;
 @if(air) import common/air.wgsl;
-@if(air && !inside) import celestial/meets_air.wgsl;
+@if(air && !inside) import rust::AIR_TOP;
 @if(stars) import celestial/stars.wgsl;
 @if(milky_way) import celestial/milky_way.wgsl;
 @if(sun) import celestial/sun.wgsl;
@@ -18,7 +18,7 @@ import common/displayed.wgsl;
 // | group | binding | what                     | when             |
 // |-------|---------|--------------------------|------------------|
 // | 0     | 0       | this                     | always           |
-// | 0     | 1 …     | common/air/bindings.wgsl | air              |
+// | 0     | 1 …     | common/air.wgsl          | air              |
 // | 1     | 0       | map                      | milky_way, moon  |
 // | 1     | 1       | its sampler              | milky_way, moon  |
 
@@ -127,12 +127,19 @@ fn through_all(pixel: vec2f) -> vec3f {
     return through_air(ray);
 }
 
-@if(!air) fn through_air(ray: Ray) -> vec3f { return vec3f(1.0); }
-@if(air) fn through_air(ray: Ray) -> vec3f { return select(vec3f(1.0), left_through(pass_by(ray.direction, ray.q, ray.along)), meets_air(ray)); }
-@if(inside) fn meets_air(ray: Ray) -> bool { return true; }
+fn through_air(ray: Ray) -> vec3f {
+    @if(air) return select(vec3f(1.0), left_through(pass_by(ray.direction, ray.q, ray.along)), meets_air(ray));
+    @else return vec3f(1.0);
+}
+
+@if(air)
+fn meets_air(ray: Ray) -> bool {
+    @if(inside) return true;
+    @else return ray.along > 0.0 && ray.q < AIR_TOP;
+}
 
 // As the target stores light that is added to what is there, and how much of that it hides.
 fn added(light: vec3f, hides: f32) -> vec4f {
-    @if(!encode) return vec4f(toned(light, sky.frame.exposure), hides);
     @if(encode) return vec4f(encode_srgb(toned(light, sky.frame.exposure)), hides);
+    @else return vec4f(toned(light, sky.frame.exposure), hides);
 }

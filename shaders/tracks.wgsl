@@ -10,12 +10,13 @@ import common/ray.wgsl;
 @if(lines) import tracks/lines.wgsl;
 @if(marks) import tracks/marks.wgsl;
 @if(fills) import tracks/fills.wgsl;
-@if(air) import tracks/through_air.wgsl;
+@if(air) import common/air.wgsl;
+@if(air) import common/displayed.wgsl;
 
 // | group | binding | what                     | when   |
 // |-------|---------|--------------------------|--------|
 // | 0     | 0       | frame                    | always |
-// | 0     | 1 …     | common/air/bindings.wgsl | air    |
+// | 0     | 1 …     | common/air.wgsl          | air    |
 
 // Mirrored by `TrackUniforms` in src/gpu/tracks.rs.
 struct TrackUniforms {
@@ -58,14 +59,33 @@ fn in_sight(ray: Ray, from_eye: vec3f, flags: u32) -> f32 {
 
 // What the eye sees of a thing's colour, premultiplied.
 fn seen_color(color: vec4f, ray: Ray, from_eye: vec3f) -> vec4f {
-    @if(!air) return color;
     @if(air) return through_air(color, ray, from_eye);
+    @else return color;
+}
+
+// Through the air: where a track lies beyond its near boundary it is dimmed and veiled as all is that its pixel's ray meets there. Of
+// premultiplied display values or light, as the target stores them.
+@if(air)
+fn through_air(color: vec4f, ray: Ray, from_eye: vec3f) -> vec4f {
+    let pass_ = pass_by(ray.direction, ray.q, ray.along);
+    // Where the ray meets the ground or passes nearest to the centre.
+    let up = normal_at(track.frame.eye_scaled + max(ray.along - pass_.mu, 0.0) * ray.direction);
+    let light = displayed(gathered(pass_, up, map_uv(up)).rgb, air.exposure, ray.pixel);
+    let seen = left_through(pass_) * color.rgb + light * color.a;
+    return vec4f(select(color.rgb, seen, is_beyond_air(ray, from_eye)), color.a);
+}
+
+// A ray that meets no air has none beyond.
+@if(air)
+fn is_beyond_air(ray: Ray, from_eye: vec3f) -> bool {
+    let half_chord = sqrt(max((track.air_top - ray.q) * (track.air_top + ray.q), 0.0));
+    return ray.q < track.air_top && dot(from_eye, ray.direction) > ray.along - half_chord;
 }
 
 // Display values as given, or in linear light.
 fn target_color(display: vec3f) -> vec3f {
     @if(encode) return display;
-    @if(!encode) return decode_srgb(display);
+    @else return decode_srgb(display);
 }
 
 // Bits of flags.
@@ -76,7 +96,7 @@ import rust::ON_GROUND;
 // the mesh, whose facets meet the ellipsoid at their corners, does not hide it, nor chords that lie below it, nor, where the
 // eye looks along the ground, the nearer half of its width. Marks are wider than lines.
 @if(marks) const LIFT: f32 = 0.5;
-@if(!marks) const LIFT: f32 = 0.1;
+@else const LIFT: f32 = 0.1;
 const LIFT_M: f32 = 500.0;
 
 // Depth of a clip position, lifted where it lies on the ground.

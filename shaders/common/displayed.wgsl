@@ -2,8 +2,7 @@
 //
 // `TargetColor` in src/gpu/shader/variant.rs says which conditions hold together: radiance (a float target, which gets the light
 // itself), else neutral, filmic or neither of them (cut off at 1), and encode (the hardware does not encode).
-@if(neutral) import common/tone/neutral.wgsl;
-@if(filmic) import common/tone/filmic.wgsl;
+import common/tone.wgsl;
 @if(!radiance) import common/dither.wgsl;
 @if(encode) import common/color.wgsl;
 

@@ -7,7 +7,7 @@
 // | 0     | 3       | where tiles lie             | tiles            |
 // | 0     | 4, 5    | the grid, its heights       | grid             |
 // | 0     | 6       | nodes of contours           | cast             |
-// | 0     | 7 … 10  | common/air/bindings.wgsl    | air              |
+// | 0     | 7 … 10  | common/air.wgsl             | air              |
 // | 0     | 11      | sunlight through the air    | sunlit, air      |
 // | 0     | 12      | chosen light on the surface | surface_light    |
 // | 1     | 0, 5    | day, its sampler            | picture          |

@@ -40,9 +40,9 @@ fn azimuth_coordinate(direction: vec3f, light_level: vec3f, first: f32) -> f32 {
 // Under Sun and Moon.
 fn seen(column: f32, direction: vec3f, uv: vec2f) -> vec4f {
     let sunlit = seen_at(vec2f(column, azimuth_coordinate(direction, air.sun_level, 0.0)), uv);
-    @if(!moonlight) return sunlit;
     @if(moonlight) let moonlit = seen_at(vec2f(column, azimuth_coordinate(direction, air.moon_level, VIEW_AZIMUTHS)), uv);
     @if(moonlight) return vec4f(sunlit.rgb + air.moon_light * moonlit.rgb, sunlit.a);
+    @else return sunlit;
 }
 
 fn seen_at(place: vec2f, uv: vec2f) -> vec4f {

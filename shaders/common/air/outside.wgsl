@@ -34,9 +34,9 @@ fn gathered(pass_: Pass, up: vec3f, uv: vec2f) -> vec4f {
     let x = ray_coordinate(pass_);
     let ray = itrf_direction(pass_.direction);
     let sunlit = scattered(x, pass_.mu, ray, air.sun, clamp(dot(up, air.sun), -1.0, 1.0), uv);
-    @if(!moonlight) return sunlit;
     @if(moonlight) let moonlit = scattered(x, pass_.mu, ray, air.moon, clamp(dot(up, air.moon), -1.0, 1.0), uv);
     @if(moonlight) return vec4f(sunlit.rgb + air.moon_light * moonlit.rgb, sunlit.a);
+    @else return sunlit;
 }
 
 fn left_through(pass_: Pass) -> vec3f {
