@@ -1,6 +1,6 @@
 // Open water: what comes out of it, the sky that it mirrors, the Sun's glint and foam. Radiance, a white sheet that faces the
 // Sun in space being 1.
-import rust::{FLOOR_SEEN_M, PI};
+import rust::{FLOOR_SEEN_M, PI, SEA_REFLECTANCE, SEA_WATER_INDEX};
 import earth/shading/open_water.wgsl;
 
 // Part of the light that falls on clear ocean that comes out of it: π times the remote-sensing reflectance of Case 1 water with
@@ -22,7 +22,8 @@ fn sea(at: SurfacePoint, light: Light, sun: vec3f, mu_s: f32, depth: f32) -> vec
     let leaving = WATER_LEAVING * (1.0 - through) + FLOOR_REFLECTANCE * seen * through;
     let falls = light.sun * max(mu_s, 0.0) + light.sky;
     // The sky mirrored by waves, the Fresnel term's mean over their slopes: Bruneton, Neyret and Holzschuch 2010, equation 18.
-    let mirrored = 0.0211 + 0.9789 * pow(1.0 - cos_eye, surface_light.mirror_power) * surface_light.mirror_scale;
+    let grazing = pow(1.0 - cos_eye, surface_light.mirror_power) * surface_light.mirror_scale;
+    let mirrored = SEA_REFLECTANCE + (1.0 - SEA_REFLECTANCE) * grazing;
     return falls * (leaving + surface_light.foam) + light.sky * mirrored + light.sun * glint(at, to_eye, cos_eye, sun, mu_s);
 }
 
@@ -51,8 +52,6 @@ fn hidden(cosine: f32) -> f32 {
 // Reflectance of a smooth water surface for unpolarised light and the cosine of the angle of incidence, by Fresnel's equations
 // in the form of Cook and Torrance 1982, with c = cos ω and g² = n² − 1 + c²:
 //   ρ = ½ ((g − c)/(g + c))² (1 + ((c(g + c) − 1)/(c(g − c) + 1))²)
-const SEA_WATER_INDEX: f32 = 1.34;
-
 fn fresnel(cos_incidence: f32) -> f32 {
     let c = saturate(cos_incidence);
     let g = sqrt(SEA_WATER_INDEX * SEA_WATER_INDEX - 1.0 + c * c);

@@ -41,6 +41,15 @@ const LAMPS_FULL_SIN: f64 = -0.104_528_463;
 #[cfg(feature = "packs")]
 pub(crate) const GLINT_ENDS_SIN: f64 = -0.01;
 
+/// Refractive index of sea water in the middle of visible light: 1.3408 at 550 nm, 35 ‰ and 20 °C by Quan and Fry 1995 (Appl. Opt. 34,
+/// 3477).
+const SEA_WATER_INDEX: f64 = 1.34;
+/// Reflectance of its smooth surface for light that falls straight down, by Fresnel's equations.
+const SEA_REFLECTANCE: f64 = {
+    let root = (SEA_WATER_INDEX - 1.0) / (SEA_WATER_INDEX + 1.0);
+    root * root
+};
+
 /// Angle from the Sun within which its glare is drawn, radians.
 pub(crate) const GLARE_RADIUS_RAD: f64 = 0.25;
 /// Radiance of the Milky Way's map where it is 1, and of the sky where it is 0 (23.5 magnitudes a square arc second), a white sheet that
@@ -96,6 +105,8 @@ const SHARED: &[(&str, Value)] = &[
     ("LAMPS_OUT_SIN", F32(LAMPS_OUT_SIN)),
     ("LAMPS_FULL_SIN", F32(LAMPS_FULL_SIN)),
     ("FLOOR_SEEN_M", F32(FLOOR_SEEN_M)),
+    ("SEA_WATER_INDEX", F32(SEA_WATER_INDEX)),
+    ("SEA_REFLECTANCE", F32(SEA_REFLECTANCE)),
     // What is shown: the largest value of eight bits, and tone curves.
     ("LAST_CODE", F32(u8::MAX as f64)),
     ("TONE_NEUTRAL_START", F32(light::NEUTRAL_START)),
