@@ -23,6 +23,9 @@
 #![allow(missing_docs, reason = "names of measurements say what they are")]
 
 mod axis;
+#[cfg(test)]
+#[path = "../../../tests/common/backends.rs"]
+mod backends;
 pub mod bench;
 mod chart;
 pub mod clear_air;

@@ -2,11 +2,14 @@
 //! what is off is not in the text.
 
 mod backends;
+#[path = "../../common/backends.rs"]
+mod compile;
 mod constants;
 mod limits;
 mod structs;
 
-use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
+use compile::compiled;
+use naga::valid::ModuleInfo;
 use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::LazyLock;
@@ -37,16 +40,8 @@ impl Shader {
             }
             None => "somewhere".into(),
         };
-        let module = naga::front::wgsl::parse_str(&text.text).map_err(|error| {
-            let at = place(error.location(&text.text));
-            format!("{at}:\n{}", error.emit_to_string(&text.text))
-        })?;
-        let info = Validator::new(ValidationFlags::all(), Capabilities::empty())
-            .validate(&module)
-            .map_err(|error| {
-                let at = place(error.location(&text.text));
-                format!("{at}:\n{}", error.emit_to_string(&text.text))
-            })?;
+        let (module, info) = compiled(&text.text)
+            .map_err(|(location, error)| format!("{}:\n{error}", place(location)))?;
         Ok(Self {
             name: variant.name(),
             needs: variant.needs(),

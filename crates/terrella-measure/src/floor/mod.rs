@@ -42,7 +42,7 @@ impl Floor {
     /// Makes the pass for an Earth with these options, `samples` a pixel being those of the targets.
     pub fn new(gpu: &GpuContext, options: &EarthOptions) -> Self {
         let device = &gpu.device;
-        let samples = Samples::of(gpu, options);
+        let samples = Samples::of(options);
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some("terrella floor"),
             source: wgpu::ShaderSource::Wgsl(samples.shader().into()),

@@ -11,24 +11,24 @@ use terrella_imagery::tile::MapLayer;
 /// The first binding of a texture.
 const FIRST_TEXTURE: u32 = 3;
 
+/// What does not depend on which textures are sampled.
+const SHADER: &str = include_str!("../../shaders/floor.wgsl");
+
 /// A texture, and the coordinates that it is sampled at, in WGSL.
 struct Sampled {
-    view: wgpu::TextureView,
-    kind: Kind,
+    texture: Texture,
     /// On every pixel of the ground.
     always: Vec<String>,
     /// Besides, where the Sun is down: by day the Earth is drawn without what shows by night alone.
     by_night: Vec<String>,
 }
 
-#[derive(PartialEq)]
-enum Kind {
+#[derive(Clone, Copy)]
+enum Texture {
     /// A map of the Earth.
-    Map,
-    /// A flat table of the air.
-    Flat,
-    /// A table of three dimensions.
-    Volume,
+    Map(MapLayer),
+    /// A table of the air.
+    Table(air::TableSize),
 }
 
 /// Textures that the floor samples.
@@ -36,19 +36,17 @@ pub struct Samples(Vec<Sampled>);
 
 impl Samples {
     /// Those that an Earth with these options reads on each pixel of the ground.
-    pub fn of(gpu: &GpuContext, options: &EarthOptions) -> Self {
+    pub fn of(options: &EarthOptions) -> Self {
         let is_sunlit = options.shading == Shading::Sunlit;
         let has_moon = is_sunlit && options.light.moonlight;
         let mut all = Vec::new();
         for layer in MapLayer::ALL {
             let is_read = is_sunlit || !matches!(layer, MapLayer::NightLights | MapLayer::Water);
-            let Some(image) = options.layers.get(layer).filter(|_| is_read) else {
+            if !is_read || options.layers.get(layer).is_none() {
                 continue;
-            };
-            let label = "terrella floor map";
+            }
             let mut sampled = Sampled {
-                view: GpuLayer::upload(&gpu.device, &gpu.queue, label, image, false).view,
-                kind: Kind::Map,
+                texture: Texture::Map(layer),
                 always: Vec::new(),
                 by_night: Vec::new(),
             };
@@ -66,37 +64,47 @@ impl Samples {
         }
         if options.atmosphere != Atmosphere::None {
             let has_clouds = options.layers.clouds.is_some();
-            all.extend(of_the_air(gpu, is_sunlit, has_clouds, has_moon));
+            all.extend(of_the_air(is_sunlit, has_clouds, has_moon));
         }
         Self(all)
     }
 
     /// The shader that samples them.
     pub fn shader(&self) -> String {
-        let (mut text, mut always, mut by_night) = (HEAD.to_owned(), String::new(), String::new());
+        let (mut text, mut always, mut by_night) =
+            (SHADER.to_owned(), String::new(), String::new());
         // Writing to a string does not fail.
         let _ = writeln!(text, "const CORNERS: u32 = {CORNERS}u;");
         for (n, sampled) in self.0.iter().enumerate() {
-            let dimensions = match sampled.kind {
-                Kind::Volume => "3d",
-                Kind::Map | Kind::Flat => "2d",
+            let dimensions = match sampled.texture {
+                Texture::Table(size) if size.z > 1 => "3d",
+                Texture::Map(_) | Texture::Table(_) => "2d",
             };
             let binding = n + FIRST_TEXTURE as usize;
             let _ = writeln!(
                 text,
                 "@group(0) @binding({binding}) var t{n}: texture_{dimensions}<f32>;"
             );
-            let sample = |place: &String| match sampled.kind {
-                Kind::Map => format!("    c += textureSampleGrad(t{n}, maps, {place}, dx, dy);\n"),
-                _ => format!("    c += textureSampleLevel(t{n}, tables, {place}, 0.0);\n"),
+            let sample = |place: &String| match sampled.texture {
+                Texture::Map(_) => {
+                    format!("    c += textureSampleGrad(t{n}, maps, {place}, dx, dy);\n")
+                }
+                Texture::Table(_) => {
+                    format!("    c += textureSampleLevel(t{n}, tables, {place}, 0.0);\n")
+                }
             };
             always.extend(sampled.always.iter().map(sample));
             by_night.extend(sampled.by_night.iter().map(sample));
         }
-        text + BODY.0
-            + &always
-            + &format!("    if mu_s < {LAMPS_OUT_SIN:?} {{\n{by_night}    }}\n")
-            + BODY.1
+        text + &format!(
+            "fn sampled(uv: vec2f, dx: vec2f, dy: vec2f, mu: f32, mu_s: f32) -> vec4f {{
+    var c = vec4f(0.0);
+{always}    if mu_s < {LAMPS_OUT_SIN:?} {{
+{by_night}    }}
+    return c;
+}}
+"
+        )
     }
 
     /// The bind group of the pass.
@@ -131,12 +139,22 @@ impl Samples {
             binding: 0,
             resource: view.as_entire_binding(),
         }];
-        let textures = self.0.iter();
+        let textures = self.0.iter().map(|sampled| sampled.texture);
+        let views = textures.clone().filter_map(|texture| match texture {
+            Texture::Map(layer) => {
+                let (image, label) = (options.layers.get(layer)?, "terrella floor map");
+                Some(GpuLayer::upload(device, &gpu.queue, label, image, false).view)
+            }
+            Texture::Table(size) => Some(table(gpu, size)),
+        });
+        let views: Vec<_> = views.collect();
         let resources = [&maps, &tables]
             .map(wgpu::BindingResource::Sampler)
             .into_iter()
-            .chain(textures.map(|sampled| wgpu::BindingResource::TextureView(&sampled.view)));
-        let has_tables = self.0.iter().any(|sampled| sampled.kind != Kind::Map);
+            .chain(views.iter().map(wgpu::BindingResource::TextureView));
+        let has_tables = textures
+            .into_iter()
+            .any(|texture| matches!(texture, Texture::Table(_)));
         for (binding, resource) in (1..).zip(resources) {
             // What the shader does not name is not in its layout.
             if binding != 2 || has_tables {
@@ -152,20 +170,13 @@ impl Samples {
 }
 
 /// Tables of the air, empty ones of the same size and format.
-fn of_the_air(gpu: &GpuContext, is_sunlit: bool, has_clouds: bool, has_moon: bool) -> Vec<Sampled> {
+fn of_the_air(is_sunlit: bool, has_clouds: bool, has_moon: bool) -> Vec<Sampled> {
     // Cosines of zenith angles as coordinates; the Moon's is another than the Sun's.
     let (sun, moon) = ("0.5 + 0.5 * mu_s", "0.5 - 0.4 * mu_s");
-    let sampled = |size: air::TableSize, of: &dyn Fn(&str) -> Vec<String>| {
-        let (dimension, kind) = match size.z {
-            1 => (wgpu::TextureDimension::D2, Kind::Flat),
-            _ => (wgpu::TextureDimension::D3, Kind::Volume),
-        };
-        Sampled {
-            view: table(gpu, size, dimension),
-            kind,
-            always: of(sun),
-            by_night: if has_moon { of(moon) } else { Vec::new() },
-        }
+    let sampled = |size, of: &dyn Fn(&str) -> Vec<String>| Sampled {
+        texture: Texture::Table(size),
+        always: of(sun),
+        by_night: if has_moon { of(moon) } else { Vec::new() },
     };
     let once = |size, place: &str| Sampled {
         by_night: Vec::new(),
@@ -196,11 +207,7 @@ fn of_the_air(gpu: &GpuContext, is_sunlit: bool, has_clouds: bool, has_moon: boo
     all
 }
 
-fn table(
-    gpu: &GpuContext,
-    size: air::TableSize,
-    dimension: wgpu::TextureDimension,
-) -> wgpu::TextureView {
+fn table(gpu: &GpuContext, size: air::TableSize) -> wgpu::TextureView {
     let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
         label: Some("terrella floor table"),
         size: wgpu::Extent3d {
@@ -210,7 +217,10 @@ fn table(
         },
         mip_level_count: 1,
         sample_count: 1,
-        dimension,
+        dimension: match size.z {
+            1 => wgpu::TextureDimension::D2,
+            _ => wgpu::TextureDimension::D3,
+        },
         format: wgpu::TextureFormat::Rgba16Float,
         usage: wgpu::TextureUsages::TEXTURE_BINDING,
         view_formats: &[],
@@ -218,63 +228,31 @@ fn table(
     texture.create_view(&Default::default())
 }
 
-const HEAD: &str = "struct View {
-    clip_from_eye: mat4x4f,
-    eye_scaled: vec3f, above: f32,
-    corner_ray: vec3f, polar_stretch: f32,
-    pixel_right: vec3f, padding_0: f32,
-    pixel_down: vec3f, padding_1: f32,
-    limb_center: vec3f, padding_2: f32,
-    limb_across: vec3f, padding_3: f32,
-    limb_beside: vec3f, padding_4: f32,
-    sun_itrf: vec3f, padding_5: f32,
-}
-@group(0) @binding(0) var<uniform> view: View;
-@group(0) @binding(1) var maps: sampler;
-@group(0) @binding(2) var tables: sampler;
-const PI: f32 = 3.14159265;
-// Shadows of clouds: some kilometres.
-const ASIDE: vec2f = vec2f(0.0003, 0.0003);
-";
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::backends::compile_for_every_backend;
+    use terrella_imagery::{EarthLayers, LayerImage};
 
-/// The point of the ground and the footprint are those of shaders/earth/surface_point/ray_on_ellipsoid.wgsl.
-const BODY: (&str, &str) = (
-    "@vertex fn vertex(@builtin(vertex_index) i: u32) -> @builtin(position) vec4f {
-    // One triangle over the middle, then one on each side of those before: few of them are slivers.
-    let rest = max(i / 3u, 1u) - 1u;
-    let level = firstLeadingBit(rest / 3u + 1u);
-    let side = (CORNERS / 3u) >> level;
-    let outer = side * (rest + 3u - (3u << level)) + (i % 3u) * (side / 2u);
-    let corner = select(outer, (i % 3u) * (CORNERS / 3u), i < 3u);
-    let angle = f32(corner) * (2.0 * PI / f32(CORNERS));
-    let at = view.limb_center + cos(angle) * view.limb_across + sin(angle) * view.limb_beside;
-    return view.clip_from_eye * vec4f(at, 1.0);
+    #[test]
+    fn every_backend_takes_the_shader_of_every_choice_of_textures() {
+        let rgba = LayerImage::from_rgba8(2, 1, vec![0; 8]).unwrap();
+        let gray = LayerImage::from_r8(2, 1, vec![0; 2]).unwrap();
+        let slopes = LayerImage::from_slopes(2, 1, vec![0; 4]).unwrap();
+        for bits in 0..128_u32 {
+            let on = |bit: u32| bits >> bit & 1 == 1;
+            let mut options = EarthOptions::new(EarthLayers {
+                day: rgba.clone(),
+                clouds: on(0).then(|| gray.clone()),
+                normals: on(1).then(|| slopes.clone()),
+                night_lights: on(2).then(|| gray.clone()),
+                water: on(2).then(|| gray.clone()),
+            });
+            options.light.cloud_shadows = on(3);
+            options.light.moonlight = on(4);
+            options.shading = [Shading::Sunlit, Shading::Paper][on(5) as usize];
+            options.atmosphere = [Atmosphere::None, Atmosphere::default()][on(6) as usize];
+            compile_for_every_backend(&Samples::of(&options).shader());
+        }
+    }
 }
-@fragment fn fragment(@builtin(position) pixel: vec4f) -> @location(0) vec4f {
-    let ray = view.corner_ray + pixel.x * view.pixel_right + pixel.y * view.pixel_down;
-    let to_scaled = vec3f(1.0, 1.0, view.polar_stretch);
-    let scaled = ray * to_scaled;
-    let d = normalize(scaled);
-    let across_ray = cross(view.eye_scaled, d);
-    let root = sqrt(max(1.0 - dot(across_ray, across_ray), 0.0));
-    let t = max(view.above / max(root - dot(view.eye_scaled, d), 1e-9), 0.0);
-    let up = normalize((view.eye_scaled + t * d) * to_scaled);
-    let across = max(length(up.xy), 1e-7);
-    let uv = vec2f(0.5 + atan2(up.y, up.x) / (2.0 * PI), acos(clamp(up.z, -1.0, 1.0)) / PI);
-    let east = vec3f(-up.y, up.x, 0.0) / across;
-    let north = cross(up, east);
-    let radii = t / length(scaled);
-    let facing = min(dot(up, ray), -0.02 * length(ray));
-    let right = radii * (view.pixel_right - ray * (dot(up, view.pixel_right) / facing));
-    let down = radii * (view.pixel_down - ray * (dot(up, view.pixel_down) / facing));
-    let to_uv = vec2f(0.5, -1.0) / PI;
-    let dx = vec2f(dot(east, right), dot(north, right)) * to_uv;
-    let dy = vec2f(dot(east, down), dot(north, down)) * to_uv;
-    let mu = -dot(up, ray) / length(ray);
-    let mu_s = dot(up, view.sun_itrf);
-    var c = vec4f(0.0);
-",
-    "    return c * 0.2;
-}
-",
-);

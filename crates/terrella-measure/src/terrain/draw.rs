@@ -15,21 +15,7 @@ const DOWN_RAD: f64 = 0.15;
 /// Nearest that is drawn, metres.
 const NEAR_M: f64 = 1.0;
 
-const SHADER: &str = "struct View { clip_from_eye: mat4x4f, eye_from_middle: vec4f }
-@group(0) @binding(0) var<uniform> view: View;
-struct Corner { @builtin(position) at: vec4f, @location(0) from_eye: vec3f }
-@vertex fn vertex(@location(0) from_middle: vec3f) -> Corner {
-    let from_eye = from_middle - view.eye_from_middle.xyz;
-    return Corner(view.clip_from_eye * vec4f(from_eye, 1.0), from_eye);
-}
-@fragment fn fragment(corner: Corner) -> @location(0) vec4f {
-    let normal = normalize(cross(dpdx(corner.from_eye), dpdy(corner.from_eye)));
-    // Light from the west, 40 degrees high; faces look up whichever way the axes of the screen turn.
-    let up = select(-normal, normal, normal.z > 0.0);
-    let light = max(dot(up, vec3f(-0.66, 0.38, 0.64)), 0.0);
-    return vec4f(vec3f(0.05 + 0.8 * light), 1.0);
-}
-";
+const SHADER: &str = include_str!("../../shaders/terrain.wgsl");
 
 /// Where trees are drawn.
 pub(super) struct Canvas {
@@ -204,4 +190,12 @@ fn triangles_buffer(device: &wgpu::Device, bytes: u64) -> wgpu::Buffer {
         usage: wgpu::BufferUsages::INDEX | wgpu::BufferUsages::COPY_DST,
         mapped_at_creation: false,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn every_backend_takes_the_shader() {
+        crate::backends::compile_for_every_backend(super::SHADER);
+    }
 }
