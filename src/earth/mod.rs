@@ -59,6 +59,7 @@ mod view;
 
 use crate::gpu::{
     AirDrawable, AirTextures, ChosenTiles, PassFormat, SurfaceConfig, SurfaceDrawable, SurfaceView,
+    resolved,
 };
 pub use crate::gpu::{DepthBuffer, SurfaceOutput};
 pub use adaptive_quality::{AdaptiveQuality, QualityChange};
@@ -549,14 +550,4 @@ fn air_textures(
     let albedo = albedo.texels(&quality.maps);
     let (clouds_m, moonlight) = (appearance.light.cloud_height_m, appearance.light.moonlight);
     AirTextures::new(device, queue, model, &tables, &albedo, clouds_m, moonlight)
-}
-
-/// The value of a future that is ready at once, as wgpu's error scopes are everywhere but on the web.
-fn resolved<T>(future: impl Future<Output = Option<T>>) -> Option<T> {
-    let mut future = std::pin::pin!(future);
-    let mut context = std::task::Context::from_waker(std::task::Waker::noop());
-    match future.as_mut().poll(&mut context) {
-        std::task::Poll::Ready(value) => value,
-        std::task::Poll::Pending => None,
-    }
 }

@@ -41,13 +41,14 @@ mod uniforms;
 pub use celestial::{CelestialUniforms, Disc};
 pub use context::{AdapterReport, BcSupport, ContextError, GpuContext, adapter_reports};
 pub use faults::GpuFault;
+pub(crate) use faults::resolved;
 pub use map::{GpuMap, MapError, MapFade};
 pub use scaled::ScaledTarget;
 pub use shader::{
     AirSide, AirVariant, AirViewVariant, CelestialKind, CelestialVariant, EarthOutput,
     EarthVariant, MapFadeVariant, PaperLayers, PatchTiles, SHADER_FILES, ShaderCapability,
-    ShaderError, ShaderText, ShaderVariant, ShadingVariant, SunlitLayers, TargetColor, TrackKind,
-    TracksVariant, TruthLayers, UpscaleVariant, VertexForm,
+    ShaderError, ShaderFiles, ShaderText, ShaderVariant, ShadingVariant, SunlitLayers, TargetColor,
+    TrackKind, TracksVariant, TruthLayers, UpscaleVariant, VertexForm,
 };
 pub use targets::{
     Attachments, FrameTargets, PassPart, color_texture, read_floats, read_halves, read_texture,

@@ -26,6 +26,7 @@ mod quality;
 mod reference;
 mod report;
 mod several;
+mod shaders;
 mod shipped;
 mod simulators;
 mod start;

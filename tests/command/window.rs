@@ -73,7 +73,7 @@ fn a_window_opens_plays_and_closes_by_itself() {
 }
 
 /// Looks again and again, for a minute at most.
-fn wait_for(what: &str, mut is_there: impl FnMut() -> bool) {
+pub fn wait_for(what: &str, mut is_there: impl FnMut() -> bool) {
     let deadline = Instant::now() + Duration::from_secs(60);
     while !is_there() {
         assert!(Instant::now() < deadline, "{what} does not come");

@@ -107,6 +107,8 @@ mod scene_files;
 #[cfg_attr(not(feature = "window"), allow(dead_code))]
 mod scene_painter;
 #[cfg(feature = "window")]
+mod shader_watch;
+#[cfg(feature = "window")]
 mod simulator_time;
 mod sky;
 mod sky_parts;

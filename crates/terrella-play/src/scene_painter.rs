@@ -60,13 +60,22 @@ impl ScenePainter {
     pub fn new(gpu: GpuContext, options: &EarthOptions) -> Result<Self, PlayError> {
         Ok(Self {
             earth: Earth::new(&gpu.device, &gpu.queue, options)?,
-            craft: CraftLayer::new(options)?,
+            craft: CraftLayer::new(&gpu, options)?,
             gpu,
             dated_maps: None,
             sky: None,
             tracks: None,
             adaptation: (options.exposure == Exposure::Auto).then(Adaptation::default),
         })
+    }
+
+    /// The same with all layers of a flight's scene.
+    pub fn of(flight: &Flight, gpu: GpuContext, options: &EarthOptions) -> Result<Self, PlayError> {
+        let mut painter = Self::new(gpu, options)?;
+        painter.show_dated_maps(flight)?;
+        painter.show_sky(flight)?;
+        painter.show_tracks(flight)?;
+        Ok(painter)
     }
 
     /// Adapter, device and queue.

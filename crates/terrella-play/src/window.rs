@@ -6,6 +6,7 @@ use super::error::{PlayError, WindowError};
 use super::flight::Flight;
 use super::keys::{Action, action_of};
 use super::progress::Progress;
+use super::shader_watch::ShaderWatch;
 use super::simulator_time::SimulatorTime;
 use super::timeline::{Coverage, PassSearch};
 use super::window_renderer::{Presented, WindowRenderer};
@@ -14,7 +15,7 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 use terrella::EyeView;
 use terrella::frames::Epoch;
-use terrella::internals::gpu::PictureError;
+use terrella::internals::gpu::{PictureError, ShaderFiles};
 use winit::application::ApplicationHandler;
 use winit::dpi::PhysicalSize;
 use winit::event::{ElementState, MouseButton, MouseScrollDelta, StartCause, WindowEvent};
@@ -90,6 +91,7 @@ fn run_window(
             pointer: None,
             hidden: false,
             expected: Vec::new(),
+            shader_watch: ShaderWatch::new(ShaderFiles::chosen()),
         };
         event_loop
             .run_app(&mut app)
@@ -136,6 +138,7 @@ struct App<'a> {
     hidden: bool,
     /// Where the eye will be soon.
     expected: Vec<EyeView>,
+    shader_watch: ShaderWatch,
 }
 
 impl ApplicationHandler for App<'_> {
@@ -259,6 +262,9 @@ impl ApplicationHandler for App<'_> {
             (self.message_ends, self.controls.message) = (None, None);
             self.redraw();
         }
+        if self.shader_watch.has_changed(now) {
+            self.reload_shaders();
+        }
         let is_over = self.live.as_ref().is_some_and(SimulatorTime::is_over);
         if is_over || self.progress.cancelled() {
             event_loop.exit();
@@ -308,6 +314,25 @@ impl<'a> App<'a> {
     fn show_message(&mut self, message: String) {
         self.controls.message = Some(message);
         self.message_ends = Some(Instant::now() + MESSAGE_TIME);
+    }
+
+    /// Draws with shaders that have changed on disk, and says so, or why not.
+    fn reload_shaders(&mut self) {
+        let Some(renderer) = &mut self.renderer else {
+            return;
+        };
+        let message = match renderer.reload_shaders(self.flight) {
+            Ok(()) => {
+                tracing::info!("drawn with the new shaders");
+                "drawn with the new shaders".to_owned()
+            }
+            Err(error) => {
+                tracing::warn!("the shaders stay as they were: {error}");
+                format!("the shaders stay as they were: {error}")
+            }
+        };
+        self.show_message(message);
+        self.redraw();
     }
 
     fn act(&mut self, event_loop: &ActiveEventLoop, action: Action) {

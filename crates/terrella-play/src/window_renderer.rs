@@ -20,7 +20,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 use terrella::frames::rfc3339;
 use terrella::internals::gpu::{GpuContext, GpuFault, read_texture};
-use terrella::{EyeView, FrameStats, Quality};
+use terrella::{EarthError, EyeView, FrameStats, Quality};
 use wgpu::CurrentSurfaceTexture;
 use winit::dpi::PhysicalSize;
 use winit::event::WindowEvent;
@@ -130,10 +130,7 @@ impl WindowRenderer {
         let surface = WindowSurface::new(&gpu, surface, inner, options.samples)?;
         options.color_format = surface.format();
         options.samples = surface.samples();
-        let mut painter = ScenePainter::new(gpu, &options)?;
-        painter.show_dated_maps(flight)?;
-        painter.show_sky(flight)?;
-        painter.show_tracks(flight)?;
+        let painter = ScenePainter::of(flight, gpu, &options)?;
         let (gpu, earth) = (painter.gpu(), painter.earth());
         let full = scene_quality(&flight.scene().quality, *earth.quality());
         let control = QualityControl::of(flight.scene(), full, earth.has_tiles())?;
@@ -170,6 +167,28 @@ impl WindowRenderer {
         };
         renderer.set_quality(&full);
         Ok(renderer)
+    }
+
+    /// Draws with the shaders of the files as they are now: all that is drawn is made anew.
+    ///
+    /// # Errors
+    /// A file that cannot be read, compiled or drawn with. What was drawn then stays as it was.
+    pub fn reload_shaders(&mut self, flight: &Flight) -> Result<(), PlayError> {
+        let gpu = self.painter.gpu().clone();
+        let mut options = flight.earth_options(gpu.bc_support())?;
+        options.color_format = self.surface.format();
+        options.samples = self.samples.without;
+        let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
+        let painter = ScenePainter::of(flight, gpu, &options);
+        let rejected = pollster::block_on(scope.pop());
+        let painter = painter?;
+        if let Some(error) = rejected {
+            return Err(EarthError::Refused(error.to_string()).into());
+        }
+        let quality = *self.painter.earth().quality();
+        self.painter = painter;
+        self.set_quality(&quality);
+        Ok(())
     }
 
     /// The window.

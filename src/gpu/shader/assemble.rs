@@ -1,7 +1,8 @@
 //! Puts the text of a shader together: imports and conditions, see the module above.
 
 use super::constants;
-use super::files::FILES;
+use super::files::ShaderFiles;
+use crate::gpu::faults::resolved;
 
 /// What is wrong with a shader file.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -27,10 +28,20 @@ pub struct ShaderText {
 type Conditions<'a> = &'a [(&'static str, bool)];
 
 impl ShaderText {
-    /// The text of a file and of all that it imports. `conditions` are those that `@if` may ask for; others are errors.
+    /// The text of a file and of all that it imports, of [`ShaderFiles::chosen`]. `conditions` are those that `@if` may ask for;
+    /// others are errors.
     pub fn assemble(entry: &str, conditions: Conditions<'_>) -> Result<Self, ShaderError> {
+        Self::assemble_from(&ShaderFiles::chosen(), entry, conditions)
+    }
+
+    /// The same of other files.
+    fn assemble_from(
+        files: &ShaderFiles,
+        entry: &str,
+        conditions: Conditions<'_>,
+    ) -> Result<Self, ShaderError> {
         let mut out = Self::default();
-        let is_there = out.import(entry, conditions, &mut Vec::new())?;
+        let is_there = out.import(files, entry, conditions, &mut Vec::new())?;
         is_there.then_some(out).ok_or_else(|| ShaderError {
             file: entry.to_owned(),
             line: 0,
@@ -41,20 +52,26 @@ impl ShaderText {
     /// False if there is no such file. `done` are files and constants that are in the text already.
     fn import(
         &mut self,
+        files: &ShaderFiles,
         file: &str,
         conditions: Conditions<'_>,
         done: &mut Vec<&'static str>,
     ) -> Result<bool, ShaderError> {
-        let Some((file, text)) = FILES.iter().find(|(name, _)| *name == file) else {
+        let unreadable = |problem| ShaderError {
+            file: file.to_owned(),
+            line: 0,
+            problem,
+        };
+        let Some((file, text)) = files.file(file).map_err(unreadable)? else {
             return Ok(false);
         };
-        if done.contains(file) {
+        if done.contains(&file) {
             return Ok(true);
         }
         done.push(file);
         self.push(&format!("// {file}"), (file, 1));
         let error = |line, problem| ShaderError {
-            file: (*file).to_owned(),
+            file: file.to_owned(),
             line,
             problem,
         };
@@ -80,7 +97,7 @@ impl ShaderText {
                         }
                     }
                 }
-                None if self.import(imported, conditions, done)? => {}
+                None if self.import(files, imported, conditions, done)? => {}
                 None => return Err(error(format!("no shader file {imported}"))),
             }
         }
@@ -88,6 +105,35 @@ impl ShaderText {
             None => Ok(true),
             Some(branch) => Err(error(branch.line, "what @if keeps does not end".into())),
         }
+    }
+
+    /// Compiles it for a device.
+    ///
+    /// # Errors
+    /// What the compiler rejects first, with the file and the line that it stands in.
+    pub fn compile(
+        &self,
+        device: &wgpu::Device,
+        label: &str,
+    ) -> Result<wgpu::ShaderModule, ShaderError> {
+        let scope = device.push_error_scope(wgpu::ErrorFilter::Validation);
+        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some(label),
+            source: wgpu::ShaderSource::Wgsl(self.text.as_str().into()),
+        });
+        let Some(error) = resolved(scope.pop()) else {
+            return Ok(module);
+        };
+        let messages = async { Some(module.get_compilation_info().await.messages) };
+        let first = resolved(messages).and_then(|messages| messages.into_iter().next());
+        let line = first.as_ref().and_then(|message| message.location);
+        let line = line.map_or(0, |location| location.line_number as usize - 1);
+        let (file, line) = self.origins.get(line).copied().unwrap_or_default();
+        Err(ShaderError {
+            file: file.to_owned(),
+            line,
+            problem: first.map_or_else(|| error.to_string(), |message| message.message),
+        })
     }
 
     fn push(&mut self, line: &str, origin: (&'static str, usize)) {
@@ -296,7 +342,7 @@ struct After {}";
             .lines()
             .position(|line| line.contains("fn sun_coordinate"));
         let (file, number) = shader.origins[at.unwrap()];
-        let (_, text) = FILES.iter().find(|(name, _)| *name == file).unwrap();
+        let (_, text) = ShaderFiles::Embedded.file(file).unwrap().unwrap();
         assert!(
             text.lines()
                 .nth(number - 1)
@@ -305,6 +351,28 @@ struct After {}";
         );
         assert_eq!(shader.text.lines().count(), shader.origins.len());
         assert!(shader.text.contains("const LOWEST_SUN: f32 = -0."));
+    }
+
+    #[test]
+    fn files_of_a_folder_stand_in_for_those_compiled_in() {
+        let folder = tempfile::tempdir().unwrap();
+        let files = ShaderFiles::Folder(folder.path().to_owned());
+        let assembled = || ShaderText::assemble_from(&files, "earth/varying.wgsl", &[("a", true)]);
+        let path = folder.path().join("earth/varying.wgsl");
+        let problem = || assembled().unwrap_err().to_string();
+        let missing = problem();
+        assert!(missing.starts_with("shaders/earth/varying.wgsl:0: cannot be read from "));
+        std::fs::create_dir(path.parent().unwrap()).unwrap();
+        let before = files.written();
+        std::fs::write(&path, "@if(!a) x;\n@else y;").unwrap();
+        assert_eq!(assembled().unwrap().text, "// earth/varying.wgsl\ny;\n");
+        assert_ne!(files.written(), before);
+        std::fs::write(&path, "y;\n@if(b) x;").unwrap();
+        let wanted = "shaders/earth/varying.wgsl:2: unknown condition b";
+        assert_eq!(problem(), wanted);
+        std::fs::write(&path, " ".repeat(1 << 20) + ";").unwrap();
+        let wanted = "shaders/earth/varying.wgsl:0: more than 1048576 bytes";
+        assert_eq!(problem(), wanted);
     }
 
     #[test]

@@ -1,4 +1,66 @@
-//! The files of `shaders/`, embedded.
+//! The files of `shaders/`: compiled in, or read from a folder.
+
+use std::borrow::Cow;
+use std::path::{Path, PathBuf};
+use std::time::SystemTime;
+use terrella_files::{cause, read_text};
+
+/// Most bytes of a file in a folder.
+const MOST_BYTES: u64 = 1 << 20;
+
+/// Where the files are that shaders are put together from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum ShaderFiles {
+    /// In the program.
+    Embedded,
+    /// In a folder, by the same names.
+    Folder(PathBuf),
+}
+
+impl ShaderFiles {
+    /// Those in the folder that the environment variable `TERRELLA_SHADERS` names. Without it a debug build takes the folder that
+    /// it was compiled from, if that is still there, and a release build what is compiled in.
+    pub fn chosen() -> Self {
+        let own = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/shaders"));
+        match std::env::var_os("TERRELLA_SHADERS") {
+            Some(folder) => Self::Folder(folder.into()),
+            None if cfg!(debug_assertions) && own.is_dir() => Self::Folder(own.into()),
+            None => Self::Embedded,
+        }
+    }
+
+    /// The name and the text of a file; `None` if no shader has one of this name.
+    pub(super) fn file(
+        &self,
+        name: &str,
+    ) -> Result<Option<(&'static str, Cow<'static, str>)>, String> {
+        let Some((name, embedded)) = FILES.iter().find(|(known, _)| *known == name) else {
+            return Ok(None);
+        };
+        let text = match self {
+            Self::Embedded => Cow::Borrowed(*embedded),
+            Self::Folder(folder) => match read_text(&folder.join(name), MOST_BYTES) {
+                Ok(Some(text)) => Cow::Owned(text),
+                Ok(None) => return Err(format!("more than {MOST_BYTES} bytes")),
+                Err(error) => {
+                    let folder = folder.display();
+                    return Err(format!("cannot be read from {folder}: {}", cause(error)));
+                }
+            },
+        };
+        Ok(Some((name, text)))
+    }
+
+    /// When each file of a folder was written last, as far as it is there: after an edit the answer is another. What is compiled in
+    /// has none.
+    pub fn written(&self) -> Vec<Option<SystemTime>> {
+        let Self::Folder(folder) = self else {
+            return Vec::new();
+        };
+        let written = |(name, _): &(&str, &str)| folder.join(name).metadata()?.modified();
+        FILES.iter().map(|file| written(file).ok()).collect()
+    }
+}
 
 macro_rules! files {
     ($($name:literal),* $(,)?) => {

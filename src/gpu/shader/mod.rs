@@ -11,6 +11,9 @@
 //! So what is off is not in the text that the driver sees. Set `TERRELLA_SHADER_DUMP` to a folder to have every shader written
 //! there as the driver gets it.
 //!
+//! `TERRELLA_SHADERS` names a folder that the files are read from in place of those compiled in; a debug build reads them from
+//! `shaders/` without it ([`ShaderFiles`]). The player's window draws with them anew when they change.
+//!
 //! # Why our own resolver
 //!
 //! `wesl` 0.4 (the last for this Rust) and `naga_oil` 0.23 were tried. The conditions are WESL's, so that its files read alike;
@@ -46,7 +49,7 @@ pub use earth::{
     EarthOutput, EarthVariant, PaperLayers, PatchTiles, ShadingVariant, SunlitLayers, TruthLayers,
     VertexForm,
 };
-pub use files::FILES as SHADER_FILES;
+pub use files::{FILES as SHADER_FILES, ShaderFiles};
 pub use map_fade::MapFadeVariant;
 pub use tracks::{TrackKind, TracksVariant};
 pub use upscale::UpscaleVariant;

@@ -95,19 +95,17 @@ pub(crate) struct ShaderModule {
 impl ShaderModule {
     /// Compiles a variant.
     pub fn new(device: &wgpu::Device, variant: &impl ShaderVariant) -> Result<Self, ShaderError> {
-        let source = variant.source()?.text;
+        let source = variant.source()?;
         if let Some(folder) = std::env::var_os("TERRELLA_SHADER_DUMP") {
             let path = std::path::Path::new(&folder).join(variant.name() + ".wgsl");
-            if let Err(error) = std::fs::write(&path, &source) {
+            if let Err(error) = std::fs::write(&path, &source.text) {
                 tracing::warn!("shader not dumped to {}: {error}", path.display());
             }
         }
-        let bytes = source.len() as u64;
-        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some(&format!("terrella {}", variant.name())),
-            source: wgpu::ShaderSource::Wgsl(source.into()),
-        });
-        Ok(Self { module, bytes })
+        Ok(Self {
+            module: source.compile(device, &format!("terrella {}", variant.name()))?,
+            bytes: source.text.len() as u64,
+        })
     }
 }
 

@@ -1,7 +1,7 @@
 //! The spacecraft that the chase camera follows: the player's own drawable in front of the Earth.
 //!
 //! The player is a host like any other: it draws its craft into the pass first, the Earth and its air after it. Nothing
-//! of it but its shader's text exists before the first chase picture.
+//! of it but its shader exists before the first chase picture.
 
 mod mesh;
 
@@ -17,10 +17,15 @@ use terrella::{EarthError, EarthOptions, EyeView, FrameStats, Sky};
 use terrella_ground::light::exposure_factor;
 
 /// The shader's text: how light is shown is the Earth's, the materials' numbers are ours.
-fn shader(target: TargetColor) -> Result<String, ShaderError> {
-    let displayed = ShaderText::assemble("common/displayed.wgsl", &target.conditions())?;
+fn shader(target: TargetColor) -> Result<ShaderText, ShaderError> {
+    let mut shader = ShaderText::assemble("common/displayed.wgsl", &target.conditions())?;
+    let constants = mesh::material_constants();
     let craft = ShaderText::assemble("craft.wgsl", &[])?;
-    Ok(displayed.text + &mesh::material_constants() + &craft.text)
+    let of_constants = constants.lines().map(|_| ("craft.wgsl", 1));
+    shader.origins.extend(of_constants.chain(craft.origins));
+    shader.text += &constants;
+    shader.text += &craft.text;
+    Ok(shader)
 }
 
 /// Part of the sunlight that the Earth throws back (Bond albedo).
@@ -119,14 +124,14 @@ struct CraftFrame {
 /// The craft of a picture or a window: made by the first moment that has one.
 pub struct CraftLayer {
     format: PassFormat,
-    shader: String,
+    shader: wgpu::ShaderModule,
     drawable: Option<CraftDrawable>,
     is_shown: bool,
 }
 
 impl CraftLayer {
     /// For passes of the Earth's colour format and samples, with [`FrameTargets::DEPTH`] reversed.
-    pub fn new(options: &EarthOptions) -> Result<Self, EarthError> {
+    pub fn new(gpu: &GpuContext, options: &EarthOptions) -> Result<Self, EarthError> {
         let format = PassFormat {
             color: options.color_format,
             further: &[],
@@ -135,7 +140,7 @@ impl CraftLayer {
             tone: options.tone,
         };
         Ok(Self {
-            shader: shader(format.target_color())?,
+            shader: shader(format.target_color())?.compile(&gpu.device, "terrella craft")?,
             format,
             drawable: None,
             is_shown: false,
@@ -190,12 +195,8 @@ struct CraftDrawable {
 }
 
 impl CraftDrawable {
-    fn new(gpu: &GpuContext, shader: &str, format: PassFormat) -> Self {
+    fn new(gpu: &GpuContext, shader: &wgpu::ShaderModule, format: PassFormat) -> Self {
         let device = &gpu.device;
-        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some("terrella craft"),
-            source: wgpu::ShaderSource::Wgsl(shader.into()),
-        });
         let mesh = mesh::vertices();
         let vertices = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("terrella craft vertices"),
@@ -214,7 +215,7 @@ impl CraftDrawable {
         let pipeline = PipelineDescription {
             label: "terrella craft",
             bind_groups: None,
-            module: &module,
+            module: shader,
             buffers: &[Some(wgpu::VertexBufferLayout {
                 array_stride: size_of::<CraftVertex>() as u64,
                 step_mode: wgpu::VertexStepMode::Vertex,

@@ -1,9 +1,12 @@
 //! Light, attitude and size of the craft, and its shader.
 
+#[path = "../../../../tests/common/backends.rs"]
+mod backends;
+
 use super::*;
 use crate::camera::Pose;
+use backends::compile_for_every_backend;
 use glam::DVec4;
-use naga::valid::{Capabilities, ValidationFlags, Validator};
 use std::mem::offset_of;
 use terrella::frames::Geodetic;
 
@@ -114,22 +117,14 @@ fn a_chase_picture_has_it_in_the_middle_a_fifth_of_its_height() {
 }
 
 #[test]
-fn the_shader_compiles_and_its_struct_is_ours() {
+fn every_backend_takes_the_shader_and_its_struct_is_ours() {
     for target in TargetColor::all() {
-        holds(&shader(target).expect("its files are there"));
+        holds(&shader(target).expect("its files are there").text);
     }
 }
 
 fn holds(source: &str) {
-    let module = match naga::front::wgsl::parse_str(source) {
-        Ok(module) => module,
-        Err(error) => panic!("{}", error.emit_to_string(source)),
-    };
-    if let Err(error) =
-        Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&module)
-    {
-        panic!("{}", error.emit_to_string(source));
-    }
+    let module = compile_for_every_backend(source);
     let mut structs = module.types.iter().map(|(_, ty)| ty);
     let frame = structs.find(|ty| ty.name.as_deref() == Some("CraftFrame"));
     let Some(naga::TypeInner::Struct { members, span }) = frame.map(|ty| &ty.inner) else {
