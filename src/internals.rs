@@ -13,5 +13,7 @@ pub mod gpu;
 #[cfg(feature = "offscreen")]
 #[path = "offscreen/mod.rs"]
 pub mod offscreen;
+#[path = "plan/mod.rs"]
+pub mod plan;
 #[path = "shipped.rs"]
 pub mod shipped;

@@ -63,6 +63,7 @@
 //! | `light` | exposure, tone curves, metering | GPU, files |
 //! | `imagery` | maps and packs on disk, checks, mip levels, slopes, streaming | GPU, orbits |
 //! | `shipped` | scenes that come with every program | |
+//! | `plan` | what a frame draws, as plain values | GPU, files, orbits |
 //! | `gpu` | adapter, targets, shaders, one file per drawable | files, orbits |
 //! | `earth` | the façade | the command |
 //! | `offscreen` | an Earth that is drawn into memory | files, the command |
@@ -103,6 +104,7 @@ pub use {glam, wgpu};
 
 #[cfg(feature = "offscreen")]
 pub(crate) use internals::offscreen;
+pub(crate) use internals::plan;
 pub use internals::{earth, gpu};
 
 pub use earth::{

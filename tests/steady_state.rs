@@ -464,7 +464,7 @@ fn a_grid_of_the_gpu_allocates_nothing_of_its_own() {
         allocations(|| gpu.queue.write_buffer(&buffer, 0, &bytes))
     };
     let sizes = [
-        size_of::<terrella::internals::gpu::FrameUniforms>(),
+        size_of::<terrella::internals::plan::FrameUniforms>(),
         size_of::<GridUniforms>(),
     ];
     let uniforms: u64 = sizes
@@ -568,7 +568,7 @@ fn pages_of_contours_allocate_nothing_once_they_are_built() {
     };
     let pages = stats.ground.patches as usize;
     let most: u64 = [
-        size_of::<terrella::internals::gpu::FrameUniforms>(),
+        size_of::<terrella::internals::plan::FrameUniforms>(),
         96 * pages,
         56 * pages,
     ]

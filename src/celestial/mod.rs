@@ -32,11 +32,12 @@ mod seen;
 mod stars;
 
 use crate::earth::{Earth, EarthView, EyeView, Viewport, ball_bounds};
-use crate::gpu::{AirSide, AirTextures, DepthBuffer, PassFormat, ShaderError};
+use crate::gpu::{AirTextures, DepthBuffer, PassFormat, ShaderError};
 use crate::gpu::{
     CelestialDrawable, CelestialKind, CelestialParts, CelestialUniforms, GLARE_RADIUS_RAD,
     StarPoint,
 };
+use crate::plan::AirSide;
 use glam::{DVec3, Vec3, Vec4};
 use projection::Projection;
 use seen::Seen;

@@ -1,7 +1,8 @@
 //! For measuring and for looking at how an Earth is drawn. Pictures need none of it.
 
 use super::Earth;
-use crate::gpu::{FramePlan, SurfaceOutput};
+use crate::gpu::SurfaceOutput;
+use crate::plan::FramePlan;
 use glam::{DVec3, Vec3};
 use terrella_ground::globe::{BlockGrid, TangentCone};
 

@@ -4,9 +4,10 @@ use super::plan::Planner;
 use super::tile_view::TileView;
 use super::tiles::TileLevels;
 use super::{Earth, EarthError, EyeView, FrameStats, Quality, Sky, Viewport};
+use crate::gpu::{AirDrawable, AirTextures, SurfaceView};
+use crate::plan::FramePlan;
 #[cfg(feature = "celestial")]
-use crate::gpu::FrameUniforms;
-use crate::gpu::{AirDrawable, AirTextures, FramePlan, SurfaceView};
+use crate::plan::FrameUniforms;
 use terrella_ground::globe::{BlockSet, Meshes};
 use terrella_ground::light::Exposure;
 

@@ -58,10 +58,10 @@ mod truth;
 mod view;
 
 use crate::gpu::{
-    AirDrawable, AirTextures, ChosenTiles, PassFormat, SurfaceConfig, SurfaceDrawable, SurfaceView,
-    resolved,
+    AirDrawable, AirTextures, PassFormat, SurfaceConfig, SurfaceDrawable, SurfaceView, resolved,
 };
 pub use crate::gpu::{DepthBuffer, SurfaceOutput};
+use crate::plan::ChosenTiles;
 pub use adaptive_quality::{AdaptiveQuality, QualityChange};
 pub use appearance::Appearance;
 pub use change_maker::{ChangeMaker, ReadyChange};

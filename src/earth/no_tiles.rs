@@ -3,7 +3,7 @@
 use super::quality::Quality;
 use super::tile_view::{TileDetail, TileView};
 use super::{EarthError, EyeView};
-use crate::gpu::ChosenTiles;
+use crate::plan::ChosenTiles;
 use std::time::Duration;
 use terrella_ground::globe::{Block, BlockGrid, Figure, Visibility};
 use terrella_imagery::EarthLayers;

@@ -8,7 +8,7 @@ use super::sky::LIGHTS_OUT;
 use super::tile_view::TileView;
 use super::view::ItrfView;
 use super::{Appearance, EarthError, EarthOptions, FrameStats, Quality, Sky};
-use crate::gpu::{AirPlan, FramePlan, FrameUniforms, MoonShadowUniforms};
+use crate::plan::{AirPlan, FramePlan, FrameUniforms, MoonShadowUniforms};
 use bytemuck::Zeroable;
 use glam::DVec3;
 use std::f64::consts::FRAC_PI_2;

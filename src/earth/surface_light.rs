@@ -1,7 +1,8 @@
 //! What of the light on the surface can be chosen.
 
 use super::EarthError;
-use crate::gpu::{NightLight, SurfaceLightUniforms};
+use crate::gpu::NightLight;
+use crate::plan::SurfaceLightUniforms;
 use std::ops::RangeInclusive;
 use terrella_imagery::SLOPE_EXAGGERATION;
 

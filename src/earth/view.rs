@@ -1,6 +1,6 @@
 //! The eye: where it is, what it sees, and on which part of the host's target; the projection to reversed depth.
 
-use crate::gpu::FrameUniforms;
+use crate::plan::FrameUniforms;
 use bytemuck::Zeroable;
 #[cfg(any(feature = "celestial", feature = "tracks"))]
 use glam::DVec2;

@@ -1,10 +1,8 @@
 //! The drawable of what is beyond the Earth: plain values and maps. `crate::celestial` makes them of an instant and an eye.
 
 use super::shader::{CelestialKind, CelestialVariant, ShaderModule};
-use super::{
-    AirSide, AirTextures, Binding, FrameUniforms, GpuLayer, PassFormat, PipelineDescription,
-    ShaderError,
-};
+use super::{AirTextures, Binding, GpuLayer, PassFormat, PipelineDescription, ShaderError};
+use crate::plan::{AirSide, FrameUniforms};
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3, Vec4};
 use terrella_imagery::LayerImage;

@@ -1,10 +1,11 @@
 //! Pages of contours on the GPU: one buffer of nodes with a slot a page, and the prisms of those that are in sight, behind
 //! whose faces the shader casts each pixel's ray at a page's tree.
 
+use super::DepthBuffer;
 use super::lattice::BlockInstance;
 use super::mesh::{BindMaps, DrawCosts, SurfaceMesh};
 use super::shader::{ShaderCapability, VertexForm};
-use super::{DepthBuffer, FramePlan};
+use crate::plan::FramePlan;
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use terrella_ground::globe::contours::{ContourNode, MAX_NODES, PageOptions};

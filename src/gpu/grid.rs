@@ -1,10 +1,10 @@
 //! The projected grid on the GPU: a uniform a frame, an atlas of height tiles, and triangles. No vertices: the shader makes
 //! them.
 
-use super::FramePlan;
 use super::crossing::draws_of;
 use super::mesh::{BindMaps, DrawCosts, SurfaceMesh};
 use super::shader::{ATLAS_COLUMNS, VertexForm};
+use crate::plan::FramePlan;
 use std::ops::Range;
 use terrella_ground::globe::projected_grid::{GridUniforms, TILE_SAMPLES};
 use terrella_ground::globe::{Block, BlockGrid, BlockSet, DrawKind, GridDraw, IndexRange, Surface};

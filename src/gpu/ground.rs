@@ -1,10 +1,10 @@
 //! Patches of ground with relief on the GPU: kept from frame to frame, written where they change.
 
-use super::FramePlan;
 use super::crossing::draws_of;
 use super::lattice::BlockInstance;
 use super::mesh::{BindMaps, DrawCosts, SurfaceMesh};
 use super::shader::{PatchTiles, VertexForm, WHOLE_MAP};
+use crate::plan::FramePlan;
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use std::collections::HashMap;

@@ -1,8 +1,8 @@
 //! The lattice of a block on the GPU: eye-relative vertices, what is the same for a whole block, and indices.
 
-use super::FramePlan;
 use super::mesh::{BindMaps, DrawCosts, SurfaceMesh};
 use super::shader::VertexForm;
+use crate::plan::FramePlan;
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3};
 use terrella_ground::globe::{BLOCK_COUNT, Block, BlockGrid, BlockRow, BlockSet, Surface};

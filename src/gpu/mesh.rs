@@ -1,7 +1,7 @@
 //! The mesh of the surface on the GPU: what the four forms of it have in common.
 
-use super::FramePlan;
 use super::shader::VertexForm;
+use crate::plan::FramePlan;
 use terrella_ground::globe::{Block, BlockGrid, BlockSet, Surface};
 
 /// Draw calls and triangles of a frame's meshes.

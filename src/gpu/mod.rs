@@ -19,7 +19,6 @@ mod map;
 mod maps;
 mod mesh;
 mod pipeline;
-mod plan;
 mod read_back;
 #[cfg_attr(not(feature = "terrain"), path = "no_relief.rs")]
 mod relief;
@@ -35,7 +34,6 @@ mod timer;
 #[cfg(feature = "tracks")]
 mod tracks;
 mod truth_targets;
-mod uniforms;
 
 #[cfg(feature = "celestial")]
 pub use celestial::{CelestialUniforms, Disc};
@@ -45,10 +43,10 @@ pub(crate) use faults::resolved;
 pub use map::{GpuMap, MapError, MapFade};
 pub use scaled::ScaledTarget;
 pub use shader::{
-    AirSide, AirVariant, AirViewVariant, CelestialKind, CelestialVariant, EarthOutput,
-    EarthVariant, MapFadeVariant, PaperLayers, PatchTiles, SHADER_FILES, ShaderCapability,
-    ShaderError, ShaderFiles, ShaderText, ShaderVariant, ShadingVariant, SunlitLayers, TargetColor,
-    TrackKind, TracksVariant, TruthLayers, UpscaleVariant, VertexForm,
+    AirVariant, AirViewVariant, CelestialKind, CelestialVariant, EarthOutput, EarthVariant,
+    MapFadeVariant, PaperLayers, PatchTiles, SHADER_FILES, ShaderCapability, ShaderError,
+    ShaderFiles, ShaderText, ShaderVariant, ShadingVariant, SunlitLayers, TargetColor, TrackKind,
+    TracksVariant, TruthLayers, UpscaleVariant, VertexForm,
 };
 pub use targets::{
     Attachments, FrameTargets, PassPart, color_texture, read_floats, read_halves, read_texture,
@@ -57,7 +55,6 @@ pub use timer::{GpuTimer, TimerError};
 #[cfg(feature = "tracks")]
 pub use tracks::TrackUniforms;
 pub use truth_targets::{TruthTargets, TruthTexel};
-pub use uniforms::{AirUniforms, FrameUniforms, MoonShadowUniforms, SurfaceLightUniforms};
 
 pub(crate) use air::{AirDrawable, AirTextures, Binding, NightLight};
 #[cfg(feature = "celestial")]
@@ -68,7 +65,6 @@ pub(crate) use contours::PageMesh;
 pub(crate) use grid::GridMesh;
 pub use layers::GpuLayer;
 pub use pipeline::PipelineDescription;
-pub(crate) use plan::{AirPlan, BlockTiles, ChosenTiles, FramePlan};
 pub use read_back::PictureError;
 #[cfg(feature = "celestial")]
 pub(crate) use shader::GLARE_RADIUS_RAD;

@@ -10,7 +10,8 @@ use super::surface_pipelines::{
 };
 use super::surface_view::{PassGroups, SurfaceView};
 use super::tiles::TileTextures;
-use super::{Binding, ChosenTiles, FramePlan, GpuMap, MapError, ShaderError, SurfaceLightUniforms};
+use super::{Binding, GpuMap, MapError, ShaderError};
+use crate::plan::{ChosenTiles, FramePlan, SurfaceLightUniforms};
 use terrella_ground::globe::{Block, BlockSet, Shading};
 use terrella_imagery::EarthLayers;
 use terrella_imagery::residency::{Pool, Upload};

@@ -1,6 +1,7 @@
 //! How the surface is drawn.
 
-use super::{AirTextures, PassFormat, SurfaceLightUniforms, SurfaceOutput};
+use super::{AirTextures, PassFormat, SurfaceOutput};
+use crate::plan::SurfaceLightUniforms;
 use terrella_ground::globe::{DrawKind, Shading};
 use terrella_imagery::tile::MAP_LAYERS;
 

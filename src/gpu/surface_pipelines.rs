@@ -1,5 +1,6 @@
 //! The pipelines of the surface: made by any thread, without the surface that they are for.
 
+use super::SurfaceOutput;
 use super::maps::MapArrangement;
 use super::mesh::MeshForm;
 use super::shader::{
@@ -9,8 +10,8 @@ use super::shader::{
 use super::surface_config::SurfaceConfig;
 use super::surface_view::SurfaceView;
 use super::tiles::tiles_bytes;
-use super::{AirSide, FrameUniforms, SurfaceLightUniforms, SurfaceOutput};
 use super::{PipelineDescription, ShaderError};
+use crate::plan::{AirSide, FrameUniforms, SurfaceLightUniforms};
 use terrella_ground::globe::Shading;
 use terrella_imagery::tile::{MAP_LAYERS, MapLayer};
 

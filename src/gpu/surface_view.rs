@@ -4,7 +4,7 @@ use super::lattice::Lattice;
 use super::mesh::{DrawCosts, SurfaceMesh};
 use super::relief;
 use super::surface_config::SurfaceConfig;
-use super::{FramePlan, FrameUniforms};
+use crate::plan::{FramePlan, FrameUniforms};
 use terrella_ground::globe::{BlockGrid, BlockSet, Surface};
 
 pub(crate) struct SurfaceView {

@@ -1,8 +1,8 @@
 //! Tiles on the GPU: fixed pools of textures, and for each block the bind group of the tiles that it is drawn with.
 
-use super::BlockTiles;
 use super::maps::{Maps, array_view};
 use super::shader::{PART_CELL_WORDS, PART_INDEX_BITS};
+use crate::plan::BlockTiles;
 use glam::Vec4;
 use terrella_ground::globe::{BLOCK_COUNT, Block, BlockSet, COLUMNS, ROWS};
 use terrella_imagery::residency::{PartCell, PartTables, Pool, Upload};

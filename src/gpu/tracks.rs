@@ -1,8 +1,9 @@
 //! The drawable of satellites' tracks: lines, marks and fills of plain values. `crate::tracks` makes them of satellites.
 
 use super::shader::ShaderModule;
-use super::{AirSide, AirTextures, Binding, FrameUniforms, PassFormat};
+use super::{AirTextures, Binding, PassFormat};
 use super::{PipelineDescription, ShaderError, TrackKind, TracksVariant};
+use crate::plan::{AirSide, FrameUniforms};
 use bytemuck::{Pod, Zeroable};
 
 /// `TrackUniforms` of `shaders/tracks.wgsl`.

@@ -55,8 +55,9 @@ mod style;
 mod turn;
 
 use crate::earth::{Earth, EarthView, EyeView, Viewport};
-use crate::gpu::{AirSide, AirTextures, DepthBuffer, PassFormat, ShaderError};
+use crate::gpu::{AirTextures, DepthBuffer, PassFormat, ShaderError};
 use crate::gpu::{TrackKinds, TrackUniforms, TracksDrawable};
+use crate::plan::AirSide;
 use buffers::TrackBuffers;
 pub use buffers::{NEAREST_MARKER_M, TrackLabel};
 pub use footprint::{

@@ -5,7 +5,7 @@ use crate::hills::Hills;
 use glam::DVec3;
 use std::sync::Arc;
 use terrella::frames::{Ellipsoid, Geodetic};
-use terrella::internals::gpu::FrameUniforms;
+use terrella::internals::plan::FrameUniforms;
 use terrella::{Atmosphere, EarthOptions, EyeView, GroundOptions, Shading, SurfaceSettings};
 use terrella_ground::elevation::Elevation;
 use terrella_ground::globe::projected_grid::{

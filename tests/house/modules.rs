@@ -22,14 +22,16 @@ const MODULES: &[(&str, &[&str])] = &[
     // Maps and drawables know nothing of satellites.
     ("imagery", &["files", "loaders", "elevation", "globe"]),
     ("shipped", &[]),
-    ("gpu", &["files", "frames", "globe", "half", "air", "light", "imagery"]),
-    ("earth", &["files", "frames", "elevation", "globe", "air", "light", "imagery", "gpu"]),
+    // What a frame draws knows nothing of what draws it.
+    ("plan", &["frames", "globe", "air", "imagery"]),
+    ("gpu", &["files", "frames", "globe", "half", "air", "light", "imagery", "plan"]),
+    ("earth", &["files", "frames", "elevation", "globe", "air", "light", "imagery", "plan", "gpu"]),
     // Drawn into memory.
     ("offscreen", &["light", "imagery", "gpu", "earth"]),
     // Drawn behind the Earth.
-    ("celestial", &["files", "frames", "air", "imagery", "gpu", "earth"]),
+    ("celestial", &["files", "frames", "air", "imagery", "plan", "gpu", "earth"]),
     // Drawn with the Earth, for any feed: knows no scene.
-    ("tracks", &["frames", "orbit", "globe", "air", "gpu", "earth"]),
+    ("tracks", &["frames", "orbit", "globe", "air", "plan", "gpu", "earth"]),
     ("pack", &["files", "durable", "elevation", "globe", "imagery"]),
     // Maps from the network, for packs.
     ("fetch", &["files", "durable", "imagery", "pack"]),
@@ -57,7 +59,7 @@ const CRATES: &[Crate] = &[
     Crate { name: "terrella_orbit", folder: "crates/terrella-orbit/src/", first: Some("orbit"), modules: &["basilisk"] },
     Crate { name: "terrella_ground", folder: "crates/terrella-ground/src/", first: None, modules: &["elevation", "globe", "half", "air", "light"] },
     Crate { name: "terrella_imagery", folder: "crates/terrella-imagery/src/", first: Some("imagery"), modules: &[] },
-    Crate { name: "terrella", folder: "src/", first: None, modules: &["shipped", "gpu", "earth", "offscreen", "celestial", "tracks"] },
+    Crate { name: "terrella", folder: "src/", first: None, modules: &["shipped", "plan", "gpu", "earth", "offscreen", "celestial", "tracks"] },
     Crate { name: "terrella_pack", folder: "crates/terrella-pack/src/", first: Some("pack"), modules: &["fetch"] },
     Crate { name: "terrella_play", folder: "crates/terrella-play/src/", first: Some("play"), modules: &["scene"] },
     Crate { name: "terrella_measure", folder: "crates/terrella-measure/src/", first: Some("measure"), modules: &[] },

@@ -3,9 +3,10 @@
 mod textures;
 mod view;
 
+use super::AirVariant;
 use super::shader::ShaderModule;
-use super::{AirPlan, AirSide, AirUniforms, AirVariant, FramePlan, FrameUniforms};
 use super::{PassFormat, PipelineDescription, ShaderError};
+use crate::plan::{AirPlan, AirSide, AirUniforms, FramePlan, FrameUniforms};
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec3};
 use terrella_ground::air::Billboard;

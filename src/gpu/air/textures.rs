@@ -1,6 +1,7 @@
 //! The air's tables on the GPU, with what else its shaders read, shared by all that draw through it.
 
-use crate::gpu::{AirSide, AirUniforms, GpuLayer, VIEW_ANGLES, VIEW_AZIMUTHS};
+use crate::gpu::{GpuLayer, VIEW_ANGLES, VIEW_AZIMUTHS};
+use crate::plan::{AirSide, AirUniforms};
 use glam::{Vec3, Vec4};
 use std::sync::Arc;
 use terrella_ground::air::{self, AirModel, AirTables, TableSize};

@@ -2,7 +2,8 @@
 
 use super::textures::{AirTextures, VIEW_TARGETS};
 use crate::gpu::shader::ShaderModule;
-use crate::gpu::{AirUniforms, AirViewVariant, ShaderError};
+use crate::gpu::{AirViewVariant, ShaderError};
+use crate::plan::AirUniforms;
 
 const LABEL: &str = "terrella view of the air";
 

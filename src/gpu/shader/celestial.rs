@@ -1,7 +1,7 @@
 //! Variants of the shader of what is beyond the Earth.
 
-use super::air::AirSide;
 use super::variant::{ShaderVariant, TargetColor};
+use crate::plan::AirSide;
 
 /// What a shader of stars, Sun and Moon is made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

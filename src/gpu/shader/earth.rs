@@ -1,8 +1,8 @@
 //! Variants of the surface's shader.
 
-use super::air::AirSide;
 use super::capability::ShaderCapability;
 use super::variant::{SWITCH, ShaderVariant, TargetColor};
+use crate::plan::AirSide;
 
 /// What the surface's shader is made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

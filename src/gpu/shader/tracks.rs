@@ -1,7 +1,7 @@
 //! Variants of the shader of satellites' tracks.
 
-use super::air::AirSide;
 use super::variant::{ShaderVariant, TargetColor};
+use crate::plan::AirSide;
 
 /// What a shader of tracks is made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

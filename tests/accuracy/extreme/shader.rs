@@ -3,9 +3,8 @@
 use crate::common::gpu;
 use glam::{DVec3, Mat4, Vec3};
 use terrella::frames::{Ellipsoid, Geodetic};
-use terrella::internals::gpu::{
-    EarthOutput, EarthVariant, FrameUniforms, ShaderVariant, VertexForm,
-};
+use terrella::internals::gpu::{EarthOutput, EarthVariant, ShaderVariant, VertexForm};
+use terrella::internals::plan::FrameUniforms;
 use terrella_measure::numeric::{PixelRay, Placed, place};
 
 const ENTRY: &str = "

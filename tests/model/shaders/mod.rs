@@ -15,11 +15,12 @@ use std::path::Path;
 use std::sync::LazyLock;
 use terrella::Tone;
 use terrella::internals::gpu::{
-    AirSide, AirVariant, AirViewVariant, CelestialVariant, EarthOutput, EarthVariant,
-    MapFadeVariant, PaperLayers, PatchTiles, SHADER_FILES, ShaderCapability, ShaderText,
-    ShaderVariant, ShadingVariant, SunlitLayers, TargetColor, TracksVariant, TruthLayers,
-    UpscaleVariant, VertexForm,
+    AirVariant, AirViewVariant, CelestialVariant, EarthOutput, EarthVariant, MapFadeVariant,
+    PaperLayers, PatchTiles, SHADER_FILES, ShaderCapability, ShaderText, ShaderVariant,
+    ShadingVariant, SunlitLayers, TargetColor, TracksVariant, TruthLayers, UpscaleVariant,
+    VertexForm,
 };
+use terrella::internals::plan::AirSide;
 
 /// A legal variant of any shader, validated.
 pub struct Shader {

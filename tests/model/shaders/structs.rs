@@ -3,9 +3,9 @@
 use super::all_shaders;
 use naga::TypeInner;
 use std::mem::offset_of;
-use terrella::internals::gpu::{
-    AirUniforms, CelestialUniforms, Disc, FrameUniforms, MoonShadowUniforms, SurfaceLightUniforms,
-    TrackUniforms,
+use terrella::internals::gpu::{CelestialUniforms, Disc, TrackUniforms};
+use terrella::internals::plan::{
+    AirUniforms, FrameUniforms, MoonShadowUniforms, SurfaceLightUniforms,
 };
 use terrella_ground::globe::contours::ContourNode;
 use terrella_ground::globe::projected_grid::{GridLevel, GridUniforms};

@@ -1,11 +1,9 @@
-//! What a frame draws, as plain values: the façade fills a plan by code that knows no GPU, the drawables read it and answer
-//! nothing but what writing it cost.
+//! All that a frame draws.
 
-use super::{AirSide, FrameUniforms};
+use super::{AirPlan, FrameUniforms};
 use bytemuck::Zeroable;
 use glam::{DVec3, Vec3};
 use terrella_frames::Ellipsoid;
-use terrella_ground::air::Billboard;
 use terrella_ground::globe::{BLOCK_COUNT, Block, BlockGrid, BlockSet, TangentCone};
 use terrella_imagery::residency::{PartTables, ResidentTile};
 use terrella_imagery::tile::MAP_LAYERS;
@@ -42,24 +40,6 @@ pub(crate) struct FramePlan {
     pub has_moon_shadow: bool,
     /// The ring that carries the air's halo; `None` without air.
     pub air: Option<AirPlan>,
-}
-
-/// How the air of a frame is drawn.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct AirPlan {
-    pub ring: Billboard,
-    /// The normal of the ellipsoid at the eye.
-    pub eye_up: DVec3,
-}
-
-impl AirPlan {
-    /// Where the eye is.
-    pub fn side(&self) -> AirSide {
-        match self.ring.is_inside() {
-            true => AirSide::Inside,
-            false => AirSide::Outside,
-        }
-    }
 }
 
 impl FramePlan {
