@@ -159,7 +159,8 @@ impl EarthView {
         self.drawn.is_none() || self.planner.is_ground_settled()
     }
 
-    /// Hands what was chosen to the GPU, and notes what that costs.
+    /// Lists the draws of what was chosen and hands them to the GPU. `tiled` are the blocks that have tiles, where triangles lie in
+    /// several.
     pub(super) fn write(
         &mut self,
         device: &wgpu::Device,
@@ -169,14 +170,11 @@ impl EarthView {
         if self.drawn.is_none() {
             return;
         }
-        let (stats, ground) = (&mut self.stats, self.planner.ground());
-        stats.uploaded_bytes += self.surface.write(queue, &self.plan, ground, tiled);
-        if let Some(costs) = self.surface.ground_costs() {
-            let air = self.plan.air.as_ref();
-            stats.draw_calls = costs.draw_calls + u32::from(air.is_some());
-            stats.triangles = costs.triangles + air.map_or(0, |air| air.ring.triangles());
-            stats.ground_bytes = costs.bytes;
-        }
+        let stats = &mut self.stats;
+        self.planner.list_draws(tiled, &mut self.plan, stats);
+        let ground = self.planner.ground();
+        stats.uploaded_bytes += self.surface.write(queue, &self.plan, ground);
+        stats.ground_bytes = self.surface.ground_bytes();
         if let Some((air, plan)) = self.air.as_mut().zip(self.plan.air.as_ref()) {
             stats.uploaded_bytes += air.write(device, queue, plan, &self.plan.uniforms);
         }

@@ -2,9 +2,11 @@
 
 use super::view::ItrfView;
 use crate::gpu::{GridMesh, PageMesh};
+use crate::plan::{GroundDraws, SurfaceDraw};
 use std::fmt;
 use std::sync::Arc;
 use std::time::Duration;
+use terrella_frames::Ellipsoid;
 use terrella_ground::elevation::{
     Bounds, Elevation, Ground, HeightChange, HeightEye, HeightTileKey, HeightTileStats,
     HeightViewer, StreamedGround, TILES_PER_FRAME,
@@ -12,8 +14,8 @@ use terrella_ground::elevation::{
 use terrella_ground::globe::contours::ContourOptions;
 use terrella_ground::globe::projected_grid::GPU_TILES;
 use terrella_ground::globe::{
-    Block, BlockGrid, DrawKind, Figure, GroundView, Surface, SurfaceError, SurfaceSettings,
-    SurfaceStats, select_blocks_between,
+    Block, BlockGrid, BlockSet, DrawKind, Figure, GroundView, Surface, SurfaceError,
+    SurfaceSettings, SurfaceStats, select_blocks_between,
 };
 
 /// Ground with relief in place of the smooth ellipsoid.
@@ -53,6 +55,7 @@ pub(super) struct GroundDriver {
     settings: SurfaceSettings,
     figure: Figure,
     surface: Box<dyn Surface>,
+    draws: GroundDraws,
     tolerance_px: f64,
     before: SurfaceStats,
     /// Frames since anything was read or drawn otherwise than the frame before.
@@ -122,6 +125,7 @@ impl GroundDriver {
             elevation,
             followed,
             surface: settings.make(figure)?,
+            draws: GroundDraws::default(),
             settings,
             figure,
             tolerance_px,
@@ -218,6 +222,17 @@ impl GroundDriver {
         self.quiet = if is_quiet { self.quiet + 1 } else { 0 };
         self.before = stats;
         stats
+    }
+
+    /// Lists the draws of what was chosen. `tiled` are the blocks that have tiles, where triangles lie in several.
+    pub fn list_draws(
+        &mut self,
+        ellipsoid: &Ellipsoid,
+        tiled: Option<BlockSet>,
+        draws: &mut Vec<SurfaceDraw>,
+    ) {
+        let surface = self.surface.as_ref();
+        self.draws.list(surface, ellipsoid, tiled, draws);
     }
 
     /// What is drawn next does not hang on views before.

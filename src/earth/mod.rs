@@ -85,8 +85,8 @@ use std::time::{Duration, Instant};
 use surface_config::{SurfaceStyle, surface_config};
 pub use surface_light::{AIRGLOW_LUMINANCE, CITY_RADIANCE, SurfaceLight};
 use terrella_ground::air::{AirModel, AirTables, Atmosphere};
-use terrella_ground::globe::Figure;
 pub use terrella_ground::globe::Shading;
+use terrella_ground::globe::{BlockSet, Figure};
 use terrella_imagery::NeighbourhoodAlbedo;
 use terrella_imagery::tile::TileKey;
 use tiles::TileDriver;
@@ -375,9 +375,8 @@ impl Earth {
                 other.view.drawn = None;
             }
         }
-        self.choose_tiles(queue, others, upload_bytes);
+        let tiled = self.choose_tiles(queue, others, upload_bytes);
         let shared = self.surface.texture_bytes;
-        let tiled = self.surface.tiled();
         for view in views(&mut self.first, others) {
             view.stats.texture_bytes = shared + view.air_textures().map_or(0, AirTextures::bytes);
             view.write(&self.device, queue, tiled);
@@ -386,16 +385,15 @@ impl Earth {
     }
 
     /// Has all views drawn with the tiles that are there, hands over those that have come, and notes in the first what that costs.
+    /// Answers which blocks have tiles, where triangles lie in several.
     fn choose_tiles(
         &mut self,
         queue: &wgpu::Queue,
         others: &mut [ViewFrame<'_>],
         upload_bytes: Option<u64>,
-    ) {
+    ) -> Option<BlockSet> {
         self.uploaded_tiles = 0;
-        let Some(tiles) = &mut self.tiles else {
-            return;
-        };
+        let tiles = self.tiles.as_mut()?;
         let first = &mut self.first;
         tiles.begin();
         let mut is_drawn = false;
@@ -407,7 +405,7 @@ impl Earth {
             }
         }
         if !is_drawn {
-            return;
+            return None;
         }
         let grid = first.planner.meshes().grid();
         tiles.choose(grid, first.drawn.as_ref(), &mut self.chosen);
@@ -416,7 +414,11 @@ impl Earth {
         let uploaded = tiles.upload(upload_bytes, &mut |part| surface.write_tile(queue, &part));
         let tile_upload = begin.elapsed();
         self.uploaded_tiles = uploaded;
-        let placed = self.surface.choose_tiles(&self.device, queue, &self.chosen);
+        let tiled = first.planner.crosses_blocks();
+        let tiled = tiled.then(|| self.chosen.tiled());
+        let placed = self
+            .surface
+            .choose_tiles(&self.device, queue, &self.chosen, tiled);
         for view in views(first, others) {
             let Some(seen) = &view.drawn else {
                 continue;
@@ -429,6 +431,7 @@ impl Earth {
         }
         first.stats.tile_upload = tile_upload;
         first.stats.uploaded_bytes = uploaded + placed;
+        tiled
     }
 
     /// How the surface is drawn through this air on this ground.

@@ -3,9 +3,10 @@
 
 use super::EarthError;
 use super::view::ItrfView;
+use crate::plan::SurfaceDraw;
 use std::time::Duration;
-use terrella_frames::HeightTileStats;
-use terrella_ground::globe::{Block, BlockGrid, Figure, Surface, SurfaceStats};
+use terrella_frames::{Ellipsoid, HeightTileStats};
+use terrella_ground::globe::{Block, BlockGrid, BlockSet, Figure, Surface, SurfaceStats};
 
 /// Ground with relief in place of the smooth ellipsoid. It needs the feature `terrain`; without, there is no value of this type.
 #[derive(Clone, Debug)]
@@ -41,6 +42,10 @@ impl GroundDriver {
     }
 
     pub fn plan(&mut self, _: &BlockGrid, _: &ItrfView, _: &mut Vec<Block>) -> SurfaceStats {
+        match *self {}
+    }
+
+    pub fn list_draws(&mut self, _: &Ellipsoid, _: Option<BlockSet>, _: &mut Vec<SurfaceDraw>) {
         match *self {}
     }
 

@@ -8,15 +8,15 @@ use super::sky::LIGHTS_OUT;
 use super::tile_view::TileView;
 use super::view::ItrfView;
 use super::{Appearance, EarthError, EarthOptions, FrameStats, Quality, Sky};
-use crate::plan::{AirPlan, FramePlan, FrameUniforms, MoonShadowUniforms};
+use crate::plan::{AirPlan, FramePlan, FrameUniforms, MoonShadowUniforms, draw_blocks};
 use bytemuck::Zeroable;
 use glam::DVec3;
 use std::f64::consts::FRAC_PI_2;
 use terrella_frames::{Ellipsoid, MOON_RADIUS_M, MoonShadow};
 use terrella_ground::air::{Atmosphere, Billboard, TOP};
 use terrella_ground::globe::{
-    BLOCK_COUNT, Block, BlockGrid, COLUMNS, Meshes, Subdivision, SubdivisionError, Surface,
-    Visibility, sagitta, select_blocks, texels_per_pixel,
+    BLOCK_COUNT, Block, BlockGrid, BlockSet, COLUMNS, Meshes, Subdivision, SubdivisionError,
+    Surface, Visibility, sagitta, select_blocks, texels_per_pixel,
 };
 use terrella_ground::light::exposure_factor;
 
@@ -114,6 +114,11 @@ impl Planner {
         self.ground.as_ref().map_or(&[], GroundDriver::features)
     }
 
+    /// Whether triangles may lie in several blocks.
+    pub fn crosses_blocks(&self) -> bool {
+        self.ground().is_some_and(Surface::crosses_blocks)
+    }
+
     /// What makes the ground with relief, if there is any.
     pub fn ground_driver(&self) -> Option<&GroundDriver> {
         self.ground.as_ref()
@@ -162,7 +167,6 @@ impl Planner {
                 stats.ground = ground.plan(self.meshes.grid(), view, &mut plan.blocks);
                 stats.height_tiles = ground.height_tiles();
                 stats.blocks_visible = plan.blocks.len() as u32;
-                stats.triangles = stats.ground.triangles;
             }
             None => self.plan_blocks(view, plan, &mut stats),
         }
@@ -197,10 +201,24 @@ impl Planner {
                 ring,
                 eye_up: Ellipsoid::normal(eye.lat_rad, eye.lon_rad),
             });
-            stats.draw_calls += 1;
-            stats.triangles += ring.triangles();
         }
         stats
+    }
+
+    /// Lists the draws of the surface, and counts them. `tiled` are the blocks that have tiles, where triangles lie in several. Allocates
+    /// nothing in steady state.
+    pub fn list_draws(
+        &mut self,
+        tiled: Option<BlockSet>,
+        plan: &mut FramePlan,
+        stats: &mut FrameStats,
+    ) {
+        match &mut self.ground {
+            Some(ground) => ground.list_draws(&plan.ellipsoid, tiled, &mut plan.draws),
+            None => draw_blocks(self.meshes.grid(), &plan.blocks, &mut plan.draws),
+        }
+        let costs = plan.costs();
+        (stats.draw_calls, stats.triangles) = (costs.draw_calls, costs.triangles);
     }
 
     /// The Moon's shadow, where it may fall on ground, clouds or air in sight.
@@ -245,9 +263,6 @@ impl Planner {
         plan.place_vertices(grid);
         stats.subdivision = grid.subdivision();
         stats.blocks_visible = selection.visible;
-        stats.draw_calls = plan.blocks.len() as u32;
-        let triangles = plan.blocks.iter().map(|block| grid.triangles(block.kind()));
-        stats.triangles = triangles.sum();
     }
 
     /// What tiles are chosen by, for a view.
@@ -305,7 +320,7 @@ mod tests {
     use super::*;
     use crate::earth::{EyeView, Viewport};
     use terrella_frames::Geodetic;
-    use terrella_ground::globe::TangentCone;
+    use terrella_ground::globe::{BlockRow, TangentCone};
     use terrella_imagery::{EarthLayers, LayerImage};
 
     const SKY: Sky = Sky::new(DVec3::X);
@@ -364,15 +379,50 @@ mod tests {
     }
 
     #[test]
+    fn draws_and_their_costs_are_those_of_the_plan() {
+        let mut planner = planner();
+        let mut plan = planner.empty_plan();
+        let mut stats = planner.plan(&nadir(80.0, 20.0, 4e5), &SKY, &mut plan);
+        planner.list_draws(None, &mut plan, &mut stats);
+        assert!(
+            plan.draws
+                .iter()
+                .map(|draw| draw.block)
+                .eq(plan.blocks.iter().map(|b| Some(*b)))
+        );
+        let grid = planner.meshes().grid();
+        let triangles = plan.blocks.iter().map(|block| grid.triangles(block.kind()));
+        let ring = plan.air.expect("air").ring.triangles();
+        assert_eq!(stats.triangles, triangles.sum::<u32>() + ring);
+        assert_eq!(stats.draw_calls, stats.blocks_drawn + 1);
+        // The three kinds of blocks lie one after another in one list.
+        let kinds = [BlockRow::North, BlockRow::Middle].map(|kind| 3 * grid.triangles(kind));
+        for draw in &plan.draws {
+            let start = match draw.block.map(Block::kind) {
+                Some(BlockRow::North) => 0,
+                Some(BlockRow::Middle) => kinds[0],
+                _ => kinds[0] + kinds[1],
+            };
+            assert_eq!(draw.indices.start, start);
+        }
+    }
+
+    #[test]
     fn a_plan_has_room_for_every_view_from_the_start() {
         let mut planner = planner();
         let mut plan = planner.empty_plan();
-        let room = (plan.blocks.capacity(), plan.vertices.capacity());
+        let room = |plan: &FramePlan| {
+            let draws = plan.draws.capacity();
+            (plan.blocks.capacity(), plan.vertices.capacity(), draws)
+        };
+        let before = room(&plan);
         for height_m in [1.0, 1e3, 1e5, 1e7, 1e9] {
             for lon_deg in [-180.0, -70.0, 0.0, 99.0] {
-                planner.plan(&nadir(lon_deg / 2.0, lon_deg, height_m), &SKY, &mut plan);
+                let mut stats =
+                    planner.plan(&nadir(lon_deg / 2.0, lon_deg, height_m), &SKY, &mut plan);
+                planner.list_draws(None, &mut plan, &mut stats);
             }
         }
-        assert_eq!((plan.blocks.capacity(), plan.vertices.capacity()), room);
+        assert_eq!(room(&plan), before);
     }
 }

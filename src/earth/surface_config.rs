@@ -42,6 +42,7 @@ pub(super) fn surface_config<'a>(
         shown,
         output: style.diagnostics.output,
         ground: ground.map(Surface::draw_kind),
+        #[cfg(feature = "terrain")]
         crosses_blocks: ground.is_some_and(Surface::crosses_blocks),
         wireframe: style.diagnostics.wireframe,
         anisotropy: if software { 1 } else { quality.anisotropy },

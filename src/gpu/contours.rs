@@ -3,13 +3,13 @@
 
 use super::DepthBuffer;
 use super::lattice::BlockInstance;
-use super::mesh::{BindMaps, DrawCosts, SurfaceMesh};
+use super::mesh::{BindMaps, SurfaceMesh};
 use super::shader::{ShaderCapability, VertexForm};
-use crate::plan::FramePlan;
+use crate::plan::{FramePlan, PRISM_INDICES};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use terrella_ground::globe::contours::{ContourNode, MAX_NODES, PageOptions};
-use terrella_ground::globe::{Block, BlockGrid, BlockSet, ContourPageSet, DrawKind, Surface};
+use terrella_ground::globe::{ContourPageSet, DrawKind, Surface};
 
 /// The binding of the nodes.
 const BINDING: u32 = 6;
@@ -50,7 +50,7 @@ const BUFFERS: [Option<wgpu::VertexBufferLayout<'static>>; 2] = [
 
 /// A prism's faces, counter-clockwise from outside: below, above, south, east, north, west. Corners are SW, SE, NW, NE below,
 /// then above.
-const FACES: [u16; 36] = [
+const FACES: [u16; PRISM_INDICES as usize] = [
     0, 3, 1, 0, 2, 3, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4, 1, 3, 7, 1, 7, 5, 3, 2, 6, 3, 6, 7, 2, 0,
     4, 2, 4, 6,
 ];
@@ -68,7 +68,6 @@ pub(crate) struct PageMesh {
     instances: wgpu::Buffer,
     instance_staging: Vec<PageInstance>,
     faces: wgpu::Buffer,
-    blocks: Vec<Block>,
     /// Without a depth buffer pages are drawn the far ones first.
     far_first: bool,
 }
@@ -113,7 +112,6 @@ impl PageMesh {
                 bytemuck::cast_slice(&FACES),
                 wgpu::BufferUsages::INDEX,
             ),
-            blocks: Vec::with_capacity(most),
             far_first: depth == DepthBuffer::None,
         }
     }
@@ -154,18 +152,9 @@ impl SurfaceMesh for PageMesh {
         vec![(layout, entry)]
     }
 
-    fn reset(&mut self, _: &wgpu::Device, _: &[BlockGrid]) {
-        self.blocks.clear();
-    }
-
-    /// Triangles are the faces of prisms; bytes those of nodes, and of prisms in sight at most.
-    fn ground_costs(&self) -> Option<DrawCosts> {
-        let draw_calls = self.blocks.len() as u32;
-        Some(DrawCosts {
-            draw_calls,
-            triangles: draw_calls * (FACES.len() as u32 / 3),
-            bytes: self.nodes.size() + self.corners.size() + self.instances.size(),
-        })
+    /// Bytes of nodes, and of prisms in sight at most.
+    fn ground_bytes(&self) -> u64 {
+        self.nodes.size() + self.corners.size() + self.instances.size()
     }
 
     /// Writes the prisms of pages in sight, and the nodes of those that are not there.
@@ -174,7 +163,6 @@ impl SurfaceMesh for PageMesh {
         queue: &wgpu::Queue,
         plan: &FramePlan,
         ground: Option<&dyn Surface>,
-        _: Option<BlockSet>,
     ) -> u64 {
         let Some(surface) = ground else {
             return 0;
@@ -185,7 +173,6 @@ impl SurfaceMesh for PageMesh {
         let eye_itrf_m = plan.eye_itrf_m;
         self.corner_staging.clear();
         self.instance_staging.clear();
-        self.blocks.clear();
         let mut written = 0;
         surface.for_each_contour_page(&mut |page| {
             let Some(held) = self.held.get_mut(page.slot as usize) else {
@@ -217,7 +204,6 @@ impl SurfaceMesh for PageMesh {
                 cone: pages.cone as f32,
                 step_m: page.skirt_m as f32,
             });
-            self.blocks.push(page.block);
         });
         let corners: &[u8] = bytemuck::cast_slice(&self.corner_staging);
         let instances: &[u8] = bytemuck::cast_slice(&self.instance_staging);
@@ -230,16 +216,22 @@ impl SurfaceMesh for PageMesh {
         written
     }
 
-    fn render(&self, pass: &mut wgpu::RenderPass<'_>, _: &FramePlan, bind_maps: &mut BindMaps<'_>) {
+    fn render(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        plan: &FramePlan,
+        bind_maps: &mut BindMaps<'_>,
+    ) {
         pass.set_vertex_buffer(0, self.corners.slice(..));
         pass.set_vertex_buffer(1, self.instances.slice(..));
         pass.set_index_buffer(self.faces.slice(..), wgpu::IndexFormat::Uint16);
-        let count = self.blocks.len();
+        let count = plan.draws.len();
         for n in 0..count {
             let k = if self.far_first { count - 1 - n } else { n };
-            bind_maps(pass, Some(self.blocks[k]));
+            let draw = &plan.draws[k];
+            bind_maps(pass, draw.block);
             let place = k as u32;
-            pass.draw_indexed(0..FACES.len() as u32, 8 * place as i32, place..place + 1);
+            pass.draw_indexed(draw.indices.clone(), 8 * place as i32, place..place + 1);
         }
     }
 }

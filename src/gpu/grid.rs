@@ -1,13 +1,11 @@
 //! The projected grid on the GPU: a uniform a frame, an atlas of height tiles, and triangles. No vertices: the shader makes
 //! them.
 
-use super::crossing::draws_of;
-use super::mesh::{BindMaps, DrawCosts, SurfaceMesh};
+use super::mesh::{BindMaps, SurfaceMesh};
 use super::shader::{ATLAS_COLUMNS, VertexForm};
 use crate::plan::FramePlan;
-use std::ops::Range;
 use terrella_ground::globe::projected_grid::{GridUniforms, TILE_SAMPLES};
-use terrella_ground::globe::{Block, BlockGrid, BlockSet, DrawKind, GridDraw, IndexRange, Surface};
+use terrella_ground::globe::{DrawKind, GridDraw, Surface};
 
 const BINDINGS: [u32; 2] = [4, 5];
 
@@ -17,14 +15,8 @@ pub(crate) struct GridMesh {
     atlas: wgpu::Texture,
     atlas_view: wgpu::TextureView,
     indices: wgpu::Buffer,
-    index_count: u32,
     /// The update that each slot of the atlas holds.
     held: Vec<u64>,
-    /// Triangles, the number of the instance that says what they are drawn as, and whose tiles they are drawn with.
-    draws: Vec<(Range<u32>, u32, Option<Block>)>,
-    /// Where blocks have tiles; and the revision that they were found for.
-    ranges: Vec<IndexRange>,
-    ranges_of: Option<u64>,
 }
 
 impl GridMesh {
@@ -59,11 +51,7 @@ impl GridMesh {
                 bytemuck::cast_slice(triangles),
                 wgpu::BufferUsages::INDEX,
             ),
-            index_count: triangles.len() as u32,
             held: vec![0; grid.written.len()],
-            draws: Vec::new(),
-            ranges: Vec::new(),
-            ranges_of: None,
         }
     }
 }
@@ -78,35 +66,16 @@ impl SurfaceMesh for GridMesh {
     }
 
     /// Writes the uniforms of the grid's frame, and those tiles of heights that are not there.
-    fn write(
-        &mut self,
-        queue: &wgpu::Queue,
-        _: &FramePlan,
-        ground: Option<&dyn Surface>,
-        tiled: Option<BlockSet>,
-    ) -> u64 {
+    fn write(&mut self, queue: &wgpu::Queue, _: &FramePlan, ground: Option<&dyn Surface>) -> u64 {
         let Some(surface) = ground else {
             return 0;
         };
         let DrawKind::Grid(grid) = surface.draw_kind() else {
             return 0;
         };
-        self.draws.clear();
         let Some(uniforms) = grid.uniforms else {
             return 0;
         };
-        match tiled {
-            None => self.draws.push((0..self.index_count, 0, None)),
-            Some(tiled) => {
-                if self.ranges_of != Some(grid.revision) {
-                    self.ranges_of = Some(grid.revision);
-                    surface.grid_ranges(&mut self.ranges);
-                }
-                draws_of(&self.ranges, tiled, |drawn_as, block, range| {
-                    self.draws.push((range, drawn_as, block));
-                });
-            }
-        }
         let mut written = 0;
         let slots = (0..).zip(self.held.iter_mut().zip(grid.written));
         for (slot, (held, now)) in slots.filter(|(_, (held, now))| **held != **now) {
@@ -147,25 +116,21 @@ impl SurfaceMesh for GridMesh {
         ]
     }
 
-    fn reset(&mut self, _: &wgpu::Device, _: &[BlockGrid]) {
-        self.draws.clear();
-    }
-
-    fn ground_costs(&self) -> Option<DrawCosts> {
-        let triangles = self.draws.iter().map(|(range, ..)| range.len() as u32 / 3);
+    fn ground_bytes(&self) -> u64 {
         let size = self.atlas.size();
-        Some(DrawCosts {
-            draw_calls: self.draws.len() as u32,
-            triangles: triangles.sum(),
-            bytes: self.indices.size() + 4 * u64::from(size.width) * u64::from(size.height),
-        })
+        self.indices.size() + 4 * u64::from(size.width) * u64::from(size.height)
     }
 
-    fn render(&self, pass: &mut wgpu::RenderPass<'_>, _: &FramePlan, bind_maps: &mut BindMaps<'_>) {
+    fn render(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        plan: &FramePlan,
+        bind_maps: &mut BindMaps<'_>,
+    ) {
         pass.set_index_buffer(self.indices.slice(..), wgpu::IndexFormat::Uint32);
-        for (range, drawn_as, block) in &self.draws {
-            bind_maps(pass, *block);
-            pass.draw_indexed(range.clone(), 0, *drawn_as..*drawn_as + 1);
+        for draw in &plan.draws {
+            bind_maps(pass, draw.block);
+            pass.draw_indexed(draw.indices.clone(), 0, draw.drawn_as..draw.drawn_as + 1);
         }
     }
 }

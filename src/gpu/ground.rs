@@ -1,21 +1,16 @@
 //! Patches of ground with relief on the GPU: kept from frame to frame, written where they change.
 
-use super::crossing::draws_of;
 use super::lattice::BlockInstance;
-use super::mesh::{BindMaps, DrawCosts, SurfaceMesh};
-use super::shader::{PatchTiles, VertexForm, WHOLE_MAP};
-use crate::plan::FramePlan;
+use super::mesh::{BindMaps, SurfaceMesh};
+use super::shader::{PatchTiles, VertexForm};
+use crate::plan::{FramePlan, WHOLE_MAP};
 use bytemuck::{Pod, Zeroable};
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use std::collections::HashMap;
 use std::f64::consts::{PI, TAU};
-use std::ops::Range;
 use std::sync::Arc;
 use terrella_frames::Ellipsoid;
-use terrella_ground::globe::{
-    Block, BlockGrid, BlockSet, GroundVertex, IndexRange, Patch, Surface, TriangleList,
-    patch_ranges,
-};
+use terrella_ground::globe::{GroundVertex, Patch, Surface, TriangleList};
 
 /// Frames that a patch out of sight is kept for.
 const KEPT_FRAMES: u64 = 120;
@@ -65,7 +60,6 @@ pub(crate) struct GroundMesh {
     triangles: HashMap<usize, Triangles>,
     instances: wgpu::Buffer,
     staging: Vec<PatchInstance>,
-    draws: Vec<Draw>,
     frame: u64,
     /// Whether patches lie in several blocks.
     crosses_blocks: bool,
@@ -75,9 +69,9 @@ struct Held {
     vertices: wgpu::Buffer,
     revision: u64,
     reference: BlockInstance,
-    /// Of a patch that lies in several blocks which have tiles; and the revision and triangles that they were found for.
-    ranges: Vec<IndexRange>,
-    ranges_of: Option<(u64, usize)>,
+    origin_itrf_m: DVec3,
+    /// The triangles that it is drawn with.
+    triangles: usize,
     used: u64,
 }
 
@@ -85,15 +79,6 @@ struct Triangles {
     _source: Arc<TriangleList>,
     buffer: wgpu::Buffer,
     used: u64,
-}
-
-struct Draw {
-    patch: u64,
-    triangles: usize,
-    range: Range<u32>,
-    instance: u32,
-    /// Whose tiles it is drawn with.
-    block: Option<Block>,
 }
 
 impl GroundMesh {
@@ -104,7 +89,6 @@ impl GroundMesh {
             triangles: HashMap::new(),
             instances: instance_buffer(device, 128),
             staging: Vec::new(),
-            draws: Vec::new(),
             frame: 0,
             crosses_blocks,
         }
@@ -139,8 +123,8 @@ impl GroundMesh {
                     vertices: buffer(&self.device, "terrella ground", bytes.len(), usage),
                     revision: 0,
                     reference: reference(patch, ellipsoid),
-                    ranges: Vec::new(),
-                    ranges_of: None,
+                    origin_itrf_m: patch.origin_itrf_m,
+                    triangles: source,
                     used: 0,
                 },
             );
@@ -168,53 +152,10 @@ impl GroundMesh {
             }
         }
         held.revision = patch.revision;
+        held.origin_itrf_m = patch.origin_itrf_m;
+        held.triangles = source;
         held.used = self.frame;
         written
-    }
-
-    /// Has a patch drawn that was written: once, or once for each block that it lies in and that has tiles, and for the others
-    /// together.
-    fn draw_patch(&mut self, patch: &Patch, plan: &FramePlan, tiled: Option<BlockSet>) {
-        let Some(held) = self.held.get_mut(&patch.key) else {
-            return;
-        };
-        let eye_itrf_m = plan.eye_itrf_m;
-        let anchor_itrf_m = (eye_itrf_m / ANCHOR_STEP_M).round() * ANCHOR_STEP_M;
-        let instance = PatchInstance {
-            reference: held.reference,
-            origin_from_anchor_m: (patch.origin_itrf_m - anchor_itrf_m).as_vec3(),
-            anchor_from_eye_m: (anchor_itrf_m - eye_itrf_m).as_vec3(),
-        };
-        let triangles = Arc::as_ptr(&patch.indices) as usize;
-        let (staging, draws) = (&mut self.staging, &mut self.draws);
-        let Some(tiled) = tiled.filter(|_| patch.block.is_none()) else {
-            draws.push(Draw {
-                patch: patch.key,
-                triangles,
-                range: 0..patch.indices.triangles.len() as u32,
-                instance: staging.len() as u32,
-                block: patch.block,
-            });
-            staging.push(instance);
-            return;
-        };
-        let ranges_of = Some((held.revision, triangles));
-        if held.ranges_of != ranges_of {
-            held.ranges_of = ranges_of;
-            patch_ranges(patch, &plan.ellipsoid, &mut held.ranges);
-        }
-        draws_of(&held.ranges, tiled, |drawn_as, block, range| {
-            draws.push(Draw {
-                patch: patch.key,
-                triangles,
-                range,
-                instance: staging.len() as u32,
-                block,
-            });
-            let mut drawn = instance;
-            drawn.reference.block = drawn_as;
-            staging.push(drawn);
-        });
     }
 }
 
@@ -231,30 +172,36 @@ impl SurfaceMesh for GroundMesh {
         &BUFFERS
     }
 
-    fn reset(&mut self, _: &wgpu::Device, _: &[BlockGrid]) {
-        self.draws.clear();
-    }
-
     fn write(
         &mut self,
         queue: &wgpu::Queue,
         plan: &FramePlan,
         ground: Option<&dyn Surface>,
-        tiled: Option<BlockSet>,
     ) -> u64 {
         let Some(surface) = ground else {
             return 0;
         };
         self.frame += 1;
-        self.draws.clear();
-        self.staging.clear();
         let mut written = 0;
         surface.for_each_patch(&mut |patch| {
-            if !patch.vertices.is_empty() && !patch.indices.triangles.is_empty() {
+            if !patch.is_empty() {
                 written += self.write_patch(queue, patch, &plan.ellipsoid);
-                self.draw_patch(patch, plan, tiled);
             }
         });
+        let eye_itrf_m = plan.eye_itrf_m;
+        let anchor_itrf_m = (eye_itrf_m / ANCHOR_STEP_M).round() * ANCHOR_STEP_M;
+        let instances = plan.draws.iter().filter_map(|draw| {
+            let held = self.held.get(&draw.patch)?;
+            let mut reference = held.reference;
+            reference.block = draw.drawn_as;
+            Some(PatchInstance {
+                reference,
+                origin_from_anchor_m: (held.origin_itrf_m - anchor_itrf_m).as_vec3(),
+                anchor_from_eye_m: (anchor_itrf_m - eye_itrf_m).as_vec3(),
+            })
+        });
+        self.staging.clear();
+        self.staging.extend(instances);
         let bytes: &[u8] = bytemuck::cast_slice(&self.staging);
         if bytes.len() as u64 > self.instances.size() {
             let places = self.staging.len().next_power_of_two();
@@ -269,33 +216,31 @@ impl SurfaceMesh for GroundMesh {
         written + bytes.len() as u64
     }
 
-    fn ground_costs(&self) -> Option<DrawCosts> {
-        let triangles = self.draws.iter().map(|draw| draw.range.len() as u32 / 3);
+    fn ground_bytes(&self) -> u64 {
         let vertex_bytes = self.held.values().map(|held| held.vertices.size());
         let index_bytes = self.triangles.values().map(|list| list.buffer.size());
-        Some(DrawCosts {
-            draw_calls: self.draws.len() as u32,
-            triangles: triangles.sum(),
-            bytes: vertex_bytes.chain(index_bytes).sum(),
-        })
+        vertex_bytes.chain(index_bytes).sum()
     }
 
-    fn render(&self, pass: &mut wgpu::RenderPass<'_>, _: &FramePlan, bind_maps: &mut BindMaps<'_>) {
-        if self.draws.is_empty() {
+    fn render(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        plan: &FramePlan,
+        bind_maps: &mut BindMaps<'_>,
+    ) {
+        if plan.draws.is_empty() {
             return;
         }
         pass.set_vertex_buffer(1, self.instances.slice(..));
-        for draw in &self.draws {
-            let (Some(held), Some(list)) = (
-                self.held.get(&draw.patch),
-                self.triangles.get(&draw.triangles),
-            ) else {
-                continue;
-            };
+        let held = plan.draws.iter().filter_map(|draw| {
+            let held = self.held.get(&draw.patch)?;
+            Some((draw, held, self.triangles.get(&held.triangles)?))
+        });
+        for (instance, (draw, held, list)) in (0..).zip(held) {
             bind_maps(pass, draw.block);
             pass.set_vertex_buffer(0, held.vertices.slice(..));
             pass.set_index_buffer(list.buffer.slice(..), wgpu::IndexFormat::Uint32);
-            pass.draw_indexed(draw.range.clone(), 0, draw.instance..draw.instance + 1);
+            pass.draw_indexed(draw.indices.clone(), 0, instance..instance + 1);
         }
     }
 }

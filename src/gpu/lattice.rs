@@ -1,11 +1,11 @@
 //! The lattice of a block on the GPU: eye-relative vertices, what is the same for a whole block, and indices.
 
-use super::mesh::{BindMaps, DrawCosts, SurfaceMesh};
+use super::mesh::{BindMaps, SurfaceMesh};
 use super::shader::VertexForm;
 use crate::plan::FramePlan;
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3};
-use terrella_ground::globe::{BLOCK_COUNT, Block, BlockGrid, BlockRow, BlockSet, Surface};
+use terrella_ground::globe::{BLOCK_COUNT, Block, BlockGrid, BlockRow, Surface};
 
 /// Per-block values, one instance a block.
 #[repr(C)]
@@ -14,7 +14,7 @@ pub(super) struct BlockInstance {
     center_lon: Vec2,
     center_lat: Vec2,
     center_uv: Vec2,
-    /// A block by its index, or [`super::shader::WHOLE_MAP`]: whose tiles it is drawn with.
+    /// A block by its index, or [`crate::plan::WHOLE_MAP`]: whose tiles it is drawn with.
     pub block: u32,
 }
 
@@ -69,8 +69,6 @@ pub(super) struct Lattice {
 /// The triangles of a grid's blocks.
 struct Cells {
     indices: wgpu::Buffer,
-    /// Ranges of the index buffer for north, middle and south blocks.
-    ranges: [std::ops::Range<u32>; 3],
     vertices_per_block: u32,
 }
 
@@ -110,22 +108,12 @@ impl SurfaceMesh for Lattice {
         *self = Self::new(device, grids);
     }
 
-    fn write(
-        &mut self,
-        queue: &wgpu::Queue,
-        plan: &FramePlan,
-        _: Option<&dyn Surface>,
-        _: Option<BlockSet>,
-    ) -> u64 {
+    fn write(&mut self, queue: &wgpu::Queue, plan: &FramePlan, _: Option<&dyn Surface>) -> u64 {
         let bytes: &[u8] = bytemuck::cast_slice(&plan.vertices);
         if !bytes.is_empty() {
             queue.write_buffer(&self.vertices, 0, bytes);
         }
         bytes.len() as u64
-    }
-
-    fn ground_costs(&self) -> Option<DrawCosts> {
-        None
     }
 
     /// Draws the plan's blocks, whose vertices were written in their order, as the plan's mesh divides them.
@@ -141,15 +129,10 @@ impl SurfaceMesh for Lattice {
         pass.set_vertex_buffer(0, self.vertices.slice(..));
         pass.set_vertex_buffer(1, self.instances.slice(..));
         pass.set_index_buffer(cells.indices.slice(..), wgpu::IndexFormat::Uint16);
-        for (place, block) in (0u32..).zip(&plan.blocks) {
-            bind_maps(pass, Some(*block));
-            let range = match block.kind() {
-                BlockRow::North => &cells.ranges[0],
-                BlockRow::Middle => &cells.ranges[1],
-                BlockRow::South => &cells.ranges[2],
-            };
+        for (place, draw) in (0u32..).zip(&plan.draws) {
+            bind_maps(pass, draw.block);
             let base = (place * cells.vertices_per_block) as i32;
-            pass.draw_indexed(range.clone(), base, block.index()..block.index() + 1);
+            pass.draw_indexed(draw.indices.clone(), base, draw.drawn_as..draw.drawn_as + 1);
         }
     }
 }
@@ -164,12 +147,6 @@ impl Cells {
     fn new(device: &wgpu::Device, grid: &BlockGrid) -> Self {
         let lists =
             [BlockRow::North, BlockRow::Middle, BlockRow::South].map(|kind| grid.indices(kind));
-        let mut start = 0;
-        let ranges = [0, 1, 2].map(|kind: usize| {
-            let range = start..start + lists[kind].len() as u32;
-            start = range.end;
-            range
-        });
         let mut list = lists.concat();
         // Buffer sizes are multiples of four bytes.
         list.resize(list.len().next_multiple_of(2), 0);
@@ -180,7 +157,6 @@ impl Cells {
                 bytemuck::cast_slice(&list),
                 wgpu::BufferUsages::INDEX,
             ),
-            ranges,
             vertices_per_block: grid.vertices_per_block(),
         }
     }

@@ -2,16 +2,7 @@
 
 use super::shader::VertexForm;
 use crate::plan::FramePlan;
-use terrella_ground::globe::{Block, BlockGrid, BlockSet, Surface};
-
-/// Draw calls and triangles of a frame's meshes.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct DrawCosts {
-    pub draw_calls: u32,
-    pub triangles: u32,
-    /// Bytes of vertices, triangles and heights held.
-    pub bytes: u64,
-}
+use terrella_ground::globe::{Block, BlockGrid, Surface};
 
 /// Makes the maps of the next draw those of a block, or whole maps.
 pub(super) type BindMaps<'a> = dyn FnMut(&mut wgpu::RenderPass<'_>, Option<Block>) + 'a;
@@ -60,23 +51,20 @@ pub(super) trait SurfaceMesh {
         Vec::new()
     }
 
-    /// Draws nothing until it is written again; blocks from then on with these grids.
-    fn reset(&mut self, device: &wgpu::Device, grids: &[BlockGrid]);
+    /// Draws blocks from now on with these grids. Nothing may be drawn until it is written again.
+    fn reset(&mut self, _device: &wgpu::Device, _grids: &[BlockGrid]) {}
 
-    /// Writes what a frame draws as far as it is not there: the plan's blocks, or what the surface of a ground with relief made.
-    /// `tiled` are the blocks that have tiles, where triangles may lie in several. Returns the bytes written.
-    fn write(
-        &mut self,
-        queue: &wgpu::Queue,
-        plan: &FramePlan,
-        ground: Option<&dyn Surface>,
-        tiled: Option<BlockSet>,
-    ) -> u64;
+    /// Writes what a plan draws as far as it is not there: its blocks, or what the surface of a ground with relief made. Returns the
+    /// bytes written.
+    fn write(&mut self, queue: &wgpu::Queue, plan: &FramePlan, ground: Option<&dyn Surface>)
+    -> u64;
 
-    /// What the frame that was written last costs, of ground with relief; `None` of blocks.
-    fn ground_costs(&self) -> Option<DrawCosts>;
+    /// Bytes of the vertices, triangles and heights of ground with relief that it holds.
+    fn ground_bytes(&self) -> u64 {
+        0
+    }
 
-    /// Draws what was written last.
+    /// Draws the plan that was written last.
     fn render(
         &self,
         pass: &mut wgpu::RenderPass<'_>,

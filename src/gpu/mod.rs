@@ -6,8 +6,6 @@ mod celestial;
 mod context;
 #[cfg(feature = "terrain")]
 mod contours;
-#[cfg(feature = "terrain")]
-mod crossing;
 mod faults;
 #[cfg(feature = "terrain")]
 mod grid;

@@ -22,8 +22,6 @@ pub(crate) struct SurfaceDrawable {
     imagery: Imagery,
     /// What the shader is told of the surface's light, whatever frame and view.
     light: wgpu::Buffer,
-    /// Whether triangles that lie in several blocks are drawn with the tiles of each.
-    crossing: bool,
     pub texture_bytes: u64,
 }
 
@@ -89,7 +87,6 @@ impl SurfaceDrawable {
             maps,
             imagery,
             light,
-            crossing: config.crosses_blocks && pools.is_some(),
             texture_bytes,
         };
         drawable.bind_view(device, config, first);
@@ -123,7 +120,6 @@ impl SurfaceDrawable {
         first: &mut SurfaceView,
     ) {
         queue.write_buffer(&self.light, 0, bytemuck::bytes_of(&config.light));
-        self.crossing = config.crosses_blocks && matches!(self.imagery, Imagery::Tiles { .. });
         self.maps.arrange(pipelines.maps.clone());
         self.pipelines = pipelines;
         self.bind_maps(device);
@@ -204,13 +200,14 @@ impl SurfaceDrawable {
         }
     }
 
-    /// Has blocks drawn from now on with these tiles, and finds out which of them have any, where triangles lie in several. Answers the
-    /// bytes written.
+    /// Has blocks drawn from now on with these tiles. `tiled` are those that have any, where triangles lie in several. Answers the bytes
+    /// written.
     pub fn choose_tiles(
         &mut self,
         device: &wgpu::Device,
         queue: &wgpu::Queue,
         chosen: &ChosenTiles,
+        tiled: Option<BlockSet>,
     ) -> u64 {
         let Imagery::Tiles { tiles, .. } = &mut self.imagery else {
             return 0;
@@ -219,18 +216,10 @@ impl SurfaceDrawable {
             tiles.choose(device, &self.maps, *block, *chosen);
         }
         tiles.place_parts(&chosen.parts);
-        if self.crossing {
-            tiles.find_tiled(chosen.blocks.iter().map(|(block, _)| *block));
+        if let Some(tiled) = tiled {
+            tiles.set_tiled(tiled);
         }
         tiles.flush(queue)
-    }
-
-    /// The blocks that have tiles, where triangles lie in several.
-    pub fn tiled(&self) -> Option<BlockSet> {
-        match &self.imagery {
-            Imagery::Tiles { tiles, .. } if self.crossing => Some(tiles.tiled()),
-            _ => None,
-        }
     }
 
     /// Draws the plan that was written to a view last.

@@ -24,6 +24,7 @@ pub(crate) struct SurfaceConfig<'a> {
     /// In what form ground with relief is drawn, if it is and not the block sphere. The variant does not change.
     pub ground: Option<DrawKind<'a>>,
     /// Whether that has triangles that lie in several blocks. Nor does that.
+    #[cfg(feature = "terrain")]
     pub crosses_blocks: bool,
     /// Whether edges of triangles are drawn alone.
     pub wireframe: bool,

@@ -1,11 +1,11 @@
 //! What one view of the surface has of its own on the GPU: its frame's values, its mesh, and what it binds.
 
 use super::lattice::Lattice;
-use super::mesh::{DrawCosts, SurfaceMesh};
+use super::mesh::SurfaceMesh;
 use super::relief;
 use super::surface_config::SurfaceConfig;
 use crate::plan::{FramePlan, FrameUniforms};
-use terrella_ground::globe::{BlockGrid, BlockSet, Surface};
+use terrella_ground::globe::{BlockGrid, Surface};
 
 pub(crate) struct SurfaceView {
     /// [`FrameUniforms`].
@@ -61,21 +61,20 @@ impl SurfaceView {
     }
 
     /// Writes what a frame draws: the plan, and of ground with relief the patches or the grid of its surface, as far as they are
-    /// not there. `tiled` are the blocks that have tiles, where triangles lie in several. Returns the bytes written.
+    /// not there. Returns the bytes written.
     pub fn write(
         &mut self,
         queue: &wgpu::Queue,
         plan: &FramePlan,
         ground: Option<&dyn Surface>,
-        tiled: Option<BlockSet>,
     ) -> u64 {
         self.write_frame(queue, &plan.uniforms);
         let written = size_of::<FrameUniforms>() as u64;
-        written + self.mesh.write(queue, plan, ground, tiled)
+        written + self.mesh.write(queue, plan, ground)
     }
 
-    /// What the frame that was written last costs, of ground with relief; `None` of blocks.
-    pub fn ground_costs(&self) -> Option<DrawCosts> {
-        self.mesh.ground_costs()
+    /// Bytes of the vertices, triangles and heights of ground with relief that it holds.
+    pub fn ground_bytes(&self) -> u64 {
+        self.mesh.ground_bytes()
     }
 }

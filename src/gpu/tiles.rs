@@ -284,20 +284,8 @@ impl TileTextures {
         }
     }
 
-    /// Blocks that are drawn with tiles: those of [`Self::find_tiled`].
-    pub fn tiled(&self) -> BlockSet {
-        self.tiled
-    }
-
-    /// Finds out which of the blocks in sight have tiles, of whatever map.
-    pub fn find_tiled(&mut self, in_sight: impl Iterator<Item = Block>) {
-        let mut tiled = BlockSet::default();
-        for block in in_sight {
-            let tiles = &self.blocks[block.index() as usize].tiles;
-            if tiles.iter().any(Option::is_some) {
-                tiled.insert(block.index() as u8);
-            }
-        }
+    /// Tells shaders which blocks have tiles.
+    pub fn set_tiled(&mut self, tiled: BlockSet) {
         self.is_stale |= tiled != self.tiled;
         self.tiled = tiled;
     }

@@ -1,6 +1,6 @@
 //! All that a frame draws.
 
-use super::{AirPlan, FrameUniforms};
+use super::{AirPlan, DrawCosts, FrameUniforms, SurfaceDraw};
 use bytemuck::Zeroable;
 use glam::{DVec3, Vec3};
 use terrella_frames::Ellipsoid;
@@ -18,7 +18,20 @@ pub(crate) struct ChosenTiles {
     pub parts: PartTables,
 }
 
-/// All that a frame draws but the patches of ground with relief: these stay with the surface that made them.
+impl ChosenTiles {
+    /// The blocks that have tiles, of whatever map.
+    pub fn tiled(&self) -> BlockSet {
+        let mut tiled = BlockSet::default();
+        for (block, tiles) in &self.blocks {
+            if tiles.iter().any(Option::is_some) {
+                tiled.insert(block.index() as u8);
+            }
+        }
+        tiled
+    }
+}
+
+/// All that a frame draws but the vertices of ground with relief: these stay with the surface that made them.
 ///
 /// One plan serves all frames, so that its lists keep their memory.
 pub(crate) struct FramePlan {
@@ -34,7 +47,9 @@ pub(crate) struct FramePlan {
     pub blocks: Vec<Block>,
     /// Their vertices from the eye, ITRF axes, metres: (n + 1)² a block, row by row. None where there is ground with relief.
     pub vertices: Vec<Vec3>,
-    /// Those of them on which the Sun stands above the horizon everywhere: no lamp is lit there.
+    /// The draws of the surface, in their order.
+    pub draws: Vec<SurfaceDraw>,
+    /// The blocks on which the Sun stands above the horizon everywhere: no lamp is lit there.
     pub daylit: BlockSet,
     /// Whether the Moon's shadow may be in view.
     pub has_moon_shadow: bool,
@@ -52,6 +67,7 @@ impl FramePlan {
             mesh: 0,
             blocks: Vec::with_capacity(BLOCK_COUNT as usize),
             vertices: Vec::with_capacity(vertices),
+            draws: Vec::with_capacity(BLOCK_COUNT as usize),
             daylit: BlockSet::default(),
             has_moon_shadow: false,
             air: None,
@@ -62,9 +78,20 @@ impl FramePlan {
     pub fn clear(&mut self) {
         self.blocks.clear();
         self.vertices.clear();
+        self.draws.clear();
         self.daylit = BlockSet::default();
         self.has_moon_shadow = false;
         self.air = None;
+    }
+
+    /// What drawing it costs.
+    pub fn costs(&self) -> DrawCosts {
+        let surface = self.draws.iter().map(|draw| draw.indices.len() as u32 / 3);
+        let air = self.air.as_ref().map(|air| air.ring.triangles());
+        DrawCosts {
+            draw_calls: (self.draws.len() + usize::from(air.is_some())) as u32,
+            triangles: surface.chain(air).sum(),
+        }
     }
 
     /// Subtracts the eye from every vertex of the blocks in sight, in f64, those beyond the limb lifted to it.

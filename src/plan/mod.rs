@@ -3,14 +3,21 @@
 //! | file | what |
 //! |---|---|
 //! | `frame.rs` | all that a frame draws |
+//! | `draws.rs` | the draws of its surface; `ground_draws.rs`, where that has relief |
 //! | `air.rs` | its air |
 //! | `uniforms.rs` | the structs that shaders read |
 
 mod air;
+mod draws;
 mod frame;
+#[cfg(feature = "terrain")]
+mod ground_draws;
 mod uniforms;
 
 pub(crate) use air::AirPlan;
 pub use air::AirSide;
+pub(crate) use draws::{DrawCosts, PER_BLOCK_TILES, SurfaceDraw, WHOLE_MAP, draw_blocks};
 pub(crate) use frame::{BlockTiles, ChosenTiles, FramePlan};
+#[cfg(feature = "terrain")]
+pub(crate) use ground_draws::{GroundDraws, PRISM_INDICES};
 pub use uniforms::{AirUniforms, FrameUniforms, MoonShadowUniforms, SurfaceLightUniforms};

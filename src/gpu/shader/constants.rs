@@ -3,6 +3,7 @@
 #[cfg(feature = "terrain")]
 use super::relief_constants::RELIEF;
 use super::value::Value::{self, F32, U32, Vec3};
+use crate::plan::{PER_BLOCK_TILES, WHOLE_MAP};
 use glam::DVec3;
 use std::f64::consts::PI;
 use terrella_frames::{MOON_RADIUS_M, SUN_RADIUS_M, SUN_RADIUS_RAD};
@@ -11,11 +12,6 @@ use terrella_ground::globe::{BLOCK_COUNT, COLUMNS, ROWS};
 use terrella_ground::light;
 use terrella_imagery::tile::{MAP_LAYERS, MapLayer, TILE_BORDER};
 use terrella_imagery::{CLOUD_ALBEDO, FLOOR_SEEN_M, NEIGHBOURHOODS};
-
-/// In place of a block's index: drawn with whole maps.
-pub(crate) const WHOLE_MAP: u32 = 2 * BLOCK_COUNT;
-/// With a block's index added: as much of what lies in several blocks as lies in that one, drawn with its tiles.
-pub(crate) const PER_BLOCK_TILES: u32 = BLOCK_COUNT;
 
 /// Words of four numbers that cells of blocks with parts may take, each with eight of them: with all else that says where tiles lie a
 /// buffer of 16 KiB, which every adapter takes.

@@ -68,6 +68,4 @@ pub use constants::{
     VIEW_AZIMUTHS,
 };
 #[cfg(feature = "terrain")]
-pub(crate) use constants::{PER_BLOCK_TILES, WHOLE_MAP};
-#[cfg(feature = "terrain")]
 pub(crate) use relief_constants::ATLAS_COLUMNS;

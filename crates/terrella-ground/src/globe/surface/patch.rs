@@ -44,3 +44,10 @@ pub struct Patch {
     /// The block that it lies in, where it lies in one alone.
     pub block: Option<Block>,
 }
+
+impl Patch {
+    /// Whether there is nothing of it to draw.
+    pub fn is_empty(&self) -> bool {
+        self.vertices.is_empty() || self.indices.triangles.is_empty()
+    }
+}
