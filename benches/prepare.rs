@@ -4,7 +4,7 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use std::hint::black_box;
 use terrella::frames::{Ellipsoid, Geodetic};
 use terrella::internals::gpu::GpuContext;
-use terrella::{Earth, EarthOptions, EyeView, Sky};
+use terrella::{Earth, EarthOptions, EyeView, FrameRequest, Sky};
 use terrella_ground::globe::{BlockGrid, Visibility, select_blocks};
 use terrella_imagery::{EarthLayers, LayerImage};
 
@@ -70,7 +70,10 @@ fn prepare(criterion: &mut Criterion) {
                         // Hand staging buffers back, as a frame's submission would.
                         gpu.queue.submit([]);
                     }
-                    earth.prepare(&gpu.queue, black_box(&view), &sky, (1280, 720))
+                    earth.prepare(
+                        &gpu.queue,
+                        FrameRequest::new(black_box(&view), &sky, (1280, 720)),
+                    )
                 });
             });
         }

@@ -28,7 +28,7 @@ use record::{Frame, Record};
 use std::time::Instant;
 use terrella::frames::{Ellipsoid, Epoch};
 use terrella::internals::gpu::{FrameTargets, GpuContext};
-use terrella::{Earth, EyeView, Sky};
+use terrella::{Earth, EyeView, FrameRequest, Sky};
 use terrella_play::Flight;
 use terrella_play::scene::Scene;
 
@@ -123,7 +123,9 @@ impl FrameRenderer {
 
     /// Draws one frame and waits for it; whether any ground was drawn.
     fn draw_first(&mut self, view: &EyeView, sky: &Sky) -> bool {
-        let stats = self.earth.prepare(&self.gpu.queue, view, sky, self.size);
+        let stats = self
+            .earth
+            .prepare(&self.gpu.queue, FrameRequest::new(view, sky, self.size));
         self.draw();
         stats.blocks_drawn > 0
     }
@@ -197,9 +199,10 @@ fn fly(
         let expected = EXPECTED_S.map(|ahead| course_at(course, flight, seconds + ahead, aspect).0);
         let (prepare, prepare_cpu) = (Instant::now(), ThreadTime::now());
         renderer.earth.prefetch(&expected);
-        let stats = renderer
-            .earth
-            .prepare(&renderer.gpu.queue, &view, &sky, renderer.size);
+        let stats = renderer.earth.prepare(
+            &renderer.gpu.queue,
+            FrameRequest::new(&view, &sky, renderer.size),
+        );
         let (prepare, prepare_cpu) = (prepare.elapsed(), prepare_cpu.elapsed());
         renderer.draw();
         let frame = Frame {

@@ -7,8 +7,8 @@ use std::time::Instant;
 use terrella::frames::{Ellipsoid, Geodetic};
 use terrella::internals::gpu::{FrameTargets, GpuContext};
 use terrella::{
-    Earth, EarthOptions, EarthView, EyeView, LayerSelection, Sky, ViewFrame, Viewport,
-    find_textures, load_layers,
+    Earth, EarthOptions, EarthView, EyeView, FrameRequest, LayerSelection, Sky, ViewFrame,
+    Viewport, find_textures, load_layers,
 };
 
 const SIZE: (u32, u32) = (640, 360);
@@ -44,7 +44,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 target: Viewport::from(SIZE),
             })
             .collect();
-        earth.prepare_views(&gpu.queue, &eyes[0], &sky, SIZE, &mut others);
+        earth.prepare(
+            &gpu.queue,
+            FrameRequest::new(&eyes[0], &sky, SIZE).with_views(&mut others),
+        );
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         earth.render(&mut targets[0].begin_pass(&mut encoder));
         for (view, target) in views.iter().zip(&targets[1..]) {

@@ -8,7 +8,7 @@ use std::error::Error;
 use std::path::Path;
 use terrella::frames::{Ellipsoid, Epoch, Geodetic};
 use terrella::{
-    DepthBuffer, Earth, EarthOptions, Exposure, EyeView, LayerSelection, Sky, Tone,
+    DepthBuffer, Earth, EarthOptions, Exposure, EyeView, FrameRequest, LayerSelection, Sky, Tone,
     exposure_factor, find_textures, load_layers,
 };
 
@@ -48,7 +48,7 @@ pub fn draw(frames: u32, folder: &Path) -> Result<(), Box<dyn Error>> {
     std::fs::create_dir_all(folder)?;
     for frame in 0..frames {
         let scene = Flight::at(frame, frames);
-        let stats = earth.prepare(&queue, &scene.view, &sky, SIZE);
+        let stats = earth.prepare(&queue, FrameRequest::new(&scene.view, &sky, SIZE));
         let sun_world = scene.view.itrf_from_world.matrix3.inverse() * sky.sun_itrf;
         host.write(&queue, &scene, sun_world.normalize());
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor {

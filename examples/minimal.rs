@@ -5,7 +5,7 @@
 use std::error::Error;
 use terrella::frames::{Ellipsoid, Epoch, Geodetic};
 use terrella::glam::DVec3;
-use terrella::{Earth, EarthOptions, EyeView, FrameTargets, LayerSelection, Sky};
+use terrella::{Earth, EarthOptions, EyeView, FrameRequest, FrameTargets, LayerSelection, Sky};
 use terrella::{find_textures, load_layers, wgpu};
 
 /// Width and height of the picture, pixels.
@@ -35,7 +35,7 @@ pub async fn draw() -> Result<Vec<u8>, Box<dyn Error>> {
     let down = -eye_itrf_m.normalize();
     let view = EyeView::itrf(eye_itrf_m, down, DVec3::Z, fov_rad, aspect);
     let sky = Sky::at(Epoch::from_gregorian_utc(2018, 6, 21, 9, 0, 0, 0));
-    earth.prepare(&queue, &view, &sky, SIZE);
+    earth.prepare(&queue, FrameRequest::new(&view, &sky, SIZE));
 
     let targets = FrameTargets::new(&device, SIZE, 1);
     let mut encoder = device.create_command_encoder(&Default::default());

@@ -6,8 +6,8 @@ use std::error::Error;
 use terrella::frames::{Ellipsoid, Epoch, Geodetic};
 use terrella::glam::DVec3;
 use terrella::{
-    Earth, EarthOptions, EyeView, FrameTargets, GpuMap, LayerSelection, MapLayer, Shading, Sky,
-    ViewFrame, Viewport, find_textures, load_layers, wgpu,
+    Earth, EarthOptions, EyeView, FrameRequest, FrameTargets, GpuMap, LayerSelection, MapLayer,
+    Shading, Sky, ViewFrame, Viewport, find_textures, load_layers, wgpu,
 };
 
 /// Width and height of the picture, pixels.
@@ -85,7 +85,8 @@ pub async fn draw() -> Result<Vec<u8>, Box<dyn Error>> {
             target,
         })
         .collect();
-    earth.prepare_views(&queue, &eyes[0], &sky, targets[0], &mut frames);
+    let request = FrameRequest::new(&eyes[0], &sky, targets[0]).with_views(&mut frames);
+    earth.prepare(&queue, request);
 
     let pictures = FrameTargets::new(&device, SIZE, 1);
     let mut encoder = device.create_command_encoder(&Default::default());

@@ -109,10 +109,10 @@ pub use internals::{earth, gpu};
 
 pub use earth::{
     AdaptiveQuality, Appearance, ChangeMaker, DepthBuffer, DiagnosticOptions, Diagnostics, Earth,
-    EarthError, EarthOptions, EarthView, EyeView, FrameStats, GroundOptions, PixelRays, Quality,
-    QualityChange, QualityLadder, QualityLadderError, QualityLevel, QualityReduction, QualityStep,
-    ReadyChange, Sky, SurfaceLight, SurfaceOutput, TILED_SUBDIVISION, TileOptions, TruthPoint,
-    TruthView, ViewFrame, Viewport,
+    EarthError, EarthOptions, EarthView, EyeView, FrameRequest, FrameStats, GroundOptions,
+    PixelRays, Quality, QualityChange, QualityLadder, QualityLadderError, QualityLevel,
+    QualityReduction, QualityStep, ReadyChange, Sky, SurfaceLight, SurfaceOutput,
+    TILED_SUBDIVISION, TileOptions, TruthPoint, TruthView, ViewFrame, Viewport,
 };
 pub use gpu::{
     Attachments, FrameTargets, GpuMap, MapError, MapFade, ScaledTarget, ShaderError, TruthTargets,

@@ -9,7 +9,7 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use terrella::frames::Geodetic;
-use terrella::{Earth, EarthOptions, Sky};
+use terrella::{Earth, EarthOptions, FrameRequest, Sky};
 use terrella_ground::elevation::{Bounds, Elevation, HeightRange};
 
 struct Counting;
@@ -112,7 +112,7 @@ fn prepare_allocates_nothing_of_its_own() {
             .unwrap();
     };
     for step in 0..40 {
-        earth.prepare(&gpu.queue, &view(step), &sky, (640, 400));
+        earth.prepare(&gpu.queue, FrameRequest::new(&view(step), &sky, (640, 400)));
         flush();
     }
     // Four writes a frame: the frame, the vertices, the air's frame and its ring.
@@ -124,7 +124,7 @@ fn prepare_allocates_nothing_of_its_own() {
     let mut worst = 0;
     for step in 0..40 {
         worst = worst.max(allocations(|| {
-            earth.prepare(&gpu.queue, &view(step), &sky, (640, 400));
+            earth.prepare(&gpu.queue, FrameRequest::new(&view(step), &sky, (640, 400)));
         }));
         flush();
     }
@@ -343,13 +343,14 @@ fn a_view_at_rest_with_all_its_tiles_allocates_nothing_of_its_own() {
     let view = common::down(Geodetic::from_degrees(20.0, 30.0, 3e6), 50.0, 1.6);
     let sky = Sky::new(view.eye_world.normalize());
     let wait = std::time::Duration::from_secs(10);
-    let (stats, missing) = with.prepare_complete(&gpu.queue, &view, &sky, (640, 400), wait);
+    let (stats, missing) =
+        with.prepare_complete(&gpu.queue, FrameRequest::new(&view, &sky, (640, 400)), wait);
     assert!(missing.is_empty() && stats.tiles.hits > 0);
     let worst_of = |earth: &mut Earth| {
         let mut worst = 0;
         for round in 0..40 {
             let count = allocations(|| {
-                earth.prepare(&gpu.queue, &view, &sky, (640, 400));
+                earth.prepare(&gpu.queue, FrameRequest::new(&view, &sky, (640, 400)));
             });
             // The first rounds fill wgpu's own pools.
             worst = if round < 20 { 0 } else { worst.max(count) };
@@ -484,7 +485,9 @@ fn a_grid_of_the_gpu_allocates_nothing_of_its_own() {
         let place = Geodetic::from_degrees(47.0, 0.01 * f64::from(step), height_m + 500.0);
         let view = common::tilted(place, 30.0, -40.0, 45.0, 1.6);
         let mut stats = terrella::FrameStats::default();
-        let count = allocations(|| stats = earth.prepare(&gpu.queue, &view, &sky, (640, 400)));
+        let count = allocations(|| {
+            stats = earth.prepare(&gpu.queue, FrameRequest::new(&view, &sky, (640, 400)))
+        });
         flush();
         let loaded = stats.ground.samples_read / u64::from(TILE_SAMPLES * TILE_SAMPLES);
         // The first rounds fill wgpu's own pools.
@@ -543,7 +546,11 @@ fn pages_of_contours_allocate_nothing_once_they_are_built() {
     let mut earth = Earth::new(&gpu.device, &gpu.queue, &options).expect("an Earth");
     let sky = Sky::new(glam::DVec3::X);
     let wait = std::time::Duration::from_secs(60);
-    let (stats, _) = earth.prepare_complete(&gpu.queue, &view(0), &sky, (640, 400), wait);
+    let (stats, _) = earth.prepare_complete(
+        &gpu.queue,
+        FrameRequest::new(&view(0), &sky, (640, 400)),
+        wait,
+    );
     assert!(stats.ground.patches > 10);
     let flush = || {
         gpu.queue.submit([]);
@@ -578,7 +585,7 @@ fn pages_of_contours_allocate_nothing_once_they_are_built() {
     let mut worst = 0;
     for round in 0..40 {
         let count = allocations(|| {
-            earth.prepare(&gpu.queue, &view(0), &sky, (640, 400));
+            earth.prepare(&gpu.queue, FrameRequest::new(&view(0), &sky, (640, 400)));
         });
         flush();
         // The first rounds fill wgpu's own pools.

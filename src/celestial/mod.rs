@@ -305,7 +305,7 @@ impl Celestial {
         self.prepare_view(queue, earth.first_view(), moment)
     }
 
-    /// The same for a further view of the Earth, after [`Earth::prepare_views`], of one that [`Self::new_view`] made for it.
+    /// The same for a further view of the Earth, after [`Earth::prepare`], of one that [`Self::new_view`] made for it.
     pub fn prepare_view(
         &mut self,
         queue: &wgpu::Queue,

@@ -14,8 +14,8 @@ use terrella_ground::light::Exposure;
 /// A further view of an [`Earth`]: for split screens, stereo, and the cameras of instruments.
 ///
 /// It shares the maps, tiles, tables and pipelines of its Earth; of its own it has some buffers (a few MiB), and of ground with
-/// relief the meshes that its eye needs. [`Earth::new_view`] makes it, [`Earth::prepare_views`] prepares it with the other pictures of a
-/// frame, [`Earth::render_view`] draws it.
+/// relief the meshes that its eye needs. [`Earth::new_view`] makes it, [`Earth::prepare`] prepares it with the other pictures of a
+/// frame ([`FrameRequest::with_views`](super::FrameRequest::with_views)), [`Earth::render_view`] draws it.
 pub struct EarthView {
     pub(super) planner: Planner,
     /// What is drawn of it.
@@ -38,18 +38,6 @@ pub(super) struct Version {
     /// How often it was given another ground.
     pub grounds: u64,
     pub pipelines: u64,
-}
-
-/// A picture that [`Earth::prepare_views`] prepares.
-pub struct ViewFrame<'a> {
-    /// What it is drawn by.
-    pub view: &'a mut EarthView,
-    /// The camera.
-    pub eye: &'a EyeView,
-    /// What lights the Earth in it.
-    pub sky: &'a Sky,
-    /// Its target's width and height in pixels, or the part of it that the pass draws to.
-    pub target: Viewport,
 }
 
 impl EarthView {
@@ -112,7 +100,7 @@ impl EarthView {
         &self.stats
     }
 
-    /// Exposes it so from the next [`Earth::prepare_views`] on. A view begins with the exposure of its Earth.
+    /// Exposes it so from the next [`Earth::prepare`] on. A view begins with the exposure of its Earth.
     ///
     /// # Errors
     /// An exposure outside its range; it is then as it was.
@@ -231,7 +219,7 @@ impl Earth {
         true
     }
 
-    /// Draws a view that was prepared by [`Self::prepare_views`], as [`Self::render`] draws the first. One that was not prepared since the
+    /// Draws a view that was prepared by [`Self::prepare`], as [`Self::render`] draws the first. One that was not prepared since the
     /// quality changed, or that is of another Earth, is not drawn.
     pub fn render_view(&self, view: &EarthView, pass: &mut wgpu::RenderPass<'_>) {
         self.render_surface_of(view, pass);

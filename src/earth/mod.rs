@@ -9,6 +9,7 @@
 //! | `surface_light.rs` | what of the light on the surface can be chosen |
 //! | `surface_config.rs` | how the surface is drawn with a quality |
 //! | `view.rs` | the eye and the target |
+//! | `frame_request.rs` | what a frame is prepared for |
 //! | `earth_view.rs` | what one view has of its own |
 //! | `pixel_lattice.rs` | a picture in some of its points alone, for measuring |
 //! | `sky.rs` | what lights it |
@@ -35,6 +36,7 @@ mod changes;
 mod diagnostics;
 mod earth_view;
 mod error;
+mod frame_request;
 #[cfg_attr(not(feature = "terrain"), path = "no_ground.rs")]
 mod ground;
 mod metering;
@@ -66,9 +68,10 @@ pub use adaptive_quality::{AdaptiveQuality, QualityChange};
 pub use appearance::Appearance;
 pub use change_maker::{ChangeMaker, ReadyChange};
 pub use diagnostics::{DiagnosticOptions, Diagnostics};
+pub use earth_view::EarthView;
 use earth_view::Version;
-pub use earth_view::{EarthView, ViewFrame};
 pub use error::EarthError;
+pub use frame_request::{FrameRequest, ViewFrame};
 pub use ground::GroundOptions;
 pub use metering::metered_ev;
 pub use options::EarthOptions;
@@ -214,36 +217,18 @@ impl Earth {
 
     /// Chooses what the eye sees and writes it to the GPU. Call once a frame, before the pass. Never waits.
     ///
-    /// `target` is the target's width and height in pixels, or the [`Viewport`] that the pass sets. Nothing is drawn where
-    /// no picture is defined: of a view or sky that is not finite, a Sun without direction, a projection that has no
-    /// inverse, and an eye beyond 1e24 m.
+    /// Nothing is drawn where no picture is defined: of a view or sky that is not finite, a Sun without direction, a
+    /// projection that has no inverse, and an eye beyond 1e24 m. A view of another Earth is not drawn, and a warning is
+    /// given once. The answer is of the first picture; bytes of tiles are counted there.
     pub fn prepare(
         &mut self,
         queue: &wgpu::Queue,
-        view: &EyeView,
-        sky: &Sky,
-        target: impl Into<Viewport>,
+        mut request: FrameRequest<'_, '_>,
     ) -> FrameStats {
-        self.prepare_within(queue, view, sky, target.into(), &mut [], None)
+        self.prepare_within(queue, &mut request, None)
     }
 
-    /// As [`Self::prepare`], with the further pictures of the same frame: all that is submitted together must be prepared by one call,
-    /// since tiles that one picture is drawn with are not written for another. The answer is of the first view; bytes of tiles
-    /// are counted there.
-    ///
-    /// A view of another Earth is not drawn, and a warning is given once.
-    pub fn prepare_views(
-        &mut self,
-        queue: &wgpu::Queue,
-        view: &EyeView,
-        sky: &Sky,
-        target: impl Into<Viewport>,
-        others: &mut [ViewFrame<'_>],
-    ) -> FrameStats {
-        self.prepare_within(queue, view, sky, target.into(), others, None)
-    }
-
-    /// As [`Self::prepare`], but waits until every tile that the view requests is on the GPU, and ground with relief is as fine
+    /// As [`Self::prepare`], but waits until every tile that the pictures request is on the GPU, and ground with relief is as fine
     /// as it will be, at most `timeout`: for
     /// pictures that are kept. Answers what is missing; such blocks are drawn with something coarser. A tile that cannot
     /// be read is not waited for. What is missing of heights, `missing_heights` says. The levels of tiles, and the triangles of the ground,
@@ -253,33 +238,18 @@ impl Earth {
     pub fn prepare_complete(
         &mut self,
         queue: &wgpu::Queue,
-        view: &EyeView,
-        sky: &Sky,
-        target: impl Into<Viewport>,
+        mut request: FrameRequest<'_, '_>,
         timeout: Duration,
     ) -> (FrameStats, Vec<TileKey>) {
-        self.prepare_views_complete(queue, view, sky, target, &mut [], timeout)
-    }
-
-    /// As [`Self::prepare_complete`], with further pictures of the same frame.
-    pub fn prepare_views_complete(
-        &mut self,
-        queue: &wgpu::Queue,
-        view: &EyeView,
-        sky: &Sky,
-        target: impl Into<Viewport>,
-        others: &mut [ViewFrame<'_>],
-        timeout: Duration,
-    ) -> (FrameStats, Vec<TileKey>) {
-        let (target, deadline) = (target.into(), Instant::now() + timeout);
+        let deadline = Instant::now() + timeout;
         self.first.forget_views();
-        for other in others.iter_mut() {
+        for other in request.views.iter_mut() {
             other.view.forget_views();
         }
         loop {
             let budget = Some(WAITING_UPLOAD_BYTES);
-            let stats = self.prepare_within(queue, view, sky, target, others, budget);
-            let views = || others.iter().map(|other| &*other.view);
+            let stats = self.prepare_within(queue, &mut request, budget);
+            let views = || request.views.iter().map(|other| &*other.view);
             let is_settled = self.first.is_settled() && views().all(EarthView::is_settled);
             let is_drawn = self.first.drawn.is_some() || views().any(|view| view.drawn.is_some());
             let is_in_time = Instant::now() < deadline;
@@ -294,7 +264,7 @@ impl Earth {
             let mut is_begun_anew = false;
             if is_settled && is_in_time {
                 is_begun_anew = self.first.forget_views_again();
-                for other in others.iter_mut() {
+                for other in request.views.iter_mut() {
                     is_begun_anew |= other.view.forget_views_again();
                 }
             }
@@ -355,16 +325,14 @@ impl Earth {
     fn prepare_within(
         &mut self,
         queue: &wgpu::Queue,
-        eye: &EyeView,
-        sky: &Sky,
-        target: Viewport,
-        others: &mut [ViewFrame<'_>],
+        request: &mut FrameRequest<'_, '_>,
         upload_bytes: Option<u64>,
     ) -> FrameStats {
         if let Some(ground) = self.first.planner.ground_driver() {
             ground.take_over(upload_bytes.is_some());
         }
-        self.first.choose(eye, sky, target);
+        let others = &mut *request.views;
+        self.first.choose(request.eye, request.sky, request.target);
         for other in others.iter_mut() {
             if self.follow(other.view) {
                 other.view.choose(other.eye, other.sky, other.target);

@@ -23,7 +23,9 @@ pub use truth::{LayerValues, TruthPicture};
 pub use truth_layers::{LayerDtype, TRUTH_LAYERS, TruthLayer, TruthPixel};
 
 use crate::gpu::{FrameTargets, GpuContext, TruthTargets};
-use crate::{DiagnosticOptions, Earth, EarthOptions, EyeView, FrameStats, Sky, TruthView};
+use crate::{
+    DiagnosticOptions, Earth, EarthOptions, EyeView, FrameRequest, FrameStats, Sky, TruthView,
+};
 use std::time::Duration;
 use terrella_imagery::tile::TileKey;
 use terrella_imagery::{EarthLayers, LayerImage};
@@ -290,9 +292,9 @@ impl Targets for TruthTargets {
 impl<T: Targets> Drawn<T> {
     fn draw(&mut self, gpu: &GpuContext, view: &EyeView, sky: &Sky, wait: Duration) -> Drawing {
         let size = self.targets.pixels();
-        let (stats, missing) = self
-            .earth
-            .prepare_complete(&gpu.queue, view, sky, size, wait);
+        let (stats, missing) =
+            self.earth
+                .prepare_complete(&gpu.queue, FrameRequest::new(view, sky, size), wait);
         let label = Some("terrella offscreen");
         let mut encoder = gpu
             .device

@@ -9,7 +9,7 @@ use std::sync::OnceLock;
 use std::time::Duration;
 use terrella::frames::{Ellipsoid, Geodetic};
 use terrella::internals::gpu::{FrameTargets, GpuContext};
-use terrella::{Earth, EarthOptions, EyeView, FrameStats, Quality, Sky};
+use terrella::{Earth, EarthOptions, EyeView, FrameRequest, FrameStats, Quality, Sky};
 use terrella_imagery::tile::TileKey;
 use terrella_imagery::{EarthLayers, LayerImage};
 
@@ -147,7 +147,9 @@ impl Rig {
 
     pub fn draw(&mut self, view: &EyeView, sun_itrf: DVec3) -> (RgbaImage, FrameStats) {
         let sky = Sky::new(sun_itrf);
-        let stats = self.earth.prepare(&gpu().queue, view, &sky, self.size);
+        let stats = self
+            .earth
+            .prepare(&gpu().queue, FrameRequest::new(view, &sky, self.size));
         (self.picture(), stats)
     }
 
@@ -158,7 +160,8 @@ impl Rig {
 
     /// The same under any sky.
     pub fn draw_light_of(&mut self, view: &EyeView, sky: &Sky) -> Vec<[f32; 4]> {
-        self.earth.prepare(&gpu().queue, view, sky, self.size);
+        self.earth
+            .prepare(&gpu().queue, FrameRequest::new(view, sky, self.size));
         self.submit();
         let light = self.targets.read_light(&gpu().device, &gpu().queue);
         light.expect("a picture")
@@ -172,8 +175,10 @@ impl Rig {
     ) -> Vec<[f32; 4]> {
         let gpu = gpu();
         let night = Sky::new(moment.view.to_itrf().0.normalize_or(DVec3::X) * -1.0);
-        self.earth
-            .prepare(&gpu.queue, moment.view, &night, self.size);
+        self.earth.prepare(
+            &gpu.queue,
+            FrameRequest::new(moment.view, &night, self.size),
+        );
         behind.prepare(&gpu.queue, &self.earth, moment);
         let mut encoder = gpu
             .device
@@ -195,9 +200,11 @@ impl Rig {
         sun_itrf: DVec3,
     ) -> (RgbaImage, FrameStats, Vec<TileKey>) {
         let (sky, wait) = (Sky::new(sun_itrf), Duration::from_secs(180));
-        let (stats, missing) =
-            self.earth
-                .prepare_complete(&gpu().queue, view, &sky, self.size, wait);
+        let (stats, missing) = self.earth.prepare_complete(
+            &gpu().queue,
+            FrameRequest::new(view, &sky, self.size),
+            wait,
+        );
         assert!(self.earth.is_settled(), "no end within {wait:?}");
         (self.picture(), stats, missing)
     }

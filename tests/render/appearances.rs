@@ -2,7 +2,7 @@
 
 use crate::common::{self, gpu, map, plain};
 use crate::views::{alone, eyes, hills, together};
-use terrella::{Appearance, Earth, EarthError, EarthOptions, Exposure, Quality};
+use terrella::{Appearance, Earth, EarthError, EarthOptions, Exposure, FrameRequest, Quality};
 use terrella_imagery::{EarthLayers, LayerImage};
 
 fn layers() -> EarthLayers {
@@ -111,7 +111,7 @@ fn tiles_stay_when_the_ground_changes() {
         assert!(is_settled, "{kind:?}");
         earth.set_ready(&gpu.queue, ready).expect("of this Earth");
         // The first frame has all its tiles: they are those of before.
-        let stats = earth.prepare(&gpu.queue, &eye[0], &sky(), SIZE);
+        let stats = earth.prepare(&gpu.queue, FrameRequest::new(&eye[0], &sky(), SIZE));
         assert_eq!(stats.tiles.requested, stats.tiles.resident, "{kind:?}");
         let drawn = together(&mut earth, &mut [], &eye);
         let expected = alone(&with_appearance(&options, &appearance), &eye);
@@ -145,9 +145,12 @@ fn ground_that_was_settled_by_the_thread_is_there_at_once() {
             assert!(!ready.settle(&eye, SIZE, Duration::ZERO), "it takes time");
         }
         earth.set_ready(&gpu.queue, ready).expect("of this Earth");
-        let at_once = earth.prepare(&gpu.queue, &eye, &sky(), SIZE).triangles;
+        let at_once = earth
+            .prepare(&gpu.queue, FrameRequest::new(&eye, &sky(), SIZE))
+            .triangles;
         let wait = Duration::from_secs(20);
-        let (after, _) = earth.prepare_complete(&gpu.queue, &eye, &sky(), SIZE, wait);
+        let (after, _) =
+            earth.prepare_complete(&gpu.queue, FrameRequest::new(&eye, &sky(), SIZE), wait);
         assert!(earth.is_settled());
         triangles.push((at_once, after.triangles));
     }

@@ -8,7 +8,8 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use terrella::frames::Geodetic;
 use terrella::internals::gpu::{FrameTargets, GpuContext};
 use terrella::{
-    Earth, EarthError, EarthOptions, EyeView, GpuMap, MapError, MapFade, Quality, Shading, Sky,
+    Earth, EarthError, EarthOptions, EyeView, FrameRequest, GpuMap, MapError, MapFade, Quality,
+    Shading, Sky,
 };
 use terrella_imagery::tile::MapLayer;
 use terrella_imagery::{EarthLayers, LayerImage};
@@ -249,7 +250,7 @@ fn a_lost_device_is_survived_by_an_earth_of_the_same_options() {
     let sky = Sky::new(SUN);
     let draw = |gpu: &GpuContext, earth: &mut Earth| {
         let targets = FrameTargets::new(&gpu.device, SIZE, 1);
-        earth.prepare(&gpu.queue, &view(), &sky, SIZE);
+        earth.prepare(&gpu.queue, FrameRequest::new(&view(), &sky, SIZE));
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         earth.render(&mut targets.begin_pass(&mut encoder));
         gpu.queue.submit([encoder.finish()]);
@@ -267,7 +268,7 @@ fn a_lost_device_is_survived_by_an_earth_of_the_same_options() {
     lost.device.destroy();
     // The frame in which the host learns of it, and what it may still ask of it: nothing panics, whatever is answered.
     for _ in 0..2 {
-        earth.prepare(&lost.queue, &view(), &sky, SIZE);
+        earth.prepare(&lost.queue, FrameRequest::new(&view(), &sky, SIZE));
         let quality = *earth.quality();
         let _whatever = earth.set_quality(&lost.queue, &quality);
         let _whatever = earth.new_view();

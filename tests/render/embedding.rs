@@ -5,7 +5,9 @@ use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
 use image::RgbaImage;
 use terrella::frames::Geodetic;
 use terrella::internals::gpu::{FrameTargets, GpuContext, GpuTimer, PassPart};
-use terrella::{Atmosphere, DepthBuffer, Earth, EarthOptions, EyeView, Shading, Sky, Viewport};
+use terrella::{
+    Atmosphere, DepthBuffer, Earth, EarthOptions, EyeView, FrameRequest, Shading, Sky, Viewport,
+};
 use terrella_imagery::EarthLayers;
 
 const SIZE: (u32, u32) = (160, 120);
@@ -58,7 +60,10 @@ impl Host {
     fn draw(&self, view: &EyeView, target: Viewport, sheet: Option<f32>) -> RgbaImage {
         let gpu = gpu();
         let mut earth = Earth::new(&gpu.device, &gpu.queue, &self.options).expect("sound options");
-        earth.prepare(&gpu.queue, view, &Sky::new(SUN.normalize()), target);
+        earth.prepare(
+            &gpu.queue,
+            FrameRequest::new(view, &Sky::new(SUN.normalize()), target),
+        );
         let samples = self.options.samples;
         let multisampled = (samples > 1).then(|| {
             texture(self.options.color_format, self.size, samples).create_view(&Default::default())
@@ -440,7 +445,7 @@ fn two_timed_passes_draw_the_same_picture_as_one() {
         let targets = FrameTargets::new(&gpu.device, SIZE, samples);
         let view = view();
         let sky = Sky::new(DVec3::X);
-        earth.prepare(&gpu.queue, &view, &sky, SIZE);
+        earth.prepare(&gpu.queue, FrameRequest::new(&view, &sky, SIZE));
         let submit = |draw: &dyn Fn(&mut wgpu::CommandEncoder)| {
             let mut encoder = gpu.device.create_command_encoder(&Default::default());
             draw(&mut encoder);

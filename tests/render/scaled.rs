@@ -3,7 +3,7 @@
 use crate::common::{self, Rig, map, tilted};
 use glam::DVec3;
 use terrella::frames::Geodetic;
-use terrella::{EarthOptions, EyeView, FrameTargets, Quality, ScaledTarget, Sky};
+use terrella::{EarthOptions, EyeView, FrameRequest, FrameTargets, Quality, ScaledTarget, Sky};
 
 const SIZE: (u32, u32) = (192, 108);
 
@@ -49,8 +49,10 @@ fn scaled(options: &EarthOptions, scale: f64) -> image::RgbaImage {
     let target = target.expect("good shaders");
     assert_eq!((target.size(), target.drawn_size()), (SIZE, drawn_size));
     let shown = FrameTargets::with_color(&gpu.device, format, SIZE, 1);
-    rig.earth
-        .prepare(&gpu.queue, &view(), &Sky::new(sun()), drawn_size);
+    rig.earth.prepare(
+        &gpu.queue,
+        FrameRequest::new(&view(), &Sky::new(sun()), drawn_size),
+    );
     let mut encoder = gpu
         .device
         .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());

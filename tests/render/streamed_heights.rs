@@ -6,7 +6,9 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 use terrella::frames::Geodetic;
-use terrella::{Atmosphere, EarthOptions, EyeView, GroundOptions, Sky, Subdivision, SurfaceKind};
+use terrella::{
+    Atmosphere, EarthOptions, EyeView, FrameRequest, GroundOptions, Sky, Subdivision, SurfaceKind,
+};
 use terrella_ground::elevation::{
     Ground, HeightRange, HeightSamples, HeightStreamOptions, HeightTileError, HeightTileKey,
     HeightTileLayout, HeightTileSource, StreamedGround,
@@ -163,7 +165,7 @@ fn frames_do_not_wait_and_what_is_missing_is_told() {
     let wait = Duration::from_millis(300);
     let sky = Sky::new(sun);
     rig.earth
-        .prepare_complete(&gpu().queue, &view, &sky, SIZE, wait);
+        .prepare_complete(&gpu().queue, FrameRequest::new(&view, &sky, SIZE), wait);
     assert!(begin.elapsed() >= wait);
     assert!(!rig.earth.missing_heights().is_empty());
     source.is_shut.store(false, Ordering::Relaxed);

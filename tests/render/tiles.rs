@@ -8,7 +8,8 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use terrella::frames::{Ellipsoid, Geodetic};
 use terrella::{
-    Atmosphere, Earth, EarthOptions, EyeView, Shading, Sky, TILED_SUBDIVISION, TileOptions,
+    Atmosphere, Earth, EarthOptions, EyeView, FrameRequest, Shading, Sky, TILED_SUBDIVISION,
+    TileOptions,
 };
 use terrella_ground::globe::LevelRule;
 use terrella_imagery::EarthLayers;
@@ -351,7 +352,9 @@ fn a_night_under_the_moon_wants_day_tiles() {
             moon_itrf_m: moon.map(|direction| direction * 3.844e8),
             ..Sky::new(DVec3::NEG_X)
         };
-        let stats = rig.earth.prepare(&common::gpu().queue, &view, &sky, SIZE);
+        let stats = rig
+            .earth
+            .prepare(&common::gpu().queue, FrameRequest::new(&view, &sky, SIZE));
         stats.tiles.requested.iter().sum::<u32>()
     };
     // A Moon that is not drawn lights nothing.

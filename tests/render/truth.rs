@@ -7,8 +7,8 @@ use std::f64::consts::TAU;
 use std::time::Duration;
 use terrella::frames::{Ellipsoid, Geodetic};
 use terrella::{
-    DiagnosticOptions, Earth, EarthOptions, EyeView, Figure, LayerImage, Sky, SurfaceOutput,
-    TruthTargets, TruthTexel, TruthView,
+    DiagnosticOptions, Earth, EarthOptions, EyeView, Figure, FrameRequest, LayerImage, Sky,
+    SurfaceOutput, TruthTargets, TruthTexel, TruthView,
 };
 use terrella_imagery::EarthLayers;
 
@@ -45,7 +45,7 @@ impl Truth {
         let gpu = gpu();
         let wait = Duration::from_secs(20);
         self.earth
-            .prepare_complete(&gpu.queue, view, sky, SIZE, wait);
+            .prepare_complete(&gpu.queue, FrameRequest::new(view, sky, SIZE), wait);
         let mut encoder = gpu
             .device
             .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());

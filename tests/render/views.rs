@@ -7,7 +7,8 @@ use std::time::Duration;
 use terrella::frames::Geodetic;
 use terrella::internals::gpu::FrameTargets;
 use terrella::{
-    Earth, EarthOptions, EarthView, Exposure, EyeView, Quality, Sky, ViewFrame, Viewport,
+    Earth, EarthOptions, EarthView, Exposure, EyeView, FrameRequest, Quality, Sky, ViewFrame,
+    Viewport,
 };
 
 pub const SIZE: (u32, u32) = (160, 90);
@@ -73,7 +74,11 @@ pub fn together(earth: &mut Earth, views: &mut [EarthView], eyes: &[EyeView]) ->
         })
         .collect();
     let queue = &gpu().queue;
-    let (_, missing) = earth.prepare_views_complete(queue, &eyes[0], &sky, SIZE, &mut frames, WAIT);
+    let (_, missing) = earth.prepare_complete(
+        queue,
+        FrameRequest::new(&eyes[0], &sky, SIZE).with_views(&mut frames),
+        WAIT,
+    );
     assert!(missing.is_empty(), "{missing:?}");
     let samples = earth.quality().samples;
     let mut pictures = vec![read(|pass| earth.render(pass), samples)];
@@ -210,7 +215,7 @@ fn a_view_has_its_own_exposure_and_no_maps_of_its_own() {
     assert_eq!(views[0].stats().exposure_ev, 2.0);
     let alone = Earth::new(&gpu.device, &gpu.queue, &options)
         .unwrap()
-        .prepare(&gpu.queue, &eye, &sky(), SIZE);
+        .prepare(&gpu.queue, FrameRequest::new(&eye, &sky(), SIZE));
     assert_eq!(views[0].stats().texture_bytes, alone.texture_bytes);
 }
 

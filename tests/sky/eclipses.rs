@@ -5,7 +5,7 @@ use crate::drawn::above;
 use crate::utc;
 use glam::DVec3;
 use terrella::frames::{Duration, Ellipsoid, Epoch, Geodetic, MoonShadow};
-use terrella::{Atmosphere, EarthOptions, Exposure, EyeView, Sky, SurfaceLight};
+use terrella::{Atmosphere, EarthOptions, Exposure, EyeView, FrameRequest, Sky, SurfaceLight};
 
 fn shadow_at(epoch: Epoch) -> MoonShadow {
     Sky::at(epoch).moon_shadow().expect("a Moon")
@@ -250,7 +250,7 @@ fn the_ground_is_as_dark_as_the_sun_is_hidden() {
             let dark = rig.draw_light_of(&view, &sky);
             assert!(
                 rig.earth
-                    .prepare(&gpu().queue, &view, &sky, size)
+                    .prepare(&gpu().queue, FrameRequest::new(&view, &sky, size))
                     .moon_shadow
             );
             let bright = rig.draw_light_of(&view, &lit);
@@ -293,9 +293,10 @@ fn no_shadow_is_drawn_where_none_is() {
     let mut drawn = |date: &str, lat: f64, lon: f64, height_m: f64| {
         let eye = above(lat, lon, height_m);
         let view = EyeView::itrf(eye, -eye, DVec3::Z, 1.0, 1.6);
-        let stats = rig
-            .earth
-            .prepare(queue, &view, &Sky::at(utc(date)), (64, 40));
+        let stats = rig.earth.prepare(
+            queue,
+            FrameRequest::new(&view, &Sky::at(utc(date)), (64, 40)),
+        );
         stats.moon_shadow
     };
     assert!(drawn("2017-08-21T18:25:32", 37.0, -87.7, 4e5));

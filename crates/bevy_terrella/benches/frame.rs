@@ -28,7 +28,7 @@ use scene::View;
 use std::error::Error;
 use std::time::Instant;
 use terrella::frames::Duration;
-use terrella::{EarthLayers, EarthOptions, FrameTargets, Sky, wgpu};
+use terrella::{EarthLayers, EarthOptions, FrameRequest, FrameTargets, Sky, wgpu};
 
 /// Frames of a kind in a round, after one that is not counted.
 const FRAMES: usize = 5;
@@ -173,7 +173,7 @@ impl Host {
         median(|| {
             if with_earth {
                 *epoch += Duration::from_seconds(0.016);
-                earth.prepare(queue, &eye, &Sky::at(*epoch), self.size);
+                earth.prepare(queue, FrameRequest::new(&eye, &Sky::at(*epoch), self.size));
             }
             let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor {
                 label: Some("terrella program"),

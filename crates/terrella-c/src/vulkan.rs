@@ -11,7 +11,7 @@ use ash::vk::{self, Handle};
 use std::ffi::{CStr, c_char, c_void};
 use terrella::Attachments;
 use terrella::wgpu::{self, hal};
-use terrella::{Drawing, Earth, Sky};
+use terrella::{Drawing, Earth, FrameRequest, Sky};
 
 /// An Earth on a program's own Vulkan device. A handle, no address. Calls are the caller's to order: nobody else submits to the queue meanwhile.
 pub struct TerrellaVulkanEarth {
@@ -408,9 +408,9 @@ impl VulkanEarth {
         let attachments =
             fitting.unwrap_or_else(|| (size, Attachments::new(device, size, format, samples)));
         let (_, attachments) = self.attachments.insert(attachments);
-        let (stats, missing) = self
-            .earth
-            .prepare_complete(&self.queue, view, sky, size, wait);
+        let (stats, missing) =
+            self.earth
+                .prepare_complete(&self.queue, FrameRequest::new(view, sky, size), wait);
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor {
             label: Some("terrella host image"),
         });

@@ -10,7 +10,8 @@ use std::time::Duration;
 use terrella::celestial::CelestialOptions;
 use terrella::internals::gpu::GpuContext;
 use terrella::{
-    Adaptation, Earth, EarthError, EarthOptions, Exposure, EyeView, FrameStats, Quality,
+    Adaptation, Earth, EarthError, EarthOptions, Exposure, EyeView, FrameRequest, FrameStats,
+    Quality,
 };
 use terrella_imagery::tile::TileKey;
 
@@ -193,10 +194,15 @@ impl ScenePainter {
         }
         let (queue, view, sky) = (&self.gpu.queue, &moment.view, &moment.sky);
         let (mut stats, missing) = match wait {
-            None => (self.earth.prepare(queue, view, sky, drawn_size), Vec::new()),
-            Some(wait) => self
-                .earth
-                .prepare_complete(queue, view, sky, drawn_size, wait),
+            None => (
+                self.earth
+                    .prepare(queue, FrameRequest::new(view, sky, drawn_size)),
+                Vec::new(),
+            ),
+            Some(wait) => {
+                self.earth
+                    .prepare_complete(queue, FrameRequest::new(view, sky, drawn_size), wait)
+            }
         };
         let craft = moment.craft.as_ref();
         self.craft.prepare(&self.gpu, craft, view, sky, &mut stats);

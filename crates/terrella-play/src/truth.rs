@@ -16,7 +16,7 @@ use terrella::internals::gpu::GpuContext;
 use terrella::internals::offscreen::{
     LayerDtype, TRUTH_LAYERS, TruthPixel, check_truth_memory, new_truth_targets, set_truth,
 };
-use terrella::{Earth, EarthOptions, TruthView};
+use terrella::{Earth, EarthOptions, FrameRequest, TruthView};
 use terrella_files::Unfinished;
 use terrella_imagery::tile::TileKey;
 
@@ -101,7 +101,11 @@ impl TruthFolder {
         let mut earth = Earth::new(device, queue, &options)?;
         let targets = new_truth_targets(gpu, size)?;
         let wait = flight.scene().output.wait();
-        let (_, missing) = earth.prepare_complete(queue, &moment.view, &moment.sky, size, wait);
+        let (_, missing) = earth.prepare_complete(
+            queue,
+            FrameRequest::new(&moment.view, &moment.sky, size),
+            wait,
+        );
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor {
             label: Some("terrella truth"),
         });

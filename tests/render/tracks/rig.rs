@@ -6,7 +6,7 @@ use image::RgbaImage;
 use terrella::frames::{Ellipsoid, Epoch, Geodetic, Orientation, utc_from_rfc3339};
 use terrella::internals::gpu::{Attachments, DepthBuffer, color_texture, read_texture};
 use terrella::tracks::{TrackMoment, TrackSpan, TrackStats, TrackStyle, Tracks, TracksOptions};
-use terrella::{Earth, EarthOptions, EyeView, Sky, ViewFrame};
+use terrella::{Earth, EarthOptions, EyeView, FrameRequest, Sky, ViewFrame};
 use terrella_ground::air::Atmosphere;
 use terrella_orbit::constants::EARTH_GM_M3_S2;
 use terrella_orbit::{Feed, Frame, OrbitError, OrbitState};
@@ -96,7 +96,8 @@ impl Rig {
     pub fn draw(&mut self, view: &EyeView, feed: &dyn Feed) -> (RgbaImage, RgbaImage, TrackStats) {
         let gpu = common::gpu();
         let sky = Sky::new(self.sun);
-        self.earth.prepare(&gpu.queue, view, &sky, SIZE);
+        self.earth
+            .prepare(&gpu.queue, FrameRequest::new(view, &sky, SIZE));
         let stats = self
             .tracks
             .prepare_complete(&gpu.queue, &moment(view), [feed]);
@@ -120,8 +121,10 @@ impl Rig {
             sky: &sky,
             target: SIZE.into(),
         };
-        self.earth
-            .prepare_views(&gpu.queue, first, &sky, SIZE, &mut [frame]);
+        self.earth.prepare(
+            &gpu.queue,
+            FrameRequest::new(first, &sky, SIZE).with_views(&mut [frame]),
+        );
         let stats = tracks.prepare_complete(&gpu.queue, &moment(eye), [feed]);
         let drawn = self.drawn(|pass| {
             self.earth.render_view(&view, pass);

@@ -9,7 +9,7 @@ use bevy::render::renderer::{RenderDevice, RenderQueue};
 use bevy::tasks::futures::check_ready;
 use bevy::tasks::{AsyncComputeTaskPool, Task, TaskPool};
 use std::sync::Arc;
-use terrella::{Earth, EarthView, Exposure, EyeView, Sky, ViewFrame, Viewport, wgpu};
+use terrella::{Earth, EarthView, Exposure, EyeView, FrameRequest, Sky, ViewFrame, Viewport, wgpu};
 
 /// What pipelines are made for: the format and the samples of a camera's pass.
 pub(super) type Key = (TextureFormat, u32);
@@ -236,9 +236,10 @@ impl Drawn {
             })
         });
         let mut others: Vec<_> = others.collect();
-        let stats = self
-            .earth
-            .prepare_views(queue, &own.eye, sky, own.target, &mut others);
+        let stats = self.earth.prepare(
+            queue,
+            FrameRequest::new(&own.eye, sky, own.target).with_views(&mut others),
+        );
         tell(own.camera, EarthCameraStatus::Drawn(Box::new(stats)));
         for (camera, view) in &self.others {
             let stats = Box::new(*view.stats());

@@ -4,8 +4,8 @@ use crate::headless::Picture;
 use bevy::render::render_resource::TextureFormat;
 use std::sync::{Arc, OnceLock};
 use terrella::{
-    Earth, EarthLayers, EarthOptions, Exposure, EyeView, FrameTargets, LayerSelection, Sky,
-    find_textures, load_layers, wgpu,
+    Earth, EarthLayers, EarthOptions, Exposure, EyeView, FrameRequest, FrameTargets,
+    LayerSelection, Sky, find_textures, load_layers, wgpu,
 };
 
 /// The starter maps, read once.
@@ -66,7 +66,7 @@ impl Native {
         )
         .expect("an Earth");
         let targets = FrameTargets::with_color(device, format, size, samples);
-        earth.prepare(queue, eye, sky, size);
+        earth.prepare(queue, FrameRequest::new(eye, sky, size));
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor {
             label: Some("terrella native host"),
         });

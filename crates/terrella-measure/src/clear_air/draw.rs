@@ -2,7 +2,7 @@
 
 use super::PlacedView;
 use terrella::internals::gpu::{Attachments, GpuContext, color_texture, read_halves};
-use terrella::{Earth, EarthOptions, EyeView, Sky};
+use terrella::{Earth, EarthOptions, EyeView, FrameRequest, Sky};
 use terrella_imagery::{EarthLayers, ImageryError, LayerImage};
 use terrella_play::PlayError;
 
@@ -92,7 +92,8 @@ impl LightRenderer {
 
     fn draw(&mut self, view: &EyeView, sky: &Sky) -> wgpu::CommandEncoder {
         let size = (self.picture.width(), self.picture.height());
-        self.earth.prepare(&self.gpu.queue, view, sky, size);
+        self.earth
+            .prepare(&self.gpu.queue, FrameRequest::new(view, sky, size));
         let device = &self.gpu.device;
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor {
             label: Some("terrella light"),

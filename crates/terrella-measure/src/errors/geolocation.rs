@@ -10,8 +10,8 @@ use terrella::frames::Ellipsoid;
 use terrella::internals::earth::PixelLattice;
 use terrella::internals::gpu::{Attachments, GpuContext, color_texture, read_floats};
 use terrella::{
-    DiagnosticOptions, Earth, EarthError, EarthOptions, EyeView, Figure, FrameStats, GroundOptions,
-    Sky, Subdivision, SurfaceOutput, Visibility,
+    DiagnosticOptions, Earth, EarthError, EarthOptions, EyeView, Figure, FrameRequest, FrameStats,
+    GroundOptions, Sky, Subdivision, SurfaceOutput, Visibility,
 };
 use terrella_imagery::{EarthLayers, LayerImage};
 use terrella_play::PlayError;
@@ -99,14 +99,17 @@ impl GeolocationRenderer {
     pub fn settle(&mut self, view: &EyeView, size: (u32, u32), wait: Duration) {
         let sky = Sky::new(DVec3::X);
         let queue = &self.gpu.queue;
-        self.earth.prepare_complete(queue, view, &sky, size, wait);
+        self.earth
+            .prepare_complete(queue, FrameRequest::new(view, &sky, size), wait);
     }
 
     /// Chooses what a view of so many pixels draws, a frame's work.
     pub fn prepare(&mut self, view: &EyeView, size: (u32, u32)) -> FrameStats {
         // Nothing is lit.
         let sky = Sky::new(DVec3::X);
-        self.stats = self.earth.prepare(&self.gpu.queue, view, &sky, size);
+        self.stats = self
+            .earth
+            .prepare(&self.gpu.queue, FrameRequest::new(view, &sky, size));
         self.stats
     }
 

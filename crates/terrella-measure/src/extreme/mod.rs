@@ -14,7 +14,7 @@ use std::time::Duration;
 use terrella::internals::gpu::{
     Attachments, FrameTargets, GpuContext, PictureError, color_texture, read_halves, read_texture,
 };
-use terrella::{Atmosphere, DepthBuffer, Earth, EarthError, EarthOptions, Exposure};
+use terrella::{Atmosphere, DepthBuffer, Earth, EarthError, EarthOptions, Exposure, FrameRequest};
 use terrella_imagery::EarthLayers;
 
 /// A drawn picture in linear light, rows from the top.
@@ -183,7 +183,7 @@ pub fn draw(
         ..Default::default()
     });
     let attachments = Attachments::new(device, size, color, 1);
-    earth.prepare(&gpu.queue, &case.view, &case.sky, size);
+    earth.prepare(&gpu.queue, FrameRequest::new(&case.view, &case.sky, size));
     let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor {
         label: Some("terrella extreme"),
     });
