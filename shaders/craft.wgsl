@@ -5,7 +5,7 @@
 // | 0     | 0       | craft | always |
 @group(0) @binding(0) var<uniform> craft: CraftFrame;
 
-// Mirrored by `CraftFrame` in crates/terrella-play/src/craft/mod.rs; a test compares the offsets. Craft axes: x along flight, z down.
+// Mirrored by `CraftFrame` in crates/terrella-play/src/craft.rs; a test compares the offsets. Craft axes: x along flight, z down.
 struct CraftFrame {
     // Takes craft metres to clip space.
     clip_from_craft: mat4x4f,
@@ -22,7 +22,7 @@ struct CraftFrame {
     padding: f32,
 }
 
-// What comes before this text: `displayed` of common/displayed.wgsl, and the numbers of materials by crates/terrella-play/src/craft/mod.rs.
+// What comes before this text: `displayed` of common/displayed.wgsl, and the numbers of materials by crates/terrella-play/src/craft.rs.
 // Materials are numbered by `Material` of crates/terrella-play/src/craft/mesh.rs, which declares FOIL, PAINT, CELLS, WING, METAL and DISH.
 
 // Light from everywhere else, so that an eclipsed craft is a dark thing and not a hole; the Sun's is 1.

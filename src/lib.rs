@@ -91,9 +91,32 @@
 #[cfg(feature = "celestial")]
 pub mod celestial;
 #[doc(hidden)]
-pub mod internals;
+#[allow(missing_docs, reason = "documented where hosts meet it")]
+pub mod earth;
+#[doc(hidden)]
+#[allow(missing_docs, reason = "documented where hosts meet it")]
+pub mod gpu;
+#[cfg(feature = "offscreen")]
+#[doc(hidden)]
+#[allow(missing_docs, reason = "documented where hosts meet it")]
+pub mod offscreen;
+#[doc(hidden)]
+#[allow(missing_docs, reason = "documented where hosts meet it")]
+pub mod plan;
+#[doc(hidden)]
+#[allow(missing_docs, reason = "documented where hosts meet it")]
+pub mod shipped;
 #[cfg(feature = "tracks")]
 pub mod tracks;
+
+/// What the Earth is made of, for the tests, benches, fuzz targets and the command of this repository. Hosts need none of it: it
+/// changes with any version. The table of modules above says what each knows.
+#[doc(hidden)]
+pub mod internals {
+    #[cfg(feature = "offscreen")]
+    pub use crate::offscreen;
+    pub use crate::{earth, gpu, plan, shipped};
+}
 
 pub use terrella_frames as frames;
 #[cfg(feature = "terrain")]
@@ -101,11 +124,6 @@ pub use terrella_ground::elevation;
 #[cfg(feature = "tracks")]
 pub use terrella_orbit as orbit;
 pub use {glam, wgpu};
-
-#[cfg(feature = "offscreen")]
-pub(crate) use internals::offscreen;
-pub(crate) use internals::plan;
-pub use internals::{earth, gpu};
 
 pub use earth::{
     AdaptiveQuality, Appearance, ChangeMaker, DepthBuffer, DiagnosticOptions, Diagnostics, Earth,

@@ -1,8 +1,8 @@
 //! No circle of files: where two files use what the other defines, neither can be understood, moved or tested alone.
 //!
 //! A file uses another where it names an item that the other defines, by whatever path and re-exports the name goes; to hand a
-//! name on is no use. What a file uses of a module that it is a part of does not count: a folder and its `mod.rs` are one
-//! thing in several files. Tests do not count, nor do methods, which are named without a path.
+//! name on is no use. What a file uses of a module that it is a part of does not count: a module and the folder of its
+//! name are one thing in several files. Tests do not count, nor do methods, which are named without a path.
 
 use crate::source::{File, Token, Word, after_group};
 use std::collections::{BTreeMap, BTreeSet};
@@ -65,7 +65,7 @@ impl Modules {
                 let Place::Item(definer) = place else {
                     continue;
                 };
-                if definer == *path || is_part_of(path, &definer, &self.0[&definer].file) {
+                if definer == *path || path.starts_with(&definer) {
                     continue;
                 }
                 let pair = (module.file.clone(), self.0[&definer].file.clone());
@@ -297,12 +297,6 @@ fn module_path(file: &str, folder: &str) -> Option<Path> {
     Some(path)
 }
 
-/// Whether a module is part of another that is a folder's.
-fn is_part_of(module: &Path, whole: &Path, file: &str) -> bool {
-    let is_folder = file.ends_with("/mod.rs") || file.ends_with("/lib.rs");
-    is_folder && module.starts_with(whole)
-}
-
 fn is_path(tokens: &[Token], i: usize) -> bool {
     [i, i + 1]
         .iter()
@@ -406,9 +400,9 @@ mod tests {
     }
 
     #[test]
-    fn a_folder_and_its_parts_are_one_thing() {
+    fn a_module_and_its_parts_are_one_thing() {
         let whole = (
-            "src/a/mod.rs",
+            "src/a.rs",
             "mod one; mod two; use one::One; pub struct A(One);",
         );
         let part = |uses| ("src/a/one.rs", uses);
@@ -420,12 +414,12 @@ mod tests {
             found(&[LIB, whole, of_two, two]),
             [["src/a/one.rs", "src/a/two.rs"]]
         );
-        // From outside the folder is a file as any other.
+        // From outside it is a file as any other.
         let of_b = part("use crate::b::B; pub struct One(B);");
         let b = ("src/b.rs", "use crate::a::A; pub struct B(A);");
         assert_eq!(
             found(&[LIB, whole, of_b, b]),
-            [["src/a/mod.rs", "src/a/one.rs", "src/b.rs"]]
+            [["src/a.rs", "src/a/one.rs", "src/b.rs"]]
         );
     }
 

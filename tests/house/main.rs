@@ -102,6 +102,11 @@ fn gpu_objects_are_labelled() {
 }
 
 #[test]
+fn files_named_mod_list_modules() {
+    holds_in(&["src", "crates", "tests", "xtask"], rules::lists_modules);
+}
+
+#[test]
 fn files_are_opened_in_one_place() {
     holds_in_products(rules::opens_files_in_one_place);
 }

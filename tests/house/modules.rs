@@ -113,7 +113,7 @@ pub fn module_of(path: &str) -> Option<&str> {
     match (one.modules.contains(&first), one.first) {
         (true, _) => Some(first),
         (false, Some(module)) => Some(module),
-        (false, None) => (!matches!(inside, "lib.rs" | "internals.rs")).then_some(first),
+        (false, None) => (inside != "lib.rs").then_some(first),
     }
 }
 
@@ -348,7 +348,7 @@ mod tests {
                 "use terrella_frames::{Epoch, self}; use crate::{gpu::GpuContext, Epoch};",
             ),
             (
-                "crates/terrella-ground/src/globe/mod.rs",
+                "crates/terrella-ground/src/globe.rs",
                 "mod blocks; use crate::globe::blocks; use crate::elevation::Bounds;",
             ),
             ("src/lib.rs", "use terrella_play::Clock;"),
@@ -383,21 +383,15 @@ mod tests {
                 "use terrella_orbit as orbit;",
             ),
             ("src/gpu/sun.rs", "use super::super::earth;"),
-            ("src/gpu/mod.rs", "use super::earth::Sky;"),
+            ("src/gpu.rs", "use super::earth::Sky;"),
+            ("src/gpu.rs", "mod tests { use super::super::earth::Sky; }"),
             (
-                "src/gpu/mod.rs",
-                "mod tests { use super::super::earth::Sky; }",
-            ),
-            (
-                "crates/terrella-play/src/scene/mod.rs",
+                "crates/terrella-play/src/scene.rs",
                 "use terrella::{frames::Epoch, EyeView};",
             ),
+            ("crates/terrella-play/src/scene.rs", "use crate::film::Key;"),
             (
-                "crates/terrella-play/src/scene/mod.rs",
-                "use crate::film::Key;",
-            ),
-            (
-                "crates/terrella-play/src/scene/mod.rs",
+                "crates/terrella-play/src/scene.rs",
                 "use crate::{scene::Camera, film};",
             ),
             (
@@ -407,7 +401,7 @@ mod tests {
             ("src/gpu/earth.rs", "use terrella_orbit::OrbitState;"),
             ("src/gpu/earth.rs", "use terrella_play::scene::Scene;"),
             (
-                "crates/terrella-ground/src/air/mod.rs",
+                "crates/terrella-ground/src/air.rs",
                 "use crate::globe::Figure;",
             ),
             (
@@ -454,7 +448,7 @@ mod tests {
                 "crates/terrella-orbit/src/lib.rs",
                 "use terrella_frames::Epoch;",
             ),
-            File::new("crates/terrella-ground/src/globe/mod.rs", "fn f() {}"),
+            File::new("crates/terrella-ground/src/globe.rs", "fn f() {}"),
         ];
         let unused = unused(&files, &exports(&lib));
         assert!(!unused.contains(&"`orbit` is allowed `frames` and does not use it".to_owned()));

@@ -44,6 +44,45 @@ pub fn names_no_gpu(file: &File) -> Vec<String> {
     all(file, &["wgpu"], "this module must not know wgpu")
 }
 
+/// A `mod.rs` lists its modules and what they export. A module with code of its own is a file beside the folder of its name.
+pub fn lists_modules(file: &File) -> Vec<String> {
+    if !file.path.ends_with("/mod.rs") {
+        return Vec::new();
+    }
+    let tokens = &file.tokens;
+    let is = |i: usize, mark| tokens.get(i).is_some_and(|token| token.is_mark(mark));
+    let mut i = 0;
+    while i < tokens.len() {
+        if is(i, '#') {
+            let bracket = i + 1 + usize::from(is(i + 1, '!'));
+            i = after_group(tokens, bracket);
+            continue;
+        }
+        let item = i;
+        if tokens[i].is_name("pub") {
+            i += 1;
+            if is(i, '(') {
+                i = after_group(tokens, i);
+            }
+        }
+        let name = tokens.get(i).and_then(|token| token.name());
+        let is_list = match name {
+            Some("mod") => is(i + 2, ';'),
+            Some("use") => true,
+            _ => false,
+        };
+        if !is_list {
+            let message = "code in mod.rs: put it into a file beside this folder, by its name";
+            return vec![file.at(&tokens[item], message)];
+        }
+        while i < tokens.len() && !is(i, ';') {
+            i += 1;
+        }
+        i += 1;
+    }
+    Vec::new()
+}
+
 /// Descriptors that have no label.
 const UNLABELLED: &[&str] = &["InstanceDescriptor"];
 
@@ -269,6 +308,17 @@ mod tests {
             ),
             0
         );
+    }
+
+    #[test]
+    fn lists() {
+        let count = |text| count(lists_modules, "src/a/mod.rs", text);
+        let list = "//! A.\n#![allow(dead_code)]\n#[cfg(test)]\nmod b;\npub(crate) mod c;\npub use b::{C, D as E};";
+        assert_eq!(count(list), 0);
+        assert_eq!(count("mod b { struct A; }"), 1);
+        assert_eq!(count("mod b;\npub fn f() {}"), 1);
+        assert_eq!(count("mod b;\n#[derive(Clone)]\nstruct A;"), 1);
+        assert!(lists_modules(&File::new("src/a.rs", "pub fn f() {}")).is_empty());
     }
 
     #[test]

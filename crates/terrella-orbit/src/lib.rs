@@ -14,7 +14,7 @@
 //! | see how long a feed answers | [`Feed::validity`], `validity.rs` |
 //!
 //! Time scales and leap seconds are in [`frames`](terrella_frames). Why the readers of OEM and OMM and the
-//! integrators are our own stands in `oem/mod.rs`, `omm/mod.rs` and `numerical/integrate/mod.rs`.
+//! integrators are our own stands in `oem.rs`, `omm.rs` and `numerical/integrate.rs`.
 
 // docs.rs says of each item which feature it needs.
 #![cfg_attr(docsrs, feature(doc_cfg))]

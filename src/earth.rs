@@ -2,7 +2,7 @@
 //!
 //! | file | what |
 //! |---|---|
-//! | `mod.rs` | the three verbs |
+//! | `earth.rs` | the three verbs |
 //! | `options.rs` | what is fixed when an Earth is made |
 //! | `error.rs` | what can be wrong with it |
 //! | `plan.rs` | what a frame draws, chosen without a GPU |
@@ -37,7 +37,7 @@ mod diagnostics;
 mod earth_view;
 mod error;
 mod frame_request;
-#[cfg_attr(not(feature = "terrain"), path = "no_ground.rs")]
+#[cfg_attr(not(feature = "terrain"), path = "earth/no_ground.rs")]
 mod ground;
 mod metering;
 mod options;
@@ -54,7 +54,7 @@ mod tile_parts;
 #[cfg(feature = "packs")]
 mod tile_rule;
 mod tile_view;
-#[cfg_attr(not(feature = "packs"), path = "no_tiles.rs")]
+#[cfg_attr(not(feature = "packs"), path = "earth/no_tiles.rs")]
 mod tiles;
 mod truth;
 mod view;

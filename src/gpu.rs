@@ -18,7 +18,7 @@ mod maps;
 mod mesh;
 mod pipeline;
 mod read_back;
-#[cfg_attr(not(feature = "terrain"), path = "no_relief.rs")]
+#[cfg_attr(not(feature = "terrain"), path = "gpu/no_relief.rs")]
 mod relief;
 mod scaled;
 mod shader;

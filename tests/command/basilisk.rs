@@ -6,7 +6,7 @@ mod keys;
 mod pictures;
 mod real;
 
-#[path = "../../common/basilisk.rs"]
+#[path = "../common/basilisk.rs"]
 mod messages;
 
 use std::io::{Read, Write};

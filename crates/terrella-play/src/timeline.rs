@@ -285,5 +285,5 @@ fn pass_text(name: &str, place: &str, pass: &Pass) -> String {
 }
 
 #[cfg(test)]
-#[path = "tests.rs"]
+#[path = "timeline/tests.rs"]
 mod tests;

@@ -2,7 +2,7 @@
 //! what is off is not in the text.
 
 mod backends;
-#[path = "../../common/backends.rs"]
+#[path = "../common/backends.rs"]
 mod compile;
 mod constants;
 mod limits;

@@ -5,7 +5,7 @@ mod hostile;
 mod publisher;
 mod ways_out;
 
-#[path = "../../common/basilisk.rs"]
+#[path = "../common/basilisk.rs"]
 pub mod messages;
 
 use super::PATIENCE;

@@ -253,5 +253,5 @@ impl CraftDrawable {
 }
 
 #[cfg(test)]
-#[path = "tests.rs"]
+#[path = "craft/tests.rs"]
 mod tests;

@@ -35,7 +35,7 @@ pub mod quadtree;
 mod select;
 #[cfg(all(test, feature = "terrain"))]
 mod streamed_tests;
-#[cfg_attr(not(feature = "terrain"), path = "no_surface.rs")]
+#[cfg_attr(not(feature = "terrain"), path = "globe/no_surface.rs")]
 mod surface;
 mod surface_stats;
 

@@ -2,7 +2,7 @@
 //!
 //! | file | what |
 //! |---|---|
-//! | `mod.rs` | the Earth: shown colour, light, and what is where pixels look |
+//! | `offscreen.rs` | the Earth: shown colour, light, and what is where pixels look |
 //! | `truth.rs` | the numbers of a picture's pixels as arrays |
 //! | `truth_layers.rs` | which layers there are: names, units, values |
 //! | `limits.rs` | textures, and how large pictures may be |
