@@ -6,7 +6,6 @@
 //! | `options.rs` | what is fixed when an Earth is made |
 //! | `error.rs` | what can be wrong with it |
 //! | `plan.rs` | what a frame draws, chosen without a GPU |
-//! | `surface_light.rs` | what of the light on the surface can be chosen |
 //! | `surface_config.rs` | how the surface is drawn with a quality |
 //! | `view.rs` | the eye and the target |
 //! | `frame_request.rs` | what a frame is prepared for |
@@ -48,7 +47,6 @@ mod quality_ladder;
 mod sky;
 mod stats;
 mod surface_config;
-mod surface_light;
 #[cfg(feature = "packs")]
 mod tile_parts;
 #[cfg(feature = "packs")]
@@ -64,6 +62,7 @@ use crate::gpu::{
 };
 pub use crate::gpu::{DepthBuffer, SurfaceOutput};
 use crate::plan::ChosenTiles;
+pub use crate::plan::{AIRGLOW_LUMINANCE, CITY_RADIANCE, LightEffect, SurfaceLight};
 pub use adaptive_quality::{AdaptiveQuality, QualityChange};
 pub use appearance::Appearance;
 pub use change_maker::{ChangeMaker, ReadyChange};
@@ -86,7 +85,6 @@ pub use stats::FrameStats;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 use surface_config::{SurfaceStyle, surface_config};
-pub use surface_light::{AIRGLOW_LUMINANCE, CITY_RADIANCE, SurfaceLight};
 use terrella_ground::air::{AirModel, AirTables, Atmosphere};
 pub use terrella_ground::globe::Shading;
 use terrella_ground::globe::{BlockSet, Figure};
@@ -166,8 +164,7 @@ impl Earth {
             Atmosphere::Billboard => {
                 let albedo = planner.exposure.albedo();
                 let textures = air_textures(device, queue, &appearance, albedo, &quality);
-                let night = options.light.night_light();
-                Some(AirDrawable::new(device, format, textures, night)?)
+                Some(AirDrawable::new(device, format, textures, &options.light)?)
             }
             Atmosphere::None => None,
         };

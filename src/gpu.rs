@@ -54,7 +54,7 @@ pub use timer::{GpuTimer, TimerError};
 pub use tracks::TrackUniforms;
 pub use truth_targets::{TruthTargets, TruthTexel};
 
-pub(crate) use air::{AirDrawable, AirTextures, Binding, NightLight};
+pub(crate) use air::{AirDrawable, AirTextures, Binding};
 #[cfg(feature = "celestial")]
 pub(crate) use celestial::{CelestialDrawable, CelestialParts, StarPoint};
 #[cfg(feature = "terrain")]

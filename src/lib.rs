@@ -81,7 +81,7 @@
 //! # Features
 //!
 //! A host pays for what it draws. By default this crate is the Earth and its air from the starter maps (`maps`), held whole, on all backends of
-//! wgpu. `packs`, `terrain`, `tracks`, `celestial` and `offscreen` add what their names say. Without `terrain` there is no value of [`GroundOptions`],
+//! wgpu. `packs`, `terrain`, `tracks`, `celestial` and `offscreen` add what their names say, and `serde` reads and writes [`SurfaceLight`]. Without `terrain` there is no value of [`GroundOptions`],
 //! without `packs` none of [`TileOptions`], and the compiler drops all that would use one. With `default-features = false` the host chooses wgpu's backends, by
 //! the features `vulkan`, `gles`, `metal` and `dx12` or by its own dependency on wgpu, which is also [`wgpu`] here.
 
@@ -128,8 +128,8 @@ pub use {glam, wgpu};
 pub use earth::{
     AdaptiveQuality, Appearance, ChangeMaker, DepthBuffer, DiagnosticOptions, Diagnostics, Earth,
     EarthError, EarthOptions, EarthView, EyeView, FrameRequest, FrameStats, GroundOptions,
-    PixelRays, Quality, QualityChange, QualityLadder, QualityLadderError, QualityLevel,
-    QualityReduction, QualityStep, ReadyChange, Sky, SurfaceLight, SurfaceOutput,
+    LightEffect, PixelRays, Quality, QualityChange, QualityLadder, QualityLadderError,
+    QualityLevel, QualityReduction, QualityStep, ReadyChange, Sky, SurfaceLight, SurfaceOutput,
     TILED_SUBDIVISION, TileOptions, TruthPoint, TruthView, ViewFrame, Viewport,
 };
 pub use gpu::{

@@ -18,7 +18,15 @@ pub struct Appearance {
 impl Appearance {
     /// Whether its numbers are in their ranges.
     pub(super) fn check(&self) -> Result<(), EarthError> {
-        self.light.check()?;
+        if let Some((name, value, range)) = self.light.out_of_range() {
+            let (low, high) = range.into_inner();
+            return Err(EarthError::SurfaceLight {
+                name,
+                value,
+                low,
+                high,
+            });
+        }
         let haze = self.air.aerosol_optical_depth;
         if (0.0..=AirOptions::MAX_AEROSOL).contains(&haze) {
             Ok(())

@@ -201,10 +201,10 @@ impl ChangeMaker {
         format: PassFormat,
     ) -> Result<ReadyAir, EarthError> {
         let has_textures = appearance.has_air_textures_of(&self.appearance);
-        let night = appearance.light.night_light();
+        let light = &appearance.light;
         let fits = quality.samples == self.format.samples
             && has_textures
-            && night == self.appearance.light.night_light();
+            && light.has_air_of(&self.appearance.light);
         Ok(match (quality.atmosphere, &self.air) {
             (Atmosphere::None, _) => ReadyAir::None,
             (Atmosphere::Billboard, Some(_)) if fits => ReadyAir::Kept,
@@ -213,7 +213,7 @@ impl ChangeMaker {
                 let textures = before.unwrap_or_else(|| {
                     air_textures(&self.device, &self.queue, appearance, &self.albedo, quality)
                 });
-                let air = AirDrawable::new(&self.device, format, textures, night)?;
+                let air = AirDrawable::new(&self.device, format, textures, light)?;
                 ReadyAir::Made(Box::new(air))
             }
         })

@@ -2,7 +2,7 @@
 
 use super::Earth;
 use crate::gpu::SurfaceOutput;
-use crate::plan::FramePlan;
+use crate::plan::{FramePlan, LightEffect};
 use glam::{DVec3, Vec3};
 use terrella_ground::globe::{BlockGrid, TangentCone};
 
@@ -63,7 +63,12 @@ impl Earth {
             None => &[],
         };
         let layers = ["clouds", "normals", "night_lights", "water"];
-        let effects = ["cloud_shadows", "detail", "moonlight", "eclipses"];
+        // Airglow is the air's.
+        let effects = LightEffect::ALL
+            .iter()
+            .filter(|effect| **effect != LightEffect::Airglow)
+            .map(|effect| effect.name());
+        let effects: Vec<_> = effects.collect();
         layers
             .iter()
             .chain(&effects)

@@ -1,7 +1,7 @@
 //! How the surface is drawn.
 
 use super::{DiagnosticOptions, Quality, SurfaceLight};
-use crate::gpu::{AirTextures, PassFormat, SurfaceConfig, SurfaceOutput};
+use crate::gpu::{AirTextures, PassFormat, SurfaceConfig};
 use terrella_ground::globe::{Shading, Surface};
 use terrella_imagery::tile::MapLayer;
 
@@ -23,22 +23,11 @@ pub(super) fn surface_config<'a>(
     ground: Option<&'a dyn Surface>,
 ) -> SurfaceConfig<'a> {
     let software = device.adapter_info().device_type == wgpu::DeviceType::Cpu;
-    let is_truth = style.diagnostics.output == SurfaceOutput::Truth;
-    let mut light = style.light.uniforms();
-    if is_truth && style.shading == Shading::Paper {
-        // As the paper draws them: slopes as they are stored, clouds on the ground, but for a hair's breadth, as a ray along the
-        // ground would go through their layer nowhere.
-        (light.slope_gain, light.cloud_height) = (1.0, 1e-9);
-    }
     let mut shown = quality.maps;
     shown[MapLayer::Day.index()] = true;
     SurfaceConfig {
         shading: style.shading,
-        light,
-        cloud_shadows: style.light.cloud_shadows,
-        moonlight: style.light.moonlight,
-        eclipses: style.light.eclipses,
-        detail: style.light.detail,
+        light: style.light,
         shown,
         output: style.diagnostics.output,
         ground: ground.map(Surface::draw_kind),

@@ -6,7 +6,7 @@ mod view;
 use super::AirVariant;
 use super::shader::ShaderModule;
 use super::{PassFormat, PipelineDescription, ShaderError};
-use crate::plan::{AirPlan, AirSide, AirUniforms, FramePlan, FrameUniforms};
+use crate::plan::{AirPlan, AirSide, AirUniforms, FramePlan, FrameUniforms, SurfaceLight};
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec3};
 use terrella_ground::air::Billboard;
@@ -37,17 +37,6 @@ pub(crate) struct AirDrawable {
     airglow: f32,
     /// Of all variants.
     pub shader_bytes: u64,
-}
-
-/// What of the night the air shows.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct NightLight {
-    /// Whether moonlight is scattered in it: its textures are made for that.
-    pub moonlight: bool,
-    /// Luminance of the airglow seen from straight below, as it is drawn; `None` draws none.
-    pub airglow: Option<f32>,
-    /// Whether the Moon's shadow falls on it.
-    pub eclipses: bool,
 }
 
 struct Halo {
@@ -85,7 +74,7 @@ impl AirDrawable {
         device: &wgpu::Device,
         format: PassFormat,
         textures: AirTextures,
-        night: NightLight,
+        light: &SurfaceLight,
     ) -> Result<Self, ShaderError> {
         let indices = super::filled_buffer(
             device,
@@ -93,17 +82,17 @@ impl AirDrawable {
             bytemuck::cast_slice(&Billboard::indices()),
             wgpu::BufferUsages::INDEX,
         );
-        let view = AirView::new(device, &textures, night.moonlight)?;
+        let view = AirView::new(device, &textures, light.moonlight)?;
         let mut shader_bytes = view.shader_bytes;
         let [outside, inside] = AirSide::ALL.map(|side| {
             let variant = AirVariant {
                 side,
-                moonlight: night.moonlight,
-                airglow: night.airglow.is_some(),
+                moonlight: light.moonlight,
+                airglow: light.airglow,
                 eclipse: false,
                 target: format.target_color(),
             };
-            halo(device, format, &textures, variant, night.eclipses)
+            halo(device, format, &textures, variant, light.eclipses)
         });
         let halos = [outside?, inside?].map(|(halo, bytes)| {
             shader_bytes += bytes;
@@ -118,7 +107,7 @@ impl AirDrawable {
             side: AirSide::Outside,
             textures,
             view,
-            airglow: night.airglow.unwrap_or(0.0),
+            airglow: light.airglow_luminance().unwrap_or(0.0),
             shader_bytes,
         })
     }

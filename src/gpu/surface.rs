@@ -75,7 +75,7 @@ impl SurfaceDrawable {
         };
         let texture_bytes = maps.bytes() + tile_bytes;
         let light = super::uniform_buffer::<SurfaceLightUniforms>(device, "terrella surface light");
-        queue.write_buffer(&light, 0, bytemuck::bytes_of(&config.light));
+        queue.write_buffer(&light, 0, bytemuck::bytes_of(&config.light_uniforms()));
         let maker = SurfaceMaker {
             mesh: MeshForm::of(first.mesh(), pools.is_some()),
             maps: maps.there(),
@@ -119,7 +119,7 @@ impl SurfaceDrawable {
         config: &SurfaceConfig<'_>,
         first: &mut SurfaceView,
     ) {
-        queue.write_buffer(&self.light, 0, bytemuck::bytes_of(&config.light));
+        queue.write_buffer(&self.light, 0, bytemuck::bytes_of(&config.light_uniforms()));
         self.maps.arrange(pipelines.maps.clone());
         self.pipelines = pipelines;
         self.bind_maps(device);

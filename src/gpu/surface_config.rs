@@ -1,7 +1,7 @@
 //! How the surface is drawn.
 
 use super::{AirTextures, PassFormat, SurfaceOutput};
-use crate::plan::SurfaceLightUniforms;
+use crate::plan::{SurfaceLight, SurfaceLightUniforms};
 use terrella_ground::globe::{DrawKind, Shading};
 use terrella_imagery::tile::MAP_LAYERS;
 
@@ -9,11 +9,7 @@ use terrella_imagery::tile::MAP_LAYERS;
 pub(crate) struct SurfaceConfig<'a> {
     pub shading: Shading,
     /// The chosen light on the surface.
-    pub light: SurfaceLightUniforms,
-    pub cloud_shadows: bool,
-    pub moonlight: bool,
-    pub eclipses: bool,
-    pub detail: bool,
+    pub light: SurfaceLight,
     /// Which maps are used, of those that there are.
     pub shown: [bool; MAP_LAYERS],
     pub output: SurfaceOutput,
@@ -28,4 +24,17 @@ pub(crate) struct SurfaceConfig<'a> {
     pub crosses_blocks: bool,
     /// Whether edges of triangles are drawn alone.
     pub wireframe: bool,
+}
+
+impl SurfaceConfig<'_> {
+    /// The chosen light as shaders read it.
+    pub fn light_uniforms(&self) -> SurfaceLightUniforms {
+        let mut light = self.light.uniforms();
+        if self.output == SurfaceOutput::Truth && self.shading == Shading::Paper {
+            // As the paper draws them: slopes as they are stored, clouds on the ground, but for a hair's breadth, as a ray along
+            // the ground would go through their layer nowhere.
+            (light.slope_gain, light.cloud_height) = (1.0, 1e-9);
+        }
+        light
+    }
 }

@@ -11,7 +11,7 @@ use super::surface_config::SurfaceConfig;
 use super::surface_view::SurfaceView;
 use super::tiles::tiles_bytes;
 use super::{PipelineDescription, ShaderError};
-use crate::plan::{AirSide, FrameUniforms, SurfaceLightUniforms};
+use crate::plan::{AirSide, FrameUniforms, LightEffect, LightEffects, SurfaceLightUniforms};
 use terrella_ground::globe::Shading;
 use terrella_imagery::tile::{MAP_LAYERS, MapLayer};
 
@@ -82,7 +82,7 @@ impl SurfaceMaker {
                 parts: self.has_parts,
             };
             let pass = |variant| self.pass(device, config, &maps, variant);
-            let eclipsed = all.eclipsed().filter(|_| config.eclipses);
+            let eclipsed = all.eclipsed().filter(|_| config.light.eclipses);
             passes.push(SurfacePasses {
                 all: pass(all)?,
                 daylit: all.daylit().map(pass).transpose()?,
@@ -187,6 +187,7 @@ pub(super) fn reads_light(variant: &EarthVariant) -> bool {
 fn output(maps: &MapArrangement, config: &SurfaceConfig<'_>, air: Option<AirSide>) -> EarthOutput {
     let clouds = maps.has(MapLayer::Clouds);
     let normals = maps.has(MapLayer::Normals);
+    let effects = LightEffects::of(LightEffect::OF_SURFACE).and(config.light.effects());
     let shading = match config.shading {
         Shading::Paper => ShadingVariant::Paper(PaperLayers {
             clouds,
@@ -195,13 +196,14 @@ fn output(maps: &MapArrangement, config: &SurfaceConfig<'_>, air: Option<AirSide
         }),
         Shading::Sunlit => ShadingVariant::Sunlit(SunlitLayers {
             clouds,
-            cloud_shadows: clouds && config.cloud_shadows,
+            effects: match clouds {
+                true => effects,
+                false => effects.without(LightEffect::CloudShadows),
+            },
             normals,
             night_lights: maps.has(MapLayer::NightLights),
             water: maps.has(MapLayer::Water),
-            moonlight: config.moonlight,
             eclipse: false,
-            detail: config.detail,
             air,
         }),
     };

@@ -5,6 +5,7 @@
 //! | `frame.rs` | all that a frame draws |
 //! | `draws.rs` | the draws of its surface; `ground_draws.rs`, where that has relief |
 //! | `air.rs` | its air |
+//! | `surface_light.rs` | what of the light on the surface can be chosen, and as shaders read it |
 //! | `uniforms.rs` | the structs that shaders read |
 
 mod air;
@@ -12,6 +13,7 @@ mod draws;
 mod frame;
 #[cfg(feature = "terrain")]
 mod ground_draws;
+mod surface_light;
 mod uniforms;
 
 pub(crate) use air::AirPlan;
@@ -20,4 +22,7 @@ pub(crate) use draws::{DrawCosts, PER_BLOCK_TILES, SurfaceDraw, WHOLE_MAP, draw_
 pub(crate) use frame::{BlockTiles, ChosenTiles, FramePlan};
 #[cfg(feature = "terrain")]
 pub(crate) use ground_draws::{GroundDraws, PRISM_INDICES};
-pub use uniforms::{AirUniforms, FrameUniforms, MoonShadowUniforms, SurfaceLightUniforms};
+pub use surface_light::{
+    AIRGLOW_LUMINANCE, CITY_RADIANCE, LightEffect, LightEffects, SurfaceLight, SurfaceLightUniforms,
+};
+pub use uniforms::{AirUniforms, FrameUniforms, MoonShadowUniforms};

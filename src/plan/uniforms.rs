@@ -50,32 +50,6 @@ pub struct MoonShadowUniforms {
     pub spread: f32,
 }
 
-/// `SurfaceLightUniforms` of `shaders/earth/bindings.wgsl`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub struct SurfaceLightUniforms {
-    /// Mean square slope of the sea's waves.
-    pub wave_slope_squared: f32,
-    /// Part of the light that the sea's foam throws back.
-    pub foam: f32,
-    /// Of the sky mirrored by waves: the power of 1 − cos θ.
-    pub mirror_power: f32,
-    /// What that power is multiplied by.
-    pub mirror_scale: f32,
-    /// What the normal map's slopes are multiplied by.
-    pub slope_gain: f32,
-    /// Height of the clouds, equatorial radii.
-    pub cloud_height: f32,
-    /// How far the tops of thick clouds rise over thin ones, equatorial radii.
-    pub cloud_relief: f32,
-    /// Sine of the Sun's depression at which it sets for the clouds.
-    pub cloud_dip: f32,
-    /// Radiance of the brightest city lights, a white sheet that faces the Sun in space being 1.
-    pub lamp_light: f32,
-    /// To a multiple of sixteen bytes.
-    pub padding: [f32; 3],
-}
-
 /// `AirUniforms` of `shaders/common/air/uniforms.wgsl`. Lengths are equatorial radii of scaled space.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]

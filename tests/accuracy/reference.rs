@@ -17,16 +17,9 @@ const BARE: ReferenceOptions = ReferenceOptions {
     figure: Figure::Sphere,
     shading: Shading::Sunlit,
     surface: SurfaceLight {
-        wind_m_s: 7.0,
         relief_exaggeration: 4.0,
-        cloud_height_m: 6_000.0,
         cloud_relief_m: 0.0,
-        cloud_shadows: false,
-        detail: false,
-        moonlight: false,
-        eclipses: false,
-        airglow: false,
-        night_gain: 1.5e5,
+        ..SurfaceLight::DEFAULT
     },
     atmosphere: Atmosphere::None,
     aerosol_optical_depth: 0.0,

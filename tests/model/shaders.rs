@@ -20,7 +20,7 @@ use terrella::internals::gpu::{
     ShadingVariant, SunlitLayers, TargetColor, TracksVariant, TruthLayers, UpscaleVariant,
     VertexForm,
 };
-use terrella::internals::plan::AirSide;
+use terrella::internals::plan::{AirSide, LightEffect, LightEffects};
 
 /// A legal variant of any shader, validated.
 pub struct Shader {
@@ -137,15 +137,16 @@ fn every_file_is_in_some_variant() {
     assert_eq!(used, listed);
 }
 
+/// All that switch the surface.
+const EFFECTS: LightEffects = LightEffects::of(LightEffect::OF_SURFACE);
+
 const LAYERS: SunlitLayers = SunlitLayers {
     clouds: true,
-    cloud_shadows: true,
     normals: true,
     night_lights: true,
     water: true,
-    moonlight: true,
+    effects: EFFECTS,
     eclipse: true,
-    detail: true,
     air: Some(AirSide::Outside),
 };
 
@@ -190,7 +191,7 @@ fn a_layer_that_is_off_is_not_in_the_shader() {
             ),
             all(SunlitLayers {
                 clouds: false,
-                cloud_shadows: false,
+                effects: EFFECTS.without(LightEffect::CloudShadows),
                 ..LAYERS
             }),
         ),
@@ -200,12 +201,12 @@ fn a_layer_that_is_off_is_not_in_the_shader() {
                 BLOCKS,
                 SunlitLayers {
                     clouds: true,
-                    cloud_shadows: true,
+                    effects: LightEffects::of(&[LightEffect::CloudShadows]),
                     ..none
                 },
             ),
             all(SunlitLayers {
-                cloud_shadows: false,
+                effects: EFFECTS.without(LightEffect::CloudShadows),
                 ..LAYERS
             }),
         ),
@@ -256,12 +257,12 @@ fn a_layer_that_is_off_is_not_in_the_shader() {
             sunlit(
                 BLOCKS,
                 SunlitLayers {
-                    moonlight: true,
+                    effects: LightEffects::of(&[LightEffect::Moonlight]),
                     ..none
                 },
             ),
             all(SunlitLayers {
-                moonlight: false,
+                effects: EFFECTS.without(LightEffect::Moonlight),
                 ..LAYERS
             }),
         ),
@@ -284,12 +285,12 @@ fn a_layer_that_is_off_is_not_in_the_shader() {
             sunlit(
                 BLOCKS,
                 SunlitLayers {
-                    detail: true,
+                    effects: LightEffects::of(&[LightEffect::Detail]),
                     ..none
                 },
             ),
             all(SunlitLayers {
-                detail: false,
+                effects: EFFECTS.without(LightEffect::Detail),
                 ..LAYERS
             }),
         ),
@@ -477,7 +478,7 @@ fn an_eye_on_one_side_of_the_air_has_nothing_of_the_other() {
         let layers = SunlitLayers {
             air: Some(air),
             // Its octaves are a loop.
-            detail: false,
+            effects: EFFECTS.without(LightEffect::Detail),
             // It looks along the ray for the shadow.
             eclipse: false,
             ..LAYERS

@@ -40,19 +40,12 @@ pub(super) fn earth_options_at(
     options.shading = table.shading;
     options.atmosphere = table.atmosphere;
     options.air.aerosol_optical_depth = table.aerosol_optical_depth;
-    if let Some(light) = &table.light {
+    if let Some(light) = table.light {
         // Of a pack the options hold by how much its slopes are stored too steep or too flat.
         options.light = SurfaceLight {
-            wind_m_s: light.wind_m_s,
             relief_exaggeration: light.relief_exaggeration * options.light.relief_exaggeration,
-            cloud_height_m: 1000.0 * light.cloud_height_km,
-            cloud_relief_m: 1000.0 * light.cloud_relief_km,
-            cloud_shadows: light.cloud_shadows,
-            detail: light.detail,
-            moonlight: light.moonlight,
             eclipses: scene.sky.eclipses,
-            airglow: light.airglow,
-            night_gain: light.night_gain,
+            ..light
         };
     }
     options.samples = scene.output.samples;

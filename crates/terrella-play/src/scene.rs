@@ -70,7 +70,7 @@ pub use camera_keys::CameraKey;
 pub use choices::{CameraMode, CameraUp, Look, OrbitSource, StorageChoice};
 pub use dated_maps::{BetweenMaps, DatedLayer, DatedMaps, MapTimes};
 pub use dates::Ending;
-pub use earth::{EarthTable, PackTable, SurfaceLightTable};
+pub use earth::{EarthTable, PackTable};
 pub use error::{KeyLocation, SceneError};
 pub(crate) use keys::YEARS;
 #[cfg(feature = "window")]

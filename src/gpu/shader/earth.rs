@@ -2,7 +2,7 @@
 
 use super::capability::ShaderCapability;
 use super::variant::{SWITCH, ShaderVariant, TargetColor};
-use crate::plan::AirSide;
+use crate::plan::{AirSide, LightEffect, LightEffects};
 
 /// What the surface's shader is made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -75,20 +75,16 @@ pub enum ShadingVariant {
 pub struct SunlitLayers {
     /// Cloud cover.
     pub clouds: bool,
-    /// The clouds' shadows; without clouds there are none.
-    pub cloud_shadows: bool,
     /// The normal map.
     pub normals: bool,
     /// City lights.
     pub night_lights: bool,
     /// Open water.
     pub water: bool,
-    /// The Moon's light.
-    pub moonlight: bool,
+    /// Of [`LightEffect::OF_SURFACE`]; without clouds they throw no shadows.
+    pub effects: LightEffects,
     /// The Moon before the Sun.
     pub eclipse: bool,
-    /// Made detail smaller than the maps' texels.
-    pub detail: bool,
     /// The air between the Sun, the ground and the eye, and where the eye is.
     pub air: Option<AirSide>,
 }
@@ -130,7 +126,7 @@ impl EarthVariant {
         self.with_sunlit(|layers| {
             Some(SunlitLayers {
                 eclipse: true,
-                moonlight: false,
+                effects: layers.effects.without(LightEffect::Moonlight),
                 ..layers
             })
         })
@@ -139,10 +135,11 @@ impl EarthVariant {
     /// The same without what shows by night alone, for ground by day; `None` where it has nothing of that.
     pub fn daylit(self) -> Option<Self> {
         self.with_sunlit(|layers| {
-            let shows_by_night = layers.night_lights || layers.moonlight;
+            let has_moonlight = layers.effects.has(LightEffect::Moonlight);
+            let shows_by_night = layers.night_lights || has_moonlight;
             shows_by_night.then_some(SunlitLayers {
                 night_lights: false,
-                moonlight: false,
+                effects: layers.effects.without(LightEffect::Moonlight),
                 ..layers
             })
         })
@@ -201,23 +198,30 @@ impl VertexForm {
 impl EarthOutput {
     /// All of them, and of parts that have nothing to do with each other, not each with each.
     pub fn all() -> Vec<Self> {
+        use LightEffect::{CloudShadows, Detail, Moonlight};
+        let none = LightEffects::NONE;
         let on = |bits: u32, bit: u32| bits >> bit & 1 == 1;
+        let effects = LightEffect::OF_SURFACE;
         let sunlit = |air| {
-            let layers = (0..256).map(move |bits| SunlitLayers {
+            let layers = (0..32 << effects.len()).map(move |bits| SunlitLayers {
                 clouds: on(bits, 0),
                 normals: on(bits, 1),
                 night_lights: on(bits, 2),
                 water: on(bits, 3),
-                cloud_shadows: on(bits, 4),
-                moonlight: on(bits, 5),
-                detail: on(bits, 6),
-                eclipse: on(bits, 7),
+                eclipse: on(bits, 4),
+                effects: (5..)
+                    .zip(effects)
+                    .filter(|(bit, _)| on(bits, *bit))
+                    .fold(LightEffects::NONE, |set, (_, effect)| set.with(*effect)),
                 air,
             });
             layers
-                .filter(|layers| layers.clouds || !layers.cloud_shadows)
+                .filter(|layers| layers.clouds || !layers.effects.has(CloudShadows))
                 // It meets the clouds and the air, and nothing else of these.
-                .filter(|l| !l.eclipse || l.water && l.normals && l.detail && !l.moonlight)
+                .filter(|l| {
+                    let has = |effect| l.effects.has(effect);
+                    !l.eclipse || l.water && l.normals && has(Detail) && !has(Moonlight)
+                })
                 .map(ShadingVariant::Sunlit)
         };
         let paper = |air| {
@@ -238,16 +242,14 @@ impl EarthOutput {
             .into_iter()
             .flat_map(|air| sunlit(air).chain(paper(air)))
             .flat_map(|shading| {
+                // Nothing of moonlight, detail and eclipses meets the target: one is enough.
                 let targets = usual.into_iter().take(match shading {
-                    ShadingVariant::Sunlit(SunlitLayers {
-                        moonlight: false,
-                        detail: false,
-                        eclipse: false,
-                        ..
-                    })
-                    | ShadingVariant::Paper(_) => usual.len(),
-                    // Nothing of these meets the target: one is enough.
-                    ShadingVariant::Sunlit(_) => 1,
+                    ShadingVariant::Sunlit(layers)
+                        if layers.eclipse || layers.effects.without(CloudShadows) != none =>
+                    {
+                        1
+                    }
+                    ShadingVariant::Sunlit(_) | ShadingVariant::Paper(_) => usual.len(),
                 });
                 targets.map(move |target| Self::Picture(shading, target))
             })
@@ -286,7 +288,7 @@ impl ShaderVariant for EarthVariant {
                     && layers.normals
                     && layers.night_lights
                     && layers.water
-                    && layers.cloud_shadows;
+                    && layers.effects.has(LightEffect::CloudShadows);
                 let bare = *layers == SunlitLayers::default();
                 (all || bare) && *target == TargetColor::USUAL[0]
             }
@@ -377,13 +379,10 @@ impl ShaderVariant for EarthVariant {
                 !form.has_per_block_tiles() && !matches!(form, Form::ContourPrisms { .. }),
             ),
             ("clouds", layers.clouds),
-            ("cloud_shadows", layers.cloud_shadows),
             ("normals", layers.normals),
             ("night_lights", layers.night_lights),
             ("water", layers.water),
-            ("moonlight", layers.moonlight),
             ("eclipse", layers.eclipse),
-            ("detail", layers.detail),
             ("air", layers.air.is_some()),
             ("inside", layers.air == Some(AirSide::Inside)),
             // The paper's display values, for a target of anything else.
@@ -392,6 +391,8 @@ impl ShaderVariant for EarthVariant {
                 is_paper && !matches!(target, Some(TargetColor::Display(_))),
             ),
         ];
+        let effects = LightEffect::OF_SURFACE.iter();
+        conditions.extend(effects.map(|effect| (effect.name(), layers.effects.has(*effect))));
         // What is measured is stored as it is.
         let target = target.unwrap_or(TargetColor::Radiance);
         conditions.extend(target.conditions());

@@ -98,7 +98,7 @@
 //! checksums = ["0123…", "", …]
 //! ```
 //!
-//! Since version 2 there may be a table `heights`; `heights/mod.rs` says what it and the folder of that name hold.
+//! Since version 2 there may be a table `heights`; `heights.rs` says what it and the folder of that name hold.
 //!
 //! There is a tile in all storages or in none. No other key is allowed, and the file has at most 32 MiB and 1 500 000 commas and lines. It
 //! holds no paths: those of tiles are made of the names above, so that no manifest can lead out of its folder.

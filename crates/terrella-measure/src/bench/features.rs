@@ -6,7 +6,7 @@ use crate::frame_timer::milliseconds;
 use crate::{FrameTimer, median};
 use terrella::internals::gpu::{BcSupport, GpuContext};
 use terrella::internals::offscreen::target_bytes;
-use terrella::{Atmosphere, EarthOptions, Shading};
+use terrella::{Atmosphere, EarthOptions, LightEffect, Shading};
 use terrella_imagery::tile::MapLayer;
 use terrella_play::clock::frame_epoch;
 use terrella_play::scene::Scene;
@@ -21,11 +21,7 @@ const WARM_UP: u32 = 2;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum FeatureKind {
     Map(MapLayer),
-    CloudShadows,
-    Detail,
-    Moonlight,
-    Eclipses,
-    Airglow,
+    Light(LightEffect),
     Atmosphere,
     Relief,
     Tiles,
@@ -44,17 +40,19 @@ impl FeatureKind {
             .filter(|layer| *layer != MapLayer::Day && options.layers.get(*layer).is_some())
             .map(Self::Map)
             .collect();
-        let is_sunlit = options.shading == Shading::Sunlit;
         let has_air = options.atmosphere != Atmosphere::None;
+        let effects = options.light.effects();
+        let is_drawn = |effect: &LightEffect| {
+            effects.has(*effect)
+                && match effect {
+                    LightEffect::Airglow => has_air,
+                    LightEffect::CloudShadows if options.layers.clouds.is_none() => false,
+                    _ => options.shading == Shading::Sunlit,
+                }
+        };
+        let effects = LightEffect::ALL.iter().copied().filter(is_drawn);
+        kinds.extend(effects.map(Self::Light));
         for (kind, is_on) in [
-            (
-                Self::CloudShadows,
-                is_sunlit && options.light.cloud_shadows && options.layers.clouds.is_some(),
-            ),
-            (Self::Detail, is_sunlit && options.light.detail),
-            (Self::Moonlight, is_sunlit && options.light.moonlight),
-            (Self::Eclipses, is_sunlit && options.light.eclipses),
-            (Self::Airglow, has_air && options.light.airglow),
             (Self::Atmosphere, has_air),
             (Self::Relief, options.ground.is_some()),
             (Self::Tiles, options.tiles.is_some()),
@@ -87,11 +85,7 @@ impl FeatureKind {
     fn name(self) -> &'static str {
         match self {
             Self::Map(layer) => layer.name(),
-            Self::CloudShadows => "cloud_shadows",
-            Self::Detail => "detail",
-            Self::Moonlight => "moonlight",
-            Self::Eclipses => "eclipses",
-            Self::Airglow => "airglow",
+            Self::Light(effect) => effect.name(),
             Self::Atmosphere => "atmosphere",
             Self::Relief => "relief",
             Self::Tiles => "tiles",
@@ -111,11 +105,7 @@ impl FeatureKind {
     ) -> Result<EarthOptions, PlayError> {
         let mut less = options.clone();
         match self {
-            Self::CloudShadows => less.light.cloud_shadows = false,
-            Self::Detail => less.light.detail = false,
-            Self::Moonlight => less.light.moonlight = false,
-            Self::Eclipses => less.light.eclipses = false,
-            Self::Airglow => less.light.airglow = false,
+            Self::Light(effect) => less.light.set_effect(effect, false),
             Self::Atmosphere => less.atmosphere = Atmosphere::None,
             Self::Relief => less.ground = None,
             Self::Tiles => less.tiles = None,

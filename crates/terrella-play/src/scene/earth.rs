@@ -11,14 +11,12 @@ use super::relief::ReliefTable;
 use super::text::SceneText;
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
+use terrella::SurfaceLight;
 use terrella_ground::air::{AirOptions, Atmosphere};
 use terrella_ground::globe::{Figure, LevelRule, Shading, Subdivision, Visibility};
 use toml::Spanned;
 
-/// How many times brighter than in truth the night is by default: lamps show beside daylight.
-const NIGHT_GAIN: f64 = 1.5e5;
-/// The same where the Moon lights it: with more, a full Moon would look like
-/// an overcast day.
+/// By default where the Moon lights the night: with more, a full Moon would look like an overcast day.
 const MOONLIT_NIGHT_GAIN: f64 = 4e4;
 
 /// `[earth]`
@@ -48,8 +46,8 @@ pub struct EarthTable {
     pub atmosphere: Atmosphere,
     /// Vertical optical depth of the air's haze at 550 nm; 0 is clear air.
     pub aerosol_optical_depth: f64,
-    /// The light on the surface; `None` with the paper's shading, which has its own.
-    pub light: Option<SurfaceLightTable>,
+    /// The light on the surface; `None` with the paper's shading, which has its own. Eclipses are `[sky]`'s.
+    pub light: Option<SurfaceLight>,
     /// Folder of the maps; `None` is the starter pack. Not looked at where there is a pack.
     pub textures: Option<PathBuf>,
     /// The imagery pack; `None` draws whole maps.
@@ -58,29 +56,6 @@ pub struct EarthTable {
     pub relief: Option<ReliefTable>,
     /// Maps that change with the date.
     pub dated_maps: Vec<DatedMaps>,
-}
-
-/// The keys of `[earth]` that say how light falls on sea, land and clouds.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SurfaceLightTable {
-    /// Wind over the sea, metres a second.
-    pub wind_m_s: f64,
-    /// How many times too steep slopes are lit.
-    pub relief_exaggeration: f64,
-    /// Height of the cloud layer, kilometres.
-    pub cloud_height_km: f64,
-    /// How far the tops of thick clouds rise over thin ones, kilometres.
-    pub cloud_relief_km: f64,
-    /// Whether clouds throw shadows.
-    pub cloud_shadows: bool,
-    /// Whether what is smaller than the maps' texels is made up.
-    pub detail: bool,
-    /// Whether the Moon lights the Earth.
-    pub moonlight: bool,
-    /// Whether the air glows at night.
-    pub airglow: bool,
-    /// How many times brighter than in truth the lights of the night are.
-    pub night_gain: f64,
 }
 
 impl EarthTable {
@@ -174,7 +149,7 @@ impl SceneText<'_> {
         earth: &RawEarth,
         look: Look,
         shading: Shading,
-    ) -> Result<Option<SurfaceLightTable>, SceneError> {
+    ) -> Result<Option<SurfaceLight>, SceneError> {
         let is_full = look == Look::Full;
         if shading == Shading::Paper {
             self.only_in_sunlight(&earth.wind_m_s())?;
@@ -191,16 +166,17 @@ impl SceneText<'_> {
         let moonlight = earth.moonlight().is_on_or(is_full);
         let usual_gain = match moonlight {
             true => MOONLIT_NIGHT_GAIN,
-            false => NIGHT_GAIN,
+            false => SurfaceLight::DEFAULT.night_gain,
         };
-        Ok(Some(SurfaceLightTable {
+        Ok(Some(SurfaceLight {
             wind_m_s: self.quantity(&earth.wind_m_s())?,
             relief_exaggeration: self.quantity(&earth.relief_exaggeration())?,
-            cloud_height_km: self.quantity(&earth.cloud_height_km())?,
-            cloud_relief_km: self.quantity(&earth.cloud_relief_km())?,
+            cloud_height_m: 1000.0 * self.quantity(&earth.cloud_height_km())?,
+            cloud_relief_m: 1000.0 * self.quantity(&earth.cloud_relief_km())?,
             cloud_shadows: earth.cloud_shadows().is_on_or(is_full),
             detail: earth.detail().is_on_or(is_full),
             moonlight,
+            eclipses: false,
             airglow: earth.airglow().is_on_or(is_full),
             night_gain: self.quantity_or(&earth.night_gain(), usual_gain)?,
         }))

@@ -16,6 +16,7 @@ use serde::{Deserialize, Deserializer};
 #[cfg(test)]
 use serde_json::json;
 use std::ops::{Range, RangeInclusive};
+use terrella::SurfaceLight;
 use terrella_ground::air::{AirOptions, Atmosphere};
 use terrella_ground::globe::{Figure, LevelRule, Shading, SurfaceKind, Visibility};
 use terrella_ground::light::Tone;
@@ -77,6 +78,11 @@ const ORBIT_KM: RangeInclusive<f64> = -1e11..=1e11;
 const TURN_DEG: RangeInclusive<f64> = -360.0..=360.0;
 /// Geodetic latitude, degrees.
 pub(super) const LAT_DEG: RangeInclusive<f64> = -90.0..=90.0;
+
+/// A range of metres, in kilometres.
+const fn km(metres: RangeInclusive<f64>) -> RangeInclusive<f64> {
+    *metres.start() / 1000.0..=*metres.end() / 1000.0
+}
 /// Longitude east, degrees, before it is brought to −180…180.
 pub(super) const LON_DEG: RangeInclusive<f64> = TURN_DEG;
 /// Width and height of the picture, pixels: the largest texture side that desktop adapters promise.
@@ -370,13 +376,13 @@ table!(RawEarth = "earth" {
     /// Vertical optical depth of the air's haze at 550 nm; 0 is clear air. By default 0.1; 0 with look = "paper".
     aerosol_optical_depth: f64, in 0.0..=AirOptions::MAX_AEROSOL;
     /// Wind that roughens the sea.
-    wind_m_s: f64, of "metres a second", in 0.0..=30.0, default 7.0, for SUNLIT;
+    wind_m_s: f64, of "metres a second", in SurfaceLight::WIND_M_S, default SurfaceLight::DEFAULT.wind_m_s, for SUNLIT;
     /// How many times too steep slopes are lit; 1 is true.
-    relief_exaggeration: f64, in 0.0..=20.0, default 1.0, for SUNLIT;
+    relief_exaggeration: f64, in SurfaceLight::RELIEF_EXAGGERATION, default SurfaceLight::DEFAULT.relief_exaggeration, for SUNLIT;
     /// Height of the cloud layer.
-    cloud_height_km: f64, of "kilometres", in 0.1..=20.0, default 6.0, for SUNLIT;
+    cloud_height_km: f64, of "kilometres", in km(SurfaceLight::CLOUD_HEIGHT_M), default SurfaceLight::DEFAULT.cloud_height_m / 1000.0, for SUNLIT;
     /// How far the tops of thick clouds rise over thin ones.
-    cloud_relief_km: f64, of "kilometres", in 0.0..=20.0, default 4.0, for SUNLIT;
+    cloud_relief_km: f64, of "kilometres", in km(SurfaceLight::CLOUD_RELIEF_M), default SurfaceLight::DEFAULT.cloud_relief_m / 1000.0, for SUNLIT;
     /// Whether clouds throw shadows. By default with look = "full".
     cloud_shadows: bool, for SUNLIT;
     /// Whether detail smaller than the maps' texels is made up. By default with look = "full".
@@ -387,7 +393,7 @@ table!(RawEarth = "earth" {
     airglow: bool, for SUNLIT;
     /// How many times brighter than in truth the lights of the night are: cities, moonlight and airglow. By default 150000; 40000 with
     /// moonlight.
-    night_gain: f64, in 0.0..=1e6, for SUNLIT;
+    night_gain: f64, in SurfaceLight::NIGHT_GAIN, for SUNLIT;
     /// Folder of the maps. By default the starter pack.
     textures: RawPath, of "a folder of maps";
     /// Folder of an imagery pack, in place of maps. By default none.

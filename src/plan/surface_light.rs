@@ -1,14 +1,19 @@
 //! What of the light on the surface can be chosen.
 
-use super::EarthError;
-use crate::gpu::NightLight;
-use crate::plan::SurfaceLightUniforms;
+use bytemuck::{Pod, Zeroable};
 use std::ops::RangeInclusive;
 use terrella_imagery::SLOPE_EXAGGERATION;
 
 /// What of the light on the surface can be chosen, with [`terrella_ground::globe::Shading::Sunlit`]. What belongs to a map that the Earth is made
 /// without does nothing.
+///
+/// With the feature `serde` it is read and written under the names of its fields; what is left out is the default.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
 pub struct SurfaceLight {
     /// Wind over the sea, metres a second at 12.5 m height, 0…30. By Cox and Munk 1954 the mean square slope of the waves
     /// that mirror the Sun is 0.003 + 0.00512 W; foam covers 2.95e-6 W^3.52 of the sea (Monahan and O'Muircheartaigh 1980).
@@ -39,6 +44,103 @@ pub struct SurfaceLight {
     pub night_gain: f64,
 }
 
+macro_rules! effects {
+    ($($(#[$doc:meta])* $effect:ident: $field:ident),* $(,)?) => {
+        /// An effect of [`SurfaceLight`] that is on or off.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+        pub enum LightEffect {
+            $($(#[$doc])* $effect),*
+        }
+
+        impl LightEffect {
+            /// All of them.
+            pub const ALL: &[Self] = &[$(Self::$effect),*];
+
+            /// The name of its field, its key in scenes and its condition in shaders.
+            pub const fn name(self) -> &'static str {
+                match self {
+                    $(Self::$effect => stringify!($field)),*
+                }
+            }
+        }
+
+        impl SurfaceLight {
+            /// Those that are on.
+            pub fn effects(&self) -> LightEffects {
+                let mut on = LightEffects::NONE;
+                $(if self.$field {
+                    on = on.with(LightEffect::$effect);
+                })*
+                on
+            }
+
+            /// Switches one on or off.
+            pub fn set_effect(&mut self, effect: LightEffect, is_on: bool) {
+                match effect {
+                    $(LightEffect::$effect => self.$field = is_on),*
+                }
+            }
+        }
+    };
+}
+
+effects! {
+    /// [`SurfaceLight::cloud_shadows`].
+    CloudShadows: cloud_shadows,
+    /// [`SurfaceLight::detail`].
+    Detail: detail,
+    /// [`SurfaceLight::moonlight`].
+    Moonlight: moonlight,
+    /// [`SurfaceLight::eclipses`].
+    Eclipses: eclipses,
+    /// [`SurfaceLight::airglow`].
+    Airglow: airglow,
+}
+
+impl LightEffect {
+    /// Those that every pixel of the surface is drawn with, or without. An eclipse is in few frames, and airglow above.
+    pub const OF_SURFACE: &[Self] = &[Self::CloudShadows, Self::Detail, Self::Moonlight];
+}
+
+/// A set of effects.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub struct LightEffects(u32);
+
+impl LightEffects {
+    /// No effect.
+    pub const NONE: Self = Self(0);
+
+    /// The set of these.
+    pub const fn of(effects: &[LightEffect]) -> Self {
+        let (mut set, mut i) = (Self::NONE, 0);
+        while i < effects.len() {
+            set = set.with(effects[i]);
+            i += 1;
+        }
+        set
+    }
+
+    /// Whether one is in it.
+    pub const fn has(self, effect: LightEffect) -> bool {
+        self.0 >> effect as u32 & 1 == 1
+    }
+
+    /// With one more.
+    pub const fn with(self, effect: LightEffect) -> Self {
+        Self(self.0 | 1 << effect as u32)
+    }
+
+    /// Without one.
+    pub const fn without(self, effect: LightEffect) -> Self {
+        Self(self.0 & !(1 << effect as u32))
+    }
+
+    /// Those that are in both.
+    pub const fn and(self, other: Self) -> Self {
+        Self(self.0 & other.0)
+    }
+}
+
 /// Radiance of the brightest texels of the night map, a white sheet that faces the Sun in space being 1.
 ///
 /// The Day/Night Band of VIIRS (0.5 to 0.9 µm) finds 50 to 150 nW/(cm² sr) over the hearts of large cities at the scale of
@@ -59,24 +161,26 @@ const RADIUS_M: f64 = 6_378_137.0;
 const FOAM_REFLECTANCE: f64 = 0.22;
 
 impl Default for SurfaceLight {
-    /// A steady breeze, true slopes, clouds at 6 km, and city lights that show at a daylight exposure.
     fn default() -> Self {
-        Self {
-            wind_m_s: 7.0,
-            relief_exaggeration: 1.0,
-            cloud_height_m: 6_000.0,
-            cloud_relief_m: 4_000.0,
-            cloud_shadows: false,
-            detail: false,
-            moonlight: false,
-            eclipses: false,
-            airglow: false,
-            night_gain: 1.5e5,
-        }
+        Self::DEFAULT
     }
 }
 
 impl SurfaceLight {
+    /// A steady breeze, true slopes, clouds at 6 km, and city lights that show at a daylight exposure.
+    pub const DEFAULT: Self = Self {
+        wind_m_s: 7.0,
+        relief_exaggeration: 1.0,
+        cloud_height_m: 6_000.0,
+        cloud_relief_m: 4_000.0,
+        cloud_shadows: false,
+        detail: false,
+        moonlight: false,
+        eclipses: false,
+        airglow: false,
+        night_gain: 1.5e5,
+    };
+
     /// Of [`Self::wind_m_s`].
     pub const WIND_M_S: RangeInclusive<f64> = 0.0..=30.0;
     /// Of [`Self::relief_exaggeration`].
@@ -88,42 +192,36 @@ impl SurfaceLight {
     /// Of [`Self::night_gain`].
     pub const NIGHT_GAIN: RangeInclusive<f64> = 0.0..=1e6;
 
-    /// Refuses what is out of range.
-    pub(super) fn check(&self) -> Result<(), EarthError> {
+    /// The first number that is out of its range: its name, it, and the range.
+    pub(crate) fn out_of_range(&self) -> Option<(&'static str, f64, RangeInclusive<f64>)> {
         // Packs may be stored less steep than maps are: the factor for that is taken here.
         let relief = 0.0..=RELIEF_GAIN_MAX;
-        for (name, value, range) in [
+        [
             ("wind_m_s", self.wind_m_s, Self::WIND_M_S),
             ("relief_exaggeration", self.relief_exaggeration, relief),
             ("cloud_height_m", self.cloud_height_m, Self::CLOUD_HEIGHT_M),
             ("cloud_relief_m", self.cloud_relief_m, Self::CLOUD_RELIEF_M),
             ("night_gain", self.night_gain, Self::NIGHT_GAIN),
-        ] {
-            if !range.contains(&value) {
-                return Err(EarthError::SurfaceLight {
-                    name,
-                    value,
-                    low: *range.start(),
-                    high: *range.end(),
-                });
-            }
-        }
-        Ok(())
+        ]
+        .into_iter()
+        .find(|(_, value, range)| !range.contains(value))
     }
 
-    /// What of the night the air shows.
-    pub(super) fn night_light(&self) -> NightLight {
-        NightLight {
-            moonlight: self.moonlight,
-            eclipses: self.eclipses,
-            airglow: self
-                .airglow
-                .then_some((AIRGLOW_LUMINANCE * self.night_gain) as f32),
-        }
+    /// Luminance of the airglow seen from straight below, as it is drawn; `None` draws none.
+    pub(crate) fn airglow_luminance(&self) -> Option<f32> {
+        self.airglow
+            .then_some((AIRGLOW_LUMINANCE * self.night_gain) as f32)
+    }
+
+    /// Whether the air is drawn in the same way.
+    pub(crate) fn has_air_of(&self, other: &Self) -> bool {
+        self.moonlight == other.moonlight
+            && self.eclipses == other.eclipses
+            && self.airglow_luminance() == other.airglow_luminance()
     }
 
     /// How many times brighter than in truth moonlight is drawn; 0 where none is.
-    pub(super) fn moon_gain(&self) -> f64 {
+    pub(crate) fn moon_gain(&self) -> f64 {
         match self.moonlight {
             true => self.night_gain,
             false => 0.0,
@@ -131,7 +229,7 @@ impl SurfaceLight {
     }
 
     /// As the shader takes it.
-    pub(super) fn uniforms(&self) -> SurfaceLightUniforms {
+    pub(crate) fn uniforms(&self) -> SurfaceLightUniforms {
         let wave_slope_squared = 0.003 + 0.00512 * self.wind_m_s;
         // Of one axis, root mean square.
         let sigma = (0.5 * wave_slope_squared).sqrt();
@@ -151,6 +249,32 @@ impl SurfaceLight {
     }
 }
 
+/// `SurfaceLightUniforms` of `shaders/earth/bindings.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct SurfaceLightUniforms {
+    /// Mean square slope of the sea's waves.
+    pub wave_slope_squared: f32,
+    /// Part of the light that the sea's foam throws back.
+    pub foam: f32,
+    /// Of the sky mirrored by waves: the power of 1 − cos θ.
+    pub mirror_power: f32,
+    /// What that power is multiplied by.
+    pub mirror_scale: f32,
+    /// What the normal map's slopes are multiplied by.
+    pub slope_gain: f32,
+    /// Height of the clouds, equatorial radii.
+    pub cloud_height: f32,
+    /// How far the tops of thick clouds rise over thin ones, equatorial radii.
+    pub cloud_relief: f32,
+    /// Sine of the Sun's depression at which it sets for the clouds.
+    pub cloud_dip: f32,
+    /// Radiance of the brightest city lights, a white sheet that faces the Sun in space being 1.
+    pub lamp_light: f32,
+    /// To a multiple of sixteen bytes.
+    pub padding: [f32; 3],
+}
+
 /// Largest factor to the slopes of a map that is stored [`SLOPE_EXAGGERATION`] times too steep: of one stored a hundred times
 /// too flat.
 const RELIEF_GAIN_MAX: f64 = 8_000.0;
@@ -160,9 +284,46 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_out_of_range_is_refused_by_name() {
+    fn effects_switch_their_own_fields_and_no_others() {
+        for effect in LightEffect::ALL {
+            let mut light = SurfaceLight::default();
+            assert_eq!(light.effects(), LightEffects::NONE);
+            light.set_effect(*effect, true);
+            assert_eq!(light.effects(), LightEffects::of(&[*effect]));
+            let others = LightEffect::ALL.iter().filter(|other| *other != effect);
+            assert!(others.into_iter().all(|other| !light.effects().has(*other)));
+            light.set_effect(*effect, false);
+            assert_eq!(light, SurfaceLight::default());
+        }
+    }
+
+    #[cfg(feature = "serde")]
+    #[test]
+    fn it_is_read_by_the_names_of_its_fields_and_default_where_left_out() {
+        let text = r#"{"wind_m_s": 3.5, "moonlight": true}"#;
+        let light: SurfaceLight = serde_json::from_str(text).unwrap();
+        let expected = SurfaceLight {
+            wind_m_s: 3.5,
+            moonlight: true,
+            ..SurfaceLight::DEFAULT
+        };
+        assert_eq!(light, expected);
+        let written = serde_json::to_string(&light).unwrap();
+        assert_eq!(
+            serde_json::from_str::<SurfaceLight>(&written).unwrap(),
+            light
+        );
+        let error = serde_json::from_str::<SurfaceLight>(r#"{"wind": 3.5}"#).unwrap_err();
+        assert!(
+            error.to_string().contains("unknown field `wind`"),
+            "{error}"
+        );
+    }
+
+    #[test]
+    fn what_is_out_of_range_is_named() {
         let good = SurfaceLight::default();
-        assert!(good.check().is_ok());
+        assert_eq!(good.out_of_range(), None);
         for (light, name) in [
             (
                 SurfaceLight {
@@ -207,8 +368,8 @@ mod tests {
                 "night_gain",
             ),
         ] {
-            let error = light.check().expect_err(name).to_string();
-            assert!(error.contains(name), "{error}");
+            let found = light.out_of_range().map(|(name, _, _)| name);
+            assert_eq!(found, Some(name));
         }
     }
 
