@@ -58,7 +58,8 @@ mod truth;
 mod view;
 
 use crate::gpu::{
-    AirDrawable, AirTextures, PassFormat, SurfaceConfig, SurfaceDrawable, SurfaceView, resolved,
+    AirDrawable, AirTextures, PassFormat, SurfaceConfig, SurfaceDrawable, SurfaceView,
+    device_limits, resolved,
 };
 pub use crate::gpu::{DepthBuffer, SurfaceOutput};
 use crate::plan::ChosenTiles;
@@ -147,7 +148,7 @@ impl Earth {
         let tiles =
             tiles.map(|t| TileDriver::new(t, &options.layers, options.visibility, options.figure));
         let tiles = tiles.transpose()?;
-        let planner = Planner::new(options, &quality, &device.limits())?;
+        let planner = Planner::new(options, &quality, &device_limits(&device.limits()))?;
         if options.diagnostics.wireframe && !planner.has_edges() {
             return Err(EarthError::NoEdges);
         }

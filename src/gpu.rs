@@ -35,6 +35,7 @@ mod truth_targets;
 
 #[cfg(feature = "celestial")]
 pub use celestial::{CelestialUniforms, Disc};
+pub(crate) use context::device_limits;
 pub use context::{AdapterReport, BcSupport, ContextError, GpuContext, adapter_reports};
 pub use faults::GpuFault;
 pub(crate) use faults::resolved;

@@ -6,7 +6,7 @@ use super::surface_config::{SurfaceStyle, surface_config};
 use super::{Appearance, Earth, EarthError, EyeView, Quality, Viewport, air_textures, resolved};
 use crate::gpu::{
     AirDrawable, AirTextures, PassFormat, SurfaceMaker, SurfaceOutput, SurfacePipelines,
-    SurfaceView,
+    SurfaceView, device_limits,
 };
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -166,8 +166,8 @@ impl ChangeMaker {
             (ReadyGround::Kept, self.surface.make(device, &config)?)
         } else {
             let driver = appearance.ground.as_ref();
-            let driver =
-                driver.map(|ground| GroundDriver::new(ground, self.figure, &device.limits()));
+            let limits = device_limits(&device.limits());
+            let driver = driver.map(|ground| GroundDriver::new(ground, self.figure, &limits));
             let driver = driver.transpose()?;
             if style.diagnostics.wireframe && driver.as_ref().is_some_and(|d| !d.has_edges()) {
                 return Err(EarthError::NoEdges);

@@ -2,7 +2,7 @@
 
 use super::view::ItrfView;
 use crate::gpu::{GridMesh, PageMesh};
-use crate::plan::{GroundDraws, SurfaceDraw};
+use crate::plan::{DeviceLimits, GroundDraws, SurfaceDraw};
 use std::fmt;
 use std::sync::Arc;
 use std::time::Duration;
@@ -83,7 +83,7 @@ impl GroundDriver {
     pub fn new(
         options: &GroundOptions,
         figure: Figure,
-        limits: &wgpu::Limits,
+        limits: &DeviceLimits,
     ) -> Result<Self, SurfaceError> {
         let mut surface = options.surface;
         if let SurfaceSettings::ProjectedGrid(grid) = &mut surface

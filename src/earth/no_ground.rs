@@ -3,7 +3,7 @@
 
 use super::EarthError;
 use super::view::ItrfView;
-use crate::plan::SurfaceDraw;
+use crate::plan::{DeviceLimits, SurfaceDraw};
 use std::time::Duration;
 use terrella_frames::{Ellipsoid, HeightTileStats};
 use terrella_ground::globe::{Block, BlockGrid, BlockSet, Figure, Surface, SurfaceStats};
@@ -21,7 +21,7 @@ impl GroundOptions {
 pub(super) enum GroundDriver {}
 
 impl GroundDriver {
-    pub fn new(options: &GroundOptions, _: Figure, _: &wgpu::Limits) -> Result<Self, EarthError> {
+    pub fn new(options: &GroundOptions, _: Figure, _: &DeviceLimits) -> Result<Self, EarthError> {
         match *options {}
     }
 

@@ -8,7 +8,9 @@ use super::sky::LIGHTS_OUT;
 use super::tile_view::TileView;
 use super::view::ItrfView;
 use super::{Appearance, EarthError, EarthOptions, FrameStats, Quality, Sky};
-use crate::plan::{AirPlan, FramePlan, FrameUniforms, MoonShadowUniforms, draw_blocks};
+use crate::plan::{
+    AirPlan, DeviceLimits, FramePlan, FrameUniforms, MoonShadowUniforms, draw_blocks,
+};
 use bytemuck::Zeroable;
 use glam::DVec3;
 use std::f64::consts::FRAC_PI_2;
@@ -40,7 +42,7 @@ impl Planner {
     pub fn new(
         options: &EarthOptions,
         quality: &Quality,
-        limits: &wgpu::Limits,
+        limits: &DeviceLimits,
     ) -> Result<Self, EarthError> {
         let ellipsoid = options.figure.ellipsoid();
         let has_tiles = options.tiles.is_some();
@@ -325,6 +327,13 @@ mod tests {
 
     const SKY: Sky = Sky::new(DVec3::X);
 
+    const LIMITS: DeviceLimits = DeviceLimits {
+        texture_side: 8192,
+        uniform_bytes: 1 << 16,
+        storage_bytes: 1 << 27,
+        bindings: 1000,
+    };
+
     fn planner() -> Planner {
         let options = EarthOptions::new(EarthLayers {
             day: LayerImage::from_rgba8(1, 1, vec![0; 4]).expect("a map"),
@@ -334,7 +343,7 @@ mod tests {
             water: None,
         });
         let quality = Quality::of(&options);
-        Planner::new(&options, &quality, &wgpu::Limits::default()).expect("good options")
+        Planner::new(&options, &quality, &LIMITS).expect("good options")
     }
 
     fn nadir(lat_deg: f64, lon_deg: f64, height_m: f64) -> ItrfView {

@@ -4,6 +4,7 @@
 use super::PictureError;
 use super::faults::{GpuFault, GpuFaults};
 use super::{ShaderCapability, relief};
+use crate::plan::DeviceLimits;
 
 /// Why no device could be opened.
 #[derive(Debug, thiserror::Error)]
@@ -255,6 +256,21 @@ async fn ranked(instance: &wgpu::Instance) -> Vec<wgpu::Adapter> {
     adapters
 }
 
+/// What of a device's limits planning asks for.
+pub(crate) fn device_limits(limits: &wgpu::Limits) -> DeviceLimits {
+    DeviceLimits {
+        texture_side: limits.max_texture_dimension_2d,
+        uniform_bytes: limits.max_uniform_buffer_binding_size,
+        storage_bytes: match ShaderCapability::StorageBuffers.is_met(limits) {
+            true => limits
+                .max_storage_buffer_binding_size
+                .min(limits.max_buffer_size),
+            false => 0,
+        },
+        bindings: limits.max_bindings_per_bind_group,
+    }
+}
+
 fn describe(info: &wgpu::AdapterInfo) -> String {
     format!("{} ({})", info.name, info.backend)
 }
@@ -314,7 +330,7 @@ fn report(adapter: &wgpu::Adapter) -> AdapterReport {
             false => dropped.push(format!("{serves}: no {name}; {}", capability.fallback())),
         }
     }
-    relief::report(&limits, &mut can, &mut dropped);
+    relief::report(&device_limits(&limits), &mut can, &mut dropped);
     match adapter.features().contains(super::GpuTimer::FEATURES) {
         true => can.push("times of its own passes (terrella bench)".into()),
         false => dropped.push("times of its own passes: terrella bench leaves gpu_ms empty".into()),

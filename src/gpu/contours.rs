@@ -4,8 +4,8 @@
 use super::DepthBuffer;
 use super::lattice::BlockInstance;
 use super::mesh::{BindMaps, SurfaceMesh};
-use super::shader::{ShaderCapability, VertexForm};
-use crate::plan::{FramePlan, PRISM_INDICES};
+use super::shader::VertexForm;
+use crate::plan::{DeviceLimits, FramePlan, PRISM_INDICES};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use terrella_ground::globe::contours::{ContourNode, MAX_NODES, PageOptions};
@@ -74,12 +74,8 @@ pub(crate) struct PageMesh {
 
 impl PageMesh {
     /// Whether a device of these limits can cast rays at so many pages.
-    pub fn fits(limits: &wgpu::Limits, options: &PageOptions) -> bool {
-        let bytes = options.node_bytes();
-        ShaderCapability::StorageBuffers.is_met(limits)
-            && bytes <= limits.max_storage_buffer_binding_size
-            && bytes <= limits.max_buffer_size
-            && limits.max_bindings_per_bind_group > BINDING
+    pub fn fits(limits: &DeviceLimits, options: &PageOptions) -> bool {
+        options.node_bytes() <= limits.storage_bytes && limits.bindings > BINDING
     }
 
     pub fn new(device: &wgpu::Device, pages: &ContourPageSet, depth: DepthBuffer) -> Self {

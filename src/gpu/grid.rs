@@ -3,7 +3,7 @@
 
 use super::mesh::{BindMaps, SurfaceMesh};
 use super::shader::{ATLAS_COLUMNS, VertexForm};
-use crate::plan::FramePlan;
+use crate::plan::{DeviceLimits, FramePlan};
 use terrella_ground::globe::projected_grid::{GridUniforms, TILE_SAMPLES};
 use terrella_ground::globe::{DrawKind, GridDraw, Surface};
 
@@ -22,11 +22,11 @@ pub(crate) struct GridMesh {
 impl GridMesh {
     /// Whether a device of these limits can draw a grid with so many tiles. Textures of single floats, and reading texels in
     /// the vertex stage, are every WebGPU device's.
-    pub fn fits(limits: &wgpu::Limits, slots: u32) -> bool {
+    pub fn fits(limits: &DeviceLimits, slots: u32) -> bool {
         let size = atlas_size(slots);
-        size.width.max(size.height) <= limits.max_texture_dimension_2d
-            && size_of::<GridUniforms>() as u64 <= limits.max_uniform_buffer_binding_size
-            && limits.max_bindings_per_bind_group > BINDINGS[1]
+        size.width.max(size.height) <= limits.texture_side
+            && size_of::<GridUniforms>() as u64 <= limits.uniform_bytes
+            && limits.bindings > BINDINGS[1]
     }
 
     pub fn new(device: &wgpu::Device, grid: &GridDraw<'_>) -> Self {

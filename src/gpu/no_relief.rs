@@ -2,6 +2,7 @@
 
 use super::mesh::SurfaceMesh;
 use super::surface_config::SurfaceConfig;
+use crate::plan::DeviceLimits;
 use terrella_ground::globe::DrawKind;
 
 pub(super) fn mesh(
@@ -13,4 +14,4 @@ pub(super) fn mesh(
 }
 
 /// There is nothing to tell of ground with relief.
-pub(super) fn report(_: &wgpu::Limits, _: &mut Vec<String>, _: &mut Vec<String>) {}
+pub(super) fn report(_: &DeviceLimits, _: &mut Vec<String>, _: &mut Vec<String>) {}

@@ -5,6 +5,7 @@ use super::grid::GridMesh;
 use super::ground::GroundMesh;
 use super::mesh::SurfaceMesh;
 use super::surface_config::SurfaceConfig;
+use crate::plan::DeviceLimits;
 use terrella_ground::globe::DrawKind;
 use terrella_ground::globe::projected_grid::GPU_TILES;
 
@@ -24,7 +25,7 @@ pub(super) fn mesh(
 }
 
 /// What an adapter with these limits can draw of it, and what is dropped and why, each a line.
-pub(super) fn report(limits: &wgpu::Limits, can: &mut Vec<String>, dropped: &mut Vec<String>) {
+pub(super) fn report(limits: &DeviceLimits, can: &mut Vec<String>, dropped: &mut Vec<String>) {
     match GridMesh::fits(limits, GPU_TILES) {
         true => can.push("projected grid with vertices made on the GPU".into()),
         false => dropped.push(

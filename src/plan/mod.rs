@@ -6,6 +6,7 @@
 //! | `draws.rs` | the draws of its surface; `ground_draws.rs`, where that has relief |
 //! | `air.rs` | its air |
 //! | `surface_light.rs` | what of the light on the surface can be chosen, and as shaders read it |
+//! | `limits.rs` | what a device allows |
 //! | `uniforms.rs` | the structs that shaders read |
 
 mod air;
@@ -13,6 +14,7 @@ mod draws;
 mod frame;
 #[cfg(feature = "terrain")]
 mod ground_draws;
+mod limits;
 mod surface_light;
 mod uniforms;
 
@@ -22,6 +24,7 @@ pub(crate) use draws::{DrawCosts, PER_BLOCK_TILES, SurfaceDraw, WHOLE_MAP, draw_
 pub(crate) use frame::{BlockTiles, ChosenTiles, FramePlan};
 #[cfg(feature = "terrain")]
 pub(crate) use ground_draws::{GroundDraws, PRISM_INDICES};
+pub use limits::DeviceLimits;
 pub use surface_light::{
     AIRGLOW_LUMINANCE, CITY_RADIANCE, LightEffect, LightEffects, SurfaceLight, SurfaceLightUniforms,
 };
