@@ -18,7 +18,7 @@ pub use limits::check_length;
 pub use limits::{MAX_PICTURE_MIB, target_bytes};
 pub use limits::{check_memory, check_size, new_targets, supported_samples};
 pub use limits::{check_truth_memory, new_truth_targets};
-pub use truth::{HiddenMaps, set_truth};
+pub use truth::set_truth;
 pub use truth::{LayerValues, TruthPicture};
 pub use truth_layers::{LayerDtype, TRUTH_LAYERS, TruthLayer, TruthPixel};
 
@@ -28,7 +28,6 @@ use crate::{
 };
 use std::time::Duration;
 use terrella_imagery::tile::TileKey;
-use terrella_imagery::{EarthLayers, LayerImage};
 
 /// An Earth that is drawn into memory, by a device of its own or one that is shared by clones of its [`GpuContext`].
 ///
@@ -144,7 +143,7 @@ impl OffscreenEarth {
     ) -> Result<Drawing, OffscreenError> {
         check_length(self.size, 4, rgba.len())?;
         self.check_view(view, sky)?;
-        let (gpu, options) = (&self.gpu, &mut self.options);
+        let (gpu, options) = (&self.gpu, &self.options);
         let shown = Self::of_kind(&mut self.shown, gpu, options, self.size, |_| ())?;
         let drawing = shown.draw(&self.gpu, view, sky, wait);
         let targets = &shown.targets;
@@ -173,7 +172,7 @@ impl OffscreenEarth {
         let drawn = Self::of_kind(
             &mut self.light,
             &self.gpu,
-            &mut self.options,
+            &self.options,
             self.size,
             |options| {
                 // 32-bit numbers of what the device can blend.
@@ -210,7 +209,7 @@ impl OffscreenEarth {
                 ..drawn
             },
             None => Drawn {
-                earth: make_truth_earth(gpu, &mut self.options)?,
+                earth: make_truth_earth(gpu, &self.options)?,
                 targets: limits::new_truth_targets(gpu, size)?,
             },
         };
@@ -229,7 +228,7 @@ impl OffscreenEarth {
     fn of_kind<'d>(
         kept: &'d mut Option<Drawn<FrameTargets>>,
         gpu: &GpuContext,
-        options: &mut EarthOptions,
+        options: &EarthOptions,
         size: (u32, u32),
         choose: impl FnOnce(&mut EarthOptions),
     ) -> Result<&'d mut Drawn<FrameTargets>, OffscreenError> {
@@ -243,14 +242,12 @@ impl OffscreenEarth {
                 }
             }
             None => {
-                let (mut format, mut samples) = (options.color_format, options.samples);
-                let earth = make_earth(gpu, options, |options| {
-                    choose(options);
-                    (format, samples) = (options.color_format, options.samples);
-                })?;
+                let mut options = options.clone();
+                choose(&mut options);
+                let (format, samples) = (options.color_format, options.samples);
                 Drawn {
+                    earth: Earth::new(&gpu.device, &gpu.queue, &options)?,
                     targets: limits::new_targets(gpu, size, format, samples)?,
-                    earth,
                 }
             }
         };
@@ -305,37 +302,9 @@ impl<T: Targets> Drawn<T> {
     }
 }
 
-/// Makes an Earth of options that `choose` has changed in what is no map. Maps are moved, not copied.
-fn make_earth(
-    gpu: &GpuContext,
-    options: &mut EarthOptions,
-    choose: impl FnOnce(&mut EarthOptions),
-) -> Result<Earth, OffscreenError> {
-    let none = EarthLayers {
-        day: LayerImage::from_rgba8(1, 1, vec![0; 4])?,
-        clouds: None,
-        normals: None,
-        night_lights: None,
-        water: None,
-    };
-    let maps = std::mem::replace(&mut options.layers, none);
-    let mut own = options.clone();
-    own.layers = maps;
-    choose(&mut own);
-    let earth = Earth::new(&gpu.device, &gpu.queue, &own);
-    options.layers = own.layers;
-    Ok(earth?)
-}
-
-/// The same Earth as numbers. Maps that show nowhere in them are not uploaded.
-fn make_truth_earth(gpu: &GpuContext, options: &mut EarthOptions) -> Result<Earth, OffscreenError> {
-    let before = (options.color_format, options.samples, options.exposure);
-    let detail = options.light.detail;
-    let hidden = truth::set_truth(options)?;
-    let earth = Earth::new(&gpu.device, &gpu.queue, options);
-    (options.color_format, options.samples, options.exposure) = before;
-    options.light.detail = detail;
-    options.diagnostics = DiagnosticOptions::default();
-    hidden.give_back(options);
-    Ok(earth?)
+/// The same Earth as numbers.
+fn make_truth_earth(gpu: &GpuContext, options: &EarthOptions) -> Result<Earth, OffscreenError> {
+    let mut options = options.clone();
+    truth::set_truth(&mut options)?;
+    Ok(Earth::new(&gpu.device, &gpu.queue, &options)?)
 }

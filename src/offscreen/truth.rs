@@ -117,30 +117,13 @@ impl TruthPicture {
     }
 }
 
-/// Maps that [`set_truth`] has taken out.
-pub struct HiddenMaps(Option<(LayerImage, Option<LayerImage>)>);
-
-impl HiddenMaps {
-    /// Puts them back.
-    pub fn give_back(self, options: &mut EarthOptions) {
-        if let Some((day, night_lights)) = self.0 {
-            options.layers.day = day;
-            options.layers.night_lights = night_lights;
-        }
-    }
-}
-
 /// The same Earth as numbers. What shows nowhere in them is left out.
-pub fn set_truth(options: &mut EarthOptions) -> Result<HiddenMaps, OffscreenError> {
+pub fn set_truth(options: &mut EarthOptions) -> Result<(), OffscreenError> {
     // A source of tiles wants the whole maps that it goes with.
-    let hidden = match options.tiles {
-        Some(_) => None,
-        None => {
-            let nothing = LayerImage::from_rgba8(1, 1, vec![0; 4])?;
-            let day = std::mem::replace(&mut options.layers.day, nothing);
-            Some((day, options.layers.night_lights.take()))
-        }
-    };
+    if options.tiles.is_none() {
+        options.layers.day = LayerImage::from_rgba8(1, 1, vec![0; 4])?;
+        options.layers.night_lights = None;
+    }
     options.diagnostics.output = SurfaceOutput::Truth;
     options.color_format = SurfaceOutput::TRUTH[0];
     options.samples = 1;
@@ -149,5 +132,5 @@ pub fn set_truth(options: &mut EarthOptions) -> Result<HiddenMaps, OffscreenErro
         tracing::info!("the truth is without made detail");
         options.light.detail = false;
     }
-    Ok(HiddenMaps(hidden))
+    Ok(())
 }

@@ -4,6 +4,7 @@ use super::error::ImageryError;
 use super::mips;
 use super::texel::{MAX_HEIGHT, TexelFormat};
 use super::tile::MapLayer;
+use std::sync::Arc;
 
 /// One equirectangular map with its mip levels: north row first, left edge at 180° W.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -15,7 +16,8 @@ pub struct LayerImage {
     /// How texels are stored.
     pub format: TexelFormat,
     /// Level 0 first, each row-major and tightly packed; level n is max(1, width >> n) × max(1, height >> n).
-    pub levels: Vec<Vec<u8>>,
+    /// Clones share them.
+    pub levels: Arc<[Vec<u8>]>,
 }
 
 impl LayerImage {
@@ -66,7 +68,7 @@ impl LayerImage {
             width,
             height,
             format,
-            levels: mips::chain(texels, width as usize, height as usize, format),
+            levels: mips::chain(texels, width as usize, height as usize, format).into(),
         })
     }
 
@@ -191,18 +193,18 @@ mod tests {
         assert_eq!(map.level_size(2), (2, 1));
         assert_eq!(map.level_size(99), (1, 1));
         map.check().expect("built by us");
-        map.levels[2].push(0);
+        Arc::make_mut(&mut map.levels)[2].push(0);
         assert!(matches!(
             map.check(),
             Err(ImageryError::Levels { level: 2, .. })
         ));
-        map.levels[2].pop();
-        map.levels.push(vec![0; 4]);
+        Arc::make_mut(&mut map.levels)[2].pop();
+        map.levels = map.levels.iter().cloned().chain([vec![0; 4]]).collect();
         assert!(matches!(
             map.check(),
             Err(ImageryError::Levels { level: 4, .. })
         ));
-        map.levels.truncate(3);
+        map.levels = map.levels[..3].into();
         assert!(matches!(
             map.check(),
             Err(ImageryError::Levels { level: 3, .. })

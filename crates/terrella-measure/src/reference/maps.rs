@@ -1,6 +1,7 @@
 //! Maps as functions of the place: bilinear between full-resolution texels, round the date line, held at the poles.
 
 use super::ReferenceError;
+use std::sync::Arc;
 use terrella_imagery::tile::{MAP_LAYERS, MapLayer};
 use terrella_imagery::{EarthLayers, LayerImage, TexelFormat};
 
@@ -49,13 +50,17 @@ impl FullMaps {
     /// # Errors
     /// As [`Self::copied`].
     pub fn taken(layers: EarthLayers) -> Result<Self, ReferenceError> {
-        let take = |image: LayerImage| {
+        let take = |mut image: LayerImage| {
             image.check()?;
             Ok::<_, ReferenceError>(FullMap {
                 width: image.width,
                 height: image.height,
                 format: image.format,
-                texels: image.levels.into_iter().next().unwrap_or_default(),
+                texels: match Arc::get_mut(&mut image.levels) {
+                    Some([finest, ..]) => std::mem::take(finest),
+                    // Others hold them, too.
+                    _ => image.levels.first().cloned().unwrap_or_default(),
+                },
             })
         };
         let EarthLayers {

@@ -138,7 +138,7 @@ fn reduced(layers: &EarthLayers, levels: u32) -> EarthLayers {
             width,
             height,
             format: image.format,
-            levels: image.levels[first..].to_vec(),
+            levels: image.levels[first..].into(),
         }
     };
     EarthLayers {
