@@ -119,18 +119,14 @@ impl CelestialOptions {
 /// Why it cannot be drawn.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "the messages say what fields are")]
 pub enum CelestialError {
     /// A shader file is at fault.
     #[error(transparent)]
     Shader(#[from] ShaderError),
     /// A map that is none.
     #[error("{what}: {cause}")]
-    Map {
-        /// Which.
-        what: &'static str,
-        /// What is wrong with it.
-        cause: String,
-    },
+    Map { what: &'static str, cause: String },
     /// A brightness that has no meaning.
     #[error("star_gain {0} is not a number from 0 up")]
     StarGain(f64),

@@ -459,7 +459,6 @@ impl Earth {
         self.format
     }
 
-    /// Its own view.
     #[cfg(feature = "celestial")]
     pub(crate) fn first_view(&self) -> &EarthView {
         &self.first

@@ -21,11 +21,11 @@ const SUN_V: f64 = -26.76;
 /// Why a star file is refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "the messages say what fields are")]
 pub enum StarError {
     /// It cannot be read.
     #[error("{}: {cause}", path.display())]
     Unreadable {
-        /// The file.
         path: PathBuf,
         /// What the system says.
         cause: String,
@@ -36,7 +36,6 @@ pub enum StarError {
     /// Its length is not what its number of stars needs.
     #[error("it says {count} stars and holds {bytes} bytes for them; {RECORD} a star are needed")]
     Length {
-        /// Stars, as it says.
         count: usize,
         /// Bytes after that number.
         bytes: usize,
@@ -49,10 +48,7 @@ pub enum StarError {
     },
     /// More stars than are drawn.
     #[error("{count} stars are more than {MAX_STARS}")]
-    TooMany {
-        /// Stars, as it says.
-        count: usize,
-    },
+    TooMany { count: usize },
     /// A value that no star has.
     #[error("star {star} of it (HIP {hip}): {what} {value} is impossible")]
     Value {
@@ -60,9 +56,7 @@ pub enum StarError {
         star: usize,
         /// Its Hipparcos number.
         hip: u32,
-        /// What is wrong.
         what: &'static str,
-        /// The value.
         value: f64,
     },
 }

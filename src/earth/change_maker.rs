@@ -57,14 +57,12 @@ pub struct ReadyChange {
 /// The air after a change.
 enum ReadyAir {
     None,
-    /// The one that there is.
     Kept,
     Made(Box<AirDrawable>),
 }
 
 /// The ground after a change.
 enum ReadyGround {
-    /// As it is.
     Kept,
     Made(Box<MadeGround>),
 }

@@ -71,9 +71,7 @@ pub enum QualityReduction {
     Roundness,
     /// Lights of cities.
     Lights,
-    /// Clouds.
     Clouds,
-    /// The air.
     Air,
     /// Resolution: so many percent of width and height are drawn at most, 25 to 99.
     Scale(u8),

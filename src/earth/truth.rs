@@ -66,7 +66,6 @@ impl TruthView {
         })
     }
 
-    /// The eye, ITRF metres.
     pub fn eye_itrf_m(&self) -> DVec3 {
         self.eye_itrf_m
     }

@@ -141,7 +141,6 @@ const FARTHEST_M: f64 = 1e24;
 /// A view of which there is a picture, in ITRF axes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ItrfView {
-    /// The eye, metres.
     pub eye_itrf_m: DVec3,
     /// Takes eye-relative metres to clip space.
     pub clip_from_eye: DMat4,

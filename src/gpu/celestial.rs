@@ -15,7 +15,6 @@ pub struct Disc {
     pub pixel_x: Vec3,
     /// Distance of its centre in its radii.
     pub distance: f32,
-    /// Their y.
     pub pixel_y: Vec3,
     /// Depth to be drawn at.
     pub depth: f32,

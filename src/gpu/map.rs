@@ -15,7 +15,6 @@ pub enum MapError {
     /// The texture has not what a map needs.
     #[error("this texture cannot be the {layer} map: {what}")]
     Unfit {
-        /// Which map.
         layer: &'static str,
         /// What it has, and what it must have.
         what: String,
@@ -134,7 +133,6 @@ impl GpuMap {
         }
     }
 
-    /// Which map it is.
     pub fn layer(&self) -> MapLayer {
         self.layer
     }

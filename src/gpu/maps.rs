@@ -16,7 +16,6 @@ pub(crate) struct Maps {
 /// Which maps are bound, and how they are filtered.
 #[derive(Clone)]
 pub(super) struct MapArrangement {
-    /// Of the maps that there are.
     shown: [bool; MAP_LAYERS],
     layout: wgpu::BindGroupLayout,
     repeat: wgpu::Sampler,

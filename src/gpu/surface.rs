@@ -34,7 +34,6 @@ fn has_parts(pools: Option<&[Pool]>) -> bool {
 enum Imagery {
     /// All with the whole maps.
     Whole(wgpu::BindGroup),
-    /// Each with tiles of its own.
     Tiles {
         tiles: TileTextures,
         /// All maps whole, for what lies in several blocks or in one without tiles.

@@ -19,7 +19,6 @@ use terrella_imagery::tile::{MAP_LAYERS, MapLayer};
 #[derive(Clone)]
 pub(crate) struct SurfaceMaker {
     pub(super) mesh: MeshForm,
-    /// Which maps there are.
     pub(super) maps: [bool; MAP_LAYERS],
     pub(super) has_tiles: bool,
     /// Whether blocks with tiles may be cut into parts.

@@ -37,7 +37,6 @@ struct PoolTextures {
 
 /// Where tiles are.
 enum Slots {
-    /// Each in a texture of its own.
     Textures(Vec<(wgpu::Texture, wgpu::TextureView)>),
     /// Of blocks and their parts: in layers of one texture.
     Layers(wgpu::Texture, wgpu::TextureView),

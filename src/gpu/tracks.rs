@@ -94,7 +94,6 @@ pub(crate) struct TracksDrawable {
     frame: wgpu::Buffer,
     /// One without air; else that of an eye outside of it, and that of an eye inside.
     bind_groups: Vec<wgpu::BindGroup>,
-    /// One for each bind group.
     layouts: Vec<wgpu::BindGroupLayout>,
     side: usize,
     pub shader_bytes: u64,

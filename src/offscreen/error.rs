@@ -11,7 +11,6 @@ pub enum OffscreenError {
     /// The adapter.
     #[error(transparent)]
     Context(#[from] ContextError),
-    /// The Earth.
     #[error(transparent)]
     Earth(#[from] EarthError),
     /// The maps.
@@ -26,13 +25,9 @@ pub enum OffscreenError {
          take a smaller size"
     )]
     TooLarge {
-        /// Width asked for.
         width: u32,
-        /// Height asked for.
         height: u32,
-        /// The adapter.
         adapter: String,
-        /// Its limit.
         limit: u32,
     },
     /// The picture needs more memory than this program takes.
@@ -41,9 +36,7 @@ pub enum OffscreenError {
          MiB allowed; take a smaller size, or samples = 1 in [output]"
     )]
     TooMuchMemory {
-        /// Width asked for.
         width: u32,
-        /// Height asked for.
         height: u32,
         /// Samples a pixel.
         samples: u32,
@@ -58,9 +51,7 @@ pub enum OffscreenError {
          smaller size"
     )]
     TruthTooLarge {
-        /// Width asked for.
         width: u32,
-        /// Height asked for.
         height: u32,
         /// What they would take, MiB.
         mib: u64,
@@ -80,7 +71,6 @@ pub enum OffscreenError {
         width: u32,
         /// Height of the picture.
         height: u32,
-        /// How many there are.
         needed: usize,
         /// How many the buffer has.
         got: usize,
@@ -90,11 +80,8 @@ pub enum OffscreenError {
         "{adapter} cannot hold a picture of {width} × {height} pixels: {cause}; take a smaller size"
     )]
     NoRoom {
-        /// Width asked for.
         width: u32,
-        /// Height asked for.
         height: u32,
-        /// The adapter.
         adapter: String,
         /// The device's words.
         cause: String,

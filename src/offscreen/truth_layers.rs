@@ -32,14 +32,12 @@ pub struct TruthPixel {
     pub has_water: bool,
 }
 
-/// A layer.
 #[derive(Clone, Copy, Debug)]
 pub struct TruthLayer {
     /// Its name; its file has `.npy` after it.
     pub name: &'static str,
     /// The unit of its numbers, "1" where they have none.
     pub unit: &'static str,
-    /// What they are.
     pub what: &'static str,
     /// How they are stored.
     pub dtype: LayerDtype,
@@ -48,11 +46,9 @@ pub struct TruthLayer {
 
 #[derive(Clone, Copy, Debug)]
 enum Value {
-    /// Of ground.
     Ground(fn(&TruthPoint) -> f64),
     /// Of ground, three numbers.
     Vector(fn(&TruthPoint) -> [f64; 3]),
-    /// Of any pixel.
     Pixel(fn(&TruthPixel) -> f64),
 }
 
@@ -78,7 +74,6 @@ const fn wide(layer: TruthLayer) -> TruthLayer {
     }
 }
 
-/// All layers.
 pub const TRUTH_LAYERS: &[TruthLayer] = &[
     wide(layer(
         "lat_deg",

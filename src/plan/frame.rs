@@ -37,7 +37,6 @@ impl ChosenTiles {
 pub(crate) struct FramePlan {
     /// The figure of the Earth.
     pub ellipsoid: Ellipsoid,
-    /// The eye, ITRF metres.
     pub eye_itrf_m: DVec3,
     /// What all shaders of the Earth read of a frame.
     pub uniforms: FrameUniforms,
@@ -84,7 +83,6 @@ impl FramePlan {
         self.air = None;
     }
 
-    /// What drawing it costs.
     pub fn costs(&self) -> DrawCosts {
         let surface = self.draws.iter().map(|draw| draw.indices.len() as u32 / 3);
         let air = self.air.as_ref().map(|air| air.ring.triangles());

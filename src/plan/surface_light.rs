@@ -107,7 +107,6 @@ impl LightEffect {
 pub struct LightEffects(u32);
 
 impl LightEffects {
-    /// No effect.
     pub const NONE: Self = Self(0);
 
     /// The set of these.
@@ -130,7 +129,6 @@ impl LightEffects {
         Self(self.0 | 1 << effect as u32)
     }
 
-    /// Without one.
     pub const fn without(self, effect: LightEffect) -> Self {
         Self(self.0 & !(1 << effect as u32))
     }

@@ -125,7 +125,6 @@ pub fn message(frame: u64, elapsed_s: f64, parts: &[Vec<u8>]) -> Vec<u8> {
     [bytes(1, &time), parts.concat()].concat()
 }
 
-/// A file of messages.
 pub fn file(messages: &[Vec<u8>]) -> Vec<u8> {
     let framed = messages
         .iter()

@@ -57,7 +57,6 @@ impl<F: Fn(f64, f64) -> [u8; 3] + Send + Sync> FunctionTiles<F> {
         self
     }
 
-    /// Says that its tiles are compressed.
     pub fn compressed(mut self) -> Self {
         self.layers[0].format = TileFormat::Bc7Srgb;
         self

@@ -24,7 +24,6 @@ pub fn value<'t>(toml: &'t str, table: &str, key: &str) -> Option<&'t str> {
     after.get(..end)
 }
 
-/// The strings of a value.
 fn strings(value: &str) -> impl Iterator<Item = &str> {
     value.split('"').skip(1).step_by(2)
 }

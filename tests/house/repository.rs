@@ -9,7 +9,6 @@ use std::process::Command;
 pub struct Page {
     /// Path from the root, with `/`.
     pub path: String,
-    /// Its text.
     pub text: String,
 }
 

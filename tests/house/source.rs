@@ -14,7 +14,6 @@ pub enum Word {
 /// A word and where it stands.
 #[derive(Clone, Debug)]
 pub struct Token {
-    /// The word.
     pub word: Word,
     /// Line, from 1.
     pub line: usize,
@@ -25,12 +24,10 @@ pub struct Token {
 }
 
 impl Token {
-    /// It is this name.
     pub fn is_name(&self, name: &str) -> bool {
         matches!(&self.word, Word::Name(n) if n == name)
     }
 
-    /// It is this mark.
     pub fn is_mark(&self, mark: char) -> bool {
         self.word == Word::Mark(mark)
     }

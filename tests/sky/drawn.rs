@@ -18,7 +18,6 @@ pub fn bare_earth() -> EarthOptions {
     }
 }
 
-/// A grey Moon.
 pub fn grey_moon() -> Option<Arc<LayerImage>> {
     let map = LayerImage::from_rgba8(64, 32, vec![255; 64 * 32 * 4]);
     Some(Arc::new(map.expect("a map")))

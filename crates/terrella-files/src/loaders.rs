@@ -28,7 +28,6 @@ pub struct LoadQueue<W> {
     work: Mutex<W>,
     /// There may be something to do for a thread.
     to_do: Condvar,
-    /// A load has ended.
     ended: Condvar,
     is_stopped: AtomicBool,
 }

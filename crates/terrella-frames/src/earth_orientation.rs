@@ -33,33 +33,24 @@ struct Row {
 /// What can be wrong with a table of the Earth's orientation.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "the messages say what fields are")]
 pub enum EarthOrientationError {
     /// The file could not be read.
     #[error("{}: {source}", path.display())]
     Read {
-        /// The file.
         path: PathBuf,
         /// Error of the operating system.
         source: std::io::Error,
     },
     /// The file is too large.
     #[error("{}: larger than {limit_mib} MiB, which no table of the Earth's orientation is; take finals2000A.all of the IERS", path.display())]
-    TooLarge {
-        /// The file.
-        path: PathBuf,
-        /// The limit, MiB.
-        limit_mib: u64,
-    },
+    TooLarge { path: PathBuf, limit_mib: u64 },
     /// The file is not text.
     #[error("{}: not plain text; take finals2000A.all of the IERS", path.display())]
-    NotText {
-        /// The file.
-        path: PathBuf,
-    },
+    NotText { path: PathBuf },
     /// A field is not what it should be.
     #[error("{}:{line}:{column}: {field} is {text:?}; expected {expected}, as finals2000A has it", path.display())]
     Field {
-        /// The file.
         path: PathBuf,
         /// Line, from 1.
         line: usize,
@@ -67,7 +58,6 @@ pub enum EarthOrientationError {
         column: usize,
         /// Name of the field.
         field: &'static str,
-        /// Text of the field.
         text: String,
         /// What is accepted there.
         expected: &'static str,
@@ -75,7 +65,6 @@ pub enum EarthOrientationError {
     /// A day is missing or comes twice.
     #[error("{}:{line}: MJD {found} follows MJD {before}; rows go from day to day, so mend or download the table anew", path.display())]
     Order {
-        /// The file.
         path: PathBuf,
         /// Line, from 1.
         line: usize,
@@ -86,10 +75,7 @@ pub enum EarthOrientationError {
     },
     /// No row with values.
     #[error("{}: no row with values in it; take finals2000A.all of the IERS", path.display())]
-    Empty {
-        /// The file.
-        path: PathBuf,
-    },
+    Empty { path: PathBuf },
 }
 
 impl EarthOrientation {

@@ -59,6 +59,7 @@ const TAI_MINUS_UTC: [(i64, i64); 28] = [
 /// Why a text is not a date.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "the messages say what fields are")]
 pub enum TimeError {
     /// The text has not the form of RFC 3339.
     #[error("{text:?} is not a UTC date; write it like 2018-01-15T12:00:00Z")]
@@ -79,9 +80,7 @@ pub enum TimeError {
     Field {
         /// The text that was to be read as a date.
         text: String,
-        /// Which field.
         field: &'static str,
-        /// The value that the field has.
         value: i64,
         /// The least value it may have.
         least: i64,
@@ -257,7 +256,6 @@ impl JulianDate {
         }
     }
 
-    /// In UTC.
     pub fn utc(epoch: Epoch) -> Self {
         let (mjd, ns) = utc_day_from_tai_ns(epoch.to_tai_duration().total_nanoseconds());
         Self::new(mjd, ns)

@@ -87,7 +87,6 @@ pub enum Figure {
 }
 
 impl Figure {
-    /// The ellipsoid of this figure.
     pub fn ellipsoid(self) -> terrella_frames::Ellipsoid {
         match self {
             Self::Wgs84 => terrella_frames::Ellipsoid::WGS84,

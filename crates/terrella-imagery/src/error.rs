@@ -6,6 +6,7 @@ use std::path::PathBuf;
 /// What can be wrong with a map.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "the messages say what fields are")]
 pub enum ImageryError {
     /// No starter pack in any of the places looked at.
     #[error(
@@ -36,15 +37,12 @@ pub enum ImageryError {
     /// The operating system refused.
     #[error("{} could not be read: {source}; check that it is a file and its permissions", path.display())]
     Unreadable {
-        /// The file.
         path: PathBuf,
-        /// The system's words.
         source: std::io::Error,
     },
     /// The file is larger than any map may be.
     #[error("{} has {bytes} bytes; a map file may have at most {limit}", path.display())]
     FileTooLarge {
-        /// The file.
         path: PathBuf,
         /// Its length.
         bytes: u64,
@@ -54,7 +52,6 @@ pub enum ImageryError {
     /// Neither PNG nor JPEG.
     #[error("{} is not an image: {cause}; a map is a PNG or JPEG file", path.display())]
     NotAnImage {
-        /// The file.
         path: PathBuf,
         /// What speaks against it.
         cause: String,
@@ -66,7 +63,6 @@ pub enum ImageryError {
         path.display()
     )]
     Size {
-        /// The file.
         path: PathBuf,
         /// Width in its header.
         width: u32,
@@ -76,13 +72,11 @@ pub enum ImageryError {
     /// The texels are not of the kind that this map needs.
     #[error("{} holds {found} texels; the {layer} map needs {needed}: convert it", path.display())]
     TexelKind {
-        /// The file.
         path: PathBuf,
         /// Which map it is.
         layer: &'static str,
         /// What the file holds.
         found: String,
-        /// What is needed.
         needed: &'static str,
     },
     /// Its texels do not lie as they are drawn.
@@ -91,7 +85,6 @@ pub enum ImageryError {
         path.display()
     )]
     Turned {
-        /// The file.
         path: PathBuf,
         /// How its texels lie.
         how: &'static str,
@@ -101,7 +94,6 @@ pub enum ImageryError {
     /// It began well and then broke.
     #[error("{} is truncated or damaged: {cause}; copy or make it again", path.display())]
     Damaged {
-        /// The file.
         path: PathBuf,
         /// The decoder's words.
         cause: String,
@@ -141,7 +133,6 @@ pub enum ImageryError {
         width: u32,
         /// Height of level 0.
         height: u32,
-        /// The format.
         format: TexelFormat,
     },
 }

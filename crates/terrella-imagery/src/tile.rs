@@ -471,6 +471,7 @@ pub trait TileSource: Send + Sync {
 /// Why there are no texels.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "the messages say what fields are")]
 pub enum TileError {
     /// The source has no such tile.
     #[error("there is no tile {0}")]
@@ -478,15 +479,12 @@ pub enum TileError {
     /// The file could not be read.
     #[error("{}: {source}; check the disk and the file's permissions, or build the pack again", path.display())]
     Unreadable {
-        /// The file.
         path: std::path::PathBuf,
-        /// The system's words.
         source: std::io::Error,
     },
     /// The file does not hold what the manifest says.
     #[error("{}: {cause}; run `terrella pack verify` and build the pack again", path.display())]
     Corrupt {
-        /// The file.
         path: std::path::PathBuf,
         /// What the decoder found wrong.
         cause: String,

@@ -70,7 +70,6 @@ pub enum ChartError {
     /// The drawing library refused.
     #[error("the chart \"{title}\" cannot be drawn: {cause}")]
     Drawing {
-        /// Which chart.
         title: String,
         /// What the library says.
         cause: String,

@@ -67,7 +67,6 @@ pub enum ExtremeError {
 /// What a case drew, and whether that is what it must show.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CaseResult {
-    /// The case.
     pub name: &'static str,
     /// What must be seen, as text for the report.
     pub expected: &'static str,

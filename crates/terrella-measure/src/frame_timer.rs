@@ -173,7 +173,6 @@ pub(super) fn moment(view: &EyeView, sky: &Sky) -> Moment {
     }
 }
 
-/// A time in milliseconds.
 pub(super) fn milliseconds(time: Duration) -> f64 {
     time.as_secs_f64() * 1e3
 }

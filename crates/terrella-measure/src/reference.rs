@@ -134,7 +134,6 @@ pub enum ReferenceError {
         "the {layer} map of {width} × {height} texels must be {wanted:?} and is {format:?} with {bytes} bytes"
     )]
     Map {
-        /// Which map.
         layer: &'static str,
         /// The format it must have.
         wanted: TexelFormat,

@@ -160,7 +160,6 @@ impl Study {
         values
     }
 
-    /// A row by parameter, value and height.
     pub fn row(&self, parameter: &str, value: &str, height_km: f64) -> Option<&SweepRow> {
         self.rows.iter().find(|row| {
             row.change.parameter() == parameter

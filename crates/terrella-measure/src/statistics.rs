@@ -5,7 +5,6 @@
 pub struct SortedSample(Vec<f64>);
 
 impl SortedSample {
-    /// Sorts a sample.
     pub fn new(mut values: Vec<f64>) -> Self {
         values.sort_by(f64::total_cmp);
         Self(values)

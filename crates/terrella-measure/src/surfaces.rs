@@ -139,10 +139,8 @@ pub enum SurfacesError {
     /// Heights that are made here.
     #[error(transparent)]
     Grid(#[from] GridError),
-    /// A ground that there is not.
     #[error("no ground is named {name:?}; there are {known}")]
     NoGround {
-        /// As asked for.
         name: String,
         /// The names that there are.
         known: String,
@@ -152,7 +150,6 @@ pub enum SurfacesError {
     Table {
         /// Its name.
         file: &'static str,
-        /// What is wrong with it.
         source: csv::Error,
     },
     /// Writing.

@@ -69,40 +69,19 @@ pub enum TerrainError {
     Heights(#[from] HeightFileError),
     /// Heights that these trees cannot be made of.
     #[error("{}: {error}; cut out a part: `gdal_translate -projwin WEST NORTH EAST SOUTH IN OUT.tif`", path.display())]
-    Field {
-        /// The file.
-        path: PathBuf,
-        /// Why not.
-        error: DemError,
-    },
+    Field { path: PathBuf, error: DemError },
     /// Heights of a synthetic ground, or of every so many samples of a file, that these trees cannot be made of.
     #[error("{ground}: {error}")]
-    Ground {
-        ground: String,
-        /// Why not.
-        error: DemError,
-    },
+    Ground { ground: String, error: DemError },
     /// The quadtree was refused.
     #[error("{ground}: {error}")]
-    Quadtree {
-        ground: String,
-        /// Why not.
-        error: TreeError,
-    },
+    Quadtree { ground: String, error: TreeError },
     /// The tree of contours was refused.
     #[error("{ground}: {error}")]
-    Contours {
-        ground: String,
-        /// Why not.
-        error: BudgetError,
-    },
+    Contours { ground: String, error: BudgetError },
     /// The patches were refused.
     #[error("{ground}: {error}")]
-    Patches {
-        ground: String,
-        /// Why not.
-        error: PatchError,
-    },
+    Patches { ground: String, error: PatchError },
     /// A degree or q that no q-Bernstein basis has.
     #[error(transparent)]
     Basis(#[from] QError),
@@ -118,7 +97,6 @@ pub enum TerrainError {
 }
 
 impl HeightField {
-    /// The error of a field that is no DEM.
     fn refused(&self, error: DemError) -> TerrainError {
         TerrainError::Ground {
             ground: self.name.clone(),

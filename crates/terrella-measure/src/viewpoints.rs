@@ -52,7 +52,6 @@ impl GroundPath {
     /// Both paths.
     pub const ALL: [Self; 2] = [Self::Equatorial, Self::Inclined];
 
-    /// Inclination, degrees.
     pub fn inclination_deg(self) -> f64 {
         match self {
             Self::Equatorial => 0.0,

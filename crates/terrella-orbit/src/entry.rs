@@ -46,6 +46,7 @@ impl RecordError {
 /// What can be wrong with a record.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "the messages say what fields are")]
 pub enum RecordFault {
     /// The text has not the form of its format.
     #[error("not {format}: {cause}")]
@@ -78,7 +79,6 @@ pub enum RecordFault {
     Time {
         /// The field's name.
         key: String,
-        /// What is wrong with it.
         cause: TimeError,
     },
     /// A value is right and cannot be used.
@@ -106,7 +106,6 @@ pub enum RecordFault {
     Missing {
         /// What lacks it.
         what: &'static str,
-        /// What is missing.
         key: &'static str,
         /// What to do, after a semicolon, or nothing.
         remedy: &'static str,
@@ -143,12 +142,7 @@ pub enum RecordFault {
     },
     /// More than anyone needs.
     #[error("more than {limit} {what}; cut out what you need")]
-    TooMany {
-        /// Of what there are too many.
-        what: &'static str,
-        /// The limit.
-        limit: usize,
-    },
+    TooMany { what: &'static str, limit: usize },
 }
 
 /// A name and its value, as all formats have them.
@@ -290,7 +284,6 @@ impl Fields {
         Ok(())
     }
 
-    /// The entry of that key.
     pub fn get(&self, key: &str) -> Option<&Entry<'static>> {
         let at = self.keys.iter().position(|(name, _)| *name == key)?;
         self.values.get(at)?.as_ref()

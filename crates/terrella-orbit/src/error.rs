@@ -6,41 +6,31 @@ use std::path::{Path, PathBuf};
 /// Why a feed cannot be made, or has no state at an epoch.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "the messages say what fields are")]
 pub enum OrbitError {
     /// The file could not be read.
     #[error("{}: {source}", path.display())]
     Read {
-        /// The file.
         path: PathBuf,
         /// Error of the operating system.
         source: std::io::Error,
     },
     /// The file is too large for its kind.
     #[error("{}: larger than {limit_mib} MiB; cut out the satellites or the days that you need", path.display())]
-    TooLarge {
-        /// The file.
-        path: PathBuf,
-        /// The limit, MiB.
-        limit_mib: u64,
-    },
+    TooLarge { path: PathBuf, limit_mib: u64 },
     /// The file is not text.
     #[error("{}:{line}: not text in UTF-8; files of orbits are plain text", path.display())]
     NotText {
-        /// The file.
         path: PathBuf,
         /// Line of the first byte that is not UTF-8, from 1.
         line: usize,
     },
     /// No element set in the file.
     #[error("{}: no element set in it; two-line elements are a line that begins with \"1 \" and one that begins with \"2 \", an OMM is KVN, XML, JSON or CSV", path.display())]
-    NoElements {
-        /// The file.
-        path: PathBuf,
-    },
+    NoElements { path: PathBuf },
     /// A line of the file is wrong.
     #[error("{}:{line}{}: {fault}", path.display(), At(*column))]
     Line {
-        /// The file.
         path: PathBuf,
         /// Line, from 1.
         line: usize,
@@ -52,7 +42,6 @@ pub enum OrbitError {
     /// No satellite of that name.
     #[error("{}: no satellite {wanted:?} among its {count}; the nearest name is {nearest:?}", path.display())]
     UnknownName {
-        /// The file.
         path: PathBuf,
         /// The name looked for.
         wanted: String,
@@ -64,7 +53,6 @@ pub enum OrbitError {
     /// More than one set could be meant.
     #[error("{}: {count} element sets{}: {}{}; {remedy}", path.display(), Answering(wanted.as_deref()), names.join(", "), if *count > names.len() { ", …" } else { "" })]
     Ambiguous {
-        /// The file.
         path: PathBuf,
         /// The name looked for, if one was.
         wanted: Option<String>,
@@ -78,11 +66,9 @@ pub enum OrbitError {
     /// SGP4 cannot start from these elements or fails at an epoch.
     #[error("{}:{line}: SGP4 fails for {satellite} at {epoch}: {cause}; the orbit has decayed or the elements are spoilt: take a newer set, or a date nearer to its epoch", path.display())]
     Sgp4 {
-        /// The file.
         path: PathBuf,
         /// Line of the set's line 1, from 1.
         line: usize,
-        /// The satellite.
         satellite: String,
         /// When, UTC.
         epoch: String,
@@ -92,11 +78,9 @@ pub enum OrbitError {
     /// SGP4 puts the satellite below the ground: it has decayed by then.
     #[error("{}:{line}: {satellite} has decayed by {epoch}: SGP4 puts it {depth_km:.0} km below the equatorial radius; take an earlier date or another satellite", path.display())]
     Decayed {
-        /// The file.
         path: PathBuf,
         /// Line of the set's line 1, from 1.
         line: usize,
-        /// The satellite.
         satellite: String,
         /// When, UTC.
         epoch: String,
@@ -106,11 +90,9 @@ pub enum OrbitError {
     /// SGP4 has failed, or put the satellite below the ground, nearer to the epoch of the elements: what it computes here is no orbit.
     #[error("{}:{line}: {satellite} is not known at {epoch}: SGP4 has no orbit for it {side} {lost}; what its series gives beyond is not one. Take a date nearer to the elements' epoch, or elements of that time", path.display())]
     Lost {
-        /// The file.
         path: PathBuf,
         /// Line of the set's line 1, from 1.
         line: usize,
-        /// The satellite.
         satellite: String,
         /// When, UTC.
         epoch: String,
@@ -124,16 +106,12 @@ pub enum OrbitError {
     Record(#[from] RecordError),
     /// The file has no ephemeris in it.
     #[error("{}: no ephemeris in it; expected an OEM (CCSDS 502.0, KVN or XML), CZML, or CSV whose header names epoch_utc,x_km,y_km,z_km", path.display())]
-    NoEphemeris {
-        /// The file.
-        path: PathBuf,
-    },
+    NoEphemeris { path: PathBuf },
     /// The epoch is outside an ephemeris or in one of its gaps.
     #[error(
         "{satellite} is not known at {epoch}: its ephemeris tells of it {known}; change the date or take an ephemeris of that time"
     )]
     NotCovered {
-        /// The satellite.
         satellite: String,
         /// The epoch asked for, UTC.
         epoch: String,
@@ -145,11 +123,9 @@ pub enum OrbitError {
         "{satellite} meets the ground at {impact}, {place}; {asked} is on the far side of that"
     )]
     Impact {
-        /// The satellite.
         satellite: String,
         /// When it meets the ground, UTC.
         impact: String,
-        /// Where.
         place: String,
         /// What was asked for, UTC.
         asked: String,
@@ -169,7 +145,6 @@ pub enum OrbitError {
         "{satellite} is not known at {epoch}: its elements hold from {first} to {last}; change the date or take elements of that time"
     )]
     OutsideValidity {
-        /// The satellite.
         satellite: String,
         /// The epoch asked for, UTC.
         epoch: String,
@@ -183,21 +158,16 @@ pub enum OrbitError {
 /// What can be wrong with a line of a file of two-line elements.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "the messages say what fields are")]
 pub enum LineFault {
     /// Fewer than 69 characters.
     #[error("short line: {length} characters where an element line has 69; copy the whole line")]
-    Short {
-        /// How many there are.
-        length: usize,
-    },
+    Short { length: usize },
     /// More than 69 characters.
     #[error(
         "long line: {length} characters where an element line has 69; remove what follows the checksum"
     )]
-    Long {
-        /// How many there are.
-        length: usize,
-    },
+    Long { length: usize },
     /// An element line that does not begin in the first column.
     #[error(
         "the element line begins with a blank; its fields are found by column, so move it to the left margin"
@@ -206,7 +176,6 @@ pub enum LineFault {
     /// Something that is not printable ASCII.
     #[error("{character:?} cannot stand here; {expected}")]
     Character {
-        /// The character.
         character: char,
         /// What can stand there.
         expected: &'static str,
@@ -216,7 +185,6 @@ pub enum LineFault {
     NameTooLong {
         /// Its length in characters.
         length: usize,
-        /// The limit.
         limit: usize,
     },
     /// A line that looks like elements but has another line number than 1 or 2.
@@ -235,10 +203,7 @@ pub enum LineFault {
     #[error(
         "{text:?} is neither an element line nor a name followed by an element set; begin a comment with #"
     )]
-    NameAlone {
-        /// The line.
-        text: String,
-    },
+    NameAlone { text: String },
     /// The checksum does not fit.
     #[error(
         "bad checksum: the line sums to {expected} and ends in {found:?}; a character of it is wrong, copy it anew"

@@ -110,6 +110,7 @@ impl StateSample {
 /// Why samples cannot be interpolated.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "the messages say what fields are")]
 pub enum InterpolationError {
     /// No sample at all.
     #[error("no sample")]
@@ -160,10 +161,7 @@ pub enum InterpolationError {
     },
     /// A degree that is not offered.
     #[error("interpolation degree {degree} is not from 1 to {most}", most = Interpolation::MAX_DEGREE)]
-    Degree {
-        /// The degree asked for.
-        degree: usize,
-    },
+    Degree { degree: usize },
 }
 
 impl InterpolationError {

@@ -6,6 +6,7 @@ pub(super) const METRES_FOR_KILOMETRES: &str = "metres may have been taken for k
 /// Why no motion can start from a state or from elements, whether on a conic or integrated.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "the messages say what fields are")]
 pub enum StartError {
     /// NaN or an infinite number.
     #[error("{field} is not a finite number")]
@@ -26,11 +27,9 @@ pub enum StartError {
     /// Under the ground at the epoch.
     #[error("at its epoch {satellite} is {depth_m:.0} m below {surface}; {METRES_FOR_KILOMETRES}")]
     BelowGround {
-        /// The satellite.
         satellite: String,
         /// How deep, metres.
         depth_m: f64,
-        /// The surface that it is below.
         surface: &'static str,
     },
 }

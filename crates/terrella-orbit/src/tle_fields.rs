@@ -11,7 +11,6 @@ const NS_PER_DAY: i64 = 86_400_000_000_000;
 /// Days of the last digit of an epoch, 1e-8 d = 864 µs: exact in nanoseconds.
 const NS_PER_EPOCH_DIGIT: i64 = NS_PER_DAY / 100_000_000;
 
-/// The elements of a set.
 pub(super) fn elements(set: &ElementSet<'_>, origin: &Path) -> Result<MeanElements, OrbitError> {
     let one = ElementLine {
         text: set.line1,

@@ -30,7 +30,6 @@ pub(super) fn polar_rows(shape: TileShape) -> u32 {
     shape.side() - shape.pixels - TILE_BORDER
 }
 
-/// Bytes of a band.
 pub(super) fn band_bytes<const C: usize>(shape: TileShape, columns: &Range<u32>) -> u64 {
     shape.side() as u64 * (row_texels(shape, columns) * C) as u64
 }

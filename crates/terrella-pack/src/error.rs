@@ -8,19 +8,17 @@ use terrella_imagery::tile::MapLayer;
 /// Why a pack could not be built.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "the messages say what fields are")]
 pub enum BuildError {
     /// A map could not be opened or read.
     #[error("{}: {source}; check that it is a file and its permissions", path.display())]
     Unreadable {
-        /// The file.
         path: PathBuf,
-        /// The system's words.
         source: std::io::Error,
     },
     /// A map cannot be used as it is.
     #[error("{}: {cause}; {advice}", path.display())]
     Source {
-        /// The file.
         path: PathBuf,
         /// What was found wrong with the file.
         cause: String,
@@ -30,7 +28,6 @@ pub enum BuildError {
     /// A map began well and then broke.
     #[error("{}: truncated or damaged: {cause}; copy or make it again", path.display())]
     Damaged {
-        /// The file.
         path: PathBuf,
         /// The decoder's words.
         cause: String,
@@ -75,11 +72,9 @@ pub enum BuildError {
          that much or write it in tiles (`gdal_translate -co TILED=YES -co BIGTIFF=IF_SAFER IN OUT.tif`)", path.display()
     )]
     HeightsMemory {
-        /// The file.
         path: PathBuf,
         /// Samples of a row.
         columns: u32,
-        /// Rows.
         rows: u32,
         /// What is allowed, megabytes.
         allowed_mb: u64,
@@ -92,7 +87,6 @@ pub enum BuildError {
          free; make room or allow more memory, then run the same command again to go on", path.display()
     )]
     ScratchRoom {
-        /// The scratch file.
         path: PathBuf,
         /// What is needed, megabytes.
         needed_mb: u64,
@@ -105,9 +99,7 @@ pub enum BuildError {
          memory, then run the same command again to go on", path.display()
     )]
     Scratch {
-        /// The scratch file.
         path: PathBuf,
-        /// The system's words.
         source: std::io::Error,
     },
     /// The folder holds something that is not a pack.
@@ -120,34 +112,23 @@ pub enum BuildError {
     },
     /// The folder holds a finished pack.
     #[error("{}: is a finished pack; add --restart to throw it away and build anew", path.display())]
-    Finished {
-        /// The folder.
-        path: PathBuf,
-    },
+    Finished { path: PathBuf },
     /// The folder holds a build with other maps or options.
     #[error(
         "{}: holds an unfinished pack of other maps or options; repeat them to go on with it, or add --restart to \
          throw it away", path.display()
     )]
-    OtherBuild {
-        /// The folder.
-        path: PathBuf,
-    },
+    OtherBuild { path: PathBuf },
     /// Another process builds there.
     #[error("{}: another build is writing there; wait for it or give another folder", path.display())]
-    Busy {
-        /// The folder.
-        path: PathBuf,
-    },
+    Busy { path: PathBuf },
     /// A file of the pack could not be written.
     #[error(
         "{}: {source}; make room or correct the permissions, then run the same command again to go on",
         path.display()
     )]
     Write {
-        /// The file.
         path: PathBuf,
-        /// The system's words.
         source: std::io::Error,
     },
     /// The machine cannot start threads.

@@ -27,7 +27,6 @@ use terrella_imagery::pack::{
     HeightPlace, HeightRecord, HeightValues, HeightsEntry, TileFile, encode_heights, encode_index,
 };
 
-/// Heights that are built.
 pub(super) struct BuiltHeights {
     /// What the manifest says of them.
     pub entry: HeightsEntry,

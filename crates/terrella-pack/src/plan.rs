@@ -36,7 +36,6 @@ pub(super) struct Plan {
     pub columns: u32,
     /// Encoder threads.
     pub threads: usize,
-    /// Bytes for bands.
     pub band_bytes: u64,
 }
 

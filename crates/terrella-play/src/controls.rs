@@ -23,7 +23,6 @@ pub struct Controls {
     pub clock: Clock,
     /// Zoom and direction of view.
     pub look: Look,
-    /// The camera.
     pub mode: CameraMode,
     /// Whether the panel is shown.
     pub panel: bool,
@@ -31,7 +30,6 @@ pub struct Controls {
     pub help: bool,
     /// Whether the user is being asked to close the window.
     pub asks_to_close: bool,
-    /// The time line.
     pub line: TimeLine,
     /// The message on screen.
     pub message: Option<String>,
@@ -75,7 +73,6 @@ impl Controls {
         }
     }
 
-    /// The view that is asked for.
     pub fn request(&self, aspect: f64) -> ViewRequest {
         ViewRequest {
             mode: self.mode,

@@ -6,7 +6,6 @@ use egui_wgpu::{Renderer, ScreenDescriptor as Screen};
 pub struct EguiTarget<'c> {
     /// The device of all that follows.
     pub device: &'c wgpu::Device,
-    /// Its queue.
     pub queue: &'c wgpu::Queue,
     /// What the pass is recorded in.
     pub encoder: &'c mut wgpu::CommandEncoder,

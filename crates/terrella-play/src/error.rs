@@ -19,6 +19,7 @@ use terrella_orbit::basilisk::RecordingError;
 /// What can go wrong between a scene and a picture. The messages are those of the modules they come from.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "the messages say what fields are")]
 pub enum PlayError {
     /// The scene.
     #[error(transparent)]
@@ -54,11 +55,8 @@ pub enum PlayError {
         scene.display(), folder.display()
     )]
     NoPackHeights {
-        /// The scene's file.
         scene: PathBuf,
-        /// Its line.
         line: usize,
-        /// The pack's folder.
         folder: PathBuf,
     },
     /// The scene asks for a map that its pack has not.
@@ -67,9 +65,7 @@ pub enum PlayError {
         scene.display(), folder.display()
     )]
     NoLayer {
-        /// The scene's file.
         scene: PathBuf,
-        /// Its line.
         line: usize,
         /// Name of the map that is missing.
         layer: &'static str,
@@ -82,13 +78,11 @@ pub enum PlayError {
         scene.display()
     )]
     MissingLayer {
-        /// The scene's file.
         scene: PathBuf,
         /// The table of its key.
         table: &'static str,
         /// Name of the map that is missing.
         layer: &'static str,
-        /// What is missing.
         missing: String,
     },
     /// The scene asks for a storage that its pack has not.
@@ -110,7 +104,6 @@ pub enum PlayError {
     UnlikeMaps {
         /// The key that names them.
         key: &'static str,
-        /// Their files.
         files: Box<[PathBuf; 2]>,
     },
     /// The thread that reads maps cannot begin.
@@ -148,16 +141,10 @@ pub enum PlayError {
     Recording(#[from] RecordingError),
     /// A camera of a simulation cannot be drawn.
     #[error("no picture for the simulation: {cause}")]
-    NoCameraPicture {
-        /// Why, and of which camera.
-        cause: String,
-    },
+    NoCameraPicture { cause: String },
     /// A scene whose satellites do not come from a simulation that runs.
     #[error("{}: there is no simulation to serve; write source = \"basilisk\" in [orbit], without a file", scene.display())]
-    NoSimulation {
-        /// The scene's file.
-        scene: PathBuf,
-    },
+    NoSimulation { scene: PathBuf },
     /// The work was stopped from outside.
     #[error(
         "interrupted after {done}{} frames; an unfinished video is taken away, finished frames stay, and --resume goes on with them",
@@ -172,7 +159,6 @@ pub enum PlayError {
     /// No satellite of the name that is asked for, or no satellite at all.
     #[error("{}: satellite {wanted:?}: {remedy}", scene.display())]
     UnknownSatellite {
-        /// The scene's file.
         scene: PathBuf,
         /// The name.
         wanted: String,
@@ -192,27 +178,18 @@ pub enum PlayError {
     /// States that cannot be written as an ephemeris message.
     #[error("{}: {satellite} cannot be written as an ephemeris: {cause}", path.display())]
     NoEphemeris {
-        /// The file.
         path: PathBuf,
-        /// The satellite.
         satellite: String,
         /// Why not, and what to do.
         cause: String,
     },
     /// Elements are asked of satellites that have none.
     #[error("{}: an element message is for satellites with mean elements, of source = \"tle\" or \"omm\"; {satellite} has none: write its states by --oem", path.display())]
-    NoElements {
-        /// The file.
-        path: PathBuf,
-        /// The satellite.
-        satellite: String,
-    },
+    NoElements { path: PathBuf, satellite: String },
     /// A simulator gives the time of a scene, and this work needs another.
     #[error("{}: the time comes from the simulator on {listens_on}: {work}; {remedy}", scene.display())]
     Live {
-        /// The scene's file.
         scene: PathBuf,
-        /// Where it is listened for.
         listens_on: String,
         /// The work that cannot be done.
         work: &'static str,
@@ -239,14 +216,10 @@ pub enum PlayError {
     #[error(
         "{satellite} has no events: they are found where motion is integrated; write source = \"numerical\", and what to look for with events = [\"nodes\", \"apsides\", \"eclipses\"] in [orbit]"
     )]
-    NoEvents {
-        /// The satellite.
-        satellite: String,
-    },
+    NoEvents { satellite: String },
     /// The scene's ladder of quality.
     #[error("{}: {problem}; give a ladder.csv that `terrella report SCENE --quality` wrote, or leave `ladder` out of [quality]", path.display())]
     Ladder {
-        /// The file.
         path: PathBuf,
         /// What is wrong with it, with the line where there is one.
         problem: String,
@@ -323,6 +296,7 @@ pub enum WindowError {
 /// Why a video could not be written.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "the messages say what fields are")]
 pub enum VideoError {
     /// An odd width or height.
     #[error(
@@ -330,9 +304,7 @@ pub enum VideoError {
          take {even_width} × {even_height}, or write --frames"
     )]
     OddSize {
-        /// Width asked for.
         width: u32,
-        /// Height asked for.
         height: u32,
         /// An even width near it.
         even_width: u32,
@@ -343,38 +315,22 @@ pub enum VideoError {
     #[error(
         "the encoder of AV1 writes videos from 64 × 64 pixels on, not {width} × {height}; take a larger size, or --codec h264"
     )]
-    Av1Size {
-        /// Width asked for.
-        width: u32,
-        /// Height asked for.
-        height: u32,
-    },
+    Av1Size { width: u32, height: u32 },
     /// Larger than the built-in encoder takes.
     #[error(
         "the built-in encoder writes videos from 16 × 16 to 3840 × 2160 pixels (or upright), not {width} × {height}; \
          install ffmpeg, or write --frames"
     )]
-    BuiltinSize {
-        /// Width asked for.
-        width: u32,
-        /// Height asked for.
-        height: u32,
-    },
+    BuiltinSize { width: u32, height: u32 },
     /// More data than the built-in MP4 writer takes.
     #[error(
         "{}: the video has grown over {limit_mib} MiB, the most that the built-in encoder writes; install ffmpeg, or \
          make the film shorter or smaller", path.display()
     )]
-    BuiltinLength {
-        /// The file.
-        path: PathBuf,
-        /// The limit, MiB.
-        limit_mib: u64,
-    },
+    BuiltinLength { path: PathBuf, limit_mib: u64 },
     /// The built-in encoder failed.
     #[error("{}: the built-in encoder failed: {cause}", path.display())]
     Builtin {
-        /// The file.
         path: PathBuf,
         /// Its words.
         cause: String,
@@ -389,10 +345,7 @@ pub enum VideoError {
     #[error(
         "the installed ffmpeg has no {encoder}; install one that has, or choose another --codec, or --encoder builtin, which writes H.264"
     )]
-    NoEncoder {
-        /// The encoder asked for.
-        encoder: &'static str,
-    },
+    NoEncoder { encoder: &'static str },
     /// A codec or quality that the built-in encoder does not have.
     #[error(
         "the built-in encoder writes H.264 of one quality; leave --codec and --crf out, or choose --encoder ffmpeg"
@@ -401,7 +354,6 @@ pub enum VideoError {
     /// `ffmpeg` stopped.
     #[error("{}: ffmpeg failed ({status}): {words}", path.display())]
     Ffmpeg {
-        /// The file.
         path: PathBuf,
         /// How it ended.
         status: String,

@@ -401,7 +401,6 @@ impl Flight {
 enum LiveInput {
     /// It waits for this picture.
     Frame(FrameRequest),
-    /// Its time.
     Time(Epoch),
 }
 

@@ -15,6 +15,7 @@ use terrella_files::durable;
 /// Why something cannot be written.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "the messages say what fields are")]
 pub enum OutputError {
     /// Another kind of file than its name says.
     #[error("{}: {what} are written as .{extension}; name it {}", path.display(), path.with_extension(extension).display())]
@@ -23,7 +24,6 @@ pub enum OutputError {
         path: PathBuf,
         /// What is to be written.
         what: &'static str,
-        /// The extension it has.
         extension: &'static str,
     },
     /// A file of light whose name says no kind of it.
@@ -31,22 +31,13 @@ pub enum OutputError {
         "{}: radiance is written as .npy (NumPy) or .exr (OpenEXR); name it {} or {}",
         path.display(), path.with_extension("npy").display(), path.with_extension("exr").display()
     )]
-    RadianceName {
-        /// The name asked for.
-        path: PathBuf,
-    },
+    RadianceName { path: PathBuf },
     /// The folder is not there.
     #[error("{}: cannot be written: there is no folder {}; make it first", path.display(), folder.display())]
-    NoFolder {
-        /// The file.
-        path: PathBuf,
-        /// Its folder.
-        folder: PathBuf,
-    },
+    NoFolder { path: PathBuf, folder: PathBuf },
     /// The path is taken by something that is not a file.
     #[error("{}: cannot be written: {found} of that name is in the way; choose another name", path.display())]
     InTheWay {
-        /// The path.
         path: PathBuf,
         /// What stands at the path instead of a file.
         found: &'static str,
@@ -54,21 +45,15 @@ pub enum OutputError {
     /// A file of an earlier run cannot be read.
     #[error("{}: {source}; move it away, or give another folder", path.display())]
     Read {
-        /// The file.
         path: PathBuf,
-        /// What the system says.
         source: std::io::Error,
     },
     /// A file of that name is write-protected.
     #[error("{}: cannot be written: the file there is write-protected; choose another name or allow writing", path.display())]
-    Protected {
-        /// The file.
-        path: PathBuf,
-    },
+    Protected { path: PathBuf },
     /// The system refuses.
     #[error("{}: cannot be written: {source}", path.display())]
     Write {
-        /// The file or folder.
         path: PathBuf,
         /// Error of the operating system.
         source: std::io::Error,
@@ -76,7 +61,6 @@ pub enum OutputError {
     /// There is no room.
     #[error("{}: cannot be written: {source}; make room. What is finished stays, and `terrella play` goes on with frames by --resume", path.display())]
     Full {
-        /// The file or folder.
         path: PathBuf,
         /// Error of the operating system.
         source: std::io::Error,
@@ -84,7 +68,6 @@ pub enum OutputError {
     /// A picture could not be put into its format.
     #[error("{}: the picture could not be encoded: {source}", path.display())]
     NotEncoded {
-        /// The file.
         path: PathBuf,
         /// What the encoder says.
         source: std::io::Error,
@@ -92,7 +75,6 @@ pub enum OutputError {
     /// A picture could not be encoded.
     #[error("{}: the picture could not be encoded: {source}", path.display())]
     Encode {
-        /// The file.
         path: PathBuf,
         /// Error of the encoder.
         source: image::ImageError,

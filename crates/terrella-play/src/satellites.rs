@@ -401,7 +401,6 @@ fn kepler(
     }))
 }
 
-/// The state at the start.
 fn state(start: &InitialState) -> Result<OrbitState, OrbitError> {
     let (position_m, velocity_m_s) = match start.parameters {
         OrbitParameters::State {

@@ -84,7 +84,6 @@ impl ScenePainter {
         &self.gpu
     }
 
-    /// The Earth.
     pub fn earth(&self) -> &Earth {
         &self.earth
     }

@@ -12,7 +12,6 @@ use winit::keyboard::Key;
 pub(super) enum SimulatorTime<'f> {
     /// Of live states.
     Live(Box<LivePlay<'f>>),
-    /// Of Basilisk.
     Basilisk(SimulationPlay<'f>),
 }
 

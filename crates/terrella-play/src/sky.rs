@@ -81,7 +81,6 @@ impl SkyLayer {
         self.celestial.render(pass);
     }
 
-    /// What is on.
     pub fn celestial(&self) -> &Celestial {
         &self.celestial
     }

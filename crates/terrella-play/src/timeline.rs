@@ -40,12 +40,10 @@ pub struct Coverage<'f> {
     pub name: &'f str,
     /// The first instant at which it is known.
     pub first: Epoch,
-    /// The last one.
     pub last: Epoch,
 }
 
 impl<'f> Coverage<'f> {
-    /// That of a feed.
     pub fn of(feed: &'f dyn Feed) -> Self {
         let (first, last) = feed.validity();
         Self {

@@ -191,7 +191,6 @@ impl WindowRenderer {
         Ok(())
     }
 
-    /// The window.
     pub fn window(&self) -> &Window {
         &self.window
     }

@@ -5,7 +5,6 @@ use std::time::Duration;
 
 /// A file, or the files of a folder, written.
 pub struct Written {
-    /// The file, or the folder.
     pub path: PathBuf,
     /// Bytes of all that was written.
     pub bytes: u64,
@@ -24,7 +23,6 @@ impl Written {
         }
     }
 
-    /// The line to be said of it.
     pub(super) fn line(&self, frames: u64, elapsed: Duration) -> String {
         let what = match self.pictures {
             None => counted(frames, "frame"),

@@ -9,7 +9,6 @@ use pyo3::sync::PyOnceLock;
 /// Most numbers that one call takes.
 const MAX_NUMBERS: usize = 1 << 28;
 
-/// NumPy's module.
 pub fn numpy<'py>(py: Python<'py>) -> PyResult<Bound<'py, PyModule>> {
     static NUMPY: PyOnceLock<Py<PyModule>> = PyOnceLock::new();
     let module = NUMPY.get_or_try_init(py, || Ok::<_, PyErr>(py.import("numpy")?.unbind()))?;

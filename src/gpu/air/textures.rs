@@ -110,7 +110,6 @@ impl AirTextures {
         }
     }
 
-    /// What it is the air of.
     pub fn model(&self) -> &AirModel {
         &self.tables.model
     }
@@ -120,7 +119,6 @@ impl AirTextures {
         self.tables.sky_albedo
     }
 
-    /// Bytes of all textures.
     pub fn bytes(&self) -> u64 {
         let held = &*self.tables;
         let tables = [&held.albedo, &held.sunlight].into_iter();

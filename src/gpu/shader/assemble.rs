@@ -12,7 +12,6 @@ pub struct ShaderError {
     pub file: String,
     /// Line, from 1.
     pub line: usize,
-    /// What is wrong there.
     pub problem: String,
 }
 

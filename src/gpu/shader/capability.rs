@@ -8,7 +8,6 @@ pub enum ShaderCapability {
 }
 
 impl ShaderCapability {
-    /// Every capability.
     pub const ALL: [Self; 1] = [Self::StorageBuffers];
 
     /// Whether a device of these limits has it.

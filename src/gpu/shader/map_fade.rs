@@ -2,7 +2,6 @@
 
 use super::variant::ShaderVariant;
 
-/// There is one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct MapFadeVariant;
 

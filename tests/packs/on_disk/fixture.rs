@@ -118,7 +118,6 @@ impl Fixture {
         Arc::new(Pack::open(self.dir()).expect("a good pack"))
     }
 
-    /// Where a tile's file is.
     pub fn path(&self, storage: Storage, key: TileKey) -> PathBuf {
         self.open()
             .tile_path(storage, key)
@@ -228,7 +227,6 @@ pub fn unit(format: TileFormat, texel: &[u8]) -> Vec<u8> {
     }
 }
 
-/// The tile of a layer at a level.
 pub fn key(layer: MapLayer, level: u8, block: u8) -> TileKey {
     TileKey {
         layer,

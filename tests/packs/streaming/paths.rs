@@ -13,7 +13,6 @@ use terrella_imagery::tile::{BlockSet, LayerLayout, MapLayer, Storage, TileKey, 
 struct Step {
     /// Block below the eye.
     eye: u8,
-    /// Level asked for there.
     level: u8,
     /// Blocks further away than this are not in the picture.
     reach: u32,

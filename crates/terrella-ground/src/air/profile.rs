@@ -2,7 +2,6 @@
 
 /// Upper boundary of the air, metres above the surface.
 pub const THICKNESS_M: f64 = 100_000.0;
-/// Scale height of the aerosol, metres.
 pub const AEROSOL_SCALE_HEIGHT_M: f64 = 1_500.0;
 
 /// Layers of the US Standard Atmosphere 1976 (NOAA-S/T 76-1562, table 4): base, geopotential metres, and lapse rate of the

@@ -57,7 +57,6 @@ impl TableSize {
     }
 }
 
-/// Size of the transmittance table.
 pub const TRANSMITTANCE: TableSize = TableSize::new(128, 64, 1);
 /// Size of the scattering table: along x 48 rays that meet the ground, then 48 that pass it.
 pub const SCATTERING: TableSize = TableSize::new(96, 64, 24);

@@ -34,7 +34,6 @@ use terrella_files as files;
 
 #[derive(Debug)]
 pub struct HeightFile {
-    /// The heights.
     pub grid: HeightGrid,
     /// Whom to name for them, from the sidecar.
     pub attribution: Option<String>,

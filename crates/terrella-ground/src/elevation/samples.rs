@@ -18,7 +18,6 @@ pub enum HeightSamples {
 }
 
 impl HeightSamples {
-    /// How many there are.
     pub fn len(&self) -> usize {
         match self {
             Self::F32(values) => values.len(),

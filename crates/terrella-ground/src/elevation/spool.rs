@@ -43,12 +43,7 @@ pub enum SpoolError {
     Heights(#[from] HeightFileError),
     /// A scratch file could not be written or read.
     #[error("{}: {source}", path.display())]
-    Scratch {
-        /// The scratch file.
-        path: PathBuf,
-        /// The system's words.
-        source: io::Error,
-    },
+    Scratch { path: PathBuf, source: io::Error },
     /// The disk has no room.
     #[error("{}: needs {needed_bytes} bytes and {free_bytes} are free", path.display())]
     NoRoom {
@@ -56,7 +51,6 @@ pub enum SpoolError {
         path: PathBuf,
         /// What it would take.
         needed_bytes: u64,
-        /// What there is.
         free_bytes: u64,
     },
     /// The host does not want it any more.
@@ -139,7 +133,6 @@ pub fn look(path: &Path) -> Result<SpoolNeeds, HeightFileError> {
 /// The outermost row on the side of a pole that a file reaches.
 #[derive(Clone, Copy, Debug)]
 struct Pole {
-    /// The height of the pole, metres.
     height_m: f64,
     /// How far that is believed, 0…255.
     believed: f64,

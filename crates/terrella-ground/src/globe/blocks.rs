@@ -137,7 +137,6 @@ pub struct BlockGrid {
     subdivision: u32,
     /// (8n + 1) rows of (16n + 1) positions, ITRF metres, north row first, the last column a copy of the first.
     lattice_itrf_m: Vec<DVec3>,
-    /// By block.
     pub(super) rects: Vec<ScaledRect>,
     pub(super) bands: Vec<FacetBand>,
 }

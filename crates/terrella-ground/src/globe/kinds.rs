@@ -28,7 +28,6 @@ pub enum SurfaceKind {
 }
 
 impl SurfaceKind {
-    /// Every surface.
     pub const ALL: &[Self] = &[
         Self::Blocks,
         Self::ProjectedGrid,

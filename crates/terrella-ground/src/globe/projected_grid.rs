@@ -150,7 +150,6 @@ const KEPT: f64 = 0.9;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GridFrame {
     pub ellipsoid: Ellipsoid,
-    /// The eye, ITRF metres.
     pub eye_itrf_m: DVec3,
     /// Takes eye-relative ITRF metres to clip space.
     pub clip_from_eye: DMat4,

@@ -20,7 +20,6 @@ use glam::{DMat4, DVec3};
 /// Where the eye is and what it sees of the ground.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GroundView {
-    /// The eye, ITRF metres.
     pub eye_itrf_m: DVec3,
     /// Takes eye-relative ITRF metres to clip space, z in 0…w.
     pub clip_from_eye: DMat4,

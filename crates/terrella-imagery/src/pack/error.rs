@@ -35,6 +35,7 @@ impl fmt::Display for ManifestPlace {
 /// What can be wrong with a pack.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "the messages say what fields are")]
 pub enum PackError {
     /// There is nothing of that name.
     #[error("{}: there is no such folder; give the folder of a pack, made by `terrella pack build`", path.display())]
@@ -50,16 +51,10 @@ pub enum PackError {
     },
     /// The building of the pack was broken off.
     #[error("{}: is a pack that is not finished; run the same `terrella pack build` again to finish it", path.display())]
-    Unfinished {
-        /// The folder.
-        path: PathBuf,
-    },
+    Unfinished { path: PathBuf },
     /// A folder without a manifest.
     #[error("{}: is not a pack: there is no pack.toml in it; give the folder of a pack, made by `terrella pack build`", path.display())]
-    NoManifest {
-        /// The folder.
-        path: PathBuf,
-    },
+    NoManifest { path: PathBuf },
     /// A file or folder could not be read.
     #[error("{}: cannot be read: {source}; check the disk and the permissions", path.display())]
     Read {
@@ -101,7 +96,6 @@ pub enum PackError {
     /// A key of the manifest is missing, unknown, or has a value that it may not have.
     #[error("{place}: {cause}")]
     Key {
-        /// Where.
         place: Box<ManifestPlace>,
         /// What is wrong and what must be there.
         cause: String,
@@ -109,49 +103,30 @@ pub enum PackError {
     /// The pack does not keep its tiles that way.
     #[error("{}: has no {} tiles, only {has}; build the pack with them or choose the other storage", path.display(), storage.name())]
     NoStorage {
-        /// The pack's folder.
         path: PathBuf,
-        /// The storage asked for.
         storage: Storage,
-        /// The one it has.
         has: &'static str,
     },
     /// The pack does not hold a map.
     #[error("{}: has no {} map; build the pack with it or turn the layer off", path.display(), layer.name())]
-    NoLayer {
-        /// The pack's folder.
-        path: PathBuf,
-        /// The map asked for.
-        layer: MapLayer,
-    },
+    NoLayer { path: PathBuf, layer: MapLayer },
     /// The pack holds no heights.
     #[error("{}: has no heights; build the pack with them (`terrella pack build --heights FILE`)", path.display())]
-    NoHeights {
-        /// The pack's folder.
-        path: PathBuf,
-    },
+    NoHeights { path: PathBuf },
     /// The index of heights is not as the manifest says.
     #[error("{}: {cause}; build the pack again", path.display())]
-    HeightIndex {
-        /// The index.
-        path: PathBuf,
-        /// What is wrong with it.
-        cause: String,
-    },
+    HeightIndex { path: PathBuf, cause: String },
     /// Nothing is left of a block that is always drawn: its tiles of every level are bad.
     #[error("{}: no level of {block} can be read, of its coarsest: {source}", path.display())]
     BlockLost {
-        /// The pack's folder.
         path: PathBuf,
         /// The tile of the coarsest level.
         block: TileKey,
-        /// What is wrong with that tile.
         source: TileError,
     },
     /// A map that was put together from tiles is none that can be drawn.
     #[error("{}: the {} map: {source}", path.display(), layer.name())]
     Map {
-        /// The pack's folder.
         path: PathBuf,
         /// The map that is refused.
         layer: MapLayer,

@@ -170,7 +170,6 @@ fn listed_tiles(manifest: &Manifest) -> Vec<Listed<'_>> {
     listed
 }
 
-/// What is wrong with a tile.
 fn check(dir: &Path, tile: &Listed<'_>) -> Option<String> {
     let path = dir.join(&tile.path);
     let read = match &tile.what {

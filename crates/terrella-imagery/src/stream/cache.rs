@@ -124,7 +124,6 @@ struct PoolState {
     is_starved: bool,
 }
 
-/// A slot.
 #[derive(Clone, Copy, Default)]
 struct SlotState {
     tile: Option<TileKey>,

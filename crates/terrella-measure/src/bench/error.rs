@@ -20,7 +20,6 @@ pub enum BenchError {
     /// The baseline cannot be read.
     #[error("{}: the baseline cannot be read: {source}", path.display())]
     BaselineUnreadable {
-        /// The file.
         path: PathBuf,
         /// Error of the operating system.
         source: std::io::Error,
@@ -31,7 +30,6 @@ pub enum BenchError {
         path.display(), path.display()
     )]
     NoBaseline {
-        /// The file.
         path: PathBuf,
         /// Why it is none.
         what: String,
@@ -43,7 +41,6 @@ pub enum BenchError {
         path.display()
     )]
     OtherBaseline {
-        /// The file.
         path: PathBuf,
         /// What differs.
         what: String,

@@ -169,7 +169,6 @@ pub struct BenchRow {
     pub frames_per_s: f64,
     /// What the paper gives for this height, on its machine of 2011.
     pub paper_frames_per_s: Option<f64>,
-    /// The times that all this is of.
     pub runs: Vec<RowTimes>,
 }
 
@@ -193,7 +192,6 @@ pub struct Feature {
     pub texture_bytes: i64,
     /// Bytes of WGSL that the driver gets for it alone.
     pub shader_bytes: i64,
-    /// The times that all this is of.
     pub runs: Vec<FeatureTimes>,
 }
 

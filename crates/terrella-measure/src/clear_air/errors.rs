@@ -67,7 +67,6 @@ impl ViewGroup {
         Self::DarkGround,
     ];
 
-    /// The group of a row.
     pub fn of(row: &AirRow) -> Self {
         match row.table {
             AirTable::Nadir if row.place <= 70.0 => Self::Nadir,
@@ -164,7 +163,6 @@ impl RowError {
 /// Errors of one set's views.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AirErrors {
-    /// The air.
     pub set: AirSet,
     /// All views.
     pub rows: Vec<RowError>,

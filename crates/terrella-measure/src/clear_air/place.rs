@@ -13,7 +13,6 @@ const SPACE_M: f64 = 400_000.0;
 /// An eye, what it looks at and the Sun, in ITRF axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlacedView {
-    /// The eye, metres.
     pub eye_m: DVec3,
     /// Unit vector along the line of sight.
     pub look: DVec3,

@@ -137,23 +137,13 @@ impl AirRow {
 pub enum TableError {
     /// The file.
     #[error("the table {path} cannot be read: {source}")]
-    Read {
-        /// Which.
-        path: PathBuf,
-        /// Why.
-        source: csv::Error,
-    },
+    Read { path: PathBuf, source: csv::Error },
     /// A column that is needed.
     #[error("the table {path} has no column \"{column}\"")]
-    Column {
-        /// Which table.
-        path: PathBuf,
-        column: String,
-    },
+    Column { path: PathBuf, column: String },
     /// A value.
     #[error("the table {path} has no number in column \"{column}\" of row {row}")]
     Number {
-        /// Which table.
         path: PathBuf,
         column: String,
         /// Which row, the first below the head being 1.

@@ -228,7 +228,6 @@ impl GeolocationBuffer {
 pub struct GeolocationErrors {
     /// Pixels compared.
     pub pixels: usize,
-    /// Median, metres.
     pub median_m: f64,
     /// What 99 of a hundred pixels do not exceed, metres.
     pub p99_m: f64,

@@ -8,7 +8,6 @@ use terrella::{Exposure, EyeView, Sky, Subdivision};
 pub enum Lit {
     /// Every pixel is black.
     Nothing,
-    /// From so many pixels to so many.
     Pixels(usize, usize),
     /// From this part of all pixels to that.
     Share(f64, f64),
@@ -19,7 +18,6 @@ pub enum Lit {
 /// One side of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
-    /// So many pixels.
     Pixels(u32),
     /// As many as the device's textures have at most.
     Max,

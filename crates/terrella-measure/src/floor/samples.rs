@@ -27,7 +27,6 @@ struct Sampled {
 enum Texture {
     /// A map of the Earth.
     Map(MapLayer),
-    /// A table of the air.
     Table(air::TableSize),
 }
 

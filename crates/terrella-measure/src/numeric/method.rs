@@ -62,10 +62,8 @@ pub struct Measurement {
     pub parameter: &'static str,
     /// Value of the parameter.
     pub value: f64,
-    /// Error there.
     pub error: f64,
     pub error_unit: String,
-    /// Cost there.
     pub cost: Quartiles,
     pub cost_unit: String,
 }

@@ -36,7 +36,6 @@ impl Real {
         }))
     }
 
-    /// π.
     pub fn pi() -> Self {
         Self(with_consts(|consts| consts.pi(BITS, ROUNDING)))
     }
@@ -267,7 +266,6 @@ pub fn real3(v: glam::DVec3) -> Real3 {
     v.to_array().map(Real::from)
 }
 
-/// a·b.
 pub fn dot(a: &Real3, b: &Real3) -> Real {
     &a[0] * &b[0] + &a[1] * &b[1] + &a[2] * &b[2]
 }

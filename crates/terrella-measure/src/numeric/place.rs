@@ -16,7 +16,6 @@ const FIGURE: Ellipsoid = Ellipsoid::WGS84;
 /// An eye, a ray and the block that the ray is known to meet.
 #[derive(Clone, Copy, Debug)]
 pub struct PixelRay {
-    /// The eye, ITRF metres.
     pub eye_itrf_m: DVec3,
     /// The pixel's ray, ITRF axes, of any length.
     pub ray: DVec3,

@@ -20,7 +20,6 @@ pub struct QualityStudy {
     pub size: (u32, u32),
     /// How often each was timed over all views.
     pub repeats: u32,
-    /// How many views there are.
     pub views: usize,
     /// What was measured, in its order.
     pub combinations: Vec<Combination>,

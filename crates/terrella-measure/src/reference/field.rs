@@ -7,7 +7,6 @@ use rayon::prelude::*;
 /// Moments of light at a place.
 pub(super) const MOMENTS: usize = 10;
 
-/// The degree of each.
 pub(super) const DEGREE: [usize; MOMENTS] = [0, 1, 1, 2, 2, 2, 3, 3, 3, 3];
 
 /// Those of even degree up to 2: all that molecules know.

@@ -54,9 +54,7 @@ pub enum StillError {
         "a picture of {width} × {height} pixels needs {mib} MiB, more than the {limit_mib} MiB allowed; take a smaller size"
     )]
     TooMuchMemory {
-        /// Width asked for.
         width: u32,
-        /// Height asked for.
         height: u32,
         /// What it would take, MiB.
         mib: u64,
@@ -100,7 +98,6 @@ pub struct ReferenceStats {
     pub features_off: Vec<String>,
     /// What the scene asks for and this renderer does not draw.
     pub left_out: Vec<String>,
-    /// Where the eye is.
     pub eye: EyePosition,
     /// Where the Sun stands in the zenith.
     pub sun: SubsolarPoint,

@@ -20,7 +20,6 @@ pub(super) fn number(value: f64) -> String {
     }
 }
 
-/// So many significant digits.
 pub(super) fn digits(value: f64, significant: i32) -> String {
     if value == 0.0 || !value.is_finite() {
         return value.to_string();

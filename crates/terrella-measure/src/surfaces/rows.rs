@@ -12,7 +12,6 @@ pub struct Setting {
     pub surface: SurfaceKind,
     /// What is set.
     pub parameter: &'static str,
-    /// To what.
     pub value: String,
     /// Whether this is what a scene gets that sets nothing.
     pub is_default: bool,
@@ -96,7 +95,6 @@ pub struct ErrorRow {
     pub surface: SurfaceKind,
     /// What is set.
     pub parameter: String,
-    /// To what.
     pub value: String,
     /// Whether this is what a scene gets that sets nothing.
     pub is_default: bool,
@@ -158,7 +156,6 @@ pub struct TimeRow {
     pub surface: SurfaceKind,
     /// What is set.
     pub parameter: String,
-    /// To what.
     pub value: String,
     /// Seconds of the flight.
     pub time_s: f64,
@@ -184,7 +181,6 @@ pub struct SettlingRow {
     pub surface: SurfaceKind,
     /// What is set.
     pub parameter: String,
-    /// To what.
     pub value: String,
     /// Whether this is what a scene gets that sets nothing.
     pub is_default: bool,

@@ -226,7 +226,6 @@ pub const WORST: &str = "worst case";
 /// A surface at its default, near the ground.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Score {
-    /// Which.
     pub surface: SurfaceKind,
     /// Without holes over real ground.
     pub is_sound: bool,

@@ -167,7 +167,6 @@ pub enum Stream {
 }
 
 impl Stream {
-    /// Connects to an endpoint.
     pub fn connect(endpoint: &Endpoint, timeout: Duration) -> io::Result<Self> {
         match endpoint {
             Endpoint::Tcp(address) => {

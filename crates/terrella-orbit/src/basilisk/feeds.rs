@@ -93,7 +93,6 @@ pub struct PlaceFeed {
     pub(super) shared: Arc<Shared>,
     /// What it is called.
     pub(super) name: Arc<str>,
-    /// Metres, ITRF.
     pub(super) position_itrf_m: DVec3,
 }
 

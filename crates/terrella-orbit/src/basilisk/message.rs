@@ -213,7 +213,6 @@ pub fn time_stamp(bytes: &[u8]) -> Result<(i64, f64), WireFault> {
     Ok((number, elapsed_ns))
 }
 
-/// A date.
 pub fn epoch(bytes: &[u8]) -> Result<EpochDate, WireFault> {
     let mut date = EpochDate::default();
     for field in Fields::of(bytes) {

@@ -83,31 +83,25 @@ impl SimulationOptions {
 /// Why a simulation cannot be met.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "the messages say what fields are")]
 pub enum SimulationError {
     /// A setting out of its range.
     #[error("{key} must be from {least} to {most}, not {value}")]
     Setting {
-        /// Which.
         key: &'static str,
-        /// What it is.
         value: f64,
         /// The least that it may be.
         least: f64,
-        /// The most.
         most: f64,
     },
     /// The endpoint is of another machine.
     #[error("{endpoint} reaches beyond this machine; take 127.0.0.1, or write allow_remote = true")]
-    Remote {
-        /// The endpoint.
-        endpoint: Endpoint,
-    },
+    Remote { endpoint: Endpoint },
     /// The endpoint cannot be bound.
     #[error(
         "{endpoint} cannot be listened on: {source}; close the other viewer that does, or take another port here and in the simulation"
     )]
     Bind {
-        /// The endpoint.
         endpoint: Endpoint,
         /// Error of the operating system.
         source: std::io::Error,

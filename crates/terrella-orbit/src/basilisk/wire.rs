@@ -8,6 +8,7 @@ use std::fmt;
 /// Why bytes are no message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "the messages say what fields are")]
 pub enum WireFault {
     /// The bytes end within a field.
     #[error("ends within a field")]
@@ -18,7 +19,6 @@ pub enum WireFault {
     /// Field 0, or a field of a kind that proto3 has not.
     #[error("holds a field of number {number} and kind {kind}, which proto3 has not")]
     Field {
-        /// The field's number.
         number: u64,
         /// Its wire type.
         kind: u8,
@@ -47,9 +47,7 @@ pub(in crate::basilisk) enum Value<'b> {
 /// A field of a message.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::basilisk) struct Field<'b> {
-    /// Its number.
     pub number: u32,
-    /// Its value.
     pub value: Value<'b>,
 }
 

@@ -31,6 +31,7 @@ const COMMAND: u8 = 4;
 /// Why a connection is given up.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "the messages say what fields are")]
 pub enum ZmtpError {
     /// The peer has gone.
     #[error("the connection is closed")]
@@ -49,10 +50,7 @@ pub enum ZmtpError {
     },
     /// The peer breaks the limits.
     #[error("the peer sends {what}")]
-    Limit {
-        /// What.
-        what: &'static str,
-    },
+    Limit { what: &'static str },
 }
 
 /// A connection whose both sides have said what they are.

@@ -5,6 +5,7 @@ use crate::StartError;
 /// Why there is no orbit, or none any more.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "the messages say what fields are")]
 pub enum KeplerError {
     /// A number that cannot be, or a start under the ground.
     #[error(transparent)]
@@ -16,7 +17,6 @@ pub enum KeplerError {
     Contradiction {
         /// The semi-major axis, metres.
         axis_m: f64,
-        /// The eccentricity.
         eccentricity: f64,
     },
     /// A true anomaly that a hyperbola or parabola does not reach.
@@ -26,9 +26,7 @@ pub enum KeplerError {
     BeyondAsymptote {
         /// The true anomaly, degrees.
         anomaly_deg: f64,
-        /// The eccentricity.
         eccentricity: f64,
-        /// The asymptote's, degrees.
         most_deg: f64,
     },
     /// A parabola has no mean anomaly.
@@ -38,10 +36,7 @@ pub enum KeplerError {
     #[error(
         "J2 drift is an average over turns and needs an ellipse; eccentricity {eccentricity} is none"
     )]
-    DriftNeedsEllipse {
-        /// The eccentricity.
-        eccentricity: f64,
-    },
+    DriftNeedsEllipse { eccentricity: f64 },
     /// The frame turns with the Earth.
     #[error(
         "a conic needs axes that do not turn with the Earth: TEME, GCRF or EME2000, not {frame}"

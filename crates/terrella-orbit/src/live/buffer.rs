@@ -14,7 +14,6 @@ pub const MAX_STATES: usize = 256;
 /// What became of a state that came.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Insertion {
-    /// It is the newest.
     Newest,
     /// It came after a later one and stands in its place.
     Late,

@@ -22,7 +22,6 @@ pub struct FrameRequest {
 /// How a frame ended.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Outcome {
-    /// It is drawn.
     Drawn,
     /// The player says why it is not.
     Refused(String),

@@ -227,11 +227,11 @@ impl LiveOptions {
 /// Why a live feed cannot listen, or has no state at an epoch.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "the messages say what fields are")]
 pub enum LiveError {
     /// A setting out of its range.
     #[error("{key} is {value}; expected {least} to {most}")]
     Setting {
-        /// Which setting.
         key: &'static str,
         /// The value that was given.
         value: f64,
@@ -252,14 +252,10 @@ pub enum LiveError {
     #[error(
         "{address} can be reached from other machines, and whoever reaches it can steer the picture; take 127.0.0.1 or ::1, or allow remote simulators"
     )]
-    NotLoopback {
-        /// The address.
-        address: SocketAddr,
-    },
+    NotLoopback { address: SocketAddr },
     /// The port cannot be had.
     #[error("cannot listen on {address}: {source}; take another port, or 0 for a free one")]
     Bind {
-        /// The address.
         address: SocketAddr,
         /// Error of the operating system.
         source: std::io::Error,
@@ -303,7 +299,6 @@ pub enum LiveError {
         newest: String,
         /// How long ago it came, seconds.
         age_s: f64,
-        /// The limit, seconds.
         limit_s: f64,
     },
 }

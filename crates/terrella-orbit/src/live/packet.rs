@@ -59,6 +59,7 @@ pub enum PacketFormat {
 /// Why a packet is dropped.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "the messages say what fields are")]
 pub enum PacketFault {
     /// More bytes than a packet may have.
     #[error("longer than {MAX_PACKET_BYTES} bytes; send one state a line")]
@@ -75,7 +76,6 @@ pub enum PacketFault {
     /// A value that cannot be.
     #[error("{key} is {text:?}; expected {expected}")]
     Field {
-        /// Its key.
         key: &'static str,
         /// The value, shortened.
         text: String,
@@ -84,10 +84,7 @@ pub enum PacketFault {
     },
     /// Another version of the binary form.
     #[error("binary packet of version {found}; expected {VERSION}")]
-    Version {
-        /// The version.
-        found: u8,
-    },
+    Version { found: u8 },
     /// A binary packet of a wrong length.
     #[error("binary packet of {found} bytes; a state has {STATE_BYTES}")]
     Length {
@@ -97,7 +94,6 @@ pub enum PacketFault {
     /// Bytes that changed on the way.
     #[error("CRC-32 is {found:08x}; the bytes give {expected:08x}")]
     Checksum {
-        /// What the packet says.
         found: u32,
         /// What its bytes give.
         expected: u32,

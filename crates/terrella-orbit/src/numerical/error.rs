@@ -5,6 +5,7 @@ use crate::StartError;
 /// Why there is no trajectory, or none any more.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "the messages say what fields are")]
 pub enum NumericalError {
     /// A number that cannot be, or a start under the ground.
     #[error(transparent)]
@@ -24,7 +25,6 @@ pub enum NumericalError {
         "the integration of {satellite} cannot pass {epoch}: its steps shrink to nothing, {height_km:.1} km above the ground; a force jumps or grows without bound there"
     )]
     Underflow {
-        /// The satellite.
         satellite: String,
         /// How far it came, UTC.
         epoch: String,
@@ -34,7 +34,6 @@ pub enum NumericalError {
     /// A force is not a finite number.
     #[error("the force on {satellite} is not a finite number at {epoch}")]
     Force {
-        /// The satellite.
         satellite: String,
         /// When, UTC.
         epoch: String,
@@ -44,7 +43,6 @@ pub enum NumericalError {
         "the integration of {satellite} has taken its {limit} steps by {epoch}; shorten the span, raise the limit (0.4 kB a step) or the tolerance"
     )]
     StepLimit {
-        /// The satellite.
         satellite: String,
         /// How far it came, UTC.
         epoch: String,

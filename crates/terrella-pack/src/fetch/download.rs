@@ -23,7 +23,6 @@ pub(super) struct Job<'a> {
     pub media: Media,
     /// What width and height must be, texels.
     pub side: Option<u32>,
-    /// Most bytes of one.
     pub most_bytes: u64,
     /// The server answers 404 where it has nothing.
     pub may_be_missing: bool,

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 /// Why maps could not be fetched. What was fetched before stays in the cache.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "the messages say what fields are")]
 pub enum FetchError {
     /// A description of a source is wrong.
     #[error("{}: {cause}", path.display())]
@@ -35,27 +36,20 @@ pub enum FetchError {
     /// The cache could not be read or written.
     #[error("{}: {source}; make room or correct the permissions, then run the same command again to go on", path.display())]
     Cache {
-        /// The file or folder.
         path: PathBuf,
-        /// The system's words.
         source: std::io::Error,
     },
     /// Another process fetches into the same folder.
     #[error("{}: another fetch is writing there; wait for it or give another --cache", path.display())]
-    Busy {
-        /// The folder.
-        path: PathBuf,
-    },
+    Busy { path: PathBuf },
     /// The folder holds tiles of another address.
     #[error(
         "{}: holds files fetched from {found}, not from {wanted}; give another --cache or remove this folder", path.display()
     )]
     OtherAddress {
-        /// The folder.
         path: PathBuf,
         /// The address that its files are from.
         found: String,
-        /// The address asked for.
         wanted: String,
     },
     /// The server refuses, or cannot be trusted: nothing else from it will do better.
@@ -74,9 +68,7 @@ pub enum FetchError {
          or add --allow-missing to go on without them"
     )]
     Incomplete {
-        /// How many failed.
         failed: u64,
-        /// How many there are.
         total: u64,
         /// The first that failed.
         url: String,
@@ -89,7 +81,6 @@ pub enum FetchError {
     /// Heights could not be written.
     #[error("{}: {cause}", path.display())]
     Heights {
-        /// The file.
         path: PathBuf,
         /// What is wrong and what to do.
         cause: String,

@@ -25,7 +25,6 @@ pub fn source_names() -> impl Iterator<Item = &'static str> {
     NAMED.iter().map(|(name, _)| *name)
 }
 
-/// The source of a name.
 pub(super) fn named(name: &str) -> Option<Source> {
     let (_, text) = NAMED.iter().find(|(known, _)| *known == name)?;
     // A test reads them all.

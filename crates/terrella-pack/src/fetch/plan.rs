@@ -25,7 +25,6 @@ pub(super) struct Wanted {
 /// Tiles of one level: rectangles of columns and rows. Two where the region crosses the date line.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct TilePlan {
-    /// Which level.
     pub level: u32,
     /// Degrees of longitude that a tile spans.
     pub tile_deg: f64,
@@ -60,7 +59,6 @@ impl Tiles {
         (count(360.0) as u32, count(2.0 * self.crs.top_deg()) as u32)
     }
 
-    /// The tiles of a region.
     pub(super) fn plan(&self, fineness: Fineness, region: &Bounds) -> Result<TilePlan, FetchError> {
         let [coarsest, finest] = self.levels;
         let level = match fineness {

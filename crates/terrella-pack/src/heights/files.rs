@@ -43,7 +43,6 @@ struct HeightSource {
     finest_rad: f64,
 }
 
-/// Files of heights.
 pub(super) struct HeightFiles {
     /// Threads that memory is kept for.
     pub threads: usize,

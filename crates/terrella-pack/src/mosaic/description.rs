@@ -54,7 +54,6 @@ pub struct Part {
     pub no_data: Option<Vec<f64>>,
     /// How heights are written as colours.
     pub encoding: Option<Encoding>,
-    /// What alpha means.
     pub(crate) alpha: AlphaMeans,
 }
 

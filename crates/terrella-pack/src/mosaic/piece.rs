@@ -88,7 +88,6 @@ impl Piece {
     }
 }
 
-/// Opens a part's raster.
 fn open(part: &Part, description: &Path, limits: SourceLimits) -> Result<Raster, BuildError> {
     match &part.from {
         PartSource::File(path, _) => {
@@ -114,7 +113,6 @@ struct HeldRow {
     is_whole: bool,
 }
 
-/// Rows of a piece.
 pub(super) struct PieceRows {
     raster: Raster,
     place: Place,

@@ -7,21 +7,17 @@ use crate::source::{RowSource, SourceInfo};
 
 /// Where rows come from.
 pub(super) enum Raster {
-    /// One file.
     File {
         /// Its reader.
         rows: Box<dyn RowSource>,
         /// A row as it is read.
         bytes: Vec<u8>,
-        /// What its alpha means.
         alpha: AlphaMeans,
     },
-    /// Tiles.
     Tiles(Box<TileRows>),
 }
 
 impl Raster {
-    /// Of a file.
     pub(super) fn file(rows: Box<dyn RowSource>, alpha: AlphaMeans) -> Self {
         let bytes = vec![0; rows.info().row_bytes()];
         Self::File { rows, bytes, alpha }

@@ -4,18 +4,15 @@ use crate::source::sample;
 use crate::source::{Opacity, SampleKind, SourceInfo};
 use crate::values::opaque_part;
 
-/// A row of a raster.
 #[derive(Default)]
 pub(super) struct RasterRow {
     /// Texels without alpha.
     pub bytes: Vec<u8>,
     /// 255 where there is a texel, 0 where there is none.
     pub cover: Vec<u8>,
-    /// All of it is there.
     pub is_whole: bool,
 }
 
-/// What alpha means.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum AlphaMeans {
     /// How much of a texel is there: what lies below shows through the rest.

@@ -11,7 +11,6 @@ const LIMITS: SourceLimits = SourceLimits {
     buffer_bytes: 32 << 20,
 };
 
-/// A PNG of colour.
 fn png(width: u32, height: u32, colour: impl Fn(u32, u32) -> [u8; 3]) -> Vec<u8> {
     let texels: Vec<u8> = (0..width * height)
         .flat_map(|n| colour(n % width, n / width))

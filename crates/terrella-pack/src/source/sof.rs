@@ -4,7 +4,6 @@ use super::FileContext;
 use crate::error::BuildError;
 use std::io::{BufRead, ErrorKind, Seek, SeekFrom};
 
-/// What the header says.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Header {
     pub width: u32,

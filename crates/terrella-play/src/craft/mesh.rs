@@ -39,7 +39,6 @@ pub fn material_constants() -> String {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub struct CraftVertex {
-    /// Craft metres.
     pub position_m: Vec3,
     /// Unit.
     pub normal: Vec3,

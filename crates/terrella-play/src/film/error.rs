@@ -5,55 +5,38 @@ use std::path::PathBuf;
 /// Why frames cannot be written to a folder, or not these.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "the messages say what fields are")]
 pub enum FilmError {
     /// The folder holds something already.
     #[error("{}: is not empty; choose another folder, give --resume to go on with the film in it, or --overwrite to replace frames in it", path.display())]
-    NotEmpty {
-        /// The folder.
-        path: PathBuf,
-    },
+    NotEmpty { path: PathBuf },
     /// The folder holds something, and no film.
     #[error("{}: there is no film to go on with: it holds files and no frames.json; choose another folder, or give --overwrite to replace frames in it", path.display())]
-    NoFilm {
-        /// The folder.
-        path: PathBuf,
-    },
+    NoFilm { path: PathBuf },
     /// The folder holds frames of another film.
     #[error("{}: holds frames of another film: {differences}; choose another folder, or give --overwrite to draw all frames anew", path.display())]
     OtherFilm {
-        /// The folder.
         path: PathBuf,
         /// What is different, in words.
         differences: String,
     },
     /// The page of a folder cannot be understood.
     #[error("{}: {problem}; choose another folder, or give --overwrite to draw all frames anew", path.display())]
-    BadPage {
-        /// The page.
-        path: PathBuf,
-        /// What is wrong with it.
-        problem: String,
-    },
+    BadPage { path: PathBuf, problem: String },
     /// Another run writes to the folder.
     #[error("{}: another run is writing frames to this folder; wait for its end, or give each run a folder of its own (frames are numbered by their place in the film, so that folders can be joined)", path.display())]
-    Busy {
-        /// The folder.
-        path: PathBuf,
-    },
+    Busy { path: PathBuf },
     /// Frames that the film does not have.
     #[error("there are no frames {wanted}: the film has {frame_count} frames, from 0 to {}", frame_count.saturating_sub(1))]
     NoSuchFrames {
         /// The range asked for.
         wanted: String,
-        /// How many frames there are.
         frame_count: u64,
     },
     /// A scene that is drawn in display colours, and settings that average light.
     #[error("{}: --format png16 and exr, --alpha, --supersample and --shutter make pictures of light, and {what} have none; {remedy}, or leave those options out", scene.display())]
     NoLight {
-        /// The scene's file.
         scene: PathBuf,
-        /// What has no light.
         what: &'static str,
         /// What the user can do about it.
         remedy: &'static str,
@@ -61,9 +44,7 @@ pub enum FilmError {
     /// A file that makes the film what it is cannot be read.
     #[error("{}: {source}; the film's pictures come from this file, so --resume must compare it", path.display())]
     Input {
-        /// The file or folder.
         path: PathBuf,
-        /// What the system says.
         source: std::io::Error,
     },
 }

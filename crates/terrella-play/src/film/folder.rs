@@ -108,7 +108,6 @@ impl FrameFolder {
         Ok(())
     }
 
-    /// The folder.
     pub fn folder(&self) -> &Path {
         &self.folder
     }
@@ -122,7 +121,6 @@ impl FrameFolder {
         )
     }
 
-    /// The file of a frame.
     pub fn path(&self, index: u64) -> PathBuf {
         self.folder.join(self.name(index))
     }

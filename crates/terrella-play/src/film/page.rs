@@ -38,7 +38,6 @@ pub struct PageHead {
     format: String,
     /// The scene's file.
     scene: String,
-    /// The film.
     film: FilmKey,
     /// Instant of frame 0, UTC and TAI.
     start_utc: String,
@@ -54,7 +53,6 @@ pub struct PageHead {
 }
 
 impl PageHead {
-    /// Of a scene's film.
     pub fn new(scene: &Scene, start: Epoch, film: FilmKey, adapter: String) -> Self {
         Self {
             format: FORMAT.to_owned(),
@@ -73,7 +71,6 @@ impl PageHead {
 /// What is kept of an earlier run.
 #[derive(Debug, Default)]
 pub struct KeptFrames {
-    /// The entries of its frames.
     pub entries: BTreeMap<u64, String>,
     /// The adapter that drew last; `None` where no frame is kept.
     pub adapter: Option<String>,

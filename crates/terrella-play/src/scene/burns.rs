@@ -68,7 +68,6 @@ impl SceneText<'_> {
     }
 }
 
-/// One burn, or what is wrong with it.
 fn burn(value: &Value) -> Result<Thrust, String> {
     let Value::Table(entries) = value else {
         return Err(format!("must be a table, {{ start = … }}; {KNOWN_KEYS}"));

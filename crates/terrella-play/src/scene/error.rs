@@ -39,34 +39,27 @@ impl fmt::Display for KeyLocation {
 /// Why a scene is refused.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "the messages say what fields are")]
 pub enum SceneError {
     /// The file could not be opened or read.
     #[error("{}: cannot be read: {source}; give the path of a scene file such as config/iss.toml, or of a file of orbits", path.display())]
     Read {
-        /// The scene file.
         path: PathBuf,
         /// Error of the operating system.
         source: std::io::Error,
     },
     /// The path is a folder.
     #[error("{}: is a folder; give the path of a scene file in it", path.display())]
-    Folder {
-        /// The folder.
-        path: PathBuf,
-    },
+    Folder { path: PathBuf },
     /// The file is larger than any scene needs to be.
     #[error(
         "{}: is larger than {MAX_FILE_BYTES} bytes, the most that a scene may have; is it a scene file?",
         path.display()
     )]
-    TooLarge {
-        /// The scene file.
-        path: PathBuf,
-    },
+    TooLarge { path: PathBuf },
     /// The file is not UTF-8 text.
     #[error("{}:{line}: is not UTF-8 text; save it as UTF-8", path.display())]
     NotUtf8 {
-        /// The scene file.
         path: PathBuf,
         /// First bad line, from 1.
         line: usize,
@@ -74,7 +67,6 @@ pub enum SceneError {
     /// The text is not TOML.
     #[error("{}:{line}:{column}: is not TOML: {message}, at {found}", path.display())]
     Syntax {
-        /// The scene file.
         path: PathBuf,
         /// Line, from 1.
         line: usize,
@@ -88,7 +80,6 @@ pub enum SceneError {
     /// A key or table that no scene has.
     #[error("{place}: {remedy}")]
     Unknown {
-        /// The key.
         place: Box<KeyLocation>,
         /// The nearest known name and all known names.
         remedy: String,
@@ -97,14 +88,10 @@ pub enum SceneError {
     #[error(
         "{scene}; nor is it a file of orbits: two-line elements, OMM, OEM, CZML, or CSV with columns epoch_utc, x_km, y_km, z_km"
     )]
-    Neither {
-        /// Why it is no scene.
-        scene: Box<SceneError>,
-    },
+    Neither { scene: Box<SceneError> },
     /// A value of the wrong type, out of range, or in conflict with another.
     #[error("{place} = {value}: {remedy}")]
     Value {
-        /// The key.
         place: Box<KeyLocation>,
         /// The value as written, or the default.
         value: String,

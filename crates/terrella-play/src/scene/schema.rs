@@ -76,7 +76,6 @@ pub(super) fn default_of(key: &Key) -> Option<Value> {
     Some(default.as_f64().map_or(default, number))
 }
 
-/// The schema of a key's value.
 pub(super) fn value_schema(key: &Key) -> Value {
     let range = key.about.range;
     let bounded = |kind: &str| match range {

@@ -62,7 +62,6 @@ pub(super) enum Shape {
     Vector,
     /// Two whole numbers.
     Pair,
-    /// Maps with their dates.
     DatedMaps,
     /// What the key alone has.
     Own,
@@ -84,9 +83,7 @@ impl Table {
 
 /// Types of values.
 pub(super) trait Value {
-    /// The type of the numbers in it.
     type Number;
-    /// The type of its default.
     type Default;
     #[cfg(test)]
     const SHAPE: fn() -> Shape;

@@ -14,7 +14,6 @@ const MAX_PASSES: usize = 500;
 /// A place on the ground, and the minimum elevation of a pass over it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PassSite {
-    /// The place.
     pub place: Geodetic,
     /// Minimum elevation above its horizon, radians.
     pub min_elevation_rad: f64,
@@ -34,7 +33,6 @@ pub enum PassQuery {
 pub enum PassResult {
     /// Passes in order of time; what the satellite's feed refuses ends them.
     InSpan(Vec<Pass>),
-    /// The next one.
     Next(Upcoming),
 }
 

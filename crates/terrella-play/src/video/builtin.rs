@@ -37,7 +37,6 @@ pub struct BuiltinEncoder {
 }
 
 impl BuiltinEncoder {
-    /// Starts the encoder.
     pub fn start(file: PendingFile, format: VideoFormat) -> Result<Self, PlayError> {
         let (width, height) = format.size;
         let (long, short) = (width.max(height), width.min(height));

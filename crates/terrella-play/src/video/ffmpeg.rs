@@ -17,7 +17,6 @@ const MAX_STDERR_BYTES: usize = 2_000;
 pub enum FfmpegInstalled {
     /// An ffmpeg with the encoder that is asked for.
     WithEncoder,
-    /// An ffmpeg without it.
     WithoutEncoder,
     /// None.
     No,
@@ -63,7 +62,6 @@ struct Process {
 }
 
 impl Ffmpeg {
-    /// Starts ffmpeg.
     pub fn start(file: PendingFile, format: VideoFormat) -> Result<Self, PlayError> {
         let (width, height) = format.size;
         let codec = format.coding.codec;

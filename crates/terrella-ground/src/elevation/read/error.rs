@@ -12,23 +12,15 @@ pub enum HeightFileError {
     /// A file could not be opened or read.
     #[error("{}: {source}; check that it is a file and its permissions", path.display())]
     Unreadable {
-        /// The file.
         path: PathBuf,
-        /// The system's error.
         source: std::io::Error,
     },
     /// A file began well and then broke.
     #[error("{}: truncated or damaged: {cause}; copy or make it again", path.display())]
-    Damaged {
-        /// The file.
-        path: PathBuf,
-        /// What is damaged.
-        cause: String,
-    },
+    Damaged { path: PathBuf, cause: String },
     /// A file cannot be used as it is.
     #[error("{}: {cause}; expected {expected}: {remedy}", path.display())]
     Refused {
-        /// The file.
         path: PathBuf,
         /// What the file is or lacks.
         cause: String,
@@ -43,7 +35,6 @@ pub enum HeightFileError {
         path.display(), path.display()
     )]
     OtherCoordinates {
-        /// The file.
         path: PathBuf,
         /// What it is in, with its EPSG code where it says one.
         crs: String,
@@ -53,45 +44,31 @@ pub enum HeightFileError {
         "{}: is rotated or sheared; expected rows from west to east: `gdalwarp -t_srs EPSG:4326 -r bilinear {} OUT.tif`",
         path.display(), path.display()
     )]
-    Rotated {
-        /// The file.
-        path: PathBuf,
-    },
+    Rotated { path: PathBuf },
     /// Neither file nor sidecar say where the heights lie.
     #[error(
         "{}: does not say where it lies; expected that in {}: write bounds = {{ south_deg = …, north_deg = …, west_deg = …, \
          east_deg = … }} and registration = \"cells\" or \"posts\" there", path.display(), sidecar.display()
     )]
-    NoPlace {
-        /// The file.
-        path: PathBuf,
-        sidecar: PathBuf,
-    },
+    NoPlace { path: PathBuf, sidecar: PathBuf },
     /// Neither file nor sidecar say the unit of heights.
     #[error(
         "{}: does not say whether its heights are metres or feet; expected that in {}: write unit = \"metres\", \"feet\" or \
          \"us-survey-feet\" there", path.display(), sidecar.display()
     )]
-    NoUnit {
-        /// The file.
-        path: PathBuf,
-        sidecar: PathBuf,
-    },
+    NoUnit { path: PathBuf, sidecar: PathBuf },
     /// File and sidecar contradict each other.
     #[error(
         "{}: says that its heights are {of_file}, and its sidecar says {of_sidecar}; expected one unit: correct the sidecar",
         path.display()
     )]
     TwoUnits {
-        /// The file.
         path: PathBuf,
         of_file: &'static str,
         of_sidecar: &'static str,
     },
-    /// A sidecar is wrong.
     #[error("{}:{line}: {cause}", path.display())]
     Sidecar {
-        /// The sidecar.
         path: PathBuf,
         /// Line, from 1.
         line: usize,
@@ -101,7 +78,6 @@ pub enum HeightFileError {
     /// The heights make no grid.
     #[error("{}: {source}", path.display())]
     Grid {
-        /// The file.
         path: PathBuf,
         /// Why its grid is refused.
         source: GridError,

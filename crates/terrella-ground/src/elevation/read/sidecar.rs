@@ -14,7 +14,6 @@ pub const MAX_SIDECAR_BYTES: u64 = 64 << 10;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum HeightUnit {
-    /// Metres.
     Metres,
     /// International feet of 0.3048 m.
     Feet,
@@ -23,7 +22,6 @@ pub enum HeightUnit {
 }
 
 impl HeightUnit {
-    /// Metres of one unit.
     pub fn metres(self) -> f64 {
         match self {
             Self::Metres => 1.0,
@@ -136,7 +134,6 @@ pub struct Sidecar {
     pub unit: Option<HeightUnit>,
     /// Heights in the unit are offset + scale × stored.
     pub scale: Option<f64>,
-    /// See there.
     pub offset: Option<f64>,
     /// Stored value that means no data.
     pub no_data: Option<f64>,

@@ -20,7 +20,6 @@ const GROUND_M: f64 = 6000.0;
 /// An eye, and how exactly it looks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HeightEye {
-    /// ITRF metres.
     pub eye_itrf_m: DVec3,
     /// Samples that are seen smaller need not be finer, radians.
     pub tolerance_rad: f64,

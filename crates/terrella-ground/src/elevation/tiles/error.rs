@@ -4,7 +4,6 @@ use super::HeightTileKey;
 use std::error::Error;
 use std::sync::Arc;
 
-/// Why there are no heights of a tile.
 #[derive(Clone, Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum HeightTileError {
@@ -17,17 +16,11 @@ pub enum HeightTileError {
     /// It could not be read.
     #[error("{key} cannot be read: {cause}")]
     Unreadable {
-        /// Which tile.
         key: HeightTileKey,
         /// Why, with the file and what to do about it.
         cause: Arc<dyn Error + Send + Sync>,
     },
     /// It was read and is none.
     #[error("{key} is not a tile of heights: {what}; make the pack anew")]
-    Unsound {
-        /// Which tile.
-        key: HeightTileKey,
-        /// What is wrong.
-        what: String,
-    },
+    Unsound { key: HeightTileKey, what: String },
 }

@@ -93,12 +93,10 @@ impl HeldTile {
         })
     }
 
-    /// A sample, metres.
     pub fn sample_m(&self, n: usize) -> f64 {
         self.samples.at_m(n)
     }
 
-    /// Bytes held.
     pub fn bytes(&self) -> u64 {
         self.samples.bytes() + size_of_val(self.ranges.as_slice()) as u64 + size_of::<Self>() as u64
     }

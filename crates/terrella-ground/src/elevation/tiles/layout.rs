@@ -132,7 +132,6 @@ impl HeightTileLayout {
         }
     }
 
-    /// How many levels there are.
     pub fn levels(&self) -> u8 {
         self.levels
     }

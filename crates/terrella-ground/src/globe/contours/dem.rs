@@ -15,9 +15,7 @@ pub enum DemError {
         "a DEM of {columns} × {rows} samples came with {heights} heights; it needs 1 to 268 468 225 and as many as it says"
     )]
     Size {
-        /// Columns said.
         columns: u32,
-        /// Rows said.
         rows: u32,
         /// Heights given.
         heights: usize,

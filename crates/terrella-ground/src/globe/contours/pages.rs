@@ -124,7 +124,6 @@ pub struct ContourPages {
     now: u64,
     clock: u64,
     pages: Vec<Page>,
-    /// As many as pages.
     slots: Vec<PageSlot>,
     by_key: KeyMap,
     queue: Vec<Cell>,

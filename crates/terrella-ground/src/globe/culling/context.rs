@@ -11,7 +11,6 @@ use terrella_frames::{Ellipsoid, HeightRange};
 pub struct GroundBound {
     /// Its middle, ITRF metres.
     pub center_itrf_m: DVec3,
-    /// Its radius, metres.
     pub radius_m: f64,
     /// No ground in it is higher above the ellipsoid, metres.
     pub high_m: f64,
@@ -57,7 +56,6 @@ impl BoundVisibility {
 /// A view, as surfaces cull and choose levels of detail by it.
 #[derive(Clone, Copy, Debug)]
 pub struct CullingContext {
-    /// The eye, ITRF metres.
     pub eye_itrf_m: DVec3,
     /// Angle of a pixel in the middle of the picture, radians.
     pub pixel_rad: f64,

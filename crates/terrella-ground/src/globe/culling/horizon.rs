@@ -112,7 +112,6 @@ pub struct Horizon {
 }
 
 impl Horizon {
-    /// For an eye, ITRF metres.
     pub fn new(ellipsoid: &Ellipsoid, eye_itrf_m: DVec3, shell: GroundShell) -> Self {
         let eye = eye_itrf_m * ellipsoid.scaled_from_itrf();
         let distance = eye.length();

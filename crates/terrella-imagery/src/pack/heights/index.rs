@@ -87,7 +87,6 @@ impl HeightIndex {
     }
 }
 
-/// Bytes of an index of so many tiles.
 pub(in crate::pack) fn index_bytes(tiles: u32) -> u64 {
     HEAD_BYTES as u64 + u64::from(tiles) * RECORD_BYTES as u64
 }

@@ -94,7 +94,6 @@ impl<'a> Table<'a> {
         Ok(())
     }
 
-    /// The value of a key.
     pub(super) fn get(&self, key: &str) -> Option<Value<'a>> {
         self.entries.get(key).map(|value| Value {
             source: self.source,
@@ -180,7 +179,6 @@ impl<'a> Value<'a> {
         number.filter(|number: &f64| number.is_finite() && is_good(*number))
     }
 
-    /// A string.
     pub(super) fn string(&self) -> Result<&'a str, PackError> {
         match self.value.get_ref() {
             DeValue::String(text) => Ok(text),

@@ -40,7 +40,6 @@ impl Default for TreeOptions {
     }
 }
 
-/// Why there is no tree.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum TreeError {
     /// The grid has no post.
@@ -54,7 +53,6 @@ pub enum TreeError {
     /// Heights do not fill the grid.
     #[error("there are {given} heights for a grid of {columns} × {rows}")]
     Heights {
-        /// Heights given.
         given: usize,
         /// Posts from west to east.
         columns: usize,
@@ -258,7 +256,6 @@ impl GridQuadtree {
         &self.heights_m
     }
 
-    /// Cells of the grid.
     pub fn cells(&self) -> usize {
         (self.columns - 1) * (self.rows - 1)
     }

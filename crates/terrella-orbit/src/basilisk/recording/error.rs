@@ -6,11 +6,11 @@ use std::path::PathBuf;
 /// Why a file cannot be played.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "the messages say what fields are")]
 pub enum RecordingError {
     /// The system.
     #[error("{}: {source}", path.display())]
     Read {
-        /// The file.
         path: PathBuf,
         /// Error of the operating system.
         source: io::Error,
@@ -18,7 +18,6 @@ pub enum RecordingError {
     /// Not one message.
     #[error("{}: no message of Basilisk in it ({cause}); it is what saveFile writes that is played", path.display())]
     Empty {
-        /// The file.
         path: PathBuf,
         /// What is wrong with its beginning.
         cause: String,
@@ -26,11 +25,9 @@ pub enum RecordingError {
     /// A message that was there when the file was opened.
     #[error("{}: the message at byte {offset} cannot be played: {cause}", path.display())]
     Message {
-        /// The file.
         path: PathBuf,
         /// Where the message begins.
         offset: u64,
-        /// What is wrong with it.
         cause: String,
     },
 }
