@@ -1,14 +1,14 @@
 //! Descriptions of sources of maps.
 
 use std::path::Path;
-use terrella_pack::fetch::{Estimate, FetchOptions, Fineness, Layer, Request, Source};
+use terrella_pack::fetch::{Estimate, FetchOptions, Fineness, Layer, MapSource, Request};
 
 /// Reads any text; of what is found good all that can be known without a request is asked.
 pub fn run(data: &[u8]) {
     let Ok(text) = std::str::from_utf8(data) else {
         return;
     };
-    match Source::from_toml(text, Path::new("s.toml")) {
+    match MapSource::from_toml(text, Path::new("s.toml")) {
         Ok(source) => {
             for time in [None, Some("2004-08"), Some("../x")] {
                 if let Ok(Some(time)) = source.time(time) {

@@ -254,7 +254,7 @@ fn seeds_are_good() {
         world_place(&text(&seeds[3]), None).expect("a good world file");
     }
     for seed in fetch_source::seeds() {
-        terrella_pack::fetch::Source::from_toml(&text(&seed), path).expect("a good source");
+        terrella_pack::fetch::MapSource::from_toml(&text(&seed), path).expect("a good source");
     }
     {
         use terrella_ground::elevation::{GridLimits, read};

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::time::Duration;
 use terrella_pack::BuildProgress;
-use terrella_pack::fetch::{ClientOptions, FetchOptions, Fineness, Layer, Request, Source};
+use terrella_pack::fetch::{ClientOptions, FetchOptions, Fineness, Layer, MapSource, Request};
 
 /// Texels of a tile.
 pub const SIDE: u32 = 32;
@@ -78,7 +78,7 @@ pub fn description(server: &Server) -> String {
 
 /// The only map of a description.
 pub fn layer(text: &str) -> Layer {
-    let source = Source::from_toml(text, Path::new("local.toml")).expect("a good description");
+    let source = MapSource::from_toml(text, Path::new("local.toml")).expect("a good description");
     let time = source.time(None).expect("a time");
     let mut layers = Layer::group(vec![Request { source, time }]);
     layers.remove(0)

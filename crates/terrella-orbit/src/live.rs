@@ -85,7 +85,7 @@ use super::connections::Standing;
 use super::{Feed, Freshness, OrbitError, OrbitState};
 use buffer::later;
 use lockstep::Outcome;
-use shared::Shared;
+use shared::SharedFeed;
 use std::io::{Read, Write};
 use std::net::SocketAddr;
 use std::sync::Arc;
@@ -100,7 +100,7 @@ use terrella_frames::{Epoch, rfc3339, utc_from_rfc3339};
 /// thread that reads standard input ends with that.
 #[derive(Debug)]
 pub struct LiveFeed {
-    shared: Arc<Shared>,
+    shared: Arc<SharedFeed>,
     address: Option<SocketAddr>,
     thread: Option<JoinHandle<()>>,
 }
@@ -112,7 +112,7 @@ impl LiveFeed {
     /// A setting out of its range, an address that other machines reach, a port that is taken.
     pub fn open(options: LiveOptions) -> Result<Self, LiveError> {
         options.check()?;
-        let shared = Arc::new(Shared::new(options));
+        let shared = Arc::new(SharedFeed::new(options));
         let (address, thread) = match shared.options.transport {
             Transport::Stdin => {
                 serve::stdin(&shared)?;
@@ -141,7 +141,7 @@ impl LiveFeed {
             ..options
         };
         options.check()?;
-        let shared = Arc::new(Shared::new(options));
+        let shared = Arc::new(SharedFeed::new(options));
         let its = Arc::clone(&shared);
         serve::spawn("stream", move || {
             serve::stream(&mut read, &mut write, &its, &Standing::default());
@@ -156,13 +156,13 @@ impl LiveFeed {
     /// A setting out of its range, an address that other machines reach.
     pub fn unconnected(options: LiveOptions) -> Result<Self, LiveError> {
         options.check()?;
-        let shared = Arc::new(Shared::new(options));
+        let shared = Arc::new(SharedFeed::new(options));
         shared.end();
         Ok(Self::of(shared, None, None))
     }
 
     fn of(
-        shared: Arc<Shared>,
+        shared: Arc<SharedFeed>,
         address: Option<SocketAddr>,
         thread: Option<JoinHandle<()>>,
     ) -> Self {

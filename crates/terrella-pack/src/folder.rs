@@ -88,10 +88,10 @@ impl Drop for ScratchFolder {
 pub(super) struct BuildFolder<'a> {
     dir: PathBuf,
     writer: &'a dyn Writer,
-    state: Mutex<State>,
+    state: Mutex<FolderState>,
 }
 
-struct State {
+struct FolderState {
     journal: Journal,
     done: BTreeMap<TileName, TileFile>,
     /// Tiles of heights; before they are taken over, as noted.
@@ -209,7 +209,7 @@ impl<'a> BuildFolder<'a> {
         Self {
             dir: dir.to_path_buf(),
             writer,
-            state: Mutex::new(State {
+            state: Mutex::new(FolderState {
                 journal,
                 done,
                 heights,
@@ -292,7 +292,7 @@ impl<'a> BuildFolder<'a> {
         written.map_err(|source| BuildError::Write { path, source })
     }
 
-    fn state(&self) -> MutexGuard<'_, State> {
+    fn state(&self) -> MutexGuard<'_, FolderState> {
         // Entries are put in whole.
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }

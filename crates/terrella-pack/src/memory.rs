@@ -4,14 +4,14 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard};
 
 /// The pool. Clones share it.
 #[derive(Clone)]
-pub(super) struct Pool(Arc<Shared>);
+pub(super) struct Pool(Arc<SharedPool>);
 
-struct Shared {
-    state: Mutex<State>,
+struct SharedPool {
+    state: Mutex<PoolState>,
     changed: Condvar,
 }
 
-struct State {
+struct PoolState {
     free: u64,
     is_stopped: bool,
 }
@@ -24,8 +24,8 @@ pub(super) struct Permit {
 
 impl Pool {
     pub(super) fn new(bytes: u64) -> Self {
-        Self(Arc::new(Shared {
-            state: Mutex::new(State {
+        Self(Arc::new(SharedPool {
+            state: Mutex::new(PoolState {
                 free: bytes,
                 is_stopped: false,
             }),
@@ -33,7 +33,7 @@ impl Pool {
         }))
     }
 
-    fn state(&self) -> MutexGuard<'_, State> {
+    fn state(&self) -> MutexGuard<'_, PoolState> {
         // Counters are good whatever happened elsewhere.
         self.0
             .state

@@ -34,7 +34,7 @@ pub(crate) use description::syntax_complaint;
 pub use description::{Description, MAX_DESCRIPTION_BYTES, MOSAIC_FILE, Part, PartSource};
 pub(super) use georeference::check_whole_earth;
 pub use georeference::{Stated, world_place};
-pub use place::{Bounds, Crs, MERCATOR_END_DEG, Place};
+pub use place::{Bounds, Crs, MERCATOR_END_DEG, RasterPlacement};
 pub use target::Target;
 pub use texels::Encoding;
 pub use tiles::TileSet;

@@ -59,13 +59,13 @@ struct PassDone {
 }
 
 /// What the threads of a pass share.
-struct Shared<'a> {
+struct SharedRun<'a> {
     job: &'a Job<'a>,
     pool: Pool,
     failure: Failure,
 }
 
-impl Shared<'_> {
+impl SharedRun<'_> {
     fn fail(&self, error: BuildError) {
         self.failure.set(error);
         self.pool.stop();
@@ -152,7 +152,7 @@ impl Job<'_> {
         columns: &Range<u32>,
         levels: &[TileShape],
     ) -> Result<PassDone, BuildError> {
-        let shared = Shared {
+        let shared = SharedRun {
             job: self,
             pool: Pool::new(self.plan.band_bytes),
             failure: Failure::default(),
@@ -178,7 +178,7 @@ impl Job<'_> {
 
     fn read<'s, const C: usize>(
         &'s self,
-        shared: &'s Shared<'s>,
+        shared: &'s SharedRun<'s>,
         scope: &Scope<'s>,
         columns: &Range<u32>,
         levels: &[TileShape],
@@ -233,7 +233,7 @@ impl Job<'_> {
 }
 
 /// Starts the encoding of a band's tiles, and notes durably when all are written.
-fn encode_band<'s, const C: usize>(shared: &'s Shared<'s>, scope: &Scope<'s>, band: Band) {
+fn encode_band<'s, const C: usize>(shared: &'s SharedRun<'s>, scope: &Scope<'s>, band: Band) {
     let tiles: Vec<_> = band
         .columns
         .clone()

@@ -38,12 +38,12 @@ pub struct LightTimes {
 
 /// What is light or dark.
 #[derive(Clone, Copy)]
-enum Place {
+enum Lit {
     Satellite,
     Ground,
 }
 
-impl Place {
+impl Lit {
     /// Whether it is light there; `None` without a satellite.
     fn is_light(self, moment: &Moment, ellipsoid: &Ellipsoid) -> Option<bool> {
         match self {
@@ -72,8 +72,8 @@ impl LightOutlook {
         let moments = moments.collect::<Result<Vec<_>, _>>()?;
         let of = |place| times_of(flight, place, &moments);
         Ok(Self {
-            satellite: of(Place::Satellite),
-            ground: of(Place::Ground).unwrap_or_else(LightTimes::all_light),
+            satellite: of(Lit::Satellite),
+            ground: of(Lit::Ground).unwrap_or_else(LightTimes::all_light),
         })
     }
 
@@ -171,7 +171,7 @@ fn looked_at(flight: &Flight, frames: &Range<u64>) -> Vec<Epoch> {
     (0..=steps).map(at).collect()
 }
 
-fn times_of(flight: &Flight, place: Place, moments: &[Moment]) -> Option<LightTimes> {
+fn times_of(flight: &Flight, place: Lit, moments: &[Moment]) -> Option<LightTimes> {
     let ellipsoid = flight.ellipsoid();
     let lights = moments.iter().map(|one| place.is_light(one, ellipsoid));
     let lights = lights.collect::<Option<Vec<_>>>()?;
@@ -192,7 +192,7 @@ fn times_of(flight: &Flight, place: Place, moments: &[Moment]) -> Option<LightTi
 }
 
 /// When it is light after a film that is dark to its end, looked for in the film's direction of time.
-fn light_after(flight: &Flight, place: Place, end: Epoch) -> Option<Epoch> {
+fn light_after(flight: &Flight, place: Lit, end: Epoch) -> Option<Epoch> {
     let step = match flight.scene().time.speed < 0.0 {
         true => -STEP,
         false => STEP,
@@ -209,13 +209,13 @@ fn light_after(flight: &Flight, place: Place, end: Epoch) -> Option<Epoch> {
     None
 }
 
-fn is_light_at(flight: &Flight, place: Place, epoch: Epoch) -> Option<bool> {
+fn is_light_at(flight: &Flight, place: Lit, epoch: Epoch) -> Option<bool> {
     let moment = flight.at(epoch, 1.0).ok()?;
     place.is_light(&moment, flight.ellipsoid())
 }
 
 /// The change to what is wanted between two instants, of which the second has it.
-fn narrowed(flight: &Flight, place: Place, before: Epoch, after: Epoch, wanted: bool) -> Epoch {
+fn narrowed(flight: &Flight, place: Lit, before: Epoch, after: Epoch, wanted: bool) -> Epoch {
     let (mut before, mut after) = (before, after);
     while (after - before).abs() > TO {
         let middle = before + (after - before) * 0.5;

@@ -29,7 +29,7 @@ use super::profile;
 use super::spectrum::Spectrum;
 use glam::{DVec3, Vec3, Vec4};
 use path::{Light, Path, Ray};
-use source_table::{COEFFICIENTS, HEIGHTS, SUNS, Source};
+use source_table::{COEFFICIENTS, HEIGHTS, SUNS, SourceFunction};
 use sources::Sources;
 use std::f64::consts::PI;
 use std::sync::{Arc, LazyLock, Mutex, PoisonError};
@@ -299,7 +299,8 @@ impl Builder<'_> {
             let per = self.air.scattering_rgb(r);
             for sun in 0..SUNS {
                 let at = height * SUNS + sun;
-                let colors = |source: &Source| source.0.map(|c| radiance(c * scattering) / per);
+                let colors =
+                    |source: &SourceFunction| source.0.map(|c| radiance(c * scattering) / per);
                 let black = colors(&self.sources.black.texels[at]);
                 // Of the ground's light the mean over all directions: that of a square of a component is a third.
                 let bounce = colors(&self.sources.bounce.texels[at]);

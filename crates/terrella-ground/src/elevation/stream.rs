@@ -43,7 +43,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError, RwLock, Weak};
 use std::time::Duration;
 use terrella_files::loaders::{lock, try_lock};
 use terrella_frames::HeightTileStats;
-use viewer::Look;
+use viewer::EyePlace;
 
 /// Tiles that a frame takes over in an `Earth`, at most: each has its part of the ground made anew.
 pub const TILES_PER_FRAME: usize = 4;
@@ -96,9 +96,9 @@ pub struct StreamedGround {
 #[derive(Default)]
 struct Viewers {
     all: Vec<Weak<HeightViewer>>,
-    looks: Vec<Look>,
+    looks: Vec<EyePlace>,
     /// As when it was planned last.
-    planned: Vec<Look>,
+    planned: Vec<EyePlace>,
     rested: u32,
     /// The loader has the plan, and nothing has happened since.
     is_planned: bool,

@@ -45,7 +45,7 @@ mod toroidal;
 mod triangles;
 
 pub use lattice::{
-    DIAMONDS, DiamondCorner, Icosahedron, LatticeIndex, Place, Triangle, virtual_diamond,
+    DIAMONDS, DiamondCorner, DiamondPlace, Icosahedron, LatticeIndex, Triangle, virtual_diamond,
 };
 pub use level_extent::{DiamondExtent, IndexBox, LevelExtent};
 

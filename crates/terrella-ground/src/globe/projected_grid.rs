@@ -16,7 +16,7 @@
 //!
 //! The spacing of a sample is the root of the ground that it stands for, √(along × across). Samples glide over the ground as
 //! the eye moves; heights at fixed places then change by as much as the average leaves of ground finer than the grid. See
-//! [`Footprint`] and [`Anchor`] for what was measured.
+//! [`SampleFootprint`] and [`Anchor`] for what was measured.
 
 mod cast;
 mod coverage;
@@ -57,7 +57,7 @@ use triangles::indices;
 /// 0.017 px. Against the ground itself they are off by 0.66 px, 1.17 px and 0.61 px. From 400 km, 127 m a frame: 0.001,
 /// 0.001 and 0.006 px a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Footprint {
+pub enum SampleFootprint {
     /// √(along × across), the root of the sample's ground.
     #[default]
     Mean,
@@ -88,7 +88,7 @@ pub struct GridOptions {
     /// The figure of the Earth.
     pub figure: Figure,
     /// Over how much ground a height is averaged.
-    pub footprint: Footprint,
+    pub footprint: SampleFootprint,
     /// What samples hold on to.
     pub anchor: Anchor,
     /// Whether the GPU makes the vertices, with heights from tiles that are kept; else the CPU, with heights read anew.
@@ -123,7 +123,7 @@ impl Default for GridOptions {
         Self {
             samples: (129, 129),
             figure: Figure::default(),
-            footprint: Footprint::default(),
+            footprint: SampleFootprint::default(),
             anchor: Anchor::default(),
             on_gpu: true,
         }
@@ -164,7 +164,7 @@ pub struct GridFrame {
     /// Samples across and down.
     pub samples: (u32, u32),
     /// Over how much ground a height is averaged.
-    pub footprint: Footprint,
+    pub footprint: SampleFootprint,
 }
 
 /// A grid point before it is raised.
@@ -190,8 +190,8 @@ impl GridFrame {
         let foot = self.caster.foot(direction);
         let (along, across) = foot.stretch;
         let square = match self.footprint {
-            Footprint::Mean => along * across,
-            Footprint::Longer => along.max(across).powi(2),
+            SampleFootprint::Mean => along * across,
+            SampleFootprint::Longer => along.max(across).powi(2),
         };
         let area = area * self.step.x * self.step.y;
         GridSample {

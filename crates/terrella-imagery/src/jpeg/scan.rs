@@ -9,13 +9,13 @@ use std::io::Read;
 /// A scan's header.
 pub(super) struct Scan {
     /// Components with their tables for DC and AC.
-    parts: Vec<Part>,
+    parts: Vec<ScanComponent>,
     band: Band,
     restart_interval: u32,
 }
 
 #[derive(Clone, Copy)]
-struct Part {
+struct ScanComponent {
     component: usize,
     dc: u8,
     ac: u8,
@@ -64,10 +64,13 @@ impl Scan {
         for [id, tables] in listed.as_chunks::<2>().0 {
             let component = frame.components.iter().position(|c| c.id == *id);
             let component = component.ok_or_else(wrong)?;
-            if parts.iter().any(|part: &Part| part.component == component) {
+            if parts
+                .iter()
+                .any(|part: &ScanComponent| part.component == component)
+            {
                 return Err(wrong());
             }
-            parts.push(Part {
+            parts.push(ScanComponent {
                 component,
                 dc: tables >> 4,
                 ac: tables & 15,
@@ -115,7 +118,7 @@ impl Scan {
     fn tables<'t>(&self, kind: Kind, tables: &'t Tables) -> Result<Vec<PartTables<'t>>, Fault> {
         let has_dc = matches!(kind, Kind::Sequential | Kind::DcFirst);
         let has_ac = matches!(kind, Kind::Sequential | Kind::AcFirst | Kind::AcRefine);
-        let of_part = |part: &Part| {
+        let of_part = |part: &ScanComponent| {
             Ok(PartTables {
                 dc: has_dc.then(|| tables.dc(part.dc)).transpose()?,
                 ac: has_ac.then(|| tables.ac(part.ac)).transpose()?,

@@ -4,7 +4,7 @@ use super::double_double::DoubleDouble;
 use glam::DVec3;
 use terrella_orbit::constants::{EARTH_GM_M3_S2, EGM96_EQUATORIAL_RADIUS_M, EGM96_J2};
 
-type State = [DoubleDouble; 6];
+type StateVector = [DoubleDouble; 6];
 
 /// Columns of the extrapolation: order 22.
 const COLUMNS: usize = 11;
@@ -25,7 +25,7 @@ pub fn positions_m(
 ) -> (Vec<DVec3>, f64) {
     let number = DoubleDouble::from;
     let (r, v) = (position_m, velocity_m_s);
-    let mut y: State = [r.x, r.y, r.z, v.x, v.y, v.z].map(number);
+    let mut y: StateVector = [r.x, r.y, r.z, v.x, v.y, v.z].map(number);
     let mut t = 0.0;
     let mut worst = 0.0_f64;
     let mut found = Vec::with_capacity(times_s.len());
@@ -50,8 +50,8 @@ pub fn positions_m(
     (found, worst)
 }
 
-fn step(y: &State, h: DoubleDouble, flattened: bool) -> (State, f64) {
-    let mut rows: Vec<State> = Vec::with_capacity(COLUMNS);
+fn step(y: &StateVector, h: DoubleDouble, flattened: bool) -> (StateVector, f64) {
+    let mut rows: Vec<StateVector> = Vec::with_capacity(COLUMNS);
     let mut difference = f64::INFINITY;
     for k in 0..COLUMNS {
         let n = 2 * (k as u32 + 1);
@@ -76,12 +76,12 @@ fn step(y: &State, h: DoubleDouble, flattened: bool) -> (State, f64) {
 }
 
 /// Gragg's modified midpoint rule, its last smoothing left out.
-fn midpoint(y: &State, h: DoubleDouble, n: u32, flattened: bool) -> State {
+fn midpoint(y: &StateVector, h: DoubleDouble, n: u32, flattened: bool) -> StateVector {
     let part = h / DoubleDouble::from(f64::from(n));
     let twice = part + part;
     let mut before = *y;
     let f = derivative(y, flattened);
-    let mut now: State = std::array::from_fn(|i| y[i] + part * f[i]);
+    let mut now: StateVector = std::array::from_fn(|i| y[i] + part * f[i]);
     for _ in 1..n {
         let f = derivative(&now, flattened);
         let next = std::array::from_fn(|i| before[i] + twice * f[i]);
@@ -90,7 +90,7 @@ fn midpoint(y: &State, h: DoubleDouble, n: u32, flattened: bool) -> State {
     now
 }
 
-fn derivative(y: &State, flattened: bool) -> State {
+fn derivative(y: &StateVector, flattened: bool) -> StateVector {
     let number = DoubleDouble::from;
     let [x, y_, z, vx, vy, vz] = *y;
     let r2 = x * x + y_ * y_ + z * z;

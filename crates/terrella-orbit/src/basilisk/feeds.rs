@@ -1,6 +1,6 @@
 //! The craft and places of a simulation as feeds, for tracks.
 
-use super::shared::Shared;
+use super::shared::SharedSimulation;
 use super::world::{Snapshot, seconds};
 use crate::{Feed, Frame, Freshness, OrbitError, OrbitState};
 use glam::DVec3;
@@ -9,7 +9,7 @@ use terrella_frames::{Epoch, rfc3339, utc_from_rfc3339};
 
 /// The states of a craft that have come, in GCRF about the Earth's centre.
 pub struct CraftFeed {
-    pub(super) shared: Arc<Shared>,
+    pub(super) shared: Arc<SharedSimulation>,
     /// Which; the first where none is named.
     pub(super) craft: Option<String>,
     /// What it is called: known with its first state where none is named.
@@ -22,7 +22,7 @@ fn always() -> (Epoch, Epoch) {
     (year("1900-01-01T00:00:00Z"), year("2099-12-31T00:00:00Z"))
 }
 
-fn freshness(shared: &Shared) -> Freshness {
+fn freshness(shared: &SharedSimulation) -> Freshness {
     match shared.age().map(|age| age.as_secs_f64()) {
         None => Freshness::Waiting,
         Some(age_s) if age_s > shared.options.stale_after_s => Freshness::Stale { age_s },
@@ -90,7 +90,7 @@ impl Feed for CraftFeed {
 
 /// A place on the ground, where the Earth stands at the newest instant.
 pub struct PlaceFeed {
-    pub(super) shared: Arc<Shared>,
+    pub(super) shared: Arc<SharedSimulation>,
     /// What it is called.
     pub(super) name: Arc<str>,
     pub(super) position_itrf_m: DVec3,

@@ -3,7 +3,7 @@
 //! Lengths in the messages are metres, gravity parameters and radii of bodies aside, which are not used. Repeated numbers that
 //! are fewer than they should be are taken as absent, as proto3 leaves out what is zero.
 
-use super::undrawn::{Part, SKYBOX, Undrawn};
+use super::undrawn::{MessagePart, SKYBOX, Undrawn};
 use super::wire::{Field, Fields, Numbers, Value, Wholes, WireFault, put_varint};
 use glam::{DMat3, DVec3};
 
@@ -146,7 +146,7 @@ pub struct EpochDate {
 fn push<T>(list: &mut Vec<T>, most: usize, one: T, undrawn: &mut Undrawn) {
     match list.len() < most {
         true => list.push(one),
-        false => undrawn.add(Part::TooMany),
+        false => undrawn.add(MessagePart::TooMany),
     }
 }
 
@@ -174,7 +174,7 @@ impl Message {
                     let camera = camera(field.bytes()?, &mut undrawn)?;
                     push(&mut message.cameras, MAX_CAMERAS, camera, &mut undrawn);
                 }
-                5 => undrawn.add(Part::QuadMaps),
+                5 => undrawn.add(MessagePart::QuadMaps),
                 7 => {
                     let (keys, skybox) = settings(field.bytes()?, &mut undrawn)?;
                     (message.live_keys, message.skybox) = (Some(keys), Some(skybox));
@@ -190,7 +190,7 @@ impl Message {
                     );
                 }
                 10 => message.ends_viewer = live_settings(field.bytes()?, &mut undrawn)?,
-                11 => undrawn.add(Part::Dialogs),
+                11 => undrawn.add(MessagePart::Dialogs),
                 _ => {}
             }
         }
@@ -269,18 +269,18 @@ fn craft(bytes: &[u8], undrawn: &mut Undrawn) -> Result<Craft, WireFault> {
             2 => position.add(&field)?,
             3 => velocity.add(&field)?,
             4 => mrp.add(&field)?,
-            5 => undrawn.add(Part::ReactionWheels),
-            6 => undrawn.add(Part::Thrusters),
-            7 => undrawn.add(Part::SunSensors),
-            8 => undrawn.add(Part::GenericSensors),
-            9 if is_there => undrawn.add(Part::Sprites),
-            10 => undrawn.add(Part::Transceivers),
-            11 => undrawn.add(Part::Storage),
-            12 => undrawn.add(Part::Lights),
-            16 if is_there => undrawn.add(Part::Logos),
-            17 => undrawn.add(Part::MultiShapes),
-            18 => undrawn.add(Part::Ellipsoids),
-            13 if is_there => undrawn.add(Part::CraftModels),
+            5 => undrawn.add(MessagePart::ReactionWheels),
+            6 => undrawn.add(MessagePart::Thrusters),
+            7 => undrawn.add(MessagePart::SunSensors),
+            8 => undrawn.add(MessagePart::GenericSensors),
+            9 if is_there => undrawn.add(MessagePart::Sprites),
+            10 => undrawn.add(MessagePart::Transceivers),
+            11 => undrawn.add(MessagePart::Storage),
+            12 => undrawn.add(MessagePart::Lights),
+            16 if is_there => undrawn.add(MessagePart::Logos),
+            17 => undrawn.add(MessagePart::MultiShapes),
+            18 => undrawn.add(MessagePart::Ellipsoids),
+            13 if is_there => undrawn.add(MessagePart::CraftModels),
             _ => {}
         }
     }
@@ -307,11 +307,11 @@ fn camera(bytes: &[u8], undrawn: &mut Undrawn) -> Result<Camera, WireFault> {
             10 => {
                 camera.skybox = field.text(MAX_NAME_CHARS)?;
                 if !camera.skybox.is_empty() && !is_black(&camera.skybox) {
-                    undrawn.add(Part::CameraSkyBox);
+                    undrawn.add(MessagePart::CameraSkyBox);
                 }
             }
-            11 if field.whole()? > 0 => undrawn.add(Part::PostProcessing),
-            18 if field.whole()? > 0 => undrawn.add(Part::CameraHud),
+            11 if field.whole()? > 0 => undrawn.add(MessagePart::PostProcessing),
+            18 if field.whole()? > 0 => undrawn.add(MessagePart::CameraHud),
             16 => camera.is_depth = field.whole()? == 1,
             17 => clip.add(&field)?,
             _ => {}
@@ -330,7 +330,7 @@ fn location(bytes: &[u8], undrawn: &mut Undrawn) -> Result<Location, WireFault> 
         let above_zero = |field: &Field<'_>| field.number().is_ok_and(|value| value > 0.0);
         matches!(field.number, 5 | 7) && above_zero(&field)
     }) {
-        undrawn.add(Part::LocationFields);
+        undrawn.add(MessagePart::LocationFields);
     }
     Ok(place)
 }
@@ -370,11 +370,13 @@ fn live_settings(bytes: &[u8], undrawn: &mut Undrawn) -> Result<bool, WireFault>
     for field in Fields::of(bytes) {
         let field = field?;
         match field.number {
-            1 => undrawn.add(Part::TargetLines),
-            2 if !matches!(field.value, Value::Bytes([])) => undrawn.add(Part::RelativeOrbitChief),
-            4 if field.is_true()? => undrawn.add(Part::PlaybackPaused),
-            5 if field.whole()? > 0 => undrawn.add(Part::PlaybackInRealTime),
-            6 if field.whole()? > 1 => undrawn.add(Part::PlaybackMultiplier),
+            1 => undrawn.add(MessagePart::TargetLines),
+            2 if !matches!(field.value, Value::Bytes([])) => {
+                undrawn.add(MessagePart::RelativeOrbitChief)
+            }
+            4 if field.is_true()? => undrawn.add(MessagePart::PlaybackPaused),
+            5 if field.whole()? > 0 => undrawn.add(MessagePart::PlaybackInRealTime),
+            6 if field.whole()? > 1 => undrawn.add(MessagePart::PlaybackMultiplier),
             3 => ends = field.is_true()?,
             _ => {}
         }

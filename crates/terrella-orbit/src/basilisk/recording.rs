@@ -13,7 +13,7 @@ use super::world::{Place, Roster, Snapshot, UpdateFault, World, seconds};
 use crate::{Feed, Frame, OrbitError, OrbitState};
 pub use error::RecordingError;
 use glam::DVec3;
-use index::{Change, Index, Source, message_bytes};
+use index::{Change, Index, RecordingFile, message_bytes};
 use std::collections::VecDeque;
 use std::fmt;
 use std::io::{Read, Seek};
@@ -37,7 +37,7 @@ pub struct Recording {
 }
 
 struct Reader {
-    file: Source,
+    file: RecordingFile,
     /// Instants that were read last, by the offset of their message, with the offset behind it.
     kept: VecDeque<(u64, u64, Arc<Snapshot>)>,
 }
@@ -77,7 +77,7 @@ impl Recording {
         start: Epoch,
         craft: Option<&str>,
     ) -> Result<Self, RecordingError> {
-        let mut file = Source::with_capacity(1 << 16, Box::new(source));
+        let mut file = RecordingFile::with_capacity(1 << 16, Box::new(source));
         let mut index = Index::of(&mut file, path)?;
         let notes = std::mem::take(&mut index.notes);
         let mut recording = Self {

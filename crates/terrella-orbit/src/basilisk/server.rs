@@ -6,7 +6,7 @@
 
 use super::endpoint::{Listener, Stream};
 use super::message::{MAX_MESSAGE_BYTES, viewer_input};
-use super::shared::{Session, Shared};
+use super::shared::{Session, SharedSimulation};
 use super::zmtp::{Connection, ZmtpError};
 use crate::connections::{Connections, GRACE, Standing};
 use std::cell::Cell;
@@ -22,7 +22,7 @@ pub const WRITE: Duration = Duration::from_secs(5);
 /// How often the listening thread looks for a simulator.
 const LISTEN: Duration = Duration::from_millis(10);
 /// Takes connections until all ends, and waits for their threads.
-pub fn listen(listener: &Listener, shared: &Arc<Shared>) {
+pub fn listen(listener: &Listener, shared: &Arc<SharedSimulation>) {
     let mut connections = Connections::default();
     while !shared.is_stopped() {
         connections.tidy();
@@ -46,7 +46,10 @@ pub fn listen(listener: &Listener, shared: &Arc<Shared>) {
 }
 
 /// Starts the thread of a connection.
-fn start(stream: Stream, shared: &Arc<Shared>) -> io::Result<(Arc<Standing>, JoinHandle<()>)> {
+fn start(
+    stream: Stream,
+    shared: &Arc<SharedSimulation>,
+) -> io::Result<(Arc<Standing>, JoinHandle<()>)> {
     let standing = Arc::new(Standing::default());
     let (its_standing, its_shared) = (Arc::clone(&standing), Arc::clone(shared));
     let thread = Builder::new().name("terrella-basilisk".to_owned());
@@ -54,7 +57,7 @@ fn start(stream: Stream, shared: &Arc<Shared>) -> io::Result<(Arc<Standing>, Joi
     Ok((standing, thread))
 }
 
-fn serve(stream: Stream, shared: &Shared, standing: &Standing) {
+fn serve(stream: Stream, shared: &SharedSimulation, standing: &Standing) {
     let is_leaving = || shared.is_stopped() || standing.is_dismissed();
     let connection = stream.set_timeouts(LOOK, WRITE).map_err(ZmtpError::from);
     let connection = connection.and_then(|()| {
@@ -114,7 +117,7 @@ enum Sent {
 /// A session that is left however its thread ends.
 struct Attended<'s> {
     session: Session,
-    shared: &'s Shared,
+    shared: &'s SharedSimulation,
     standing: &'s Standing,
 }
 

@@ -105,7 +105,7 @@ struct Inner {
 
 /// What the threads share.
 #[derive(Debug)]
-pub struct Shared {
+pub struct SharedSimulation {
     pub options: SimulationOptions,
     /// When simulated time is 0 where no message says so.
     start: Epoch,
@@ -136,7 +136,7 @@ pub struct Session {
     pub frame_number: i64,
 }
 
-impl Shared {
+impl SharedSimulation {
     pub fn new(options: SimulationOptions, start: Epoch) -> Self {
         Self {
             options,

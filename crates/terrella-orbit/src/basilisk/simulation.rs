@@ -4,7 +4,7 @@ use super::endpoint::{Endpoint, Listener};
 use super::feeds::{CraftFeed, PlaceFeed};
 use super::message::Camera;
 use super::options::{Meeting, SimulationError, SimulationOptions};
-use super::shared::{Counters, Shared, StepPace};
+use super::shared::{Counters, SharedSimulation, StepPace};
 use super::world::{Roster, Snapshot};
 use super::{server, subscriber};
 use glam::DVec3;
@@ -19,7 +19,7 @@ use terrella_frames::Epoch;
 /// and ends its threads.
 #[derive(Debug)]
 pub struct Simulation {
-    shared: Arc<Shared>,
+    shared: Arc<SharedSimulation>,
     endpoint: Endpoint,
     thread: Option<JoinHandle<()>>,
 }
@@ -29,7 +29,7 @@ pub struct Simulation {
 pub struct StepRequest<'s> {
     /// What to draw.
     pub snapshot: Arc<Snapshot>,
-    shared: &'s Shared,
+    shared: &'s SharedSimulation,
     ticket: u64,
 }
 
@@ -40,7 +40,7 @@ pub struct PictureRequest<'s> {
     pub snapshot: Arc<Snapshot>,
     /// By which camera.
     pub camera: Camera,
-    shared: &'s Shared,
+    shared: &'s SharedSimulation,
     ticket: u64,
 }
 
@@ -73,7 +73,7 @@ impl Drop for PictureRequest<'_> {
 /// Somebody who draws pictures, from its making to its end, whichever that is.
 #[derive(Debug)]
 pub struct Painter<'s> {
-    shared: &'s Shared,
+    shared: &'s SharedSimulation,
 }
 
 impl Painter<'_> {
@@ -98,7 +98,7 @@ impl Simulation {
         options.check()?;
         let endpoint = options.meeting.endpoint().clone();
         let listens = matches!(options.meeting, Meeting::Listen(_));
-        let shared = Arc::new(Shared::new(options, start));
+        let shared = Arc::new(SharedSimulation::new(options, start));
         let its = Arc::clone(&shared);
         let thread = Builder::new().name("terrella-basilisk-listen".to_owned());
         let (endpoint, thread) = match listens {
@@ -133,7 +133,7 @@ impl Simulation {
         options.check()?;
         Ok(Self {
             endpoint: options.meeting.endpoint().clone(),
-            shared: Arc::new(Shared::new(options, start)),
+            shared: Arc::new(SharedSimulation::new(options, start)),
             thread: None,
         })
     }

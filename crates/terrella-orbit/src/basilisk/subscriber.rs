@@ -3,7 +3,7 @@
 use super::endpoint::{Endpoint, Stream};
 use super::message::MAX_MESSAGE_BYTES;
 use super::server::{LOOK, WRITE};
-use super::shared::{Session, Shared};
+use super::shared::{Session, SharedSimulation};
 use super::zmtp::{Connection, ZmtpError};
 use std::time::Duration;
 
@@ -13,7 +13,7 @@ const CONNECT: Duration = Duration::from_secs(2);
 const RETRY: Duration = Duration::from_millis(100);
 
 /// Subscribes to a publisher until all ends, anew whenever it is gone.
-pub fn follow(endpoint: &Endpoint, shared: &Shared) {
+pub fn follow(endpoint: &Endpoint, shared: &SharedSimulation) {
     while !shared.is_stopped() {
         match Stream::connect(endpoint, CONNECT) {
             Ok(stream) => {
@@ -31,7 +31,7 @@ pub fn follow(endpoint: &Endpoint, shared: &Shared) {
     }
 }
 
-fn read(stream: Stream, shared: &Shared, session: &mut Session) -> ZmtpError {
+fn read(stream: Stream, shared: &SharedSimulation, session: &mut Session) -> ZmtpError {
     let is_stopped = || shared.is_stopped();
     if let Err(error) = stream.set_timeouts(LOOK, WRITE) {
         return error.into();

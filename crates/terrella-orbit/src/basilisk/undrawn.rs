@@ -9,7 +9,7 @@ pub struct Undrawn(u128);
 /// A part of a message. Its number is its bit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
-pub(super) enum Part {
+pub(super) enum MessagePart {
     QuadMaps,
     Dialogs,
     ReactionWheels,
@@ -172,7 +172,7 @@ impl Asks {
 
 impl Undrawn {
     /// Adds a part of a message.
-    pub(super) fn add(&mut self, part: Part) {
+    pub(super) fn add(&mut self, part: MessagePart) {
         self.0 |= 1 << part as u8;
     }
 
@@ -185,7 +185,7 @@ impl Undrawn {
                     self.0 |= 1 << (FIRST_SETTING_BIT + number - 1);
                 }
             }
-            Err(_) => self.add(Part::UnknownSetting),
+            Err(_) => self.add(MessagePart::UnknownSetting),
         }
     }
 
@@ -214,7 +214,7 @@ mod tests {
 
     #[test]
     fn each_part_and_each_setting_has_a_bit_and_a_name_of_its_own() {
-        let last = Part::UnknownSetting as usize;
+        let last = MessagePart::UnknownSetting as usize;
         assert_eq!(last + 1, PARTS.len());
         assert!(last < FIRST_SETTING_BIT as usize);
         assert!(SETTINGS.is_sorted_by_key(|(number, ..)| *number));

@@ -4,7 +4,7 @@
 use super::super::connections::{Connections, GRACE, Standing};
 use super::options::{LiveError, Pacing};
 use super::packet::MAX_PACKET_BYTES;
-use super::shared::{RateLimiter, Shared};
+use super::shared::{RateLimiter, SharedFeed};
 use super::split::{Received, Splitter};
 use std::io::{ErrorKind, Read, Write};
 use std::net::{Shutdown, SocketAddr, TcpListener, TcpStream, UdpSocket};
@@ -22,7 +22,7 @@ const LISTEN: Duration = Duration::from_millis(10);
 const WRITE: Duration = Duration::from_secs(1);
 
 /// What serves one connection until it ends.
-pub type Serve = fn(TcpStream, &Shared, &Standing);
+pub type Serve = fn(TcpStream, &SharedFeed, &Standing);
 
 pub fn spawn(
     name: &str,
@@ -43,7 +43,12 @@ pub fn is_nothing(kind: ErrorKind) -> bool {
 }
 
 /// Reads until the end, an error or the feed's own end. Any stream: a pipe, standard input, a connection.
-pub fn stream(read: &mut dyn Read, write: &mut dyn Write, shared: &Shared, standing: &Standing) {
+pub fn stream(
+    read: &mut dyn Read,
+    write: &mut dyn Write,
+    shared: &SharedFeed,
+    standing: &Standing,
+) {
     let mut splitter = Splitter::default();
     let mut allowance = RateLimiter::new(shared.options.max_packets_per_s);
     let mut chunk = [0; CHUNK];
@@ -139,7 +144,7 @@ fn is_http(bytes: &[u8]) -> bool {
 }
 
 /// Standard input. The thread cannot be woken from it: it ends with the input, or with the next bytes after the feed's end.
-pub fn stdin(shared: &Arc<Shared>) -> Result<(), LiveError> {
+pub fn stdin(shared: &Arc<SharedFeed>) -> Result<(), LiveError> {
     let shared = Arc::clone(shared);
     spawn("stdin", move || {
         stream(
@@ -154,7 +159,7 @@ pub fn stdin(shared: &Arc<Shared>) -> Result<(), LiveError> {
 }
 
 /// Serves one TCP connection until it ends.
-pub fn tcp(connection: TcpStream, shared: &Shared, standing: &Standing) {
+pub fn tcp(connection: TcpStream, shared: &SharedFeed, standing: &Standing) {
     let Ok(mut write) = connection.try_clone() else {
         return;
     };
@@ -166,7 +171,7 @@ pub fn tcp(connection: TcpStream, shared: &Shared, standing: &Standing) {
 pub fn listen(
     address: SocketAddr,
     serve: Serve,
-    shared: &Arc<Shared>,
+    shared: &Arc<SharedFeed>,
 ) -> Result<(SocketAddr, JoinHandle<()>), LiveError> {
     let bind = |source| LiveError::Bind { address, source };
     let listener = TcpListener::bind(address).map_err(bind)?;
@@ -177,7 +182,7 @@ pub fn listen(
     Ok((bound, thread))
 }
 
-fn accept(listener: &TcpListener, serve: Serve, shared: &Arc<Shared>) {
+fn accept(listener: &TcpListener, serve: Serve, shared: &Arc<SharedFeed>) {
     let mut connections = Connections::default();
     while !shared.is_stopped() {
         let dismissed = connections.tidy();
@@ -209,7 +214,7 @@ fn accept(listener: &TcpListener, serve: Serve, shared: &Arc<Shared>) {
 fn start(
     connection: TcpStream,
     serve: Serve,
-    shared: &Arc<Shared>,
+    shared: &Arc<SharedFeed>,
     standing: &Arc<Standing>,
 ) -> Option<(JoinHandle<()>, TcpStream)> {
     connection.set_nonblocking(false).ok()?;
@@ -226,7 +231,7 @@ fn start(
 /// Binds a UDP port. Gives its address.
 pub fn udp(
     address: SocketAddr,
-    shared: &Arc<Shared>,
+    shared: &Arc<SharedFeed>,
 ) -> Result<(SocketAddr, JoinHandle<()>), LiveError> {
     let bind = |source| LiveError::Bind { address, source };
     let socket = UdpSocket::bind(address).map_err(bind)?;
@@ -238,7 +243,7 @@ pub fn udp(
     Ok((bound, thread))
 }
 
-fn datagrams(socket: &UdpSocket, shared: &Shared) {
+fn datagrams(socket: &UdpSocket, shared: &SharedFeed) {
     let mut allowance = RateLimiter::new(shared.options.max_packets_per_s);
     let standing = Standing::default();
     // One byte more than allowed, so that what is too long is seen to be.
@@ -266,7 +271,7 @@ fn datagrams(socket: &UdpSocket, shared: &Shared) {
 /// Takes a datagram or a WebSocket message: it holds whole packets. `false` where an answer could not be sent.
 pub fn message(
     bytes: &[u8],
-    shared: &Shared,
+    shared: &SharedFeed,
     standing: &Standing,
     allowance: &mut RateLimiter,
     mut send: impl FnMut(Vec<u8>) -> bool,

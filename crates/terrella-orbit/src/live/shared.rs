@@ -58,7 +58,7 @@ pub struct FeedState {
 
 /// What the threads share.
 #[derive(Debug)]
-pub struct Shared {
+pub struct SharedFeed {
     pub options: LiveOptions,
     inner: Mutex<FeedState>,
     pub lockstep: Lockstep,
@@ -72,7 +72,7 @@ pub struct Shared {
 /// How long the end of a feed waits until those that wait for a frame have their answers.
 const LAST_ANSWERS: Duration = Duration::from_millis(200);
 
-impl Shared {
+impl SharedFeed {
     pub fn new(options: LiveOptions) -> Self {
         let inner = FeedState {
             buffer: StateBuffer::new(options.gap_s),

@@ -3,7 +3,7 @@
 use super::super::connections::Standing;
 use super::packet::MAX_PACKET_BYTES;
 use super::serve::{Departure, is_nothing, message};
-use super::shared::{RateLimiter, Shared};
+use super::shared::{RateLimiter, SharedFeed};
 use std::net::TcpStream;
 use std::time::{Duration, Instant};
 use tungstenite::handshake::HandshakeError;
@@ -16,7 +16,7 @@ use tungstenite::{Error, Message, WebSocket, accept_hdr_with_config};
 const HANDSHAKE: Duration = Duration::from_secs(5);
 
 /// Serves one connection until it ends.
-pub fn serve(connection: TcpStream, shared: &Shared, standing: &Standing) {
+pub fn serve(connection: TcpStream, shared: &SharedFeed, standing: &Standing) {
     let Some(mut socket) = handshake(connection, shared, standing) else {
         // One that was dismissed meanwhile is counted already.
         if !standing.is_dismissed() {
@@ -70,7 +70,7 @@ pub fn serve(connection: TcpStream, shared: &Shared, standing: &Standing) {
 
 fn handshake(
     connection: TcpStream,
-    shared: &Shared,
+    shared: &SharedFeed,
     standing: &Standing,
 ) -> Option<WebSocket<TcpStream>> {
     let begun = Instant::now();

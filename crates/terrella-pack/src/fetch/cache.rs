@@ -39,16 +39,16 @@ pub(super) enum Kept {
 /// A folder of files of one address, locked against others.
 pub(super) struct Shelf {
     dir: PathBuf,
-    state: Mutex<State>,
+    state: Mutex<CacheState>,
 }
 
-struct State {
+struct CacheState {
     journal: LockedJournal,
     kept: HashMap<String, Kept>,
 }
 
 /// A file that is being written, and its checksum so far.
-pub(super) struct Part {
+pub(super) struct PartFile {
     file: File,
     _unfinished: Unfinished,
     path: PathBuf,
@@ -96,11 +96,11 @@ impl Shelf {
         }
         Ok(Self {
             dir: dir.to_path_buf(),
-            state: Mutex::new(State { journal, kept }),
+            state: Mutex::new(CacheState { journal, kept }),
         })
     }
 
-    fn state(&self) -> MutexGuard<'_, State> {
+    fn state(&self) -> MutexGuard<'_, CacheState> {
         // Entries are put in whole.
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -126,12 +126,12 @@ impl Shelf {
     }
 
     /// Begins a file beside its final place.
-    pub(super) fn begin(&self, file: &str) -> Result<Part, FetchError> {
-        Part::beside(&self.path(file))
+    pub(super) fn begin(&self, file: &str) -> Result<PartFile, FetchError> {
+        PartFile::beside(&self.path(file))
     }
 
     /// Puts a whole file under its final name and notes it.
-    pub(super) fn finish(&self, part: Part, key: &str, file: &str) -> Result<u64, FetchError> {
+    pub(super) fn finish(&self, part: PartFile, key: &str, file: &str) -> Result<u64, FetchError> {
         let (bytes, blake3) = (part.bytes, part.hash());
         part.put(&self.path(file))?;
         self.note(key, Kept::File { bytes, blake3 })?;
@@ -157,7 +157,7 @@ impl Shelf {
     }
 }
 
-impl Part {
+impl PartFile {
     /// Where it lies until it is finished.
     pub(super) fn path(&self) -> &Path {
         &self.path
@@ -205,7 +205,7 @@ impl Part {
     }
 }
 
-impl Write for Part {
+impl Write for PartFile {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         let written = self.file.write(bytes)?;
         self.hasher.update(&bytes[..written]);
@@ -242,7 +242,7 @@ fn hash_of(path: &Path) -> io::Result<String> {
 
 /// Writes a file so that it is there with all its contents or not at all.
 pub(super) fn write_whole(path: &Path, contents: &[u8]) -> Result<(), FetchError> {
-    let mut part = Part::beside(path)?;
+    let mut part = PartFile::beside(path)?;
     match part.file.write_all(contents) {
         Ok(()) => part.put(path),
         Err(source) => {

@@ -113,7 +113,7 @@ impl GetError {
 }
 
 /// What the threads share.
-struct Shared<'a> {
+struct SharedDownload<'a> {
     job: &'a Job<'a>,
     next: AtomicUsize,
     stopped: AtomicBool,
@@ -128,7 +128,7 @@ impl Job<'_> {
     /// # Errors
     /// [`FetchError`] if nothing more can be fetched. Single files that could not be are counted.
     pub(super) fn run(&self, files: &[Wanted]) -> Result<Fetched, FetchError> {
-        let shared = Shared {
+        let shared = SharedDownload {
             job: self,
             next: AtomicUsize::new(0),
             stopped: AtomicBool::new(false),
@@ -162,7 +162,7 @@ impl Job<'_> {
     }
 }
 
-impl Shared<'_> {
+impl SharedDownload<'_> {
     fn is_over(&self) -> bool {
         self.stopped.load(Ordering::Relaxed) || self.job.progress.cancelled()
     }

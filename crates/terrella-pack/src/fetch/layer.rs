@@ -6,7 +6,7 @@ use super::error::FetchError;
 use super::http::{Client, ClientOptions};
 use super::pace::Pace;
 use super::plan::{Fineness, TilePlan};
-use super::source::{Files, Source, SourceLayer, Tiles};
+use super::source::{Files, MapSource, SourceLayer, Tiles};
 use crate::BuildProgress;
 use crate::mosaic::{Bounds, Crs, MOSAIC_FILE};
 use std::fmt::Write;
@@ -44,7 +44,7 @@ pub struct FetchOptions {
 #[derive(Clone, Debug)]
 pub struct Request {
     /// The source.
-    pub source: Source,
+    pub source: MapSource,
     /// The time, as the source names it.
     pub time: Option<String>,
 }
@@ -292,7 +292,7 @@ impl Layer {
 }
 
 /// What a source is asked for: with a region the whole Earth coarsely and the region finely.
-fn work<'a>(source: &'a Source, options: &FetchOptions) -> Result<Work<'a>, FetchError> {
+fn work<'a>(source: &'a MapSource, options: &FetchOptions) -> Result<Work<'a>, FetchError> {
     match (&source.tiles, &source.files) {
         (Some(tiles), _) => {
             let mut plans = Vec::new();

@@ -33,6 +33,6 @@ pub use layer::{Estimate, FetchOptions, Layer, LayerDone, Request};
 pub use named::{find_source, source_names};
 pub use plan::Fineness;
 pub use source::{
-    Files, Gentleness, ListedFile, MAX_SOURCE_BYTES, Media, Source, SourceLayer, Tiles, TimeStep,
-    Times,
+    Files, Gentleness, ListedFile, MAX_SOURCE_BYTES, MapSource, Media, SourceLayer, Tiles,
+    TimeStep, Times,
 };

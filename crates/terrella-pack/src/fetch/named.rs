@@ -1,7 +1,7 @@
 //! The sources that come with the program, and descriptions given by path.
 
 use super::error::FetchError;
-use super::source::{MAX_SOURCE_BYTES, Source};
+use super::source::{MAX_SOURCE_BYTES, MapSource};
 use std::path::Path;
 use terrella_files as files;
 
@@ -25,17 +25,17 @@ pub fn source_names() -> impl Iterator<Item = &'static str> {
     NAMED.iter().map(|(name, _)| *name)
 }
 
-pub(super) fn named(name: &str) -> Option<Source> {
+pub(super) fn named(name: &str) -> Option<MapSource> {
     let (_, text) = NAMED.iter().find(|(known, _)| *known == name)?;
     // A test reads them all.
-    Source::from_toml(text, Path::new(name)).ok()
+    MapSource::from_toml(text, Path::new(name)).ok()
 }
 
 /// The source of a name, or the description at a path that ends in `.toml`.
 ///
 /// # Errors
 /// [`FetchError`] with the file and what is wrong with it, or the known names.
-pub fn find_source(name: &str) -> Result<Source, FetchError> {
+pub fn find_source(name: &str) -> Result<MapSource, FetchError> {
     if let Some(source) = named(name) {
         return Ok(source);
     }
@@ -58,7 +58,7 @@ pub fn find_source(name: &str) -> Result<Source, FetchError> {
     let text =
         files::read_text(path, MAX_SOURCE_BYTES).map_err(|error| wrong(error.to_string()))?;
     let text = text.ok_or_else(|| wrong(format!("has more than {MAX_SOURCE_BYTES} bytes")))?;
-    Source::from_toml(&text, path)
+    MapSource::from_toml(&text, path)
 }
 
 #[cfg(test)]
@@ -68,7 +68,7 @@ mod tests {
     #[test]
     fn every_source_is_good_and_says_whose_it_is() {
         for (name, text) in NAMED {
-            let source = Source::from_toml(text, Path::new(name)).expect("a good description");
+            let source = MapSource::from_toml(text, Path::new(name)).expect("a good description");
             assert_eq!(source.name, *name);
             assert!(source.citation.contains("https://"), "{name}");
             assert!(

@@ -2,7 +2,7 @@
 
 use super::address::{TileNames, of_tile, with_time};
 use super::error::FetchError;
-use super::source::{Files, Source, Tiles};
+use super::source::{Files, MapSource, Tiles};
 use crate::mosaic::{Bounds, Crs};
 use std::ops::Range;
 
@@ -178,7 +178,7 @@ impl Files {
     }
 }
 
-impl Source {
+impl MapSource {
     /// Folder of its files in a cache, below the cache's own: source, time and level.
     pub(super) fn folder(&self, time: Option<&str>, level: Option<u32>) -> String {
         let time = time.unwrap_or("always");

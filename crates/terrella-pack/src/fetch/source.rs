@@ -195,7 +195,7 @@ impl Default for Gentleness {
 /// A source of maps.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Source {
+pub struct MapSource {
     /// What it is called, and its folder in a cache: lower-case letters, digits and underscores.
     pub name: String,
     /// For people.
@@ -228,7 +228,7 @@ fn is_file_name(name: &str) -> bool {
             .all(|b| b.is_ascii_alphanumeric() || matches!(b, b'.' | b'-' | b'_'))
 }
 
-impl Source {
+impl MapSource {
     /// Reads a description; `path` is its name in messages.
     ///
     /// # Errors

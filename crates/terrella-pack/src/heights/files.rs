@@ -141,8 +141,8 @@ impl HeightFiles {
                 continue;
             }
             let heights = match &file.heights {
-                Heights::Held(grid) => Part::Held(grid),
-                Heights::Spooled(spool) => Part::Window(spool.window(bounds)?),
+                Heights::Held(grid) => HeightPart::Held(grid),
+                Heights::Spooled(spool) => HeightPart::Window(spool.window(bounds)?),
             };
             parts.push((heights, joins));
         }
@@ -305,9 +305,9 @@ impl SpoolHost for Host<'_> {
 }
 
 /// The files about a tile, from the top down, over a sea at height 0.
-pub(super) struct View<'a>(Vec<(Part<'a>, &'a Joins)>);
+pub(super) struct View<'a>(Vec<(HeightPart<'a>, &'a Joins)>);
 
-enum Part<'a> {
+enum HeightPart<'a> {
     Held(&'a HeightGrid),
     Window(HeightWindow<'a>),
 }
@@ -318,8 +318,8 @@ impl View<'_> {
         let (mut height_m, mut beneath) = (0.0, 1.0);
         for (part, joins) in &self.0 {
             let weighted = match part {
-                Part::Held(grid) => grid.weighted(lat_rad, lon_rad, 0.0, joins),
-                Part::Window(window) => window.weighted(lat_rad, lon_rad, joins),
+                HeightPart::Held(grid) => grid.weighted(lat_rad, lon_rad, 0.0, joins),
+                HeightPart::Window(window) => window.weighted(lat_rad, lon_rad, joins),
             };
             if let Some((of_part_m, weight)) = weighted {
                 height_m += beneath * weight * of_part_m;

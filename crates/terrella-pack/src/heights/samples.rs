@@ -13,7 +13,7 @@ use terrella_imagery::pack::{
 
 /// Where the samples of a tile come from, kept from one to the next.
 #[derive(Default)]
-struct Source<'a> {
+struct SampleSource<'a> {
     /// The finer tile that was looked at last.
     finer: Option<(HeightPlace, Option<Arc<HeightValues>>)>,
     /// The files about the tile, so many columns farther east.
@@ -64,7 +64,7 @@ impl<'a> TileMaker<'a> {
         let entry = self.entry;
         let (side, border) = (i64::from(entry.side), i64::from(entry.border));
         let round = i64::from(entry.round(place.level));
-        let mut source = Source::default();
+        let mut source = SampleSource::default();
         let mut metres = Vec::with_capacity(entry.tile_samples());
         for y in -border..side + border {
             let row = i64::from(place.row) * side + y;
@@ -99,7 +99,7 @@ impl<'a> TileMaker<'a> {
         place: HeightPlace,
         (row, column): (u32, u32),
         turn: i64,
-        source: &mut Source<'a>,
+        source: &mut SampleSource<'a>,
     ) -> Result<f64, BuildError> {
         let side = self.entry.side;
         if let Some(level) = place.level.checked_sub(1) {

@@ -10,7 +10,7 @@ use std::path::PathBuf;
 /// Rows of all pieces together.
 pub(super) struct Composer {
     pieces: Vec<Piece>,
-    states: Vec<State>,
+    states: Vec<PieceState>,
     target: Target,
     kind: TexelKind,
     description: PathBuf,
@@ -24,7 +24,7 @@ pub(super) struct Composer {
 }
 
 /// How far a piece is.
-enum State {
+enum PieceState {
     /// Not yet begun.
     Ahead,
     Open(Box<PieceRows>),
@@ -42,7 +42,7 @@ impl Composer {
     ) -> Self {
         let columns = target.columns as usize;
         Self {
-            states: pieces.iter().map(|_| State::Ahead).collect(),
+            states: pieces.iter().map(|_| PieceState::Ahead).collect(),
             pieces,
             target,
             kind,
@@ -65,7 +65,7 @@ impl Composer {
             self.close(n);
             return Ok(None);
         }
-        if matches!(self.states[n], State::Ahead) {
+        if matches!(self.states[n], PieceState::Ahead) {
             let rows = PieceRows::open(
                 &self.pieces[n],
                 &self.target,
@@ -74,31 +74,31 @@ impl Composer {
                 self.limits,
             );
             let state = match rows {
-                Ok(rows) => State::Open(Box::new(rows)),
+                Ok(rows) => PieceState::Open(Box::new(rows)),
                 Err(error) => self.broken(error)?,
             };
             self.states[n] = state;
         }
         Ok(match &mut self.states[n] {
-            State::Open(rows) => Some(rows),
-            State::Ahead | State::Over => None,
+            PieceState::Open(rows) => Some(rows),
+            PieceState::Ahead | PieceState::Over => None,
         })
     }
 
     fn close(&mut self, n: usize) {
-        if let State::Open(rows) = &mut self.states[n] {
+        if let PieceState::Open(rows) = &mut self.states[n] {
             self.notes.extend(rows.notes());
         }
-        self.states[n] = State::Over;
+        self.states[n] = PieceState::Over;
     }
 
     /// A damaged piece is left out from here on and told; other errors go on.
-    fn broken(&mut self, error: BuildError) -> Result<State, BuildError> {
+    fn broken(&mut self, error: BuildError) -> Result<PieceState, BuildError> {
         match error {
             BuildError::Damaged { .. } => {
                 self.notes
                     .push(format!("{error}; the rest of it is left out"));
-                Ok(State::Over)
+                Ok(PieceState::Over)
             }
             other => Err(other),
         }
@@ -109,7 +109,7 @@ impl Composer {
         match done {
             Ok(done) => Ok(Some(done)),
             Err(error) => {
-                if let State::Open(rows) = &mut self.states[n] {
+                if let PieceState::Open(rows) = &mut self.states[n] {
                     self.notes.extend(rows.notes());
                 }
                 let state = self.broken(error)?;
@@ -137,14 +137,14 @@ impl Composer {
         let size = bytes.len() / self.left.len();
         // From below, so that higher ones come on top.
         for n in seen.into_iter().rev() {
-            let State::Open(rows) = &mut self.states[n] else {
+            let PieceState::Open(rows) = &mut self.states[n] else {
                 return Ok(false);
             };
             let done = rows.plain(row).map(|texels| texels.map(<[u8]>::to_vec));
             let Some(Some(texels)) = self.taken(n, done)? else {
                 return Ok(false);
             };
-            let State::Open(rows) = &self.states[n] else {
+            let PieceState::Open(rows) = &self.states[n] else {
                 return Ok(false);
             };
             for span in &rows.spans {
@@ -173,7 +173,7 @@ impl Composer {
             if self.taken(n, made)? != Some(true) {
                 continue;
             }
-            let State::Open(rows) = &self.states[n] else {
+            let PieceState::Open(rows) = &self.states[n] else {
                 continue;
             };
             let mut at = 0;
@@ -221,7 +221,7 @@ impl Composer {
     /// What was left out since it was asked last.
     pub(super) fn notes(&mut self) -> Vec<String> {
         for state in &mut self.states {
-            if let State::Open(rows) = state {
+            if let PieceState::Open(rows) = state {
                 self.notes.extend(rows.notes());
             }
         }

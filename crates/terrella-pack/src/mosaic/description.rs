@@ -1,7 +1,7 @@
 //! What a mosaic is made of: a TOML file, or a folder of maps that say where they lie.
 
 use super::georeference::Stated;
-use super::place::{Bounds, Crs, Place};
+use super::place::{Bounds, Crs, RasterPlacement};
 use super::row::AlphaMeans;
 use super::texels::Encoding;
 use super::tiles::{MAX_TILE_SIDE, TileSet};
@@ -63,7 +63,7 @@ pub enum PartSource {
     /// A file, and what is said of where it lies.
     File(PathBuf, Stated),
     /// Tiles, and where they lie.
-    Tiles(TileSet, Place),
+    Tiles(TileSet, RasterPlacement),
 }
 
 impl PartSource {
@@ -324,7 +324,7 @@ impl RawPart {
             path: path.clone(),
             tile_size: side,
         };
-        let place = Place {
+        let place = RasterPlacement {
             crs,
             west_deg: -180.0 + tile_deg * f64::from(set.columns.start),
             north_deg: crs.top_deg() - tile_deg * f64::from(set.rows.start),

@@ -4,7 +4,7 @@
 //! A system is never guessed: numbers that can be degrees are degrees, all others must be said to be metres of Web Mercator, by the
 //! description, by the tags or by a text beside the file.
 
-use super::place::{Bounds, Crs, Place, place_in_name};
+use super::place::{Bounds, Crs, RasterPlacement, place_in_name};
 use super::wkt::{MAX_WKT_BYTES, crs_of};
 use crate::error::BuildError;
 use crate::source::{FileContext, TagGrid, grid_of, in_other_system};
@@ -32,12 +32,16 @@ pub struct Stated {
 }
 
 /// Where a file of so many texels lies.
-pub(super) fn place_of(path: &Path, stated: Stated, size: (u32, u32)) -> Result<Place, BuildError> {
+pub(super) fn place_of(
+    path: &Path,
+    stated: Stated,
+    size: (u32, u32),
+) -> Result<RasterPlacement, BuildError> {
     let context = FileContext::new(path);
     let found = match stated.bounds {
         Some(bounds) => {
             let crs = stated.crs.unwrap_or_default();
-            Some(Place::from_bounds(crs, &bounds, size))
+            Some(RasterPlacement::from_bounds(crs, &bounds, size))
         }
         None => of_file(path, stated.crs, size)?,
     };
@@ -82,7 +86,7 @@ fn of_file(
     path: &Path,
     stated: Option<Crs>,
     size: (u32, u32),
-) -> Result<Option<Place>, BuildError> {
+) -> Result<Option<RasterPlacement>, BuildError> {
     let context = FileContext::new(path);
     let refused = |complaint: String| context.refused(complaint, ADVICE);
     let file = files::open(path).map_err(|error| context.unreadable(error))?;
@@ -166,7 +170,7 @@ fn agreed(
 }
 
 /// Where a grid of a system lies.
-fn placed(grid: TagGrid, system: Option<System>) -> Result<Place, String> {
+fn placed(grid: TagGrid, system: Option<System>) -> Result<RasterPlacement, String> {
     let (crs, unit) = match system {
         Some(System::WebMercator) => (Crs::WebMercator, METRES_PER_DEG),
         Some(System::Geographic { unit_rad, .. }) => {
@@ -184,7 +188,7 @@ fn placed(grid: TagGrid, system: Option<System>) -> Result<Place, String> {
         return Err("runs from south to north".to_string());
     }
     let grid = grid.in_units_of(unit);
-    Ok(Place {
+    Ok(RasterPlacement {
         crs,
         west_deg: grid.left,
         north_deg: grid.top,
@@ -292,16 +296,16 @@ fn world_grid(text: &str) -> Result<TagGrid, String> {
 ///
 /// # Errors
 /// What is wrong with it.
-pub fn world_place(text: &str, crs: Option<Crs>) -> Result<Place, String> {
+pub fn world_place(text: &str, crs: Option<Crs>) -> Result<RasterPlacement, String> {
     placed(world_grid(text)?, crs.map(system_of))
 }
 
 /// By NASA's names of eight parts.
-fn of_name(path: &Path, size: (u32, u32)) -> Option<Place> {
+fn of_name(path: &Path, size: (u32, u32)) -> Option<RasterPlacement> {
     let stem = path.file_stem()?.to_string_lossy();
     let bounds = place_in_name(&stem)?;
     // A part is a square.
-    (size.0 == size.1).then(|| Place::from_bounds(Crs::Geographic, &bounds, size))
+    (size.0 == size.1).then(|| RasterPlacement::from_bounds(Crs::Geographic, &bounds, size))
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use super::axis::Tap;
 use super::description::{Part, PartSource};
 use super::georeference::place_of;
-use super::place::Place;
+use super::place::RasterPlacement;
 use super::raster::Raster;
 use super::row::RasterRow;
 use super::target::{Span, Target};
@@ -21,7 +21,7 @@ use terrella_files as files;
 #[derive(Clone, Debug)]
 pub(super) struct Piece {
     pub part: Part,
-    pub place: Place,
+    pub place: RasterPlacement,
     pub info: SourceInfo,
     /// How its colours differ from sRGB, where its file says so.
     pub colour_note: Option<String>,
@@ -115,7 +115,7 @@ struct HeldRow {
 
 pub(super) struct PieceRows {
     raster: Raster,
-    place: Place,
+    place: RasterPlacement,
     height: u32,
     channels: usize,
     reader: Reader,

@@ -121,7 +121,7 @@ impl Bounds {
 
 /// Where a raster lies. Rows run from north to south, columns from west to east.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Place {
+pub struct RasterPlacement {
     /// Its coordinate system.
     pub crs: Crs,
     /// Longitude of its west edge, degrees.
@@ -134,7 +134,7 @@ pub struct Place {
     pub row_deg: f64,
 }
 
-impl Place {
+impl RasterPlacement {
     /// Of a raster of so many texels between these edges.
     pub fn from_bounds(crs: Crs, bounds: &Bounds, (columns, rows): (u32, u32)) -> Self {
         let north_deg = crs.northing_deg(bounds.north_deg);

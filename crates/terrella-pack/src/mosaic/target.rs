@@ -1,7 +1,7 @@
 //! The grid that a mosaic is made on: rows and columns of equal degrees.
 
 use super::axis::{Axis, Tap};
-use super::place::{Bounds, Place};
+use super::place::{Bounds, RasterPlacement};
 use crate::source::MAX_SOURCE_HEIGHT;
 
 /// Grid of latitudes and longitudes.
@@ -72,7 +72,7 @@ impl Target {
     }
 
     /// Columns that a raster of so many texels reaches.
-    pub(super) fn spans(&self, place: &Place, columns: u32) -> Vec<Span> {
+    pub(super) fn spans(&self, place: &RasterPlacement, columns: u32) -> Vec<Span> {
         let width_deg = place.width_deg(columns);
         let axis = Axis {
             size: columns,
@@ -122,7 +122,7 @@ impl Target {
     }
 
     /// What a row is made of, of a raster with so many rows.
-    pub(super) fn row_tap(&self, place: &Place, rows: u32, row: u32) -> Tap {
+    pub(super) fn row_tap(&self, place: &RasterPlacement, rows: u32, row: u32) -> Tap {
         let axis = Axis {
             size: rows,
             is_round: false,
@@ -139,9 +139,9 @@ mod tests {
     use super::*;
     use crate::mosaic::place::Crs;
 
-    fn place(west: f64, east: f64, columns: u32) -> Place {
+    fn place(west: f64, east: f64, columns: u32) -> RasterPlacement {
         let bounds = Bounds::new([west, -90.0, east, 90.0]).expect("good");
-        Place::from_bounds(Crs::Geographic, &bounds, (columns, 8))
+        RasterPlacement::from_bounds(Crs::Geographic, &bounds, (columns, 8))
     }
 
     fn columns(spans: &[Span]) -> Vec<(usize, usize)> {
@@ -200,7 +200,8 @@ mod tests {
     fn rows_of_web_mercator_are_narrower_towards_the_poles() {
         let earth = Target::earth(256);
         let bounds = Bounds::new([-180.0, -85.051_128_779_806_59, 180.0, 85.051_128_779_806_59]);
-        let place = Place::from_bounds(Crs::WebMercator, &bounds.expect("good"), (256, 256));
+        let place =
+            RasterPlacement::from_bounds(Crs::WebMercator, &bounds.expect("good"), (256, 256));
         let texels = |row| match earth.row_tap(&place, 256, row) {
             Tap::Mean(_, parts) => parts.len(),
             Tap::Cubic(..) => 1,

@@ -134,7 +134,7 @@ fn own(key: &Key) -> Value {
 }
 
 /// A key of a table within the value of a key.
-pub(super) struct Part {
+pub(super) struct KeyPart {
     pub(super) name: &'static str,
     /// The schema of its value.
     pub(super) value: Value,
@@ -143,14 +143,14 @@ pub(super) struct Part {
 }
 
 /// The keys of the table within the value of a key; none where it has no table.
-pub(super) fn parts(key: &str) -> Vec<Part> {
-    let part = |name, value, meaning| Part {
+pub(super) fn parts(key: &str) -> Vec<KeyPart> {
+    let part = |name, value, meaning| KeyPart {
         name,
         value,
         meaning,
         is_needed: false,
     };
-    let needed = |name, value, meaning| Part {
+    let needed = |name, value, meaning| KeyPart {
         is_needed: true,
         ..part(name, value, meaning)
     };
@@ -185,7 +185,7 @@ pub(super) fn parts(key: &str) -> Vec<Part> {
             needed("file", text(), "Path of the map."),
         ],
         "keys" => {
-            let numbers = NUMBERS.iter().map(|(name, range, unit)| Part {
+            let numbers = NUMBERS.iter().map(|(name, range, unit)| KeyPart {
                 is_needed: *name == "time_s",
                 ..part(name, number(range), unit)
             });

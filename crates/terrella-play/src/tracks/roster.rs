@@ -24,21 +24,21 @@ type Feeds = Vec<Arc<dyn Feed>>;
 
 /// What is drawn of a simulation's craft and places.
 pub struct RosterTracks {
-    source: Source,
+    source: RosterSource,
     orbit: Orbit,
     width_px: f32,
     ellipsoid: Ellipsoid,
 }
 
 /// Who says what there is.
-enum Source {
+enum RosterSource {
     /// A simulation that runs, and the number of what it said last.
     Simulation(Arc<Simulation>, u64),
     /// One that was saved, until its roster is handed out.
     Recording(Arc<Recording>, bool),
 }
 
-impl Source {
+impl RosterSource {
     fn of(flight: &Flight) -> Option<Self> {
         match (flight.shared_simulation(), flight.recording()) {
             (Some(simulation), _) => Some(Self::Simulation(simulation, 0)),
@@ -83,7 +83,7 @@ impl Source {
 impl RosterTracks {
     /// Of a flight that is a simulation of which anything is drawn.
     pub fn of(flight: &Flight) -> Option<Self> {
-        let source = Source::of(flight)?;
+        let source = RosterSource::of(flight)?;
         let orbit = flight.scene().orbits.first()?.clone();
         let is_wanted = !orbit.track.is_off();
         is_wanted.then(|| Self {

@@ -2,7 +2,7 @@
 //!
 //! Steps, densities and what the ray itself dims do not depend on where the Sun stands: they are computed once for all Suns.
 
-use super::source_table::{COEFFICIENTS, SUNS, Source, SourceTable};
+use super::source_table::{COEFFICIENTS, SUNS, SourceFunction, SourceTable};
 use super::transmittance::{SunRow, TransmittanceTable};
 use super::{LOWEST_SUN, sun_coordinate};
 use crate::air::model::{AirModel, aerosol_phase, molecule_phase};
@@ -36,7 +36,7 @@ struct Step {
     /// Sunlight by the Sun's cosine.
     sun: SunRow,
     /// Sources by the Sun's cosine, times the same; empty where there are none.
-    sources: Vec<Source>,
+    sources: Vec<SourceFunction>,
 }
 
 /// A ray cut into steps.

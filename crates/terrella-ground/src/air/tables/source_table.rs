@@ -13,9 +13,9 @@ pub(super) const HEIGHTS: usize = 24;
 
 /// Coefficients a0, bx, bz, cxx, czz, cxz of a source function.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Source(pub [Spectrum; COEFFICIENTS]);
+pub(super) struct SourceFunction(pub [Spectrum; COEFFICIENTS]);
 
-impl Source {
+impl SourceFunction {
     pub fn scaled(&self, by: Spectrum) -> Self {
         Self(self.0.map(|c| c * by))
     }
@@ -29,7 +29,7 @@ impl Source {
     }
 }
 
-impl AddAssign for Source {
+impl AddAssign for SourceFunction {
     fn add_assign(&mut self, other: Self) {
         for (a, b) in self.0.iter_mut().zip(&other.0) {
             *a += *b;
@@ -41,18 +41,18 @@ impl AddAssign for Source {
 #[derive(Clone)]
 pub(super) struct SourceTable {
     /// Heights one after another.
-    pub texels: Vec<Source>,
+    pub texels: Vec<SourceFunction>,
 }
 
 impl SourceTable {
     pub fn zero() -> Self {
         Self {
-            texels: vec![Source::default(); HEIGHTS * SUNS],
+            texels: vec![SourceFunction::default(); HEIGHTS * SUNS],
         }
     }
 
     /// All Suns' at radius `r`.
-    pub fn at(&self, r: f64) -> Vec<Source> {
+    pub fn at(&self, r: f64) -> Vec<SourceFunction> {
         let at = height_coordinate(r) * (HEIGHTS - 1) as f64;
         let low = (at as usize).min(HEIGHTS - 2);
         let part = (at - low as f64) as f32;

@@ -9,7 +9,7 @@
 
 use super::path::{Light, Path, Ray};
 use super::quadrature::{gauss_legendre_8, gauss_legendre_10};
-use super::source_table::{HEIGHTS, SUNS, Source, SourceTable};
+use super::source_table::{HEIGHTS, SUNS, SourceFunction, SourceTable};
 use super::transmittance::{TransmittanceTable, horizon_cosine, to_ground, to_top};
 use super::{height_radius, sun_cosine};
 use crate::air::model::{AEROSOL_ASYMMETRY, AirModel, RAYLEIGH_PHASE};
@@ -56,13 +56,13 @@ impl Moments {
     }
 
     /// The source function of this light where molecules and aerosol have these parts in scattering.
-    fn source(&self, molecules: Spectrum, aerosol: Spectrum) -> Source {
+    fn source(&self, molecules: Spectrum, aerosol: Spectrum) -> SourceFunction {
         let [a, b] = RAYLEIGH_PHASE.map(|c| c as f32);
         let g = AEROSOL_ASYMMETRY as f32;
         let aerosol = aerosol / (4.0 * std::f32::consts::PI);
         let yy = self.e - self.xx - self.zz;
         let second = molecules * b + aerosol * (7.5 * g * g);
-        Source([
+        SourceFunction([
             molecules * (self.e * a) + aerosol * (self.e * (1.0 - 2.5 * g * g)) + second * yy,
             aerosol * self.fx * (3.0 * g),
             aerosol * self.fz * (3.0 * g),
@@ -74,17 +74,17 @@ impl Moments {
 }
 
 /// A direction that light is gathered from at every height.
-struct Look {
+struct Direction {
     mu: f64,
     weight: f64,
 }
 
 /// Directions up and down at radius `r`, crowded at the horizon on both sides.
-fn looks(r: f64) -> Vec<Look> {
+fn looks(r: f64) -> Vec<Direction> {
     let horizon = horizon_cosine(r);
-    let part = |nodes: &[(f64, f64)], low: f64, high: f64| -> Vec<Look> {
+    let part = |nodes: &[(f64, f64)], low: f64, high: f64| -> Vec<Direction> {
         let half = 0.5 * (high - low);
-        let look = |&(x, w): &(f64, f64)| Look {
+        let look = |&(x, w): &(f64, f64)| Direction {
             mu: low + half * (1.0 + x),
             weight: w * half,
         };

@@ -21,7 +21,7 @@ pub(super) struct HeightTags {
 }
 
 /// Where a file lies, and whether its southern row comes first.
-pub(super) type Place = (Georeference, bool);
+pub(super) type FilePlacement = (Georeference, bool);
 
 impl HeightTags {
     /// Where the file lies; `None` if it does not say.
@@ -30,7 +30,7 @@ impl HeightTags {
         columns: u32,
         rows: u32,
         context: &FileContext,
-    ) -> Result<Option<Place>, HeightFileError> {
+    ) -> Result<Option<FilePlacement>, HeightFileError> {
         let affine = self.affine(context)?;
         let Some([left, top, right_step, down_step]) = affine else {
             if !self.geo.keys.is_empty() && self.geo.key(MODEL_TYPE).is_some_and(|model| model != 2)

@@ -1,7 +1,7 @@
 //! Which tiles are asked for, loaded, in memory and given up: a state machine without threads or a clock.
 
 use super::StreamedGroundError;
-use super::viewer::Look;
+use super::viewer::EyePlace;
 use crate::elevation::tiles::{BESIDE, FEATHER, HeldTile, NONE, Node, TilePyramid, Wants, wider};
 use crate::elevation::{
     Bounds, Georeference, GridLimits, HeightChange, HeightGrid, HeightRange, HeightTileError,
@@ -159,7 +159,7 @@ impl HeightCache {
     }
 
     /// Lets heights change: at most so many of the tiles that have come are taken in, and others given up for them.
-    pub fn take_over(&mut self, eyes: &[Look], most: usize) {
+    pub fn take_over(&mut self, eyes: &[EyePlace], most: usize) {
         let layout = self.pyramid.layout;
         // Coarse ones first: finer ones hang below them.
         self.arrived.sort_unstable_by_key(|tile| {
@@ -209,7 +209,7 @@ impl HeightCache {
     }
 
     /// Tiles that could be given up, what shows least last.
-    fn victims(&self, eyes: &[Look]) -> Vec<(f64, u32)> {
+    fn victims(&self, eyes: &[EyePlace]) -> Vec<(f64, u32)> {
         let nodes = (0..).zip(&self.pyramid.nodes);
         let leaves = nodes.filter(|(index, _)| self.is_leaf(*index));
         let layout = &self.pyramid.layout;
@@ -226,8 +226,8 @@ impl HeightCache {
     }
 
     /// Finds what shall be loaded.
-    pub fn plan(&mut self, eyes: &[Look]) {
-        self.pyramid.wants.look(eyes.iter().map(Look::near));
+    pub fn plan(&mut self, eyes: &[EyePlace]) {
+        self.pyramid.wants.look(eyes.iter().map(EyePlace::near));
         self.note_wants();
         self.queue.clear();
         self.refused.clear();
@@ -456,12 +456,12 @@ impl HeightCache {
 }
 
 /// How large the samples that stand in for a tile are seen, radians: of the eyes' most.
-fn value(layout: &HeightTileLayout, key: HeightTileKey, eyes: &[Look]) -> f64 {
+fn value(layout: &HeightTileLayout, key: HeightTileKey, eyes: &[EyePlace]) -> f64 {
     seen(layout, key, eyes).0
 }
 
 /// The same, and whether some eye sees them larger than the ground may be off.
-fn seen(layout: &HeightTileLayout, key: HeightTileKey, eyes: &[Look]) -> (f64, bool) {
+fn seen(layout: &HeightTileLayout, key: HeightTileKey, eyes: &[EyePlace]) -> (f64, bool) {
     let spacing_rad = layout.spacing_rad(key.level + 1);
     if eyes.is_empty() {
         return (spacing_rad, true);

@@ -27,12 +27,12 @@ pub struct HeightEye {
 
 /// An eye and its place.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Look {
+pub(super) struct EyePlace {
     eye: HeightEye,
     place: Geodetic,
 }
 
-impl Look {
+impl EyePlace {
     /// `None` of what is no place.
     pub fn from(eye: HeightEye) -> Option<Self> {
         let is_sound = eye.eye_itrf_m.is_finite()
@@ -73,15 +73,15 @@ impl Look {
 
 /// A place that heights are looked at from, held by who looks.
 #[derive(Debug, Default)]
-pub struct HeightViewer(Mutex<Option<Look>>);
+pub struct HeightViewer(Mutex<Option<EyePlace>>);
 
 impl HeightViewer {
     /// Looks from here from now on; what is no place is nobody.
     pub fn look(&self, eye: HeightEye) {
-        *lock(&self.0) = Look::from(eye);
+        *lock(&self.0) = EyePlace::from(eye);
     }
 
-    pub(super) fn looks(&self) -> Option<Look> {
+    pub(super) fn looks(&self) -> Option<EyePlace> {
         *lock(&self.0)
     }
 }

@@ -65,7 +65,7 @@ pub(in crate::elevation) struct Node {
 
 /// A place as levels see it.
 #[derive(Clone, Copy)]
-struct Place {
+struct PyramidPoint {
     lat_rad: f64,
     lon_rad: f64,
     /// Steps of the finest level's samples from 180° W and from the north pole.
@@ -73,7 +73,7 @@ struct Place {
     y: f64,
 }
 
-impl Place {
+impl PyramidPoint {
     /// The same in steps of a coarser level's samples: exact.
     #[inline]
     fn at(&self, level: u8) -> (f64, f64) {
@@ -115,14 +115,14 @@ fn power_of_half(level: u8) -> f64 {
 
 impl TilePyramid {
     #[inline]
-    fn place(&self, lat_rad: f64, lon_rad: f64) -> Place {
+    fn place(&self, lat_rad: f64, lon_rad: f64) -> PyramidPoint {
         let turns = (lon_rad + PI) * (1.0 / TAU);
         let turns = turns - floor(turns);
         // The difference of a small negative number from −1 is rounded to 1.
         let turns = if turns >= 1.0 { 0.0 } else { turns };
         let down = ((FRAC_PI_2 - lat_rad) * (1.0 / PI)).clamp(0.0, 1.0);
         let side = f64::from(self.layout.side());
-        Place {
+        PyramidPoint {
             lat_rad,
             lon_rad,
             x: turns * (f64::from(self.layout.columns(0)) * side),
@@ -132,7 +132,7 @@ impl TilePyramid {
 
     /// The tile of a level that a place lies in.
     #[inline]
-    fn key_at(&self, place: &Place, level: u8) -> HeightTileKey {
+    fn key_at(&self, place: &PyramidPoint, level: u8) -> HeightTileKey {
         let (x, y) = place.at(level);
         let side = self.layout.side();
         HeightTileKey {
@@ -183,7 +183,7 @@ impl TilePyramid {
 
     /// Whether a place lies in a node's tile; of those on the Earth's eastern and southern end it may say no.
     #[inline]
-    fn holds(&self, node: &Node, place: &Place) -> bool {
+    fn holds(&self, node: &Node, place: &PyramidPoint) -> bool {
         let (x, y) = place.at(node.key.level);
         let side = self.layout.side();
         let is_within =
@@ -193,7 +193,7 @@ impl TilePyramid {
 
     /// The quarter of a node that a place in it lies in.
     #[inline]
-    fn quarter_of(&self, node: &Node, place: &Place) -> usize {
+    fn quarter_of(&self, node: &Node, place: &PyramidPoint) -> usize {
         let (x, y) = place.at(node.key.level - 1);
         let side = self.layout.side();
         let is_second = |at: f64, tile: u32| usize::from(at as u32 - 2 * tile * side >= side);
@@ -205,7 +205,7 @@ impl TilePyramid {
     /// Places are mostly asked for beside each other: the way begins at the node where the last one of this thread ended, goes up
     /// as far as it must, and down.
     #[inline]
-    fn finest_over(&self, place: &Place, level: u8) -> u32 {
+    fn finest_over(&self, place: &PyramidPoint, level: u8) -> u32 {
         let mut at = LAST.get();
         let mut node = match self.nodes.get(at as usize) {
             Some(node) if node.key.level >= level && self.holds(node, place) => node,
@@ -227,7 +227,7 @@ impl TilePyramid {
     }
 
     /// The first node above one that a place lies in and that is not finer than a level.
-    fn coarser_over(&self, from: u32, place: &Place, level: u8) -> u32 {
+    fn coarser_over(&self, from: u32, place: &PyramidPoint, level: u8) -> u32 {
         let mut at = from;
         while let Some(node) = self.nodes.get(at as usize) {
             if node.key.level >= level && self.holds(node, place) {
@@ -240,7 +240,7 @@ impl TilePyramid {
 
     /// Notes that finer tiles over a place were asked for, down to a level, or as far as somebody sees them.
     #[inline]
-    fn want_below(&self, node: &Node, place: &Place, level: u8, is_any: bool) {
+    fn want_below(&self, node: &Node, place: &PyramidPoint, level: u8, is_any: bool) {
         let quarter = self.quarter_of(node, place);
         if node.exists >> quarter & 1 == 0 {
             return;
@@ -273,7 +273,7 @@ impl TilePyramid {
 
     /// g of a node's level.
     #[inline]
-    fn blended(&self, node: u32, place: &Place, is_any: bool) -> f64 {
+    fn blended(&self, node: u32, place: &PyramidPoint, is_any: bool) -> f64 {
         let (mut height_m, mut beneath) = (0.0, 1.0);
         let mut at = node;
         loop {
@@ -463,7 +463,7 @@ impl TilePyramid {
     }
 
     /// The finest level that the source has at a place.
-    fn finest_level(&self, place: &Place) -> u8 {
+    fn finest_level(&self, place: &PyramidPoint) -> u8 {
         let node = &self.nodes[self.finest_over(place, 0) as usize];
         let mut level = node.key.level;
         if level == 0 || node.exists >> self.quarter_of(node, place) & 1 == 0 {

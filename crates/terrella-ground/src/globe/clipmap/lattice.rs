@@ -196,7 +196,7 @@ impl DiamondCorner {
 
 /// A cell of the paper's virtual diamond: what lies in a place of the 3 × 3 about a home diamond.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Place {
+pub enum DiamondPlace {
     /// The home itself.
     Home,
     /// The diamond across an edge of the home.
@@ -210,7 +210,7 @@ pub enum Place {
 /// The 3 × 3 virtual diamond of a home, `[row][column]`: rows from A's side to D's along i, columns along j; the home is at
 /// `[1][1]`. Nothing is split and paired anew, as the paper does: in each place are whole diamonds of the globe, so that a
 /// change of home changes names only.
-pub fn virtual_diamond(home: u8) -> [[Place; 3]; 3] {
+pub fn virtual_diamond(home: u8) -> [[DiamondPlace; 3]; 3] {
     let across = |i, j| {
         let cell = LatticeIndex {
             diamond: home,
@@ -218,7 +218,9 @@ pub fn virtual_diamond(home: u8) -> [[Place; 3]; 3] {
             j,
         };
         // One cell a diamond: n = 1.
-        cell_across(cell, 1).map_or(Place::Home, |triangle| Place::Across(triangle.cell.diamond))
+        cell_across(cell, 1).map_or(DiamondPlace::Home, |triangle| {
+            DiamondPlace::Across(triangle.cell.diamond)
+        })
     };
     let beyond = |corner| {
         let corner = DiamondCorner {
@@ -226,14 +228,14 @@ pub fn virtual_diamond(home: u8) -> [[Place; 3]; 3] {
             corner,
         };
         if corner.valence() == 3 {
-            return Place::Closed;
+            return DiamondPlace::Closed;
         }
         let first = corner.left().left();
-        Place::Two(first.diamond, first.left().diamond)
+        DiamondPlace::Two(first.diamond, first.left().diamond)
     };
     [
         [beyond(0), across(-1, 0), beyond(3)],
-        [across(0, -1), Place::Home, across(0, 1)],
+        [across(0, -1), DiamondPlace::Home, across(0, 1)],
         [beyond(1), across(1, 0), beyond(2)],
     ]
 }

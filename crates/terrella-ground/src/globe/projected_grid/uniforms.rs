@@ -1,7 +1,7 @@
 //! What the GPU form is given each frame: the uniform of `shaders/earth/vertex/projected_grid.wgsl`, from a [`GridFrame`] in f64.
 
 use super::tiles::{HeightTiles, eye_place, level_spacing_rad};
-use super::{Footprint, GridFrame};
+use super::{GridFrame, SampleFootprint};
 use crate::globe::surface::{GridLevel, GridUniforms, LEVELS, TILE_CELLS, WINDOW_TILES};
 use glam::{DVec2, UVec2, UVec4, Vec2};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
@@ -54,7 +54,7 @@ impl GridUniforms {
             right: screen.right.as_vec3(),
             cell_area: cell_area as f32,
             screen_up: screen.up.as_vec3(),
-            longer: f32::from(u8::from(frame.footprint == Footprint::Longer)),
+            longer: f32::from(u8::from(frame.footprint == SampleFootprint::Longer)),
             eye_up: caster.up.as_vec3(),
             limb_rad: caster.limb_rad as f32,
             eye_normal: eye_normal.as_vec3(),

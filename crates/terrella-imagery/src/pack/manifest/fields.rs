@@ -10,12 +10,12 @@ use toml::de::{DeTable, DeValue};
 
 /// A manifest's text and the name of its file.
 #[derive(Clone, Copy)]
-pub(super) struct Source<'a> {
+pub(super) struct ManifestText<'a> {
     pub(super) path: &'a Path,
     pub(super) text: &'a str,
 }
 
-impl<'a> Source<'a> {
+impl<'a> ManifestText<'a> {
     /// The text as tables and keys.
     pub(super) fn parse(&self) -> Result<Spanned<DeTable<'a>>, PackError> {
         DeTable::parse(self.text).map_err(|error| {
@@ -54,7 +54,7 @@ impl<'a> Source<'a> {
 /// A table of a manifest.
 #[derive(Clone)]
 pub(super) struct Table<'a> {
-    source: Source<'a>,
+    source: ManifestText<'a>,
     /// Its name with those of the tables it stands in and a full stop; empty for the whole file.
     prefix: String,
     /// Where it begins; `None` for the whole file.
@@ -65,7 +65,7 @@ pub(super) struct Table<'a> {
 impl<'a> Table<'a> {
     /// The whole file, which may have these keys.
     pub(super) fn root(
-        source: Source<'a>,
+        source: ManifestText<'a>,
         entries: &'a DeTable<'a>,
         known: &[&str],
     ) -> Result<Self, PackError> {
@@ -115,14 +115,14 @@ impl<'a> Table<'a> {
 /// A value of a manifest.
 #[derive(Clone)]
 pub(super) struct Value<'a> {
-    source: Source<'a>,
+    source: ManifestText<'a>,
     key: String,
     value: &'a Spanned<DeValue<'a>>,
 }
 
 impl<'a> Value<'a> {
     /// The value of a key outside any table.
-    pub fn new(source: Source<'a>, key: &str, value: &'a Spanned<DeValue<'a>>) -> Self {
+    pub fn new(source: ManifestText<'a>, key: &str, value: &'a Spanned<DeValue<'a>>) -> Self {
         Self {
             source,
             key: key.to_owned(),

@@ -1,6 +1,6 @@
 //! Reading a manifest, of which nothing is believed.
 
-use super::fields::{Source, Table, Value, nearest};
+use super::fields::{ManifestText, Table, Value, nearest};
 use super::heights::heights;
 use super::levels::levels;
 use super::{
@@ -38,7 +38,7 @@ impl Manifest {
         if text.len() as u64 > MAX_MANIFEST_BYTES || ends.count() > MAX_MANIFEST_VALUES {
             return Err(PackError::TooLarge { path: path.into() });
         }
-        let source = Source { path, text };
+        let source = ManifestText { path, text };
         let document = source.parse()?;
         let root = document.get_ref();
         // A later version may have any keys: it is named before they are looked at.

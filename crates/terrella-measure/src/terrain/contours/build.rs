@@ -9,7 +9,7 @@ use terrella_ground::globe::contours::tree::{
 };
 
 /// A node as wide as a part, and all that is below it.
-struct Part {
+struct Subtree {
     /// The node first; numbers of nodes count from it.
     nodes: Vec<Node>,
     stats: TreeStats,
@@ -49,7 +49,7 @@ pub fn build_on(
             progress(0.95 * done as f32 / all as f32);
         },
     );
-    let parts: Vec<Part> = parts.into_iter().collect::<Option<_>>().ok_or(refused)?;
+    let parts: Vec<Subtree> = parts.into_iter().collect::<Option<_>>().ok_or(refused)?;
     // What is drawn of coarse nodes that no part begins with.
     for k in 0..nodes.len() {
         if roots.binary_search(&k).is_err() {
@@ -124,7 +124,7 @@ fn coarse(
 }
 
 /// All that is below a node, with the node; `None` once there are too many.
-fn part(builder: &TreeBuilder<'_>, coarse: &[Node], root: usize) -> Option<Part> {
+fn part(builder: &TreeBuilder<'_>, coarse: &[Node], root: usize) -> Option<Subtree> {
     let mut ancestors = Vec::new();
     let mut at = root;
     while at > 0 {
@@ -132,7 +132,7 @@ fn part(builder: &TreeBuilder<'_>, coarse: &[Node], root: usize) -> Option<Part>
         ancestors.push(coarse[at]);
     }
     let (nodes, stats) = builder.subtree(coarse[root], &mut ancestors)?;
-    Some(Part {
+    Some(Subtree {
         nodes,
         stats,
         ancestors,
@@ -140,7 +140,7 @@ fn part(builder: &TreeBuilder<'_>, coarse: &[Node], root: usize) -> Option<Part>
 }
 
 /// Puts a part into its place.
-fn put(nodes: &mut Vec<Node>, root: usize, part: Part, stats: &mut TreeStats) {
+fn put(nodes: &mut Vec<Node>, root: usize, part: Subtree, stats: &mut TreeStats) {
     // Number 1 of the part goes to the end.
     let moved = |index: u32| index + nodes.len() as u32 - 1;
     let (first, parent) = (moved(1), nodes[root].parent);

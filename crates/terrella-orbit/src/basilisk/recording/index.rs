@@ -51,7 +51,7 @@ pub trait ReadSeek: Read + Seek + Send {}
 impl<T: Read + Seek + Send> ReadSeek for T {}
 
 /// A file, buffered.
-pub type Source = BufReader<Box<dyn ReadSeek>>;
+pub type RecordingFile = BufReader<Box<dyn ReadSeek>>;
 
 /// What stands at the beginning of a message.
 struct Head {
@@ -83,7 +83,7 @@ fn stream_varint(read: &mut impl Read) -> io::Result<Option<(u64, u64)>> {
 }
 
 /// The head of the message at `offset`, without the bytes that nobody needs yet; `None` at the end of the file.
-fn head(file: &mut Source, offset: u64, file_len: u64) -> io::Result<Option<Head>> {
+fn head(file: &mut RecordingFile, offset: u64, file_len: u64) -> io::Result<Option<Head>> {
     let Some((len, len_len)) = stream_varint(file)? else {
         return Ok(None);
     };
@@ -143,7 +143,7 @@ impl Index {
     ///
     /// # Errors
     /// A file that cannot be read or does not begin with a message.
-    pub fn of(file: &mut Source, path: &Path) -> Result<Self, RecordingError> {
+    pub fn of(file: &mut RecordingFile, path: &Path) -> Result<Self, RecordingError> {
         let unreadable = |source| RecordingError::Read {
             path: path.to_owned(),
             source,
@@ -233,7 +233,7 @@ impl Index {
 ///
 /// # Errors
 /// A file that cannot be read there, a message longer than one may be.
-pub fn message_bytes(file: &mut Source, offset: u64) -> io::Result<(Vec<u8>, u64)> {
+pub fn message_bytes(file: &mut RecordingFile, offset: u64) -> io::Result<(Vec<u8>, u64)> {
     let position = file.stream_position()?;
     // Within what is buffered nothing is read anew.
     let ahead = offset.cast_signed().checked_sub(position.cast_signed());

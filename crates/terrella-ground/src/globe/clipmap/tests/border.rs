@@ -179,10 +179,10 @@ fn the_virtual_diamond_holds_the_true_surroundings_of_all_homes() {
     let mut places = 0;
     for home in 0..DIAMONDS {
         let cells = virtual_diamond(home);
-        assert_eq!(cells[1][1], Place::Home);
+        assert_eq!(cells[1][1], DiamondPlace::Home);
         let here = points_of(home);
         let across = |row: usize, column: usize| match cells[row][column] {
-            Place::Across(diamond) => diamond,
+            DiamondPlace::Across(diamond) => diamond,
             other => panic!("{other:?} across an edge of {home}"),
         };
         let index = |i, j| {
@@ -214,8 +214,8 @@ fn the_virtual_diamond_holds_the_true_surroundings_of_all_homes() {
             // All diamonds that have the corner are the home, the two across its edges, and what the place says.
             let mut said: HashSet<u8> = [home, across(row, 1), across(1, column)].into();
             match cells[row][column] {
-                Place::Closed => {}
-                Place::Two(a, b) => {
+                DiamondPlace::Closed => {}
+                DiamondPlace::Two(a, b) => {
                     said.extend([a, b]);
                     assert!(said.len() == 5 && globe.directions[corner].z.abs() == 1.0);
                 }

@@ -195,7 +195,7 @@ fn heights_do_not_swim() {
         println!("{}: not filtered: {unfiltered:.3?}", scene.name);
         let mut told = Vec::new();
         for anchor in [Anchor::Direction, Anchor::Screen] {
-            for footprint in [Footprint::Mean, Footprint::Longer] {
+            for footprint in [SampleFootprint::Mean, SampleFootprint::Longer] {
                 let options = GridOptions {
                     anchor,
                     footprint,
