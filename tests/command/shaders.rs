@@ -76,6 +76,29 @@ fn pictures_are_drawn_with_the_shaders_of_a_folder() {
     );
 }
 
+#[test]
+fn a_film_with_changed_shaders_is_another() {
+    let place = Place::new();
+    let folder = place.path("shaders");
+    let play = |more: &[&str]| {
+        let arguments = ["play", "small.toml", "--frames", "f", "--frame-count", "2"];
+        let mut command = place.command(&[&arguments, more].concat());
+        let output = command
+            .env("TERRELLA_SHADERS", &folder)
+            .output()
+            .expect("starts");
+        (output.status.success(), words(&output))
+    };
+    write_shaders(&folder, DRAWN);
+    let (is_drawn, message) = play(&[]);
+    assert!(is_drawn, "{message}");
+    assert!(play(&["--resume"]).0, "the same shaders");
+    write_shaders(&folder, RED);
+    let (is_drawn, message) = play(&["--resume"]);
+    assert!(!is_drawn);
+    assert!(message.contains("with the shaders"), "{message}");
+}
+
 #[cfg(target_os = "linux")]
 #[test]
 fn a_window_follows_changed_shaders_and_keeps_its_own_where_they_are_wrong() {

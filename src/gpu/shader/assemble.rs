@@ -1,19 +1,8 @@
 //! Puts the text of a shader together: imports and conditions, see the module above.
 
 use super::constants;
-use super::files::ShaderFiles;
+use super::files::{ShaderError, ShaderFiles};
 use crate::gpu::faults::resolved;
-
-/// What is wrong with a shader file.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("shaders/{file}:{line}: {problem}")]
-pub struct ShaderError {
-    /// The file, below `shaders/`.
-    pub file: String,
-    /// Line, from 1.
-    pub line: usize,
-    pub problem: String,
-}
 
 /// WGSL as the driver gets it.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -56,12 +45,7 @@ impl ShaderText {
         conditions: Conditions<'_>,
         done: &mut Vec<&'static str>,
     ) -> Result<bool, ShaderError> {
-        let unreadable = |problem| ShaderError {
-            file: file.to_owned(),
-            line: 0,
-            problem,
-        };
-        let Some((file, text)) = files.file(file).map_err(unreadable)? else {
+        let Some((file, text)) = files.file(file)? else {
             return Ok(false);
         };
         if done.contains(&file) {

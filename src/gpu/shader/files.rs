@@ -8,6 +8,17 @@ use terrella_files::{cause, read_text};
 /// Most bytes of a file in a folder.
 const MOST_BYTES: u64 = 1 << 20;
 
+/// What is wrong with a shader file.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("shaders/{file}:{line}: {problem}")]
+pub struct ShaderError {
+    /// The file, below `shaders/`.
+    pub file: String,
+    /// Line, from 1.
+    pub line: usize,
+    pub problem: String,
+}
+
 /// Where the files are that shaders are put together from.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ShaderFiles {
@@ -33,22 +44,46 @@ impl ShaderFiles {
     pub(super) fn file(
         &self,
         name: &str,
-    ) -> Result<Option<(&'static str, Cow<'static, str>)>, String> {
+    ) -> Result<Option<(&'static str, Cow<'static, str>)>, ShaderError> {
         let Some((name, embedded)) = FILES.iter().find(|(known, _)| *known == name) else {
             return Ok(None);
         };
         let text = match self {
             Self::Embedded => Cow::Borrowed(*embedded),
-            Self::Folder(folder) => match read_text(&folder.join(name), MOST_BYTES) {
-                Ok(Some(text)) => Cow::Owned(text),
-                Ok(None) => return Err(format!("more than {MOST_BYTES} bytes")),
-                Err(error) => {
-                    let folder = folder.display();
-                    return Err(format!("cannot be read from {folder}: {}", cause(error)));
+            Self::Folder(folder) => {
+                let unreadable = |problem| ShaderError {
+                    file: (*name).to_owned(),
+                    line: 0,
+                    problem,
+                };
+                match read_text(&folder.join(name), MOST_BYTES) {
+                    Ok(Some(text)) => Cow::Owned(text),
+                    Ok(None) => return Err(unreadable(format!("more than {MOST_BYTES} bytes"))),
+                    Err(error) => {
+                        let (folder, cause) = (folder.display(), cause(error));
+                        let problem = format!("cannot be read from {folder}: {cause}");
+                        return Err(unreadable(problem));
+                    }
                 }
-            },
+            }
         };
         Ok(Some((name, text)))
+    }
+
+    /// The names and texts that are not those compiled in.
+    ///
+    /// # Errors
+    /// The first file that cannot be read.
+    pub fn changed(&self) -> Result<Vec<(&'static str, String)>, ShaderError> {
+        let mut changed = Vec::new();
+        for (name, embedded) in FILES {
+            if let Some((name, text)) = self.file(name)?
+                && text != *embedded
+            {
+                changed.push((name, text.into_owned()));
+            }
+        }
+        Ok(changed)
     }
 
     /// When each file of a folder was written last, as far as it is there: after an edit the answer is another. What is compiled in

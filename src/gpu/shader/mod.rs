@@ -42,14 +42,14 @@ mod value;
 mod variant;
 
 pub use air::{AirVariant, AirViewVariant};
-pub use assemble::{ShaderError, ShaderText};
+pub use assemble::ShaderText;
 pub use capability::ShaderCapability;
 pub use celestial::{CelestialKind, CelestialVariant};
 pub use earth::{
     EarthOutput, EarthVariant, PaperLayers, PatchTiles, ShadingVariant, SunlitLayers, TruthLayers,
     VertexForm,
 };
-pub use files::{FILES as SHADER_FILES, ShaderFiles};
+pub use files::{FILES as SHADER_FILES, ShaderError, ShaderFiles};
 pub use map_fade::MapFadeVariant;
 pub use tracks::{TrackKind, TracksVariant};
 pub use upscale::UpscaleVariant;

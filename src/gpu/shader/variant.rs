@@ -1,7 +1,8 @@
 //! What all variants have in common: conditions, a name, a text, a compiled module.
 
-use super::assemble::{ShaderError, ShaderText};
+use super::assemble::ShaderText;
 use super::capability::ShaderCapability;
+use super::files::ShaderError;
 use terrella_ground::light::Tone;
 
 /// What the colour target stores.

@@ -9,7 +9,9 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
+use terrella::EarthError;
 use terrella::frames::{TimeScale, ccsds_time};
+use terrella::internals::gpu::ShaderFiles;
 use terrella_files as files;
 
 /// Most files that a message names of each kind of change.
@@ -62,7 +64,7 @@ impl FilmKey {
             .map(FilmInput::of)
             .collect::<Result<_, _>>()?;
         Ok(Self {
-            program: concat!("terrella ", env!("CARGO_PKG_VERSION")).to_owned(),
+            program: program()?,
             // Scenes that no file says have a text all the same.
             scene_blake3: match scene.own_text() {
                 Some(text) => checksum(text.as_bytes()),
@@ -106,6 +108,22 @@ impl FilmKey {
         let (before, now) = (shown(found), &self.program);
         (found != now).then(|| format!("it was drawn by {before}, this is {now}"))
     }
+}
+
+/// This program, and where shaders are read that are not its own, these.
+fn program() -> Result<String, PlayError> {
+    let own = concat!("terrella ", env!("CARGO_PKG_VERSION"));
+    let changed = ShaderFiles::chosen().changed().map_err(EarthError::from)?;
+    if changed.is_empty() {
+        return Ok(own.to_owned());
+    }
+    let mut hasher = blake3::Hasher::new();
+    for (name, text) in changed {
+        hasher.update(name.as_bytes()).update(&[0]);
+        hasher.update(text.as_bytes()).update(&[0]);
+    }
+    let hash = hasher.finalize().to_hex();
+    Ok(format!("{own} with the shaders {}", &hash[..12]))
 }
 
 impl FilmInput {
