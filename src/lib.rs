@@ -56,6 +56,7 @@
 //! | [`frames`] | ellipsoid, time scales, Earth rotation, Sun; f64 | anything below |
 //! | `orbit` | readers and propagators: a state at an epoch | GPU |
 //! | `basilisk` | simulations of Basilisk: their sockets, messages and files, what is kept of them | GPU |
+//! | `height` | ranges of heights, and numbers of those that are streamed | GPU, files |
 //! | `elevation` | heights of the ground: grids, their pyramids, readers of elevation data | GPU |
 //! | `globe` | the block sphere, and surfaces with relief: vertices, culling, level of detail | GPU, files |
 //! | `half` | half floats | GPU, files |
@@ -151,6 +152,7 @@ pub use terrella_ground::globe::{
     SurfaceKind, SurfaceSettings, clipmap::ClipmapOptions, contours::ContourOptions,
     contours::PageOptions, projected_grid::GridOptions, quadtree::QuadtreeOptions,
 };
+pub use terrella_ground::height::HeightTileStats;
 pub use terrella_ground::light::{Adaptation, Exposure, Tone, exposure_factor};
 #[cfg(all(feature = "packs", feature = "terrain"))]
 pub use terrella_imagery::pack::PackHeights;

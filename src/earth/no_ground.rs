@@ -5,8 +5,9 @@ use super::EarthError;
 use super::view::ItrfView;
 use crate::plan::{DeviceLimits, SurfaceDraw};
 use std::time::Duration;
-use terrella_frames::{Ellipsoid, HeightTileStats};
+use terrella_frames::Ellipsoid;
 use terrella_ground::globe::{Block, BlockGrid, BlockSet, Figure, Surface, SurfaceStats};
+use terrella_ground::height::HeightTileStats;
 
 /// Ground with relief in place of the smooth ellipsoid. It needs the feature `terrain`; without, there is no value of this type.
 #[derive(Clone, Debug)]

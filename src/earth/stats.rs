@@ -2,8 +2,8 @@
 
 use std::time::Duration;
 use terrella_frames::Geodetic;
-use terrella_frames::HeightTileStats;
 use terrella_ground::globe::SurfaceStats;
+use terrella_ground::height::HeightTileStats;
 use terrella_imagery::residency::StreamCounters;
 use terrella_imagery::tile::MAX_LEVELS;
 

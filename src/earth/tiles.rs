@@ -12,11 +12,11 @@ use glam::DVec3;
 use std::fmt;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
-use terrella_frames::HeightRange;
 use terrella_ground::globe::{
     BLOCK_COUNT, Block, BlockGrid, BlockSet, Figure, LevelRule, PartSight, Visibility,
     select_blocks, texels_per_pixel,
 };
+use terrella_ground::height::HeightRange;
 use terrella_imagery::EarthLayers;
 use terrella_imagery::residency::{PartTable, Pool, StreamCounters, Upload};
 use terrella_imagery::stream::{StreamOptions, TileRequest, TileStream};

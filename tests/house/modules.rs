@@ -14,8 +14,9 @@ const MODULES: &[(&str, &[&str])] = &[
     ("frames", &["files"]),
     ("orbit", &["files", "frames"]),
     ("basilisk", &["files", "frames", "orbit"]),
-    ("elevation", &["files", "loaders", "frames"]),
-    ("globe", &["frames", "elevation"]),
+    ("height", &[]),
+    ("elevation", &["files", "loaders", "frames", "height"]),
+    ("globe", &["frames", "height", "elevation"]),
     ("half", &[]),
     ("air", &["frames", "half"]),
     ("light", &["frames", "air"]),
@@ -25,7 +26,7 @@ const MODULES: &[(&str, &[&str])] = &[
     // What a frame draws knows nothing of what draws it.
     ("plan", &["frames", "globe", "air", "imagery"]),
     ("gpu", &["files", "frames", "globe", "half", "air", "light", "imagery", "plan"]),
-    ("earth", &["files", "frames", "elevation", "globe", "air", "light", "imagery", "plan", "gpu"]),
+    ("earth", &["files", "frames", "height", "elevation", "globe", "air", "light", "imagery", "plan", "gpu"]),
     // Drawn into memory.
     ("offscreen", &["light", "imagery", "gpu", "earth"]),
     // Drawn behind the Earth.
@@ -57,7 +58,7 @@ const CRATES: &[Crate] = &[
     Crate { name: "terrella_files", folder: "crates/terrella-files/src/", first: Some("files"), modules: &["durable", "loaders"] },
     Crate { name: "terrella_frames", folder: "crates/terrella-frames/src/", first: Some("frames"), modules: &[] },
     Crate { name: "terrella_orbit", folder: "crates/terrella-orbit/src/", first: Some("orbit"), modules: &["basilisk"] },
-    Crate { name: "terrella_ground", folder: "crates/terrella-ground/src/", first: None, modules: &["elevation", "globe", "half", "air", "light"] },
+    Crate { name: "terrella_ground", folder: "crates/terrella-ground/src/", first: None, modules: &["height", "elevation", "globe", "half", "air", "light"] },
     Crate { name: "terrella_imagery", folder: "crates/terrella-imagery/src/", first: Some("imagery"), modules: &[] },
     Crate { name: "terrella", folder: "src/", first: None, modules: &["shipped", "plan", "gpu", "earth", "offscreen", "celestial", "tracks"] },
     Crate { name: "terrella_pack", folder: "crates/terrella-pack/src/", first: Some("pack"), modules: &["fetch"] },

@@ -45,10 +45,10 @@ pub use tiles::{
     HeightLayoutError, HeightTileError, HeightTileKey, HeightTileLayout, HeightTileSource,
 };
 
+pub use crate::height::{HeightRange, HeightTileStats};
 use glam::DVec2;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use terrella_frames::Ellipsoid;
-pub use terrella_frames::{HeightRange, HeightTileStats};
 
 /// A rectangle of geodetic latitude and longitude, radians. It may cross the date line.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -2,6 +2,7 @@
 //!
 //! | module | what |
 //! |---|---|
+//! | [`height`] | ranges of heights, and numbers of those that are streamed |
 //! | [`elevation`] | heights of the ground: grids, their pyramids, readers of elevation data; with the feature `terrain` |
 //! | [`globe`] | the block sphere, and surfaces with relief: vertices, culling, level of detail |
 //! | [`air`] | density, scattering tables, the billboard |
@@ -26,4 +27,5 @@ pub mod air;
 pub mod elevation;
 pub mod globe;
 pub mod half;
+pub mod height;
 pub mod light;

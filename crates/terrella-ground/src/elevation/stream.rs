@@ -36,13 +36,13 @@ use super::{
     Bounds, Elevation, GridError, Ground, HeightChange, HeightRange, HeightTileError,
     HeightTileKey, HeightTileSource,
 };
+use crate::height::HeightTileStats;
 use cache::HeightCache;
 use loader::HeightLoader;
 use std::fmt;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, RwLock, Weak};
 use std::time::Duration;
 use terrella_files::loaders::{lock, try_lock};
-use terrella_frames::HeightTileStats;
 use viewer::EyePlace;
 
 /// Tiles that a frame takes over in an `Earth`, at most: each has its part of the ground made anew.

@@ -2,8 +2,9 @@
 
 use super::blocks::{Block, SPAN_RAD};
 use super::culling::{Frustum, GroundShell, Horizon, ScaledFrustum, ScaledRect};
+use crate::height::HeightRange;
 use glam::{DMat4, DVec2, DVec3};
-use terrella_frames::{Ellipsoid, HeightRange};
+use terrella_frames::Ellipsoid;
 
 /// One of the 2^depth × 2^depth parts of a block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -4,9 +4,9 @@
 use super::Visibility;
 use super::blocks::{Block, BlockGrid, COLUMNS};
 use super::culling::{Frustum, GroundShell, Horizon, max_toward};
+use crate::height::HeightRange;
 use glam::{DMat4, DVec3};
 use std::f64::consts::PI;
-use terrella_frames::HeightRange;
 
 /// What [`select_blocks`] found.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -7,10 +7,10 @@ use crate::elevation::{
     Bounds, Georeference, GridLimits, HeightChange, HeightGrid, HeightRange, HeightTileError,
     HeightTileKey, HeightTileLayout, HeightTileSource, Registration,
 };
+use crate::height::HeightTileStats;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
-use terrella_frames::HeightTileStats;
 
 /// A tile is given up for another only if that one shows so many times more.
 const WORTH: f64 = 1.5;

@@ -2,9 +2,10 @@
 
 use super::{Containment, Frustum, GroundShell, Horizon};
 use crate::globe::surface::GroundView;
+use crate::height::HeightRange;
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI};
-use terrella_frames::{Ellipsoid, HeightRange};
+use terrella_frames::Ellipsoid;
 
 /// A ball that holds a piece of ground and all that is drawn of it.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -12,9 +12,10 @@
 //! that is the plane of the limb, P·e ≥ 1.
 
 use super::rect::ScaledRect;
+use crate::height::HeightRange;
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI};
-use terrella_frames::{Ellipsoid, HeightRange};
+use terrella_frames::Ellipsoid;
 
 /// Rounding of radii in scaled space, with much to spare: 0.6 mm.
 const ROUNDING: f64 = 1e-10;

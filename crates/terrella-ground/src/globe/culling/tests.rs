@@ -8,10 +8,11 @@ mod horizon;
 use super::horizon::{highest_radius, lowest_radius};
 use super::*;
 use crate::globe::surface::GroundView;
+use crate::height::HeightRange;
 use glam::dcamera::rh::{self, proj::directx};
 use glam::{DMat4, DVec2, DVec3, DVec4};
 use std::f64::consts::{PI, TAU};
-use terrella_frames::{Ellipsoid, Geodetic, HeightRange};
+use terrella_frames::{Ellipsoid, Geodetic};
 
 /// The Earth, the paper's sphere, and figures far flatter and longer than any planet's.
 const FIGURES: [Ellipsoid; 4] = [

@@ -1,4 +1,13 @@
-//! Numbers of heights that are streamed.
+//! What is said of heights where the ground itself may be left out.
+
+/// Lowest and highest of some heights, metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HeightRange {
+    /// Lowest height, metres above the ellipsoid.
+    pub low_m: f64,
+    /// Highest height, metres above the ellipsoid.
+    pub high_m: f64,
+}
 
 /// Tiles of heights that are streamed; all zero of heights that are in memory as a whole.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
