@@ -262,7 +262,7 @@ impl PatchTree {
         }
     }
 
-    /// An empty tree for [`Self::resettle`].
+    /// A tree whose leaves have no corners yet: [`Self::settle`] finds them.
     fn of_leaves(leaves: Vec<Leaf>, size: [u32; 2], q: [f64; 2]) -> Result<Self, QError> {
         Ok(Self {
             leaves,
