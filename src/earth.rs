@@ -63,7 +63,8 @@ use crate::gpu::{
 };
 pub use crate::gpu::{DepthBuffer, SurfaceOutput};
 use crate::plan::ChosenTiles;
-pub use crate::plan::{AIRGLOW_LUMINANCE, CITY_RADIANCE, LightEffect, SurfaceLight};
+use crate::plan::SurfaceLight;
+pub use crate::plan::{AIRGLOW_LUMINANCE, CITY_RADIANCE};
 pub use adaptive_quality::{AdaptiveQuality, QualityChange};
 pub use appearance::Appearance;
 pub use change_maker::{ChangeMaker, ReadyChange};

@@ -129,9 +129,9 @@ pub use {glam, wgpu};
 pub use earth::{
     AdaptiveQuality, Appearance, ChangeMaker, DepthBuffer, DiagnosticOptions, Diagnostics, Earth,
     EarthError, EarthOptions, EarthView, EyeView, FrameRequest, FrameStats, GroundOptions,
-    LightEffect, PixelRays, Quality, QualityChange, QualityLadder, QualityLadderError,
-    QualityLevel, QualityReduction, QualityStep, ReadyChange, Sky, SurfaceLight, SurfaceOutput,
-    TILED_SUBDIVISION, TileOptions, TruthPoint, TruthView, ViewFrame, Viewport,
+    PixelRays, Quality, QualityChange, QualityLadder, QualityLadderError, QualityLevel,
+    QualityReduction, QualityStep, ReadyChange, Sky, SurfaceOutput, TILED_SUBDIVISION, TileOptions,
+    TruthPoint, TruthView, ViewFrame, Viewport,
 };
 pub use gpu::{
     Attachments, FrameTargets, GpuMap, MapError, MapFade, ScaledTarget, ShaderError, TruthTargets,
@@ -144,6 +144,7 @@ pub use offscreen::{
     Drawing, LayerDtype, LayerValues, OffscreenEarth, OffscreenError, TRUTH_LAYERS, TruthLayer,
     TruthPicture,
 };
+pub use plan::{LightEffect, SurfaceLight};
 pub use terrella_frames::Epoch;
 pub use terrella_ground::air::{AirOptions, Atmosphere};
 pub use terrella_ground::globe::{Figure, LevelRule, Shading, Subdivision, Visibility};

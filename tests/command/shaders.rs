@@ -81,7 +81,7 @@ fn a_film_with_changed_shaders_is_another() {
     let place = Place::new();
     let folder = place.path("shaders");
     let play = |more: &[&str]| {
-        let arguments = ["play", "small.toml", "--frames", "f", "--frame-count", "2"];
+        let arguments = ["play", "small.toml", "--frames", "f", "--range", "0..2"];
         let mut command = place.command(&[&arguments, more].concat());
         let output = command
             .env("TERRELLA_SHADERS", &folder)

@@ -36,9 +36,9 @@ const MODULES: &[(&str, &[&str])] = &[
     ("pack", &["files", "durable", "elevation", "globe", "imagery"]),
     // Maps from the network, for packs.
     ("fetch", &["files", "durable", "imagery", "pack"]),
-    ("scene", &["shipped", "files", "frames", "orbit", "basilisk", "globe", "air", "light"]),
-    ("play", &["files", "frames", "durable", "orbit", "basilisk", "elevation", "light", "imagery", "scene", "gpu", "earth", "offscreen", "celestial", "tracks"]),
-    ("measure", &["files", "frames", "orbit", "elevation", "globe", "air", "light", "imagery", "scene", "gpu", "earth", "offscreen", "play"]),
+    ("scene", &["shipped", "files", "frames", "orbit", "basilisk", "globe", "air", "light", "plan"]),
+    ("play", &["files", "frames", "durable", "orbit", "basilisk", "elevation", "light", "imagery", "plan", "scene", "gpu", "earth", "offscreen", "celestial", "tracks"]),
+    ("measure", &["files", "frames", "orbit", "elevation", "globe", "air", "light", "imagery", "plan", "scene", "gpu", "earth", "offscreen", "play"]),
     ("cli", &["shipped", "files", "frames", "orbit", "basilisk", "globe", "imagery", "pack", "fetch", "scene", "gpu", "play", "measure"]),
 ];
 

@@ -6,14 +6,24 @@ use std::path::{Path, PathBuf};
 use terrella::internals::gpu::SHADER_FILES;
 
 /// Folders of what feeds shaders.
-const FEEDING: [&str; 6] = [
+const FEEDING: [&str; 7] = [
     "crates/terrella-frames/src",
     "crates/terrella-ground/src/globe",
     "crates/terrella-ground/src/air",
+    "src/plan",
     "src/gpu",
     "src/earth",
     "src/tracks",
 ];
+
+/// The files of a module: those in its folder, and the file of its name beside it.
+fn module_files(module: &str) -> Vec<PathBuf> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join(module);
+    let own = folder.with_extension("rs");
+    let mut files = Vec::from_iter(own.is_file().then_some(own));
+    rust_files(&folder, &mut files);
+    files
+}
 
 fn rust_files(folder: &Path, out: &mut Vec<PathBuf>) {
     for entry in std::fs::read_dir(folder).unwrap() {
@@ -50,12 +60,9 @@ fn constants(text: &str) -> impl Iterator<Item = &str> {
 /// reference renderer and the arithmetic of `measure` are oracles: they share nothing on purpose.)
 #[test]
 fn no_constant_of_a_shader_stands_in_rust_too() {
-    let repository = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut in_rust: BTreeMap<String, PathBuf> = BTreeMap::new();
     for folder in FEEDING.into_iter().chain(["crates/terrella-imagery/src"]) {
-        let mut files = Vec::new();
-        rust_files(&repository.join(folder), &mut files);
-        for file in files {
+        for file in module_files(folder) {
             let text = std::fs::read_to_string(&file).unwrap();
             for name in constants(&text) {
                 in_rust.insert(name.to_owned(), file.clone());
@@ -106,12 +113,9 @@ fn no_number_of_a_shader_stands_in_rust_too() {
     // Formulas of standards, written out on both sides where they are computed: sRGB's curve; the air's phase functions and
     // sizes of GPU types have fewer digits.
     const STANDARDS: [&str; 4] = ["1055", "1292", "31308", "4045"];
-    let repository = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut in_rust: BTreeMap<String, PathBuf> = BTreeMap::new();
     for folder in FEEDING {
-        let mut files = Vec::new();
-        rust_files(&repository.join(folder), &mut files);
-        for file in files {
+        for file in module_files(folder) {
             let text = std::fs::read_to_string(&file).unwrap();
             let product = text.split("#[cfg(test)]").next().unwrap_or_default();
             // Tests; weights of a fit and terms of a theory, which have more digits than a name.
