@@ -14,6 +14,16 @@ const SCENE: &str = "config/iss.toml";
 const PICTURE: &str = "out/iss.png";
 const VIDEO: &str = "out/iss.mp4";
 
+/// The program without what the demonstration does not show: measuring, and building packs.
+const BUILD: [&str; 6] = [
+    "build",
+    "--release",
+    "--locked",
+    "--package",
+    "terrella-cli",
+    "--no-default-features",
+];
+
 /// Draws picture and video and opens the window where there is a display. `terrella` starts the program.
 fn draw(
     root: &Path,
@@ -61,7 +71,7 @@ pub fn run(policy: Policy, open_window: bool) -> anyhow::Result<()> {
         Window::Never
     };
     prepare::run(policy, window)?;
-    let terrella = cargo::build(&["build", "--release", "--locked", "--bin", "terrella"])?
+    let terrella = cargo::build(&BUILD)?
         .terrella
         .context("cargo built the program and did not say where it is")?;
     prepare::check_adapter(policy, &terrella)?;

@@ -3,13 +3,16 @@
 use super::interruption::stop_by_itself;
 use super::progress::Bars;
 use super::values;
-use super::{Common, print};
+use super::{BAD_SCENE, Common, print};
 use clap::Args;
 use std::num::NonZeroU32;
 use std::path::PathBuf;
-use terrella_measure::bench::{BenchRequest, run_bench};
+use terrella_measure::bench::{BenchError, BenchRequest, run_bench};
 use terrella_play::Flight;
 use terrella_play::scene::Scene;
+
+/// Exit code of a benchmark that is slower than its baseline.
+const SLOWER: u8 = 3;
 
 /// Arguments of `terrella bench`.
 #[derive(Debug, Args)]
@@ -86,4 +89,14 @@ pub fn run(args: &BenchArgs, common: &Common) -> anyhow::Result<()> {
     let run = run_bench(&flight, &request, &Bars::new(common.quiet))?;
     print(&run.to_table())?;
     Ok(run.verdict()?)
+}
+
+/// The exit code of a benchmark's own errors.
+pub fn exit_code(error: &anyhow::Error) -> Option<u8> {
+    let mut causes = error.chain().filter_map(|cause| cause.downcast_ref());
+    causes.find_map(|error: &BenchError| match error {
+        error if error.is_bad_scene() => Some(BAD_SCENE),
+        error if error.is_slower() => Some(SLOWER),
+        _ => None,
+    })
 }

@@ -1,5 +1,8 @@
 //! `terrella frame`
 
+#[cfg(feature = "measure")]
+mod reference;
+
 use super::interruption::do_first;
 use super::picture_args::PictureArgs;
 use super::progress::Bars;
@@ -7,15 +10,10 @@ use super::scene_args::{SatelliteArgs, SceneArgs, open_flight};
 use super::values;
 use super::{Cli, Common};
 use clap::error::ErrorKind;
-use clap::{Args, CommandFactory, ValueEnum};
+use clap::{Args, CommandFactory};
 use std::path::PathBuf;
 use terrella::frames::Epoch;
-use terrella::internals::gpu::ContextError;
-use terrella_measure::reference::{ReferenceRequest, SAMPLES, write_reference_still};
-use terrella_play::{Flight, PlayError, Progress, StillRequest, night_note, write_still};
-
-/// Rays along each side of a pixel where none are asked for.
-const DEFAULT_SAMPLES: u32 = 4;
+use terrella_play::{Flight, Progress, StillRequest, night_note, write_still};
 
 /// Arguments of `terrella frame`.
 #[derive(Debug, Args)]
@@ -46,25 +44,12 @@ pub struct FrameArgs {
     stats: Option<PathBuf>,
     #[command(flatten)]
     pictures: PictureArgs,
-    /// Renderer: a graphics adapter, or the slow and exact one that adapters are compared with
-    #[arg(long, value_enum, default_value_t = Renderer::Gpu)]
-    renderer: Renderer,
-    /// With --renderer reference: N × N rays a pixel, 1 to 16. Default: 4
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(
-        i64::from(*SAMPLES.start())..=i64::from(*SAMPLES.end())
-    ))]
-    samples: Option<u32>,
+    #[cfg(feature = "measure")]
+    #[command(flatten)]
+    reference: reference::ReferenceArgs,
     /// Draw only the edges of the surface's triangles
     #[arg(long)]
     wireframe: bool,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Renderer {
-    /// The best graphics adapter, or the one that --adapter names
-    Gpu,
-    /// Rays on the processor, to double precision; needs no adapter
-    Reference,
 }
 
 /// Draws the picture. Where there is no graphics adapter at all, and none was asked for by name, the reference draws.
@@ -82,70 +67,46 @@ pub fn run(args: &FrameArgs, common: &Common) -> anyhow::Result<()> {
     {
         bars.say(&note);
     }
-    if args.renderer == Renderer::Gpu {
-        let request = StillRequest {
-            epoch: args.at,
-            size: args.size,
-            adapter: common.adapter.as_deref(),
-            output: &args.output,
-            radiance: args.radiance.as_deref(),
-            truth: args.truth.as_deref(),
-            stats: args.stats.as_deref(),
-            pictures: args.pictures.settings(),
-            wireframe: args.wireframe,
-        };
-        match write_still(&flight, &request, &bars) {
-            Err(PlayError::Context(error @ ContextError::NoAdapter))
-                if common.adapter.is_none()
-                    && !args.wireframe
-                    && args.radiance.is_none()
-                    && args.pictures.first_given().is_none()
-                    && args.truth.is_none() =>
-            {
-                tracing::warn!("{error}. The reference renderer draws instead, slowly");
-            }
-            done => return Ok(done?),
-        }
+    #[cfg(feature = "measure")]
+    if args.reference.is_chosen() {
+        return reference::draw(args, &flight, &bars);
     }
-    let request = ReferenceRequest {
+    let request = StillRequest {
         epoch: args.at,
         size: args.size,
-        samples: args.samples.unwrap_or(DEFAULT_SAMPLES),
+        adapter: common.adapter.as_deref(),
         output: &args.output,
+        radiance: args.radiance.as_deref(),
+        truth: args.truth.as_deref(),
         stats: args.stats.as_deref(),
+        pictures: args.pictures.settings(),
+        wireframe: args.wireframe,
     };
-    Ok(write_reference_still(&flight, &request, &bars)?)
+    match write_still(&flight, &request, &bars) {
+        #[cfg(feature = "measure")]
+        Err(error) if reference::stands_in(args, common, &error) => {
+            tracing::warn!("{error}. The reference renderer draws instead, slowly");
+            reference::draw(args, &flight, &bars)
+        }
+        done => Ok(done?),
+    }
 }
 
 /// Ends the program, as clap does, where options have no meaning together.
 fn refuse_conflicts(args: &FrameArgs, common: &Common) {
-    let refuse = |message: &str| -> ! {
-        Cli::command()
-            .error(ErrorKind::ArgumentConflict, message)
-            .exit()
-    };
-    match args.renderer {
-        Renderer::Gpu if args.samples.is_some() => refuse(
-            "--samples is for --renderer reference; a graphics adapter takes samples under [output] in the scene",
-        ),
-        Renderer::Reference if args.wireframe => {
-            refuse("--wireframe is for a graphics adapter; the reference renderer has no triangles")
-        }
-        Renderer::Reference if args.radiance.is_some() => refuse(
-            "--radiance is for a graphics adapter; the reference renderer writes a picture alone",
-        ),
-        Renderer::Reference if args.pictures.first_given().is_some() => refuse(
-            "--format, --alpha, --supersample and --shutter are for a graphics adapter; the reference renderer takes --samples",
-        ),
-        Renderer::Reference if args.truth.is_some() => refuse(
-            "--truth is for a graphics adapter; the reference renderer writes a picture alone",
-        ),
-        Renderer::Gpu if args.wireframe && args.truth.is_some() => {
-            refuse("--truth has no meaning with --wireframe, which draws edges and no ground")
-        }
-        Renderer::Reference if common.adapter.is_some() => {
-            refuse("--adapter has no meaning with --renderer reference, which uses none")
-        }
-        _ => {}
+    #[cfg(feature = "measure")]
+    if let Some(message) = reference::conflict(args, common) {
+        refuse(message);
     }
+    #[cfg(not(feature = "measure"))]
+    let _ = common;
+    if args.wireframe && args.truth.is_some() {
+        refuse("--truth has no meaning with --wireframe, which draws edges and no ground");
+    }
+}
+
+fn refuse(message: &str) -> ! {
+    Cli::command()
+        .error(ErrorKind::ArgumentConflict, message)
+        .exit()
 }

@@ -1,19 +1,23 @@
 //! The `terrella` command: arguments, logs, error messages, exit codes. Everything else is the libraries'.
 
+#[cfg(feature = "measure")]
 mod bench;
 mod check;
 mod doctor;
 mod frame;
 mod interruption;
 mod orbit;
+#[cfg(feature = "pack")]
 mod pack;
 mod picture_args;
 mod play;
 mod progress;
 mod quiet_driver;
+#[cfg(feature = "measure")]
 mod report;
 mod scene_args;
 mod serve;
+#[cfg(feature = "measure")]
 mod terrain;
 mod values;
 
@@ -21,14 +25,11 @@ use clap::{Args, Parser, Subcommand};
 use std::ffi::OsString;
 use std::io::{IsTerminal, Write};
 use std::process::ExitCode;
-use terrella_measure::bench::BenchError;
 use terrella_play::PlayError;
 use terrella_play::scene::SceneError;
 
 /// Exit code of a bad scene, and of bad usage (clap's own).
 const BAD_SCENE: u8 = 2;
-/// Exit code of a benchmark that is slower than its baseline.
-const SLOWER: u8 = 3;
 /// Exit code of every other failure.
 const FAILED: u8 = 1;
 
@@ -69,6 +70,7 @@ enum Command {
     /// Write one picture of a scene
     Frame(frame::FrameArgs),
     /// Benchmark frames of a scene at twelve heights, each beside its floor: the least that it could cost
+    #[cfg(feature = "measure")]
     Bench(bench::BenchArgs),
     /// Check a scene and list what it uses and ignores
     Check(check::CheckArgs),
@@ -77,10 +79,13 @@ enum Command {
     /// List graphics adapters, their capabilities, and what is turned off on each
     Doctor,
     /// Measure error against run time and write a page with tables, charts and pictures
+    #[cfg(feature = "measure")]
     Report(report::ReportArgs),
     /// Benchmark terrain structures (quadtree, contours, patches) over heights: triangles saved, speed, storage
+    #[cfg(feature = "measure")]
     Terrain(terrain::TerrainArgs),
     /// Build, inspect and verify imagery packs: maps larger than memory, cut into tiles
+    #[cfg(feature = "pack")]
     Pack(pack::PackArgs),
 }
 
@@ -88,14 +93,12 @@ impl Command {
     /// Whether it looks for graphics adapters.
     fn draws(&self) -> bool {
         match self {
-            Self::Check(_) | Self::Orbit(_) | Self::Pack(_) => false,
-            Self::Play(_)
-            | Self::Serve(_)
-            | Self::Frame(_)
-            | Self::Bench(_)
-            | Self::Doctor
-            | Self::Report(_)
-            | Self::Terrain(_) => true,
+            Self::Check(_) | Self::Orbit(_) => false,
+            #[cfg(feature = "pack")]
+            Self::Pack(_) => false,
+            Self::Play(_) | Self::Serve(_) | Self::Frame(_) | Self::Doctor => true,
+            #[cfg(feature = "measure")]
+            Self::Bench(_) | Self::Report(_) | Self::Terrain(_) => true,
         }
     }
 }
@@ -113,12 +116,16 @@ fn main() -> ExitCode {
         Command::Play(args) => play::run(args, common),
         Command::Serve(args) => serve::run(args, common),
         Command::Frame(args) => frame::run(args, common),
+        #[cfg(feature = "measure")]
         Command::Bench(args) => bench::run(args, common),
         Command::Check(args) => check::run(args, common),
         Command::Orbit(args) => orbit::run(args, common),
         Command::Doctor => doctor::run(common),
+        #[cfg(feature = "measure")]
         Command::Report(args) => report::run(args, common),
+        #[cfg(feature = "measure")]
         Command::Terrain(args) => terrain::run(args, common),
+        #[cfg(feature = "pack")]
         Command::Pack(args) => pack::run(args, common),
     };
     interruption::wait_for_end();
@@ -163,26 +170,18 @@ fn message(error: &anyhow::Error) -> String {
 }
 
 fn exit_code(error: &anyhow::Error) -> u8 {
-    let bench = |cause: &(dyn std::error::Error + 'static), is: fn(&BenchError) -> bool| {
-        cause.downcast_ref::<BenchError>().is_some_and(is)
-    };
     let bad_scene = error.chain().any(|cause| {
         let play = cause.downcast_ref::<PlayError>();
-        cause.is::<SceneError>()
-            || play.is_some_and(PlayError::is_bad_scene)
-            || bench(cause, BenchError::is_bad_scene)
+        cause.is::<SceneError>() || play.is_some_and(PlayError::is_bad_scene)
     });
-    match bad_scene {
-        true => BAD_SCENE,
-        false
-            if error
-                .chain()
-                .any(|cause| bench(cause, BenchError::is_slower)) =>
-        {
-            SLOWER
-        }
-        false => FAILED,
+    if bad_scene {
+        return BAD_SCENE;
     }
+    #[cfg(feature = "measure")]
+    if let Some(code) = bench::exit_code(error) {
+        return code;
+    }
+    FAILED
 }
 
 fn log_to_stderr(common: &Common) {

@@ -39,7 +39,7 @@ pub struct ReportArgs {
     #[arg(long, value_name = "NAME,…", requires = "surfaces", value_delimiter = ',', value_parser = values::surface)]
     only: Vec<SurfaceKind>,
     /// Measure only these parts of it; other rows of tables in the folder are kept: errors,times,settling
-    #[arg(long, value_name = "NAME,…", requires = "surfaces", value_delimiter = ',', value_parser = values::surfaces_part)]
+    #[arg(long, value_name = "NAME,…", requires = "surfaces", value_delimiter = ',', value_parser = surfaces_part)]
     parts: Vec<SurfacesPart>,
     /// Fly only over these grounds: globe,scene
     #[arg(
@@ -50,7 +50,7 @@ pub struct ReportArgs {
     )]
     grounds: Vec<String>,
     /// Fly only these flights: orbit,descent,low,horizon
-    #[arg(long, value_name = "NAME,…", requires = "surfaces", value_delimiter = ',', value_parser = values::surface_path)]
+    #[arg(long, value_name = "NAME,…", requires = "surfaces", value_delimiter = ',', value_parser = surface_path)]
     flights: Vec<SurfacePath>,
     /// With --surfaces: frames of each flight that are timed [default: 12, with --quick 3]
     #[arg(long, value_name = "N", requires = "surfaces", value_parser = clap::value_parser!(u32).range(1..=1000))]
@@ -168,4 +168,25 @@ fn surfaces(args: &ReportArgs, common: &Common, flight: &Flight) -> anyhow::Resu
     }
     let page = args.output.join("surfaces.html");
     print(&format!("{}{}\n", study.summary(), page.display()))
+}
+
+/// A part of the comparison of surfaces.
+fn surfaces_part(text: &str) -> Result<SurfacesPart, String> {
+    let found = SurfacesPart::ALL
+        .into_iter()
+        .find(|part| part.name() == text);
+    found.ok_or_else(|| {
+        let names = SurfacesPart::ALL.map(SurfacesPart::name);
+        format!("there is no such part; there are {}", names.join(", "))
+    })
+}
+
+/// A flight of the comparison of surfaces, by the first word of its name.
+fn surface_path(text: &str) -> Result<SurfacePath, String> {
+    let word = |path: &SurfacePath| path.name().split(' ').next().unwrap_or_default();
+    let found = SurfacePath::ALL.into_iter().find(|path| word(path) == text);
+    found.ok_or_else(|| {
+        let names: Vec<_> = SurfacePath::ALL.iter().map(word).collect();
+        format!("there is no such flight; there are {}", names.join(", "))
+    })
 }

@@ -1,8 +1,8 @@
 //! Values of options, read from their text. What clap is told here it reports with the option's name and exit code 2.
 
+#[cfg(feature = "measure")]
 use terrella::SurfaceKind;
 use terrella::frames::{Epoch, Geodetic, utc_from_rfc3339, utc_now};
-use terrella_measure::surfaces::{SurfacePath, SurfacesPart};
 use terrella_play::scene::{Camera, Output};
 use terrella_play::{FrameRange, PictureSettings};
 
@@ -49,32 +49,12 @@ pub fn shutter(text: &str) -> Result<f64, String> {
 }
 
 /// A surface with relief, as scenes write it.
+#[cfg(feature = "measure")]
 pub fn surface(text: &str) -> Result<SurfaceKind, String> {
     let found = SurfaceKind::ALL.iter().find(|kind| kind.name() == text);
     found.copied().ok_or_else(|| {
         let names: Vec<_> = SurfaceKind::ALL.iter().map(|kind| kind.name()).collect();
         format!("there is no such surface; there are {}", names.join(", "))
-    })
-}
-
-/// A part of the comparison of surfaces.
-pub fn surfaces_part(text: &str) -> Result<SurfacesPart, String> {
-    let found = SurfacesPart::ALL
-        .into_iter()
-        .find(|part| part.name() == text);
-    found.ok_or_else(|| {
-        let names = SurfacesPart::ALL.map(SurfacesPart::name);
-        format!("there is no such part; there are {}", names.join(", "))
-    })
-}
-
-/// A flight of the comparison of surfaces, by the first word of its name.
-pub fn surface_path(text: &str) -> Result<SurfacePath, String> {
-    let word = |path: &SurfacePath| path.name().split(' ').next().unwrap_or_default();
-    let found = SurfacePath::ALL.into_iter().find(|path| word(path) == text);
-    found.ok_or_else(|| {
-        let names: Vec<_> = SurfacePath::ALL.iter().map(word).collect();
-        format!("there is no such flight; there are {}", names.join(", "))
     })
 }
 
@@ -138,6 +118,7 @@ pub fn days(text: &str) -> Result<f64, String> {
 }
 
 /// A height in kilometres from which the whole Earth can be looked at.
+#[cfg(feature = "measure")]
 pub fn height_km(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {
         Ok(km) if (1.0..=1e6).contains(&km) => Ok(km),
@@ -146,6 +127,7 @@ pub fn height_km(text: &str) -> Result<f64, String> {
 }
 
 /// A part of a whole, 0 and more, at most tenfold.
+#[cfg(feature = "measure")]
 pub fn part(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(part) if (0.0..=10.0).contains(&part) => Ok(part),

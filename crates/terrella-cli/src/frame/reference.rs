@@ -1,0 +1,93 @@
+//! The renderer that adapters are compared with, and that draws where there is none.
+
+use super::{Common, FrameArgs};
+use crate::progress::Bars;
+use clap::{Args, ValueEnum};
+use terrella::internals::gpu::ContextError;
+use terrella_measure::reference::{ReferenceRequest, SAMPLES, write_reference_still};
+use terrella_play::{Flight, PlayError};
+
+/// Rays along each side of a pixel where none are asked for.
+const DEFAULT_SAMPLES: u32 = 4;
+
+#[derive(Debug, Args)]
+pub struct ReferenceArgs {
+    /// Renderer: a graphics adapter, or the slow and exact one that adapters are compared with
+    #[arg(long, value_enum, default_value_t = Renderer::Gpu)]
+    renderer: Renderer,
+    /// With --renderer reference: N × N rays a pixel, 1 to 16. Default: 4
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(
+        i64::from(*SAMPLES.start())..=i64::from(*SAMPLES.end())
+    ))]
+    samples: Option<u32>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Renderer {
+    /// The best graphics adapter, or the one that --adapter names
+    Gpu,
+    /// Rays on the processor, to double precision; needs no adapter
+    Reference,
+}
+
+impl ReferenceArgs {
+    /// Whether it is asked for.
+    pub fn is_chosen(&self) -> bool {
+        self.renderer == Renderer::Reference
+    }
+}
+
+/// Whether it draws what an adapter could not: there is none at all, none was asked for by name, and a picture alone is wanted.
+pub fn stands_in(args: &FrameArgs, common: &Common, error: &PlayError) -> bool {
+    matches!(error, PlayError::Context(ContextError::NoAdapter))
+        && common.adapter.is_none()
+        && !args.wireframe
+        && args.radiance.is_none()
+        && args.pictures.first_given().is_none()
+        && args.truth.is_none()
+}
+
+/// Draws the picture.
+pub fn draw(args: &FrameArgs, flight: &Flight, bars: &Bars) -> anyhow::Result<()> {
+    let request = ReferenceRequest {
+        epoch: args.at,
+        size: args.size,
+        samples: args.reference.samples.unwrap_or(DEFAULT_SAMPLES),
+        output: &args.output,
+        stats: args.stats.as_deref(),
+    };
+    Ok(write_reference_still(flight, &request, bars)?)
+}
+
+/// Which options have no meaning together, if any.
+pub fn conflict(args: &FrameArgs, common: &Common) -> Option<&'static str> {
+    if !args.reference.is_chosen() {
+        return args.reference.samples.map(|_| {
+            "--samples is for --renderer reference; a graphics adapter takes samples under [output] in the scene"
+        });
+    }
+    let conflicts = [
+        (
+            args.wireframe,
+            "--wireframe is for a graphics adapter; the reference renderer has no triangles",
+        ),
+        (
+            args.radiance.is_some(),
+            "--radiance is for a graphics adapter; the reference renderer writes a picture alone",
+        ),
+        (
+            args.pictures.first_given().is_some(),
+            "--format, --alpha, --supersample and --shutter are for a graphics adapter; the reference renderer takes --samples",
+        ),
+        (
+            args.truth.is_some(),
+            "--truth is for a graphics adapter; the reference renderer writes a picture alone",
+        ),
+        (
+            common.adapter.is_some(),
+            "--adapter has no meaning with --renderer reference, which uses none",
+        ),
+    ];
+    let met = conflicts.into_iter().find(|(is_met, _)| *is_met);
+    met.map(|(_, message)| message)
+}
