@@ -85,7 +85,7 @@ impl Quadtree {
                 let is_drawn = built.is_drawn;
                 built.reset(node, slot, forest, self.revision);
                 built.is_drawn = is_drawn;
-                self.steps_changed(node, old_m.max(needed_m));
+                self.steps_changed(forest, node, old_m.max(needed_m));
             }
         }
     }

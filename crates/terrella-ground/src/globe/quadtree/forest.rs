@@ -249,6 +249,32 @@ impl Forest {
         }
     }
 
+    /// The patches that have a point in common with a square, itself among them if it is one.
+    pub fn patches_beside(&self, node: Node, found: &mut impl FnMut(Node)) {
+        for index in 0..BLOCK_COUNT {
+            let block = Node {
+                level: 0,
+                x: u64::from(index % COLUMNS),
+                y: u64::from(index / COLUMNS),
+            };
+            self.patches_within(block, root_slot(block), node, found);
+        }
+    }
+
+    fn patches_within(&self, at: Node, slot: Slot, beside: Node, found: &mut impl FnMut(Node)) {
+        if !BLOCKS.is_adjacent(at, beside) {
+            return;
+        }
+        if self.is_patch(slot) {
+            return found(at);
+        }
+        for k in 0..4 {
+            if let Some(slot) = self.child(at, slot, k) {
+                self.patches_within(at.child(k), slot, beside, found);
+            }
+        }
+    }
+
     /// The leaf that holds a node, or that is the node; `None` where the node is divided.
     pub fn leaf_of(&self, node: Node) -> Option<Node> {
         let mut at = node.ancestor(0);

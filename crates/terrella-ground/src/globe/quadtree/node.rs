@@ -126,23 +126,30 @@ pub struct Domain {
 }
 
 impl Domain {
-    /// Whether two squares have a point in common, across the date line and at the poles too.
-    pub fn is_adjacent(&self, a: Node, b: Node) -> bool {
+    /// Whether two squares have a point in common, across the date line too; not whether they meet at a pole alone.
+    pub fn is_beside(&self, a: Node, b: Node) -> bool {
         let depth = a.level.max(b.level);
         let (a, b) = (a.square(depth), b.square(depth));
-        let (columns, rows) = (self.columns << depth, self.rows << depth);
+        let columns = self.columns << depth;
         let is_near = |a: u64, a_size: u64, b: u64, b_size: u64| a <= b + b_size && b <= a + a_size;
         let is_beside = is_near(a.x, a.size, b.x, b.size)
             || self.is_globe && is_near(a.x + columns, a.size, b.x, b.size)
             || self.is_globe && is_near(a.x, a.size, b.x + columns, b.size);
-        if is_near(a.y, a.size, b.y, b.size) && is_beside {
-            return true;
-        }
-        let is_northernmost = |square: Square| square.y == 0;
-        let is_southernmost = |square: Square| square.y + square.size == rows;
+        is_near(a.y, a.size, b.y, b.size) && is_beside
+    }
+
+    /// Whether two squares end at the same pole.
+    pub fn shares_pole(&self, a: Node, b: Node) -> bool {
+        let is_northernmost = |node: Node| node.y == 0;
+        let is_southernmost = |node: Node| node.y + 1 == self.rows << node.level;
         self.is_globe
             && (is_northernmost(a) && is_northernmost(b)
                 || is_southernmost(a) && is_southernmost(b))
+    }
+
+    /// Whether two squares have a point in common, across the date line and at the poles too.
+    pub fn is_adjacent(&self, a: Node, b: Node) -> bool {
+        self.is_beside(a, b) || self.shares_pole(a, b)
     }
 
     /// The square of the same level across a side; `None` at the end of the grid and at a pole.

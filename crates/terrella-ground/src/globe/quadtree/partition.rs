@@ -55,7 +55,7 @@ impl Quadtree {
                 self.add(forest, lod, node.child(k), slot);
             }
         }
-        self.steps_changed(node, old_step_m);
+        self.steps_changed(forest, node, old_step_m);
     }
 
     /// Makes one patch of four, if there are four beside each other and they are small.
@@ -88,17 +88,29 @@ impl Quadtree {
         forest.set_patch(slot, true);
         let index = self.add(forest, lod, parent, slot);
         let step_m = self.patches[index].step_m;
-        self.steps_changed(parent, step_m);
+        self.steps_changed(forest, parent, step_m);
     }
 
-    /// Patches adjacent to a node and stand on finer steps than there are or were must be built anew.
-    pub(super) fn steps_changed(&mut self, node: Node, step_m: f64) {
-        for built in &mut self.patches {
-            if !built.is_dirty && built.step_m < step_m && BLOCKS.is_adjacent(built.node, node) {
+    /// Patches that are adjacent to a node and stand on finer steps than there are or were must be built anew.
+    pub(super) fn steps_changed(&mut self, forest: &Forest, node: Node, step_m: f64) {
+        let mut beside = std::mem::take(&mut self.order);
+        beside.clear();
+        forest.patches_beside(node, &mut |patch| beside.extend(self.by_node.get(&patch)));
+        // Hundreds of patches may end at a pole. Their one point there stands on the coarsest steps of all of them: where those
+        // are another patch's, it stays where it is.
+        let is_pole_kept = beside.iter().any(|index| {
+            let built = &self.patches[*index as usize];
+            built.node != node && built.step_m >= step_m && BLOCKS.shares_pole(built.node, node)
+        });
+        for index in &beside {
+            let built = &mut self.patches[*index as usize];
+            let is_touched = !is_pole_kept || BLOCKS.is_beside(built.node, node);
+            if !built.is_dirty && built.step_m < step_m && is_touched {
                 built.is_dirty = true;
                 self.work_done = self.work_done.saturating_add(built.leaves);
             }
         }
+        self.order = beside;
     }
 
     fn add(&mut self, forest: &Forest, lod: &LodView, node: Node, slot: Slot) -> usize {

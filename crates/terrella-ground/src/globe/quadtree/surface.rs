@@ -4,11 +4,12 @@ use super::forest::{BLOCKS, Forest, Slot, root_slot};
 use super::lod::{LodView, SplitRule};
 use super::node::{Cut, Node, Side};
 use super::page::side_rad;
-use super::patch::{BuiltPatch, Scratch};
+use super::patch::{BuiltPatch, PointHasher, Scratch};
 use crate::elevation::{Elevation, HeightChange, HeightRange};
 use crate::globe::culling::BoundVisibility;
 use crate::globe::surface::{GroundView, Patch, Surface, SurfaceStats};
 use std::collections::HashMap;
+use std::hash::BuildHasherDefault;
 use terrella_frames::Ellipsoid;
 
 /// What a [`Quadtree`] may take, and by which rule it divides.
@@ -73,7 +74,7 @@ pub struct Quadtree {
     pub(super) patches: Vec<BuiltPatch>,
     /// Patches that are no more; their memory serves the next.
     pub(super) spare: Vec<BuiltPatch>,
-    pub(super) by_node: HashMap<Node, u32>,
+    pub(super) by_node: HashMap<Node, u32, BuildHasherDefault<PointHasher>>,
     pub(super) leaves: u32,
     /// Ratios above this are divided: 1, or more where there would be too many leaves.
     pub(super) error_threshold: f64,
@@ -112,7 +113,7 @@ impl Quadtree {
             forest: None,
             patches: Vec::new(),
             spare: Vec::new(),
-            by_node: HashMap::new(),
+            by_node: HashMap::default(),
             leaves: 0,
             error_threshold: 1.0,
             hysteresis: HYSTERESIS,
@@ -427,10 +428,12 @@ impl Quadtree {
                 continue;
             };
             self.scratch.beside.clear();
-            let all = self.patches.iter();
-            let beside = all.filter(|other| BLOCKS.is_adjacent(other.node, node));
-            let beside = beside.map(|other| (other.node, other.step_m));
-            self.scratch.beside.extend(beside);
+            forest.patches_beside(node, &mut |patch| {
+                if let Some(index) = self.by_node.get(&patch) {
+                    let step_m = self.patches[*index as usize].step_m;
+                    self.scratch.beside.push((patch, step_m));
+                }
+            });
             // In an order of their own, so that the same ones are known again.
             self.scratch.beside.sort_unstable_by_key(|(node, _)| *node);
             let built = &mut self.patches[index];
