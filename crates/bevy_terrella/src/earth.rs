@@ -18,6 +18,7 @@ use terrella::{
 #[derive(Component, Clone, Debug, Default)]
 #[require(EarthFrame, EarthEpoch, EarthSky)]
 pub struct Earth {
+    /// Its maps.
     pub maps: EarthMaps,
     /// WGS84, or the sphere of the 2011 paper.
     pub figure: Figure,
@@ -48,6 +49,7 @@ pub enum EarthMaps {
     Found(LayerSelection),
     /// A folder of maps; read each time that an Earth is made.
     Folder(PathBuf, LayerSelection),
+    /// Maps in memory.
     Memory(Arc<EarthLayers>),
 }
 
@@ -121,6 +123,7 @@ pub enum EarthCameraStatus {
     Waiting,
     /// The Earth is being made for the camera's format and samples.
     Making,
+    /// It is drawn.
     Drawn(Box<FrameStats>),
     /// It is not drawn, and why.
     Failed(Arc<EarthFault>),
