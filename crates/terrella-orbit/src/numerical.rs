@@ -220,8 +220,7 @@ impl Feed for NumericalFeed {
     }
 
     fn state_at(&self, epoch: Epoch) -> Result<OrbitState, OrbitError> {
-        let place = |impact| self.inside(impact).position_itrf_m();
-        self.validity.check(&self.name, epoch, place)?;
-        Ok(self.inside(epoch))
+        self.validity
+            .state_at(&self.name, epoch, |epoch| self.inside(epoch))
     }
 }

@@ -1,6 +1,6 @@
 //! The interval that a feed answers for, and the impacts on the ground that cut it short.
 
-use super::OrbitError;
+use super::{OrbitError, OrbitState};
 use glam::DVec3;
 use terrella_frames::{Ellipsoid, Epoch, rfc3339};
 
@@ -38,9 +38,23 @@ impl Validity {
         )
     }
 
+    /// The state at an epoch that it answers for; `inside` propagates.
+    ///
+    /// # Errors
+    /// As [`Self::check`].
+    pub fn state_at(
+        &self,
+        satellite: &str,
+        epoch: Epoch,
+        inside: impl Fn(Epoch) -> OrbitState,
+    ) -> Result<OrbitState, OrbitError> {
+        self.check(satellite, epoch, |impact| inside(impact).position_itrf_m())?;
+        Ok(inside(epoch))
+    }
+
     /// Refuses an epoch outside the interval or on the far side of an impact; `position_itrf_m` is where the satellite is at
     /// that.
-    pub fn check(
+    fn check(
         &self,
         satellite: &str,
         epoch: Epoch,
