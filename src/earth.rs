@@ -62,9 +62,8 @@ use crate::gpu::{
     device_limits, resolved,
 };
 pub use crate::gpu::{DepthBuffer, SurfaceOutput};
-use crate::plan::ChosenTiles;
-use crate::plan::SurfaceLight;
 pub use crate::plan::{AIRGLOW_LUMINANCE, CITY_RADIANCE};
+use crate::plan::{ChosenTiles, SurfaceLight};
 pub use adaptive_quality::{AdaptiveQuality, QualityChange};
 pub use appearance::Appearance;
 pub use change_maker::{ChangeMaker, ReadyChange};

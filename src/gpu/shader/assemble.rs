@@ -110,7 +110,9 @@ impl ShaderText {
         let messages = async { Some(module.get_compilation_info().await.messages) };
         let first = resolved(messages).and_then(|messages| messages.into_iter().next());
         let line = first.as_ref().and_then(|message| message.location);
-        let line = line.map_or(0, |location| location.line_number as usize - 1);
+        let line = line.map_or(0, |location| {
+            (location.line_number as usize).saturating_sub(1)
+        });
         let (file, line) = self.origins.get(line).copied().unwrap_or_default();
         Err(ShaderError {
             file: file.to_owned(),
