@@ -32,73 +32,124 @@ fn chain_of<const CHANNELS: usize>(
     height: usize,
     format: TexelFormat,
 ) -> Vec<Vec<u8>> {
-    let mut levels = vec![texels];
-    if (width, height) == (1, 1) {
-        return levels;
+    let mut smaller = Vec::new();
+    let mut size = (width, height);
+    while size != (1, 1) {
+        smaller.push(Halved::<CHANNELS>::of(size.0, size.1, format));
+        size = halved(size);
     }
-    let tables = decode_tables::<CHANNELS>(format);
-    let row_len = width * CHANNELS;
-    let mut level = halve::<CHANNELS>(width, height, |y, row| {
-        let bytes = &levels[0][y * row_len..(y + 1) * row_len];
-        for (values, texel) in row
-            .chunks_exact_mut(CHANNELS)
-            .zip(bytes.chunks_exact(CHANNELS))
-        {
-            for channel in 0..CHANNELS {
-                values[channel] = tables[channel][texel[channel] as usize];
+    let mut values = vec![0.0; width * CHANNELS];
+    for row in texels.chunks_exact(width * CHANNELS) {
+        decode_row(row, format, &mut values);
+        push_row(&mut smaller, &values);
+    }
+    let mut levels = vec![texels];
+    levels.extend(smaller.into_iter().map(|level| level.bytes));
+    levels
+}
+
+fn halved((width, height): (usize, usize)) -> (usize, usize) {
+    ((width / 2).max(1), (height / 2).max(1))
+}
+
+/// A level while it is made: rows of the level above go in from the north, and one unrounded row of its own is in memory.
+struct Halved<const CHANNELS: usize> {
+    format: TexelFormat,
+    /// Size of the level above.
+    width: usize,
+    height: usize,
+    /// Rows of the level above that went in.
+    taken: usize,
+    row: Vec<f32>,
+    bytes: Vec<u8>,
+}
+
+impl<const CHANNELS: usize> Halved<CHANNELS> {
+    fn of(width: usize, height: usize, format: TexelFormat) -> Self {
+        let (own_width, own_height) = halved((width, height));
+        Self {
+            format,
+            width,
+            height,
+            taken: 0,
+            row: vec![0.0; own_width * CHANNELS],
+            bytes: Vec::with_capacity(own_width * own_height * CHANNELS),
+        }
+    }
+}
+
+/// Gives a row to the first of these levels, and what it completes to the next ones.
+fn push_row<const CHANNELS: usize>(levels: &mut [Halved<CHANNELS>], row: &[f32]) {
+    let Some((level, smaller)) = levels.split_first_mut() else {
+        return;
+    };
+    let y = level.taken;
+    level.taken += 1;
+    // Of an odd height every second row belongs to two rows: it ends the one and begins the other.
+    for target in (y / 2).saturating_sub(1)..=y / 2 {
+        let (first, weights) = taps(level.height, target);
+        let is_last = |offset: usize| weights[offset + 1..].iter().all(|weight| *weight == 0.0);
+        if target >= (level.height / 2).max(1) || !(first..first + 3).contains(&y) {
+            continue;
+        }
+        let offset = y - first;
+        if weights[offset] == 0.0 {
+            continue;
+        }
+        add_row::<CHANNELS>(row, level.width, weights[offset], &mut level.row);
+        if is_last(offset) {
+            encode(&level.row, level.format, &mut level.bytes);
+            push_row(smaller, &level.row);
+            level.row.fill(0.0);
+        }
+    }
+}
+
+/// What the bytes of texels mean.
+pub(super) fn decode_row(bytes: &[u8], format: TexelFormat, values: &mut [f32]) {
+    match format {
+        TexelFormat::Rgba8Srgb => {
+            let linear: &[f32; 256] = &LINEAR_FROM_SRGB;
+            let (texels, _) = bytes.as_chunks::<4>();
+            let (values, _) = values.as_chunks_mut::<4>();
+            for (value, [red, green, blue, alpha]) in values.iter_mut().zip(texels) {
+                let [red, green, blue] = [red, green, blue].map(|code| linear[*code as usize]);
+                *value = [red, green, blue, f32::from(*alpha) / 255.0];
             }
         }
-    });
-    let (mut width, mut height) = ((width / 2).max(1), (height / 2).max(1));
-    loop {
-        levels.push(encode(&level, format));
-        if (width, height) == (1, 1) {
-            return levels;
+        TexelFormat::R8Unorm => {
+            for (value, code) in values.iter_mut().zip(bytes) {
+                *value = f32::from(*code) / 255.0;
+            }
         }
-        let row_len = width * CHANNELS;
-        level = halve::<CHANNELS>(width, height, |y, row| {
-            row.copy_from_slice(&level[y * row_len..(y + 1) * row_len]);
-        });
-        (width, height) = ((width / 2).max(1), (height / 2).max(1));
+        TexelFormat::Rg8Snorm => {
+            for (value, code) in values.iter_mut().zip(bytes) {
+                *value = (f32::from(*code as i8) / 127.0).max(-1.0);
+            }
+        }
     }
 }
 
-/// What each byte of each channel means.
-pub(super) fn decode_tables<const CHANNELS: usize>(format: TexelFormat) -> [[f32; 256]; CHANNELS] {
-    std::array::from_fn(|channel| match format {
-        TexelFormat::Rgba8Srgb if channel < 3 => *LINEAR_FROM_SRGB,
-        TexelFormat::Rgba8Srgb | TexelFormat::R8Unorm => {
-            std::array::from_fn(|code| code as f32 / 255.0)
-        }
-        // −128 and −127 both mean −1.
-        TexelFormat::Rg8Snorm => {
-            std::array::from_fn(|code| (f32::from(code as u8 as i8) / 127.0).max(-1.0))
-        }
-    })
-}
-
-/// The bytes of values that [`decode_tables`] gave, rounded.
-pub(super) fn encode(values: &[f32], format: TexelFormat) -> Vec<u8> {
-    let unorm = |value: f32| (value * 255.0 + 0.5) as u8;
+/// Adds the bytes of values that [`decode_row`] gave, rounded.
+pub(super) fn encode(values: &[f32], format: TexelFormat, bytes: &mut Vec<u8>) {
+    // By way of i32, which the compiler makes vectors of.
+    let unorm = |value: f32| (value * 255.0 + 0.5) as i32 as u8;
+    let snorm = |value: f32| (value * 127.0 + 0.5_f32.copysign(value)) as i32 as u8;
     match format {
         TexelFormat::Rgba8Srgb => {
             let srgb = SrgbEncoder::new();
-            let mut bytes = Vec::with_capacity(values.len());
-            for texel in values.chunks_exact(4) {
-                bytes.extend_from_slice(&[
-                    srgb.code(texel[0]),
-                    srgb.code(texel[1]),
-                    srgb.code(texel[2]),
-                    unorm(texel[3]),
-                ]);
-            }
-            bytes
+            let (texels, _) = values.as_chunks::<4>();
+            bytes.extend(texels.iter().flat_map(|[red, green, blue, alpha]| {
+                [
+                    srgb.code(*red),
+                    srgb.code(*green),
+                    srgb.code(*blue),
+                    unorm(*alpha),
+                ]
+            }));
         }
-        TexelFormat::R8Unorm => values.iter().map(|value| unorm(*value)).collect(),
-        TexelFormat::Rg8Snorm => values
-            .iter()
-            .map(|value| (value * 127.0).round() as i8 as u8)
-            .collect(),
+        TexelFormat::R8Unorm => bytes.extend(values.iter().map(|value| unorm(*value))),
+        TexelFormat::Rg8Snorm => bytes.extend(values.iter().map(|value| snorm(*value))),
     }
 }
 
@@ -124,27 +175,6 @@ fn taps(size: usize, target: usize) -> (usize, [f32; 3]) {
             (target_f + 1.0) / total,
         ],
     )
-}
-
-/// The level of half the size. `read_row` fills the values of one row of the given level.
-fn halve<const CHANNELS: usize>(
-    width: usize,
-    height: usize,
-    mut read_row: impl FnMut(usize, &mut [f32]),
-) -> Vec<f32> {
-    let (half_width, half_height) = ((width / 2).max(1), (height / 2).max(1));
-    let mut row = vec![0.0; width * CHANNELS];
-    let mut half = vec![0.0; half_width * half_height * CHANNELS];
-    for (y, out) in half.chunks_exact_mut(half_width * CHANNELS).enumerate() {
-        let (first, weights) = taps(height, y);
-        for (offset, weight) in weights.into_iter().enumerate() {
-            if weight != 0.0 {
-                read_row(first + offset, &mut row);
-                add_row::<CHANNELS>(&row, width, weight, out);
-            }
-        }
-    }
-    half
 }
 
 /// Adds `weight` times the row, halved in length, to `out`.
@@ -193,6 +223,20 @@ mod tests {
         (64, 64),
         (100, 50),
     ];
+
+    /// What each byte of each channel means.
+    fn decode_tables<const CHANNELS: usize>(format: TexelFormat) -> [[f32; 256]; CHANNELS] {
+        std::array::from_fn(|channel| match format {
+            TexelFormat::Rgba8Srgb if channel < 3 => *LINEAR_FROM_SRGB,
+            TexelFormat::Rgba8Srgb | TexelFormat::R8Unorm => {
+                std::array::from_fn(|code| code as f32 / 255.0)
+            }
+            // −128 and −127 both mean −1.
+            TexelFormat::Rg8Snorm => {
+                std::array::from_fn(|code| (f32::from(code as u8 as i8) / 127.0).max(-1.0))
+            }
+        })
+    }
 
     /// Bytes without pattern, the same at every run.
     fn noise(count: usize) -> Vec<u8> {
@@ -278,6 +322,27 @@ mod tests {
                     let error = (mean(level) - full).abs();
                     assert!(error < 0.0046, "{format:?} {width}x{height} {n}: {error}");
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn every_code_means_what_the_tables_say_and_comes_back() {
+        for format in FORMATS {
+            let bytes: Vec<u8> = (0..=255).flat_map(|code| [code; 4]).collect();
+            let mut values = vec![0.0; bytes.len()];
+            decode_row(&bytes, format, &mut values);
+            let tables = decode_tables::<4>(format);
+            for (n, (value, code)) in values.iter().zip(&bytes).enumerate() {
+                let channel = n % 4 % format.texel_bytes();
+                assert_eq!(*value, tables[channel][*code as usize], "{format:?} {code}");
+            }
+            let mut encoded = Vec::new();
+            encode(&values, format, &mut encoded);
+            for (found, code) in encoded.iter().zip(&bytes) {
+                // −128 is stored as −127.
+                let is_lowest = format == TexelFormat::Rg8Snorm && *code == 128;
+                assert_eq!(*found, if is_lowest { 129 } else { *code }, "{format:?}");
             }
         }
     }

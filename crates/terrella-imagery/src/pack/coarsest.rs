@@ -3,7 +3,7 @@
 use super::decode::decode_tile;
 use super::error::PackError;
 use super::tiles::PackTiles;
-use crate::mips::{decode_tables, encode};
+use crate::mips::{decode_row, encode};
 use crate::tile::{
     LayerLayout, MAP_LAYERS, MapLayer, TILE_BORDER, Tile, TileError, TileFormat, TileKey,
     TileSource,
@@ -226,7 +226,9 @@ pub fn inner_texels(tile: &Tile, pixels: u32) -> Vec<u8> {
         TexelFormat::Rg8Snorm => average::<2>(rows, own, pixels, format),
         TexelFormat::R8Unorm => average::<1>(rows, own, pixels, format),
     };
-    encode(&values, format)
+    let mut bytes = Vec::with_capacity(values.len());
+    encode(&values, format, &mut bytes);
+    bytes
 }
 
 /// Means over the squares into which `to` × `to` texels divide an image of `from` × `from`, texels at their edges
@@ -237,16 +239,16 @@ fn average<'t, const CHANNELS: usize>(
     to: usize,
     format: TexelFormat,
 ) -> Vec<f32> {
-    let tables = decode_tables::<CHANNELS>(format);
+    let mut texels = vec![0.0; from * CHANNELS];
     let mut values = vec![0.0; to * to * CHANNELS];
     let mut line = vec![0.0; to * CHANNELS];
     for (y, row) in rows.enumerate() {
+        decode_row(row, format, &mut texels);
         line.fill(0.0);
-        for (x, texel) in row.chunks_exact(CHANNELS).enumerate() {
+        for (x, texel) in texels.chunks_exact(CHANNELS).enumerate() {
             for (target, weight) in shares(x, from, to) {
-                for (channel, code) in texel.iter().enumerate() {
-                    line[target * CHANNELS + channel] +=
-                        weight * tables[channel][usize::from(*code)];
+                for (channel, value) in texel.iter().enumerate() {
+                    line[target * CHANNELS + channel] += weight * value;
                 }
             }
         }
