@@ -47,14 +47,24 @@ pub(super) fn grow_land(rgba: &mut [u8], width: usize, water: &LayerImage) {
     let height = rgba.len() / 4 / width.max(1);
     let water = water_at(water, width, height);
     let near = |n: usize| neighbours(n, width, height);
-    let is_pure = |n: usize| water[n] < DRY && near(n).all(|n| water[n] < NO_LONGER_DRY);
-    let mut is_land: Vec<bool> = (0..water.len()).map(is_pure).collect();
-    let mut islands: Vec<usize> = (0..water.len())
-        .filter(|n| !is_land[*n] && water[*n] < MOSTLY_WET)
-        .collect();
-    let mut ring: Vec<usize> = (0..water.len())
-        .filter(|n| !is_land[*n] && near(*n).any(|n| is_land[n]))
-        .collect();
+    let wettest_near = greatest_near(&water, width);
+    let is_pure = |(water, near): (&u8, &u8)| *water < DRY && *near < NO_LONGER_DRY;
+    let mut is_land: Vec<bool> = water.iter().zip(&wettest_near).map(is_pure).collect();
+    let land: Vec<u8> = is_land.iter().map(|is_land| u8::from(*is_land)).collect();
+    let touches_land = greatest_near(&land, width);
+    // Texels of a ring are grown each by itself, so that their order is of no account.
+    let mut ring = Vec::new();
+    let mut is_queued = vec![false; water.len()];
+    let mut islands = Vec::new();
+    for n in (0..water.len()).filter(|n| !is_land[*n]) {
+        if touches_land[n] > 0 {
+            ring.push(n);
+            is_queued[n] = true;
+        }
+        if water[n] < MOSTLY_WET {
+            islands.push(n);
+        }
+    }
     for round in 0..RINGS[1] {
         if round == RINGS[0] {
             islands.retain(|n| !is_land[*n]);
@@ -66,10 +76,12 @@ pub(super) fn grow_land(rgba: &mut [u8], width: usize, water: &LayerImage) {
                 rgba[4 * n..4 * n + 3].copy_from_slice(&color);
                 is_land[*n] = true;
             }
-            ring.extend(islands.iter().flat_map(|n| near(*n)));
+            for n in islands.iter().flat_map(|n| near(*n)) {
+                if !std::mem::replace(&mut is_queued[n], true) {
+                    ring.push(n);
+                }
+            }
             ring.retain(|n| !is_land[*n]);
-            ring.sort_unstable();
-            ring.dedup();
         }
         let grown: Vec<_> = ring
             .iter()
@@ -79,23 +91,48 @@ pub(super) fn grow_land(rgba: &mut [u8], width: usize, water: &LayerImage) {
             rgba[4 * n..4 * n + 3].copy_from_slice(color);
             is_land[*n] = true;
         }
-        ring = grown
-            .iter()
-            .flat_map(|(n, _)| near(*n))
-            .filter(|n| !is_land[*n])
-            .collect();
-        ring.sort_unstable();
-        ring.dedup();
+        ring.clear();
+        for n in grown.iter().flat_map(|(n, _)| near(*n)) {
+            if !is_land[n] && !std::mem::replace(&mut is_queued[n], true) {
+                ring.push(n);
+            }
+        }
     }
+}
+
+/// Of each texel of a map, `width` to a row, the greatest value of the texels around it.
+fn greatest_near(map: &[u8], width: usize) -> Vec<u8> {
+    let mut beside = vec![0; map.len()];
+    for (out, row) in beside.chunks_exact_mut(width).zip(map.chunks_exact(width)) {
+        let triples = row.iter().zip(row.iter().skip(2));
+        for (out, (west, east)) in out[1..].iter_mut().zip(triples) {
+            *out = *west.max(east);
+        }
+        out[0] = row[width - 1].max(row[1 % width]);
+        out[width - 1] = row[width.saturating_sub(2)].max(row[0]);
+    }
+    let of_three: Vec<u8> = beside.iter().zip(map).map(|(a, b)| *a.max(b)).collect();
+    let mut greatest = beside;
+    let (to_south, to_north) = (
+        of_three.len().min(width),
+        of_three.len().saturating_sub(width),
+    );
+    for (out, south) in greatest.iter_mut().zip(&of_three[to_south..]) {
+        *out = (*out).max(*south);
+    }
+    for (out, north) in greatest[to_south..].iter_mut().zip(&of_three[..to_north]) {
+        *out = (*out).max(*north);
+    }
+    greatest
 }
 
 /// The mean colour of texels; `None` of none.
 fn mean_color(rgba: &[u8], texels: impl Iterator<Item = usize>) -> Option<[u8; 3]> {
+    let (rgba, _) = rgba.as_chunks::<4>();
     let (mut sums, mut count) = ([0_u32; 3], 0);
     for n in texels {
-        for (sum, value) in sums.iter_mut().zip(&rgba[4 * n..]) {
-            *sum += u32::from(*value);
-        }
+        let [red, green, blue, _] = rgba[n].map(u32::from);
+        sums = [sums[0] + red, sums[1] + green, sums[2] + blue];
         count += 1;
     }
     (count > 0).then(|| sums.map(|sum| ((sum + count / 2) / count) as u8))
@@ -127,11 +164,19 @@ fn without_sea(rgba: &[u8], n: usize, water: &[u8], width: usize) -> [u8; 3] {
 
 /// The texels around one: eight, fewer at a pole.
 fn neighbours(n: usize, width: usize, height: usize) -> impl Iterator<Item = usize> {
-    let (x, y) = (n % width, n / width);
-    let rows = y.saturating_sub(1)..=(y + 1).min(height - 1);
-    let columns = [(x + width - 1) % width, x, (x + 1) % width];
-    rows.flat_map(move |y| columns.map(move |x| y * width + x))
-        .filter(move |near| *near != n)
+    let y = n / width;
+    let row = y * width;
+    let west = if n == row { row + width - 1 } else { n - 1 };
+    let east = if n + 1 == row + width { row } else { n + 1 };
+    // Beyond a pole there are none.
+    let [north_west, north, north_east] = [west, n, east].map(|n| n.wrapping_sub(width));
+    let [south_west, south, south_east] = [west, n, east].map(|n| n + width);
+    let texels = width * height;
+    [
+        north_west, north, north_east, west, east, south_west, south, south_east,
+    ]
+    .into_iter()
+    .filter(move |n| *n < texels)
 }
 
 /// Latitude to which the sea is taken to be clear, and from which on to hide its floor, degrees. Shelf seas of higher
@@ -150,6 +195,8 @@ pub(super) struct SeaFloor {
 
 /// Down to the floor and up again, twice the diffuse attenuation of clear water for green light, per metre.
 const ATTENUATION_PER_M: f64 = 0.124;
+/// From this depth on less than 1e-10 of a code is left of the light, metres.
+const DARK_M: f32 = 250.0;
 
 impl SeaFloor {
     /// From elevations of the whole Earth, metres + `offset_m`.
@@ -168,10 +215,9 @@ impl SeaFloor {
         let mut depths_m: Vec<f32> = (0..width * height)
             .map(|n| depth_of(n).map_or(f32::NAN, |depth_m| depth_m.max(0.0) as f32))
             .collect();
+        let wettest_near = greatest_near(&share, width);
         let mut waiting: Vec<usize> = (0..depths_m.len())
-            .filter(|n| {
-                depths_m[*n].is_nan() && neighbours(*n, width, height).any(|n| share[n] > 25)
-            })
+            .filter(|n| depths_m[*n].is_nan() && wettest_near[*n] > 25)
             .collect();
         for _ in 0..FLOOR_RINGS {
             let mut found = Vec::new();
@@ -188,19 +234,28 @@ impl SeaFloor {
                 depths_m[n] = depth_m;
             }
         }
-        let shows = |(n, depth_m): (usize, &f32)| {
-            if depth_m.is_nan() {
-                return 0.0;
-            }
-            let latitude_deg = 90.0 - (n / width) as f64 * 180.0 / height as f64;
+        let mut sharp = vec![0.0; depths_m.len()];
+        for (y, (row, depths_m)) in sharp
+            .chunks_exact_mut(width)
+            .zip(depths_m.chunks_exact(width))
+            .enumerate()
+        {
+            let latitude_deg = 90.0 - y as f64 * 180.0 / height as f64;
             let t = (latitude_deg.abs() - CLEAR_DEG[0]) / (CLEAR_DEG[1] - CLEAR_DEG[0]);
             let clear = 1.0 - t.clamp(0.0, 1.0);
-            255.0 * clear * (-ATTENUATION_PER_M * f64::from(*depth_m)).exp()
-        };
-        let sharp: Vec<f64> = depths_m.iter().enumerate().map(shows).collect();
+            for (light, depth_m) in row
+                .iter_mut()
+                .zip(depths_m)
+                .filter(|(_, depth_m)| **depth_m < DARK_M)
+            {
+                *light = 255.0 * clear * (-ATTENUATION_PER_M * f64::from(*depth_m)).exp();
+            }
+        }
         // As soft as the depths are coarse.
+        let shown: Vec<u8> = sharp.iter().map(|light| u8::from(*light > 0.0)).collect();
+        let shown_near = greatest_near(&shown, width);
         let soft = |n: usize| {
-            if sharp[n] == 0.0 && neighbours(n, width, height).all(|n| sharp[n] == 0.0) {
+            if shown[n] == 0 && shown_near[n] == 0 {
                 return 0;
             }
             let near: f64 = neighbours(n, width, height).map(|n| sharp[n]).sum();
@@ -274,6 +329,20 @@ mod tests {
 
     const LAND: [u8; 4] = [90, 120, 40, 255];
     const SEA: [u8; 4] = [10, 60, 120, 255];
+
+    #[test]
+    fn the_greatest_near_is_that_of_the_neighbours() {
+        for (width, height) in [(2, 1), (4, 2), (8, 4), (32, 16)] {
+            let map: Vec<u8> = (0..width * height)
+                .map(|n| ((n * 2_654_435_761) >> 7) as u8)
+                .collect();
+            let greatest = greatest_near(&map, width);
+            for (n, found) in greatest.iter().enumerate() {
+                let near = neighbours(n, width, height).map(|n| map[n]);
+                assert_eq!(near.max(), Some(*found), "{width} × {height}: {n}");
+            }
+        }
+    }
 
     #[test]
     fn land_reaches_out_to_sea_and_the_far_sea_stays() {
