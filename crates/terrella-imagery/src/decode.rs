@@ -141,6 +141,22 @@ impl<'a> Picture<'a> {
         }
     }
 
+    /// The same, a JPEG's colours with an alpha of 255.
+    pub fn with_alpha(self) -> Self {
+        match self {
+            Self::Jpeg {
+                contents,
+                size,
+                color: ColorSpace::RGB,
+            } => Self::Jpeg {
+                contents,
+                size,
+                color: ColorSpace::RGBA,
+            },
+            other => other,
+        }
+    }
+
     /// Row-major texels; 16-bit ones with the high byte first. The size must have been found good before: it is allocated
     /// here. An error is what the decoder says.
     pub fn texels(self) -> Result<Vec<u8>, String> {

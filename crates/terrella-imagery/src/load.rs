@@ -240,10 +240,7 @@ fn read_color(path: &Path, layer: &'static str) -> Result<DayTexels, ImageryErro
         tracing::warn!("{} {note}", path.display());
     }
     let rgba = match file.texel_kind.channels {
-        // What alpha says is not there is black.
-        4 => to_rgba(&file.bytes, |[red, green, blue, alpha]: &[u8; 4]| {
-            [*red, *green, *blue].map(|value| value * u8::from(*alpha > 0))
-        }),
+        4 => without_alpha(file.bytes),
         3 => to_rgba(&file.bytes, |rgb: &[u8; 3]| *rgb),
         2 => to_rgba(&file.bytes, |[grey, alpha]: &[u8; 2]| {
             [grey * u8::from(*alpha > 0); 3]
@@ -274,6 +271,21 @@ impl DayTexels {
         }
         LayerImage::from_rgba8(self.width, self.height, self.rgba)
     }
+}
+
+/// What alpha says is not there is black.
+fn without_alpha(mut rgba: Vec<u8>) -> Vec<u8> {
+    let (texels, _) = rgba.as_chunks_mut::<4>();
+    for texel in texels {
+        let is_there = u8::from(texel[3] > 0);
+        *texel = [
+            texel[0] * is_there,
+            texel[1] * is_there,
+            texel[2] * is_there,
+            255,
+        ];
+    }
+    rgba
 }
 
 fn to_rgba<const N: usize>(texels: &[u8], rgb_of: impl Fn(&[u8; N]) -> [u8; 3]) -> Vec<u8> {
@@ -500,13 +512,14 @@ impl MapFile {
                 orientation: said.orientation.unwrap_or_default(),
             });
         }
-        let bytes = picture.texels().map_err(damaged)?;
+        // A colour has four bytes in the map: better made by the decoder than copied.
+        let picture = picture.with_alpha();
         Ok(Self {
             width,
             height,
-            texel_kind,
+            texel_kind: picture.texel_kind(),
             said,
-            bytes,
+            bytes: picture.texels().map_err(damaged)?,
         })
     }
 }
