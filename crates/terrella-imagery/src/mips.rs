@@ -134,7 +134,7 @@ pub(super) fn decode_row(bytes: &[u8], format: TexelFormat, values: &mut [f32]) 
 pub(super) fn encode(values: &[f32], format: TexelFormat, bytes: &mut Vec<u8>) {
     // By way of i32, which the compiler makes vectors of.
     let unorm = |value: f32| (value * 255.0 + 0.5) as i32 as u8;
-    let snorm = |value: f32| (value * 127.0 + 0.5_f32.copysign(value)) as i32 as u8;
+    let snorm = |value: f32| (value * 127.0).round() as i8 as u8;
     match format {
         TexelFormat::Rgba8Srgb => {
             let srgb = SrgbEncoder::new();
