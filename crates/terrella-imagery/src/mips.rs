@@ -88,16 +88,13 @@ fn push_row<const CHANNELS: usize>(levels: &mut [Halved<CHANNELS>], row: &[f32])
     // Of an odd height every second row belongs to two rows: it ends the one and begins the other.
     for target in (y / 2).saturating_sub(1)..=y / 2 {
         let (first, weights) = taps(level.height, target);
-        let is_last = |offset: usize| weights[offset + 1..].iter().all(|weight| *weight == 0.0);
-        if target >= (level.height / 2).max(1) || !(first..first + 3).contains(&y) {
-            continue;
-        }
-        let offset = y - first;
-        if weights[offset] == 0.0 {
+        let is_own = target < (level.height / 2).max(1) && (first..first + 3).contains(&y);
+        let offset = y.saturating_sub(first);
+        if !is_own || weights[offset] == 0.0 {
             continue;
         }
         add_row::<CHANNELS>(row, level.width, weights[offset], &mut level.row);
-        if is_last(offset) {
+        if weights[offset + 1..].iter().all(|weight| *weight == 0.0) {
             encode(&level.row, level.format, &mut level.bytes);
             push_row(smaller, &level.row);
             level.row.fill(0.0);
