@@ -243,6 +243,9 @@ impl SeaFloor {
             let latitude_deg = 90.0 - y as f64 * 180.0 / height as f64;
             let t = (latitude_deg.abs() - CLEAR_DEG[0]) / (CLEAR_DEG[1] - CLEAR_DEG[0]);
             let clear = 1.0 - t.clamp(0.0, 1.0);
+            if clear == 0.0 {
+                continue;
+            }
             for (light, depth_m) in row
                 .iter_mut()
                 .zip(depths_m)
