@@ -17,6 +17,7 @@
 //!
 //! Single scattering is integrated along each ray; higher orders by successive orders on the sphere, see `sources`.
 
+mod interpolation;
 mod path;
 mod quadrature;
 mod shipped;
@@ -28,11 +29,12 @@ use super::model::{AirModel, AirOptions, RADIUS_M, TOP};
 use super::profile;
 use super::spectrum::Spectrum;
 use glam::{DVec3, Vec3, Vec4};
+pub use interpolation::{InterpolationBound, InterpolationLimits};
 use path::{Light, Path, Ray};
 use source_table::{COEFFICIENTS, HEIGHTS, SUNS, SourceFunction};
 use sources::Sources;
 use std::f64::consts::PI;
-use std::sync::{Arc, LazyLock, Mutex, PoisonError};
+use std::sync::{Arc, LazyLock, Mutex, OnceLock, PoisonError};
 use terrella_frames::SUN_RADIUS_RAD;
 use transmittance::{SunRow, TransmittanceTable, horizon_cosine, to_top};
 
@@ -99,6 +101,7 @@ pub struct AirTables {
     pub profile: Vec<Vec4>,
     /// What the air sends back of light that the ground sends up, RGB.
     pub sky_albedo: Vec3,
+    interpolation: OnceLock<InterpolationBound>,
 }
 
 impl AirTables {
@@ -146,6 +149,7 @@ impl AirTables {
                 Vec4::new(molecules, profile::ozone(h) as f32, 0.0, 1.0)
             }),
             sky_albedo: sources.sky_albedo.rgb(),
+            interpolation: OnceLock::new(),
         }
     }
 
@@ -160,6 +164,12 @@ impl AirTables {
             of_disc(mu_s, |mu| row.at(mu))
         });
         self.sunlight.iter().copied().chain(clouds).collect()
+    }
+
+    /// Where their light may be interpolated; found when it is first asked for.
+    pub fn interpolation(&self) -> &InterpolationBound {
+        self.interpolation
+            .get_or_init(|| InterpolationBound::new(self))
     }
 
     /// Transmittance of the Sun's light to the ground and the sky's irradiance on black ground, RGB, relative to the Sun's

@@ -9,6 +9,7 @@ use super::{
 };
 use crate::half::float_of_half;
 use glam::{Vec3, Vec4};
+use std::sync::OnceLock;
 
 const DEFAULT: &[u8] = include_bytes!("default.bin");
 
@@ -41,6 +42,7 @@ fn read(bytes: &[u8]) -> AirTables {
         sources: take(&mut floats, SOURCES),
         profile: take(&mut floats, PROFILE),
         sky_albedo: Vec3::from_array(std::array::from_fn(|_| floats.next().unwrap_or_default())),
+        interpolation: OnceLock::new(),
     }
 }
 
