@@ -173,6 +173,7 @@ impl Earth {
             shading: options.shading,
             light: options.light,
             diagnostics: options.diagnostics,
+            interpolates_air: options.interpolates_air(),
         };
         let ground = planner.ground();
         let textures = air.as_ref().map(AirDrawable::textures);

@@ -162,9 +162,8 @@ impl PassFormat {
 
     /// What shaders must give the colour target.
     pub fn target_color(&self) -> TargetColor {
-        use wgpu::TextureFormat as F;
         match self.color {
-            F::Rgba16Float | F::Rgba32Float | F::Rg11b10Ufloat => TargetColor::Radiance,
+            color if stores_light(color) => TargetColor::Radiance,
             color if color.is_srgb() => TargetColor::Linear(self.tone),
             _ => TargetColor::Display(self.tone),
         }
@@ -176,6 +175,12 @@ impl PassFormat {
             ..Default::default()
         }
     }
+}
+
+/// Whether a target of this format gets light itself, and not what is shown of it.
+pub(crate) fn stores_light(format: wgpu::TextureFormat) -> bool {
+    use wgpu::TextureFormat as F;
+    matches!(format, F::Rgba16Float | F::Rgba32Float | F::Rg11b10Ufloat)
 }
 
 /// The whole of a texture.

@@ -6,6 +6,19 @@
 //   fn surface_point(in: Varying) -> SurfacePoint
 import rust::PI;
 
+// What the air does at a point, interpolated between vertices.
+@if(interpolated)
+struct AirAtPoint {
+    // What is left of the ground's light, and what is added to it over black ground and for each unit that the ground about sends up.
+    through: vec3f,
+    black: vec3f,
+    bounce: vec3f,
+    // The Sun's light on level ground and that of the sky over black ground, and the Sun's on the clouds before it.
+    sun: vec3f,
+    sky: vec3f,
+    @if(clouds) sun_on_clouds: vec3f,
+}
+
 struct SurfacePoint {
     // Towards the eye, of any length.
     to_eye: vec3f,
@@ -27,6 +40,7 @@ struct SurfacePoint {
     @if(relief) along: f32,
     @if(relief) height_m: f32,
     @if(truth) range_m: f32,
+    @if(interpolated) air: AirAtPoint,
 }
 
 // From the eye through a pixel, ITRF axes, to the plane one metre before the eye.

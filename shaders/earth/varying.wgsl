@@ -18,6 +18,13 @@ struct Varying {
     @if(cast) @location(4) @interpolate(flat) eye_from_origin_m: vec3f,
     @if(cast) @location(5) @interpolate(flat) root: u32,
     @if(cast) @location(6) @interpolate(flat) ray: vec3f,
+    // What the air does there: see AirAtPoint.
+    @if(interpolated) @location(4) through: vec3f,
+    @if(interpolated) @location(5) black: vec3f,
+    @if(interpolated) @location(6) bounce: vec3f,
+    @if(interpolated) @location(7) sun: vec3f,
+    @if(interpolated) @location(8) sky: vec3f,
+    @if(interpolated && clouds) @location(9) sun_on_clouds: vec3f,
 }
 
 // What is the same for a whole block, patch or page. Mirrored by `BlockInstance` in src/gpu/lattice.rs.

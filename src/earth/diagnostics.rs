@@ -14,6 +14,9 @@ pub struct DiagnosticOptions {
     /// Draws the edges of triangles alone, for looking at meshes. Needs a device with
     /// [`wgpu::Features::POLYGON_MODE_LINE`].
     pub wireframe: bool,
+    /// Looks the air's light up for each pixel, and nowhere interpolates it between vertices: for measuring what that changes. Float
+    /// targets, which get light itself, are always drawn so.
+    pub per_pixel_air: bool,
 }
 
 /// How an Earth is drawn: see [`Earth::diagnostics`].

@@ -3,7 +3,7 @@
 use super::{
     Appearance, DiagnosticOptions, EarthError, GroundOptions, Quality, SurfaceLight, TileOptions,
 };
-use crate::gpu::{DepthBuffer, SurfaceOutput};
+use crate::gpu::{DepthBuffer, SurfaceOutput, stores_light};
 use terrella_ground::air::{AirOptions, Atmosphere};
 use terrella_ground::globe::{Figure, Shading, Subdivision, Visibility};
 use terrella_ground::light::{Exposure, Tone};
@@ -90,6 +90,15 @@ impl EarthOptions {
             light: self.light,
             air: self.air,
         }
+    }
+
+    /// Whether the air's light may be taken from vertices where the difference is not seen: in pictures that are shown, in real light.
+    pub(crate) fn interpolates_air(&self) -> bool {
+        let diagnostics = self.diagnostics;
+        self.shading == Shading::Sunlit
+            && diagnostics.output == SurfaceOutput::Color
+            && !diagnostics.per_pixel_air
+            && !stores_light(self.color_format)
     }
 
     /// Whether this device can draw an Earth with these options, as far as that can be said before anything is made.

@@ -9,18 +9,28 @@ use super::tile_view::TileView;
 use super::view::ItrfView;
 use super::{Appearance, EarthError, EarthOptions, FrameStats, Quality, Sky};
 use crate::plan::{
-    AirPlan, DeviceLimits, FramePlan, FrameUniforms, MoonShadowUniforms, draw_blocks,
+    AirPlan, AirSide, CellLight, CellLights, DeviceLimits, DrawLight, FramePlan, FrameUniforms,
+    MoonShadowUniforms, draw_blocks,
 };
 use bytemuck::Zeroable;
 use glam::DVec3;
 use std::f64::consts::FRAC_PI_2;
 use terrella_frames::{Ellipsoid, MOON_RADIUS_M, MoonShadow};
-use terrella_ground::air::{Atmosphere, Billboard, TOP};
+use terrella_ground::air::{AirOptions, AirTables, Atmosphere, Billboard, THICKNESS_M, TOP};
 use terrella_ground::globe::{
     BLOCK_COUNT, Block, BlockGrid, BlockSet, COLUMNS, Meshes, Subdivision, SubdivisionError,
     Surface, Visibility, sagitta, select_blocks, texels_per_pixel,
 };
 use terrella_ground::light::exposure_factor;
+
+/// Cells a block edge that most of the air's light can be interpolated in, for an eye above the air: more where they look large, and no
+/// more than the limb needs where their vertices would cost more than is saved.
+fn interpolated_cells(height_m: f64) -> u32 {
+    match height_m {
+        4e5..9e5 => 48,
+        _ => 0,
+    }
+}
 
 /// Turns the views of one eye into plans.
 pub(super) struct Planner {
@@ -28,6 +38,11 @@ pub(super) struct Planner {
     visibility: Visibility,
     pub exposure: ExposureControl,
     has_air: bool,
+    /// Whether pictures take the air's light from vertices where that suffices.
+    interpolates: bool,
+    air: AirOptions,
+    /// Where that is, once it is asked for.
+    cells: Option<CellLights>,
     /// [`SurfaceLight::moon_gain`](super::SurfaceLight::moon_gain).
     moon_gain: f64,
     has_eclipses: bool,
@@ -53,6 +68,9 @@ impl Planner {
             visibility: options.visibility,
             exposure: ExposureControl::new(options, quality.atmosphere),
             has_air: quality.atmosphere == Atmosphere::Billboard,
+            interpolates: options.interpolates_air(),
+            air: options.air,
+            cells: None,
             moon_gain: options.light.moon_gain(),
             has_eclipses: options.light.eclipses,
             has_tiles,
@@ -68,6 +86,7 @@ impl Planner {
             meshes: self.meshes.clone(),
             exposure: self.exposure.clone(),
             ground: ground.transpose()?,
+            cells: None,
             ..*self
         })
     }
@@ -83,6 +102,10 @@ impl Planner {
     pub fn set_appearance(&mut self, appearance: &Appearance) {
         self.moon_gain = appearance.light.moon_gain();
         self.has_eclipses = appearance.light.eclipses;
+        if self.air != appearance.air {
+            self.air = appearance.air;
+            self.cells = None;
+        }
         self.exposure.set_appearance(appearance);
     }
 
@@ -215,12 +238,36 @@ impl Planner {
         plan: &mut FramePlan,
         stats: &mut FrameStats,
     ) {
+        let interpolates = self.interpolates_in(plan);
         match &mut self.ground {
             Some(ground) => ground.list_draws(&plan.ellipsoid, tiled, &mut plan.draws),
+            None if interpolates => {
+                let cells = self
+                    .cells
+                    .get_or_insert_with(|| CellLights::new(AirTables::shared(&self.air)));
+                let light = CellLight {
+                    sun_itrf: plan.uniforms.sun_itrf,
+                    exposure: plan.uniforms.exposure,
+                    day_sin: LIGHTS_OUT as f32,
+                };
+                cells.list(self.meshes.grid(), &light, plan);
+            }
             None => draw_blocks(self.meshes.grid(), &plan.blocks, &mut plan.draws),
+        }
+        for draw in &mut plan.draws {
+            let is_daylit = |block: Block| plan.daylit.contains(block.index() as u8);
+            if draw.block.is_some_and(is_daylit) {
+                draw.light = draw.light.max(DrawLight::Daylit);
+            }
         }
         let costs = plan.costs();
         (stats.draw_calls, stats.triangles) = (costs.draw_calls, costs.triangles);
+    }
+
+    /// Whether the air's light may be taken from vertices in a frame: where the eye is above the air, and no shadow is in it.
+    fn interpolates_in(&self, plan: &FramePlan) -> bool {
+        let side = plan.air.as_ref().map(AirPlan::side);
+        self.interpolates && side == Some(AirSide::Outside) && !plan.has_moon_shadow
     }
 
     /// The Moon's shadow, where it may fall on ground, clouds or air in sight.
@@ -253,7 +300,15 @@ impl Planner {
 
     /// Chooses the mesh and the blocks of the smooth ellipsoid.
     fn plan_blocks(&mut self, view: &ItrfView, plan: &mut FramePlan, stats: &mut FrameStats) {
-        plan.mesh = self.meshes.select_lod(stats.eye.height_m, view.pixel_rad());
+        let height_m = stats.eye.height_m;
+        let is_above_air = self.has_air && height_m > THICKNESS_M;
+        let least_cells = match self.interpolates && is_above_air {
+            true => interpolated_cells(height_m),
+            false => 0,
+        };
+        plan.mesh = self
+            .meshes
+            .select_lod(height_m, view.pixel_rad(), least_cells);
         let grid = self.meshes.grid();
         let selection = select_blocks(
             grid,
@@ -390,6 +445,8 @@ mod tests {
     #[test]
     fn draws_and_their_costs_are_those_of_the_plan() {
         let mut planner = planner();
+        // Each block whole.
+        planner.interpolates = false;
         let mut plan = planner.empty_plan();
         let mut stats = planner.plan(&nadir(80.0, 20.0, 4e5), &SKY, &mut plan);
         planner.list_draws(None, &mut plan, &mut stats);
@@ -416,13 +473,73 @@ mod tests {
         }
     }
 
+    /// The triangles of a plan, as vertices among all of the plan's, and how they are drawn.
+    fn triangles(planner: &Planner, plan: &FramePlan) -> Vec<([u32; 3], DrawLight)> {
+        let grid = planner.meshes().grid();
+        let kinds = [BlockRow::North, BlockRow::Middle, BlockRow::South];
+        let whole = kinds.map(|kind| grid.indices(kind)).concat();
+        let mut triangles = Vec::new();
+        for draw in &plan.draws {
+            let list = if draw.is_listed { &plan.cells } else { &whole };
+            let range = draw.indices.start as usize..draw.indices.end as usize;
+            let base = draw.patch as u32 * grid.vertices_per_block();
+            triangles.extend(list[range].as_chunks::<3>().0.iter().map(|corners| {
+                let corners = corners.map(|corner| base + u32::from(corner));
+                (corners, draw.light)
+            }));
+        }
+        triangles
+    }
+
+    #[test]
+    fn every_cell_is_drawn_once_and_by_what_light_its_place_needs() {
+        let mut planner = planner();
+        for (view, interpolates) in [
+            (nadir(80.0, 20.0, 6e5), true),
+            (nadir(0.0, 0.0, 2e6), true),
+            (nadir(-89.0, 85.0, 7e6), true),
+            // On the night side, in the air, far away.
+            (nadir(0.0, 180.0, 6e5), false),
+            (nadir(0.0, 0.0, 5e4), false),
+            (nadir(0.0, 0.0, 3e8), false),
+        ] {
+            let mut plan = planner.empty_plan();
+            let mut stats = planner.plan(&view, &SKY, &mut plan);
+            planner.list_draws(None, &mut plan, &mut stats);
+            let mut drawn = triangles(&planner, &plan);
+            let mut whole = plan;
+            whole.draws.clear();
+            draw_blocks(planner.meshes().grid(), &whole.blocks, &mut whole.draws);
+            let mut all = triangles(&planner, &whole);
+            let is_any = drawn
+                .iter()
+                .any(|(_, light)| *light == DrawLight::Interpolated);
+            assert_eq!(is_any, interpolates, "{:?}", view.eye_itrf_m);
+            for (corners, light) in &drawn {
+                for corner in corners {
+                    let from_eye_m = whole.vertices[*corner as usize].as_dvec3();
+                    let up = (view.eye_itrf_m + from_eye_m).normalize();
+                    let by_day = up.dot(SKY.sun_itrf) > 0.0;
+                    let is_limb = up.dot(-from_eye_m.normalize()) < 0.02;
+                    assert!(by_day || *light == DrawLight::Everything);
+                    assert!(!is_limb || *light != DrawLight::Interpolated);
+                }
+            }
+            drawn.sort_unstable();
+            all.sort_unstable();
+            let corners =
+                |list: &[([u32; 3], DrawLight)]| list.iter().map(|t| t.0).collect::<Vec<_>>();
+            assert_eq!(corners(&drawn), corners(&all));
+        }
+    }
+
     #[test]
     fn a_plan_has_room_for_every_view_from_the_start() {
         let mut planner = planner();
         let mut plan = planner.empty_plan();
         let room = |plan: &FramePlan| {
-            let draws = plan.draws.capacity();
-            (plan.blocks.capacity(), plan.vertices.capacity(), draws)
+            let lists = (plan.draws.capacity(), plan.cells.capacity());
+            (plan.blocks.capacity(), plan.vertices.capacity(), lists)
         };
         let before = room(&plan);
         for height_m in [1.0, 1e3, 1e5, 1e7, 1e9] {

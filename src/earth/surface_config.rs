@@ -11,6 +11,8 @@ pub(super) struct SurfaceStyle {
     pub shading: Shading,
     pub light: SurfaceLight,
     pub diagnostics: DiagnosticOptions,
+    /// Of [`super::EarthOptions`]: whether the air's light may be interpolated.
+    pub interpolates_air: bool,
 }
 
 /// How the surface is drawn with a quality.
@@ -33,6 +35,7 @@ pub(super) fn surface_config<'a>(
         ground: ground.map(Surface::draw_kind),
         #[cfg(feature = "terrain")]
         crosses_blocks: ground.is_some_and(Surface::crosses_blocks),
+        interpolates_air: style.interpolates_air,
         wireframe: style.diagnostics.wireframe,
         anisotropy: if software { 1 } else { quality.anisotropy },
         format,

@@ -3,7 +3,7 @@
 
 use super::DepthBuffer;
 use super::lattice::BlockInstance;
-use super::mesh::{BindMaps, SurfaceMesh};
+use super::mesh::{BeginDraw, SurfaceMesh};
 use super::shader::VertexForm;
 use crate::plan::{DeviceLimits, FramePlan, PRISM_INDICES};
 use bytemuck::{Pod, Zeroable};
@@ -216,7 +216,7 @@ impl SurfaceMesh for PageMesh {
         &self,
         pass: &mut wgpu::RenderPass<'_>,
         plan: &FramePlan,
-        bind_maps: &mut BindMaps<'_>,
+        begin_draw: &mut BeginDraw<'_>,
     ) {
         pass.set_vertex_buffer(0, self.corners.slice(..));
         pass.set_vertex_buffer(1, self.instances.slice(..));
@@ -225,7 +225,7 @@ impl SurfaceMesh for PageMesh {
         for n in 0..count {
             let k = if self.far_first { count - 1 - n } else { n };
             let draw = &plan.draws[k];
-            bind_maps(pass, draw.block);
+            begin_draw(pass, draw);
             let place = k as u32;
             pass.draw_indexed(draw.indices.clone(), 8 * place as i32, place..place + 1);
         }

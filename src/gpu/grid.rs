@@ -1,7 +1,7 @@
 //! The projected grid on the GPU: a uniform a frame, an atlas of height tiles, and triangles. No vertices: the shader makes
 //! them.
 
-use super::mesh::{BindMaps, SurfaceMesh};
+use super::mesh::{BeginDraw, SurfaceMesh};
 use super::shader::{ATLAS_COLUMNS, VertexForm};
 use crate::plan::{DeviceLimits, FramePlan};
 use terrella_ground::globe::projected_grid::{GridUniforms, TILE_SAMPLES};
@@ -125,11 +125,11 @@ impl SurfaceMesh for GridMesh {
         &self,
         pass: &mut wgpu::RenderPass<'_>,
         plan: &FramePlan,
-        bind_maps: &mut BindMaps<'_>,
+        begin_draw: &mut BeginDraw<'_>,
     ) {
         pass.set_index_buffer(self.indices.slice(..), wgpu::IndexFormat::Uint32);
         for draw in &plan.draws {
-            bind_maps(pass, draw.block);
+            begin_draw(pass, draw);
             pass.draw_indexed(draw.indices.clone(), 0, draw.drawn_as..draw.drawn_as + 1);
         }
     }

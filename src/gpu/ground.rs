@@ -1,7 +1,7 @@
 //! Patches of ground with relief on the GPU: kept from frame to frame, written where they change.
 
 use super::lattice::BlockInstance;
-use super::mesh::{BindMaps, SurfaceMesh};
+use super::mesh::{BeginDraw, SurfaceMesh};
 use super::shader::{PatchTiles, VertexForm};
 use crate::plan::{FramePlan, WHOLE_MAP};
 use bytemuck::{Pod, Zeroable};
@@ -226,7 +226,7 @@ impl SurfaceMesh for GroundMesh {
         &self,
         pass: &mut wgpu::RenderPass<'_>,
         plan: &FramePlan,
-        bind_maps: &mut BindMaps<'_>,
+        begin_draw: &mut BeginDraw<'_>,
     ) {
         if plan.draws.is_empty() {
             return;
@@ -237,7 +237,7 @@ impl SurfaceMesh for GroundMesh {
             Some((draw, held, self.triangles.get(&held.triangles)?))
         });
         for (instance, (draw, held, list)) in (0..).zip(held) {
-            bind_maps(pass, draw.block);
+            begin_draw(pass, draw);
             pass.set_vertex_buffer(0, held.vertices.slice(..));
             pass.set_index_buffer(list.buffer.slice(..), wgpu::IndexFormat::Uint32);
             pass.draw_indexed(draw.indices.clone(), 0, instance..instance + 1);

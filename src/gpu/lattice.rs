@@ -1,8 +1,8 @@
 //! The lattice of a block on the GPU: eye-relative vertices, what is the same for a whole block, and indices.
 
-use super::mesh::{BindMaps, SurfaceMesh};
+use super::mesh::{BeginDraw, SurfaceMesh};
 use super::shader::VertexForm;
-use crate::plan::FramePlan;
+use crate::plan::{FramePlan, LISTED_INDICES};
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3};
 use terrella_ground::globe::{BLOCK_COUNT, Block, BlockGrid, BlockRow, Surface};
@@ -64,6 +64,8 @@ pub(super) struct Lattice {
     vertices: wgpu::Buffer,
     instances: wgpu::Buffer,
     cells: Vec<Cells>,
+    /// [`FramePlan::cells`].
+    listed: wgpu::Buffer,
 }
 
 /// The triangles of a grid's blocks.
@@ -91,6 +93,12 @@ impl Lattice {
             vertices,
             instances,
             cells: grids.iter().map(|grid| Cells::new(device, grid)).collect(),
+            listed: device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("terrella listed cells"),
+                size: (LISTED_INDICES * size_of::<u16>()) as u64,
+                usage: wgpu::BufferUsages::INDEX | wgpu::BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            }),
         }
     }
 }
@@ -109,11 +117,14 @@ impl SurfaceMesh for Lattice {
     }
 
     fn write(&mut self, queue: &wgpu::Queue, plan: &FramePlan, _: Option<&dyn Surface>) -> u64 {
-        let bytes: &[u8] = bytemuck::cast_slice(&plan.vertices);
-        if !bytes.is_empty() {
-            queue.write_buffer(&self.vertices, 0, bytes);
+        let vertices: &[u8] = bytemuck::cast_slice(&plan.vertices);
+        let listed: &[u8] = bytemuck::cast_slice(&plan.cells);
+        for (buffer, bytes) in [(&self.vertices, vertices), (&self.listed, listed)] {
+            if !bytes.is_empty() {
+                queue.write_buffer(buffer, 0, bytes);
+            }
         }
-        bytes.len() as u64
+        (vertices.len() + listed.len()) as u64
     }
 
     /// Draws the plan's blocks, whose vertices were written in their order, as the plan's mesh divides them.
@@ -121,17 +132,25 @@ impl SurfaceMesh for Lattice {
         &self,
         pass: &mut wgpu::RenderPass<'_>,
         plan: &FramePlan,
-        bind_maps: &mut BindMaps<'_>,
+        begin_draw: &mut BeginDraw<'_>,
     ) {
         let Some(cells) = self.cells.get(plan.mesh) else {
             return;
         };
         pass.set_vertex_buffer(0, self.vertices.slice(..));
         pass.set_vertex_buffer(1, self.instances.slice(..));
-        pass.set_index_buffer(cells.indices.slice(..), wgpu::IndexFormat::Uint16);
-        for (place, draw) in (0u32..).zip(&plan.draws) {
-            bind_maps(pass, draw.block);
-            let base = (place * cells.vertices_per_block) as i32;
+        let mut bound = None;
+        for draw in &plan.draws {
+            begin_draw(pass, draw);
+            if bound != Some(draw.is_listed) {
+                bound = Some(draw.is_listed);
+                let indices = match draw.is_listed {
+                    true => &self.listed,
+                    false => &cells.indices,
+                };
+                pass.set_index_buffer(indices.slice(..), wgpu::IndexFormat::Uint16);
+            }
+            let base = (draw.patch as u32 * cells.vertices_per_block) as i32;
             pass.draw_indexed(draw.indices.clone(), base, draw.drawn_as..draw.drawn_as + 1);
         }
     }

@@ -1,11 +1,11 @@
 //! The mesh of the surface on the GPU: what the four forms of it have in common.
 
 use super::shader::VertexForm;
-use crate::plan::FramePlan;
-use terrella_ground::globe::{Block, BlockGrid, Surface};
+use crate::plan::{FramePlan, SurfaceDraw};
+use terrella_ground::globe::{BlockGrid, Surface};
 
-/// Makes the maps of the next draw those of a block, or whole maps.
-pub(super) type BindMaps<'a> = dyn FnMut(&mut wgpu::RenderPass<'_>, Option<Block>) + 'a;
+/// Sets pipeline and maps for the next draw.
+pub(super) type BeginDraw<'a> = dyn FnMut(&mut wgpu::RenderPass<'_>, &SurfaceDraw) + 'a;
 
 /// What pipelines know of a mesh.
 #[derive(Clone)]
@@ -69,6 +69,6 @@ pub(super) trait SurfaceMesh {
         &self,
         pass: &mut wgpu::RenderPass<'_>,
         plan: &FramePlan,
-        bind_maps: &mut BindMaps<'_>,
+        begin_draw: &mut BeginDraw<'_>,
     );
 }

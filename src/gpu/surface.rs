@@ -11,8 +11,8 @@ use super::surface_pipelines::{
 use super::surface_view::{PassGroups, SurfaceView};
 use super::tiles::TileTextures;
 use super::{Binding, GpuMap, MapError, ShaderError};
-use crate::plan::{ChosenTiles, FramePlan, SurfaceLightUniforms};
-use terrella_ground::globe::{Block, BlockSet, Shading};
+use crate::plan::{ChosenTiles, DrawLight, FramePlan, SurfaceLightUniforms};
+use terrella_ground::globe::{BlockSet, Shading};
 use terrella_imagery::EarthLayers;
 use terrella_imagery::residency::{Pool, Upload};
 
@@ -172,6 +172,7 @@ impl SurfaceDrawable {
             all: group(&passes.all),
             daylit: passes.daylit.as_ref().map(group),
             eclipsed: passes.eclipsed.as_ref().map(group),
+            interpolated: passes.interpolated.as_ref().map(group),
         });
         let groups = groups.collect();
         view.set_groups(groups);
@@ -227,36 +228,36 @@ impl SurfaceDrawable {
         let Some((passes, groups)) = self.pipelines.passes.get(side).zip(view.groups(side)) else {
             return;
         };
-        type Drawn<'a> = (&'a SurfacePass, &'a wgpu::BindGroup);
-        let choose = |pass: &mut wgpu::RenderPass<'_>, (drawn, group): Drawn<'_>| {
-            pass.set_pipeline(&drawn.pipeline);
-            pass.set_bind_group(0, group, &[]);
-        };
         let all = (&passes.all, &groups.all);
-        let daylit = passes.daylit.as_ref().zip(groups.daylit.as_ref());
         let eclipsed = passes.eclipsed.as_ref().zip(groups.eclipsed.as_ref());
         let eclipsed = eclipsed.filter(|_| plan.has_moon_shadow);
-        choose(pass, eclipsed.unwrap_or(all));
-        let mut is_daylit = false;
-        let mut by_light = |pass: &mut wgpu::RenderPass<'_>, block: Option<Block>| {
-            let Some(daylit) = daylit.filter(|_| eclipsed.is_none()) else {
-                return;
-            };
-            let wanted = block.is_some_and(|block| plan.daylit.contains(block.index() as u8));
-            if wanted != is_daylit {
-                is_daylit = wanted;
-                choose(pass, if wanted { daylit } else { all });
+        let daylit = passes.daylit.as_ref().zip(groups.daylit.as_ref());
+        let interpolated = passes.interpolated.as_ref();
+        let interpolated = interpolated.zip(groups.interpolated.as_ref());
+        let by_day = daylit.unwrap_or(all);
+        // In the order of their lights.
+        let drawn = match eclipsed {
+            Some(eclipsed) => [eclipsed; DrawLight::ALL.len()],
+            None => [all, by_day, interpolated.unwrap_or(by_day)],
+        };
+        let mut chosen = None;
+        let mut by_light = |pass: &mut wgpu::RenderPass<'_>, light: DrawLight| {
+            if chosen != Some(light) {
+                chosen = Some(light);
+                let (drawn, group) = drawn[light as usize];
+                pass.set_pipeline(&drawn.pipeline);
+                pass.set_bind_group(0, group, &[]);
             }
         };
         let mesh: &dyn SurfaceMesh = view.mesh();
         match &self.imagery {
             Imagery::Whole(maps) => {
                 pass.set_bind_group(1, maps, &[]);
-                mesh.render(pass, plan, &mut by_light);
+                mesh.render(pass, plan, &mut |pass, draw| by_light(pass, draw.light));
             }
-            Imagery::Tiles { tiles, whole } => mesh.render(pass, plan, &mut |pass, block| {
-                by_light(pass, block);
-                let maps = block.map_or(whole, |block| tiles.bind_group(block));
+            Imagery::Tiles { tiles, whole } => mesh.render(pass, plan, &mut |pass, draw| {
+                by_light(pass, draw.light);
+                let maps = draw.block.map_or(whole, |block| tiles.bind_group(block));
                 pass.set_bind_group(1, maps, &[]);
             }),
         }

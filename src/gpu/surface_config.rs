@@ -22,6 +22,8 @@ pub(crate) struct SurfaceConfig<'a> {
     /// Whether that has triangles that lie in several blocks. Nor does that.
     #[cfg(feature = "terrain")]
     pub crosses_blocks: bool,
+    /// Whether the air's light is taken from vertices where that suffices.
+    pub interpolates_air: bool,
     /// Whether edges of triangles are drawn alone.
     pub wireframe: bool,
 }

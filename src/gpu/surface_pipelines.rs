@@ -40,6 +40,8 @@ pub(super) struct SurfacePasses {
     pub daylit: Option<SurfacePass>,
     /// For frames that the Moon's shadow is in.
     pub eclipsed: Option<SurfacePass>,
+    /// For cells by day that take the air's light from their vertices.
+    pub interpolated: Option<SurfacePass>,
 }
 
 pub(super) struct SurfacePass {
@@ -82,15 +84,18 @@ impl SurfaceMaker {
             };
             let pass = |variant| self.pass(device, config, &maps, variant);
             let eclipsed = all.eclipsed().filter(|_| config.light.eclipses);
+            let interpolated = all.interpolated().filter(|_| config.interpolates_air);
             passes.push(SurfacePasses {
                 all: pass(all)?,
                 daylit: all.daylit().map(pass).transpose()?,
                 eclipsed: eclipsed.map(pass).transpose()?,
+                interpolated: interpolated.map(pass).transpose()?,
             });
         }
         let drawn = passes.iter();
         let drawn = drawn.flat_map(|passes| {
             let others = passes.daylit.iter().chain(&passes.eclipsed);
+            let others = others.chain(&passes.interpolated);
             std::iter::once(&passes.all).chain(others)
         });
         Ok(SurfacePipelines {
@@ -174,7 +179,7 @@ pub(super) fn tiles_entry(has_parts: bool) -> wgpu::BindGroupLayoutEntry {
 /// Layout of the surface's light.
 pub(super) fn light_entry() -> wgpu::BindGroupLayoutEntry {
     let bytes = size_of::<SurfaceLightUniforms>();
-    super::uniform_entry(12, wgpu::ShaderStages::FRAGMENT, bytes)
+    super::uniform_entry(12, wgpu::ShaderStages::VERTEX_FRAGMENT, bytes)
 }
 
 /// Whether a variant reads the surface's light.
@@ -203,6 +208,7 @@ fn output(maps: &MapArrangement, config: &SurfaceConfig<'_>, air: Option<AirSide
             night_lights: maps.has(MapLayer::NightLights),
             water: maps.has(MapLayer::Water),
             eclipse: false,
+            interpolated: false,
             air,
         }),
     };

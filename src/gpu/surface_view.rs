@@ -19,6 +19,7 @@ pub(super) struct PassGroups {
     pub all: wgpu::BindGroup,
     pub daylit: Option<wgpu::BindGroup>,
     pub eclipsed: Option<wgpu::BindGroup>,
+    pub interpolated: Option<wgpu::BindGroup>,
 }
 
 impl SurfaceView {

@@ -1,6 +1,6 @@
 //! All that a frame draws.
 
-use super::{AirPlan, DrawCosts, FrameUniforms, SurfaceDraw};
+use super::{AirPlan, DrawCosts, DrawLight, FrameUniforms, LISTED_INDICES, SurfaceDraw};
 use bytemuck::Zeroable;
 use glam::{DVec3, Vec3};
 use terrella_frames::Ellipsoid;
@@ -46,6 +46,8 @@ pub(crate) struct FramePlan {
     pub blocks: Vec<Block>,
     /// Their vertices from the eye, ITRF axes, metres: (n + 1)² a block, row by row. None where there is ground with relief.
     pub vertices: Vec<Vec3>,
+    /// Indices of the cells of blocks that are not drawn alike everywhere.
+    pub cells: Vec<u16>,
     /// The draws of the surface, in their order.
     pub draws: Vec<SurfaceDraw>,
     /// The blocks on which the Sun stands above the horizon everywhere: no lamp is lit there.
@@ -66,7 +68,8 @@ impl FramePlan {
             mesh: 0,
             blocks: Vec::with_capacity(BLOCK_COUNT as usize),
             vertices: Vec::with_capacity(vertices),
-            draws: Vec::with_capacity(BLOCK_COUNT as usize),
+            cells: Vec::with_capacity(if vertices > 0 { LISTED_INDICES } else { 0 }),
+            draws: Vec::with_capacity(DrawLight::ALL.len() * BLOCK_COUNT as usize),
             daylit: BlockSet::default(),
             has_moon_shadow: false,
             air: None,
@@ -77,6 +80,7 @@ impl FramePlan {
     pub fn clear(&mut self) {
         self.blocks.clear();
         self.vertices.clear();
+        self.cells.clear();
         self.draws.clear();
         self.daylit = BlockSet::default();
         self.has_moon_shadow = false;

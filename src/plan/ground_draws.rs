@@ -1,6 +1,6 @@
 //! The draws of ground with relief.
 
-use super::draws::{PER_BLOCK_TILES, SurfaceDraw, WHOLE_MAP};
+use super::draws::{DrawLight, PER_BLOCK_TILES, SurfaceDraw, WHOLE_MAP};
 use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
@@ -59,6 +59,8 @@ impl GroundDraws {
                 None => draws.push(SurfaceDraw {
                     patch: 0,
                     indices: 0..grid.indices.triangles.len() as u32,
+                    is_listed: false,
+                    light: DrawLight::Everything,
                     drawn_as: 0,
                     block: None,
                 }),
@@ -75,6 +77,8 @@ impl GroundDraws {
                 draws.push(SurfaceDraw {
                     patch: 0,
                     indices: 0..PRISM_INDICES,
+                    is_listed: false,
+                    light: DrawLight::Everything,
                     drawn_as: page.block.index(),
                     block: Some(page.block),
                 });
@@ -94,6 +98,8 @@ impl GroundDraws {
             draws.push(SurfaceDraw {
                 patch: patch.key,
                 indices: 0..patch.indices.triangles.len() as u32,
+                is_listed: false,
+                light: DrawLight::Everything,
                 drawn_as: patch.block.map_or(WHOLE_MAP, Block::index),
                 block: patch.block,
             });
@@ -126,6 +132,8 @@ fn draw_ranges(patch: u64, ranges: &[IndexRange], tiled: BlockSet, draws: &mut V
         draws.push(SurfaceDraw {
             patch,
             indices,
+            is_listed: false,
+            light: DrawLight::Everything,
             drawn_as,
             block,
         });

@@ -4,12 +4,14 @@
 //! |---|---|
 //! | `frame.rs` | all that a frame draws |
 //! | `draws.rs` | the draws of its surface; `ground_draws.rs`, where that has relief |
+//! | `cells.rs` | how cells of the block sphere are lit |
 //! | `air.rs` | its air |
 //! | `surface_light.rs` | what of the light on the surface can be chosen, and as shaders read it |
 //! | `limits.rs` | what a device allows |
 //! | `uniforms.rs` | the structs that shaders read |
 
 mod air;
+mod cells;
 mod draws;
 mod frame;
 #[cfg(feature = "terrain")]
@@ -20,7 +22,10 @@ mod uniforms;
 
 pub(crate) use air::AirPlan;
 pub use air::AirSide;
-pub(crate) use draws::{DrawCosts, PER_BLOCK_TILES, SurfaceDraw, WHOLE_MAP, draw_blocks};
+pub(crate) use cells::{CellLight, CellLights};
+pub(crate) use draws::{
+    DrawCosts, DrawLight, LISTED_INDICES, PER_BLOCK_TILES, SurfaceDraw, WHOLE_MAP, draw_blocks,
+};
 pub(crate) use frame::{BlockTiles, ChosenTiles, FramePlan};
 #[cfg(feature = "terrain")]
 pub(crate) use ground_draws::{GroundDraws, PRISM_INDICES};

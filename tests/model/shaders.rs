@@ -147,6 +147,7 @@ const LAYERS: SunlitLayers = SunlitLayers {
     water: true,
     effects: EFFECTS,
     eclipse: true,
+    interpolated: false,
     air: Some(AirSide::Outside),
 };
 
@@ -272,11 +273,13 @@ fn a_layer_that_is_off_is_not_in_the_shader() {
                 BLOCKS,
                 SunlitLayers {
                     eclipse: true,
+                    interpolated: false,
                     ..none
                 },
             ),
             all(SunlitLayers {
                 eclipse: false,
+                interpolated: false,
                 ..LAYERS
             }),
         ),
@@ -481,6 +484,7 @@ fn an_eye_on_one_side_of_the_air_has_nothing_of_the_other() {
             effects: EFFECTS.without(LightEffect::Detail),
             // It looks along the ray for the shadow.
             eclipse: false,
+            interpolated: false,
             ..LAYERS
         };
         code(sunlit(BLOCKS, layers))

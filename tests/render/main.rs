@@ -8,6 +8,7 @@ mod detail;
 mod embedding;
 #[cfg(feature = "offscreen")]
 mod faults;
+mod interpolation;
 mod light;
 mod night;
 mod picture;

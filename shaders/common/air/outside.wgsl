@@ -15,6 +15,17 @@ fn ground_coordinate(mu: f32) -> f32 {
 // `x` is the ray's coordinate, `mu` and `mu_s` are the cosines of its zenith angle and of the Sun's where that is counted; `ray`
 // and `sun` are unit vectors, ITRF axes.
 fn scattered(x: f32, mu: f32, ray: vec3f, sun: vec3f, mu_s: f32, uv: vec2f) -> vec4f {
+    let parts = scattered_parts(x, mu, ray, sun, mu_s);
+    return vec4f(parts.black.rgb + sent_up(uv) * parts.bounce, parts.black.a);
+}
+
+// The same over black ground, and what is added for each unit of light that the ground sends up.
+struct Scattered {
+    black: vec4f,
+    bounce: vec3f,
+}
+
+fn scattered_parts(x: f32, mu: f32, ray: vec3f, sun: vec3f, mu_s: f32) -> Scattered {
     // Azimuth of the Sun, from the ray's horizontal direction.
     let flat = sqrt(max((1.0 - mu * mu) * (1.0 - mu_s * mu_s), 1e-12));
     let cosine = clamp((dot(ray, sun) + mu * mu_s) / flat, -1.0, 1.0);
@@ -23,7 +34,7 @@ fn scattered(x: f32, mu: f32, ray: vec3f, sun: vec3f, mu_s: f32, uv: vec2f) -> v
     let at = vec3f(x, y, table_coordinate(azimuth, SCATTERING_SIZE.z));
     let black = textureSampleLevel(scattering_table, table_sampler, at, 0.0);
     let bounce = textureSampleLevel(bounce_table, table_sampler, at.xy, 0.0).rgb;
-    return vec4f(fourth_power(black.rgb) + sent_up(uv) * fourth_power(bounce), black.a);
+    return Scattered(vec4f(fourth_power(black.rgb), black.a), fourth_power(bounce));
 }
 
 fn through_at(x: f32) -> vec3f {

@@ -5,6 +5,7 @@
 @fragment
 fn fragment(in: Varying) -> Drawn {
     var at = surface_point(in);
+    @if(interpolated) at.air = air_between_vertices(in);
     @if(per_block_tiles) if drawn_block(at) != in.block { discard; }
     @if(per_block_tiles) at = in_block(at);
     var color = shade(at);

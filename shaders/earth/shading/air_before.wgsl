@@ -32,8 +32,15 @@ fn air_before(at: SurfacePoint, mu_s: f32) -> AirBefore {
     @else return air_;
 }
 
-// To an eye outside the air: by the ray's zenith angle at the point.
-@else
+// To an eye outside the air: of what stands at the vertices, …
+@if(interpolated)
+fn air_before(at: SurfacePoint, mu_s: f32) -> AirBefore {
+    let light = at.air.black + sent_up(at.center_uv + at.uv) * at.air.bounce;
+    return AirBefore(at.air.through, light);
+}
+
+// … or by the ray's zenith angle at the point.
+@if(!inside && !interpolated)
 fn air_before(at: SurfacePoint, mu_s: f32) -> AirBefore {
     let ray = -normalize(at.to_eye);
     let mu = clamp(-dot(ray, at.up), 0.0, 1.0);

@@ -19,7 +19,7 @@ fn sunlit_albedo(albedo: f32, mu: f32) -> f32 {
 }
 
 // The Sun's light on clouds over a place where it stands at this cosine. Their horizon is lower than the ground's.
-fn sun_on_clouds(mu_s: f32) -> vec3f {
+fn sun_at_clouds(mu_s: f32) -> vec3f {
     @if(air) return sunlight(mu_s, OF_CLOUDS);
     @else return light_of_disc(mu_s + surface_light.cloud_dip);
 }
@@ -42,10 +42,10 @@ fn clouds_before(at: SurfacePoint) -> CloudsBefore {
     return CloudsBefore(CLOUD_ALBEDO * cover, lift.up, normal);
 }
 
-// What they throw back of the light of a Sun and its sky.
-fn light_of_clouds(clouds: CloudsBefore, light: Light, sun: vec3f) -> vec3f {
+// What they throw back of the light of a Sun, which is so bright there, and of its sky.
+fn light_of_clouds(clouds: CloudsBefore, sun_on_clouds: vec3f, light: Light, sun: vec3f) -> vec3f {
     let facing = max(dot(clouds.normal, sun), CLOUD_SIDES);
-    let sunlit = sunlit_albedo(clouds.albedo, facing) * facing * sun_on_clouds(dot(clouds.up, sun));
+    let sunlit = sunlit_albedo(clouds.albedo, facing) * facing * sun_on_clouds;
     return sunlit + clouds.albedo * light.sky;
 }
 

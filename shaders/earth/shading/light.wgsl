@@ -13,10 +13,13 @@ struct Light {
 // Sunlight that arrives and the sky's light on level ground, with what goes to and fro between the ground and the air.
 @if(air)
 fn light_at(at: SurfacePoint, mu_s: f32) -> Light {
-    let sun = sunlight(mu_s, OF_GROUND);
+    @if(interpolated) let sun = at.air.sun;
+    @else let sun = sunlight(mu_s, OF_GROUND);
+    @if(interpolated) let sky = at.air.sky;
+    @else let sky = sunlight(mu_s, OF_SKY);
     // (direct + sky)/(1 − A s) is direct + sky + (direct + sky)·A s/(1 − A s).
     let again = sent_up(at.center_uv + at.uv) * air.sky_albedo;
-    return Light(sun, sunlight(mu_s, OF_SKY) * (1.0 + again) + sun * max(mu_s, 0.0) * again);
+    return Light(sun, sky * (1.0 + again) + sun * max(mu_s, 0.0) * again);
 }
 @else
 fn light_at(at: SurfacePoint, mu_s: f32) -> Light {

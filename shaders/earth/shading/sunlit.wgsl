@@ -2,6 +2,7 @@
 import rust::DAY;
 import earth/shading/light.wgsl;
 @if(air) import earth/shading/air_before.wgsl;
+@if(interpolated) import earth/shading/air_at_vertices.wgsl;
 @if(water) import earth/shading/sea.wgsl;
 @if(night_lights) import earth/shading/night_lights.wgsl;
 @if(clouds) import earth/shading/clouds.wgsl;
@@ -56,8 +57,10 @@ fn lit(at: SurfacePoint, surface: Surface, sun: vec3f) -> vec3f {
     @else let light = above;
     var color = surface.day.rgb * (light.sun * max(dot(surface.normal, sun), 0.0) + light.sky);
     @if(water) color = mix(color, sea(at, light, sun, mu_s, surface.day.a), surface.water);
-    @if(clouds && !eclipse) let of_clouds = light_of_clouds(surface.clouds, above, sun);
-    @if(clouds && eclipse) let of_clouds = sun_left_to_clouds(surface.clouds) * light_of_clouds(surface.clouds, clear, sun);
+    @if(clouds && interpolated) let sun_on_clouds = at.air.sun_on_clouds;
+    @if(clouds && !interpolated) let sun_on_clouds = sun_at_clouds(dot(surface.clouds.up, sun));
+    @if(clouds && !eclipse) let of_clouds = light_of_clouds(surface.clouds, sun_on_clouds, above, sun);
+    @if(clouds && eclipse) let of_clouds = sun_left_to_clouds(surface.clouds) * light_of_clouds(surface.clouds, sun_on_clouds, clear, sun);
     @if(clouds) color = of_clouds + (1.0 - surface.clouds.albedo) * color;
     return color;
 }

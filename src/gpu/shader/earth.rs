@@ -85,6 +85,8 @@ pub struct SunlitLayers {
     pub effects: LightEffects,
     /// The Moon before the Sun.
     pub eclipse: bool,
+    /// The air's light is looked up at vertices and interpolated, for an eye outside the air that looks at the block sphere.
+    pub interpolated: bool,
     /// The air between the Sun, the ground and the eye, and where the eye is.
     pub air: Option<AirSide>,
 }
@@ -143,6 +145,24 @@ impl EarthVariant {
                 ..layers
             })
         })
+    }
+
+    /// The same for cells by day whose light from and through the air is interpolated between their vertices; `None` of what has no such
+    /// light, no such vertices, or a target that measures it.
+    pub fn interpolated(self) -> Option<Self> {
+        let is_shown = match self.output {
+            EarthOutput::Picture(_, target) => target != TargetColor::Radiance,
+            _ => false,
+        };
+        let has_vertices = matches!(self.form, VertexForm::BlockLattice { .. });
+        let daylit = self.daylit().unwrap_or(self);
+        let interpolated = daylit.with_sunlit(|layers| {
+            (layers.air == Some(AirSide::Outside)).then_some(SunlitLayers {
+                interpolated: true,
+                ..layers
+            })
+        });
+        interpolated.filter(|_| is_shown && has_vertices)
     }
 
     /// The same with other layers in real light; `None` where it has no such light, or there are none.
@@ -209,6 +229,7 @@ impl EarthOutput {
                 night_lights: on(bits, 2),
                 water: on(bits, 3),
                 eclipse: on(bits, 4),
+                interpolated: false,
                 effects: (5..)
                     .zip(effects)
                     .filter(|(bit, _)| on(bits, *bit))
@@ -306,7 +327,10 @@ impl ShaderVariant for EarthVariant {
                 parts: true,
             })
         });
-        whole.chain(cut).collect()
+        let all: Vec<Self> = whole.chain(cut).collect();
+        let interpolated = all.iter().filter(|variant| variant.daylit().is_none());
+        let interpolated: Vec<_> = interpolated.filter_map(|v| v.interpolated()).collect();
+        all.into_iter().chain(interpolated).collect()
     }
 
     fn needs(&self) -> Vec<ShaderCapability> {
@@ -383,6 +407,7 @@ impl ShaderVariant for EarthVariant {
             ("night_lights", layers.night_lights),
             ("water", layers.water),
             ("eclipse", layers.eclipse),
+            ("interpolated", layers.interpolated),
             ("air", layers.air.is_some()),
             ("inside", layers.air == Some(AirSide::Inside)),
             // The paper's display values, for a target of anything else.

@@ -142,6 +142,7 @@ files![
     "earth/fragment/picture.wgsl",
     "earth/fragment/truth.wgsl",
     "earth/maps.wgsl",
+    "earth/shading/air_at_vertices.wgsl",
     "earth/shading/air_before.wgsl",
     "earth/shading/cloud_cover.wgsl",
     "earth/shading/clouds.wgsl",

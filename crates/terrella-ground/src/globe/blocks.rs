@@ -240,6 +240,11 @@ impl BlockGrid {
         self.subdivision
     }
 
+    /// Latitude that a cell spans, radians; of longitude it is the same.
+    pub fn cell_rad(&self) -> f64 {
+        SPAN_RAD / f64::from(self.subdivision)
+    }
+
     /// Vertices of one block, (n + 1)².
     pub fn vertices_per_block(&self) -> u32 {
         (self.subdivision + 1) * (self.subdivision + 1)
@@ -284,25 +289,27 @@ impl BlockGrid {
 
     /// Triangle list over a block's (n + 1)² vertices (row-major from the north-west), counter-clockwise from outside.
     pub fn indices(&self, kind: BlockRow) -> Vec<u16> {
-        let n = self.subdivision as u16;
-        let at = |i: u16, j: u16| j * (n + 1) + i;
+        let n = self.subdivision;
         let mut out = Vec::with_capacity(3 * self.triangles(kind) as usize);
         for j in 0..n {
             for i in 0..n {
-                let [nw, ne, sw, se] = [at(i, j), at(i + 1, j), at(i, j + 1), at(i + 1, j + 1)];
-                if !(kind == BlockRow::South && j == n - 1) {
-                    out.extend([nw, sw, se]);
-                }
-                if !(kind == BlockRow::North && j == 0) {
-                    let closing = if kind == BlockRow::South && j == n - 1 {
-                        sw
-                    } else {
-                        se
-                    };
-                    out.extend([nw, closing, ne]);
-                }
+                self.push_cell(kind, (i, j), &mut out);
             }
         }
         out
+    }
+
+    /// Appends the triangles of one cell, `i` from the west and `j` from the north, to such a list: two, and one at a pole.
+    pub fn push_cell(&self, kind: BlockRow, (i, j): (u32, u32), out: &mut Vec<u16>) {
+        let n = self.subdivision;
+        let at = |i: u32, j: u32| (j * (n + 1) + i) as u16;
+        let [nw, ne, sw, se] = [at(i, j), at(i + 1, j), at(i, j + 1), at(i + 1, j + 1)];
+        let is_south_pole = kind == BlockRow::South && j == n - 1;
+        if !is_south_pole {
+            out.extend([nw, sw, se]);
+        }
+        if !(kind == BlockRow::North && j == 0) {
+            out.extend([nw, if is_south_pole { sw } else { se }, ne]);
+        }
     }
 }

@@ -85,13 +85,15 @@ impl Meshes {
         })
     }
 
-    /// Takes the coarsest grid that keeps the limb, else the finest. Answers its place among [`Self::grids`].
-    pub fn select_lod(&mut self, height_m: f64, pixel_rad: f64) -> usize {
+    /// Takes the coarsest grid that keeps the limb and has so many cells at least; else the finest. Answers its place
+    /// among [`Self::grids`].
+    pub fn select_lod(&mut self, height_m: f64, pixel_rad: f64, least_cells: u32) -> usize {
         let keeps_limb = |grid: &BlockGrid| {
             let radius_m = grid.ellipsoid().equatorial_radius_m;
             let cells = grid.subdivision();
             let is_sound = height_m > 0.0 || cells >= CELLS_BELOW_GROUND;
-            is_sound && limb_error_px(cells, radius_m, height_m, pixel_rad) <= LIMB_PX
+            let keeps = limb_error_px(cells, radius_m, height_m, pixel_rad) <= LIMB_PX;
+            is_sound && cells >= least_cells && keeps
         };
         let finest = self.grids.len() - 1;
         self.current = self.grids.iter().position(keeps_limb).unwrap_or(finest);
@@ -135,7 +137,7 @@ mod tests {
     fn the_mesh_is_finer_near_the_ground_and_in_narrow_views() {
         let mut meshes = Meshes::new(Ellipsoid::WGS84, Subdivision::Auto, 1).expect("sound");
         let mut cells = |height_m, pixel_rad| {
-            meshes.select_lod(height_m, pixel_rad);
+            meshes.select_lod(height_m, pixel_rad, 0);
             meshes.grid().subdivision()
         };
         let pixel_rad = 1.6e-3;

@@ -1,0 +1,85 @@
+//! The air's light taken from vertices, beside the same looked up for each pixel.
+
+use crate::common::{Rig, down, map, tilted};
+use glam::DVec3;
+use terrella::frames::{Ellipsoid, Geodetic};
+use terrella::{EarthOptions, EyeView, Subdivision};
+use terrella_imagery::{EarthLayers, LayerImage};
+
+const SIZE: (u32, u32) = (320, 180);
+
+/// Land and sea in patches as large as neighbourhoods are, under clouds in patches.
+fn options() -> EarthOptions {
+    let patch = |n: usize, size: usize| (n % (2 * size) < size) as u8 * 255;
+    let gray = |size: usize| -> Vec<u8> {
+        let texel = |at: usize| patch(at % 256, size) ^ patch(at / 256, size);
+        (0..256 * 128).map(texel).collect()
+    };
+    let layer = |size| LayerImage::from_r8(256, 128, gray(size)).expect("a sound map");
+    EarthOptions::new(EarthLayers {
+        day: map(256, |lat, lon| {
+            let light = 128.0 + 100.0 * (9.0 * lat).sin() * (7.0 * lon).sin();
+            [light as u8, 90, 60]
+        }),
+        clouds: Some(layer(5)),
+        normals: None,
+        night_lights: Some(layer(3)),
+        water: Some(layer(16)),
+    })
+}
+
+fn views(aspect: f64) -> Vec<(&'static str, EyeView)> {
+    let over = |lat, lon, height_km: f64| Geodetic::from_degrees(lat, lon, 1e3 * height_km);
+    vec![
+        (
+            "420 km, towards the limb",
+            tilted(over(20.0, 20.0, 420.0), 40.0, -25.0, 60.0, aspect),
+        ),
+        ("600 km", down(over(5.0, -12.0, 600.0), 45.0, aspect)),
+        (
+            "2 000 km, the Sun low",
+            down(over(-10.0, 70.0, 2e3), 45.0, aspect),
+        ),
+        ("7 000 km", down(over(30.0, 5.0, 7e3), 60.0, aspect)),
+        (
+            "20 000 km over a pole",
+            down(over(89.0, 0.0, 2e4), 35.0, aspect),
+        ),
+    ]
+}
+
+#[test]
+fn no_pixel_differs_by_more_than_dithering_makes_of_half_a_code() {
+    let rigs = [false, true].map(|per_pixel_air| {
+        let mut options = options();
+        // The same mesh: else the limb's pixels differ.
+        options.subdivision = Subdivision::Cells(48);
+        options.diagnostics.per_pixel_air = per_pixel_air;
+        Rig::new(&options, SIZE)
+    });
+    let [mut interpolated, mut exact] = rigs;
+    let sun = Ellipsoid::normal(0.3, 0.1);
+    let mut different = 0;
+    for (name, view) in views(exact.aspect()) {
+        let [one, other] = [&mut interpolated, &mut exact].map(|rig| rig.draw(&view, sun).0);
+        let codes = one.iter().zip(other.iter()).map(|(a, b)| a.abs_diff(*b));
+        let (most, sum) = codes.fold((0, 0_u64), |(most, sum), off| {
+            (most.max(off), sum + u64::from(off))
+        });
+        let mean = sum as f64 / one.len() as f64;
+        assert!(
+            most <= 1 && mean < 0.15,
+            "{name}: {most} codes, {mean} on average"
+        );
+        different += sum;
+    }
+    assert!(different > 1000, "nothing was interpolated: {different}");
+    // By night nothing is.
+    let night = down(
+        Geodetic::from_degrees(0.0, 180.0, 6e5),
+        45.0,
+        exact.aspect(),
+    );
+    let [one, other] = [&mut interpolated, &mut exact].map(|rig| rig.draw(&night, sun).0);
+    assert!(one == other && DVec3::X.dot(sun) > 0.5);
+}
