@@ -6,6 +6,7 @@
 //! | `layer.rs` | a map in memory with its mip levels, and all maps of an Earth |
 //! | `between.rs` | what lies between two maps |
 //! | `albedo.rs` | what neighbourhoods reflect, for the air over them |
+//! | `ground_kinds.rs` | where there is nothing but land, or nothing but open sea |
 //! | `load.rs` | a folder of maps read from disk, with limits before every allocation |
 //! | `decode.rs` | PNG and JPEG files |
 //! | `jpeg/` | whether a JPEG is whole |
@@ -29,6 +30,7 @@ pub mod colour;
 mod decode;
 mod error;
 mod find;
+mod ground_kinds;
 pub mod jpeg;
 mod layer;
 mod load;
@@ -47,6 +49,7 @@ pub mod tile;
 pub use albedo::{CLOUD_ALBEDO, MapAlbedo, NEIGHBOURHOODS, NeighbourhoodAlbedo};
 pub use error::ImageryError;
 pub use find::{TEXTURES_VARIABLE, find_textures};
+pub use ground_kinds::{CELLS_AROUND, GroundKind, GroundKinds, MOST_PIXEL_M};
 pub use layer::{EarthLayers, LayerImage};
 pub use load::{
     DamagedLayer, LayerSelection, MAX_FILE_BYTES, load_color_map, load_day_map, load_grey_map,
