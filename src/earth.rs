@@ -346,6 +346,19 @@ impl Earth {
         let shared = self.surface.texture_bytes;
         for view in views(&mut self.first, others) {
             view.stats.texture_bytes = shared + view.air_textures().map_or(0, AirTextures::bytes);
+            if view.plan.has_moon_shadow {
+                let air = view.air.as_ref().map(AirDrawable::textures);
+                let (style, format, ground) = (self.style, self.format, view.planner.ground());
+                let config =
+                    surface_config(&self.device, style, format, &self.quality, air, ground);
+                let surface = &mut self.surface;
+                let ready =
+                    surface.prepare_eclipse(&self.device, &config, &mut view.surface, &view.plan);
+                let ready = ready.and_then(|()| view.prepare_eclipse_of_air(&self.device));
+                if let Err(error) = ready {
+                    tracing::warn!("the Moon's shadow is not drawn: {error}");
+                }
+            }
             view.write(&self.device, queue, tiled);
         }
         self.first.stats

@@ -4,6 +4,7 @@ use super::{Earth, EarthError, resolved};
 use crate::gpu::{GpuMap, MapError};
 use std::sync::Arc;
 use terrella_ground::light::Exposure;
+use terrella_imagery::tile::MapLayer;
 
 impl Earth {
     /// Exposes so from the next [`Self::prepare`] on.
@@ -30,6 +31,9 @@ impl Earth {
         if let Some(error) = resolved(scope.pop()) {
             self.surface.set_map(&device, &before)?;
             return Err(MapError::Refused(error.to_string()).into());
+        }
+        if matches!(map.layer(), MapLayer::Day | MapLayer::Water) {
+            self.first.planner.set_kinds(None);
         }
         if let Some(part) = &map.albedo {
             let mut albedo = self.first.planner.exposure.albedo().clone();

@@ -4,7 +4,7 @@ use super::plan::Planner;
 use super::tile_view::TileView;
 use super::tiles::TileLevels;
 use super::{Earth, EarthError, EyeView, FrameStats, Quality, Sky, Viewport};
-use crate::gpu::{AirDrawable, AirTextures, SurfaceView};
+use crate::gpu::{AirDrawable, AirTextures, ShaderError, SurfaceView};
 use crate::plan::FramePlan;
 #[cfg(feature = "celestial")]
 use crate::plan::FrameUniforms;
@@ -147,6 +147,17 @@ impl EarthView {
         self.drawn.is_none() || self.planner.is_ground_settled()
     }
 
+    /// Makes ready what draws its air in a frame that the Moon's shadow is in.
+    pub(super) fn prepare_eclipse_of_air(
+        &mut self,
+        device: &wgpu::Device,
+    ) -> Result<(), ShaderError> {
+        match self.air.as_mut().zip(self.plan.air.as_ref()) {
+            Some((air, plan)) => air.prepare_eclipse(device, plan.side()),
+            None => Ok(()),
+        }
+    }
+
     /// Lists the draws of what was chosen and hands them to the GPU. `tiled` are the blocks that have tiles, where triangles lie in
     /// several.
     pub(super) fn write(
@@ -194,6 +205,7 @@ impl Earth {
         let first = &self.first.planner;
         if view.version == now {
             view.planner.exposure.set_albedo(first.exposure.albedo());
+            view.planner.set_kinds(first.kinds().cloned());
             return true;
         }
         if view.version.grounds != now.grounds {

@@ -15,6 +15,7 @@ use crate::plan::{
 use bytemuck::Zeroable;
 use glam::DVec3;
 use std::f64::consts::FRAC_PI_2;
+use std::sync::Arc;
 use terrella_frames::{Ellipsoid, MOON_RADIUS_M, MoonShadow};
 use terrella_ground::air::{AirOptions, AirTables, Atmosphere, Billboard, THICKNESS_M, TOP};
 use terrella_ground::globe::{
@@ -22,6 +23,7 @@ use terrella_ground::globe::{
     Surface, Visibility, sagitta, select_blocks, texels_per_pixel,
 };
 use terrella_ground::light::exposure_factor;
+use terrella_imagery::{GroundKinds, MOST_PIXEL_M};
 
 /// Cells a block edge that most of the air's light can be interpolated in, for an eye above the air: more where they look large, and no
 /// more than the limb needs where their vertices would cost more than is saved.
@@ -30,6 +32,13 @@ fn interpolated_cells(height_m: f64) -> u32 {
         4e5..9e5 => 48,
         _ => 0,
     }
+}
+
+/// Where the maps of an Earth have nothing but land or open sea: of whole maps, and of pictures that may use it.
+fn ground_kinds(options: &EarthOptions) -> Option<Arc<GroundKinds>> {
+    let is_used = options.interpolates_air() && options.tiles.is_none() && options.ground.is_none();
+    let kinds = is_used.then(|| GroundKinds::new(&options.layers)).flatten();
+    kinds.map(Arc::new)
 }
 
 /// Turns the views of one eye into plans.
@@ -43,6 +52,8 @@ pub(super) struct Planner {
     air: AirOptions,
     /// Where that is, once it is asked for.
     cells: Option<CellLights>,
+    /// Where there is nothing but land or open sea, if that is known.
+    kinds: Option<Arc<GroundKinds>>,
     /// [`SurfaceLight::moon_gain`](super::SurfaceLight::moon_gain).
     moon_gain: f64,
     has_eclipses: bool,
@@ -71,6 +82,7 @@ impl Planner {
             interpolates: options.interpolates_air(),
             air: options.air,
             cells: None,
+            kinds: ground_kinds(options),
             moon_gain: options.light.moon_gain(),
             has_eclipses: options.light.eclipses,
             has_tiles,
@@ -87,6 +99,7 @@ impl Planner {
             exposure: self.exposure.clone(),
             ground: ground.transpose()?,
             cells: None,
+            kinds: self.kinds.clone(),
             ..*self
         })
     }
@@ -107,6 +120,16 @@ impl Planner {
             self.cells = None;
         }
         self.exposure.set_appearance(appearance);
+    }
+
+    /// Where there is nothing but land or open sea, if that is known.
+    pub fn kinds(&self) -> Option<&Arc<GroundKinds>> {
+        self.kinds.as_ref()
+    }
+
+    /// Takes that from another planner, or forgets it.
+    pub fn set_kinds(&mut self, kinds: Option<Arc<GroundKinds>>) {
+        self.kinds = kinds;
     }
 
     /// Plans with another ground from now on, or with the smooth ellipsoid.
@@ -250,7 +273,11 @@ impl Planner {
                     exposure: plan.uniforms.exposure,
                     day_sin: LIGHTS_OUT as f32,
                 };
-                cells.list(self.meshes.grid(), &light, plan);
+                let kinds = self
+                    .kinds
+                    .as_deref()
+                    .filter(|_| stats.pixel_m < MOST_PIXEL_M);
+                cells.list(self.meshes.grid(), &light, kinds, plan);
             }
             None => draw_blocks(self.meshes.grid(), &plan.blocks, &mut plan.draws),
         }

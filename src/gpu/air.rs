@@ -24,6 +24,7 @@ const VERTEX_ATTRIBUTES: [wgpu::VertexAttribute; 2] =
     wgpu::vertex_attr_array![0 => Float32x4, 1 => Float32x3];
 
 pub(crate) struct AirDrawable {
+    format: PassFormat,
     /// The eye outside, and inside.
     halos: [Halo; 2],
     vertices: wgpu::Buffer,
@@ -42,8 +43,10 @@ pub(crate) struct AirDrawable {
 struct Halo {
     side: AirSide,
     pipeline: wgpu::RenderPipeline,
-    /// For frames that the Moon's shadow is in.
+    /// For frames that the Moon's shadow is in: made when the first of them comes.
     eclipsed: Option<wgpu::RenderPipeline>,
+    /// What that is made of, until it is tried.
+    eclipsed_variant: Option<AirVariant>,
     layout: wgpu::BindGroupLayout,
     bind_group: wgpu::BindGroup,
 }
@@ -56,6 +59,7 @@ impl Halo {
             side: self.side,
             pipeline: self.pipeline.clone(),
             eclipsed: self.eclipsed.clone(),
+            eclipsed_variant: self.eclipsed_variant,
             layout: self.layout.clone(),
             bind_group: super::bind_to(device, label(self.side), &self.layout, bindings),
         }
@@ -99,6 +103,7 @@ impl AirDrawable {
             halo
         });
         Ok(Self {
+            format,
             halos,
             vertices: vertex_buffer(device),
             staging: Vec::with_capacity(Billboard::MAX_VERTICES),
@@ -117,6 +122,7 @@ impl AirDrawable {
         let textures = self.textures.for_another_view(device);
         let halos = self.halos.each_ref();
         Self {
+            format: self.format,
             halos: halos.map(|halo| halo.for_another_view(device, &textures)),
             vertices: vertex_buffer(device),
             staging: Vec::with_capacity(Billboard::MAX_VERTICES),
@@ -133,6 +139,21 @@ impl AirDrawable {
     /// What shaders read that draw through the air.
     pub fn textures(&self) -> &AirTextures {
         &self.textures
+    }
+
+    /// Makes ready what draws a frame that the Moon's shadow is in, seen from this side. Without it such a frame is drawn as others.
+    pub fn prepare_eclipse(
+        &mut self,
+        device: &wgpu::Device,
+        side: AirSide,
+    ) -> Result<(), ShaderError> {
+        let halo = &mut self.halos[side as usize];
+        if let Some(variant) = halo.eclipsed_variant.take() {
+            let (pipeline, bytes) = pipeline(device, self.format, &halo.layout, variant)?;
+            halo.eclipsed = Some(pipeline);
+            self.shader_bytes += bytes;
+        }
+        Ok(())
     }
 
     /// Writes this frame's ring, and draws what an eye in the air sees of it. Returns the bytes written.
@@ -242,39 +263,45 @@ fn halo(
     let side = variant.side;
     let label = label(side);
     let (layout, bind_group) = super::bind(device, label, textures.bindings(side));
-    let mut shader_bytes = 0;
-    let mut pipeline = |variant: AirVariant| -> Result<wgpu::RenderPipeline, ShaderError> {
-        let shader = ShaderModule::new(device, &variant)?;
-        shader_bytes += shader.bytes;
-        let pipeline = PipelineDescription {
-            label,
-            bind_groups: Some(&[Some(&layout)]),
-            module: &shader.module,
-            buffers: &[Some(wgpu::VertexBufferLayout {
-                array_stride: size_of::<AirVertex>() as u64,
-                step_mode: wgpu::VertexStepMode::Vertex,
-                attributes: &VERTEX_ATTRIBUTES,
-            })],
-            primitive: Default::default(),
-            format,
-            writes_depth: false,
-            blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
-        };
-        Ok(pipeline.create(device))
-    };
+    let (pipeline, shader_bytes) = pipeline(device, format, &layout, variant)?;
     // Then the Moon is new.
-    let eclipsed = eclipses.then_some(AirVariant {
+    let eclipsed_variant = eclipses.then_some(AirVariant {
         eclipse: true,
         moonlight: false,
         ..variant
     });
-    let (plain, eclipsed) = (pipeline(variant)?, eclipsed.map(pipeline).transpose()?);
     let halo = Halo {
         side,
-        pipeline: plain,
-        eclipsed,
+        pipeline,
+        eclipsed: None,
+        eclipsed_variant,
         layout,
         bind_group,
     };
     Ok((halo, shader_bytes))
+}
+
+/// What draws the ring by one variant of the shader, and the bytes of that.
+fn pipeline(
+    device: &wgpu::Device,
+    format: PassFormat,
+    layout: &wgpu::BindGroupLayout,
+    variant: AirVariant,
+) -> Result<(wgpu::RenderPipeline, u64), ShaderError> {
+    let shader = ShaderModule::new(device, &variant)?;
+    let pipeline = PipelineDescription {
+        label: label(variant.side),
+        bind_groups: Some(&[Some(layout)]),
+        module: &shader.module,
+        buffers: &[Some(wgpu::VertexBufferLayout {
+            array_stride: size_of::<AirVertex>() as u64,
+            step_mode: wgpu::VertexStepMode::Vertex,
+            attributes: &VERTEX_ATTRIBUTES,
+        })],
+        primitive: Default::default(),
+        format,
+        writes_depth: false,
+        blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
+    };
+    Ok((pipeline.create(device), shader.bytes))
 }

@@ -41,6 +41,11 @@ enum Imagery {
     },
 }
 
+/// The place of what a plan is drawn with among [`SurfacePipelines::passes`].
+fn side_of(plan: &FramePlan) -> usize {
+    plan.air.as_ref().map_or(0, |air| air.side() as usize)
+}
+
 impl SurfaceDrawable {
     /// Uploads the maps. `pools` are those of tiles, if blocks are drawn with tiles; `first` is a view of it, which is bound.
     pub fn new(
@@ -173,9 +178,35 @@ impl SurfaceDrawable {
             daylit: passes.daylit.as_ref().map(group),
             eclipsed: passes.eclipsed.as_ref().map(group),
             interpolated: passes.interpolated.as_ref().map(group),
+            land: passes.land.as_ref().map(group),
+            open_sea: passes.open_sea.as_ref().map(group),
         });
         let groups = groups.collect();
         view.set_groups(groups);
+    }
+
+    /// Makes ready what draws a frame that the Moon's shadow is in. Without it such a frame is drawn as others.
+    pub fn prepare_eclipse(
+        &mut self,
+        device: &wgpu::Device,
+        config: &SurfaceConfig<'_>,
+        view: &mut SurfaceView,
+        plan: &FramePlan,
+    ) -> Result<(), ShaderError> {
+        let side = side_of(plan);
+        let maker = self.maker(view);
+        self.pipelines.make_eclipsed(&maker, device, config, side)?;
+        let passes = self.pipelines.passes.get(side);
+        if let Some(pass) = passes.and_then(|passes| passes.eclipsed.as_ref())
+            && view
+                .groups(side)
+                .is_some_and(|groups| groups.eclipsed.is_none())
+        {
+            let bindings = self.bindings(view, config, &pass.variant);
+            let group = super::bind_to(device, "terrella earth", &pass.layout, bindings);
+            view.set_eclipsed(side, group);
+        }
+        Ok(())
     }
 
     /// What shaders of the surface have.
@@ -184,7 +215,7 @@ impl SurfaceDrawable {
             return Vec::new();
         };
         let mut features = first.all.variant.conditions_met();
-        features.extend(first.eclipsed.as_ref().map(|_| "eclipses"));
+        features.extend(first.eclipsed_variant.map(|_| "eclipses"));
         features
     }
 
@@ -224,7 +255,7 @@ impl SurfaceDrawable {
 
     /// Draws the plan that was written to a view last.
     pub fn render(&self, pass: &mut wgpu::RenderPass<'_>, view: &SurfaceView, plan: &FramePlan) {
-        let side = plan.air.as_ref().map_or(0, |air| air.side() as usize);
+        let side = side_of(plan);
         let Some((passes, groups)) = self.pipelines.passes.get(side).zip(view.groups(side)) else {
             return;
         };
@@ -235,10 +266,14 @@ impl SurfaceDrawable {
         let interpolated = passes.interpolated.as_ref();
         let interpolated = interpolated.zip(groups.interpolated.as_ref());
         let by_day = daylit.unwrap_or(all);
+        let interpolated = interpolated.unwrap_or(by_day);
+        let land = passes.land.as_ref().zip(groups.land.as_ref());
+        let sea = passes.open_sea.as_ref().zip(groups.open_sea.as_ref());
+        let (land, sea) = (land.unwrap_or(interpolated), sea.unwrap_or(interpolated));
         // In the order of their lights.
         let drawn = match eclipsed {
             Some(eclipsed) => [eclipsed; DrawLight::ALL.len()],
-            None => [all, by_day, interpolated.unwrap_or(by_day)],
+            None => [all, by_day, interpolated, land, sea],
         };
         let mut chosen = None;
         let mut by_light = |pass: &mut wgpu::RenderPass<'_>, light: DrawLight| {

@@ -38,10 +38,16 @@ pub(super) struct SurfacePasses {
     pub all: SurfacePass,
     /// Without what shows by night alone, if there is any: for blocks by day.
     pub daylit: Option<SurfacePass>,
-    /// For frames that the Moon's shadow is in.
+    /// For frames that the Moon's shadow is in: made when the first of them comes.
     pub eclipsed: Option<SurfacePass>,
+    /// What that is made of, if eclipses are drawn, and whether that was tried.
+    pub eclipsed_variant: Option<EarthVariant>,
+    is_eclipse_tried: bool,
     /// For cells by day that take the air's light from their vertices.
     pub interpolated: Option<SurfacePass>,
+    /// For those of them where there is nothing but land, or nothing but open sea.
+    pub land: Option<SurfacePass>,
+    pub open_sea: Option<SurfacePass>,
 }
 
 pub(super) struct SurfacePass {
@@ -50,6 +56,29 @@ pub(super) struct SurfacePass {
     /// Of group 0, which each view binds of its own.
     pub layout: wgpu::BindGroupLayout,
     shader_bytes: u64,
+}
+
+impl SurfacePipelines {
+    /// Makes what frames with the Moon's shadow are drawn with from one side of the air, unless that was tried before.
+    pub(super) fn make_eclipsed(
+        &mut self,
+        maker: &SurfaceMaker,
+        device: &wgpu::Device,
+        config: &SurfaceConfig<'_>,
+        side: usize,
+    ) -> Result<(), ShaderError> {
+        let Some(passes) = self.passes.get_mut(side) else {
+            return Ok(());
+        };
+        if let Some(variant) = passes.eclipsed_variant
+            && !std::mem::replace(&mut passes.is_eclipse_tried, true)
+        {
+            let pass = maker.pass(device, config, &self.maps, variant)?;
+            self.shader_bytes += pass.shader_bytes;
+            passes.eclipsed = Some(pass);
+        }
+        Ok(())
+    }
 }
 
 impl SurfaceMaker {
@@ -85,17 +114,24 @@ impl SurfaceMaker {
             let pass = |variant| self.pass(device, config, &maps, variant);
             let eclipsed = all.eclipsed().filter(|_| config.light.eclipses);
             let interpolated = all.interpolated().filter(|_| config.interpolates_air);
+            // Tiles show more than is known of whole maps.
+            let of_one_kind = interpolated.filter(|_| !self.has_tiles);
+            let (land, open_sea) = of_one_kind.and_then(EarthVariant::of_one_kind).unzip();
             passes.push(SurfacePasses {
                 all: pass(all)?,
                 daylit: all.daylit().map(pass).transpose()?,
-                eclipsed: eclipsed.map(pass).transpose()?,
+                eclipsed: None,
+                eclipsed_variant: eclipsed,
+                is_eclipse_tried: false,
                 interpolated: interpolated.map(pass).transpose()?,
+                land: land.map(pass).transpose()?,
+                open_sea: open_sea.map(pass).transpose()?,
             });
         }
         let drawn = passes.iter();
         let drawn = drawn.flat_map(|passes| {
-            let others = passes.daylit.iter().chain(&passes.eclipsed);
-            let others = others.chain(&passes.interpolated);
+            let others = passes.daylit.iter().chain(&passes.interpolated);
+            let others = others.chain(&passes.land).chain(&passes.open_sea);
             std::iter::once(&passes.all).chain(others)
         });
         Ok(SurfacePipelines {
@@ -209,6 +245,7 @@ fn output(maps: &MapArrangement, config: &SurfaceConfig<'_>, air: Option<AirSide
             water: maps.has(MapLayer::Water),
             eclipse: false,
             interpolated: false,
+            open_sea: false,
             air,
         }),
     };

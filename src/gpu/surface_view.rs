@@ -20,6 +20,8 @@ pub(super) struct PassGroups {
     pub daylit: Option<wgpu::BindGroup>,
     pub eclipsed: Option<wgpu::BindGroup>,
     pub interpolated: Option<wgpu::BindGroup>,
+    pub land: Option<wgpu::BindGroup>,
+    pub open_sea: Option<wgpu::BindGroup>,
 }
 
 impl SurfaceView {
@@ -50,6 +52,12 @@ impl SurfaceView {
 
     pub(super) fn groups(&self, side: usize) -> Option<&PassGroups> {
         self.groups.get(side)
+    }
+
+    pub(super) fn set_eclipsed(&mut self, side: usize, group: wgpu::BindGroup) {
+        if let Some(groups) = self.groups.get_mut(side) {
+            groups.eclipsed = Some(group);
+        }
     }
 
     pub(super) fn set_groups(&mut self, groups: Vec<PassGroups>) {

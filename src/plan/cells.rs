@@ -1,5 +1,5 @@
-//! How the cells of the block sphere are drawn: by day without what shows by night, and where it suffices with the air's light interpolated
-//! between their vertices.
+//! How the cells of the block sphere are drawn: by day without what shows by night, where it suffices with the air's light interpolated
+//! between their vertices, and then land without sea and open sea without land.
 
 use super::draws::{DrawLight, LISTED_INDICES, SurfaceDraw, block_ranges, whole_range};
 use super::frame::FramePlan;
@@ -7,6 +7,7 @@ use glam::Vec3;
 use std::sync::Arc;
 use terrella_ground::air::{AirTables, InterpolationLimits};
 use terrella_ground::globe::{Block, BlockGrid};
+use terrella_imagery::{GroundKind, GroundKinds};
 
 /// Chooses how cells are drawn.
 pub(crate) struct CellLights {
@@ -14,6 +15,8 @@ pub(crate) struct CellLights {
     limits: InterpolationLimits,
     /// For each vertex of a block what is enough about it.
     enough: Vec<DrawLight>,
+    /// For each of its cells how it is drawn.
+    drawn: Vec<DrawLight>,
 }
 
 /// What lights the cells of a frame.
@@ -26,6 +29,28 @@ pub(crate) struct CellLight {
     pub day_sin: f32,
 }
 
+impl CellLight {
+    /// What is enough about a vertex.
+    fn at_vertex(
+        &self,
+        limits: &InterpolationLimits,
+        (up, from_eye_m): (Vec3, Vec3),
+        side_m: f32,
+        side_rad: f32,
+    ) -> DrawLight {
+        let mu_s = up.dot(self.sun_itrf);
+        if mu_s <= self.day_sin {
+            return DrawLight::Everything;
+        }
+        let distance_m = from_eye_m.length();
+        let mu = -up.dot(from_eye_m) / distance_m;
+        match limits.allow((mu, mu_s), (side_m / distance_m, side_rad)) {
+            true => DrawLight::Interpolated,
+            false => DrawLight::Daylit,
+        }
+    }
+}
+
 impl CellLights {
     /// For light through this air.
     pub fn new(tables: Arc<AirTables>) -> Self {
@@ -33,15 +58,23 @@ impl CellLights {
             limits: tables.interpolation().limits(),
             tables,
             enough: Vec::with_capacity(49 * 49),
+            drawn: Vec::with_capacity(48 * 48),
         }
     }
 
-    /// Lists the draws of a plan's blocks, whose vertices are placed. Allocates nothing.
-    pub fn list(&mut self, grid: &BlockGrid, light: &CellLight, plan: &mut FramePlan) {
+    /// Lists the draws of a plan's blocks, whose vertices are placed. Of cells of one kind of ground, where `kinds` are known, it lists
+    /// them as such. Allocates nothing.
+    pub fn list(
+        &mut self,
+        grid: &BlockGrid,
+        light: &CellLight,
+        kinds: Option<&GroundKinds>,
+        plan: &mut FramePlan,
+    ) {
         let bound = self.tables.interpolation();
         bound.set_exposure(&mut self.limits, light.exposure);
         let ranges = block_ranges(grid);
-        let per_block = grid.vertices_per_block() as usize;
+        let n = grid.subdivision();
         let radii_m = grid.ellipsoid().itrf_from_scaled();
         let place = VertexPlace {
             eye_itrf_m: plan.eye_itrf_m.as_vec3(),
@@ -49,33 +82,37 @@ impl CellLights {
         };
         let side_rad = grid.cell_rad() as f32;
         let side_m = side_rad * radii_m.x as f32;
-        let vertices = plan.vertices.chunks_exact(per_block);
+        let vertices = plan
+            .vertices
+            .chunks_exact(grid.vertices_per_block() as usize);
         for (key, (block, vertices)) in (0u64..).zip(plan.blocks.iter().zip(vertices)) {
             self.enough.clear();
             self.enough.extend(vertices.iter().map(|from_eye_m| {
                 let up = place.normal(*from_eye_m);
-                let mu_s = up.dot(light.sun_itrf);
-                if mu_s <= light.day_sin {
-                    return DrawLight::Everything;
-                }
-                let distance_m = from_eye_m.length();
-                let mu = -up.dot(*from_eye_m) / distance_m;
-                let spans = (side_m / distance_m, side_rad);
-                match self.limits.allow((mu, mu_s), spans) {
-                    true => DrawLight::Interpolated,
-                    false => DrawLight::Daylit,
+                light.at_vertex(&self.limits, (up, *from_eye_m), side_m, side_rad)
+            }));
+            let corner = |i: u32, j: u32| self.enough[(j * (n + 1) + i) as usize];
+            self.drawn.clear();
+            self.drawn.extend((0..n * n).map(|cell| {
+                let (i, j) = (cell % n, cell / n);
+                let [a, b] = [j, j + 1].map(|j| corner(i, j).min(corner(i + 1, j)));
+                let kind = kinds.filter(|_| a.min(b) == DrawLight::Interpolated);
+                match kind.map(|kinds| kinds.of(n, (block.column * n + i, block.row * n + j))) {
+                    Some(GroundKind::Land) => DrawLight::Land,
+                    Some(GroundKind::OpenSea) => DrawLight::OpenSea,
+                    Some(GroundKind::Mixed) | None => a.min(b),
                 }
             }));
             let drawn = BlockDraws {
                 grid,
                 block: *block,
                 key,
-                enough: &self.enough,
+                cells: &self.drawn,
             };
             let room = LISTED_INDICES - plan.cells.len();
             if !drawn.list_cells(room, &mut plan.cells, &mut plan.draws) {
                 plan.draws.push(SurfaceDraw {
-                    light: drawn.least(),
+                    light: drawn.common(),
                     ..drawn.draw(whole_range(&ranges, *block), false)
                 });
             }
@@ -101,38 +138,34 @@ struct BlockDraws<'a> {
     grid: &'a BlockGrid,
     block: Block,
     key: u64,
-    enough: &'a [DrawLight],
+    /// How its cells are drawn, row by row.
+    cells: &'a [DrawLight],
 }
 
 impl BlockDraws<'_> {
-    /// What is enough for none of it to be wrong.
-    fn least(&self) -> DrawLight {
-        let all = self.enough.iter().copied().min();
-        all.unwrap_or(DrawLight::Everything)
-    }
-
-    /// What is enough for a cell: for each of its corners.
-    fn of_cell(&self, i: u32, j: u32) -> DrawLight {
-        let corner = |i: u32, j: u32| self.enough[(j * (self.grid.subdivision() + 1) + i) as usize];
-        let [a, b] = [j, j + 1].map(|j| corner(i, j).min(corner(i + 1, j)));
-        a.min(b)
+    /// How all of it can be drawn at once.
+    fn common(&self) -> DrawLight {
+        let first = self.cells.first().copied();
+        let alike = first.filter(|first| self.cells.iter().all(|cell| cell == first));
+        let least = self.cells.iter().copied().min();
+        // Land is not sea: together they are neither.
+        let least = least.map(|least| least.min(DrawLight::Interpolated));
+        alike.or(least).unwrap_or(DrawLight::Everything)
     }
 
     /// Lists the cells of a block whose cells are not all alike, if there is room for so many indices. Answers whether it did.
     fn list_cells(&self, room: usize, cells: &mut Vec<u16>, draws: &mut Vec<SurfaceDraw>) -> bool {
         let n = self.grid.subdivision();
-        let first = self.enough[0];
-        let are_alike = self.enough.iter().all(|enough| *enough == first);
-        if are_alike || room < 6 * (n * n) as usize {
+        let are_alike = self.cells.windows(2).all(|pair| pair[0] == pair[1]);
+        if are_alike || room < 6 * self.cells.len() {
             return false;
         }
         for light in DrawLight::ALL {
             let start = cells.len();
-            for j in 0..n {
-                for i in 0..n {
-                    if self.of_cell(i, j) == light {
-                        self.grid.push_cell(self.block.kind(), (i, j), cells);
-                    }
+            for (cell, drawn) in (0..).zip(self.cells) {
+                if *drawn == light {
+                    let kind = self.block.kind();
+                    self.grid.push_cell(kind, (cell % n, cell / n), cells);
                 }
             }
             if cells.len() > start {

@@ -38,10 +38,20 @@ pub(crate) enum DrawLight {
     Daylit,
     /// By day, and the air's light may be interpolated between vertices.
     Interpolated,
+    /// The same where there is nothing but land.
+    Land,
+    /// The same where there is nothing but open sea.
+    OpenSea,
 }
 
 impl DrawLight {
-    pub const ALL: [Self; 3] = [Self::Everything, Self::Daylit, Self::Interpolated];
+    pub const ALL: [Self; 5] = [
+        Self::Everything,
+        Self::Daylit,
+        Self::Interpolated,
+        Self::Land,
+        Self::OpenSea,
+    ];
 }
 
 /// Draw calls and triangles of a frame.

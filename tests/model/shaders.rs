@@ -148,6 +148,7 @@ const LAYERS: SunlitLayers = SunlitLayers {
     effects: EFFECTS,
     eclipse: true,
     interpolated: false,
+    open_sea: false,
     air: Some(AirSide::Outside),
 };
 
@@ -274,12 +275,14 @@ fn a_layer_that_is_off_is_not_in_the_shader() {
                 SunlitLayers {
                     eclipse: true,
                     interpolated: false,
+                    open_sea: false,
                     ..none
                 },
             ),
             all(SunlitLayers {
                 eclipse: false,
                 interpolated: false,
+                open_sea: false,
                 ..LAYERS
             }),
         ),
@@ -485,6 +488,7 @@ fn an_eye_on_one_side_of_the_air_has_nothing_of_the_other() {
             // It looks along the ray for the shadow.
             eclipse: false,
             interpolated: false,
+            open_sea: false,
             ..LAYERS
         };
         code(sunlit(BLOCKS, layers))

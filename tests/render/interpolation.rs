@@ -1,9 +1,10 @@
 //! The air's light taken from vertices, beside the same looked up for each pixel.
 
-use crate::common::{Rig, down, map, tilted};
+use crate::common::{Rig, down, gpu, map, tilted};
 use glam::DVec3;
 use terrella::frames::{Ellipsoid, Geodetic};
-use terrella::{EarthOptions, EyeView, Subdivision};
+use terrella::{EarthOptions, EyeView, GpuMap, Subdivision};
+use terrella_imagery::tile::MapLayer;
 use terrella_imagery::{EarthLayers, LayerImage};
 
 const SIZE: (u32, u32) = (320, 180);
@@ -82,4 +83,35 @@ fn no_pixel_differs_by_more_than_dithering_makes_of_half_a_code() {
     );
     let [one, other] = [&mut interpolated, &mut exact].map(|rig| rig.draw(&night, sun).0);
     assert!(one == other && DVec3::X.dot(sun) > 0.5);
+}
+
+/// Cells of nothing but land or open sea are drawn by shaders that know nothing of the other: until a map is set that says otherwise.
+#[test]
+fn land_and_sea_follow_a_map_that_is_set() {
+    let uniform = |value: u8| LayerImage::from_r8(64, 32, vec![value; 64 * 32]).expect("a map");
+    let with_water = |value: u8| {
+        let mut options = options();
+        options.layers.water = Some(uniform(value));
+        Rig::new(&options, SIZE)
+    };
+    let (mut sea, mut land) = (with_water(255), with_water(0));
+    let view = down(Geodetic::from_degrees(10.0, 10.0, 6e5), 45.0, sea.aspect());
+    let sun = Ellipsoid::normal(0.3, 0.1);
+    let right = land.draw(&view, sun).0;
+    assert_ne!(sea.draw(&view, sun).0, right);
+    let gpu = gpu();
+    let shading = terrella::Shading::Sunlit;
+    let map = GpuMap::upload(
+        &gpu.device,
+        &gpu.queue,
+        MapLayer::Water,
+        &uniform(0),
+        shading,
+    );
+    sea.earth
+        .set_map(&gpu.queue, &map.expect("a map"))
+        .expect("the Earth has such a map");
+    let drawn = sea.draw(&view, sun).0;
+    let off = drawn.iter().zip(right.iter()).map(|(a, b)| a.abs_diff(*b));
+    assert!(off.max() <= Some(1));
 }

@@ -1,7 +1,7 @@
 // Open water: what comes out of it, the sky that it mirrors, the Sun's glint and foam. Radiance, a white sheet that faces the
 // Sun in space being 1.
 import rust::{FLOOR_SEEN_M, PI, SEA_REFLECTANCE, SEA_WATER_INDEX};
-import earth/shading/open_water.wgsl;
+@if(!open_sea) import earth/shading/open_water.wgsl;
 
 // Part of the light that falls on clear ocean that comes out of it: π times the remote-sensing reflectance of Case 1 water with
 // 0.1 mg of chlorophyll a in a cubic metre, by Morel 1988 (J. Geophys. Res. 93, 10749) over the absorption of pure water of Pope

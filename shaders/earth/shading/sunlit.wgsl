@@ -1,5 +1,5 @@
 // Linear light: a white sheet that faces the Sun in space is 1.
-import rust::DAY;
+@if(!open_sea) import rust::DAY;
 import earth/shading/light.wgsl;
 @if(air) import earth/shading/air_before.wgsl;
 @if(interpolated) import earth/shading/air_at_vertices.wgsl;
@@ -11,32 +11,33 @@ import earth/shading/light.wgsl;
 // What of a place shows, whatever lights it.
 struct Surface {
     // Colour of the land; in alpha the depth of the sea's floor.
-    day: vec4f,
+    @if(!open_sea) day: vec4f,
     // How the ground leans.
     normal: vec3f,
-    @if(water) water: f32,
+    @if(water && !open_sea) water: f32,
     @if(clouds) clouds: CloudsBefore,
 }
 
 fn surface_at(at: SurfacePoint) -> Surface {
     var out: Surface;
-    out.day = sample_map(day_map, day_sampler, DAY, at);
-    out.normal = surface_normal(at);
-    @if(water) out.water = open_water(at);
+    @if(!open_sea) out.day = sample_map(day_map, day_sampler, DAY, at);
+    @if(open_sea) out.normal = at.up;
+    @else out.normal = surface_normal(at);
+    @if(water && !open_sea) out.water = open_water(at);
     @if(detail && !water) out = with_detail(at, out);
     // Nothing of the land shows where there is none.
-    @if(detail && water) if out.water < 0.98 {
+    @if(detail && water && !open_sea) if out.water < 0.98 {
         out = with_detail(at, out);
     }
     @if(clouds) out.clouds = clouds_before(at);
     return out;
 }
 
-@if(detail) const LAND_CONTRAST: f32 = 0.4;
-@if(detail) const LAND_ROUGHNESS: f32 = 0.7;
+@if(detail && !open_sea) const LAND_CONTRAST: f32 = 0.4;
+@if(detail && !open_sea) const LAND_ROUGHNESS: f32 = 0.7;
 
 // The same surface with its land uneven: brighter and darker, and rougher where it is steep.
-@if(detail)
+@if(detail && !open_sea)
 fn with_detail(at: SurfacePoint, surface: Surface) -> Surface {
     let made = detail(at.up, texel_radii(DAY, at, textureDimensions(day_map)), pixel_radii(at), 0.75);
     let level = made.slope - dot(made.slope, at.up) * at.up;
@@ -55,8 +56,10 @@ fn lit(at: SurfacePoint, surface: Surface, sun: vec3f) -> vec3f {
     @else let above = light_at(at, mu_s);
     @if(clouds) let light = below_clouds(at, above, sun, mu_s);
     @else let light = above;
-    var color = surface.day.rgb * (light.sun * max(dot(surface.normal, sun), 0.0) + light.sky);
-    @if(water) color = mix(color, sea(at, light, sun, mu_s, surface.day.a), surface.water);
+    // The floor of the open sea is as deep as the map tells.
+    @if(open_sea) var color = sea(at, light, sun, mu_s, 1.0);
+    @else var color = surface.day.rgb * (light.sun * max(dot(surface.normal, sun), 0.0) + light.sky);
+    @if(water && !open_sea) color = mix(color, sea(at, light, sun, mu_s, surface.day.a), surface.water);
     @if(clouds && interpolated) let sun_on_clouds = at.air.sun_on_clouds;
     @if(clouds && !interpolated) let sun_on_clouds = sun_at_clouds(dot(surface.clouds.up, sun));
     @if(clouds && !eclipse) let of_clouds = light_of_clouds(surface.clouds, sun_on_clouds, above, sun);

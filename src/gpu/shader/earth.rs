@@ -87,6 +87,8 @@ pub struct SunlitLayers {
     pub eclipse: bool,
     /// The air's light is looked up at vertices and interpolated, for an eye outside the air that looks at the block sphere.
     pub interpolated: bool,
+    /// All of it is deep water, with the map of water.
+    pub open_sea: bool,
     /// The air between the Sun, the ground and the eye, and where the eye is.
     pub air: Option<AirSide>,
 }
@@ -165,6 +167,24 @@ impl EarthVariant {
         interpolated.filter(|_| is_shown && has_vertices)
     }
 
+    /// The same for cells of nothing but land and of nothing but open sea; `None` without a map of water.
+    pub fn of_one_kind(self) -> Option<(Self, Self)> {
+        let land = self.with_sunlit(|layers| {
+            layers.water.then_some(SunlitLayers {
+                water: false,
+                ..layers
+            })
+        })?;
+        let open_sea = self.with_sunlit(|layers| {
+            Some(SunlitLayers {
+                open_sea: true,
+                normals: false,
+                ..layers
+            })
+        })?;
+        Some((land, open_sea))
+    }
+
     /// The same with other layers in real light; `None` where it has no such light, or there are none.
     fn with_sunlit(
         self,
@@ -230,6 +250,7 @@ impl EarthOutput {
                 water: on(bits, 3),
                 eclipse: on(bits, 4),
                 interpolated: false,
+                open_sea: false,
                 effects: (5..)
                     .zip(effects)
                     .filter(|(bit, _)| on(bits, *bit))
@@ -330,7 +351,15 @@ impl ShaderVariant for EarthVariant {
         let all: Vec<Self> = whole.chain(cut).collect();
         let interpolated = all.iter().filter(|variant| variant.daylit().is_none());
         let interpolated: Vec<_> = interpolated.filter_map(|v| v.interpolated()).collect();
-        all.into_iter().chain(interpolated).collect()
+        // Open sea has no slopes, and those without tiles are known.
+        let open_sea = interpolated
+            .iter()
+            .filter(|variant| !variant.form.has_tiles());
+        let mut open_sea: Vec<_> = open_sea.filter_map(|v| Some(v.of_one_kind()?.1)).collect();
+        open_sea.sort_unstable();
+        open_sea.dedup();
+        let all = all.into_iter().chain(interpolated);
+        all.chain(open_sea).collect()
     }
 
     fn needs(&self) -> Vec<ShaderCapability> {
@@ -408,6 +437,7 @@ impl ShaderVariant for EarthVariant {
             ("water", layers.water),
             ("eclipse", layers.eclipse),
             ("interpolated", layers.interpolated),
+            ("open_sea", layers.open_sea),
             ("air", layers.air.is_some()),
             ("inside", layers.air == Some(AirSide::Inside)),
             // The paper's display values, for a target of anything else.
