@@ -74,7 +74,7 @@ pub use error::EarthError;
 pub use frame_request::{FrameRequest, ViewFrame};
 pub use ground::GroundOptions;
 pub use metering::metered_ev;
-pub use options::EarthOptions;
+pub use options::{EarthOptions, Pipelines};
 pub use pixel_lattice::PixelLattice;
 use plan::Planner;
 pub use quality::{Quality, QualityReduction, TILED_SUBDIVISION};
@@ -129,6 +129,8 @@ pub struct Earth {
     quality: Quality,
     /// Bytes of tiles uploaded by the last `prepare`.
     uploaded_tiles: u64,
+    /// What went wrong with a pipeline that was made for a frame.
+    error: Option<EarthError>,
 }
 
 impl Earth {
@@ -161,11 +163,11 @@ impl Earth {
         };
         let memory = device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
         let scope = device.push_error_scope(wgpu::ErrorFilter::Validation);
-        let air = match quality.atmosphere {
+        let mut air = match quality.atmosphere {
             Atmosphere::Billboard => {
                 let albedo = planner.exposure.albedo();
                 let textures = air_textures(device, queue, &appearance, albedo, &quality);
-                Some(AirDrawable::new(device, format, textures, &options.light)?)
+                Some(AirDrawable::new(device, format, textures, &options.light))
             }
             Atmosphere::None => None,
         };
@@ -174,6 +176,7 @@ impl Earth {
             light: options.light,
             diagnostics: options.diagnostics,
             interpolates_air: options.interpolates_air(),
+            pipelines: options.pipelines,
         };
         let ground = planner.ground();
         let textures = air.as_ref().map(AirDrawable::textures);
@@ -181,7 +184,13 @@ impl Earth {
         let pools = tiles.as_ref().map(TileDriver::pools);
         let mut view = SurfaceView::new(device, planner.meshes().grids(), &config);
         let layers = &options.layers;
-        let surface = SurfaceDrawable::new(device, queue, layers, pools, &config, &mut view)?;
+        let mut surface = SurfaceDrawable::new(device, queue, layers, pools, &config, &mut view);
+        if options.pipelines == Pipelines::AtOnce {
+            surface.make_all(device, &config, &view)?;
+            if let Some(air) = &mut air {
+                air.make_all(device)?;
+            }
+        }
         let refused = resolved(scope.pop());
         let full = resolved(memory.pop());
         if let Some(error) = full {
@@ -211,7 +220,19 @@ impl Earth {
             format,
             quality,
             uploaded_tiles: 0,
+            error: None,
         })
+    }
+
+    /// Whether all pipelines could be made that frames needed so far.
+    ///
+    /// # Errors
+    /// What went wrong with one of them: what it draws is missing from such frames. With [`Pipelines::AtOnce`] all are made by then.
+    pub fn check_pipelines(&self) -> Result<(), EarthError> {
+        match &self.error {
+            None => Ok(()),
+            Some(error) => Err(EarthError::Refused(error.to_string())),
+        }
     }
 
     /// Chooses what the eye sees and writes it to the GPU. Call once a frame, before the pass. Never waits.
@@ -346,20 +367,24 @@ impl Earth {
         let shared = self.surface.texture_bytes;
         for view in views(&mut self.first, others) {
             view.stats.texture_bytes = shared + view.air_textures().map_or(0, AirTextures::bytes);
-            if view.plan.has_moon_shadow {
-                let air = view.air.as_ref().map(AirDrawable::textures);
-                let (style, format, ground) = (self.style, self.format, view.planner.ground());
-                let config =
-                    surface_config(&self.device, style, format, &self.quality, air, ground);
-                let surface = &mut self.surface;
+            view.list_draws(tiled);
+            let air = view.air.as_ref().map(AirDrawable::textures);
+            let (style, format, ground) = (self.style, self.format, view.planner.ground());
+            let config = surface_config(&self.device, style, format, &self.quality, air, ground);
+            let surface = &mut self.surface;
+            if !surface.is_ready(&view.surface, &view.plan) || !view.is_air_ready() {
+                let scope = self.device.push_error_scope(wgpu::ErrorFilter::Validation);
                 let ready =
-                    surface.prepare_eclipse(&self.device, &config, &mut view.surface, &view.plan);
-                let ready = ready.and_then(|()| view.prepare_eclipse_of_air(&self.device));
-                if let Err(error) = ready {
-                    tracing::warn!("the Moon's shadow is not drawn: {error}");
+                    surface.make_ready(&self.device, &config, &mut view.surface, &view.plan);
+                let ready = ready.and_then(|()| view.make_air_ready(&self.device));
+                let refused = resolved(scope.pop());
+                let refused = refused.map(|error| EarthError::Refused(error.to_string()));
+                if let Some(error) = ready.err().map(EarthError::from).or(refused) {
+                    tracing::warn!("a part of the Earth is not drawn: {error}");
+                    self.error = Some(error);
                 }
             }
-            view.write(&self.device, queue, tiled);
+            view.write(&self.device, queue);
         }
         self.first.stats
     }

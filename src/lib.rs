@@ -129,7 +129,7 @@ pub use {glam, wgpu};
 pub use earth::{
     AdaptiveQuality, Appearance, ChangeMaker, DepthBuffer, DiagnosticOptions, Diagnostics, Earth,
     EarthError, EarthOptions, EarthView, EyeView, FrameRequest, FrameStats, GroundOptions,
-    PixelRays, Quality, QualityChange, QualityLadder, QualityLadderError, QualityLevel,
+    Pipelines, PixelRays, Quality, QualityChange, QualityLadder, QualityLadderError, QualityLevel,
     QualityReduction, QualityStep, ReadyChange, Sky, SurfaceOutput, TILED_SUBDIVISION, TileOptions,
     TruthPoint, TruthView, ViewFrame, Viewport,
 };

@@ -24,7 +24,8 @@ pub use truth_layers::{LayerDtype, TRUTH_LAYERS, TruthLayer, TruthPixel};
 
 use crate::gpu::{FrameTargets, GpuContext, TruthTargets};
 use crate::{
-    DiagnosticOptions, Earth, EarthOptions, EyeView, FrameRequest, FrameStats, Sky, TruthView,
+    DiagnosticOptions, Earth, EarthError, EarthOptions, EyeView, FrameRequest, FrameStats,
+    Pipelines, Sky, TruthView,
 };
 use std::time::Duration;
 use terrella_imagery::tile::TileKey;
@@ -83,6 +84,7 @@ impl OffscreenEarth {
         options.color_format = FrameTargets::COLOR;
         options.depth = FrameTargets::REVERSED_DEPTH;
         options.diagnostics = DiagnosticOptions::default();
+        options.pipelines = Pipelines::WhenNeeded;
         options.samples =
             limits::supported_samples(&gpu.adapter, FrameTargets::COLOR, options.samples);
         options.check(&gpu.device)?;
@@ -145,7 +147,7 @@ impl OffscreenEarth {
         self.check_view(view, sky)?;
         let (gpu, options) = (&self.gpu, &self.options);
         let shown = Self::of_kind(&mut self.shown, gpu, options, self.size, |_| ())?;
-        let drawing = shown.draw(&self.gpu, view, sky, wait);
+        let drawing = shown.draw(&self.gpu, view, sky, wait)?;
         let targets = &shown.targets;
         let read = targets.read_back_into(&self.gpu.device, &self.gpu.queue, rgba);
         self.gpu.checked(read)?;
@@ -181,7 +183,7 @@ impl OffscreenEarth {
                 options.light.detail = false;
             },
         )?;
-        let drawing = drawn.draw(&self.gpu, view, sky, wait);
+        let drawing = drawn.draw(&self.gpu, view, sky, wait)?;
         let targets = &drawn.targets;
         let read = targets.read_light_into(&self.gpu.device, &self.gpu.queue, light);
         self.gpu.checked(read)?;
@@ -214,7 +216,7 @@ impl OffscreenEarth {
             },
         };
         let drawn = self.truth.insert(targets);
-        let drawing = drawn.draw(gpu, view, sky, wait);
+        let drawing = drawn.draw(gpu, view, sky, wait)?;
         let lines = 0..size.1;
         let read = drawn.targets.read(&gpu.device, &gpu.queue, lines);
         let texels = gpu.checked(read)?;
@@ -287,7 +289,13 @@ impl Targets for TruthTargets {
 }
 
 impl<T: Targets> Drawn<T> {
-    fn draw(&mut self, gpu: &GpuContext, view: &EyeView, sky: &Sky, wait: Duration) -> Drawing {
+    fn draw(
+        &mut self,
+        gpu: &GpuContext,
+        view: &EyeView,
+        sky: &Sky,
+        wait: Duration,
+    ) -> Result<Drawing, EarthError> {
         let size = self.targets.pixels();
         let (stats, missing) =
             self.earth
@@ -298,7 +306,8 @@ impl<T: Targets> Drawn<T> {
             .create_command_encoder(&wgpu::CommandEncoderDescriptor { label });
         self.earth.render(&mut self.targets.begin(&mut encoder));
         gpu.queue.submit([encoder.finish()]);
-        Drawing { stats, missing }
+        self.earth.check_pipelines()?;
+        Ok(Drawing { stats, missing })
     }
 }
 

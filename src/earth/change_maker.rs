@@ -3,10 +3,12 @@
 use super::earth_view::Version;
 use super::ground::GroundDriver;
 use super::surface_config::{SurfaceStyle, surface_config};
-use super::{Appearance, Earth, EarthError, EyeView, Quality, Viewport, air_textures, resolved};
+use super::{
+    Appearance, Earth, EarthError, EyeView, Pipelines, Quality, Viewport, air_textures, resolved,
+};
 use crate::gpu::{
-    AirDrawable, AirTextures, PassFormat, SurfaceMaker, SurfaceOutput, SurfacePipelines,
-    SurfaceView, device_limits,
+    AirDrawable, AirTextures, PassFormat, SurfaceConfig, SurfaceMaker, SurfaceOutput,
+    SurfacePipelines, SurfaceView, device_limits,
 };
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -161,7 +163,8 @@ impl ChangeMaker {
         };
         let (ground, surface) = if appearance.has_ground_of(&self.appearance) {
             let config = surface_config(device, style, format, &quality, textures, None);
-            (ReadyGround::Kept, self.surface.make(device, &config)?)
+            let pipelines = self.pipelines(&self.surface, &config)?;
+            (ReadyGround::Kept, pipelines)
         } else {
             let driver = appearance.ground.as_ref();
             let limits = device_limits(&device.limits());
@@ -173,7 +176,7 @@ impl ChangeMaker {
             let drawn = driver.as_ref().map(GroundDriver::surface);
             let config = surface_config(device, style, format, &quality, textures, drawn);
             let view = SurfaceView::new(device, meshes.grids(), &config);
-            let pipelines = self.surface.for_view(&view).make(device, &config)?;
+            let pipelines = self.pipelines(&self.surface.for_view(&view), &config)?;
             let made = Box::new(MadeGround { driver, view });
             (ReadyGround::Made(made), pipelines)
         };
@@ -190,6 +193,21 @@ impl ChangeMaker {
             surface,
             version: self.version,
         })
+    }
+
+    /// The surface's, made or to be made when they are needed.
+    fn pipelines(
+        &self,
+        maker: &SurfaceMaker,
+        config: &SurfaceConfig<'_>,
+    ) -> Result<SurfacePipelines, EarthError> {
+        let mut pipelines = maker.plan(&self.device, config);
+        match self.style.pipelines {
+            Pipelines::AtOnce => pipelines.make_all(maker, &self.device, config)?,
+            // What the device refuses it refuses now, and not in the middle of a frame.
+            Pipelines::WhenNeeded => pipelines.make_one(maker, &self.device, config)?,
+        }
+        Ok(pipelines)
     }
 
     fn make_air(
@@ -211,7 +229,10 @@ impl ChangeMaker {
                 let textures = before.unwrap_or_else(|| {
                     air_textures(&self.device, &self.queue, appearance, &self.albedo, quality)
                 });
-                let air = AirDrawable::new(&self.device, format, textures, light)?;
+                let mut air = AirDrawable::new(&self.device, format, textures, light);
+                if self.style.pipelines == Pipelines::AtOnce {
+                    air.make_all(&self.device)?;
+                }
                 ReadyAir::Made(Box::new(air))
             }
         })

@@ -1,7 +1,7 @@
 //! For measuring and for looking at how an Earth is drawn. Pictures need none of it.
 
 use super::Earth;
-use crate::gpu::SurfaceOutput;
+use crate::gpu::{AirDrawable, SurfaceOutput};
 use crate::plan::{FramePlan, LightEffect};
 use glam::{DVec3, Vec3};
 use terrella_ground::globe::{BlockGrid, TangentCone};
@@ -21,7 +21,7 @@ pub struct DiagnosticOptions {
 
 /// How an Earth is drawn: see [`Earth::diagnostics`].
 pub struct Diagnostics<'e> {
-    /// Bytes of the WGSL that the driver got: the surface's, and the air's from outside and from inside it.
+    /// Bytes of the WGSL that the driver gets: the surface's, and the air's from outside and from inside it.
     pub shader_bytes: u64,
     /// Names of the features that are on.
     pub features_on: Vec<&'static str>,
@@ -47,7 +47,7 @@ impl Diagnostics<'_> {
 impl Earth {
     /// How it is drawn. Makes lists: not for every frame.
     pub fn diagnostics(&self) -> Diagnostics<'_> {
-        let air_bytes = self.first.air.as_ref().map_or(0, |air| air.shader_bytes);
+        let air_bytes = self.first.air.as_ref().map_or(0, AirDrawable::shader_bytes);
         Diagnostics {
             shader_bytes: self.surface.shader_bytes() + air_bytes,
             features_on: self.features(true),

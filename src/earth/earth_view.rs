@@ -147,30 +147,34 @@ impl EarthView {
         self.drawn.is_none() || self.planner.is_ground_settled()
     }
 
-    /// Makes ready what draws its air in a frame that the Moon's shadow is in.
-    pub(super) fn prepare_eclipse_of_air(
-        &mut self,
-        device: &wgpu::Device,
-    ) -> Result<(), ShaderError> {
+    /// Whether what draws its air is made.
+    pub(super) fn is_air_ready(&self) -> bool {
+        let air = self.air.as_ref().zip(self.plan.air.as_ref());
+        air.is_none_or(|(air, plan)| air.is_ready(plan.side(), self.plan.has_moon_shadow))
+    }
+
+    /// Makes ready what draws its air.
+    pub(super) fn make_air_ready(&mut self, device: &wgpu::Device) -> Result<(), ShaderError> {
         match self.air.as_mut().zip(self.plan.air.as_ref()) {
-            Some((air, plan)) => air.prepare_eclipse(device, plan.side()),
+            Some((air, plan)) => air.make_ready(device, plan.side(), self.plan.has_moon_shadow),
             None => Ok(()),
         }
     }
 
-    /// Lists the draws of what was chosen and hands them to the GPU. `tiled` are the blocks that have tiles, where triangles lie in
-    /// several.
-    pub(super) fn write(
-        &mut self,
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        tiled: Option<BlockSet>,
-    ) {
+    /// Lists the draws of what was chosen. `tiled` are the blocks that have tiles, where triangles lie in several.
+    pub(super) fn list_draws(&mut self, tiled: Option<BlockSet>) {
+        if self.drawn.is_some() {
+            self.planner
+                .list_draws(tiled, &mut self.plan, &mut self.stats);
+        }
+    }
+
+    /// Hands what was listed to the GPU.
+    pub(super) fn write(&mut self, device: &wgpu::Device, queue: &wgpu::Queue) {
         if self.drawn.is_none() {
             return;
         }
         let stats = &mut self.stats;
-        self.planner.list_draws(tiled, &mut self.plan, stats);
         let ground = self.planner.ground();
         stats.uploaded_bytes += self.surface.write(queue, &self.plan, ground);
         stats.ground_bytes = self.surface.ground_bytes();
@@ -192,7 +196,7 @@ impl Earth {
         let config = self.config(air.as_ref(), &planner);
         let grids = planner.meshes().grids();
         let mut surface = SurfaceView::new(&self.device, grids, &config);
-        self.surface.bind_view(&self.device, &config, &mut surface);
+        self.surface.bind_view(&mut surface);
         Ok(EarthView::new(planner, surface, air, self.first.version))
     }
 
@@ -224,9 +228,7 @@ impl Earth {
         let air = self.first.air.as_ref();
         let air = air.map(|air| air.for_another_view(&self.device));
         view.set_quality(&self.device, &self.quality, meshes, air);
-        let config = self.config(view.air.as_ref(), &view.planner);
-        self.surface
-            .bind_view(&self.device, &config, &mut view.surface);
+        self.surface.bind_view(&mut view.surface);
         view.version = now;
         true
     }

@@ -55,8 +55,21 @@ pub struct EarthOptions {
     pub exposure: Exposure,
     /// By which curve exposed light is shown.
     pub tone: Tone,
+    /// When pipelines are made.
+    pub pipelines: Pipelines,
     /// What is drawn for measuring and for looking at meshes, in place of pictures.
     pub diagnostics: DiagnosticOptions,
+}
+
+/// When an Earth makes its pipelines: some ten, of which a picture needs two or three.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Pipelines {
+    /// When it is made, so that no frame waits for one.
+    #[default]
+    AtOnce,
+    /// When a frame first needs them, in [`Earth::prepare`](super::Earth::prepare): for programs that draw few pictures. What goes wrong
+    /// with them [`Earth::check_pipelines`](super::Earth::check_pipelines) answers.
+    WhenNeeded,
 }
 
 impl EarthOptions {
@@ -79,6 +92,7 @@ impl EarthOptions {
             anisotropy: 8,
             exposure: Exposure::default(),
             tone: Tone::default(),
+            pipelines: Pipelines::default(),
             diagnostics: DiagnosticOptions::default(),
         }
     }

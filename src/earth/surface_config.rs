@@ -1,6 +1,6 @@
 //! How the surface is drawn.
 
-use super::{DiagnosticOptions, Quality, SurfaceLight};
+use super::{DiagnosticOptions, Pipelines, Quality, SurfaceLight};
 use crate::gpu::{AirTextures, PassFormat, SurfaceConfig};
 use terrella_ground::globe::{Shading, Surface};
 use terrella_imagery::tile::MapLayer;
@@ -13,6 +13,7 @@ pub(super) struct SurfaceStyle {
     pub diagnostics: DiagnosticOptions,
     /// Of [`super::EarthOptions`]: whether the air's light may be interpolated.
     pub interpolates_air: bool,
+    pub pipelines: Pipelines,
 }
 
 /// How the surface is drawn with a quality.

@@ -3,8 +3,8 @@
 mod textures;
 mod view;
 
-use super::AirVariant;
-use super::shader::ShaderModule;
+use super::shader::{ShaderModule, ShaderVariant};
+use super::{AirVariant, AirViewVariant};
 use super::{PassFormat, PipelineDescription, ShaderError};
 use crate::plan::{AirPlan, AirSide, AirUniforms, FramePlan, FrameUniforms, SurfaceLight};
 use bytemuck::{Pod, Zeroable};
@@ -34,35 +34,95 @@ pub(crate) struct AirDrawable {
     drawn: std::ops::Range<u32>,
     side: AirSide,
     textures: AirTextures,
-    view: AirView,
+    /// For an eye in the air.
+    view: Option<AirView>,
+    moonlight: bool,
     airglow: f32,
-    /// Of all variants.
-    pub shader_bytes: u64,
 }
 
 struct Halo {
     side: AirSide,
-    pipeline: wgpu::RenderPipeline,
-    /// For frames that the Moon's shadow is in: made when the first of them comes.
-    eclipsed: Option<wgpu::RenderPipeline>,
-    /// What that is made of, until it is tried.
-    eclipsed_variant: Option<AirVariant>,
     layout: wgpu::BindGroupLayout,
     bind_group: wgpu::BindGroup,
+    plain: HaloPass,
+    /// For frames that the Moon's shadow is in.
+    eclipsed: HaloPass,
+}
+
+/// What draws the ring by one variant of its shader, made when a frame first needs it, or at once with all others.
+#[derive(Clone, Default)]
+struct HaloPass {
+    /// `None` where it is not wanted, or cannot be made.
+    variant: Option<AirVariant>,
+    pipeline: Option<wgpu::RenderPipeline>,
+}
+
+impl HaloPass {
+    fn of(variant: AirVariant) -> Self {
+        Self {
+            variant: Some(variant),
+            pipeline: None,
+        }
+    }
+
+    /// Makes it, if it is not there. One that cannot be made is not tried again.
+    fn make(
+        &mut self,
+        device: &wgpu::Device,
+        format: PassFormat,
+        layout: &wgpu::BindGroupLayout,
+    ) -> Result<(), ShaderError> {
+        if self.pipeline.is_none()
+            && let Some(variant) = self.variant.take()
+        {
+            self.pipeline = Some(pipeline(device, format, layout, variant)?);
+            self.variant = Some(variant);
+        }
+        Ok(())
+    }
 }
 
 impl Halo {
+    fn new(
+        device: &wgpu::Device,
+        textures: &AirTextures,
+        variant: AirVariant,
+        eclipses: bool,
+    ) -> Self {
+        let side = variant.side;
+        let (layout, bind_group) = super::bind(device, label(side), textures.bindings(side));
+        // Then the Moon is new.
+        let eclipsed = AirVariant {
+            eclipse: true,
+            moonlight: false,
+            ..variant
+        };
+        Self {
+            side,
+            layout,
+            bind_group,
+            plain: HaloPass::of(variant),
+            eclipsed: match eclipses {
+                true => HaloPass::of(eclipsed),
+                false => HaloPass::default(),
+            },
+        }
+    }
+
     /// The same for another view, with that view's textures.
     fn for_another_view(&self, device: &wgpu::Device, textures: &AirTextures) -> Self {
         let bindings = textures.bindings(self.side);
         Self {
             side: self.side,
-            pipeline: self.pipeline.clone(),
-            eclipsed: self.eclipsed.clone(),
-            eclipsed_variant: self.eclipsed_variant,
             layout: self.layout.clone(),
             bind_group: super::bind_to(device, label(self.side), &self.layout, bindings),
+            plain: self.plain.clone(),
+            eclipsed: self.eclipsed.clone(),
         }
+    }
+
+    fn passes(&self) -> [&HaloPass; 2] {
+        [&self.plain, &self.eclipsed]
     }
 }
 
@@ -74,21 +134,20 @@ fn label(side: AirSide) -> &'static str {
 }
 
 impl AirDrawable {
+    /// The air by these textures; makes no pipeline yet.
     pub fn new(
         device: &wgpu::Device,
         format: PassFormat,
         textures: AirTextures,
         light: &SurfaceLight,
-    ) -> Result<Self, ShaderError> {
+    ) -> Self {
         let indices = super::filled_buffer(
             device,
             "terrella halo triangles",
             bytemuck::cast_slice(&Billboard::indices()),
             wgpu::BufferUsages::INDEX,
         );
-        let view = AirView::new(device, &textures, light.moonlight)?;
-        let mut shader_bytes = view.shader_bytes;
-        let [outside, inside] = AirSide::ALL.map(|side| {
+        let halos = AirSide::ALL.map(|side| {
             let variant = AirVariant {
                 side,
                 moonlight: light.moonlight,
@@ -96,13 +155,9 @@ impl AirDrawable {
                 eclipse: false,
                 target: format.target_color(),
             };
-            halo(device, format, &textures, variant, light.eclipses)
+            Halo::new(device, &textures, variant, light.eclipses)
         });
-        let halos = [outside?, inside?].map(|(halo, bytes)| {
-            shader_bytes += bytes;
-            halo
-        });
-        Ok(Self {
+        Self {
             format,
             halos,
             vertices: vertex_buffer(device),
@@ -111,10 +166,10 @@ impl AirDrawable {
             drawn: 0..0,
             side: AirSide::Outside,
             textures,
-            view,
+            view: None,
+            moonlight: light.moonlight,
             airglow: light.airglow_luminance().unwrap_or(0.0),
-            shader_bytes,
-        })
+        }
     }
 
     /// The same air for another view: its pipelines and tables, and buffers of its own.
@@ -129,10 +184,13 @@ impl AirDrawable {
             indices: self.indices.clone(),
             drawn: 0..0,
             side: AirSide::Outside,
-            view: self.view.for_another_view(device, &textures),
+            view: self
+                .view
+                .as_ref()
+                .map(|view| view.for_another_view(device, &textures)),
             textures,
+            moonlight: self.moonlight,
             airglow: self.airglow,
-            shader_bytes: self.shader_bytes,
         }
     }
 
@@ -141,19 +199,59 @@ impl AirDrawable {
         &self.textures
     }
 
-    /// Makes ready what draws a frame that the Moon's shadow is in, seen from this side. Without it such a frame is drawn as others.
-    pub fn prepare_eclipse(
+    /// Whether what such a frame is drawn with is made.
+    pub fn is_ready(&self, side: AirSide, has_moon_shadow: bool) -> bool {
+        let halo = &self.halos[side as usize];
+        let eclipsed = halo.eclipsed.pipeline.is_some();
+        // One that is not wanted, or could not be made, is drawn as others.
+        let needs_eclipsed = has_moon_shadow && halo.eclipsed.variant.is_some();
+        let has_ring = match has_moon_shadow && eclipsed {
+            true => true,
+            false => halo.plain.pipeline.is_some() && !needs_eclipsed,
+        };
+        has_ring && (side == AirSide::Outside || self.view.is_some())
+    }
+
+    /// Makes ready what a frame is drawn with, as far as it is not there: seen from this side, with the Moon's shadow or without.
+    pub fn make_ready(
         &mut self,
         device: &wgpu::Device,
         side: AirSide,
+        has_moon_shadow: bool,
     ) -> Result<(), ShaderError> {
+        if side == AirSide::Inside && self.view.is_none() {
+            self.view = Some(AirView::new(device, &self.textures, self.moonlight)?);
+        }
         let halo = &mut self.halos[side as usize];
-        if let Some(variant) = halo.eclipsed_variant.take() {
-            let (pipeline, bytes) = pipeline(device, self.format, &halo.layout, variant)?;
-            halo.eclipsed = Some(pipeline);
-            self.shader_bytes += bytes;
+        if has_moon_shadow {
+            halo.eclipsed.make(device, self.format, &halo.layout)?;
+        }
+        if !has_moon_shadow || halo.eclipsed.pipeline.is_none() {
+            halo.plain.make(device, self.format, &halo.layout)?;
         }
         Ok(())
+    }
+
+    /// Makes all that may be drawn with, so that no frame waits for it.
+    pub fn make_all(&mut self, device: &wgpu::Device) -> Result<(), ShaderError> {
+        for side in AirSide::ALL {
+            for has_moon_shadow in [false, true] {
+                self.make_ready(device, side, has_moon_shadow)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Bytes of the texts of all shaders as the driver gets them.
+    pub fn shader_bytes(&self) -> u64 {
+        let passes = self.halos.iter().flat_map(Halo::passes);
+        let rings = passes.filter_map(|pass| pass.variant?.source().ok());
+        let moonlight = self.moonlight;
+        let view = AirViewVariant { moonlight }.source().ok();
+        rings
+            .chain(view)
+            .map(|source| source.text.len() as u64)
+            .sum()
     }
 
     /// Writes this frame's ring, and draws what an eye in the air sees of it. Returns the bytes written.
@@ -175,16 +273,22 @@ impl AirDrawable {
         queue.write_buffer(&self.vertices, 0, vertices);
         let uniforms = uniforms(plan, frame, &self.textures, self.airglow);
         queue.write_buffer(self.textures.uniforms(), 0, bytemuck::bytes_of(&uniforms));
-        if self.side == AirSide::Inside {
-            self.view.draw(device, queue, &self.textures, &uniforms);
+        if let Some(view) = &mut self.view
+            && self.side == AirSide::Inside
+        {
+            view.draw(device, queue, &self.textures, &uniforms);
         }
         (vertices.len() + size_of::<AirUniforms>()) as u64
     }
 
     pub fn render(&self, pass: &mut wgpu::RenderPass<'_>, plan: &FramePlan) {
         let halo = &self.halos[self.side as usize];
-        let eclipsed = halo.eclipsed.as_ref().filter(|_| plan.has_moon_shadow);
-        pass.set_pipeline(eclipsed.unwrap_or(&halo.pipeline));
+        let eclipsed = halo.eclipsed.pipeline.as_ref();
+        let eclipsed = eclipsed.filter(|_| plan.has_moon_shadow);
+        let Some(pipeline) = eclipsed.or(halo.plain.pipeline.as_ref()) else {
+            return;
+        };
+        pass.set_pipeline(pipeline);
         pass.set_bind_group(0, &halo.bind_group, &[]);
         pass.set_vertex_buffer(0, self.vertices.slice(..));
         pass.set_index_buffer(self.indices.slice(..), wgpu::IndexFormat::Uint16);
@@ -252,42 +356,13 @@ fn vertex_buffer(device: &wgpu::Device) -> wgpu::Buffer {
     })
 }
 
-/// What draws the ring, and the bytes of its shader.
-fn halo(
-    device: &wgpu::Device,
-    format: PassFormat,
-    textures: &AirTextures,
-    variant: AirVariant,
-    eclipses: bool,
-) -> Result<(Halo, u64), ShaderError> {
-    let side = variant.side;
-    let label = label(side);
-    let (layout, bind_group) = super::bind(device, label, textures.bindings(side));
-    let (pipeline, shader_bytes) = pipeline(device, format, &layout, variant)?;
-    // Then the Moon is new.
-    let eclipsed_variant = eclipses.then_some(AirVariant {
-        eclipse: true,
-        moonlight: false,
-        ..variant
-    });
-    let halo = Halo {
-        side,
-        pipeline,
-        eclipsed: None,
-        eclipsed_variant,
-        layout,
-        bind_group,
-    };
-    Ok((halo, shader_bytes))
-}
-
-/// What draws the ring by one variant of the shader, and the bytes of that.
+/// What draws the ring by one variant of the shader.
 fn pipeline(
     device: &wgpu::Device,
     format: PassFormat,
     layout: &wgpu::BindGroupLayout,
     variant: AirVariant,
-) -> Result<(wgpu::RenderPipeline, u64), ShaderError> {
+) -> Result<wgpu::RenderPipeline, ShaderError> {
     let shader = ShaderModule::new(device, &variant)?;
     let pipeline = PipelineDescription {
         label: label(variant.side),
@@ -303,5 +378,5 @@ fn pipeline(
         writes_depth: false,
         blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
     };
-    Ok((pipeline.create(device), shader.bytes))
+    Ok(pipeline.create(device))
 }

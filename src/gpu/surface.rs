@@ -6,9 +6,9 @@ use super::mesh::{MeshForm, SurfaceMesh};
 use super::shader::{EarthVariant, ShaderVariant};
 use super::surface_config::SurfaceConfig;
 use super::surface_pipelines::{
-    SurfaceMaker, SurfacePass, SurfacePipelines, frame_entry, light_entry, reads_light, tiles_entry,
+    PassKind, SurfaceMaker, SurfacePipelines, frame_entry, light_entry, reads_light, tiles_entry,
 };
-use super::surface_view::{PassGroups, SurfaceView};
+use super::surface_view::SurfaceView;
 use super::tiles::TileTextures;
 use super::{Binding, GpuMap, MapError, ShaderError};
 use crate::plan::{ChosenTiles, DrawLight, FramePlan, SurfaceLightUniforms};
@@ -41,13 +41,13 @@ enum Imagery {
     },
 }
 
-/// The place of what a plan is drawn with among [`SurfacePipelines::passes`].
+/// The side of the air that a plan is seen from, among those of [`SurfacePipelines`].
 fn side_of(plan: &FramePlan) -> usize {
     plan.air.as_ref().map_or(0, |air| air.side() as usize)
 }
 
 impl SurfaceDrawable {
-    /// Uploads the maps. `pools` are those of tiles, if blocks are drawn with tiles; `first` is a view of it, which is bound.
+    /// Uploads the maps; makes no pipeline yet. `pools` are those of tiles, if blocks are drawn with tiles; `first` is a view of it.
     pub fn new(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
@@ -55,7 +55,7 @@ impl SurfaceDrawable {
         pools: Option<&[Pool]>,
         config: &SurfaceConfig<'_>,
         first: &mut SurfaceView,
-    ) -> Result<Self, ShaderError> {
+    ) -> Self {
         let display_values = config.shading == Shading::Paper;
         let maps = Maps::upload(
             device,
@@ -87,14 +87,14 @@ impl SurfaceDrawable {
             has_parts: has_parts(pools),
         };
         let drawable = Self {
-            pipelines: maker.make(device, config)?,
+            pipelines: maker.plan(device, config),
             maps,
             imagery,
             light,
             texture_bytes,
         };
-        drawable.bind_view(device, config, first);
-        Ok(drawable)
+        drawable.bind_view(first);
+        drawable
     }
 
     /// What makes other pipelines for it, of the form of this view.
@@ -127,7 +127,7 @@ impl SurfaceDrawable {
         self.maps.arrange(pipelines.maps.clone());
         self.pipelines = pipelines;
         self.bind_maps(device);
-        self.bind_view(device, config, first);
+        self.bind_view(first);
     }
 
     /// Draws with another whole map from now on. Answers the one before.
@@ -161,32 +161,34 @@ impl SurfaceDrawable {
         }
     }
 
-    /// Binds what a view is drawn with.
-    pub fn bind_view(
-        &self,
-        device: &wgpu::Device,
-        config: &SurfaceConfig<'_>,
-        view: &mut SurfaceView,
-    ) {
-        let group = |pass: &SurfacePass| {
-            let bindings = self.bindings(view, config, &pass.variant);
-            super::bind_to(device, "terrella earth", &pass.layout, bindings)
-        };
-        let passes = self.pipelines.passes.iter();
-        let groups = passes.map(|passes| PassGroups {
-            all: group(&passes.all),
-            daylit: passes.daylit.as_ref().map(group),
-            eclipsed: passes.eclipsed.as_ref().map(group),
-            interpolated: passes.interpolated.as_ref().map(group),
-            land: passes.land.as_ref().map(group),
-            open_sea: passes.open_sea.as_ref().map(group),
-        });
-        let groups = groups.collect();
-        view.set_groups(groups);
+    /// Has a view bound anew, as far as it is drawn.
+    pub fn bind_view(&self, view: &mut SurfaceView) {
+        view.unbind(self.pipelines.sides());
     }
 
-    /// Makes ready what draws a frame that the Moon's shadow is in. Without it such a frame is drawn as others.
-    pub fn prepare_eclipse(
+    /// Makes all that may be drawn with, so that no frame waits for it.
+    pub fn make_all(
+        &mut self,
+        device: &wgpu::Device,
+        config: &SurfaceConfig<'_>,
+        view: &SurfaceView,
+    ) -> Result<(), ShaderError> {
+        let maker = self.maker(view);
+        self.pipelines.make_all(&maker, device, config)
+    }
+
+    /// Whether what a plan is drawn with is made and bound.
+    pub fn is_ready(&self, view: &SurfaceView, plan: &FramePlan) -> bool {
+        let side = side_of(plan);
+        let mut lights = plan.draws.iter().map(|draw| draw.light);
+        lights.all(|light| {
+            let kind = self.pipelines.kind_of(side, light, plan.has_moon_shadow);
+            self.pipelines.pass(side, kind).is_some() && view.group(side, kind).is_some()
+        })
+    }
+
+    /// Makes ready what a plan is drawn with, as far as it is not there.
+    pub fn make_ready(
         &mut self,
         device: &wgpu::Device,
         config: &SurfaceConfig<'_>,
@@ -194,34 +196,46 @@ impl SurfaceDrawable {
         plan: &FramePlan,
     ) -> Result<(), ShaderError> {
         let side = side_of(plan);
-        let maker = self.maker(view);
-        self.pipelines.make_eclipsed(&maker, device, config, side)?;
-        let passes = self.pipelines.passes.get(side);
-        if let Some(pass) = passes.and_then(|passes| passes.eclipsed.as_ref())
-            && view
-                .groups(side)
-                .is_some_and(|groups| groups.eclipsed.is_none())
-        {
-            let bindings = self.bindings(view, config, &pass.variant);
-            let group = super::bind_to(device, "terrella earth", &pass.layout, bindings);
-            view.set_eclipsed(side, group);
+        let mut seen = [false; DrawLight::ALL.len()];
+        for draw in &plan.draws {
+            if std::mem::replace(&mut seen[draw.light as usize], true) {
+                continue;
+            }
+            let kind = self
+                .pipelines
+                .kind_of(side, draw.light, plan.has_moon_shadow);
+            if self.pipelines.pass(side, kind).is_none() {
+                let maker = self.maker(view);
+                self.pipelines
+                    .make_pass(&maker, device, config, (side, kind))?;
+            }
+            if let Some(pass) = self.pipelines.pass(side, kind)
+                && view.group(side, kind).is_none()
+            {
+                let bindings = self.bindings(view, config, &pass.variant);
+                let group = super::bind_to(device, "terrella earth", &pass.layout, bindings);
+                view.set_group(side, kind, group);
+            }
         }
         Ok(())
     }
 
     /// What shaders of the surface have.
     pub fn features(&self) -> Vec<&'static str> {
-        let Some(first) = self.pipelines.passes.first() else {
-            return Vec::new();
-        };
-        let mut features = first.all.variant.conditions_met();
-        features.extend(first.eclipsed_variant.map(|_| "eclipses"));
+        let mut features = Vec::new();
+        for (kind, variant) in self.pipelines.variants() {
+            match kind {
+                PassKind::Everything => features.extend(variant.conditions_met()),
+                PassKind::Eclipsed => features.push("eclipses"),
+                _ => {}
+            }
+        }
         features
     }
 
     /// Bytes of their texts as the driver gets them.
     pub fn shader_bytes(&self) -> u64 {
-        self.pipelines.shader_bytes
+        self.pipelines.shader_bytes()
     }
 
     /// Writes a part of a tile; does nothing where whole maps are drawn.
@@ -256,30 +270,15 @@ impl SurfaceDrawable {
     /// Draws the plan that was written to a view last.
     pub fn render(&self, pass: &mut wgpu::RenderPass<'_>, view: &SurfaceView, plan: &FramePlan) {
         let side = side_of(plan);
-        let Some((passes, groups)) = self.pipelines.passes.get(side).zip(view.groups(side)) else {
-            return;
-        };
-        let all = (&passes.all, &groups.all);
-        let eclipsed = passes.eclipsed.as_ref().zip(groups.eclipsed.as_ref());
-        let eclipsed = eclipsed.filter(|_| plan.has_moon_shadow);
-        let daylit = passes.daylit.as_ref().zip(groups.daylit.as_ref());
-        let interpolated = passes.interpolated.as_ref();
-        let interpolated = interpolated.zip(groups.interpolated.as_ref());
-        let by_day = daylit.unwrap_or(all);
-        let interpolated = interpolated.unwrap_or(by_day);
-        let land = passes.land.as_ref().zip(groups.land.as_ref());
-        let sea = passes.open_sea.as_ref().zip(groups.open_sea.as_ref());
-        let (land, sea) = (land.unwrap_or(interpolated), sea.unwrap_or(interpolated));
-        // In the order of their lights.
-        let drawn = match eclipsed {
-            Some(eclipsed) => [eclipsed; DrawLight::ALL.len()],
-            None => [all, by_day, interpolated, land, sea],
-        };
         let mut chosen = None;
         let mut by_light = |pass: &mut wgpu::RenderPass<'_>, light: DrawLight| {
-            if chosen != Some(light) {
-                chosen = Some(light);
-                let (drawn, group) = drawn[light as usize];
+            if chosen == Some(light) {
+                return;
+            }
+            chosen = Some(light);
+            let kind = self.pipelines.kind_of(side, light, plan.has_moon_shadow);
+            let drawn = self.pipelines.pass(side, kind);
+            if let Some((drawn, group)) = drawn.zip(view.group(side, kind)) {
                 pass.set_pipeline(&drawn.pipeline);
                 pass.set_bind_group(0, group, &[]);
             }

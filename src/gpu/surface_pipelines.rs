@@ -11,7 +11,9 @@ use super::surface_config::SurfaceConfig;
 use super::surface_view::SurfaceView;
 use super::tiles::tiles_bytes;
 use super::{PipelineDescription, ShaderError};
-use crate::plan::{AirSide, FrameUniforms, LightEffect, LightEffects, SurfaceLightUniforms};
+use crate::plan::{
+    AirSide, DrawLight, FrameUniforms, LightEffect, LightEffects, SurfaceLightUniforms,
+};
 use terrella_ground::globe::Shading;
 use terrella_imagery::tile::{MAP_LAYERS, MapLayer};
 
@@ -25,29 +27,73 @@ pub(crate) struct SurfaceMaker {
     pub(super) has_parts: bool,
 }
 
-/// What follows from a configuration.
+/// What follows from a configuration. Pipelines are made when a frame first needs them, or all at once.
 pub(crate) struct SurfacePipelines {
     pub(super) maps: MapArrangement,
     /// One without air; else that of an eye outside of it, and that of an eye inside.
-    pub(super) passes: Vec<SurfacePasses>,
-    pub shader_bytes: u64,
+    sides: Vec<SurfacePasses>,
 }
 
-/// How the surface is drawn from one side of the air.
-pub(super) struct SurfacePasses {
-    pub all: SurfacePass,
-    /// Without what shows by night alone, if there is any: for blocks by day.
-    pub daylit: Option<SurfacePass>,
-    /// For frames that the Moon's shadow is in: made when the first of them comes.
-    pub eclipsed: Option<SurfacePass>,
-    /// What that is made of, if eclipses are drawn, and whether that was tried.
-    pub eclipsed_variant: Option<EarthVariant>,
-    is_eclipse_tried: bool,
-    /// For cells by day that take the air's light from their vertices.
-    pub interpolated: Option<SurfacePass>,
-    /// For those of them where there is nothing but land, or nothing but open sea.
-    pub land: Option<SurfacePass>,
-    pub open_sea: Option<SurfacePass>,
+/// How the surface is drawn from one side of the air, by [`PassKind`].
+type SurfacePasses = [Slot; PassKind::COUNT];
+
+/// What part of the surface is drawn, and when.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum PassKind {
+    /// All, by day and by night.
+    Everything,
+    /// Without what shows by night alone, if there is any.
+    Daylit,
+    /// Cells by day that take the air's light from their vertices.
+    Interpolated,
+    /// Those of them where there is nothing but land.
+    Land,
+    /// Those where there is nothing but open sea.
+    OpenSea,
+    /// All, in frames that the Moon's shadow is in.
+    Eclipsed,
+}
+
+impl PassKind {
+    pub const COUNT: usize = 6;
+    pub const ALL: [Self; Self::COUNT] = [
+        Self::Everything,
+        Self::Daylit,
+        Self::Interpolated,
+        Self::Land,
+        Self::OpenSea,
+        Self::Eclipsed,
+    ];
+
+    /// What a draw of a frame is drawn by.
+    fn of(light: DrawLight, has_moon_shadow: bool) -> Self {
+        match light {
+            _ if has_moon_shadow => Self::Eclipsed,
+            DrawLight::Everything => Self::Everything,
+            DrawLight::Daylit => Self::Daylit,
+            DrawLight::Interpolated => Self::Interpolated,
+            DrawLight::Land => Self::Land,
+            DrawLight::OpenSea => Self::OpenSea,
+        }
+    }
+
+    /// What draws the same where that is not to be had.
+    fn instead(self) -> Option<Self> {
+        match self {
+            Self::Everything => None,
+            Self::Daylit | Self::Eclipsed => Some(Self::Everything),
+            Self::Interpolated => Some(Self::Daylit),
+            Self::Land | Self::OpenSea => Some(Self::Interpolated),
+        }
+    }
+}
+
+/// A pass that may be wanted.
+#[derive(Default)]
+struct Slot {
+    /// `None` where nothing of it would differ, or it cannot be made.
+    variant: Option<EarthVariant>,
+    pass: Option<SurfacePass>,
 }
 
 pub(super) struct SurfacePass {
@@ -55,29 +101,91 @@ pub(super) struct SurfacePass {
     pub pipeline: wgpu::RenderPipeline,
     /// Of group 0, which each view binds of its own.
     pub layout: wgpu::BindGroupLayout,
-    shader_bytes: u64,
 }
 
 impl SurfacePipelines {
-    /// Makes what frames with the Moon's shadow are drawn with from one side of the air, unless that was tried before.
-    pub(super) fn make_eclipsed(
+    /// How many sides of the air there are.
+    pub(super) fn sides(&self) -> usize {
+        self.sides.len()
+    }
+
+    /// What draws light of this kind from one side of the air: that, or what serves in its place.
+    pub(super) fn kind_of(&self, side: usize, light: DrawLight, has_moon_shadow: bool) -> PassKind {
+        let mut kind = PassKind::of(light, has_moon_shadow);
+        let is_there = |kind: PassKind| {
+            let slots = self.sides.get(side);
+            slots.is_some_and(|slots| slots[kind as usize].variant.is_some())
+        };
+        while !is_there(kind)
+            && let Some(instead) = kind.instead()
+        {
+            kind = instead;
+        }
+        kind
+    }
+
+    /// A pass that was made.
+    pub(super) fn pass(&self, side: usize, kind: PassKind) -> Option<&SurfacePass> {
+        self.sides.get(side)?[kind as usize].pass.as_ref()
+    }
+
+    /// Makes a pass that is not there yet. One that cannot be made is not tried again: others serve in its place.
+    pub(super) fn make_pass(
         &mut self,
         maker: &SurfaceMaker,
         device: &wgpu::Device,
         config: &SurfaceConfig<'_>,
-        side: usize,
+        (side, kind): (usize, PassKind),
     ) -> Result<(), ShaderError> {
-        let Some(passes) = self.passes.get_mut(side) else {
-            return Ok(());
-        };
-        if let Some(variant) = passes.eclipsed_variant
-            && !std::mem::replace(&mut passes.is_eclipse_tried, true)
+        let slots = self.sides.get_mut(side);
+        let slot = slots.map(|slots| &mut slots[kind as usize]);
+        if let Some(slot) = slot
+            && slot.pass.is_none()
+            && let Some(variant) = slot.variant.take()
         {
-            let pass = maker.pass(device, config, &self.maps, variant)?;
-            self.shader_bytes += pass.shader_bytes;
-            passes.eclipsed = Some(pass);
+            slot.pass = Some(maker.pass(device, config, &self.maps, variant)?);
+            slot.variant = Some(variant);
         }
         Ok(())
+    }
+
+    /// Makes one of them, that nothing can be drawn without.
+    pub fn make_one(
+        &mut self,
+        maker: &SurfaceMaker,
+        device: &wgpu::Device,
+        config: &SurfaceConfig<'_>,
+    ) -> Result<(), ShaderError> {
+        self.make_pass(maker, device, config, (0, PassKind::Everything))
+    }
+
+    /// Makes all that are not there yet.
+    pub fn make_all(
+        &mut self,
+        maker: &SurfaceMaker,
+        device: &wgpu::Device,
+        config: &SurfaceConfig<'_>,
+    ) -> Result<(), ShaderError> {
+        for side in 0..self.sides.len() {
+            for kind in PassKind::ALL {
+                self.make_pass(maker, device, config, (side, kind))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// All that may be drawn with from the first side of the air.
+    pub(super) fn variants(&self) -> impl Iterator<Item = (PassKind, EarthVariant)> {
+        let slots = self.sides.first().into_iter().flatten();
+        let kinds = PassKind::ALL.into_iter().zip(slots);
+        kinds.filter_map(|(kind, slot)| Some((kind, slot.variant?)))
+    }
+
+    /// Bytes of the texts of all shaders as the driver gets them.
+    pub(super) fn shader_bytes(&self) -> u64 {
+        let slots = self.sides.iter().flatten();
+        let texts = slots.filter_map(|slot| slot.variant?.source().ok());
+        texts.map(|source| source.text.len() as u64).sum()
     }
 }
 
@@ -90,12 +198,8 @@ impl SurfaceMaker {
         }
     }
 
-    /// Makes what a configuration needs.
-    pub fn make(
-        &self,
-        device: &wgpu::Device,
-        config: &SurfaceConfig<'_>,
-    ) -> Result<SurfacePipelines, ShaderError> {
+    /// What a configuration needs, no pipeline of it made yet.
+    pub fn plan(&self, device: &wgpu::Device, config: &SurfaceConfig<'_>) -> SurfacePipelines {
         let maps = MapArrangement::new(
             device,
             self.maps,
@@ -103,42 +207,33 @@ impl SurfaceMaker {
             config.anisotropy,
             self.has_parts,
         );
-        let sides = AirSide::of_air(config.air.is_some());
-        let mut passes = Vec::with_capacity(sides.len());
-        for &side in sides {
+        let sides = AirSide::of_air(config.air.is_some()).iter();
+        let sides = sides.map(|&side| {
             let all = EarthVariant {
                 form: self.mesh.vertex,
                 output: output(&maps, config, side),
                 parts: self.has_parts,
             };
-            let pass = |variant| self.pass(device, config, &maps, variant);
-            let eclipsed = all.eclipsed().filter(|_| config.light.eclipses);
             let interpolated = all.interpolated().filter(|_| config.interpolates_air);
             // Tiles show more than is known of whole maps.
             let of_one_kind = interpolated.filter(|_| !self.has_tiles);
-            let (land, open_sea) = of_one_kind.and_then(EarthVariant::of_one_kind).unzip();
-            passes.push(SurfacePasses {
-                all: pass(all)?,
-                daylit: all.daylit().map(pass).transpose()?,
-                eclipsed: None,
-                eclipsed_variant: eclipsed,
-                is_eclipse_tried: false,
-                interpolated: interpolated.map(pass).transpose()?,
-                land: land.map(pass).transpose()?,
-                open_sea: open_sea.map(pass).transpose()?,
-            });
-        }
-        let drawn = passes.iter();
-        let drawn = drawn.flat_map(|passes| {
-            let others = passes.daylit.iter().chain(&passes.interpolated);
-            let others = others.chain(&passes.land).chain(&passes.open_sea);
-            std::iter::once(&passes.all).chain(others)
+            let of_one_kind = of_one_kind.and_then(EarthVariant::of_one_kind);
+            PassKind::ALL.map(|kind| Slot {
+                variant: match kind {
+                    PassKind::Everything => Some(all),
+                    PassKind::Daylit => all.daylit(),
+                    PassKind::Interpolated => interpolated,
+                    PassKind::Land => of_one_kind.map(|(land, _)| land),
+                    PassKind::OpenSea => of_one_kind.map(|(_, open_sea)| open_sea),
+                    PassKind::Eclipsed => all.eclipsed().filter(|_| config.light.eclipses),
+                },
+                pass: None,
+            })
         });
-        Ok(SurfacePipelines {
-            shader_bytes: drawn.map(|pass| pass.shader_bytes).sum(),
+        SurfacePipelines {
+            sides: sides.collect(),
             maps,
-            passes,
-        })
+        }
     }
 
     /// Makes what one variant of the shader is drawn with.
@@ -177,11 +272,10 @@ impl SurfaceMaker {
             variant,
             pipeline,
             layout,
-            shader_bytes: shader.bytes,
         })
     }
 
-    /// Layout of group 0, in the order in which [`super::SurfaceDrawable::bind_view`] binds.
+    /// Layout of group 0, in the order in which [`super::SurfaceDrawable`] binds it.
     fn entries(
         &self,
         config: &SurfaceConfig<'_>,

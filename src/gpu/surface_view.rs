@@ -4,6 +4,7 @@ use super::lattice::Lattice;
 use super::mesh::SurfaceMesh;
 use super::relief;
 use super::surface_config::SurfaceConfig;
+use super::surface_pipelines::PassKind;
 use crate::plan::{FramePlan, FrameUniforms};
 use terrella_ground::globe::{BlockGrid, Surface};
 
@@ -11,18 +12,12 @@ pub(crate) struct SurfaceView {
     /// [`FrameUniforms`].
     uniforms: wgpu::Buffer,
     mesh: Box<dyn SurfaceMesh + Send + Sync>,
+    /// For each side of the air.
     groups: Vec<PassGroups>,
 }
 
-/// Group 0 of what the surface is drawn with from one side of the air.
-pub(super) struct PassGroups {
-    pub all: wgpu::BindGroup,
-    pub daylit: Option<wgpu::BindGroup>,
-    pub eclipsed: Option<wgpu::BindGroup>,
-    pub interpolated: Option<wgpu::BindGroup>,
-    pub land: Option<wgpu::BindGroup>,
-    pub open_sea: Option<wgpu::BindGroup>,
-}
+/// Group 0 of what the surface is drawn with from one side of the air, by [`PassKind`], as far as that is made.
+pub(super) type PassGroups = [Option<wgpu::BindGroup>; PassKind::COUNT];
 
 impl SurfaceView {
     /// A view that is bound to nothing yet: see [`super::SurfaceDrawable::bind_view`].
@@ -50,18 +45,22 @@ impl SurfaceView {
         &self.uniforms
     }
 
-    pub(super) fn groups(&self, side: usize) -> Option<&PassGroups> {
-        self.groups.get(side)
+    /// What a pass binds of this view.
+    pub(super) fn group(&self, side: usize, kind: PassKind) -> Option<&wgpu::BindGroup> {
+        self.groups.get(side)?[kind as usize].as_ref()
     }
 
-    pub(super) fn set_eclipsed(&mut self, side: usize, group: wgpu::BindGroup) {
+    /// Is bound to nothing from now on, of so many sides of the air.
+    pub(super) fn unbind(&mut self, sides: usize) {
+        self.groups = std::iter::repeat_with(PassGroups::default)
+            .take(sides)
+            .collect();
+    }
+
+    pub(super) fn set_group(&mut self, side: usize, kind: PassKind, group: wgpu::BindGroup) {
         if let Some(groups) = self.groups.get_mut(side) {
-            groups.eclipsed = Some(group);
+            groups[kind as usize] = Some(group);
         }
-    }
-
-    pub(super) fn set_groups(&mut self, groups: Vec<PassGroups>) {
-        self.groups = groups;
     }
 
     /// Writes what all drawables of a frame read.

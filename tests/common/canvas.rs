@@ -95,10 +95,20 @@ pub struct Rig {
     size: (u32, u32),
 }
 
+/// An Earth that makes the pipelines that its few pictures need.
+fn when_needed(options: &EarthOptions) -> Earth {
+    let gpu = gpu();
+    let options = EarthOptions {
+        pipelines: terrella::Pipelines::WhenNeeded,
+        ..options.clone()
+    };
+    Earth::new(&gpu.device, &gpu.queue, &options).expect("sound options")
+}
+
 impl Rig {
     pub fn new(options: &EarthOptions, size: (u32, u32)) -> Self {
         let gpu = gpu();
-        let earth = Earth::new(&gpu.device, &gpu.queue, options).expect("sound options");
+        let earth = when_needed(options);
         Self {
             earth,
             targets: FrameTargets::new(&gpu.device, size, options.samples),
@@ -122,7 +132,7 @@ impl Rig {
     pub fn with_color(options: &EarthOptions, size: (u32, u32)) -> Self {
         let gpu = gpu();
         let (format, samples) = (options.color_format, options.samples);
-        let earth = Earth::new(&gpu.device, &gpu.queue, options).expect("sound options");
+        let earth = when_needed(options);
         Self {
             earth,
             targets: FrameTargets::with_color(&gpu.device, format, size, samples),

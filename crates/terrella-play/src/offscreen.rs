@@ -9,7 +9,9 @@ use terrella::internals::gpu::{
     FrameTargets, GpuContext, GpuTimer, PassPart, PictureError, ScaledTarget,
 };
 use terrella::internals::offscreen::{check_memory, new_targets, supported_samples};
-use terrella::{Earth, EarthError, EarthOptions, Exposure, EyeView, FrameStats, Quality};
+use terrella::{
+    Earth, EarthError, EarthOptions, Exposure, EyeView, FrameStats, Pipelines, Quality,
+};
 use terrella_imagery::tile::TileKey;
 
 /// An Earth with textures to draw it into.
@@ -98,6 +100,10 @@ impl OffscreenRenderer {
         options: &EarthOptions,
         size: (u32, u32),
     ) -> Result<Self, PlayError> {
+        let options = &EarthOptions {
+            pipelines: Pipelines::WhenNeeded,
+            ..options.clone()
+        };
         check_memory(size, options.color_format, options.samples)?;
         let targets = new_targets(&gpu, size, options.color_format, options.samples)?;
         Ok(Self {
@@ -308,6 +314,7 @@ impl OffscreenRenderer {
 
     /// Reads back what was drawn last. Waits for the device.
     pub fn read(&self) -> Result<RgbaImage, PlayError> {
+        self.earth().check_pipelines()?;
         let read = self
             .textures
             .targets
@@ -319,6 +326,7 @@ impl OffscreenRenderer {
 
     /// The same as light, of a renderer that is open for it: red, green, blue and what is no light, rows from the top.
     pub fn read_light(&self) -> Result<Vec<[f32; 4]>, PlayError> {
+        self.earth().check_pipelines()?;
         let read = self
             .textures
             .targets
@@ -328,6 +336,7 @@ impl OffscreenRenderer {
 
     /// Reads back what was drawn last to where it is wanted: four bytes a pixel. Waits for the device.
     pub fn read_into(&self, rgba: &mut [u8]) -> Result<(), PlayError> {
+        self.earth().check_pipelines()?;
         let (device, queue) = (&self.gpu().device, &self.gpu().queue);
         let read = self.textures.targets.read_back_into(device, queue, rgba);
         Ok(self.gpu().checked(read)?)

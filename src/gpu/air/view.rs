@@ -15,7 +15,6 @@ pub(super) struct AirView {
     /// nothing else changes it.
     drawn: Option<[f32; 3]>,
     moonlight: bool,
-    pub shader_bytes: u64,
 }
 
 impl AirView {
@@ -63,7 +62,6 @@ impl AirView {
             bind_group,
             drawn: None,
             moonlight,
-            shader_bytes: shader.bytes,
         })
     }
 
@@ -76,7 +74,6 @@ impl AirView {
             bind_group: crate::gpu::bind_to(device, LABEL, &self.layout, bindings),
             drawn: None,
             moonlight: self.moonlight,
-            shader_bytes: self.shader_bytes,
         }
     }
 
