@@ -116,6 +116,10 @@ impl CellLights {
                     ..drawn.draw(whole_range(&ranges, *block), false)
                 });
             }
+            // They are written four bytes at a time; a block at a pole may have an odd number of triangles.
+            if !plan.cells.len().is_multiple_of(2) {
+                plan.cells.push(0);
+            }
         }
     }
 }
