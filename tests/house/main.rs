@@ -209,6 +209,15 @@ fn what_pages_name_is_there() {
 }
 
 #[test]
+fn pages_are_in_plain_english() {
+    let pages = Repository::open().pages();
+    let measured = pages.iter().filter(|page| pages::is_measured(&page.path));
+    let measured: Vec<_> = measured.collect();
+    assert!(measured.len() > 20, "{} pages are measured", measured.len());
+    none(measured.into_iter().flat_map(pages::hard_to_read).collect());
+}
+
+#[test]
 fn code_in_the_readme_is_that_of_an_example() {
     let repository = Repository::open();
     let examples: Vec<_> = repository

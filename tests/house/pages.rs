@@ -1,4 +1,4 @@
-//! Rules for pages of documentation: what they name is there, and code in them compiles.
+//! Rules for pages of documentation: what they name is there, code in them compiles, and their English is plain.
 
 use crate::repository::{Page, Repository};
 
@@ -15,6 +15,137 @@ const FOLDERS: [&str; 10] = [
     "config/",
     "benches/",
 ];
+
+/// Upper limit of the median sentence length of a page, in words.
+const MAX_MEDIAN_WORDS: usize = 17;
+
+/// Upper limit of the length of a sentence, in words.
+const MAX_SENTENCE_WORDS: usize = 40;
+
+/// Private idioms in lower case, each with the standard wording.
+const IDIOMS: [(&str, &str); 20] = [
+    ("held against", "compared with"),
+    ("held to", "checked against"),
+    ("spoilt", "invalid, corrupt"),
+    ("refuse", "reject, is an error"),
+    ("in vain", "without effect"),
+    ("is told", "is reported"),
+    ("are told", "are reported"),
+    ("told of", "reported"),
+    ("turn about", "interleaved"),
+    ("by turns", "interleaved"),
+    ("in turns", "interleaved"),
+    ("ground with relief", "terrain"),
+    ("cameras on keys", "camera keyframes"),
+    (" anew", "again"),
+    ("goes on with", "continues, resumes"),
+    ("words that are ours", "project terms"),
+    ("of its own accord", "by itself"),
+    ("where nothing else is said", "by default"),
+    ("if nothing else is said", "by default"),
+    ("is passed over", "is skipped"),
+];
+
+/// The page's English is measured: it is the first page or one of `docs/` or `config/`, and not generated.
+pub fn is_measured(path: &str) -> bool {
+    let is_generated = path == "docs/scene-reference.md";
+    path == "README.md" || path == "config/README.md" || path.starts_with("docs/") && !is_generated
+}
+
+/// What makes the page hard to read: long sentences, a high median of their lengths, private idioms.
+pub fn hard_to_read(page: &Page) -> Vec<String> {
+    let text = without_code(&without_numbers(&page.text));
+    let paragraphs = paragraphs(&without_targets(&text));
+    let sentences: Vec<_> = paragraphs.iter().flat_map(|one| sentences(one)).collect();
+    let mut faults: Vec<_> = sentences
+        .iter()
+        .filter(|sentence| sentence.len() > MAX_SENTENCE_WORDS)
+        .map(|sentence| format!("{} words: {}", sentence.len(), sentence.join(" ")))
+        .collect();
+    let mut lengths: Vec<_> = sentences.iter().map(Vec::len).collect();
+    lengths.sort_unstable();
+    let median = lengths.get(lengths.len() / 2).copied().unwrap_or_default();
+    if median > MAX_MEDIAN_WORDS {
+        faults.push(format!("the median sentence has {median} words"));
+    }
+    // Tables too; an idiom may go over a line's end.
+    let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    let text = text.to_lowercase();
+    let found = IDIOMS.iter().filter(|(idiom, _)| text.contains(idiom));
+    faults.extend(found.map(|(idiom, plain)| format!("{idiom:?}: write {plain}")));
+    let path = &page.path;
+    faults
+        .iter()
+        .map(|fault| format!("{path}: {fault}"))
+        .collect()
+}
+
+/// The page with one word in place of each number, and a gap in place of each table, that `cargo xtask numbers` writes.
+fn without_numbers(text: &str) -> String {
+    let mut parts = text.split("<!-- numbers ");
+    let mut out = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        let (numbers, after) = part
+            .split_once("<!-- end numbers -->")
+            .unwrap_or((part, ""));
+        let is_table = numbers.contains('\n');
+        out.push_str(if is_table { "\n\n" } else { "0" });
+        out.push_str(after);
+    }
+    out
+}
+
+/// The page without blocks of code, and with one word in place of each piece of code within a line.
+fn without_code(text: &str) -> String {
+    let prose: Vec<_> = text.split("```").step_by(2).collect();
+    let prose = prose.join("\n\n");
+    let prose: Vec<_> = prose.split('`').step_by(2).collect();
+    prose.join("code")
+}
+
+/// The text with links that lead nowhere.
+fn without_targets(text: &str) -> String {
+    let mut parts = text.split("](");
+    let mut out = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        out.push(']');
+        out.push_str(part.split_once(')').map_or(part, |(_, after)| after));
+    }
+    out
+}
+
+/// Paragraphs and items of lists; headings, tables, pictures and HTML are none.
+fn paragraphs(text: &str) -> Vec<String> {
+    let mut paragraphs = vec![String::new()];
+    for line in text.lines().map(str::trim) {
+        let is_other = line.starts_with(['|', '#', '!', '<']);
+        let (marker, rest) = line.split_once(' ').unwrap_or((line, ""));
+        let is_number = |digits: &str| digits.parse::<u32>().is_ok();
+        let is_item = marker == "-" || marker.strip_suffix('.').is_some_and(is_number);
+        if line.is_empty() || is_other || is_item {
+            paragraphs.push(String::new());
+        }
+        if let Some(paragraph) = paragraphs.last_mut().filter(|_| !is_other) {
+            paragraph.push_str(if is_item { rest } else { line });
+            paragraph.push(' ');
+        }
+    }
+    paragraphs
+}
+
+/// The words of each sentence of a paragraph.
+fn sentences(paragraph: &str) -> Vec<Vec<&str>> {
+    let ends = |word: &&str| {
+        word.trim_end_matches(['"', '*', ')'])
+            .ends_with(['.', '?', '!'])
+    };
+    let words: Vec<_> = paragraph.split_whitespace().collect();
+    let is_word = |word: &&str| word.chars().any(char::is_alphanumeric);
+    let sentences = words.split_inclusive(|word| ends(&word));
+    let sentences =
+        sentences.map(|words| words.iter().copied().filter(is_word).collect::<Vec<_>>());
+    sentences.filter(|words| !words.is_empty()).collect()
+}
 
 /// Files and folders of the repository that the page names in code type, as `src/lib.rs`, and that are not there.
 pub fn missing_paths(page: &Page, repository: &Repository) -> Vec<String> {
@@ -80,6 +211,79 @@ mod tests {
             0
         );
         assert_eq!(count("`src/gone.rs` and `shaders/gone/`"), 2);
+    }
+
+    #[test]
+    fn long_sentences_are_found() {
+        let found = |text: &str| hard_to_read(&page(text));
+        let words = |count: usize| format!("{}end.", "word ".repeat(count - 1));
+        let short = words(5) + " " + &words(6) + " ";
+        assert_eq!(found(&(short.clone() + &words(40))), [""; 0]);
+        let faults = found(&(short.clone() + &words(41)));
+        assert!(
+            faults.len() == 1 && faults[0].contains("41 words"),
+            "{faults:?}"
+        );
+        // Over two lines, and with code, a link and a number as one word each.
+        let line = "word ".repeat(19);
+        let long = |link| {
+            format!(
+                "{short}{line}\n{line}`a. b` {link} <!-- numbers n -->1. 2<!-- end numbers -->."
+            )
+        };
+        assert_eq!(found(&long("[x](y z)")).len(), 1);
+        assert_eq!(found(&long("")), [""; 0]);
+        // Not prose.
+        for other in ["| ", "## ", "```sh\n", "<!-- numbers n -->\n"] {
+            let end = if other.starts_with('<') {
+                "\n<!-- end numbers -->"
+            } else {
+                ""
+            };
+            assert_eq!(
+                found(&format!("{short}\n{other}{}{end}", words(41))),
+                [""; 0]
+            );
+        }
+        let list = format!(
+            "- {}\n- {}\n12. {}",
+            "word ".repeat(16),
+            "word ".repeat(16),
+            "word ".repeat(16)
+        );
+        assert_eq!(found(&list), [""; 0]);
+    }
+
+    #[test]
+    fn a_high_median_is_found() {
+        let found = |text: &str| hard_to_read(&page(text));
+        let sentence = |count: usize| format!("{}end. ", "word ".repeat(count - 1));
+        assert_eq!(
+            found(&(sentence(30) + &sentence(17) + &sentence(3))),
+            [""; 0]
+        );
+        let faults = found(&(sentence(30) + &sentence(18) + &sentence(3)));
+        assert!(
+            faults.len() == 1 && faults[0].contains("18 words"),
+            "{faults:?}"
+        );
+    }
+
+    #[test]
+    fn private_idioms_are_found() {
+        let count = |text| hard_to_read(&page(text)).len();
+        assert_eq!(
+            count("It rejects the file, compared with `refused` ones."),
+            0
+        );
+        assert_eq!(
+            count("```\nrefused\n```\n<!-- numbers n -->spoilt<!-- end numbers -->"),
+            0
+        );
+        assert_eq!(count("It Refuses the file."), 1);
+        assert_eq!(count("| held\nagainst |"), 1);
+        assert!(!is_measured("docs/scene-reference.md") && !is_measured("CHANGELOG.md"));
+        assert!(is_measured("docs/embedding/c.md") && is_measured("README.md"));
     }
 
     #[test]
