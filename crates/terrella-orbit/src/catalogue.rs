@@ -1,12 +1,11 @@
 //! Many satellites from one file.
 
+use super::choose::{Candidate, Key, choose};
 use super::entry::{Faults, MAX_ENTRIES};
 use super::file::read_text;
 use super::omm;
-use super::tle_fields::catalogue_number;
 use super::tle_text::{element_sets, sets_and_faults};
 use super::{FileFormat, OrbitError, Sgp4Feed};
-use std::borrow::Cow;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -107,11 +106,11 @@ impl Catalogue {
             .iter()
             .map(|feed| Candidate {
                 label: feed.elements().name.as_str().into(),
-                catalogue: feed.catalogue_number().to_string().into(),
+                key: Some(feed.catalogue_number().to_string().into()),
                 line: feed.line(),
             })
             .collect();
-        let chosen = choose(&candidates, origin, name)?;
+        let chosen = choose(&candidates, Key::CatalogueNumber, origin, name)?;
         Ok(self.feeds.swap_remove(chosen))
     }
 }
@@ -143,100 +142,14 @@ impl Sgp4Feed {
             .iter()
             .map(|set| Candidate {
                 label: set.label().into(),
-                catalogue: set.catalogue().into(),
+                key: Some(set.catalogue().into()),
                 line: set.at1,
             })
             .collect();
-        let chosen = choose(&candidates, origin, name)?;
+        let chosen = choose(&candidates, Key::CatalogueNumber, origin, name)?;
         let set = sets.get(chosen).ok_or_else(|| OrbitError::NoElements {
             path: origin.to_owned(),
         })?;
         Self::from_set(set, &Arc::from(origin))
     }
-}
-
-/// How many names an error lists.
-const NAMES_LISTED: usize = 5;
-
-/// One of several satellites to choose from.
-pub(super) struct Candidate<'c> {
-    pub label: Cow<'c, str>,
-    /// As the file writes it.
-    pub catalogue: Cow<'c, str>,
-    pub line: usize,
-}
-
-/// The index of the satellite that is meant, or an error that helps to say which.
-pub(super) fn choose(
-    sets: &[Candidate<'_>],
-    origin: &Path,
-    wanted: Option<&str>,
-) -> Result<usize, OrbitError> {
-    let matching: Vec<usize> = match wanted.map(str::trim) {
-        None => (0..sets.len()).collect(),
-        Some(wanted) => {
-            let folded = wanted.to_lowercase();
-            let number = catalogue_number(wanted);
-            let answers = |set: &Candidate<'_>| {
-                set.label.to_lowercase() == folded
-                    || set.catalogue.to_lowercase() == folded
-                    || number.is_some() && catalogue_number(&set.catalogue) == number
-            };
-            let all = sets.iter().enumerate();
-            all.filter(|(_, set)| answers(set))
-                .map(|(index, _)| index)
-                .collect()
-        }
-    };
-    match matching.as_slice() {
-        [only] => Ok(*only),
-        [] => {
-            let wanted = shortened(wanted.unwrap_or_default());
-            Err(OrbitError::UnknownName {
-                path: origin.to_owned(),
-                count: sets.len(),
-                nearest: nearest(sets, &wanted),
-                wanted,
-            })
-        }
-        several => {
-            let several: Vec<_> = several.iter().filter_map(|&i| sets.get(i)).collect();
-            let one_satellite = several.windows(2).all(|pair| {
-                pair.first().map(|s| &s.catalogue) == pair.last().map(|s| &s.catalogue)
-            });
-            Err(OrbitError::Ambiguous {
-                path: origin.to_owned(),
-                wanted: wanted.map(shortened),
-                count: several.len(),
-                names: several
-                    .iter()
-                    .take(NAMES_LISTED)
-                    .map(|set| format!("{} ({}, line {})", set.label, set.catalogue, set.line))
-                    .collect(),
-                remedy: match (one_satellite, wanted) {
-                    (true, _) => "keep only the set nearest to the date",
-                    (false, None) => "name the satellite or give its catalogue number",
-                    (false, Some(_)) => "give the catalogue number instead",
-                },
-            })
-        }
-    }
-}
-
-/// The name, or catalogue number, that is most like `wanted`.
-fn nearest(sets: &[Candidate<'_>], wanted: &str) -> String {
-    let folded = wanted.to_lowercase();
-    let likeness = |set: &Candidate<'_>| {
-        let name = strsim::jaro_winkler(&folded, &set.label.to_lowercase());
-        name.max(strsim::jaro_winkler(&folded, &set.catalogue))
-    };
-    sets.iter()
-        .map(|set| (likeness(set), &set.label))
-        .max_by(|a, b| a.0.total_cmp(&b.0))
-        .map_or_else(String::new, |(_, name)| name.to_string())
-}
-
-/// A name from outside, short enough for a message and for comparing with every name of a large file.
-fn shortened(name: &str) -> String {
-    name.trim().chars().take(128).collect()
 }

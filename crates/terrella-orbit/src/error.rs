@@ -50,13 +50,15 @@ pub enum OrbitError {
         /// The most similar name.
         nearest: String,
     },
-    /// More than one set could be meant.
-    #[error("{}: {count} element sets{}: {}{}; {remedy}", path.display(), Answering(wanted.as_deref()), names.join(", "), if *count > names.len() { ", …" } else { "" })]
+    /// More than one satellite could be meant.
+    #[error("{}: {count} {what}{}: {}{}; {remedy}", path.display(), Answering(wanted.as_deref()), names.join(", "), if *count > names.len() { ", …" } else { "" })]
     Ambiguous {
         path: PathBuf,
+        /// What there is to choose from.
+        what: &'static str,
         /// The name looked for, if one was.
         wanted: Option<String>,
-        /// How many sets there are to choose from.
+        /// How many there are to choose from.
         count: usize,
         /// The first of them, with catalogue number and line.
         names: Vec<String>,

@@ -22,6 +22,7 @@
 #[cfg(feature = "basilisk")]
 pub mod basilisk;
 mod catalogue;
+mod choose;
 #[cfg(any(feature = "basilisk", feature = "live"))]
 pub(crate) mod connections;
 pub mod constants;
