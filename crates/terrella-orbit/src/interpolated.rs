@@ -193,6 +193,8 @@ pub struct InterpolatedStates {
     /// Empty, or one for each position.
     velocity_m_s: Vec<DVec3>,
     interpolation: Interpolation,
+    /// How far the polynomials at the ends go on before the first sample and after the last, nanoseconds.
+    beyond_ns: (i64, i64),
 }
 
 impl InterpolatedStates {
@@ -220,6 +222,7 @@ impl InterpolatedStates {
             position_m: Vec::with_capacity(samples.len()),
             velocity_m_s: Vec::new(),
             interpolation,
+            beyond_ns: (0, 0),
         };
         let mut before: Option<(i64, Epoch)> = None;
         for (index, sample) in samples.iter().enumerate() {
@@ -277,6 +280,23 @@ impl InterpolatedStates {
         (self.first, self.first + nanoseconds(last_ns))
     }
 
+    /// First and last instant that it answers for: those of the samples, and beyond them what is extrapolated.
+    pub fn reach(&self) -> (Epoch, Epoch) {
+        let (first, last) = self.span();
+        let (before, after) = self.beyond_ns;
+        (first - nanoseconds(before), last + nanoseconds(after))
+    }
+
+    /// With the polynomials at its ends going on so many seconds before the first sample and after the last; two centuries at
+    /// most.
+    pub(super) fn extrapolated(self, before_s: f64, after_s: f64) -> Self {
+        let ns = |seconds: f64| (seconds.clamp(0.0, 6.3e9) * 1e9).round() as i64;
+        Self {
+            beyond_ns: (ns(before_s), ns(after_s)),
+            ..self
+        }
+    }
+
     /// The samples, in order.
     pub fn samples(&self) -> impl Iterator<Item = StateSample> {
         let positions = self.at_ns.iter().zip(&self.position_m).enumerate();
@@ -287,15 +307,16 @@ impl InterpolatedStates {
         })
     }
 
-    /// The state at `epoch`; `None` before the first sample and after the last. At a sample it is the sample, bit for bit;
+    /// The state at `epoch`; `None` outside [`Self::reach`]. At a sample it is the sample, bit for bit;
     /// only the velocity is the interpolation's where samples have none (zero for a single sample). Also `None` where
     /// samples lie so unevenly that f64 cannot hold their polynomial.
     pub fn state_at(&self, epoch: Epoch) -> Option<OrbitState> {
         let at = ns_between(self.first, epoch)?;
         let behind = self.at_ns.partition_point(|&ns| ns <= at);
-        let nearest = behind.checked_sub(1)?;
+        let nearest = behind.saturating_sub(1);
         let is_sample = self.at_ns.get(nearest) == Some(&at);
-        if behind == self.at_ns.len() && !is_sample {
+        let last = self.at_ns.last().copied().unwrap_or_default();
+        if at < -self.beyond_ns.0 || at > last.saturating_add(self.beyond_ns.1) {
             return None;
         }
         let state = |position_m, velocity_m_s| OrbitState {
@@ -321,7 +342,8 @@ impl InterpolatedStates {
     fn interpolated(&self, at: i64, behind: usize) -> (DVec3, DVec3) {
         let count = self.interpolation.samples().min(self.at_ns.len());
         // An even count has as many samples on either side; an odd one has one more on the side of the nearer sample.
-        let nearer_behind = match (self.at_ns.get(behind - 1), self.at_ns.get(behind)) {
+        let last_before = behind.checked_sub(1).and_then(|i| self.at_ns.get(i));
+        let nearer_behind = match (last_before, self.at_ns.get(behind)) {
             (Some(before), Some(after)) => usize::from(after - at < at - before),
             _ => 0,
         };

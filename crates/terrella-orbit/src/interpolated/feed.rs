@@ -11,7 +11,7 @@ use terrella_frames::{Epoch, rfc3339};
 pub struct EphemerisSegment {
     /// The samples.
     pub samples: Arc<InterpolatedStates>,
-    /// First and last instant that may be used, within the samples' span.
+    /// First and last instant that may be used, within the samples' reach.
     pub usable: (Epoch, Epoch),
     /// One standard deviation of the position at instants in rising order, metres: √(σx² + σy² + σz²). May be empty.
     pub sigma_m: Vec<(Epoch, f64)>,
@@ -53,6 +53,8 @@ impl EphemerisSegment {
 pub struct EphemerisFeed {
     name: String,
     object_id: Option<String>,
+    /// What its file calls it beside its name.
+    id: Option<String>,
     /// In order of time, none empty, none overlapping but for an instant.
     segments: Vec<EphemerisSegment>,
     /// Where it begins in its file, from 1.
@@ -61,7 +63,7 @@ pub struct EphemerisFeed {
 
 impl EphemerisFeed {
     /// Of segments in order of time that do not overlap; where two meet, the later one answers. Usable intervals are cut
-    /// to the span of the samples.
+    /// to the reach of the samples.
     ///
     /// # Errors
     /// Says which segment is not usable or overlaps.
@@ -72,7 +74,7 @@ impl EphemerisFeed {
     ) -> Result<Self, SegmentError> {
         let mut ended: Option<Epoch> = None;
         for (index, segment) in segments.iter_mut().enumerate() {
-            let (first, last) = segment.samples.span();
+            let (first, last) = segment.samples.reach();
             let cut = (segment.usable.0.max(first), segment.usable.1.min(last));
             if cut.0 > cut.1 {
                 return Err(SegmentError::Unusable {
@@ -96,6 +98,7 @@ impl EphemerisFeed {
             false => Ok(Self {
                 name,
                 object_id,
+                id: None,
                 segments,
                 line: 1,
             }),
@@ -105,6 +108,18 @@ impl EphemerisFeed {
     /// The international designator, `1998-067A`, where the file has one.
     pub fn object_id(&self) -> Option<&str> {
         self.object_id.as_deref()
+    }
+
+    /// The identifier that is its own in a file whose names may repeat: the `id` of CZML.
+    pub fn id(&self) -> Option<&str> {
+        self.id.as_deref()
+    }
+
+    pub(crate) fn with_id(self, id: String) -> Self {
+        Self {
+            id: Some(id),
+            ..self
+        }
     }
 
     /// The line of the file at which it begins, from 1.
