@@ -36,6 +36,7 @@ mod error;
 mod file;
 mod found;
 pub mod interpolated;
+mod iso8601;
 pub mod kepler;
 #[cfg(feature = "live")]
 pub mod live;
