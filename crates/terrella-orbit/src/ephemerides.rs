@@ -1,6 +1,6 @@
 //! Ephemerides from files: OEM, CZML and CSV.
 
-use super::catalogue::{Candidate, choose};
+use super::choose::{Candidate, Key, choose};
 use super::entry::{Faults, RecordError};
 use super::file::read_text;
 use super::found::Found;
@@ -20,6 +20,8 @@ pub struct Ephemerides {
     pub faults: Vec<OrbitError>,
     /// How many faults there are beyond those.
     pub faults_left_out: usize,
+    /// Objects that are where others are, which only their names choose.
+    followers: Vec<EphemerisFeed>,
     /// Why the first object that cannot be flown cannot be.
     spoilt: Option<RecordError>,
 }
@@ -33,8 +35,9 @@ impl Ephemerides {
     /// - an OEM of CCSDS 502.0 begins with `CCSDS_OEM_VERS` (KVN) or `<` (XML). States in ICRF, GCRF, EME2000, TEME,
     ///   ITRF… or GTOD, times in UTC, TAI, TT or GPS; others are refused. Where it names no interpolation,
     ///   [`Interpolation::WITH_VELOCITIES`](super::interpolated::Interpolation::WITH_VELOCITIES) is taken.
-    /// - CZML begins with `[`. Every packet with a sampled `position` is an object; `INERTIAL` is taken as GCRF, `FIXED` as
-    ///   ITRF. Points that stand still are passed over.
+    /// - CZML begins with `[`. Every `id` with a sampled `position`, in one packet or several, is an object; `INERTIAL` is taken
+    ///   as GCRF, `FIXED` as ITRF. Points that stand still are passed over; objects whose position refers to another's, as those of
+    ///   sensors do, are not among [`Self::feeds`], but [`Self::into_one`] finds them by name.
     /// - CSV has a header that names `epoch_utc,x_km,y_km,z_km`, and if it likes `vx_km_s,vy_km_s,vz_km_s`, in any order,
     ///   others being passed over (`epoch_tai`, `…_tt`, `…_gps`; `x_m` with `vx_m_s`). A column `error_m` says how far a state may be
     ///   off, one standard deviation, and may be empty. Columns `name` and `frame` say of
@@ -58,10 +61,14 @@ impl Ephemerides {
         let text = unmarked(text);
         let mut faults = Faults::<RecordError>::new(is_strict);
         let mut feeds = Vec::new();
-        let mut spoilt = None;
+        let (mut followers, mut spoilt) = (Vec::new(), None);
         let mut each = |found| match found {
             Found::Object(feed) => {
                 feeds.push(feed);
+                Ok(())
+            }
+            Found::Follower(feed) => {
+                followers.push(feed);
                 Ok(())
             }
             Found::Spoilt(error) => {
@@ -90,12 +97,13 @@ impl Ephemerides {
         }
         let mut kept: Vec<_> = faults.kept.into_iter().map(OrbitError::from).collect();
         if feeds.is_empty() {
-            // The first fault says more than that there is nothing.
-            return Err(match kept.is_empty() {
-                true => OrbitError::NoEphemeris {
+            // What spoils an object says more than a fault of one state, and that more than that there is nothing.
+            return Err(match (spoilt, kept.is_empty()) {
+                (Some(spoilt), _) => spoilt.into(),
+                (None, true) => OrbitError::NoEphemeris {
                     path: origin.to_owned(),
                 },
-                false => kept.swap_remove(0),
+                (None, false) => kept.swap_remove(0),
             });
         }
         Ok(Self {
@@ -103,11 +111,12 @@ impl Ephemerides {
             feeds,
             faults: kept,
             faults_left_out: faults.left_out,
+            followers,
             spoilt,
         })
     }
 
-    /// The object of that name, letter case aside, or international designator; `None` takes the only one there is.
+    /// The object of that name, letter case aside, international designator or `id` of CZML; `None` takes the only one there is.
     ///
     /// # Errors
     /// If none or more than one answers: says which there are. Without a name also if an object is spoilt, as that leaves
@@ -120,16 +129,23 @@ impl Ephemerides {
         if let (None, Some(error)) = (name, self.spoilt) {
             return Err(error.into());
         }
+        if name.is_some() {
+            self.feeds.append(&mut self.followers);
+        }
         let candidates: Vec<_> = self
             .feeds
             .iter()
             .map(|feed| Candidate {
                 label: feed.name().into(),
-                catalogue: feed.object_id().unwrap_or("no designator").into(),
+                key: feed.id().or(feed.object_id()).map(Into::into),
                 line: feed.line(),
             })
             .collect();
-        let chosen = choose(&candidates, origin, name)?;
+        let key = match self.format {
+            FileFormat::Czml => Key::Id,
+            _ => Key::Designator,
+        };
+        let chosen = choose(&candidates, key, origin, name)?;
         Ok(self.feeds.swap_remove(chosen))
     }
 }

@@ -7,6 +7,8 @@ use super::interpolated::EphemerisFeed;
 pub(super) enum Found {
     /// An object that can be flown.
     Object(EphemerisFeed),
+    /// An object that is where another one is, such as a satellite's sensor.
+    Follower(EphemerisFeed),
     /// An object that cannot, and why.
     Spoilt(RecordError),
     /// A state or an error estimate that its object is flown without, and why.

@@ -145,9 +145,9 @@ impl<'t> Document<'t> {
 }
 
 impl<'t> Object<'t> {
-    /// The value of that name.
+    /// The value of that name; the last one where it stands there more than once, as in JavaScript.
     pub fn get(&self, key: &str) -> Option<&'t RawValue> {
-        let mut values = self.0.iter();
+        let mut values = self.0.iter().rev();
         values
             .find(|(name, _)| name == key)
             .map(|(_, value)| *value)
