@@ -5,6 +5,7 @@ mod bad_input;
 mod catalogue;
 mod cut_off;
 mod czml;
+mod czml_documents;
 mod decay;
 mod eclipses;
 mod interpolated;
