@@ -5,7 +5,7 @@ use super::entry::{Faults, RecordError};
 use super::file::read_text;
 use super::found::Found;
 use super::interpolated::EphemerisFeed;
-use super::text::unmarked;
+use super::text::{unmarked, with_line_feeds};
 use super::{Feed, FileFormat, OrbitError, czml, ephemeris_csv, oem};
 use std::path::Path;
 
@@ -58,7 +58,8 @@ impl Ephemerides {
     /// # Errors
     /// As [`Self::from_file`], but for what is wrong with the file itself.
     pub fn from_text(text: &str, origin: &Path, is_strict: bool) -> Result<Self, OrbitError> {
-        let text = unmarked(text);
+        let text = with_line_feeds(unmarked(text));
+        let text = text.as_ref();
         let mut faults = Faults::<RecordError>::new(is_strict);
         let mut feeds = Vec::new();
         let (mut followers, mut spoilt) = (Vec::new(), None);

@@ -22,8 +22,15 @@ pub enum OrbitError {
     #[error("{}:{line}: not text in UTF-8; files of orbits are plain text", path.display())]
     NotText {
         path: PathBuf,
-        /// Line of the first byte that is not UTF-8, from 1.
+        /// Line of the first byte that is not UTF-8, or UTF-16 where that is marked, from 1.
         line: usize,
+    },
+    /// The file says that it is in an encoding that is not read.
+    #[error("{}: its encoding is {encoding:?}; UTF-8, UTF-16, ISO-8859-1 and Windows-1252 are read: save it in UTF-8", path.display())]
+    Encoding {
+        path: PathBuf,
+        /// The name of the encoding.
+        encoding: String,
     },
     /// No element set in the file.
     #[error("{}: no element set in it; two-line elements are a line that begins with \"1 \" and one that begins with \"2 \", an OMM is KVN, XML, JSON or CSV", path.display())]
@@ -64,6 +71,28 @@ pub enum OrbitError {
         names: Vec<String>,
         /// What the user can do about it.
         remedy: &'static str,
+    },
+    /// The record of the satellite that is wanted cannot be used.
+    #[error("{cause}; {wanted:?} has no other record in the file")]
+    Unusable {
+        /// The name looked for.
+        wanted: String,
+        /// What is wrong with its record, and where.
+        cause: String,
+    },
+    /// A file has sets of several epochs of a satellite.
+    #[error("{}:{line}: {count} element sets of {satellite}, of {first} to {last}; at each instant the one of the nearest epoch is used", path.display())]
+    History {
+        path: PathBuf,
+        /// Line of the first of them, from 1.
+        line: usize,
+        satellite: String,
+        /// How many epochs there are.
+        count: usize,
+        /// The earliest epoch, UTC.
+        first: String,
+        /// The latest, UTC.
+        last: String,
     },
     /// SGP4 cannot start from these elements or fails at an epoch.
     #[error("{}:{line}: SGP4 fails for {satellite} at {epoch}: {cause}; the orbit has decayed or the elements are spoilt: take a newer set, or a date nearer to its epoch", path.display())]
@@ -243,7 +272,11 @@ pub enum LineFault {
 impl OrbitError {
     /// Whether it only remarks on a file of which everything is used.
     pub fn is_notice(&self) -> bool {
-        matches!(self, Self::Record(record) if record.is_notice())
+        match self {
+            Self::Record(record) => record.is_notice(),
+            Self::History { .. } => true,
+            _ => false,
+        }
     }
 
     pub(super) fn line(

@@ -1,6 +1,7 @@
 //! Files from outside, read into memory within limits.
 
 use super::OrbitError;
+use super::encoding::decode;
 use std::path::Path;
 use terrella_files as files;
 
@@ -16,13 +17,5 @@ pub(super) fn read_text(path: &Path, limit: u64) -> Result<String, OrbitError> {
     };
     let bytes = files::read(path, limit).map_err(read_error)?;
     let bytes = bytes.ok_or_else(too_large)?;
-    String::from_utf8(bytes).map_err(|e| OrbitError::NotText {
-        path: path.to_owned(),
-        line: 1 + e
-            .as_bytes()
-            .iter()
-            .take(e.utf8_error().valid_up_to())
-            .filter(|&&b| b == b'\n')
-            .count(),
-    })
+    decode(bytes, path)
 }

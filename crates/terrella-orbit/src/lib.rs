@@ -2,11 +2,12 @@
 //!
 //! | to | look in |
 //! |---|---|
-//! | propagate an orbit from mean elements (TLE, OMM) by SGP4 | `sgp4_feed.rs`; read them: `tle_text.rs`, `tle_fields.rs`, `omm/`, `catalogue.rs`; how long they fly: `decay.rs` |
+//! | propagate an orbit from mean elements (TLE, OMM) by SGP4 | `sgp4_feed.rs`, `sgp4_set.rs`; read them: `tle_text.rs`, `tle_fields.rs`, `omm/`, `catalogue.rs`, `choose.rs`; how long they fly: `decay.rs` |
 //! | propagate Keplerian elements, with J2 or without | [`kepler`] |
 //! | integrate under forces; eclipses, nodes, apsides and impact on the way | [`numerical`] |
 //! | interpolate an ephemeris (Lagrange, Hermite) | [`interpolated`]; read one: `oem/`, `czml.rs`, `ephemeris_csv.rs`, `ephemerides.rs`, `found.rs` |
 //! | notice a file that was cut off | `cut.rs` |
+//! | read dates in any form of ISO 8601 | `iso8601.rs` |
 //! | take states that a simulator sends | [`live`] |
 //! | find passes over a place | `passes.rs` |
 //! | turn a state vector from frame to frame | `state.rs` |
@@ -29,6 +30,7 @@ pub mod constants;
 mod cut;
 mod czml;
 mod decay;
+mod encoding;
 mod entry;
 mod ephemerides;
 mod ephemeris_csv;
@@ -47,6 +49,7 @@ mod omm;
 mod passes;
 mod recognise;
 mod sgp4_feed;
+mod sgp4_set;
 mod start_error;
 mod state;
 mod text;

@@ -1,6 +1,6 @@
 //! What kind of file of orbits a text or a name is of.
 
-use super::text::{kvn, unmarked};
+use super::text::{kvn, unmarked, with_line_feeds};
 use super::{FileFormat, ephemeris_csv};
 
 /// Shortest line of two-line elements: 69 columns, of which the checksum and blanks at the end may be missing.
@@ -9,7 +9,8 @@ const TLE_LINE: usize = 60;
 impl FileFormat {
     /// What kind a text is of by how it begins; `None` where it is no kind of orbits. The first tens of kilobytes are enough.
     pub fn of_text(text: &str) -> Option<Self> {
-        let text = unmarked(text).trim_start();
+        let text = with_line_feeds(unmarked(text));
+        let text = text.trim_start();
         match text.as_bytes().first()? {
             b'<' => of_xml(text),
             b'[' | b'{' => of_json(text),
@@ -167,6 +168,8 @@ mod tests {
             ("[time]\nstart = \"now\"\n", None),
             ("[[orbit]]\nfile = \"a.tle\"\n", None),
             ("[ camera ]\n", None),
+            ("CREATION\rCCSDS_OEM_VERS = 2.0\r", None),
+            ("COMMENT x\rCCSDS_OEM_VERS = 2.0\r", Some(Oem)),
             ("", None),
             ("1 apple\n2 pears\n", None),
         ];

@@ -6,6 +6,7 @@ pub mod kvn;
 pub mod xml;
 
 use super::entry::TextPosition;
+use std::borrow::Cow;
 
 /// Finds the line of a byte. Holds a mark for every so many bytes, so that neither a text of one line nor one of nothing but
 /// line breaks costs much memory or time.
@@ -53,6 +54,15 @@ fn through(bytes: &[u8], first: usize, mark: (usize, usize)) -> (usize, usize) {
 /// Where `part`, a piece of `whole`, begins in it.
 pub fn offset(whole: &str, part: &str) -> usize {
     (part.as_ptr() as usize).saturating_sub(whole.as_ptr() as usize)
+}
+
+/// With lines that end in line feeds where all end in carriage returns alone, as old Macintoshes write them. Every byte keeps its
+/// place.
+pub fn with_line_feeds(text: &str) -> Cow<'_, str> {
+    match text.contains('\r') && !text.contains('\n') {
+        true => Cow::Owned(text.replace('\r', "\n")),
+        false => Cow::Borrowed(text),
+    }
 }
 
 /// The text without a byte order mark.
