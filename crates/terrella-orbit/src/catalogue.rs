@@ -4,8 +4,12 @@ use super::choose::{Candidate, Key, choose};
 use super::entry::{Faults, MAX_ENTRIES};
 use super::file::read_text;
 use super::omm;
-use super::tle_text::{element_sets, sets_and_faults};
-use super::{FileFormat, OrbitError, Sgp4Feed};
+use super::sgp4_set::Sgp4Set;
+use super::text::with_line_feeds;
+use super::tle_fields::{catalogue_number, elements};
+use super::tle_text::{ElementSet, element_sets, sets_and_faults};
+use super::{FileFormat, MeanElements, OrbitError, Sgp4Feed};
+use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -20,6 +24,70 @@ pub struct Catalogue {
     pub faults: Vec<OrbitError>,
     /// How many faults there are beyond those.
     pub faults_left_out: usize,
+    refused: Vec<Refused>,
+}
+
+/// Most records that cannot be flown whose names are kept.
+const MAX_REFUSED: usize = 100_000;
+
+/// A record that cannot be flown.
+#[derive(Debug)]
+struct Refused {
+    /// Name and catalogue number, as far as they are known.
+    names: Vec<String>,
+    cause: String,
+}
+
+impl Refused {
+    fn is_of(&self, wanted: &str) -> bool {
+        let number = catalogue_number(wanted);
+        let mut names = self.names.iter().map(|name| name.trim());
+        names.any(|name| {
+            name.to_lowercase() == wanted.to_lowercase()
+                || number.is_some() && catalogue_number(name) == number
+        })
+    }
+}
+
+/// The sets of a file by satellite, in the order of the satellites' first sets.
+#[derive(Default)]
+struct Groups {
+    sets: Vec<Vec<Sgp4Set>>,
+    by_number: HashMap<u64, Vec<usize>>,
+}
+
+impl Groups {
+    fn add(&mut self, set: Sgp4Set) {
+        let known = self
+            .by_number
+            .entry(set.elements.catalogue_number)
+            .or_default();
+        let same = known.iter().find(|&&at| {
+            let first = self.sets.get(at).and_then(|sets| sets.first());
+            first.is_some_and(|first| is_same_satellite(&first.elements, &set.elements))
+        });
+        match same.and_then(|&at| self.sets.get_mut(at)) {
+            Some(sets) => sets.push(set),
+            None => {
+                known.push(self.sets.len());
+                self.sets.push(vec![set]);
+            }
+        }
+    }
+
+    fn feeds(self) -> Vec<Sgp4Feed> {
+        let feeds = self.sets.into_iter().filter_map(Sgp4Feed::of_sets);
+        feeds.collect()
+    }
+}
+
+/// Whether two sets of one catalogue number are of one satellite. Numbers of objects that are not catalogued yet come to many; and
+/// satellites are renamed, but have one name at a time.
+fn is_same_satellite(one: &MeanElements, other: &MeanElements) -> bool {
+    let is_one_name = one.name.to_lowercase() == other.name.to_lowercase();
+    let is_renamed = one.object_id.is_some() && one.object_id == other.object_id;
+    is_one_name && (one.catalogue_number != 0 || one == other)
+        || is_renamed && one.epoch != other.epoch && one.catalogue_number != 0
 }
 
 impl Catalogue {
@@ -33,7 +101,9 @@ impl Catalogue {
     /// JSON, CSV). Which it is, the text itself says: XML begins with `<`, JSON with `[` or `{`, KVN with `CCSDS_OMM_VERS`,
     /// and CSV's first line names `MEAN_MOTION` between commas.
     ///
-    /// Sets that are spoilt, or that SGP4 cannot fly, are listed and the others used; `is_strict` refuses the file instead.
+    /// Sets of several epochs of one satellite are one feed, in which each answers for the instants to which its epoch is the
+    /// nearest; a notice says so. Sets that are spoilt, or that SGP4 cannot fly, are listed and the others used; `is_strict`
+    /// refuses the file instead.
     ///
     /// # Errors
     /// If no set is good, or, when strict, if one is not: says which line and column is wrong, how, and what to do.
@@ -46,6 +116,8 @@ impl Catalogue {
     /// # Errors
     /// As [`Self::from_file`], but for what is wrong with the file itself.
     pub fn from_text(text: &str, origin: &Path, is_strict: bool) -> Result<Self, OrbitError> {
+        let text = with_line_feeds(text);
+        let text = text.as_ref();
         let mut faults = Faults::new(is_strict);
         if let Some(cut) = omm::cut_off(text, origin) {
             faults.note(cut.into())?;
@@ -54,52 +126,75 @@ impl Catalogue {
     }
 
     fn read(text: &str, origin: &Path, mut faults: Faults<OrbitError>) -> Result<Self, OrbitError> {
-        let mut feeds = Vec::new();
+        let mut groups = Groups::default();
+        let mut refused = Vec::new();
         let path: Arc<Path> = Arc::from(origin);
         let format = match omm::is_omm(text) {
             true => FileFormat::Omm,
             false => FileFormat::Tle,
         };
+        let mut refuse = |names: Vec<String>, error: OrbitError| {
+            if refused.len() < MAX_REFUSED {
+                refused.push(Refused {
+                    names,
+                    cause: error.to_string(),
+                });
+            }
+            faults.note(error)
+        };
         if format == FileFormat::Omm {
             omm::each_elements(text, origin, &mut |result| {
-                let feed = result.and_then(|(elements, line)| {
-                    Sgp4Feed::from_elements(elements, Arc::clone(&path), line)
-                });
-                match feed {
-                    Ok(feed) => feeds.push(feed),
-                    Err(error) => faults.note(error)?,
+                let (elements, line) = match result {
+                    Ok(read) => read,
+                    Err(bad) => return refuse(bad.names, bad.error),
+                };
+                let names = vec![elements.name.clone(), elements.catalogue_number.to_string()];
+                match Sgp4Set::new(elements, Arc::clone(&path), line) {
+                    Ok(set) => groups.add(set),
+                    Err(error) => refuse(names, error)?,
                 }
                 Ok(())
             })?;
         } else {
-            for set in sets_and_faults(text, origin, &mut faults)? {
-                match Sgp4Feed::from_set(&set, &path) {
-                    Ok(feed) => feeds.push(feed),
-                    Err(error) => faults.note(error)?,
+            for set in sets_and_faults(text, origin, &mut refuse)? {
+                let flown = elements(&set, origin)
+                    .and_then(|elements| Sgp4Set::new(elements, Arc::clone(&path), set.at1));
+                match flown {
+                    Ok(set) => groups.add(set),
+                    Err(error) => {
+                        let names = [set.label(), set.catalogue()];
+                        refuse(names.map(str::to_owned).to_vec(), error)?;
+                    }
                 }
             }
         }
+        let feeds = groups.feeds();
         if feeds.is_empty() {
-            // The first fault says more than that there is nothing.
+            // What is wrong with a set says more than a remark, and that more than that there is nothing.
+            let first = faults.kept.iter().position(|error| !error.is_notice());
             return Err(match faults.kept.is_empty() {
                 true => OrbitError::NoElements {
                     path: origin.to_owned(),
                 },
-                false => faults.kept.swap_remove(0),
+                false => faults.kept.swap_remove(first.unwrap_or(0)),
             });
+        }
+        for history in feeds.iter().filter_map(|feed| feed.history(origin)) {
+            faults.keep(history);
         }
         Ok(Self {
             format,
             feeds,
             faults: faults.kept,
             faults_left_out: faults.left_out,
+            refused,
         })
     }
 
     /// The satellite of that name, letter case aside, or catalogue number; `None` takes the only one there is.
     ///
     /// # Errors
-    /// If none or more than one answers: says which there are.
+    /// If none or more than one answers: says which there are, or why the one that is meant cannot be flown.
     pub fn into_one(mut self, origin: &Path, name: Option<&str>) -> Result<Sgp4Feed, OrbitError> {
         let candidates: Vec<_> = self
             .feeds
@@ -110,8 +205,16 @@ impl Catalogue {
                 line: feed.line(),
             })
             .collect();
-        let chosen = choose(&candidates, Key::CatalogueNumber, origin, name)?;
-        Ok(self.feeds.swap_remove(chosen))
+        match choose(&candidates, Key::CatalogueNumber, origin, name) {
+            Ok(chosen) => Ok(self.feeds.swap_remove(chosen)),
+            Err(OrbitError::UnknownName { wanted, .. })
+                if let Some(refused) = self.refused.iter().find(|one| one.is_of(&wanted)) =>
+            {
+                let cause = refused.cause.clone();
+                Err(OrbitError::Unusable { wanted, cause })
+            }
+            Err(error) => Err(error),
+        }
     }
 }
 
@@ -134,12 +237,26 @@ impl Sgp4Feed {
     /// # Errors
     /// Says which line and column is wrong, how, and what to do.
     pub fn from_text(text: &str, origin: &Path, name: Option<&str>) -> Result<Self, OrbitError> {
+        let text = with_line_feeds(text);
+        let text = text.as_ref();
         if omm::is_omm(text) {
             return Catalogue::read(text, origin, Faults::new(true))?.into_one(origin, name);
         }
         let sets = element_sets(text, origin)?;
-        let candidates: Vec<_> = sets
-            .iter()
+        let path: Arc<Path> = Arc::from(origin);
+        // Sets of one satellite stand together; fields of others are not looked into.
+        let mut of_label: HashMap<(&str, &str), usize> = HashMap::new();
+        let mut groups: Vec<Vec<&ElementSet<'_>>> = Vec::new();
+        for set in &sets {
+            let key = (set.catalogue(), set.label());
+            let at = *of_label.entry(key).or_insert(groups.len());
+            match groups.get_mut(at) {
+                Some(group) => group.push(set),
+                None => groups.push(vec![set]),
+            }
+        }
+        let firsts = groups.iter().filter_map(|group| group.first());
+        let candidates: Vec<_> = firsts
             .map(|set| Candidate {
                 label: set.label().into(),
                 key: Some(set.catalogue().into()),
@@ -147,9 +264,12 @@ impl Sgp4Feed {
             })
             .collect();
         let chosen = choose(&candidates, Key::CatalogueNumber, origin, name)?;
-        let set = sets.get(chosen).ok_or_else(|| OrbitError::NoElements {
+        let group = groups.get(chosen).into_iter().flatten();
+        let flown: Result<Vec<_>, _> = group
+            .map(|set| Sgp4Set::new(elements(set, origin)?, Arc::clone(&path), set.at1))
+            .collect();
+        Self::of_sets(flown?).ok_or_else(|| OrbitError::NoElements {
             path: origin.to_owned(),
-        })?;
-        Self::from_set(set, &Arc::from(origin))
+        })
     }
 }

@@ -19,8 +19,34 @@ use terrella_files::excerpt;
 
 pub use write::write_omm;
 
-/// What is done with the elements of each satellite, and the line where they begin; its error ends the reading.
-type Each<'e> = dyn FnMut(Result<(MeanElements, usize), OrbitError>) -> Result<(), OrbitError> + 'e;
+/// A record that cannot be used.
+pub(super) struct BadRecord {
+    /// What its satellite is called, as far as that is known.
+    pub names: Vec<String>,
+    pub error: OrbitError,
+}
+
+impl BadRecord {
+    fn new(names: Vec<String>, error: impl Into<OrbitError>) -> Box<Self> {
+        let error = error.into();
+        Box::new(Self { names, error })
+    }
+}
+
+/// The elements of a satellite and the line where they begin.
+type Read = Result<(MeanElements, usize), Box<BadRecord>>;
+
+/// What is done with each satellite; its error ends the reading.
+type Each<'e> = dyn FnMut(Read) -> Result<(), OrbitError> + 'e;
+
+/// The elements of a record that is complete.
+fn elements(record: &ElementEntries, origin: &Path, source: OmmSource) -> Read {
+    let line = record.place().line;
+    let elements = record.elements(origin, source);
+    elements
+        .map(|elements| (elements, line))
+        .map_err(|error| BadRecord::new(record.names(), error))
+}
 
 enum OmmNotation {
     Kvn,
@@ -73,7 +99,7 @@ pub(super) fn each_elements(
         Some(OmmNotation::Kvn) | None => from_kvn(text, origin, each),
     };
     // What ends a whole text is one more fault where the others are good.
-    read.or_else(|error| each(Err(error)))
+    read.or_else(|error| each(Err(BadRecord::new(Vec::new(), error))))
 }
 
 fn from_kvn(text: &str, origin: &Path, each: &mut Each<'_>) -> Result<(), OrbitError> {
@@ -83,9 +109,7 @@ fn from_kvn(text: &str, origin: &Path, each: &mut Each<'_>) -> Result<(), OrbitE
         Some(record) => {
             count += 1;
             check_count(count, record.place(), origin)?;
-            let line = record.place().line;
-            let elements = record.elements(origin, OmmSource::Message);
-            each(elements.map(|e| (e, line)).map_err(OrbitError::from))
+            each(elements(&record, origin, OmmSource::Message))
         }
         None => Ok(()),
     };
@@ -95,23 +119,26 @@ fn from_kvn(text: &str, origin: &Path, each: &mut Each<'_>) -> Result<(), OrbitE
                 finish(record.take(), each)?;
                 match check_version(&entry, origin) {
                     Ok(()) => record = Some(ElementEntries::new("the message", entry.place)),
-                    Err(error) => each(Err(error.into()))?,
+                    Err(error) => each(Err(BadRecord::new(Vec::new(), error)))?,
                 }
             }
             kvn::KvnLine::Entry(entry) => {
                 // Behind a fault the rest of its record is passed over.
                 if let Some(Err(error)) = record.as_mut().map(|r| r.add(entry, origin)) {
-                    record = None;
-                    each(Err(error.into()))?;
+                    let names = record.take().map(|r| r.names()).unwrap_or_default();
+                    each(Err(BadRecord::new(names, error)))?;
                 }
             }
             kvn::KvnLine::Other { text, place } => {
-                if record.take().is_some() {
+                if let Some(record) = record.take() {
                     let fault = RecordFault::Unexpected {
                         text: excerpt(text),
                         expected: "KEY = value",
                     };
-                    each(Err(place.error(origin, fault).into()))?;
+                    each(Err(BadRecord::new(
+                        record.names(),
+                        place.error(origin, fault),
+                    )))?;
                 }
             }
         }
@@ -151,15 +178,13 @@ fn from_xml(text: &str, origin: &Path, each: &mut Each<'_>) -> Result<(), OrbitE
             }
             XmlItem::Close("omm") => {
                 if let Some(record) = record.take() {
-                    let line = record.place().line;
-                    let elements = record.elements(origin, OmmSource::Message);
-                    each(elements.map(|e| (e, line)).map_err(OrbitError::from))?;
+                    each(elements(&record, origin, OmmSource::Message))?;
                 }
             }
             XmlItem::Value(entry) => {
                 if let Some(Err(error)) = record.as_mut().map(|r| r.add(entry, origin)) {
-                    record = None;
-                    each(Err(error.into()))?;
+                    let names = record.take().map(|r| r.names()).unwrap_or_default();
+                    each(Err(BadRecord::new(names, error)))?;
                 }
             }
             XmlItem::Open(..) | XmlItem::Close(_) => {}
@@ -170,20 +195,25 @@ fn from_xml(text: &str, origin: &Path, each: &mut Each<'_>) -> Result<(), OrbitE
 
 fn from_json(text: &str, origin: &Path, each: &mut Each<'_>) -> Result<(), OrbitError> {
     let document = Document::new(text, origin);
-    let read = |value| {
-        let object = document.object(value, "an object with the elements of a satellite")?;
+    let read = |value| -> Read {
+        let object = document
+            .object(value, "an object with the elements of a satellite")
+            .map_err(|error| BadRecord::new(Vec::new(), error))?;
         let mut record = ElementEntries::new("the object", document.place(value));
         for (key, value) in &object.0 {
-            if let Some(entry) = document.entry(key, value) {
-                record.add(entry, origin)?;
+            if let Some(entry) = document.entry(key, value)
+                && let Err(error) = record.add(entry, origin)
+            {
+                let names = ElementEntries::NAMES.iter().filter_map(|key| {
+                    let entry = document.entry(key, object.get(key)?)?;
+                    Some(entry.value.into_owned())
+                });
+                return Err(BadRecord::new(names.collect(), error));
             }
         }
-        let line = record.place().line;
-        Ok((record.elements(origin, OmmSource::Catalogue)?, line))
+        elements(&record, origin, OmmSource::Catalogue)
     };
-    document.each_object::<OrbitError>(MAX_ENTRIES, "satellites", &mut |value| {
-        each(read(value).map_err(|error: RecordError| error.into()))
-    })
+    document.each_object::<OrbitError>(MAX_ENTRIES, "satellites", &mut |value| each(read(value)))
 }
 
 fn from_csv(text: &str, origin: &Path, each: &mut Each<'_>) -> Result<(), OrbitError> {
@@ -208,14 +238,19 @@ fn from_csv(text: &str, origin: &Path, each: &mut Each<'_>) -> Result<(), OrbitE
     for (count, (line, text)) in rows.enumerate() {
         let place = TextPosition { line, column: 1 };
         check_count(count + 1, place, origin)?;
-        let read = || {
-            let row = fields(line, text)?;
+        let read = || -> Read {
+            let nameless = |error: RecordError| BadRecord::new(Vec::new(), error);
+            let row = fields(line, text).map_err(nameless)?;
             if row.len() != header.len() {
                 let fault = RecordFault::Unexpected {
                     text: format!("{} fields", row.len()),
                     expected: "as many as the header has",
                 };
-                return Err(place.error(origin, fault));
+                let named = header.iter().zip(&row);
+                let names = named
+                    .filter(|(key, _)| ElementEntries::NAMES.contains(&key.text.as_str()))
+                    .map(|(_, field)| field.text.clone());
+                return Err(BadRecord::new(names.collect(), place.error(origin, fault)));
             }
             let mut record = ElementEntries::new("the row", place);
             for (name, field) in header.iter().zip(row) {
@@ -231,11 +266,13 @@ fn from_csv(text: &str, origin: &Path, each: &mut Each<'_>) -> Result<(), OrbitE
                         column: field.column,
                     },
                 };
-                record.add(entry, origin)?;
+                record
+                    .add(entry, origin)
+                    .map_err(|error| BadRecord::new(record.names(), error))?;
             }
-            record.elements(origin, OmmSource::Catalogue)
+            elements(&record, origin, OmmSource::Catalogue)
         };
-        each(read().map(|e| (e, line)).map_err(OrbitError::from))?;
+        each(read())?;
     }
     Ok(())
 }

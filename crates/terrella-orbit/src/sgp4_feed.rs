@@ -1,13 +1,10 @@
 //! Orbit propagation by SGP4 (SDP4 for deep space) from mean elements.
 
-use super::decay::{DecaySearch, Osculating};
 use super::mean_elements::MeanElements;
-use super::tle_fields::elements;
-use super::tle_text::ElementSet;
-use super::{Feed, Frame, OrbitError, OrbitState};
-use glam::DVec3;
+use super::sgp4_set::{self, Sgp4Set};
+use super::{Feed, OrbitError, OrbitState};
 use std::path::Path;
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 use terrella_frames::{Duration, Epoch, rfc3339};
 
 /// One satellite's mean elements, propagated by SGP4 with the constants WGS72 and in the mode that agrees with the
@@ -22,20 +19,13 @@ use terrella_frames::{Duration, Epoch, rfc3339};
 /// It answers for 30 days before and after the epoch, and no farther than to the first instant, on either side, at which
 /// SGP4 fails or puts the satellite below the ground: what its series gives beyond that is no orbit, though it may look like one.
 /// That instant is found when it is first needed, in some tens of states.
+///
+/// Where a file has sets of several epochs of one satellite, each answers for the instants to which its epoch is the nearest.
 #[derive(Clone, Debug)]
 pub struct Sgp4Feed {
-    elements: MeanElements,
-    origin: Arc<Path>,
-    line: usize,
-    constants: sgp4::Constants,
-    reach: OnceLock<Reach>,
-}
-
-/// Last instants with an orbit before and after the epoch of the elements, where SGP4 ends it within the time that they hold.
-#[derive(Clone, Copy, Debug)]
-struct Reach {
-    before: Option<Epoch>,
-    after: Option<Epoch>,
+    /// In order of time, all before the newest.
+    earlier: Vec<Sgp4Set>,
+    newest: Sgp4Set,
 }
 
 /// Two-line elements are one of the forms that [`Sgp4Feed`] reads.
@@ -44,13 +34,10 @@ pub type TleFeed = Sgp4Feed;
 /// The International Space Station in January 2018, which the command flies where a scene names no file: `config/orbits/iss.tle`.
 const BUILT_IN_ISS: &str = include_str!("../data/iss.tle");
 
-/// Radius below which the reference code says "decayed": one equatorial radius of WGS72, kilometres.
-const DECAYED_BELOW_KM: f64 = 6378.135;
-
 impl Sgp4Feed {
     /// How far from the epoch of the elements a feed answers, both ways: 30 days. By then a low satellite is tens of
     /// kilometres, or hundreds in a restless atmosphere, from where SGP4 says.
-    pub const VALIDITY: Duration = Duration::from_parts(0, 30 * 86_400 * 1_000_000_000);
+    pub const VALIDITY: Duration = sgp4_set::VALIDITY;
 
     /// Largest file read for one satellite, bytes: more than a hundred thousand two-line sets.
     pub const MAX_FILE_BYTES: u64 = 16 << 20;
@@ -64,29 +51,35 @@ impl Sgp4Feed {
         origin: Arc<Path>,
         line: usize,
     ) -> Result<Self, OrbitError> {
-        let constants =
-            sgp4::Constants::from_elements_afspc_compatibility_mode(&elements.for_sgp4());
-        let constants = constants.map_err(|e| OrbitError::Sgp4 {
-            path: origin.to_path_buf(),
-            line,
-            satellite: elements.name.clone(),
-            epoch: rfc3339(elements.epoch),
-            cause: e.to_string(),
-        })?;
-        let feed = Self {
-            elements,
-            origin,
-            line,
-            constants,
-            reach: OnceLock::new(),
-        };
-        // A set that does not even hold at its own epoch is refused here, not in the middle of a flight.
-        feed.propagated(feed.elements.epoch)?;
-        Ok(feed)
+        let newest = Sgp4Set::new(elements, origin, line)?;
+        let earlier = Vec::new();
+        Ok(Self { earlier, newest })
     }
 
-    pub(super) fn from_set(set: &ElementSet<'_>, origin: &Arc<Path>) -> Result<Self, OrbitError> {
-        Self::from_elements(elements(set, origin)?, Arc::clone(origin), set.at1)
+    /// Of sets of one satellite in the order of their file; `None` of none. Of two of one epoch the later one counts.
+    pub(super) fn of_sets(mut sets: Vec<Sgp4Set>) -> Option<Self> {
+        sets.sort_by_key(|set| set.elements.epoch);
+        // The last of each epoch is kept.
+        sets.reverse();
+        sets.dedup_by_key(|set| set.elements.epoch);
+        sets.reverse();
+        let newest = sets.pop()?;
+        let earlier = sets;
+        Some(Self { earlier, newest })
+    }
+
+    /// The notice that it has sets of several epochs.
+    pub(super) fn history(&self, origin: &Path) -> Option<OrbitError> {
+        let first = self.earlier.first()?;
+        let line = self.earlier.iter().map(|set| set.line);
+        Some(OrbitError::History {
+            path: origin.to_owned(),
+            line: line.min().unwrap_or(first.line).min(self.newest.line),
+            satellite: self.newest.elements.name.clone(),
+            count: self.earlier.len() + 1,
+            first: rfc3339(first.elements.epoch),
+            last: rfc3339(self.newest.elements.epoch),
+        })
     }
 
     /// The International Space Station, ISS (ZARYA), with elements of 20 January 2018.
@@ -101,157 +94,90 @@ impl Sgp4Feed {
         )
     }
 
-    /// The epoch of the elements.
+    /// The epoch of the elements, of the newest ones where there are several sets.
     pub fn epoch(&self) -> Epoch {
-        self.elements.epoch
+        self.newest.elements.epoch
     }
 
     /// The satellite's number in the US catalogue.
     pub fn catalogue_number(&self) -> u64 {
-        self.elements.catalogue_number
+        self.newest.elements.catalogue_number
     }
 
-    /// The elements it flies.
+    /// The elements it flies, the newest ones where there are several sets.
     pub fn elements(&self) -> &MeanElements {
-        &self.elements
+        &self.newest.elements
     }
 
-    /// The line of the file at which its elements begin, from 1.
+    /// The line of the file at which its elements begin, from 1; those of the newest set where there are several.
     pub fn line(&self) -> usize {
-        self.line
+        self.newest.line
     }
 
-    fn sgp4_error(&self, epoch: Epoch, cause: String) -> OrbitError {
-        OrbitError::Sgp4 {
-            path: self.origin.to_path_buf(),
-            line: self.line,
-            satellite: self.elements.name.clone(),
-            epoch: rfc3339(epoch),
-            cause,
-        }
+    /// All sets in order of time.
+    fn sets(&self) -> impl Iterator<Item = &Sgp4Set> {
+        self.earlier.iter().chain([&self.newest])
     }
 
-    /// What SGP4 says of an instant, however far away.
-    fn propagated(&self, epoch: Epoch) -> Result<OrbitState, OrbitError> {
-        // Both in TAI: elapsed time, leap seconds included.
-        let elapsed = epoch.to_tai_duration() - self.elements.epoch.to_tai_duration();
-        let minutes = sgp4::MinutesSinceEpoch(elapsed.to_seconds() / 60.0);
-        let prediction = self
-            .constants
-            .propagate_afspc_compatibility_mode(minutes)
-            .map_err(|e| self.sgp4_error(epoch, e.to_string()))?;
-        let position_km = DVec3::from(prediction.position);
-        let velocity_km_s = DVec3::from(prediction.velocity);
-        // Wild elements can make SGP4's series overflow without its noticing.
-        if !position_km.is_finite() || !velocity_km_s.is_finite() {
-            return Err(self.sgp4_error(epoch, "the result is not a number".to_owned()));
-        }
-        // The sixth error of the reference code, which the crate leaves to its caller.
-        if position_km.length() < DECAYED_BELOW_KM {
-            return Err(OrbitError::Decayed {
-                path: self.origin.to_path_buf(),
-                line: self.line,
-                satellite: self.elements.name.clone(),
-                epoch: rfc3339(epoch),
-                depth_km: DECAYED_BELOW_KM - position_km.length(),
-            });
-        }
-        Ok(OrbitState {
-            epoch,
-            frame: Frame::Teme,
-            position_m: position_km * 1000.0,
-            velocity_m_s: velocity_km_s * 1000.0,
-        })
+    /// The set whose epoch is the nearest; of two as near, the later one.
+    fn nearest(&self, epoch: Epoch) -> &Sgp4Set {
+        let behind = self
+            .earlier
+            .partition_point(|set| set.elements.epoch <= epoch);
+        let after = self.earlier.get(behind).unwrap_or(&self.newest);
+        let before = behind.checked_sub(1).and_then(|i| self.earlier.get(i));
+        let is_nearer =
+            |before: &&Sgp4Set| epoch - before.elements.epoch < after.elements.epoch - epoch;
+        before.filter(is_nearer).unwrap_or(after)
     }
 
-    /// So many milliseconds of elapsed time from the epoch of the elements.
-    fn after_epoch(&self, ms: i64) -> Epoch {
-        self.elements.epoch + Duration::from_total_nanoseconds(i128::from(ms) * 1_000_000)
-    }
-
-    fn reach(&self) -> Reach {
-        *self.reach.get_or_init(|| {
-            let orbit = |ms| {
-                let state = self.propagated(self.after_epoch(ms)).ok()?;
-                Some(Osculating::of(&state))
-            };
-            let at_epoch = orbit(0);
-            let orbit_at = |ms| {
-                let is_like = |orbit: &Osculating| at_epoch.is_some_and(|at| orbit.is_like(&at));
-                orbit(ms).filter(is_like)
-            };
-            let days_ms = Self::VALIDITY.to_seconds() as i64 * 1000;
-            let last_good = |until_ms| {
-                let search = DecaySearch {
-                    orbit_at: &orbit_at,
-                    ground_m: DECAYED_BELOW_KM * 1e3,
-                    until_ms,
-                };
-                search.last_good_ms().map(|ms| self.after_epoch(ms))
-            };
-            Reach {
-                before: last_good(-days_ms),
-                after: last_good(days_ms),
-            }
-        })
-    }
-
-    /// Refuses an epoch outside the validity.
-    fn check(&self, epoch: Epoch) -> Result<(), OrbitError> {
-        let (first, last) = self.validity();
-        if (first..=last).contains(&epoch) {
-            return Ok(());
-        }
-        let (reach, satellite) = (self.reach(), self.elements.name.clone());
-        let is_after = epoch > last;
-        let lost = if is_after { reach.after } else { reach.before };
-        let hold = Self::VALIDITY;
-        let is_near = (self.elements.epoch - hold..=self.elements.epoch + hold).contains(&epoch);
-        match lost.filter(|_| is_near) {
-            Some(lost) => Err(OrbitError::Lost {
-                path: self.origin.to_path_buf(),
-                line: self.line,
-                satellite,
-                epoch: rfc3339(epoch),
-                lost: rfc3339(lost),
-                side: if is_after { "after" } else { "before" },
-            }),
-            None => Err(OrbitError::OutsideValidity {
-                satellite,
-                epoch: rfc3339(epoch),
-                first: rfc3339(first),
-                last: rfc3339(last),
-            }),
-        }
+    /// The times that the sets answer for, in order, each for those to which its epoch is the nearest.
+    fn spans(&self) -> Vec<(Epoch, Epoch)> {
+        let sets: Vec<_> = self.sets().collect();
+        let middle = |a: Option<&&Sgp4Set>, b: Option<&&Sgp4Set>| {
+            let (a, b) = (a?.elements.epoch, b?.elements.epoch);
+            Some(a + (b - a) / 2_i64)
+        };
+        let span = |(at, set): (usize, &&Sgp4Set)| {
+            let (first, last) = set.validity();
+            let before = at.checked_sub(1).and_then(|at| sets.get(at));
+            let begins = middle(before, Some(set)).map_or(first, |begins| begins.max(first));
+            let ends = middle(Some(set), sets.get(at + 1)).map_or(last, |ends| ends.min(last));
+            (begins, ends)
+        };
+        let spans = sets.iter().enumerate().map(span);
+        spans.filter(|(begins, ends)| begins <= ends).collect()
     }
 }
 
 impl Feed for Sgp4Feed {
     fn name(&self) -> &str {
-        &self.elements.name
+        &self.newest.elements.name
     }
 
     fn validity(&self) -> (Epoch, Epoch) {
-        let (epoch, reach) = (self.elements.epoch, self.reach());
-        (
-            reach.before.unwrap_or(epoch - Self::VALIDITY),
-            reach.after.unwrap_or(epoch + Self::VALIDITY),
-        )
+        let oldest = self.earlier.first().unwrap_or(&self.newest);
+        (oldest.validity().0, self.newest.validity().1)
     }
 
     fn decay(&self) -> (Option<Epoch>, Option<Epoch>) {
-        let reach = self.reach();
-        (reach.before, reach.after)
+        let oldest = self.earlier.first().unwrap_or(&self.newest);
+        (oldest.reach().before, self.newest.reach().after)
+    }
+
+    fn gaps(&self) -> Vec<(Epoch, Epoch)> {
+        if self.earlier.is_empty() {
+            return Vec::new();
+        }
+        let spans = self.spans();
+        let pairs = spans.iter().zip(spans.iter().skip(1));
+        let between = pairs.map(|(a, b)| (a.1, b.0));
+        // Spans that meet share an instant, to a nanosecond.
+        let is_gap = |(end, begin): &(Epoch, Epoch)| (*begin - *end).to_seconds() > 1e-6;
+        between.filter(is_gap).collect()
     }
 
     fn state_at(&self, epoch: Epoch) -> Result<OrbitState, OrbitError> {
-        match self.check(epoch) {
-            Ok(()) => self.propagated(epoch),
-            // Where SGP4 itself fails its reason says more.
-            Err(lost @ OrbitError::Lost { .. }) => {
-                Err(self.propagated(epoch).err().unwrap_or(lost))
-            }
-            Err(outside) => Err(outside),
-        }
+        self.nearest(epoch).state_at(epoch)
     }
 }

@@ -1,6 +1,5 @@
 //! The lines of a two-line element file: which belong together, and whether each is whole.
 
-use super::entry::Faults;
 use super::{LineFault, OrbitError};
 use std::path::Path;
 
@@ -47,7 +46,7 @@ pub(super) fn element_sets<'t>(
     text: &'t str,
     origin: &Path,
 ) -> Result<Vec<ElementSet<'t>>, OrbitError> {
-    let sets = sets_and_faults(text, origin, &mut Faults::new(true))?;
+    let sets = sets_and_faults(text, origin, &mut |_, error| Err(error))?;
     match sets.is_empty() {
         true => Err(OrbitError::NoElements {
             path: origin.to_owned(),
@@ -56,11 +55,14 @@ pub(super) fn element_sets<'t>(
     }
 }
 
-/// The sets that are whole; what is wrong with the others goes to `faults`, which may end the reading.
+/// What is done with a fault and the names of the satellite that it costs, as far as they are known; its error ends the reading.
+pub(super) type Refuse<'r> = dyn FnMut(Vec<String>, OrbitError) -> Result<(), OrbitError> + 'r;
+
+/// The sets that are whole; what is wrong with the others goes to `refuse`, which may end the reading.
 pub(super) fn sets_and_faults<'t>(
     text: &'t str,
     origin: &Path,
-    faults: &mut Faults<OrbitError>,
+    refuse: &mut Refuse<'_>,
 ) -> Result<Vec<ElementSet<'t>>, OrbitError> {
     let mut reader = SetReader {
         origin,
@@ -75,16 +77,22 @@ pub(super) fn sets_and_faults<'t>(
         if line.is_empty() || line.starts_with('#') {
             continue;
         }
+        let names = reader.names();
         if let Err(error) = reader.line(at, line) {
-            faults.note(error)?;
+            let of_line = matches!(kind(line), Ok(LineKind::Line1 | LineKind::Line2));
+            let number = Some(columns(line, 3, 7).trim()).filter(|_| of_line);
+            let names = names.into_iter().flatten().chain(number);
+            refuse(names.map(str::to_owned).collect(), error)?;
             // A set in work may be the one that is spoilt: the next line begins anew.
             if let Err(again) = reader.begin_anew(at, line) {
-                faults.note(again)?;
+                refuse(number.map(str::to_owned).into_iter().collect(), again)?;
             }
         }
     }
+    let names = reader.names();
     if let Err(error) = reader.end() {
-        faults.note(error)?;
+        let names = names.into_iter().flatten();
+        refuse(names.map(str::to_owned).collect(), error)?;
     }
     Ok(reader.sets)
 }
@@ -101,6 +109,12 @@ struct SetReader<'t, 'o> {
 }
 
 impl<'t> SetReader<'t, '_> {
+    /// What the set in work is called.
+    fn names(&self) -> [Option<&'t str>; 2] {
+        let number = self.first.map(|(_, line)| columns(line, 3, 7).trim());
+        [self.name.map(|(_, name)| name), number]
+    }
+
     fn fault(&self, at: usize, fault: LineFault) -> OrbitError {
         OrbitError::line(self.origin, at, None, fault)
     }

@@ -1,10 +1,10 @@
 //! The entries of one satellite, checked and turned into elements.
 
-use super::super::entry::{Entry, Fields, RecordError, TextPosition, printable};
+use super::super::entry::{Entry, Fields, RecordError, RecordFault, TextPosition, printable};
+use super::super::iso8601;
 use super::super::tle_fields::catalogue_number;
 use crate::MeanElements;
 use std::path::Path;
-use terrella_frames::TimeScale;
 
 /// The keys that are looked at and the units they may say they are in; all others are passed over, `USER_DEFINED_…` too.
 const KEYS: [(&str, &str); 21] = [
@@ -51,6 +51,15 @@ impl ElementEntries {
 
     pub fn place(&self) -> TextPosition {
         self.0.place()
+    }
+
+    /// The keys that name the satellite.
+    pub const NAMES: [&str; 3] = ["OBJECT_NAME", "NORAD_CAT_ID", "OBJECT_ID"];
+
+    /// What the satellite is called, as far as that has been read.
+    pub fn names(&self) -> Vec<String> {
+        let entries = Self::NAMES.iter().filter_map(|key| self.0.get(key));
+        entries.map(|entry| entry.value.to_string()).collect()
     }
 
     /// Adds an entry if it is one of the elements.
@@ -106,7 +115,10 @@ impl ElementEntries {
             None => 0,
         };
         let date = self.0.must("EPOCH", "", origin)?;
-        let epoch = date.epoch(origin, TimeScale::Utc)?;
+        let epoch = iso8601::epoch(&date.value).map_err(|cause| {
+            let key = "EPOCH".to_owned();
+            date.place.error(origin, RecordFault::Time { key, cause })
+        })?;
         let object_id = self.0.get("OBJECT_ID").map(|entry| entry.value.trim());
         Ok(MeanElements {
             name: match name {
