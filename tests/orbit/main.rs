@@ -8,6 +8,7 @@ mod czml;
 mod czml_documents;
 mod decay;
 mod eclipses;
+mod histories;
 mod interpolated;
 mod oem;
 mod oem_bad_input;
