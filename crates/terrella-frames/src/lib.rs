@@ -20,7 +20,7 @@ pub use bodies::{
     ASTRONOMICAL_UNIT_M, earth_rotation_angle_rad, intermediate_from_gcrf, sun_position_gcrf_m,
 };
 pub use calendar::Calendar;
-pub use ccsds::{TimeScale, ccsds_time, epoch_from_ccsds};
+pub use ccsds::{TimeScale, ccsds_time, epoch_from_ccsds, epoch_from_tdb};
 pub use earth_orientation::{EarthOrientation, EarthOrientationError};
 pub use eclipse::uncovered;
 pub use eclipse::{Illumination, SUN_RADIUS_M, illumination, sun_position_itrf_m};
@@ -31,8 +31,9 @@ pub use moon_shadow::MoonShadow;
 pub use observer::Observer;
 pub use orientation::Orientation;
 pub use rotation::{
-    EARTH_ROTATION_RATE_RAD_S, gcrf_from_eme2000, itrf_from_gcrf, itrf_from_gcrf_oriented,
-    itrf_from_gcrf_with_ut1, itrf_from_pef, itrf_from_teme, itrf_from_teme_with_ut1, pef_from_teme,
+    EARTH_ROTATION_RATE_RAD_S, gcrf_from_eme2000, gcrf_from_mod, gcrf_from_tod, itrf_from_gcrf,
+    itrf_from_gcrf_oriented, itrf_from_gcrf_with_ut1, itrf_from_pef, itrf_from_teme,
+    itrf_from_teme_with_ut1, pef_from_teme,
 };
 pub use sun::{SUN_RADIUS_RAD, subsolar_point, sun_direction_itrf, sun_direction_itrf_oriented};
 pub use time::{TimeError, rfc3339, utc_from_rfc3339, utc_now};

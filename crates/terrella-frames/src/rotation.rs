@@ -85,6 +85,21 @@ pub fn gcrf_from_eme2000() -> DMat3 {
     DMat3::from_cols_array_2d(&bias)
 }
 
+/// Rotation that takes axes of the true equator and equinox of date (CCSDS name TOD) to GCRF axes: IAU 2000B, as
+/// [`itrf_from_gcrf`]. With the theory of 1976 and 1980 the axes differ by some hundredths of an arc second.
+pub fn gcrf_from_tod(epoch: Epoch) -> DMat3 {
+    let tt = JulianDate::tt(epoch);
+    // Rows of a matrix that takes GCRF to the axes of date: read as columns they are its transpose.
+    DMat3::from_cols_array_2d(&sofars::pnp::pnm00b(tt.midnight, tt.fraction))
+}
+
+/// Rotation that takes axes of the mean equator and equinox of date (CCSDS name MOD) to GCRF axes: frame bias and precession, IAU
+/// 2000.
+pub fn gcrf_from_mod(epoch: Epoch) -> DMat3 {
+    let tt = JulianDate::tt(epoch);
+    DMat3::from_cols_array_2d(&sofars::pnp::pmat00(tt.midnight, tt.fraction))
+}
+
 fn ut1(epoch: Epoch, ut1_minus_utc_s: f64) -> JulianDate {
     let mut date = JulianDate::utc(epoch);
     date.fraction += ut1_minus_utc_s / 86_400.0;
@@ -95,4 +110,34 @@ fn ut1(epoch: Epoch, ut1_minus_utc_s: f64) -> JulianDate {
 pub(super) fn rotation_about_z(theta_rad: f64) -> DMat3 {
     let (s, c) = theta_rad.sin_cos();
     DMat3::from_cols(DVec3::new(c, -s, 0.0), DVec3::new(s, c, 0.0), DVec3::Z)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::utc_from_rfc3339;
+
+    /// Vallado, Fundamentals of Astrodynamics and Applications (2013), example 3-15: by the theory of 1976 and 1980 with the
+    /// IERS's corrections of nutation, from which that of 2000 differs by thousandths of an arc second.
+    #[test]
+    fn axes_of_date_lie_as_published() {
+        let epoch = utc_from_rfc3339("2004-04-06T07:51:28.386009Z").unwrap();
+        let gcrf_km = DVec3::new(5_102.508_957_9, 6_123.011_400_7, 6_378.136_928_2);
+        for (name, km, gcrf_from_date) in [
+            (
+                "TOD",
+                [5_094.514_780_4, 6_127.366_461_2, 6_380.344_532_8],
+                gcrf_from_tod(epoch),
+            ),
+            (
+                "MOD",
+                [5_094.028_374_5, 6_127.870_816_4, 6_380.248_516_4],
+                gcrf_from_mod(epoch),
+            ),
+        ] {
+            let off_m = (gcrf_from_date * DVec3::from(km) - gcrf_km).length() * 1e3;
+            println!("{name}: {off_m:.2} m");
+            assert!(off_m < 5.0, "{name}: {off_m}");
+        }
+    }
 }
