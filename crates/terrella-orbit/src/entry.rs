@@ -34,6 +34,15 @@ impl RecordError {
         )
     }
 
+    /// Whether it says only that nothing is left, which an earlier fault explains.
+    pub(super) fn is_of_emptiness(&self) -> bool {
+        matches!(
+            &*self.fault,
+            RecordFault::Samples(InterpolationError::Empty)
+                | RecordFault::Segments(SegmentError::Empty)
+        )
+    }
+
     /// Whether all that the file holds is used all the same.
     pub fn is_notice(&self) -> bool {
         match &*self.fault {

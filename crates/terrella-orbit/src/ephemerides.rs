@@ -33,7 +33,7 @@ impl Ephemerides {
     /// Reads a file of states. Which kind it is, the text itself says:
     ///
     /// - an OEM of CCSDS 502.0 begins with `CCSDS_OEM_VERS` (KVN) or `<` (XML). States in ICRF, GCRF, EME2000, TEME,
-    ///   ITRF… or GTOD, times in UTC, TAI, TT or GPS; others are refused. Where it names no interpolation,
+    ///   TOD, MOD, ITRF… or GTOD, times in UTC, TAI, TT, TDB or GPS; others are refused. Where it names no interpolation,
     ///   [`Interpolation::WITH_VELOCITIES`](super::interpolated::Interpolation::WITH_VELOCITIES) is taken.
     /// - CZML begins with `[`. Every `id` with a sampled `position`, in one packet or several, is an object; `INERTIAL` is taken
     ///   as GCRF, `FIXED` as ITRF. Points that stand still are passed over; objects whose position refers to another's, as those of
@@ -60,7 +60,9 @@ impl Ephemerides {
     pub fn from_text(text: &str, origin: &Path, is_strict: bool) -> Result<Self, OrbitError> {
         let text = with_line_feeds(unmarked(text));
         let text = text.as_ref();
-        let mut faults = Faults::<RecordError>::new(is_strict);
+        // Read to its end when strict as well: what spoils an object says more than a fault before it that does not.
+        let mut faults = Faults::<RecordError>::new(false);
+        let mut first_fault = None;
         let mut feeds = Vec::new();
         let (mut followers, mut spoilt) = (Vec::new(), None);
         let mut each = |found| match found {
@@ -74,13 +76,17 @@ impl Ephemerides {
             }
             Found::Spoilt(error) => {
                 spoilt.get_or_insert_with(|| error.clone());
+                first_fault.get_or_insert_with(|| error.clone());
                 faults.note(error)
             }
             Found::BadState(error) if error.is_of_good_form() => {
                 faults.keep(error);
                 Ok(())
             }
-            Found::BadState(error) => faults.note(error),
+            Found::BadState(error) => {
+                first_fault.get_or_insert_with(|| error.clone());
+                faults.note(error)
+            }
         };
         let format = match text.trim_start() {
             _ if oem::is_oem(text) => FileFormat::Oem,
@@ -96,10 +102,14 @@ impl Ephemerides {
             }
             _ => {}
         }
+        let telling = spoilt.clone().filter(|error| !error.is_of_emptiness());
+        if let Some(first) = first_fault.filter(|_| is_strict) {
+            return Err(telling.unwrap_or(first).into());
+        }
         let mut kept: Vec<_> = faults.kept.into_iter().map(OrbitError::from).collect();
         if feeds.is_empty() {
             // What spoils an object says more than a fault of one state, and that more than that there is nothing.
-            return Err(match (spoilt, kept.is_empty()) {
+            return Err(match (telling, kept.is_empty()) {
                 (Some(spoilt), _) => spoilt.into(),
                 (None, true) => OrbitError::NoEphemeris {
                     path: origin.to_owned(),

@@ -5,6 +5,7 @@
 
 mod draft;
 mod kvn;
+mod metadata;
 mod write;
 mod xml;
 

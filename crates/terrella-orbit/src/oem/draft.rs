@@ -1,16 +1,16 @@
 //! A message while it is read: what KVN and XML have in common.
 
 use super::super::cut::CutOff;
-use super::super::entry::{Entry, Fields, Keys, RecordError, RecordFault, TextPosition, printable};
+use super::super::entry::{Entry, Fields, RecordError, RecordFault, TextPosition, printable};
 use super::super::found::{Each, Found};
 use super::super::interpolated::{
     EphemerisFeed, EphemerisSegment, InterpolatedStates, Interpolation, InterpolationError,
     StateSample, doubts, sift,
 };
-use crate::Frame;
+use super::metadata::{Axes, META_KEYS, TimeSystem, interpolation};
 use glam::DVec3;
 use std::path::Path;
-use terrella_frames::{Epoch, TimeScale, rfc3339};
+use terrella_frames::{Epoch, rfc3339};
 
 /// Most states of a message.
 const MAX_STATES: usize = 2_000_000;
@@ -18,21 +18,6 @@ const MAX_STATES: usize = 2_000_000;
 const STOP_TOLERANCE_S: f64 = 0.002;
 /// Most segments of a message.
 const MAX_SEGMENTS: usize = 100_000;
-
-const META_KEYS: &Keys = &[
-    ("OBJECT_NAME", ""),
-    ("OBJECT_ID", ""),
-    ("CENTER_NAME", ""),
-    ("REF_FRAME", ""),
-    ("REF_FRAME_EPOCH", ""),
-    ("TIME_SYSTEM", ""),
-    ("START_TIME", ""),
-    ("USEABLE_START_TIME", ""),
-    ("USEABLE_STOP_TIME", ""),
-    ("STOP_TIME", ""),
-    ("INTERPOLATION", ""),
-    ("INTERPOLATION_DEGREE", ""),
-];
 
 /// An empty set of a segment's metadata.
 pub fn metadata(place: TextPosition) -> Fields {
@@ -54,8 +39,8 @@ pub struct Draft<'o> {
 
 struct OpenSegment {
     place: TextPosition,
-    frame: Frame,
-    scale: TimeScale,
+    axes: Axes,
+    system: TimeSystem,
     usable: (Epoch, Epoch),
     stop: Epoch,
     interpolation: Option<Interpolation>,
@@ -84,8 +69,8 @@ impl<'o> Draft<'o> {
     }
 
     /// The time system of the open segment; an error where no metadata have been.
-    pub fn scale(&self, place: TextPosition) -> Result<TimeScale, RecordError> {
-        self.open.as_ref().map(|s| s.scale).ok_or_else(|| {
+    pub fn system(&self, place: TextPosition) -> Result<TimeSystem, RecordError> {
+        self.open.as_ref().map(|s| s.system).ok_or_else(|| {
             let fault = RecordFault::Missing {
                 what: "a state",
                 key: "metadata before it",
@@ -112,37 +97,40 @@ impl<'o> Draft<'o> {
             return Err(center.unsupported(origin, "only orbits about the Earth are flown"));
         }
         let frame = must("REF_FRAME")?;
-        let frame = Frame::from_ccsds_name(&frame.value).ok_or_else(|| {
+        let axes = Axes::from_name(&frame.value).ok_or_else(|| {
             frame.unsupported(
                 origin,
-                "known frames are ICRF, GCRF, EME2000, TEME, ITRF… and GTOD",
+                "known frames are ICRF, GCRF, EME2000, TEME, TOD, MOD, ITRF… and GTOD",
             )
         })?;
-        if let Some(date) = meta.get("REF_FRAME_EPOCH") {
+        // Axes that have a date of their own, or none, are what they are.
+        if let Some(date) = meta.get("REF_FRAME_EPOCH")
+            && axes.are_of_date()
+        {
             return Err(date.unsupported(
                 origin,
                 "axes of a fixed date are not known; only of the state's own",
             ));
         }
-        let scale = must("TIME_SYSTEM")?;
-        let scale = TimeScale::from_name(&scale.value).ok_or_else(|| {
-            scale.unsupported(
+        let system = must("TIME_SYSTEM")?;
+        let system = TimeSystem::from_name(&system.value).ok_or_else(|| {
+            system.unsupported(
                 origin,
-                "known time systems are UTC, TAI, TT and GPS; none is guessed",
+                "known time systems are UTC, TAI, TT, TDB and GPS; none is guessed",
             )
         })?;
         let (start, stop) = (
-            must("START_TIME")?.epoch(origin, scale)?,
-            must("STOP_TIME")?.epoch(origin, scale)?,
+            system.epoch(must("START_TIME")?, origin)?,
+            system.epoch(must("STOP_TIME")?, origin)?,
         );
         let date = |key, otherwise| match meta.get(key) {
-            Some(entry) => entry.epoch(origin, scale),
+            Some(entry) => system.epoch(entry, origin),
             None => Ok(otherwise),
         };
         self.open = Some(OpenSegment {
             place: meta.place(),
-            frame,
-            scale,
+            axes,
+            system,
             usable: (
                 date("USEABLE_START_TIME", start)?,
                 date("USEABLE_STOP_TIME", stop)?,
@@ -179,17 +167,19 @@ impl<'o> Draft<'o> {
         position_m: DVec3,
         velocity_m_s: DVec3,
     ) -> Result<(), RecordError> {
-        self.scale(place)?;
+        self.system(place)?;
         self.states += 1;
         if self.states > MAX_STATES {
             let (what, limit) = ("states", MAX_STATES);
             return Err(place.error(self.origin, RecordFault::TooMany { what, limit }));
         }
         if let Some(open) = &mut self.open {
+            let turn = open.axes.turn(epoch);
+            let turned = |vector| turn.map_or(vector, |turn| turn * vector);
             open.samples.push(StateSample {
                 epoch,
-                position_m,
-                velocity_m_s: Some(velocity_m_s),
+                position_m: turned(position_m),
+                velocity_m_s: Some(turned(velocity_m_s)),
             });
             open.lines.push(place.line);
         }
@@ -203,7 +193,7 @@ impl<'o> Draft<'o> {
         epoch: Epoch,
         variances_km2: [f64; 3],
     ) -> Result<(), RecordError> {
-        self.scale(place)?;
+        self.system(place)?;
         let variance_km2: f64 = variances_km2.iter().sum();
         let wrong = |key: &str, text: String, expected| {
             let key = key.to_owned();
@@ -273,13 +263,13 @@ impl<'o> Draft<'o> {
                 place.error(self.origin, RecordFault::CutOff(cut)),
             ))?;
         }
-        for doubt in doubts(open.frame, &samples) {
+        for doubt in doubts(open.axes.frame(), &samples) {
             let place = line_of(samples.get(doubt.index()));
             each(Found::BadState(
                 place.error(self.origin, RecordFault::Doubt(doubt)),
             ))?;
         }
-        let samples = InterpolatedStates::new(open.frame, &samples, interpolation)
+        let samples = InterpolatedStates::new(open.axes.frame(), &samples, interpolation)
             .map_err(|error| open.place.error(self.origin, RecordFault::Samples(error)))?;
         let mut segment = EphemerisSegment::whole(samples);
         segment.usable = open.usable;
@@ -308,26 +298,4 @@ impl<'o> Draft<'o> {
             }
         }
     }
-}
-
-fn interpolation(meta: &Fields, origin: &Path) -> Result<Option<Interpolation>, RecordError> {
-    let Some(method) = meta.get("INTERPOLATION") else {
-        return Ok(None);
-    };
-    let unsupported = || {
-        method.unsupported(
-            origin,
-            "known interpolations are LINEAR, LAGRANGE and HERMITE",
-        )
-    };
-    let linear = Interpolation::from_name(&method.value, 1).ok_or_else(unsupported)?;
-    if linear == Interpolation::Linear {
-        return Ok(Some(linear));
-    }
-    let degree = meta.must("INTERPOLATION_DEGREE", "; INTERPOLATION needs it", origin)?;
-    let number = degree.value.parse::<usize>().ok();
-    let number = number
-        .filter(|n| (1..=Interpolation::MAX_DEGREE).contains(n))
-        .ok_or_else(|| degree.wrong(origin, "a whole number from 1 to 31"))?;
-    Ok(Interpolation::from_name(&method.value, number))
 }

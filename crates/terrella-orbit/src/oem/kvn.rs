@@ -108,8 +108,8 @@ impl<'o> Message<'o> {
                         let expected = "six rows of a matrix before the next one";
                         return Err(self.unexpected(&entry.key, entry.place, expected));
                     }
-                    let scale = self.draft.scale(entry.place)?;
-                    *epoch = Some(entry.epoch(self.origin, scale)?);
+                    let system = self.draft.system(entry.place)?;
+                    *epoch = Some(system.epoch(&entry, self.origin)?);
                 }
                 // COV_REF_FRAME: the sum of the variances is the same in all axes.
                 Ok(())
@@ -141,7 +141,7 @@ impl<'o> Message<'o> {
                 result
             }
             ("COVARIANCE_START", Block::None) => {
-                self.draft.scale(place)?;
+                self.draft.system(place)?;
                 self.block = Block::Covariance(None, 0, [0.0; 3]);
                 Ok(())
             }
@@ -151,7 +151,7 @@ impl<'o> Message<'o> {
             }
             (_, Block::None) => match self.whole_state(text, place, each) {
                 // A mark out of place, or a state that belongs to no metadata: nothing says what the others are.
-                Err(error) if MARKS.contains(&text) || self.draft.scale(place).is_err() => {
+                Err(error) if MARKS.contains(&text) || self.draft.system(place).is_err() => {
                     Err(error)
                 }
                 Err(error) => each(Found::BadState(error)),
@@ -236,8 +236,8 @@ impl<'o> Message<'o> {
             unit: None,
             place,
         };
-        let scale = self.draft.scale(place)?;
-        let epoch = date.epoch(self.origin, scale)?;
+        let system = self.draft.system(place)?;
+        let epoch = system.epoch(&date, self.origin)?;
         let [x, y, z, vx, vy, vz, ..] = numbers;
         self.draft
             .state(place, epoch, DVec3::new(x, y, z), DVec3::new(vx, vy, vz))

@@ -107,7 +107,7 @@ impl Message<'_> {
                         _ => self.covariance(&fields),
                     };
                     match read {
-                        Err(error) if self.draft.scale(fields.place()).is_ok() => {
+                        Err(error) if self.draft.system(fields.place()).is_ok() => {
                             each(Found::BadState(error))
                         }
                         done => done,
@@ -120,8 +120,8 @@ impl Message<'_> {
 
     fn state(&mut self, fields: &Fields) -> Result<(), RecordError> {
         let origin = self.origin;
-        let scale = self.draft.scale(fields.place())?;
-        let epoch = fields.must("EPOCH", "", origin)?.epoch(origin, scale)?;
+        let system = self.draft.system(fields.place())?;
+        let epoch = system.epoch(fields.must("EPOCH", "", origin)?, origin)?;
         let number = |key| {
             let entry = fields.must(key, "", origin)?;
             scaled_number(&entry.value, 3).ok_or_else(|| entry.wrong(origin, "a number"))
@@ -133,8 +133,8 @@ impl Message<'_> {
 
     fn covariance(&mut self, fields: &Fields) -> Result<(), RecordError> {
         let origin = self.origin;
-        let scale = self.draft.scale(fields.place())?;
-        let epoch = fields.must("EPOCH", "", origin)?.epoch(origin, scale)?;
+        let system = self.draft.system(fields.place())?;
+        let epoch = system.epoch(fields.must("EPOCH", "", origin)?, origin)?;
         let number = |key| {
             let entry = fields.must(key, "", origin)?;
             entry.number(origin, -1e300..=1e300, "a number")
