@@ -12,6 +12,7 @@ mod histories;
 mod interpolated;
 mod oem;
 mod oem_bad_input;
+mod oem_of_others;
 mod omm;
 mod simulators;
 mod table;

@@ -118,7 +118,7 @@ pub(crate) fn read(text: &str) -> Result<Ephemerides, OrbitError> {
     Ephemerides::from_text(text, Path::new("sat.oem"), true)
 }
 
-fn one(text: &str) -> EphemerisFeed {
+pub(crate) fn one(text: &str) -> EphemerisFeed {
     let mut feeds = read(text).unwrap_or_else(|e| panic!("{e}\n{text}")).feeds;
     assert_eq!(feeds.len(), 1);
     feeds.remove(0)
@@ -183,7 +183,9 @@ fn frames_are_known_by_all_their_names() {
         ("GTOD", Some(Frame::Pef)),
         ("TDR", Some(Frame::Pef)),
         ("GRC", Some(Frame::Itrf)),
-        ("TOD", None),
+        // Turned when they are read.
+        ("TOD", Some(Frame::Gcrf)),
+        ("MOD", Some(Frame::Gcrf)),
         ("ITRFX", None),
         ("RTN", None),
         ("MCI", None),

@@ -19,7 +19,7 @@ fn wrong_messages_are_named() {
         ),
         (
             "REF_FRAME = EME2000",
-            "REF_FRAME = TOD",
+            "REF_FRAME = MCI",
             "9:13",
             "known frames are",
         ),
@@ -33,7 +33,7 @@ fn wrong_messages_are_named() {
             "TIME_SYSTEM = UTC",
             "TIME_SYSTEM = UT1",
             "10:15",
-            "known time systems are UTC, TAI, TT and GPS; none is guessed",
+            "known time systems are UTC, TAI, TT, TDB and GPS; none is guessed",
         ),
         (
             "TIME_SYSTEM = UTC\n",
