@@ -15,6 +15,13 @@ pub enum OrbitError {
         /// Error of the operating system.
         source: std::io::Error,
     },
+    /// The file is compressed by gzip and damaged.
+    #[error("{}: cannot be decompressed: {source}; fetch it anew", path.display())]
+    Compressed {
+        path: PathBuf,
+        /// The decompressor's reason.
+        source: std::io::Error,
+    },
     /// The file is too large for its kind.
     #[error("{}: larger than {limit_mib} MiB; cut out the satellites or the days that you need", path.display())]
     TooLarge { path: PathBuf, limit_mib: u64 },

@@ -1,5 +1,6 @@
 //! What kind of file of orbits a text or a name is of.
 
+use super::file::first_text;
 use super::text::{kvn, unmarked, with_line_feeds};
 use super::{FileFormat, ephemeris_csv};
 
@@ -16,6 +17,11 @@ impl FileFormat {
             b'[' | b'{' => of_json(text),
             _ => of_lines(text),
         }
+    }
+
+    /// As [`Self::of_text`], of the bytes that a file begins with: it may be compressed by gzip, or in UTF-16.
+    pub fn of_bytes(head: &[u8]) -> Option<Self> {
+        Self::of_text(&first_text(head))
     }
 
     /// What kind the ending of a file's name promises, without its dot and in any case. Endings that say no more than how a text

@@ -124,7 +124,7 @@ fn recognise(path: &Path) -> Option<FileFormat> {
     let file = files::open(path).ok()?;
     file.take(HEAD_BYTES).read_to_end(&mut head).ok()?;
     let ending = path.extension().unwrap_or_default().to_string_lossy();
-    FileFormat::of_text(&String::from_utf8_lossy(&head)).or_else(|| FileFormat::of_ending(&ending))
+    FileFormat::of_bytes(&head).or_else(|| FileFormat::of_ending(&ending))
 }
 
 /// What is said of a file that is no scene and whose name does not call it one.
