@@ -4,6 +4,7 @@ use super::choose::{Candidate, Key, choose};
 use super::entry::{Faults, MAX_ENTRIES};
 use super::file::read_text;
 use super::omm;
+use super::recognise::message_that_is_not_read;
 use super::sgp4_set::Sgp4Set;
 use super::text::with_line_feeds;
 use super::tle_fields::{catalogue_number, elements};
@@ -118,6 +119,10 @@ impl Catalogue {
     pub fn from_text(text: &str, origin: &Path, is_strict: bool) -> Result<Self, OrbitError> {
         let text = with_line_feeds(text);
         let text = text.as_ref();
+        if let Some(kind) = message_that_is_not_read(text) {
+            let path = origin.to_owned();
+            return Err(OrbitError::NotRead { path, kind });
+        }
         let mut faults = Faults::new(is_strict);
         if let Some(cut) = omm::cut_off(text, origin) {
             faults.note(cut.into())?;

@@ -1,18 +1,20 @@
-//! Ephemerides from files: OEM, CZML and CSV.
+//! Ephemerides from files: OEM, CZML, CSV, SP3 and those of STK.
 
 use super::choose::{Candidate, Key, choose};
 use super::entry::{Faults, RecordError};
 use super::file::read_text;
 use super::found::Found;
 use super::interpolated::EphemerisFeed;
+use super::recognise::message_that_is_not_read;
 use super::text::{unmarked, with_line_feeds};
-use super::{Feed, FileFormat, OrbitError, czml, ephemeris_csv, oem};
+use super::{Feed, FileFormat, OrbitError, czml, ephemeris_csv, oem, sp3, stk};
 use std::path::Path;
 
 /// The objects of a file of sampled states, in its order.
 #[derive(Debug)]
 pub struct Ephemerides {
-    /// What kind of file it was: [`FileFormat::Oem`], [`FileFormat::Czml`] or [`FileFormat::Csv`].
+    /// What kind of file it was: [`FileFormat::Oem`], [`FileFormat::Czml`], [`FileFormat::Csv`], [`FileFormat::Sp3`] or
+    /// [`FileFormat::Stk`].
     pub format: FileFormat,
     /// Satellites that can be propagated.
     pub feeds: Vec<EphemerisFeed>,
@@ -43,6 +45,9 @@ impl Ephemerides {
     ///   off, one standard deviation, and may be empty. Columns `name` and `frame` say of
     ///   which satellite a row is and in which frame; or a comment before the header says it of all rows, and what else
     ///   the numbers do not: `# frame = TEME, name = ISS, interpolation = HERMITE, degree = 7`. The frame must be said.
+    /// - SP3 begins with `#` and a version, a to d. Its frames are taken as ITRF; every satellite is an object by its identifier
+    ///   (`G01`). Positions of zeros are gaps.
+    /// - An ephemeris of STK begins with `stk.v.`; its systems ICRF, J2000, Fixed and TEMEOfDate are read.
     ///
     /// States that cannot be read, and those out of the order of time, are listed and their objects flown
     /// without them. Objects that are spoilt are listed and the others used. `is_strict` refuses the file instead.
@@ -60,6 +65,10 @@ impl Ephemerides {
     pub fn from_text(text: &str, origin: &Path, is_strict: bool) -> Result<Self, OrbitError> {
         let text = with_line_feeds(unmarked(text));
         let text = text.as_ref();
+        if let Some(kind) = message_that_is_not_read(text) {
+            let path = origin.to_owned();
+            return Err(OrbitError::NotRead { path, kind });
+        }
         // Read to its end when strict as well: what spoils an object says more than a fault before it that does not.
         let mut faults = Faults::<RecordError>::new(false);
         let mut first_fault = None;
@@ -90,12 +99,18 @@ impl Ephemerides {
         };
         let format = match text.trim_start() {
             _ if oem::is_oem(text) => FileFormat::Oem,
+            _ if sp3::is_sp3(text) => FileFormat::Sp3,
+            _ if stk::is_stk(text) => FileFormat::Stk,
             start if start.starts_with(['[', '{']) => FileFormat::Czml,
             _ => FileFormat::Csv,
         };
         match format {
             FileFormat::Oem => oem::each_object(text, origin, &mut each)?,
             FileFormat::Czml => czml::each_object(text, origin, &mut each)?,
+            FileFormat::Sp3 => sp3::each_object(text, origin, &mut each)
+                .or_else(|error| each(Found::Spoilt(error)))?,
+            FileFormat::Stk => stk::each_object(text, origin, &mut each)
+                .or_else(|error| each(Found::Spoilt(error)))?,
             _ if ephemeris_csv::is_table(text) => {
                 ephemeris_csv::each_object(text, origin, &mut each)
                     .or_else(|error| each(Found::Spoilt(error)))?;

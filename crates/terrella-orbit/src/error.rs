@@ -143,8 +143,15 @@ pub enum OrbitError {
     #[error(transparent)]
     Record(#[from] RecordError),
     /// The file has no ephemeris in it.
-    #[error("{}: no ephemeris in it; expected an OEM (CCSDS 502.0, KVN or XML), CZML, or CSV whose header names epoch_utc,x_km,y_km,z_km", path.display())]
+    #[error("{}: no ephemeris in it; expected an OEM (CCSDS 502.0, KVN or XML), CZML, CSV whose header names epoch_utc,x_km,y_km,z_km, SP3, or an ephemeris of STK", path.display())]
     NoEphemeris { path: PathBuf },
+    /// A message of another kind, which can be turned into one that is read.
+    #[error("{}: {kind} is not read; export an OEM", path.display())]
+    NotRead {
+        path: PathBuf,
+        /// What it is.
+        kind: &'static str,
+    },
     /// The epoch is outside an ephemeris or in one of its gaps.
     #[error(
         "{satellite} is not known at {epoch}: its ephemeris tells of it {known}; change the date or take an ephemeris of that time"

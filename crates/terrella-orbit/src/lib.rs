@@ -5,7 +5,7 @@
 //! | propagate an orbit from mean elements (TLE, OMM) by SGP4 | `sgp4_feed.rs`, `sgp4_set.rs`; read them: `tle_text.rs`, `tle_fields.rs`, `omm/`, `catalogue.rs`, `choose.rs`; how long they fly: `decay.rs` |
 //! | propagate Keplerian elements, with J2 or without | [`kepler`] |
 //! | integrate under forces; eclipses, nodes, apsides and impact on the way | [`numerical`] |
-//! | interpolate an ephemeris (Lagrange, Hermite) | [`interpolated`]; read one: `oem/`, `czml.rs`, `ephemeris_csv.rs`, `ephemerides.rs`, `found.rs` |
+//! | interpolate an ephemeris (Lagrange, Hermite) | [`interpolated`]; read one: `oem/`, `czml.rs`, `ephemeris_csv.rs`, `sp3.rs`, `stk.rs`, `runs.rs`, `ephemerides.rs`, `found.rs` |
 //! | notice a file that was cut off | `cut.rs` |
 //! | read dates in any form of ISO 8601 | `iso8601.rs` |
 //! | take states that a simulator sends | [`live`] |
@@ -48,10 +48,13 @@ mod oem;
 mod omm;
 mod passes;
 mod recognise;
+mod runs;
 mod sgp4_feed;
 mod sgp4_set;
+mod sp3;
 mod start_error;
 mod state;
+mod stk;
 mod text;
 mod tle_fields;
 mod tle_text;
@@ -90,6 +93,10 @@ pub enum FileFormat {
     Czml,
     /// States in columns.
     Csv,
+    /// SP3, orbits of navigation satellites.
+    Sp3,
+    /// An ephemeris of STK.
+    Stk,
 }
 
 /// A source of motion.

@@ -2,7 +2,7 @@
 
 use super::file::first_text;
 use super::text::{kvn, unmarked, with_line_feeds};
-use super::{FileFormat, ephemeris_csv};
+use super::{FileFormat, ephemeris_csv, sp3, stk};
 
 /// Shortest line of two-line elements: 69 columns, of which the checksum and blanks at the end may be missing.
 const TLE_LINE: usize = 60;
@@ -12,6 +12,12 @@ impl FileFormat {
     pub fn of_text(text: &str) -> Option<Self> {
         let text = with_line_feeds(unmarked(text));
         let text = text.trim_start();
+        if sp3::is_sp3(text) {
+            return Some(Self::Sp3);
+        }
+        if stk::is_stk(text) {
+            return Some(Self::Stk);
+        }
         match text.as_bytes().first()? {
             b'<' => of_xml(text),
             b'[' | b'{' => of_json(text),
@@ -33,10 +39,45 @@ impl FileFormat {
             "oem" => Self::Oem,
             "czml" => Self::Czml,
             "csv" => Self::Csv,
+            "sp3" => Self::Sp3,
+            "e" => Self::Stk,
             _ => return None,
         })
     }
 }
+
+/// What a message of the CCSDS is that is not read, by its first key or its first element.
+pub(super) fn message_that_is_not_read(text: &str) -> Option<&'static str> {
+    const KINDS: [(&str, &str, &str); 3] = [
+        (
+            "CCSDS_OCM_VERS",
+            "<ocm",
+            "an orbit comprehensive message (OCM)",
+        ),
+        ("CCSDS_OPM_VERS", "<opm", "an orbit parameter message (OPM)"),
+        (
+            "CCSDS_AEM_VERS",
+            "<aem",
+            "an attitude ephemeris message (AEM)",
+        ),
+    ];
+    let start = unmarked(text).trim_start();
+    let first_key = match kvn::lines(start).next() {
+        Some(kvn::KvnLine::Entry(entry)) => entry.key,
+        _ => "".into(),
+    };
+    let is_xml = start.starts_with('<');
+    let head: String = start.chars().take(HEAD_CHARS).collect();
+    let kinds = KINDS.iter();
+    let mut kinds = kinds.filter(|(key, element, _)| match is_xml {
+        true => head.contains(element) && !head.contains("<oem") && !head.contains("<omm"),
+        false => first_key == *key,
+    });
+    kinds.next().map(|(_, _, kind)| *kind)
+}
+
+/// How far into a message in XML its kind is looked for, characters.
+const HEAD_CHARS: usize = 4096;
 
 /// The first of the words that a text has, each with what it says.
 fn first_of(text: &str, words: &[(&str, FileFormat)]) -> Option<FileFormat> {
@@ -142,7 +183,7 @@ mod tests {
 
     #[test]
     fn all_forms_are_told_from_one_another_and_from_scenes() {
-        use FileFormat::{Csv, Czml, Oem, Omm, Tle};
+        use FileFormat::{Csv, Czml, Oem, Omm, Sp3, Stk, Tle};
         let set = "1 25544U 98067A   26329.50000000  .00016717  00000-0  10270-3 0  9993\n2 25544  51.6400 208.9163 0006703  69.9862  25.2906 15.50000000    13\n";
         let cases: &[(&str, Option<FileFormat>)] = &[
             (set, Some(Tle)),
@@ -174,6 +215,12 @@ mod tests {
             ("[time]\nstart = \"now\"\n", None),
             ("[[orbit]]\nfile = \"a.tle\"\n", None),
             ("[ camera ]\n", None),
+            (
+                "#dP2020  6 24  0  0  0.00000000      96 ORBIT IGS14\n",
+                Some(Sp3),
+            ),
+            ("#c comment\n", None),
+            ("stk.v.11.0\nBEGIN Ephemeris\n", Some(Stk)),
             ("CREATION\rCCSDS_OEM_VERS = 2.0\r", None),
             ("COMMENT x\rCCSDS_OEM_VERS = 2.0\r", Some(Oem)),
             ("", None),
