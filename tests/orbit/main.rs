@@ -15,6 +15,8 @@ mod oem_bad_input;
 mod oem_of_others;
 mod omm;
 mod simulators;
+mod sp3;
+mod stk;
 mod table;
 mod track;
 mod verification;

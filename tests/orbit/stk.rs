@@ -1,0 +1,232 @@
+//! Ephemerides of STK.
+
+use crate::utc;
+use std::path::Path;
+use terrella_frames::{Duration, Epoch};
+use terrella_orbit::interpolated::{Interpolation, KeplerOrbit};
+use terrella_orbit::{Catalogue, Ephemerides, Feed, FileFormat, Frame, OrbitError};
+
+fn read(text: &str) -> Result<Ephemerides, OrbitError> {
+    Ephemerides::from_text(text, Path::new("folder/Sat1.e"), true)
+}
+
+fn start() -> Epoch {
+    utc("2004-06-01T12:00:00Z")
+}
+
+/// Rows a minute apart of the low orbit, in units of so many metres.
+fn rows(minutes: std::ops::RangeInclusive<i32>, metres: f64, has_velocities: bool) -> String {
+    minutes
+        .map(|minute| {
+            let s = f64::from(minute) * 60.0;
+            let (r, v) = KeplerOrbit::LOW.state(s);
+            let (r, v) = (r / metres, v / metres);
+            let mut row = format!("{s:e} {} {} {}", r.x, r.y, r.z);
+            if has_velocities {
+                row += &format!(" {} {} {}", v.x, v.y, v.z);
+            }
+            row + "\n"
+        })
+        .collect()
+}
+
+fn file(header: &str, form: &str, rows: &str) -> String {
+    format!(
+        "stk.v.11.0\n\n# WrittenBy    NOBODY\nBEGIN Ephemeris\n\nNumberOfEphemerisPoints 21\n\
+         ScenarioEpoch            1 Jun 2004 12:00:00.000000000\n{header}\n{form}\n\n{rows}\nEND Ephemeris\n"
+    )
+}
+
+const J2000_KM: &str = "InterpolationMethod Hermite\nInterpolationSamplesM1 3\nCentralBody Earth\n\
+    CoordinateSystem J2000\nDistanceUnit Kilometers\n";
+
+#[test]
+fn inertial_and_fixed_states_are_read() {
+    for (header, form, metres, has_velocities, frame, interpolation, most_m) in [
+        (
+            J2000_KM,
+            "EphemerisTimePosVel",
+            1e3,
+            true,
+            Frame::Eme2000,
+            Interpolation::Hermite { degree: 7 },
+            1e-4,
+        ),
+        (
+            "CoordinateSystem ICRF\nInterpolationMethod Lagrange\nInterpolationOrder 5\n",
+            "ephemeristimepos",
+            1.0,
+            false,
+            Frame::Gcrf,
+            Interpolation::Lagrange { degree: 5 },
+            0.1,
+        ),
+        // Metres and axes fixed in the Earth are what is meant where nothing is said.
+        (
+            "",
+            "EphemerisTimePos",
+            1.0,
+            false,
+            Frame::Itrf,
+            Interpolation::WITHOUT_VELOCITIES,
+            1e-3,
+        ),
+        (
+            "CoordinateSystem Fixed\nDISTANCEUNIT feet\n",
+            "EphemerisTimePosVel",
+            0.3048,
+            true,
+            Frame::Itrf,
+            Interpolation::WITH_VELOCITIES,
+            1e-4,
+        ),
+    ] {
+        let text = file(header, form, &rows(0..=20, metres, has_velocities));
+        assert_eq!(FileFormat::of_text(&text), Some(FileFormat::Stk));
+        let read = read(&text).unwrap_or_else(|e| panic!("{e}\n{text}"));
+        assert_eq!(
+            (read.format, read.faults.len(), read.feeds.len()),
+            (FileFormat::Stk, 0, 1)
+        );
+        let feed = &read.feeds[0];
+        assert_eq!((feed.name(), feed.segments().len()), ("Sat1", 1));
+        assert_eq!(feed.segments()[0].samples.interpolation(), interpolation);
+        assert_eq!(
+            feed.validity(),
+            (start(), start() + Duration::from_seconds(1200.0))
+        );
+        for s in [0.0, 305.0, 600.0, 891.0] {
+            let state = feed.state_at(start() + Duration::from_seconds(s)).unwrap();
+            let off_m = state.position_m.distance(KeplerOrbit::LOW.state(s).0);
+            assert!(
+                state.frame == frame && off_m < most_m,
+                "{header} {s}: {off_m}"
+            );
+        }
+    }
+}
+
+#[test]
+fn segments_meet_where_the_motion_jumps() {
+    // A time that comes twice.
+    let twice = rows(0..=10, 1e3, true) + &rows(10..=20, 1e3, true);
+    let feed = read(&file(J2000_KM, "EphemerisTimePosVel", &twice))
+        .unwrap()
+        .feeds
+        .remove(0);
+    assert_eq!((feed.segments().len(), feed.gaps().len()), (2, 0));
+    // Boundaries that are listed, at the ends as well, whether the state at them comes twice or not.
+    let listed = format!(
+        "{J2000_KM}BEGIN SegmentBoundaryTimes\n 1200.0 0.0\n 600.0\nEND SegmentBoundaryTimes\n"
+    );
+    for states in [twice, rows(0..=20, 1e3, true)] {
+        let feed = read(&file(&listed, "EphemerisTimePosVel", &states))
+            .unwrap()
+            .feeds
+            .remove(0);
+        let counts: Vec<_> = feed.segments().iter().map(|s| s.samples.len()).collect();
+        assert_eq!(counts, [11, 11]);
+        assert_eq!(
+            feed.validity(),
+            (start(), start() + Duration::from_seconds(1200.0))
+        );
+    }
+    // Covariances behind the states are passed over.
+    let more = rows(0..=20, 1e3, true) + "CovarianceTimePos\n0.0 1 2 3 4 5 6\n";
+    assert_eq!(
+        read(&file(J2000_KM, "EphemerisTimePosVel", &more))
+            .unwrap()
+            .faults
+            .len(),
+        0
+    );
+}
+
+#[test]
+fn wrong_files_are_named() {
+    let good = file(J2000_KM, "EphemerisTimePosVel", &rows(0..=20, 1e3, true));
+    for (from, to, line, says) in [
+        ("1 Jun 2004", "1 Foo 2004", 7, "is not a date"),
+        ("1 Jun 2004", "31 Jun 2004", 7, "day 31"),
+        (
+            "ScenarioEpoch",
+            "# ScenarioEpoch",
+            16,
+            "without ScenarioEpoch",
+        ),
+        (
+            "CentralBody Earth",
+            "CentralBody Moon",
+            10,
+            "only orbits about the Earth",
+        ),
+        (
+            "J2000",
+            "B1950",
+            11,
+            "known systems are ICRF, J2000, Fixed and TEMEOfDate",
+        ),
+        ("Kilometers", "Parsecs", 12, "known units are"),
+        ("Hermite", "Spline", 8, "known methods are"),
+        (
+            "SamplesM1 3",
+            "SamplesM1 32",
+            9,
+            "a whole number from 1 to 31",
+        ),
+        (
+            "EphemerisTimePosVel",
+            "EphemerisLLATimePos",
+            14,
+            "states are read from",
+        ),
+        (
+            "6e1 ",
+            "6e1 x ",
+            17,
+            "three coordinates and three of the velocity",
+        ),
+        ("END Ephemeris", "", 14, "is not closed"),
+    ] {
+        assert!(good.contains(from), "{from}");
+        let error = read(&good.replacen(from, to, 1)).unwrap_err().to_string();
+        assert!(
+            error.starts_with(&format!("folder/Sat1.e:{line}:1: ")) && error.contains(says),
+            "{from}: {error}"
+        );
+    }
+    let told = read(&good.replace("Hermite", "LagrangeVOP")).unwrap();
+    assert!(
+        told.faults[0].is_notice()
+            && told.faults[0]
+                .to_string()
+                .contains("Lagrange is taken instead")
+    );
+}
+
+#[test]
+fn messages_that_are_not_read_are_named() {
+    for (text, kind) in [
+        (
+            "CCSDS_OCM_VERS = 3.0\nCREATION_DATE = 2022-11-06T09:23:57\n",
+            "(OCM)",
+        ),
+        (
+            "<?xml version=\"1.0\"?>\n<ndm><ocm id=\"CCSDS_OCM_VERS\" version=\"3.0\"/></ndm>",
+            "(OCM)",
+        ),
+        ("COMMENT x\nCCSDS_OPM_VERS = 2.0\n", "(OPM)"),
+    ] {
+        let origin = Path::new("a.ocm");
+        let errors = [
+            Ephemerides::from_text(text, origin, false).unwrap_err(),
+            Catalogue::from_text(text, origin, false).unwrap_err(),
+        ];
+        for error in errors.map(|error| error.to_string()) {
+            assert!(
+                error.contains(kind) && error.ends_with("is not read; export an OEM"),
+                "{error}"
+            );
+        }
+    }
+}
