@@ -12,7 +12,7 @@ use super::tle_text::{ElementSet, element_sets, sets_and_faults};
 use super::{FileFormat, MeanElements, OrbitError, Sgp4Feed};
 use std::collections::HashMap;
 use std::path::Path;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// The satellites of a file of elements, in its order.
 #[derive(Debug)]
@@ -26,6 +26,7 @@ pub struct Catalogue {
     /// How many faults there are beyond those.
     pub faults_left_out: usize,
     refused: Vec<Refused>,
+    index: OnceLock<Index>,
 }
 
 /// Most records that cannot be flown whose names are kept.
@@ -193,6 +194,7 @@ impl Catalogue {
             faults: faults.kept,
             faults_left_out: faults.left_out,
             refused,
+            index: OnceLock::new(),
         })
     }
 
@@ -200,18 +202,36 @@ impl Catalogue {
     ///
     /// # Errors
     /// If none or more than one answers: says which there are, or why the one that is meant cannot be flown.
-    pub fn into_one(mut self, origin: &Path, name: Option<&str>) -> Result<Sgp4Feed, OrbitError> {
+    pub fn into_one(self, origin: &Path, name: Option<&str>) -> Result<Sgp4Feed, OrbitError> {
+        self.one(origin, name)
+    }
+
+    /// As [`Self::into_one`], where others are taken too: from the second on a satellite is found without a look at the others.
+    ///
+    /// # Errors
+    /// As [`Self::into_one`].
+    pub fn one(&self, origin: &Path, name: Option<&str>) -> Result<Sgp4Feed, OrbitError> {
+        let index = self.index.get_or_init(|| Index::of(&self.feeds));
+        let found = name.and_then(|name| index.find(name.trim()));
+        if let Some(feed) = found.and_then(|at| self.feeds.get(at)) {
+            return Ok(feed.clone());
+        }
+        let numbers = self.feeds.iter().map(|feed| feed.catalogue_number());
         let candidates: Vec<_> = self
             .feeds
             .iter()
-            .map(|feed| Candidate {
+            .zip(numbers)
+            .map(|(feed, number)| Candidate {
                 label: feed.elements().name.as_str().into(),
-                key: Some(feed.catalogue_number().to_string().into()),
+                key: Some(number.to_string().into()),
                 line: feed.line(),
             })
             .collect();
         match choose(&candidates, Key::CatalogueNumber, origin, name) {
-            Ok(chosen) => Ok(self.feeds.swap_remove(chosen)),
+            Ok(chosen) => self.feeds.get(chosen).cloned().ok_or_else(|| {
+                let path = origin.to_owned();
+                OrbitError::NoElements { path }
+            }),
             Err(OrbitError::UnknownName { wanted, .. })
                 if let Some(refused) = self.refused.iter().find(|one| one.is_of(&wanted)) =>
             {
@@ -219,6 +239,37 @@ impl Catalogue {
                 Err(OrbitError::Unusable { wanted, cause })
             }
             Err(error) => Err(error),
+        }
+    }
+}
+
+/// Names and numbers that only one satellite of a catalogue has, by which it is found at once.
+#[derive(Debug, Default)]
+struct Index {
+    by_number: HashMap<u64, Option<usize>>,
+    by_name: HashMap<String, Option<usize>>,
+}
+
+impl Index {
+    fn of(feeds: &[Sgp4Feed]) -> Self {
+        let mut index = Self::default();
+        for (at, feed) in feeds.iter().enumerate() {
+            let number = index.by_number.entry(feed.catalogue_number());
+            number.and_modify(|at| *at = None).or_insert(Some(at));
+            let name = index.by_name.entry(feed.elements().name.to_lowercase());
+            name.and_modify(|at| *at = None).or_insert(Some(at));
+        }
+        index
+    }
+
+    /// The one that a name or number means; `None` where that is to be looked into.
+    fn find(&self, wanted: &str) -> Option<usize> {
+        let number = catalogue_number(wanted).and_then(|number| self.by_number.get(&number));
+        let name = self.by_name.get(&wanted.to_lowercase());
+        match (number, name) {
+            (Some(at), None) | (None, Some(at)) => *at,
+            (Some(at), Some(same)) if at == same => *at,
+            _ => None,
         }
     }
 }

@@ -39,7 +39,7 @@ impl Ephemerides {
     ///   [`Interpolation::WITH_VELOCITIES`](super::interpolated::Interpolation::WITH_VELOCITIES) is taken.
     /// - CZML begins with `[`. Every `id` with a sampled `position`, in one packet or several, is an object; `INERTIAL` is taken
     ///   as GCRF, `FIXED` as ITRF. Points that stand still are passed over; objects whose position refers to another's, as those of
-    ///   sensors do, are not among [`Self::feeds`], but [`Self::into_one`] finds them by name.
+    ///   sensors do, are not among [`Self::feeds`], but [`Self::one`] finds them by name.
     /// - CSV has a header that names `epoch_utc,x_km,y_km,z_km`, and if it likes `vx_km_s,vy_km_s,vz_km_s`, in any order,
     ///   others being passed over (`epoch_tai`, `…_tt`, `…_gps`; `x_m` with `vx_m_s`). A column `error_m` says how far a state may be
     ///   off, one standard deviation, and may be empty. Columns `name` and `frame` say of
@@ -147,19 +147,21 @@ impl Ephemerides {
     /// # Errors
     /// If none or more than one answers: says which there are. Without a name also if an object is spoilt, as that leaves
     /// open which is the only one.
-    pub fn into_one(
-        mut self,
-        origin: &Path,
-        name: Option<&str>,
-    ) -> Result<EphemerisFeed, OrbitError> {
-        if let (None, Some(error)) = (name, self.spoilt) {
-            return Err(error.into());
+    pub fn into_one(self, origin: &Path, name: Option<&str>) -> Result<EphemerisFeed, OrbitError> {
+        self.one(origin, name)
+    }
+
+    /// As [`Self::into_one`], where others are taken too: feeds share their samples.
+    ///
+    /// # Errors
+    /// As [`Self::into_one`].
+    pub fn one(&self, origin: &Path, name: Option<&str>) -> Result<EphemerisFeed, OrbitError> {
+        if let (None, Some(error)) = (name, &self.spoilt) {
+            return Err(error.clone().into());
         }
-        if name.is_some() {
-            self.feeds.append(&mut self.followers);
-        }
-        let candidates: Vec<_> = self
-            .feeds
+        let followers = self.followers.iter().filter(|_| name.is_some());
+        let feeds: Vec<_> = self.feeds.iter().chain(followers).collect();
+        let candidates: Vec<_> = feeds
             .iter()
             .map(|feed| Candidate {
                 label: feed.name().into(),
@@ -171,7 +173,10 @@ impl Ephemerides {
             FileFormat::Czml => Key::Id,
             _ => Key::Designator,
         };
-        let chosen = choose(&candidates, key, origin, name)?;
-        Ok(self.feeds.swap_remove(chosen))
+        let chosen = feeds.get(choose(&candidates, key, origin, name)?);
+        let chosen = chosen.map(|&feed| feed.clone());
+        chosen.ok_or_else(|| OrbitError::NoEphemeris {
+            path: origin.to_owned(),
+        })
     }
 }

@@ -6,6 +6,7 @@
 //! | propagate Keplerian elements, with J2 or without | [`kepler`] |
 //! | integrate under forces; eclipses, nodes, apsides and impact on the way | [`numerical`] |
 //! | interpolate an ephemeris (Lagrange, Hermite) | [`interpolated`]; read one: `oem/`, `czml.rs`, `ephemeris_csv.rs`, `sp3.rs`, `stk.rs`, `runs.rs`, `ephemerides.rs`, `found.rs` |
+//! | take many satellites from a file | [`OrbitFiles`], `orbit_files.rs` |
 //! | notice a file that was cut off | `cut.rs` |
 //! | read dates in any form of ISO 8601 | `iso8601.rs` |
 //! | take states that a simulator sends | [`live`] |
@@ -46,6 +47,7 @@ mod mean_elements;
 pub mod numerical;
 mod oem;
 mod omm;
+mod orbit_files;
 mod passes;
 mod recognise;
 mod runs;
@@ -73,6 +75,7 @@ pub use interpolated::EphemerisFeed;
 pub use mean_elements::MeanElements;
 pub use oem::write_oem;
 pub use omm::write_omm;
+pub use orbit_files::{OrbitFile, OrbitFiles};
 pub use passes::{LookAngles, Observer, Pass, next_pass, passes};
 pub use sgp4_feed::{Sgp4Feed, TleFeed};
 pub use start_error::StartError;

@@ -119,7 +119,11 @@ struct Reader<'o> {
     by_id: HashMap<String, usize>,
 }
 
-impl Reader<'_> {
+/// What is done with a satellite and the three numbers of its line; whether it has fired an engine.
+type UseColumns<'o> =
+    fn(&mut Reader<'o>, &str, [&str; 3], TextPosition, bool) -> Result<(), RecordError>;
+
+impl<'o> Reader<'o> {
     fn line(
         &mut self,
         line: &str,
@@ -218,7 +222,7 @@ impl Reader<'_> {
         line: &str,
         place: TextPosition,
         each: &mut Each<'_>,
-        use_it: fn(&mut Self, &str, [&str; 3], TextPosition, bool) -> Result<(), RecordError>,
+        use_it: UseColumns<'o>,
     ) -> Result<(), RecordError> {
         if self.epochs == 0 {
             let expected = "a line with * and the epoch before it";

@@ -1,0 +1,76 @@
+//! Files from which several satellites are taken: each is read once.
+
+use super::{Catalogue, Ephemerides, OrbitError};
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Files of orbits as they have been read, for as long as satellites are taken from them.
+///
+/// A file is read again where another strictness is wanted. What has changed on disk meanwhile is not seen.
+#[derive(Debug, Default)]
+pub struct OrbitFiles {
+    catalogues: HashMap<(PathBuf, bool), Arc<Catalogue>>,
+    ephemerides: HashMap<(PathBuf, bool), Arc<Ephemerides>>,
+}
+
+/// A file that has been read.
+#[derive(Clone, Debug)]
+pub struct OrbitFile<T> {
+    /// What is in it.
+    pub content: Arc<T>,
+    /// Whether it has been read now: its faults are news.
+    pub is_new: bool,
+}
+
+impl OrbitFiles {
+    /// A file of elements, as [`Catalogue::from_file`] reads it.
+    ///
+    /// # Errors
+    /// As [`Catalogue::from_file`]; a file with an error is read again the next time.
+    pub fn catalogue(
+        &mut self,
+        path: &Path,
+        is_strict: bool,
+    ) -> Result<OrbitFile<Catalogue>, OrbitError> {
+        taken(&mut self.catalogues, path, is_strict, Catalogue::from_file)
+    }
+
+    /// A file of states, as [`Ephemerides::from_file`] reads it.
+    ///
+    /// # Errors
+    /// As [`Ephemerides::from_file`]; a file with an error is read again the next time.
+    pub fn ephemerides(
+        &mut self,
+        path: &Path,
+        is_strict: bool,
+    ) -> Result<OrbitFile<Ephemerides>, OrbitError> {
+        taken(
+            &mut self.ephemerides,
+            path,
+            is_strict,
+            Ephemerides::from_file,
+        )
+    }
+}
+
+fn taken<T>(
+    files: &mut HashMap<(PathBuf, bool), Arc<T>>,
+    path: &Path,
+    is_strict: bool,
+    read: fn(&Path, bool) -> Result<T, OrbitError>,
+) -> Result<OrbitFile<T>, OrbitError> {
+    let key = (path.to_owned(), is_strict);
+    if let Some(known) = files.get(&key) {
+        return Ok(OrbitFile {
+            content: Arc::clone(known),
+            is_new: false,
+        });
+    }
+    let content = Arc::new(read(path, is_strict)?);
+    files.insert(key, Arc::clone(&content));
+    Ok(OrbitFile {
+        content,
+        is_new: true,
+    })
+}
