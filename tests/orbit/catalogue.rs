@@ -4,7 +4,7 @@ use crate::{ISS, edited};
 use std::fmt::Write;
 use std::path::Path;
 use terrella_frames::Duration;
-use terrella_orbit::{Catalogue, Feed, LineFault, OrbitError};
+use terrella_orbit::{Catalogue, Feed, LineFault, OrbitError, OrbitFiles};
 
 fn read(text: &str, is_strict: bool) -> Result<Catalogue, OrbitError> {
     Catalogue::from_text(text, Path::new("sets.tle"), is_strict)
@@ -157,5 +157,76 @@ fn every_satellite_of_a_list_flies() {
             .state_at(feed.epoch() + Duration::from_days(3.0))
             .unwrap();
         assert!((6.7e6..6.9e6).contains(&state.position_m.length()));
+    }
+}
+
+/// Thirty thousand satellites in 5 MB, of which two hundred are taken.
+#[test]
+fn a_file_is_read_once_however_many_are_taken_from_it() {
+    let mut csv = String::from(
+        "OBJECT_NAME,OBJECT_ID,EPOCH,MEAN_MOTION,ECCENTRICITY,INCLINATION,RA_OF_ASC_NODE,ARG_OF_PERICENTER,MEAN_ANOMALY,EPHEMERIS_TYPE,NORAD_CAT_ID,ELEMENT_SET_NO,REV_AT_EPOCH,BSTAR\n",
+    );
+    for k in 0..30_000 {
+        let _ = writeln!(
+            csv,
+            "SAT {k},2020-001A,2026-04-10T12:00:00.000000,15.{k:05},.0010000,51.6000,{}.5,90.0000,10.0000,0,{},999,1,.20000E-4",
+            k % 360,
+            k + 1
+        );
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("all.csv");
+    std::fs::write(&path, &csv).unwrap();
+    let mut files = OrbitFiles::default();
+    let start = std::time::Instant::now();
+    let first = files.catalogue(&path, false).unwrap();
+    let reading = start.elapsed();
+    assert!(first.is_new);
+    // Gone: what has been read is used.
+    std::fs::remove_file(&path).unwrap();
+    let start = std::time::Instant::now();
+    for k in (0..30_000).step_by(150) {
+        let file = files.catalogue(&path, false).unwrap();
+        assert!(!file.is_new);
+        for name in [format!("sat {k}"), (k + 1).to_string()] {
+            let feed = file.content.one(&path, Some(&name)).unwrap();
+            assert_eq!(feed.catalogue_number(), k + 1);
+        }
+    }
+    let taking = start.elapsed();
+    println!("reading {reading:?}, taking 400 {taking:?}");
+    assert!(taking < reading, "{taking:?} {reading:?}");
+    assert!(files.catalogue(&path, true).is_err());
+    // Names that are not one satellite's are looked into.
+    let error = first.content.one(&path, Some("SAT")).unwrap_err();
+    assert!(matches!(error, OrbitError::UnknownName { .. }));
+    assert!(matches!(
+        first.content.one(&path, None),
+        Err(OrbitError::Ambiguous { .. })
+    ));
+}
+
+#[test]
+fn ephemerides_are_read_once_too() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("two.csv");
+    let row =
+        |name: &str, minute: u32| format!("{name},2026-04-10T12:0{minute}:00Z,7000,{minute},0\n");
+    let rows: String = ["A", "B"]
+        .iter()
+        .flat_map(|name| (0..4).map(|m| row(name, m)))
+        .collect();
+    std::fs::write(
+        &path,
+        format!("# frame = GCRF\nname,epoch_utc,x_km,y_km,z_km\n{rows}"),
+    )
+    .unwrap();
+    let mut files = OrbitFiles::default();
+    assert!(files.ephemerides(&path, true).unwrap().is_new);
+    std::fs::remove_file(&path).unwrap();
+    for name in ["A", "B"] {
+        let file = files.ephemerides(&path, true).unwrap();
+        assert_eq!(file.content.one(&path, Some(name)).unwrap().name(), name);
+        assert!(!file.is_new);
     }
 }
