@@ -1,4 +1,4 @@
-//! Ephemerides in all file formats: OEM in KVN and XML, CZML, CSV.
+//! Ephemerides in all file formats: OEM in KVN and XML, CZML, CSV, SP3, STK.
 
 use std::path::Path;
 use terrella_orbit::{Ephemerides, Feed, Header, write_oem};

@@ -5,7 +5,7 @@ use crate::utc;
 use glam::DVec3;
 use std::path::Path;
 use terrella_frames::{Duration, Ellipsoid, Epoch, Geodetic};
-use terrella_orbit::{Ephemerides, EphemerisFeed, Feed, Frame, OrbitError};
+use terrella_orbit::{Ephemerides, EphemerisFeed, Feed, Frame, Header, OrbitError, write_oem};
 
 fn read(text: &str) -> Result<Ephemerides, OrbitError> {
     Ephemerides::from_text(text, Path::new("sat.czml"), true)
@@ -290,6 +290,51 @@ fn extrapolation_is_followed() {
         "{notice}"
     );
     assert!(told.faults[0].is_notice());
+}
+
+/// An OEM has no extrapolation: what is written of such an object holds within its samples.
+#[test]
+fn what_is_extrapolated_is_not_written() {
+    let more = r#","forwardExtrapolationType":"EXTRAPOLATE","forwardExtrapolationDuration":60"#;
+    let feed = &feeds(&[packet("a", &position(&line(0..=5), more))])[0];
+    assert_eq!(feed.validity().1, at(360.0));
+    let header = Header {
+        originator: "NOBODY".to_owned(),
+        created: at(0.0),
+    };
+    let text = write_oem(feed, &header);
+    let again = Ephemerides::from_text(&text, Path::new("a.oem"), true).unwrap();
+    assert_eq!(again.feeds[0].validity(), (at(0.0), at(300.0)));
+}
+
+/// Wherever a document ends it is read or an error: nothing panics.
+#[test]
+fn documents_may_end_anywhere() {
+    let text = document(&[
+        packet(
+            "a",
+            &position(&line(0..=2), r#","forwardExtrapolationType":"HOLD""#),
+        ),
+        packet(
+            "b",
+            r##""availability":"20260301T00Z/9999-12-31T24Z","position":{"reference":"a#position"}"##,
+        ),
+    ]);
+    assert!(Ephemerides::from_text(&text, Path::new("sat.czml"), false).is_ok());
+    for end in 0..text.len() {
+        for cut in [
+            text[..end].to_owned(),
+            format!("{}é{}", &text[..end], &text[end..]),
+        ] {
+            if let Ok(read) = Ephemerides::from_text(&cut, Path::new("sat.czml"), false) {
+                assert!(
+                    read.feeds
+                        .iter()
+                        .all(|feed| feed.validity().0 <= feed.validity().1)
+                );
+            }
+        }
+    }
 }
 
 #[test]

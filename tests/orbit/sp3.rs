@@ -233,3 +233,23 @@ fn wrong_files_are_named() {
             .position_m
     );
 }
+
+/// Wherever a file ends or holds a strange character, it is read or an error: nothing panics.
+#[test]
+fn files_may_end_anywhere() {
+    let text = whole(&header('c', 'V', "GPS"), 0..3, &["G01"], true);
+    for end in 0..text.len() {
+        for cut in [
+            text[..end].to_owned(),
+            format!("{}é{}", &text[..end], &text[end..]),
+        ] {
+            if let Ok(read) = read(&cut, false) {
+                assert!(
+                    read.feeds
+                        .iter()
+                        .all(|feed| feed.validity().0 <= feed.validity().1)
+                );
+            }
+        }
+    }
+}

@@ -230,3 +230,25 @@ fn messages_that_are_not_read_are_named() {
         }
     }
 }
+
+/// Wherever a file ends or holds a strange character, it is read or an error: nothing panics.
+#[test]
+fn files_may_end_anywhere() {
+    let listed = format!("{J2000_KM}BEGIN SegmentBoundaryTimes\n 60.0\nEND SegmentBoundaryTimes\n");
+    let text = file(&listed, "EphemerisTimePosVel", &rows(0..=2, 1e3, true));
+    for end in 0..text.len() {
+        for cut in [
+            text[..end].to_owned(),
+            format!("{}é{}", &text[..end], &text[end..]),
+        ] {
+            let read = Ephemerides::from_text(&cut, Path::new("a.e"), false);
+            if let Ok(read) = read {
+                assert!(
+                    read.feeds
+                        .iter()
+                        .all(|feed| feed.validity().0 <= feed.validity().1)
+                );
+            }
+        }
+    }
+}

@@ -27,6 +27,11 @@ fn write(text: &mut String, feed: &EphemerisFeed, header: &Header) -> std::fmt::
     for segment in feed.segments() {
         let samples = &segment.samples;
         let (first, last) = samples.span();
+        // The format has no extrapolation: what goes beyond the samples is left out.
+        let usable = (segment.usable.0.max(first), segment.usable.1.min(last));
+        if usable.0 > usable.1 {
+            continue;
+        }
         writeln!(text, "\nMETA_START")?;
         writeln!(text, "OBJECT_NAME = {}", one_line(feed.name()))?;
         let id = feed.object_id().unwrap_or("UNKNOWN");
@@ -35,8 +40,8 @@ fn write(text: &mut String, feed: &EphemerisFeed, header: &Header) -> std::fmt::
         writeln!(text, "REF_FRAME = {}", frame_name(samples.frame()))?;
         writeln!(text, "TIME_SYSTEM = UTC")?;
         writeln!(text, "START_TIME = {}", utc(first))?;
-        writeln!(text, "USEABLE_START_TIME = {}", utc(segment.usable.0))?;
-        writeln!(text, "USEABLE_STOP_TIME = {}", utc(segment.usable.1))?;
+        writeln!(text, "USEABLE_START_TIME = {}", utc(usable.0))?;
+        writeln!(text, "USEABLE_STOP_TIME = {}", utc(usable.1))?;
         writeln!(text, "STOP_TIME = {}", utc(last))?;
         let interpolation = samples.interpolation();
         writeln!(text, "INTERPOLATION = {}", interpolation.name())?;
