@@ -7,6 +7,7 @@ use super::error::PlayError;
 use super::satellites::{self, Listener, Satellite, stand_in};
 use crate::scene::{Orbit, Scene};
 use terrella::frames::{EarthOrientation, Epoch};
+use terrella_orbit::OrbitFiles;
 
 /// The satellites of a scene, in its order; of the scene, what follows from them of its start.
 pub(super) fn open_all(
@@ -14,9 +15,11 @@ pub(super) fn open_all(
     table: Option<&EarthOrientation>,
     listener: Listener,
 ) -> Result<Vec<Satellite>, PlayError> {
+    // Many satellites may come from one file.
+    let mut read = OrbitFiles::default();
     let files = scene.orbits.iter().enumerate().map(|(index, orbit)| {
         let is_file = orbit.file.is_some();
-        let open = || satellites::open(scene, index, orbit, table, listener);
+        let open = || satellites::open(scene, index, orbit, table, listener, &mut read);
         is_file.then(open).transpose()
     });
     let files = files.collect::<Result<Vec<_>, _>>()?;
@@ -34,7 +37,7 @@ pub(super) fn open_all(
     let all = scene.orbits.iter().zip(files).enumerate();
     all.map(|(index, (orbit, opened))| match opened {
         Some(satellite) => Ok(satellite),
-        None => satellites::open(scene, index, orbit, table, listener),
+        None => satellites::open(scene, index, orbit, table, listener, &mut read),
     })
     .collect()
 }

@@ -20,7 +20,7 @@ use terrella_orbit::numerical::{
     Event, ForceModel, Gravity, NumericalFeed, NumericalOptions, Shadow,
 };
 use terrella_orbit::{
-    Catalogue, Ephemerides, Feed, FileFormat, Frame, MeanElements, OrbitError, OrbitState, Sgp4Feed,
+    Feed, FileFormat, Frame, MeanElements, OrbitError, OrbitFiles, OrbitState, Sgp4Feed,
 };
 
 /// A satellite of a scene.
@@ -176,6 +176,7 @@ pub(super) fn open(
     orbit: &Orbit,
     table: Option<&EarthOrientation>,
     listener: Listener,
+    files: &mut OrbitFiles,
 ) -> Result<Satellite, PlayError> {
     let name = orbit.name.as_deref();
     if let Some(options) = &orbit.live {
@@ -235,7 +236,7 @@ pub(super) fn open(
                     .into()
             })
         }
-        (None, Some(file)) => from_file(scene, index, orbit, file),
+        (None, Some(file)) => from_file(scene, index, orbit, file, files),
         (None, None) => {
             let feed = Sgp4Feed::built_in_iss()?;
             Ok(Satellite {
@@ -285,6 +286,7 @@ fn from_file(
     index: usize,
     orbit: &Orbit,
     file: &Path,
+    files: &mut OrbitFiles,
 ) -> Result<Satellite, PlayError> {
     let name = orbit.name.as_deref();
     let check = |format| match OrbitSource::of(format) {
@@ -300,54 +302,55 @@ fn from_file(
             Err(scene.refuse_orbit(index, "source", given, remedy))
         }
     };
-    let (tracked, faults, faults_left_out) = match orbit.source {
+    let remarks = |faults: &[OrbitError]| faults.iter().map(FileRemark::of).collect::<Vec<_>>();
+    let (tracked, faults, faults_left_out, is_new) = match orbit.source {
         OrbitSource::Tle | OrbitSource::Omm => {
             // Without a name the only satellite is meant, and which is the only one a spoilt record leaves open.
             let is_strict = orbit.strict || name.is_none();
-            let catalogue = Catalogue::from_file(file, is_strict)?;
+            let read = files.catalogue(file, is_strict)?;
+            let catalogue = &read.content;
             check(catalogue.format)?;
-            let left_out = catalogue.faults_left_out;
-            let mut catalogue = catalogue;
-            let faults = std::mem::take(&mut catalogue.faults);
-            let feed = catalogue.into_one(file, name)?;
+            let feed = catalogue.one(file, name)?;
             let elements = Some(feed.elements().clone());
-            (
-                Satellite {
-                    elements,
-                    ..Satellite::of(feed)
-                },
-                faults,
-                left_out,
-            )
+            let satellite = Satellite {
+                elements,
+                ..Satellite::of(feed)
+            };
+            let faults = remarks(&catalogue.faults);
+            (satellite, faults, catalogue.faults_left_out, read.is_new)
         }
         _ => {
-            let mut ephemerides = Ephemerides::from_file(file, orbit.strict)?;
+            let read = files.ephemerides(file, orbit.strict)?;
+            let ephemerides = &read.content;
             check(ephemerides.format)?;
-            let left_out = ephemerides.faults_left_out;
-            let faults = std::mem::take(&mut ephemerides.faults);
-            (
-                Satellite::of(ephemerides.into_one(file, name)?),
-                faults,
-                left_out,
-            )
+            let satellite = Satellite::of(ephemerides.one(file, name)?);
+            let faults = remarks(&ephemerides.faults);
+            (satellite, faults, ephemerides.faults_left_out, read.is_new)
         }
     };
-    let faults: Vec<_> = faults.iter().map(FileRemark::of).collect();
-    for FileRemark { label, text } in faults.iter().take(FAULTS_TOLD) {
-        tracing::warn!("{label}: {text}");
-    }
-    match faults.len().saturating_sub(FAULTS_TOLD) + faults_left_out {
-        0 => {}
-        more => tracing::warn!(
-            "passed over: {more} more of {}; terrella check lists them, --strict refuses them",
-            file.display()
-        ),
+    // What is wrong with a file is told once, however many satellites come from it.
+    if is_new {
+        tell(file, &faults, faults_left_out);
     }
     Ok(Satellite {
         faults,
         faults_left_out,
         ..tracked
     })
+}
+
+/// Warns of what is wrong with a file, or to be noticed.
+fn tell(file: &Path, faults: &[FileRemark], left_out: usize) {
+    for FileRemark { label, text } in faults.iter().take(FAULTS_TOLD) {
+        tracing::warn!("{label}: {text}");
+    }
+    match faults.len().saturating_sub(FAULTS_TOLD) + left_out {
+        0 => {}
+        more => tracing::warn!(
+            "passed over: {more} more of {}; terrella check lists them, --strict refuses them",
+            file.display()
+        ),
+    }
 }
 
 fn source_key(source: OrbitSource) -> &'static str {
@@ -357,6 +360,8 @@ fn source_key(source: OrbitSource) -> &'static str {
         OrbitSource::Oem => "oem",
         OrbitSource::Czml => "czml",
         OrbitSource::Csv => "csv",
+        OrbitSource::Sp3 => "sp3",
+        OrbitSource::Stk => "stk",
         OrbitSource::Kepler => "kepler",
         OrbitSource::Numerical => "numerical",
         OrbitSource::Live => "live",
@@ -371,6 +376,8 @@ fn format_name(format: FileFormat) -> &'static str {
         FileFormat::Oem => "an orbit ephemeris message",
         FileFormat::Czml => "CZML",
         FileFormat::Csv => "states in columns",
+        FileFormat::Sp3 => "orbits in SP3",
+        FileFormat::Stk => "an ephemeris of STK",
     }
 }
 

@@ -43,6 +43,10 @@ pub enum OrbitSource {
     Czml,
     /// States in columns, interpolated.
     Csv,
+    /// Orbits of navigation satellites in SP3, interpolated.
+    Sp3,
+    /// An ephemeris of STK, interpolated.
+    Stk,
     /// A conic from elements or a state.
     Kepler,
     /// Motion under forces, integrated from elements or a state.
@@ -62,6 +66,8 @@ impl OrbitSource {
             FileFormat::Oem => Self::Oem,
             FileFormat::Czml => Self::Czml,
             FileFormat::Csv => Self::Csv,
+            FileFormat::Sp3 => Self::Sp3,
+            FileFormat::Stk => Self::Stk,
         }
     }
 

@@ -29,6 +29,8 @@ fn flies_by(orbit: &Orbit) -> String {
         (OrbitSource::Oem, _) => format!("orbit ephemeris message, interpolated: {whose}"),
         (OrbitSource::Czml, _) => format!("CZML, interpolated: {whose}"),
         (OrbitSource::Csv, _) => format!("CSV, interpolated: {whose}"),
+        (OrbitSource::Sp3, _) => format!("SP3, interpolated: {whose}"),
+        (OrbitSource::Stk, _) => format!("STK ephemeris, interpolated: {whose}"),
         (OrbitSource::Kepler, Some(Motion::Kepler { j2: true, .. })) => {
             format!("a conic that drifts by J2: {}", name("Kepler"))
         }
