@@ -185,7 +185,7 @@ impl PyCatalogue {
     }
 }
 
-/// Objects of a file of states (OEM, CZML, CSV), interpolated as the file says.
+/// Objects of a file of states (OEM, CZML, CSV, SP3, STK), interpolated as the file says.
 ///
 /// What is spoilt is listed in `faults`; with strict=True it is refused.
 #[pyclass(frozen, extends = PySatellites, name = "Ephemerides", module = "terrella")]
