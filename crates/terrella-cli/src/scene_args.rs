@@ -70,9 +70,9 @@ pub fn open_flight(
 ) -> anyhow::Result<Flight> {
     let is_of_orbits = scene.is_of_orbits();
     open(scene).map_err(|error| match &error {
-        // The others are sets of one satellite, of which no name chooses.
+        // Where the file itself is to be changed, no name chooses.
         PlayError::Orbit(OrbitError::Ambiguous { remedy, .. })
-            if is_of_orbits && remedy.contains("catalogue number") =>
+            if is_of_orbits && (remedy.starts_with("name ") || remedy.starts_with("give the ")) =>
         {
             let text = format!("{error}, by --satellite");
             anyhow::Error::from(error).context(text)
