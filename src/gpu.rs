@@ -16,6 +16,7 @@ mod layers;
 mod map;
 mod maps;
 mod mesh;
+mod pass_kind;
 mod pipeline;
 mod read_back;
 #[cfg_attr(not(feature = "terrain"), path = "gpu/no_relief.rs")]

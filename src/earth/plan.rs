@@ -10,7 +10,7 @@ use super::view::ItrfView;
 use super::{Appearance, EarthError, EarthOptions, FrameStats, Quality, Sky};
 use crate::plan::{
     AirPlan, AirSide, CellLight, CellLights, DeviceLimits, DrawLight, FramePlan, FrameUniforms,
-    MoonShadowUniforms, draw_blocks,
+    MoonShadowUniforms, draw_blocks, interpolated_cells,
 };
 use bytemuck::Zeroable;
 use glam::DVec3;
@@ -24,15 +24,6 @@ use terrella_ground::globe::{
 };
 use terrella_ground::light::exposure_factor;
 use terrella_imagery::{GroundKinds, MOST_PIXEL_M};
-
-/// Cells a block edge that most of the air's light can be interpolated in, for an eye above the air: more where they look large, and no
-/// more than the limb needs where their vertices would cost more than is saved.
-fn interpolated_cells(height_m: f64) -> u32 {
-    match height_m {
-        4e5..9e5 => 48,
-        _ => 0,
-    }
-}
 
 /// Where the maps of an Earth have nothing but land or open sea: of whole maps, and of pictures that may use it.
 fn ground_kinds(options: &EarthOptions) -> Option<Arc<GroundKinds>> {

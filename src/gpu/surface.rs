@@ -3,10 +3,11 @@
 
 use super::maps::Maps;
 use super::mesh::{MeshForm, SurfaceMesh};
+use super::pass_kind::PassKind;
 use super::shader::{EarthVariant, ShaderVariant};
 use super::surface_config::SurfaceConfig;
 use super::surface_pipelines::{
-    PassKind, SurfaceMaker, SurfacePipelines, frame_entry, light_entry, reads_light, tiles_entry,
+    SurfaceMaker, SurfacePipelines, frame_entry, light_entry, reads_light, tiles_entry,
 };
 use super::surface_view::SurfaceView;
 use super::tiles::TileTextures;

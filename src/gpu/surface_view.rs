@@ -2,9 +2,9 @@
 
 use super::lattice::Lattice;
 use super::mesh::SurfaceMesh;
+use super::pass_kind::PassKind;
 use super::relief;
 use super::surface_config::SurfaceConfig;
-use super::surface_pipelines::PassKind;
 use crate::plan::{FramePlan, FrameUniforms};
 use terrella_ground::globe::{BlockGrid, Surface};
 

@@ -9,6 +9,15 @@ use terrella_ground::air::{AirTables, InterpolationLimits};
 use terrella_ground::globe::{Block, BlockGrid};
 use terrella_imagery::{GroundKind, GroundKinds};
 
+/// Cells a block edge that most of the air's light can be interpolated in, for an eye above the air: more where they look large, and no
+/// more than the limb needs where their vertices would cost more than is saved.
+pub(crate) fn interpolated_cells(height_m: f64) -> u32 {
+    match height_m {
+        4e5..9e5 => 48,
+        _ => 0,
+    }
+}
+
 /// Chooses how cells are drawn.
 pub(crate) struct CellLights {
     tables: Arc<AirTables>,

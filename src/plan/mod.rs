@@ -22,7 +22,7 @@ mod uniforms;
 
 pub(crate) use air::AirPlan;
 pub use air::AirSide;
-pub(crate) use cells::{CellLight, CellLights};
+pub(crate) use cells::{CellLight, CellLights, interpolated_cells};
 pub(crate) use draws::{
     DrawCosts, DrawLight, LISTED_INDICES, PER_BLOCK_TILES, SurfaceDraw, WHOLE_MAP, draw_blocks,
 };
