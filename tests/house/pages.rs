@@ -141,7 +141,7 @@ fn sentences(paragraph: &str) -> Vec<Vec<&str>> {
     };
     let words: Vec<_> = paragraph.split_whitespace().collect();
     let is_word = |word: &&str| word.chars().any(char::is_alphanumeric);
-    let sentences = words.split_inclusive(|word| ends(&word));
+    let sentences = words.split_inclusive(|word| ends(word));
     let sentences =
         sentences.map(|words| words.iter().copied().filter(is_word).collect::<Vec<_>>());
     sentences.filter(|words| !words.is_empty()).collect()
