@@ -4,6 +4,7 @@ mod cracks;
 mod culling;
 mod errors;
 mod extremes;
+mod work;
 
 use super::{Quadtree, QuadtreeOptions};
 use crate::elevation::{Bounds, Elevation, HeightRange};
