@@ -95,13 +95,17 @@ impl CullingContext {
         (center_m - bound.radius_m).max(self.eye_height_m - bound.high_m)
     }
 
+    /// Whether a bound lies behind the horizon.
+    pub fn is_behind_horizon(&self, bound: &GroundBound) -> bool {
+        let (center_itrf_m, radius_m) = (bound.center_itrf_m, bound.radius_m);
+        self.horizon
+            .hides_ball(center_itrf_m, radius_m, bound.high_m)
+    }
+
     /// What is seen of a bound.
     pub fn visibility(&self, bound: &GroundBound) -> BoundVisibility {
         let (center_itrf_m, radius_m) = (bound.center_itrf_m, bound.radius_m);
-        if self
-            .horizon
-            .hides_ball(center_itrf_m, radius_m, bound.high_m)
-        {
+        if self.is_behind_horizon(bound) {
             return BoundVisibility::BehindHorizon;
         }
         match self

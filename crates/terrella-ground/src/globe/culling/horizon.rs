@@ -102,8 +102,13 @@ pub fn is_within_angle(a: DVec3, b: DVec3, angle_rad: f64) -> bool {
 pub struct Horizon {
     ellipsoid: Ellipsoid,
     shell: GroundShell,
+    /// Scaled space from ITRF metres, and the largest of its three factors.
+    scale: DVec3,
+    most_scale: f64,
     /// The eye in scaled space.
     eye: DVec3,
+    /// Its direction from the centre.
+    up: DVec3,
     /// L.
     distance: f64,
     /// ρ/L: sine of the occluder's angular radius, and cosine of the angle at the centre where tangents touch it.
@@ -114,13 +119,17 @@ pub struct Horizon {
 
 impl Horizon {
     pub fn new(ellipsoid: &Ellipsoid, eye_itrf_m: DVec3, shell: GroundShell) -> Self {
-        let eye = eye_itrf_m * ellipsoid.scaled_from_itrf();
+        let scale = ellipsoid.scaled_from_itrf();
+        let eye = eye_itrf_m * scale;
         let distance = eye.length();
         let above = (distance - shell.lowest).max(0.0) * (distance + shell.lowest);
         Self {
             ellipsoid: *ellipsoid,
             shell,
+            scale,
+            most_scale: scale.max_element(),
             eye,
+            up: eye / distance,
             distance,
             sin_radius: shell.lowest / distance,
             cos_radius: above.sqrt() / distance,
@@ -204,15 +213,20 @@ impl Horizon {
         if !self.is_eye_above() {
             return false;
         }
-        let scale = self.ellipsoid.scaled_from_itrf();
         // A ball becomes an ellipsoid within a ball.
-        let (center, radius) = (center_itrf_m * scale, radius_m * scale.max_element());
-        let up = self.eye / self.distance;
+        let (center, radius) = (center_itrf_m * self.scale, radius_m * self.most_scale);
+        let up = self.up;
         let along = center.dot(up);
-        let aside = (center - up * along).length();
         // The shadow begins at the plane of the limb, √(L² − ρ²) cos α from the eye, and is the inside of a cone from there on.
         let inwards = self.distance - along;
         let to_limb_plane = self.distance * self.cos_radius * self.cos_radius;
+        // Most of what is near: before that plane, its middle within the limb's cone about the eye's radius. No roots are needed.
+        let is_before_limb = inwards - radius <= to_limb_plane;
+        let limb_along = center.length_squared() * self.sin_radius * self.sin_radius;
+        if is_before_limb && along > 0.0 && along * along >= limb_along {
+            return false;
+        }
+        let aside = (center - up * along).length();
         let is_in_shadow = inwards - radius > to_limb_plane
             && inwards * self.sin_radius - aside * self.cos_radius > radius;
         if is_in_shadow {

@@ -196,6 +196,12 @@ impl Forest {
         (page != NONE).then_some(page)
     }
 
+    /// Where the quarters of a node are kept, in Morton order.
+    pub fn children(&self, slot: Slot) -> Option<[Slot; PAGE_NODES]> {
+        let page = self.page_of(slot)?;
+        Some([0, 1, 2, 3].map(|place| Slot { page, place }))
+    }
+
     /// What is known of a node.
     pub fn info(&self, slot: Slot) -> &SquareInfo {
         match slot.page {

@@ -81,21 +81,24 @@ impl LodView {
 
     /// How far a leaf is from being fine enough: it is to be divided above 1. `side_m` is the side of its square.
     pub fn split_ratio(&self, info: &SquareInfo, side_m: f64, visibility: BoundVisibility) -> f64 {
-        let distance_m = self.distance_m(info);
+        seen_ratio(
+            self.full_ratio(info, self.distance_m(info), side_m),
+            visibility,
+        )
+    }
+
+    /// The same of a leaf at a distance that is seen as a whole: never less than [`Self::split_ratio`].
+    pub fn full_ratio(&self, info: &SquareInfo, distance_m: f64, side_m: f64) -> f64 {
         let mut ratio = f64::from(info.error_m) / distance_m * self.factor;
         if let Some(k) = self.full {
             ratio *= k * side_m / distance_m;
         }
-        match visibility {
-            BoundVisibility::Inside | BoundVisibility::Intersecting => ratio,
-            BoundVisibility::OutsideFrustum => ratio * OUTSIDE,
-            BoundVisibility::BehindHorizon => 0.0,
-        }
+        ratio
     }
 
-    /// A leaf's error as it appears, pixels.
-    pub fn error_px(&self, info: &SquareInfo) -> f64 {
-        f64::from(info.error_m) / (self.distance_m(info) * self.culling.pixel_rad)
+    /// How an error at a distance appears, pixels.
+    pub fn error_px(&self, error_m: f64, distance_m: f64) -> f64 {
+        error_m / (distance_m * self.culling.pixel_rad)
     }
 
     /// What is seen of a square.
@@ -108,9 +111,16 @@ impl LodView {
 
     /// What is seen of a square within another of which `above` is seen: nothing, where nothing is seen of that.
     pub fn visibility_within(&self, above: BoundVisibility, info: &SquareInfo) -> BoundVisibility {
-        match above.is_visible() {
-            true => self.visibility(info),
-            false => above,
+        match above {
+            // What lies in the frustum as a whole has no part outside.
+            BoundVisibility::Inside if self.is_culled => {
+                match self.culling.is_behind_horizon(&info.bound()) {
+                    true => BoundVisibility::BehindHorizon,
+                    false => BoundVisibility::Inside,
+                }
+            }
+            BoundVisibility::Inside | BoundVisibility::Intersecting => self.visibility(info),
+            hidden => hidden,
         }
     }
 
@@ -118,6 +128,15 @@ impl LodView {
     pub fn draws(&self, info: &SquareInfo, normals: &NormalCone) -> bool {
         let is_backfacing = self.is_culled && self.culling.is_backfacing(&info.bound(), normals);
         self.visibility(info).is_visible() && !is_backfacing
+    }
+}
+
+/// The ratio of a leaf as far as it is seen.
+pub fn seen_ratio(full_ratio: f64, visibility: BoundVisibility) -> f64 {
+    match visibility {
+        BoundVisibility::Inside | BoundVisibility::Intersecting => full_ratio,
+        BoundVisibility::OutsideFrustum => full_ratio * OUTSIDE,
+        BoundVisibility::BehindHorizon => 0.0,
     }
 }
 

@@ -1,7 +1,7 @@
 //! The Earth as a forest of unfull quadtrees.
 
 use super::forest::{BLOCKS, Forest, Slot, root_slot};
-use super::lod::{LodView, SplitRule};
+use super::lod::{LodView, SplitRule, seen_ratio};
 use super::node::{Cut, Node, Side};
 use super::page::side_rad;
 use super::patch::{BuiltPatch, PointHasher, Scratch};
@@ -214,22 +214,34 @@ impl Quadtree {
         self.stack.push((built.node, slot, visibility));
         while let Some((node, slot, above)) = self.stack.pop() {
             let info = forest.info(slot);
-            let visibility = lod.visibility_within(above, info);
             let side_m = side_m(&self.options.ellipsoid, node);
-            let ratio = lod.split_ratio(info, side_m, visibility);
-            let bin = (ratio.max(1.0).log2() * BINS_PER_DOUBLING) as usize;
-            let bin = bin.min(BINS - 1);
+            let distance_m = lod.distance_m(info);
+            let full_ratio = lod.full_ratio(info, distance_m, side_m);
+            let is_split = forest.is_split(slot);
+            let error_m = f64::from(info.error_m);
+            let error_px = lod.error_px(error_m, distance_m);
+            built.leaves += u32::from(!is_split);
+            let is_larger = error_m > built.error.0 || error_px > built.error.1;
+            if !is_split && full_ratio <= 1.0 && !is_larger {
+                // Seen or not, it changes nothing.
+                continue;
+            }
+            let visibility = lod.visibility_within(above, info);
+            let ratio = seen_ratio(full_ratio, visibility);
+            let bin = match ratio > 1.0 {
+                true => ((ratio.log2() * BINS_PER_DOUBLING) as usize).min(BINS - 1),
+                false => 0,
+            };
             self.bins[bin] += u32::from(ratio > 1.0);
-            if forest.is_split(slot) {
+            if is_split {
                 built.has_merges |= ratio < self.hysteresis * self.error_threshold;
-                for k in 0..4 {
-                    if let Some(slot) = forest.child(node, slot, k) {
-                        self.stack.push((node.child(k), slot, visibility));
-                    }
+                if let Some(below) = forest.children(slot) {
+                    let below = (0..4).zip(below);
+                    self.stack
+                        .extend(below.map(|(k, slot)| (node.child(k), slot, visibility)));
                 }
                 continue;
             }
-            built.leaves += 1;
             if ratio > self.error_threshold && node.level < self.options.max_level {
                 built.urgency = built.urgency.max(ratio);
                 let is_known = forest.has_children(slot);
@@ -237,9 +249,8 @@ impl Quadtree {
                 self.wanted[bin] += u64::from(work);
             }
             if visibility.is_visible() {
-                let (error_m, error_px) = built.error;
-                let leaf_px = lod.error_px(info);
-                built.error = (error_m.max(f64::from(info.error_m)), error_px.max(leaf_px));
+                let (most_m, most_px) = built.error;
+                built.error = (most_m.max(error_m), most_px.max(error_px));
             }
         }
     }
