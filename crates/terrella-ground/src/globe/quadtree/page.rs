@@ -21,6 +21,9 @@ const RANGES: usize = STEPS / 2;
 /// a square is just not fine enough, its quarters mostly are.
 pub const PAGE_NODES: usize = 4;
 
+/// A range of the data is narrowed where it is more than so many sides of the square.
+const MOST_STEEP: f64 = 8.0;
+
 /// Place of a node among the quarters of its parent.
 pub fn quarter(node: Node) -> u32 {
     ((node.y & 1) << 1 | node.x & 1) as u32
@@ -154,6 +157,7 @@ impl PageReader {
         for (info, child) in infos.iter_mut().zip(node.children()) {
             let (x, y) = ((child.x & 1) as usize, (child.y & 1) as usize);
             let range = ground.range_up_to_m(&bounds(child.square(DEPTH)), 0.0);
+            let range = self.narrowed(child, (4 * x, 4 * y), &range);
             *info = self.info(child, (4 * x, 4 * y), 4, ellipsoid, &range, 0.0);
         }
         let own = infos
@@ -179,6 +183,29 @@ impl PageReader {
         ));
         let own = self.info(node, (0, 0), STEPS, ellipsoid, &range, below_m);
         (own, infos)
+    }
+
+    /// The range of a smallest square. That of the data is of whole cells between samples: in a square that is much smaller than
+    /// the cell it lies in, of a steep one, the ball about it would hold the eye, and it would be divided without end. Where
+    /// the data are smooth between the posts, these then say the range.
+    fn narrowed(&self, node: Node, (x, y): (usize, usize), range: &HeightRange) -> HeightRange {
+        let side_m = side_rad(node.level) * Ellipsoid::WGS84.equatorial_radius_m;
+        if !self.is_smooth || range.high_m - range.low_m <= MOST_STEEP * side_m {
+            return *range;
+        }
+        let mut low_m = f64::INFINITY;
+        let mut high_m = f64::NEG_INFINITY;
+        for j in y..=y + 4 {
+            for i in x..=x + 4 {
+                let height_m = self.height(i, j);
+                (low_m, high_m) = (low_m.min(height_m), high_m.max(height_m));
+            }
+        }
+        let unseen_m = self.unseen_m[SIDE * (y / 4) + x / 4];
+        HeightRange {
+            low_m: (low_m - unseen_m).max(range.low_m),
+            high_m: (high_m + unseen_m).min(range.high_m),
+        }
     }
 
     fn height(&self, i: usize, j: usize) -> f64 {
