@@ -43,11 +43,7 @@ impl Quadtree {
             let by_distance = || a.distance_m.total_cmp(&b.distance_m);
             by_sight.then_with(by_distance).then(a.node.cmp(&b.node))
         });
-        let mut left = if self.is_begun_anew {
-            u32::MAX
-        } else {
-            RENEWED
-        };
+        let mut left = RENEWED;
         for index in &order {
             let built = &mut self.patches[*index as usize];
             left = left.saturating_sub(built.renew(left, forest, ground, &mut self.scratch));

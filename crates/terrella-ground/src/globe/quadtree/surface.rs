@@ -96,8 +96,6 @@ pub struct Quadtree {
     pub(super) stats: SurfaceStats,
     pub(super) rebuilt: u32,
     pub(super) changes: u32,
-    /// Divided anew from the blocks on: without a budget of work until it is done, so that it takes some views and not many.
-    pub(super) is_begun_anew: bool,
 }
 
 impl Quadtree {
@@ -130,7 +128,6 @@ impl Quadtree {
             stats: SurfaceStats::default(),
             rebuilt: 0,
             changes: 0,
-            is_begun_anew: false,
         }
     }
 
@@ -496,10 +493,6 @@ impl Surface for Quadtree {
         let Some(mut forest) = self.forest.take() else {
             return self.stats;
         };
-        let work = self.options.work;
-        if self.is_begun_anew {
-            self.options.work = u32::MAX;
-        }
         if let Some(mut lod) = self.evaluate_view(&forest, view) {
             forest.start_frame();
             (self.work_done, self.changes) = (0, 0);
@@ -517,9 +510,7 @@ impl Surface for Quadtree {
             self.build(&forest, &lod, ground);
             self.renew(&forest, &lod, ground);
             self.count(&forest);
-            self.is_begun_anew &= self.changes > 0;
         }
-        self.options.work = work;
         self.forest = Some(forest);
         self.stats
     }
@@ -549,7 +540,6 @@ impl Surface for Quadtree {
         self.add_blocks(&forest);
         self.deepest_m = f64::INFINITY;
         self.error_threshold = 1.0;
-        self.is_begun_anew = true;
         self.forest = Some(forest);
     }
 

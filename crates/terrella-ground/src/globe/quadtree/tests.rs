@@ -1,5 +1,6 @@
 //! The forest over synthetic ground.
 
+mod budget;
 mod cracks;
 mod culling;
 mod errors;

@@ -18,7 +18,7 @@ type Corner = [u64; 3];
 /// corners of one triangle: at a pole, the middles of two leaves beside each other may be one place, and the two triangles
 /// between them then cover each other.
 #[track_caller]
-fn assert_closed(surface: &Quadtree) {
+pub fn assert_closed(surface: &Quadtree) {
     let mut edges: HashMap<(Corner, Corner), u32> = HashMap::new();
     let mut corners = HashSet::new();
     let mut faces = 0_usize;
