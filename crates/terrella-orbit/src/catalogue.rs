@@ -104,7 +104,7 @@ impl Catalogue {
     /// and CSV's first line names `MEAN_MOTION` between commas.
     ///
     /// Sets of several epochs of one satellite are one feed, in which each answers for the instants to which its epoch is the
-    /// nearest; a notice says so. Sets that are spoilt, or that SGP4 cannot fly, are listed and the others used; `is_strict`
+    /// nearest; a notice says so. Sets that are faulty, or that SGP4 cannot fly, are listed and the others used; `is_strict`
     /// refuses the file instead.
     ///
     /// # Errors

@@ -60,7 +60,7 @@ struct Thing<'t> {
     /// Where its position was said last.
     position: Option<&'t RawValue>,
     /// A fault has been reported: it is not flown.
-    is_spoilt: bool,
+    is_faulty: bool,
 }
 
 /// What holds in an interval, or at all times.
@@ -119,8 +119,8 @@ impl<'t> Objects<'t> {
             thing.name = Some(printable(&name));
         }
         match thing.add(document, &packet, each) {
-            Err(error) if !thing.is_spoilt => {
-                thing.is_spoilt = true;
+            Err(error) if !thing.is_faulty => {
+                thing.is_faulty = true;
                 each(Found::Spoilt(error))
             }
             _ => Ok(()),
@@ -136,7 +136,7 @@ impl<'t> Objects<'t> {
         };
         timelines.known.resize_with(self.all.len(), || Work::Open);
         for (at, thing) in self.all.iter().enumerate() {
-            if thing.is_spoilt || !thing.moves() {
+            if thing.is_faulty || !thing.moves() {
                 continue;
             }
             let object = match timelines.known(at, each) {
@@ -165,7 +165,7 @@ impl<'t> Thing<'t> {
             availability: None,
             pieces: Vec::new(),
             position: None,
-            is_spoilt: false,
+            is_faulty: false,
         }
     }
 
@@ -447,12 +447,12 @@ impl<'t> Timelines<'_, 't> {
         let Some(at) = self.objects.by_id.get(id).copied() else {
             return refuse("no object has this id");
         };
-        let is_spoilt = self
+        let is_faulty = self
             .objects
             .all
             .get(at)
-            .is_some_and(|other| other.is_spoilt);
-        if is_spoilt || matches!(self.known.get(at), Some(Work::Failed)) {
+            .is_some_and(|other| other.is_faulty);
+        if is_faulty || matches!(self.known.get(at), Some(Work::Failed)) {
             return refuse("the object of this id cannot be read");
         }
         if matches!(self.known.get(at), Some(Work::Begun)) {

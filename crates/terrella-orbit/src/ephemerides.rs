@@ -25,7 +25,7 @@ pub struct Ephemerides {
     /// Objects that are where others are, which only their names choose.
     followers: Vec<EphemerisFeed>,
     /// Why the first object that cannot be flown cannot be.
-    spoilt: Option<RecordError>,
+    faulty: Option<RecordError>,
 }
 
 impl Ephemerides {
@@ -50,7 +50,7 @@ impl Ephemerides {
     /// - An ephemeris of STK begins with `stk.v.`; its systems ICRF, J2000, Fixed and TEMEOfDate are read.
     ///
     /// States that cannot be read, and those out of the order of time, are listed and their objects flown
-    /// without them. Objects that are spoilt are listed and the others used. `is_strict` refuses the file instead.
+    /// without them. Objects that are faulty are listed and the others used. `is_strict` refuses the file instead.
     ///
     /// # Errors
     /// If no object is good, or, when strict, if anything is not: says which line and column is wrong, how, and what to do.
@@ -73,7 +73,7 @@ impl Ephemerides {
         let mut faults = Faults::<RecordError>::new(false);
         let mut first_fault = None;
         let mut feeds = Vec::new();
-        let (mut followers, mut spoilt) = (Vec::new(), None);
+        let (mut followers, mut faulty) = (Vec::new(), None);
         let mut each = |found| match found {
             Found::Object(feed) => {
                 feeds.push(feed);
@@ -84,7 +84,7 @@ impl Ephemerides {
                 Ok(())
             }
             Found::Spoilt(error) => {
-                spoilt.get_or_insert_with(|| error.clone());
+                faulty.get_or_insert_with(|| error.clone());
                 first_fault.get_or_insert_with(|| error.clone());
                 faults.note(error)
             }
@@ -117,7 +117,7 @@ impl Ephemerides {
             }
             _ => {}
         }
-        let telling = spoilt.clone().filter(|error| !error.is_of_emptiness());
+        let telling = faulty.clone().filter(|error| !error.is_of_emptiness());
         if let Some(first) = first_fault.filter(|_| is_strict) {
             return Err(telling.unwrap_or(first).into());
         }
@@ -125,7 +125,7 @@ impl Ephemerides {
         if feeds.is_empty() {
             // What spoils an object says more than a fault of one state, and that more than that there is nothing.
             return Err(match (telling, kept.is_empty()) {
-                (Some(spoilt), _) => spoilt.into(),
+                (Some(faulty), _) => faulty.into(),
                 (None, true) => OrbitError::NoEphemeris {
                     path: origin.to_owned(),
                 },
@@ -138,14 +138,14 @@ impl Ephemerides {
             faults: kept,
             faults_left_out: faults.left_out,
             followers,
-            spoilt,
+            faulty,
         })
     }
 
     /// The object of that name, letter case aside, international designator or `id` of CZML; `None` takes the only one there is.
     ///
     /// # Errors
-    /// If none or more than one answers: says which there are. Without a name also if an object is spoilt, as that leaves
+    /// If none or more than one answers: says which there are. Without a name also if an object is faulty, as that leaves
     /// open which is the only one.
     pub fn into_one(self, origin: &Path, name: Option<&str>) -> Result<EphemerisFeed, OrbitError> {
         self.one(origin, name)
@@ -156,7 +156,7 @@ impl Ephemerides {
     /// # Errors
     /// As [`Self::into_one`].
     pub fn one(&self, origin: &Path, name: Option<&str>) -> Result<EphemerisFeed, OrbitError> {
-        if let (None, Some(error)) = (name, &self.spoilt) {
+        if let (None, Some(error)) = (name, &self.faulty) {
             return Err(error.clone().into());
         }
         let followers = self.followers.iter().filter(|_| name.is_some());

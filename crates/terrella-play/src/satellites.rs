@@ -328,7 +328,7 @@ fn from_file(
             (satellite, faults, ephemerides.faults_left_out, read.is_new)
         }
     };
-    // What is wrong with a file is told once, however many satellites come from it.
+    // What is wrong with a file is reported once, however many satellites come from it.
     if is_new {
         tell(file, &faults, faults_left_out);
     }

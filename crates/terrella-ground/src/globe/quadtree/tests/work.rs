@@ -99,7 +99,7 @@ fn print_head() {
     println!("|---|---|---|---|---|---|---|---|---|---|---|");
 }
 
-/// The leaves, as one number that hangs on no order.
+/// The leaves, as one number that does not depend on their order.
 fn leaf_set(surface: &Quadtree) -> String {
     let mut keys: Vec<[u64; 2]> = Vec::new();
     for built in &surface.patches {
