@@ -368,11 +368,12 @@ impl Earth {
         for view in views(&mut self.first, others) {
             view.stats.texture_bytes = shared + view.air_textures().map_or(0, AirTextures::bytes);
             view.list_draws(tiled);
-            let air = view.air.as_ref().map(AirDrawable::textures);
-            let (style, format, ground) = (self.style, self.format, view.planner.ground());
-            let config = surface_config(&self.device, style, format, &self.quality, air, ground);
             let surface = &mut self.surface;
             if !surface.is_ready(&view.surface, &view.plan) || !view.is_air_ready() {
+                let air = view.air.as_ref().map(AirDrawable::textures);
+                let (style, format, ground) = (self.style, self.format, view.planner.ground());
+                let config =
+                    surface_config(&self.device, style, format, &self.quality, air, ground);
                 let scope = self.device.push_error_scope(wgpu::ErrorFilter::Validation);
                 let ready =
                     surface.make_ready(&self.device, &config, &mut view.surface, &view.plan);

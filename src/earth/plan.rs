@@ -27,7 +27,10 @@ use terrella_imagery::{GroundKinds, MOST_PIXEL_M};
 
 /// Where the maps of an Earth have nothing but land or open sea: of whole maps, and of pictures that may use it.
 fn ground_kinds(options: &EarthOptions) -> Option<Arc<GroundKinds>> {
-    let is_used = options.interpolates_air() && options.tiles.is_none() && options.ground.is_none();
+    let is_used = options.interpolates_air()
+        && options.atmosphere == Atmosphere::Billboard
+        && options.tiles.is_none()
+        && options.ground.is_none();
     let kinds = is_used.then(|| GroundKinds::new(&options.layers)).flatten();
     kinds.map(Arc::new)
 }

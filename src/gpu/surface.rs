@@ -268,8 +268,11 @@ impl SurfaceDrawable {
         tiles.flush(queue)
     }
 
-    /// Draws the plan that was written to a view last.
+    /// Draws the plan that was written to a view last; nothing of one that could not be made ready.
     pub fn render(&self, pass: &mut wgpu::RenderPass<'_>, view: &SurfaceView, plan: &FramePlan) {
+        if !self.is_ready(view, plan) {
+            return;
+        }
         let side = side_of(plan);
         let mut chosen = None;
         let mut by_light = |pass: &mut wgpu::RenderPass<'_>, light: DrawLight| {
