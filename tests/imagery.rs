@@ -139,6 +139,28 @@ fn a_png_day_map_serves_too() {
 }
 
 #[test]
+fn clouds_may_be_a_jpeg() {
+    let dir = good_folder();
+    let path = dir.path().join("clouds.png");
+    let grey = image::open(&path).expect("a map");
+    std::fs::remove_file(path).expect("temporary file");
+    let jpeg = dir.path().join("clouds.jpg");
+    grey.save_with_format(&jpeg, ImageFormat::Jpeg)
+        .expect("temporary file");
+    assert!(
+        LayerSelection::default()
+            .files_in(dir.path())
+            .contains(&jpeg)
+    );
+    assert_eq!(LayerSelection::default().missing_in(dir.path()), []);
+    let clouds = load_all(dir.path())
+        .expect("good maps")
+        .clouds
+        .expect("clouds");
+    assert!(clouds.levels[0][0].abs_diff(100) < 9);
+}
+
+#[test]
 fn a_missing_map_is_named() {
     for name in ["day.jpg", "clouds.png", "night_lights.png", "elevation.png"] {
         let dir = good_folder();

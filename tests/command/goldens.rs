@@ -170,7 +170,7 @@ fn build_pack(to: &Path) -> Result<(), String> {
         .arg("--day")
         .arg(textures.join("day.jpg"))
         .arg("--clouds")
-        .arg(textures.join("clouds.png"))
+        .arg(textures.join("clouds.jpg"))
         .arg("-o")
         .arg(to)
         .output()

@@ -6,8 +6,10 @@
 
 pub(crate) mod clouds;
 pub(crate) mod day;
+mod detail_tile;
 mod heights;
 pub(crate) mod map;
+mod plane;
 mod poles;
 mod sky;
 mod water;
@@ -18,7 +20,10 @@ use std::path::Path;
 /// Largest file of the pack, bytes.
 const MAX_FILE_BYTES: usize = 3_000_000;
 /// Largest pack, bytes.
-const MAX_PACK_BYTES: usize = 8_500_000;
+const MAX_PACK_BYTES: usize = 9_000_000;
+
+/// The tile of clouds' detail: no map of the Earth, and the same with any maps.
+const DETAIL_TILE: &str = "../crates/terrella-imagery/data/detail_tile.jpg";
 
 /// One file of the pack.
 struct Product {
@@ -103,7 +108,8 @@ fn make(data: &Path) -> Result<Vec<Product>> {
         Ok(vec![
             product("day.jpg", day),
             product("water.png", water),
-            product("clouds.png", clouds),
+            product("clouds.jpg", clouds),
+            product(DETAIL_TILE, detail_tile::make(data)?),
             product("night_lights.png", read(&night_lights)?),
             product("elevation.png", read(&elevation)?),
             product("elevation.toml", heights::GLOBE.into()),

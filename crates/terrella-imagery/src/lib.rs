@@ -7,6 +7,7 @@
 //! | `between.rs` | what lies between two maps |
 //! | `albedo.rs` | what neighbourhoods reflect, for the air over them |
 //! | `ground_kinds.rs` | where there is nothing but land, or nothing but open sea |
+//! | `detail_tile.rs` | detail smaller than texels |
 //! | `load.rs` | a folder of maps read from disk, with limits before every allocation |
 //! | `decode.rs` | PNG and JPEG files |
 //! | `jpeg/` | whether a JPEG is whole |
@@ -28,6 +29,7 @@ mod albedo;
 mod between;
 pub mod colour;
 mod decode;
+mod detail_tile;
 mod error;
 mod find;
 mod ground_kinds;
@@ -47,6 +49,7 @@ mod texel;
 pub mod tile;
 
 pub use albedo::{CLOUD_ALBEDO, MapAlbedo, NEIGHBOURHOODS, NeighbourhoodAlbedo};
+pub use detail_tile::{DETAIL_STEP, detail_tile};
 pub use error::ImageryError;
 pub use find::{TEXTURES_VARIABLE, find_textures};
 pub use ground_kinds::{CELLS_AROUND, GroundKind, GroundKinds, MOST_PIXEL_M};

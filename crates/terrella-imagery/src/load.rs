@@ -31,13 +31,22 @@ pub struct LayerSelection {
     pub water: bool,
 }
 
-/// Files of the maps that may be left out.
-const OPTIONAL_FILES: [(MapLayer, &str); 4] = [
-    (MapLayer::Clouds, "clouds.png"),
-    (MapLayer::Normals, "elevation.png"),
-    (MapLayer::NightLights, "night_lights.png"),
-    (MapLayer::Water, "water.png"),
+/// Names of the cloud map, first come first taken.
+const CLOUD_NAMES: [&str; 2] = ["clouds.png", "clouds.jpg"];
+
+/// Files of the maps that may be left out, under their names in a folder: first come first taken.
+const OPTIONAL_FILES: [(MapLayer, &[&str]); 4] = [
+    (MapLayer::Clouds, &CLOUD_NAMES),
+    (MapLayer::Normals, &["elevation.png"]),
+    (MapLayer::NightLights, &["night_lights.png"]),
+    (MapLayer::Water, &["water.png"]),
 ];
+
+/// The first of these files that a folder has.
+fn first_in(dir: &Path, names: &[&str]) -> Option<PathBuf> {
+    let mut paths = names.iter().map(|name| dir.join(name));
+    paths.find(|path| path.exists())
+}
 
 impl LayerSelection {
     /// Whether it has a map; the day map always.
@@ -55,20 +64,19 @@ impl LayerSelection {
     pub fn missing_in(self, dir: &Path) -> Vec<(MapLayer, &'static str)> {
         let wanted = OPTIONAL_FILES.into_iter();
         wanted
-            .filter(|(layer, file)| self.has(*layer) && !dir.join(file).exists())
+            .filter(|(layer, names)| self.has(*layer) && first_in(dir, names).is_none())
+            .map(|(layer, names)| (layer, names[0]))
             .collect()
     }
 
     /// The files that [`load_layers`] reads of a folder for these maps, as far as they are there.
     pub fn files_in(self, dir: &Path) -> Vec<PathBuf> {
-        let day = DAY_NAMES.into_iter().find(|name| dir.join(name).exists());
         // The depth of the sea is from the elevation map too.
         let is_read = |layer| self.has(layer) || layer == MapLayer::Normals && self.water;
         let optional = OPTIONAL_FILES.into_iter();
         let optional = optional.filter(|(layer, _)| is_read(*layer));
-        let names = day.into_iter().chain(optional.map(|(_, name)| name));
-        let paths = names.map(|name| dir.join(name));
-        paths.filter(|path| path.exists()).collect()
+        let optional = optional.filter_map(|(_, names)| first_in(dir, names));
+        day_file(dir).into_iter().chain(optional).collect()
     }
 
     /// The same without some maps.
@@ -104,7 +112,7 @@ impl Default for LayerSelection {
 /// | map | file | texels |
 /// |---|---|---|
 /// | day | `day.jpg`, else `day.png` | 8-bit colour or grey, sRGB |
-/// | clouds | `clouds.png` | 8-bit grey, cover 0…1, or with the cover in alpha |
+/// | clouds | `clouds.png`, else `clouds.jpg` | 8-bit grey, cover 0…1, or with the cover in alpha |
 /// | night lights | `night_lights.png` | the same, intensity 0…1 |
 /// | normals | `elevation.png` | 16-bit grey, metres + [`ELEVATION_OFFSET_M`] |
 /// | water | `water.png`, which may be missing | 8-bit grey: open water 0…1, the coast where it is one half |
@@ -213,14 +221,12 @@ pub fn colour_note(path: &Path) -> Option<String> {
 
 /// The file of a folder's day map, if one is there.
 pub fn day_file(dir: &Path) -> Option<PathBuf> {
-    let names = DAY_NAMES.map(|name| dir.join(name));
-    names.into_iter().find(|path| path.exists())
+    first_in(dir, &DAY_NAMES)
 }
 
 fn read_day(dir: &Path) -> Result<DayTexels, ImageryError> {
-    let names = DAY_NAMES.map(|name| dir.join(name));
-    let path = names.iter().find(|path| path.exists()).unwrap_or(&names[0]);
-    read_color(path, "day")
+    let path = day_file(dir).unwrap_or_else(|| dir.join(DAY_NAMES[0]));
+    read_color(&path, "day")
 }
 
 /// Loads a colour map (8 bits, sRGB) of a whole round, as [`load_layers`] does the day map; `layer` is what messages call it.
@@ -321,7 +327,8 @@ pub fn load_day_map(
 }
 
 fn load_clouds(dir: &Path) -> Result<LayerImage, ImageryError> {
-    load_grey_map(&dir.join("clouds.png"), "clouds")
+    let path = first_in(dir, &CLOUD_NAMES).unwrap_or_else(|| dir.join(CLOUD_NAMES[0]));
+    load_grey_map(&path, "clouds")
 }
 
 fn load_night_lights(dir: &Path) -> Result<LayerImage, ImageryError> {

@@ -103,7 +103,7 @@ def pack(storage):
     """The starter maps as a pack whose levels are the paper's: enlarged, which asks for as much work as larger maps but their reading."""
     def run(out, workers, pace):
         textures = ROOT / "textures"
-        return farm.pack(out / "earth", textures / "day.jpg", clouds=textures / "clouds.png", water=textures / "water.png",
+        return farm.pack(out / "earth", textures / "day.jpg", clouds=textures / "clouds.jpg", water=textures / "water.png",
                          night_lights=textures / "night_lights.png", storage=storage, pixels={"day": [675, 256], "clouds": [256]},
                          workers=workers, progress=pace)
 

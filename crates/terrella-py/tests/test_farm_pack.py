@@ -26,7 +26,7 @@ def identities(folder):
 
 @pytest.fixture(scope="module")
 def maps(root):
-    return {"day": root / "textures/day.jpg", "clouds": root / "textures/clouds.png"}
+    return {"day": root / "textures/day.jpg", "clouds": root / "textures/clouds.jpg"}
 
 
 @pytest.fixture(scope="module")

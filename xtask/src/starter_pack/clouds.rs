@@ -1,32 +1,80 @@
-//! The cloud map and the mending of its polar caps.
+//! The cloud map: its cuts and its polar caps are mended, and its values become cover.
 
 use super::map::{Map, smooth_step};
+use super::plane::Plane;
 use super::poles::PoleMend;
 use anyhow::Result;
-use image::codecs::png::{CompressionType, FilterType, PngEncoder};
-use image::{ExtendedColorType, ImageEncoder};
+use image::ExtendedColorType;
+use image::codecs::jpeg::JpegEncoder;
 use std::path::Path;
 
 /// The map's place below the folder of source data.
 pub const SOURCE: &str = "imagery/clouds_alpha_gray_4096x2048.png";
 
-/// Makes `clouds.png`: half the size, its cuts and its polar caps mended, and as cover.
+const JPEG_QUALITY: u8 = 75;
+
+/// Cover below which a part of the Earth's area lies: clear sky, thin cloud and overcast in the shares that satellites find over the
+/// sea. The mean is 0.2475.
+const COVER_OF_SHARE: [(f64, f64); 8] = [
+    (0.0, 0.0),
+    (0.20, 0.0),
+    (0.35, 0.03),
+    (0.52, 0.15),
+    (0.66, 0.30),
+    (0.80, 0.50),
+    (0.91, 0.70),
+    (1.0, 1.0),
+];
+
+/// Makes `clouds.jpg`: mended, and as cover.
 pub fn make(data: &Path) -> Result<Vec<u8>> {
-    let mut map = mended(Map::read(&data.join(SOURCE), 1)?.halved());
-    // The source's mean is 0.14, which would make the Earth half as bright as it is: its values are about the squares of
-    // cover. Roots have the mean 0.28, and the Earth its published albedo.
-    for value in &mut map.values {
-        *value = 255.0 * (*value / 255.0).max(0.0).sqrt();
+    let mut map = mended(Map::read(&data.join(SOURCE), 1)?);
+    specify(&mut map);
+    let mut jpeg = Vec::new();
+    JpegEncoder::new_with_quality(&mut jpeg, JPEG_QUALITY).encode(
+        &map.to_bytes(),
+        map.width as u32,
+        map.height as u32,
+        ExtendedColorType::L8,
+    )?;
+    Ok(jpeg)
+}
+
+/// Gives the map the distribution of [`COVER_OF_SHARE`].
+///
+/// The source's values say which place is cloudier and not how cloudy it is: nearly a third of its texels have one of seven values.
+/// So they are put in order, equal values by the means of their neighbourhoods (exact histogram specification: Coltuc, Bolon and
+/// Chassery 2006, IEEE Trans. Image Process. 15, 1143), and get the cover of their place in it.
+fn specify(map: &mut Map) {
+    let plane = Plane::of(map);
+    let order = plane.order();
+    let areas: Vec<f64> = (0..map.height).map(|y| row_area(y, map.height)).collect();
+    let whole = areas.iter().sum::<f64>() * map.width as f64;
+    let mut below = 0.0;
+    for texel in order {
+        let area = areas[texel as usize / map.width];
+        let share = (below + 0.5 * area) / whole;
+        map.values[texel as usize] = 255.0 * cover_of_share(share) as f32;
+        below += area;
     }
-    let mut png = Vec::new();
-    PngEncoder::new_with_quality(&mut png, CompressionType::Best, FilterType::Adaptive)
-        .write_image(
-            &map.to_bytes(),
-            map.width as u32,
-            map.height as u32,
-            ExtendedColorType::L8,
-        )?;
-    Ok(png)
+}
+
+fn cover_of_share(share: f64) -> f64 {
+    let mut pairs = COVER_OF_SHARE.windows(2);
+    pairs.find(|pair| share <= pair[1].0).map_or(1.0, |pair| {
+        let [(from, low), (to, high)] = [pair[0], pair[1]];
+        low + (high - low) * (share - from) / (to - from)
+    })
+}
+
+/// Area of a row of texels, of that of one at the equator: the cosine of its latitude by its series, the same bits on every machine.
+fn row_area(y: usize, height: usize) -> f64 {
+    let half_turns = (y as f64 + 0.5) / height as f64 - 0.5;
+    let square = (half_turns * std::f64::consts::PI) * (half_turns * std::f64::consts::PI);
+    let terms = (1..=10).rev();
+    terms.fold(1.0, |sum, n| {
+        1.0 - sum * square / f64::from((2 * n - 1) * (2 * n))
+    })
 }
 
 /// The map, at any size, without its cuts and with whole polar caps.
@@ -66,5 +114,55 @@ fn mirror_north_cap(map: &mut Map) {
         for (x, value) in map.row_mut(y).iter_mut().enumerate() {
             *value += share * (north[(x + width - turn) % width] - *value);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_have_the_areas_of_a_sphere() {
+        for y in 0..180 {
+            let latitude = (f64::from(y) + 0.5 - 90.0).to_radians();
+            let area = row_area(y as usize, 180);
+            assert!((area - latitude.cos()).abs() < 1e-12, "{y}");
+        }
+    }
+
+    #[test]
+    fn the_map_gets_the_wanted_shares_by_area() {
+        // Few values, as the source has.
+        let (width, height) = (128, 64);
+        let value = |n: usize| ((n * 7919) % 9 + (n % width) / 40) as f32;
+        let mut map = Map {
+            width,
+            height,
+            channels: 1,
+            values: (0..width * height).map(value).collect(),
+        };
+        let before = map.values.clone();
+        specify(&mut map);
+        let share = |most: f64| {
+            let texels = (0..width * height).filter(|n| f64::from(map.values[*n]) < 255.0 * most);
+            let area: f64 = texels.map(|n| row_area(n / width, height)).sum();
+            let whole: f64 = (0..height).map(|y| row_area(y, height)).sum();
+            area / (whole * width as f64)
+        };
+        for (expected, cover) in &COVER_OF_SHARE[2..7] {
+            assert!((share(*cover) - expected).abs() < 1e-3, "{cover}");
+        }
+        // The order stays.
+        let (_, low) = before
+            .iter()
+            .zip(&map.values)
+            .filter(|(b, _)| **b == 2.0)
+            .fold((0, 0.0f32), |(n, most), (_, v)| (n + 1, most.max(*v)));
+        let high = before
+            .iter()
+            .zip(&map.values)
+            .filter(|(b, _)| **b == 3.0)
+            .map(|(_, v)| *v);
+        assert!(high.fold(f32::INFINITY, f32::min) >= low);
     }
 }

@@ -1,0 +1,211 @@
+//! Detail of clouds that are smaller than the cloud map's texels: a tile of the map's own structures, without those of the weather.
+//!
+//! The tile repeats without a seam, and lies on the six sides of a cube about the Earth without one too: its first row is its first
+//! column, and reads the same from both ends.
+
+use super::clouds::{SOURCE, mended};
+use super::map::Map;
+use super::plane::Plane;
+use anyhow::Result;
+use image::ExtendedColorType;
+use image::codecs::jpeg::JpegEncoder;
+use std::path::Path;
+
+/// Texels along a side.
+const SIDE: usize = 1024;
+/// Texels over which the tile's end passes into its beginning.
+const OVERLAP: usize = 160;
+/// Texels over which it passes into its first row and column.
+const MARGIN: usize = 10;
+/// Structures larger than about three times this are the weather's, texels.
+const WEATHER: usize = 14;
+/// Radius within which all parts of the tile have the same contrast, texels.
+const EVENING: usize = 24;
+/// Least contrast that is made even, of ranks 0…1; where there is less, another part of the map stands in.
+const LEAST: f64 = 0.03;
+const ENOUGH: f64 = 0.08;
+/// Where in the source parts are taken from, columns and rows, the best first: trades, tropics and the roaring forties.
+const PARTS: [(usize, usize); 3] = [(0, 450), (1500, 450), (700, 700)];
+/// A byte's step from 128, of standard deviations. `DETAIL_STEP` of the shaders.
+const STEP: f64 = 3.2 / 127.0;
+
+const JPEG_QUALITY: u8 = 75;
+
+/// Makes the tile: a grey JPEG, 128 being the mean.
+pub fn make(data: &Path) -> Result<Vec<u8>> {
+    let map = mended(Map::read(&data.join(SOURCE), 1)?);
+    let tile = tile(&Plane::of(&map));
+    let bytes = tile.values.iter().map(|value| {
+        let byte = value / STEP + 128.0;
+        (byte.clamp(1.0, 255.0) + 0.5).min(255.0) as u8
+    });
+    let bytes: Vec<u8> = bytes.collect();
+    let mut jpeg = Vec::new();
+    let side = SIDE as u32;
+    JpegEncoder::new_with_quality(&mut jpeg, JPEG_QUALITY).encode(
+        &bytes,
+        side,
+        side,
+        ExtendedColorType::L8,
+    )?;
+    Ok(jpeg)
+}
+
+/// Of mean 0 and variance 1.
+fn tile(map: &Plane) -> Plane {
+    let [first, others @ ..] = PARTS.map(|place| Part::new(map, place));
+    let mut detail = first;
+    for other in others {
+        detail = detail.filled_with(&other);
+    }
+    let repeating = standardised(repeating(&detail.values));
+    with_even_border(&repeating)
+}
+
+/// Detail of a part of the map, and how much of it there is, 0…1.
+struct Part {
+    values: Plane,
+    presence: Plane,
+}
+
+impl Part {
+    fn new(map: &Plane, place: (usize, usize)) -> Self {
+        let ranks = map.cut(place, SIDE + OVERLAP).ranks();
+        let fine = ranks.zip(&ranks.blurred(WEATHER, 3), |rank, weather| rank - weather);
+        // The source's grain is no cloud.
+        let fine = fine.zip(&fine.blurred(1, 1), |sharp, soft| 0.4 * sharp + 0.6 * soft);
+        let power = fine.zip(&fine, |a, b| a * b).blurred(EVENING, 3);
+        let contrast = power.with(power.values.iter().map(|p| p.max(0.0).sqrt()).collect());
+        let presence = contrast.with(
+            contrast
+                .values
+                .iter()
+                .map(|c| ((c - LEAST) / (ENOUGH - LEAST)).clamp(0.0, 1.0))
+                .collect(),
+        );
+        Self {
+            values: fine.zip(&contrast, |fine, contrast| fine / contrast.max(0.02)),
+            presence: presence.blurred(6, 2),
+        }
+    }
+
+    /// Where there is little of it, with another's. Variances add up.
+    fn filled_with(&self, other: &Self) -> Self {
+        let here = self.presence.with(
+            self.presence
+                .values
+                .iter()
+                .map(|p| p.clamp(0.0, 1.0))
+                .collect(),
+        );
+        let kept = self.values.zip(&here, |value, p| value * p.sqrt());
+        let added = other
+            .values
+            .zip(&here, |value, p| value * (1.0 - p).max(0.0).sqrt());
+        Self {
+            values: kept.zip(&added, |a, b| a + b),
+            presence: here.zip(&other.presence, |a, b| a + (1.0 - a) * b),
+        }
+    }
+}
+
+/// A square whose end passes into its beginning.
+fn repeating(plane: &Plane) -> Plane {
+    let rows = plane.width;
+    let mut values = plane.values.clone();
+    for n in 0..OVERLAP {
+        let (begin, end) = passage((n as f64 + 0.5) / OVERLAP as f64);
+        for x in 0..rows {
+            values[n * rows + x] =
+                begin * values[n * rows + x] + end * values[(SIDE + n) * rows + x];
+        }
+    }
+    for y in 0..SIDE {
+        for n in 0..OVERLAP {
+            let (begin, end) = passage((n as f64 + 0.5) / OVERLAP as f64);
+            values[y * rows + n] = begin * values[y * rows + n] + end * values[y * rows + SIDE + n];
+        }
+    }
+    let at = |n: usize| values[n / SIDE * rows + n % SIDE];
+    Plane {
+        width: SIDE,
+        height: SIDE,
+        values: (0..SIDE * SIDE).map(at).collect(),
+    }
+}
+
+/// Weights of what begins and what ends, whose squares add up to 1.
+fn passage(t: f64) -> (f64, f64) {
+    let begins = t * t * (3.0 - 2.0 * t);
+    (begins.sqrt(), (1.0 - begins).sqrt())
+}
+
+fn standardised(plane: Plane) -> Plane {
+    let count = plane.values.len() as f64;
+    let mean = plane.values.iter().sum::<f64>() / count;
+    let power = plane
+        .values
+        .iter()
+        .map(|v| (v - mean) * (v - mean))
+        .sum::<f64>()
+        / count;
+    let scale = 1.0 / power.sqrt();
+    plane.with(plane.values.iter().map(|v| (v - mean) * scale).collect())
+}
+
+/// The tile with a first row and column that are the same and read the same from both ends.
+fn with_even_border(plane: &Plane) -> Plane {
+    let at = |x: usize, y: usize| plane.values[y * SIDE + x];
+    let border: Vec<f64> = (0..SIDE)
+        .map(|n| (at(0, n) + at(0, (SIDE - n) % SIDE)) * std::f64::consts::FRAC_1_SQRT_2)
+        .collect();
+    let weight = |n: usize| {
+        let t = (1.0 - n.min(SIDE - n) as f64 / MARGIN as f64).max(0.0);
+        t * t * (3.0 - 2.0 * t)
+    };
+    let values = (0..SIDE * SIDE).map(|n| {
+        let (x, y) = (n % SIDE, n / SIDE);
+        let (across, down) = (weight(x), weight(y));
+        at(x, y) + across * (border[y] - at(0, y)) + down * (border[x] - at(x, 0))
+            - across * down * (border[0] - at(0, 0))
+    });
+    plane.with(values.collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_border_is_the_same_along_all_sides() {
+        let value = |n: usize| ((n * 7919 + n / SIDE * 104_729) % 251) as f64 / 50.0 - 2.5;
+        let plane = Plane {
+            width: SIDE,
+            height: SIDE,
+            values: (0..SIDE * SIDE).map(value).collect(),
+        };
+        let tile = with_even_border(&plane);
+        let at = |x: usize, y: usize| tile.values[y * SIDE + x];
+        for n in 1..SIDE {
+            assert!((at(n, 0) - at(0, n)).abs() < 1e-12, "{n}");
+            assert!((at(0, n) - at(0, SIDE - n)).abs() < 1e-12, "{n}");
+        }
+        assert_eq!(at(500, 500), plane.values[500 * SIDE + 500]);
+    }
+
+    #[test]
+    fn the_end_passes_into_the_beginning() {
+        let side = SIDE + OVERLAP;
+        // Columns count up: within the overlap nothing but the passage may jump.
+        let plane = Plane {
+            width: side,
+            height: side,
+            values: (0..side * side).map(|n| (n % side) as f64).collect(),
+        };
+        let tile = repeating(&plane);
+        // Its last column is followed by the source's next one.
+        assert_eq!(tile.values[500 * SIDE + SIDE - 1], (SIDE - 1) as f64);
+        let first = tile.values[500 * SIDE];
+        assert!((first - SIDE as f64).abs() < 0.05 * SIDE as f64, "{first}");
+    }
+}
