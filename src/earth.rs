@@ -195,7 +195,7 @@ impl Earth {
         let full = resolved(memory.pop());
         if let Some(error) = full {
             return Err(EarthError::NoRoom {
-                mib: surface.texture_bytes >> 20,
+                mib: surface.texture_bytes() >> 20,
                 cause: error.to_string(),
             });
         }
@@ -364,7 +364,7 @@ impl Earth {
             }
         }
         let tiled = self.choose_tiles(queue, others, upload_bytes);
-        let shared = self.surface.texture_bytes;
+        let shared = self.surface.texture_bytes();
         for view in views(&mut self.first, others) {
             view.stats.texture_bytes = shared + view.air_textures().map_or(0, AirTextures::bytes);
             view.list_draws(tiled);

@@ -6,6 +6,7 @@ mod celestial;
 mod context;
 #[cfg(feature = "terrain")]
 mod contours;
+mod detail_tile;
 mod faults;
 #[cfg(feature = "terrain")]
 mod grid;

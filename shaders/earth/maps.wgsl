@@ -2,6 +2,7 @@
 //
 // With parts, blocks may be cut. Such a block's placement is: its first cell, how often it is halved for a cell, and negative the part
 // of a tile's side that is border, and the part that is its own.
+import rust::PI;
 @if(tiles) import rust::{MAP_LAYERS, TILE_BORDER};
 @if(tiles && relief) import rust::WHOLE_MAP;
 @if(parts) import rust::{BLOCK_COLUMNS, BLOCK_ROWS, PART_INDEX_BITS};
@@ -54,6 +55,11 @@ fn map_texels(layer: u32, at: SurfacePoint, texels: vec2f) -> vec2f {
     @if(!tiles) return texels;
     @if(tiles && !parts) return texels * map_placement(layer, at).zw;
     @if(parts) return texels * map_placement(layer, at).uv.zw;
+}
+
+// Size of a texel of a map of so many from north to south, equatorial radii.
+fn texel_radii(layer: u32, at: SurfacePoint, texels: vec2u) -> f32 {
+    return PI / map_texels(layer, at, vec2f(texels)).y;
 }
 
 @if(parts)

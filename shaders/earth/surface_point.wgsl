@@ -71,3 +71,9 @@ fn point_on_ray(in: Varying, ray: vec3f, radii: f32, up: vec3f) -> SurfacePoint 
     out.uv_dy = vec2f(dot(out.east, dy), dot(out.north, dy)) * to_uv;
     return out;
 }
+
+// Size of a pixel on the ground, the larger one, equatorial radii.
+fn pixel_radii(at: SurfacePoint) -> f32 {
+    let to_radii = vec2f(2.0, 1.0) * PI;
+    return max(length(at.uv_dx * to_radii), length(at.uv_dy * to_radii));
+}

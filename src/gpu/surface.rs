@@ -1,13 +1,15 @@
 //! The drawable of the surface: blocks of a lattice, patches of ground with relief, a grid, or pages that rays are cast at, one
 //! indexed draw each. What all views share stands here, what each has of its own in `surface_view.rs`.
 
+use super::detail_tile::DetailTile;
 use super::maps::Maps;
 use super::mesh::{MeshForm, SurfaceMesh};
 use super::pass_kind::PassKind;
 use super::shader::{EarthVariant, ShaderVariant};
 use super::surface_config::SurfaceConfig;
 use super::surface_pipelines::{
-    SurfaceMaker, SurfacePipelines, frame_entry, light_entry, reads_light, tiles_entry,
+    SurfaceMaker, SurfacePipelines, frame_entry, light_entry, reads_detail_tile, reads_light,
+    tiles_entry,
 };
 use super::surface_view::SurfaceView;
 use super::tiles::TileTextures;
@@ -23,7 +25,9 @@ pub(crate) struct SurfaceDrawable {
     imagery: Imagery,
     /// What the shader is told of the surface's light, whatever frame and view.
     light: wgpu::Buffer,
-    pub texture_bytes: u64,
+    /// Where something is drawn with it.
+    detail_tile: Option<DetailTile>,
+    texture_bytes: u64,
 }
 
 /// Whether blocks with tiles may be cut into parts.
@@ -87,15 +91,26 @@ impl SurfaceDrawable {
             has_tiles: pools.is_some(),
             has_parts: has_parts(pools),
         };
+        let pipelines = maker.plan(device, config);
+        let detail_tile = pipelines
+            .read_detail_tile()
+            .then(|| DetailTile::upload(device, queue));
         let drawable = Self {
-            pipelines: maker.plan(device, config),
+            pipelines,
             maps,
             imagery,
             light,
+            detail_tile,
             texture_bytes,
         };
         drawable.bind_view(first);
         drawable
+    }
+
+    /// Bytes of all its textures.
+    pub fn texture_bytes(&self) -> u64 {
+        let detail = self.detail_tile.as_ref().map_or(0, DetailTile::bytes);
+        self.texture_bytes + detail
     }
 
     /// What makes other pipelines for it, of the form of this view.
@@ -126,6 +141,10 @@ impl SurfaceDrawable {
     ) {
         queue.write_buffer(&self.light, 0, bytemuck::bytes_of(&config.light_uniforms()));
         self.maps.arrange(pipelines.maps.clone());
+        self.detail_tile = pipelines.read_detail_tile().then(|| {
+            let before = self.detail_tile.take();
+            before.unwrap_or_else(|| DetailTile::upload(device, queue))
+        });
         self.pipelines = pipelines;
         self.bind_maps(device);
         self.bind_view(first);
@@ -324,6 +343,13 @@ impl SurfaceDrawable {
         }
         if reads_light(variant) {
             bindings.push((light_entry(), bound(12, &self.light)));
+        }
+        if let Some(detail) = self
+            .detail_tile
+            .as_ref()
+            .filter(|_| reads_detail_tile(variant))
+        {
+            bindings.extend(detail.bindings());
         }
         bindings.extend(view.mesh().bindings());
         bindings

@@ -1,6 +1,7 @@
 //! The pipelines of the surface: made by any thread, without the surface that they are for.
 
 use super::SurfaceOutput;
+use super::detail_tile::DetailTile;
 use super::maps::MapArrangement;
 use super::mesh::MeshForm;
 use super::pass_kind::PassKind;
@@ -72,6 +73,12 @@ impl SurfacePipelines {
             kind = instead;
         }
         kind
+    }
+
+    /// Whether one of them reads the tile of detail.
+    pub(super) fn read_detail_tile(&self) -> bool {
+        self.variants()
+            .any(|(_, variant)| reads_detail_tile(&variant))
     }
 
     /// A pass that was made.
@@ -240,6 +247,9 @@ impl SurfaceMaker {
         }
         entries.extend(self.has_tiles.then(|| tiles_entry(self.has_parts)));
         entries.extend(reads_light(variant).then(light_entry));
+        if reads_detail_tile(variant) {
+            entries.extend(DetailTile::entries());
+        }
         entries.extend_from_slice(&self.mesh.entries);
         entries
     }
@@ -265,6 +275,13 @@ pub(super) fn light_entry() -> wgpu::BindGroupLayoutEntry {
 /// Whether a variant reads the surface's light.
 pub(super) fn reads_light(variant: &EarthVariant) -> bool {
     variant.conditions_met().contains(&"surface_light")
+}
+
+/// Whether a variant reads the tile of detail.
+pub(super) fn reads_detail_tile(variant: &EarthVariant) -> bool {
+    variant
+        .conditions_met()
+        .contains(&LightEffect::Detail.name())
 }
 
 /// What the pixels of a configuration get, the eye being on this side of the air.

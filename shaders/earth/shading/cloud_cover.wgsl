@@ -1,6 +1,6 @@
 // How much of a pixel clouds cover.
 import rust::{CLOUDS, PI};
-@if(detail) import earth/shading/detail.wgsl;
+@if(detail) import earth/shading/detail_tile.wgsl;
 
 // Where the ray from the eye to a place goes through the clouds' layer.
 fn lifted_before(at: SurfacePoint) -> Lifted {
@@ -8,19 +8,29 @@ fn lifted_before(at: SurfacePoint) -> Lifted {
     return lifted(at, to_eye, max(dot(to_eye, at.up), 0.0), surface_light.cloud_height);
 }
 
-// In pixels of this size, as a part of the picture's: detail smaller than that is left out.
-fn cover_at(at: SurfacePoint, lift: Lifted, pixels: f32) -> f32 {
-    var moved = at;
-    moved.uv += map_shift(CLOUDS, at, vec2f(textureDimensions(cloud_map)), lift.uv);
-    var cover = sample_map(cloud_map, cloud_sampler, CLOUDS, moved).r;
-    @if(detail) if cover > 0.01 && cover < 0.99 {
-        let texel = texel_radii(CLOUDS, at, textureDimensions(cloud_map));
-        cover = uneven_share(cover, CLOUD_CONTRAST, detail(lift.up, texel, pixels * pixel_radii(at), 0.75));
-    }
-    return cover;
+fn cover_at(at: SurfacePoint, lift: Lifted) -> f32 {
+    let cover = mapped_cover(at, lift);
+    @if(!detail) return cover;
+    @if(detail) let texel = texel_radii(CLOUDS, at, textureDimensions(cloud_map));
+    @if(detail) return uneven_share(cover, CLOUD_CONTRAST, structure(lift.up, texel, pixel_radii(at)));
 }
 
-@if(detail) const CLOUD_CONTRAST: f32 = 4.0;
+// For shadows, whose edges are soft: with the larger of the detail alone.
+@if(cloud_shadows)
+fn soft_cover_at(at: SurfacePoint, lift: Lifted) -> f32 {
+    let cover = mapped_cover(at, lift);
+    @if(!detail) return cover;
+    @if(detail) let texel = texel_radii(CLOUDS, at, textureDimensions(cloud_map));
+    @if(detail) return uneven_share(cover, CLOUD_CONTRAST, soft_structure(lift.up, texel, pixel_radii(at)));
+}
+
+fn mapped_cover(at: SurfacePoint, lift: Lifted) -> f32 {
+    var moved = at;
+    moved.uv += map_shift(CLOUDS, at, vec2f(textureDimensions(cloud_map)), lift.uv);
+    return sample_map(cloud_map, cloud_sampler, CLOUDS, moved).r;
+}
+
+@if(detail) const CLOUD_CONTRAST: f32 = 1.6;
 
 // A point of a layer above the ground, seen from a place of the ground.
 struct Lifted {
@@ -28,6 +38,12 @@ struct Lifted {
     up: vec3f,
     // The point's texture coordinates less the place's.
     uv: vec2f,
+}
+
+// The same so far along the ground, equatorial radii: steps are short, and near the poles as if they were made a little before them.
+fn moved(at: SurfacePoint, lift: Lifted, step: vec3f) -> Lifted {
+    let east = dot(at.east, step) / max(length(at.up.xy), 0.03);
+    return Lifted(normalize(lift.up + step), lift.uv + vec2f(0.5 * east, -dot(at.north, step)) / PI);
 }
 
 // Where the ray from `at` in a direction at this cosine to the vertical reaches the height, equatorial radii. The Earth is a

@@ -7,7 +7,6 @@
 //   ρ(μ) = ρ + (1 − ρ)(1/2 − 3/4 μ)(1 − exp(−1.85 x/μ))
 import rust::CLOUD_ALBEDO;
 import earth/shading/cloud_cover.wgsl;
-@if(whole_quads) import rust::PI;
 
 // A cloud's sides catch some light of a Sun at their horizon.
 const CLOUD_SIDES: f32 = 0.05;
@@ -26,57 +25,49 @@ fn sun_at_clouds(mu_s: f32) -> vec3f {
 
 // Of the clouds before a place of the ground.
 struct CloudsBefore {
+    cover: f32,
     // What they throw back of diffuse light.
     albedo: f32,
-    // Normal of the ellipsoid below them, and of their tops.
-    up: vec3f,
-    normal: vec3f,
+    lift: Lifted,
 }
 
 fn clouds_before(at: SurfacePoint) -> CloudsBefore {
     let lift = lifted_before(at);
-    let cover = cover_at(at, lift, 1.0);
-    @if(whole_quads) let slope = cloud_slope(at, cover);
-    @else let slope = vec2f(0.0);
-    let normal = normalize(lift.up - slope.x * at.east - slope.y * at.north);
-    return CloudsBefore(CLOUD_ALBEDO * cover, lift.up, normal);
+    let cover = cover_at(at, lift);
+    return CloudsBefore(cover, CLOUD_ALBEDO * cover, lift);
 }
 
-// What they throw back of the light of a Sun, which is so bright there, and of its sky.
-fn light_of_clouds(clouds: CloudsBefore, sun_on_clouds: vec3f, light: Light, sun: vec3f) -> vec3f {
-    let facing = max(dot(clouds.normal, sun), CLOUD_SIDES);
-    let sunlit = sunlit_albedo(clouds.albedo, facing) * facing * sun_on_clouds;
-    return sunlit + clouds.albedo * light.sky;
+// What they throw back of the light of a Sun, which falls on them at this cosine, and of its sky.
+fn light_of_clouds(clouds: CloudsBefore, falls: vec3f, cosine: f32, light: Light) -> vec3f {
+    return sunlit_albedo(clouds.albedo, cosine) * falls + clouds.albedo * light.sky;
 }
 
 // Steepest that a cloud's top is drawn: a map's noise must not look like towers.
-@if(whole_quads) const STEEPEST: f32 = 0.7;
+const STEEPEST: f32 = 0.7;
+// How far towards the Sun a cloud's top is looked at again, equatorial radii: 1 km where there is detail.
+@if(detail) const CLOUD_STEP: f32 = 1.6e-4;
 
-// Rise of the clouds' tops to the east and to the north, thick clouds being higher than thin ones: from what the cover changes by
-// to the next pixel right and down.
-@if(whole_quads)
-fn cloud_slope(at: SurfacePoint, cover: f32) -> vec2f {
-    // Pixels as steps over the ground to the east and north, equatorial radii.
-    let right = at.uv_dx * vec2f(2.0, -1.0) * PI;
-    let down = at.uv_dy * vec2f(2.0, -1.0) * PI;
-    let area = right.x * down.y - down.x * right.y;
-    let dx = dpdx(cover);
-    let dy = dpdy(cover);
-    let gradient = vec2f(dx * down.y - dy * right.y, right.x * dy - down.x * dx) / select(area, 1.0, area == 0.0);
-    let slope = surface_light.cloud_relief * gradient;
-    return slope * min(STEEPEST * inverseSqrt(max(dot(slope, slope), 1e-12)), 1.0);
+// Cosine at which sunlight falls on a cloud's top, thick clouds being higher than thin ones: from how much higher clouds are some way
+// towards the Sun. Where those reach above the ray to the Sun they shade it.
+fn sun_on_top(at: SurfacePoint, clouds: CloudsBefore, sun: vec3f) -> f32 {
+    let upward = dot(clouds.lift.up, sun);
+    let level = sun - upward * clouds.lift.up;
+    let flat_ = length(level);
+    @if(detail) let step = max(CLOUD_STEP, 1.5 * pixel_radii(at));
+    @else let step = max(texel_radii(CLOUDS, at, textureDimensions(cloud_map)), 1.5 * pixel_radii(at));
+    let ahead = cover_at(at, moved(at, clouds.lift, level * (step / max(flat_, 1e-3))));
+    let slope = clamp(surface_light.cloud_relief * (ahead - clouds.cover) / step, -STEEPEST, STEEPEST);
+    return max((upward - slope * flat_) * inverseSqrt(1.0 + slope * slope), CLOUD_SIDES);
 }
 
 // A Sun lower than this casts shadows longer than clouds are far apart.
 @if(cloud_shadows) const LOWEST_SHADOW: f32 = 0.05;
-// Their edges are soft: they need no detail as small as the clouds' own.
-@if(cloud_shadows) const SHADOW_PIXELS: f32 = 4.0;
 
 // What clouds leave of the light that falls on the ground: the cover where the ray to the Sun leaves their layer casts a shadow.
 @if(cloud_shadows)
 fn below_clouds(at: SurfacePoint, light: Light, sun: vec3f, mu_s: f32) -> Light {
     let lift = lifted(at, sun, max(mu_s, LOWEST_SHADOW), surface_light.cloud_height);
-    let albedo = CLOUD_ALBEDO * cover_at(at, lift, SHADOW_PIXELS);
+    let albedo = CLOUD_ALBEDO * soft_cover_at(at, lift);
     let left = 1.0 - sunlit_albedo(albedo, max(mu_s, LOWEST_SHADOW));
     // What falls through is spread over the sky: half of it comes from there.
     return Light(light.sun * left, light.sky * (1.0 - 0.5 * albedo));

@@ -1,6 +1,6 @@
-// Detail smaller than the maps' texels: made up, not measured. It is fixed to the ground, and each scale of it fades in as
-// pixels become small enough to show it, where the map does not show that scale itself.
-import rust::PI;
+// Detail of coasts and towns smaller than the maps' texels: made up, not measured. It is fixed to the ground, and each scale of it fades in
+// as pixels become small enough to show it, where the map does not show that scale itself.
+import earth/shading/uneven.wgsl;
 
 // Octaves of value noise on a lattice in the space of the ellipsoid's normals: no seams, no poles. Spacing of the coarsest one's
 // lattice, equatorial radii (64 km), that of each next one as a part of it, and how many there are: the last one's is 105 m, where
@@ -14,42 +14,21 @@ const DETAIL_TURN: mat3x3f = mat3x3f(
 // Variance of one octave: (26/35)³/3.
 const DETAIL_VARIANCE: f32 = 0.1367;
 
-struct Detail {
-    // Sum of the octaves that show, of mean 0, and its variance.
-    value: f32,
-    variance: f32,
-    // Sum of their slopes, each per its own lattice's spacing.
-    slope: vec3f,
-}
-
-// Size of a texel of a map of so many from north to south, equatorial radii.
-fn texel_radii(layer: u32, at: SurfacePoint, texels: vec2u) -> f32 {
-    return PI / map_texels(layer, at, vec2f(texels)).y;
-}
-
-// Size of a pixel on the ground, the larger one, equatorial radii.
-fn pixel_radii(at: SurfacePoint) -> f32 {
-    let to_radii = vec2f(2.0, 1.0) * PI;
-    return max(length(at.uv_dx * to_radii), length(at.uv_dy * to_radii));
-}
-
 // Detail at a normal of the ellipsoid, of a map with texels of this size and in pixels of that one. An octave is `falloff` times
 // as strong as the one before.
 fn detail(up: vec3f, texel: f32, pixel: f32, falloff: f32) -> Detail {
-    var out = Detail(0.0, 0.0, vec3f(0.0));
+    var out = Detail(0.0, 0.0);
     var spacing = COARSEST_DETAIL;
-    var turn = mat3x3f(vec3f(1.0, 0.0, 0.0), vec3f(0.0, 1.0, 0.0), vec3f(0.0, 0.0, 1.0));
+    var turned = up;
     var strength = 1.0;
     for (var i = 0; i < DETAIL_OCTAVES && spacing > pixel; i++) {
         let weight = strength * shown(spacing, pixel) * (1.0 - smoothstep(0.8, 2.0, spacing / texel));
         if weight > 0.0 {
-            let noise = value_noise(turn * up / spacing + f32(i) * 17.0);
-            out.value += weight * noise.w;
-            out.slope += weight * (noise.xyz * turn);
+            out.value += weight * value_noise(turned / spacing + f32(i) * 17.0);
             out.variance += weight * weight * DETAIL_VARIANCE;
             strength *= falloff;
         }
-        turn = DETAIL_TURN * turn;
+        turned = DETAIL_TURN * turned;
         spacing *= NEXT_SPACING;
     }
     return out;
@@ -60,11 +39,10 @@ fn shown(spacing: f32, pixel: f32) -> f32 {
     return smoothstep(1.2, 3.0, spacing / pixel);
 }
 
-// Slope and value, −1…1, of noise that is smooth between the points of a lattice.
-fn value_noise(at: vec3f) -> vec4f {
+// −1…1, smooth between the points of a lattice.
+fn value_noise(at: vec3f) -> f32 {
     let f = at - floor(at);
     let w = f * f * (3.0 - 2.0 * f);
-    let dw = 6.0 * f * (1.0 - f);
     // One number for each plane of the lattice: a corner's is mixed of its three.
     let planes = vec3u(0x9E3779B1u, 0x85EBCA77u, 0xC2B2AE3Du);
     let low = bitcast<vec3u>(vec3i(floor(at))) * planes;
@@ -73,25 +51,11 @@ fn value_noise(at: vec3f) -> vec4f {
     let north_east = corners(vec4u(low.x, high.x, low.x, high.x) ^ vec4u(low.y, low.y, high.y, high.y) ^ vec4u(high.z));
     let face = mix(south_west, north_east, w.z);
     let edge = mix(face.xy, face.zw, w.y);
-    let rise = north_east - south_west;
-    let slope_z = mix(mix(rise.x, rise.y, w.x), mix(rise.z, rise.w, w.x), w.y);
-    let slope_y = mix(face.z - face.x, face.w - face.y, w.x);
-    return vec4f(dw * vec3f(edge.y - edge.x, slope_y, slope_z), mix(edge.x, edge.y, w.x));
+    return mix(edge.x, edge.y, w.x);
 }
 
 // −1…1, the same for the same corners on any machine.
 fn corners(cells: vec4u) -> vec4f {
     let n = (cells ^ (cells >> vec4u(15u))) * 0x2C1B3C6Du;
     return vec4f(n >> vec4u(8u)) / 8388607.5 - 1.0;
-}
-
-// A factor of mean 1 over the ground.
-fn uneven_factor(contrast: f32, made: Detail) -> f32 {
-    return exp(contrast * made.value - 0.5 * contrast * contrast * made.variance);
-}
-
-// A share of a pixel, 0…1, made uneven: none stays none and all stays all, and the mean over the ground stays about the same.
-fn uneven_share(share: f32, contrast: f32, made: Detail) -> f32 {
-    let odds = exp(contrast * made.value + (share - 0.5) * contrast * contrast * made.variance);
-    return share * odds / (1.0 - share + share * odds);
 }

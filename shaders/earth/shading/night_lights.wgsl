@@ -46,7 +46,7 @@ fn lamps_apart(at: SurfacePoint) -> f32 {
 
 @if(detail)
 fn street(at: vec3f, pixel: f32) -> f32 {
-    let off = value_noise(at).w;
+    let off = value_noise(at);
     let width = sqrt(STREET_WIDTH * STREET_WIDTH + pixel * pixel);
     return exp(-off * off / (width * width)) / (STREET_DENSITY * width);
 }

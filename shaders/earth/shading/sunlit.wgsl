@@ -6,7 +6,7 @@ import earth/shading/light.wgsl;
 @if(water) import earth/shading/sea.wgsl;
 @if(night_lights) import earth/shading/night_lights.wgsl;
 @if(clouds) import earth/shading/clouds.wgsl;
-@if(detail) import earth/shading/detail.wgsl;
+@if(detail && !open_sea) import earth/shading/detail_tile.wgsl;
 
 // What of a place shows, whatever lights it.
 struct Surface {
@@ -33,23 +33,36 @@ fn surface_at(at: SurfacePoint) -> Surface {
     return out;
 }
 
-@if(detail && !open_sea) const LAND_CONTRAST: f32 = 0.4;
-@if(detail && !open_sea) const LAND_ROUGHNESS: f32 = 0.7;
+@if(detail && !open_sea) const LAND_CONTRAST: f32 = 0.12;
+// The clouds' own structures lie elsewhere: their axes turned about.
+@if(detail && !open_sea) const LAND_AXES: vec3f = vec3f(-1.0, 1.0, -1.0);
 
-// The same surface with its land uneven: brighter and darker, and rougher where it is steep.
+// The same surface with its land brighter and darker.
 @if(detail && !open_sea)
 fn with_detail(at: SurfacePoint, surface: Surface) -> Surface {
-    let made = detail(at.up, texel_radii(DAY, at, textureDimensions(day_map)), pixel_radii(at), 0.75);
-    let level = made.slope - dot(made.slope, at.up) * at.up;
-    let steepness = length(cross(surface.normal, at.up));
+    let texel = texel_radii(DAY, at, textureDimensions(day_map));
+    let made = structure(LAND_AXES * at.up.yzx, texel, pixel_radii(at));
     var out = surface;
     out.day = vec4f(out.day.rgb * uneven_factor(LAND_CONTRAST, made), out.day.a);
-    out.normal = normalize(out.normal - LAND_ROUGHNESS * steepness * level);
     return out;
 }
 
 // Its light, and that of the clouds before it, by a Sun in this direction.
 fn lit(at: SurfacePoint, surface: Surface, sun: vec3f) -> vec3f {
+    @if(clouds) return lit_under(at, surface, sun, sun_on_top(at, surface.clouds, sun));
+    @else return lit_under(at, surface, sun, 1.0);
+}
+
+// The Moon's, which shows no relief of clouds: for it they would be looked at once more.
+@if(moonlight)
+fn moonlit(at: SurfacePoint, surface: Surface) -> vec3f {
+    @if(clouds) let on_clouds = max(dot(surface.clouds.lift.up, frame.moon_itrf), CLOUD_SIDES);
+    @else let on_clouds = 1.0;
+    return frame.moon_light * lit_under(at, surface, frame.moon_itrf, on_clouds);
+}
+
+// `on_clouds` is the cosine at which it falls on the tops of clouds.
+fn lit_under(at: SurfacePoint, surface: Surface, sun: vec3f, on_clouds: f32) -> vec3f {
     let mu_s = dot(at.up, sun);
     @if(eclipse) let clear = light_at(at, mu_s);
     @if(eclipse) let above = eclipsed(clear, at);
@@ -61,9 +74,9 @@ fn lit(at: SurfacePoint, surface: Surface, sun: vec3f) -> vec3f {
     @else var color = surface.day.rgb * (light.sun * max(dot(surface.normal, sun), 0.0) + light.sky);
     @if(water && !open_sea) color = mix(color, sea(at, light, sun, mu_s, surface.day.a), surface.water);
     @if(clouds && interpolated) let sun_on_clouds = at.air.sun_on_clouds;
-    @if(clouds && !interpolated) let sun_on_clouds = sun_at_clouds(dot(surface.clouds.up, sun));
-    @if(clouds && !eclipse) let of_clouds = light_of_clouds(surface.clouds, sun_on_clouds, above, sun);
-    @if(clouds && eclipse) let of_clouds = sun_left_to_clouds(surface.clouds) * light_of_clouds(surface.clouds, sun_on_clouds, clear, sun);
+    @if(clouds && !interpolated) let sun_on_clouds = sun_at_clouds(dot(surface.clouds.lift.up, sun));
+    @if(clouds && !eclipse) let of_clouds = light_of_clouds(surface.clouds, on_clouds * sun_on_clouds, on_clouds, above);
+    @if(clouds && eclipse) let of_clouds = sun_left_to_clouds(surface.clouds) * light_of_clouds(surface.clouds, on_clouds * sun_on_clouds, on_clouds, clear);
     @if(clouds) color = of_clouds + (1.0 - surface.clouds.albedo) * color;
     return color;
 }
@@ -72,7 +85,7 @@ fn shade(at: SurfacePoint) -> vec3f {
     let mu_s = dot(at.up, frame.sun_itrf);
     let surface = surface_at(at);
     var color = lit(at, surface, frame.sun_itrf);
-    @if(moonlight) color += frame.moon_light * lit(at, surface, frame.moon_itrf);
+    @if(moonlight) color += moonlit(at, surface);
     @if(night_lights && clouds) color += (1.0 - surface.clouds.albedo) * city_light(at, mu_s);
     @if(night_lights && !clouds) color += city_light(at, mu_s);
     @if(air) color = through_air(color, at, mu_s);

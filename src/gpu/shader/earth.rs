@@ -426,11 +426,6 @@ impl ShaderVariant for EarthVariant {
                     && (layers.clouds || layers.normals || layers.night_lights || layers.water)
                     || is_truth && (layers.clouds || layers.normals),
             ),
-            // Where no pixel of a triangle is given up, differences to the next pixel are known.
-            (
-                "whole_quads",
-                !form.has_per_block_tiles() && !matches!(form, Form::ContourPrisms { .. }),
-            ),
             ("clouds", layers.clouds),
             ("normals", layers.normals),
             ("night_lights", layers.night_lights),

@@ -1,0 +1,65 @@
+// Detail of clouds and land smaller than the maps' texels, from clouds: a tile of a cloud map's own fine structure, in two sizes. It is
+// made up, not measured, but fixed to the ground. Its mip levels let each scale of it fade in as pixels become small enough to show it.
+//
+// The tile covers the six sides of a cube about the Earth, a whole number of times each, and its border is made so that neither tiles nor
+// sides have seams (crates/terrella-imagery/src/detail_tile.rs).
+import earth/shading/uneven.wgsl;
+import rust::{DETAIL_STEP, LAST_CODE, PI};
+
+@group(0) @binding(13) var detail_tile: texture_2d<f32>;
+@group(0) @binding(14) var detail_sampler: sampler;
+
+// Tiles along an edge of the cube, 10 000 km: even, so that an edge ends with a tile. Their texels are 0.8 km and 49 m.
+const COARSE_TILES: f32 = 12.0;
+const FINE_TILES: f32 = 198.0;
+// How strong the fine size is, of the coarse one.
+const FINE_STRENGTH: f32 = 0.6;
+// Turns the cube of the fine size, so that both repeat together nowhere: a rotation by 48° about (1, 2, 3).
+const FINE_TURN: mat3x3f = mat3x3f(
+    vec3f(0.692764, 0.643108, -0.326327), vec3f(-0.548574, 0.763665, 0.340415), vec3f(0.468128, -0.056813, 0.881832));
+// Texels of the tile that a wave of its middle size is long.
+const MIDDLE_WAVE: f32 = 12.0;
+// Pixels that cover a map's texel show none of it, those of this part of one all.
+const LEAST_PIXEL: f32 = 0.4;
+
+// At a normal of the ellipsoid, for a map that has texels of this size and in pixels of that one, equatorial radii. What the map or no
+// pixel shows is left out.
+fn structure(up: vec3f, texel: f32, pixel: f32) -> Detail {
+    let coarse = structure_of_size(up, COARSE_TILES, texel, pixel);
+    let fine = structure_of_size(FINE_TURN * up, FINE_TILES, texel, pixel);
+    let shown = 1.0 - smoothstep(LEAST_PIXEL, 1.0, pixel / texel);
+    let value = coarse.value + FINE_STRENGTH * fine.value;
+    let variance = coarse.variance + FINE_STRENGTH * FINE_STRENGTH * fine.variance;
+    return Detail(shown * value, shown * shown * variance);
+}
+
+// The same in the larger size alone, and that softly.
+fn soft_structure(up: vec3f, texel: f32, pixel: f32) -> Detail {
+    let coarse = structure_of_size(up, COARSE_TILES, texel, 4.0 * pixel);
+    let shown = 1.0 - smoothstep(LEAST_PIXEL, 1.0, pixel / texel);
+    return Detail(shown * coarse.value, shown * shown * coarse.variance);
+}
+
+fn structure_of_size(up: vec3f, tiles: f32, texel: f32, pixel: f32) -> Detail {
+    let own_texel = 0.5 * PI / (tiles * f32(textureDimensions(detail_tile).x));
+    let level = max(log2(pixel / own_texel), 0.0);
+    let byte = LAST_CODE * textureSampleLevel(detail_tile, detail_sampler, 0.5 * tiles * on_cube(up), level).r;
+    let weight = 1.0 - smoothstep(1.5, 6.0, MIDDLE_WAVE * own_texel / texel);
+    // What smaller levels show of the tile's variance; a test measures it.
+    let variance = 1.0 - smoothstep(0.0, 6.3, level);
+    return Detail(weight * DETAIL_STEP * (byte - 128.0), weight * weight * variance);
+}
+
+// Where a direction meets the sides of a cube, −1…1 each, in steps of nearly even angles: (4/π)·atan by its first terms, exact at the
+// edges.
+fn on_cube(direction: vec3f) -> vec2f {
+    let size = abs(direction);
+    var at = direction.xy / size.z;
+    if size.x >= max(size.y, size.z) {
+        at = direction.yz / size.x;
+    } else if size.y >= size.z {
+        at = direction.xz / size.y;
+    }
+    let square = at * at;
+    return at * (1.2732 + square * (-0.3902 + 0.117 * square));
+}
