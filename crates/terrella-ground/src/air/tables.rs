@@ -76,8 +76,9 @@ pub const PROFILE: TableSize = TableSize::new(128, 1, 1);
 /// Bands of the source table.
 pub const SOURCE_BANDS: usize = COEFFICIENTS + 1;
 
-/// Lowest Sun cosine that tables hold; below it the night is black.
-pub const LOWEST_SUN: f64 = -0.3;
+/// Lowest Sun cosine that tables hold, 27° below the horizon: there the light is below 1e-10 of a white sheet in sunlight, and farther
+/// down it stays as it is there.
+pub const LOWEST_SUN: f64 = -0.45;
 /// Sine of the Sun's elevation within which Sun cosines are spaced evenly; beyond they are spaced in proportion to it.
 pub const SUN_SPACING: f64 = 0.05;
 /// What the profile of molecules is told against, metres.
