@@ -1,7 +1,7 @@
 // From light to what the colour target stores, once and last: exposure, tone curve, dithering, encoding.
 //
 // `TargetColor` in src/gpu/shader/variant.rs says which conditions hold together: radiance (a float target, which gets the light
-// itself), else neutral, filmic or neither of them (cut off at 1), and encode (the hardware does not encode).
+// itself), else camera, neutral, filmic or none of them (cut off at 1), and encode (the hardware does not encode).
 import common/tone.wgsl;
 @if(!radiance) import common/dither.wgsl;
 @if(encode) import common/color.wgsl;
@@ -17,6 +17,7 @@ fn displayed(light: vec3f, exposure: f32, pixel: vec2f) -> vec3f {
 fn toned(light: vec3f, exposure: f32) -> vec3f {
     @if(radiance) return light;
     @if(!radiance) var shown = light * exposure;
+    @if(camera) shown = camera(shown);
     @if(neutral) shown = neutral(shown);
     @if(filmic) shown = filmic(shown);
     @if(!radiance) return shown;

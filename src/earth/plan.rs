@@ -22,7 +22,7 @@ use terrella_ground::globe::{
     BLOCK_COUNT, Block, BlockGrid, BlockSet, COLUMNS, Meshes, Subdivision, SubdivisionError,
     Surface, Visibility, sagitta, select_blocks, texels_per_pixel,
 };
-use terrella_ground::light::exposure_factor;
+use terrella_ground::light::{Tone, exposure_factor};
 use terrella_imagery::{GroundKinds, MOST_PIXEL_M};
 
 /// Where the maps of an Earth have nothing but land or open sea: of whole maps, and of pictures that may use it.
@@ -43,6 +43,7 @@ pub(super) struct Planner {
     has_air: bool,
     /// Whether pictures take the air's light from vertices where that suffices.
     interpolates: bool,
+    tone: Tone,
     air: AirOptions,
     /// Where that is, once it is asked for.
     cells: Option<CellLights>,
@@ -74,6 +75,7 @@ impl Planner {
             exposure: ExposureControl::new(options, quality.atmosphere),
             has_air: quality.atmosphere == Atmosphere::Billboard,
             interpolates: options.interpolates_air(),
+            tone: options.tone,
             air: options.air,
             cells: None,
             kinds: ground_kinds(options),
@@ -259,9 +261,9 @@ impl Planner {
         match &mut self.ground {
             Some(ground) => ground.list_draws(&plan.ellipsoid, tiled, &mut plan.draws),
             None if interpolates => {
-                let cells = self
-                    .cells
-                    .get_or_insert_with(|| CellLights::new(AirTables::shared(&self.air)));
+                let cells = self.cells.get_or_insert_with(|| {
+                    CellLights::new(AirTables::shared(&self.air), self.tone)
+                });
                 let light = CellLight {
                     sun_itrf: plan.uniforms.sun_itrf,
                     exposure: plan.uniforms.exposure,

@@ -7,13 +7,14 @@ use glam::Vec3;
 use std::sync::Arc;
 use terrella_ground::air::{AirTables, InterpolationLimits};
 use terrella_ground::globe::{Block, BlockGrid};
+use terrella_ground::light::{DisplaySlope, Tone};
 use terrella_imagery::{GroundKind, GroundKinds};
 
 /// Cells a block edge that most of the air's light can be interpolated in, for an eye above the air: more where they look large, and no
 /// more than the limb needs where their vertices would cost more than is saved.
 pub(crate) fn interpolated_cells(height_m: f64) -> u32 {
     match height_m {
-        4e5..9e5 => 48,
+        4e5..3e6 => 48,
         _ => 0,
     }
 }
@@ -22,6 +23,7 @@ pub(crate) fn interpolated_cells(height_m: f64) -> u32 {
 pub(crate) struct CellLights {
     tables: Arc<AirTables>,
     limits: InterpolationLimits,
+    display_slope: DisplaySlope,
     /// For each vertex of a block what is enough about it.
     enough: Vec<DrawLight>,
     /// For each of its cells how it is drawn.
@@ -61,10 +63,11 @@ impl CellLight {
 }
 
 impl CellLights {
-    /// For light through this air.
-    pub fn new(tables: Arc<AirTables>) -> Self {
+    /// For light through this air that is shown by this curve.
+    pub fn new(tables: Arc<AirTables>, tone: Tone) -> Self {
         Self {
             limits: tables.interpolation().limits(),
+            display_slope: DisplaySlope::of(tone),
             tables,
             enough: Vec::with_capacity(49 * 49),
             drawn: Vec::with_capacity(48 * 48),
@@ -81,7 +84,8 @@ impl CellLights {
         plan: &mut FramePlan,
     ) {
         let bound = self.tables.interpolation();
-        bound.set_exposure(&mut self.limits, light.exposure);
+        let slope = &self.display_slope;
+        bound.set_shown(&mut self.limits, light.exposure, |light| slope.at(light));
         let ranges = block_ranges(grid);
         let n = grid.subdivision();
         let radii_m = grid.ellipsoid().itrf_from_scaled();

@@ -457,7 +457,7 @@ fn a_target_of_light_is_not_exposed() {
             parts: false,
         })
     };
-    let curves = ["fn neutral", "fn filmic"];
+    let curves = ["fn camera", "fn neutral", "fn filmic"];
     for target in TargetColor::all() {
         let text = text(target);
         let is_light = target == TargetColor::Radiance;

@@ -11,7 +11,7 @@ use terrella_ground::air::{self, TableSize};
 use terrella_ground::globe::{BLOCK_COUNT, COLUMNS, ROWS};
 use terrella_ground::light;
 use terrella_imagery::tile::{MAP_LAYERS, MapLayer, TILE_BORDER};
-use terrella_imagery::{CLOUD_ALBEDO, FLOOR_SEEN_M, NEIGHBOURHOODS};
+use terrella_imagery::{CLOUD_ALBEDO, DETAIL_STEP, FLOOR_SEEN_M, NEIGHBOURHOODS};
 
 /// Words of four numbers that cells of blocks with parts may take, each with eight of them: with all else that says where tiles lie a
 /// buffer of 16 KiB, which every adapter takes.
@@ -101,10 +101,15 @@ const SHARED: &[(&str, Value)] = &[
     ("LAMPS_OUT_SIN", F32(LAMPS_OUT_SIN)),
     ("LAMPS_FULL_SIN", F32(LAMPS_FULL_SIN)),
     ("FLOOR_SEEN_M", F32(FLOOR_SEEN_M)),
+    ("DETAIL_STEP", F32(DETAIL_STEP as f64)),
     ("SEA_WATER_INDEX", F32(SEA_WATER_INDEX)),
     ("SEA_REFLECTANCE", F32(SEA_REFLECTANCE)),
     // What is shown: the largest value of eight bits, and tone curves.
     ("LAST_CODE", F32(u8::MAX as f64)),
+    ("TONE_CAMERA_TOE", Vec3(light::CAMERA_TOE)),
+    ("TONE_CAMERA_HALF_RAISED", F32(light::CAMERA_HALF_RAISED)),
+    ("TONE_CAMERA_WHITE", F32(light::CAMERA_WHITE)),
+    ("TONE_CAMERA_SATURATION", F32(light::CAMERA_SATURATION)),
     ("TONE_NEUTRAL_START", F32(light::NEUTRAL_START)),
     (
         "TONE_NEUTRAL_DESATURATION",

@@ -21,8 +21,8 @@ impl TargetColor {
     /// The most usual ones: between them they have every condition but those of other tone curves.
     pub const USUAL: [Self; 3] = [
         Self::Radiance,
-        Self::Linear(Tone::Neutral),
-        Self::Display(Tone::Neutral),
+        Self::Linear(Tone::Camera),
+        Self::Display(Tone::Camera),
     ];
 
     /// All of them.
@@ -33,13 +33,14 @@ impl TargetColor {
     }
 
     /// The conditions of `common/displayed.wgsl`.
-    pub fn conditions(self) -> [(&'static str, bool); 4] {
+    pub fn conditions(self) -> [(&'static str, bool); 5] {
         let tone = match self {
             Self::Radiance => None,
             Self::Linear(tone) | Self::Display(tone) => Some(tone),
         };
         [
             ("radiance", tone.is_none()),
+            ("camera", tone == Some(Tone::Camera)),
             ("neutral", tone == Some(Tone::Neutral)),
             ("filmic", tone == Some(Tone::Filmic)),
             ("encode", matches!(self, Self::Display(_))),

@@ -32,7 +32,8 @@ fn light_is_shown_as_the_scene_says() {
     assert_eq!(output("exposure_ev = -20").exposure, Exposure::Ev(-20.0));
     assert_eq!(output("exposure_ev = 1.25").exposure, Exposure::Ev(1.25));
     assert_eq!(output("exposure_ev = \"auto\"").exposure, Exposure::Auto);
-    assert_eq!(output("").tone, Tone::Neutral);
+    assert_eq!(output("").tone, Tone::Camera);
+    assert_eq!(output("tone = \"neutral\"").tone, Tone::Neutral);
     assert_eq!(output("tone = \"filmic\"").tone, Tone::Filmic);
     assert_eq!(output("tone = \"linear\"").tone, Tone::Linear);
 }

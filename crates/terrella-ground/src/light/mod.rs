@@ -8,13 +8,17 @@
 //! |---|---|
 //! | `exposure.rs` | exposure values, fixed or metered, and how a metered one follows in time |
 //! | `meter.rs` | the exposure that a view asks for |
+//! | `display_slope.rs` | how steeply those curves rise |
 //! | `tone.rs` | tone curves, the shaders' twins |
 
+mod display_slope;
 mod exposure;
 mod meter;
 mod tone;
 
+pub use display_slope::DisplaySlope;
 pub use exposure::{Adaptation, Exposure, exposure_factor};
 pub use meter::{Meter, MeterView};
 pub use tone::Tone;
+pub use tone::{CAMERA_HALF_RAISED, CAMERA_SATURATION, CAMERA_TOE, CAMERA_WHITE};
 pub use tone::{FILMIC, FILMIC_SCALE, NEUTRAL_DESATURATION, NEUTRAL_START};

@@ -1,5 +1,6 @@
 //! Tone curves: how exposed light becomes display light, 0…1. The shaders' twins stand in `shaders/common/tone.wgsl`.
 
+use crate::air::LUMINANCE;
 use glam::DVec3;
 
 /// Where the neutral curve leaves the identity, and how fast highlights lose colour beyond.
@@ -10,6 +11,14 @@ pub const NEUTRAL_DESATURATION: f64 = 0.15;
 pub const FILMIC_SCALE: f64 = 0.6;
 pub const FILMIC: [f64; 5] = [2.51, 0.03, 2.43, 0.59, 0.14];
 
+/// The camera curve's toe, for each channel: light x becomes x²/(x + toe). Blue has most of it, as the haze of the air has.
+pub const CAMERA_TOE: DVec3 = DVec3::new(0.02, 0.035, 0.07);
+/// Its contrast and shoulder: x then becomes white·x^1.5/(x^1.5 + this), half of white being reached at 0.42.
+pub const CAMERA_HALF_RAISED: f64 = 0.272_190_815_4;
+pub const CAMERA_WHITE: f64 = 1.1;
+/// Its colours are so much farther from grey than that leaves them.
+pub const CAMERA_SATURATION: f64 = 1.08;
+
 /// Light beyond this is as this: its square leaves no range, and every curve is at its end.
 const BRIGHTEST: f64 = 1e9;
 
@@ -18,10 +27,13 @@ const BRIGHTEST: f64 = 1e9;
 #[cfg_attr(feature = "serde", derive(serde::Deserialize, serde::Serialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "lowercase"))]
 pub enum Tone {
+    /// A camera's, for pictures that are looked at: a toe that takes the air's haze out of the darks, contrast about a middle grey of
+    /// 0.3 and a shoulder that is white at 1.9, channel by channel as in film, so that highlights go to white.
+    #[default]
+    Camera,
     /// The highlights of the Khronos PBR Neutral tone mapper (2024): light up to 0.76 is shown as it is, what is brighter is
     /// compressed by its brightest channel, so that hue is kept, and fades to white far beyond. The mapper's toe is left out:
-    /// it takes 4 % off, the gloss of a varnish that the Earth has not.
-    #[default]
+    /// it takes 4 % off, the gloss of a varnish that the Earth has not. For colours that are measured in a picture.
     Neutral,
     /// Light as it is, cut off at 1, channel by channel.
     Linear,
@@ -32,12 +44,13 @@ pub enum Tone {
 
 impl Tone {
     /// All of them.
-    pub const ALL: [Self; 3] = [Self::Neutral, Self::Linear, Self::Filmic];
+    pub const ALL: [Self; 4] = [Self::Camera, Self::Neutral, Self::Linear, Self::Filmic];
 
     /// Display light, 0…1 in each channel, of exposed light, which is not negative.
     pub fn shown(self, light: DVec3) -> DVec3 {
         let light = light.clamp(DVec3::ZERO, DVec3::splat(BRIGHTEST));
         let shown = match self {
+            Self::Camera => camera(light),
             Self::Neutral => neutral(light),
             Self::Linear => light,
             Self::Filmic => {
@@ -46,8 +59,16 @@ impl Tone {
                 x * (a * x + b) / (x * (c * x + d) + e)
             }
         };
-        shown.min(DVec3::ONE)
+        shown.clamp(DVec3::ZERO, DVec3::ONE)
     }
+}
+
+fn camera(light: DVec3) -> DVec3 {
+    let cleared = light * light / (light + CAMERA_TOE);
+    let raised = cleared * cleared.powf(0.5);
+    let shown = CAMERA_WHITE * raised / (raised + CAMERA_HALF_RAISED);
+    let grey = DVec3::splat(shown.dot(LUMINANCE));
+    grey + CAMERA_SATURATION * (shown - grey)
 }
 
 fn neutral(light: DVec3) -> DVec3 {
@@ -85,6 +106,43 @@ mod tests {
             }
             assert_eq!(tone.shown(DVec3::ZERO), DVec3::ZERO);
             assert!(tone.shown(DVec3::splat(1e300)).is_finite(), "{tone:?}");
+        }
+    }
+
+    #[test]
+    fn the_camera_shows_space_black_clouds_white_and_grey_grey() {
+        let code = |light: DVec3| Tone::Camera.shown(light).powf(1.0 / 2.2) * 255.0;
+        // The clear sea with the air before it, and a thick cloud, at the default exposure.
+        let sea = code(DVec3::new(0.03, 0.06, 0.13) * 2.0_f64.sqrt());
+        assert!(sea.x < 45.0 && sea.y < 60.0 && sea.z < 90.0, "{sea}");
+        let cloud = code(DVec3::splat(0.72 * 2.0_f64.sqrt()));
+        assert!(cloud.min_element() > 225.0, "{cloud}");
+        // What is grey in the light is a little yellow in the darks, where haze is taken out of it, and grey from the middle on.
+        let middle = code(DVec3::splat(0.5));
+        assert!(
+            middle.max_element() - middle.min_element() < 14.0,
+            "{middle}"
+        );
+        assert_eq!(Tone::Camera.shown(DVec3::splat(4.0)), DVec3::ONE);
+    }
+
+    /// The darkest channel stays the darkest: no colour turns into its opposite, and none leaves the sector of its hue's two
+    /// neighbours.
+    #[test]
+    fn the_camera_keeps_the_order_of_channels_in_the_light() {
+        for tint in [
+            DVec3::new(1.0, 0.6, 0.3),
+            DVec3::new(0.3, 0.8, 0.6),
+            DVec3::new(0.25, 0.4, 1.0),
+        ] {
+            for light in [0.1, 0.3, 1.0, 1.5] {
+                let shown = Tone::Camera.shown(tint * light);
+                assert_eq!(shown.max_position(), tint.max_position(), "{tint} {light}");
+                assert!(
+                    (hue(shown) - hue(tint)).abs() < 0.35,
+                    "{tint} {light}: {shown}"
+                );
+            }
         }
     }
 

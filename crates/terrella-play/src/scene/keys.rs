@@ -457,7 +457,7 @@ table!(RawSky = "sky" {
     glare: bool;
     /// The Moon's shadow on ground, clouds and air. By default on; off with look = "paper".
     eclipses: bool;
-    /// How many times brighter than in truth stars and Milky Way are drawn.
+    /// How many times brighter than in truth stars and Milky Way are drawn. Without it they fade where sunlit ground or air is in view.
     star_gain: f64, in 0.0..=1e6, default 4e4;
     /// Folder of stars.bin, milky_way.jpg and moon.jpg. By default the starter pack.
     folder: RawPath, of "a folder of star catalogue and maps";
@@ -472,8 +472,8 @@ table!(RawOutput = "output" {
     // Any value: a number or a word.
     /// Exposure: light is multiplied by 2 to the power of it before it is shown; "auto" meters each picture. By default 0.5.
     exposure_ev: toml::Value, of "a number of exposure values from −20 to 20 or \"auto\"";
-    /// The curve by which exposed light is shown.
-    tone: Choice<Tone>, default Tone::default();
+    /// The curve by which exposed light is shown. By default "camera"; "neutral" with look = "paper".
+    tone: Choice<Tone>;
     /// How long a picture that is kept waits for its tiles and its simulator.
     wait_s: f64, of "seconds", in 0.0..=3600.0, default 30.0;
 });

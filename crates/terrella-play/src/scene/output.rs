@@ -1,7 +1,7 @@
 //! `[output]` and `[quality]`: pictures, and the frame time that the window holds.
 
 use super::camera::Camera;
-use super::choices::CameraMode;
+use super::choices::{CameraMode, Look};
 use super::earth::EarthTable;
 use super::error::SceneError;
 use super::field::{Field, PathKind, range_text, whole};
@@ -102,11 +102,15 @@ impl SceneText<'_> {
             self.only_with_a_pack(&wait, "no pack: nothing to wait for")?;
         }
         let wait_s = self.number(&wait, |_, range| format!("must be from {range} seconds"))?;
+        let usual_tone = match earth.look {
+            Look::Paper => Tone::Neutral,
+            Look::Standard | Look::Full => Tone::Camera,
+        };
         Ok(Output {
             size,
             samples,
             exposure: self.exposure(&output.exposure_ev())?,
-            tone: self.choice(&output.tone())?,
+            tone: self.choice_or(&output.tone(), usual_tone)?,
             wait_s,
         })
     }

@@ -76,7 +76,7 @@ impl InterpolationBound {
         }
     }
 
-    /// Limits for light that is not shown yet: see [`Self::set_exposure`].
+    /// Limits for light that is not shown yet: see [`Self::set_shown`].
     pub fn limits(&self) -> InterpolationLimits {
         InterpolationLimits {
             cells: vec![[f32::INFINITY; 3]; self.cells.len()],
@@ -84,15 +84,21 @@ impl InterpolationBound {
         }
     }
 
-    /// Sets the limits to those of light that is shown with this factor.
-    pub fn set_exposure(&self, limits: &mut InterpolationLimits, exposure: f32) {
+    /// Sets the limits to those of light that is multiplied by this factor and then shown by a curve: display values rise by
+    /// `display_slope` for each unit of light so multiplied. One set of limits is for one curve.
+    pub fn set_shown(
+        &self,
+        limits: &mut InterpolationLimits,
+        exposure: f32,
+        display_slope: impl Fn(Vec3) -> Vec3,
+    ) {
         if limits.exposure == exposure {
             return;
         }
         limits.exposure = exposure;
         for (limit, grounds) in limits.cells.iter_mut().zip(&self.cells) {
             *limit = grounds.iter().fold([0.0; 3], |most: [f32; 3], ground| {
-                let slope = (ground.light * exposure).map(display_slope) * exposure;
+                let slope = display_slope(ground.light * exposure) * exposure;
                 let seen = slope * (0.25 / HALF_A_CODE);
                 let here = [ground.view, 2.0 * ground.both, ground.ground];
                 std::array::from_fn(|n| most[n].max((seen * here[n]).max_element()))
@@ -235,15 +241,6 @@ fn fourth_power(root: Vec4) -> Vec3 {
     square * square
 }
 
-/// How steep the encoding of sRGB is.
-fn display_slope(linear: f32) -> f32 {
-    if linear <= 0.003_130_8 {
-        12.92
-    } else {
-        1.055 / 2.4 * linear.powf(1.0 / 2.4 - 1.0)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -266,6 +263,19 @@ mod tests {
         }
     }
 
+    /// How steep the encoding of sRGB is.
+    fn display_slope(linear: Vec3) -> Vec3 {
+        linear.map(slope_of_channel)
+    }
+
+    fn slope_of_channel(linear: f32) -> f32 {
+        if linear <= 0.003_130_8 {
+            12.92
+        } else {
+            1.055 / 2.4 * linear.powf(1.0 / 2.4 - 1.0)
+        }
+    }
+
     fn encoded(linear: f32) -> f32 {
         if linear <= 0.003_130_8 {
             12.92 * linear
@@ -282,7 +292,7 @@ mod tests {
         let bound = tables.interpolation();
         let (mut limits, mut random) = (bound.limits(), Random(1));
         let exposure = 1.3;
-        bound.set_exposure(&mut limits, exposure);
+        bound.set_shown(&mut limits, exposure, display_slope);
         let (mut allowed, mut worst) = (0, 0.0_f32);
         for _ in 0..200_000 {
             let height = 0.03 * (200.0_f32).powf(random.next());
@@ -331,7 +341,8 @@ mod tests {
     fn the_limb_and_the_terminator_are_never_interpolated_in_large_cells() {
         let tables = AirTables::shared(&AirOptions::default());
         let mut limits = tables.interpolation().limits();
-        tables.interpolation().set_exposure(&mut limits, 1.0);
+        let bound = tables.interpolation();
+        bound.set_shown(&mut limits, 1.0, display_slope);
         let side = 0.0164;
         let near = (side / 0.1, side);
         assert!(limits.allow((0.9, 0.8), (side / 0.3, side)));

@@ -1,0 +1,103 @@
+//! How steeply display values rise with light: what an error of light is worth in a picture.
+
+use super::Tone;
+use super::tone::CAMERA_SATURATION;
+use glam::{DVec3, Vec3};
+
+/// How steeply sRGB display values, 0…1, rise with exposed light by a tone curve.
+pub struct DisplaySlope {
+    /// The largest of each step of exposure, channel by channel.
+    slopes: Vec<Vec3>,
+}
+
+/// Steps of an exposure value.
+const STEPS: usize = 16;
+/// Exposure values below and above 1: darker light is in the curves' straight beginnings, brighter at their ends.
+const BELOW: usize = 14;
+const ABOVE: usize = 4;
+/// Slopes that each step is looked at by.
+const PARTS: usize = 2;
+
+impl DisplaySlope {
+    /// Of this curve.
+    pub fn of(tone: Tone) -> Self {
+        let shown = |part: usize| {
+            let light = (part as f64 / (STEPS * PARTS) as f64 - BELOW as f64).exp2();
+            // Channel by channel, as their curves differ.
+            (light, tone.shown(DVec3::splat(light)).map(encoded))
+        };
+        let slope = |part: usize| {
+            let [(a, low), (b, high)] = [shown(part), shown(part + 1)];
+            (high - low) / (b - a)
+        };
+        let steps = 0..(BELOW + ABOVE) * STEPS;
+        let slopes = steps.map(|step| {
+            // With the neighbours: a slope between two lights is a mean.
+            let parts = (step * PARTS).saturating_sub(1)..=(step + 1) * PARTS;
+            let largest = parts.map(slope).fold(DVec3::ZERO, DVec3::max);
+            match tone {
+                // Of a rise of all channels alike each shows its own.
+                Tone::Camera => (CAMERA_SATURATION * largest).as_vec3(),
+                _ => largest.as_vec3(),
+            }
+        });
+        Self {
+            slopes: slopes.collect(),
+        }
+    }
+
+    /// At so much exposed light; at least what it is in truth.
+    pub fn at(&self, light: Vec3) -> Vec3 {
+        let at = |channel: usize| {
+            let step = (light[channel].max(1e-9).log2() + BELOW as f32) * STEPS as f32;
+            self.slopes[(step.max(0.0) as usize).min(self.slopes.len() - 1)][channel]
+        };
+        Vec3::new(at(0), at(1), at(2))
+    }
+}
+
+/// The sRGB transfer function (IEC 61966-2-1).
+fn encoded(linear: f64) -> f64 {
+    match linear <= 0.003_130_8 {
+        true => 12.92 * linear,
+        false => 1.055 * linear.powf(1.0 / 2.4) - 0.055,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_channel_rises_more_steeply() {
+        for tone in Tone::ALL {
+            let slopes = DisplaySlope::of(tone);
+            let mut closest = 0.0_f64;
+            for tint in [
+                DVec3::ONE,
+                DVec3::new(0.25, 0.4, 1.0),
+                DVec3::new(1.0, 0.8, 0.4),
+            ] {
+                for n in 0..1500 {
+                    let light = tint * (f64::from(n) * 0.01 - 13.0).exp2();
+                    // All channels together, as errors of the air come.
+                    let more = light * 1.0001;
+                    let rise = tone.shown(more).map(encoded) - tone.shown(light).map(encoded);
+                    for channel in 0..3 {
+                        // A channel may follow a brighter one by saturation.
+                        let by = (more - light)[channel];
+                        let most = f64::from(slopes.at(light.as_vec3())[channel]) * by;
+                        let follows = 1e-4 * light.max_element();
+                        assert!(
+                            rise[channel].abs() <= most + follows,
+                            "{tone:?} {light}: {} and not {most}",
+                            rise[channel]
+                        );
+                        closest = closest.max(rise[channel] / most);
+                    }
+                }
+            }
+            assert!(closest > 0.7, "{tone:?}: {closest}");
+        }
+    }
+}
