@@ -26,12 +26,13 @@
 //! **Order.** All of it is added to what the pass holds, at the farthest depth, each pixel through the air before it. A Moon before
 //! the Earth hides it instead.
 
+mod daylight;
 mod moon;
 mod projection;
 mod seen;
 mod stars;
 
-use crate::earth::{Earth, EarthView, EyeView, Viewport, ball_bounds};
+use crate::earth::{Earth, EarthView, EyeView, ItrfView, Viewport, ball_bounds};
 use crate::gpu::{AirTextures, DepthBuffer, PassFormat, ShaderError};
 use crate::gpu::{
     CelestialDrawable, CelestialKind, CelestialParts, CelestialUniforms, GLARE_RADIUS_RAD,
@@ -44,7 +45,7 @@ use seen::Seen;
 pub use stars::{Star, StarCatalogue, StarError};
 use std::f64::consts::PI;
 use std::sync::Arc;
-use terrella_frames::{Epoch, MOON_RADIUS_M, Observer, Orientation, SUN_RADIUS_M};
+use terrella_frames::{Ellipsoid, Epoch, MOON_RADIUS_M, Observer, Orientation, SUN_RADIUS_M};
 use terrella_ground::air::TOP;
 use terrella_imagery::LayerImage;
 
@@ -69,6 +70,8 @@ pub struct CelestialOptions {
     pub glare: bool,
     /// How many times brighter than in truth stars and Milky Way are drawn, so that they show beside daylight.
     pub star_gain: f64,
+    /// Whether that gain falls to 1, the truth, where the picture shows sunlit ground or air, as a camera exposed for it shows no stars.
+    pub stars_fade_by_day: bool,
 }
 
 impl CelestialOptions {
@@ -83,6 +86,7 @@ impl CelestialOptions {
         moon: None,
         glare: false,
         star_gain: Self::STAR_GAIN,
+        stars_fade_by_day: true,
     };
 
     /// Names of all that there may be.
@@ -324,7 +328,7 @@ impl Celestial {
             moon.disc.depth = projection.depth(seen.moon_m);
             moon.disc.covers = 1.0;
         }
-        let gain = self.options.star_gain;
+        let gain = self.star_gain(&view, seen.sun_m, &ellipsoid);
         if let Some(catalogue) = self.options.stars.as_ref().filter(|_| self.shows_stars) {
             let years = (moment.epoch.to_jde_tt_days() - CATALOGUE_JD) / YEAR_DAYS;
             let shown = (catalogue.as_ref(), years, gain as f32);
@@ -376,6 +380,17 @@ impl Celestial {
             triangles: 2 * (self.points.len() as u32 + draw_calls),
             uploaded_bytes,
         }
+    }
+
+    /// How many times brighter than in truth stars are drawn in a view.
+    fn star_gain(&self, view: &ItrfView, sun_m: DVec3, ellipsoid: &Ellipsoid) -> f64 {
+        let gain = self.options.star_gain;
+        let has_stars = self.options.stars.is_some() || self.options.milky_way.is_some();
+        if !self.options.stars_fade_by_day || !has_stars || gain <= 1.0 {
+            return gain;
+        }
+        let daylight = daylight::in_sight(view, sun_m.normalize_or_zero(), ellipsoid);
+        gain.powf(1.0 - daylight)
     }
 
     /// Draws all of it: after the Earth, and after what else is opaque.

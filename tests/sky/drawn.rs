@@ -58,6 +58,7 @@ fn one_star(hip: u32) -> CelestialOptions {
     CelestialOptions {
         stars: Some(Arc::new(StarCatalogue::of(one.copied().collect()))),
         star_gain: GAIN,
+        stars_fade_by_day: false,
         ..CelestialOptions::NOTHING
     }
 }
@@ -131,6 +132,7 @@ fn the_earth_and_the_moon_hide_stars() {
     let everything = CelestialOptions {
         stars: Some(stars()),
         star_gain: 1e6,
+        stars_fade_by_day: false,
         ..CelestialOptions::NOTHING
     };
     // 17° of Earth fill the picture of 10°.

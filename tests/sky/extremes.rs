@@ -17,6 +17,7 @@ fn all() -> CelestialOptions {
         moon: grey_moon(),
         glare: true,
         star_gain: 1e5,
+        stars_fade_by_day: false,
     }
 }
 

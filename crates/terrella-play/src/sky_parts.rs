@@ -92,6 +92,7 @@ pub(super) fn read(
         sun: sky.sun,
         glare: sky.glare,
         star_gain: sky.star_gain,
+        stars_fade_by_day: sky.stars_fade_by_day,
         ..CelestialOptions::NOTHING
     };
     let in_folder = |name: &str| folder.clone().map(|folder| folder.join(name));

@@ -25,6 +25,8 @@ pub struct SkyTable {
     pub eclipses: bool,
     /// How many times brighter than in truth stars and Milky Way are.
     pub star_gain: f64,
+    /// Whether they fade to the truth beside daylight: where no gain is given.
+    pub stars_fade_by_day: bool,
     /// Folder of the star catalogue and the maps of Milky Way and Moon; `None` is the starter pack.
     pub folder: Option<PathBuf>,
 }
@@ -84,6 +86,7 @@ impl SceneText<'_> {
             glare: sky.glare().is_on_or(is_full),
             eclipses: eclipses.is_on_or(is_sunlit && is_real),
             star_gain: self.quantity(&star_gain)?,
+            stars_fade_by_day: !star_gain.is_given(),
             folder: self.path(&sky.folder(), PathKind::Folder, "the starter pack is taken")?,
         })
     }
