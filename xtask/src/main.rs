@@ -8,6 +8,7 @@ mod faces;
 mod lean;
 mod machine;
 mod numbers;
+mod pictures;
 mod prepare;
 mod process;
 mod starter_pack;
@@ -85,6 +86,15 @@ enum Command {
         #[arg(long, value_name = "NAME", num_args = 0..)]
         measure: Option<Vec<String>>,
     },
+    /// Draw the pictures of README.md and of the pages of docs/ anew.
+    Pictures {
+        /// The program to draw with; by default it is built as for a release.
+        #[arg(long, value_name = "FILE")]
+        program: Option<PathBuf>,
+        /// Pictures by name; all by default.
+        #[arg(value_name = "NAME.jpg")]
+        names: Vec<String>,
+    },
     /// Send 100 000 packets to a live feed, one in twenty of them spoilt: memory and answers.
     Soak,
     /// Run the bodies of the fuzz targets for some time each, without a nightly compiler; rows for fuzz/RESULTS.md.
@@ -150,6 +160,7 @@ fn run(command: Command) -> anyhow::Result<()> {
             seed,
             targets,
         } => by_hand::fuzz(seconds, seed, &targets),
+        Command::Pictures { program, names } => pictures::run(program, &names),
         Command::StarterPack { data, out, check } => {
             let out = out.unwrap_or_else(|| process::repository_root().join("textures"));
             if check {
