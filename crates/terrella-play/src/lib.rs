@@ -8,7 +8,7 @@
 //! | file | what |
 //! |---|---|
 //! | `clock` | simulated time, exact frame instants |
-//! | `camera` | the four cameras, pure functions |
+//! | `camera` | the four cameras of scenes, pure functions |
 //! | `camera_path`, `spline` | what a scene's keys make of its camera in the course of time |
 //! | `flight` | scene and orbit to moments |
 //! | `satellites`, `opening` | the scene's sources of motion, opened; which of them says when the scene begins |
@@ -39,6 +39,7 @@
 //! | `output` | files that are complete or not there |
 //! | `window`, `window_renderer`, `surface` | the window: its events, its renderer, its surface |
 //! | `controls`, `keys`, `panel`, `overlay` | what the user has set, by which keys; the panel, and egui under it |
+//! | `orbit_camera` | the camera over the globe |
 //! | `egui_pass` | panel and names, drawn over pictures |
 //! | `place_text` | places as a person reads them |
 //! | `timeline/` | the time line along the bottom: scrubbing, real time, passes |
@@ -86,6 +87,8 @@ mod mp4;
 #[cfg_attr(not(feature = "window"), allow(dead_code))]
 mod offscreen;
 mod opening;
+#[cfg(feature = "window")]
+mod orbit_camera;
 mod outlook;
 #[cfg_attr(not(feature = "window"), allow(dead_code))]
 mod output;
