@@ -457,3 +457,7 @@ impl OrbitCamera {
 fn wrapped(angle_rad: f64) -> f64 {
     (angle_rad + PI).rem_euclid(2.0 * PI) - PI
 }
+
+#[cfg(test)]
+#[path = "orbit_camera/tests.rs"]
+mod tests;
