@@ -39,7 +39,7 @@
 //! | `output` | files that are complete or not there |
 //! | `window`, `window_renderer`, `surface` | the window: its events, its renderer, its surface |
 //! | `controls`, `keys`, `panel`, `overlay` | what the user has set, by which keys; the panel, and egui under it |
-//! | `orbit_camera` | the camera over the globe |
+//! | `pointer`, `hand`, `orbit_camera` | clicks and drags; the eye that they move; the camera over the globe |
 //! | `egui_pass` | panel and names, drawn over pictures |
 //! | `place_text` | places as a person reads them |
 //! | `timeline/` | the time line along the bottom: scrubbing, real time, passes |
@@ -77,6 +77,8 @@ mod float_files;
 #[cfg(feature = "window")]
 mod frame_cost;
 #[cfg(feature = "window")]
+mod hand;
+#[cfg(feature = "window")]
 mod keys;
 #[cfg(feature = "window")]
 mod live;
@@ -99,6 +101,8 @@ mod panel;
 mod pass_table;
 mod pictures;
 mod place_text;
+#[cfg(feature = "window")]
+mod pointer;
 mod progress;
 mod quality_control;
 #[cfg(feature = "window")]
