@@ -162,6 +162,18 @@ impl Flight {
             .map(move |satellite| (satellite.name(), satellite.feed().state_at(epoch)))
     }
 
+    /// How a satellite moves at an instant, by its place in [`Self::satellites`]; `None` where that is not known.
+    #[cfg(feature = "window")]
+    pub(super) fn motion_of(&self, satellite: usize, epoch: Epoch) -> Option<OrbitalMotion> {
+        let state = self
+            .satellites
+            .get(satellite)?
+            .feed()
+            .state_at(epoch)
+            .ok()?;
+        Some(motion(&state, &self.orientation_at(epoch)))
+    }
+
     /// When and where a satellite meets the ground, if it does so in the time that it is known of.
     pub fn impact(&self, satellite: &Satellite) -> Option<(Epoch, GroundPlace)> {
         impact(satellite.feed(), self.orientation.as_ref(), &self.ellipsoid)

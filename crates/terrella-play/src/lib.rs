@@ -40,6 +40,7 @@
 //! | `window`, `window_renderer`, `surface` | the window: its events, its renderer, its surface |
 //! | `controls`, `keys`, `panel`, `overlay` | what the user has set, by which keys; the panel, and egui under it |
 //! | `pointer`, `hand`, `orbit_camera` | clicks and drags; the eye that they move; the camera over the globe |
+//! | `picking` | what is under a click |
 //! | `egui_pass` | panel and names, drawn over pictures |
 //! | `place_text` | places as a person reads them |
 //! | `timeline/` | the time line along the bottom: scrubbing, real time, passes |
@@ -99,6 +100,8 @@ mod overlay;
 #[cfg(feature = "window")]
 mod panel;
 mod pass_table;
+#[cfg(feature = "window")]
+mod picking;
 mod pictures;
 mod place_text;
 #[cfg(feature = "window")]
