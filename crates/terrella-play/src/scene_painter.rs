@@ -23,8 +23,19 @@ pub struct ScenePainter {
     dated_maps: Option<DatedMapsLayer>,
     sky: Option<SkyLayer>,
     tracks: Option<TracksLayer>,
+    /// Layers that are there and not drawn at present.
+    hidden: HiddenLayers,
     /// Follows the exposure that views ask for, where it is metered.
     adaptation: Option<Adaptation>,
+}
+
+/// Layers that are kept and not drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct HiddenLayers {
+    /// What is beyond the Earth.
+    pub sky: bool,
+    /// Tracks and their names.
+    pub tracks: bool,
 }
 
 /// Textures that a picture is drawn to.
@@ -66,6 +77,7 @@ impl ScenePainter {
             dated_maps: None,
             sky: None,
             tracks: None,
+            hidden: HiddenLayers::default(),
             adaptation: (options.exposure == Exposure::Auto).then(Adaptation::default),
         })
     }
@@ -112,6 +124,16 @@ impl ScenePainter {
     pub fn show_tracks(&mut self, flight: &Flight) -> Result<(), PlayError> {
         self.tracks = TracksLayer::of(flight, &self.gpu, &self.earth)?;
         Ok(())
+    }
+
+    /// Leaves layers out of the pictures from now on, or draws them again. They stay loaded.
+    pub fn hide(&mut self, hidden: HiddenLayers) {
+        self.hidden = hidden;
+    }
+
+    /// Whether there is a layer beyond the Earth, and one of tracks.
+    pub fn has_layers(&self) -> (bool, bool) {
+        (self.sky.is_some(), self.tracks.is_some())
     }
 
     /// Draws the Earth better or worse from now on. The other layers follow by [`Self::follow_quality`].
@@ -205,10 +227,10 @@ impl ScenePainter {
         };
         let craft = moment.craft.as_ref();
         self.craft.prepare(&self.gpu, craft, view, sky, &mut stats);
-        if let Some(sky) = &mut self.sky {
+        if let Some(sky) = self.sky.as_mut().filter(|_| !self.hidden.sky) {
             sky.prepare(&self.gpu, &self.earth, moment, drawn_size, &mut stats);
         }
-        if let Some(tracks) = &mut self.tracks {
+        if let Some(tracks) = self.tracks.as_mut().filter(|_| !self.hidden.tracks) {
             tracks.prepare(&self.gpu, moment, drawn_size, detail, &mut stats);
         }
         (stats, missing)
@@ -232,7 +254,7 @@ impl ScenePainter {
         self.render_beyond(&mut pass);
         drop(pass);
         target.enlarge(encoder);
-        if let Some(tracks) = &mut self.tracks {
+        if let Some(tracks) = self.tracks.as_mut().filter(|_| !self.hidden.tracks) {
             let (size, drawn_size) = (target.size(), target.drawn_size());
             tracks.write_names(&self.gpu, encoder, target.view(), size, drawn_size);
         }
@@ -251,10 +273,10 @@ impl ScenePainter {
 
     /// Draws what is beyond the Earth, and tracks, which come last.
     pub fn render_beyond(&self, pass: &mut wgpu::RenderPass<'_>) {
-        if let Some(sky) = &self.sky {
+        if let Some(sky) = self.sky.as_ref().filter(|_| !self.hidden.sky) {
             sky.render(pass);
         }
-        if let Some(tracks) = &self.tracks {
+        if let Some(tracks) = self.tracks.as_ref().filter(|_| !self.hidden.tracks) {
             tracks.render(pass);
         }
     }
@@ -263,7 +285,8 @@ impl ScenePainter {
     #[cfg(feature = "window")]
     pub fn is_loading(&self) -> bool {
         let is_growing = |tracks: &TracksLayer| !tracks.is_complete();
-        self.tracks.as_ref().is_some_and(is_growing)
+        let tracks = self.tracks.as_ref().filter(|_| !self.hidden.tracks);
+        tracks.is_some_and(is_growing)
             || self
                 .dated_maps
                 .as_ref()
