@@ -3,8 +3,10 @@
 use super::camera::Look;
 use super::clock::{AtEnd, Clock};
 use super::flight::{Flight, ViewRequest};
+use super::hand::{FreeEye, Hand};
 use super::keys::Action;
 use super::live_status::LiveStatus;
+use super::picking::{Picked, ReadOut};
 use super::timeline::TimeLine;
 use crate::scene::CameraMode;
 use terrella::frames::Geodetic;
@@ -24,6 +26,14 @@ pub struct Controls {
     /// Zoom and direction of view.
     pub look: Look,
     pub mode: CameraMode,
+    /// What the user has done to the camera by hand.
+    pub hand: Hand,
+    /// What the user has selected.
+    pub picked: Option<Picked>,
+    /// What is said of it.
+    pub read_out: Option<ReadOut>,
+    /// What is drawn beside the Earth.
+    pub layers: Layers,
     /// Whether the panel is shown.
     pub panel: bool,
     /// Whether the help is shown.
@@ -36,7 +46,18 @@ pub struct Controls {
     /// How the simulators are whose states are drawn, where there are any.
     pub live: Option<LiveStatus>,
     modes: &'static [CameraMode],
+    /// The satellite that the scene's cameras fly with.
+    own_satellite: usize,
     scene_fov_rad: f64,
+}
+
+/// Layers of the picture that are switched while it is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Layers {
+    /// Stars, Milky Way, Sun and Moon.
+    pub sky: bool,
+    /// Trails, ground tracks, footprints and markers.
+    pub tracks: bool,
 }
 
 /// What the window itself must do for an action.
@@ -50,6 +71,8 @@ pub enum WindowTask {
     RealTime,
     /// Look for the next pass.
     NextPass,
+    /// Turn north upwards.
+    NorthUp,
     /// Close.
     Quit,
 }
@@ -62,6 +85,13 @@ impl Controls {
             clock: Clock::new(&scene.time, AtEnd::Loop),
             look: Look::default(),
             mode: scene.camera.mode,
+            hand: Hand::default(),
+            picked: None,
+            read_out: None,
+            layers: Layers {
+                sky: true,
+                tracks: true,
+            },
             panel: true,
             help: false,
             asks_to_close: false,
@@ -69,13 +99,24 @@ impl Controls {
             message: None,
             live: None,
             modes: flight.camera_modes(),
+            own_satellite: flight.followed(),
             scene_fov_rad: scene.camera.fov_deg.to_radians(),
         }
     }
 
     pub fn request(&self, aspect: f64) -> ViewRequest {
         ViewRequest {
-            mode: self.mode,
+            mode: match self.hand.eye() {
+                None => self.mode,
+                // Its craft is drawn.
+                Some(FreeEye::Follow(follower))
+                    if follower.satellite == self.own_satellite
+                        && self.modes.contains(&CameraMode::Chase) =>
+                {
+                    CameraMode::Chase
+                }
+                Some(_) => CameraMode::Geodetic,
+            },
             look: self.look,
             aspect,
         }
@@ -96,18 +137,40 @@ impl Controls {
         self.panel && self.line.shown && self.live.is_none()
     }
 
-    /// Whether something lies over the picture that Esc closes.
-    pub fn is_dialog_open(&self) -> bool {
-        self.help || self.asks_to_close
+    /// Whether something is open or selected that Esc closes.
+    pub fn is_something_open(&self) -> bool {
+        self.help || self.asks_to_close || self.picked.is_some()
     }
 
-    /// Closes the topmost dialog; where none is open, asks whether to close the window.
+    /// Closes the topmost dialog, or drops the selection; where there is neither, asks whether to close the window.
     fn dismiss(&mut self) {
-        match (self.asks_to_close, self.help) {
-            (true, _) => self.asks_to_close = false,
-            (false, true) => self.help = false,
-            (false, false) => self.asks_to_close = true,
+        match (self.asks_to_close, self.help, self.picked) {
+            (true, _, _) => self.asks_to_close = false,
+            (false, true, _) => self.help = false,
+            (false, false, Some(_)) => (self.picked, self.read_out) = (None, None),
+            (false, false, None) => self.asks_to_close = true,
         }
+    }
+
+    /// The user moves the eye by hand from now on, from a view with this field of view, radians.
+    pub fn free_eye(&mut self, fov_rad: f64) {
+        if self.hand.eye().is_none() && fov_rad.is_finite() {
+            self.look = Look {
+                zoom: self.zoom_of(fov_rad),
+                ..Look::default()
+            };
+        }
+    }
+
+    /// Back to the scene's camera.
+    pub fn leave_free_eye(&mut self) {
+        self.hand.leave();
+        self.look = Look::default();
+    }
+
+    /// The magnification with which the field of view is this, radians.
+    fn zoom_of(&self, fov_rad: f64) -> f64 {
+        (0.5 * self.scene_fov_rad).tan() / (0.5 * fov_rad).tan()
     }
 
     /// Does what the user asks; what only the window can do is handed back. `height_px` is the picture's, for drags.
@@ -125,7 +188,10 @@ impl Controls {
             Action::NextCamera => self.next_camera(),
             Action::Zoom(steps) => self.zoom(steps),
             Action::Drag(right_px, down_px) => self.drag(right_px, down_px, height_px),
-            Action::ResetView => self.look = Look::default(),
+            Action::ResetView => self.leave_free_eye(),
+            Action::NorthUp => return Some(WindowTask::NorthUp),
+            Action::Sky => self.layers.sky = !self.layers.sky,
+            Action::Tracks => self.layers.tracks = !self.layers.tracks,
             Action::Help => self.help = !self.help,
             Action::Panel => self.panel = !self.panel,
             Action::TimeLine if self.panel => self.line.shown = !self.line.shown,
@@ -162,6 +228,10 @@ impl Controls {
     }
 
     fn next_camera(&mut self) {
+        if self.hand.eye().is_some() {
+            self.leave_free_eye();
+            return;
+        }
         let present = self.modes.iter().position(|mode| *mode == self.mode);
         let next = present.map_or(0, |index| (index + 1) % self.modes.len());
         if let Some(mode) = self.modes.get(next) {
@@ -179,7 +249,7 @@ impl Controls {
         let zoom = (self.look.zoom.log2() + steps).exp2();
         let fov_rad = Look { zoom, ..self.look }.fov_rad(self.scene_fov_rad);
         // What the view's limits left of it: steps must not pile up behind them.
-        self.look.zoom = (0.5 * self.scene_fov_rad).tan() / (0.5 * fov_rad).tan();
+        self.look.zoom = self.zoom_of(fov_rad);
     }
 
     /// The point under the pointer stays under it: a pixel is 2 tan(fov/2)/height of a radian in the middle.
@@ -337,12 +407,66 @@ mod tests {
         assert_eq!(controls.apply(Action::Dismiss, 720.0), None);
         assert!(controls.asks_to_close);
         assert_eq!(controls.apply(Action::Dismiss, 720.0), None);
-        assert!(!controls.is_dialog_open());
+        assert!(!controls.is_something_open());
         controls.apply(Action::Dismiss, 720.0);
         assert_eq!(
             controls.apply(Action::Confirm, 720.0),
             Some(WindowTask::Quit)
         );
+    }
+
+    #[test]
+    fn esc_drops_the_selection_before_it_asks() {
+        let mut controls = controls(PLACE);
+        controls.picked = Some(Picked::Satellite(0));
+        controls.apply(Action::Help, 720.0);
+        assert!(controls.is_something_open());
+        controls.apply(Action::Dismiss, 720.0);
+        assert!(!controls.help && controls.picked.is_some());
+        controls.apply(Action::Dismiss, 720.0);
+        assert!(controls.picked.is_none() && !controls.is_something_open());
+        controls.apply(Action::Dismiss, 720.0);
+        assert!(controls.asks_to_close);
+    }
+
+    #[test]
+    fn a_moved_eye_keeps_its_field_of_view_and_leaves_by_c_or_home() {
+        use crate::hand::fov_of;
+        use crate::orbit_camera::{Globe, Screen};
+        for back in [Action::NextCamera, Action::ResetView] {
+            let mut controls = controls("[camera]\nmode = \"horizon\"\nfov_deg = 40\n");
+            controls.apply(Action::Zoom(1.0), 720.0);
+            let fov_rad = controls.fov_rad();
+            let flight = Flight::open(
+                Scene::from_toml("[camera]\nmode = \"horizon\"\n", Path::new("test.toml"))
+                    .expect("a good scene"),
+            )
+            .expect("opens");
+            let now = controls.clock.now();
+            let moment = flight.view_at(now, &controls.request(1.5)).expect("a view");
+            let globe = Globe {
+                ellipsoid: *flight.ellipsoid(),
+                ground: None,
+            };
+            let screen = Screen {
+                size_px: glam::DVec2::new(1080.0, 720.0),
+                fov_rad,
+            };
+            controls.free_eye(fov_of(&moment.view));
+            controls.hand.grab(
+                &moment.view,
+                &globe,
+                &screen,
+                glam::DVec2::new(500.0, 700.0),
+            );
+            assert_eq!(controls.request(1.5).mode, CameraMode::Geodetic);
+            let kept = fov_of(&moment.view);
+            assert!((controls.fov_rad() - kept).abs() < 1e-9, "{kept}");
+            controls.apply(back, 720.0);
+            assert_eq!(controls.hand.eye(), None);
+            assert_eq!(controls.request(1.5).mode, CameraMode::Horizon);
+            assert!((controls.fov_rad() - 40f64.to_radians()).abs() < 1e-9);
+        }
     }
 
     #[test]

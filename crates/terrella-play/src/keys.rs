@@ -25,6 +25,12 @@ pub enum Action {
     Drag(f64, f64),
     /// The camera as the scene has it.
     ResetView,
+    /// North upwards on screen.
+    NorthUp,
+    /// Shows or hides stars, Milky Way, Sun and Moon.
+    Sky,
+    /// Shows or hides the tracks of satellites.
+    Tracks,
     /// Writes the picture without the panel.
     Screenshot,
     /// To full screen or back.
@@ -118,19 +124,19 @@ pub const BINDINGS: &[Binding] = &[
     },
     Binding {
         keys: "C",
-        does: "next camera",
+        does: "next camera; from a moved globe back to the scene's",
         patterns: &[Char("c")],
         action: Action::NextCamera,
     },
     Binding {
         keys: "Up",
-        does: "magnify",
+        does: "narrow the field of view",
         patterns: &[Named(NamedKey::ArrowUp), Named(NamedKey::PageUp)],
         action: Action::Zoom(0.25),
     },
     Binding {
         keys: "Down",
-        does: "widen the view",
+        does: "widen the field of view",
         patterns: &[Named(NamedKey::ArrowDown), Named(NamedKey::PageDown)],
         action: Action::Zoom(-0.25),
     },
@@ -139,6 +145,12 @@ pub const BINDINGS: &[Binding] = &[
         does: "the scene's own view",
         patterns: &[Named(NamedKey::Home)],
         action: Action::ResetView,
+    },
+    Binding {
+        keys: "U",
+        does: "north up",
+        patterns: &[Char("u")],
+        action: Action::NorthUp,
     },
     Binding {
         keys: "S or F12",
@@ -214,7 +226,7 @@ pub const BINDINGS: &[Binding] = &[
     },
     Binding {
         keys: "Esc",
-        does: "close this help, leave full screen, or ask to close the window",
+        does: "close this help, clear the selection, leave full screen, or ask to close the window",
         patterns: &[Named(NamedKey::Escape)],
         action: Action::Dismiss,
     },
@@ -234,8 +246,24 @@ pub const BINDINGS: &[Binding] = &[
 
 /// What the mouse does, for the help.
 pub const MOUSE: &[(&str, &str)] = &[
-    ("drag", "look around; on the time line: set the clock"),
-    ("wheel or pinch", "magnify or widen"),
+    (
+        "drag",
+        "turn the globe under the pointer, or circle the spacecraft; on the time line: set the clock",
+    ),
+    (
+        "right or Shift drag",
+        "tilt and turn the globe around the middle; with the scene's camera: look around",
+    ),
+    (
+        "wheel or pinch",
+        "approach the place under the pointer; flying with a satellite: field of view",
+    ),
+    ("Ctrl and wheel", "field of view"),
+    ("click", "select a satellite or a place"),
+    (
+        "double click",
+        "follow the satellite, or bring the place into the middle",
+    ),
 ];
 
 /// What a key does, letter case aside.

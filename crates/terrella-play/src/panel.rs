@@ -1,13 +1,17 @@
 //! The panel, the help and messages over the picture.
 
-use super::clock::Clock;
 use super::controls::Controls;
 use super::flight::Moment;
+use super::hand::FreeEye;
 use super::keys::{Action, BINDINGS, MOUSE};
+use super::picking::{ReadOut, altitude_text};
 use super::place_text::place_text;
 use super::timeline;
 use crate::scene::CameraMode;
-use egui::{Align2, Color32, Context, Grid, RichText, ScrollArea, Ui, Vec2};
+use egui::{
+    Align2, CollapsingHeader, Color32, Context, Grid, LayerId, Pos2, RichText, ScrollArea, Stroke,
+    Ui, Vec2,
+};
 use terrella::frames::rfc3339;
 use terrella::{AdaptiveQuality, FrameStats};
 
@@ -19,8 +23,14 @@ const MARGIN: f32 = 8.0;
 const WINDOW_CHROME: f32 = 44.0;
 /// Height of a line of buttons or text below a scrolled part, points.
 const FOOTER: f32 = 28.0;
+/// Height of the panel's buttons, which take two lines, points.
+const BUTTONS: f32 = 50.0;
+/// Most of the window's width that the panel takes.
+const PANEL_FRACTION: f32 = 0.55;
 /// Width of the panel's names and of its frame, points.
-const NAMES_WIDTH: f32 = 104.0;
+const NAMES_WIDTH: f32 = 150.0;
+/// Radius of the ring around what is selected, points.
+const RING_RADIUS: f32 = 9.0;
 
 /// What the panel shows beside the controls.
 pub struct PanelData<'p> {
@@ -32,6 +42,8 @@ pub struct PanelData<'p> {
     pub stats: FrameStats,
     /// Whether the tiles of a pack are drawn.
     pub has_tiles: bool,
+    /// Whether there is a sky to be switched, and tracks.
+    pub has_layers: (bool, bool),
     /// Adapts the quality, if a frame time is to be held.
     pub adaptive: Option<&'p AdaptiveQuality>,
     /// Milliseconds between frames, smoothed; `None` before there are two.
@@ -53,7 +65,7 @@ pub fn show(context: &Context, controls: &Controls, data: &PanelData<'_>) -> Vec
     }
     let mut panel_right = screen.left();
     if controls.panel {
-        let height = screen.height() - MARGIN - bottom - WINDOW_CHROME - FOOTER;
+        let height = screen.height() - MARGIN - bottom - WINDOW_CHROME - BUTTONS;
         let window = egui::Window::new("Terrella")
             .anchor(Align2::LEFT_TOP, Vec2::splat(MARGIN))
             .resizable(false)
@@ -62,8 +74,13 @@ pub fn show(context: &Context, controls: &Controls, data: &PanelData<'_>) -> Vec
             });
         panel_right = window.map_or(panel_right, |window| window.response.rect.right());
     }
+    let room = screen.right() - panel_right;
+    let mut top = MARGIN;
     if let Some(notice) = controls.live.as_ref().and_then(|live| live.notice.as_ref()) {
-        show_notice(context, notice, screen.right() - panel_right);
+        top += show_notice(context, notice, room) + MARGIN;
+    }
+    if let Some(read_out) = &controls.read_out {
+        show_read_out(context, read_out, top, room);
     }
     if let Some(message) = &controls.message {
         egui::Area::new("message".into())
@@ -84,16 +101,39 @@ pub fn show(context: &Context, controls: &Controls, data: &PanelData<'_>) -> Vec
     actions
 }
 
-/// What must not be overlooked, at the right, in the room beside the panel.
-fn show_notice(context: &Context, notice: &str, room: f32) {
+/// What must not be overlooked, at the right, in the room beside the panel. Answers its height, points.
+fn show_notice(context: &Context, notice: &str, room: f32) -> f32 {
     let width = NOTICE_WIDTH.min(room - 4.0 * MARGIN).max(0.0);
-    egui::Area::new("notice".into())
+    let area = egui::Area::new("notice".into())
         .anchor(Align2::RIGHT_TOP, Vec2::new(-MARGIN, MARGIN))
         .show(context, |ui| {
             egui::Frame::popup(ui.style()).show(ui, |ui| {
                 // Else it wraps at the width of the notice before.
                 ui.set_max_width(width);
                 ui.label(RichText::new(notice).color(Color32::GOLD).size(16.0))
+            });
+        });
+    area.response.rect.height()
+}
+
+/// What is selected, at the right, and a ring around it in the picture.
+fn show_read_out(context: &Context, read_out: &ReadOut, top: f32, room: f32) {
+    let screen = context.content_rect();
+    if let Some(at) = read_out.at {
+        let at = Pos2::new(
+            screen.left() + at.x as f32 * screen.width(),
+            screen.top() + at.y as f32 * screen.height(),
+        );
+        let painter = context.layer_painter(LayerId::background());
+        painter.circle_stroke(at, RING_RADIUS, Stroke::new(1.5, Color32::GOLD));
+    }
+    egui::Area::new("selection".into())
+        .anchor(Align2::RIGHT_TOP, Vec2::new(-MARGIN, top))
+        .show(context, |ui| {
+            egui::Frame::popup(ui.style()).show(ui, |ui| {
+                ui.set_max_width((room - 4.0 * MARGIN).max(0.0));
+                ui.strong(&read_out.title);
+                rows(ui, "selection", &read_out.rows);
             });
         });
 }
@@ -146,7 +186,7 @@ fn panel(
     actions: &mut Vec<Action>,
 ) {
     scrolled(ui, height, |ui| numbers(ui, controls, data));
-    buttons(ui, &controls.clock, actions);
+    buttons(ui, controls, data, actions);
 }
 
 /// What is higher than `height` points is scrolled, with a bar that shows it.
@@ -156,77 +196,109 @@ fn scrolled(ui: &mut Ui, height: f32, add: impl FnOnce(&mut Ui)) {
 }
 
 fn numbers(ui: &mut Ui, controls: &Controls, data: &PanelData<'_>) {
-    let clock = &controls.clock;
-    let widest = ui.ctx().content_rect().width() - 2.0 * MARGIN - NAMES_WIDTH;
-    let grid = Grid::new("numbers").num_columns(2).max_col_width(widest);
+    rows(ui, "numbers", &scene_rows(controls, data));
+    let details = CollapsingHeader::new("Details").show_unindented(ui, |ui| {
+        rows(ui, "details", &detail_rows(data));
+    });
+    details.header_response.on_hover_text("what a frame costs");
+}
+
+fn rows(ui: &mut Ui, name: &str, rows: &[(&str, String)]) {
+    let widest = PANEL_FRACTION * ui.ctx().content_rect().width() - NAMES_WIDTH;
+    let grid = Grid::new(name).num_columns(2).max_col_width(widest);
     grid.show(ui, |ui| {
-        let mut row = |name: &str, value: String| {
-            ui.label(name);
+        for (name, value) in rows {
+            ui.label(*name);
             ui.label(RichText::new(value).monospace());
             ui.end_row();
-        };
-        row("time", rfc3339(data.moment.epoch));
-        row(
-            "speed",
+        }
+    });
+}
+
+/// What is seen, and when.
+fn scene_rows<'p>(controls: &'p Controls, data: &PanelData<'_>) -> Vec<(&'p str, String)> {
+    let clock = &controls.clock;
+    let mut rows = vec![
+        ("UTC", rfc3339(data.moment.epoch)),
+        (
+            "time rate",
             match &controls.live {
                 Some(live) => live.pace.clone(),
                 None => speed_text(clock.speed(), clock.is_paused()),
             },
-        );
-        if let Some(live) = &controls.live {
-            for (name, value) in &live.rows {
-                row(name, value.clone());
-            }
+        ),
+    ];
+    if let Some(live) = &controls.live {
+        rows.extend(live.rows.iter().cloned());
+    }
+    if let Some(satellite) = data.moment.satellite {
+        let live = controls.live.as_ref().map(|live| live.name.as_str());
+        let name = live.or(data.satellite).unwrap_or("unnamed").to_owned();
+        let place = satellite.place;
+        let speed_km_s = satellite.speed_m_s / 1000.0;
+        rows.extend([
+            ("satellite", name),
+            (
+                "sub-satellite point",
+                place_text(place.lat_rad, place.lon_rad),
+            ),
+            ("altitude", altitude_text(place.height_m)),
+            ("inertial speed", format!("{speed_km_s:.3} km/s")),
+            ("sunlight", satellite.illumination.0.name().to_owned()),
+        ]);
+        if let Some(error_m) = satellite.error_m {
+            rows.push(("uncertainty (1σ)", format!("±{error_m:.1} m")));
         }
-        if let Some(satellite) = data.moment.satellite {
-            let live = controls.live.as_ref().map(|live| live.name.as_str());
-            row(
-                "satellite",
-                live.or(data.satellite).unwrap_or("unnamed").to_owned(),
-            );
-            let place = satellite.place;
-            row("above", place_text(place.lat_rad, place.lon_rad));
-            row("height", format!("{:.1} km", place.height_m / 1000.0));
-            row(
-                "velocity",
-                format!("{:.3} km/s", satellite.speed_m_s / 1000.0),
-            );
-            row("light", satellite.illumination.0.name().to_owned());
-            if let Some(error_m) = satellite.error_m {
-                row("error", format!("±{error_m:.1} m"));
-            }
-        } else {
-            let eye = data.stats.eye;
-            row("eye above", place_text(eye.lat_rad, eye.lon_rad));
-            row("height", format!("{:.1} km", eye.height_m / 1000.0));
-        }
-        row("camera", camera_text(controls.mode).to_owned());
-        row("view", format!("{:.3}°", controls.fov_rad().to_degrees()));
-        row("frame", frame_text(data.interval_ms, data.work_ms));
-        row(
+    }
+    let is_on_satellite = data.moment.satellite.is_some()
+        && controls.hand.eye().is_none()
+        && controls.mode != CameraMode::Geodetic;
+    rows.push(("camera", camera_text(controls).to_owned()));
+    if !is_on_satellite {
+        let eye = data.stats.eye;
+        rows.extend([
+            ("camera over", place_text(eye.lat_rad, eye.lon_rad)),
+            ("camera altitude", altitude_text(eye.height_m)),
+        ]);
+    }
+    rows.extend([
+        (
+            "field of view",
+            format!("{:.3}°", controls.fov_rad().to_degrees()),
+        ),
+        ("exposure", format!("{:+.1} EV", data.stats.exposure_ev)),
+    ]);
+    rows
+}
+
+/// What a frame costs, and what it is made of.
+fn detail_rows(data: &PanelData<'_>) -> Vec<(&'static str, String)> {
+    let mut rows = vec![
+        ("frame", frame_text(data.interval_ms, data.work_ms)),
+        (
             "blocks",
             format!(
                 "{} of {} in sight",
                 data.stats.blocks_drawn, data.stats.blocks_visible
             ),
-        );
-        if let Some(error_px) = data.stats.ground.error_px {
-            row("relief", format!("within {error_px:.1} px"));
-        }
-        if data.has_tiles {
-            for (name, value) in tile_rows(&data.stats) {
-                row(name, value);
-            }
-        }
-        if let Some(adaptive) = data.adaptive {
-            row("quality", quality_text(adaptive));
-        }
-        row("adapter", data.adapter.to_owned());
-    });
+        ),
+    ];
+    if let Some(error_px) = data.stats.ground.error_px {
+        rows.push(("relief", format!("within {error_px:.1} px")));
+    }
+    if data.has_tiles {
+        rows.extend(tile_rows(&data.stats));
+    }
+    if let Some(adaptive) = data.adaptive {
+        rows.push(("quality", quality_text(adaptive)));
+    }
+    rows.push(("adapter", data.adapter.to_owned()));
+    rows
 }
 
-fn buttons(ui: &mut Ui, clock: &Clock, actions: &mut Vec<Action>) {
-    ui.horizontal(|ui| {
+fn buttons(ui: &mut Ui, controls: &Controls, data: &PanelData<'_>, actions: &mut Vec<Action>) {
+    let clock = &controls.clock;
+    ui.horizontal_wrapped(|ui| {
         let pause = if clock.is_paused() { "play" } else { "pause" };
         let buttons = [
             (pause, Action::Pause),
@@ -239,6 +311,17 @@ fn buttons(ui: &mut Ui, clock: &Clock, actions: &mut Vec<Action>) {
         ];
         for (text, action) in buttons {
             if ui.button(text).clicked() {
+                actions.push(action);
+            }
+        }
+        let (has_sky, has_tracks) = data.has_layers;
+        let layers = [
+            ("sky", has_sky, controls.layers.sky, Action::Sky),
+            ("tracks", has_tracks, controls.layers.tracks, Action::Tracks),
+        ];
+        for (text, _, mut is_on, action) in layers.into_iter().filter(|(_, is_there, ..)| *is_there)
+        {
+            if ui.checkbox(&mut is_on, text).clicked() {
                 actions.push(action);
             }
         }
@@ -301,8 +384,13 @@ fn help(ui: &mut Ui) {
     });
 }
 
-fn camera_text(mode: CameraMode) -> &'static str {
-    match mode {
+fn camera_text(controls: &Controls) -> &'static str {
+    match controls.hand.eye() {
+        Some(FreeEye::Orbit(_)) => return "orbit (C: back to the scene's)",
+        Some(FreeEye::Follow(_)) => return "follow (C: back to the scene's)",
+        None => {}
+    }
+    match controls.mode {
         CameraMode::Nadir => "nadir",
         CameraMode::Horizon => "horizon",
         CameraMode::Chase => "chase",

@@ -91,6 +91,7 @@ impl Longest {
             moment: &moment,
             stats,
             has_tiles: true,
+            has_layers: (true, true),
             adaptive: Some(&self.adaptive),
             interval_ms: Some(123.4),
             work_ms: 100.0,
@@ -174,4 +175,72 @@ fn the_help_names_every_way_to_close_it() {
             .iter()
             .any(|(_, _, text)| text.contains("closes this help"))
     );
+}
+
+#[test]
+fn what_is_selected_is_said_beside_the_panel() {
+    let longest = Longest::new();
+    let select = |controls: &mut Controls| {
+        controls.read_out = Some(ReadOut {
+            title: "A SATELLITE WITH A LONG NAME (2018-001-ABC)".into(),
+            rows: vec![
+                ("position", "51.123° S, 179.988° W".into()),
+                ("altitude", "35786.0 km".into()),
+                ("speed", "7.660 km/s".into()),
+                ("solar time", "23:59 (apparent)".into()),
+            ],
+            at: Some(glam::DVec2::splat(0.6)),
+        });
+    };
+    longest.assert_nothing_is_cut_off("selection", select);
+    let (texts, areas) = longest.lay_out(SMALLEST, select);
+    let is_part = |area: &Rect| area.size() != SMALLEST;
+    let areas: Vec<_> = areas.into_iter().filter(is_part).collect();
+    assert!(areas.len() >= 3, "{areas:?}");
+    for (index, area) in areas.iter().enumerate() {
+        for other in &areas[..index] {
+            assert!(!area.shrink(0.5).intersects(*other), "{area} over {other}");
+        }
+    }
+    assert!(texts.iter().any(|(_, _, text)| text == "solar time"));
+}
+
+#[test]
+fn performance_is_said_under_details_alone() {
+    let longest = Longest::new();
+    let (texts, _) = longest.lay_out(Vec2::new(1920.0, 1080.0), nothing);
+    let is_shown = |word: &str| texts.iter().any(|(_, _, text)| text == word);
+    for word in [
+        "altitude",
+        "sub-satellite point",
+        "field of view",
+        "inertial speed",
+        "Details",
+    ] {
+        assert!(is_shown(word), "{word}");
+    }
+    for word in ["frame", "blocks", "adapter", "quality"] {
+        assert!(!is_shown(word), "{word}");
+    }
+    let names = |rows: Vec<(&'static str, String)>| rows.into_iter().map(|(name, _)| name);
+    let epoch = longest.flight.scene().time.start;
+    let moment = longest.flight.at(epoch, 1.5).expect("a moment");
+    let data = PanelData {
+        satellite: None,
+        moment: &moment,
+        stats: FrameStats::default(),
+        has_tiles: true,
+        has_layers: (true, true),
+        adaptive: Some(&longest.adaptive),
+        interval_ms: None,
+        work_ms: 1.0,
+        adapter: "an adapter",
+    };
+    let said: Vec<_> = names(detail_rows(&data)).collect();
+    assert_eq!(said.first(), Some(&"frame"));
+    assert!(
+        said.contains(&"tiles") && said.contains(&"quality"),
+        "{said:?}"
+    );
+    assert_eq!(said.last(), Some(&"adapter"));
 }

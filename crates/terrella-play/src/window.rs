@@ -1,15 +1,19 @@
 //! The window: winit's events in, pictures out.
 
+mod pointing;
+
 use super::basilisk::with_camera_service;
 use super::controls::{Controls, WindowTask};
 use super::error::{PlayError, WindowError};
 use super::flight::Flight;
 use super::keys::{Action, action_of};
+use super::pointer::Pointer;
 use super::progress::Progress;
 use super::shader_watch::ShaderWatch;
 use super::simulator_time::SimulatorTime;
 use super::timeline::{Coverage, PassSearch};
 use super::window_renderer::{Presented, WindowRenderer};
+use glam::DVec2;
 use hifitime::Unit;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -18,8 +22,9 @@ use terrella::frames::Epoch;
 use terrella::internals::gpu::{PictureError, ShaderFiles};
 use winit::application::ApplicationHandler;
 use winit::dpi::PhysicalSize;
-use winit::event::{ElementState, MouseButton, MouseScrollDelta, StartCause, WindowEvent};
+use winit::event::{ElementState, MouseScrollDelta, StartCause, WindowEvent};
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop};
+use winit::keyboard::ModifiersState;
 use winit::window::{Fullscreen, WindowId};
 
 /// Wait before a surface that gave no texture is asked again.
@@ -87,8 +92,8 @@ fn run_window(
             message_ends: None,
             repaint_at: None,
             retry_at: None,
-            dragging: false,
-            pointer: None,
+            pointer: Pointer::default(),
+            modifiers: ModifiersState::empty(),
             hidden: false,
             expected: Vec::new(),
             shader_watch: ShaderWatch::new(ShaderFiles::chosen()),
@@ -131,9 +136,8 @@ struct App<'a> {
     repaint_at: Option<Instant>,
     /// When a surface that gave no texture is asked again.
     retry_at: Option<Instant>,
-    dragging: bool,
-    /// Where the pointer was, pixels.
-    pointer: Option<(f64, f64)>,
+    pointer: Pointer,
+    modifiers: ModifiersState,
     /// Minimised or covered.
     hidden: bool,
     /// Where the eye will be soon.
@@ -218,31 +222,31 @@ impl ApplicationHandler for App<'_> {
                     self.act(event_loop, action);
                 }
             }
-            WindowEvent::MouseInput {
-                state,
-                button: MouseButton::Left,
-                ..
-            } => {
-                self.dragging = state == ElementState::Pressed && !response.consumed;
+            WindowEvent::ModifiersChanged(modifiers) => self.modifiers = modifiers.state(),
+            WindowEvent::MouseInput { state, button, .. } => {
+                self.press(event_loop, state, button, response.consumed);
             }
             WindowEvent::CursorMoved { position, .. } => {
-                let before = self.pointer.replace((position.x, position.y));
                 // A press that comes right after the pointer is known to be the panel's one layout later.
-                self.dragging &= !renderer.wants_pointer();
-                if let (true, Some((x, y))) = (self.dragging, before) {
-                    self.act(event_loop, Action::Drag(position.x - x, position.y - y));
+                if renderer.wants_pointer() {
+                    self.pointer.let_go();
+                    self.controls.hand.let_go();
+                }
+                let at_px = DVec2::new(position.x, position.y);
+                for gesture in self.pointer.move_to(at_px).into_iter().flatten() {
+                    self.gesture(event_loop, gesture);
                 }
             }
-            WindowEvent::CursorLeft { .. } => self.pointer = None,
+            WindowEvent::CursorLeft { .. } => self.pointer.leave(),
             WindowEvent::MouseWheel { delta, .. } if !response.consumed => {
                 let notches = match delta {
                     MouseScrollDelta::LineDelta(_, lines) => f64::from(lines),
                     MouseScrollDelta::PixelDelta(pixels) => pixels.y / PIXELS_PER_NOTCH,
                 };
-                self.act(event_loop, Action::Zoom(notches * ZOOM_PER_NOTCH));
+                self.wheel(event_loop, notches * ZOOM_PER_NOTCH);
             }
             WindowEvent::PinchGesture { delta, .. } if delta.is_finite() => {
-                self.act(event_loop, Action::Zoom((1.0 + delta.max(-0.9)).log2()));
+                self.wheel(event_loop, (1.0 + delta.max(-0.9)).log2());
             }
             _ => {}
         }
@@ -347,7 +351,7 @@ impl<'a> App<'a> {
         }
         let window = renderer.window();
         if action == Action::Dismiss
-            && !self.controls.is_dialog_open()
+            && !self.controls.is_something_open()
             && window.fullscreen().is_some()
         {
             window.set_fullscreen(None);
@@ -356,6 +360,7 @@ impl<'a> App<'a> {
         match self.controls.apply(action, height_px) {
             None => {}
             Some(WindowTask::Quit) => event_loop.exit(),
+            Some(WindowTask::NorthUp) => self.turn_north_up(),
             Some(WindowTask::RealTime) => {
                 let coverage = self.coverage();
                 let controls = &mut self.controls;
@@ -429,14 +434,15 @@ impl<'a> App<'a> {
         let Some(renderer) = &mut self.renderer else {
             return;
         };
-        let request = self.controls.request(renderer.aspect());
+        let aspect = renderer.aspect();
+        let request = self.controls.request(aspect);
         let is_paused = self.controls.clock.is_paused();
         let moment = match &mut self.live {
             Some(live) => Ok(live.moment(&request, is_paused)),
             None => self.flight.view_at(self.controls.clock.now(), &request),
         };
         self.controls.live = self.live.as_ref().map(|live| live.status(is_paused));
-        let moment = match (moment, renderer.last_moment()) {
+        let mut moment = match (moment, renderer.last_moment()) {
             (Ok(moment), _) => moment,
             // The satellite cannot be followed any further: the last picture stays, with the reason.
             (Err(error), Some(last)) => {
@@ -449,6 +455,10 @@ impl<'a> App<'a> {
                 return;
             }
         };
+        self.place_eye(&mut moment, aspect);
+        let Some(renderer) = &mut self.renderer else {
+            return;
+        };
         // Only consecutive frames give a frame rate.
         let stands = self
             .live
@@ -457,7 +467,8 @@ impl<'a> App<'a> {
         let moving = !is_paused && !stands;
         self.last_frame = moving.then_some(now);
         self.expected.clear();
-        if moving && renderer.has_tiles() {
+        // An eye that the user has moved goes nowhere by itself.
+        if moving && renderer.has_tiles() && self.controls.hand.eye().is_none() {
             let speed = match &self.live {
                 Some(live) => live.rate(),
                 None => Some(self.controls.clock.speed()),

@@ -12,7 +12,7 @@ use super::overlay::{EventResponse, Overlay};
 use super::panel::{self, PanelData};
 use super::progress::Progress;
 use super::quality_control::{QualityControl, scene_quality};
-use super::scene_painter::{Patience, PictureTarget, ScenePainter};
+use super::scene_painter::{HiddenLayers, Patience, PictureTarget, ScenePainter};
 use super::surface::WindowSurface;
 use crate::scene::EDGE_SAMPLES;
 use std::path::PathBuf;
@@ -21,6 +21,7 @@ use std::time::{Duration, Instant};
 use terrella::frames::rfc3339;
 use terrella::internals::gpu::{GpuContext, GpuFault, read_texture};
 use terrella::{EarthError, EyeView, FrameStats, Quality};
+use terrella_ground::elevation::Elevation;
 use wgpu::CurrentSurfaceTexture;
 use winit::dpi::PhysicalSize;
 use winit::event::WindowEvent;
@@ -39,6 +40,8 @@ pub struct WindowRenderer {
     adapter: String,
     satellite: Option<String>,
     has_tiles: bool,
+    /// The heights that the ground is drawn with.
+    relief: Option<Arc<dyn Elevation>>,
     quality_control: Option<TimedQuality>,
     samples: SamplesByView,
     last: Option<(Moment, FrameStats)>,
@@ -159,6 +162,7 @@ impl WindowRenderer {
             adapter: format!("{} ({})", info.name, info.backend),
             satellite: flight.feed().map(|feed| feed.name().to_owned()),
             has_tiles: options.tiles.is_some(),
+            relief: options.ground.map(|ground| ground.elevation),
             quality_control,
             samples,
             last: None,
@@ -214,6 +218,11 @@ impl WindowRenderer {
     /// Whether the Earth is drawn with the tiles of a pack.
     pub fn has_tiles(&self) -> bool {
         self.has_tiles
+    }
+
+    /// The heights that the ground is drawn with; `None` is the bare ellipsoid.
+    pub fn relief(&self) -> Option<&Arc<dyn Elevation>> {
+        self.relief.as_ref()
     }
 
     /// Whether the last picture still waits for tiles, or for tracks to be whole.
@@ -299,6 +308,10 @@ impl WindowRenderer {
             None => self.follow_craft(moment),
         }
         self.follow_light(moment, interval);
+        self.painter.hide(HiddenLayers {
+            sky: !controls.layers.sky,
+            tracks: !controls.layers.tracks,
+        });
         let view = self.surface.view_of(&frame.texture);
         let mut encoder = self.encoder();
         let stats = self.draw_scene(moment, &mut encoder, &view);
@@ -428,6 +441,7 @@ impl WindowRenderer {
             moment,
             stats,
             has_tiles: self.has_tiles,
+            has_layers: self.painter.has_layers(),
             adaptive: self
                 .quality_control
                 .as_ref()
