@@ -1,6 +1,6 @@
 //! The window, on a display of the test's own.
 
-use crate::x11::Keyboard;
+use crate::x11::{Keyboard, LEFT, WHEEL_UP};
 use crate::{Place, names, png_size, words};
 use std::io::{BufRead, BufReader};
 use std::process::{Child, Command, Stdio};
@@ -139,4 +139,213 @@ fn keys_that_are_pressed_do_what_the_help_says() {
         status.is_some()
     });
     assert_eq!(status.and_then(|status| status.code()), Some(0));
+}
+
+/// A window that plays a scene, and the hand of its user.
+struct Session {
+    place: Place,
+    window: Child,
+    hand: Keyboard,
+    /// Ends after the window.
+    _display: Display,
+}
+
+impl Drop for Session {
+    fn drop(&mut self) {
+        // Where a test fails the window is still open; where it has ended this is no news.
+        let _ = self.window.kill();
+        let _ = self.window.wait();
+    }
+}
+
+impl Session {
+    /// Opens a scene, stops its time and hides the panel. `None` without a display.
+    fn open(scene: &str) -> Option<Self> {
+        let display = Display::start()?;
+        let place = Place::new();
+        place.scene("scene.toml", scene);
+        let window = place
+            .command(&["play", "scene.toml", "--for-seconds", "300"])
+            .env("DISPLAY", &display.name)
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn()
+            .expect("starts");
+        let mut hand = Keyboard::of(&display.name);
+        wait_for("the window", || hand.focus_window());
+        let mut session = Self {
+            place,
+            window,
+            hand,
+            _display: display,
+        };
+        // Keys that come before the first frame are lost.
+        wait_for("a picture", || {
+            session.hand.focus_window();
+            session.hand.press(b's');
+            pause();
+            !session.pictures().is_empty()
+        });
+        session.hand.press(b' ');
+        session.hand.press(b'p');
+        pause();
+        Some(session)
+    }
+
+    fn pictures(&self) -> Vec<String> {
+        let names = names(self.place.folder.path()).into_iter();
+        names.filter(|name| name.ends_with(".png")).collect()
+    }
+
+    /// The picture as it is now, without the panel.
+    fn picture(&mut self) -> image::RgbImage {
+        let before = self.pictures();
+        self.hand.press(b's');
+        let mut saved = None;
+        wait_for("a picture", || {
+            saved = self
+                .pictures()
+                .into_iter()
+                .find(|name| !before.contains(name));
+            saved.is_some()
+        });
+        let path = self.place.path(&saved.expect("one"));
+        // It is there when it is whole.
+        image::open(path).expect("a picture").to_rgb8()
+    }
+
+    fn drag(&mut self, from: (i16, i16), to: (i16, i16)) {
+        self.hand.point(from.0, from.1);
+        pause();
+        self.hand.button(LEFT, true);
+        for step in 1..=8 {
+            let at = |from: i16, to: i16| from + (to - from) * step / 8;
+            self.hand.point(at(from.0, to.0), at(from.1, to.1));
+            std::thread::sleep(Duration::from_millis(30));
+        }
+        self.hand.button(LEFT, false);
+        pause();
+    }
+}
+
+fn pause() {
+    std::thread::sleep(Duration::from_millis(400));
+}
+
+/// By how many pixels, right and down, a patch around `from` in one picture lies away from `to` in another.
+fn offset(
+    before: &image::RgbImage,
+    after: &image::RgbImage,
+    from: (i16, i16),
+    to: (i16, i16),
+) -> (i16, i16) {
+    const HALF: i16 = 12;
+    const REACH: i16 = 8;
+    let pixel = |picture: &image::RgbImage, x: i16, y: i16| {
+        picture.get_pixel(x as u32, y as u32).0.map(i64::from)
+    };
+    let difference = |right: i16, down: i16| {
+        let patch = (-HALF..=HALF).flat_map(|y| (-HALF..=HALF).map(move |x| (x, y)));
+        patch
+            .map(|(x, y)| {
+                let one = pixel(before, from.0 + x, from.1 + y);
+                let other = pixel(after, to.0 + right + x, to.1 + down + y);
+                let squares = one
+                    .iter()
+                    .zip(other)
+                    .map(|(one, other)| (one - other).pow(2));
+                squares.sum::<i64>()
+            })
+            .sum::<i64>()
+    };
+    let shifts = (-REACH..=REACH).flat_map(|down| (-REACH..=REACH).map(move |right| (right, down)));
+    shifts
+        .min_by_key(|(right, down)| difference(*right, *down))
+        .expect("shifts")
+}
+
+/// Africa and Europe by day, without clouds.
+const GLOBE: &str = r#"
+[time]
+start = "2018-06-21T11:00:00Z"
+duration_s = 60
+[camera]
+mode = "geodetic"
+lat_deg = 30
+lon_deg = 15
+height_km = 9000
+fov_deg = 45
+[earth]
+clouds = false
+[output]
+size = [300, 200]
+"#;
+
+#[test]
+fn a_drag_turns_the_globe_with_the_place_under_the_pointer() {
+    let Some(mut session) = Session::open(GLOBE) else {
+        return;
+    };
+    let before = session.picture();
+    let (from, to) = ((140, 90), (190, 120));
+    session.drag(from, to);
+    let after = session.picture();
+    let unmoved = offset(&before, &after, from, from);
+    let moved = offset(&before, &after, from, to);
+    assert!(
+        moved.0.abs() <= 2 && moved.1.abs() <= 2,
+        "{moved:?} px away"
+    );
+    assert_ne!(before, after, "nothing moves; {unmoved:?}");
+
+    // The wheel comes closer, and the place under the pointer stays there.
+    let dark = |picture: &image::RgbImage| {
+        let pixels = picture.pixels();
+        pixels
+            .filter(|pixel| pixel.0.iter().all(|value| *value < 8))
+            .count()
+    };
+    let space = dark(&after);
+    for _ in 0..2 {
+        session.hand.button(WHEEL_UP, true);
+        session.hand.button(WHEEL_UP, false);
+    }
+    pause();
+    let near = session.picture();
+    assert!(
+        dark(&near) < space,
+        "{} and {space} dark pixels",
+        dark(&near)
+    );
+
+    // Back to the scene's camera: the picture is the first one again.
+    session.hand.press(b'c');
+    pause();
+    let again = session.picture();
+    let same = before.pixels().zip(again.pixels()).all(|(one, other)| {
+        one.0
+            .iter()
+            .zip(other.0)
+            .all(|(one, other)| one.abs_diff(other) <= 2)
+    });
+    assert!(same, "C does not lead back");
+}
+
+#[test]
+fn esc_closes_the_help_and_not_the_window() {
+    let Some(mut session) = Session::open(GLOBE) else {
+        return;
+    };
+    session.hand.press(b'h');
+    pause();
+    session.hand.escape();
+    pause();
+    session.picture();
+    // Esc once more asks, and Esc again stays.
+    session.hand.escape();
+    pause();
+    session.hand.escape();
+    pause();
+    session.picture();
+    assert_eq!(session.window.try_wait().expect("a child"), None);
 }

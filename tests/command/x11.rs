@@ -1,4 +1,4 @@
-//! As much of the X protocol as pressing keys takes: the program under test meets them as those of a keyboard.
+//! As much of the X protocol as keys and a mouse take: the program under test meets them as those of a user.
 //!
 //! Numbers are those of the X protocol, version 11, and of its extension XTEST, version 2.2.
 
@@ -17,8 +17,16 @@ const GET_KEYBOARD_MAPPING: u8 = 101;
 const FAKE_INPUT: u8 = 2;
 const KEY_PRESS: u8 = 2;
 const KEY_RELEASE: u8 = 3;
+const BUTTON_PRESS: u8 = 4;
+const BUTTON_RELEASE: u8 = 5;
+const MOTION: u8 = 6;
+/// The left button, and the wheel away from the user.
+pub const LEFT: u8 = 1;
+pub const WHEEL_UP: u8 = 4;
+/// The keysym of Escape.
+const ESCAPE: u32 = 0xff1b;
 
-/// A connection to a display, for its keyboard.
+/// A connection to a display, for its keyboard and mouse.
 pub struct Keyboard {
     stream: UnixStream,
     root: u32,
@@ -85,24 +93,53 @@ impl Keyboard {
 
     /// Presses and releases the key of an unshifted character.
     pub fn press(&mut self, character: u8) {
-        let keycode = self.keycode(character);
+        // Latin keysyms are their characters.
+        self.press_keysym(u32::from(character));
+    }
+
+    /// Presses and releases Escape.
+    pub fn escape(&mut self) {
+        self.press_keysym(ESCAPE);
+    }
+
+    fn press_keysym(&mut self, keysym: u32) {
+        let keycode = self.keycode(keysym);
         for event in [KEY_PRESS, KEY_RELEASE] {
-            let mut input = [0; 32];
-            (input[0], input[1]) = (event, keycode);
-            self.send(self.xtest, FAKE_INPUT, &input);
+            self.fake(event, keycode, (0, 0));
         }
     }
 
-    fn keycode(&mut self, character: u8) -> u8 {
+    /// Moves the pointer to a pixel of the display.
+    pub fn point(&mut self, x: i16, y: i16) {
+        self.fake(MOTION, 0, (x, y));
+    }
+
+    /// Presses a button of the mouse, or releases it.
+    pub fn button(&mut self, button: u8, is_pressed: bool) {
+        let event = if is_pressed {
+            BUTTON_PRESS
+        } else {
+            BUTTON_RELEASE
+        };
+        self.fake(event, button, (0, 0));
+    }
+
+    fn fake(&mut self, event: u8, detail: u8, (x, y): (i16, i16)) {
+        let mut input = [0; 32];
+        (input[0], input[1]) = (event, detail);
+        input[8..12].copy_from_slice(&self.root.to_le_bytes());
+        input[20..22].copy_from_slice(&x.to_le_bytes());
+        input[22..24].copy_from_slice(&y.to_le_bytes());
+        self.send(self.xtest, FAKE_INPUT, &input);
+    }
+
+    fn keycode(&mut self, keysym: u32) -> u8 {
         let (first, count) = (self.first_keycode, self.keycodes);
         let answer = self.ask(GET_KEYBOARD_MAPPING, 0, &[first, count, 0, 0]);
         let per_keycode = usize::from(answer[1]);
         let unshifted = (0..usize::from(count)).map(|n| u32_at(&answer, 32 + 4 * n * per_keycode));
-        // Latin keysyms are their characters.
-        let place = unshifted
-            .enumerate()
-            .find(|(_, keysym)| *keysym == u32::from(character));
-        first + place.expect("a key of this character").0 as u8
+        let place = unshifted.enumerate().find(|(_, one)| *one == keysym);
+        first + place.expect("a key of this keysym").0 as u8
     }
 
     fn send(&mut self, request: u8, detail: u8, body: &[u8]) {
