@@ -2,7 +2,7 @@
 //! window.
 
 use super::camera::{OrbitalMotion, Pose};
-use super::orbit_camera::{Globe, MIN_CLEARANCE_M, OrbitCamera, Screen};
+use super::orbit_camera::{Globe, MIN_CLEARANCE_M, OrbitCamera, Screen, pick_from};
 use glam::{DQuat, DVec2, DVec3};
 use std::f64::consts::PI;
 use terrella::EyeView;
@@ -93,7 +93,7 @@ impl Hand {
     }
 
     /// The camera over the ground, begun from the present view where there is none.
-    fn orbit(&mut self, view: &EyeView, globe: &Globe<'_>) -> OrbitCamera {
+    fn orbit(&self, view: &EyeView, globe: &Globe<'_>) -> OrbitCamera {
         match self.eye {
             Some(FreeEye::Orbit(camera)) => camera,
             _ => OrbitCamera::of_pose(&pose_of(view), &globe.ellipsoid).held_above(globe),
@@ -105,9 +105,12 @@ impl Hand {
         if self.followed().is_some() {
             return;
         }
-        let camera = self.orbit(view, globe);
-        self.eye = Some(FreeEye::Orbit(camera));
-        self.grabbed_itrf_m = camera.pick(globe, screen, at_px);
+        // A view that is rolled loses its roll: what is held is what the user has seen under the pointer.
+        self.grabbed_itrf_m = match self.eye {
+            Some(FreeEye::Orbit(camera)) => camera.pick(globe, screen, at_px),
+            _ => pick_from(&pose_of(view), globe, screen, at_px),
+        };
+        self.eye = Some(FreeEye::Orbit(self.orbit(view, globe)));
     }
 
     /// The pointer has moved with what it holds.
@@ -328,6 +331,27 @@ mod tests {
             hand.leave();
             assert_eq!(hand.pose(&FLAT, None), None);
         }
+    }
+
+    #[test]
+    fn a_rolled_view_is_held_where_it_was_seen() {
+        use crate::camera::Look;
+        let look = Look {
+            yaw_rad: 0.4,
+            pitch_rad: 0.2,
+            ..Look::default()
+        };
+        let level = Pose::geodetic(Geodetic::from_degrees(50.0, 8.0, 2e6), &FLAT.ellipsoid);
+        let pose = level.turned(&look);
+        let at = DVec2::new(800.0, 500.0);
+        let seen = pick_from(&pose, &FLAT, &screen(), at).expect("the globe");
+        let mut hand = Hand::default();
+        hand.grab(&pose.view(0.8, 16.0 / 9.0), &FLAT, &screen(), at);
+        let to = DVec2::new(700.0, 420.0);
+        hand.drag(&FLAT, &screen(), at, to);
+        let moved = hand.pose(&FLAT, None).expect("an eye");
+        let held = pick_from(&moved, &FLAT, &screen(), to).expect("the globe");
+        assert!(held.distance(seen) < 10.0, "{} m", held.distance(seen));
     }
 
     #[test]

@@ -12,7 +12,7 @@
 mod solve;
 
 use super::camera::Pose;
-use glam::{DQuat, DVec2, DVec3};
+use glam::{DMat3, DQuat, DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_2, PI};
 use terrella::frames::{Ellipsoid, Geodetic};
 
@@ -142,6 +142,17 @@ impl Globe<'_> {
     }
 }
 
+/// The place of the ground under a pixel, as it is seen from any pose, ITRF metres; `None` beside the globe.
+pub fn pick_from(pose: &Pose, globe: &Globe<'_>, screen: &Screen, at_px: DVec2) -> Option<DVec3> {
+    let itrf_from_camera = axes(pose);
+    globe.meet(pose.eye_itrf_m, itrf_from_camera * screen.direction(at_px))
+}
+
+/// Rotation from axes of the camera (x right, y up, −z ahead) to ITRF.
+fn axes(pose: &Pose) -> DMat3 {
+    DMat3::from_cols(pose.forward.cross(pose.up), pose.up, -pose.forward)
+}
+
 /// Where a line crosses the surface at a height above the ellipsoid: distances from the eye, the nearer first.
 fn crossing(
     ellipsoid: &Ellipsoid,
@@ -204,12 +215,10 @@ impl OrbitCamera {
         Pose::geodetic(self.place, ellipsoid).facing(self.heading_rad, self.pitch_rad)
     }
 
-    /// Rotation from axes of the camera (x right, y up, −z ahead) to ITRF, and the eye, ITRF metres.
-    fn frame(&self, ellipsoid: &Ellipsoid) -> (glam::DMat3, DVec3) {
+    /// Its axes, see [`axes`], and the eye, ITRF metres.
+    fn frame(&self, ellipsoid: &Ellipsoid) -> (DMat3, DVec3) {
         let pose = self.pose(ellipsoid);
-        let right = pose.forward.cross(pose.up);
-        let itrf_from_camera = glam::DMat3::from_cols(right, pose.up, -pose.forward);
-        (itrf_from_camera, pose.eye_itrf_m)
+        (axes(&pose), pose.eye_itrf_m)
     }
 
     /// Where a point is on screen, pixels; `None` behind the eye. Whether something hides it is not asked.
@@ -226,8 +235,7 @@ impl OrbitCamera {
 
     /// The place of the ground under a pixel, ITRF metres; `None` beside the globe.
     pub fn pick(&self, globe: &Globe<'_>, screen: &Screen, at_px: DVec2) -> Option<DVec3> {
-        let (itrf_from_camera, eye) = self.frame(&globe.ellipsoid);
-        globe.meet(eye, itrf_from_camera * screen.direction(at_px))
+        pick_from(&self.pose(&globe.ellipsoid), globe, screen, at_px)
     }
 
     /// Turns the globe so that a grabbed place comes under the pointer.
