@@ -242,6 +242,13 @@ impl Clock {
         }
     }
 
+    /// Another speed, simulated seconds per second, within what keys reach. Time goes the way that it went.
+    pub fn set_rate(&mut self, rate: f64) {
+        if rate.is_finite() {
+            self.set_magnitude(rate.abs());
+        }
+    }
+
     /// To the next higher power of two of real time.
     pub fn faster(&mut self) {
         let exponent = self.speed.abs().log2().floor() + 1.0;
@@ -458,6 +465,10 @@ mod tests {
             clock.faster();
         }
         assert_eq!(clock.speed(), -FASTEST);
+        clock.set_rate(300.0);
+        assert_eq!(clock.speed(), -300.0);
+        clock.set_rate(f64::NAN);
+        assert_eq!(clock.speed(), -300.0);
     }
 
     #[test]

@@ -9,7 +9,7 @@ use super::live_status::LiveStatus;
 use super::picking::{Picked, ReadOut};
 use super::timeline::TimeLine;
 use crate::scene::CameraMode;
-use terrella::frames::Geodetic;
+use terrella::frames::{Epoch, Geodetic};
 
 /// Most that one event magnifies, as a power of two: more comes from a faulty device.
 const MAX_ZOOM_STEP: f64 = 8.0;
@@ -73,6 +73,8 @@ pub enum WindowTask {
     NextPass,
     /// Turn north upwards.
     NorthUp,
+    /// Set the clock to a date.
+    GoTo(Epoch),
     /// Close.
     Quit,
 }
@@ -182,6 +184,8 @@ impl Controls {
             Action::Pause => self.clock.set_paused(!self.clock.is_paused()),
             Action::Faster => self.clock.faster(),
             Action::Slower => self.clock.slower(),
+            Action::Rate(rate) => self.clock.set_rate(rate),
+            Action::GoTo(epoch) => return Some(WindowTask::GoTo(epoch)),
             Action::Reverse => self.clock.reverse(),
             Action::Seek(progress) => self.clock.seek(progress),
             Action::Skip(wall_s) => self.clock.seek_by(wall_s * self.clock.speed()),
@@ -271,6 +275,8 @@ fn sets_clock(action: Action) -> bool {
         Action::Pause
             | Action::Faster
             | Action::Slower
+            | Action::Rate(_)
+            | Action::GoTo(_)
             | Action::Reverse
             | Action::Seek(_)
             | Action::Skip(_)
@@ -363,7 +369,12 @@ mod tests {
     #[test]
     fn a_clock_that_is_set_leaves_real_time() {
         use terrella::frames::utc_from_rfc3339;
-        for action in [Action::Pause, Action::Seek(0.5), Action::Faster] {
+        for action in [
+            Action::Pause,
+            Action::Seek(0.5),
+            Action::Faster,
+            Action::Rate(10.0),
+        ] {
             let mut controls = controls(PLACE);
             assert_eq!(
                 controls.apply(Action::RealTime, 720.0),

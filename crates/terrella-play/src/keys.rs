@@ -1,5 +1,6 @@
 //! What each key does in the window. One table serves the keyboard and the help.
 
+use terrella::frames::Epoch;
 use winit::keyboard::{Key, NamedKey};
 
 /// What a user can ask of the window.
@@ -11,10 +12,14 @@ pub enum Action {
     Faster,
     /// Halves it.
     Slower,
+    /// Simulated seconds per second.
+    Rate(f64),
     /// Turns time round.
     Reverse,
     /// Sets the clock to a fraction of the span, 0…1.
     Seek(f64),
+    /// Sets the clock to a date, and the span with it if that is elsewhere.
+    GoTo(Epoch),
     /// Moves the clock by seconds of playback at the present speed.
     Skip(f64),
     /// The next camera that makes sense for the scene.

@@ -140,9 +140,9 @@ impl<'f> LivePlay<'f> {
     pub fn denial(&self, action: Action) -> Option<String> {
         let what = match action {
             Action::Pause if self.is_lockstep() => "stopped",
-            Action::Faster | Action::Slower => "made faster or slower",
+            Action::Faster | Action::Slower | Action::Rate(_) => "made faster or slower",
             Action::Reverse => "turned round",
-            Action::Seek(_) | Action::Skip(_) | Action::NextPass => "moved",
+            Action::Seek(_) | Action::Skip(_) | Action::GoTo(_) | Action::NextPass => "moved",
             Action::Loop | Action::RangeStart(_) | Action::RangeEnd(_) | Action::RangeAll => {
                 "played in parts"
             }

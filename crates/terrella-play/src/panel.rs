@@ -9,8 +9,8 @@ use super::place_text::place_text;
 use super::timeline;
 use crate::scene::CameraMode;
 use egui::{
-    Align2, CollapsingHeader, Color32, Context, Grid, LayerId, Pos2, RichText, ScrollArea, Stroke,
-    Ui, Vec2,
+    Align2, CollapsingHeader, Color32, ComboBox, Context, Grid, LayerId, Pos2, RichText,
+    ScrollArea, Stroke, Ui, Vec2,
 };
 use terrella::frames::rfc3339;
 use terrella::{AdaptiveQuality, FrameStats};
@@ -29,6 +29,8 @@ const BUTTONS: f32 = 50.0;
 const PANEL_FRACTION: f32 = 0.55;
 /// Width of the panel's names and of its frame, points.
 const NAMES_WIDTH: f32 = 150.0;
+/// The rates of time that the panel offers, simulated seconds per second.
+const RATES: [f64; 6] = [1.0, 10.0, 60.0, 300.0, 1000.0, 3600.0];
 /// Radius of the ring around what is selected, points.
 const RING_RADIUS: f32 = 9.0;
 
@@ -314,6 +316,9 @@ fn buttons(ui: &mut Ui, controls: &Controls, data: &PanelData<'_>, actions: &mut
                 actions.push(action);
             }
         }
+        if controls.live.is_none() {
+            rates(ui, clock.speed(), actions);
+        }
         let (has_sky, has_tracks) = data.has_layers;
         let layers = [
             ("sky", has_sky, controls.layers.sky, Action::Sky),
@@ -323,6 +328,22 @@ fn buttons(ui: &mut Ui, controls: &Controls, data: &PanelData<'_>, actions: &mut
         {
             if ui.checkbox(&mut is_on, text).clicked() {
                 actions.push(action);
+            }
+        }
+    });
+}
+
+/// The usual rates of time.
+fn rates(ui: &mut Ui, speed: f64, actions: &mut Vec<Action>) {
+    let chosen = ComboBox::from_id_salt("rate").width(64.0);
+    chosen.selected_text("rate").show_ui(ui, |ui| {
+        for rate in RATES {
+            let is_present = speed.abs() == rate;
+            if ui
+                .selectable_label(is_present, format!("{rate} ×"))
+                .clicked()
+            {
+                actions.push(Action::Rate(rate));
             }
         }
     });
@@ -376,7 +397,7 @@ fn tile_rows(stats: &FrameStats) -> [(&'static str, String); 4] {
 fn help(ui: &mut Ui) {
     Grid::new("keys").num_columns(2).show(ui, |ui| {
         let keys = BINDINGS.iter().map(|binding| (binding.keys, binding.does));
-        for (keys, does) in keys.chain(MOUSE.iter().copied()) {
+        for (keys, does) in MOUSE.iter().copied().chain(keys) {
             ui.label(RichText::new(keys).strong());
             ui.label(does);
             ui.end_row();
@@ -386,8 +407,8 @@ fn help(ui: &mut Ui) {
 
 fn camera_text(controls: &Controls) -> &'static str {
     match controls.hand.eye() {
-        Some(FreeEye::Orbit(_)) => return "orbit (C: back to the scene's)",
-        Some(FreeEye::Follow(_)) => return "follow (C: back to the scene's)",
+        Some(FreeEye::Orbit(_)) => return "orbit (C: back)",
+        Some(FreeEye::Follow(_)) => return "follow (C: back)",
         None => {}
     }
     match controls.mode {

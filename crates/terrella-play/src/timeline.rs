@@ -156,6 +156,37 @@ impl TimeLine {
         None
     }
 
+    /// Sets the clock to a date. A span that does not hold it is moved, as long as it is. Answers the message to show if the
+    /// satellite is not known then.
+    pub fn go_to(
+        &mut self,
+        clock: &mut Clock,
+        to: Epoch,
+        coverage: Option<Coverage<'_>>,
+    ) -> Option<String> {
+        let to = to.to_time_scale(TimeScale::TAI);
+        if let Some(outside) = coverage.filter(|coverage| !coverage.contains(to)) {
+            return Some(format!(
+                "{} is known from {} to {}, and not at {}",
+                outside.name,
+                seconds(outside.first),
+                seconds(outside.last),
+                seconds(to)
+            ));
+        }
+        let (first, last) = clock.span();
+        if !(first..=last).contains(&to) {
+            let half = (last - first) * 0.5;
+            let (mut first, mut last) = (to - half, to + half);
+            if let Some(coverage) = coverage {
+                (first, last) = (first.max(coverage.first), last.min(coverage.last));
+            }
+            clock.set_span(first, last);
+        }
+        clock.seek_to(to);
+        None
+    }
+
     fn site(&self) -> Option<PassSite> {
         self.place.map(|place| PassSite {
             place,

@@ -361,6 +361,13 @@ impl<'a> App<'a> {
             None => {}
             Some(WindowTask::Quit) => event_loop.exit(),
             Some(WindowTask::NorthUp) => self.turn_north_up(),
+            Some(WindowTask::GoTo(epoch)) => {
+                let coverage = self.coverage();
+                let controls = &mut self.controls;
+                if let Some(message) = controls.line.go_to(&mut controls.clock, epoch, coverage) {
+                    self.show_message(message);
+                }
+            }
             Some(WindowTask::RealTime) => {
                 let coverage = self.coverage();
                 let controls = &mut self.controls;

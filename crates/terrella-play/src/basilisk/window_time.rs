@@ -80,9 +80,9 @@ impl<'f> SimulationPlay<'f> {
     /// The message for a user who asks for something that only the simulation can do; `None` where it can be done.
     pub fn denial(&self, action: Action) -> Option<String> {
         let what = match action {
-            Action::Faster | Action::Slower => "made faster or slower",
+            Action::Faster | Action::Slower | Action::Rate(_) => "made faster or slower",
             Action::Reverse => "turned round",
-            Action::Seek(_) | Action::Skip(_) | Action::NextPass => "moved",
+            Action::Seek(_) | Action::Skip(_) | Action::GoTo(_) | Action::NextPass => "moved",
             Action::Loop | Action::RangeStart(_) | Action::RangeEnd(_) | Action::RangeAll => {
                 "played in parts"
             }

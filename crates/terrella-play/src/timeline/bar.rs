@@ -9,6 +9,7 @@ use egui::{
     Align2, Color32, Context, CornerRadius, DragValue, FontId, Id, Pos2, Rect, Response, RichText,
     Sense, Stroke, TextEdit, Ui, Vec2, vec2,
 };
+use terrella::frames::{Epoch, utc_from_rfc3339};
 use terrella_orbit::Pass;
 
 /// Height of its content while its buttons take one line, points.
@@ -73,8 +74,7 @@ fn bar(ui: &mut Ui, line: &TimeLine, clock: &Clock, actions: &mut Vec<Action>) {
     let played = Rect::from_x_y_ranges(x_of(from)..=x_of(to), bar.y_range());
     painter.rect_filled(played, CornerRadius::same(3), PLAYED);
     let span_s = clock.duration_s();
-    let fraction_of =
-        |epoch: terrella::frames::Epoch| (epoch - clock.span().0).to_seconds() / span_s;
+    let fraction_of = |epoch: Epoch| (epoch - clock.span().0).to_seconds() / span_s;
     for pass in &line.passes {
         // At least two points wide, so that a pass of minutes is seen in a month.
         let x = x_of(fraction_of(pass.begin));
@@ -145,7 +145,7 @@ fn bar(ui: &mut Ui, line: &TimeLine, clock: &Clock, actions: &mut Vec<Action>) {
     }
 }
 
-fn hover_text(epoch: terrella::frames::Epoch, pass: Option<&Pass>) -> String {
+fn hover_text(epoch: Epoch, pass: Option<&Pass>) -> String {
     match pass {
         Some(pass) => format!(
             "{}\npass, {:.0}° high",
@@ -186,6 +186,7 @@ fn buttons(ui: &mut Ui, line: &TimeLine, clock: &Clock, actions: &mut Vec<Action
                 actions.push(action);
             }
         }
+        date(ui, clock, actions);
         ui.separator();
         ui.label("over");
         place(ui, line, actions);
@@ -206,6 +207,42 @@ fn buttons(ui: &mut Ui, line: &TimeLine, clock: &Clock, actions: &mut Vec<Action
             actions.push(Action::NextPass);
         }
     });
+}
+
+/// A date to go to, as a line of text.
+fn date(ui: &mut Ui, clock: &Clock, actions: &mut Vec<Action>) {
+    let id = Id::new("time line date");
+    let typed = ui.data(|data| data.get_temp::<String>(id));
+    let mut text = typed.unwrap_or_default();
+    let is_wrong = !text.is_empty() && read_date(&text).is_none();
+    let mut edit = TextEdit::singleline(&mut text)
+        .desired_width(128.0)
+        .hint_text("go to date, UTC");
+    if is_wrong {
+        edit = edit.text_color(ui.visuals().error_fg_color);
+    }
+    let response = ui.add(edit);
+    if response.changed() {
+        ui.data_mut(|data| data.insert_temp(id, text.clone()));
+    }
+    if response.lost_focus() {
+        if let Some(epoch) = read_date(&text) {
+            actions.push(Action::GoTo(epoch));
+        }
+        ui.data_mut(|data| data.remove_temp::<String>(id));
+    }
+    response.on_hover_text(format!("for example {}", seconds(clock.span().0)));
+}
+
+/// A date and time of UTC as people write it; without a time, midnight.
+pub(super) fn read_date(text: &str) -> Option<Epoch> {
+    let text = text.trim().trim_end_matches(['Z', 'z']).replace(' ', "T");
+    let whole = match text.len() {
+        10 => format!("{text}T00:00:00Z"),
+        16 => format!("{text}:00Z"),
+        _ => format!("{text}Z"),
+    };
+    utc_from_rfc3339(&whole).ok()
 }
 
 /// The place of passes as a line of text: what is typed is kept here until it is one.

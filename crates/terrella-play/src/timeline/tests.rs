@@ -1,6 +1,6 @@
 //! What the time line does, without a window.
 
-use super::bar::read_place;
+use super::bar::{read_date, read_place};
 use super::*;
 use crate::clock::AtEnd;
 use crate::scene::Scene;
@@ -181,4 +181,48 @@ fn the_place_is_that_of_a_camera_that_looks_at_one() {
     let (line, ..) = opened(scene);
     let place = line.place.expect("a place");
     assert_eq!(place, Geodetic::from_degrees(46.5, 8.0, 0.0));
+}
+
+#[test]
+fn a_date_that_is_typed_sets_the_clock_and_moves_the_span() {
+    let (mut line, mut clock, flight) = opened(SCENE);
+    let within = instant("2018-01-15T12:30:00Z");
+    assert_eq!(line.go_to(&mut clock, within, coverage(&flight)), None);
+    assert!(clock.is_on_scene_span());
+    assert!((clock.now() - within).to_seconds().abs() < 1e-6);
+    let other_day = instant("2018-01-20T06:00:00Z");
+    assert_eq!(line.go_to(&mut clock, other_day, coverage(&flight)), None);
+    assert!((clock.now() - other_day).to_seconds().abs() < 1e-6);
+    assert!((clock.duration_s() - 5400.0).abs() < 1e-6);
+    let message = line.go_to(
+        &mut clock,
+        instant("2030-01-01T00:00:00Z"),
+        coverage(&flight),
+    );
+    let message = message.expect("a message");
+    assert!(
+        message.contains("and not at 2030-01-01T00:00:00Z"),
+        "{message}"
+    );
+    assert!((clock.now() - other_day).to_seconds().abs() < 1e-6);
+}
+
+#[test]
+fn dates_are_read_with_and_without_a_time() {
+    let whole = instant("2018-01-20T06:05:00Z");
+    for text in [
+        "2018-01-20T06:05:00Z",
+        "2018-01-20T06:05",
+        " 2018-01-20 06:05 ",
+        "2018-01-20 06:05:00",
+    ] {
+        assert_eq!(read_date(text), Some(whole), "{text}");
+    }
+    assert_eq!(
+        read_date("2018-01-20"),
+        Some(instant("2018-01-20T00:00:00Z"))
+    );
+    for bad in ["", "06:05", "2018-13-01", "2018-01-20 25:00", "tomorrow"] {
+        assert_eq!(read_date(bad), None, "{bad}");
+    }
 }
