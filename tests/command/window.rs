@@ -214,6 +214,11 @@ impl Session {
         image::open(path).expect("a picture").to_rgb8()
     }
 
+    fn click(&mut self) {
+        self.hand.button(LEFT, true);
+        self.hand.button(LEFT, false);
+    }
+
     fn drag(&mut self, from: (i16, i16), to: (i16, i16)) {
         self.hand.point(from.0, from.1);
         pause();
@@ -329,6 +334,32 @@ fn a_drag_turns_the_globe_with_the_place_under_the_pointer() {
             .all(|(one, other)| one.abs_diff(other) <= 2)
     });
     assert!(same, "C does not lead back");
+}
+
+#[test]
+fn a_double_click_brings_the_place_into_the_middle() {
+    let Some(mut session) = Session::open(GLOBE) else {
+        return;
+    };
+    let before = session.picture();
+    let at = (180, 120);
+    session.hand.point(at.0, at.1);
+    pause();
+    // A single click selects, and moves nothing.
+    session.click();
+    pause();
+    pause();
+    assert_eq!(session.picture(), before);
+    session.click();
+    session.click();
+    pause();
+    let after = session.picture();
+    let moved = offset(&before, &after, at, (150, 100));
+    assert!(
+        moved.0.abs() <= 2 && moved.1.abs() <= 2,
+        "{moved:?} px away"
+    );
+    assert_ne!(before, after);
 }
 
 #[test]
