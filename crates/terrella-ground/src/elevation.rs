@@ -7,6 +7,7 @@
 //! memory or read from files (GeoTIFF, PNG with a sidecar, NetCDF classic). In place of the sea it may lie over tiles of a
 //! [`HeightTileSource`], which may be larger than memory: [`StreamedGround`].
 
+pub mod aux_xml;
 mod change;
 mod denoise;
 mod floor;

@@ -9,8 +9,11 @@
 //! The sidecar of `NAME.png` is `NAME.toml` beside it ([`Sidecar`]). Nothing is guessed: what neither says is an error
 //! that names the key to write, and so is what both say and contradict each other in. Only latitudes and longitudes of
 //! WGS84 and what differs from it by a few metres at most are read; errors about others name the command that warps
-//! them. Everything is checked before anything large is allocated.
+//! them. What GDAL writes beside a file counts: `NAME.tif.aux.xml` (no data, unit, scale, offset) and the mask `NAME.tif.msk`. Numbers
+//! that usually mean no data (−9999, −32 768 and others) are holes where nothing is declared, and are told. Everything is checked before anything large is allocated.
 
+mod beside;
+mod conversion;
 mod error;
 mod geo_keys;
 mod missing;
@@ -25,6 +28,8 @@ pub use error::HeightFileError;
 pub use sidecar::{ByteOrder, HeightUnit, MAX_SIDECAR_BYTES, Sidecar, SidecarGeoreference};
 
 use super::{Denoise, Denoised, Georeference, GridError, GridLimits, HeightGrid};
+use beside::{SaidBeside, SideMask};
+pub(super) use conversion::Conversion;
 use error::FileContext;
 use missing::Missing;
 use std::fs::File;
@@ -37,6 +42,8 @@ pub struct HeightFile {
     pub grid: HeightGrid,
     /// Whom to name for them, from the sidecar.
     pub attribution: Option<String>,
+    /// Samples that were taken for no data though no file says so: they hold a number that is usual for that.
+    pub undeclared: u64,
     /// Single wrong heights that were found, where they were looked for.
     pub denoised: Option<Denoised>,
 }
@@ -54,29 +61,21 @@ struct Header {
     missing: Missing,
 }
 
-/// From stored numbers to metres.
-#[derive(Clone, Copy)]
-pub(super) struct Conversion {
-    scale_m: f64,
-    offset_m: f64,
-    missing: Missing,
-}
-
-impl Conversion {
-    fn metres(&self, stored: f64) -> f32 {
-        if self.missing.has(stored) {
-            f32::NAN
-        } else {
-            (self.offset_m + self.scale_m * stored) as f32
-        }
-    }
-}
-
 /// A file whose header has been read.
 enum Decoder<R: BufRead + Seek> {
     Tiff(Box<tiff::Tiff<R>>),
     Png(Box<png::Png<R>>),
     NetCdf(netcdf::NetCdf<R>),
+}
+
+impl<R: BufRead + Seek> Decoder<R> {
+    /// Rows of a strip or tile.
+    fn chunk_rows(&self) -> usize {
+        match self {
+            Self::Tiff(tiff) => tiff.chunk_rows(),
+            Self::Png(_) | Self::NetCdf(_) => 1,
+        }
+    }
 }
 
 /// A file that has been looked at: its heights are still to be read.
@@ -85,16 +84,20 @@ pub(super) struct HeightReader<R: BufRead + Seek> {
     decoder: Decoder<R>,
     header: Header,
     said: Sidecar,
+    mask: Option<SideMask>,
 }
 
 impl HeightReader<BufReader<File>> {
-    /// Looks at a file, and at its sidecar if there is one.
+    /// Looks at a file, at its sidecar if there is one, and at what GDAL writes beside it.
     pub(super) fn open(path: &Path) -> Result<Self, HeightFileError> {
         let context = FileContext::new(path);
         let file = files::open(path).map_err(|error| context.unreadable(error))?;
         let sidecar = read_sidecar(&sidecar_of(path))?;
         let reader = BufReader::with_capacity(1 << 16, file);
-        Self::new(reader, sidecar.as_ref(), path)
+        let mut reader = Self::new(reader, sidecar.as_ref(), path)?;
+        reader.header.add(&SaidBeside::read(path)?, &context)?;
+        reader.mask = SideMask::find(path, reader.size())?;
+        Ok(reader)
     }
 }
 
@@ -118,10 +121,16 @@ pub fn open_heights_denoised(
     HeightReader::open(path)?.whole(limits, denoise)
 }
 
-/// The files that [`open_heights`] reads for a file of heights: itself, and its sidecar if there is one.
+/// The files that [`open_heights`] reads for a file of heights: itself, its sidecar, and what GDAL writes beside it, as far as they
+/// are there.
 pub fn height_files(path: &Path) -> Vec<PathBuf> {
-    let sidecar = Some(sidecar_of(path)).filter(|sidecar| sidecar.exists());
-    std::iter::once(path.to_owned()).chain(sidecar).collect()
+    let beside = [
+        sidecar_of(path),
+        beside::aux_of(path),
+        beside::mask_of(path),
+    ];
+    let beside = beside.into_iter().filter(|file| file.exists());
+    std::iter::once(path.to_owned()).chain(beside).collect()
 }
 
 /// Rejects what [`open_heights`] would reject by its header or its sidecar, without reading heights.
@@ -270,6 +279,7 @@ impl<R: BufRead + Seek> HeightReader<R> {
             decoder,
             header,
             said,
+            mask: None,
         })
     }
 
@@ -296,36 +306,50 @@ impl<R: BufRead + Seek> HeightReader<R> {
 
     /// Bytes that reading holds at most, beside what becomes of the heights.
     pub fn working_bytes(&self) -> u64 {
-        match &self.decoder {
-            Decoder::Tiff(tiff) => tiff.working_bytes(),
-            Decoder::Png(png) => png.working_bytes(),
-            Decoder::NetCdf(file) => file.working_bytes(),
-        }
+        let mask = self.mask.as_ref();
+        let of_mask = mask.map_or(0, |mask| mask.working_bytes(self.decoder.chunk_rows()));
+        of_mask
+            + match &self.decoder {
+                Decoder::Tiff(tiff) => tiff.working_bytes(),
+                Decoder::Png(png) => png.working_bytes(),
+                Decoder::NetCdf(file) => file.working_bytes(),
+            }
     }
 
     /// How stored numbers become metres.
     pub(super) fn conversion(&self) -> Result<Conversion, HeightFileError> {
-        conversion(&self.header, &self.said, &self.context)
+        Conversion::of(&self.header, &self.said, &self.context)
     }
 
     /// Reads all heights and hands each over once, in stretches of a row: row (0 is the northern), first column, metres. What has no data
     /// is no finite number. Stops at the first error of `put`.
     pub fn read<E: From<HeightFileError>>(
         self,
-        conversion: Conversion,
+        conversion: &Conversion,
         mut put: impl FnMut(usize, usize, &mut [f32]) -> Result<(), E>,
     ) -> Result<(), E> {
         let last = self.header.rows as usize - 1;
         let is_south_first = self.header.is_south_first;
-        let mut put = |row: usize, column: usize, heights_m: &mut [f32]| match is_south_first {
-            true => put(last - row, column, heights_m),
-            false => put(row, column, heights_m),
+        let (mut mask, back) = (self.mask, self.decoder.chunk_rows());
+        let mut put = |row: usize, column: usize, heights_m: &mut [f32]| {
+            if let Some(mask) = &mut mask {
+                // Strips and tiles go back so far at most.
+                mask.cut((row + 1).saturating_sub(back), row, column, heights_m)?;
+            }
+            match is_south_first {
+                true => put(last - row, column, heights_m),
+                false => put(row, column, heights_m),
+            }
         };
         match self.decoder {
             Decoder::Tiff(mut tiff) => tiff.read(&self.context, conversion, &mut put),
             Decoder::Png(mut png) => png.read(&self.context, conversion, &mut put),
             Decoder::NetCdf(mut file) => file.read(&self.context, conversion, &mut put),
+        }?;
+        if let Some(note) = conversion.note(&self.context) {
+            tracing::warn!("{note}");
         }
+        Ok(())
     }
 
     /// Reads all heights into a grid.
@@ -345,7 +369,7 @@ impl<R: BufRead + Seek> HeightReader<R> {
         // Checked above.
         let columns = columns as usize;
         let mut heights_m = vec![0.0f32; columns * rows as usize];
-        self.read(conversion, |row, column, of_row: &mut [f32]| {
+        self.read(&conversion, |row, column, of_row: &mut [f32]| {
             let start = row * columns + column;
             heights_m[start..start + of_row.len()].copy_from_slice(of_row);
             Ok::<_, HeightFileError>(())
@@ -355,6 +379,7 @@ impl<R: BufRead + Seek> HeightReader<R> {
             .map_err(|error| context.grid(error))?;
         Ok(HeightFile {
             grid,
+            undeclared: conversion.undeclared(),
             attribution,
             denoised,
         })
@@ -382,38 +407,6 @@ fn georeference(
             sidecar: sidecar_of(context.path()),
         }),
     }
-}
-
-fn conversion(
-    header: &Header,
-    said: &Sidecar,
-    context: &FileContext,
-) -> Result<Conversion, HeightFileError> {
-    let unit = match (header.unit, said.unit) {
-        (Some(of_file), Some(of_sidecar)) if of_file != of_sidecar => {
-            return Err(HeightFileError::TwoUnits {
-                path: context.path().to_owned(),
-                of_file: of_file.name(),
-                of_sidecar: of_sidecar.name(),
-            });
-        }
-        (Some(unit), _) | (None, Some(unit)) => unit,
-        (None, None) => {
-            return Err(HeightFileError::NoUnit {
-                path: context.path().to_owned(),
-                sidecar: sidecar_of(context.path()),
-            });
-        }
-    };
-    let unit_m = unit.metres();
-    Ok(Conversion {
-        scale_m: said.scale.or(header.scale).unwrap_or(1.0) * unit_m,
-        offset_m: said.offset.or(header.offset).unwrap_or(0.0) * unit_m,
-        missing: match said.no_data {
-            Some(no_data) => header.missing.but(no_data),
-            None => header.missing,
-        },
-    })
 }
 
 fn sidecar_of(path: &Path) -> PathBuf {

@@ -220,7 +220,7 @@ impl HeightSpool {
         let (mut known, mut holes) = (KnownHeights::default(), 0_u64);
         scratch.host.begin(rows);
         let refused = reader.refusal();
-        let read = reader.read(conversion, |row, column, heights_m| {
+        let read = reader.read(&conversion, |row, column, heights_m| {
             if column == 0 {
                 scratch.go_on()?;
                 scratch.host.step();

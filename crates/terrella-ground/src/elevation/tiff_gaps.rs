@@ -105,6 +105,17 @@ impl TiffMask {
         Ok(None)
     }
 
+    /// The current image of a file as the mask of an image of this size in another file, as GDAL's `.msk`.
+    ///
+    /// # Errors
+    /// As [`Self::find`].
+    pub fn of_file<R: Read + Seek>(
+        decoder: &mut Decoder<R>,
+        size: (u32, u32),
+    ) -> Result<Self, TiffGapError> {
+        Self::new(&mut decoder.image_ifd(), size)
+    }
+
     fn new(tags: &mut IfdDecoder<'_>, (columns, rows): (u32, u32)) -> Result<Self, TiffGapError> {
         let refused = |what: String| Err(TiffGapError::Mask(what));
         let mut number = |tag, usual: u32| -> Result<u32, TiffGapError> {

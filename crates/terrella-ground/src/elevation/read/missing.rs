@@ -10,6 +10,8 @@ pub(super) struct Missing {
     values: [f64; MOST],
     lowest: f64,
     highest: f64,
+    /// The file or its sidecar says what has no data.
+    is_declared: bool,
 }
 
 impl Missing {
@@ -19,6 +21,7 @@ impl Missing {
             values: [f64::NAN; MOST],
             lowest: f64::NEG_INFINITY,
             highest: f64::INFINITY,
+            is_declared: value.is_some(),
         };
         missing.values[0] = value.unwrap_or(f64::NAN);
         missing
@@ -31,6 +34,7 @@ impl Missing {
             .values
             .get_mut(..values.len())?
             .copy_from_slice(values);
+        missing.is_declared = !values.is_empty();
         Some(missing)
     }
 
@@ -46,6 +50,27 @@ impl Missing {
     /// The range of the same, but this single number.
     pub(super) fn but(self, value: f64) -> Self {
         Self::of(Some(value)).outside(self.lowest, self.highest)
+    }
+
+    /// Also this number; `None` for more than are possible.
+    pub(super) fn and(mut self, value: f64) -> Option<Self> {
+        let free = self.values.iter_mut().find(|value| value.is_nan());
+        *free? = value;
+        self.is_declared = true;
+        Some(self)
+    }
+
+    /// The same, of numbers that a library writes unless it is told others.
+    pub(super) fn by_default(self) -> Self {
+        Self {
+            is_declared: false,
+            ..self
+        }
+    }
+
+    /// Whether the file or its sidecar says what has no data.
+    pub(super) fn is_declared(&self) -> bool {
+        self.is_declared
     }
 
     #[inline]

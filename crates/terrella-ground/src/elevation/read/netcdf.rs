@@ -148,7 +148,15 @@ impl Variable {
         }
         values.dedup();
         let (lowest, highest) = self.valid();
-        Some(Missing::of_all(&values)?.outside(lowest, highest))
+        let missing = Missing::of_all(&values)?.outside(lowest, highest);
+        let names = ["_FillValue", "missing_value"];
+        let is_declared = names
+            .iter()
+            .any(|name| number(&self.attributes, name).is_some());
+        Some(match is_declared {
+            true => missing,
+            false => missing.by_default(),
+        })
     }
 
     /// Lowest and highest stored number that are data.
@@ -448,7 +456,7 @@ impl<R: BufRead + Seek> NetCdf<R> {
     pub fn read<E: From<HeightFileError>>(
         &mut self,
         context: &FileContext,
-        conversion: Conversion,
+        conversion: &Conversion,
         put: &mut impl FnMut(usize, usize, &mut [f32]) -> Result<(), E>,
     ) -> Result<(), E> {
         let start = self.reader.seek(SeekFrom::Start(self.begin));

@@ -102,7 +102,7 @@ impl<R: BufRead + Seek> Png<R> {
     pub fn read<E: From<HeightFileError>>(
         &mut self,
         context: &FileContext,
-        conversion: Conversion,
+        conversion: &Conversion,
         put: &mut impl FnMut(usize, usize, &mut [f32]) -> Result<(), E>,
     ) -> Result<(), E> {
         let mut heights_m = vec![0.0; self.columns];

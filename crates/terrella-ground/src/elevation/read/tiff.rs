@@ -148,11 +148,16 @@ impl<R: BufRead + Seek> Tiff<R> {
         2 * chunk + across * down * 17 + self.columns as u64 * 5 + (1 << 20) + of_mask
     }
 
+    /// Rows of a strip or tile.
+    pub fn chunk_rows(&self) -> usize {
+        self.chunk_rows
+    }
+
     /// Hands over all samples, strip by strip or tile by tile, each row by row.
     pub fn read<E: From<HeightFileError>>(
         &mut self,
         context: &FileContext,
-        conversion: Conversion,
+        conversion: &Conversion,
         put: &mut impl FnMut(usize, usize, &mut [f32]) -> Result<(), E>,
     ) -> Result<(), E> {
         let across = self.columns.div_ceil(self.chunk_columns);
@@ -270,7 +275,7 @@ impl<R: BufRead + Seek> Gaps<'_, R> {
 fn convert_rows<T: Copy + Into<f64>, E>(
     values: &[T],
     (width, height): (usize, usize),
-    conversion: Conversion,
+    conversion: &Conversion,
     heights_m: &mut [f32],
     put_row: &mut impl FnMut(usize, &mut [f32]) -> Result<(), E>,
 ) -> Result<bool, E> {
