@@ -3,13 +3,14 @@
 use super::error::BuildError;
 use super::input::MapInput;
 use super::mosaic::Mosaic;
-use super::source::FileContext;
+use super::source::{FileContext, files_beside};
 use super::{BuildOptions, Map};
 use std::fmt::Write;
 use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 use std::time::UNIX_EPOCH;
 use terrella_files as files;
+use terrella_ground::elevation::height_files;
 
 /// Bytes of a map's file that are looked at, at its start and at its end.
 const ENDS: u64 = 1 << 20;
@@ -33,19 +34,16 @@ pub(super) fn of(options: &BuildOptions, maps: &[Map<'_>]) -> Result<String, Bui
             map.meaning,
             map.levels,
             match &map.input {
-                MapInput::File(path) => of_file(path)?,
+                MapInput::File(path) => with_beside(path)?,
                 MapInput::Mosaic(mosaic) => of_mosaic(mosaic),
             }
         );
     }
     for path in &options.heights {
-        let sidecar = path.with_extension("toml");
-        let said = if sidecar.is_file() {
-            of_file(&sidecar)?
-        } else {
-            String::new()
-        };
-        let _ = writeln!(text, "heights {path:?} {} {said}", of_file(path)?);
+        let files = height_files(path);
+        let known = files.iter().map(|file| of_file(file));
+        let known: Vec<_> = known.collect::<Result<_, _>>()?;
+        let _ = writeln!(text, "heights {path:?} {}", known.join(" "));
     }
     Ok(blake3::hash(text.as_bytes()).to_hex().to_string())
 }
@@ -60,6 +58,15 @@ fn of_mosaic(mosaic: &Mosaic) -> String {
         hasher.update(format!("{} {known:?}\n", path.display()).as_bytes());
     }
     hasher.finalize().to_hex().to_string()
+}
+
+/// Of a map and what lies beside it.
+fn with_beside(path: &Path) -> Result<String, BuildError> {
+    let mut text = of_file(path)?;
+    for file in files_beside(path).iter().filter(|file| file.is_file()) {
+        text += &of_file(file)?;
+    }
+    Ok(text)
 }
 
 fn of_file(path: &Path) -> Result<String, BuildError> {

@@ -42,7 +42,7 @@ pub use tiles::TileSet;
 use super::error::BuildError;
 use super::source::{
     FileContext, MAX_PIECE_SIDE, MAX_SOURCE_HEIGHT, MIN_SOURCE_HEIGHT, RowSource, SampleKind,
-    SourceInfo, SourceLimits,
+    SourceInfo, SourceLimits, files_beside,
 };
 use compose::Composer;
 use piece::Piece;
@@ -202,11 +202,13 @@ impl Mosaic {
         })
     }
 
-    /// All files that it is made of; of tiles those that are there.
+    /// All files that it is made of; of tiles those that are there, of files what lies beside them too.
     pub(super) fn files(&self) -> impl Iterator<Item = PathBuf> + '_ {
         self.description.parts.iter().flat_map(|part| {
             let files: Box<dyn Iterator<Item = PathBuf>> = match &part.from {
-                PartSource::File(path, _) => Box::new(std::iter::once(path.clone())),
+                PartSource::File(path, _) => {
+                    Box::new(std::iter::once(path.clone()).chain(files_beside(path)))
+                }
                 PartSource::Tiles(set, _) => Box::new(set.rows.clone().flat_map(move |row| {
                     set.columns.clone().map(move |column| set.file(row, column))
                 })),

@@ -1,5 +1,6 @@
 //! Maps read from disk, a row at a time.
 
+mod beside;
 mod geo;
 mod jpeg;
 mod png;
@@ -8,6 +9,7 @@ mod sof;
 mod tiff;
 
 use super::error::BuildError;
+pub(super) use beside::files_beside;
 pub(super) use geo::{TagGrid, complaint_of, grid_of, in_other_system};
 pub(super) use sample::sample;
 use std::fmt;
@@ -226,9 +228,19 @@ impl FileContext {
 /// # Errors
 /// [`BuildError`] with the file and what to do, before anything large is allocated.
 pub fn open_source(path: &Path, limits: SourceLimits) -> Result<Box<dyn RowSource>, BuildError> {
+    open_extent(path, limits, Extent::WholeEarth)
+}
+
+/// Opens a picture of any part of the Earth, and what lies beside it.
+pub(super) fn open_extent(
+    path: &Path,
+    limits: SourceLimits,
+    extent: Extent,
+) -> Result<Box<dyn RowSource>, BuildError> {
     let context = FileContext::new(path);
     let file = files::open(path).map_err(|error| context.unreadable(error))?;
-    read_source(BufReader::with_capacity(1 << 16, file), path, limits)
+    let reader = BufReader::with_capacity(1 << 16, file);
+    beside::without_gaps(read_extent(reader, path, limits, extent)?, path)
 }
 
 /// Reads a map from anything; `path` is its name in messages.

@@ -9,6 +9,9 @@ use terrella_imagery::srgb::linear_from_encoded;
 /// Heights beyond this are marks for "no data", metres.
 const HIGHEST_M: f64 = 20_000.0;
 
+/// What most programs write for "no data" that is not beyond that.
+const NO_DATA: f32 = -9999.0;
+
 /// What is made of a map's texels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Meaning {
@@ -95,6 +98,8 @@ struct Heights {
     heights_m: Vec<f64>,
     taken: u32,
     saturated_texels: u64,
+    /// Samples of [`NO_DATA`] that the file does not say are none.
+    undeclared: u64,
 }
 
 impl ValueRows {
@@ -125,6 +130,7 @@ impl ValueRows {
                 heights_m: vec![0.0; info.width as usize],
                 taken: 0,
                 saturated_texels: 0,
+                undeclared: 0,
             }),
         };
         Ok(Self {
@@ -145,7 +151,17 @@ impl ValueRows {
 
     /// What was left out of the map and is to be told.
     pub(super) fn notes(&mut self) -> Vec<String> {
-        self.source.notes()
+        let mut notes = self.source.notes();
+        if let Convert::Elevation(heights) = &mut self.convert {
+            let count = std::mem::take(&mut heights.undeclared);
+            notes.extend((count > 0).then(|| {
+                format!(
+                    "{count} elevations are {NO_DATA}, which the file does not declare as no data (`gdal_edit.py -a_nodata`): they are \
+                     taken for no data"
+                )
+            }));
+        }
+        notes
     }
 
     /// Fills the next row: width × channels values.
@@ -160,16 +176,16 @@ impl ValueRows {
             Convert::Elevation(heights) => {
                 // One row ahead: a slope needs the row south of it.
                 let mut texels = out.as_chunks_mut::<2>().0.iter_mut();
-                let saturated = &mut heights.saturated_texels;
+                let mut saturated = 0;
                 let mut store = |slope: [f64; 2]| {
                     if let Some(texel) = texels.next() {
-                        *saturated += u64::from(slope.iter().any(|s| s.abs() > 1.0));
+                        saturated += u64::from(slope.iter().any(|s| s.abs() > 1.0));
                         *texel = slope.map(|s| s as f32);
                     }
                 };
                 if heights.taken == 0 {
                     source.next_row(bytes)?;
-                    read_heights(info, bytes, heights.offset_m, &mut heights.heights_m);
+                    heights.read(info, bytes);
                     heights.slopes.push(&heights.heights_m, |_| {});
                     heights.taken = 1;
                 }
@@ -177,10 +193,11 @@ impl ValueRows {
                     heights.slopes.finish(&mut store);
                 } else {
                     source.next_row(bytes)?;
-                    read_heights(info, bytes, heights.offset_m, &mut heights.heights_m);
+                    heights.read(info, bytes);
                     heights.slopes.push(&heights.heights_m, &mut store);
                     heights.taken += 1;
                 }
+                heights.saturated_texels += saturated;
             }
             Convert::Colour { linear } => {
                 source.next_row(bytes)?;
@@ -321,13 +338,19 @@ fn read_normals(info: &SourceInfo, bytes: &[u8], fade: f32, out: &mut [f32]) {
     clear_nothing::<2>(info, bytes, out);
 }
 
-fn read_heights(info: &SourceInfo, bytes: &[u8], offset_m: f64, heights_m: &mut [f64]) {
-    for (x, height_m) in heights_m.iter_mut().enumerate() {
-        let value = f64::from(sample(info.sample, bytes, x * info.channels)) - offset_m;
-        *height_m = if value.abs() <= HIGHEST_M && !is_nothing(info, bytes, x) {
-            value
-        } else {
-            f64::NAN
-        };
+impl Heights {
+    fn read(&mut self, info: &SourceInfo, bytes: &[u8]) {
+        for (x, height_m) in self.heights_m.iter_mut().enumerate() {
+            let stored = sample(info.sample, bytes, x * info.channels);
+            let value = f64::from(stored) - self.offset_m;
+            let is_undeclared = stored == NO_DATA && info.opacity.is_none();
+            self.undeclared += u64::from(is_undeclared);
+            *height_m = if value.abs() <= HIGHEST_M && !is_undeclared && !is_nothing(info, bytes, x)
+            {
+                value
+            } else {
+                f64::NAN
+            };
+        }
     }
 }

@@ -11,11 +11,9 @@ use super::texels::{Reader, TexelKind};
 use super::tiles::TileRows;
 use crate::error::BuildError;
 use crate::resample::cubic;
-use crate::source::{Extent, FileContext, SourceInfo, SourceLimits, read_extent};
+use crate::source::{Extent, FileContext, SourceInfo, SourceLimits, open_extent};
 use std::collections::VecDeque;
-use std::io::BufReader;
 use std::path::Path;
-use terrella_files as files;
 
 /// A part that has been looked at.
 #[derive(Clone, Debug)]
@@ -91,10 +89,7 @@ impl Piece {
 fn open(part: &Part, description: &Path, limits: SourceLimits) -> Result<Raster, BuildError> {
     match &part.from {
         PartSource::File(path, _) => {
-            let context = FileContext::new(path);
-            let file = files::open(path).map_err(|error| context.unreadable(error))?;
-            let reader = BufReader::with_capacity(1 << 16, file);
-            let rows = read_extent(reader, path, limits, Extent::Piece)?;
+            let rows = open_extent(path, limits, Extent::Piece)?;
             Ok(Raster::file(rows, part.alpha))
         }
         PartSource::Tiles(set, _) => {

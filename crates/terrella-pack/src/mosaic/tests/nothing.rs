@@ -73,3 +73,58 @@ fn alpha_of_amounts_is_how_much_there_is() {
         &map.texels[..8]
     );
 }
+
+#[test]
+fn masks_and_numbers_beside_a_map_take_texels_away() {
+    let mut mask = std::io::Cursor::new(Vec::new());
+    let bytes: Vec<u8> = (0..64 * 32)
+        .map(|n| if n / 64 < 16 { 0 } else { 255 })
+        .collect();
+    ::tiff::encoder::TiffEncoder::new(&mut mask)
+        .and_then(|mut file| file.write_image::<::tiff::encoder::colortype::Gray8>(64, 32, &bytes))
+        .expect("written");
+    let bands = "<PAMRasterBand><NoDataValue>9</NoDataValue></PAMRasterBand>".repeat(3);
+    let below = || {
+        let folder = Folder::new();
+        folder.put(
+            "a.png",
+            &png(64, 32, |x, _| if x < 32 { [9; 3] } else { [9, 90, 9] }),
+        );
+        folder.put("below.png", &png(64, 32, |_, _| BELOW));
+        folder
+    };
+    let text = part("below.png", EARTH, "") + &part("a.png", EARTH, "");
+    let (plain, _) = below().read(&text);
+    assert_eq!((plain.at(3, 3), plain.at(40, 3)), ([9; 3], [9, 90, 9]));
+    let folder = below();
+    folder.put("a.png.msk", mask.get_ref());
+    let (map, _) = folder.read(&text);
+    assert_eq!((map.at(3, 15), map.at(40, 15)), (BELOW, BELOW));
+    assert_eq!((map.at(3, 16), map.at(40, 16)), ([9; 3], [9, 90, 9]));
+    let folder = below();
+    folder.put("a.png.aux.xml", bands.as_bytes());
+    let (map, _) = folder.read(&text);
+    assert_eq!((map.at(3, 3), map.at(40, 3)), (BELOW, [9, 90, 9]));
+
+    for (ending, contents, words) in [
+        (".msk", &mask.get_ref()[..40], "a.png.msk: "),
+        (
+            ".aux.xml",
+            bands.replace('9', "x").as_bytes(),
+            "a.png.aux.xml: has the NoDataValue \"x\"",
+        ),
+        (
+            ".aux.xml",
+            &bands.as_bytes()[..60],
+            "names 1 numbers for nothing",
+        ),
+    ] {
+        let folder = below();
+        folder.put(&format!("a.png{ending}"), contents);
+        match folder.open(&text) {
+            Err(error) => assert!(error.to_string().contains(words), "{error}"),
+            // A damaged part is left out and told.
+            Ok(mosaic) => assert!(mosaic.notes()[0].contains(words), "{:?}", mosaic.notes()),
+        }
+    }
+}
