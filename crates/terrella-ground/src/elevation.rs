@@ -15,6 +15,7 @@ mod fractal;
 pub mod geo_tags;
 mod grid;
 mod ground;
+mod placed;
 pub mod read;
 mod samples;
 // Packs are built from them.
@@ -32,8 +33,10 @@ pub use grid::{
 };
 pub use grid::{joins::Joins, placement::Placement};
 pub use ground::Ground;
+pub use placed::PlacedBounds;
 pub use read::{
-    HeightFile, HeightFileError, check_heights, height_files, open_heights, open_heights_denoised,
+    HeightFile, HeightFileError, check_heights, height_files, height_set, open_heights,
+    open_heights_denoised,
 };
 pub use samples::HeightSamples;
 #[cfg(test)]

@@ -5,26 +5,32 @@
 //! | GeoTIFF, BigTIFF: strips or tiles, uncompressed, LZW, deflate or PackBits | its own tags, or the sidecar | its own keys, or the sidecar |
 //! | PNG, grey, 8 or 16 bits | the sidecar | the sidecar |
 //! | NetCDF classic (CDF-1, CDF-2) | its coordinate variables, or the sidecar | its attribute `units`, or the sidecar |
+//! | SRTM's `.hgt`, also packed by gzip or in a zip file | its name, or the sidecar | metres |
 //!
-//! The sidecar of `NAME.png` is `NAME.toml` beside it ([`Sidecar`]). Nothing is guessed: what neither says is an error
+//! The sidecar of `NAME.png` is `NAME.toml` beside it ([`Sidecar`]), or else `folder.toml`, which says no place. Nothing is guessed: what neither says is an error
 //! that names the key to write, and so is what both say and contradict each other in. Only latitudes and longitudes of
 //! WGS84 and what differs from it by a few metres at most are read; errors about others name the command that warps
 //! them. What GDAL writes beside a file counts: `NAME.tif.aux.xml` (no data, unit, scale, offset) and the mask `NAME.tif.msk`. Numbers
-//! that usually mean no data (−9999, −32 768 and others) are holes where nothing is declared, and are told. Everything is checked before anything large is allocated.
+//! that usually mean no data (−9999, −32 768 and others) are holes where nothing is declared, and are told. Everything is checked before
+//! anything large is allocated.
 
 mod beside;
 mod conversion;
 mod error;
 mod geo_keys;
+mod hgt;
 mod missing;
 mod netcdf;
 mod png;
+mod set;
 mod sidecar;
 #[cfg(test)]
 mod tests;
 mod tiff;
+mod zip;
 
 pub use error::HeightFileError;
+pub use set::{MAX_SET_FILES, height_set};
 pub use sidecar::{ByteOrder, HeightUnit, MAX_SIDECAR_BYTES, Sidecar, SidecarGeoreference};
 
 use super::{Denoise, Denoised, Georeference, GridError, GridLimits, HeightGrid};
@@ -66,6 +72,7 @@ enum Decoder<R: BufRead + Seek> {
     Tiff(Box<tiff::Tiff<R>>),
     Png(Box<png::Png<R>>),
     NetCdf(netcdf::NetCdf<R>),
+    Hgt(hgt::Hgt<R>),
 }
 
 impl<R: BufRead + Seek> Decoder<R> {
@@ -73,7 +80,7 @@ impl<R: BufRead + Seek> Decoder<R> {
     fn chunk_rows(&self) -> usize {
         match self {
             Self::Tiff(tiff) => tiff.chunk_rows(),
-            Self::Png(_) | Self::NetCdf(_) => 1,
+            _ => 1,
         }
     }
 }
@@ -92,7 +99,10 @@ impl HeightReader<BufReader<File>> {
     pub(super) fn open(path: &Path) -> Result<Self, HeightFileError> {
         let context = FileContext::new(path);
         let file = files::open(path).map_err(|error| context.unreadable(error))?;
-        let sidecar = read_sidecar(&sidecar_of(path))?;
+        let sidecar = match read_sidecar(&sidecar_of(path))? {
+            None => folder_sidecar(path)?,
+            sidecar => sidecar,
+        };
         let reader = BufReader::with_capacity(1 << 16, file);
         let mut reader = Self::new(reader, sidecar.as_ref(), path)?;
         reader.header.add(&SaidBeside::read(path)?, &context)?;
@@ -189,6 +199,23 @@ pub fn check_metres(path: &Path, is_placed: bool) -> Result<(), HeightFileError>
     ))
 }
 
+/// What stands in for the sidecars of all files of a folder that have none of their own.
+const FOLDER_SIDECAR: &str = "folder.toml";
+
+/// The sidecar of a folder, if there is one: it says no place.
+fn folder_sidecar(path: &Path) -> Result<Option<Sidecar>, HeightFileError> {
+    let of_folder = path.with_file_name(FOLDER_SIDECAR);
+    let sidecar = read_sidecar(&of_folder)?;
+    match &sidecar {
+        Some(said) if said.georeference.is_some() => Err(FileContext::new(&of_folder).refused(
+            "says where all files of its folder lie",
+            "unit, scale, offset, nodata or attribution, which files share",
+            "write the place into a sidecar of each file",
+        )),
+        _ => Ok(sidecar),
+    }
+}
+
 /// The sidecar at a path, if there is a file.
 fn read_sidecar(path: &Path) -> Result<Option<Sidecar>, HeightFileError> {
     let context = FileContext::new(path);
@@ -225,9 +252,15 @@ impl<R: BufRead + Seek> HeightReader<R> {
         let context = FileContext::new(path);
         let magic =
             terrella_files::first_bytes(&mut reader).map_err(|error| context.unreadable(error))?;
-        let formats = "a GeoTIFF, a PNG or a NetCDF classic file";
+        let formats =
+            "a GeoTIFF, a PNG, a NetCDF classic file, or an .hgt file of SRTM";
         let said = sidecar.cloned().unwrap_or_default();
         let (decoder, header) = match magic.as_slice() {
+            // It has no marks: any number may come first.
+            _ if hgt::is_named(path) => {
+                let (file, header) = hgt::Hgt::plain(reader, &context)?;
+                (Decoder::Hgt(file), header)
+            }
             [0x89, b'P', b'N', b'G', ..] => {
                 let (png, header) = png::Png::open(reader, &context, said.byte_order)?;
                 (Decoder::Png(Box::new(png)), header)
@@ -247,6 +280,14 @@ impl<R: BufRead + Seek> HeightReader<R> {
                     "NetCDF classic",
                     format!("convert it: `nccopy -k classic {} OUT.nc`", path.display()),
                 ));
+            }
+            [0x1F, 0x8B, ..] => {
+                let (file, header) = hgt::Hgt::gzip(reader, &context)?;
+                (Decoder::Hgt(file), header)
+            }
+            [b'P', b'K', 3, 4, ..] => {
+                let (file, header) = hgt::Hgt::zip(reader, &context)?;
+                (Decoder::Hgt(file), header)
             }
             _ => {
                 return Err(context.refused(
@@ -313,6 +354,7 @@ impl<R: BufRead + Seek> HeightReader<R> {
                 Decoder::Tiff(tiff) => tiff.working_bytes(),
                 Decoder::Png(png) => png.working_bytes(),
                 Decoder::NetCdf(file) => file.working_bytes(),
+                Decoder::Hgt(file) => file.working_bytes(),
             }
     }
 
@@ -345,6 +387,7 @@ impl<R: BufRead + Seek> HeightReader<R> {
             Decoder::Tiff(mut tiff) => tiff.read(&self.context, conversion, &mut put),
             Decoder::Png(mut png) => png.read(&self.context, conversion, &mut put),
             Decoder::NetCdf(mut file) => file.read(&self.context, conversion, &mut put),
+            Decoder::Hgt(mut file) => file.read(&self.context, conversion, &mut put),
         }?;
         if let Some(note) = conversion.note(&self.context) {
             tracing::warn!("{note}");

@@ -11,7 +11,7 @@
 //! feather, so that weights go on from one to the other.
 
 use super::placement::{Placement, smooth};
-use crate::elevation::Bounds;
+use crate::elevation::{Bounds, PlacedBounds};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Spacings that differ by more than this factor are not alike: the finer grid goes over into the coarser one.
@@ -42,11 +42,14 @@ impl Joins {
     /// Of grids over one another, the uppermost first.
     pub fn of(grids: &[&Placement]) -> Vec<Self> {
         let mut all: Vec<Joined> = grids.iter().map(|grid| Joined::alone(grid)).collect();
-        let mut pairs = Vec::new();
+        let placed = PlacedBounds::new(grids.iter().map(|grid| grid.bounds));
+        let (mut pairs, mut is_joined) = (Vec::new(), vec![false; grids.len()]);
         for (n, grid) in grids.iter().enumerate() {
-            for (m, other) in grids.iter().enumerate() {
+            for m in placed.near(&grid.reach()) {
+                let other = grids[m];
                 if n != m && is_like(grid, other) && all[n].join(grid, other, n < m) {
                     pairs.push((n, m));
+                    (is_joined[n], is_joined[m]) = (true, true);
                 }
             }
         }
@@ -57,10 +60,9 @@ impl Joins {
             }
         }
         share_widths(grids, &pairs, &mut all);
-        let is_joined = |n: usize| pairs.iter().any(|(a, b)| *a == n || *b == n);
-        let joins = all.into_iter().enumerate();
+        let joins = all.into_iter().zip(is_joined);
         joins
-            .map(|(n, joined)| Self(is_joined(n).then(|| Box::new(joined))))
+            .map(|(joined, is_joined)| Self(is_joined.then(|| Box::new(joined))))
             .collect()
     }
 
@@ -70,6 +72,24 @@ impl Joins {
         match &self.0 {
             None => place.inside(row, column),
             Some(joined) => joined.inside(place, row, column),
+        }
+    }
+}
+
+impl Placement {
+    /// What lies so near that a grid of like spacing touches: its bounds and a little more than a sample of such a grid.
+    fn reach(&self) -> Bounds {
+        let more = |step_rad: f64| 2.0 * LIKE * TOUCH * step_rad;
+        // Steps along parallels may differ more than those on the ground.
+        let (tall, wide) = (
+            more(self.lattice.lat_step_rad),
+            4.0 * more(self.lattice.lon_step_rad),
+        );
+        Bounds {
+            south_rad: (self.bounds.south_rad - tall).max(-FRAC_PI_2),
+            north_rad: (self.bounds.north_rad + tall).min(FRAC_PI_2),
+            west_rad: self.bounds.west_rad - wide,
+            width_rad: (self.bounds.width_rad + 2.0 * wide).min(TAU),
         }
     }
 }
