@@ -6,6 +6,8 @@
 //! | PNG, grey, 8 or 16 bits | the sidecar | the sidecar |
 //! | NetCDF classic (CDF-1, CDF-2) | its coordinate variables, or the sidecar | its attribute `units`, or the sidecar |
 //! | SRTM's `.hgt`, also packed by gzip or in a zip file | its name, or the sidecar | metres |
+//! | ASCII grid (`.asc`) | its header, in degrees | the sidecar |
+//! | DTED, levels 0 to 2 | its header | metres |
 //!
 //! The sidecar of `NAME.png` is `NAME.toml` beside it ([`Sidecar`]), or else `folder.toml`, which says no place. Nothing is guessed: what neither says is an error
 //! that names the key to write, and so is what both say and contradict each other in. Only latitudes and longitudes of
@@ -14,8 +16,10 @@
 //! that usually mean no data (−9999, −32 768 and others) are holes where nothing is declared, and are told. Everything is checked before
 //! anything large is allocated.
 
+mod ascii;
 mod beside;
 mod conversion;
+mod dted;
 mod error;
 mod geo_keys;
 mod hgt;
@@ -73,6 +77,8 @@ enum Decoder<R: BufRead + Seek> {
     Png(Box<png::Png<R>>),
     NetCdf(netcdf::NetCdf<R>),
     Hgt(hgt::Hgt<R>),
+    Ascii(ascii::Ascii<R>),
+    Dted(dted::Dted<R>),
 }
 
 impl<R: BufRead + Seek> Decoder<R> {
@@ -253,7 +259,7 @@ impl<R: BufRead + Seek> HeightReader<R> {
         let magic =
             terrella_files::first_bytes(&mut reader).map_err(|error| context.unreadable(error))?;
         let formats =
-            "a GeoTIFF, a PNG, a NetCDF classic file, or an .hgt file of SRTM";
+            "a GeoTIFF, a PNG, a NetCDF classic file, an ASCII grid, an .hgt file of SRTM or DTED";
         let said = sidecar.cloned().unwrap_or_default();
         let (decoder, header) = match magic.as_slice() {
             // It has no marks: any number may come first.
@@ -288,6 +294,16 @@ impl<R: BufRead + Seek> HeightReader<R> {
             [b'P', b'K', 3, 4, ..] => {
                 let (file, header) = hgt::Hgt::zip(reader, &context)?;
                 (Decoder::Hgt(file), header)
+            }
+            [b'U', b'H', b'L', b'1', ..]
+            | [b'V', b'O', b'L', b'1', ..]
+            | [b'H', b'D', b'R', b'1', ..] => {
+                let (file, header) = dted::Dted::open(reader, &context)?;
+                (Decoder::Dted(file), header)
+            }
+            begin if ascii::begins(begin) => {
+                let (file, header) = ascii::Ascii::open(reader, &context)?;
+                (Decoder::Ascii(file), header)
             }
             _ => {
                 return Err(context.refused(
@@ -355,6 +371,8 @@ impl<R: BufRead + Seek> HeightReader<R> {
                 Decoder::Png(png) => png.working_bytes(),
                 Decoder::NetCdf(file) => file.working_bytes(),
                 Decoder::Hgt(file) => file.working_bytes(),
+                Decoder::Ascii(file) => file.working_bytes(),
+                Decoder::Dted(file) => file.working_bytes(),
             }
     }
 
@@ -388,6 +406,8 @@ impl<R: BufRead + Seek> HeightReader<R> {
             Decoder::Png(mut png) => png.read(&self.context, conversion, &mut put),
             Decoder::NetCdf(mut file) => file.read(&self.context, conversion, &mut put),
             Decoder::Hgt(mut file) => file.read(&self.context, conversion, &mut put),
+            Decoder::Ascii(mut file) => file.read(&self.context, conversion, &mut put),
+            Decoder::Dted(mut file) => file.read(&self.context, conversion, &mut put),
         }?;
         if let Some(note) = conversion.note(&self.context) {
             tracing::warn!("{note}");
