@@ -112,6 +112,8 @@ pub struct SpoolNeeds {
     pub size: (u32, u32),
     /// What the file covers.
     pub bounds: Bounds,
+    /// Where its samples lie.
+    pub place: Placement,
     /// Bytes held while it is spooled.
     pub working_bytes: u64,
 }
@@ -126,6 +128,7 @@ pub fn look(path: &Path) -> Result<SpoolNeeds, HeightFileError> {
     Ok(SpoolNeeds {
         size,
         bounds: place.bounds,
+        place,
         working_bytes: reader.working_bytes() + u64::from(size.0) * COLUMN_BYTES,
     })
 }

@@ -1,6 +1,7 @@
 //! Files of all formats, and every way in which they are refused.
 
 mod files;
+mod formats;
 mod nothing;
 mod refusals;
 

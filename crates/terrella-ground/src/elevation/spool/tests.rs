@@ -335,3 +335,44 @@ fn what_cannot_be_spooled_is_told_and_nothing_stays() {
     let names = std::fs::read_dir(folder.path()).expect("there");
     assert_eq!(names.count(), 2, "scratch files stay");
 }
+
+/// Ten thousand files of a degree are looked at and joined by their headers alone.
+#[test]
+fn many_files_are_looked_at_in_seconds() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for n in 0..10_000_i32 {
+        let (lat, lon) = (n / 200 - 25, n % 200 - 100);
+        let sign = |number: i32, signs: [char; 2]| signs[usize::from(number < 0)];
+        let name = format!(
+            "{}{:02}{}{:03}.hgt",
+            sign(lat, ['N', 'S']),
+            lat.abs(),
+            sign(lon, ['E', 'W']),
+            lon.abs()
+        );
+        // Sparse: it has no blocks.
+        let file = std::fs::File::create(folder.path().join(name)).expect("made");
+        file.set_len(2 * 1201 * 1201).expect("grows");
+    }
+    let start = cpu_time::ThreadTime::now();
+    let files = crate::elevation::height_set(folder.path()).expect("files");
+    let needs: Vec<_> = files.iter().map(|file| look(file).expect("good")).collect();
+    let placements: Vec<_> = needs.iter().map(|needs| &needs.place).collect();
+    let joins = Joins::of(&placements);
+    let took = start.elapsed();
+    assert!(took.as_secs_f64() < 5.0, "{took:?}");
+    assert_eq!((files.len(), joins.len()), (10_000, 10_000));
+    // In the middle of all, on a seam, the upper one answers alone.
+    let inside: Vec<_> = placements
+        .iter()
+        .zip(&joins)
+        .map(|(place, joins)| {
+            let (row, column) = place
+                .lattice
+                .locate(0.3_f64.to_radians(), 3f64.to_radians());
+            joins.inside(place, row, column)
+        })
+        .filter(|weight| *weight > 0.0)
+        .collect();
+    assert_eq!(inside, [1.0]);
+}

@@ -1,0 +1,336 @@
+//! SRTM's `.hgt`, ASCII grids and DTED.
+
+use super::*;
+use std::io::Write;
+
+/// Heights of an `.hgt` file of 3″: a plane, with a void, by row from the north and column from the west.
+fn height(row: usize, column: usize) -> i16 {
+    match (row, column) {
+        (100..102, 200..203) => -32_768,
+        // Whole.
+        _ => (2 * column) as i16 - (row / 2) as i16 + 700,
+    }
+}
+
+fn hgt() -> Vec<u8> {
+    let all = (0..1201).flat_map(|row| (0..1201).map(move |column| height(row, column)));
+    all.flat_map(i16::to_be_bytes).collect()
+}
+
+/// A zip file of one deflated file, and one beside it that counts for nothing.
+fn zipped(name: &str, bytes: &[u8]) -> Vec<u8> {
+    let mut deflated = flate2::write::DeflateEncoder::new(Vec::new(), flate2::Compression::fast());
+    deflated.write_all(bytes).expect("written");
+    let deflated = deflated.finish().expect("written");
+    let mut crc = flate2::Crc::new();
+    crc.update(bytes);
+    let (mut file, mut list) = (Vec::new(), Vec::new());
+    let entries = [
+        ("read.me", 0_u16, b"hello".as_slice(), 5, 0),
+        (name, 8, deflated.as_slice(), bytes.len(), crc.sum()),
+    ];
+    for (name, method, packed, size, crc) in entries {
+        let start = file.len() as u32;
+        let mut common = Vec::new();
+        for short in [20_u16, 0, method, 0, 0] {
+            common.extend(short.to_le_bytes());
+        }
+        for word in [crc, packed.len() as u32, size as u32] {
+            common.extend(word.to_le_bytes());
+        }
+        common.extend((name.len() as u16).to_le_bytes());
+        common.extend([0, 0]);
+        file.extend(b"PK\x03\x04");
+        file.extend(&common);
+        file.extend(name.as_bytes());
+        file.extend(packed);
+        list.extend(b"PK\x01\x02\x14\0");
+        list.extend(&common);
+        list.extend([0; 10]);
+        list.extend(start.to_le_bytes());
+        list.extend(name.as_bytes());
+    }
+    let start = file.len() as u32;
+    file.extend(&list);
+    file.extend(b"PK\x05\x06\0\0\0\0\x02\0\x02\0");
+    file.extend((list.len() as u32).to_le_bytes());
+    file.extend(start.to_le_bytes());
+    file.extend([0, 0]);
+    file
+}
+
+fn gzipped(bytes: &[u8]) -> Vec<u8> {
+    let mut file = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
+    file.write_all(bytes).expect("written");
+    file.finish().expect("written")
+}
+
+fn read_as(name: &str, bytes: Vec<u8>, sidecar: &str) -> Result<HeightFile, HeightFileError> {
+    let sidecar = (!sidecar.is_empty())
+        .then(|| Sidecar::from_toml(sidecar, Path::new("dem.toml")))
+        .transpose()?;
+    read_heights(
+        Cursor::new(bytes),
+        sidecar.as_ref(),
+        Path::new(name),
+        &GridLimits::default(),
+    )
+}
+
+#[track_caller]
+fn refused(name: &str, bytes: Vec<u8>, words: &str) {
+    let said = read_as(name, bytes, "").expect_err(words).to_string();
+    assert!(said.starts_with(name) && said.contains(words), "{said}");
+}
+
+fn at(file: &HeightFile, lat_deg: f64, lon_deg: f64) -> f64 {
+    file.grid
+        .height_m(lat_deg.to_radians(), lon_deg.to_radians(), 0.0)
+}
+
+#[test]
+fn hgt_lies_where_its_name_says() {
+    for (name, bytes, south, west) in [
+        ("N45E006.hgt", hgt(), 45.0, 6.0),
+        ("maps/s07w123.SRTMGL3.HGT", hgt(), -7.0, -123.0),
+        ("N00E179.hgt.gz", gzipped(&hgt()), 0.0, 179.0),
+        ("N45E006.zip", zipped("a/S01E010.hgt", &hgt()), -1.0, 10.0),
+        (
+            "N46E006.SRTMGL3.hgt.zip",
+            zipped("tile.hgt", &hgt()),
+            46.0,
+            6.0,
+        ),
+    ] {
+        let file = read_as(name, bytes, "").unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(file.grid.stats().holes, 6, "{name}");
+        for (row, column) in [(0, 0), (0, 1200), (1200, 0), (1200, 1200), (640, 17)] {
+            let got = at(
+                &file,
+                south + 1.0 - row as f64 / 1200.0,
+                west + column as f64 / 1200.0,
+            );
+            let right = f64::from(height(row, column));
+            assert!(
+                (got - right).abs() < 1e-3,
+                "{name} {row} {column}: {got} for {right}"
+            );
+        }
+        let bounds = file.grid.bounds();
+        assert!((bounds.south_rad - south.to_radians()).abs() < 1e-12);
+        assert!((bounds.width_rad - 1f64.to_radians()).abs() < 1e-12);
+    }
+    // Without a place in its name the sidecar says it.
+    let place = "bounds = { south_deg = 1, north_deg = 2, west_deg = 3, east_deg = 4 }\nregistration = \"posts\"";
+    let file = read_as("tile.hgt", hgt(), place).expect("good");
+    assert!((at(&file, 2.0, 3.0) - 700.0).abs() < 1e-3);
+}
+
+#[test]
+fn hgt_that_is_none_is_refused() {
+    refused("tile.hgt", hgt(), "does not say where it lies");
+    refused("N90E000.hgt", hgt(), "does not say where it lies");
+    refused(
+        "N45E006.hgt",
+        hgt()[2..].to_vec(),
+        "has 2884800 bytes of heights",
+    );
+    refused(
+        "N45E006.hgt.gz",
+        gzipped(&hgt()[2..]),
+        "has 2884800 bytes of heights",
+    );
+    let mut broken = gzipped(&hgt());
+    let middle = broken.len() / 2;
+    broken[middle] ^= 0xFF;
+    refused("N45E006.hgt.gz", broken, "truncated or damaged");
+    let whole = zipped("N45E006.hgt", &hgt());
+    let mut wrong = whole.clone();
+    let list = whole
+        .windows(4)
+        .rposition(|mark| mark == b"PK\x01\x02")
+        .expect("a list");
+    wrong[list + 16] ^= 1;
+    refused("a.zip", wrong, "the checksum of its heights is wrong");
+    let mut locked = whole.clone();
+    locked[list + 8] |= 1;
+    refused("a.zip", locked, "without a password");
+    refused(
+        "a.zip",
+        whole[..whole.len() - 30].to_vec(),
+        "the zip file has no end",
+    );
+    refused(
+        "a.zip",
+        zipped("a.tif", b"II*\0"),
+        "without a file whose name ends in .hgt",
+    );
+    for cut in [4, 20, 50, whole.len() - 22] {
+        read_as("a.zip", whole[whole.len() - cut..].to_vec(), "").expect_err("cut");
+        read_as(
+            "a.zip",
+            [b"PK\x03\x04", &whole[whole.len() - cut..]].concat(),
+            "",
+        )
+        .expect_err("cut");
+    }
+}
+
+const GRID: &str = "ncols 6\nnrows 4\nxllcorner 10\nyllcorner 46\ncellsize 1\nNODATA_value -1\n";
+
+fn numbers() -> String {
+    let rows = (0..4).map(|row| (0..6).map(move |column| format!("{}", 100 * (6 * row + column))));
+    let rows: Vec<_> = rows.map(|row| row.collect::<Vec<_>>().join(" ")).collect();
+    rows.join("\r\n")
+}
+
+#[test]
+fn ascii_grids_are_read() {
+    let right = |lat: f64, lon: f64| 100.0 * ((49.5 - lat) * 6.0 + lon - 10.5);
+    let centre = GRID
+        .replace("xllcorner 10", "XLLCENTER 10.5")
+        .replace("yllcorner 46", "yllcenter 46.5");
+    let two = GRID.replace("cellsize 1", "dx 1.0\ndy 1");
+    for head in [GRID, &centre, &two] {
+        let file = read_as(
+            "g.asc",
+            (head.to_owned() + &numbers()).into_bytes(),
+            "unit = \"metres\"",
+        );
+        holds(
+            &file.unwrap_or_else(|error| panic!("{error}")),
+            NORTH_WEST,
+            1.0,
+            (6, 4),
+            right,
+        );
+    }
+    // One number a line; −9999 is nothing unless it says otherwise.
+    let text = GRID.replace("NODATA_value -1\n", "")
+        + &numbers()
+            .replace([' ', '\r'], "\n")
+            .replace("\n100\n", "\n-9999\n");
+    let file = read_as("g.asc", text.into_bytes(), "unit = \"feet\"").expect("good");
+    assert_eq!((file.grid.stats().holes, file.undeclared), (1, 0));
+    assert!((at(&file, 46.5, 15.5) - 2300.0 * 0.3048).abs() < 1e-3);
+
+    let with = |from: &str, to: &str| {
+        (GRID.to_owned() + &numbers())
+            .replace(from, to)
+            .into_bytes()
+    };
+    refused("g.asc", with("nrows 4\n", ""), "has no nrows in its header");
+    refused(
+        "g.asc",
+        with("cellsize 1", "cellsize 0"),
+        "has cells of 0 x 0",
+    );
+    refused(
+        "g.asc",
+        with("cellsize 1", "cellsize 1,0"),
+        "line 5: \"1,0\" is no number",
+    );
+    refused(
+        "g.asc",
+        with("ncols 6", "ncols 6e9"),
+        "4294967295 x 4 samples",
+    );
+    refused(
+        "g.asc",
+        with("xllcorner 10", "xllcorner 500000"),
+        "no degrees",
+    );
+    refused(
+        "g.asc",
+        with("NODATA_value", "colour"),
+        "line 6: \"colour\" is neither a key",
+    );
+    refused(
+        "g.asc",
+        with("", ""),
+        "does not say whether its heights are metres or feet",
+    );
+    let said = |bytes| {
+        read_as("g.asc", bytes, "unit = \"metres\"")
+            .expect_err("refused")
+            .to_string()
+    };
+    assert!(said(with("2300", "")).contains("it ends in row 4 of 4"));
+    assert!(said(with("2300", "2300 1")).contains("line 10: more heights"));
+    assert!(said(with("1100", "11,5")).contains("line 8: \"11,5\" is no number"));
+}
+
+/// DTED of 1° by 1° with 31 columns and 61 rows.
+fn dted() -> Vec<u8> {
+    let mut file = format!(
+        "{:<80}",
+        "UHL10060000E0450000S12000600NA  U              003100610"
+    )
+    .into_bytes();
+    let mut description = vec![b' '; 648];
+    description[..3].copy_from_slice(b"DSI");
+    description[141..149].copy_from_slice(b"E96WGS84");
+    file.extend(description);
+    file.extend([b' '; 2700]);
+    for column in 0..31_u16 {
+        let mut record = vec![0xAA, 0, 0, column as u8];
+        record.extend(column.to_be_bytes());
+        record.extend([0, 0]);
+        for row in 0..61_u16 {
+            let height = 10 * i32::from(row) - 300 + i32::from(column);
+            let magnitude = height.unsigned_abs() as u16;
+            let bits = if (column, row) == (5, 5) {
+                0xFFFF
+            } else {
+                magnitude | if height < 0 { 0x8000 } else { 0 }
+            };
+            record.extend(bits.to_be_bytes());
+        }
+        let sum: u32 = record.iter().map(|byte| u32::from(*byte)).sum();
+        record.extend(sum.to_be_bytes());
+        file.extend(record);
+    }
+    file
+}
+
+#[test]
+fn dted_is_read() {
+    let labelled = [[b'V', b'O', b'L', b'1'].as_slice(), &[b' '; 76], &dted()].concat();
+    for bytes in [dted(), labelled] {
+        let file = read_as("s45.dt0", bytes, "").unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!((file.grid.size(), file.grid.stats().holes), ((31, 61), 1));
+        for (row, column) in [(0, 0), (0, 30), (60, 0), (60, 30), (17, 4)] {
+            let got = at(
+                &file,
+                -45.0 + f64::from(row) / 60.0,
+                6.0 + f64::from(column) / 30.0,
+            );
+            let right = 10.0 * f64::from(row) - 300.0 + f64::from(column);
+            assert!(
+                (got - right).abs() < 1e-3,
+                "{row} {column}: {got} for {right}"
+            );
+        }
+    }
+    let with = |at: usize, bytes: &[u8]| {
+        let mut file = dted();
+        file[at..at + bytes.len()].copy_from_slice(bytes);
+        file
+    };
+    refused("a.dt2", with(47, b"9001"), "is DTED of 9001 x 61 heights");
+    refused("a.dt2", with(47, b"x   "), "the number of columns \"x\"");
+    refused("a.dt2", with(4, b"0060000Q"), "the longitude \"0060000Q\"");
+    refused("a.dt2", with(80 + 144, b"NAD27"), "the datum \"NAD27\"");
+    refused(
+        "a.dt2",
+        with(3428 + 50, &[1]),
+        "the checksum of column 0 is wrong",
+    );
+    refused("a.dt2", with(3428 + 5, &[9]), "column 9");
+    refused(
+        "a.dt2",
+        dted()[..4000].to_vec(),
+        "its columns do not end with the file",
+    );
+    refused("a.dt2", dted()[..3000].to_vec(), "the file ends too early");
+}
