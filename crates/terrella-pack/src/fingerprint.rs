@@ -7,10 +7,10 @@ use super::source::{FileContext, files_beside};
 use super::{BuildOptions, Map};
 use std::fmt::Write;
 use std::io::{Read, Seek, SeekFrom};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::UNIX_EPOCH;
 use terrella_files as files;
-use terrella_ground::elevation::height_files;
+use terrella_ground::elevation::{height_files, height_set};
 
 /// Bytes of a map's file that are looked at, at its start and at its end.
 const ENDS: u64 = 1 << 20;
@@ -40,19 +40,29 @@ pub(super) fn of(options: &BuildOptions, maps: &[Map<'_>]) -> Result<String, Bui
         );
     }
     for path in &options.heights {
-        let files = height_files(path);
-        let known = files.iter().map(|file| of_file(file));
-        let known: Vec<_> = known.collect::<Result<_, _>>()?;
-        let _ = writeln!(text, "heights {path:?} {}", known.join(" "));
+        let set = height_set(path)?;
+        let known = match set.as_slice() {
+            [file] => {
+                let files = height_files(file);
+                let known = files.iter().map(|file| of_file(file));
+                known.collect::<Result<Vec<_>, _>>()?.join(" ")
+            }
+            set => by_times(set.iter().flat_map(|file| height_files(file))),
+        };
+        let _ = writeln!(text, "heights {path:?} {known}");
     }
     Ok(blake3::hash(text.as_bytes()).to_hex().to_string())
 }
 
-/// Of what a mosaic is made of, and of sizes and times of all its files: there may be thousands of them.
+/// Of what a mosaic is made of, and of sizes and times of all its files.
 fn of_mosaic(mosaic: &Mosaic) -> String {
+    format!("{} {}", mosaic.identity(), by_times(mosaic.files()))
+}
+
+/// Of names, sizes and times of files: there may be thousands of them.
+fn by_times(files: impl Iterator<Item = PathBuf>) -> String {
     let mut hasher = blake3::Hasher::new();
-    hasher.update(mosaic.identity().as_bytes());
-    for path in mosaic.files() {
+    for path in files {
         let known = std::fs::metadata(&path).ok();
         let known = known.map(|known| (known.len(), known.modified().ok()));
         hasher.update(format!("{} {known:?}\n", path.display()).as_bytes());

@@ -23,6 +23,7 @@ use files::HeightFiles;
 use rayon::prelude::*;
 use samples::TileMaker;
 use std::path::PathBuf;
+use terrella_ground::elevation::height_set;
 use terrella_imagery::pack::{
     HeightPlace, HeightRecord, HeightValues, HeightsEntry, TileFile, encode_heights, encode_index,
 };
@@ -34,14 +35,18 @@ pub(super) struct BuiltHeights {
     pub attribution: Vec<String>,
 }
 
-/// Makes all tiles that are not there yet, the finest level first, and their index.
+/// Makes all tiles of files, and of those of folders and patterns, that are not there yet, the finest level first, and their index.
 pub(super) fn build(
     paths: &[PathBuf],
     means: Means,
     folder: &BuildFolder<'_>,
     progress: &dyn BuildProgress,
 ) -> Result<BuiltHeights, BuildError> {
-    let files = HeightFiles::open(paths, means, folder, progress)?;
+    let mut all = Vec::new();
+    for path in paths {
+        all.extend(height_set(path)?);
+    }
+    let files = HeightFiles::open(&all, means, folder, progress)?;
     let mut entry = files.layout()?;
     let levels = layout::tiles(&entry, &files.steps())?;
     folder.take_over_heights(&entry);

@@ -4,8 +4,8 @@ use super::layout::MOST_SIDE;
 use crate::BuildError;
 use crate::plan::{BASE_BYTES, Means};
 use std::path::PathBuf;
-use terrella_ground::elevation::GridLimits;
 use terrella_ground::elevation::spool::{SpoolNeeds, look};
+use terrella_ground::elevation::{GridLimits, PlacedBounds};
 
 /// Bytes beside each byte that a grid holds while it is made: its heights as they are read, which of them are holes, means.
 const MAKING: f64 = 1.85;
@@ -44,11 +44,11 @@ impl Budget {
             files.push((path, look(path)?));
         }
         // As many as may lie over one tile.
+        let placed = PlacedBounds::new(files.iter().map(|(_, file)| file.bounds));
         let beside = |file: &SpoolNeeds| {
-            let over = files
-                .iter()
-                .filter(|(_, other)| file.bounds.overlaps(&other.bounds));
-            over.count() as u64
+            let near = placed.near(&file.bounds).into_iter();
+            near.filter(|n| file.bounds.overlaps(&files[*n].1.bounds))
+                .count() as u64
         };
         let windows = files
             .iter()

@@ -10,8 +10,8 @@ use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
 use terrella_ground::elevation::spool::{HeightSpool, HeightWindow, SpoolHost};
 use terrella_ground::elevation::{
-    Bounds, GridError, GridLimits, HeightFileError, HeightGrid, HeightRange, Joins, Placement,
-    open_heights,
+    Bounds, GridError, GridLimits, HeightFileError, HeightGrid, HeightRange, Joins, PlacedBounds,
+    Placement, open_heights,
 };
 use terrella_imagery::pack::{HeightKind, HeightsEntry, TileFile};
 
@@ -52,6 +52,8 @@ pub(super) struct HeightFiles {
     order: Vec<usize>,
     /// What joins each to others, in that order.
     joins: Vec<Joins>,
+    /// What they cover, in that order.
+    placed: PlacedBounds,
     /// Of those that are read part by part. Behind them: it is removed when they are.
     _scratch: Option<ScratchFolder>,
 }
@@ -106,10 +108,12 @@ impl HeightFiles {
         order.sort_by(|a, b| finest_rad(a).total_cmp(&finest_rad(b)));
         let placements: Vec<_> = order.iter().map(|n| sources[*n].placement()).collect();
         let joins = Joins::of(&placements);
+        let placed = PlacedBounds::new(order.iter().map(|n| sources[*n].bounds));
         Ok(Self {
             threads: budget.threads,
             sources,
             joins,
+            placed,
             order,
             _scratch: scratch,
         })
@@ -135,8 +139,8 @@ impl HeightFiles {
     /// What says the heights of places inside the bounds for samples so far apart. Files that are finer have finer tiles there.
     pub(super) fn view(&self, bounds: &Bounds, spacing_rad: f64) -> Result<View<'_>, BuildError> {
         let mut parts = Vec::new();
-        let files = self.order.iter().map(|n| &self.sources[*n]);
-        for (file, joins) in files.zip(&self.joins) {
+        for n in self.placed.near(bounds) {
+            let (file, joins) = (&self.sources[self.order[n]], &self.joins[n]);
             if is_finer(file.step_rad, spacing_rad) || !file.bounds.overlaps(bounds) {
                 continue;
             }

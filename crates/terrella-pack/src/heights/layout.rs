@@ -2,7 +2,7 @@
 
 use crate::BuildError;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
-use terrella_ground::elevation::Bounds;
+use terrella_ground::elevation::{Bounds, PlacedBounds};
 use terrella_imagery::pack::{HeightPlace, HeightsEntry, MAX_HEIGHT_TILES};
 
 /// Most samples of a tile's side.
@@ -62,7 +62,9 @@ pub(super) fn tiles(
         let finer: Vec<_> = files
             .iter()
             .filter(|(_, step_rad)| is_finer(*step_rad, spacing_rad))
+            .map(|(bounds, _)| *bounds)
             .collect();
+        let placed = PlacedBounds::new(finer.iter().copied());
         let mut places = Vec::new();
         for parent in levels.last().into_iter().flatten() {
             for quarter in 0..4 {
@@ -71,10 +73,9 @@ pub(super) fn tiles(
                     row: 2 * parent.row + quarter / 2,
                     column: 2 * parent.column + quarter % 2,
                 };
-                if finer
-                    .iter()
-                    .any(|(bounds, _)| reaches(bounds, entry, place))
-                {
+                let area = area(entry, place);
+                let near = placed.near(&area);
+                if near.iter().any(|n| reaches(&finer[*n], &area)) {
                     places.push(place);
                 }
             }
@@ -96,19 +97,26 @@ pub(super) fn tiles(
     Ok(levels)
 }
 
-/// Whether a file reaches into a tile, its border included.
-fn reaches(bounds: &Bounds, entry: &HeightsEntry, place: HeightPlace) -> bool {
+/// What a tile covers, its border included; beyond a pole it ends nowhere.
+fn area(entry: &HeightsEntry, place: HeightPlace) -> Bounds {
     let round = f64::from(entry.round(place.level));
     let border_rad = f64::from(entry.border) * TAU / round;
     let side_rad = TAU / f64::from(entry.columns_of(place.level));
     let north_rad = FRAC_PI_2 - f64::from(place.row) * side_rad + border_rad;
-    let south_rad = north_rad - side_rad - 2.0 * border_rad;
-    let west_rad = f64::from(place.column) * side_rad - PI - border_rad;
-    let width_rad = side_rad + 2.0 * border_rad;
-    let from_file = (west_rad - bounds.west_rad).rem_euclid(TAU);
-    let from_tile = (bounds.west_rad - west_rad).rem_euclid(TAU);
-    let along = from_file < bounds.width_rad || from_tile < width_rad;
-    along && south_rad < bounds.north_rad && bounds.south_rad < north_rad
+    Bounds {
+        south_rad: north_rad - side_rad - 2.0 * border_rad,
+        north_rad,
+        west_rad: f64::from(place.column) * side_rad - PI - border_rad,
+        width_rad: side_rad + 2.0 * border_rad,
+    }
+}
+
+/// Whether a file reaches into a tile.
+fn reaches(bounds: &Bounds, area: &Bounds) -> bool {
+    let from_file = (area.west_rad - bounds.west_rad).rem_euclid(TAU);
+    let from_tile = (bounds.west_rad - area.west_rad).rem_euclid(TAU);
+    let along = from_file < bounds.width_rad || from_tile < area.width_rad;
+    along && area.south_rad < bounds.north_rad && bounds.south_rad < area.north_rad
 }
 
 #[cfg(test)]

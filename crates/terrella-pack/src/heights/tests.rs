@@ -379,3 +379,32 @@ fn what_cannot_be_built_is_refused_with_what_to_do() {
     );
     assert!(!large.out.join("scratch").exists());
 }
+
+#[test]
+fn a_folder_of_tiles_is_its_files() {
+    let (folder, _) = folder();
+    let tiles = folder.path().join("tiles");
+    std::fs::create_dir(&tiles).expect("made");
+    let place = |west: u32| {
+        format!(
+            "bounds = {{ south_deg = 40, north_deg = 50, west_deg = {west}, east_deg = {} }}\nregistration = \"posts\"",
+            west + 10
+        )
+    };
+    let files: Vec<_> = [0, 10, 20]
+        .map(|west| write_heights(&tiles, &format!("tile{west:02}"), (61, 61), &place(west)))
+        .to_vec();
+    let by_files = options(folder.path(), &files, "files");
+    build(&by_files, &()).expect("built");
+    for (given, out) in [
+        (tiles.clone(), "folder"),
+        (tiles.join("tile*.png"), "pattern"),
+    ] {
+        let by_set = options(folder.path(), &[given], out);
+        build(&by_set, &()).expect("built");
+        assert_eq!(contents(&by_set.out), contents(&by_files.out), "{out}");
+    }
+    let none = options(folder.path(), &[tiles.join("*.hgt")], "none");
+    let said = build(&none, &()).expect_err("none").to_string();
+    assert!(said.contains("stands for no file of heights"), "{said}");
+}
