@@ -9,7 +9,7 @@ const SNAP: f64 = 1e-3;
 /// What a texel of the target is made of.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Tap {
-    /// From this texel on, so much of each: parts of the footprint, 1 in all where it lies within the raster.
+    /// From this texel on, so much of each, 1 in all: parts of the footprint, as far as it lies within the raster.
     Mean(u32, Vec<f32>),
     /// Four texels, and the part of the way from the second to the third.
     Cubic([u32; 4], f32),
@@ -27,7 +27,8 @@ pub(super) struct Axis {
 }
 
 impl Axis {
-    /// What lies between two places.
+    /// What lies between two places. At an edge a footprint is the raster's if its middle is: of rasters that touch each footprint has one,
+    /// and none fades into what lies below.
     pub(super) fn tap(self, from: f64, to: f64) -> Tap {
         let (from, to) = (snapped(from), snapped(to));
         let size = f64::from(self.size);
@@ -39,6 +40,10 @@ impl Axis {
         if to - from < 1.0 - SNAP {
             return self.cubic(0.5 * (from + to) - 0.5);
         }
+        let centre = snapped(0.5 * (from + to));
+        if !self.is_round && !(0.0..size).contains(&centre) {
+            return Tap::Outside;
+        }
         let (first, last) = if self.is_round {
             (from.floor(), to.ceil())
         } else {
@@ -46,11 +51,12 @@ impl Axis {
         };
         // A footprint of more than the whole axis is the whole axis.
         let count = (last - first).clamp(1.0, size) as u32;
-        let parts = (0..count).map(|n| {
+        let inside = |n: u32| {
             let texel = first + f64::from(n);
-            let inside = (to.min(texel + 1.0) - from.max(texel)).max(0.0);
-            (inside / (to - from)) as f32
-        });
+            (to.min(texel + 1.0) - from.max(texel)).max(0.0)
+        };
+        let all: f64 = (0..count).map(inside).sum();
+        let parts = (0..count).map(|n| (inside(n) / all) as f32);
         // In range after the remainder.
         Tap::Mean(first.rem_euclid(size) as u32, parts.collect())
     }
@@ -124,9 +130,10 @@ mod tests {
     #[test]
     fn footprints_are_shared_out() {
         assert_eq!(EDGE.tap(1.5, 3.0), Tap::Mean(1, vec![1.0 / 3.0, 2.0 / 3.0]));
-        // Half of it lies outside: half is covered.
-        assert_eq!(EDGE.tap(-1.0, 1.0), Tap::Mean(0, vec![0.5]));
-        assert_eq!(EDGE.tap(7.0, 9.0), Tap::Mean(7, vec![0.5]));
+        // It is where its middle is, of two rasters that touch in the second.
+        assert_eq!(EDGE.tap(-1.0, 1.0), Tap::Mean(0, vec![1.0]));
+        assert_eq!(EDGE.tap(7.0, 9.0), Tap::Outside);
+        assert_eq!(EDGE.tap(6.5, 9.0), Tap::Mean(6, vec![1.0 / 3.0, 2.0 / 3.0]));
         assert_eq!(EDGE.tap(8.0, 9.0), Tap::Outside);
         assert_eq!(EDGE.tap(-2.0, 0.0), Tap::Outside);
         assert_eq!(ROUND.tap(-1.0, 1.0), Tap::Mean(7, vec![0.5, 0.5]));

@@ -130,3 +130,31 @@ fn tiles_are_numbered_from_the_south_where_that_is_said() {
     ));
     assert_eq!(map.at(1, 1), code(1, 17));
 }
+
+/// Parts that touch within a texel of the mosaic leave nothing of what lies below them.
+#[test]
+fn parts_that_touch_leave_no_line() {
+    let folder = Folder::new();
+    folder.put("below.png", &png(64, 32, |_, _| [255, 0, 255]));
+    folder.put("a.png", &png(64, 64, |_, _| [10, 200, 10]));
+    // Edges that lie a third of a texel off those of the mosaic, and two digits that round apart.
+    for (east, west) in [
+        (1.9, 1.9),
+        (-7.123, -7.123),
+        (11.25, 11.25),
+        (3.333, 3.3331),
+    ] {
+        let bounds = |west: f64, south: f64, east: f64, north: f64| {
+            part("a.png", &format!("{west}, {south}, {east}, {north}"), "")
+        };
+        let text = "width = 64\n".to_owned()
+            + &part("below.png", EARTH, "")
+            + &bounds(-100.0, 7.7, east, 80.0)
+            + &bounds(west, 7.7, 100.0, 80.0)
+            + &bounds(-100.0, -60.0, 100.0, 7.7);
+        let (map, _) = folder.read(&text);
+        for (x, y) in (4..26).flat_map(|y| (16..48).map(move |x| (x, y))) {
+            assert_eq!(map.at(x, y), [10, 200, 10], "{east}: {x} {y}");
+        }
+    }
+}
