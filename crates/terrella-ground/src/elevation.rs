@@ -1,7 +1,7 @@
 //! Heights of the ground: what surfaces with relief are made from.
 //!
-//! Heights are metres above the ellipsoid. Data that are given above mean sea level are taken as they are: the geoid lies
-//! within 107 m of WGS84, and no surface here distinguishes the two.
+//! Heights are metres above the sea. Those of files that give them above the ellipsoid are brought down to it ([`geoid`]). What is drawn
+//! stands on the ellipsoid by these heights: the geoid lies within 107 m of WGS84, and no surface here distinguishes the two.
 //!
 //! [`Ground`] is what scenes use: any number of [`HeightGrid`]s over a sea at height 0. Grids are made from heights in
 //! memory or read from files (GeoTIFF, PNG with a sidecar, NetCDF classic). In place of the sea it may lie over tiles of a
@@ -13,6 +13,7 @@ mod denoise;
 mod floor;
 mod fractal;
 pub mod geo_tags;
+pub mod geoid;
 mod grid;
 mod ground;
 mod placed;

@@ -37,6 +37,7 @@ pub use error::HeightFileError;
 pub use set::{MAX_SET_FILES, height_set};
 pub use sidecar::{ByteOrder, HeightUnit, MAX_SIDECAR_BYTES, Sidecar, SidecarGeoreference};
 
+use super::geoid::VerticalDatum;
 use super::{Denoise, Denoised, Georeference, GridError, GridLimits, HeightGrid};
 use beside::{SaidBeside, SideMask};
 pub(super) use conversion::Conversion;
@@ -52,6 +53,8 @@ pub struct HeightFile {
     pub grid: HeightGrid,
     /// Whom to name for them, from the sidecar.
     pub attribution: Option<String>,
+    /// What the heights of the file stand above, where it or its sidecar says so. Those of the grid stand above the sea.
+    pub above: Option<VerticalDatum>,
     /// Samples that were taken for no data though no file says so: they hold a number that is usual for that.
     pub undeclared: u64,
     /// Single wrong heights that were found, where they were looked for.
@@ -68,6 +71,8 @@ struct Header {
     unit: Option<HeightUnit>,
     scale: Option<f64>,
     offset: Option<f64>,
+    /// What the heights stand above.
+    above: Option<VerticalDatum>,
     missing: Missing,
 }
 
@@ -158,6 +163,7 @@ pub fn check_heights(path: &Path, limits: &GridLimits) -> Result<(), HeightFileE
     let (columns, rows) = reader.size();
     limits.check(columns, rows).map_err(reader.refusal())?;
     reader.georeference()?;
+    reader.above()?;
     reader.conversion().map(drop)
 }
 
@@ -350,6 +356,22 @@ impl<R: BufRead + Seek> HeightReader<R> {
         georeference(&self.header, &self.said, &self.context)
     }
 
+    /// What the heights of the file stand above.
+    fn above(&self) -> Result<Option<VerticalDatum>, HeightFileError> {
+        match (self.header.above, self.said.above) {
+            (Some(own), Some(other)) if own != other => Err(self.context.refused(
+                format!(
+                    "says that its heights stand above {}, and its sidecar says above {}",
+                    own.name(),
+                    other.name()
+                ),
+                "one datum",
+                "correct above in the sidecar, or take it out",
+            )),
+            (own, other) => Ok(own.or(other)),
+        }
+    }
+
     /// Whom to name for the heights.
     pub fn attribution(&self) -> Option<String> {
         self.said.attribution.clone()
@@ -390,6 +412,21 @@ impl<R: BufRead + Seek> HeightReader<R> {
     ) -> Result<(), E> {
         let last = self.header.rows as usize - 1;
         let is_south_first = self.header.is_south_first;
+        let ellipsoid = self
+            .above()?
+            .filter(|above| *above == VerticalDatum::Ellipsoid);
+        let place = ellipsoid.map(|above| Ok::<_, E>((above, self.georeference()?)));
+        let place = place.transpose()?;
+        let mut put = |row: usize, column: usize, heights_m: &mut [f32]| {
+            if let Some((above, place)) = &place {
+                let lat_rad = place.north_rad - row as f64 * place.lat_step_rad;
+                for (height_m, n) in heights_m.iter_mut().zip(column..) {
+                    let lon_rad = place.west_rad + n as f64 * place.lon_step_rad;
+                    *height_m += above.to_sea_m(lat_rad, lon_rad) as f32;
+                }
+            }
+            put(row, column, heights_m)
+        };
         let (mut mask, back) = (self.mask, self.decoder.chunk_rows());
         let mut put = |row: usize, column: usize, heights_m: &mut [f32]| {
             if let Some(mask) = &mut mask {
@@ -428,7 +465,7 @@ impl<R: BufRead + Seek> HeightReader<R> {
             .map_err(|error| context.grid(error))?;
         let georeference = self.georeference()?;
         let conversion = self.conversion()?;
-        let attribution = self.attribution();
+        let (attribution, above) = (self.attribution(), self.above()?);
         // Checked above.
         let columns = columns as usize;
         let mut heights_m = vec![0.0f32; columns * rows as usize];
@@ -442,6 +479,7 @@ impl<R: BufRead + Seek> HeightReader<R> {
             .map_err(|error| context.grid(error))?;
         Ok(HeightFile {
             grid,
+            above,
             undeclared: conversion.undeclared(),
             attribution,
             denoised,

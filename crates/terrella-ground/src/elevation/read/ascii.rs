@@ -129,6 +129,7 @@ impl<R: BufRead + Seek> Ascii<R> {
             unit: None,
             scale: None,
             offset: None,
+            above: None,
             missing: Missing::of(Some(
                 keys.get("nodata_value")
                     .or(keys.get("nodata"))

@@ -4,6 +4,7 @@ use super::error::FileContext;
 use super::missing::Missing;
 use super::sidecar::HeightUnit;
 use super::{Conversion, Header, HeightFileError};
+use crate::elevation::geoid::VerticalDatum;
 use crate::elevation::{Georeference, Registration};
 use std::io::{BufRead, Seek, SeekFrom};
 use terrella_files::excerpt;
@@ -93,6 +94,12 @@ impl<R: BufRead + Seek> Dted<R> {
         if !matches!(datum.trim(), "WGS84" | "WGS72" | "") {
             return Err(context.other_coordinates(format!("the datum {:?}", excerpt(datum.trim()))));
         }
+        let above = match &bytes[HEADER_BYTES + 141..HEADER_BYTES + 144] {
+            b"E96" => Some(VerticalDatum::Egm96),
+            b"E08" => Some(VerticalDatum::Egm2008),
+            b"MSL" => Some(VerticalDatum::Sea),
+            _ => None,
+        };
         // Intervals are tenths of a second.
         let step_deg = |tenths: u32| f64::from(tenths) / 36_000.0;
         let lat_step_deg = step_deg(steps.1);
@@ -112,6 +119,7 @@ impl<R: BufRead + Seek> Dted<R> {
             unit: Some(HeightUnit::Metres),
             scale: None,
             offset: None,
+            above,
             missing: Missing::of(Some(f64::from(VOID))),
         };
         let dted = Self {

@@ -4,6 +4,7 @@ use super::HeightFileError;
 use super::error::FileContext;
 use super::sidecar::HeightUnit;
 use crate::elevation::geo_tags::{GEOGRAPHIC_TYPE, GeoTags, MODEL_TYPE, RASTER_TYPE, System};
+use crate::elevation::geoid::VerticalDatum;
 use crate::elevation::{Georeference, Registration};
 use terrella_files::excerpt;
 
@@ -174,6 +175,12 @@ impl HeightTags {
             Some(6360 | 5702) => Some(HeightUnit::UsSurveyFeet),
             _ => (self.geo.key(GEOGRAPHIC_TYPE) == Some(4979)).then_some(HeightUnit::Metres),
         })
+    }
+
+    /// What the heights stand above, `None` if the file does not say it.
+    pub(super) fn above(&self) -> Option<VerticalDatum> {
+        let codes = [VERTICAL_TYPE, GEOGRAPHIC_TYPE].map(|key| self.geo.key(key));
+        codes.into_iter().flatten().find_map(VerticalDatum::of_code)
     }
 
     /// The text of the first band's item of a role in GDAL's metadata.

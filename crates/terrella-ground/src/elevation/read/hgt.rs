@@ -8,6 +8,7 @@ use super::missing::Missing;
 use super::sidecar::HeightUnit;
 use super::zip::ZipEntry;
 use super::{Conversion, Header, HeightFileError};
+use crate::elevation::geoid::VerticalDatum;
 use crate::elevation::{Georeference, Registration};
 use flate2::CrcReader;
 use flate2::read::{DeflateDecoder, GzDecoder};
@@ -116,6 +117,7 @@ impl<R: BufRead + Seek> Hgt<R> {
             unit: Some(HeightUnit::Metres),
             scale: None,
             offset: None,
+            above: Some(VerticalDatum::Egm96),
             missing: Missing::of(Some(VOID)),
         };
         let hgt = Self {

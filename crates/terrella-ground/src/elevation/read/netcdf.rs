@@ -422,6 +422,7 @@ impl<R: BufRead + Seek> NetCdf<R> {
             unit,
             scale: number(&chosen.attributes, "scale_factor"),
             offset: number(&chosen.attributes, "add_offset"),
+            above: None,
             missing: chosen.missing().ok_or_else(|| {
                 context.refused(
                     "names more than 4 missing values",

@@ -82,6 +82,7 @@ impl<R: BufRead + Seek> Png<R> {
             unit: None,
             scale: None,
             offset: None,
+            above: None,
             missing: Missing::of(transparent),
         };
         let png = Self {

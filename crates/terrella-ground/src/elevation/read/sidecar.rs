@@ -1,6 +1,7 @@
 //! What a file of heights does not say itself, in a TOML file beside it.
 
 use super::HeightFileError;
+use crate::elevation::geoid::VerticalDatum;
 use crate::elevation::{Bounds, Georeference, GridError, Registration};
 use serde::Deserialize;
 use std::path::Path;
@@ -122,6 +123,7 @@ impl SidecarGeoreference {
 /// nodata = 65535              # stored values without data
 /// byte_order = "big"          # PNG only; "little" for files whose writer mistook it
 /// variable = "data"           # NetCDF only; needed if there are several
+/// above = "egm96"             # what heights stand above: "egm96", "egm2008", "sea" or "ellipsoid"
 /// attribution = "NOAA"        # whom to name for the data, at most 1000 characters
 /// ```
 ///
@@ -141,6 +143,8 @@ pub struct Sidecar {
     pub byte_order: Option<ByteOrder>,
     /// Variable of a NetCDF file.
     pub variable: Option<String>,
+    /// What heights stand above.
+    pub above: Option<VerticalDatum>,
     /// Whom to name for the data.
     pub attribution: Option<String>,
 }
@@ -158,6 +162,7 @@ struct RawSidecar {
     nodata: Option<f64>,
     byte_order: Option<ByteOrder>,
     variable: Option<String>,
+    above: Option<VerticalDatum>,
     attribution: Option<Spanned<String>>,
 }
 
@@ -249,6 +254,7 @@ impl Sidecar {
             no_data: raw.nodata,
             byte_order: raw.byte_order,
             variable: raw.variable,
+            above: raw.above,
             attribution,
         })
     }

@@ -89,6 +89,7 @@ impl<R: BufRead + Seek> Tiff<R> {
             unit: tags.unit(context)?,
             scale: tags.gdal_item("scale").and_then(number),
             offset: tags.gdal_item("offset").and_then(number),
+            above: tags.above(),
             missing: Missing::of(no_data),
         };
 

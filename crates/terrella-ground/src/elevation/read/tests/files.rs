@@ -316,3 +316,67 @@ fn single_wrong_heights_are_taken_out_if_asked() {
         .height_m(19_f64.to_radians(), 11_f64.to_radians(), 0.0);
     assert!((needle_m - 1109.0).abs() < 20.0, "{needle_m}");
 }
+
+#[test]
+fn heights_above_the_ellipsoid_are_brought_to_the_sea() {
+    use crate::elevation::geoid::{VerticalDatum, geoid_m};
+    let with = |pairs: &[(u16, u16)], sidecar: &str| {
+        let all = [&[(1024, 2), (1025, 1), (4099, 9001)], pairs].concat();
+        read(Plain::new().with(34_735, keys(&all)).bytes(), sidecar)
+    };
+    let height = |lat: f64, lon: f64| 100.0 * ((49.5 - lat) * 6.0 + lon - 10.5);
+    let lowered =
+        |lat: f64, lon: f64| height(lat, lon) - geoid_m(lat.to_radians(), lon.to_radians());
+    // About 47 m there.
+    assert!(height(48.0, 12.0) - lowered(48.0, 12.0) > 44.0);
+    for (pairs, sidecar, above) in [
+        (&[(2048, 4326)][..], "", None),
+        (
+            &[(2048, 4326), (4096, 5773)],
+            "",
+            Some(VerticalDatum::Egm96),
+        ),
+        (
+            &[(2048, 4326), (4096, 3855)],
+            "above = \"egm2008\"",
+            Some(VerticalDatum::Egm2008),
+        ),
+        (&[(2048, 4326), (4096, 5703)], "", Some(VerticalDatum::Sea)),
+        (&[(2048, 4979)], "", Some(VerticalDatum::Ellipsoid)),
+        (
+            &[(2048, 4326), (4096, 5030)],
+            "",
+            Some(VerticalDatum::Ellipsoid),
+        ),
+        (
+            &[(2048, 4326)],
+            "above = \"ellipsoid\"",
+            Some(VerticalDatum::Ellipsoid),
+        ),
+        // A vertical system counts before that of the ellipsoid with height.
+        (
+            &[(2048, 4979), (4096, 5773)],
+            "",
+            Some(VerticalDatum::Egm96),
+        ),
+    ] {
+        let file = with(pairs, sidecar).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(file.above, above);
+        match above {
+            Some(VerticalDatum::Ellipsoid) => holds(&file, NORTH_WEST, 1.0, (6, 4), lowered),
+            _ => holds(&file, NORTH_WEST, 1.0, (6, 4), height),
+        }
+    }
+    let said = with(&[(2048, 4326), (4096, 5773)], "above = \"ellipsoid\"").expect_err("two");
+    assert!(
+        said.to_string()
+            .contains("stand above egm96, and its sidecar says above ellipsoid")
+    );
+    let said = with(&[(2048, 4326)], "above = \"moon\"")
+        .expect_err("none")
+        .to_string();
+    assert!(
+        said.contains("dem.toml:1: unknown variant `moon`"),
+        "{said}"
+    );
+}
