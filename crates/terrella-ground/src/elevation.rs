@@ -17,6 +17,7 @@ pub mod geoid;
 mod grid;
 mod ground;
 mod placed;
+pub mod projection;
 pub mod read;
 mod samples;
 // Packs are built from them.

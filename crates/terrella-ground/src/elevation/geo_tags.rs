@@ -1,5 +1,6 @@
 //! What the tags of a GeoTIFF say of its place, as they stand (OGC 19-008r4), and in which systems heights and maps may lie.
 
+use super::projection::{Parameters, Projection};
 use std::io::{Read, Seek};
 use tiff::decoder::Decoder;
 use tiff::tags::Tag;
@@ -19,6 +20,19 @@ const SEMI_MAJOR_AXIS: u16 = 2057;
 const PRIME_MERIDIAN_LONGITUDE: u16 = 2061;
 const PROJECTED_TYPE: u16 = 3072;
 const LINEAR_UNITS: u16 = 3076;
+const TRANSFORMATION: u16 = 3075;
+const FIRST_PARALLEL: u16 = 3078;
+const SECOND_PARALLEL: u16 = 3079;
+const NATURAL_LONGITUDE: u16 = 3080;
+const NATURAL_LATITUDE: u16 = 3081;
+const FALSE_EAST: u16 = 3082;
+const FALSE_NORTH: u16 = 3083;
+const FALSE_LONGITUDE: u16 = 3084;
+const FALSE_LATITUDE: u16 = 3085;
+const ORIGIN_EAST: u16 = 3086;
+const ORIGIN_NORTH: u16 = 3087;
+const NATURAL_SCALE: u16 = 3092;
+const POLE_LONGITUDE: u16 = 3095;
 const USER_DEFINED: u16 = 32_767;
 
 /// Geographic coordinate systems (EPSG) that lie within a few metres of WGS84.
@@ -149,6 +163,50 @@ impl GeoTags {
             None if projected.is_some() => self.projected(projected).map(Some),
             None if geographic.is_some() => self.geographic().map(Some),
             None => Ok(None),
+        }
+    }
+
+    /// The projection of a system in metres that lies within a few metres of WGS84, if it is a known one.
+    pub(super) fn projection(&self) -> Option<Projection> {
+        let is_projected = matches!(self.key(MODEL_TYPE), None | Some(1));
+        if !is_projected || !matches!(self.key(LINEAR_UNITS), None | Some(9001)) {
+            return None;
+        }
+        match self.key(PROJECTED_TYPE)? {
+            USER_DEFINED => self.own_projection(),
+            code => Projection::of_code(code),
+        }
+    }
+
+    /// A projection that the keys spell out.
+    fn own_projection(&self) -> Option<Projection> {
+        if self.geographic().is_err()
+            || (self.key(GEOGRAPHIC_TYPE).is_none() && self.key(DATUM).is_none())
+        {
+            return None;
+        }
+        let first = |keys: &[u16]| keys.iter().find_map(|key| self.double(*key));
+        let parameters = Parameters {
+            lat_0_deg: first(&[NATURAL_LATITUDE, FALSE_LATITUDE]).unwrap_or(0.0),
+            lon_0_deg: first(&[NATURAL_LONGITUDE, FALSE_LONGITUDE, POLE_LONGITUDE]).unwrap_or(0.0),
+            false_east_m: first(&[FALSE_EAST, ORIGIN_EAST]).unwrap_or(0.0),
+            false_north_m: first(&[FALSE_NORTH, ORIGIN_NORTH]).unwrap_or(0.0),
+        };
+        let scale = self.double(NATURAL_SCALE).unwrap_or(1.0);
+        let parallels = (self.double(FIRST_PARALLEL), self.double(SECOND_PARALLEL));
+        // Methods of GeoTIFF: transverse Mercator, Lambert with two parallels and with one, polar stereographic.
+        match (self.key(TRANSFORMATION)?, parallels) {
+            (1, _) => Some(Projection::transverse_mercator(parameters, scale)),
+            (8, (Some(one), Some(two))) => Some(Projection::lambert(parameters, [one, two], 1.0)),
+            (9, _) => Some(Projection::lambert(
+                parameters,
+                [parameters.lat_0_deg; 2],
+                scale,
+            )),
+            (15, _) if parameters.lat_0_deg.abs() > 1.0 => {
+                Some(Projection::polar(parameters, parameters.lat_0_deg, scale))
+            }
+            _ => None,
         }
     }
 

@@ -31,6 +31,7 @@ mod sidecar;
 #[cfg(test)]
 mod tests;
 mod tiff;
+mod warp;
 mod zip;
 
 pub use error::HeightFileError;
@@ -47,6 +48,7 @@ use std::fs::File;
 use std::io::{BufRead, BufReader, ErrorKind, Read, Seek};
 use std::path::{Path, PathBuf};
 use terrella_files as files;
+use warp::Warp;
 
 #[derive(Debug)]
 pub struct HeightFile {
@@ -66,6 +68,8 @@ struct Header {
     columns: u32,
     rows: u32,
     georeference: Option<Georeference>,
+    /// How its samples, which lie in a projection, become those of the georeference.
+    warp: Option<Warp>,
     /// The southern row is stored first.
     is_south_first: bool,
     unit: Option<HeightUnit>,
@@ -117,7 +121,7 @@ impl HeightReader<BufReader<File>> {
         let reader = BufReader::with_capacity(1 << 16, file);
         let mut reader = Self::new(reader, sidecar.as_ref(), path)?;
         reader.header.add(&SaidBeside::read(path)?, &context)?;
-        reader.mask = SideMask::find(path, reader.size())?;
+        reader.mask = SideMask::find(path, (reader.header.columns, reader.header.rows))?;
         Ok(reader)
     }
 }
@@ -346,9 +350,12 @@ impl<R: BufRead + Seek> HeightReader<R> {
         })
     }
 
-    /// Samples of a row, and rows, as they are stored.
+    /// Samples of a row, and rows: of those that are handed over.
     pub fn size(&self) -> (u32, u32) {
-        (self.header.columns, self.header.rows)
+        match &self.header.warp {
+            Some(warp) => (warp.place.columns, warp.place.rows),
+            None => (self.header.columns, self.header.rows),
+        }
     }
 
     /// Where the samples lie.
@@ -387,7 +394,9 @@ impl<R: BufRead + Seek> HeightReader<R> {
     pub fn working_bytes(&self) -> u64 {
         let mask = self.mask.as_ref();
         let of_mask = mask.map_or(0, |mask| mask.working_bytes(self.decoder.chunk_rows()));
+        let of_warp = self.header.warp.as_ref().map_or(0, Warp::working_bytes);
         of_mask
+            + of_warp
             + match &self.decoder {
                 Decoder::Tiff(tiff) => tiff.working_bytes(),
                 Decoder::Png(png) => png.working_bytes(),
@@ -410,8 +419,6 @@ impl<R: BufRead + Seek> HeightReader<R> {
         conversion: &Conversion,
         mut put: impl FnMut(usize, usize, &mut [f32]) -> Result<(), E>,
     ) -> Result<(), E> {
-        let last = self.header.rows as usize - 1;
-        let is_south_first = self.header.is_south_first;
         let ellipsoid = self
             .above()?
             .filter(|above| *above == VerticalDatum::Ellipsoid);
@@ -427,6 +434,27 @@ impl<R: BufRead + Seek> HeightReader<R> {
             }
             put(row, column, heights_m)
         };
+        match self.header.warp {
+            None => self.stored(conversion, &mut put),
+            Some(warp) => {
+                let mut held = warp.hold();
+                self.stored(conversion, &mut |row, column, heights_m: &mut [f32]| {
+                    held.put(row, column, heights_m);
+                    Ok::<_, HeightFileError>(())
+                })?;
+                warp.rows(&held, &mut put)
+            }
+        }
+    }
+
+    /// Hands over all heights as the file has them.
+    fn stored<E: From<HeightFileError>>(
+        self,
+        conversion: &Conversion,
+        put: &mut impl FnMut(usize, usize, &mut [f32]) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let last = self.header.rows as usize - 1;
+        let is_south_first = self.header.is_south_first;
         let (mut mask, back) = (self.mask, self.decoder.chunk_rows());
         let mut put = |row: usize, column: usize, heights_m: &mut [f32]| {
             if let Some(mask) = &mut mask {

@@ -125,6 +125,7 @@ impl<R: BufRead + Seek> Ascii<R> {
                 west_rad: west.to_radians(),
                 lon_step_rad: dx.to_radians(),
             }),
+            warp: None,
             is_south_first: false,
             unit: None,
             scale: None,

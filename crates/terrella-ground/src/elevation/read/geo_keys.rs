@@ -3,6 +3,7 @@
 use super::HeightFileError;
 use super::error::FileContext;
 use super::sidecar::HeightUnit;
+use super::warp::ProjectedGrid;
 use crate::elevation::geo_tags::{GEOGRAPHIC_TYPE, GeoTags, MODEL_TYPE, RASTER_TYPE, System};
 use crate::elevation::geoid::VerticalDatum;
 use crate::elevation::{Georeference, Registration};
@@ -21,8 +22,12 @@ pub(super) struct HeightTags {
     pub gdal: String,
 }
 
-/// Where a file lies, and whether its southern row comes first.
-pub(super) type FilePlacement = (Georeference, bool);
+/// Where a file lies.
+pub(super) enum FilePlacement {
+    /// And whether its southern row comes first.
+    Geographic(Georeference, bool),
+    Projected(ProjectedGrid),
+}
 
 impl HeightTags {
     /// Where the file lies; `None` if it does not say.
@@ -36,11 +41,16 @@ impl HeightTags {
         let Some([left, top, right_step, down_step]) = affine else {
             if !self.geo.keys.is_empty() && self.geo.key(MODEL_TYPE).is_some_and(|model| model != 2)
             {
+                // Also of a known projection: nothing says where on it.
                 self.check_coordinates(context)?;
             }
             return Ok(None);
         };
-        let radians = self.check_coordinates(context)?;
+        let projection = self.geo.projection();
+        let radians = match projection {
+            Some(_) => 1.0,
+            None => self.check_coordinates(context)?,
+        };
         let registration = match self.geo.key(RASTER_TYPE) {
             None | Some(1) => Registration::Cells,
             Some(2) => Registration::Posts,
@@ -69,6 +79,18 @@ impl HeightTags {
         }
         let is_south_first = down_step < 0.0;
         let first = top - half * down_step;
+        if let Some(projection) = projection {
+            return Ok(Some(FilePlacement::Projected(ProjectedGrid {
+                projection,
+                columns,
+                rows,
+                east_m: left + half * right_step,
+                north_m: first,
+                column_m: right_step,
+                row_m: down_step,
+                margin: half,
+            })));
+        }
         let north = if is_south_first {
             first - f64::from(rows.saturating_sub(1)) * down_step
         } else {
@@ -83,7 +105,7 @@ impl HeightTags {
             west_rad: (left + half * right_step) * radians,
             lon_step_rad: right_step * radians,
         };
-        Ok(Some((place, is_south_first)))
+        Ok(Some(FilePlacement::Geographic(place, is_south_first)))
     }
 
     /// Longitude and latitude of column 0, row 0, and steps to the east and to the south.

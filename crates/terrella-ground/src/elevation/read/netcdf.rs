@@ -418,6 +418,7 @@ impl<R: BufRead + Seek> NetCdf<R> {
                 west_rad: west.to_radians(),
                 lon_step_rad: lon_step.to_radians(),
             }),
+            warp: None,
             is_south_first: place.is_some_and(|((_, lat_step), _)| lat_step > 0.0),
             unit,
             scale: number(&chosen.attributes, "scale_factor"),

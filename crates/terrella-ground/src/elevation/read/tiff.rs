@@ -1,8 +1,9 @@
 //! GeoTIFF and TIFF with a sidecar: one channel of any number type, in strips or tiles.
 
 use super::error::FileContext;
-use super::geo_keys::HeightTags;
+use super::geo_keys::{FilePlacement, HeightTags};
 use super::missing::Missing;
+use super::warp::Warp;
 use super::{Conversion, Header, HeightFileError};
 use crate::elevation::geo_tags::GeoTags;
 use crate::elevation::tiff_gaps::{TiffGapError, TiffMask, absent_chunks};
@@ -62,7 +63,17 @@ impl<R: BufRead + Seek> Tiff<R> {
                 .get_tag_ascii_string(GDAL_METADATA)
                 .unwrap_or_default(),
         };
-        let placed = tags.georeference(columns, rows, context)?;
+        let (georeference, is_south_first, warp) =
+            match tags.georeference(columns, rows, context)? {
+                None => (None, false, None),
+                Some(FilePlacement::Geographic(place, is_south_first)) => {
+                    (Some(place), is_south_first, None)
+                }
+                Some(FilePlacement::Projected(grid)) => {
+                    let warp = Warp::of(grid, context)?;
+                    (Some(warp.place), false, Some(warp))
+                }
+            };
         let number = |text: &str| text.trim_matches(['\0', ' ', '\n']).parse::<f64>().ok();
         let no_data = match decoder.find_tag(Tag::GdalNodata).map_err(told)? {
             Some(value) => {
@@ -84,8 +95,9 @@ impl<R: BufRead + Seek> Tiff<R> {
         let header = Header {
             columns,
             rows,
-            georeference: placed.map(|(georeference, _)| georeference),
-            is_south_first: placed.is_some_and(|(_, is_south_first)| is_south_first),
+            georeference,
+            warp,
+            is_south_first,
             unit: tags.unit(context)?,
             scale: tags.gdal_item("scale").and_then(number),
             offset: tags.gdal_item("offset").and_then(number),

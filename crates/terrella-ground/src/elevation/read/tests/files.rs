@@ -380,3 +380,81 @@ fn heights_above_the_ellipsoid_are_brought_to_the_sea() {
         "{said}"
     );
 }
+
+/// Planes over the metres of UTM and of polar stereographic are planes over the places that these are.
+#[test]
+fn projected_heights_are_warped() {
+    use crate::elevation::projection::Projection;
+    let heights: Vec<u8> = (0..64 * 48)
+        .flat_map(|n: i16| (10 * (n % 64) + 5 * (n / 64)).to_le_bytes())
+        .collect();
+    for (code, west_m, north_m) in [
+        (32_633, 400_000.0, 5_200_000.0),
+        (3413, -500_000.0, -800_000.0),
+    ] {
+        let file = |step_m: f64, north_m: f64| {
+            Plain::new()
+                .with(256, shorts(&[64]))
+                .with(257, shorts(&[48]))
+                .with(278, shorts(&[48]))
+                .with(33_550, doubles(&[1000.0, step_m, 0.0]))
+                .with(33_922, doubles(&[0.0, 0.0, 0.0, west_m, north_m, 0.0]))
+                .with(
+                    34_735,
+                    keys(&[(1024, 1), (1025, 1), (3072, code), (4099, 9001)]),
+                )
+                .samples(16, 2, heights.clone())
+        };
+        for is_south_first in [false, true] {
+            let (step_m, top_m) = if is_south_first {
+                (-1000.0, north_m - 48_000.0)
+            } else {
+                (1000.0, north_m)
+            };
+            let read =
+                read(file(step_m, top_m).bytes(), "").unwrap_or_else(|error| panic!("{error}"));
+            let projection = Projection::of_code(code).expect("known");
+            for n in 0..50 {
+                let part = f64::from(n) / 50.0;
+                let (column, row) = (8.0 + 47.0 * part, 8.0 + 31.0 * (part * 7.3).fract());
+                let (lat_rad, lon_rad) = projection.inverse_rad(
+                    west_m + (column + 0.5) * 1000.0,
+                    north_m - (row + 0.5) * 1000.0,
+                );
+                let row = if is_south_first { 47.0 - row } else { row };
+                let (got, right) = (
+                    read.grid.height_m(lat_rad, lon_rad, 0.0),
+                    10.0 * column + 5.0 * row,
+                );
+                assert!((got - right).abs() < 0.05, "{code} {n}: {got} for {right}");
+            }
+        }
+    }
+    // Keys that spell out the same as EPSG:32633, and one that is no projection near WGS84.
+    let spelt = |geographic: u16| {
+        let mut directory = vec![
+            1, 1, 0, 9, 1024, 0, 1, 1, 1025, 0, 1, 1, 2048, 0, 1, geographic, 3072, 0, 1, 32_767,
+        ];
+        directory.extend([
+            3075, 0, 1, 1, 3080, 34_736, 1, 0, 3082, 34_736, 1, 1, 3092, 34_736, 1, 2, 4099, 0, 1,
+            9001,
+        ]);
+        Plain::new()
+            .with(34_735, shorts(&directory))
+            .with(34_736, doubles(&[15.0, 500_000.0, 0.9996]))
+            .with(33_550, doubles(&[1000.0, 1000.0, 0.0]))
+            .with(
+                33_922,
+                doubles(&[0.0, 0.0, 0.0, 400_000.0, 5_200_000.0, 0.0]),
+            )
+    };
+    let bounds = read(spelt(4326).bytes(), "").expect("good").grid.bounds();
+    let (_, west) = Projection::of_code(32_633)
+        .expect("known")
+        .inverse_rad(400_500.0, 5_196_500.0);
+    let (north, _) = Projection::of_code(32_633)
+        .expect("known")
+        .inverse_rad(405_500.0, 5_199_500.0);
+    assert!((bounds.west_rad - west).abs() < 1e-4 && (bounds.north_rad - north).abs() < 1e-4);
+    assert!(said(spelt(4267).bytes(), "").contains("projected coordinates of its own making"));
+}

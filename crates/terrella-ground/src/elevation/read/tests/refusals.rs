@@ -6,8 +6,8 @@ use super::*;
 fn other_coordinates_are_named_with_the_command() {
     let of = |pairs: &[(u16, u16)]| said(Plain::new().with(34_735, keys(pairs)).bytes(), "");
     assert_eq!(
-        of(&[(1024, 1), (3072, 32_633), (4099, 9001)]),
-        "dem.tif: is in the projected coordinates EPSG:32633; expected latitudes and longitudes of WGS84: `gdalwarp -t_srs \
+        of(&[(1024, 1), (3072, 27_700), (4099, 9001)]),
+        "dem.tif: is in the projected coordinates EPSG:27700; expected latitudes and longitudes of WGS84: `gdalwarp -t_srs \
          EPSG:4326 -r bilinear dem.tif OUT.tif`"
     );
     assert!(of(&[(1024, 1), (3072, 32_767)]).contains("projected coordinates of its own making"));
