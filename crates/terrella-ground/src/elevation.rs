@@ -25,6 +25,7 @@ pub mod spool;
 mod stream;
 pub mod tiff_gaps;
 mod tiles;
+pub mod warp;
 
 pub use change::{COARSEST_STEP_RAD, HeightChange};
 pub use denoise::{Denoise, Denoised};

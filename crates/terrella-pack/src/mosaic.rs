@@ -6,6 +6,7 @@
 //! | `place.rs`, `georeference.rs`, `wkt.rs` | where a part lies, where files say it, and in which coordinate system |
 //! | `target.rs`, `axis.rs` | the grid that is made, and what its texels are made of |
 //! | `raster.rs`, `tiles.rs`, `row.rs`, `texels.rs` | rows of a file or of tiles, and their texels as numbers |
+//! | `held.rs` | maps that run from south to north, and projected ones |
 //! | `piece.rs`, `compose.rs` | a part on the grid; all of them over one another |
 //! | `matching.rs` | colours of a part scaled to those below it |
 //!
@@ -17,6 +18,7 @@ mod axis;
 mod compose;
 mod description;
 mod georeference;
+mod held;
 mod matching;
 mod piece;
 mod place;

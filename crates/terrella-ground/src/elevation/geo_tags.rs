@@ -167,7 +167,7 @@ impl GeoTags {
     }
 
     /// The projection of a system in metres that lies within a few metres of WGS84, if it is a known one.
-    pub(super) fn projection(&self) -> Option<Projection> {
+    pub fn projection(&self) -> Option<Projection> {
         let is_projected = matches!(self.key(MODEL_TYPE), None | Some(1));
         if !is_projected || !matches!(self.key(LINEAR_UNITS), None | Some(9001)) {
             return None;

@@ -108,10 +108,14 @@ fn transverse(lat_rad: f64, lon_rad: f64) -> (f64, f64) {
 
 /// Parameters of a projection, degrees and metres.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Parameters {
+pub struct Parameters {
+    /// Latitude of the origin.
     pub lat_0_deg: f64,
+    /// Longitude of the origin.
     pub lon_0_deg: f64,
+    /// Easting of the origin.
     pub false_east_m: f64,
+    /// Northing of the origin.
     pub false_north_m: f64,
 }
 
@@ -125,7 +129,8 @@ impl Projection {
         }
     }
 
-    pub(super) fn transverse_mercator(parameters: Parameters, scale: f64) -> Self {
+    /// Transverse Mercator with this scale on its middle meridian.
+    pub fn transverse_mercator(parameters: Parameters, scale: f64) -> Self {
         let n = FLATTENING / (2.0 - FLATTENING);
         let rectified_m = EQUATOR_M / (1.0 + n) * (1.0 + n * n / 4.0 + n.powi(4) / 64.0);
         let kind = Kind::Transverse {
@@ -136,7 +141,7 @@ impl Projection {
     }
 
     /// With one or two parallels of true scale, times a scale.
-    pub(super) fn lambert(parameters: Parameters, parallels_deg: [f64; 2], scale: f64) -> Self {
+    pub fn lambert(parameters: Parameters, parallels_deg: [f64; 2], scale: f64) -> Self {
         let [one, two] = parallels_deg.map(f64::to_radians);
         let constant = match (one - two).abs() < 1e-10 {
             true => one.sin(),
@@ -153,7 +158,7 @@ impl Projection {
     }
 
     /// About the pole that the sign of this latitude says; it has true scale there, or at the pole itself times a scale.
-    pub(super) fn polar(parameters: Parameters, true_lat_deg: f64, scale: f64) -> Self {
+    pub fn polar(parameters: Parameters, true_lat_deg: f64, scale: f64) -> Self {
         let e = eccentricity();
         let sign = 1_f64.copysign(true_lat_deg);
         let lat_rad = true_lat_deg.abs().to_radians();

@@ -39,6 +39,7 @@ pub use set::{MAX_SET_FILES, height_set};
 pub use sidecar::{ByteOrder, HeightUnit, MAX_SIDECAR_BYTES, Sidecar, SidecarGeoreference};
 
 use super::geoid::VerticalDatum;
+use super::warp::Warp;
 use super::{Denoise, Denoised, Georeference, GridError, GridLimits, HeightGrid};
 use beside::{SaidBeside, SideMask};
 pub(super) use conversion::Conversion;
@@ -48,7 +49,7 @@ use std::fs::File;
 use std::io::{BufRead, BufReader, ErrorKind, Read, Seek};
 use std::path::{Path, PathBuf};
 use terrella_files as files;
-use warp::Warp;
+use warp::Held;
 
 #[derive(Debug)]
 pub struct HeightFile {
@@ -394,7 +395,7 @@ impl<R: BufRead + Seek> HeightReader<R> {
     pub fn working_bytes(&self) -> u64 {
         let mask = self.mask.as_ref();
         let of_mask = mask.map_or(0, |mask| mask.working_bytes(self.decoder.chunk_rows()));
-        let of_warp = self.header.warp.as_ref().map_or(0, Warp::working_bytes);
+        let of_warp = self.header.warp.as_ref().map_or(0, warp::working_bytes);
         of_mask
             + of_warp
             + match &self.decoder {
@@ -437,12 +438,12 @@ impl<R: BufRead + Seek> HeightReader<R> {
         match self.header.warp {
             None => self.stored(conversion, &mut put),
             Some(warp) => {
-                let mut held = warp.hold();
+                let mut held = Held::new(&warp);
                 self.stored(conversion, &mut |row, column, heights_m: &mut [f32]| {
                     held.put(row, column, heights_m);
                     Ok::<_, HeightFileError>(())
                 })?;
-                warp.rows(&held, &mut put)
+                held.rows(&mut put)
             }
         }
     }

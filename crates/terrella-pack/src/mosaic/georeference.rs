@@ -4,14 +4,17 @@
 //! A system is never guessed: numbers that can be degrees are degrees, all others must be said to be metres of Web Mercator, by the
 //! description, by the tags or by a text beside the file.
 
+use super::held::Turn;
 use super::place::{Bounds, Crs, RasterPlacement, place_in_name};
-use super::wkt::{MAX_WKT_BYTES, crs_of};
+use super::wkt::{MAX_WKT_BYTES, crs_of, projection_of};
 use crate::error::BuildError;
 use crate::source::{FileContext, TagGrid, grid_of, in_other_system};
 use std::io::{BufRead, BufReader, Read, Seek};
 use std::path::{Path, PathBuf};
 use terrella_files as files;
 use terrella_ground::elevation::geo_tags::{GeoTags, System};
+use terrella_ground::elevation::projection::Projection;
+use terrella_ground::elevation::warp::{ProjectedGrid, Warp};
 use tiff::decoder::Decoder;
 
 /// Metres of Web Mercator for a degree of longitude: π·6 378 137 / 180.
@@ -31,28 +34,32 @@ pub struct Stated {
     pub bounds: Option<Bounds>,
 }
 
-/// Where a file of so many texels lies.
+/// Where a file of so many texels lies, and how its rows become those of its place.
 pub(super) fn place_of(
     path: &Path,
     stated: Stated,
     size: (u32, u32),
-) -> Result<RasterPlacement, BuildError> {
+) -> Result<(RasterPlacement, Turn), BuildError> {
     let context = FileContext::new(path);
     let found = match stated.bounds {
         Some(bounds) => {
             let crs = stated.crs.unwrap_or_default();
-            Some(RasterPlacement::from_bounds(crs, &bounds, size))
+            Some((RasterPlacement::from_bounds(crs, &bounds, size), Turn::None))
         }
         None => of_file(path, stated.crs, size)?,
     };
-    let Some(place) = found else {
+    let Some((place, turn)) = found else {
         return Err(context.refused(
             "does not say where it lies (no GeoTIFF tags, no world file, no name of NASA's like NAME.A1.jpg)",
             "describe the mosaic in a TOML file and give its bounds_deg = [west, south, east, north]",
         ));
     };
+    let size = match &turn {
+        Turn::Warped(warp) => (warp.place.columns, warp.place.rows),
+        _ => size,
+    };
     match place.complaint(size) {
-        None => Ok(place),
+        None => Ok((place, turn)),
         Some(complaint) => {
             Err(context.refused(complaint, "correct its bounds, tags or world file"))
         }
@@ -65,8 +72,11 @@ pub(crate) fn check_whole_earth(
     (width, height): (u32, u32),
 ) -> Result<(), BuildError> {
     let context = FileContext::new(path);
-    let crs = of_text(path)?;
-    if crs == Some(Crs::WebMercator) {
+    let said = of_text(path)?;
+    if matches!(said, Some(SaidBeside::Projected(_))) {
+        return Err(context.refused("is projected by the text beside it", ADVICE));
+    }
+    if said == Some(SaidBeside::Crs(Crs::WebMercator)) {
         return Err(context.refused("is projected (EPSG:3857 by the text beside it)", ADVICE));
     }
     let Some(grid) = of_world_file(path)? else {
@@ -86,32 +96,91 @@ fn of_file(
     path: &Path,
     stated: Option<Crs>,
     size: (u32, u32),
-) -> Result<Option<RasterPlacement>, BuildError> {
+) -> Result<Option<(RasterPlacement, Turn)>, BuildError> {
     let context = FileContext::new(path);
     let refused = |complaint: String| context.refused(complaint, ADVICE);
     let file = files::open(path).map_err(|error| context.unreadable(error))?;
     let tags = tags_of(BufReader::new(file));
-    let said = match tags
-        .system()
-        .map_err(|system| refused(in_other_system(&system)))?
-    {
-        Some(system) => Some(system),
-        None => of_text(path)?.map(system_of),
+    let projection = tags.projection().filter(|_| tags.system().is_err());
+    let (said, projection) = match (projection, tags.system()) {
+        (Some(projection), _) => (None, Some(projection)),
+        (None, Err(system)) => return Err(refused(in_other_system(&system))),
+        (None, Ok(Some(system))) => (Some(system), None),
+        (None, Ok(None)) => match of_text(path)? {
+            Some(SaidBeside::Projected(projection)) => (None, Some(projection)),
+            Some(SaidBeside::Crs(crs)) => (Some(system_of(crs)), None),
+            None => (None, None),
+        },
     };
+    if let (Some(_), Some(stated)) = (projection, stated) {
+        return Err(context.refused(
+            format!(
+                "lies in a projection by its tags or the text beside it, and in {} by its [[part]]",
+                stated.name()
+            ),
+            "correct crs, or leave it out",
+        ));
+    }
     let system = agreed(said, stated, &context)?;
     let grid = match grid_of(&tags).map_err(refused)? {
         Some(grid) => Some(grid),
         None => of_world_file(path)?,
     };
+    if let Some(projection) = projection {
+        return match grid {
+            Some(grid) => warped(projection, grid, size, &context).map(Some),
+            None => Ok(None),
+        };
+    }
+    let (grid, turn) = match grid {
+        Some(grid) if grid.scale_y < 0.0 => (Some(grid.north_up(size.1)), Turn::SouthFirst),
+        grid => (grid, Turn::None),
+    };
     match (grid, system) {
         (Some(grid), system) => match placed(grid, system) {
-            Ok(place) => Ok(Some(place)),
+            Ok(place) => Ok(Some((place, turn))),
             Err(cause) => Err(context.refused(cause, metric_advice())),
         },
         // Names are of degrees.
         (None, Some(System::WebMercator)) => Ok(None),
-        (None, _) => Ok(of_name(path, size)),
+        (None, _) => Ok(of_name(path, size).map(|place| (place, Turn::None))),
     }
+}
+
+/// Where a grid of a projection lies when it is warped.
+fn warped(
+    projection: Projection,
+    grid: TagGrid,
+    (columns, rows): (u32, u32),
+    context: &FileContext,
+) -> Result<(RasterPlacement, Turn), BuildError> {
+    if !(grid.scale_x > 0.0 && grid.scale_y != 0.0) {
+        return Err(context.refused("runs from east to west, or has texels of no size", ADVICE));
+    }
+    let warp = Warp::of(ProjectedGrid {
+        projection,
+        columns,
+        rows,
+        east_m: grid.left + 0.5 * grid.scale_x,
+        north_m: grid.top - 0.5 * grid.scale_y,
+        column_m: grid.scale_x,
+        row_m: grid.scale_y,
+        margin: 0.5,
+    });
+    let warp = warp.map_err(|cause| context.refused(cause, ADVICE))?;
+    let place = &warp.place;
+    let (column_deg, row_deg) = (
+        place.lon_step_rad.to_degrees(),
+        place.lat_step_rad.to_degrees(),
+    );
+    let raster = RasterPlacement {
+        crs: Crs::Geographic,
+        west_deg: place.west_rad.to_degrees() - 0.5 * column_deg,
+        north_deg: place.north_rad.to_degrees() + 0.5 * row_deg,
+        column_deg,
+        row_deg,
+    };
+    Ok((raster, Turn::Warped(warp)))
 }
 
 fn metric_advice() -> String {
@@ -202,8 +271,15 @@ fn can_be_degrees(grid: &TagGrid) -> bool {
     grid.left.abs() <= 361.0 && grid.top.abs() <= 91.0 && grid.scale_x.abs() <= 361.0
 }
 
+/// The system that the text beside a file says.
+#[derive(PartialEq)]
+enum SaidBeside {
+    Crs(Crs),
+    Projected(Projection),
+}
+
 /// By the text beside it: `.prj`, or the `.aux.xml` of GDAL.
-fn of_text(path: &Path) -> Result<Option<Crs>, BuildError> {
+fn of_text(path: &Path) -> Result<Option<SaidBeside>, BuildError> {
     let prj = ["prj", "PRJ"].map(|ending| path.with_extension(ending));
     let prj = prj.into_iter().find(|file| file.is_file());
     if let Some(file) = prj {
@@ -224,13 +300,16 @@ fn of_text(path: &Path) -> Result<Option<Crs>, BuildError> {
     system.map(|text| crs_in(&aux, &text)).transpose()
 }
 
-fn crs_in(file: &Path, text: &str) -> Result<Crs, BuildError> {
-    crs_of(text).map_err(|cause| {
-        FileContext::new(file).refused(
+fn crs_in(file: &Path, text: &str) -> Result<SaidBeside, BuildError> {
+    match (crs_of(text), projection_of(text)) {
+        (Ok(crs), _) => Ok(SaidBeside::Crs(crs)),
+        (Err(_), Some(projection)) => Ok(SaidBeside::Projected(projection)),
+        (Err(cause), None) => Err(FileContext::new(file).refused(
             cause,
-            "warp the map beside it (`gdalwarp -t_srs EPSG:4326`): those of EPSG:4326 and EPSG:3857 are taken",
-        )
-    })
+            "warp the map beside it (`gdalwarp -t_srs EPSG:4326`): those of EPSG:4326, EPSG:3857, UTM, polar stereographic and conformal \
+             conic grids of WGS84 are taken",
+        )),
+    }
 }
 
 /// By the world file beside it: `.tfw`, `.jgw`, `.pgw`, or `.wld`.

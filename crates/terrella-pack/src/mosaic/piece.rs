@@ -3,6 +3,7 @@
 use super::axis::Tap;
 use super::description::{Part, PartSource};
 use super::georeference::place_of;
+use super::held::Turn;
 use super::place::RasterPlacement;
 use super::raster::Raster;
 use super::row::RasterRow;
@@ -20,6 +21,7 @@ use std::path::Path;
 pub(super) struct Piece {
     pub part: Part,
     pub place: RasterPlacement,
+    pub turn: Turn,
     pub info: SourceInfo,
     /// How its colours differ from sRGB, where its file says so.
     pub colour_note: Option<String>,
@@ -34,12 +36,16 @@ impl Piece {
         description: &Path,
         limits: SourceLimits,
     ) -> Result<Self, BuildError> {
-        let raster = open(part, description, limits)?;
-        let info = raster.info();
-        let place = match &part.from {
+        let mut raster = open(part, Turn::None, description, limits)?;
+        let mut info = raster.info();
+        let (place, turn) = match &part.from {
             PartSource::File(path, stated) => place_of(path, *stated, (info.width, info.height))?,
-            PartSource::Tiles(_, place) => *place,
+            PartSource::Tiles(_, place) => (*place, Turn::None),
         };
+        if turn != Turn::None {
+            raster = open(part, turn, description, limits)?;
+            info = raster.info();
+        }
         if part.encoding.is_some()
             && (info.channels < 3 || info.sample != crate::source::SampleKind::U8)
         {
@@ -51,6 +57,7 @@ impl Piece {
         Ok(Self {
             part: part.clone(),
             place,
+            turn,
             info,
             colour_note: raster.colour_note(),
             gains: [1.0; 3],
@@ -86,10 +93,21 @@ impl Piece {
     }
 }
 
-fn open(part: &Part, description: &Path, limits: SourceLimits) -> Result<Raster, BuildError> {
+fn open(
+    part: &Part,
+    turn: Turn,
+    description: &Path,
+    limits: SourceLimits,
+) -> Result<Raster, BuildError> {
     match &part.from {
         PartSource::File(path, _) => {
             let rows = open_extent(path, limits, Extent::Piece)?;
+            let rows = turn.of(
+                rows,
+                part.encoding.is_some(),
+                &FileContext::new(path),
+                limits,
+            )?;
             Ok(Raster::file(rows, part.alpha))
         }
         PartSource::Tiles(set, _) => {
@@ -142,7 +160,7 @@ impl PieceRows {
         description: &Path,
         limits: SourceLimits,
     ) -> Result<Self, BuildError> {
-        let raster = open(&piece.part, description, limits)?;
+        let raster = open(&piece.part, piece.turn, description, limits)?;
         let info = raster.info();
         if info != piece.info {
             return Err(FileContext::new(piece.part.from.name())

@@ -2,6 +2,7 @@
 
 use super::place::Crs;
 use terrella_ground::elevation::geo_tags::is_near_wgs84;
+use terrella_ground::elevation::projection::{Parameters, Projection};
 
 /// Longest text that is read, bytes.
 pub(super) const MAX_WKT_BYTES: u64 = 64 << 10;
@@ -62,6 +63,61 @@ pub(super) fn crs_of(text: &str) -> Result<Crs, String> {
             Ok(Crs::Geographic)
         }
         _ => Err(other()),
+    }
+}
+
+/// The projection that a text spells out, or names by its code, of a system in metres near WGS84.
+pub(super) fn projection_of(text: &str) -> Option<Projection> {
+    let root = Reader { rest: text }.node(0)?;
+    if !matches!(root.word.as_str(), "PROJCS" | "PROJCRS" | "PROJECTEDCRS") {
+        return None;
+    }
+    if let Some(code) = root.code() {
+        return Projection::of_code(u16::try_from(code).ok()?);
+    }
+    let geographic = root.child(&["GEOGCS", "BASEGEOGCRS", "BASEGEODCRS"])?;
+    let unit = root
+        .child(&["UNIT", "LENGTHUNIT"])
+        .and_then(|unit| unit.number(1));
+    if geographic.check_geographic().is_err() || unit.is_some_and(|metres| metres != 1.0) {
+        return None;
+    }
+    let number = |names: &[&str]| {
+        let of =
+            |node: &&Node| node.word == "PARAMETER" && names.contains(&plain(node.name()).as_str());
+        root.nodes.iter().find(of).and_then(|node| node.number(1))
+    };
+    let parameters = Parameters {
+        lat_0_deg: number(&["latitudeoforigin"]).unwrap_or(0.0),
+        lon_0_deg: number(&["centralmeridian", "longitudeoforigin"])?,
+        false_east_m: number(&["falseeasting"]).unwrap_or(0.0),
+        false_north_m: number(&["falsenorthing"]).unwrap_or(0.0),
+    };
+    let scale = number(&["scalefactor"]).unwrap_or(1.0);
+    let parallels = (
+        number(&["standardparallel1"]),
+        number(&["standardparallel2"]),
+    );
+    let method = plain(root.child(&["PROJECTION"])?.name());
+    match (method.as_str(), parallels) {
+        ("transversemercator" | "gausskruger", _) => {
+            Some(Projection::transverse_mercator(parameters, scale))
+        }
+        ("lambertconformalconic" | "lambertconformalconic2sp", (Some(one), Some(two))) => {
+            Some(Projection::lambert(parameters, [one, two], scale))
+        }
+        ("lambertconformalconic1sp", _) => Some(Projection::lambert(
+            parameters,
+            [parameters.lat_0_deg; 2],
+            scale,
+        )),
+        ("stereographicnorthpole" | "stereographicsouthpole", (Some(lat_deg), _)) => {
+            Some(Projection::polar(parameters, lat_deg, scale))
+        }
+        ("polarstereographic", _) if parameters.lat_0_deg != 0.0 => {
+            Some(Projection::polar(parameters, parameters.lat_0_deg, scale))
+        }
+        _ => None,
     }
 }
 

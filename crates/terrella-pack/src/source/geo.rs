@@ -15,6 +15,15 @@ pub(crate) struct TagGrid {
 }
 
 impl TagGrid {
+    /// The same of a map that runs from south to north, turned over: its texels are so many rows.
+    pub(crate) fn north_up(self, rows: u32) -> Self {
+        Self {
+            top: self.top - self.scale_y * f64::from(rows),
+            scale_y: -self.scale_y,
+            ..self
+        }
+    }
+
     /// The same in another unit, of which so many of its own make one.
     pub(crate) fn in_units_of(self, unit: f64) -> Self {
         Self {

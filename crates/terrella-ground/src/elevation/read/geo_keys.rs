@@ -3,9 +3,9 @@
 use super::HeightFileError;
 use super::error::FileContext;
 use super::sidecar::HeightUnit;
-use super::warp::ProjectedGrid;
 use crate::elevation::geo_tags::{GEOGRAPHIC_TYPE, GeoTags, MODEL_TYPE, RASTER_TYPE, System};
 use crate::elevation::geoid::VerticalDatum;
+use crate::elevation::warp::ProjectedGrid;
 use crate::elevation::{Georeference, Registration};
 use terrella_files::excerpt;
 

@@ -3,10 +3,10 @@
 use super::error::FileContext;
 use super::geo_keys::{FilePlacement, HeightTags};
 use super::missing::Missing;
-use super::warp::Warp;
 use super::{Conversion, Header, HeightFileError};
 use crate::elevation::geo_tags::GeoTags;
 use crate::elevation::tiff_gaps::{TiffGapError, TiffMask, absent_chunks};
+use crate::elevation::warp::Warp;
 use crate::elevation::{GridError, MAX_SIDE};
 use std::io::{BufRead, Seek};
 use terrella_files::{excerpt, printable};
@@ -63,17 +63,27 @@ impl<R: BufRead + Seek> Tiff<R> {
                 .get_tag_ascii_string(GDAL_METADATA)
                 .unwrap_or_default(),
         };
-        let (georeference, is_south_first, warp) =
-            match tags.georeference(columns, rows, context)? {
-                None => (None, false, None),
-                Some(FilePlacement::Geographic(place, is_south_first)) => {
-                    (Some(place), is_south_first, None)
-                }
-                Some(FilePlacement::Projected(grid)) => {
-                    let warp = Warp::of(grid, context)?;
-                    (Some(warp.place), false, Some(warp))
-                }
-            };
+        let (georeference, is_south_first, warp) = match tags
+            .georeference(columns, rows, context)?
+        {
+            None => (None, false, None),
+            Some(FilePlacement::Geographic(place, is_south_first)) => {
+                (Some(place), is_south_first, None)
+            }
+            Some(FilePlacement::Projected(grid)) => {
+                let warp = Warp::of(grid).map_err(|cause| {
+                        context.refused(
+                            cause,
+                            "projected heights of at most 268 million samples, near the middle of their projection",
+                            format!(
+                                "`gdalwarp -t_srs EPSG:4326 -r bilinear {} OUT.tif`",
+                                context.path().display()
+                            ),
+                        )
+                    })?;
+                (Some(warp.place), false, Some(warp))
+            }
+        };
         let number = |text: &str| text.trim_matches(['\0', ' ', '\n']).parse::<f64>().ok();
         let no_data = match decoder.find_tag(Tag::GdalNodata).map_err(told)? {
             Some(value) => {

@@ -55,6 +55,7 @@ fn metres_of_no_system_are_refused_with_the_key_that_says_it() {
     is_placed(&folder, &stated);
     let other = format!("{FILE}crs = \"EPSG:4326\"\n");
     refused(&folder, &other, &["EPSG:3857", "EPSG:4326", "correct crs"]);
+    // Without its parameters.
     folder.put("a.prj", UTM);
     refused(&folder, FILE, &["a.prj", "UTM zone 33N"]);
     refused(&folder, &stated, &["a.prj", "UTM zone 33N"]);
@@ -81,7 +82,7 @@ fn the_text_of_gdal_beside_a_file_says_its_system() {
 }
 
 #[test]
-fn degrees_of_other_figures_and_south_up_files_are_refused() {
+fn degrees_of_other_figures_are_refused_and_south_up_files_turned() {
     let folder = Folder::new();
     folder.put("a.png", &png(64, 32, code));
     folder.put("a.pgw", b"5.625\n0\n0\n-5.625\n-177.1875\n87.1875\n");
@@ -91,8 +92,69 @@ fn degrees_of_other_figures_and_south_up_files_are_refused() {
     refused(&folder, FILE, &["a.prj", "\"NAD27\"", "not those of WGS84"]);
     fs::remove_file(folder.0.path().join("a.prj")).expect("removed");
     folder.put("a.pgw", b"5.625\n0\n0\n5.625\n-177.1875\n-87.1875\n");
-    refused(&folder, FILE, &["from south to north"]);
+    let (map, _) = folder.read(FILE);
+    assert!((0..32).all(|y| (0..64).all(|x| map.at(x, y) == code(x, 31 - y))));
+    folder.put("a.pgw", b"-5.625\n0\n0\n-5.625\n177.1875\n87.1875\n");
+    refused(&folder, FILE, &["a.png"]);
 }
+
+/// A map of UTM lies where PROJ says that its corners do, whether its system is spelt out or named by its code.
+#[test]
+fn projected_maps_are_warped() {
+    let spelt = String::from_utf8_lossy(UTM).replace(
+        "UNIT[\"metre\",1]]",
+        "PARAMETER[\"central_meridian\",15],PARAMETER[\"scale_factor\",0.9996],PARAMETER[\"false_easting\",500000],UNIT[\"metre\",1]]",
+    );
+    let named = String::from_utf8_lossy(UTM).replace(
+        "UNIT[\"metre\",1]]",
+        "UNIT[\"metre\",1],AUTHORITY[\"EPSG\",\"32633\"]]",
+    );
+    for text in [spelt, named] {
+        let folder = Folder::new();
+        folder.put("below.png", &png(720, 360, |_, _| BELOW));
+        let quarters = |x, y| {
+            [
+                if x < 40 { 250 } else { 10 },
+                if y < 30 { 250 } else { 10 },
+                0,
+            ]
+        };
+        folder.put("a.png", &png(80, 60, quarters));
+        // 10 km a texel, from 100 000 5 500 000.
+        folder.put("a.pgw", b"10000\n0\n0\n-10000\n105000\n5495000\n");
+        folder.put("a.prj", text.as_bytes());
+        let whole = "width = 3600\n".to_owned() + &part("below.png", EARTH, "") + FILE;
+        let (map, _) = folder.read(&whole);
+        let at = |lat_deg: f64, lon_deg: f64| {
+            map.at(
+                ((lon_deg + 180.0) * 10.0) as u32,
+                ((90.0 - lat_deg) * 10.0) as u32,
+            )
+        };
+        // Of the middle (500 000 5 200 000) PROJ says 46.954 N 15 E; of two corners 49.520 N 9.472 E and 44.144 N 20.001 E.
+        assert_eq!(at(47.1, 14.8), [250, 250, 0]);
+        assert_eq!(at(47.1, 15.2), [10, 250, 0]);
+        assert_eq!(at(46.8, 14.8), [250, 10, 0]);
+        assert_eq!(at(46.8, 15.2), [10, 10, 0]);
+        assert_eq!(
+            (at(49.35, 9.75), at(44.25, 19.75)),
+            ([250, 250, 0], [10, 10, 0])
+        );
+        assert_eq!((at(49.75, 9.25), at(43.75, 20.25)), (BELOW, BELOW));
+        let stated = format!("{FILE}crs = \"EPSG:3857\"\n");
+        refused(
+            &folder,
+            &stated,
+            &["in a projection", "EPSG:3857", "correct crs"],
+        );
+        assert!(
+            check_whole_earth(&folder.0.path().join("a.png"), (80, 60))
+                .is_err_and(|error| error.to_string().contains("is projected"))
+        );
+    }
+}
+
+const BELOW: [u8; 3] = [7, 8, 90];
 
 /// A single file of the whole Earth is held to what lies beside it, too.
 #[test]

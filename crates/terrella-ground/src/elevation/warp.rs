@@ -1,0 +1,212 @@
+//! A grid of a map projection made into one of latitudes and longitudes, which is as fine, along parallels where it is nearest to the
+//! equator.
+
+use super::projection::Projection;
+use super::{Georeference, MAX_SIDE, Registration};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+/// Most samples of a projected grid.
+const MOST_SAMPLES: u64 = 1 << 28;
+
+/// So many samples may be made of each.
+const MOST_MADE: f64 = 32.0;
+
+/// Places of the border that are looked at, on each side.
+const BORDER: u32 = 256;
+
+/// A grid of a projection: its first sample, and steps from column to column and from row to row, metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ProjectedGrid {
+    /// Of the metres.
+    pub projection: Projection,
+    /// Samples of a row.
+    pub columns: u32,
+    /// Rows.
+    pub rows: u32,
+    /// Easting of the first sample.
+    pub east_m: f64,
+    /// Northing of the first sample.
+    pub north_m: f64,
+    /// From column to column, to the east, positive.
+    pub column_m: f64,
+    /// From row to row, to the south; negative where the southern row comes first.
+    pub row_m: f64,
+    /// How far the samples reach beyond the outermost, samples.
+    pub margin: f64,
+}
+
+/// What is made of a projected grid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Warp {
+    grid: ProjectedGrid,
+    /// The grid that is made; its samples are posts.
+    pub place: Georeference,
+}
+
+impl ProjectedGrid {
+    fn at(&self, row: f64, column: f64) -> (f64, f64) {
+        let (east, north) = (
+            self.east_m + column * self.column_m,
+            self.north_m - row * self.row_m,
+        );
+        self.projection.inverse_rad(east, north)
+    }
+
+    /// Row and column of a place.
+    fn locate(&self, lat_rad: f64, lon_rad: f64) -> (f64, f64) {
+        let (east, north) = self.projection.forward_m(lat_rad, lon_rad);
+        (
+            (self.north_m - north) / self.row_m,
+            (east - self.east_m) / self.column_m,
+        )
+    }
+
+    /// The least angle between neighbours, in the middle and at the corners.
+    fn finest_rad(&self) -> f64 {
+        let (last_row, last_column) = (f64::from(self.rows - 1), f64::from(self.columns - 1));
+        let mut finest = f64::INFINITY;
+        for (row, column) in [(0.5, 0.5), (0.0, 0.0), (0.0, 1.0), (1.0, 0.0), (1.0, 1.0)] {
+            let (row, column) = (row * last_row, column * last_column);
+            let (lat, lon) = self.at(row, column);
+            for (lat_2, lon_2) in [self.at(row + 1.0, column), self.at(row, column + 1.0)] {
+                let along = (lon_2 - lon + PI).rem_euclid(TAU) - PI;
+                let apart = (lat_2 - lat).hypot(along * lat.cos());
+                if apart > 0.0 {
+                    finest = finest.min(apart);
+                }
+            }
+        }
+        finest
+    }
+
+    fn has(&self, row: f64, column: f64) -> bool {
+        let reaches = |at: f64, count: u32| {
+            at >= -self.margin - 1e-6 && at <= f64::from(count - 1) + self.margin + 1e-6
+        };
+        reaches(row, self.rows) && reaches(column, self.columns)
+    }
+
+    /// Southern and northern latitude, western longitude and width, radians.
+    fn bounds(&self) -> Option<[f64; 4]> {
+        let (last_row, last_column) = (f64::from(self.rows - 1), f64::from(self.columns - 1));
+        let (_, middle) = self.at(0.5 * last_row, 0.5 * last_column);
+        let mut bounds = [f64::INFINITY, f64::NEG_INFINITY, 0.0, 0.0];
+        for n in 0..=BORDER {
+            let part = f64::from(n) / f64::from(BORDER);
+            let (row, column) = (part * last_row, part * last_column);
+            for (row, column) in [
+                (row, 0.0),
+                (row, last_column),
+                (0.0, column),
+                (last_row, column),
+            ] {
+                let (lat, lon) = self.at(row, column);
+                let lon = (lon - middle + PI).rem_euclid(TAU) - PI;
+                if !(lat.is_finite() && lon.is_finite()) {
+                    return None;
+                }
+                bounds[0] = bounds[0].min(lat);
+                bounds[1] = bounds[1].max(lat);
+                bounds[2] = bounds[2].min(lon);
+                bounds[3] = bounds[3].max(lon);
+            }
+        }
+        bounds[3] -= bounds[2];
+        bounds[2] += middle;
+        if let Some((sign, (east, north))) = self.projection.pole_m() {
+            let place = (
+                (self.north_m - north) / self.row_m,
+                (east - self.east_m) / self.column_m,
+            );
+            if self.has(place.0, place.1) {
+                bounds[usize::from(sign > 0.0)] = sign * FRAC_PI_2;
+                (bounds[2], bounds[3]) = (-PI, TAU);
+            }
+        }
+        Some(bounds)
+    }
+}
+
+impl Warp {
+    /// For a grid of samples.
+    ///
+    /// # Errors
+    /// Why none is made: of too many or too few samples, or where the projection has no places.
+    pub fn of(grid: ProjectedGrid) -> Result<Self, String> {
+        let samples = u64::from(grid.columns) * u64::from(grid.rows);
+        if samples > MOST_SAMPLES {
+            return Err(format!(
+                "has {} x {} projected samples",
+                grid.columns, grid.rows
+            ));
+        }
+        if grid.columns < 2 || grid.rows < 2 {
+            return Err("has only one row or column of projected samples".to_string());
+        }
+        let Some([south, north, west, width]) = grid.bounds() else {
+            return Err("lies where its projection has no places".to_string());
+        };
+        let lat_step = grid.finest_rad();
+        let nearest = match south <= 0.0 && north >= 0.0 {
+            true => 0.0,
+            false => south.abs().min(north.abs()),
+        };
+        let lon_step = (lat_step / nearest.cos().max(1e-3)).min(width);
+        let count = |angle: f64, step: f64| (angle / step - 1e-6).ceil().max(1.0);
+        let is_round = width >= TAU - 1e-9;
+        let (rows, columns) = (
+            count(north - south, lat_step) + 1.0,
+            count(width, lon_step) + 1.0,
+        );
+        let most = f64::from(MAX_SIDE);
+        if rows > most || columns > most || rows * columns > MOST_MADE * samples as f64 + 1e6 {
+            return Err(format!(
+                "would make {columns} x {rows} samples of {samples}"
+            ));
+        }
+        // Both in range. A last column that repeats the first is not made.
+        let (rows, gaps) = (rows as u32, columns as u32 - 1);
+        let place = Georeference {
+            columns: if is_round { gaps } else { gaps + 1 },
+            rows,
+            registration: Registration::Posts,
+            north_rad: north,
+            lat_step_rad: (north - south) / f64::from(rows - 1),
+            west_rad: west,
+            lon_step_rad: width / f64::from(gaps),
+        };
+        Ok(Self { grid, place })
+    }
+
+    /// Samples of the projected grid.
+    pub fn samples(&self) -> usize {
+        self.grid.columns as usize * self.grid.rows as usize
+    }
+
+    /// Columns and rows of the projected grid.
+    pub fn size(&self) -> (u32, u32) {
+        (self.grid.columns, self.grid.rows)
+    }
+
+    /// Latitude of a row that is made, radians.
+    pub fn latitude_rad(&self, row: u32) -> f64 {
+        self.place.north_rad - f64::from(row) * self.place.lat_step_rad
+    }
+
+    /// Longitude of a column that is made, radians.
+    pub fn longitude_rad(&self, column: u32) -> f64 {
+        self.place.west_rad + f64::from(column) * self.place.lon_step_rad
+    }
+
+    /// Row and column of a place in the projected grid, from its first sample to its last; `None` outside of it.
+    pub fn locate(&self, lat_rad: f64, lon_rad: f64) -> Option<(f64, f64)> {
+        let (row, column) = self.grid.locate(lat_rad, lon_rad);
+        let within = |at: f64, count: u32| at.clamp(0.0, f64::from(count - 1));
+        self.grid.has(row, column).then(|| {
+            (
+                within(row, self.grid.rows),
+                within(column, self.grid.columns),
+            )
+        })
+    }
+}
