@@ -7,7 +7,7 @@ use std::sync::Arc;
 use terrella::GroundOptions;
 use terrella_ground::elevation::{
     Denoise, Elevation, GridLimits, Ground, HeightGrid, HeightStreamOptions, StreamedGround,
-    check_heights, height_files, open_heights_denoised,
+    check_heights, height_files, height_set, open_heights_denoised,
 };
 use terrella_imagery::find_textures;
 use terrella_imagery::pack::Pack;
@@ -40,10 +40,12 @@ pub(super) fn ground_options(
 
 /// The files of heights that a scene names; where it names none, the starter pack's, unless its pack has heights.
 fn named_heights(table: &ReliefTable) -> Result<Vec<PathBuf>, PlayError> {
-    match table.pack_heights_mb {
-        Some(_) => Ok(table.elevation.clone()),
-        None => or_the_starter_packs(&table.elevation),
-    }
+    let named = match table.pack_heights_mb {
+        Some(_) => table.elevation.clone(),
+        None => or_the_starter_packs(&table.elevation)?,
+    };
+    let sets = named.iter().map(|path| height_set(path));
+    Ok(sets.collect::<Result<Vec<_>, _>>()?.concat())
 }
 
 fn or_the_starter_packs(files: &[PathBuf]) -> Result<Vec<PathBuf>, PlayError> {
