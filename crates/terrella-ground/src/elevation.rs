@@ -26,6 +26,7 @@ mod stream;
 pub mod tiff_gaps;
 mod tiles;
 pub mod warp;
+pub mod wkt;
 
 pub use change::{COARSEST_STEP_RAD, HeightChange};
 pub use denoise::{Denoise, Denoised};

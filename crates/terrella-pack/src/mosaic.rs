@@ -3,7 +3,7 @@
 //! | file | what |
 //! |---|---|
 //! | `description.rs` | what a mosaic is made of: a TOML file, or a folder |
-//! | `place.rs`, `georeference.rs`, `wkt.rs` | where a part lies, where files say it, and in which coordinate system |
+//! | `place.rs`, `georeference.rs` | where a part lies, where files say it, and in which coordinate system |
 //! | `target.rs`, `axis.rs` | the grid that is made, and what its texels are made of |
 //! | `raster.rs`, `tiles.rs`, `row.rs`, `texels.rs` | rows of a file or of tiles, and their texels as numbers |
 //! | `held.rs` | maps that run from south to north, and projected ones |
@@ -29,7 +29,6 @@ mod target;
 mod tests;
 mod texels;
 mod tiles;
-mod wkt;
 
 #[cfg(feature = "fetch")]
 pub(crate) use description::syntax_complaint;

@@ -6,7 +6,7 @@
 //! | PNG, grey, 8 or 16 bits | the sidecar | the sidecar |
 //! | NetCDF classic (CDF-1, CDF-2) | its coordinate variables, or the sidecar | its attribute `units`, or the sidecar |
 //! | SRTM's `.hgt`, also packed by gzip or in a zip file | its name, or the sidecar | metres |
-//! | ASCII grid (`.asc`) | its header, in degrees | the sidecar |
+//! | ASCII grid (`.asc`) | its header, in degrees or in metres of a `.prj` file beside it | the sidecar |
 //! | DTED, levels 0 to 2 | its header | metres |
 //!
 //! The sidecar of `NAME.png` is `NAME.toml` beside it ([`Sidecar`]), or else `folder.toml`, which says no place. Nothing is guessed: what neither says is an error
@@ -25,6 +25,7 @@ mod geo_keys;
 mod hgt;
 mod missing;
 mod netcdf;
+mod plain;
 mod png;
 mod set;
 mod sidecar;
@@ -45,6 +46,7 @@ use beside::{SaidBeside, SideMask};
 pub(super) use conversion::Conversion;
 use error::FileContext;
 use missing::Missing;
+use plain::{PlainGrid, system_beside};
 use std::fs::File;
 use std::io::{BufRead, BufReader, ErrorKind, Read, Seek};
 use std::path::{Path, PathBuf};
@@ -69,6 +71,8 @@ struct Header {
     columns: u32,
     rows: u32,
     georeference: Option<Georeference>,
+    /// Where its samples lie in a system that is not known yet.
+    plain: Option<PlainGrid>,
     /// How its samples, which lie in a projection, become those of the georeference.
     warp: Option<Warp>,
     /// The southern row is stored first.
@@ -121,6 +125,11 @@ impl HeightReader<BufReader<File>> {
         };
         let reader = BufReader::with_capacity(1 << 16, file);
         let mut reader = Self::new(reader, sidecar.as_ref(), path)?;
+        let system = match reader.header.plain {
+            Some(_) => system_beside(path)?,
+            None => None,
+        };
+        reader.header.settle(system, &context)?;
         reader.header.add(&SaidBeside::read(path)?, &context)?;
         reader.mask = SideMask::find(path, (reader.header.columns, reader.header.rows))?;
         Ok(reader)
@@ -261,7 +270,9 @@ pub fn read_heights<R: BufRead + Seek>(
     path: &Path,
     limits: &GridLimits,
 ) -> Result<HeightFile, HeightFileError> {
-    HeightReader::new(reader, sidecar, path)?.whole(limits, None)
+    let mut reader = HeightReader::new(reader, sidecar, path)?;
+    reader.header.settle(None, &reader.context)?;
+    reader.whole(limits, None)
 }
 
 impl<R: BufRead + Seek> HeightReader<R> {

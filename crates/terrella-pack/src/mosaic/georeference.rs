@@ -6,7 +6,6 @@
 
 use super::held::Turn;
 use super::place::{Bounds, Crs, RasterPlacement, place_in_name};
-use super::wkt::{MAX_WKT_BYTES, crs_of, projection_of};
 use crate::error::BuildError;
 use crate::source::{FileContext, TagGrid, grid_of, in_other_system};
 use std::io::{BufRead, BufReader, Read, Seek};
@@ -15,6 +14,7 @@ use terrella_files as files;
 use terrella_ground::elevation::geo_tags::{GeoTags, System};
 use terrella_ground::elevation::projection::Projection;
 use terrella_ground::elevation::warp::{ProjectedGrid, Warp};
+use terrella_ground::elevation::wkt::{MAX_WKT_BYTES, TextSystem, system_of as system_in};
 use tiff::decoder::Decoder;
 
 /// Metres of Web Mercator for a degree of longitude: π·6 378 137 / 180.
@@ -301,10 +301,11 @@ fn of_text(path: &Path) -> Result<Option<SaidBeside>, BuildError> {
 }
 
 fn crs_in(file: &Path, text: &str) -> Result<SaidBeside, BuildError> {
-    match (crs_of(text), projection_of(text)) {
-        (Ok(crs), _) => Ok(SaidBeside::Crs(crs)),
-        (Err(_), Some(projection)) => Ok(SaidBeside::Projected(projection)),
-        (Err(cause), None) => Err(FileContext::new(file).refused(
+    match system_in(text) {
+        Ok(TextSystem::Degrees) => Ok(SaidBeside::Crs(Crs::Geographic)),
+        Ok(TextSystem::WebMercator) => Ok(SaidBeside::Crs(Crs::WebMercator)),
+        Ok(TextSystem::Projected(projection)) => Ok(SaidBeside::Projected(projection)),
+        Err(cause) => Err(FileContext::new(file).refused(
             cause,
             "warp the map beside it (`gdalwarp -t_srs EPSG:4326`): those of EPSG:4326, EPSG:3857, UTM, polar stereographic and conformal \
              conic grids of WGS84 are taken",

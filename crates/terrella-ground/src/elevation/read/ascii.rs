@@ -11,8 +11,9 @@
 
 use super::error::FileContext;
 use super::missing::Missing;
+use super::plain::PlainGrid;
 use super::{Conversion, Header, HeightFileError};
-use crate::elevation::{Georeference, GridError, MAX_SIDE, Registration};
+use crate::elevation::{GridError, MAX_SIDE};
 use std::io::{BufRead, Read, Seek, SeekFrom};
 use terrella_files::excerpt;
 
@@ -105,25 +106,17 @@ impl<R: BufRead + Seek> Ascii<R> {
         };
         let (west, south) = (middle('x', dx)?, middle('y', dy)?);
         let north = south + f64::from(rows - 1) * dy;
-        // Half a cell over on all sides.
-        let is_degrees =
-            west.abs() <= 361.0 && dx <= 360.0 && north <= 90.0 + dy && south >= -90.0 - dy;
-        if !is_degrees {
-            return Err(context.other_coordinates(format!(
-                "numbers that are no degrees (its middle south-western cell lies at {west} {south})"
-            )));
-        }
         let header = Header {
             columns,
             rows,
-            georeference: Some(Georeference {
+            georeference: None,
+            plain: Some(PlainGrid {
                 columns,
                 rows,
-                registration: Registration::Cells,
-                north_rad: north.to_radians(),
-                lat_step_rad: dy.to_radians(),
-                west_rad: west.to_radians(),
-                lon_step_rad: dx.to_radians(),
+                left: west,
+                top: north,
+                column: dx,
+                row: dy,
             }),
             warp: None,
             is_south_first: false,

@@ -115,6 +115,7 @@ impl<R: BufRead + Seek> Dted<R> {
                 west_rad: west_deg.to_radians(),
                 lon_step_rad: step_deg(steps.0).to_radians(),
             }),
+            plain: None,
             warp: None,
             is_south_first: false,
             unit: Some(HeightUnit::Metres),

@@ -144,6 +144,18 @@ impl FileContext {
         }
     }
 
+    /// Why a projected grid is not warped.
+    pub(super) fn unwarped(&self, cause: String) -> HeightFileError {
+        self.refused(
+            cause,
+            "projected heights of at most 268 million samples, near the middle of their projection",
+            format!(
+                "`gdalwarp -t_srs EPSG:4326 -r bilinear {} OUT.tif`",
+                self.0.display()
+            ),
+        )
+    }
+
     pub(super) fn rotated(&self) -> HeightFileError {
         HeightFileError::Rotated {
             path: self.0.clone(),

@@ -113,6 +113,7 @@ impl<R: BufRead + Seek> Hgt<R> {
             columns,
             rows,
             georeference: corner_of(name).map(place),
+            plain: None,
             warp: None,
             is_south_first: false,
             unit: Some(HeightUnit::Metres),

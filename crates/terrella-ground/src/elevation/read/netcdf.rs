@@ -3,11 +3,14 @@
 //! Format: Unidata, "The NetCDF Classic Format Specification". All numbers are big-endian, names and values are padded
 //! to four bytes.
 
+mod number;
+
 use super::error::FileContext;
 use super::missing::Missing;
 use super::sidecar::HeightUnit;
 use super::{Conversion, Header, HeightFileError};
 use crate::elevation::{Georeference, GridError, MAX_SIDE, Registration};
+use number::NumberType;
 use std::io::{BufRead, Read, Seek, SeekFrom};
 use terrella_files::printable;
 
@@ -45,71 +48,6 @@ fn text<'a>(attributes: &'a Attributes, name: &str) -> Option<&'a str> {
         AttributeValue::Text(text) if n == name => Some(text.trim_end_matches('\0')),
         _ => None,
     })
-}
-
-/// Number type of the file: its code and bytes.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum NumberType {
-    Byte,
-    Char,
-    Short,
-    Int,
-    Float,
-    Double,
-}
-
-impl NumberType {
-    fn from_code(code: u32) -> Option<Self> {
-        use NumberType::{Byte, Char, Double, Float, Int, Short};
-        let all = [Byte, Char, Short, Int, Float, Double];
-        all.get((code as usize).checked_sub(1)?).copied()
-    }
-
-    /// Its place in the order of width.
-    fn rank(self) -> u32 {
-        self as u32
-    }
-
-    fn bytes(self) -> usize {
-        match self {
-            Self::Byte | Self::Char => 1,
-            Self::Short => 2,
-            Self::Int | Self::Float => 4,
-            Self::Double => 8,
-        }
-    }
-
-    /// The first number of some bytes that hold one at least.
-    fn number(self, bytes: &[u8]) -> Option<f64> {
-        Some(match self {
-            Self::Byte => f64::from(*bytes.first()? as i8),
-            Self::Char => return None,
-            Self::Short => f64::from(i16::from_be_bytes(*bytes.first_chunk()?)),
-            Self::Int => f64::from(i32::from_be_bytes(*bytes.first_chunk()?)),
-            Self::Float => f64::from(f32::from_be_bytes(*bytes.first_chunk()?)),
-            Self::Double => f64::from_be_bytes(*bytes.first_chunk()?),
-        })
-    }
-
-    /// Numbers of whole, signed kinds that are meant as unsigned, and no others: what a negative one stands for.
-    fn unsigned(self, number: f64) -> f64 {
-        match self {
-            Self::Byte | Self::Short | Self::Int if number < 0.0 => {
-                number + (8.0 * self.bytes() as f64).exp2()
-            }
-            _ => number,
-        }
-    }
-
-    /// What the library fills unwritten values with.
-    fn default_fill(self) -> Option<f64> {
-        match self {
-            Self::Byte | Self::Char => None,
-            Self::Short => Some(-32_767.0),
-            Self::Int => Some(-2_147_483_647.0),
-            Self::Float | Self::Double => Some(9.969_209_968_386_869e36),
-        }
-    }
 }
 
 struct Variable {
@@ -418,6 +356,7 @@ impl<R: BufRead + Seek> NetCdf<R> {
                 west_rad: west.to_radians(),
                 lon_step_rad: lon_step.to_radians(),
             }),
+            plain: None,
             warp: None,
             is_south_first: place.is_some_and(|((_, lat_step), _)| lat_step > 0.0),
             unit,

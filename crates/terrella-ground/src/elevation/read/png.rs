@@ -78,6 +78,7 @@ impl<R: BufRead + Seek> Png<R> {
             columns,
             rows,
             georeference: None,
+            plain: None,
             warp: None,
             is_south_first: false,
             unit: None,

@@ -63,27 +63,17 @@ impl<R: BufRead + Seek> Tiff<R> {
                 .get_tag_ascii_string(GDAL_METADATA)
                 .unwrap_or_default(),
         };
-        let (georeference, is_south_first, warp) = match tags
-            .georeference(columns, rows, context)?
-        {
-            None => (None, false, None),
-            Some(FilePlacement::Geographic(place, is_south_first)) => {
-                (Some(place), is_south_first, None)
-            }
-            Some(FilePlacement::Projected(grid)) => {
-                let warp = Warp::of(grid).map_err(|cause| {
-                        context.refused(
-                            cause,
-                            "projected heights of at most 268 million samples, near the middle of their projection",
-                            format!(
-                                "`gdalwarp -t_srs EPSG:4326 -r bilinear {} OUT.tif`",
-                                context.path().display()
-                            ),
-                        )
-                    })?;
-                (Some(warp.place), false, Some(warp))
-            }
-        };
+        let (georeference, is_south_first, warp) =
+            match tags.georeference(columns, rows, context)? {
+                None => (None, false, None),
+                Some(FilePlacement::Geographic(place, is_south_first)) => {
+                    (Some(place), is_south_first, None)
+                }
+                Some(FilePlacement::Projected(grid)) => {
+                    let warp = Warp::of(grid).map_err(|cause| context.unwarped(cause))?;
+                    (Some(warp.place), false, Some(warp))
+                }
+            };
         let number = |text: &str| text.trim_matches(['\0', ' ', '\n']).parse::<f64>().ok();
         let no_data = match decoder.find_tag(Tag::GdalNodata).map_err(told)? {
             Some(value) => {
@@ -106,6 +96,7 @@ impl<R: BufRead + Seek> Tiff<R> {
             columns,
             rows,
             georeference,
+            plain: None,
             warp,
             is_south_first,
             unit: tags.unit(context)?,

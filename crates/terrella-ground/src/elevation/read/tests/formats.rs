@@ -334,3 +334,37 @@ fn dted_is_read() {
     );
     refused("a.dt2", dted()[..3000].to_vec(), "the file ends too early");
 }
+
+#[test]
+fn an_ascii_grid_lies_in_the_system_beside_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("g.asc");
+    let text = GRID
+        .replace("xllcorner 10", "xllcorner 400000")
+        .replace("yllcorner 46", "yllcorner 5200000");
+    let rows = |row: usize| {
+        (0..24)
+            .map(|column| format!("{}", 10 * column + row))
+            .collect::<Vec<_>>()
+            .join(" ")
+    };
+    let numbers: Vec<_> = (0..24).map(rows).collect();
+    let text = text
+        .replace("ncols 6", "ncols 24")
+        .replace("nrows 4", "nrows 24")
+        .replace("cellsize 1", "cellsize 100");
+    std::fs::write(&path, text + &numbers.join("\n")).expect("written");
+    std::fs::write(folder.path().join("folder.toml"), "unit = \"metres\"").expect("written");
+    let open = || open_heights(&path, &GridLimits::default()).map_err(|error| error.to_string());
+    assert!(open().is_err_and(|said| said.contains("no degrees") && said.contains(".prj")));
+    let utm = "PROJCS[\"WGS 84 / UTM zone 33N\",AUTHORITY[\"EPSG\",\"32633\"]]";
+    std::fs::write(folder.path().join("g.prj"), utm).expect("written");
+    let file = open().expect("good");
+    // The middle of the cell in row 11 and column 12, of 24 from the north.
+    let projection = crate::elevation::projection::Projection::of_code(32_633).expect("known");
+    let (lat_rad, lon_rad) = projection.inverse_rad(401_250.0, 5_201_250.0);
+    let got = file.grid.height_m(lat_rad, lon_rad, 0.0);
+    assert!((got - 131.0).abs() < 0.05, "{got}");
+    std::fs::write(folder.path().join("g.prj"), "LOCAL_CS[\"here\"]").expect("written");
+    assert!(open().is_err_and(|said| said.contains("g.prj: names the coordinate system \"here\"")));
+}

@@ -1,11 +1,10 @@
 //! Coordinate systems in words (well-known text): WKT 1 of GDAL and ESRI (OGC 01-009), and WKT 2 (OGC 18-010r7).
 
-use super::place::Crs;
-use terrella_ground::elevation::geo_tags::is_near_wgs84;
-use terrella_ground::elevation::projection::{Parameters, Projection};
+use super::geo_tags::is_near_wgs84;
+use super::projection::{Parameters, Projection};
 
 /// Longest text that is read, bytes.
-pub(super) const MAX_WKT_BYTES: u64 = 64 << 10;
+pub const MAX_WKT_BYTES: u64 = 64 << 10;
 
 /// Deepest nesting that is read.
 const MAX_DEPTH: usize = 16;
@@ -37,11 +36,25 @@ const WEB_MERCATOR: [&str; 4] = [
 /// Codes of Web Mercator: EPSG's, and those that were used before there was one.
 const WEB_MERCATOR_CODES: [u32; 5] = [3857, 3785, 900_913, 102_100, 102_113];
 
+/// A system that a text names.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum TextSystem {
+    /// Degrees of WGS84 or nearly that.
+    Degrees,
+    /// Metres of Web Mercator.
+    WebMercator,
+    /// Metres of a projection, of a datum within a few metres of WGS84.
+    Projected(Projection),
+}
+
 /// The system that a text names.
 ///
 /// # Errors
-/// What is wrong with it: no text of that kind, or another system than EPSG:4326 or its like and EPSG:3857.
-pub(super) fn crs_of(text: &str) -> Result<Crs, String> {
+/// What is wrong with it: no text of that kind, or a system that is not taken.
+pub fn system_of(text: &str) -> Result<TextSystem, String> {
+    if is_old_degrees(text) {
+        return Ok(TextSystem::Degrees);
+    }
     let root = Reader { rest: text }
         .node(0)
         .ok_or("is no well-known text")?;
@@ -55,70 +68,39 @@ pub(super) fn crs_of(text: &str) -> Result<Crs, String> {
                 Some(code) => WEB_MERCATOR_CODES.contains(&code),
                 None => WEB_MERCATOR.contains(&plain(root.name()).as_str()),
             };
-            is_mercator.then_some(Crs::WebMercator).ok_or_else(other)
+            match (is_mercator, root.projection()) {
+                (true, _) => Ok(TextSystem::WebMercator),
+                (false, Some(projection)) => Ok(TextSystem::Projected(projection)),
+                (false, None) => Err(other()),
+            }
         }
         "GEOGCS" | "GEOGCRS" | "GEOGRAPHICCRS" | "GEODCRS" | "GEODETICCRS" => {
             root.check_geographic()
                 .map_err(|why| format!("{}, {why}", other()))?;
-            Ok(Crs::Geographic)
+            Ok(TextSystem::Degrees)
         }
         _ => Err(other()),
     }
 }
 
-/// The projection that a text spells out, or names by its code, of a system in metres near WGS84.
-pub(super) fn projection_of(text: &str) -> Option<Projection> {
-    let root = Reader { rest: text }.node(0)?;
-    if !matches!(root.word.as_str(), "PROJCS" | "PROJCRS" | "PROJECTEDCRS") {
-        return None;
-    }
-    if let Some(code) = root.code() {
-        return Projection::of_code(u16::try_from(code).ok()?);
-    }
-    let geographic = root.child(&["GEOGCS", "BASEGEOGCRS", "BASEGEODCRS"])?;
-    let unit = root
-        .child(&["UNIT", "LENGTHUNIT"])
-        .and_then(|unit| unit.number(1));
-    if geographic.check_geographic().is_err() || unit.is_some_and(|metres| metres != 1.0) {
-        return None;
-    }
-    let number = |names: &[&str]| {
-        let of =
-            |node: &&Node| node.word == "PARAMETER" && names.contains(&plain(node.name()).as_str());
-        root.nodes.iter().find(of).and_then(|node| node.number(1))
+/// Whether a text of ArcInfo's old kind, a key and a value a line, names degrees of WGS84 or NAD83.
+fn is_old_degrees(text: &str) -> bool {
+    let value = |key: &str| {
+        let mut lines = text.lines().map(str::split_whitespace);
+        let mut line = lines.find(|words| {
+            words
+                .clone()
+                .next()
+                .is_some_and(|word| word.eq_ignore_ascii_case(key))
+        })?;
+        line.nth(1).map(plain)
     };
-    let parameters = Parameters {
-        lat_0_deg: number(&["latitudeoforigin"]).unwrap_or(0.0),
-        lon_0_deg: number(&["centralmeridian", "longitudeoforigin"])?,
-        false_east_m: number(&["falseeasting"]).unwrap_or(0.0),
-        false_north_m: number(&["falsenorthing"]).unwrap_or(0.0),
+    let is = |key: &str, values: &[&str]| {
+        value(key).is_some_and(|value| values.contains(&value.as_str()))
     };
-    let scale = number(&["scalefactor"]).unwrap_or(1.0);
-    let parallels = (
-        number(&["standardparallel1"]),
-        number(&["standardparallel2"]),
-    );
-    let method = plain(root.child(&["PROJECTION"])?.name());
-    match (method.as_str(), parallels) {
-        ("transversemercator" | "gausskruger", _) => {
-            Some(Projection::transverse_mercator(parameters, scale))
-        }
-        ("lambertconformalconic" | "lambertconformalconic2sp", (Some(one), Some(two))) => {
-            Some(Projection::lambert(parameters, [one, two], scale))
-        }
-        ("lambertconformalconic1sp", _) => Some(Projection::lambert(
-            parameters,
-            [parameters.lat_0_deg; 2],
-            scale,
-        )),
-        ("stereographicnorthpole" | "stereographicsouthpole", (Some(lat_deg), _)) => {
-            Some(Projection::polar(parameters, lat_deg, scale))
-        }
-        ("polarstereographic", _) if parameters.lat_0_deg != 0.0 => {
-            Some(Projection::polar(parameters, parameters.lat_0_deg, scale))
-        }
-        _ => None,
-    }
+    is("projection", &["geographic"])
+        && is("datum", &["wgs84", "wgs1984", "nad83"])
+        && is("units", &["dd", "degrees", "decimaldegrees"])
 }
 
 /// A word with what stands in its brackets.
@@ -149,6 +131,58 @@ impl Node {
 
     fn number(&self, at: usize) -> Option<f64> {
         self.values.get(at)?.parse().ok()
+    }
+
+    /// The projection that it spells out, or names by its code, of a system in metres near WGS84.
+    fn projection(&self) -> Option<Projection> {
+        if let Some(code) = self.code() {
+            return Projection::of_code(u16::try_from(code).ok()?);
+        }
+        let geographic = self.child(&["GEOGCS", "BASEGEOGCRS", "BASEGEODCRS"])?;
+        let unit = self
+            .child(&["UNIT", "LENGTHUNIT"])
+            .and_then(|unit| unit.number(1));
+        if geographic.check_geographic().is_err() || unit.is_some_and(|metres| metres != 1.0) {
+            return None;
+        }
+        let number = |names: &[&str]| {
+            let of = |node: &&Node| {
+                node.word == "PARAMETER" && names.contains(&plain(node.name()).as_str())
+            };
+            self.nodes.iter().find(of).and_then(|node| node.number(1))
+        };
+        let parameters = Parameters {
+            lat_0_deg: number(&["latitudeoforigin"]).unwrap_or(0.0),
+            lon_0_deg: number(&["centralmeridian", "longitudeoforigin"])?,
+            false_east_m: number(&["falseeasting"]).unwrap_or(0.0),
+            false_north_m: number(&["falsenorthing"]).unwrap_or(0.0),
+        };
+        let scale = number(&["scalefactor"]).unwrap_or(1.0);
+        let parallels = (
+            number(&["standardparallel1"]),
+            number(&["standardparallel2"]),
+        );
+        let method = plain(self.child(&["PROJECTION"])?.name());
+        match (method.as_str(), parallels) {
+            ("transversemercator" | "gausskruger", _) => {
+                Some(Projection::transverse_mercator(parameters, scale))
+            }
+            ("lambertconformalconic" | "lambertconformalconic2sp", (Some(one), Some(two))) => {
+                Some(Projection::lambert(parameters, [one, two], scale))
+            }
+            ("lambertconformalconic1sp", _) => Some(Projection::lambert(
+                parameters,
+                [parameters.lat_0_deg; 2],
+                scale,
+            )),
+            ("stereographicnorthpole" | "stereographicsouthpole", (Some(lat_deg), _)) => {
+                Some(Projection::polar(parameters, lat_deg, scale))
+            }
+            ("polarstereographic", _) if parameters.lat_0_deg != 0.0 => {
+                Some(Projection::polar(parameters, parameters.lat_0_deg, scale))
+            }
+            _ => None,
+        }
     }
 
     /// Refuses other degrees than those of WGS84 or its like.
@@ -268,7 +302,7 @@ mod tests {
                       (Lat)\",north,\n            ORDER[1],\n            ANGLEUNIT[\"degree\",0.0174532925199433]],\n    \
                       ID[\"EPSG\",4326]]\n";
         for text in [esri, gdal, second] {
-            assert_eq!(crs_of(text), Ok(Crs::Geographic), "{text}");
+            assert_eq!(system_of(text), Ok(TextSystem::Degrees), "{text}");
         }
         let esri = "PROJCS[\"WGS_1984_Web_Mercator_Auxiliary_Sphere\",GEOGCS[\"GCS_WGS_1984\",DATUM[\"D_WGS_1984\",\
                     SPHEROID[\"WGS_1984\",6378137.0,298.257223563]],PRIMEM[\"Greenwich\",0.0],UNIT[\"Degree\",\
@@ -277,7 +311,7 @@ mod tests {
                     298.257223563]],AUTHORITY[\"EPSG\",\"4326\"]],PROJECTION[\"Mercator_1SP\"],UNIT[\"metre\",1],\
                     AUTHORITY[\"EPSG\",\"3857\"]]";
         for text in [esri, gdal] {
-            assert_eq!(crs_of(text), Ok(Crs::WebMercator), "{text}");
+            assert_eq!(system_of(text), Ok(TextSystem::WebMercator), "{text}");
         }
     }
 
@@ -306,8 +340,32 @@ mod tests {
             ("", "no well-known text"),
             (&deep, "no well-known text"),
         ] {
-            let said = crs_of(text).expect_err(words);
+            let said = system_of(text).expect_err(words);
             assert!(said.contains(words) && said.len() < 200, "{words}: {said}");
         }
+    }
+
+    #[test]
+    fn projections_and_old_texts_are_known() {
+        let utm = "PROJCS[\"WGS_1984_UTM_Zone_33N\",GEOGCS[\"GCS_WGS_1984\",DATUM[\"D_WGS_1984\",SPHEROID[\"WGS_1984\",6378137.0,\
+                   298.257223563]],PRIMEM[\"Greenwich\",0.0],UNIT[\"Degree\",0.0174532925199433]],PROJECTION[\"Transverse_Mercator\"],\
+                   PARAMETER[\"False_Easting\",500000.0],PARAMETER[\"False_Northing\",0.0],PARAMETER[\"Central_Meridian\",15.0],\
+                   PARAMETER[\"Scale_Factor\",0.9996],PARAMETER[\"Latitude_Of_Origin\",0.0],UNIT[\"Meter\",1.0]]";
+        let known = Projection::of_code(32_633).map(TextSystem::Projected);
+        assert_eq!(system_of(utm).ok(), known);
+        assert!(system_of(&utm.replace("\"Meter\",1.0", "\"Foot_US\",0.3048006")).is_err());
+        assert!(system_of(&utm.replace("D_WGS_1984", "D_OSGB_1936")).is_err());
+        let polar = utm
+            .replace("Transverse_Mercator", "Stereographic_North_Pole")
+            .replace("\"Scale_Factor\",0.9996", "\"Standard_Parallel_1\",70.0")
+            .replace("500000.0", "0.0")
+            .replace("15.0", "-45.0");
+        assert_eq!(
+            system_of(&polar).ok(),
+            Projection::of_code(3413).map(TextSystem::Projected)
+        );
+        let old = "Projection    GEOGRAPHIC\nDatum         WGS84\nSpheroid      WGS84\nUnits         DD\nZunits        NO\nParameters\n";
+        assert_eq!(system_of(old), Ok(TextSystem::Degrees));
+        assert!(system_of(&old.replace("WGS84", "NAD27")).is_err());
     }
 }
