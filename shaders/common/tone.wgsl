@@ -1,5 +1,5 @@
 // Tone curves: how exposed light is shown.
-@if(camera) import rust::{LUMINANCE, TONE_CAMERA_HALF_RAISED, TONE_CAMERA_SATURATION, TONE_CAMERA_TOE, TONE_CAMERA_WHITE};
+@if(camera) import rust::{LUMINANCE, TONE_CAMERA_HALF_RAISED, TONE_CAMERA_SATURATION, TONE_CAMERA_STRAIGHT, TONE_CAMERA_TOE, TONE_CAMERA_TOE_LEAST, TONE_CAMERA_WHITE};
 @if(neutral) import rust::{TONE_NEUTRAL_DESATURATION, TONE_NEUTRAL_START};
 @if(filmic) import rust::{TONE_FILMIC_A, TONE_FILMIC_B, TONE_FILMIC_C, TONE_FILMIC_D, TONE_FILMIC_E, TONE_FILMIC_SCALE};
 
@@ -8,8 +8,8 @@
 fn camera(light: vec3f) -> vec3f {
     // Beyond a thousand times white the curve is at its end, and squares could leave f32's range.
     let x = min(light, vec3f(1000.0));
-    let cleared = x * x / (x + TONE_CAMERA_TOE);
-    let raised = cleared * sqrt(cleared);
+    let cleared = x * (x + TONE_CAMERA_TOE_LEAST * TONE_CAMERA_TOE) / (x + TONE_CAMERA_TOE);
+    let raised = cleared * (sqrt(cleared) + TONE_CAMERA_STRAIGHT);
     let shown = TONE_CAMERA_WHITE * raised / (raised + TONE_CAMERA_HALF_RAISED);
     return max(mix(vec3f(dot(shown, LUMINANCE)), shown, TONE_CAMERA_SATURATION), vec3f(0.0));
 }

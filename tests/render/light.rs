@@ -132,6 +132,7 @@ fn the_mean_of_dithered_pixels_is_the_light() {
             ] {
                 let options = EarthOptions {
                     exposure: Exposure::Ev(ev),
+                    tone: Tone::Linear,
                     color_format,
                     ..options.clone()
                 };

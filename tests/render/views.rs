@@ -202,7 +202,10 @@ fn views_follow_another_quality() {
 
 #[test]
 fn a_view_has_its_own_exposure_and_no_maps_of_its_own() {
-    let options = EarthOptions::new(plain([90, 120, 60]));
+    let options = EarthOptions {
+        tone: terrella::Tone::Neutral,
+        ..EarthOptions::new(plain([90, 120, 60]))
+    };
     let gpu = gpu();
     let [eye, ..] = eyes();
     let mut earth = Earth::new(&gpu.device, &gpu.queue, &options).expect("sound options");

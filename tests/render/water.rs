@@ -19,6 +19,7 @@ fn options(day: [u8; 3], water: LayerImage) -> EarthOptions {
         water: Some(water),
     });
     options.atmosphere = Atmosphere::None;
+    options.tone = terrella::Tone::Neutral;
     options
 }
 

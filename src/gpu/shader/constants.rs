@@ -11,7 +11,7 @@ use terrella_ground::air::{self, TableSize};
 use terrella_ground::globe::{BLOCK_COUNT, COLUMNS, ROWS};
 use terrella_ground::light;
 use terrella_imagery::tile::{MAP_LAYERS, MapLayer, TILE_BORDER};
-use terrella_imagery::{CLOUD_ALBEDO, DETAIL_STEP, FLOOR_SEEN_M, NEIGHBOURHOODS};
+use terrella_imagery::{CLOUD_ALBEDO, DETAIL_MEAN, DETAIL_STEP, FLOOR_SEEN_M, NEIGHBOURHOODS};
 
 /// Words of four numbers that cells of blocks with parts may take, each with eight of them: with all else that says where tiles lie a
 /// buffer of 16 KiB, which every adapter takes.
@@ -102,11 +102,14 @@ const SHARED: &[(&str, Value)] = &[
     ("LAMPS_FULL_SIN", F32(LAMPS_FULL_SIN)),
     ("FLOOR_SEEN_M", F32(FLOOR_SEEN_M)),
     ("DETAIL_STEP", F32(DETAIL_STEP as f64)),
+    ("DETAIL_MEAN", F32(DETAIL_MEAN as f64)),
     ("SEA_WATER_INDEX", F32(SEA_WATER_INDEX)),
     ("SEA_REFLECTANCE", F32(SEA_REFLECTANCE)),
     // What is shown: the largest value of eight bits, and tone curves.
     ("LAST_CODE", F32(u8::MAX as f64)),
     ("TONE_CAMERA_TOE", Vec3(light::CAMERA_TOE)),
+    ("TONE_CAMERA_TOE_LEAST", F32(light::CAMERA_TOE_LEAST)),
+    ("TONE_CAMERA_STRAIGHT", F32(light::CAMERA_STRAIGHT)),
     ("TONE_CAMERA_HALF_RAISED", F32(light::CAMERA_HALF_RAISED)),
     ("TONE_CAMERA_WHITE", F32(light::CAMERA_WHITE)),
     ("TONE_CAMERA_SATURATION", F32(light::CAMERA_SATURATION)),

@@ -20,5 +20,8 @@ pub use display_slope::DisplaySlope;
 pub use exposure::{Adaptation, Exposure, exposure_factor};
 pub use meter::{Meter, MeterView};
 pub use tone::Tone;
-pub use tone::{CAMERA_HALF_RAISED, CAMERA_SATURATION, CAMERA_TOE, CAMERA_WHITE};
+pub use tone::{
+    CAMERA_HALF_RAISED, CAMERA_SATURATION, CAMERA_STRAIGHT, CAMERA_TOE, CAMERA_TOE_LEAST,
+    CAMERA_WHITE,
+};
 pub use tone::{FILMIC, FILMIC_SCALE, NEUTRAL_DESATURATION, NEUTRAL_START};

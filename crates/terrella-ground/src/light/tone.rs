@@ -11,9 +11,13 @@ pub const NEUTRAL_DESATURATION: f64 = 0.15;
 pub const FILMIC_SCALE: f64 = 0.6;
 pub const FILMIC: [f64; 5] = [2.51, 0.03, 2.43, 0.59, 0.14];
 
-/// The camera curve's toe, for each channel: light x becomes x²/(x + toe). Blue has most of it, as the haze of the air has.
+/// The camera curve's toe, for each channel: light x becomes x(x + least·toe)/(x + toe), the darkest light being multiplied by the least.
+/// Blue has most of it, as the haze of the air has.
 pub const CAMERA_TOE: DVec3 = DVec3::new(0.02, 0.035, 0.07);
-/// Its contrast and shoulder: x then becomes white·x^1.5/(x^1.5 + this), half of white being reached at 0.42.
+pub const CAMERA_TOE_LEAST: f64 = 0.1;
+/// Its contrast: x then becomes x(√x + straight), so that light of the night is not lost.
+pub const CAMERA_STRAIGHT: f64 = 0.04;
+/// Its shoulder: white·x/(x + this), half of white being reached at 0.42 before contrast.
 pub const CAMERA_HALF_RAISED: f64 = 0.272_190_815_4;
 pub const CAMERA_WHITE: f64 = 1.1;
 /// Its colours are so much farther from grey than that leaves them.
@@ -64,8 +68,8 @@ impl Tone {
 }
 
 fn camera(light: DVec3) -> DVec3 {
-    let cleared = light * light / (light + CAMERA_TOE);
-    let raised = cleared * cleared.powf(0.5);
+    let cleared = light * (light + CAMERA_TOE_LEAST * CAMERA_TOE) / (light + CAMERA_TOE);
+    let raised = cleared * (cleared.powf(0.5) + CAMERA_STRAIGHT);
     let shown = CAMERA_WHITE * raised / (raised + CAMERA_HALF_RAISED);
     let grey = DVec3::splat(shown.dot(LUMINANCE));
     grey + CAMERA_SATURATION * (shown - grey)
@@ -114,7 +118,7 @@ mod tests {
         let code = |light: DVec3| Tone::Camera.shown(light).powf(1.0 / 2.2) * 255.0;
         // The clear sea with the air before it, and a thick cloud, at the default exposure.
         let sea = code(DVec3::new(0.03, 0.06, 0.13) * 2.0_f64.sqrt());
-        assert!(sea.x < 45.0 && sea.y < 60.0 && sea.z < 90.0, "{sea}");
+        assert!(sea.x < 55.0 && sea.y < 75.0 && sea.z < 105.0, "{sea}");
         let cloud = code(DVec3::splat(0.72 * 2.0_f64.sqrt()));
         assert!(cloud.min_element() > 225.0, "{cloud}");
         // What is grey in the light is a little yellow in the darks, where haze is taken out of it, and grey from the middle on.
