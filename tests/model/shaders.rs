@@ -287,7 +287,7 @@ fn a_layer_that_is_off_is_not_in_the_shader() {
             }),
         ),
         (
-            ["value_noise", "uneven"],
+            ["detail_tile", "uneven"],
             sunlit(
                 BLOCKS,
                 SunlitLayers {

@@ -5,7 +5,9 @@ use super::layer::LayerImage;
 use super::mips;
 use super::texel::TexelFormat;
 
-/// Standard deviations that a step of one byte means; byte 128 is the mean.
+/// The byte that is the mean.
+pub const DETAIL_MEAN: f32 = 128.0;
+/// Standard deviations that a step of one byte means.
 pub const DETAIL_STEP: f32 = 3.2 / 127.0;
 
 /// A square of clouds' fine structure with its mip levels: no map, but a tile to repeat in all directions. Its values have the mean
@@ -45,7 +47,7 @@ mod tests {
     fn values(texels: &[u8]) -> Vec<f32> {
         let values = texels
             .iter()
-            .map(|byte| (f32::from(*byte) - 128.0) * DETAIL_STEP);
+            .map(|byte| (f32::from(*byte) - DETAIL_MEAN) * DETAIL_STEP);
         values.collect()
     }
 

@@ -49,7 +49,7 @@ mod texel;
 pub mod tile;
 
 pub use albedo::{CLOUD_ALBEDO, MapAlbedo, NEIGHBOURHOODS, NeighbourhoodAlbedo};
-pub use detail_tile::{DETAIL_STEP, detail_tile};
+pub use detail_tile::{DETAIL_MEAN, DETAIL_STEP, detail_tile};
 pub use error::ImageryError;
 pub use find::{TEXTURES_VARIABLE, find_textures};
 pub use ground_kinds::{CELLS_AROUND, GroundKind, GroundKinds, MOST_PIXEL_M};

@@ -4,7 +4,7 @@
 // The tile covers the six sides of a cube about the Earth, a whole number of times each, and its border is made so that neither tiles nor
 // sides have seams (crates/terrella-imagery/src/detail_tile.rs).
 import earth/shading/uneven.wgsl;
-import rust::{DETAIL_STEP, LAST_CODE, PI};
+import rust::{DETAIL_MEAN, DETAIL_STEP, LAST_CODE, PI};
 
 @group(0) @binding(13) var detail_tile: texture_2d<f32>;
 @group(0) @binding(14) var detail_sampler: sampler;
@@ -47,7 +47,7 @@ fn structure_of_size(up: vec3f, tiles: f32, texel: f32, pixel: f32) -> Detail {
     let weight = 1.0 - smoothstep(1.5, 6.0, MIDDLE_WAVE * own_texel / texel);
     // What smaller levels show of the tile's variance; a test measures it.
     let variance = 1.0 - smoothstep(0.0, 6.3, level);
-    return Detail(weight * DETAIL_STEP * (byte - 128.0), weight * weight * variance);
+    return Detail(weight * DETAIL_STEP * (byte - DETAIL_MEAN), weight * weight * variance);
 }
 
 // Where a direction meets the sides of a cube, −1…1 each, in steps of nearly even angles: (4/π)·atan by its first terms, exact at the
