@@ -24,7 +24,7 @@ const MODULES: &[(&str, &[&str])] = &[
     ("imagery", &["files", "loaders", "elevation", "globe"]),
     ("shipped", &[]),
     // What a frame draws knows nothing of what draws it.
-    ("plan", &["frames", "globe", "air", "imagery"]),
+    ("plan", &["frames", "globe", "air", "light", "imagery"]),
     ("gpu", &["files", "frames", "globe", "half", "air", "light", "imagery", "plan"]),
     ("earth", &["files", "frames", "height", "elevation", "globe", "air", "light", "imagery", "plan", "gpu"]),
     // Drawn into memory.
