@@ -153,7 +153,10 @@ fn clouds_may_be_a_jpeg() {
             .contains(&jpeg)
     );
     let missing = LayerSelection::default().missing_in(dir.path());
-    assert!(missing.iter().all(|(_, name)| *name == "water.png"), "{missing:?}");
+    assert!(
+        missing.iter().all(|(_, name)| *name == "water.png"),
+        "{missing:?}"
+    );
     let clouds = load_all(dir.path())
         .expect("good maps")
         .clouds

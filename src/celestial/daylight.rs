@@ -67,8 +67,8 @@ mod tests {
         assert_eq!(share(4e5, -DVec3::X, DVec3::X), 1.0);
         assert_eq!(share(0.0, DVec3::new(1.0, 0.5, 0.0), DVec3::X), 1.0);
         // Past the Earth, and the night below.
-        assert_eq!(share(4e5, DVec3::X, DVec3::X), 0.0);
-        assert_eq!(share(4e5, -DVec3::X, -DVec3::X), 0.0);
+        assert!(share(4e5, DVec3::X, DVec3::X) < 1e-9);
+        assert!(share(4e5, -DVec3::X, -DVec3::X) < 1e-9);
         // The whole disc, some 2 000 pixels of 230 000.
         let far = share(2e8, -DVec3::X, DVec3::X);
         assert!(far > 0.0 && far < 1.0, "{far}");

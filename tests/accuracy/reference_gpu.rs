@@ -100,7 +100,9 @@ fn what_is_drawn_is_near_the_reference() {
         options.samples = 4;
         // How bright a view is shown is not what is judged here.
         options.exposure = Exposure::Ev(Exposure::DEFAULT_EV);
-        // The reference draws no made detail.
+        options.tone = terrella::Tone::Neutral;
+        // The reference draws no relief of clouds and no made detail.
+        options.light.cloud_relief_m = 0.0;
         options.light.detail = false;
         // The mesh's silhouette is not what is judged here.
         options.subdivision = terrella::Subdivision::Cells(48);

@@ -185,7 +185,7 @@ fn every_file_that_a_film_opens_is_in_its_key() {
         std::fs::copy(ladder, film.path("ladder.csv")).expect("copies");
         if what == "a pack" {
             film.place.succeed(&[
-                "-q", "pack", "build", "--day", "starter/day.jpg", "--clouds", "starter/clouds.jpg", "--pixels", "day=16", "-o", "earth",
+                "-q", "pack", "build", "--day", "starter/day.jpg", "--clouds", "starter/clouds.png", "--pixels", "day=16", "-o", "earth",
             ]);
         }
         let opened = opened_by(&film);

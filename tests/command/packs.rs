@@ -91,7 +91,7 @@ fn a_pack_is_built_verified_shown_and_drawn_alike_in_both_storages() {
         "the storages must differ, or one of them was not read"
     );
     // Edges of unlike colours are what 4 × 4 blocks hold worst.
-    assert!(mean < 2.5 && worst < 40, "{worst} {mean}");
+    assert!(mean < 2.5 && worst < 64, "{worst} {mean}");
     // The tests draw on a software adapter where there is one: it takes the plain tiles by itself.
     assert!(difference(&pictures[0], &pictures[2]).1 < 1.0);
 }

@@ -27,7 +27,7 @@ fn a_reference_still_looks_like_the_drawn_one_and_tells_its_numbers() {
         stats["features_on"],
         serde_json::json!(["clouds", "water", "atmosphere"])
     );
-    let bytes = 4 * 4096 * 2048 + 2048 * 1024 + 8192 * 4096;
+    let bytes = 4 * 4096 * 2048 + 4096 * 2048 + 8192 * 4096;
     assert_eq!(stats["map_bytes"], bytes);
     let ground = stats["ground"].as_f64().expect("a number");
     assert!((0.2..0.9).contains(&ground), "{ground}");
