@@ -85,6 +85,25 @@ struct Header {
     missing: Missing,
 }
 
+impl Header {
+    /// Of a file that says its size and which samples are missing, and no more.
+    fn of_size(columns: u32, rows: u32, missing: Missing) -> Self {
+        Self {
+            columns,
+            rows,
+            georeference: None,
+            plain: None,
+            warp: None,
+            is_south_first: false,
+            unit: None,
+            scale: None,
+            offset: None,
+            above: None,
+            missing,
+        }
+    }
+}
+
 /// A file whose header has been read.
 enum Decoder<R: BufRead + Seek> {
     Tiff(Box<tiff::Tiff<R>>),
@@ -225,7 +244,7 @@ pub fn check_metres(path: &Path, is_placed: bool) -> Result<(), HeightFileError>
     ))
 }
 
-/// What stands in for the sidecars of all files of a folder that have none of their own.
+/// The sidecar of all files of a folder that have none of their own.
 const FOLDER_SIDECAR: &str = "folder.toml";
 
 /// The sidecar of a folder, if there is one: it says no place.

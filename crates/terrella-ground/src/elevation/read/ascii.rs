@@ -106,10 +106,9 @@ impl<R: BufRead + Seek> Ascii<R> {
         };
         let (west, south) = (middle('x', dx)?, middle('y', dy)?);
         let north = south + f64::from(rows - 1) * dy;
+        let no_data = keys.get("nodata_value").or(keys.get("nodata"));
+        let missing = Missing::of(Some(no_data.unwrap_or(-9999.0)));
         let header = Header {
-            columns,
-            rows,
-            georeference: None,
             plain: Some(PlainGrid {
                 columns,
                 rows,
@@ -118,17 +117,7 @@ impl<R: BufRead + Seek> Ascii<R> {
                 column: dx,
                 row: dy,
             }),
-            warp: None,
-            is_south_first: false,
-            unit: None,
-            scale: None,
-            offset: None,
-            above: None,
-            missing: Missing::of(Some(
-                keys.get("nodata_value")
-                    .or(keys.get("nodata"))
-                    .unwrap_or(-9999.0),
-            )),
+            ..Header::of_size(columns, rows, missing)
         };
         let ascii = Self {
             reader,

@@ -104,8 +104,6 @@ impl<R: BufRead + Seek> Dted<R> {
         let step_deg = |tenths: u32| f64::from(tenths) / 36_000.0;
         let lat_step_deg = step_deg(steps.1);
         let header = Header {
-            columns,
-            rows,
             georeference: Some(Georeference {
                 columns,
                 rows,
@@ -115,14 +113,9 @@ impl<R: BufRead + Seek> Dted<R> {
                 west_rad: west_deg.to_radians(),
                 lon_step_rad: step_deg(steps.0).to_radians(),
             }),
-            plain: None,
-            warp: None,
-            is_south_first: false,
             unit: Some(HeightUnit::Metres),
-            scale: None,
-            offset: None,
             above,
-            missing: Missing::of(Some(f64::from(VOID))),
+            ..Header::of_size(columns, rows, Missing::of(Some(f64::from(VOID))))
         };
         let dted = Self {
             reader,

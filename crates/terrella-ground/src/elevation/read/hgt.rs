@@ -110,17 +110,10 @@ impl<R: BufRead + Seek> Hgt<R> {
             lon_step_rad: (1.0 / f64::from(columns - 1)).to_radians(),
         };
         let header = Header {
-            columns,
-            rows,
             georeference: corner_of(name).map(place),
-            plain: None,
-            warp: None,
-            is_south_first: false,
             unit: Some(HeightUnit::Metres),
-            scale: None,
-            offset: None,
             above: Some(VerticalDatum::Egm96),
-            missing: Missing::of(Some(VOID)),
+            ..Header::of_size(columns, rows, Missing::of(Some(VOID)))
         };
         let hgt = Self {
             reader,

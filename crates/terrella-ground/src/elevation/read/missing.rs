@@ -60,7 +60,7 @@ impl Missing {
         Some(self)
     }
 
-    /// The same, of numbers that a library writes unless it is told others.
+    /// The same, of numbers that a library writes by default.
     pub(super) fn by_default(self) -> Self {
         Self {
             is_declared: false,

@@ -74,19 +74,7 @@ impl<R: BufRead + Seek> Png<R> {
                 ([level], None) => Some(f64::from(*level)),
                 _ => None,
             });
-        let header = Header {
-            columns,
-            rows,
-            georeference: None,
-            plain: None,
-            warp: None,
-            is_south_first: false,
-            unit: None,
-            scale: None,
-            offset: None,
-            above: None,
-            missing: Missing::of(transparent),
-        };
+        let header = Header::of_size(columns, rows, Missing::of(transparent));
         let png = Self {
             reader,
             columns: columns as usize,
