@@ -3,9 +3,8 @@
 use crate::earth::ItrfView;
 use glam::DVec3;
 use terrella_frames::Ellipsoid;
+use terrella_ground::light::{VIEW_RAYS, view_rays};
 
-/// Rays across and down.
-const RAYS: [u32; 2] = [32, 18];
 /// Part of the picture that must be in daylight for it to count in full.
 const ENOUGH: f64 = 0.04;
 /// Sines of the Sun's elevation, −9° and 3°, between which the light of a place goes from night to day.
@@ -16,17 +15,11 @@ const AIR_SCALE_M: f64 = 8e3;
 /// 0, none, to 1, where the Sun at `sun_itrf`, a unit vector, lights a twenty-fifth of the picture, be it ground or air. Allocates
 /// nothing.
 pub(super) fn in_sight(view: &ItrfView, sun_itrf: DVec3, ellipsoid: &Ellipsoid) -> f64 {
-    let eye_from_clip = view.clip_from_eye.inverse();
-    let rays = (0..RAYS[0] * RAYS[1]).map(|n| {
-        let [x, y] = [n % RAYS[0], n / RAYS[0]];
-        let across = (f64::from(x) + 0.5) / f64::from(RAYS[0]) * 2.0 - 1.0;
-        let up = 1.0 - (f64::from(y) + 0.5) / f64::from(RAYS[1]) * 2.0;
-        // Any depth between the planes is before the eye.
-        let ray = eye_from_clip.project_point3(DVec3::new(across, up, 0.5));
-        light_along(view.eye_itrf_m, ray, sun_itrf, ellipsoid)
-    });
-    let lit: f64 = rays.sum();
-    (lit / (ENOUGH * f64::from(RAYS[0] * RAYS[1]))).min(1.0)
+    let rays = view_rays(&view.clip_from_eye);
+    let lit: f64 = rays
+        .map(|ray| light_along(view.eye_itrf_m, ray, sun_itrf, ellipsoid))
+        .sum();
+    (lit / (ENOUGH * VIEW_RAYS as f64)).min(1.0)
 }
 
 /// 0…1, of what a ray meets: ground, or the air nearest to it.

@@ -30,7 +30,7 @@ const MODULES: &[(&str, &[&str])] = &[
     // Drawn into memory.
     ("offscreen", &["light", "imagery", "gpu", "earth"]),
     // Drawn behind the Earth.
-    ("celestial", &["files", "frames", "air", "imagery", "plan", "gpu", "earth"]),
+    ("celestial", &["files", "frames", "air", "light", "imagery", "plan", "gpu", "earth"]),
     // Drawn with the Earth, for any feed: knows no scene.
     ("tracks", &["frames", "orbit", "globe", "air", "plan", "gpu", "earth"]),
     ("pack", &["files", "durable", "elevation", "globe", "imagery"]),

@@ -15,6 +15,8 @@ use terrella_frames::{MoonShadow, SUN_RADIUS_RAD};
 
 /// Rays across and down.
 const RAYS: [u32; 2] = [32, 18];
+/// How many [`view_rays`] gives.
+pub const VIEW_RAYS: usize = (RAYS[0] * RAYS[1]) as usize;
 /// Part of what is seen whose mean luminance is metered, the brightest.
 const BRIGHTEST: f64 = 0.1;
 /// Display light that it is shown with.
@@ -27,6 +29,19 @@ const RANGE_EV: [f64; 2] = [-4.0, 3.0];
 const METER_ALBEDO: [usize; 2] = [66, 32];
 /// Height in which the air beside the ground grows e times thinner, of the equatorial radius.
 const AIR_SCALE: f64 = 8e3 / 6.378e6;
+
+/// A grid of rays from the eye through a picture, each along one of equal parts of it: what a few looks say of all of it.
+/// `clip_from_eye` takes the rays' space to clip space.
+pub fn view_rays(clip_from_eye: &DMat4) -> impl Iterator<Item = DVec3> + use<> {
+    let eye_from_clip = clip_from_eye.inverse();
+    (0..RAYS[0] * RAYS[1]).map(move |n| {
+        let [x, y] = [n % RAYS[0], n / RAYS[0]];
+        let across = (f64::from(x) + 0.5) / f64::from(RAYS[0]) * 2.0 - 1.0;
+        let up = 1.0 - (f64::from(y) + 0.5) / f64::from(RAYS[1]) * 2.0;
+        // Any depth between the planes is before the eye.
+        eye_from_clip.project_point3(DVec3::new(across, up, 0.5))
+    })
+}
 
 /// What it sees.
 pub struct MeterView<'a> {
@@ -58,15 +73,8 @@ impl Meter {
 
     /// The exposure for a view, EV; the default where neither ground nor air is in sight. Allocates nothing.
     pub fn ev(&self, view: &MeterView<'_>) -> f64 {
-        const COUNT: usize = (RAYS[0] * RAYS[1]) as usize;
-        let mut seen = [(0.0, 0.0); COUNT];
-        let eye_from_clip = view.clip_from_eye.inverse();
-        for (n, seen) in (0..).zip(&mut seen) {
-            let [x, y] = [n % RAYS[0], n / RAYS[0]];
-            let across = (f64::from(x) + 0.5) / f64::from(RAYS[0]) * 2.0 - 1.0;
-            let up = 1.0 - (f64::from(y) + 0.5) / f64::from(RAYS[1]) * 2.0;
-            // Any depth between the planes is before the eye.
-            let ray = eye_from_clip.project_point3(DVec3::new(across, up, 0.5));
+        let mut seen = [(0.0, 0.0); VIEW_RAYS];
+        for (seen, ray) in seen.iter_mut().zip(view_rays(view.clip_from_eye)) {
             *seen = self.luminance(view, ray / view.itrf_from_scaled);
         }
         let Some(luminance) = mean_of_brightest(&mut seen, BRIGHTEST) else {

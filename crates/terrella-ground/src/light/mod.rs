@@ -18,7 +18,7 @@ mod tone;
 
 pub use display_slope::DisplaySlope;
 pub use exposure::{Adaptation, Exposure, exposure_factor};
-pub use meter::{Meter, MeterView};
+pub use meter::{Meter, MeterView, VIEW_RAYS, view_rays};
 pub use tone::Tone;
 pub use tone::{
     CAMERA_HALF_RAISED, CAMERA_SATURATION, CAMERA_STRAIGHT, CAMERA_TOE, CAMERA_TOE_LEAST,
