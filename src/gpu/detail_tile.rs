@@ -11,7 +11,7 @@ pub(super) struct DetailTile {
 
 impl DetailTile {
     pub fn upload(device: &wgpu::Device, queue: &wgpu::Queue) -> Self {
-        let label = "terrella cloud detail";
+        let label = "terrella detail tile";
         Self {
             tile: GpuLayer::upload(device, queue, label, &detail_tile(), false),
             sampler: device.create_sampler(&wgpu::SamplerDescriptor {

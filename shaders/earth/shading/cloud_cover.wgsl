@@ -9,25 +9,30 @@ fn lifted_before(at: SurfacePoint) -> Lifted {
 }
 
 fn cover_at(at: SurfacePoint, lift: Lifted) -> f32 {
-    let cover = mapped_cover(at, lift);
-    @if(!detail) return cover;
-    @if(detail) let texel = texel_radii(CLOUDS, at, textureDimensions(cloud_map));
-    @if(detail) return uneven_share(cover, CLOUD_CONTRAST, structure(lift.up, texel, pixel_radii(at)));
+    @if(!detail) return mapped_cover(at, lift);
+    @if(detail) return uneven_cover(at, lift, structure(lift.up, cloud_texel_radii(at), pixel_radii(at)));
 }
 
 // For shadows, whose edges are soft: with the larger of the detail alone.
 @if(cloud_shadows)
 fn soft_cover_at(at: SurfacePoint, lift: Lifted) -> f32 {
-    let cover = mapped_cover(at, lift);
-    @if(!detail) return cover;
-    @if(detail) let texel = texel_radii(CLOUDS, at, textureDimensions(cloud_map));
-    @if(detail) return uneven_share(cover, CLOUD_CONTRAST, soft_structure(lift.up, texel, pixel_radii(at)));
+    @if(!detail) return mapped_cover(at, lift);
+    @if(detail) return uneven_cover(at, lift, soft_structure(lift.up, cloud_texel_radii(at), pixel_radii(at)));
+}
+
+@if(detail)
+fn uneven_cover(at: SurfacePoint, lift: Lifted, made: Detail) -> f32 {
+    return uneven_share(mapped_cover(at, lift), CLOUD_CONTRAST, made);
 }
 
 fn mapped_cover(at: SurfacePoint, lift: Lifted) -> f32 {
     var moved = at;
     moved.uv += map_shift(CLOUDS, at, vec2f(textureDimensions(cloud_map)), lift.uv);
     return sample_map(cloud_map, cloud_sampler, CLOUDS, moved).r;
+}
+
+fn cloud_texel_radii(at: SurfacePoint) -> f32 {
+    return texel_radii(CLOUDS, at, textureDimensions(cloud_map));
 }
 
 @if(detail) const CLOUD_CONTRAST: f32 = 1.6;

@@ -54,7 +54,7 @@ fn sun_on_top(at: SurfacePoint, clouds: CloudsBefore, sun: vec3f) -> f32 {
     let level = sun - upward * clouds.lift.up;
     let flat_ = length(level);
     @if(detail) let step = max(CLOUD_STEP, 1.5 * pixel_radii(at));
-    @else let step = max(texel_radii(CLOUDS, at, textureDimensions(cloud_map)), 1.5 * pixel_radii(at));
+    @else let step = max(cloud_texel_radii(at), 1.5 * pixel_radii(at));
     let ahead = cover_at(at, moved(at, clouds.lift, level * (step / max(flat_, 1e-3))));
     let slope = clamp(surface_light.cloud_relief * (ahead - clouds.cover) / step, -STEEPEST, STEEPEST);
     return max((upward - slope * flat_) * inverseSqrt(1.0 + slope * slope), CLOUD_SIDES);

@@ -27,17 +27,19 @@ const LEAST_PIXEL: f32 = 0.4;
 fn structure(up: vec3f, texel: f32, pixel: f32) -> Detail {
     let coarse = structure_of_size(up, COARSE_TILES, texel, pixel);
     let fine = structure_of_size(FINE_TURN * up, FINE_TILES, texel, pixel);
-    let shown = 1.0 - smoothstep(LEAST_PIXEL, 1.0, pixel / texel);
     let value = coarse.value + FINE_STRENGTH * fine.value;
     let variance = coarse.variance + FINE_STRENGTH * FINE_STRENGTH * fine.variance;
-    return Detail(shown * value, shown * shown * variance);
+    return faded(Detail(value, variance), texel, pixel);
 }
 
 // The same in the larger size alone, and that softly.
 fn soft_structure(up: vec3f, texel: f32, pixel: f32) -> Detail {
-    let coarse = structure_of_size(up, COARSE_TILES, texel, 4.0 * pixel);
+    return faded(structure_of_size(up, COARSE_TILES, texel, 4.0 * pixel), texel, pixel);
+}
+
+fn faded(made: Detail, texel: f32, pixel: f32) -> Detail {
     let shown = 1.0 - smoothstep(LEAST_PIXEL, 1.0, pixel / texel);
-    return Detail(shown * coarse.value, shown * shown * coarse.variance);
+    return Detail(shown * made.value, shown * shown * made.variance);
 }
 
 fn structure_of_size(up: vec3f, tiles: f32, texel: f32, pixel: f32) -> Detail {
