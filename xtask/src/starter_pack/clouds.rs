@@ -9,7 +9,7 @@ use image::codecs::jpeg::JpegEncoder;
 use std::path::Path;
 
 /// The map's place below the folder of source data.
-pub const SOURCE: &str = "imagery/clouds_alpha_gray_4096x2048.png";
+const SOURCE: &str = "imagery/clouds_alpha_gray_4096x2048.png";
 
 const JPEG_QUALITY: u8 = 75;
 
@@ -26,9 +26,13 @@ const COVER_OF_SHARE: [(f64, f64); 8] = [
     (1.0, 1.0),
 ];
 
-/// Makes `clouds.jpg`: mended, and as cover.
-pub fn make(data: &Path) -> Result<Vec<u8>> {
-    let mut map = mended(Map::read(&data.join(SOURCE), 1)?);
+/// The source, mended.
+pub fn source(data: &Path) -> Result<Map> {
+    Ok(mended(Map::read(&data.join(SOURCE), 1)?))
+}
+
+/// Makes `clouds.jpg` of the mended source: its values as cover.
+pub fn make(mut map: Map) -> Result<Vec<u8>> {
     specify(&mut map);
     let mut jpeg = Vec::new();
     JpegEncoder::new_with_quality(&mut jpeg, JPEG_QUALITY).encode(
@@ -78,7 +82,7 @@ fn row_area(y: usize, height: usize) -> f64 {
 }
 
 /// The map, at any size, without its cuts and with whole polar caps.
-pub fn mended(mut map: Map) -> Map {
+fn mended(mut map: Map) -> Map {
     // The map was put together from halves: there is a slight step at 0° as well as at 180°.
     let (middle, reach) = (map.width / 2, map.width * 12 / 2048);
     map.mend_step(0, reach);

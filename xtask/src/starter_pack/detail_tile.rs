@@ -3,13 +3,11 @@
 //! The tile repeats without a seam, and lies on the six sides of a cube about the Earth without one too: its first row is its first
 //! column, and reads the same from both ends.
 
-use super::clouds::{SOURCE, mended};
 use super::map::Map;
 use super::plane::Plane;
 use anyhow::Result;
 use image::ExtendedColorType;
 use image::codecs::jpeg::JpegEncoder;
-use std::path::Path;
 
 /// Texels along a side.
 const SIDE: usize = 1024;
@@ -31,10 +29,9 @@ const STEP: f64 = 3.2 / 127.0;
 
 const JPEG_QUALITY: u8 = 75;
 
-/// Makes the tile: a grey JPEG, 128 being the mean.
-pub fn make(data: &Path) -> Result<Vec<u8>> {
-    let map = mended(Map::read(&data.join(SOURCE), 1)?);
-    let tile = tile(&Plane::of(&map));
+/// Makes the tile of the mended source of the cloud map: a grey JPEG, 128 being the mean.
+pub fn make(clouds: &Map) -> Result<Vec<u8>> {
+    let tile = tile(&Plane::of(clouds));
     let bytes = tile.values.iter().map(|value| {
         let byte = value / STEP + 128.0;
         (byte.clamp(1.0, 255.0) + 0.5).min(255.0) as u8
