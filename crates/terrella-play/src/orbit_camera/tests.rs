@@ -68,6 +68,13 @@ fn assert_sound(camera: &OrbitCamera, what: &str) {
     );
 }
 
+fn screen(width_px: f64, height_px: f64, fov_deg: f64) -> Screen {
+    Screen {
+        size_px: DVec2::new(width_px, height_px),
+        fov_rad: fov_deg.to_radians(),
+    }
+}
+
 #[test]
 fn the_grabbed_place_stays_under_the_pointer() {
     let mut lot = Lot(0x5eed_0001);
@@ -105,10 +112,7 @@ fn the_globe_follows_a_hand_over_poles_and_the_date_line() {
     let mut lot = Lot(0x5eed_0002);
     let mut drags = 0;
     while drags < 1_000 {
-        let screen = Screen {
-            size_px: DVec2::new(1280.0, 720.0),
-            fov_rad: 40f64.to_radians(),
-        };
+        let screen = screen(1280.0, 720.0, 40.0);
         let near_pole = lot.part() < 0.5;
         let lat_deg = match near_pole {
             true => lot.between(80.0, 90.0).copysign(lot.between(-1.0, 1.0)),
@@ -145,10 +149,7 @@ fn the_globe_follows_a_hand_over_poles_and_the_date_line() {
 
 #[test]
 fn a_pointer_beside_the_globe_holds_the_place_at_the_limb() {
-    let screen = Screen {
-        size_px: DVec2::new(1280.0, 720.0),
-        fov_rad: 30f64.to_radians(),
-    };
+    let screen = screen(1280.0, 720.0, 30.0);
     let camera = OrbitCamera {
         place: Geodetic::from_degrees(10.0, 20.0, 35_786_000.0),
         heading_rad: 0.0,
@@ -205,10 +206,7 @@ fn the_wheel_multiplies_the_distance_and_keeps_the_place_under_the_pointer() {
 
 #[test]
 fn the_wheel_goes_from_the_whole_disc_to_the_ground_and_back() {
-    let screen = Screen {
-        size_px: DVec2::new(640.0, 360.0),
-        fov_rad: 45f64.to_radians(),
-    };
+    let screen = screen(640.0, 360.0, 45.0);
     let mountain = |lat: f64, lon: f64| 4_000.0 + 500.0 * (300.0 * lat).sin() * (300.0 * lon).cos();
     let hilly = Globe {
         ellipsoid: Ellipsoid::WGS84,
@@ -274,10 +272,7 @@ fn tilting_goes_around_the_place_in_the_middle() {
 
 #[test]
 fn a_head_turns_where_nothing_is_in_the_middle() {
-    let screen = Screen {
-        size_px: DVec2::new(640.0, 360.0),
-        fov_rad: 45f64.to_radians(),
-    };
+    let screen = screen(640.0, 360.0, 45.0);
     let camera = OrbitCamera {
         place: Geodetic::from_degrees(0.0, 0.0, 400_000.0),
         heading_rad: 1.0,
@@ -323,10 +318,7 @@ fn rays_meet_the_relief_and_not_the_ellipsoid() {
         ellipsoid: Ellipsoid::WGS84,
         ground: Some(&ridge),
     };
-    let screen = Screen {
-        size_px: DVec2::new(640.0, 360.0),
-        fov_rad: 45f64.to_radians(),
-    };
+    let screen = screen(640.0, 360.0, 45.0);
     let camera = OrbitCamera {
         place: Geodetic::from_degrees(44.9, 8.0, 5_000.0),
         heading_rad: 0.0,
@@ -351,10 +343,7 @@ fn rays_meet_the_relief_and_not_the_ellipsoid() {
 
 #[test]
 fn numbers_that_are_none_change_nothing() {
-    let screen = Screen {
-        size_px: DVec2::new(640.0, 360.0),
-        fov_rad: 45f64.to_radians(),
-    };
+    let screen = screen(640.0, 360.0, 45.0);
     let camera = OrbitCamera {
         place: Geodetic::from_degrees(0.0, 0.0, 400_000.0),
         heading_rad: 0.0,
