@@ -57,8 +57,8 @@ fn flight(text: &str) -> Flight {
 /// 0.0234 and 3.64.
 const BOUNDS: [(&str, f32, f64); 3] = [
     ("space station", 0.0368, 3.04),
-    ("whole disc", 0.0136, 3.7),
-    ("limb at night", 0.029, 4.4),
+    ("whole disc", 0.0132, 3.55),
+    ("limb at night", 0.0258, 4.0),
 ];
 
 /// Options, and moments by name.
