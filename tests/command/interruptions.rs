@@ -12,6 +12,9 @@ const SIGNALS: [(&str, i32); 3] = [("-INT", 130), ("-TERM", 143), ("-HUP", 129)]
 /// From before there is a scene to amid the work, milliseconds after the start.
 const MOMENTS_MS: [u64; 6] = [10, 60, 200, 600, 1300, 2500];
 
+/// A command that goes on for longer with success has ignored the signal; each takes longer from most of the moments on.
+const FINISHING: Duration = Duration::from_millis(500);
+
 /// An orbit that takes long to integrate.
 const LONG: &str = "[time]\nstart = 2018-01-15T12:00:00Z\nduration_s = 864000\n[orbit]\nsource = \"numerical\"\n\
     epoch = 2018-01-15T12:00:00Z\nposition_km = [7000, 0, 0]\nvelocity_km_s = [0, 7.5, 1]\ngravity_degree = 20\n";
@@ -83,7 +86,10 @@ fn interrupt(arguments: &[&str]) {
         if !has_ended {
             send(signal, &child);
         }
+        let sent = Instant::now();
         let output = end(child);
+        // The signal may arrive when the last file has its name and only the process is left to end.
+        let had_finished = output.status.success() && sent.elapsed() < FINISHING;
         let told = format!(
             "{arguments:?}, {signal} after {moment_ms} ms: {}",
             words(&output)
@@ -95,7 +101,7 @@ fn interrupt(arguments: &[&str]) {
             output.status.signal().map(|number| 128 + number) == Some(code) && moment_ms < 50;
         let is_told = output.status.code() == Some(code);
         assert!(
-            is_told || by_signal || has_ended,
+            is_told || by_signal || has_ended || had_finished,
             "{:?}, {told}",
             output.status
         );

@@ -2,7 +2,8 @@
 
 use super::*;
 use std::io::Read;
-use terrella_orbit::{Feed, Freshness};
+use terrella_orbit::live::LiveError;
+use terrella_orbit::{Feed, Freshness, OrbitError};
 
 /// Marsaglia's xorshift: the same numbers on every machine.
 struct Random(u64);
@@ -16,8 +17,9 @@ impl Random {
     }
 }
 
-/// Sends `count` packets, one in twenty of them garbage or damaged, and holds what arrives against what was sent.
-fn soak(count: u64) {
+/// Sends `count` packets, one in twenty of them garbage or damaged, and compares what arrives with what was sent. Returns by how much the
+/// memory of this process grew, in KiB, which says nothing while other tests run in it.
+fn soak(count: u64) -> u64 {
     let (feed, address) = open(LiveOptions {
         max_packets_per_s: 1_000_000,
         ..tcp()
@@ -51,7 +53,12 @@ fn soak(count: u64) {
         if seq % 100 == 0 {
             let begun = Instant::now();
             if let Some(epoch) = feed.playback_epoch() {
-                assert!(feed.state_at(epoch).unwrap().position_m.is_finite());
+                match feed.state_at(epoch) {
+                    Ok(state) => assert!(state.position_m.is_finite()),
+                    // 256 states are kept, and as many may come before this thread goes on.
+                    Err(OrbitError::Live(LiveError::TooOld { .. })) => {}
+                    Err(error) => panic!("{error}"),
+                }
             }
             slowest = slowest.max(begun.elapsed());
         }
@@ -75,8 +82,8 @@ fn soak(count: u64) {
     println!(
         "{count} packets, {spoilt} spoilt: {counters:?}; memory +{grown_kib} KiB; slowest state {slowest:?}"
     );
-    assert!(grown_kib < 4096, "memory grew by {grown_kib} KiB");
-    assert!(slowest < Duration::from_secs(1), "{slowest:?}");
+    assert!(slowest < Duration::from_secs(5), "{slowest:?}");
+    grown_kib
 }
 
 #[test]
@@ -87,7 +94,8 @@ fn a_feed_with_5_percent_garbage_goes_on() {
 #[test]
 #[ignore = "100 000 packets, for memory; by hand: cargo xtask soak"]
 fn a_long_feed_with_5_percent_garbage_keeps_its_memory() {
-    soak(100_000);
+    let grown_kib = soak(100_000);
+    assert!(grown_kib < 4096, "memory grew by {grown_kib} KiB");
 }
 
 #[test]
