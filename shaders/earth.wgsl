@@ -28,7 +28,4 @@ import earth/surface_point.wgsl;
 @if(sunlit) import earth/shading/sunlit.wgsl;
 
 // Fragment stage: what is written.
-import earth/fragment/drawn.wgsl;
-@if(picture) import earth/fragment/picture.wgsl;
-@if(geolocation) import earth/fragment/geolocation.wgsl;
-@if(truth) import earth/fragment/truth.wgsl;
+import earth/fragment.wgsl;

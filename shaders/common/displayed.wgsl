@@ -2,9 +2,11 @@
 //
 // `TargetColor` in src/gpu/shader/variant.rs says which conditions hold together: radiance (a float target, which gets the light
 // itself), else camera, neutral, filmic or none of them (cut off at 1), and encode (the hardware does not encode).
-import common/tone.wgsl;
-@if(!radiance) import common/dither.wgsl;
 @if(encode) import common/color.wgsl;
+@if(!radiance) import rust::LAST_CODE;
+@if(camera) import rust::{LUMINANCE, TONE_CAMERA_HALF_RAISED, TONE_CAMERA_SATURATION, TONE_CAMERA_STRAIGHT, TONE_CAMERA_TOE, TONE_CAMERA_TOE_LEAST, TONE_CAMERA_WHITE};
+@if(neutral) import rust::{TONE_NEUTRAL_DESATURATION, TONE_NEUTRAL_START};
+@if(filmic) import rust::{TONE_FILMIC_A, TONE_FILMIC_B, TONE_FILMIC_C, TONE_FILMIC_D, TONE_FILMIC_E, TONE_FILMIC_SCALE};
 
 fn displayed(light: vec3f, exposure: f32, pixel: vec2f) -> vec3f {
     let shown = toned(light, exposure);
@@ -21,4 +23,54 @@ fn toned(light: vec3f, exposure: f32) -> vec3f {
     @if(neutral) shown = neutral(shown);
     @if(filmic) shown = filmic(shown);
     @if(!radiance) return shown;
+}
+
+// `Tone::Camera` in crates/terrella-ground/src/light/tone.rs.
+@if(camera)
+fn camera(light: vec3f) -> vec3f {
+    // Beyond a thousand times white the curve is at its end, and squares could leave f32's range.
+    let x = min(light, vec3f(1000.0));
+    let cleared = x * (x + TONE_CAMERA_TOE_LEAST * TONE_CAMERA_TOE) / (x + TONE_CAMERA_TOE);
+    let raised = cleared * (sqrt(cleared) + TONE_CAMERA_STRAIGHT);
+    let shown = TONE_CAMERA_WHITE * raised / (raised + TONE_CAMERA_HALF_RAISED);
+    return max(mix(vec3f(dot(shown, LUMINANCE)), shown, TONE_CAMERA_SATURATION), vec3f(0.0));
+}
+
+// Khronos PBR Neutral (2024), its highlights alone. `Tone::Neutral` in crates/terrella-ground/src/light/tone.rs says why.
+@if(neutral)
+fn neutral(light: vec3f) -> vec3f {
+    let peak = max(light.r, max(light.g, light.b));
+    if peak <= TONE_NEUTRAL_START {
+        return light;
+    }
+    let room = 1.0 - TONE_NEUTRAL_START;
+    let shown_peak = 1.0 - room * room / (peak + room - TONE_NEUTRAL_START);
+    let white = 1.0 - 1.0 / (TONE_NEUTRAL_DESATURATION * (peak - shown_peak) + 1.0);
+    return mix(light * (shown_peak / peak), vec3f(shown_peak), white);
+}
+
+// Narkowicz 2016, "ACES Filmic Tone Mapping Curve": x(ax + b)/(x(cx + d) + e). `Tone::Filmic` in crates/terrella-ground/src/light/tone.rs.
+@if(filmic)
+fn filmic(light: vec3f) -> vec3f {
+    // Beyond a thousand times white the curve is at its end, and squares could leave f32's range.
+    let x = min(light, vec3f(1000.0)) * TONE_FILMIC_SCALE;
+    return x * (TONE_FILMIC_A * x + TONE_FILMIC_B) / (x * (TONE_FILMIC_C * x + TONE_FILMIC_D) + TONE_FILMIC_E);
+}
+
+// Noise of at most half a step of 8 bits, the same for a pixel in every frame, so that gradients too dark for 8 bits are shown
+// by how many pixels have the next step, and their mean is right.
+//
+// Interleaved gradient noise (Jimenez 2014, "Next Generation Post Processing in Call of Duty"): evenly spread over any small
+// neighbourhood.
+@if(!radiance)
+fn dither(pixel: vec2f) -> f32 {
+    return (fract(52.9829189 * fract(dot(pixel, vec2f(0.06711056, 0.00583715)))) - 0.5) / LAST_CODE;
+}
+
+// Change of linear light for a change of its sRGB code: 2.4/1.055 · c^(1.4/2.4), within 9 % and without a power; 1/12.92 at the
+// dark end.
+@if(!radiance)
+fn linear_per_code(linear: vec3f) -> vec3f {
+    let c = clamp(linear, vec3f(0.0), vec3f(1.0));
+    return max(1.469 * sqrt(c) + 0.806 * c, vec3f(1.0 / 12.92));
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 use terrella::internals::gpu::SHADER_FILES;
 
 /// What is drawn last, and what the tests make of it.
-const LAST: &str = "earth/fragment/picture.wgsl";
+const LAST: &str = "earth/fragment.wgsl";
 const DRAWN: &str = "    return drawn(vec4f(color, 1.0), at);";
 const RED: &str = "    return drawn(vec4f(1.0, 0.0, 0.0, 1.0), at);";
 const BROKEN: &str = "    return drawn(vec4f(colour, 1.0), at);";

@@ -2,7 +2,7 @@
 import common/air.wgsl;
 @if(eclipse) import common/air/eclipsed.wgsl;
 @if(relief) import rust::AIR_SCALE_HEIGHT_M;
-@if(relief && inside) import earth/shading/part_of_air.wgsl;
+@if(relief && inside) import rust::AIR_RADIUS_M;
 
 // What it leaves of the ground's light, and what it adds.
 struct AirBefore {
@@ -70,4 +70,44 @@ fn sun_on_air_before(at: SurfacePoint) -> vec3f {
     let to_eye = normalize(at.to_eye);
     let reach = length(ground + air.eye_distance * air.toward_center);
     return sun_on_rising_air(ground, normalize(to_eye * stretch), max(dot(to_eye, at.up), 0.0), reach);
+}
+
+// Near the ground the limb is near, and what is a small part of the air there says little of the air before a far mountain.
+@if(relief && inside)
+const MOST_PARTS: f32 = 50.0;
+
+// Of the air between an eye in it and the smooth ground, or the limb, the part that stands before a point of the relief.
+@if(relief && inside)
+fn part_before(at: SurfacePoint, direction: vec3f, ray_length: f32) -> f32 {
+    let along = air.eye_distance * dot(direction, air.toward_center);
+    let q = air.eye_distance * length(cross(direction, air.toward_center));
+    let rise = air.eye_height * (air.eye_distance + 1.0);
+    let to_limb = air.eye_distance * air.limb_cos;
+    // h(L + 1)/(along + √(1 − q²)), as far as the limb at most.
+    let to_smooth = min(rise / max(along + sqrt(max((1.0 - q) * (1.0 + q), 0.0)), 1e-9), to_limb);
+    let whole = air_along(select(to_limb, to_smooth, along > 0.0), along);
+    return min(air_along(at.along * ray_length / AIR_RADIUS_M, along) / max(whole, 1e-9), MOST_PARTS);
+}
+
+// Air on the first `length_` of a ray, in ground densities times radii: two stretches on which height is taken as even.
+@if(relief && inside)
+fn air_along(length_: f32, along: f32) -> f32 {
+    let middle = height_along(0.5 * length_, along);
+    let end = height_along(length_, along);
+    return 0.5 * length_ * (mean_density(height_along(0.0, along), middle) + mean_density(middle, end));
+}
+
+// In scale heights.
+@if(relief && inside)
+fn height_along(t: f32, along: f32) -> f32 {
+    let rise = air.eye_height * (air.eye_distance + 1.0) - 2.0 * t * along + t * t;
+    let r = sqrt(max(1.0 + rise, 0.0));
+    return max(rise, -1e-3) / (r + 1.0) * (AIR_RADIUS_M / AIR_SCALE_HEIGHT_M);
+}
+
+@if(relief && inside)
+fn mean_density(a: f32, b: f32) -> f32 {
+    let difference = b - a;
+    let of_ends = 0.5 * (exp(-a) + exp(-b));
+    return select((exp(-a) - exp(-b)) / difference, of_ends, abs(difference) < 1e-2);
 }

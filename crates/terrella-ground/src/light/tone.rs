@@ -1,4 +1,4 @@
-//! Tone curves: how exposed light becomes display light, 0…1. The shaders' twins stand in `shaders/common/tone.wgsl`.
+//! Tone curves: how exposed light becomes display light, 0…1. The shaders' twins stand in `shaders/common/displayed.wgsl`.
 
 use crate::air::LUMINANCE;
 use glam::DVec3;

@@ -151,7 +151,7 @@ fn encoded(linear: f64) -> f64 {
     }
 }
 
-/// The twin of `dither` in shaders/common/dither.wgsl, for the middle of a pixel.
+/// The twin of `dither` in shaders/common/displayed.wgsl, for the middle of a pixel.
 fn dither(x: f32, y: f32) -> f32 {
     let fract = |value: f32| value - value.floor();
     (fract(52.982_92 * fract(x * 0.067_110_56 + y * 0.005_837_15)) - 0.5) / 255.0
