@@ -309,6 +309,7 @@ fn a_disk_that_fills_keeps_what_was_done() {
         let output = shell
             .args(["-c", &script])
             .current_dir(place.path(""))
+            .env("TERRELLA_TEXTURES", crate::small_maps::folder())
             .output();
         let output = output.expect("a shell");
         assert_eq!(output.status.code(), Some(1), "{}", words(&output));

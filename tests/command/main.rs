@@ -29,6 +29,8 @@ mod several;
 mod shaders;
 mod shipped;
 mod simulators;
+#[path = "../common/small_maps.rs"]
+mod small_maps;
 mod start;
 mod terrain;
 mod truth;
@@ -42,6 +44,9 @@ mod x11;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use tempfile::TempDir;
+
+/// Texels round the Earth of the day map that the command finds in the tests. Clouds have as many, water twice as many.
+const DAY_WIDTH: u32 = 1024;
 
 /// A scene of four small frames that needs no orbit.
 const SMALL: &str = r#"
@@ -87,6 +92,7 @@ impl Place {
         command
             .args(arguments)
             .current_dir(self.folder.path())
+            .env("TERRELLA_TEXTURES", small_maps::folder())
             .env_remove("RUST_LOG")
             // Without one, graphics libraries complain on standard error, which tests read.
             .env("XDG_RUNTIME_DIR", self.folder.path())

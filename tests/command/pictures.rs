@@ -262,8 +262,9 @@ fn the_minimal_scene_pays_for_the_day_map_alone() {
     assert_eq!(iss["features_on"], serde_json::json!(all));
     assert_eq!(iss["features_off"], serde_json::json!([]));
     // The day map's levels, four bytes a texel, and not one byte more.
-    let day: u64 = (0..=12)
-        .map(|level| 4 * (4096_u64 >> level).max(1) * (2048_u64 >> level).max(1))
+    let width = u64::from(crate::DAY_WIDTH);
+    let day: u64 = (0..=width.ilog2())
+        .map(|level| 4 * (width >> level).max(1) * ((width / 2) >> level).max(1))
         .sum();
     assert_eq!(minimal["texture_bytes"], day);
     assert!(iss["texture_bytes"].as_u64().expect("bytes") > day + 4_000_000);

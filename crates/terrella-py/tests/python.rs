@@ -1,6 +1,9 @@
 //! The tests in Python, run by the machine's `python3` (or that of TERRELLA_PYTHON) with pytest on the package as it lies here. A machine without
 //! skips them, and says so.
 
+#[path = "../../../tests/common/small_maps.rs"]
+mod small_maps;
+
 use std::ffi::OsString;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -77,6 +80,7 @@ fn the_package_passes_its_tests() {
         .arg(folder.join("tests"))
         .current_dir(out.path())
         .env("PYTHONPATH", search)
+        .env("TERRELLA_TEXTURES", small_maps::folder())
         .env("PYTHONDONTWRITEBYTECODE", "1")
         .status();
     assert!(
