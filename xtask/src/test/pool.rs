@@ -9,7 +9,14 @@ use std::sync::Mutex;
 use std::time::Instant;
 
 /// Programs that take longest, the longest first, so that none is left alone at the end.
-const LONGEST: [&str; 5] = ["command", "python", "accuracy", "terrella_ground", "render"];
+const LONGEST: [&str; 6] = [
+    "command",
+    "python",
+    "accuracy",
+    "terrella_ground",
+    "render",
+    "model",
+];
 
 /// Runs all, as many at a time as there are processors, and prints the output of those that fail and the last line of those that pass.
 ///
