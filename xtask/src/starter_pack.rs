@@ -157,6 +157,7 @@ mod tests {
     }
 
     #[test]
+    #[ignore = "most of a minute; by hand after a change of the maps, and before a release: cargo test -p xtask -- --ignored"]
     fn the_committed_pack_is_what_the_command_makes() {
         let Some(data) = data() else {
             eprintln!("SKIPPED: the starter pack was not made again: no ../shared/data here");
