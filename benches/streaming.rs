@@ -27,8 +27,8 @@ use image::RgbaImage;
 use record::{Frame, Record};
 use std::time::Instant;
 use terrella::frames::{Ellipsoid, Epoch};
-use terrella::internals::gpu::{FrameTargets, GpuContext};
 use terrella::{Earth, EyeView, FrameRequest, Sky};
+use terrella::{FrameTargets, GpuContext};
 use terrella_play::Flight;
 use terrella_play::scene::Scene;
 

@@ -5,11 +5,11 @@
 
 use std::time::Instant;
 use terrella::frames::{Ellipsoid, Geodetic};
-use terrella::internals::gpu::{FrameTargets, GpuContext};
 use terrella::{
     Earth, EarthOptions, EarthView, EyeView, FrameRequest, LayerSelection, Sky, ViewFrame,
     Viewport, find_textures, load_layers,
 };
+use terrella::{FrameTargets, GpuContext};
 
 const SIZE: (u32, u32) = (640, 360);
 const ROUNDS: usize = 40;

@@ -133,12 +133,12 @@ pub use earth::{
     QualityReduction, QualityStep, ReadyChange, Sky, SurfaceOutput, TILED_SUBDIVISION, TileOptions,
     TruthPoint, TruthView, ViewFrame, Viewport,
 };
+#[cfg(feature = "offscreen")]
+pub use gpu::{AdapterReport, ContextError, GpuContext, GpuFault, PictureError, adapter_reports};
 pub use gpu::{
     Attachments, FrameTargets, GpuMap, MapError, MapFade, ScaledTarget, ShaderError, TruthTargets,
     TruthTexel,
 };
-#[cfg(feature = "offscreen")]
-pub use gpu::{GpuContext, GpuFault, PictureError};
 #[cfg(feature = "offscreen")]
 pub use offscreen::{
     Drawing, LayerDtype, LayerValues, OffscreenEarth, OffscreenError, TRUTH_LAYERS, TruthLayer,

@@ -2,8 +2,8 @@
 
 use crate::common::{day_only, down, gpu, looks_at, map, ray, tilted};
 use image::RgbaImage;
+use terrella::FrameTargets;
 use terrella::frames::{Ellipsoid, Geodetic};
-use terrella::internals::gpu::FrameTargets;
 use terrella::{Atmosphere, EarthOptions, EyeView, Sky};
 use terrella_imagery::LayerImage;
 use terrella_measure::Floor;

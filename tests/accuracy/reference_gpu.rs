@@ -4,7 +4,7 @@ use crate::common::tilted;
 use image::RgbImage;
 use std::path::Path;
 use terrella::frames::{Ellipsoid, Geodetic};
-use terrella::internals::gpu::{ContextError, GpuContext};
+use terrella::{ContextError, GpuContext};
 use terrella::{EarthOptions, Exposure, Sky};
 use terrella_measure::reference::{Reference, ReferenceOptions};
 use terrella_play::scene::Scene;

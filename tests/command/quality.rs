@@ -2,8 +2,8 @@
 
 use crate::{Place, png_size};
 use std::path::Path;
+use terrella::GpuContext;
 use terrella::Quality;
-use terrella::internals::gpu::GpuContext;
 use terrella_play::scene::Scene;
 use terrella_play::{Flight, HeldQuality, OffscreenRenderer, QualityControl, scene_quality};
 

@@ -5,8 +5,8 @@ use image::RgbaImage;
 use std::sync::OnceLock;
 use std::time::Duration;
 use terrella::frames::{Ellipsoid, Geodetic};
-use terrella::internals::gpu::{FrameTargets, GpuContext};
 use terrella::{Earth, EarthOptions, EyeView, FrameRequest, FrameStats, Quality, Sky};
+use terrella::{FrameTargets, GpuContext};
 use terrella_imagery::tile::TileKey;
 use terrella_imagery::{EarthLayers, LayerImage};
 

@@ -6,11 +6,11 @@ use image::RgbaImage;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 use terrella::frames::Geodetic;
-use terrella::internals::gpu::{FrameTargets, GpuContext};
 use terrella::{
     Earth, EarthError, EarthOptions, EyeView, FrameRequest, GpuMap, MapError, MapFade, Quality,
     Shading, Sky,
 };
+use terrella::{FrameTargets, GpuContext};
 use terrella_imagery::tile::MapLayer;
 use terrella_imagery::{EarthLayers, LayerImage};
 

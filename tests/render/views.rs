@@ -4,8 +4,8 @@ use crate::common::{Rig, gpu, map, plain, tilted};
 use glam::DVec3;
 use image::RgbaImage;
 use std::time::Duration;
+use terrella::FrameTargets;
 use terrella::frames::Geodetic;
-use terrella::internals::gpu::FrameTargets;
 use terrella::{
     Earth, EarthOptions, EarthView, Exposure, EyeView, FrameRequest, Quality, Sky, ViewFrame,
     Viewport,

@@ -2,7 +2,7 @@
 
 use super::{Common, print};
 use std::fmt::Write;
-use terrella::internals::gpu::{AdapterReport, ContextError, adapter_reports};
+use terrella::{AdapterReport, ContextError, adapter_reports};
 
 /// Prints all adapters. No adapter at all is a failure.
 pub fn run(common: &Common) -> anyhow::Result<()> {

@@ -11,9 +11,6 @@ use terrella_orbit::basilisk::{Endpoint, Meeting};
 use terrella_play::scene::Scene;
 use terrella_play::{Flight, ServeRequest, serve};
 
-/// The scene of simulations where none is given.
-const BUILT_IN: &str = terrella::internals::shipped::BASILISK;
-
 /// Arguments of `terrella serve`.
 #[derive(Debug, Args)]
 pub struct ServeArgs {
@@ -38,7 +35,7 @@ pub fn simulation_scene(
 ) -> anyhow::Result<Scene> {
     let mut scene = match path {
         Some(path) => load(Some(path), &[], strict)?,
-        None => Scene::from_toml(BUILT_IN, Path::new("basilisk.toml"))?,
+        None => Scene::of_simulations()?,
     };
     if let Some(endpoint) = listen {
         let options = scene

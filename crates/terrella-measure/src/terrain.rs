@@ -36,7 +36,7 @@ use patches::PatchError;
 use qbernstein::QError;
 use quadtree::TreeError;
 use std::path::{Path, PathBuf};
-use terrella::internals::gpu::{ContextError, GpuContext};
+use terrella::{ContextError, GpuContext};
 use terrella_ground::elevation::HeightFileError;
 use terrella_play::{OutputError, PendingFile, PlayError, Progress};
 use trees::TreeBuilds;

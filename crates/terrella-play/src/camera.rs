@@ -5,8 +5,8 @@
 
 use crate::scene::CameraUp;
 use glam::{DMat3, DQuat, DVec3};
+use terrella::EyeView;
 use terrella::frames::{Ellipsoid, Geodetic};
-use terrella::internals::earth::EyeView;
 
 /// Distance of the eye from the satellite in chase mode, metres.
 pub const CHASE_DISTANCE_M: f64 = 40.0;
@@ -41,7 +41,7 @@ pub struct Pose {
 
 /// What the user changed about a view.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Look {
+pub struct HeadTurn {
     /// Magnification, 1 is the scene's own; the picture's half height on a plane ahead is divided by it.
     pub zoom: f64,
     /// Turn of the head to the right, radians.
@@ -50,7 +50,7 @@ pub struct Look {
     pub pitch_rad: f64,
 }
 
-impl Default for Look {
+impl Default for HeadTurn {
     fn default() -> Self {
         Self {
             zoom: 1.0,
@@ -60,7 +60,7 @@ impl Default for Look {
     }
 }
 
-impl Look {
+impl HeadTurn {
     /// Vertical field of view after zooming, within the limits of this module.
     pub fn fov_rad(&self, scene_fov_rad: f64) -> f64 {
         let zoom = if self.zoom.is_finite() && self.zoom > 0.0 {
@@ -181,7 +181,7 @@ impl Pose {
     }
 
     /// The same eye with its head turned as the user turned it.
-    pub fn turned(&self, look: &Look) -> Self {
+    pub fn turned(&self, look: &HeadTurn) -> Self {
         let right = self.forward.cross(self.up);
         let turn = DQuat::from_axis_angle(self.up, -look.yaw_rad)
             * DQuat::from_axis_angle(right, look.pitch_rad);

@@ -5,7 +5,7 @@
 //! along with the vertical, in axes that turn with it by the shortest way and not with north, so that a camera that looks straight
 //! down, or level, at two keys does so between them, and nothing turns about at the poles.
 
-use super::camera::{Look, OrbitalMotion, Pose};
+use super::camera::{HeadTurn, OrbitalMotion, Pose};
 use super::spline::{NumberTrack, SphereTrack};
 use crate::scene::{Camera, CameraKey, Scene};
 use glam::{DMat3, DQuat, DVec3};
@@ -229,7 +229,7 @@ fn head_turn([yaw_deg, pitch_deg]: [f64; 2]) -> DQuat {
         forward: DVec3::NEG_Z,
         up: DVec3::Y,
     };
-    attitude(&ahead.turned(&Look {
+    attitude(&ahead.turned(&HeadTurn {
         zoom: 1.0,
         yaw_rad: yaw_deg.to_radians(),
         pitch_rad: pitch_deg.to_radians(),
@@ -356,9 +356,9 @@ mod tests {
             up: DVec3::Z,
         };
         let turned = path.turned(at(0.0), nadir);
-        let wanted = nadir.turned(&Look {
+        let wanted = nadir.turned(&HeadTurn {
             yaw_rad: 20_f64.to_radians(),
-            ..Look::default()
+            ..HeadTurn::default()
         });
         assert!((turned.forward - wanted.forward).length() < 1e-12);
         assert!((turned.up - wanted.up).length() < 1e-12);

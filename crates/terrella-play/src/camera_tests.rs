@@ -259,22 +259,22 @@ fn a_motion_without_direction_looks_north() {
 fn the_head_turns_right_and_up_and_the_view_narrows() {
     let pose = Pose::nadir(&over(0.0, 0.0, 4e5, 0.0), CameraUp::Flight, &WGS84);
     let right = pose.forward.cross(pose.up);
-    let turned = pose.turned(&Look {
+    let turned = pose.turned(&HeadTurn {
         yaw_rad: 0.3,
-        ..Look::default()
+        ..HeadTurn::default()
     });
     assert!(turned.forward.dot(right) > 0.29);
-    let raised = pose.turned(&Look {
+    let raised = pose.turned(&HeadTurn {
         pitch_rad: 0.3,
-        ..Look::default()
+        ..HeadTurn::default()
     });
     assert!(raised.forward.dot(pose.up) > 0.29);
     assert_sound(&raised, "raised");
 
     let zoomed = |zoom: f64| {
-        Look {
+        HeadTurn {
             zoom,
-            ..Look::default()
+            ..HeadTurn::default()
         }
         .fov_rad(1.0)
     };

@@ -1,6 +1,6 @@
 //! What the user has set: clock, camera, view, and what is shown. Knows nothing of windows.
 
-use super::camera::Look;
+use super::camera::HeadTurn;
 use super::clock::{AtEnd, Clock};
 use super::flight::{Flight, ViewRequest};
 use super::hand::{FreeEye, Hand};
@@ -24,7 +24,7 @@ pub struct Controls {
     /// Simulated time.
     pub clock: Clock,
     /// Zoom and direction of view.
-    pub look: Look,
+    pub look: HeadTurn,
     pub mode: CameraMode,
     /// What the user has done to the camera by hand.
     pub hand: Hand,
@@ -85,7 +85,7 @@ impl Controls {
         let scene = flight.scene();
         Self {
             clock: Clock::new(&scene.time, AtEnd::Loop),
-            look: Look::default(),
+            look: HeadTurn::default(),
             mode: scene.camera.mode,
             hand: Hand::default(),
             picked: None,
@@ -157,9 +157,9 @@ impl Controls {
     /// The user moves the eye by hand from now on, from a view with this field of view, radians.
     pub fn free_eye(&mut self, fov_rad: f64) {
         if self.hand.eye().is_none() && fov_rad.is_finite() {
-            self.look = Look {
+            self.look = HeadTurn {
                 zoom: self.zoom_of(fov_rad),
-                ..Look::default()
+                ..HeadTurn::default()
             };
         }
     }
@@ -167,7 +167,7 @@ impl Controls {
     /// Back to the scene's camera.
     pub fn leave_free_eye(&mut self) {
         self.hand.leave();
-        self.look = Look::default();
+        self.look = HeadTurn::default();
     }
 
     /// The magnification with which the field of view is this, radians.
@@ -242,7 +242,7 @@ impl Controls {
             self.mode = *mode;
         }
         // A turned head would look anywhere in another camera.
-        self.look = Look::default();
+        self.look = HeadTurn::default();
     }
 
     fn zoom(&mut self, steps: f64) {
@@ -251,7 +251,7 @@ impl Controls {
         }
         let steps = steps.clamp(-MAX_ZOOM_STEP, MAX_ZOOM_STEP);
         let zoom = (self.look.zoom.log2() + steps).exp2();
-        let fov_rad = Look { zoom, ..self.look }.fov_rad(self.scene_fov_rad);
+        let fov_rad = HeadTurn { zoom, ..self.look }.fov_rad(self.scene_fov_rad);
         // What the view's limits left of it: steps must not pile up behind them.
         self.look.zoom = self.zoom_of(fov_rad);
     }

@@ -19,8 +19,8 @@ use loader::{Loaded, MapLoader};
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 use terrella::frames::Epoch;
-use terrella::internals::gpu::{GpuContext, GpuMap, MapFade};
 use terrella::{Earth, EarthError};
+use terrella::{GpuContext, GpuMap, MapFade};
 
 /// How often what two maps lend to the light of the air is set anew while one passes into the other.
 const AIR_STEPS: f64 = 16.0;

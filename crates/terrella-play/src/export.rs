@@ -20,7 +20,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::mpsc::sync_channel;
 use std::time::Instant;
-use terrella::internals::gpu::GpuContext;
+use terrella::GpuContext;
 use terrella_files::printable;
 use terrella_imagery::tile::TileKey;
 use terrella_orbit::basilisk::Meeting;

@@ -1,6 +1,6 @@
 //! A scene made ready to be played: where the eye is and what lights it at any instant.
 
-use super::camera::{Look, OrbitalMotion, Pose};
+use super::camera::{HeadTurn, OrbitalMotion, Pose};
 use super::camera_path::CameraPath;
 use super::craft::CraftPose;
 use super::error::PlayError;
@@ -37,7 +37,7 @@ pub struct ViewRequest {
     /// The camera.
     pub mode: CameraMode,
     /// What the user changed about it.
-    pub look: Look,
+    pub look: HeadTurn,
     /// Width over height of the picture.
     pub aspect: f64,
 }
@@ -213,7 +213,7 @@ impl Flight {
     pub fn at(&self, epoch: Epoch, aspect: f64) -> Result<Moment, PlayError> {
         let request = ViewRequest {
             mode: self.scene.camera.mode,
-            look: Look::default(),
+            look: HeadTurn::default(),
             aspect,
         };
         self.view_at(epoch, &request)

@@ -83,7 +83,7 @@ fn time_frames(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use terrella::internals::gpu::GpuContext;
+    use terrella::GpuContext;
 
     #[test]
     fn every_frame_is_timed_once_and_the_thread_ends() {

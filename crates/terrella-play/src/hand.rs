@@ -335,11 +335,11 @@ mod tests {
 
     #[test]
     fn a_rolled_view_is_held_where_it_was_seen() {
-        use crate::camera::Look;
-        let look = Look {
+        use crate::camera::HeadTurn;
+        let look = HeadTurn {
             yaw_rad: 0.4,
             pitch_rad: 0.2,
-            ..Look::default()
+            ..HeadTurn::default()
         };
         let level = Pose::geodetic(Geodetic::from_degrees(50.0, 8.0, 2e6), &FLAT.ellipsoid);
         let pose = level.turned(&look);

@@ -1,6 +1,6 @@
 //! Scenes whose time a simulator gives: which instant a picture shows, who is answered, and what the window reports.
 
-use super::camera::Look;
+use super::camera::HeadTurn;
 use super::error::PlayError;
 use super::flight::{Flight, Moment, ViewRequest};
 use super::keys::Action;
@@ -338,7 +338,7 @@ impl Flight {
         let (wait, begun) = (self.scene().output.wait(), Instant::now());
         let request = ViewRequest {
             mode: self.scene().camera.mode,
-            look: Look::default(),
+            look: HeadTurn::default(),
             aspect,
         };
         loop {

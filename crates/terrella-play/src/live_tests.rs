@@ -1,7 +1,7 @@
 //! Simulators that are killed, stalled, restarted, flooding or slow, and what the window shows meanwhile.
 
 use super::*;
-use crate::camera::Look;
+use crate::camera::HeadTurn;
 use crate::scene::Scene;
 use std::io::{BufRead, BufReader, Write};
 use std::net::{SocketAddr, TcpStream};
@@ -47,7 +47,7 @@ fn connect(address: SocketAddr) -> TcpStream {
 fn view() -> ViewRequest {
     ViewRequest {
         mode: CameraMode::Nadir,
-        look: Look::default(),
+        look: HeadTurn::default(),
         aspect: 1.5,
     }
 }

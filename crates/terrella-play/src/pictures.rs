@@ -7,9 +7,9 @@ use super::quality_control::scene_quality;
 use crate::scene::{BetweenMaps, Scene};
 use std::path::Path;
 use std::time::Duration;
+use terrella::GpuContext;
 use terrella::frames::Epoch;
-use terrella::internals::gpu::GpuContext;
-use terrella::internals::offscreen::{Drawing, OffscreenEarth, TruthPicture};
+use terrella::{Drawing, OffscreenEarth, TruthPicture};
 use terrella::{EarthOptions, Exposure, EyeView, FrameStats};
 use terrella_imagery::tile::TileKey;
 

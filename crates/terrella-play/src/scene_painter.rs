@@ -7,8 +7,8 @@ use super::flight::{Flight, Moment};
 use super::sky::SkyLayer;
 use super::tracks::{TrackDetail, TracksLayer};
 use std::time::Duration;
+use terrella::GpuContext;
 use terrella::celestial::CelestialOptions;
-use terrella::internals::gpu::GpuContext;
 use terrella::{
     Adaptation, Earth, EarthError, EarthOptions, Exposure, EyeView, FrameRequest, FrameStats,
     Quality,

@@ -13,8 +13,8 @@ use super::truth::TruthFolder;
 use hifitime::Unit;
 use std::path::Path;
 use terrella::EarthOptions;
+use terrella::GpuContext;
 use terrella::frames::Epoch;
-use terrella::internals::gpu::GpuContext;
 use terrella_imagery::tile::TileKey;
 
 /// Which picture is wanted, and where it goes.

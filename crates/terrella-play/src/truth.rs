@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
-use terrella::internals::gpu::GpuContext;
+use terrella::GpuContext;
 use terrella::internals::offscreen::{
     LayerDtype, TRUTH_LAYERS, TruthPixel, check_truth_memory, new_truth_targets, set_truth,
 };

@@ -1,9 +1,9 @@
 //! The page beside the layers of truth: what they are, and the view that they are of.
 
 use super::flight::{Flight, Moment};
+use terrella::TRUTH_LAYERS;
 use terrella::TruthView;
 use terrella::frames::{Ellipsoid, rfc3339};
-use terrella::internals::offscreen::TRUTH_LAYERS;
 
 /// The picture of all layers.
 pub const PICTURE: &str = "truth.exr";

@@ -3,7 +3,7 @@
 use super::{Common, FrameArgs};
 use crate::progress::Bars;
 use clap::{Args, ValueEnum};
-use terrella::internals::gpu::ContextError;
+use terrella::ContextError;
 use terrella_measure::reference::{ReferenceRequest, SAMPLES, write_reference_still};
 use terrella_play::{Flight, PlayError};
 

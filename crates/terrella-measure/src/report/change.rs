@@ -1,10 +1,10 @@
 //! What a report sweeps: one setting of a scene at a time.
 
 use crate::EYE_HEIGHTS;
-use terrella::internals::gpu::{FrameTargets, GpuContext};
 use terrella::{
     Atmosphere, EarthOptions, LevelRule, Shading, Subdivision, TileOptions, Visibility,
 };
+use terrella::{FrameTargets, GpuContext};
 use terrella_imagery::{EarthLayers, LayerImage};
 
 /// One setting that differs from the scene's.

@@ -3,8 +3,8 @@
 use crate::errors::{
     GeolocationErrors, GeolocationRenderer, SilhouetteErrors, geolocation, silhouette,
 };
+use terrella::GpuContext;
 use terrella::frames::Ellipsoid;
-use terrella::internals::gpu::GpuContext;
 use terrella::{EyeView, Figure, Visibility};
 use terrella_play::PlayError;
 

@@ -7,7 +7,7 @@ use crate::numeric::{Measurement, Method, StabilityRow, formulas, measure};
 use crate::orbits;
 use crate::output::csv_text;
 use terrella::EarthError;
-use terrella::internals::gpu::GpuContext;
+use terrella::GpuContext;
 use terrella_imagery::{EarthLayers, LayerImage};
 use terrella_play::{PlayError, Progress};
 

@@ -1,8 +1,8 @@
 //! What the measurements of all settings share.
 
 use super::{Candidate, SurfacePath, TestGround};
+use terrella::GpuContext;
 use terrella::frames::Ellipsoid;
-use terrella::internals::gpu::GpuContext;
 use terrella::{EarthOptions, EyeView, GroundOptions, Sky};
 use terrella_play::Progress;
 

@@ -10,7 +10,7 @@ use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder, RgbImage};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
-use terrella::internals::gpu::GpuContext;
+use terrella::GpuContext;
 use terrella_orbit::basilisk::{PictureRequest, Simulation};
 
 /// How often the service looks whether it is to end.

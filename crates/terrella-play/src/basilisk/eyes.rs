@@ -1,7 +1,7 @@
 //! What the window shows of a simulation before it has a craft, and what the simulation's own cameras see.
 
 use super::moments::{sky, turn};
-use crate::camera::{Look, OrbitalMotion, Pose};
+use crate::camera::{HeadTurn, OrbitalMotion, Pose};
 use crate::craft::CraftPose;
 use crate::flight::{Flight, Moment, ViewRequest};
 use crate::scene::CameraMode;
@@ -65,7 +65,7 @@ impl Flight {
         let request = ViewRequest {
             // What is at the craft and is not the craft.
             mode: CameraMode::Nadir,
-            look: Look::default(),
+            look: HeadTurn::default(),
             aspect,
         };
         let sky = sky(snapshot);

@@ -7,7 +7,7 @@ use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
-use terrella::internals::gpu::{GpuContext, GpuMap};
+use terrella::{GpuContext, GpuMap};
 
 /// A map that has come, or what is wrong with its file.
 pub(super) struct Loaded {

@@ -10,8 +10,8 @@ use super::settings::PictureSettings;
 use crate::clock::{epoch_after, frame_epoch};
 use crate::error::PlayError;
 use crate::flight::Flight;
+use terrella::GpuContext;
 use terrella::frames::Epoch;
-use terrella::internals::gpu::GpuContext;
 use terrella::{EarthOptions, Exposure};
 use terrella_imagery::tile::TileKey;
 

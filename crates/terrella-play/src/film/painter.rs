@@ -10,7 +10,7 @@ use crate::offscreen::OffscreenRenderer;
 use crate::quality_control::scene_quality;
 use crate::tracks::TracksLayer;
 use std::time::Duration;
-use terrella::internals::gpu::GpuContext;
+use terrella::GpuContext;
 use terrella::{EarthOptions, exposure_factor};
 use terrella_imagery::tile::TileKey;
 

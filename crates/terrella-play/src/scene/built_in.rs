@@ -42,6 +42,17 @@ impl Scene {
         Ok(scene)
     }
 
+    /// The scene in which simulations of Basilisk are met where none is named, `config/basilisk.toml`.
+    ///
+    /// # Errors
+    /// None as long as that file is as released.
+    pub fn of_simulations() -> Result<Self, SceneError> {
+        Self::from_toml(
+            terrella::internals::shipped::BASILISK,
+            Path::new("basilisk.toml"),
+        )
+    }
+
     /// Satellites of a file of orbits, each by its name or catalogue number, or the file's only one, flown as
     /// [`Self::shipped`] flies the space station, from the first one's own time on.
     ///
