@@ -39,7 +39,7 @@ const MODULES: &[(&str, &[&str])] = &[
     ("scene", &["shipped", "files", "frames", "orbit", "basilisk", "globe", "air", "light", "plan"]),
     ("play", &["files", "frames", "durable", "orbit", "basilisk", "elevation", "light", "imagery", "plan", "scene", "gpu", "earth", "offscreen", "celestial", "tracks"]),
     ("measure", &["files", "frames", "orbit", "elevation", "globe", "air", "light", "imagery", "plan", "scene", "gpu", "earth", "offscreen", "play"]),
-    ("cli", &["shipped", "files", "frames", "orbit", "basilisk", "globe", "imagery", "pack", "fetch", "scene", "gpu", "play", "measure"]),
+    ("cli", &["files", "frames", "orbit", "basilisk", "globe", "imagery", "pack", "fetch", "scene", "gpu", "play", "measure"]),
 ];
 
 /// A crate of the product.
