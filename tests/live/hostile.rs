@@ -82,7 +82,7 @@ fn soak(count: u64) -> u64 {
     println!(
         "{count} packets, {spoilt} spoilt: {counters:?}; memory +{grown_kib} KiB; slowest state {slowest:?}"
     );
-    assert!(slowest < Duration::from_secs(5), "{slowest:?}");
+    assert!(slowest < Duration::from_secs(1), "{slowest:?}");
     grown_kib
 }
 
