@@ -2,9 +2,8 @@
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use std::hint::black_box;
-use terrella::GpuContext;
 use terrella::frames::{Ellipsoid, Geodetic};
-use terrella::{Earth, EarthOptions, EyeView, FrameRequest, Sky};
+use terrella::{Earth, EarthOptions, EyeView, FrameRequest, GpuContext, Sky};
 use terrella_ground::globe::{BlockGrid, Visibility, select_blocks};
 use terrella_imagery::{EarthLayers, LayerImage};
 

@@ -27,8 +27,7 @@ use image::RgbaImage;
 use record::{Frame, Record};
 use std::time::Instant;
 use terrella::frames::{Ellipsoid, Epoch};
-use terrella::{Earth, EyeView, FrameRequest, Sky};
-use terrella::{FrameTargets, GpuContext};
+use terrella::{Earth, EyeView, FrameRequest, FrameTargets, GpuContext, Sky};
 use terrella_play::Flight;
 use terrella_play::scene::Scene;
 

@@ -6,10 +6,9 @@
 use std::time::Instant;
 use terrella::frames::{Ellipsoid, Geodetic};
 use terrella::{
-    Earth, EarthOptions, EarthView, EyeView, FrameRequest, LayerSelection, Sky, ViewFrame,
-    Viewport, find_textures, load_layers,
+    Earth, EarthOptions, EarthView, EyeView, FrameRequest, FrameTargets, GpuContext,
+    LayerSelection, Sky, ViewFrame, Viewport, find_textures, load_layers,
 };
-use terrella::{FrameTargets, GpuContext};
 
 const SIZE: (u32, u32) = (640, 360);
 const ROUNDS: usize = 40;

@@ -2,9 +2,8 @@
 
 use crate::common::{day_only, down, gpu, looks_at, map, ray, tilted};
 use image::RgbaImage;
-use terrella::FrameTargets;
 use terrella::frames::{Ellipsoid, Geodetic};
-use terrella::{Atmosphere, EarthOptions, EyeView, Sky};
+use terrella::{Atmosphere, EarthOptions, EyeView, FrameTargets, Sky};
 use terrella_imagery::LayerImage;
 use terrella_measure::Floor;
 

@@ -2,8 +2,7 @@
 
 use crate::{Place, png_size};
 use std::path::Path;
-use terrella::GpuContext;
-use terrella::Quality;
+use terrella::{GpuContext, Quality};
 use terrella_play::scene::Scene;
 use terrella_play::{Flight, HeldQuality, OffscreenRenderer, QualityControl, scene_quality};
 

@@ -5,8 +5,9 @@ use image::RgbaImage;
 use std::sync::OnceLock;
 use std::time::Duration;
 use terrella::frames::{Ellipsoid, Geodetic};
-use terrella::{Earth, EarthOptions, EyeView, FrameRequest, FrameStats, Quality, Sky};
-use terrella::{FrameTargets, GpuContext};
+use terrella::{
+    Earth, EarthOptions, EyeView, FrameRequest, FrameStats, FrameTargets, GpuContext, Quality, Sky,
+};
 use terrella_imagery::tile::TileKey;
 use terrella_imagery::{EarthLayers, LayerImage};
 

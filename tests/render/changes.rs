@@ -7,10 +7,9 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 use terrella::frames::Geodetic;
 use terrella::{
-    Earth, EarthError, EarthOptions, EyeView, FrameRequest, GpuMap, MapError, MapFade, Quality,
-    Shading, Sky,
+    Earth, EarthError, EarthOptions, EyeView, FrameRequest, FrameTargets, GpuContext, GpuMap,
+    MapError, MapFade, Quality, Shading, Sky,
 };
-use terrella::{FrameTargets, GpuContext};
 use terrella_imagery::tile::MapLayer;
 use terrella_imagery::{EarthLayers, LayerImage};
 

@@ -4,11 +4,10 @@ use crate::common::{Rig, gpu, map, plain, tilted};
 use glam::DVec3;
 use image::RgbaImage;
 use std::time::Duration;
-use terrella::FrameTargets;
 use terrella::frames::Geodetic;
 use terrella::{
-    Earth, EarthOptions, EarthView, Exposure, EyeView, FrameRequest, Quality, Sky, ViewFrame,
-    Viewport,
+    Earth, EarthOptions, EarthView, Exposure, EyeView, FrameRequest, FrameTargets, Quality, Sky,
+    ViewFrame, Viewport,
 };
 
 pub const SIZE: (u32, u32) = (160, 90);

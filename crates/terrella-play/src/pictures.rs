@@ -7,10 +7,10 @@ use super::quality_control::scene_quality;
 use crate::scene::{BetweenMaps, Scene};
 use std::path::Path;
 use std::time::Duration;
-use terrella::GpuContext;
 use terrella::frames::Epoch;
-use terrella::{Drawing, OffscreenEarth, TruthPicture};
-use terrella::{EarthOptions, Exposure, EyeView, FrameStats};
+use terrella::{
+    Drawing, EarthOptions, Exposure, EyeView, FrameStats, GpuContext, OffscreenEarth, TruthPicture,
+};
 use terrella_imagery::tile::TileKey;
 
 /// Has a scene take what it names no file for (maps, stars, heights) from this folder, in place of the starter pack that is looked for:

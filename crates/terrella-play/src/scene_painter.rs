@@ -7,11 +7,10 @@ use super::flight::{Flight, Moment};
 use super::sky::SkyLayer;
 use super::tracks::{TrackDetail, TracksLayer};
 use std::time::Duration;
-use terrella::GpuContext;
 use terrella::celestial::CelestialOptions;
 use terrella::{
     Adaptation, Earth, EarthError, EarthOptions, Exposure, EyeView, FrameRequest, FrameStats,
-    Quality,
+    GpuContext, Quality,
 };
 use terrella_imagery::tile::TileKey;
 

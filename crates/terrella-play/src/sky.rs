@@ -6,10 +6,9 @@ use super::maps::DroppedLayer;
 use super::satellites::orientation_at;
 use super::sky_parts::{Reading, read};
 use crate::scene::Scene;
-use terrella::GpuContext;
 use terrella::celestial::{Celestial, CelestialMoment};
 use terrella::frames::EarthOrientation;
-use terrella::{Earth, FrameStats};
+use terrella::{Earth, FrameStats, GpuContext};
 
 /// What is beyond the Earth in a picture or a window.
 pub struct SkyLayer {

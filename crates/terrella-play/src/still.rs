@@ -12,9 +12,8 @@ use super::stats::PictureStats;
 use super::truth::TruthFolder;
 use hifitime::Unit;
 use std::path::Path;
-use terrella::EarthOptions;
-use terrella::GpuContext;
 use terrella::frames::Epoch;
+use terrella::{EarthOptions, GpuContext};
 use terrella_imagery::tile::TileKey;
 
 /// Which picture is wanted, and where it goes.

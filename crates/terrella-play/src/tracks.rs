@@ -15,10 +15,9 @@ use labels::Labels;
 use roster::RosterTracks;
 use std::sync::Arc;
 use style::style;
-use terrella::GpuContext;
 use terrella::frames::EarthOrientation;
 use terrella::tracks::{TrackLabel, TrackMoment, TrackStats, Tracks, TracksOptions};
-use terrella::{Earth, FrameStats};
+use terrella::{Earth, FrameStats, GpuContext};
 use terrella_orbit::Feed;
 
 /// The tracks of a picture or a window.

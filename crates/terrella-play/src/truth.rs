@@ -12,11 +12,10 @@ use rayon::prelude::*;
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
-use terrella::GpuContext;
 use terrella::internals::offscreen::{
     LayerDtype, TRUTH_LAYERS, TruthPixel, check_truth_memory, new_truth_targets, set_truth,
 };
-use terrella::{Earth, EarthOptions, FrameRequest, TruthView};
+use terrella::{Earth, EarthOptions, FrameRequest, GpuContext, TruthView};
 use terrella_files::Unfinished;
 use terrella_imagery::tile::TileKey;
 

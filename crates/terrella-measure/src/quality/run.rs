@@ -10,8 +10,7 @@ use crate::{Quartiles, median};
 use cpu_time::ProcessTime;
 use image::RgbaImage;
 use std::time::Duration;
-use terrella::GpuContext;
-use terrella::{Exposure, Quality, QualityReduction};
+use terrella::{Exposure, GpuContext, Quality, QualityReduction};
 use terrella_play::scene::EDGE_SAMPLES;
 use terrella_play::{Flight, Moment, OffscreenRenderer, PlayError, Progress};
 

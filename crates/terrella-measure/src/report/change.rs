@@ -2,9 +2,9 @@
 
 use crate::EYE_HEIGHTS;
 use terrella::{
-    Atmosphere, EarthOptions, LevelRule, Shading, Subdivision, TileOptions, Visibility,
+    Atmosphere, EarthOptions, FrameTargets, GpuContext, LevelRule, Shading, Subdivision,
+    TileOptions, Visibility,
 };
-use terrella::{FrameTargets, GpuContext};
 use terrella_imagery::{EarthLayers, LayerImage};
 
 /// One setting that differs from the scene's.

@@ -3,9 +3,8 @@
 use crate::errors::{
     GeolocationErrors, GeolocationRenderer, SilhouetteErrors, geolocation, silhouette,
 };
-use terrella::GpuContext;
 use terrella::frames::Ellipsoid;
-use terrella::{EyeView, Figure, Visibility};
+use terrella::{EyeView, Figure, GpuContext, Visibility};
 use terrella_play::PlayError;
 
 /// What limb and places depend on. Maps play no part.

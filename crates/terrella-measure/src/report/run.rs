@@ -12,9 +12,8 @@ use crate::reference::ReferencePicture;
 use crate::{FrameTimer, FrameTimes, GroundPath, Quartiles};
 use image::RgbaImage;
 use std::time::Instant;
-use terrella::GpuContext;
 use terrella::frames::Ellipsoid;
-use terrella::{EarthOptions, Exposure, EyeView, Sky};
+use terrella::{EarthOptions, Exposure, EyeView, GpuContext, Sky};
 use terrella_play::{Flight, PlayError, Progress};
 
 /// Heights that can be looked from, kilometres.

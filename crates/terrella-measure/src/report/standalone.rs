@@ -6,8 +6,7 @@ use crate::extreme::{self, CaseResult};
 use crate::numeric::{Measurement, Method, StabilityRow, formulas, measure};
 use crate::orbits;
 use crate::output::csv_text;
-use terrella::EarthError;
-use terrella::GpuContext;
+use terrella::{EarthError, GpuContext};
 use terrella_imagery::{EarthLayers, LayerImage};
 use terrella_play::{PlayError, Progress};
 

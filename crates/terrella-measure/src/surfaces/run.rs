@@ -1,9 +1,8 @@
 //! What the measurements of all settings share.
 
 use super::{Candidate, SurfacePath, TestGround};
-use terrella::GpuContext;
 use terrella::frames::Ellipsoid;
-use terrella::{EarthOptions, EyeView, GroundOptions, Sky};
+use terrella::{EarthOptions, EyeView, GpuContext, GroundOptions, Sky};
 use terrella_play::Progress;
 
 /// The picture, the Earth and the adapter that everything is measured with.

@@ -10,9 +10,8 @@ use super::settings::PictureSettings;
 use crate::clock::{epoch_after, frame_epoch};
 use crate::error::PlayError;
 use crate::flight::Flight;
-use terrella::GpuContext;
 use terrella::frames::Epoch;
-use terrella::{EarthOptions, Exposure};
+use terrella::{EarthOptions, Exposure, GpuContext};
 use terrella_imagery::tile::TileKey;
 
 /// Draws the frames of a scene's film.

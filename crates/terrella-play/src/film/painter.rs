@@ -10,8 +10,7 @@ use crate::offscreen::OffscreenRenderer;
 use crate::quality_control::scene_quality;
 use crate::tracks::TracksLayer;
 use std::time::Duration;
-use terrella::GpuContext;
-use terrella::{EarthOptions, exposure_factor};
+use terrella::{EarthOptions, GpuContext, exposure_factor};
 use terrella_imagery::tile::TileKey;
 
 /// Draws the pictures of a film, as its settings ask for.
