@@ -97,6 +97,11 @@ impl TestTiles {
         self.permits.fetch_add(reads, Ordering::SeqCst);
     }
 
+    /// Whether a read may end that has not begun.
+    pub fn may_read(&self) -> bool {
+        self.permits.load(Ordering::SeqCst) > 0
+    }
+
     /// How many tiles there are below the coarsest level.
     pub fn count(&self) -> usize {
         let finer = |key: &&HeightTileKey| key.level < self.layout.coarsest();
