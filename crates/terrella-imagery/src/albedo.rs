@@ -44,6 +44,11 @@ impl NeighbourhoodAlbedo {
         }
     }
 
+    /// Whether there are clouds.
+    pub fn has_clouds(&self) -> bool {
+        self.cloud_cover.is_some()
+    }
+
     /// Linear RGB, row by row, with the last column before the first and the first after the last. Water and clouds count where
     /// they are `shown`, maps by [`MapLayer::index`].
     pub fn texels(&self, shown: &[bool; MAP_LAYERS]) -> Vec<Vec4> {

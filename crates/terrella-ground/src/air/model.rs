@@ -86,6 +86,8 @@ pub struct AirModel {
     ozone_per_radius: Spectrum,
     aerosol_per_radius: Spectrum,
     rgb: RgbCoefficients,
+    /// Height of the sphere of radius 1 above the surface, metres.
+    base_m: f64,
 }
 
 /// Coefficients for red, green and blue, 1/m: what shaders march with.
@@ -122,6 +124,11 @@ impl Medium {
 impl AirModel {
     /// The Earth's air with these options.
     pub fn new(options: &AirOptions) -> Self {
+        Self::above(options, 0.0)
+    }
+
+    /// Its part above a height, metres, as if the ground were there.
+    pub(super) fn above(options: &AirOptions, base_m: f64) -> Self {
         let molecules_m = profile::column_m(profile::molecules);
         let ozone_m = profile::column_m(profile::ozone);
         let depth = options.aerosol_optical_depth;
@@ -136,6 +143,7 @@ impl AirModel {
                 aerosol_scattering: aerosol_extinction * AEROSOL_ALBEDO,
                 aerosol_extinction,
             },
+            base_m,
         }
     }
 
@@ -144,9 +152,26 @@ impl AirModel {
         &self.rgb
     }
 
+    /// The part of the vertical optical depth between an eye and the ground that lies above a layer, heights in metres; 1 where the eye
+    /// is not above it.
+    pub fn part_above(&self, layer_m: f64, eye_m: f64) -> DVec3 {
+        if eye_m <= layer_m {
+            return DVec3::ONE;
+        }
+        let between = |low_m: f64, high_m: f64| {
+            let column_m =
+                |density: fn(f64) -> f64| profile::column_between_m(density, low_m, high_m);
+            self.rgb.molecules * column_m(profile::molecules)
+                + self.rgb.ozone * column_m(profile::ozone)
+                + self.rgb.aerosol_extinction * column_m(profile::aerosol)
+        };
+        let above = between(layer_m, eye_m);
+        above / (above + between(0.0, layer_m))
+    }
+
     /// Scattering by molecules and aerosol at radius `r` as shaders have it, per equatorial radius, RGB.
     pub(super) fn scattering_rgb(&self, r: f64) -> Vec3 {
-        let h = ((r - 1.0) * RADIUS_M).max(0.0);
+        let h = self.height_m(r);
         let molecules = self.rgb.molecules * profile::molecules(h);
         let aerosol = self.rgb.aerosol_scattering * profile::aerosol(h);
         ((molecules + aerosol) * RADIUS_M).as_vec3()
@@ -154,7 +179,7 @@ impl AirModel {
 
     /// The air at radius `r` of scaled space.
     pub(super) fn medium(&self, r: f64) -> Medium {
-        let h = ((r - 1.0) * RADIUS_M).max(0.0);
+        let h = self.height_m(r);
         let molecules = self.molecules_per_radius * profile::molecules(h) as f32;
         let aerosol = self.aerosol_per_radius * profile::aerosol(h) as f32;
         let ozone = self.ozone_per_radius * profile::ozone(h) as f32;
@@ -163,6 +188,10 @@ impl AirModel {
             aerosol: aerosol * AEROSOL_ALBEDO as f32,
             extinction: molecules + aerosol + ozone,
         }
+    }
+
+    fn height_m(&self, r: f64) -> f64 {
+        self.base_m + ((r - 1.0) * RADIUS_M).max(0.0)
     }
 }
 

@@ -76,8 +76,18 @@ pub fn aerosol(height_m: f64) -> f64 {
 /// The column above the ground of a density, metres at the density's unit.
 pub(super) fn column_m(density: impl Fn(f64) -> f64) -> f64 {
     const STEPS: u32 = 4_000;
-    let step = THICKNESS_M / f64::from(STEPS);
-    let middles = (0..STEPS).map(|n| (f64::from(n) + 0.5) * step);
+    column_in_steps_m(density, (0.0, THICKNESS_M), STEPS)
+}
+
+/// The same between two heights, metres, good to some thousandths: for each frame.
+pub(super) fn column_between_m(density: impl Fn(f64) -> f64, low_m: f64, high_m: f64) -> f64 {
+    const STEPS: u32 = 16;
+    column_in_steps_m(density, (low_m, high_m.min(THICKNESS_M)), STEPS)
+}
+
+fn column_in_steps_m(density: impl Fn(f64) -> f64, (low_m, high_m): (f64, f64), steps: u32) -> f64 {
+    let step = (high_m - low_m) / f64::from(steps);
+    let middles = (0..steps).map(|n| low_m + (f64::from(n) + 0.5) * step);
     middles.map(density).sum::<f64>() * step
 }
 

@@ -15,8 +15,11 @@
 //! top, times π: a white sheet that faces the Sun in space is 1. For ground of albedo A the sums are
 //! `scattering + A/(1 − A·s)·bounce` and, on the ground, `(direct·cos + sky)/(1 − A·s)`, with s = [`AirTables::sky_albedo`].
 //!
+//! [`AirAboveClouds`] has those of rays from outside and of sunlight again, as if a layer of clouds were the ground.
+//!
 //! Single scattering is integrated along each ray; higher orders by successive orders on the sphere, see `sources`.
 
+mod above_clouds;
 mod interpolation;
 mod path;
 mod quadrature;
@@ -28,7 +31,9 @@ mod transmittance;
 use super::model::{AirModel, AirOptions, RADIUS_M, TOP};
 use super::profile;
 use super::spectrum::Spectrum;
+pub use above_clouds::AirAboveClouds;
 use glam::{DVec3, Vec3, Vec4};
+use interpolation::LitFromOutside;
 pub use interpolation::{InterpolationBound, InterpolationLimits};
 use path::{Light, Path, Ray};
 use source_table::{COEFFICIENTS, HEIGHTS, SUNS, SourceFunction};
@@ -60,8 +65,10 @@ impl TableSize {
 }
 
 pub const TRANSMITTANCE: TableSize = TableSize::new(128, 64, 1);
-/// Size of the scattering table: along x 48 rays that meet the ground, then 48 that pass it.
-pub const SCATTERING: TableSize = TableSize::new(96, 64, 24);
+/// Rays that meet the ground, rays that pass it and rays that meet clouds, in the tables of rays from outside.
+pub const RAYS: u32 = 48;
+/// Size of the scattering table: along x rays that meet the ground, then rays that pass it.
+pub const SCATTERING: TableSize = TableSize::new(2 * RAYS, 64, 24);
 /// Size of the table of light that the ground sends up.
 pub const BOUNCE: TableSize = TableSize::new(SCATTERING.x, SCATTERING.y, 1);
 /// Size of the table of rays' transmittance.
@@ -70,6 +77,12 @@ pub const THROUGH: TableSize = TableSize::new(SCATTERING.x, 1, 1);
 pub const SUNLIGHT: TableSize = TableSize::new(256, 2, 1);
 /// The same with the row of transmittance to the clouds, which stand where a scene has them.
 pub const SUNLIGHT_AND_CLOUDS: TableSize = TableSize::new(SUNLIGHT.x, SUNLIGHT.y + 1, 1);
+/// [`SCATTERING`] with rays that meet clouds beside the others. The last quarter is empty: coordinates are halved without rounding.
+pub const SCATTERING_AND_CLOUDS: TableSize = TableSize::new(4 * RAYS, SCATTERING.y, SCATTERING.z);
+/// [`BOUNCE`] with those.
+pub const BOUNCE_AND_CLOUDS: TableSize = TableSize::new(4 * RAYS, BOUNCE.y, 1);
+/// [`THROUGH`] with those.
+pub const THROUGH_AND_CLOUDS: TableSize = TableSize::new(4 * RAYS, 1, 1);
 /// Size of the source table: six coefficients and the isotropic source of the ground's light, a band of heights each.
 pub const SOURCES: TableSize = TableSize::new(SUNS as u32, (SOURCE_BANDS * HEIGHTS) as u32, 1);
 pub const PROFILE: TableSize = TableSize::new(128, 1, 1);
@@ -135,7 +148,11 @@ impl AirTables {
             transmittance: &transmittance,
             sources: &sources,
         };
-        let (scattering, bounce, through) = builder.outside();
+        let Outside {
+            scattering,
+            bounce,
+            through,
+        } = builder.outside(SCATTERING.x);
         Self {
             scattering,
             bounce,
@@ -170,7 +187,18 @@ impl AirTables {
     /// Where their light may be interpolated; found when it is first asked for.
     pub fn interpolation(&self) -> &InterpolationBound {
         self.interpolation
-            .get_or_init(|| InterpolationBound::new(self))
+            .get_or_init(|| InterpolationBound::new(&self.lit_from_outside()))
+    }
+
+    fn lit_from_outside(&self) -> LitFromOutside<'_> {
+        LitFromOutside {
+            rays: SCATTERING.x,
+            scattering: &self.scattering,
+            bounce: &self.bounce,
+            through: &self.through,
+            sunlight: &self.sunlight,
+            sky_albedo: self.sky_albedo,
+        }
     }
 
     /// Transmittance of the Sun's light to the ground and the sky's irradiance on black ground, RGB, relative to the Sun's
@@ -192,11 +220,18 @@ struct Builder<'a> {
     sources: &'a Sources,
 }
 
+/// Tables of rays from outside.
+struct Outside {
+    scattering: Vec<Vec4>,
+    bounce: Vec<Vec4>,
+    through: Vec<Vec4>,
+}
+
 impl Builder<'_> {
-    /// The tables of rays from outside.
-    fn outside(&self) -> (Vec<Vec4>, Vec<Vec4>, Vec<Vec4>) {
+    /// The tables of so many rays from outside, those that meet the ground first.
+    fn outside(&self, rays: u32) -> Outside {
         const STEPS: u32 = 32;
-        let (width, suns, azimuths) = (SCATTERING.x, SCATTERING.y, SCATTERING.z);
+        let (suns, azimuths) = (SCATTERING.y, SCATTERING.z);
         let all_light = Light {
             sun: true,
             sources: Some(&self.sources.black),
@@ -205,7 +240,7 @@ impl Builder<'_> {
             sun: false,
             sources: Some(&self.sources.bounce),
         };
-        let columns = parallel(width as usize, |x| {
+        let columns = parallel(rays as usize, |x| {
             let ray = outside_ray(x as u32);
             let path = |light| Path::new(self.air, self.transmittance, ray, STEPS, light);
             let (path, of_ground) = (path(all_light), path(of_ground));
@@ -234,7 +269,7 @@ impl Builder<'_> {
             }
         });
         let texels = |size: TableSize, of: fn(&Column) -> &Vec<Vec4>| {
-            let mut texels = Vec::with_capacity(size.texels());
+            let mut texels = Vec::with_capacity(columns.len() * (size.y * size.z) as usize);
             for z in 0..size.z {
                 for y in 0..size.y {
                     let index = (y * size.z + z) as usize;
@@ -243,10 +278,11 @@ impl Builder<'_> {
             }
             texels
         };
-        let scattering = texels(SCATTERING, |column| &column.scattering);
-        let bounce = texels(BOUNCE, |column| &column.bounce);
-        let through = columns.iter().map(|column| column.through);
-        (scattering, bounce, through.collect())
+        Outside {
+            scattering: texels(SCATTERING, |column| &column.scattering),
+            bounce: texels(BOUNCE, |column| &column.bounce),
+            through: columns.iter().map(|column| column.through).collect(),
+        }
     }
 
     fn sunlight(&self) -> Vec<Vec4> {
@@ -355,10 +391,9 @@ struct Column {
 
 /// The ray of a column of the tables from outside, by its reference point.
 fn outside_ray(x: u32) -> Ray {
-    let half = SCATTERING.x / 2;
-    let along = f64::from(x % half) / f64::from(half - 1);
+    let along = f64::from(x % RAYS) / f64::from(RAYS - 1);
     let squared = along * along;
-    match x < half {
+    match x < RAYS {
         // Meets the ground at zenith cosine `squared`; it is followed from its entry, and the ground is its lowest point.
         true => Ray {
             r: 1.0,

@@ -8,7 +8,7 @@
 //! differences on the tables themselves. How much of an error is seen depends on how bright the ground is: over the sea the
 //! picture is dark and shows what the air adds, white ground shows what it lets through.
 
-use super::{AirTables, BOUNCE, SCATTERING, sun_coordinate, sun_cosine};
+use super::{RAYS, SCATTERING, SUNLIGHT, sun_coordinate, sun_cosine};
 use glam::{Vec3, Vec4};
 use std::f32::consts::{FRAC_1_SQRT_2, PI};
 
@@ -52,8 +52,20 @@ struct Curvature {
     light: Vec3,
 }
 
+/// Tables of light over the ground, or over clouds as if they were the ground, for an eye outside the air.
+#[derive(Clone, Copy)]
+pub(super) struct LitFromOutside<'t> {
+    /// Along x; those that meet the ground come first.
+    pub rays: u32,
+    pub scattering: &'t [Vec4],
+    pub bounce: &'t [Vec4],
+    pub through: &'t [Vec4],
+    pub sunlight: &'t [Vec4],
+    pub sky_albedo: Vec3,
+}
+
 /// What the air does at a place.
-struct Sample {
+pub(super) struct Sample {
     light: Vec3,
     through: Vec3,
     /// What falls on level ground.
@@ -62,7 +74,7 @@ struct Sample {
 
 impl InterpolationBound {
     /// Of these tables. Takes some milliseconds.
-    pub(super) fn new(tables: &AirTables) -> Self {
+    pub(super) fn new(tables: &LitFromOutside<'_>) -> Self {
         let nodes: Vec<_> = (0..SUNS * VIEWS)
             .map(|n| Curvature::at_node(tables, n % VIEWS, n / VIEWS))
             .collect();
@@ -140,7 +152,7 @@ impl Curvature {
         light: Vec3::INFINITY,
     };
 
-    fn at_node(tables: &AirTables, x: usize, y: usize) -> [Self; GROUNDS] {
+    fn at_node(tables: &LitFromOutside<'_>, x: usize, y: usize) -> [Self; GROUNDS] {
         let root = x as f32 / (VIEWS - 1) as f32;
         let mu = root * root;
         let mu_s = sun_cosine(y as f64 / (SUNS - 1) as f64) as f32;
@@ -160,12 +172,16 @@ impl Curvature {
     }
 
     /// By differences along a side, at a place whose normal is z.
-    fn along(tables: &AirTables, (view, sun): (Vec3, Vec3), side: Vec3) -> [Self; GROUNDS] {
+    fn along(
+        tables: &LitFromOutside<'_>,
+        (view, sun): (Vec3, Vec3),
+        side: Vec3,
+    ) -> [Self; GROUNDS] {
         let across = side - side.dot(view) * view;
         let at = |of_view: f32, of_ground: f32| {
             let view = (view - VIEW_STEP * of_view * across).normalize();
             let up = (Vec3::Z + GROUND_STEP * of_ground * side).normalize();
-            Sample::of(tables, up, view, sun)
+            tables.sample(up, view, sun)
         };
         let here = at(0.0, 0.0);
         let second = |x: f32, y: f32| here.second_differences(&at(x, y), &at(-x, -y));
@@ -183,34 +199,53 @@ impl Curvature {
     }
 }
 
-impl Sample {
+impl LitFromOutside<'_> {
     /// Where the normal is `up`, towards the eye and towards the Sun, all of length 1.
-    fn of(tables: &AirTables, up: Vec3, view: Vec3, sun: Vec3) -> Self {
+    fn sample(&self, up: Vec3, view: Vec3, sun: Vec3) -> Sample {
         let (mu, mu_s) = (view.dot(up).clamp(0.0, 1.0), sun.dot(up).clamp(-1.0, 1.0));
-        let x = mu.sqrt() * (SCATTERING.x / 2 - 1) as f32;
-        let y = sun_coordinate(mu_s) * (SCATTERING.y - 1) as f32;
         let flat = ((1.0 - mu * mu) * (1.0 - mu_s * mu_s)).max(1e-12).sqrt();
         let azimuth = ((mu * mu_s - view.dot(sun)) / flat).clamp(-1.0, 1.0).acos();
-        let z = (azimuth / PI).sqrt() * (SCATTERING.z - 1) as f32;
-        let plane = (SCATTERING.x * SCATTERING.y) as usize;
-        let layer = (z as usize).min(SCATTERING.z as usize - 2);
-        let slice =
-            |n: usize| bilinear(&tables.scattering[n * plane..][..plane], SCATTERING.x, x, y);
-        let black = slice(layer).lerp(slice(layer + 1), z - layer as f32);
-        let bounce = bilinear(&tables.bounce, BOUNCE.x, x, y);
-        let column = (x as usize).min(tables.through.len() - 2);
-        let through = tables.through[column].lerp(tables.through[column + 1], x - column as f32);
-        let [sun, sky] = tables.sunlight_at(f64::from(mu_s));
-        let left = 1.0 - NEIGHBOURHOOD * tables.sky_albedo;
-        Self {
-            light: fourth_power(black) + NEIGHBOURHOOD / left * fourth_power(bounce),
-            through: through.truncate(),
-            falls: sun * mu_s.max(0.0) + sky,
-        }
+        self.at(mu, mu_s, azimuth)
     }
 
+    /// The light of an Earth of this albedo, by the cosines of the zenith angles of the eye and of the Sun, and the Sun's azimuth.
+    #[cfg(test)]
+    pub fn over(&self, albedo: f32, (mu, mu_s, azimuth): (f32, f32, f32)) -> Vec3 {
+        let sample = self.over_neighbourhood(albedo, (mu, mu_s, azimuth));
+        let sent_up = albedo / (1.0 - albedo * self.sky_albedo) * sample.falls;
+        sample.light + sample.through * sent_up
+    }
+
+    /// By the cosines of the zenith angles of the eye and of the Sun, and the Sun's azimuth from the ray's.
+    pub fn at(&self, mu: f32, mu_s: f32, azimuth: f32) -> Sample {
+        self.over_neighbourhood(NEIGHBOURHOOD, (mu, mu_s, azimuth))
+    }
+
+    /// The same where the ground about is of an albedo.
+    fn over_neighbourhood(&self, albedo: f32, (mu, mu_s, azimuth): (f32, f32, f32)) -> Sample {
+        let x = mu.sqrt() * (RAYS - 1) as f32;
+        let y = sun_coordinate(mu_s) * (SCATTERING.y - 1) as f32;
+        let z = (azimuth / PI).sqrt() * (SCATTERING.z - 1) as f32;
+        let plane = (self.rays * SCATTERING.y) as usize;
+        let layer = (z as usize).min(SCATTERING.z as usize - 2);
+        let slice = |n: usize| bilinear(&self.scattering[n * plane..][..plane], self.rays, x, y);
+        let black = fourth_power(slice(layer).lerp(slice(layer + 1), z - layer as f32));
+        let bounce = fourth_power(bilinear(self.bounce, self.rays, x, y));
+        let column = (x as usize).min(RAYS as usize - 2);
+        let through = self.through[column].lerp(self.through[column + 1], x - column as f32);
+        let light_on = sun_coordinate(mu_s) * (SUNLIGHT.x - 1) as f32;
+        let row = |n: usize| bilinear(&self.sunlight, SUNLIGHT.x, light_on, n as f32).truncate();
+        Sample {
+            light: black + albedo / (1.0 - albedo * self.sky_albedo) * bounce,
+            through: through.truncate(),
+            falls: row(0) * mu_s.max(0.0) + row(1),
+        }
+    }
+}
+
+impl Sample {
     /// What the eye sees of ground of this albedo.
-    fn seen(&self, albedo: f32) -> Vec3 {
+    pub fn seen(&self, albedo: f32) -> Vec3 {
         self.light + albedo * self.through * self.falls
     }
 
@@ -244,7 +279,7 @@ fn fourth_power(root: Vec4) -> Vec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::air::AirOptions;
+    use crate::air::{AirOptions, AirTables};
 
     /// Numbers 0…1 that are the same on every machine.
     struct Random(u64);
@@ -289,6 +324,7 @@ mod tests {
     #[test]
     fn errors_stay_within_the_bound() {
         let tables = AirTables::shared(&AirOptions::default());
+        let lit = tables.lit_from_outside();
         let bound = tables.interpolation();
         let (mut limits, mut random) = (bound.limits(), Random(1));
         let exposure = 1.3;
@@ -316,7 +352,7 @@ mod tests {
                 continue;
             }
             allowed += 1;
-            let at = |up: Vec3| Sample::of(&tables, up, (eye - up).normalize(), sun);
+            let at = |up: Vec3| lit.sample(up, (eye - up).normalize(), sun);
             let ([a, b], right) = (ends.map(at), at(place));
             let mean = Sample {
                 light: 0.5 * (a.light + b.light),

@@ -1,48 +1,114 @@
-//! The tables of the default air, which come with the crate: computing them would take half a second of every start.
+//! The tables of the default air, which come with the crate: computing them would take most of a second of every start.
 //!
 //! `default.bin` is little-endian: `scattering` and `bounce` as IEEE halves, which is how the GPU holds them and all that they are for;
-//! then `through`, `sunlight`, `transmittance`, `sources`, `profile` and the sky's albedo as f32.
-//! `TERRELLA_UPDATE_AIR=1 cargo test -p terrella-ground shipped` writes it anew; without the variable the same test compares.
+//! then `through`, `sunlight`, `transmittance`, `sources`, `profile` and the sky's albedo as f32. `above_clouds.bin` has the same of
+//! [`AirAboveClouds`], which has no `transmittance`, `sources` and `profile`.
+//! `TERRELLA_UPDATE_AIR=1 cargo test -p terrella-ground shipped` writes them anew; without the variable the same tests compare.
 
 use super::{
-    AirTables, BOUNCE, PROFILE, SCATTERING, SOURCES, SUNLIGHT, THROUGH, TRANSMITTANCE, TableSize,
+    AirAboveClouds, AirTables, BOUNCE, PROFILE, RAYS, SCATTERING, SOURCES, SUNLIGHT, THROUGH,
+    TRANSMITTANCE, TableSize,
 };
 use crate::half::float_of_half;
 use glam::{Vec3, Vec4};
 use std::sync::OnceLock;
 
 const DEFAULT: &[u8] = include_bytes!("default.bin");
+const ABOVE_CLOUDS: &[u8] = include_bytes!("above_clouds.bin");
 
-/// Bytes of the file.
-const LENGTH: usize = 8 * (SCATTERING.texels() + BOUNCE.texels())
-    + 16 * (THROUGH.texels() + SUNLIGHT.texels() + TRANSMITTANCE.texels())
-    + 16 * (SOURCES.texels() + PROFILE.texels())
-    + 12;
+/// Tables by their texels: those of halves, then those of floats.
+struct Layout<const HALVES: usize, const FLOATS: usize> {
+    halves: [TableSize; HALVES],
+    floats: [TableSize; FLOATS],
+}
 
-const _: () = assert!(DEFAULT.len() == LENGTH, "default.bin has another size");
+const OF_DEFAULT: Layout<2, 5> = Layout {
+    halves: [SCATTERING, BOUNCE],
+    floats: [THROUGH, SUNLIGHT, TRANSMITTANCE, SOURCES, PROFILE],
+};
+
+const OF_ABOVE_CLOUDS: Layout<2, 2> = Layout {
+    halves: [
+        TableSize::new(RAYS, SCATTERING.y, SCATTERING.z),
+        TableSize::new(RAYS, BOUNCE.y, 1),
+    ],
+    floats: [TableSize::new(RAYS, 1, 1), SUNLIGHT],
+};
+
+const _: () = assert!(
+    DEFAULT.len() == OF_DEFAULT.bytes(),
+    "default.bin has another size"
+);
+const _: () = assert!(
+    ABOVE_CLOUDS.len() == OF_ABOVE_CLOUDS.bytes(),
+    "above_clouds.bin has another size"
+);
 
 /// The tables of [`AirOptions::default`](super::AirOptions).
 pub(super) fn default_tables() -> AirTables {
-    read(DEFAULT)
+    read_default(DEFAULT)
 }
 
-/// Tables from bytes, of which there are [`LENGTH`].
-fn read(bytes: &[u8]) -> AirTables {
-    let (halves, floats) = bytes.split_at(8 * (SCATTERING.texels() + BOUNCE.texels()));
-    let halves = halves.as_chunks::<2>().0.iter();
-    let mut halves = halves.map(|bytes| float_of_half(u16::from_le_bytes(*bytes)));
-    let floats = floats.as_chunks::<4>().0.iter();
-    let mut floats = floats.map(|bytes| f32::from_le_bytes(*bytes));
+/// Those of the same air above clouds at [`SHIPPED_M`](super::above_clouds::SHIPPED_M).
+pub(super) fn above_clouds() -> AirAboveClouds {
+    read_above_clouds(ABOVE_CLOUDS)
+}
+
+fn read_default(bytes: &[u8]) -> AirTables {
+    let ([scattering, bounce], floats, sky_albedo) = OF_DEFAULT.read(bytes);
+    let [through, sunlight, transmittance, sources, profile] = floats;
     AirTables {
-        scattering: take(&mut halves, SCATTERING),
-        bounce: take(&mut halves, BOUNCE),
-        through: take(&mut floats, THROUGH),
-        sunlight: take(&mut floats, SUNLIGHT),
-        transmittance: take(&mut floats, TRANSMITTANCE),
-        sources: take(&mut floats, SOURCES),
-        profile: take(&mut floats, PROFILE),
-        sky_albedo: Vec3::from_array(std::array::from_fn(|_| floats.next().unwrap_or_default())),
+        scattering,
+        bounce,
+        through,
+        sunlight,
+        transmittance,
+        sources,
+        profile,
+        sky_albedo,
         interpolation: OnceLock::new(),
+    }
+}
+
+fn read_above_clouds(bytes: &[u8]) -> AirAboveClouds {
+    let ([scattering, bounce], [through, sunlight], sky_albedo) = OF_ABOVE_CLOUDS.read(bytes);
+    AirAboveClouds {
+        scattering,
+        bounce,
+        through,
+        sunlight,
+        sky_albedo,
+        interpolation: OnceLock::new(),
+    }
+}
+
+impl<const HALVES: usize, const FLOATS: usize> Layout<HALVES, FLOATS> {
+    const fn bytes(&self) -> usize {
+        let (mut bytes, mut n) = (12, 0);
+        while n < HALVES {
+            bytes += 8 * self.halves[n].texels();
+            n += 1;
+        }
+        n = 0;
+        while n < FLOATS {
+            bytes += 16 * self.floats[n].texels();
+            n += 1;
+        }
+        bytes
+    }
+
+    /// From bytes, of which there are [`Self::bytes`].
+    fn read(&self, bytes: &[u8]) -> ([Vec<Vec4>; HALVES], [Vec<Vec4>; FLOATS], Vec3) {
+        let of_halves = self.halves.iter().map(|size| 8 * size.texels()).sum();
+        let (halves, floats) = bytes.split_at(of_halves);
+        let halves = halves.as_chunks::<2>().0.iter();
+        let mut halves = halves.map(|bytes| float_of_half(u16::from_le_bytes(*bytes)));
+        let floats = floats.as_chunks::<4>().0.iter();
+        let mut floats = floats.map(|bytes| f32::from_le_bytes(*bytes));
+        let of_halves = self.halves.map(|size| take(&mut halves, size));
+        let of_floats = self.floats.map(|size| take(&mut floats, size));
+        let sky_albedo = std::array::from_fn(|_| floats.next().unwrap_or_default());
+        (of_halves, of_floats, Vec3::from_array(sky_albedo))
     }
 }
 
@@ -54,37 +120,49 @@ fn take(numbers: &mut impl Iterator<Item = f32>, size: TableSize) -> Vec<Vec4> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::above_clouds::SHIPPED_M;
     use super::*;
     use crate::air::AirOptions;
     use crate::half::half_bits;
 
-    fn bytes_of(tables: &AirTables) -> Vec<u8> {
-        let numbers =
-            |texels: &[Vec4]| -> Vec<f32> { texels.iter().flat_map(|t| t.to_array()).collect() };
-        let mut bytes = Vec::with_capacity(LENGTH);
-        for table in [&tables.scattering, &tables.bounce] {
-            bytes.extend(
-                numbers(table)
-                    .iter()
-                    .flat_map(|number| half_bits(*number).to_le_bytes()),
-            );
-        }
-        for table in [
-            &tables.through,
-            &tables.sunlight,
-            &tables.transmittance,
-            &tables.sources,
-            &tables.profile,
-        ] {
-            bytes.extend(
-                numbers(table)
-                    .iter()
-                    .flat_map(|number| number.to_le_bytes()),
-            );
+    /// Tables by their names, as they stand in a file, and whether they are halves there.
+    type Named<'t> = Vec<(&'static str, bool, &'t [Vec4])>;
+
+    fn named(tables: &AirTables) -> (Named<'_>, Vec3) {
+        let named: Named<'_> = vec![
+            ("scattering", true, &tables.scattering),
+            ("bounce", true, &tables.bounce),
+            ("through", false, &tables.through),
+            ("sunlight", false, &tables.sunlight),
+            ("transmittance", false, &tables.transmittance),
+            ("sources", false, &tables.sources),
+            ("profile", false, &tables.profile),
+        ];
+        (named, tables.sky_albedo)
+    }
+
+    fn named_above_clouds(tables: &AirAboveClouds) -> (Named<'_>, Vec3) {
+        let named: Named<'_> = vec![
+            ("scattering", true, &tables.scattering),
+            ("bounce", true, &tables.bounce),
+            ("through", false, &tables.through),
+            ("sunlight", false, &tables.sunlight),
+        ];
+        (named, tables.sky_albedo)
+    }
+
+    fn bytes_of((tables, sky_albedo): &(Named<'_>, Vec3)) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        for (_, is_half, texels) in tables {
+            for number in texels.iter().flat_map(|texel| texel.to_array()) {
+                match is_half {
+                    true => bytes.extend(half_bits(number).to_le_bytes()),
+                    false => bytes.extend(number.to_le_bytes()),
+                }
+            }
         }
         bytes.extend(
-            tables
-                .sky_albedo
+            sky_albedo
                 .to_array()
                 .iter()
                 .flat_map(|number| number.to_le_bytes()),
@@ -92,37 +170,18 @@ mod tests {
         bytes
     }
 
-    #[test]
-    fn the_shipped_air_is_the_computed_one() {
-        let computed = AirTables::compute(&AirOptions::default());
+    /// Writes the computed tables to a file of this folder, or compares.
+    fn compare(file: &str, shipped: &(Named<'_>, Vec3), computed: &(Named<'_>, Vec3)) {
         if std::env::var_os("TERRELLA_UPDATE_AIR").is_some() {
-            let path = concat!(env!("CARGO_MANIFEST_DIR"), "/src/air/tables/default.bin");
-            std::fs::write(path, bytes_of(&computed)).expect("writes");
+            let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/src/air/tables");
+            std::fs::write(format!("{folder}/{file}"), bytes_of(computed)).expect("writes");
             return;
         }
-        let shipped = default_tables();
         // Exponentials differ in the last bit from one system's library to another's; a half has 11 bits.
-        for (name, shipped, computed, most) in [
-            (
-                "scattering",
-                &shipped.scattering,
-                &computed.scattering,
-                1e-3,
-            ),
-            ("bounce", &shipped.bounce, &computed.bounce, 1e-3),
-            ("through", &shipped.through, &computed.through, 1e-5),
-            ("sunlight", &shipped.sunlight, &computed.sunlight, 1e-5),
-            (
-                "transmittance",
-                &shipped.transmittance,
-                &computed.transmittance,
-                1e-5,
-            ),
-            ("sources", &shipped.sources, &computed.sources, 1e-5),
-            ("profile", &shipped.profile, &computed.profile, 1e-5),
-        ] {
+        for ((name, is_half, shipped), (_, _, computed)) in shipped.0.iter().zip(&computed.0) {
             assert_eq!(shipped.len(), computed.len(), "{name}");
-            for (shipped, computed) in shipped.iter().zip(computed) {
+            let most = if *is_half { 1e-3 } else { 1e-5 };
+            for (shipped, computed) in shipped.iter().zip(*computed) {
                 let apart = (*shipped - *computed).abs().max_element();
                 let size = computed.abs().max_element();
                 assert!(
@@ -131,19 +190,30 @@ mod tests {
                 );
             }
         }
-        assert!(
-            (shipped.sky_albedo - computed.sky_albedo)
-                .abs()
-                .max_element()
-                < 1e-6
+        assert!((shipped.1 - computed.1).abs().max_element() < 1e-6);
+    }
+
+    #[test]
+    fn the_shipped_air_is_the_computed_one() {
+        let computed = AirTables::compute(&AirOptions::default());
+        compare("default.bin", &named(&default_tables()), &named(&computed));
+        let computed = AirAboveClouds::compute(&AirOptions::default(), SHIPPED_M);
+        let shipped = above_clouds();
+        compare(
+            "above_clouds.bin",
+            &named_above_clouds(&shipped),
+            &named_above_clouds(&computed),
         );
     }
 
     #[test]
     fn what_is_read_is_what_was_written() {
-        assert!(bytes_of(&default_tables()) == DEFAULT);
+        assert!(bytes_of(&named(&default_tables())) == DEFAULT);
+        assert!(bytes_of(&named_above_clouds(&above_clouds())) == ABOVE_CLOUDS);
         let mut changed = DEFAULT.to_vec();
-        changed[LENGTH - 1] ^= 1;
-        assert!(bytes_of(&read(&changed)) == changed);
+        if let Some(last) = changed.last_mut() {
+            *last ^= 1;
+        }
+        assert!(bytes_of(&named(&read_default(&changed))) == changed);
     }
 }

@@ -1,0 +1,193 @@
+//! The air above a layer of clouds: what it does to the light of clouds, which the air below them does not touch.
+
+use super::interpolation::{InterpolationBound, LitFromOutside};
+use super::sources::Sources;
+use super::transmittance::TransmittanceTable;
+use super::{AirOptions, Builder, Outside, RAYS, SUNLIGHT, shipped};
+use crate::air::model::AirModel;
+use glam::{Vec3, Vec4};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+
+/// Height of the clouds that tables come with the crate for, metres.
+pub(super) const SHIPPED_M: f64 = 6_000.0;
+
+/// Tables of [`AirTables`](super::AirTables) as if the layer were the ground: a cloud that lets nothing through is a Lambertian sheet
+/// there.
+pub struct AirAboveClouds {
+    /// Light scattered into a ray over a black layer: [`RAYS`] rays that meet it.
+    pub scattering: Vec<Vec4>,
+    /// Light that the layer sends up and the air scatters into a ray.
+    pub bounce: Vec<Vec4>,
+    /// Transmittance of a ray.
+    pub through: Vec<Vec4>,
+    /// Sunlight and the sky's irradiance on the layer.
+    pub sunlight: Vec<Vec4>,
+    /// What the air sends back of light that the layer sends up, RGB.
+    pub sky_albedo: Vec3,
+    pub(super) interpolation: OnceLock<InterpolationBound>,
+}
+
+impl AirAboveClouds {
+    /// The tables for these options and clouds at a height, metres. Those of the default air and height come with the crate; others are
+    /// computed where the process has not them yet, a third of a second on two cores.
+    pub fn shared(options: &AirOptions, height_m: f64) -> Arc<Self> {
+        /// Layers that are kept: a host with more makes some of them anew.
+        const KEPT: usize = 4;
+        type Made = ((AirOptions, f64), Arc<AirAboveClouds>);
+        static MADE: Mutex<Vec<Made>> = Mutex::new(Vec::new());
+        let wanted = (*options, height_m);
+        let mut made = MADE.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, tables)) = made.iter().find(|(of, _)| *of == wanted) {
+            return tables.clone();
+        }
+        let tables = Arc::new(match wanted == (AirOptions::default(), SHIPPED_M) {
+            true => shipped::above_clouds(),
+            false => Self::compute(options, height_m),
+        });
+        made.truncate(KEPT - 1);
+        made.insert(0, (wanted, tables.clone()));
+        tables
+    }
+
+    /// Computes the tables; uses all cores.
+    pub fn compute(options: &AirOptions, height_m: f64) -> Self {
+        let air = AirModel::above(options, height_m);
+        let transmittance = TransmittanceTable::compute(&air);
+        let sources = Sources::compute(&air, &transmittance);
+        let builder = Builder {
+            air: &air,
+            transmittance: &transmittance,
+            sources: &sources,
+        };
+        let Outside {
+            scattering,
+            bounce,
+            through,
+        } = builder.outside(RAYS);
+        Self {
+            scattering,
+            bounce,
+            through,
+            sunlight: builder.sunlight(),
+            sky_albedo: sources.sky_albedo.rgb(),
+            interpolation: OnceLock::new(),
+        }
+    }
+
+    /// The sky's irradiance on the layer, as a row of [`AirTables::sunlight`](super::AirTables::sunlight).
+    pub fn sky(&self) -> &[Vec4] {
+        &self.sunlight[SUNLIGHT.x as usize..]
+    }
+
+    /// Where the light of clouds may be interpolated; found when it is first asked for.
+    pub fn interpolation(&self) -> &InterpolationBound {
+        self.interpolation
+            .get_or_init(|| InterpolationBound::new(&self.lit_from_outside()))
+    }
+
+    fn lit_from_outside(&self) -> LitFromOutside<'_> {
+        LitFromOutside {
+            rays: RAYS,
+            scattering: &self.scattering,
+            bounce: &self.bounce,
+            through: &self.through,
+            sunlight: &self.sunlight,
+            sky_albedo: self.sky_albedo,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::air::tables::{AirTables, SCATTERING};
+    use std::f32::consts::PI;
+
+    /// What comes from a thick cloud under the Sun abeam at a zenith cosine, seen at another.
+    fn cloud(aerosol_optical_depth: f64, mu: f64, mu_s: f64) -> Vec3 {
+        let options = AirOptions {
+            aerosol_optical_depth,
+        };
+        let tables = AirAboveClouds::shared(&options, SHIPPED_M);
+        let lit = tables.lit_from_outside();
+        lit.at(mu as f32, mu_s as f32, 0.5 * PI).seen(0.7)
+    }
+
+    /// The aerosol lies below them: the fault of `clouds stand behind the air that is below them` was 26 %.
+    #[test]
+    fn haze_below_clouds_does_not_dim_them() {
+        for zenith_deg in [0.0, 30.0, 60.0, 75.0_f64] {
+            for sun_deg in [20.0, 60.0_f64] {
+                let [clear, hazy] = [0.0, 0.5].map(|depth| {
+                    cloud(
+                        depth,
+                        zenith_deg.to_radians().cos(),
+                        sun_deg.to_radians().cos(),
+                    )
+                });
+                let change = (hazy / clear - Vec3::ONE).abs().max_element();
+                assert!(change < 0.03, "{zenith_deg} {sun_deg}: {clear} {hazy}");
+            }
+        }
+    }
+
+    /// An independent program's light of a grey Lambertian layer at 6 km: its file says how it was computed.
+    const RADIATIVE_TRANSFER: &str =
+        include_str!("../../../../../tests/data/air/lambert_layer_6_km.csv");
+
+    #[test]
+    fn a_layer_is_as_bright_as_radiative_transfer_says() {
+        let options = AirOptions {
+            aerosol_optical_depth: 0.0,
+        };
+        let tables = AirAboveClouds::shared(&options, SHIPPED_M);
+        let rows = RADIATIVE_TRANSFER.lines().skip(5);
+        let rows: Vec<[f32; 7]> = rows
+            .map(|row| {
+                let mut numbers = row.split(',').map(|n| n.parse().expect("a number"));
+                std::array::from_fn(|_| numbers.next().expect("seven"))
+            })
+            .collect();
+        assert_eq!(rows.len(), 63);
+        let mut worst = 0.0_f32;
+        for [sun_deg, albedo, view_deg, azimuth_deg, red, green, blue] in rows {
+            let (mu, mu_s) = (view_deg.to_radians().cos(), sun_deg.to_radians().cos());
+            let lit = tables.lit_from_outside();
+            let found = lit.over(albedo, (mu, mu_s, azimuth_deg.to_radians()));
+            let right = Vec3::new(red, green, blue);
+            let off = ((found - right) / right.max_element()).abs().max_element();
+            worst = worst.max(off);
+            assert!(
+                off < 0.015,
+                "{sun_deg} {albedo} {view_deg} {azimuth_deg}: {found} for {right}"
+            );
+        }
+        println!("worst {worst}");
+    }
+
+    #[test]
+    fn at_the_ground_the_air_above_is_all_air() {
+        let options = AirOptions::default();
+        let (all, above) = (
+            AirTables::shared(&options),
+            AirAboveClouds::compute(&options, 0.0),
+        );
+        let rows = |texels: &[Vec4]| -> Vec<Vec4> {
+            texels
+                .chunks(SCATTERING.x as usize)
+                .flat_map(|row| row[..RAYS as usize].to_vec())
+                .collect()
+        };
+        for (whole, part) in [
+            (&all.scattering, &above.scattering),
+            (&all.bounce, &above.bounce),
+            (&all.through, &above.through),
+        ] {
+            let whole = rows(whole);
+            assert_eq!(whole.len(), part.len());
+            for (a, b) in whole.iter().zip(part) {
+                assert!((*a - *b).abs().max_element() < 1e-3, "{a} {b}");
+            }
+        }
+    }
+}
