@@ -86,7 +86,7 @@ pub use stats::FrameStats;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 use surface_config::{SurfaceStyle, surface_config};
-use terrella_ground::air::{AirModel, AirTables, Atmosphere};
+use terrella_ground::air::{AirAboveClouds, AirModel, AirTables, Atmosphere};
 pub use terrella_ground::globe::Shading;
 use terrella_ground::globe::{BlockSet, Figure};
 use terrella_imagery::NeighbourhoodAlbedo;
@@ -555,7 +555,12 @@ fn air_textures(
         AirModel::new(&appearance.air),
         AirTables::shared(&appearance.air),
     );
+    let height_m = appearance.light.cloud_height_m;
+    let above = albedo
+        .has_clouds()
+        .then(|| AirAboveClouds::shared(&appearance.air, height_m));
+    let clouds = above.as_deref().map(|above| (above, height_m));
     let albedo = albedo.texels(&quality.maps);
-    let (clouds_m, moonlight) = (appearance.light.cloud_height_m, appearance.light.moonlight);
-    AirTextures::new(device, queue, model, &tables, &albedo, clouds_m, moonlight)
+    let moonlight = appearance.light.moonlight;
+    AirTextures::new(device, queue, model, &tables, &albedo, clouds, moonlight)
 }

@@ -33,8 +33,11 @@ import rust::ALBEDO_SIZE;
 // Light that ground of albedo A sends up, time after time, for a unit that comes down first: A/(1 − A s), where the air sends the
 // part s back.
 fn sent_up(uv: vec2f) -> vec3f {
-    let albedo = neighbourhood(uv);
-    return albedo / (1.0 - albedo * air.sky_albedo);
+    return sent_up_by(neighbourhood(uv), air.sky_albedo);
+}
+
+fn sent_up_by(albedo: vec3f, sent_back: vec3f) -> vec3f {
+    return albedo / (1.0 - albedo * sent_back);
 }
 
 // Scattered light is stored by its fourth root.

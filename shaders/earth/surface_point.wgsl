@@ -13,10 +13,20 @@ struct AirAtPoint {
     through: vec3f,
     black: vec3f,
     bounce: vec3f,
-    // The Sun's light on level ground and that of the sky over black ground, and the Sun's on the clouds before it.
+    // The Sun's light on level ground and that of the sky over black ground.
     sun: vec3f,
     sky: vec3f,
-    @if(clouds) sun_on_clouds: vec3f,
+    @if(clouds) of_clouds: AirOfClouds,
+}
+
+// What the air does at the clouds before a point, as if their layer were the ground.
+@if(clouds && air)
+struct AirOfClouds {
+    sun: vec3f,
+    sky: vec3f,
+    through: vec3f,
+    black: vec3f,
+    bounce: vec3f,
 }
 
 struct SurfacePoint {

@@ -24,7 +24,12 @@ struct Varying {
     @if(interpolated) @location(6) bounce: vec3f,
     @if(interpolated) @location(7) sun: vec3f,
     @if(interpolated) @location(8) sky: vec3f,
+    // The same of the clouds before it: see AirOfClouds in surface_point.wgsl.
     @if(interpolated && clouds) @location(9) sun_on_clouds: vec3f,
+    @if(interpolated && clouds) @location(10) sky_on_clouds: vec3f,
+    @if(interpolated && clouds) @location(11) through_to_clouds: vec3f,
+    @if(interpolated && clouds) @location(12) black_above_clouds: vec3f,
+    @if(interpolated && clouds) @location(13) bounce_above_clouds: vec3f,
 }
 
 // What is the same for a whole block, patch or page. Mirrored by `BlockInstance` in src/gpu/lattice.rs.

@@ -17,7 +17,9 @@ use glam::DVec3;
 use std::f64::consts::FRAC_PI_2;
 use std::sync::Arc;
 use terrella_frames::{Ellipsoid, MOON_RADIUS_M, MoonShadow};
-use terrella_ground::air::{AirOptions, AirTables, Atmosphere, Billboard, THICKNESS_M, TOP};
+use terrella_ground::air::{
+    AirAboveClouds, AirOptions, AirTables, Atmosphere, Billboard, THICKNESS_M, TOP,
+};
 use terrella_ground::globe::{
     BLOCK_COUNT, Block, BlockGrid, BlockSet, COLUMNS, Meshes, Subdivision, SubdivisionError,
     Surface, Visibility, sagitta, select_blocks, texels_per_pixel,
@@ -45,6 +47,8 @@ pub(super) struct Planner {
     interpolates: bool,
     tone: Tone,
     air: AirOptions,
+    /// Height of the clouds, where there are some.
+    clouds_m: Option<f64>,
     /// Where that is, once it is asked for.
     cells: Option<CellLights>,
     /// Where there is nothing but land or open sea, if that is known.
@@ -77,6 +81,11 @@ impl Planner {
             interpolates: options.interpolates_air(),
             tone: options.tone,
             air: options.air,
+            clouds_m: options
+                .layers
+                .clouds
+                .is_some()
+                .then_some(options.light.cloud_height_m),
             cells: None,
             kinds: ground_kinds(options),
             moon_gain: options.light.moon_gain(),
@@ -111,8 +120,9 @@ impl Planner {
     pub fn set_appearance(&mut self, appearance: &Appearance) {
         self.moon_gain = appearance.light.moon_gain();
         self.has_eclipses = appearance.light.eclipses;
-        if self.air != appearance.air {
-            self.air = appearance.air;
+        let clouds_m = self.clouds_m.map(|_| appearance.light.cloud_height_m);
+        if self.air != appearance.air || self.clouds_m != clouds_m {
+            (self.air, self.clouds_m) = (appearance.air, clouds_m);
             self.cells = None;
         }
         self.exposure.set_appearance(appearance);
@@ -262,7 +272,8 @@ impl Planner {
             Some(ground) => ground.list_draws(&plan.ellipsoid, tiled, &mut plan.draws),
             None if interpolates => {
                 let cells = self.cells.get_or_insert_with(|| {
-                    CellLights::new(AirTables::shared(&self.air), self.tone)
+                    let clouds = self.clouds_m.map(|m| AirAboveClouds::shared(&self.air, m));
+                    CellLights::new(AirTables::shared(&self.air), clouds, self.tone)
                 });
                 let light = CellLight {
                     sun_itrf: plan.uniforms.sun_itrf,

@@ -5,7 +5,7 @@ use super::draws::{DrawLight, LISTED_INDICES, SurfaceDraw, block_ranges, whole_r
 use super::frame::FramePlan;
 use glam::Vec3;
 use std::sync::Arc;
-use terrella_ground::air::{AirTables, InterpolationLimits};
+use terrella_ground::air::{AirAboveClouds, AirTables, InterpolationLimits};
 use terrella_ground::globe::{Block, BlockGrid};
 use terrella_ground::light::{DisplaySlope, Tone};
 use terrella_imagery::{GroundKind, GroundKinds};
@@ -23,6 +23,7 @@ pub(crate) fn interpolated_cells(height_m: f64) -> u32 {
 pub(crate) struct CellLights {
     tables: Arc<AirTables>,
     limits: InterpolationLimits,
+    clouds: Option<(Arc<AirAboveClouds>, InterpolationLimits)>,
     display_slope: DisplaySlope,
     /// For each vertex of a block what is enough about it.
     enough: Vec<DrawLight>,
@@ -44,7 +45,7 @@ impl CellLight {
     /// What is enough about a vertex.
     fn at_vertex(
         &self,
-        limits: &InterpolationLimits,
+        (of_ground, of_clouds): (&InterpolationLimits, Option<&InterpolationLimits>),
         (up, from_eye_m): (Vec3, Vec3),
         side_m: f32,
         side_rad: f32,
@@ -55,7 +56,10 @@ impl CellLight {
         }
         let distance_m = from_eye_m.length();
         let mu = -up.dot(from_eye_m) / distance_m;
-        match limits.allow((mu, mu_s), (side_m / distance_m, side_rad)) {
+        let allow = |limits: &InterpolationLimits| {
+            limits.allow((mu, mu_s), (side_m / distance_m, side_rad))
+        };
+        match allow(of_ground) && of_clouds.is_none_or(allow) {
             true => DrawLight::Interpolated,
             false => DrawLight::Daylit,
         }
@@ -63,10 +67,14 @@ impl CellLight {
 }
 
 impl CellLights {
-    /// For light through this air that is shown by this curve.
-    pub fn new(tables: Arc<AirTables>, tone: Tone) -> Self {
+    /// For light through this air, and that above clouds where there are some, which is shown by this curve.
+    pub fn new(tables: Arc<AirTables>, clouds: Option<Arc<AirAboveClouds>>, tone: Tone) -> Self {
         Self {
             limits: tables.interpolation().limits(),
+            clouds: clouds.map(|above| {
+                let limits = above.interpolation().limits();
+                (above, limits)
+            }),
             display_slope: DisplaySlope::of(tone),
             tables,
             enough: Vec::with_capacity(49 * 49),
@@ -86,6 +94,11 @@ impl CellLights {
         let bound = self.tables.interpolation();
         let slope = &self.display_slope;
         bound.set_shown(&mut self.limits, light.exposure, |light| slope.at(light));
+        if let Some((above, limits)) = &mut self.clouds {
+            let bound = above.interpolation();
+            bound.set_shown(limits, light.exposure, |light| slope.at(light));
+        }
+        let of_clouds = self.clouds.as_ref().map(|(_, limits)| limits);
         let ranges = block_ranges(grid);
         let n = grid.subdivision();
         let radii_m = grid.ellipsoid().itrf_from_scaled();
@@ -102,7 +115,8 @@ impl CellLights {
             self.enough.clear();
             self.enough.extend(vertices.iter().map(|from_eye_m| {
                 let up = place.normal(*from_eye_m);
-                light.at_vertex(&self.limits, (up, *from_eye_m), side_m, side_rad)
+                let limits = (&self.limits, of_clouds);
+                light.at_vertex(limits, (up, *from_eye_m), side_m, side_rad)
             }));
             let corner = |i: u32, j: u32| self.enough[(j * (n + 1) + i) as usize];
             self.drawn.clear();

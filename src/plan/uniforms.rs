@@ -102,6 +102,14 @@ pub struct AirUniforms {
     pub moon_level: Vec3,
     /// Fills the row.
     pub padding_b: f32,
+    /// Of the optical depth between an eye in the air and the ground, the part that lies above the clouds.
+    pub above_clouds: Vec3,
+    /// Fills the row.
+    pub padding_c: f32,
+    /// The part of light going up from the clouds that the air above them sends back.
+    pub sky_albedo_of_clouds: Vec3,
+    /// Fills the row.
+    pub padding_d: f32,
     /// As in [`FrameUniforms`].
     pub shadow: MoonShadowUniforms,
 }

@@ -411,7 +411,7 @@ fn truth_has_no_light_and_light_no_truth() {
         assert!(all.contains(name) && !none.contains(name), "{name}");
     }
     let picture = code(sunlit(BLOCKS, LAYERS));
-    for name in ["day_map", "sun_on_clouds", "glint", "value_noise"] {
+    for name in ["day_map", "sun_on_top", "glint", "value_noise"] {
         assert!(!all.contains(name) && picture.contains(name), "{name}");
     }
     for name in ["range_m", "TRUTH_LAND", "marks"] {

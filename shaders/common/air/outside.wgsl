@@ -1,15 +1,23 @@
 // An eye outside the air: looks into the tables of rays that come from space.
-import rust::{AIR_TOP, PI, SCATTERING_SIZE};
+import rust::{AIR_RAYS, AIR_TOP, PI, SCATTERING_SIZE};
 
 // Coordinate of a ray in the tables: rays that meet the ground by their zenith cosine there, others by their height.
 fn ray_coordinate(pass_: Pass) -> f32 {
-    let half_ = 0.5 * SCATTERING_SIZE.x;
-    let over = 0.5 + 0.5 * table_coordinate(sqrt(max(pass_.q - 1.0, 0.0) / (AIR_TOP - 1.0)), half_);
+    let over = quarter_of_rays(1.0, sqrt(max(pass_.q - 1.0, 0.0) / (AIR_TOP - 1.0)));
     return select(over, ground_coordinate(pass_.mu), meets_ground(pass_));
 }
 
 fn ground_coordinate(mu: f32) -> f32 {
-    return 0.5 * table_coordinate(sqrt(mu), 0.5 * SCATTERING_SIZE.x);
+    return quarter_of_rays(0.0, sqrt(mu));
+}
+
+// Of a ray that meets the layer of clouds, by its zenith cosine there.
+fn cloud_coordinate(mu: f32) -> f32 {
+    return quarter_of_rays(2.0, sqrt(mu));
+}
+
+fn quarter_of_rays(quarter: f32, at: f32) -> f32 {
+    return 0.25 * (quarter + table_coordinate(at, AIR_RAYS));
 }
 
 // `x` is the ray's coordinate, `mu` and `mu_s` are the cosines of its zenith angle and of the Sun's where that is counted; `ray`

@@ -42,5 +42,11 @@ struct AirUniforms {
     // Horizontally towards the Moon at the eye, as for the Sun.
     moon_level: vec3f,
     padding_b: f32,
+    // Of the optical depth between an eye in the air and the ground, the part that lies above the clouds.
+    above_clouds: vec3f,
+    padding_c: f32,
+    // The part of light going up from the clouds that the air above them sends back.
+    sky_albedo_of_clouds: vec3f,
+    padding_d: f32,
     shadow: MoonShadow,
 }

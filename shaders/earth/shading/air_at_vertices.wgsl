@@ -2,6 +2,7 @@
 // seen, which src/plan/cells.rs chooses, and for an eye outside the air. What it is multiplied by, the albedo of the ground about, is
 // looked up for each pixel.
 import earth/shading/light.wgsl;
+@if(clouds) import earth/shading/air_above_clouds.wgsl;
 
 fn air_at_vertex(at: SurfacePoint) -> AirAtPoint {
     let ray = -normalize(at.to_eye);
@@ -15,7 +16,7 @@ fn air_at_vertex(at: SurfacePoint) -> AirAtPoint {
     out.bounce = parts.bounce;
     out.sun = sunlight(mu_s, OF_GROUND);
     out.sky = sunlight(mu_s, OF_SKY);
-    @if(clouds) out.sun_on_clouds = sunlight(dot(lifted_before(at).up, air.sun), OF_CLOUDS);
+    @if(clouds) out.of_clouds = air_above_clouds(lifted_before(at).up, ray, air.sun);
     return out;
 }
 
@@ -26,6 +27,6 @@ fn air_between_vertices(in: Varying) -> AirAtPoint {
     out.bounce = in.bounce;
     out.sun = in.sun;
     out.sky = in.sky;
-    @if(clouds) out.sun_on_clouds = in.sun_on_clouds;
+    @if(clouds) out.of_clouds = AirOfClouds(in.sun_on_clouds, in.sky_on_clouds, in.through_to_clouds, in.black_above_clouds, in.bounce_above_clouds);
     return out;
 }

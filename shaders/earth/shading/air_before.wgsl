@@ -10,38 +10,50 @@ struct AirBefore {
     light: vec3f,
 }
 
-// The ground's light as the eye sees it. `mu_s` is the cosine of the Sun's zenith angle there.
-fn through_air(color: vec3f, at: SurfacePoint, mu_s: f32) -> vec3f {
-    let air_ = air_before(at, mu_s);
-    @if(eclipse) return air_.through * color + sun_on_air_before(at) * air_.light;
-    @else return air_.through * color + air_.light;
+// The air before the smooth ground is known, and relief stands in a part of it. `mu_s` is the cosine of the Sun's zenith angle there.
+@if(relief)
+fn air_before(at: SurfacePoint, mu_s: f32) -> AirBefore {
+    return air_before_relief(at, air_before_smooth_ground(at, mu_s));
+}
+@else
+fn air_before(at: SurfacePoint, mu_s: f32) -> AirBefore {
+    return air_before_smooth_ground(at, mu_s);
 }
 
-// To an eye in the air: by the ray's direction, as far as the smooth ground. Ground with relief may be nearer, or stand where the
-// smooth ground does not.
-@if(inside)
-fn air_before(at: SurfacePoint, mu_s: f32) -> AirBefore {
+// To an eye in the air ground with relief may be nearer than the smooth ground, or stand where that does not.
+@if(relief && inside)
+fn air_before_relief(at: SurfacePoint, smooth_: AirBefore) -> AirBefore {
     let to_ground = -at.to_eye * vec3f(1.0, 1.0, air.polar_stretch);
-    let direction = normalize(to_ground);
-    let uv = at.center_uv + at.uv;
+    let part = part_before(at, normalize(to_ground), length(to_ground));
+    return thinned(smooth_, vec3f(part));
+}
+
+// To an eye outside it there is less air before a height, of the same shape.
+@if(relief && !inside)
+fn air_before_relief(at: SurfacePoint, smooth_: AirBefore) -> AirBefore {
+    return thinned(smooth_, vec3f(exp(-at.height_m / AIR_SCALE_HEIGHT_M)));
+}
+
+// To an eye in the air: by the ray's direction.
+@if(inside)
+fn air_before_smooth_ground(at: SurfacePoint, mu_s: f32) -> AirBefore {
+    let direction = normalize(-at.to_eye * vec3f(1.0, 1.0, air.polar_stretch));
     // Of a mountain above the limb it is the air before the limb.
     @if(relief) let column = ground_view_column(max(tangent_below_limb(direction), 0.0));
     @else let column = view_column(direction);
-    let air_ = AirBefore(through_seen(column), seen(column, direction, uv).rgb);
-    @if(relief) return thinned(air_, part_before(at, direction, length(to_ground)));
-    @else return air_;
+    return AirBefore(through_seen(column), seen(column, direction, at.center_uv + at.uv).rgb);
 }
 
 // To an eye outside the air: of what stands at the vertices, …
 @if(interpolated)
-fn air_before(at: SurfacePoint, mu_s: f32) -> AirBefore {
+fn air_before_smooth_ground(at: SurfacePoint, mu_s: f32) -> AirBefore {
     let light = at.air.black + sent_up(at.center_uv + at.uv) * at.air.bounce;
     return AirBefore(at.air.through, light);
 }
 
 // … or by the ray's zenith angle at the point.
 @if(!inside && !interpolated)
-fn air_before(at: SurfacePoint, mu_s: f32) -> AirBefore {
+fn air_before_smooth_ground(at: SurfacePoint, mu_s: f32) -> AirBefore {
     let ray = -normalize(at.to_eye);
     let mu = clamp(-dot(ray, at.up), 0.0, 1.0);
     let x = ground_coordinate(mu);
@@ -49,16 +61,13 @@ fn air_before(at: SurfacePoint, mu_s: f32) -> AirBefore {
     let sunlit = scattered(x, mu, ray, air.sun, mu_s, uv).rgb;
     @if(moonlight) let light = sunlit + air.moon_light * scattered(x, mu, ray, air.moon, dot(at.up, air.moon), uv).rgb;
     @else let light = sunlit;
-    // On a height there is less air, of the same shape.
-    @if(relief) return thinned(AirBefore(through_at(x), light), exp(-at.height_m / AIR_SCALE_HEIGHT_M));
-    @else return AirBefore(through_at(x), light);
+    return AirBefore(through_at(x), light);
 }
 
-// The air before ground with relief, as a part of the air before the smooth ground: by an exponential profile, since only the part
-// counts. `part` of the optical depth, and of the light as if its source were the same all along.
-@if(relief)
-fn thinned(air_: AirBefore, part: f32) -> AirBefore {
-    let through = pow(max(air_.through, vec3f(1e-6)), vec3f(part));
+// The air before ground with relief or before clouds, as a part of the air before the smooth ground: `part` of the optical depth, and of
+// the light as if its source were the same all along.
+fn thinned(air_: AirBefore, part: vec3f) -> AirBefore {
+    let through = pow(max(air_.through, vec3f(1e-6)), part);
     return AirBefore(through, air_.light * (1.0 - through) / max(1.0 - air_.through, vec3f(1e-6)));
 }
 
@@ -76,7 +85,8 @@ fn sun_on_air_before(at: SurfacePoint) -> vec3f {
 @if(relief && inside)
 const MOST_PARTS: f32 = 50.0;
 
-// Of the air between an eye in it and the smooth ground, or the limb, the part that stands before a point of the relief.
+// Of the air between an eye in it and the smooth ground, or the limb, the part that stands before a point of the relief: by an
+// exponential profile, since only the part counts.
 @if(relief && inside)
 fn part_before(at: SurfacePoint, direction: vec3f, ray_length: f32) -> f32 {
     let along = air.eye_distance * dot(direction, air.toward_center);

@@ -7,6 +7,8 @@
 //   ρ(μ) = ρ + (1 − ρ)(1/2 − 3/4 μ)(1 − exp(−1.85 x/μ))
 import rust::CLOUD_ALBEDO;
 import earth/shading/cloud_cover.wgsl;
+@if(air) import earth/shading/air_above_clouds.wgsl;
+@if(air) import earth/shading/air_before.wgsl;
 
 // A cloud's sides catch some light of a Sun at their horizon.
 const CLOUD_SIDES: f32 = 0.05;
@@ -15,12 +17,6 @@ const CLOUD_SIDES: f32 = 0.05;
 fn sunlit_albedo(albedo: f32, mu: f32) -> f32 {
     let x = 4.0 / 3.0 * albedo / (1.0 - albedo);
     return max(albedo + (1.0 - albedo) * (0.5 - 0.75 * mu) * (1.0 - exp(-1.85 * x / max(mu, CLOUD_SIDES))), 0.0);
-}
-
-// The Sun's light on clouds over a place where it stands at this cosine. Their horizon is lower than the ground's.
-fn sun_at_clouds(mu_s: f32) -> vec3f {
-    @if(air) return sunlight(mu_s, OF_CLOUDS);
-    @else return light_of_disc(mu_s + surface_light.cloud_dip);
 }
 
 // Of the clouds before a place of the ground.
@@ -38,8 +34,56 @@ fn clouds_before(at: SurfacePoint) -> CloudsBefore {
 }
 
 // What they throw back of the light of a Sun, which falls on them at this cosine, and of its sky.
-fn light_of_clouds(clouds: CloudsBefore, falls: vec3f, cosine: f32, light: Light) -> vec3f {
-    return sunlit_albedo(clouds.albedo, cosine) * falls + clouds.albedo * light.sky;
+fn light_of_clouds(clouds: CloudsBefore, light: Light, cosine: f32) -> vec3f {
+    return sunlit_albedo(clouds.albedo, cosine) * cosine * light.sun + clouds.albedo * light.sky;
+}
+
+// Their light as the eye sees it, without air: their horizon is lower than the ground's.
+@if(!air)
+fn clouds_seen(at: SurfacePoint, clouds: CloudsBefore) -> vec3f {
+    let from_sun = light_on_clouds(dot(clouds.lift.up, frame.sun_itrf));
+    var color = light_of_clouds(clouds, from_sun, sun_on_top(at, clouds, frame.sun_itrf));
+    @if(moonlight) let mu = dot(clouds.lift.up, frame.moon_itrf);
+    @if(moonlight) color += frame.moon_light * light_of_clouds(clouds, light_on_clouds(mu), max(mu, CLOUD_SIDES));
+    @if(eclipse) color *= sun_left_to_clouds(clouds);
+    return color;
+}
+
+@if(!air)
+fn light_on_clouds(mu: f32) -> Light {
+    return Light(light_of_disc(mu + surface_light.cloud_dip), vec3f(0.0));
+}
+
+// Through the air above them, with what that adds. `ground` is the air before the ground.
+@if(air)
+fn clouds_seen(at: SurfacePoint, clouds: CloudsBefore, ground: AirBefore) -> vec3f {
+    let about = neighbourhood(at.center_uv + at.uv);
+    @if(interpolated) let air_ = at.air.of_clouds;
+    @else let air_ = air_of_clouds(at, clouds, frame.sun_itrf);
+    let light = light_on_clouds(air_, dot(clouds.lift.up, frame.sun_itrf), about);
+    var color = light_of_clouds(clouds, light, sun_on_top(at, clouds, frame.sun_itrf));
+    var added = added_above_clouds(air_, about);
+    @if(moonlight) let of_moon = air_of_clouds(at, clouds, frame.moon_itrf);
+    @if(moonlight) color += frame.moon_light * moonlit_clouds(clouds, of_moon, about);
+    @if(moonlight) added += frame.moon_light * added_above_clouds(of_moon, about);
+    var before = AirBefore(air_.through, added);
+    @if(inside) before = thinned(ground, air.above_clouds);
+    @if(eclipse) color *= sun_left_to_clouds(clouds);
+    @if(eclipse) before.light *= sun_on_air_before(at);
+    return before.through * color + clouds.albedo * before.light;
+}
+
+// The Moon shows no relief of clouds: for it they would be looked at once more.
+@if(air && moonlight)
+fn moonlit_clouds(clouds: CloudsBefore, air_: AirOfClouds, about: vec3f) -> vec3f {
+    let mu = dot(clouds.lift.up, frame.moon_itrf);
+    return light_of_clouds(clouds, light_on_clouds(air_, mu, about), max(mu, CLOUD_SIDES));
+}
+
+// What the air does at a cloud, which lies above most of it and hides what is below.
+@if(air && !interpolated)
+fn air_of_clouds(at: SurfacePoint, clouds: CloudsBefore, sun: vec3f) -> AirOfClouds {
+    return air_above_clouds(clouds.lift.up, -normalize(at.to_eye), sun);
 }
 
 // Steepest that a cloud's top is drawn: a map's noise must not look like towers.

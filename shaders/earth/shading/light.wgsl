@@ -26,10 +26,11 @@ fn light_at(at: SurfacePoint, mu_s: f32) -> Light {
     return Light(light_of_disc(mu_s), vec3f(0.0));
 }
 
-// Rows of the table: transmittance of the Sun's light to the ground, the sky's light on black ground, transmittance to the clouds.
-@if(air) const OF_GROUND: f32 = 0.5 / 3.0;
-@if(air) const OF_SKY: f32 = 1.5 / 3.0;
-@if(air && clouds) const OF_CLOUDS: f32 = 2.5 / 3.0;
+// Rows of the table: transmittance of the Sun's light to the ground, the sky's light on black ground, the same two of the clouds.
+@if(air) const OF_GROUND: f32 = 0.5 / 4.0;
+@if(air) const OF_SKY: f32 = 1.5 / 4.0;
+@if(air && clouds) const OF_CLOUDS: f32 = 2.5 / 4.0;
+@if(air && clouds) const OF_SKY_ON_CLOUDS: f32 = 3.5 / 4.0;
 
 @if(air)
 fn sunlight(mu: f32, row: f32) -> vec3f {

@@ -47,47 +47,38 @@ fn with_detail(at: SurfacePoint, surface: Surface) -> Surface {
     return out;
 }
 
-// Its light, and that of the clouds before it, by a Sun in this direction.
+// The ground's light by a Sun in this direction.
 fn lit(at: SurfacePoint, surface: Surface, sun: vec3f) -> vec3f {
-    @if(clouds) return lit_under(at, surface, sun, sun_on_top(at, surface.clouds, sun));
-    @else return lit_under(at, surface, sun, 1.0);
-}
-
-// The Moon's, which shows no relief of clouds: for it they would be looked at once more.
-@if(moonlight)
-fn moonlit(at: SurfacePoint, surface: Surface) -> vec3f {
-    @if(clouds) let on_clouds = max(dot(surface.clouds.lift.up, frame.moon_itrf), CLOUD_SIDES);
-    @else let on_clouds = 1.0;
-    return frame.moon_light * lit_under(at, surface, frame.moon_itrf, on_clouds);
-}
-
-// `on_clouds` is the cosine at which it falls on the tops of clouds.
-fn lit_under(at: SurfacePoint, surface: Surface, sun: vec3f, on_clouds: f32) -> vec3f {
     let mu_s = dot(at.up, sun);
-    @if(eclipse) let clear = light_at(at, mu_s);
-    @if(eclipse) let above = eclipsed(clear, at);
+    @if(eclipse) let above = eclipsed(light_at(at, mu_s), at);
     @else let above = light_at(at, mu_s);
     @if(clouds) let light = below_clouds(at, above, sun, mu_s);
     @else let light = above;
     // The floor of the open sea is as deep as the map tells.
-    @if(open_sea) var color = sea(at, light, sun, mu_s, 1.0);
-    @else var color = surface.day.rgb * (light.sun * max(dot(surface.normal, sun), 0.0) + light.sky);
+    @if(open_sea) return sea(at, light, sun, mu_s, 1.0);
+    @if(!open_sea) var color = surface.day.rgb * (light.sun * max(dot(surface.normal, sun), 0.0) + light.sky);
     @if(water && !open_sea) color = mix(color, sea(at, light, sun, mu_s, surface.day.a), surface.water);
-    @if(clouds && interpolated) let sun_on_clouds = at.air.sun_on_clouds;
-    @if(clouds && !interpolated) let sun_on_clouds = sun_at_clouds(dot(surface.clouds.lift.up, sun));
-    @if(clouds && !eclipse) let of_clouds = light_of_clouds(surface.clouds, on_clouds * sun_on_clouds, on_clouds, above);
-    @if(clouds && eclipse) let of_clouds = sun_left_to_clouds(surface.clouds) * light_of_clouds(surface.clouds, on_clouds * sun_on_clouds, on_clouds, clear);
-    @if(clouds) color = of_clouds + (1.0 - surface.clouds.albedo) * color;
-    return color;
+    @if(!open_sea) return color;
 }
 
 fn shade(at: SurfacePoint) -> vec3f {
     let mu_s = dot(at.up, frame.sun_itrf);
     let surface = surface_at(at);
     var color = lit(at, surface, frame.sun_itrf);
-    @if(moonlight) color += moonlit(at, surface);
-    @if(night_lights && clouds) color += (1.0 - surface.clouds.albedo) * city_light(at, mu_s);
-    @if(night_lights && !clouds) color += city_light(at, mu_s);
-    @if(air) color = through_air(color, at, mu_s);
+    @if(moonlight) color += frame.moon_light * lit(at, surface, frame.moon_itrf);
+    @if(night_lights) color += city_light(at, mu_s);
+    @if(air) let smooth_ = air_before_smooth_ground(at, mu_s);
+    @if(air) color = through_air(color, at, smooth_);
+    @if(clouds && air) color = clouds_seen(at, surface.clouds, smooth_) + (1.0 - surface.clouds.albedo) * color;
+    @if(clouds && !air) color = clouds_seen(at, surface.clouds) + (1.0 - surface.clouds.albedo) * color;
     return color;
+}
+
+// The ground's light as the eye sees it, through the air before smooth ground.
+@if(air)
+fn through_air(color: vec3f, at: SurfacePoint, smooth_: AirBefore) -> vec3f {
+    @if(relief) let before = air_before_relief(at, smooth_);
+    @else let before = smooth_;
+    @if(eclipse) return before.through * color + sun_on_air_before(at) * before.light;
+    @else return before.through * color + before.light;
 }

@@ -25,6 +25,10 @@ fn with_air(vertex: Varying, from_eye_m: vec3f) -> Varying {
     out.bounce = at.bounce;
     out.sun = at.sun;
     out.sky = at.sky;
-    @if(clouds) out.sun_on_clouds = at.sun_on_clouds;
+    @if(clouds) out.sun_on_clouds = at.of_clouds.sun;
+    @if(clouds) out.sky_on_clouds = at.of_clouds.sky;
+    @if(clouds) out.through_to_clouds = at.of_clouds.through;
+    @if(clouds) out.black_above_clouds = at.of_clouds.black;
+    @if(clouds) out.bounce_above_clouds = at.of_clouds.bounce;
     return out;
 }

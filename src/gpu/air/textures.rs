@@ -4,7 +4,7 @@ use crate::gpu::{GpuLayer, VIEW_ANGLES, VIEW_AZIMUTHS};
 use crate::plan::{AirSide, AirUniforms};
 use glam::{Vec3, Vec4};
 use std::sync::Arc;
-use terrella_ground::air::{self, AirModel, AirTables, TableSize};
+use terrella_ground::air::{self, AirAboveClouds, AirModel, AirTables, TableSize};
 use terrella_imagery::NEIGHBOURHOODS;
 
 /// A binding of group 0: what its layout has, and what is bound.
@@ -24,6 +24,7 @@ pub(crate) struct AirTextures {
 struct Tables {
     model: AirModel,
     sky_albedo: Vec3,
+    clouds: Option<AboveClouds>,
     sampler: wgpu::Sampler,
     albedo: GpuLayer,
     sunlight: GpuLayer,
@@ -33,6 +34,14 @@ struct Tables {
     march: [GpuLayer; 3],
     /// Whether that is drawn under the Moon too.
     moonlight: bool,
+}
+
+/// The air above clouds, besides what its tables hold.
+#[derive(Clone, Copy)]
+pub(crate) struct AboveClouds {
+    pub height_m: f64,
+    /// See [`AirAboveClouds::sky_albedo`].
+    pub sky_albedo: Vec3,
 }
 
 /// What depends on where a view's eye is.
@@ -59,31 +68,49 @@ impl Eye {
 }
 
 impl AirTextures {
-    /// Uploads the tables of an air, over ground of this albedo, with clouds at this height; for views under the Moon too if
-    /// `moonlight`.
+    /// Uploads the tables of an air, over ground of this albedo, and of the air above clouds at a height, metres, where there are some;
+    /// for views under the Moon too if `moonlight`.
     pub fn new(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
         model: AirModel,
         tables: &AirTables,
         albedo: &[Vec4],
-        cloud_height_m: f64,
+        clouds: Option<(&AirAboveClouds, f64)>,
         moonlight: bool,
     ) -> Self {
-        let sunlight = tables.sunlight_with_clouds(cloud_height_m);
+        let mut sunlight = tables.sunlight.clone();
+        if let Some((above, height_m)) = clouds {
+            sunlight.extend(tables.sunlight_on_clouds(height_m));
+            sunlight.extend(above.sky());
+        }
+        sunlight.resize(air::SUNLIGHT_AND_CLOUDS.texels(), Vec4::ZERO);
+        let above = clouds.map(|(above, _)| above);
+        let of_ground = [&tables.scattering, &tables.bounce, &tables.through];
+        let of_clouds = above.map(|above| [&above.scattering, &above.bounce, &above.through]);
+        let [scattering, bounce, through]: [Vec<Vec4>; 3] =
+            std::array::from_fn(|n| beside(of_ground[n], of_clouds.map(|tables| &tables[n][..])));
         let upload = |label, size, texels: &[Vec4]| {
             GpuLayer::upload_table(device, queue, label, size, texels)
         };
         let tables = Tables {
             model,
             sky_albedo: tables.sky_albedo,
+            clouds: clouds.map(|(above, height_m)| AboveClouds {
+                height_m,
+                sky_albedo: above.sky_albedo,
+            }),
             sampler: table_sampler(device),
             albedo: upload("terrella albedo", ALBEDO, albedo),
             sunlight: upload("terrella sunlight", air::SUNLIGHT_AND_CLOUDS, &sunlight),
             outside: [
-                upload("terrella scattering", air::SCATTERING, &tables.scattering),
-                upload("terrella bounce", air::BOUNCE, &tables.bounce),
-                upload("terrella through", air::THROUGH, &tables.through),
+                upload(
+                    "terrella scattering",
+                    air::SCATTERING_AND_CLOUDS,
+                    &scattering,
+                ),
+                upload("terrella bounce", air::BOUNCE_AND_CLOUDS, &bounce),
+                upload("terrella through", air::THROUGH_AND_CLOUDS, &through),
             ],
             march: [
                 upload(
@@ -117,6 +144,11 @@ impl AirTextures {
     /// See [`AirTables::sky_albedo`].
     pub fn sky_albedo(&self) -> Vec3 {
         self.tables.sky_albedo
+    }
+
+    /// `None` without clouds.
+    pub fn above_clouds(&self) -> Option<AboveClouds> {
+        self.tables.clouds
     }
 
     pub fn bytes(&self) -> u64 {
@@ -211,6 +243,17 @@ impl std::fmt::Debug for AirTextures {
             .field(&self.tables.model)
             .finish()
     }
+}
+
+/// Rows of rays that meet the ground or pass it, each followed by that of rays that meet clouds: nothing where there are none.
+fn beside(of_ground: &[Vec4], of_clouds: Option<&[Vec4]>) -> Vec<Vec4> {
+    const RAYS: usize = air::RAYS as usize;
+    let rows = of_ground.chunks_exact(2 * RAYS).enumerate();
+    rows.flat_map(|(n, row)| {
+        let above = of_clouds.map_or(&[Vec4::ZERO; RAYS][..], |all| &all[n * RAYS..][..RAYS]);
+        row.iter().chain(above).chain(&[Vec4::ZERO; RAYS]).copied()
+    })
+    .collect()
 }
 
 /// Size of the map of neighbourhoods, a column more on either side.

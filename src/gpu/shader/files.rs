@@ -137,6 +137,7 @@ files![
     "earth/blocks.wgsl",
     "earth/fragment.wgsl",
     "earth/maps.wgsl",
+    "earth/shading/air_above_clouds.wgsl",
     "earth/shading/air_at_vertices.wgsl",
     "earth/shading/air_before.wgsl",
     "earth/shading/cloud_cover.wgsl",

@@ -140,6 +140,8 @@ fn structs_match_the_shaders() {
             moon_light,
             moon,
             moon_level,
+            above_clouds,
+            sky_albedo_of_clouds,
             shadow
         ]
     );

@@ -75,8 +75,8 @@ pub const BOUNCE: TableSize = TableSize::new(SCATTERING.x, SCATTERING.y, 1);
 pub const THROUGH: TableSize = TableSize::new(SCATTERING.x, 1, 1);
 /// Size of the sunlight table: a row of transmittance and one of skylight.
 pub const SUNLIGHT: TableSize = TableSize::new(256, 2, 1);
-/// The same with the row of transmittance to the clouds, which stand where a scene has them.
-pub const SUNLIGHT_AND_CLOUDS: TableSize = TableSize::new(SUNLIGHT.x, SUNLIGHT.y + 1, 1);
+/// The same with rows of transmittance to the clouds, which stand where a scene has them, and of skylight on them.
+pub const SUNLIGHT_AND_CLOUDS: TableSize = TableSize::new(SUNLIGHT.x, SUNLIGHT.y + 2, 1);
 /// [`SCATTERING`] with rays that meet clouds beside the others. The last quarter is empty: coordinates are halved without rounding.
 pub const SCATTERING_AND_CLOUDS: TableSize = TableSize::new(4 * RAYS, SCATTERING.y, SCATTERING.z);
 /// [`BOUNCE`] with those.
@@ -171,8 +171,8 @@ impl AirTables {
         }
     }
 
-    /// [`Self::sunlight`] with a third row: transmittance of the Sun's light to clouds at this height.
-    pub fn sunlight_with_clouds(&self, height_m: f64) -> Vec<Vec4> {
+    /// Transmittance of the Sun's light to clouds at this height, which it leaves later than the ground, as a row of [`Self::sunlight`].
+    pub fn sunlight_on_clouds(&self, height_m: f64) -> Vec<Vec4> {
         let r = (1.0 + height_m / RADIUS_M).min(TOP);
         let horizon = horizon_cosine(r);
         let row = row_at(&self.transmittance, TRANSMITTANCE, r);
@@ -181,7 +181,7 @@ impl AirTables {
             let mu_s = sun_cosine(f64::from(x) / f64::from(SUNLIGHT.x - 1));
             of_disc(mu_s, |mu| row.at(mu))
         });
-        self.sunlight.iter().copied().chain(clouds).collect()
+        clouds.collect()
     }
 
     /// Where their light may be interpolated; found when it is first asked for.

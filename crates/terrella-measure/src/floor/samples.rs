@@ -188,19 +188,19 @@ fn of_the_air(is_sunlit: bool, has_clouds: bool, has_moon: bool) -> Vec<Sampled>
     };
     let mut all = Vec::new();
     if is_sunlit {
-        let rows = if has_clouds { 3 } else { 2 };
+        let rows = if has_clouds { 4 } else { 2 };
         all.push(sampled(air::SUNLIGHT_AND_CLOUDS, &|cosine| {
             let rows = 0..rows;
-            rows.map(|row| format!("vec2f({cosine}, {row}.5 / 3.0)"))
+            rows.map(|row| format!("vec2f({cosine}, {row}.5 / 4.0)"))
                 .collect()
         }));
     }
     all.push(once(albedo, "uv"));
-    all.push(once(air::THROUGH, "vec2f(mu, 0.5)"));
-    all.push(sampled(air::BOUNCE, &|cosine| {
+    all.push(once(air::THROUGH_AND_CLOUDS, "vec2f(mu, 0.5)"));
+    all.push(sampled(air::BOUNCE_AND_CLOUDS, &|cosine| {
         vec![format!("vec2f(mu, {cosine})")]
     }));
-    all.push(sampled(air::SCATTERING, &|cosine| {
+    all.push(sampled(air::SCATTERING_AND_CLOUDS, &|cosine| {
         vec![format!("vec3f(mu, {cosine}, 0.5 * mu)")]
     }));
     all
