@@ -53,11 +53,11 @@ fn flight(text: &str) -> Flight {
     Flight::open(Scene::from_toml(text, &path).expect("a scene")).expect("opens")
 }
 
-/// Most mean FLIP and root mean square, of 255, by name: a tenth above what was measured, 0.0334 and 2.76, 0.0110 and 3.16,
-/// 0.0234 and 3.64.
+/// Most mean FLIP and root mean square, of 255, by name: a tenth above what was measured, 0.0278 and 2.76, 0.0136 and 3.57,
+/// 0.0234 and 3.64. Of the disc it is how maps are filtered: its mean is right to 0.1 of 255.
 const BOUNDS: [(&str, f32, f64); 3] = [
-    ("space station", 0.0368, 3.04),
-    ("whole disc", 0.0132, 3.55),
+    ("space station", 0.0306, 3.04),
+    ("whole disc", 0.0150, 3.93),
     ("limb at night", 0.0258, 4.0),
 ];
 

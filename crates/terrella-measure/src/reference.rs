@@ -66,7 +66,6 @@ pub use render::MAX_TAPS;
 pub use still::{ReferenceRequest, ReferenceStats, StillError, write_reference_still};
 
 use glam::DVec3;
-use light::EarthAir;
 use rayon::prelude::*;
 use render::{CastEarth, PixelPart, RayCaster};
 use shading::GroundShader;
@@ -201,13 +200,13 @@ impl Reference {
         if !(depth.is_finite() && depth >= 0.0) {
             return Err(ReferenceError::Aerosol(depth));
         }
-        let air = match options.atmosphere {
-            Atmosphere::Billboard => Some(EarthAir::of(depth)),
+        let aerosol = match options.atmosphere {
+            Atmosphere::Billboard => Some(depth),
             Atmosphere::None => None,
         };
         Ok(Self {
             options,
-            ground: GroundShader::new(maps, options.shading, options.surface, air),
+            ground: GroundShader::new(maps, options.shading, options.surface, aerosol),
             relief: None,
         })
     }

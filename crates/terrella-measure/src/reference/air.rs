@@ -71,9 +71,8 @@ pub(super) struct Sight {
 }
 
 impl Air {
-    /// Makes an air ready, but for light that is scattered more than once.
-    pub fn without_orders(aerosol_optical_depth: f64, radius_m: f64) -> Self {
-        let matter = Matter::new(aerosol_optical_depth);
+    /// Makes an air ready over ground of a radius, but for light that is scattered more than once.
+    pub fn without_orders(matter: Matter, radius_m: f64) -> Self {
         let top = 1.0 + THICKNESS_M / radius_m;
         let shells: Vec<f64> = SHELLS_M.iter().map(|h| 1.0 + h / radius_m).collect();
         let to_sun = Gauss::new(SUN_NODES);

@@ -15,7 +15,7 @@ const RADIUS_M: f64 = 6_378_137.0;
 /// Hazy air with all orders, made once.
 fn air() -> &'static Air {
     static AIR: OnceLock<Air> = OnceLock::new();
-    AIR.get_or_init(|| air_of_all_orders(0.1, RADIUS_M))
+    AIR.get_or_init(|| air_of_all_orders(Matter::new(0.1), RADIUS_M))
 }
 
 /// Largest difference of two spectra.
@@ -27,7 +27,10 @@ fn apart(a: &Spectrum, b: &Spectrum) -> f64 {
 
 #[test]
 fn columns_are_sums_over_small_steps() {
-    let (air, matter) = (Air::without_orders(0.1, RADIUS_M), Matter::new(0.1));
+    let (air, matter) = (
+        Air::without_orders(Matter::new(0.1), RADIUS_M),
+        Matter::new(0.1),
+    );
     for mu in [1.0, 0.3, 0.0] {
         let length = RADIUS_M * (((air.top * air.top) - 1.0 + mu * mu).sqrt() - mu);
         const STEPS: i32 = 200_000;
@@ -49,7 +52,10 @@ fn columns_are_sums_over_small_steps() {
 
 #[test]
 fn the_table_of_columns_is_the_quadrature() {
-    let (air, rule) = (Air::without_orders(0.1, RADIUS_M), Gauss::new(8));
+    let (air, rule) = (
+        Air::without_orders(Matter::new(0.1), RADIUS_M),
+        Gauss::new(8),
+    );
     let mut worst = 0.0_f64;
     for i in 0..60 {
         // Irrational steps: never on a node.
@@ -164,4 +170,42 @@ fn light_of_the_ground_is_seen_through_the_air() {
     let white = earth.factors(1.0, &sight.transmittance, DVec3::splat(0.8));
     assert!(white.sky.cmpgt(black.sky * 1.2).all(), "{white:?}");
     assert_eq!(white.sun, black.sun);
+}
+
+/// An independent program's light of a grey Lambertian layer at 6 km: its file says how it was computed.
+const LAYER: &str = include_str!("../../../../tests/data/air/lambert_layer_6_km.csv");
+
+#[test]
+fn clouds_are_seen_through_the_air_above_them() {
+    let earth = EarthAir::above(6_000.0, 0.0);
+    let mut worst = 0.0_f64;
+    for row in LAYER.lines().skip(5) {
+        let numbers: Vec<f64> = row
+            .split(',')
+            .map(|n| n.parse().expect("a number"))
+            .collect();
+        let angles = [0, 2, 3].map(|n| numbers[n].to_radians());
+        let (sun_zenith, view_zenith, azimuth) = (angles[0], angles[1], angles[2]);
+        let (albedo, right) = (DVec3::splat(numbers[1]), DVec3::from_slice(&numbers[4..]));
+        let sun = DVec3::new(sun_zenith.sin(), 0.0, sun_zenith.cos());
+        // The ray runs towards the Sun's side at azimuth 0.
+        let (sin, cos) = azimuth.sin_cos();
+        let ray = DVec3::new(
+            view_zenith.sin() * cos,
+            view_zenith.sin() * sin,
+            -view_zenith.cos(),
+        );
+        let sight = earth
+            .air
+            .sight(&ScaledRay::new(DVec3::Z - 0.2 * ray, ray), sun);
+        let sight = sight.expect("air");
+        let light = earth
+            .at(sun.z)
+            .times(&earth.factors(sun.z, &sight.transmittance, albedo));
+        let found = earth.light(&sight, albedo) + albedo * (light.sun * sun.z + light.sky);
+        let off = (found - right).abs().max_element() / right.max_element();
+        worst = worst.max(off);
+        assert!(off < 0.015, "{row}: {found} for {right}");
+    }
+    println!("at most {:.2} %", 100.0 * worst);
 }

@@ -2,12 +2,13 @@
 
 use super::air::{Air, Scattered};
 use super::field::{BySun, Field, Grid};
+use super::matter::Matter;
 use super::orders::Solver;
 use super::spectrum::BANDS;
 
 /// Makes an air ready, with light that is scattered any number of times, on all cores; takes seconds.
-pub(super) fn air_of_all_orders(aerosol_optical_depth: f64, radius_m: f64) -> Air {
-    let mut air = Air::without_orders(aerosol_optical_depth, radius_m);
+pub(super) fn air_of_all_orders(matter: Matter, radius_m: f64) -> Air {
+    let mut air = Air::without_orders(matter, radius_m);
     let grid = Grid::new(air.top - 1.0);
     let solver = Solver::new(&air, &grid);
     let sun = solver.of_sun();

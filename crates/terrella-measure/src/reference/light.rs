@@ -3,6 +3,7 @@
 use super::air::{Air, Sight};
 use super::all_orders::air_of_all_orders;
 use super::grid::Table1d;
+use super::matter::Matter;
 use super::spectrum::{BANDS, Colors, Spectrum};
 use glam::DVec3;
 use std::f64::consts::PI;
@@ -79,21 +80,24 @@ impl ByZenith {
 impl EarthAir {
     /// The Earth's air with an aerosol of this optical depth at 550 nm. Made once per process.
     pub fn of(aerosol_optical_depth: f64) -> Arc<Self> {
-        static MADE: Mutex<Vec<(f64, Arc<EarthAir>)>> = Mutex::new(Vec::new());
+        Self::above(0.0, aerosol_optical_depth)
+    }
+
+    /// Its part above a height, metres, as if the ground were there. Made once per process.
+    pub fn above(height_m: f64, aerosol_optical_depth: f64) -> Arc<Self> {
+        type Made = ([f64; 2], Arc<EarthAir>);
+        static MADE: Mutex<Vec<Made>> = Mutex::new(Vec::new());
+        let wanted = [height_m, aerosol_optical_depth];
         // What another thread that failed left there is whole.
         let mut made = MADE.lock().unwrap_or_else(PoisonError::into_inner);
-        let found = made
-            .iter()
-            .find(|(depth, _)| *depth == aerosol_optical_depth);
+        let found = made.iter().find(|(of, _)| *of == wanted);
         if let Some((_, air)) = found {
             return air.clone();
         }
         let radius_m = Ellipsoid::WGS84.equatorial_radius_m;
-        let air = Arc::new(Self::new(air_of_all_orders(
-            aerosol_optical_depth,
-            radius_m,
-        )));
-        made.push((aerosol_optical_depth, air.clone()));
+        let matter = Matter::new(aerosol_optical_depth).above(height_m);
+        let air = Arc::new(Self::new(air_of_all_orders(matter, radius_m + height_m)));
+        made.push((wanted, air.clone()));
         air
     }
 

@@ -86,6 +86,8 @@ pub(super) struct Matter {
     pub aerosol_scattering: Spectrum,
     /// Optical depth of the aerosol without light that it scatters [`AEROSOL_FORWARD`].
     aerosol_aside: Spectrum,
+    /// Where its ground is, metres above that of the densities.
+    base_m: f64,
 }
 
 impl Matter {
@@ -113,12 +115,18 @@ impl Matter {
             aerosol,
             aerosol_scattering: aerosol.map(|depth| AEROSOL_SCATTERED * depth),
             aerosol_aside: aerosol.map(|depth| (1.0 - AEROSOL_FORWARD * AEROSOL_SCATTERED) * depth),
+            base_m: 0.0,
         }
     }
 
-    /// Densities of molecules, ozone and aerosol at a height, metres.
+    /// The same air without what lies below a height, metres: its ground is there.
+    pub fn above(self, base_m: f64) -> Self {
+        Self { base_m, ..self }
+    }
+
+    /// Densities of molecules, ozone and aerosol at a height above its ground, metres.
     pub fn densities(&self, height_m: f64) -> DVec3 {
-        let at = (height_m / STEP_M).clamp(0.0, STEPS as f64);
+        let at = ((self.base_m + height_m) / STEP_M).clamp(0.0, STEPS as f64);
         let low = (at as usize).min(STEPS - 1);
         let log = self.densities[low].lerp(self.densities[low + 1], at - low as f64);
         DVec3::new(log.x.exp(), log.y.exp(), log.z.exp())

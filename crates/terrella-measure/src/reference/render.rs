@@ -1,10 +1,9 @@
 //! One picture of a reference: rays, and how finely each looks at the maps.
 
 use super::geometry::{Rays, ScaledRay};
-use super::light::Light;
 use super::path::Path;
 use super::relief::{relief_distance_m, slope};
-use super::shading::GroundShader;
+use super::shading::{AirFactors, CloudFactors, GroundShader};
 use super::shading_point::ShadingPoint;
 use glam::DVec3;
 use std::f64::consts::PI;
@@ -124,7 +123,7 @@ impl<'r> RayCaster<'r> {
         let hit = self.hit(&line, direction);
         let in_air = ScaledRay::new(self.eye_in_air, scaled);
         let mut light = DVec3::ZERO;
-        let mut factors = Light::WHOLE;
+        let mut factors = AirFactors::NONE;
         let until = match &hit {
             Some(hit) if hit.is_relief => hit.distance,
             _ => f64::INFINITY,
@@ -140,8 +139,12 @@ impl<'r> RayCaster<'r> {
             };
             let up = (near / self.scale).normalize();
             let albedo = self.ground.albedo_about(up);
-            light = earth.light(&sight, albedo) * self.exposure;
-            factors = earth.factors(up.dot(self.sun), &sight.transmittance, albedo);
+            let added = earth.light(&sight, albedo);
+            light = added * self.exposure;
+            factors.ground = earth.factors(up.dot(self.sun), &sight.transmittance, albedo);
+            factors.clouds = hit
+                .as_ref()
+                .and_then(|_| self.before_clouds(scaled, added, albedo));
         }
         if let Some(hit) = &hit {
             light += self.ground_light(part, direction, &line, hit, &factors);
@@ -150,6 +153,20 @@ impl<'r> RayCaster<'r> {
             light,
             is_ground: hit.is_some(),
         }
+    }
+
+    /// What the air makes of the light of clouds in a direction of scaled space, where that before the ground adds `added` and clouds and
+    /// ground are of `albedo` all about: as if their layer were the ground. `None` without clouds and under them.
+    fn before_clouds(&self, direction: DVec3, added: DVec3, albedo: DVec3) -> Option<CloudFactors> {
+        let (above, height) = self.ground.above_clouds()?;
+        let line = ScaledRay::new(self.eye_in_air / (1.0 + height), direction);
+        let path = Path::new(&line, above.air.top).filter(|path| path.meets_ground)?;
+        let sight = above.air.sight_along(&path, self.sun_scaled);
+        let up = (path.end() / self.scale).normalize();
+        Some(CloudFactors {
+            factors: above.factors(up.dot(self.sun), &sight.transmittance, albedo),
+            more: above.light(&sight, albedo) - added,
+        })
     }
 
     /// Where a ray first meets the ground.
@@ -181,7 +198,7 @@ impl<'r> RayCaster<'r> {
         direction: DVec3,
         line: &ScaledRay,
         hit: &Hit,
-        factors: &Light,
+        factors: &AirFactors,
     ) -> DVec3 {
         let point = line.point(hit.distance);
         if hit.is_relief {
@@ -236,7 +253,7 @@ impl<'r> RayCaster<'r> {
     }
 
     /// Light of a place in scaled space, the exposure in it.
-    fn shade(&self, point: DVec3, direction: DVec3, factors: &Light) -> DVec3 {
+    fn shade(&self, point: DVec3, direction: DVec3, factors: &AirFactors) -> DVec3 {
         let mut place = ShadingPoint {
             up: (point / self.scale).normalize(),
             to_eye: -direction.normalize(),

@@ -18,6 +18,38 @@ const LAMP_COLOR: DVec3 = DVec3::new(1.0, 0.72, 0.38);
 /// Sine of the Sun's height at which all of them are on: 6° below the horizon.
 const LAMPS_FULL: f64 = -0.104_528_463;
 
+/// Of the air above clouds.
+#[derive(Debug)]
+struct AirAboveClouds {
+    /// The Sun's light there, which it leaves later than the ground.
+    sun: ByZenith,
+    air: Arc<EarthAir>,
+}
+
+/// What the air before a place makes of its light.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct AirFactors {
+    pub ground: Light,
+    /// `None` without air and from an eye under them.
+    pub clouds: Option<CloudFactors>,
+}
+
+impl AirFactors {
+    /// Nothing.
+    pub const NONE: Self = Self {
+        ground: Light::WHOLE,
+        clouds: None,
+    };
+}
+
+/// What the air before a cloud makes of its light.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CloudFactors {
+    pub factors: Light,
+    /// Light that the air before it adds, less what the air before the ground adds.
+    pub more: DVec3,
+}
+
 /// The ground's light model with all that it depends on but the place.
 #[derive(Debug)]
 pub(super) struct GroundShader {
@@ -29,8 +61,8 @@ pub(super) struct GroundShader {
     clouds: CloudLayer,
     /// `None` without air.
     air: Option<Arc<EarthAir>>,
-    /// The Sun's light on clouds, only where there are some and air.
-    sun_on_clouds: Option<ByZenith>,
+    /// Of clouds, only where there are some and air.
+    above_clouds: Option<AirAboveClouds>,
     /// Only where there is air for it to light.
     surroundings: Option<Surroundings>,
 }
@@ -40,18 +72,20 @@ impl GroundShader {
         maps: FullMaps,
         shading: Shading,
         surface: SurfaceLight,
-        air: Option<Arc<EarthAir>>,
+        aerosol_optical_depth: Option<f64>,
     ) -> Self {
+        let air = aerosol_optical_depth.map(EarthAir::of);
         let decode = Decode::new();
         let surroundings = air
             .is_some()
             .then(|| Surroundings::new(&maps, &decode, CLOUD_ALBEDO));
         let clouds = CloudLayer::new(&surface);
         let has_clouds = shading == Shading::Sunlit && maps.get(MapLayer::Clouds).is_some();
-        let sun_on_clouds = air
-            .as_ref()
-            .filter(|_| has_clouds)
-            .map(|air| air.sun_at(clouds.height));
+        let with_clouds = aerosol_optical_depth.filter(|_| has_clouds);
+        let above_clouds = with_clouds.map(|depth| AirAboveClouds {
+            sun: EarthAir::of(depth).sun_at(clouds.height),
+            air: EarthAir::above(surface.cloud_height_m, depth),
+        });
         Self {
             maps,
             decode,
@@ -60,7 +94,7 @@ impl GroundShader {
             clouds,
             surface,
             air,
-            sun_on_clouds,
+            above_clouds,
             surroundings,
         }
     }
@@ -68,6 +102,12 @@ impl GroundShader {
     /// The air over it.
     pub fn air(&self) -> Option<&EarthAir> {
         self.air.as_deref()
+    }
+
+    /// The air above the clouds, where there are some, and their height, equatorial radii.
+    pub fn above_clouds(&self) -> Option<(&EarthAir, f64)> {
+        let above = self.above_clouds.as_ref()?;
+        Some((&above.air, self.clouds.height))
     }
 
     /// Reflectance of the ground about a place, whose outward normal is `up`.
@@ -95,8 +135,9 @@ impl GroundShader {
     }
 
     /// Linear light of a place that comes to the eye: with [`Shading::Sunlit`] a white sheet that faces the Sun in space is
-    /// 1, with [`Shading::Paper`] 1 is the display's white. `factors` are what the air makes of each part of the light.
-    pub fn shade(&self, point: &ShadingPoint, sun: DVec3, factors: &Light) -> DVec3 {
+    /// 1, with [`Shading::Paper`] 1 is the display's white.
+    pub fn shade(&self, point: &ShadingPoint, sun: DVec3, air: &AirFactors) -> DVec3 {
+        let factors = &air.ground;
         let up = point.up;
         let across = up.x.hypot(up.y);
         let east = if across > 0.0 {
@@ -161,14 +202,20 @@ impl GroundShader {
         let over = self.clouds.above(up, point.to_eye);
         if let Some(albedo) = self.cloud_albedo(over) {
             let mu_above = over.dot(sun);
-            // What comes from there goes to the eye as what comes from the ground does.
-            let sunlit = factors.own
-                * match &self.sun_on_clouds {
-                    Some(sun) => sun.at(mu_above),
-                    None => self.clouds.sunlight_without_air(mu_above),
-                };
-            let reflected = sunlit * self.clouds.reflected(albedo, mu_above) + above.sky * albedo;
-            color = reflected + color * (1.0 - albedo);
+            let reflected = self.clouds.reflected(albedo, mu_above);
+            let light = match (&self.above_clouds, &air.clouds) {
+                (Some(clouds), Some(before)) => {
+                    let sunlight = clouds.sun.at(mu_above) * before.factors.sun;
+                    let skylight = clouds.air.at(mu_above).sky * before.factors.sky;
+                    sunlight * reflected + albedo * (skylight + before.more)
+                }
+                // From an eye under them what comes from there comes as from the ground.
+                (Some(clouds), None) => {
+                    factors.own * clouds.sun.at(mu_above) * reflected + above.sky * albedo
+                }
+                (None, _) => self.clouds.sunlight_without_air(mu_above) * reflected,
+            };
+            color = light + color * (1.0 - albedo);
         }
         color
     }
