@@ -146,6 +146,25 @@ fn several_satellites_begin_with_the_one_that_is_followed() {
 }
 
 #[test]
+fn options_set_keys_in_place_of_the_scene_and_without_one() {
+    let place = orbits();
+    place.scene(
+        "a.toml",
+        "[orbit]\nfile = \"my.tle\"\n[time]\nduration_s = 5\n",
+    );
+    let later = "time.start=2026-11-25T13:00:00Z";
+    for file in ["a.toml", "my.tle"] {
+        let state = first_state(&place, &[file, "--set", later]);
+        assert_eq!(state, "2026-11-25T13:00:00.000Z", "{file}");
+        let summary = checked(&place, &[file, "--set", "time.duration_s=70"]);
+        assert!(
+            summary.contains("duration_s         70                           --set"),
+            "{summary}"
+        );
+    }
+}
+
+#[test]
 fn files_of_orbits_are_flown_without_a_scene() {
     let place = orbits();
     for file in [

@@ -12,6 +12,7 @@ use clap::{Args, CommandFactory, ValueEnum};
 use std::path::PathBuf;
 use terrella::frames::Epoch;
 use terrella_orbit::basilisk::Endpoint;
+use terrella_play::scene::Setting;
 use terrella_play::{
     EncoderChoice, Existing, ExportRequest, Flight, FrameRange, VideoCodec, VideoCoding,
     WindowRequest, export, play_in_window,
@@ -27,6 +28,9 @@ pub struct PlayArgs {
     /// The first instant, for example 2026-11-25T05:00:00Z, or now, instead of the scene's start
     #[arg(long, value_name = "UTC", value_parser = values::instant)]
     start: Option<Epoch>,
+    /// How long the film or the playback is, in seconds of simulated time, instead of the scene's
+    #[arg(long, value_name = "SECONDS", value_parser = values::simulated_seconds, conflicts_with = "listen")]
+    duration: Option<f64>,
     /// Simulations of Basilisk: where they connect, instead of the scene's; without a scene the built-in one, config/basilisk.toml
     #[arg(long, value_name = "tcp://ADDRESS:PORT")]
     listen: Option<Endpoint>,
@@ -98,12 +102,15 @@ impl Codec {
 pub fn run(args: &PlayArgs, common: &Common) -> anyhow::Result<()> {
     refuse_conflicts(args);
     let names = &args.satellites.satellite;
+    let duration = args
+        .duration
+        .map(|seconds| Setting::new("time", "duration_s", seconds));
     let mut scene = match &args.listen {
         Some(listen) => {
             let path = args.scene.path.as_deref();
-            simulation_scene(path, Some(listen), args.scene.strict)?
+            simulation_scene(path, Some(listen), args.scene.strict, &args.scene.set)?
         }
-        None => args.scene.load(names)?,
+        None => args.scene.load_with(names, duration.as_slice())?,
     };
     args.satellites.refuse_scenes(&scene);
     if let Some(start) = args.start {

@@ -5,7 +5,7 @@ use clap::error::ErrorKind;
 use clap::{Args, CommandFactory};
 use std::path::{Path, PathBuf};
 use terrella_orbit::OrbitError;
-use terrella_play::scene::{Scene, SceneError};
+use terrella_play::scene::{Scene, SceneError, Setting};
 use terrella_play::{Flight, PlayError};
 
 /// The scene of a command.
@@ -17,6 +17,9 @@ pub struct SceneArgs {
     /// Refuse files of orbits in which anything is spoilt; else bad states and records are listed and passed over
     #[arg(long)]
     pub strict: bool,
+    /// Set a key in place of the scene's, for example earth.look=full; may be given more than once. Paths are relative to the scene's folder
+    #[arg(long, value_name = "TABLE.KEY=VALUE")]
+    pub set: Vec<Setting>,
 }
 
 /// Which satellites of a file of orbits are flown.
@@ -47,15 +50,26 @@ impl SatelliteArgs {
 impl SceneArgs {
     /// Reads the scene. `satellites` are those of a file of orbits.
     pub fn load(&self, satellites: &[String]) -> Result<Scene, SceneError> {
-        load(self.path.as_deref(), satellites, self.strict)
+        self.load_with(satellites, &[])
+    }
+
+    /// The same with more keys set, which count before those of `--set`.
+    pub fn load_with(&self, satellites: &[String], more: &[Setting]) -> Result<Scene, SceneError> {
+        let settings = [&self.set[..], more].concat();
+        load(self.path.as_deref(), satellites, self.strict, &settings)
     }
 }
 
 /// Reads a scene, or a file of orbits with these satellites; `strict` reads all of its files of orbits as `strict = true` does.
-pub fn load(path: Option<&Path>, satellites: &[String], strict: bool) -> Result<Scene, SceneError> {
+pub fn load(
+    path: Option<&Path>,
+    satellites: &[String],
+    strict: bool,
+    settings: &[Setting],
+) -> Result<Scene, SceneError> {
     let mut scene = match path {
-        Some(path) => Scene::load_or_orbits(path, satellites)?,
-        None => Scene::shipped()?,
+        Some(path) => Scene::load_or_orbits_with(path, satellites, settings)?,
+        None => Scene::shipped_with(settings)?,
     };
     if strict {
         scene.read_strictly();

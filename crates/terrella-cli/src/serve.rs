@@ -8,7 +8,7 @@ use super::values;
 use clap::Args;
 use std::path::{Path, PathBuf};
 use terrella_orbit::basilisk::{Endpoint, Meeting};
-use terrella_play::scene::Scene;
+use terrella_play::scene::{Scene, Setting};
 use terrella_play::{Flight, ServeRequest, serve};
 
 /// Arguments of `terrella serve`.
@@ -32,10 +32,11 @@ pub fn simulation_scene(
     path: Option<&Path>,
     listen: Option<&Endpoint>,
     strict: bool,
+    settings: &[Setting],
 ) -> anyhow::Result<Scene> {
     let mut scene = match path {
-        Some(path) => load(Some(path), &[], strict)?,
-        None => Scene::of_simulations()?,
+        Some(path) => load(Some(path), &[], strict, settings)?,
+        None => Scene::of_simulations_with(settings)?,
     };
     if let Some(endpoint) = listen {
         let options = scene
@@ -55,7 +56,7 @@ pub fn simulation_scene(
 
 /// Answers simulations until it is stopped.
 pub fn run(args: &ServeArgs, common: &Common) -> anyhow::Result<()> {
-    let scene = simulation_scene(args.scene.as_deref(), args.listen.as_ref(), false)?;
+    let scene = simulation_scene(args.scene.as_deref(), args.listen.as_ref(), false, &[])?;
     let flight = Flight::open(scene)?;
     // Whoever waits is answered before the program ends.
     if let Some(simulation) = flight.simulation() {

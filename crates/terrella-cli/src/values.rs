@@ -75,6 +75,14 @@ pub fn seconds(text: &str) -> Result<f64, String> {
     }
 }
 
+/// Seconds of simulated time. Which are too many, the scene says.
+pub fn simulated_seconds(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(seconds) if seconds > 0.0 && seconds.is_finite() => Ok(seconds),
+        _ => Err("it must be a number of seconds, more than 0".into()),
+    }
+}
+
 /// `48.2,16.4` or `48.2,16.4,170`: degrees, south and west negative, and metres above the ellipsoid.
 pub fn place(text: &str) -> Result<Geodetic, String> {
     let numbers: Vec<_> = text.split(',').map(|n| n.trim().parse::<f64>()).collect();

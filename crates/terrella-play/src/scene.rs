@@ -49,6 +49,7 @@ mod relief;
 mod satellites;
 #[cfg(test)]
 mod schema;
+mod settings;
 mod sky;
 mod summary;
 mod surfaces;
@@ -63,7 +64,8 @@ use std::path::{Path, PathBuf};
 use terrella_files as files;
 
 use record::{KeyText, Record};
-use text::{SceneText, line_starts};
+use settings::SetText;
+use text::SceneText;
 
 pub use camera::Camera;
 pub use camera_keys::CameraKey;
@@ -78,6 +80,7 @@ pub use keys::{DEFAULT_TOLERANCE_PX, EDGE_SAMPLES};
 pub use orbit::{ForceOptions, InitialState, Motion, Orbit, OrbitParameters};
 pub use output::{Output, QualityTable};
 pub use relief::ReliefTable;
+pub use settings::Setting;
 pub use sky::SkyTable;
 pub use time::{StartSource, Time};
 pub use tracks::{Footprint, Track, TrackSpan};
@@ -111,6 +114,8 @@ pub struct Scene {
     orbit_records: Vec<Record>,
     /// The text that it was made of, where that is no file's.
     text: Option<String>,
+    /// Keys that were set in place of the file's.
+    settings: Vec<Setting>,
 }
 
 impl Scene {
@@ -123,6 +128,14 @@ impl Scene {
     /// A file that cannot be read, has more than [`Self::MAX_FILE_BYTES`], is not UTF-8, or holds anything
     /// that [`Scene::from_toml`] refuses.
     pub fn load(path: &Path) -> Result<Self, SceneError> {
+        Self::load_with(path, &[])
+    }
+
+    /// The same with keys set in place of the file's.
+    ///
+    /// # Errors
+    /// As [`Self::load`]; of a setting they name `--set` in place of the file.
+    pub fn load_with(path: &Path, settings: &[Setting]) -> Result<Self, SceneError> {
         let unreadable = |source: std::io::Error| match source.kind() {
             std::io::ErrorKind::IsADirectory => SceneError::Folder {
                 path: path.to_owned(),
@@ -144,7 +157,7 @@ impl Scene {
                 line: good.filter(|byte| **byte == b'\n').count() + 1,
             }
         })?;
-        Self::from_toml(text, path)
+        Self::from_toml_with(text, path, settings)
     }
 
     /// Reads and checks the text of a scene; `path` is the file that messages name and whose folder the
@@ -154,12 +167,38 @@ impl Scene {
     /// Text that is not TOML, unknown tables and keys, values of the wrong type or out of range, values in
     /// conflict, files and folders that are not there: the first of them.
     pub fn from_toml(text: &str, path: &Path) -> Result<Self, SceneError> {
-        let scene = SceneText {
+        Self::from_toml_with(text, path, &[])
+    }
+
+    /// The same with keys set in place of the text's.
+    ///
+    /// # Errors
+    /// As [`Self::from_toml`]; of a setting they name `--set` in place of the file.
+    pub fn from_toml_with(
+        text: &str,
+        path: &Path,
+        settings: &[Setting],
+    ) -> Result<Self, SceneError> {
+        let set = SetText::new(text, settings);
+        let source = SceneText {
             path,
-            text,
-            line_starts: &line_starts(text),
+            text: &set.text,
+            line_starts: &set.line_starts,
         };
-        check::check(scene, scene.parse()?)
+        let read = source.parse().and_then(|raw| check::check(source, raw));
+        let mut scene = read.map_err(|error| settings::of_setting(error, settings))?;
+        if !settings.is_empty() {
+            scene.settings = settings.to_vec();
+            scene.text = Some(set.text);
+        }
+        Ok(scene)
+    }
+
+    /// Whether a key was set in place of the file's.
+    fn is_set(&self, table: &str, key: &str) -> bool {
+        self.settings
+            .iter()
+            .any(|setting| setting.is_of(table, key))
     }
 
     /// The line, from 1, on which the file gives a key, of `[orbit]` the first satellite's; `None` where it does not.

@@ -6,7 +6,7 @@ use super::field::written;
 use super::orbit::Orbit;
 use super::orbit_check::ONLY_OF_FILE;
 use super::record::quoted;
-use super::{Scene, StartSource};
+use super::{Scene, Setting, StartSource};
 use std::io::Read;
 use std::path::Path;
 use terrella_files as files;
@@ -36,9 +36,17 @@ impl Scene {
     /// # Errors
     /// None as long as that file is as released.
     pub fn shipped() -> Result<Self, SceneError> {
+        Self::shipped_with(&[])
+    }
+
+    /// The same with keys set.
+    ///
+    /// # Errors
+    /// Settings that [`Self::from_toml_with`] rejects.
+    pub fn shipped_with(settings: &[Setting]) -> Result<Self, SceneError> {
         let text = without(SHIPPED, FILE_KEYS);
-        let mut scene = Self::from_toml(&text, Path::new(SHIPPED_NAME))?;
-        scene.text = Some(text);
+        let mut scene = Self::from_toml_with(&text, Path::new(SHIPPED_NAME), settings)?;
+        scene.text.get_or_insert(text);
         Ok(scene)
     }
 
@@ -47,9 +55,18 @@ impl Scene {
     /// # Errors
     /// None as long as that file is as released.
     pub fn of_simulations() -> Result<Self, SceneError> {
-        Self::from_toml(
+        Self::of_simulations_with(&[])
+    }
+
+    /// The same with keys set.
+    ///
+    /// # Errors
+    /// Settings that [`Self::from_toml_with`] rejects.
+    pub fn of_simulations_with(settings: &[Setting]) -> Result<Self, SceneError> {
+        Self::from_toml_with(
             terrella::internals::shipped::BASILISK,
             Path::new("basilisk.toml"),
+            settings,
         )
     }
 
@@ -63,8 +80,18 @@ impl Scene {
         format: FileFormat,
         names: &[String],
     ) -> Result<Self, SceneError> {
+        Self::of_orbits_with(path, format, names, &[])
+    }
+
+    fn of_orbits_with(
+        path: &Path,
+        format: FileFormat,
+        names: &[String],
+        settings: &[Setting],
+    ) -> Result<Self, SceneError> {
         let text = without(SHIPPED, OWN_KEYS);
-        let mut scene = Self::from_toml(&text, path)?;
+        let mut scene = Self::from_toml_with(&text, path, settings)?;
+        let text = scene.text.take().unwrap_or(text);
         let track = scene.orbits.first().map(|orbit| orbit.track);
         let satellite = |name: Option<&String>| Orbit {
             source: OrbitSource::of(format),
@@ -97,7 +124,9 @@ impl Scene {
             record
         };
         scene.orbit_records = scene.orbits.iter().map(record_of).collect();
-        scene.time.start_from = StartSource::Default;
+        if !scene.is_set("time", "start") {
+            scene.time.start_from = StartSource::Default;
+        }
         scene.text = Some(format!("{text}\n# {format:?} {names:?}\n"));
         Ok(scene)
     }
@@ -108,12 +137,24 @@ impl Scene {
     /// # Errors
     /// As [`Self::load`]; a file that is neither.
     pub fn load_or_orbits(path: &Path, names: &[String]) -> Result<Self, SceneError> {
+        Self::load_or_orbits_with(path, names, &[])
+    }
+
+    /// The same with keys set in place of the file's, or of those that a file of orbits is flown with.
+    ///
+    /// # Errors
+    /// As [`Self::load_or_orbits`]; of a setting they name `--set` in place of the file.
+    pub fn load_or_orbits_with(
+        path: &Path,
+        names: &[String],
+        settings: &[Setting],
+    ) -> Result<Self, SceneError> {
         if is_named_scene(path) {
-            return Self::load(path);
+            return Self::load_with(path, settings);
         }
         match recognise(path) {
-            Some(format) => Self::of_orbits(path, format, names),
-            None => Self::load(path).map_err(neither),
+            Some(format) => Self::of_orbits_with(path, format, names, settings),
+            None => Self::load_with(path, settings).map_err(neither),
         }
     }
 

@@ -83,5 +83,6 @@ pub(super) fn check(source: SceneText<'_>, raw: RawScene) -> Result<Scene, Scene
         records: records.into(),
         orbit_records: orbit_records.collect(),
         text: None,
+        settings: Vec::new(),
     })
 }

@@ -52,6 +52,7 @@ impl Scene {
                     _ => None,
                 };
                 let from = match self.line(table.name, key.name).or_else(common) {
+                    _ if self.is_set(table.name, key.name) => "--set".to_owned(),
                     Some(number) => format!("line {number} of the file"),
                     None => self.default_from(table.name, key.name).to_owned(),
                 };

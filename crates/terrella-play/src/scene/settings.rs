@@ -1,0 +1,278 @@
+//! Keys that a command sets in place of a scene's: changes to its text, so that they are read and checked as if they stood there.
+
+use super::error::{SceneError, printable};
+use super::text::line_starts;
+use std::str::FromStr;
+use toml::de::{DeTable, DeValue};
+
+/// One key of a scene and its value, written `table.key=value`: `earth.look=full`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Setting {
+    table: String,
+    key: String,
+    /// As TOML.
+    value: String,
+}
+
+impl FromStr for Setting {
+    type Err = String;
+
+    /// The value is TOML; text that is not, such as a word or a date, is taken as a string.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let wrong = || "write it as table.key=value, for example earth.look=full".to_owned();
+        let (name, value) = text.split_once('=').ok_or_else(wrong)?;
+        let (table, key) = name.trim().split_once('.').ok_or_else(wrong)?;
+        let is_name = |name: &str| {
+            let is_letter = |c: char| c.is_ascii_alphanumeric() || c == '_';
+            !name.is_empty() && name.chars().all(is_letter)
+        };
+        let value = value.trim();
+        if !is_name(table) || !is_name(key) || value.is_empty() || value.contains('\n') {
+            return Err(wrong());
+        }
+        let line = format!("v = {value}");
+        let is_toml = DeTable::parse(&line).is_ok_and(|table| {
+            let value = table.get_ref().get("v").map(|value| value.get_ref());
+            !matches!(value, Some(DeValue::Datetime(_)) | None)
+        });
+        Ok(Self {
+            table: table.to_owned(),
+            key: key.to_owned(),
+            value: match is_toml {
+                true => value.to_owned(),
+                false => toml::Value::from(value).to_string(),
+            },
+        })
+    }
+}
+
+impl Setting {
+    /// A key of a table, and its value as TOML.
+    pub fn new(table: &str, key: &str, value: impl ToString) -> Self {
+        Self {
+            table: table.to_owned(),
+            key: key.to_owned(),
+            value: value.to_string(),
+        }
+    }
+
+    /// Whether it sets this key.
+    pub(super) fn is_of(&self, table: &str, key: &str) -> bool {
+        self.table == table && self.key == key
+    }
+}
+
+/// A scene's text with keys set. What stood in it keeps its line number.
+pub(super) struct SetText {
+    pub text: String,
+    /// Of [`line_starts`], without lines that were put in.
+    pub line_starts: Vec<usize>,
+}
+
+impl SetText {
+    pub fn new(text: &str, settings: &[Setting]) -> Self {
+        let mut set = Self {
+            text: text.to_owned(),
+            line_starts: line_starts(text),
+        };
+        for setting in settings {
+            set.set(setting);
+        }
+        set
+    }
+
+    fn set(&mut self, setting: &Setting) {
+        let Setting { table, key, value } = setting;
+        let (range, new) = match self.place(table, key) {
+            Place::Value(range) => {
+                let lines = self.text[range.clone()].matches('\n').count();
+                (range, format!("{value}{}", "\n".repeat(lines)))
+            }
+            Place::LineBefore(at) => (at..at, format!("{key} = {value}\n")),
+            // Of a table that is not there, and where the text cannot be read, as is then said of it.
+            Place::End => {
+                let end = self.text.len();
+                (end..end, format!("\n[{table}]\n{key} = {value}\n"))
+            }
+        };
+        let is_line = range.is_empty() && range.end < self.text.len();
+        let moved = |start: usize| start - range.len() + new.len();
+        let starts = self.line_starts.iter().map(|start| match *start {
+            // The line that is put in counts as the end of the one before.
+            start if start >= range.end && (is_line || start > range.start) => moved(start),
+            start => start,
+        });
+        let mut starts: Vec<_> = starts.collect();
+        if !is_line {
+            let inside = new.match_indices('\n').map(|(at, _)| range.start + at + 1);
+            starts.retain(|start| !(range.start + 1..range.start + new.len()).contains(start));
+            starts.extend(inside);
+            starts.sort_unstable();
+            starts.dedup();
+        }
+        self.text.replace_range(range, &new);
+        self.line_starts = starts;
+    }
+
+    fn place(&self, table: &str, key: &str) -> Place {
+        let Ok(document) = DeTable::parse(&self.text) else {
+            return Place::End;
+        };
+        let Some(DeValue::Table(entries)) =
+            document.get_ref().get(table).map(|table| table.get_ref())
+        else {
+            return Place::End;
+        };
+        if let Some(value) = entries.get(key) {
+            return Place::Value(value.span());
+        }
+        let line_start = |at: usize| self.text[..at].rfind('\n').map_or(0, |end| end + 1);
+        let first = entries.keys().map(|key| key.span().start).min();
+        let first = first.map(|at| (line_start(at), at));
+        match first.filter(|(start, at)| self.text[*start..*at].trim().is_empty()) {
+            Some((start, _)) => Place::LineBefore(start),
+            // Written within a line, or empty.
+            None => self.after_head(table).map_or(Place::End, Place::LineBefore),
+        }
+    }
+
+    /// Where the line after `[table]` begins.
+    fn after_head(&self, table: &str) -> Option<usize> {
+        let head = format!("[{table}]");
+        let mut at = 0;
+        for line in self.text.split_inclusive('\n') {
+            at += line.len();
+            if line.trim_start().starts_with(&head) && line.ends_with('\n') {
+                return Some(at);
+            }
+        }
+        None
+    }
+}
+
+/// Where a setting goes.
+enum Place {
+    Value(std::ops::Range<usize>),
+    LineBefore(usize),
+    End,
+}
+
+/// An error with the name of the option in place of the file's where a setting is meant.
+pub(super) fn of_setting(error: SceneError, settings: &[Setting]) -> SceneError {
+    let is_set = |table: &str, key: &str| settings.iter().any(|s| s.is_of(table, key));
+    match error {
+        SceneError::Unknown { mut place, remedy } if is_set(&place.table, &place.key) => {
+            (place.path, place.line) = ("--set".into(), None);
+            SceneError::Unknown { place, remedy }
+        }
+        SceneError::Value {
+            mut place,
+            value,
+            remedy,
+        } if is_set(&place.table, &place.key) => {
+            (place.path, place.line) = ("--set".into(), None);
+            SceneError::Value {
+                place,
+                value: printable(&value),
+                remedy,
+            }
+        }
+        // Of a table that no scene has.
+        SceneError::Unknown { mut place, remedy }
+            if place.key.is_empty() && settings.iter().any(|s| s.table == place.table) =>
+        {
+            (place.path, place.line) = ("--set".into(), None);
+            SceneError::Unknown { place, remedy }
+        }
+        error => error,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Scene;
+    use super::*;
+    use std::path::Path;
+
+    fn settings(texts: &[&str]) -> Vec<Setting> {
+        texts.iter().map(|text| text.parse().expect(text)).collect()
+    }
+
+    fn scene(text: &str, set: &[&str]) -> Result<Scene, SceneError> {
+        Scene::from_toml_with(text, Path::new("a.toml"), &settings(set))
+    }
+
+    const TEXT: &str =
+        "[time]\nduration_s = 5 # short\n\n[camera]\nmode = \"geodetic\"\nlat_deg = 1\n[output]\n";
+
+    #[test]
+    fn keys_are_set_whether_the_scene_has_them_or_not() {
+        let all = [
+            "time.duration_s=90",
+            "camera.lon_deg=7.5",
+            "output.fps=12",
+            "earth.look=full",
+        ];
+        let set = scene(TEXT, &all[..2]).expect("a good scene");
+        assert_eq!(set.time.duration_s, 90.0);
+        assert_eq!((set.camera.lat_deg, set.camera.lon_deg), (1.0, 7.5));
+        assert!(scene(TEXT, &all[3..]).is_ok());
+        // The last of several counts.
+        let last = scene(TEXT, &["time.duration_s=90", "time.duration_s=60"]);
+        assert_eq!(last.expect("good").time.duration_s, 60.0);
+        assert!(scene("", &["time.start=2026-01-01T00:00:00Z"]).is_ok());
+        assert!(scene("", &["time.start=\"2026-01-01T00:00:00Z\""]).is_ok());
+    }
+
+    #[test]
+    fn lines_of_the_file_keep_their_numbers() {
+        let text = "[earth]\nlook = \"full\"\n[camera]\nmode = \"geodetic\"\nlat_deg = 100\n";
+        for set in [
+            &[
+                "earth.water=true",
+                "camera.lon_deg=7",
+                "time.speed=2",
+                "earth.clouds=true",
+            ][..],
+            &["earth.look=standard", "camera.lon_deg=7"],
+        ] {
+            let error = scene(text, set).expect_err("100 degrees");
+            assert_eq!(error.line(), Some(5), "{error}");
+        }
+        let several = "[output]\nsize = [\n640,\n360]\n[camera]\nlat_deg = 100\n";
+        let set = SetText::new(several, &settings(&["output.size=[64, 36]"]));
+        assert_eq!(set.line_starts.len(), line_starts(several).len());
+        assert!(
+            set.text.contains("size = [64, 36]\n\n\n[camera]"),
+            "{}",
+            set.text
+        );
+    }
+
+    #[test]
+    fn errors_name_the_option() {
+        for (set, words) in [
+            (
+                "camera.lat_deg=100",
+                &["--set: [camera] lat_deg = 100: "][..],
+            ),
+            ("earth.look=nice", &["--set: [earth] look = \"nice\": "]),
+            ("earth.loook=full", &["--set: [earth] loook: ", "look"]),
+            ("erth.look=full", &["--set: [erth]", "[earth]"]),
+        ] {
+            let error = scene(TEXT, &[set]).expect_err(set).to_string();
+            assert!(words.iter().all(|word| error.contains(word)), "{error}");
+        }
+        for text in [
+            "look=full",
+            "earth.look",
+            "earth.=1",
+            "a b.c=1",
+            "earth.look=",
+            "a.b=1\n[x]",
+        ] {
+            let error = text.parse::<Setting>().expect_err(text);
+            assert!(error.contains("table.key=value"), "{error}");
+        }
+    }
+}
