@@ -10,13 +10,12 @@ use super::view::ItrfView;
 use super::{Appearance, EarthError, EarthOptions, FrameStats, Quality, Sky};
 use crate::plan::{
     AirPlan, AirSide, CellLight, CellLights, DeviceLimits, DrawLight, FramePlan, FrameUniforms,
-    MoonShadowUniforms, draw_blocks, interpolated_cells,
+    MoonShadowUniforms, SurfaceLight, draw_blocks, interpolated_cells,
 };
-use bytemuck::Zeroable;
 use glam::DVec3;
 use std::f64::consts::FRAC_PI_2;
 use std::sync::Arc;
-use terrella_frames::{Ellipsoid, MOON_RADIUS_M, MoonShadow};
+use terrella_frames::{Ellipsoid, MoonShadow};
 use terrella_ground::air::{
     AirAboveClouds, AirOptions, AirTables, Atmosphere, Billboard, THICKNESS_M, TOP,
 };
@@ -47,15 +46,12 @@ pub(super) struct Planner {
     interpolates: bool,
     tone: Tone,
     air: AirOptions,
-    /// Height of the clouds, where there are some.
-    clouds_m: Option<f64>,
+    has_clouds: bool,
     /// Where that is, once it is asked for.
     cells: Option<CellLights>,
     /// Where there is nothing but land or open sea, if that is known.
     kinds: Option<Arc<GroundKinds>>,
-    /// [`SurfaceLight::moon_gain`](super::SurfaceLight::moon_gain).
-    moon_gain: f64,
-    has_eclipses: bool,
+    light: SurfaceLight,
     ground: Option<GroundDriver>,
     has_tiles: bool,
     /// Texels of the day map per block side where no tile is drawn.
@@ -81,15 +77,10 @@ impl Planner {
             interpolates: options.interpolates_air(),
             tone: options.tone,
             air: options.air,
-            clouds_m: options
-                .layers
-                .clouds
-                .is_some()
-                .then_some(options.light.cloud_height_m),
+            has_clouds: options.layers.clouds.is_some(),
             cells: None,
             kinds: ground_kinds(options),
-            moon_gain: options.light.moon_gain(),
-            has_eclipses: options.light.eclipses,
+            light: options.light,
             has_tiles,
             ground: ground.transpose()?,
             whole_day_pixels: options.layers.day.width / COLUMNS,
@@ -118,11 +109,10 @@ impl Planner {
 
     /// Plans for this light and air from now on; its ground is not touched.
     pub fn set_appearance(&mut self, appearance: &Appearance) {
-        self.moon_gain = appearance.light.moon_gain();
-        self.has_eclipses = appearance.light.eclipses;
-        let clouds_m = self.clouds_m.map(|_| appearance.light.cloud_height_m);
-        if self.air != appearance.air || self.clouds_m != clouds_m {
-            (self.air, self.clouds_m) = (appearance.air, clouds_m);
+        let height_m = self.light.cloud_height_m;
+        self.light = appearance.light;
+        if self.air != appearance.air || self.light.cloud_height_m != height_m {
+            self.air = appearance.air;
             self.cells = None;
         }
         self.exposure.set_appearance(appearance);
@@ -242,8 +232,8 @@ impl Planner {
             sun_itrf: sky.sun_itrf.as_vec3(),
             exposure,
             moon_itrf: moon_itrf.as_vec3(),
-            moon_light: (self.moon_gain * moon_light) as f32,
-            shadow: moon_shadow_uniforms(shadow.as_ref(), &ellipsoid),
+            moon_light: (self.light.moon_gain() * moon_light) as f32,
+            shadow: MoonShadowUniforms::new(shadow.as_ref(), &ellipsoid),
             ..view.uniforms(&ellipsoid)
         };
         if self.has_air {
@@ -272,7 +262,10 @@ impl Planner {
             Some(ground) => ground.list_draws(&plan.ellipsoid, tiled, &mut plan.draws),
             None if interpolates => {
                 let cells = self.cells.get_or_insert_with(|| {
-                    let clouds = self.clouds_m.map(|m| AirAboveClouds::shared(&self.air, m));
+                    let height_m = self.light.cloud_height_m;
+                    let clouds = self
+                        .has_clouds
+                        .then(|| AirAboveClouds::shared(&self.air, height_m));
                     CellLights::new(AirTables::shared(&self.air), clouds, self.tone)
                 });
                 let light = CellLight {
@@ -308,7 +301,7 @@ impl Planner {
     fn moon_shadow_in_view(&self, view: &ItrfView, sky: &Sky) -> Option<MoonShadow> {
         let ellipsoid = self.ellipsoid();
         let top_m = TOP * ellipsoid.equatorial_radius_m;
-        let shadow = sky.moon_shadow().filter(|_| self.has_eclipses)?;
+        let shadow = sky.moon_shadow().filter(|_| self.light.eclipses)?;
         let eye = view.eye_itrf_m;
         // As far as the limb, and from there to where the air ends.
         let least_m = ellipsoid.polar_radius_m;
@@ -362,7 +355,7 @@ impl Planner {
         TileView {
             eye_itrf_m: view.eye_itrf_m,
             sun_itrf: sky.sun_itrf,
-            moon_itrf: (self.moon_gain * moon_light > 0.0).then_some(moon_itrf),
+            moon_itrf: (self.light.moon_gain() * moon_light > 0.0).then_some(moon_itrf),
             pixel_rad: view.pixel_rad(),
             clip_from_eye: view.clip_from_eye,
         }
@@ -379,20 +372,6 @@ impl Planner {
         }
         let radius_m = grid.ellipsoid().equatorial_radius_m;
         texels_per_pixel(self.whole_day_pixels, radius_m, nearest_m, view.pixel_rad())
-    }
-}
-
-/// What shaders read of the Moon's shadow; all zero without.
-fn moon_shadow_uniforms(shadow: Option<&MoonShadow>, ellipsoid: &Ellipsoid) -> MoonShadowUniforms {
-    let Some(shadow) = shadow else {
-        return MoonShadowUniforms::zeroed();
-    };
-    let radius_m = ellipsoid.equatorial_radius_m;
-    MoonShadowUniforms {
-        moon: (shadow.moon_itrf_m() / radius_m).as_vec3(),
-        radius: (MOON_RADIUS_M / radius_m) as f32,
-        axis: shadow.axis().as_vec3(),
-        spread: shadow.spread() as f32,
     }
 }
 

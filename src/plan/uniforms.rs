@@ -2,6 +2,7 @@
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec3};
+use terrella_frames::{Ellipsoid, MOON_RADIUS_M, MoonShadow};
 
 /// `FrameUniforms` of `shaders/common/frame.wgsl`.
 #[repr(C)]
@@ -48,6 +49,22 @@ pub struct MoonShadowUniforms {
     pub axis: Vec3,
     /// Distance of Sun and Moon in radii of the Sun.
     pub spread: f32,
+}
+
+impl MoonShadowUniforms {
+    /// What shaders read of a shadow; all zero without one.
+    pub(crate) fn new(shadow: Option<&MoonShadow>, ellipsoid: &Ellipsoid) -> Self {
+        let Some(shadow) = shadow else {
+            return Self::zeroed();
+        };
+        let radius_m = ellipsoid.equatorial_radius_m;
+        Self {
+            moon: (shadow.moon_itrf_m() / radius_m).as_vec3(),
+            radius: (MOON_RADIUS_M / radius_m) as f32,
+            axis: shadow.axis().as_vec3(),
+            spread: shadow.spread() as f32,
+        }
+    }
 }
 
 /// `AirUniforms` of `shaders/common/air/uniforms.wgsl`. Lengths are equatorial radii of scaled space.
