@@ -1,14 +1,13 @@
 // The halo: what the air shows beside the Earth, on a ring about the limb that stands where rays leave the air. So ground and
 // craft before that hide it, and it lies over what is behind the Earth.
 //
-// `AirVariant` in src/gpu/shader/air.rs says which conditions hold together: inside (the eye is in the air), moonlight, airglow, eclipse,
+// `AirVariant` in src/gpu/shader/air.rs says which conditions hold together: inside (the eye is in the air), moonlight, eclipse,
 // and those of common/displayed.wgsl.
 //
 // Over what stands behind it the air is laid as it is shown: on 8-bit targets its light has gone through the tone curve, and what
 // is behind it too, each by itself. Its alpha is the part of the light from behind that it takes.
 import common/air.wgsl;
 import common/displayed.wgsl;
-@if(airglow) import common/air/airglow.wgsl;
 @if(eclipse) import common/air/eclipsed.wgsl;
 
 struct Varying {
@@ -37,9 +36,7 @@ fn fragment(in: Varying) -> @location(0) vec4f {
     let nearest = air.eye_distance * vec3f(d.z * d.xy, -sin2) - d * pass_.mu;
     let up = normal_at(scaled(select(vec3f(0.0, 0.0, -1.0), nearest, pass_.along > 0.0)));
     let light = gathered(pass_, up, map_uv(up));
-    @if(eclipse) let of_sun = light.rgb * sun_on_air(pass_, scaled(nearest));
-    @else let of_sun = light.rgb;
-    @if(airglow) let shown = of_sun + airglow(pass_, dot(up, air.sun), fwidth(pass_.q));
-    @else let shown = of_sun;
+    @if(eclipse) let shown = light.rgb * sun_on_air(pass_, scaled(nearest));
+    @else let shown = light.rgb;
     return vec4f(displayed(shown, air.exposure, in.clip.xy), light.a);
 }

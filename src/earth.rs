@@ -12,6 +12,7 @@
 //! | `earth_view.rs` | what one view has of its own |
 //! | `pixel_lattice.rs` | a picture in some of its points alone, for measuring |
 //! | `sky.rs` | what lights it |
+//! | `glow.rs` | where the air's own light is in sight |
 //! | `metering.rs` | how bright it is shown |
 //! | `stats.rs` | what a frame drew |
 //! | `ground.rs` | ground with relief, where there is any; `no_ground.rs` without the feature `terrain` |
@@ -36,6 +37,7 @@ mod diagnostics;
 mod earth_view;
 mod error;
 mod frame_request;
+mod glow;
 #[cfg_attr(not(feature = "terrain"), path = "earth/no_ground.rs")]
 mod ground;
 mod metering;
@@ -476,9 +478,14 @@ impl Earth {
     }
 
     fn render_air_of(&self, view: &EarthView, pass: &mut wgpu::RenderPass<'_>) {
-        let is_drawn = view.drawn.is_some() && view.version == self.first.version;
-        if is_drawn && self.format.depth != DepthBuffer::None {
+        if view.drawn.is_none() || view.version != self.first.version {
+            return;
+        }
+        if self.format.depth != DepthBuffer::None {
             render_halo(view, pass);
+        }
+        if let Some(air) = &view.air {
+            air.render_glow(pass, &view.plan);
         }
     }
 

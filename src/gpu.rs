@@ -45,9 +45,9 @@ pub use map::{GpuMap, MapError, MapFade};
 pub use scaled::ScaledTarget;
 pub use shader::{
     AirVariant, AirViewVariant, CelestialKind, CelestialVariant, EarthOutput, EarthVariant,
-    MapFadeVariant, PaperLayers, PatchTiles, SHADER_FILES, ShaderCapability, ShaderError,
-    ShaderFiles, ShaderText, ShaderVariant, ShadingVariant, SunlitLayers, TargetColor, TrackKind,
-    TracksVariant, TruthLayers, UpscaleVariant, VertexForm,
+    GlowVariant, MapFadeVariant, PaperLayers, PatchTiles, SHADER_FILES, ShaderCapability,
+    ShaderError, ShaderFiles, ShaderText, ShaderVariant, ShadingVariant, SunlitLayers, TargetColor,
+    TrackKind, TracksVariant, TruthLayers, UpscaleVariant, VertexForm,
 };
 pub use targets::{
     Attachments, FrameTargets, PassPart, color_texture, read_floats, read_halves, read_texture,

@@ -150,13 +150,13 @@ impl EarthView {
     /// Whether what draws its air is made.
     pub(super) fn is_air_ready(&self) -> bool {
         let air = self.air.as_ref().zip(self.plan.air.as_ref());
-        air.is_none_or(|(air, plan)| air.is_ready(plan.side(), self.plan.has_moon_shadow))
+        air.is_none_or(|(air, plan)| air.is_ready(plan, self.plan.has_moon_shadow))
     }
 
     /// Makes ready what draws its air.
     pub(super) fn make_air_ready(&mut self, device: &wgpu::Device) -> Result<(), ShaderError> {
         match self.air.as_mut().zip(self.plan.air.as_ref()) {
-            Some((air, plan)) => air.make_ready(device, plan.side(), self.plan.has_moon_shadow),
+            Some((air, plan)) => air.make_ready(device, plan, self.plan.has_moon_shadow),
             None => Ok(()),
         }
     }

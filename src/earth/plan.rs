@@ -1,6 +1,7 @@
 //! What a frame draws: how fine the mesh is, which blocks are in sight, with which tiles and ground. Pure code: the plan is
 //! handed to the GPU, and nothing comes back.
 
+use super::glow::glow_in_sight;
 use super::ground::GroundDriver;
 use super::metering::ExposureControl;
 use super::quality::TILED_SUBDIVISION;
@@ -244,6 +245,7 @@ impl Planner {
             plan.air = Some(AirPlan {
                 ring,
                 eye_up: Ellipsoid::normal(eye.lat_rad, eye.lon_rad),
+                glow: glow_in_sight(view, &ring, sky, &ellipsoid, &self.light),
             });
         }
         stats

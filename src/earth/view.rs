@@ -2,7 +2,6 @@
 
 use crate::plan::FrameUniforms;
 use bytemuck::Zeroable;
-#[cfg(any(feature = "celestial", feature = "tracks"))]
 use glam::DVec2;
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3, DVec4};
 use terrella_frames::Ellipsoid;
@@ -59,10 +58,21 @@ impl EyeView {
     /// that has no inverse, and an eye beyond 1e24 m.
     pub(crate) fn in_itrf(&self, target: Viewport) -> Option<ItrfView> {
         let (eye_itrf_m, clip_from_eye) = self.to_itrf();
+        let rays = self.pixel_rays(target);
+        let (x, y) = (f64::from(target.origin.0), f64::from(target.origin.1));
+        let (width, height) = (
+            f64::from(target.size.0.max(1)),
+            f64::from(target.size.1.max(1)),
+        );
         let view = ItrfView {
             eye_itrf_m,
             clip_from_eye,
-            rays: self.pixel_rays(target),
+            rays,
+            picture: PixelRays {
+                corner: rays.corner + rays.right * x + rays.down * y,
+                right: rays.right * width,
+                down: rays.down * height,
+            },
         };
         view.can_be_drawn().then_some(view)
     }
@@ -146,6 +156,8 @@ pub(crate) struct ItrfView {
     pub clip_from_eye: DMat4,
     /// The rays of the target's pixels.
     pub rays: PixelRays,
+    /// The same of the whole picture as one pixel.
+    pub picture: PixelRays,
 }
 
 impl ItrfView {
@@ -185,7 +197,6 @@ impl ItrfView {
 
 /// The part of the screen that a ball may cover, its centre from the eye: least x and y, greatest x and y, −1…1; `None` where it covers
 /// none.
-#[cfg(any(feature = "celestial", feature = "tracks"))]
 pub(crate) fn ball_bounds(
     clip_from_eye: &DMat4,
     center_from_eye_m: DVec3,

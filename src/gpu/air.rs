@@ -1,5 +1,6 @@
 //! The drawable of the air: the halo's ring, and the tables that all shaders read which draw through the air.
 
+mod glow;
 mod textures;
 mod view;
 
@@ -9,6 +10,7 @@ use super::{PassFormat, PipelineDescription, ShaderError};
 use crate::plan::{AirPlan, AirSide, AirUniforms, FramePlan, FrameUniforms, SurfaceLight};
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec3};
+use glow::Glow;
 use terrella_ground::air::Billboard;
 pub(crate) use textures::{AirTextures, Binding};
 use view::AirView;
@@ -37,7 +39,8 @@ pub(crate) struct AirDrawable {
     /// For an eye in the air.
     view: Option<AirView>,
     moonlight: bool,
-    airglow: f32,
+    /// Of its own light; `None` where that is not drawn.
+    glow: Option<Glow>,
 }
 
 struct Halo {
@@ -151,12 +154,12 @@ impl AirDrawable {
             let variant = AirVariant {
                 side,
                 moonlight: light.moonlight,
-                airglow: light.airglow,
                 eclipse: false,
                 target: format.target_color(),
             };
             Halo::new(device, &textures, variant, light.eclipses)
         });
+        let glow = Glow::new(device, format, &textures, light);
         Self {
             format,
             halos,
@@ -168,7 +171,7 @@ impl AirDrawable {
             textures,
             view: None,
             moonlight: light.moonlight,
-            airglow: light.airglow_luminance().unwrap_or(0.0),
+            glow,
         }
     }
 
@@ -188,9 +191,12 @@ impl AirDrawable {
                 .view
                 .as_ref()
                 .map(|view| view.for_another_view(device, &textures)),
-            textures,
             moonlight: self.moonlight,
-            airglow: self.airglow,
+            glow: self
+                .glow
+                .as_ref()
+                .map(|glow| glow.for_another_view(device, &textures)),
+            textures,
         }
     }
 
@@ -200,7 +206,8 @@ impl AirDrawable {
     }
 
     /// Whether what such a frame is drawn with is made.
-    pub fn is_ready(&self, side: AirSide, has_moon_shadow: bool) -> bool {
+    pub fn is_ready(&self, plan: &AirPlan, has_moon_shadow: bool) -> bool {
+        let side = plan.side();
         let halo = &self.halos[side as usize];
         let eclipsed = halo.eclipsed.pipeline.is_some();
         // One that is not wanted, or could not be made, is drawn as others.
@@ -209,11 +216,25 @@ impl AirDrawable {
             true => true,
             false => halo.plain.pipeline.is_some() && !needs_eclipsed,
         };
-        has_ring && (side == AirSide::Outside || self.view.is_some())
+        let glow = self.glow.as_ref().filter(|_| plan.glow.is_some());
+        let has_glow = glow.is_none_or(|glow| glow.is_ready(side));
+        has_ring && has_glow && (side == AirSide::Outside || self.view.is_some())
     }
 
-    /// Makes ready what a frame is drawn with, as far as it is not there: seen from this side, with the Moon's shadow or without.
+    /// Makes ready what a frame is drawn with, as far as it is not there: with the Moon's shadow or without.
     pub fn make_ready(
+        &mut self,
+        device: &wgpu::Device,
+        plan: &AirPlan,
+        has_moon_shadow: bool,
+    ) -> Result<(), ShaderError> {
+        if let Some(glow) = self.glow.as_mut().filter(|_| plan.glow.is_some()) {
+            glow.make(device, self.format, plan.side())?;
+        }
+        self.make_ring(device, plan.side(), has_moon_shadow)
+    }
+
+    fn make_ring(
         &mut self,
         device: &wgpu::Device,
         side: AirSide,
@@ -236,7 +257,10 @@ impl AirDrawable {
     pub fn make_all(&mut self, device: &wgpu::Device) -> Result<(), ShaderError> {
         for side in AirSide::ALL {
             for has_moon_shadow in [false, true] {
-                self.make_ready(device, side, has_moon_shadow)?;
+                self.make_ring(device, side, has_moon_shadow)?;
+            }
+            if let Some(glow) = &mut self.glow {
+                glow.make(device, self.format, side)?;
             }
         }
         Ok(())
@@ -248,8 +272,11 @@ impl AirDrawable {
         let rings = passes.filter_map(|pass| pass.variant?.source().ok());
         let moonlight = self.moonlight;
         let view = AirViewVariant { moonlight }.source().ok();
+        let glow = self.glow.iter().flat_map(Glow::variants);
+        let glow = glow.filter_map(|variant| variant.source().ok());
         rings
             .chain(view)
+            .chain(glow)
             .map(|source| source.text.len() as u64)
             .sum()
     }
@@ -271,14 +298,26 @@ impl AirDrawable {
         }));
         let vertices: &[u8] = bytemuck::cast_slice(&self.staging);
         queue.write_buffer(&self.vertices, 0, vertices);
-        let uniforms = uniforms(plan, frame, &self.textures, self.airglow);
+        let uniforms = uniforms(plan, frame, &self.textures);
         queue.write_buffer(self.textures.uniforms(), 0, bytemuck::bytes_of(&uniforms));
         if let Some(view) = &mut self.view
             && self.side == AirSide::Inside
         {
             view.draw(device, queue, &self.textures, &uniforms);
         }
-        (vertices.len() + size_of::<AirUniforms>()) as u64
+        let mut bytes = vertices.len() + size_of::<AirUniforms>();
+        if let Some((glow, uniforms)) = self.glow.as_ref().zip(plan.glow.as_ref()) {
+            bytes += glow.write(queue, uniforms);
+        }
+        bytes as u64
+    }
+
+    /// Draws the air's own light over all that is behind it.
+    pub fn render_glow(&self, pass: &mut wgpu::RenderPass<'_>, plan: &FramePlan) {
+        let air = plan.air.as_ref().filter(|air| air.glow.is_some());
+        if let Some(glow) = self.glow.as_ref().filter(|_| air.is_some()) {
+            glow.render(pass, self.side);
+        }
     }
 
     pub fn render(&self, pass: &mut wgpu::RenderPass<'_>, plan: &FramePlan) {
@@ -297,12 +336,7 @@ impl AirDrawable {
 }
 
 /// What shaders read of a frame's air.
-fn uniforms(
-    plan: &AirPlan,
-    frame: &FrameUniforms,
-    textures: &AirTextures,
-    airglow: f32,
-) -> AirUniforms {
+fn uniforms(plan: &AirPlan, frame: &FrameUniforms, textures: &AirTextures) -> AirUniforms {
     let ring = &plan.ring;
     let [across_x, across_y, toward_center] = ring.axes;
     // Sun and Moon as the eye sees them over its own horizon, and the same azimuth about the line to the centre.
@@ -339,7 +373,7 @@ fn uniforms(
         molecules: per_radius(coefficients.molecules),
         limb_cos: limb_cos as f32,
         ozone: per_radius(coefficients.ozone),
-        airglow,
+        padding_e: 0.0,
         aerosol_scattering: per_radius(coefficients.aerosol_scattering),
         eye_moon,
         aerosol_extinction: per_radius(coefficients.aerosol_extinction),

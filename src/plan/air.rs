@@ -1,5 +1,6 @@
 //! The air of a frame.
 
+use super::GlowUniforms;
 use glam::DVec3;
 use terrella_ground::air::Billboard;
 
@@ -34,6 +35,8 @@ pub(crate) struct AirPlan {
     pub ring: Billboard,
     /// The normal of the ellipsoid at the eye.
     pub eye_up: DVec3,
+    /// What shaders read of its own light; `None` where none is drawn, or none is in sight.
+    pub glow: Option<GlowUniforms>,
 }
 
 impl AirPlan {

@@ -8,6 +8,9 @@ use terrella_ground::globe::{BLOCK_COUNT, Block, BlockGrid, BlockSet, TangentCon
 use terrella_imagery::residency::{PartTables, ResidentTile};
 use terrella_imagery::tile::MAP_LAYERS;
 
+/// Of the rectangle that the air's own light is drawn in.
+const GLOW_TRIANGLES: u32 = 2;
+
 /// The tiles that a block is drawn with, by [`terrella_imagery::tile::MapLayer::index`]; `None` is the whole map.
 pub(crate) type BlockTiles = [Option<ResidentTile>; MAP_LAYERS];
 
@@ -90,9 +93,13 @@ impl FramePlan {
     pub fn costs(&self) -> DrawCosts {
         let surface = self.draws.iter().map(|draw| draw.indices.len() as u32 / 3);
         let air = self.air.as_ref().map(|air| air.ring.triangles());
+        let glow = self.air.as_ref().and_then(|air| air.glow.as_ref());
+        let glow = glow.map(|_| GLOW_TRIANGLES);
         DrawCosts {
-            draw_calls: (self.draws.len() + usize::from(air.is_some())) as u32,
-            triangles: surface.chain(air).sum(),
+            draw_calls: (self.draws.len()
+                + usize::from(air.is_some())
+                + usize::from(glow.is_some())) as u32,
+            triangles: surface.chain(air).chain(glow).sum(),
         }
     }
 

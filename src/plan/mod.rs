@@ -6,6 +6,7 @@
 //! | `draws.rs` | the draws of its surface; `ground_draws.rs`, where that has relief |
 //! | `cells.rs` | how cells of the block sphere are lit |
 //! | `air.rs` | its air |
+//! | `glow.rs` | the light that the air emits at night |
 //! | `surface_light.rs` | what of the light on the surface can be chosen, and as shaders read it |
 //! | `limits.rs` | what a device allows |
 //! | `uniforms.rs` | the structs that shaders read |
@@ -14,6 +15,7 @@ mod air;
 mod cells;
 mod draws;
 mod frame;
+mod glow;
 #[cfg(feature = "terrain")]
 mod ground_draws;
 mod limits;
@@ -27,10 +29,15 @@ pub(crate) use draws::{
     DrawCosts, DrawLight, LISTED_INDICES, PER_BLOCK_TILES, SurfaceDraw, WHOLE_MAP, draw_blocks,
 };
 pub(crate) use frame::{BlockTiles, ChosenTiles, FramePlan};
+pub use glow::{AIRGLOW_LUMINANCE, GlowUniforms};
+pub(crate) use glow::{
+    GLOW_BASE_M, GLOW_DAY_SIN, GLOW_NIGHT_SIN, GLOW_TOP, GREEN_LIGHT, LAYER_HEIGHTS, LAYER_SIGMAS,
+    LOW_LIGHT, RED_LIGHT, beneath,
+};
 #[cfg(feature = "terrain")]
 pub(crate) use ground_draws::{GroundDraws, PRISM_INDICES};
 pub use limits::DeviceLimits;
 pub use surface_light::{
-    AIRGLOW_LUMINANCE, CITY_RADIANCE, LightEffect, LightEffects, SurfaceLight, SurfaceLightUniforms,
+    CITY_RADIANCE, LightEffect, LightEffects, SurfaceLight, SurfaceLightUniforms,
 };
 pub use uniforms::{AirUniforms, FrameUniforms, MoonShadowUniforms};

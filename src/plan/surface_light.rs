@@ -36,7 +36,7 @@ pub struct SurfaceLight {
     pub moonlight: bool,
     /// Whether the Moon's shadow falls on ground, clouds and air. Frames that it is not in draw without it.
     pub eclipses: bool,
-    /// Whether the air glows by itself at night: see [`AIRGLOW_LUMINANCE`].
+    /// Whether the air glows by itself at night: see [`AIRGLOW_LUMINANCE`](super::AIRGLOW_LUMINANCE).
     pub airglow: bool,
     /// How many times brighter than in truth the lights of the night are, 0…1e6: those of cities, of the Moon and of the air
     /// alike. In truth the brightest cities are some 4e-6 of a white sheet in sunlight (see [`CITY_RADIANCE`]) and twice as
@@ -146,13 +146,6 @@ impl LightEffects {
 /// that is 8e-4 W/(m² sr). In that band the Sun gives some 620 W/m², and a white sheet 620/π = 197 W/(m² sr).
 pub const CITY_RADIANCE: f64 = 4.1e-6;
 
-/// Luminance of the airglow seen from straight below, that of a white sheet that faces the Sun in space being 1.
-///
-/// Of it only the green line of atomic oxygen at 557.7 nm is drawn: 250 rayleigh on a usual night (Khomich, Semenov and Shefov
-/// 2008, Airglow as an Indicator of Upper Atmospheric Structure and Dynamics), that is 250e10/4π photons of 3.56e-19 J for each
-/// m², second and steradian, 4.8e-5 cd/m². The Sun's 133 100 lx make 4.2e4 cd/m² of the sheet.
-pub const AIRGLOW_LUMINANCE: f64 = 1.14e-9;
-
 /// Equatorial radius that heights of clouds are told by, metres.
 const RADIUS_M: f64 = 6_378_137.0;
 /// Reflectance of foam, Koepke 1984.
@@ -205,17 +198,16 @@ impl SurfaceLight {
         .find(|(_, value, range)| !range.contains(value))
     }
 
-    /// Luminance of the airglow seen from straight below, as it is drawn; `None` draws none.
-    pub(crate) fn airglow_luminance(&self) -> Option<f32> {
-        self.airglow
-            .then_some((AIRGLOW_LUMINANCE * self.night_gain) as f32)
+    /// How many times brighter than in truth the air's own light is drawn; `None` where none is.
+    pub(crate) fn glow_gain(&self) -> Option<f64> {
+        self.airglow.then_some(self.night_gain)
     }
 
     /// Whether the air is drawn in the same way.
     pub(crate) fn has_air_of(&self, other: &Self) -> bool {
         self.moonlight == other.moonlight
             && self.eclipses == other.eclipses
-            && self.airglow_luminance() == other.airglow_luminance()
+            && self.airglow == other.airglow
     }
 
     /// How many times brighter than in truth moonlight is drawn; 0 where none is.

@@ -101,8 +101,8 @@ pub struct AirUniforms {
     pub limb_cos: f32,
     /// Absorption by ozone where it is densest, per equatorial radius.
     pub ozone: Vec3,
-    /// Luminance of the airglow seen from straight below, times how much brighter the night is drawn.
-    pub airglow: f32,
+    /// Fills the row.
+    pub padding_e: f32,
     /// Scattering by aerosol at the ground, per equatorial radius.
     pub aerosol_scattering: Vec3,
     /// Cosine of the Moon's zenith angle at the eye.

@@ -15,10 +15,10 @@ use std::path::Path;
 use std::sync::LazyLock;
 use terrella::Tone;
 use terrella::internals::gpu::{
-    AirVariant, AirViewVariant, CelestialVariant, EarthOutput, EarthVariant, MapFadeVariant,
-    PaperLayers, PatchTiles, SHADER_FILES, ShaderCapability, ShaderText, ShaderVariant,
-    ShadingVariant, SunlitLayers, TargetColor, TracksVariant, TruthLayers, UpscaleVariant,
-    VertexForm,
+    AirVariant, AirViewVariant, CelestialVariant, EarthOutput, EarthVariant, GlowVariant,
+    MapFadeVariant, PaperLayers, PatchTiles, SHADER_FILES, ShaderCapability, ShaderText,
+    ShaderVariant, ShadingVariant, SunlitLayers, TargetColor, TracksVariant, TruthLayers,
+    UpscaleVariant, VertexForm,
 };
 use terrella::internals::plan::{AirSide, LightEffect, LightEffects};
 
@@ -64,6 +64,7 @@ static ALL: LazyLock<(Vec<Shader>, Vec<String>)> = LazyLock::new(|| {
     let mut all = built::<EarthVariant>();
     all.extend(built::<AirVariant>());
     all.extend(built::<AirViewVariant>());
+    all.extend(built::<GlowVariant>());
     all.extend(built::<CelestialVariant>());
     all.extend(built::<TracksVariant>());
     all.extend(built::<MapFadeVariant>());

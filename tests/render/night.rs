@@ -74,48 +74,126 @@ fn a_new_moon_adds_nothing_to_the_day() {
     }
 }
 
-/// Looking past the limb from 400 km: green light, brightest where rays graze the layer's lower boundary, by night alone.
-#[test]
-fn the_air_glows_95_km_up_at_night() {
-    let (eye_m, lines) = (4e5, 256);
+const RADIUS_M: f64 = 6_378_137.0;
+/// Height in metres, full width at half maximum and luminance of the airglow's layers, a white sheet that faces the Sun being 1: sodium
+/// and OH, green oxygen, red oxygen.
+const LAYERS: [(f64, f64, f64); 3] = [
+    (88e3, 10e3, 3.587e-10),
+    (98e3, 9e3, 1.140e-9),
+    (250e3, 70e3, 8.07e-11),
+];
+
+/// Luminance of all of them seen from straight below.
+const COLUMN: f64 = LAYERS[0].2 + LAYERS[1].2 + LAYERS[2].2;
+
+/// Luminance of the layers along a ray that passes the ground at a height, summed in steps of 200 m: of all of it, or as far as the
+/// point nearest to the ground.
+fn summed(height_m: f64, is_whole: bool) -> f64 {
+    let step_m = 200.0;
+    let mut sum = 0.0;
+    for step in 0..10_000 {
+        let along_m = (f64::from(step) + 0.5) * step_m;
+        let height_m = (RADIUS_M + height_m).hypot(along_m) - RADIUS_M;
+        for (middle_m, width_m, luminance) in LAYERS {
+            let sigma_m = width_m / (8.0 * 2_f64.ln()).sqrt();
+            let off = (height_m - middle_m) / sigma_m;
+            let density =
+                (-0.5 * off * off).exp() / (sigma_m * (2.0 * std::f64::consts::PI).sqrt());
+            sum += luminance * density * step_m;
+        }
+    }
+    if is_whole { 2.0 * sum } else { sum }
+}
+
+fn luminance(texel: &[f32]) -> f64 {
+    let [r, g, b] = [texel[0], texel[1], texel[2]].map(f64::from);
+    (0.2126 * r + 0.7152 * g + 0.0722 * b) / GAIN
+}
+
+/// Luminance of a column of pixels that looks past the limb from 400 km, and the heights at which their rays pass the ground: below
+/// the limb less than 0.
+fn past_the_limb(airglow: bool, sun: DVec3) -> Vec<(f64, f64, [f32; 3])> {
+    let (eye_m, lines) = (4e5, 512);
     let place = Geodetic::from_degrees(0.0, 0.0, eye_m);
-    let radius_m = 6_378_137.0;
-    // The elevation of the ray that passes 95 km above the ground.
-    let graze = |height_m: f64| {
-        -((radius_m + height_m) / (radius_m + eye_m))
-            .acos()
-            .to_degrees()
+    let middle_deg = -((RADIUS_M + 7e4) / (RADIUS_M + eye_m)).acos().to_degrees();
+    let view: EyeView = tilted(place, 90.0, middle_deg, 6.0, 0.0625);
+    let mut rig = Rig::of_light(&options(false, airglow), (32, lines));
+    let light = rig.draw_light(&view, sun);
+    let of_line = |y: u32| {
+        let elevation = middle_deg.to_radians().tan();
+        // On the plane in front of the eye.
+        let off = 3_f64.to_radians().tan() * (1.0 - (2.0 * f64::from(y) + 1.0) / f64::from(lines));
+        let elevation = elevation.atan() + off.atan();
+        let texel = &light[y as usize * 32 + 16];
+        let height_m = (RADIUS_M + eye_m) * elevation.cos() - RADIUS_M;
+        (
+            height_m,
+            luminance(&texel[..]),
+            [texel[0], texel[1], texel[2]],
+        )
     };
-    let view: EyeView = tilted(place, 90.0, graze(7e4), 6.0, 0.125);
-    let light = |airglow, sun| {
-        let mut rig = Rig::of_light(&options(false, airglow), (32, lines));
-        let light = rig.draw_light(&view, sun);
-        (0..lines as usize)
-            .map(|y| light[y * 32 + 16])
-            .collect::<Vec<_>>()
+    (0..lines).map(of_line).collect()
+}
+
+/// Looking past the limb from 400 km: soft layers, brightest at 94 to 96 km, by night alone.
+#[test]
+fn the_air_glows_in_soft_layers_at_night() {
+    let night = past_the_limb(true, -DVec3::X);
+    let brightest = night.iter().max_by(|a, b| a.1.total_cmp(&b.1));
+    let (height_m, most, texel) = *brightest.expect("pixels");
+    assert!((94e3..96e3).contains(&height_m), "{height_m} m");
+    assert!(texel[1] > 2.0 * texel[0] && texel[2] < 1e-4, "{texel:?}");
+    // The top falls softly.
+    let falls_to = |part: f64| {
+        let above = night.iter().filter(|(height, _, _)| *height > height_m);
+        let bright = above.filter(|(_, light, _)| *light > part * most);
+        bright.map(|(height, _, _)| *height).fold(0.0, f64::max)
     };
-    let night = light(true, -DVec3::X);
-    let green: Vec<f32> = night.iter().map(|texel| texel[1]).collect();
-    let brightest = (0..green.len())
-        .max_by(|a, b| green[*a].total_cmp(&green[*b]))
-        .unwrap_or(0);
-    let elevation = graze(7e4) + 6.0 * (0.5 - (brightest as f64 + 0.5) / f64::from(lines));
-    let height_m = (radius_m + eye_m) * elevation.to_radians().cos() - radius_m;
-    assert!((88e3..92e3).contains(&height_m), "{height_m} m");
-    // A ray that grazes 90 km crosses 2 √(99² − 90²) km of it, in radii, 75 times its thickness: 1.14e-9 each.
-    let way = 2.0 * ((radius_m + 99e3).powi(2) - (radius_m + 90e3).powi(2)).sqrt() / 9e3;
-    let wanted = GAIN * 1.14e-9 * way;
-    let texel = night[brightest];
-    let luminance = 0.2126 * f64::from(texel[0]) + 0.7152 * f64::from(texel[1]);
-    assert!(
-        (0.85..1.02).contains(&(luminance / wanted)),
-        "{luminance}, not {wanted}"
-    );
-    assert!(texel[1] > 4.0 * texel[0] && texel[2] < 1e-4, "{texel:?}");
+    let fall_m = falls_to(0.1) - falls_to(0.9);
+    assert!((6e3..9e3).contains(&fall_m), "{fall_m} m");
+    // As summed in steps, where the air below takes nothing.
+    for (height_m, light, _) in &night {
+        if *height_m > 6e4 && *light > 0.02 * most {
+            let wanted = summed(*height_m, true);
+            assert!(
+                (light / wanted - 1.0).abs() < 0.03,
+                "{height_m} m: {light}, not {wanted}"
+            );
+        }
+    }
     let (dark, day) = (
-        light(false, -DVec3::X),
-        [light(true, DVec3::X), light(false, DVec3::X)],
+        past_the_limb(false, -DVec3::X),
+        [
+            past_the_limb(true, DVec3::X),
+            past_the_limb(false, DVec3::X),
+        ],
     );
-    assert!(dark.iter().all(|texel| texel[1] < 1e-5));
+    assert!(dark.iter().all(|(_, light, _)| *light < 1e-10));
     assert_eq!(day[0], day[1]);
+}
+
+/// Before the dark ground the eye sees the half of the layers that is on its side, and straight down the vertical column.
+#[test]
+fn the_air_glows_before_the_ground_too() {
+    let night = past_the_limb(true, -DVec3::X);
+    let inside = night.iter().find(|(height, _, _)| *height < -2e3);
+    let (_, light, _) = *inside.expect("ground in the picture");
+    let half = summed(0.0, false);
+    assert!((light / half - 1.0).abs() < 0.05, "{light}, not {half}");
+    // Rays that pass just above the ground have that half too, and what the air below leaves of the other.
+    let outside = night.iter().rfind(|(height, _, _)| *height > 5e4);
+    let (height_m, light, _) = *outside.expect("air in the picture");
+    let wanted = summed(height_m, true);
+    assert!((light / wanted - 1.0).abs() < 0.03, "{light}, not {wanted}");
+    let view = down(Geodetic::from_degrees(0.0, 0.0, 1e6), 1.0, 1.0);
+    let mut rig = Rig::of_light(&options(false, true), SIZE);
+    let texel = rig.draw_light(&view, -DVec3::X)[16 * 32 + 16];
+    let column = luminance(&texel[..]);
+    assert!((column / COLUMN - 1.0).abs() < 0.02, "{column}");
+    // An eye on the ground has it all above it, and none before the ground.
+    let place = Geodetic::from_degrees(0.0, 0.0, 100.0);
+    let mut low = Rig::of_light(&options(false, true), (32, 64));
+    let light = low.draw_light(&tilted(place, 90.0, 0.0, 60.0, 0.5), -DVec3::X);
+    assert!(luminance(&light[16][..]) > 0.8 * COLUMN);
+    assert!(luminance(&light[63 * 32 + 16][..]) < 1e-12);
 }

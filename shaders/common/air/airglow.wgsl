@@ -1,30 +1,50 @@
-// The green light of atomic oxygen, 557.7 nm, which the air sends out at night in a thin layer 95 km up. Before the ground, where
-// it is a fortieth as bright as beside it, nothing of it is drawn.
-import rust::AIR_RADIUS_M;
+// The airglow: light that three layers of the upper air emit by night. Sodium and OH at 88 km, green oxygen at 98 km and red oxygen
+// at 250 km, each a Gaussian of height. Vectors of three hold the layers in this order.
+import rust::{AIRGLOW_GREEN_LIGHT, AIRGLOW_HEIGHTS, AIRGLOW_LOW_LIGHT, AIRGLOW_RED_LIGHT, AIRGLOW_SIGMAS};
 
-// The layer's lower and upper boundary, equatorial radii.
-const AIRGLOW_RADII: vec2f = vec2f(1.0 + 90e3 / AIR_RADIUS_M, 1.0 + 99e3 / AIR_RADIUS_M);
-// Sines of the Sun's elevation, −12° and −6°, between which twilight outshines it.
-const AIRGLOW_TWILIGHT: vec2f = vec2f(-0.2079, -0.1045);
-const AIRGLOW_RAYS: i32 = 6;
-// Linear sRGB of that wavelength at luminance 1; it has less than no blue there.
-const AIRGLOW_COLOR: vec3f = vec3f(0.282, 1.336, 0.0);
-
-// `mu_s`: cosine of the Sun's zenith angle where the ray passes nearest to the Earth. `pixel`: what the ray's distance from the
-// centre changes by to the next pixel. From far away the layer is thinner than that, so the mean over some rays of it is taken.
-fn airglow(pass_: Pass, mu_s: f32, pixel: f32) -> vec3f {
-    var way = 0.0;
-    for (var n = 0; n < AIRGLOW_RAYS; n++) {
-        var ray = pass_;
-        ray.q += pixel * ((f32(n) + 0.5) / f32(AIRGLOW_RAYS) - 0.5);
-        way += (way_below(ray, AIRGLOW_RADII.y) - way_below(ray, AIRGLOW_RADII.x)) / f32(AIRGLOW_RAYS);
+// `pixel`: what the height at which the ray passes changes by to the next pixel. `far`: what the air below leaves of the light from
+// beyond the point nearest to the Earth.
+fn airglow(ray: GlowRay, pixel: f32, far: vec3f) -> vec3f {
+    let pass_ = ray.pass_;
+    let column = half_column(ray, pixel);
+    // How much of the half of the line on the eye's side lies between the eye and the nearest point. Near that point density falls
+    // by e^(−x²/2) within √(q σ).
+    let reach = clamp(pass_.along / sqrt(pass_.q * AIRGLOW_SIGMAS), vec3f(-9.0), vec3f(9.0));
+    let near = column * glow.beneath * tanh(reach);
+    if meets_ground(pass_) {
+        return glow_at_night(ray, -1.0) * of_layers(max(near, vec3f(0.0)));
     }
-    let night = 1.0 - smoothstep(AIRGLOW_TWILIGHT.x, AIRGLOW_TWILIGHT.y, mu_s);
-    return air.airglow * night * way / (AIRGLOW_RADII.y - AIRGLOW_RADII.x) * AIRGLOW_COLOR;
+    // An eye that looks up sees what of the other half is above it.
+    let beyond = column + min(near, vec3f(0.0));
+    let light = glow_at_night(ray, 1.0) * far * of_layers(beyond);
+    return light + glow_at_night(ray, -1.0) * of_layers(max(near, vec3f(0.0)));
 }
 
-// How much of a ray lies within a sphere, radii.
-fn way_below(pass_: Pass, radius: f32) -> f32 {
-    let half_ = sqrt(max((radius - pass_.q) * (radius + pass_.q), 0.0));
-    return max(pass_.along + half_, 0.0) - max(pass_.along - half_, 0.0);
+fn of_layers(columns: vec3f) -> vec3f {
+    return columns.x * AIRGLOW_LOW_LIGHT + columns.y * AIRGLOW_GREEN_LIGHT + columns.z * AIRGLOW_RED_LIGHT;
+}
+
+// The emission along half of a line that passes the centre at q, from its nearest point on, for each unit of vertical column.
+//
+// With u = (q − r)/σ and the distance t√(2qσ) from the nearest point, height is σ(u + t²), and the column √(q/πσ) G(u) with
+// G = ∫₀^∞ e^(−(u + t²)²/2) dt = √π/2 e^(−u²/4) D₋½(u), D being the parabolic cylinder function. Where the line crosses the layer at an
+// angle it is the secant of that, with the layer's width to the fourth order.
+fn half_column(ray: GlowRay, pixel: f32) -> vec3f {
+    // A pixel that is wider than a layer has the layer's mean.
+    let sigma = sqrt(AIRGLOW_SIGMAS * AIRGLOW_SIGMAS + pixel * pixel / 12.0);
+    let q = ray.pass_.q;
+    let below = AIRGLOW_HEIGHTS - ray.height;
+    let u = -below / sigma;
+    let inverse2 = 1.0 / max(u * u, vec3f(9.0));
+    let secant = (1.0 + AIRGLOW_HEIGHTS) / sqrt(max(below, 3.0 * sigma) * (1.0 + AIRGLOW_HEIGHTS + q));
+    let crossing = secant * (1.0 + inverse2 * (0.375 + inverse2 * 0.8203));
+    let grazing = sqrt(q / (PI * sigma)) * grazing_integral(clamp(u, vec3f(-3.0), vec3f(5.0)));
+    return select(grazing, crossing, u < vec3f(-3.0)) * step(u, vec3f(5.0));
+}
+
+// G(u), −3 ≤ u ≤ 5: a fit of its logarithm, good to 0.4 %.
+fn grazing_integral(u: vec3f) -> vec3f {
+    let low = 7.40810e-2 + u * (-4.745711e-1 + u * (-3.621490e-1 + u * -3.974509e-2));
+    let u4 = u * u * u * u;
+    return exp(low + u4 * (7.405551e-3 + u * (-9.586579e-5 + u * (-2.036139e-4 + u * 2.224381e-5))));
 }

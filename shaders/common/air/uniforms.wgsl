@@ -29,8 +29,7 @@ struct AirUniforms {
     molecules: vec3f,
     limb_cos: f32,
     ozone: vec3f,
-    // Luminance of the airglow seen from straight below, times how much brighter the night is drawn.
-    airglow: f32,
+    padding_e: f32,
     aerosol_scattering: vec3f,
     // Cosine of the Moon's zenith angle at the eye.
     eye_moon: f32,

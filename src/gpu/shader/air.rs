@@ -10,8 +10,6 @@ pub struct AirVariant {
     pub side: AirSide,
     /// Whether moonlight is scattered too.
     pub moonlight: bool,
-    /// Whether the airglow is drawn.
-    pub airglow: bool,
     /// Whether the Moon stands before the Sun.
     pub eclipse: bool,
     /// What the target stores.
@@ -25,16 +23,13 @@ impl ShaderVariant for AirVariant {
         let mut all = Vec::new();
         for side in AirSide::ALL {
             for moonlight in SWITCH {
-                for airglow in SWITCH {
-                    for eclipse in SWITCH.into_iter().filter(|on| !on || !moonlight) {
-                        all.extend(TargetColor::all().into_iter().map(|target| Self {
-                            side,
-                            moonlight,
-                            airglow,
-                            eclipse,
-                            target,
-                        }));
-                    }
+                for eclipse in SWITCH.into_iter().filter(|on| !on || !moonlight) {
+                    all.extend(TargetColor::all().into_iter().map(|target| Self {
+                        side,
+                        moonlight,
+                        eclipse,
+                        target,
+                    }));
                 }
             }
         }
@@ -45,8 +40,45 @@ impl ShaderVariant for AirVariant {
         let mut conditions = vec![
             ("inside", self.side == AirSide::Inside),
             ("moonlight", self.moonlight),
-            ("airglow", self.airglow),
             ("eclipse", self.eclipse),
+        ];
+        conditions.extend(self.target.conditions());
+        conditions
+    }
+}
+
+/// What the shader of the air's own light is made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct GlowVariant {
+    /// Where the eye is.
+    pub side: AirSide,
+    /// Whether the airglow is drawn.
+    pub airglow: bool,
+    /// What the target stores.
+    pub target: TargetColor,
+}
+
+impl ShaderVariant for GlowVariant {
+    const ENTRY: &'static str = "glow.wgsl";
+
+    fn all() -> Vec<Self> {
+        let mut all = Vec::new();
+        for side in AirSide::ALL {
+            all.extend(TargetColor::USUAL.map(|target| Self {
+                side,
+                airglow: true,
+                target,
+            }));
+        }
+        all
+    }
+
+    fn conditions(&self) -> Vec<(&'static str, bool)> {
+        let mut conditions = vec![
+            ("inside", self.side == AirSide::Inside),
+            // Of light through the air, not of light in it.
+            ("moonlight", false),
+            ("airglow", self.airglow),
         ];
         conditions.extend(self.target.conditions());
         conditions

@@ -3,7 +3,10 @@
 #[cfg(feature = "terrain")]
 use super::relief_constants::RELIEF;
 use super::value::Value::{self, F32, U32, Vec3};
-use crate::plan::{PER_BLOCK_TILES, WHOLE_MAP};
+use crate::plan::{
+    GLOW_DAY_SIN, GLOW_NIGHT_SIN, GREEN_LIGHT, LAYER_HEIGHTS, LAYER_SIGMAS, LOW_LIGHT,
+    PER_BLOCK_TILES, RED_LIGHT, WHOLE_MAP,
+};
 use glam::DVec3;
 use std::f64::consts::PI;
 use terrella_frames::{MOON_RADIUS_M, SUN_RADIUS_M, SUN_RADIUS_RAD};
@@ -159,6 +162,14 @@ const SHARED: &[(&str, Value)] = &[
     ("CLOUD_ALBEDO", F32(CLOUD_ALBEDO)),
     ("VIEW_ANGLES", F32(VIEW_ANGLES as f64)),
     ("VIEW_AZIMUTHS", F32(VIEW_AZIMUTHS as f64)),
+    // The air's own light; heights and widths of its layers are equatorial radii.
+    ("AIRGLOW_LOW_LIGHT", Vec3(LOW_LIGHT)),
+    ("AIRGLOW_GREEN_LIGHT", Vec3(GREEN_LIGHT)),
+    ("AIRGLOW_RED_LIGHT", Vec3(RED_LIGHT)),
+    ("AIRGLOW_HEIGHTS", Vec3(LAYER_HEIGHTS)),
+    ("AIRGLOW_SIGMAS", Vec3(LAYER_SIGMAS)),
+    ("GLOW_NIGHT_SIN", F32(GLOW_NIGHT_SIN)),
+    ("GLOW_DAY_SIN", F32(GLOW_DAY_SIN)),
     // Flags of truth texels.
     ("TRUTH_LAND", U32(TRUTH_LAND)),
     ("TRUTH_SUNLIT", U32(TRUTH_SUNLIT)),

@@ -161,6 +161,7 @@ files![
     "earth/vertex/contour_prisms.wgsl",
     "earth/vertex/projected_grid.wgsl",
     "earth/vertex/relief_patches.wgsl",
+    "glow.wgsl",
     "map_fade.wgsl",
     "tracks.wgsl",
     "tracks/fills.wgsl",

@@ -41,7 +41,7 @@ mod upscale;
 mod value;
 mod variant;
 
-pub use air::{AirVariant, AirViewVariant};
+pub use air::{AirVariant, AirViewVariant, GlowVariant};
 pub use assemble::ShaderText;
 pub use capability::ShaderCapability;
 pub use celestial::{CelestialKind, CelestialVariant};

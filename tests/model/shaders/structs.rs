@@ -5,7 +5,7 @@ use naga::TypeInner;
 use std::mem::offset_of;
 use terrella::internals::gpu::{CelestialUniforms, Disc, TrackUniforms};
 use terrella::internals::plan::{
-    AirUniforms, FrameUniforms, MoonShadowUniforms, SurfaceLightUniforms,
+    AirUniforms, FrameUniforms, GlowUniforms, MoonShadowUniforms, SurfaceLightUniforms,
 };
 use terrella_ground::globe::contours::ContourNode;
 use terrella_ground::globe::projected_grid::{GridLevel, GridUniforms};
@@ -133,7 +133,6 @@ fn structs_match_the_shaders() {
             molecules,
             limb_cos,
             ozone,
-            airglow,
             aerosol_scattering,
             eye_moon,
             aerosol_extinction,
@@ -144,6 +143,11 @@ fn structs_match_the_shaders() {
             sky_albedo_of_clouds,
             shadow
         ]
+    );
+    check!(
+        "GlowUniforms",
+        GlowUniforms,
+        [corner, depth, across, gain, down, above, beneath, bounds]
     );
     check!(
         "GridLevel",

@@ -1,0 +1,139 @@
+//! The drawable of the air's own light: a rectangle about the upper air, added to what is behind it.
+
+use super::super::shader::ShaderModule;
+use super::super::{GlowVariant, PassFormat, PipelineDescription, ShaderError};
+use super::{AirTextures, Binding};
+use crate::plan::{AirSide, GlowUniforms, SurfaceLight};
+
+/// What the air's own light is drawn with.
+pub(super) struct Glow {
+    uniforms: wgpu::Buffer,
+    /// The eye outside of the air below, and inside.
+    sides: [Side; 2],
+}
+
+struct Side {
+    variant: GlowVariant,
+    layout: wgpu::BindGroupLayout,
+    bind_group: wgpu::BindGroup,
+    pipeline: Option<wgpu::RenderPipeline>,
+}
+
+const LABEL: &str = "terrella glow";
+
+impl Glow {
+    /// `None` where none is drawn; makes no pipeline yet.
+    pub fn new(
+        device: &wgpu::Device,
+        format: PassFormat,
+        textures: &AirTextures,
+        light: &SurfaceLight,
+    ) -> Option<Self> {
+        light.glow_gain()?;
+        let uniforms = crate::gpu::uniform_buffer::<GlowUniforms>(device, LABEL);
+        let sides = AirSide::ALL.map(|side| {
+            let bindings = bindings(&uniforms, textures, side);
+            let (layout, bind_group) = crate::gpu::bind(device, LABEL, bindings);
+            Side {
+                variant: GlowVariant {
+                    side,
+                    airglow: light.airglow,
+                    target: format.target_color(),
+                },
+                layout,
+                bind_group,
+                pipeline: None,
+            }
+        });
+        Some(Self { uniforms, sides })
+    }
+
+    /// The same for another view, with that view's textures.
+    pub fn for_another_view(&self, device: &wgpu::Device, textures: &AirTextures) -> Self {
+        let uniforms = crate::gpu::uniform_buffer::<GlowUniforms>(device, LABEL);
+        let sides = self.sides.each_ref().map(|of| {
+            let bindings = bindings(&uniforms, textures, of.variant.side);
+            Side {
+                variant: of.variant,
+                layout: of.layout.clone(),
+                bind_group: crate::gpu::bind_to(device, LABEL, &of.layout, bindings),
+                pipeline: of.pipeline.clone(),
+            }
+        });
+        Self { uniforms, sides }
+    }
+
+    /// The variants of its shader.
+    pub fn variants(&self) -> impl Iterator<Item = GlowVariant> + '_ {
+        self.sides.iter().map(|side| side.variant)
+    }
+
+    /// Whether it can be drawn from this side.
+    pub fn is_ready(&self, side: AirSide) -> bool {
+        self.sides[side as usize].pipeline.is_some()
+    }
+
+    /// Makes what it is drawn with from this side, if that is not there.
+    pub fn make(
+        &mut self,
+        device: &wgpu::Device,
+        format: PassFormat,
+        side: AirSide,
+    ) -> Result<(), ShaderError> {
+        let side = &mut self.sides[side as usize];
+        if side.pipeline.is_some() {
+            return Ok(());
+        }
+        let shader = ShaderModule::new(device, &side.variant)?;
+        let pipeline = PipelineDescription {
+            label: LABEL,
+            bind_groups: Some(&[Some(&side.layout)]),
+            module: &shader.module,
+            buffers: &[],
+            primitive: wgpu::PrimitiveState {
+                topology: wgpu::PrimitiveTopology::TriangleStrip,
+                ..Default::default()
+            },
+            format,
+            writes_depth: false,
+            blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
+        };
+        side.pipeline = Some(pipeline.create(device));
+        Ok(())
+    }
+
+    /// Writes what is drawn from now on. Returns the bytes written.
+    pub fn write(&self, queue: &wgpu::Queue, uniforms: &GlowUniforms) -> usize {
+        queue.write_buffer(&self.uniforms, 0, bytemuck::bytes_of(uniforms));
+        size_of::<GlowUniforms>()
+    }
+
+    pub fn render(&self, pass: &mut wgpu::RenderPass<'_>, side: AirSide) {
+        let side = &self.sides[side as usize];
+        if let Some(pipeline) = &side.pipeline {
+            pass.set_pipeline(pipeline);
+            pass.set_bind_group(0, &side.bind_group, &[]);
+            pass.draw(0..4, 0..1);
+        }
+    }
+}
+
+/// Group 0.
+fn bindings<'a>(
+    uniforms: &'a wgpu::Buffer,
+    textures: &'a AirTextures,
+    side: AirSide,
+) -> Vec<Binding<'a>> {
+    let stages = wgpu::ShaderStages::VERTEX_FRAGMENT;
+    let own = wgpu::BindGroupEntry {
+        binding: 0,
+        resource: uniforms.as_entire_binding(),
+    };
+    let own = (
+        crate::gpu::uniform_entry(0, stages, size_of::<GlowUniforms>()),
+        own,
+    );
+    let mut bindings = vec![own];
+    bindings.extend(textures.bindings(side));
+    bindings
+}
