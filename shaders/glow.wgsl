@@ -1,7 +1,7 @@
 // The light that the upper air emits by night, added to all that is behind it: the ground, the halo, stars.
 //
-// `GlowVariant` in src/gpu/shader/air.rs says which conditions hold together: inside (the eye is in the air below), airglow, and those
-// of common/displayed.wgsl.
+// `GlowVariant` in src/gpu/shader/air.rs says which conditions hold together: inside (the eye is in the air below), airglow, aurora, and
+// those of common/displayed.wgsl.
 //
 // On 8-bit targets its light has gone through the tone curve, and what is behind it too, each by itself.
 import common/air.wgsl;
@@ -10,11 +10,13 @@ import common/displayed.wgsl;
 import rust::{GLOW_DAY_SIN, GLOW_NIGHT_SIN, PI};
 @if(airglow) import common/air/airglow.wgsl;
 @if(airglow) import rust::AIRGLOW_HEIGHTS;
+@if(aurora) import common/air/aurora.wgsl;
 
 // | group | binding | what                     | when             |
 // |-------|---------|--------------------------|------------------|
 // | 0     | 0       | this                     | always           |
 // | 0     | 1 …     | common/air.wgsl          | always           |
+// | 0     | 3       | common/air/aurora.wgsl   | aurora           |
 
 // Mirrored by `GlowUniforms` in src/plan/glow.rs.
 struct GlowUniforms {
@@ -55,10 +57,14 @@ fn vertex(@builtin(vertex_index) index: u32) -> Varying {
 
 @fragment
 fn fragment(in: Varying) -> @location(0) vec4f {
-    let ray = glow_ray(normalize(in.ray));
-    let pixel = fwidth(ray.height);
+    let d = normalize(in.ray);
+    let ray = glow_ray(d);
+    @if(airglow) let pixel = fwidth(ray.height);
+    @if(aurora) let angle = length(fwidth(d));
+    let far = left_of_glow(ray.pass_);
     var light = vec3f(0.0);
-    @if(airglow) light += airglow(ray, pixel, left_of_glow(ray.pass_));
+    @if(airglow) light += airglow(ray, pixel, far);
+    @if(aurora) light += aurora(ray, angle, far);
     // Another pattern of dithering than that of what is behind, and none where there is no light.
     let shown = displayed(glow.gain * light, air.exposure, in.clip.yx + 0.5);
     return vec4f(select(vec3f(0.0), shown, max(light.r, light.g) > 0.0), 0.0);
@@ -87,8 +93,13 @@ fn glow_eye() -> vec3f {
 
 // What the air leaves of light from beyond it.
 fn left_of_glow(pass_: Pass) -> vec3f {
-    @if(inside) return left_through(pass_);
-    @else return select(vec3f(1.0), left_through(pass_), pass_.along > 0.0 && pass_.q < AIR_TOP);
+    // Where the ground stands before it, nothing of that is seen.
+    @if(!inside) let meets_air = pass_.along > 0.0 && pass_.q < AIR_TOP;
+    @else let meets_air = true;
+    if meets_ground(pass_) || !meets_air {
+        return vec3f(1.0);
+    }
+    return left_through(pass_);
 }
 
 // How much of the glow is not outshone by twilight, where a ray crosses its middle: before the point nearest to the Earth where `side` is

@@ -10,8 +10,8 @@ use super::tile_view::TileView;
 use super::view::ItrfView;
 use super::{Appearance, EarthError, EarthOptions, FrameStats, Quality, Sky};
 use crate::plan::{
-    AirPlan, AirSide, CellLight, CellLights, DeviceLimits, DrawLight, FramePlan, FrameUniforms,
-    MoonShadowUniforms, SurfaceLight, draw_blocks, interpolated_cells,
+    AirPlan, AirSide, AuroraUniforms, CellLight, CellLights, DeviceLimits, DrawLight, FramePlan,
+    FrameUniforms, MoonShadowUniforms, SurfaceLight, draw_blocks, interpolated_cells,
 };
 use glam::DVec3;
 use std::f64::consts::FRAC_PI_2;
@@ -242,10 +242,13 @@ impl Planner {
             let eye_scaled = view.eye_itrf_m / scale;
             let short = self.short_of_limb();
             let ring = Billboard::new(eye_scaled, TOP, short, &view.clip_from_eye, scale);
+            let glow = glow_in_sight(view, &ring, sky, &ellipsoid, &self.light);
+            let kp = self.light.kp.filter(|_| glow.is_some());
             plan.air = Some(AirPlan {
                 ring,
                 eye_up: Ellipsoid::normal(eye.lat_rad, eye.lon_rad),
-                glow: glow_in_sight(view, &ring, sky, &ellipsoid, &self.light),
+                glow,
+                aurora: kp.map(|kp| AuroraUniforms::new(kp, sky.epoch, sky.sun_itrf)),
             });
         }
         stats

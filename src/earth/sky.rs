@@ -23,6 +23,8 @@ pub struct Sky {
     pub moon_itrf_m: Option<DVec3>,
     /// Rotation from the axes of the stars, GCRF, to ITRF; `None` where no date is known. Nothing of the Earth is drawn by it.
     pub itrf_from_gcrf: Option<DMat3>,
+    /// The time, for what moves by itself: the curtains of the aurora. Where none is known they stand still.
+    pub epoch: Option<Epoch>,
 }
 
 impl Sky {
@@ -33,6 +35,7 @@ impl Sky {
             sun_distance_m: ASTRONOMICAL_UNIT_M,
             moon_itrf_m: None,
             itrf_from_gcrf: None,
+            epoch: None,
         }
     }
 
@@ -50,6 +53,7 @@ impl Sky {
             sun_distance_m: sun_m.length(),
             moon_itrf_m: Some(center.moon_m()),
             itrf_from_gcrf: Some(center.itrf_from_gcrf()),
+            epoch: Some(epoch),
         }
     }
 

@@ -306,8 +306,8 @@ impl AirDrawable {
             view.draw(device, queue, &self.textures, &uniforms);
         }
         let mut bytes = vertices.len() + size_of::<AirUniforms>();
-        if let Some((glow, uniforms)) = self.glow.as_ref().zip(plan.glow.as_ref()) {
-            bytes += glow.write(queue, uniforms);
+        if let Some(glow) = &self.glow {
+            bytes += glow.write(queue, plan);
         }
         bytes as u64
     }

@@ -1,6 +1,6 @@
 //! The air of a frame.
 
-use super::GlowUniforms;
+use super::{AuroraUniforms, GlowUniforms};
 use glam::DVec3;
 use terrella_ground::air::Billboard;
 
@@ -37,6 +37,8 @@ pub(crate) struct AirPlan {
     pub eye_up: DVec3,
     /// What shaders read of its own light; `None` where none is drawn, or none is in sight.
     pub glow: Option<GlowUniforms>,
+    /// The same of the aurora.
+    pub aurora: Option<AuroraUniforms>,
 }
 
 impl AirPlan {

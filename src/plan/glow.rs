@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 use terrella_ground::air::{LUMINANCE, RADIUS_M};
 
 /// A line or a band of emission.
-struct Line {
+pub(super) struct Line {
     wavelength_nm: f64,
     /// CIE 1931 2° colour-matching functions at this wavelength.
     xyz: [f64; 3],
@@ -22,9 +22,15 @@ const fn line(wavelength_nm: f64, xyz: [f64; 3], rayleighs: f64) -> Line {
     }
 }
 
+impl Line {
+    /// The same of another column emission.
+    pub(super) const fn of_rayleighs(&self, rayleighs: f64) -> Self {
+        line(self.wavelength_nm, self.xyz, rayleighs)
+    }
+}
+
 /// Atomic oxygen, ¹S to ¹D: 250 R on a usual night (Leinert et al. 1998, Astron. Astrophys. Suppl. 127, 1).
-const OXYGEN_GREEN: [Line; 1] = [line(557.7, OXYGEN_GREEN_XYZ, 250.0)];
-const OXYGEN_GREEN_XYZ: [f64; 3] = [0.5566, 0.9978, 0.0046];
+pub(super) const GREEN_LINE: Line = line(557.7, [0.5566, 0.9978, 0.0046], 250.0);
 /// Sodium's doublet, 50 R (Leinert et al. 1998), and those Meinel bands of OH that the eye sees, 8–2, 9–3 and 6–1. The bands' emission is
 /// good to a factor of two: it is that of Khomich, Semenov and Shefov 2008 (Airglow as an Indicator of Upper Atmospheric Structure and
 /// Dynamics), rounded.
@@ -35,14 +41,11 @@ const SODIUM_AND_HYDROXYL: [Line; 4] = [
     line(654.0, [0.2317, 0.0867, 0.0], 100.0),
 ];
 /// Atomic oxygen, ¹D to ³P: 60 R at 630.0 nm (Leinert et al. 1998) and a third of that at 636.4 nm, which has the same upper state.
-const OXYGEN_RED: [Line; 2] = [
-    line(630.0, OXYGEN_RED_XYZ, 60.0),
-    line(636.4, [0.5156, 0.2052, 0.0], 20.0),
-];
-const OXYGEN_RED_XYZ: [f64; 3] = [0.6424, 0.2650, 0.0];
+pub(super) const RED_LINE: Line = line(630.0, [0.6424, 0.2650, 0.0], 60.0);
+const OXYGEN_RED: [Line; 2] = [RED_LINE, line(636.4, [0.5156, 0.2052, 0.0], 20.0)];
 
 /// Radiances of the layers seen from straight below, linear sRGB, a white sheet that faces the Sun in space being 1.
-pub(crate) const GREEN_LIGHT: DVec3 = shown(&OXYGEN_GREEN);
+pub(crate) const GREEN_LIGHT: DVec3 = shown(&[GREEN_LINE]);
 pub(crate) const LOW_LIGHT: DVec3 = shown(&SODIUM_AND_HYDROXYL);
 pub(crate) const RED_LIGHT: DVec3 = shown(&OXYGEN_RED);
 
@@ -86,7 +89,7 @@ const fn luminance(light: DVec3) -> f64 {
 }
 
 /// Radiance of lines seen from straight below, linear sRGB, a white sheet that faces the Sun in space being 1.
-const fn shown(lines: &[Line]) -> DVec3 {
+pub(super) const fn shown(lines: &[Line]) -> DVec3 {
     // Planck's constant times the speed of light, J m.
     const PHOTON_J_M: f64 = 1.986_446e-25;
     // Illuminance of the Sun above the air, lx, and the luminous efficacy of ȳ = 1, lm/W.
@@ -156,12 +159,13 @@ mod tests {
     fn the_green_line_has_the_luminance_of_its_photons() {
         // 250 R are 2e11 photons/(m² s sr) of 3.56e-19 J, 683 lm/W; the sheet has 4.24e4 cd/m².
         let wanted = 250e10 / (4.0 * PI) * 3.562e-19 * 683.0 * 0.9978 / 42_367.0;
-        assert!((luminance(GREEN_LIGHT) / wanted - 1.0).abs() < 2e-3);
-        assert!(GREEN_LIGHT.y > 4.0 * GREEN_LIGHT.x && GREEN_LIGHT.z == 0.0);
+        let [low, green, red] = [LOW_LIGHT, GREEN_LIGHT, RED_LIGHT];
+        assert!((luminance(green) / wanted - 1.0).abs() < 2e-3);
+        assert!(green.y > 4.0 * green.x && green.z == 0.0, "{green}");
         // Sodium and OH are orange, red oxygen is red and faint: the eye hardly sees 630 nm.
-        assert!(LOW_LIGHT.x > 1.5 * LOW_LIGHT.y && LOW_LIGHT.y > 0.0 && LOW_LIGHT.z == 0.0);
-        assert!(RED_LIGHT.y == 0.0 && RED_LIGHT.z == 0.0);
-        let parts = [LOW_LIGHT, RED_LIGHT].map(|light| luminance(light) / luminance(GREEN_LIGHT));
+        assert!(low.x > 1.5 * low.y && low.y > 0.0 && low.z == 0.0, "{low}");
+        assert!(red.y == 0.0 && red.z == 0.0, "{red}");
+        let parts = [low, red].map(|light| luminance(light) / luminance(green));
         assert!((0.2..0.4).contains(&parts[0]), "{parts:?}");
         assert!((0.03..0.1).contains(&parts[1]), "{parts:?}");
     }

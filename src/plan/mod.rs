@@ -6,12 +6,14 @@
 //! | `draws.rs` | the draws of its surface; `ground_draws.rs`, where that has relief |
 //! | `cells.rs` | how cells of the block sphere are lit |
 //! | `air.rs` | its air |
+//! | `aurora.rs` | the aurora: where it lies and how bright it is |
 //! | `glow.rs` | the light that the air emits at night |
 //! | `surface_light.rs` | what of the light on the surface can be chosen, and as shaders read it |
 //! | `limits.rs` | what a device allows |
 //! | `uniforms.rs` | the structs that shaders read |
 
 mod air;
+mod aurora;
 mod cells;
 mod draws;
 mod frame;
@@ -24,6 +26,7 @@ mod uniforms;
 
 pub(crate) use air::AirPlan;
 pub use air::AirSide;
+pub use aurora::AuroraUniforms;
 pub(crate) use cells::{CellLight, CellLights, interpolated_cells};
 pub(crate) use draws::{
     DrawCosts, DrawLight, LISTED_INDICES, PER_BLOCK_TILES, SurfaceDraw, WHOLE_MAP, draw_blocks,

@@ -38,6 +38,8 @@ pub struct SurfaceLight {
     pub eclipses: bool,
     /// Whether the air glows by itself at night: see [`AIRGLOW_LUMINANCE`](super::AIRGLOW_LUMINANCE).
     pub airglow: bool,
+    /// Planetary index of geomagnetic activity, 0…9: where the aurora is by night, and how bright it is; `None` draws none.
+    pub kp: Option<f64>,
     /// How many times brighter than in truth the lights of the night are, 0…1e6: those of cities, of the Moon and of the air
     /// alike. In truth the brightest cities are some 4e-6 of a white sheet in sunlight (see [`CITY_RADIANCE`]) and twice as
     /// bright as one in the light of the full Moon: nothing shows of them in a picture exposed for daylight.
@@ -169,6 +171,7 @@ impl SurfaceLight {
         moonlight: false,
         eclipses: false,
         airglow: false,
+        kp: None,
         night_gain: 1.5e5,
     };
 
@@ -180,6 +183,8 @@ impl SurfaceLight {
     pub const CLOUD_HEIGHT_M: RangeInclusive<f64> = 100.0..=20_000.0;
     /// Of [`Self::cloud_relief_m`].
     pub const CLOUD_RELIEF_M: RangeInclusive<f64> = 0.0..=20_000.0;
+    /// Of [`Self::kp`].
+    pub const KP: RangeInclusive<f64> = 0.0..=9.0;
     /// Of [`Self::night_gain`].
     pub const NIGHT_GAIN: RangeInclusive<f64> = 0.0..=1e6;
 
@@ -192,6 +197,7 @@ impl SurfaceLight {
             ("relief_exaggeration", self.relief_exaggeration, relief),
             ("cloud_height_m", self.cloud_height_m, Self::CLOUD_HEIGHT_M),
             ("cloud_relief_m", self.cloud_relief_m, Self::CLOUD_RELIEF_M),
+            ("kp", self.kp.unwrap_or(0.0), Self::KP),
             ("night_gain", self.night_gain, Self::NIGHT_GAIN),
         ]
         .into_iter()
@@ -200,7 +206,7 @@ impl SurfaceLight {
 
     /// How many times brighter than in truth the air's own light is drawn; `None` where none is.
     pub(crate) fn glow_gain(&self) -> Option<f64> {
-        self.airglow.then_some(self.night_gain)
+        (self.airglow || self.kp.is_some()).then_some(self.night_gain)
     }
 
     /// Whether the air is drawn in the same way.
@@ -208,6 +214,7 @@ impl SurfaceLight {
         self.moonlight == other.moonlight
             && self.eclipses == other.eclipses
             && self.airglow == other.airglow
+            && self.kp.is_some() == other.kp.is_some()
     }
 
     /// How many times brighter than in truth moonlight is drawn; 0 where none is.
@@ -349,6 +356,13 @@ mod tests {
                     ..good
                 },
                 "cloud_relief_m",
+            ),
+            (
+                SurfaceLight {
+                    kp: Some(9.5),
+                    ..good
+                },
+                "kp",
             ),
             (
                 SurfaceLight {

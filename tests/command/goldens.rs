@@ -18,7 +18,8 @@ const OUTLIER: f32 = 0.15;
 const MOST_OUTLIERS: f32 = 0.001;
 
 /// Scenes of `config/`, drawn smaller.
-const OF_CONFIG: [&str; 11] = [
+const OF_CONFIG: [&str; 12] = [
+    "aurora",
     "crescent",
     "eclipse",
     "eclipse_low",

@@ -1,6 +1,7 @@
 //! What the Earth draws, through its public interface on a real adapter: places, tiles, relief, tracks, the host's formats.
 
 mod appearances;
+mod aurora;
 mod changes;
 #[path = "../common/mod.rs"]
 mod common;

@@ -236,6 +236,7 @@ impl Reference {
             ("made detail", is_sunlit && options.light.detail),
             ("moonlight", is_sunlit && options.light.moonlight),
             ("airglow", has_air && options.light.airglow),
+            ("aurora", has_air && options.light.kp.is_some()),
         ];
         let left_out = all.into_iter().filter(|(_, is_drawn)| *is_drawn);
         left_out.map(|(name, _)| name).collect()

@@ -5,19 +5,21 @@ import rust::{AIRGLOW_GREEN_LIGHT, AIRGLOW_HEIGHTS, AIRGLOW_LOW_LIGHT, AIRGLOW_R
 // `pixel`: what the height at which the ray passes changes by to the next pixel. `far`: what the air below leaves of the light from
 // beyond the point nearest to the Earth.
 fn airglow(ray: GlowRay, pixel: f32, far: vec3f) -> vec3f {
+    let nights = vec2f(glow_at_night(ray, -1.0), glow_at_night(ray, 1.0));
+    if max(nights.x, nights.y) <= 0.0 {
+        return vec3f(0.0);
+    }
     let pass_ = ray.pass_;
     let column = half_column(ray, pixel);
     // How much of the half of the line on the eye's side lies between the eye and the nearest point. Near that point density falls
     // by e^(−x²/2) within √(q σ).
-    let reach = clamp(pass_.along / sqrt(pass_.q * AIRGLOW_SIGMAS), vec3f(-9.0), vec3f(9.0));
-    let near = column * glow.beneath * tanh(reach);
+    let near = column * glow.beneath * pass_.along / sqrt(pass_.q * AIRGLOW_SIGMAS + pass_.along * pass_.along);
     if meets_ground(pass_) {
-        return glow_at_night(ray, -1.0) * of_layers(max(near, vec3f(0.0)));
+        return nights.x * of_layers(max(near, vec3f(0.0)));
     }
     // An eye that looks up sees what of the other half is above it.
     let beyond = column + min(near, vec3f(0.0));
-    let light = glow_at_night(ray, 1.0) * far * of_layers(beyond);
-    return light + glow_at_night(ray, -1.0) * of_layers(max(near, vec3f(0.0)));
+    return nights.y * far * of_layers(beyond) + nights.x * of_layers(max(near, vec3f(0.0)));
 }
 
 fn of_layers(columns: vec3f) -> vec3f {

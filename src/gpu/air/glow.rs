@@ -3,11 +3,13 @@
 use super::super::shader::ShaderModule;
 use super::super::{GlowVariant, PassFormat, PipelineDescription, ShaderError};
 use super::{AirTextures, Binding};
-use crate::plan::{AirSide, GlowUniforms, SurfaceLight};
+use crate::plan::{AirPlan, AirSide, AuroraUniforms, GlowUniforms, SurfaceLight};
 
 /// What the air's own light is drawn with.
 pub(super) struct Glow {
     uniforms: wgpu::Buffer,
+    /// Of the aurora; `None` where that is not drawn.
+    aurora: Option<wgpu::Buffer>,
     /// The eye outside of the air below, and inside.
     sides: [Side; 2],
 }
@@ -31,13 +33,15 @@ impl Glow {
     ) -> Option<Self> {
         light.glow_gain()?;
         let uniforms = crate::gpu::uniform_buffer::<GlowUniforms>(device, LABEL);
+        let aurora = light.kp.map(|_| aurora_buffer(device));
         let sides = AirSide::ALL.map(|side| {
-            let bindings = bindings(&uniforms, textures, side);
+            let bindings = bindings(&uniforms, aurora.as_ref(), textures, side);
             let (layout, bind_group) = crate::gpu::bind(device, LABEL, bindings);
             Side {
                 variant: GlowVariant {
                     side,
                     airglow: light.airglow,
+                    aurora: aurora.is_some(),
                     target: format.target_color(),
                 },
                 layout,
@@ -45,14 +49,19 @@ impl Glow {
                 pipeline: None,
             }
         });
-        Some(Self { uniforms, sides })
+        Some(Self {
+            uniforms,
+            aurora,
+            sides,
+        })
     }
 
     /// The same for another view, with that view's textures.
     pub fn for_another_view(&self, device: &wgpu::Device, textures: &AirTextures) -> Self {
         let uniforms = crate::gpu::uniform_buffer::<GlowUniforms>(device, LABEL);
+        let aurora = self.aurora.as_ref().map(|_| aurora_buffer(device));
         let sides = self.sides.each_ref().map(|of| {
-            let bindings = bindings(&uniforms, textures, of.variant.side);
+            let bindings = bindings(&uniforms, aurora.as_ref(), textures, of.variant.side);
             Side {
                 variant: of.variant,
                 layout: of.layout.clone(),
@@ -60,7 +69,11 @@ impl Glow {
                 pipeline: of.pipeline.clone(),
             }
         });
-        Self { uniforms, sides }
+        Self {
+            uniforms,
+            aurora,
+            sides,
+        }
     }
 
     /// The variants of its shader.
@@ -103,9 +116,17 @@ impl Glow {
     }
 
     /// Writes what is drawn from now on. Returns the bytes written.
-    pub fn write(&self, queue: &wgpu::Queue, uniforms: &GlowUniforms) -> usize {
-        queue.write_buffer(&self.uniforms, 0, bytemuck::bytes_of(uniforms));
-        size_of::<GlowUniforms>()
+    pub fn write(&self, queue: &wgpu::Queue, plan: &AirPlan) -> usize {
+        let mut bytes = 0;
+        if let Some(uniforms) = &plan.glow {
+            queue.write_buffer(&self.uniforms, 0, bytemuck::bytes_of(uniforms));
+            bytes += size_of::<GlowUniforms>();
+        }
+        if let Some((buffer, uniforms)) = self.aurora.as_ref().zip(plan.aurora.as_ref()) {
+            queue.write_buffer(buffer, 0, bytemuck::bytes_of(uniforms));
+            bytes += size_of::<AuroraUniforms>();
+        }
+        bytes
     }
 
     pub fn render(&self, pass: &mut wgpu::RenderPass<'_>, side: AirSide) {
@@ -118,22 +139,27 @@ impl Glow {
     }
 }
 
+fn aurora_buffer(device: &wgpu::Device) -> wgpu::Buffer {
+    crate::gpu::uniform_buffer::<AuroraUniforms>(device, "terrella aurora")
+}
+
 /// Group 0.
 fn bindings<'a>(
     uniforms: &'a wgpu::Buffer,
+    aurora: Option<&'a wgpu::Buffer>,
     textures: &'a AirTextures,
     side: AirSide,
 ) -> Vec<Binding<'a>> {
     let stages = wgpu::ShaderStages::VERTEX_FRAGMENT;
-    let own = wgpu::BindGroupEntry {
-        binding: 0,
-        resource: uniforms.as_entire_binding(),
+    let own = |binding, buffer: &'a wgpu::Buffer, size| {
+        let entry = wgpu::BindGroupEntry {
+            binding,
+            resource: buffer.as_entire_binding(),
+        };
+        (crate::gpu::uniform_entry(binding, stages, size), entry)
     };
-    let own = (
-        crate::gpu::uniform_entry(0, stages, size_of::<GlowUniforms>()),
-        own,
-    );
-    let mut bindings = vec![own];
+    let mut bindings = vec![own(0, uniforms, size_of::<GlowUniforms>())];
+    bindings.extend(aurora.map(|buffer| own(3, buffer, size_of::<AuroraUniforms>())));
     bindings.extend(textures.bindings(side));
     bindings
 }

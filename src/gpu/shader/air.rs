@@ -54,6 +54,8 @@ pub struct GlowVariant {
     pub side: AirSide,
     /// Whether the airglow is drawn.
     pub airglow: bool,
+    /// Whether the aurora is drawn.
+    pub aurora: bool,
     /// What the target stores.
     pub target: TargetColor,
 }
@@ -64,11 +66,14 @@ impl ShaderVariant for GlowVariant {
     fn all() -> Vec<Self> {
         let mut all = Vec::new();
         for side in AirSide::ALL {
-            all.extend(TargetColor::USUAL.map(|target| Self {
-                side,
-                airglow: true,
-                target,
-            }));
+            for (airglow, aurora) in [(true, false), (true, true), (false, true)] {
+                all.extend(TargetColor::USUAL.map(|target| Self {
+                    side,
+                    airglow,
+                    aurora,
+                    target,
+                }));
+            }
         }
         all
     }
@@ -79,6 +84,7 @@ impl ShaderVariant for GlowVariant {
             // Of light through the air, not of light in it.
             ("moonlight", false),
             ("airglow", self.airglow),
+            ("aurora", self.aurora),
         ];
         conditions.extend(self.target.conditions());
         conditions

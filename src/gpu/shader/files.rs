@@ -117,6 +117,7 @@ files![
     "celestial/sun.wgsl",
     "common/air.wgsl",
     "common/air/airglow.wgsl",
+    "common/air/aurora.wgsl",
     "common/air/coordinates.wgsl",
     "common/air/eclipsed.wgsl",
     "common/air/inside.wgsl",

@@ -5,7 +5,8 @@ use naga::TypeInner;
 use std::mem::offset_of;
 use terrella::internals::gpu::{CelestialUniforms, Disc, TrackUniforms};
 use terrella::internals::plan::{
-    AirUniforms, FrameUniforms, GlowUniforms, MoonShadowUniforms, SurfaceLightUniforms,
+    AirUniforms, AuroraUniforms, FrameUniforms, GlowUniforms, MoonShadowUniforms,
+    SurfaceLightUniforms,
 };
 use terrella_ground::globe::contours::ContourNode;
 use terrella_ground::globe::projected_grid::{GridLevel, GridUniforms};
@@ -148,6 +149,13 @@ fn structs_match_the_shaders() {
         "GlowUniforms",
         GlowUniforms,
         [corner, depth, across, gain, down, above, beneath, bounds]
+    );
+    check!(
+        "AuroraUniforms",
+        AuroraUniforms,
+        [
+            pole, inner, noon, outer, green, center_sin, red, center_cos, folds, rays
+        ]
     );
     check!(
         "GridLevel",

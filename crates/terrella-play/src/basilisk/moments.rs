@@ -19,6 +19,7 @@ pub(super) fn sky(snapshot: &Snapshot) -> Sky {
         sun_distance_m: sun_m.length(),
         moon_itrf_m: Some(itrf_from_gcrf * snapshot.moon_m),
         itrf_from_gcrf: Some(itrf_from_gcrf),
+        epoch: Some(snapshot.epoch),
     }
 }
 

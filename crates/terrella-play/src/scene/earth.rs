@@ -160,6 +160,7 @@ impl SceneText<'_> {
             self.only_in_sunlight(&earth.detail())?;
             self.only_in_sunlight(&earth.moonlight())?;
             self.only_in_sunlight(&earth.airglow())?;
+            self.only_in_sunlight(&earth.kp())?;
             self.only_in_sunlight(&earth.night_gain())?;
             return Ok(None);
         }
@@ -178,8 +179,18 @@ impl SceneText<'_> {
             moonlight,
             eclipses: false,
             airglow: earth.airglow().is_on_or(is_full),
+            kp: self.kp(&earth.kp())?,
             night_gain: self.quantity_or(&earth.night_gain(), usual_gain)?,
         }))
+    }
+
+    /// Reads the activity that the aurora is drawn for; `None` where a scene has no aurora.
+    fn kp(&self, field: &Field<'_, f64, RangeInclusive<f64>>) -> Result<Option<f64>, SceneError> {
+        if !field.is_given() {
+            field.note(Err("there is no aurora"));
+            return Ok(None);
+        }
+        self.quantity_or(field, 0.0).map(Some)
     }
 
     /// Refuses a key that does nothing with the paper's shading.

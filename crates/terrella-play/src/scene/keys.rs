@@ -389,10 +389,12 @@ table!(RawEarth = "earth" {
     detail: bool, for SUNLIT;
     /// Whether the Moon lights the Earth, by its phase. By default with look = "full".
     moonlight: bool, for SUNLIT;
-    /// Whether the air glows green at night, 95 km up. By default with look = "full".
+    /// Whether the air glows by itself at night. By default with look = "full".
     airglow: bool, for SUNLIT;
-    /// How many times brighter than in truth the lights of the night are: cities, moonlight and airglow. By default 150000; 40000 with
-    /// moonlight.
+    /// Planetary index of geomagnetic activity Kp: where the aurora is at night, and how bright. By default there is no aurora.
+    kp: f64, in SurfaceLight::KP, for SUNLIT;
+    /// How many times brighter than in truth the lights of the night are: cities, moonlight, airglow and aurora. By default 150000; 40000
+    /// with moonlight.
     night_gain: f64, in SurfaceLight::NIGHT_GAIN, for SUNLIT;
     /// Folder of the maps. By default the starter pack.
     textures: RawPath, of "a folder of maps";
