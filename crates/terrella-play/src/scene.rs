@@ -37,6 +37,7 @@ mod error;
 mod field;
 mod keys;
 mod live;
+mod meaning;
 mod orbit;
 mod orbit_check;
 mod orbit_summary;

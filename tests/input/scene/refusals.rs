@@ -15,6 +15,14 @@ const BAD: &[Bad] = &[
     ("[weather]\nrain = true", 1, &["[weather]: unknown table", "[time], [orbit], [tracks], [camera], [earth], [sky], [output]"]),
     ("fov_deg = 45\n[time]", 1, &["fov_deg:", "outside its table", "[camera]"]),
     ("cloud = false", 1, &["cloud: unknown key", "did you mean clouds in [earth]?"]),
+    // By what they mean, where no known name is alike.
+    ("[orbit]\ntle = \"a.tle\"", 2, &["[orbit] tle:", "did you mean file?"]),
+    ("[earth]\ndem = [\"a.tif\"]", 2, &["[earth] dem:", "did you mean elevation?"]),
+    ("[time]\nfps = 24", 2, &["[time] fps:", "did you mean frame_rate_hz?"]),
+    ("[time]\nepoch = \"now\"", 2, &["[time] epoch:", "did you mean start?"]),
+    ("[output]\nfps = 24", 2, &["[output] fps:", "did you mean frame_rate_hz in [time]?"]),
+    ("fps = 24", 1, &["fps: unknown key", "did you mean frame_rate_hz in [time]?"]),
+    ("[satellite]\ntle = \"a.tle\"", 1, &["[satellite]:", "did you mean [orbit]?"]),
     ("\"\\u001b[31m\" = 1", 1, &["\\u{1b}[31m: unknown key"]),
     ("[time.zone]\nname = \"CET\"", 1, &["[time] zone: unknown key"]),
     // Wrong types.

@@ -2,6 +2,7 @@
 
 use super::error::{KeyLocation, SceneError, printable};
 use super::keys::{RENAMED, RawScene, TABLES};
+use super::meaning::{key_meant, table_meant};
 use super::table::{Key, Table};
 use super::text::{SceneText, nearest};
 use std::ops::Range;
@@ -126,7 +127,7 @@ impl SceneText<'_> {
             ),
             None if is_table => (
                 self.place(offset, word, ""),
-                match nearest(word, tables) {
+                match table_meant(word).or_else(|| nearest(word, tables)) {
                     Some(near) => {
                         format!("unknown table; did you mean [{near}]? A scene has {all}")
                     }
@@ -137,8 +138,10 @@ impl SceneText<'_> {
                 let keys = TABLES
                     .iter()
                     .flat_map(|table| table.keys.iter().map(move |key| (table.name, key.name)));
-                let near = nearest(word, keys.clone().map(|(_, key)| key))
-                    .and_then(|near| keys.clone().find(|(_, key)| *key == near));
+                let near = key_meant("", word).or_else(|| {
+                    nearest(word, keys.clone().map(|(_, key)| key))
+                        .and_then(|near| keys.clone().find(|(_, key)| *key == near))
+                });
                 (
                     self.place(offset, "", word),
                     match near {
@@ -164,7 +167,15 @@ impl SceneText<'_> {
             .find(|other| other.keys.iter().any(|key| key.name == word));
         let renamed = RENAMED.iter().find(|(old, _)| *old == word);
         let renamed = renamed.filter(|(_, new)| keys.clone().any(|key| key == *new));
-        let hint = match (renamed, home, nearest(word, keys)) {
+        let meant = key_meant(table.name, word);
+        // A word that means a key of this table is not sent to another.
+        let home = home.filter(|_| meant.is_none_or(|(of, _)| of != table.name));
+        let near = match meant {
+            Some((of, key)) if of == table.name => Some(key.to_owned()),
+            Some((of, key)) => Some(format!("{key} in [{of}]")),
+            None => nearest(word, keys).map(str::to_owned),
+        };
+        let hint = match (renamed, home, near) {
             (Some((_, new)), ..) => format!("this key is now called {new}; rename it."),
             (None, Some(home), _) => format!("unknown key here; it belongs in [{}].", home.name),
             (None, None, Some(near)) => format!("unknown key; did you mean {near}?"),
