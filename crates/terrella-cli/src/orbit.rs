@@ -146,7 +146,11 @@ pub fn run(args: &OrbitArgs, common: &Common) -> anyhow::Result<()> {
             _ => satellites.clone(),
         };
         let text = omm(&wanted, file.target(), &header)?;
+        let target = file.target().display().to_string();
         file.write_whole(text.as_bytes())?;
+        if !common.quiet {
+            eprintln!("{target}: {} element sets", wanted.len());
+        }
     }
     if !prints && oem_file.is_none() {
         return Ok(());

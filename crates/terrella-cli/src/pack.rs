@@ -9,6 +9,9 @@ mod verify;
 
 use super::{Common, print};
 use clap::{Args, Subcommand};
+use std::path::Path;
+use std::time::Instant;
+use terrella_imagery::pack::Manifest;
 
 /// Arguments of `terrella pack`.
 #[derive(Debug, Args)]
@@ -41,8 +44,28 @@ pub fn run(args: &PackArgs, common: &Common) -> anyhow::Result<()> {
         PackCommand::Fetch(args) => fetch::run(args, common),
         PackCommand::Info(args) => info::run(args),
         PackCommand::Verify(args) => verify::run(args, common),
-        PackCommand::Preview(args) => preview::run(args),
+        PackCommand::Preview(args) => preview::run(args, common),
     }
+}
+
+/// Reports a pack that was built since `begun`.
+fn report_built(folder: &Path, manifest: &Manifest, begun: Instant, common: &Common) {
+    tracing::info!(pack = %folder.display(), name = manifest.name, "built");
+    if common.quiet {
+        return;
+    }
+    let levels = manifest.layers.iter().flat_map(|entry| &entry.levels);
+    let files = levels.flat_map(|level| level.tiles.iter().flatten().flatten());
+    let (count, total) = files.fold((0_u64, 0), |(count, total), file| {
+        (count + 1, total + file.bytes)
+    });
+    eprintln!(
+        "{}: {} maps, {count} tiles, {}, {:.1} s",
+        folder.display(),
+        manifest.layers.len(),
+        bytes(total),
+        begun.elapsed().as_secs_f64()
+    );
 }
 
 /// A number of bytes for people, in powers of ten.

@@ -183,3 +183,5 @@ pub use tracks::{TrackDetail, TracksLayer};
 pub use video::{EncoderChoice, VideoCodec, VideoCoding};
 #[cfg(feature = "window")]
 pub use window::{WindowRequest, play_in_window};
+#[cfg(feature = "window")]
+pub use written::written_picture;

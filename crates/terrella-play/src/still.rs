@@ -10,8 +10,10 @@ use super::quality_control::{HeldQuality, scene_quality};
 use super::radiance::{Radiance, RadianceFile};
 use super::stats::PictureStats;
 use super::truth::TruthFolder;
+use super::written::written_picture;
 use hifitime::Unit;
 use std::path::Path;
+use std::time::Instant;
 use terrella::frames::Epoch;
 use terrella::{EarthOptions, GpuContext};
 use terrella_imagery::tile::TileKey;
@@ -39,12 +41,13 @@ pub struct StillRequest<'r> {
     pub wireframe: bool,
 }
 
-/// Draws and writes one picture. Nothing is left behind where that fails.
+/// Draws and writes one picture, and reports it in one line. Nothing is left behind where that fails.
 pub fn write_still(
     flight: &Flight,
     request: &StillRequest<'_>,
     progress: &dyn Progress,
 ) -> Result<(), PlayError> {
+    let begun = Instant::now();
     let scene = flight.scene();
     if request.epoch.is_some() {
         flight.refuse_live("no other instant can be drawn", "leave the instant out")?;
@@ -173,6 +176,7 @@ pub fn write_still(
     if let (Some(file), Some(numbers)) = (stats, numbers) {
         file.write_whole(numbers.to_json().as_bytes())?;
     }
+    progress.say(&written_picture(request.output, size, begun.elapsed()));
     Ok(())
 }
 

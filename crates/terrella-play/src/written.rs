@@ -1,6 +1,6 @@
 //! Files that have been written, and what is said of them.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 /// A file, or the files of a folder, written.
@@ -37,6 +37,17 @@ impl Written {
     }
 }
 
+/// The line that reports a picture under its final name: path, pixels, bytes, and the time it took.
+pub fn written_picture(path: &Path, (width, height): (u32, u32), elapsed: Duration) -> String {
+    let file = Written::file(path.to_owned());
+    format!(
+        "{}: {width} × {height} pixels, {}, {:.1} s",
+        path.display(),
+        size_text(file.bytes),
+        elapsed.as_secs_f64()
+    )
+}
+
 /// A number of things: "1 frame", "2 frames".
 pub(super) fn counted(count: u64, what: &str) -> String {
     format!("{count} {what}{}", if count == 1 { "" } else { "s" })
@@ -55,6 +66,16 @@ fn size_text(bytes: u64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_picture_is_reported_with_its_size() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("a.png");
+        std::fs::write(&path, [0; 1500]).expect("writes");
+        let line = written_picture(&path, (64, 36), Duration::from_millis(1260));
+        let end = "a.png: 64 × 36 pixels, 1.5 kB (1500 bytes), 1.3 s";
+        assert!(line.ends_with(end), "{line}");
+    }
 
     #[test]
     fn sizes_are_told_in_bytes_and_for_people() {

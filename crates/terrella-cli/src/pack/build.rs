@@ -1,10 +1,12 @@
 //! `terrella pack build`: an imagery pack from maps of any size.
 
 use super::options::{PackOptions, Shown};
+use super::report_built;
 use crate::Common;
 use crate::interruption::stop_by_itself;
 use clap::Args;
 use std::path::PathBuf;
+use std::time::Instant;
 use terrella_imagery::SLOPE_EXAGGERATION;
 use terrella_pack::{BuildOptions, Relief, build};
 
@@ -72,8 +74,9 @@ pub fn run(args: &BuildArgs, common: &Common) -> anyhow::Result<()> {
         ..args.pack.build_options(&args.day, &args.output)
     };
     stop_by_itself();
+    let begun = Instant::now();
     let shown = Shown::new(common.quiet);
     let manifest = build(&options, &shown)?;
-    tracing::info!(pack = %args.output.display(), name = manifest.name, "built");
+    report_built(&args.output, &manifest, begun, common);
     Ok(())
 }

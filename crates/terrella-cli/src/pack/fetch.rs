@@ -1,14 +1,14 @@
 //! `terrella pack fetch`: maps from their public sources, and a pack from them.
 
 use super::options::{PackOptions, Shown};
-use super::{bytes, print};
+use super::{bytes, print, report_built};
 use crate::Common;
 use crate::interruption::stop_by_itself;
 use anyhow::{Context, bail};
 use clap::Args;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use terrella_imagery::SLOPE_EXAGGERATION;
 use terrella_pack::fetch::{
     ClientOptions, FetchOptions, Fineness, Layer, LayerDone, Request, SourceLayer, find_source,
@@ -166,6 +166,7 @@ pub fn run(args: &FetchArgs, common: &Common) -> anyhow::Result<()> {
         );
     }
     stop_by_itself();
+    let begun = Instant::now();
     let shown = Shown::new(common.quiet);
     let mut done = Vec::new();
     for layer in &layers {
@@ -198,7 +199,7 @@ pub fn run(args: &FetchArgs, common: &Common) -> anyhow::Result<()> {
         return Ok(());
     };
     let manifest = build(&build_options(args, &done, output)?, &shown)?;
-    tracing::info!(pack = %output.display(), name = manifest.name, "built");
+    report_built(output, &manifest, begun, common);
     Ok(())
 }
 

@@ -1,12 +1,14 @@
 //! `terrella pack preview`
 
+use crate::Common;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::time::Instant;
 use terrella_imagery::pack::Pack;
 use terrella_imagery::tile::Storage;
 use terrella_pack::preview;
-use terrella_play::PendingFile;
+use terrella_play::{PendingFile, written_picture};
 
 /// Arguments of `terrella pack preview`.
 #[derive(Debug, Args)]
@@ -31,7 +33,8 @@ enum StorageName {
 }
 
 /// Writes the contact sheet. Bad tiles are magenta on it and logged as warnings.
-pub fn run(args: &PreviewArgs) -> anyhow::Result<()> {
+pub fn run(args: &PreviewArgs, common: &Common) -> anyhow::Result<()> {
+    let begun = Instant::now();
     let pack = Arc::new(Pack::open(&args.dir)?);
     let file = PendingFile::create(&args.output, "contact sheets", "png")?;
     let storage = args.storage.map(|name| match name {
@@ -43,5 +46,10 @@ pub fn run(args: &PreviewArgs) -> anyhow::Result<()> {
         tracing::warn!("{error}");
     }
     let sheet = image::DynamicImage::ImageRgb8(sheet).into_rgba8();
-    Ok(file.write_png(&sheet)?)
+    file.write_png(&sheet)?;
+    if !common.quiet {
+        let line = written_picture(&args.output, sheet.dimensions(), begun.elapsed());
+        eprintln!("{line}");
+    }
+    Ok(())
 }

@@ -13,6 +13,7 @@ use terrella::{Atmosphere, Exposure};
 use terrella_imagery::tile::{MapLayer, TileError};
 use terrella_play::{
     EyePosition, Flight, Moment, OutputError, PendingFile, PlayError, Progress, SubsolarPoint,
+    written_picture,
 };
 
 /// Most memory that the picture itself may take, MiB.
@@ -119,6 +120,7 @@ pub fn write_reference_still(
         "no simulator waits as long as this renderer takes",
         "draw it by a graphics adapter, with --renderer gpu",
     )?;
+    let begun = Instant::now();
     let scene = flight.scene();
     let epoch = request.epoch.unwrap_or(scene.time.start);
     let size = request.size.unwrap_or(scene.output.size.into());
@@ -184,6 +186,7 @@ pub fn write_reference_still(
         };
         file.write_whole(numbers.to_json().as_bytes())?;
     }
+    progress.say(&written_picture(request.output, size, begun.elapsed()));
     Ok(())
 }
 
