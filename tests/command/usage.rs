@@ -84,6 +84,8 @@ fn every_command_has_help() {
         ),
         (&["check", "--help"], &["[SCENE]", "--satellite"]),
         (&["doctor", "--help"], &["adapters"]),
+        (&["completions", "--help"], &["bash", "zsh", "fish"]),
+        (&["man", "--help"], &["--list", "COMMAND"]),
         (&["--version"], &[env!("CARGO_PKG_VERSION")]),
     ] {
         let output = place.succeed(arguments);
@@ -95,6 +97,107 @@ fn every_command_has_help() {
             );
         }
     }
+}
+
+#[test]
+fn help_ends_with_examples_and_lists_global_options_apart() {
+    let place = Place::new();
+    for command in [
+        &[][..],
+        &["play"],
+        &["frame"],
+        &["orbit"],
+        &["pack", "build"],
+    ] {
+        let output = place.succeed(&[command, &["--help"]].concat());
+        let text = String::from_utf8_lossy(&output.stdout).into_owned();
+        let at = |words: &str| {
+            let found = text.find(words);
+            found.unwrap_or_else(|| panic!("{command:?}: no {words}: {text}"))
+        };
+        let [own, global, adapter, examples] = [
+            "\nOptions:\n",
+            "\nGlobal options:\n",
+            "\n      --adapter",
+            "\nExamples:\n",
+        ]
+        .map(at);
+        assert!(
+            own < global && global < adapter && adapter < examples,
+            "{text}"
+        );
+        at(&[&["\n  terrella"], command].concat().join(" "));
+    }
+}
+
+#[test]
+fn unknown_options_and_commands_are_answered_by_their_meaning() {
+    let place = Place::new();
+    let told = place.fail(2, &["play", "small.toml", "--fps", "24"]);
+    assert!(told.contains("frame_rate_hz under [time]"), "{told}");
+    let told = place.fail(2, &["render", "small.toml"]);
+    assert!(told.contains("terrella frame SCENE -o OUT.png"), "{told}");
+    place.scene("dem.toml", "[earth]\ndem = \"alps.tif\"\n");
+    let told = place.fail(2, &["check", "dem.toml"]);
+    assert!(told.contains("did you mean elevation?"), "{told}");
+}
+
+#[test]
+fn completions_and_man_pages_go_to_standard_output() {
+    let place = Place::new();
+    let printed = |arguments: &[&str]| {
+        let output = place.succeed(arguments);
+        assert_eq!(words(&output), "", "{arguments:?}");
+        String::from_utf8(output.stdout).expect("UTF-8")
+    };
+    for shell in ["bash", "elvish", "fish", "powershell", "zsh"] {
+        let script = printed(&["completions", shell]);
+        for word in ["terrella", "smallest-effect", "min-elevation", "verify"] {
+            assert!(script.contains(word), "{shell}: no {word}");
+        }
+    }
+    let list = printed(&["man", "--list"]);
+    let commands: Vec<_> = list.lines().collect();
+    for name in ["play", "frame", "pack", "pack build", "man"] {
+        assert!(commands.contains(&name), "{list}");
+    }
+    assert!(printed(&["man"]).contains(".TH terrella 1"));
+    for name in commands {
+        let arguments: Vec<_> = ["man"].into_iter().chain(name.split(' ')).collect();
+        let page = printed(&arguments);
+        let title = format!(".TH terrella-{} 1", name.replace(' ', "-"));
+        assert!(page.contains(&title), "{name}: {page}");
+        assert!(
+            page.contains("Examples:") && page.contains("adapter"),
+            "{name}: {page}"
+        );
+    }
+    place.fail(2, &["completions", "tcsh"]);
+    let told = place.fail(1, &["man", "fly"]);
+    assert!(told.contains("terrella man --list"), "{told}");
+}
+
+/// bash itself reads its script and completes a command and an option with it.
+#[cfg(target_os = "linux")]
+#[test]
+fn bash_completes_with_the_script() {
+    let place = Place::new();
+    let script = place.succeed(&["completions", "bash"]).stdout;
+    std::fs::write(place.path("terrella.bash"), script).expect("writes");
+    let complete = "source ./terrella.bash
+        answer() { COMP_WORDS=(\"$@\"); COMP_CWORD=$(($# - 1)); COMPREPLY=()
+            _terrella terrella \"${COMP_WORDS[COMP_CWORD]}\" \"${COMP_WORDS[COMP_CWORD - 1]}\"; echo \"${COMPREPLY[@]}\"; }
+        answer terrella fr
+        answer terrella frame --trut
+        answer terrella completions ba";
+    let output = std::process::Command::new("bash")
+        .args(["--norc", "-c", complete])
+        .current_dir(place.path("."))
+        .output()
+        .expect("bash starts");
+    let answers = String::from_utf8_lossy(&output.stdout).into_owned();
+    let answers: Vec<_> = answers.lines().collect();
+    assert_eq!(answers, ["frame", "--truth", "bash"], "{}", words(&output));
 }
 
 #[test]

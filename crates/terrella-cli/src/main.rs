@@ -3,9 +3,12 @@
 #[cfg(feature = "measure")]
 mod bench;
 mod check;
+mod completions;
 mod doctor;
+mod examples;
 mod frame;
 mod interruption;
+mod man;
 mod orbit;
 #[cfg(feature = "pack")]
 mod pack;
@@ -17,11 +20,12 @@ mod quiet_driver;
 mod report;
 mod scene_args;
 mod serve;
+mod suggestions;
 #[cfg(feature = "measure")]
 mod terrain;
 mod values;
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::ffi::OsString;
 use std::io::{IsTerminal, Write};
 use std::process::ExitCode;
@@ -49,6 +53,7 @@ struct Cli {
 
 /// Options of every command.
 #[derive(Clone, Debug, Args)]
+#[command(next_help_heading = "Global options")]
 struct Common {
     /// Log more to standard error; twice for everything. The variable RUST_LOG sets levels in detail
     #[arg(short, long, global = true, action = clap::ArgAction::Count)]
@@ -87,13 +92,17 @@ enum Command {
     /// Build, inspect and verify imagery packs: maps larger than memory, cut into tiles
     #[cfg(feature = "pack")]
     Pack(pack::PackArgs),
+    /// Print a completion script for a shell
+    Completions(completions::CompletionsArgs),
+    /// Print a man page
+    Man(man::ManArgs),
 }
 
 impl Command {
     /// Whether it looks for graphics adapters.
     fn draws(&self) -> bool {
         match self {
-            Self::Check(_) | Self::Orbit(_) => false,
+            Self::Check(_) | Self::Orbit(_) | Self::Completions(_) | Self::Man(_) => false,
             #[cfg(feature = "pack")]
             Self::Pack(_) => false,
             Self::Play(_) | Self::Serve(_) | Self::Frame(_) | Self::Doctor => true,
@@ -105,7 +114,7 @@ impl Command {
 
 fn main() -> ExitCode {
     // Bad usage ends here with clap's message and exit code 2.
-    let cli = Cli::parse_from(vizard_args(std::env::args_os()));
+    let cli = parse(vizard_args(std::env::args_os()));
     log_to_stderr(&cli.common);
     if cli.command.draws() {
         quiet_driver::quieten();
@@ -127,6 +136,8 @@ fn main() -> ExitCode {
         Command::Terrain(args) => terrain::run(args, common),
         #[cfg(feature = "pack")]
         Command::Pack(args) => pack::run(args, common),
+        Command::Completions(args) => completions::run(args),
+        Command::Man(args) => man::run(args),
     };
     interruption::wait_for_end();
     let asked = interruption::exit_code();
@@ -139,6 +150,18 @@ fn main() -> ExitCode {
             ExitCode::from(asked.unwrap_or_else(|| exit_code(&error)))
         }
     }
+}
+
+/// The command line as it is declared, with examples.
+fn command() -> clap::Command {
+    examples::added_to(Cli::command())
+}
+
+/// Reads the arguments. Help, and bad usage with its suggestions, end the program.
+fn parse(args: Vec<OsString>) -> Cli {
+    let matches = command().try_get_matches_from(args);
+    let matches = matches.unwrap_or_else(|error| suggestions::added_to(error).exit());
+    Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit())
 }
 
 /// The arguments, with those that Basilisk's scripts start their viewer with (`--args -directComm tcp://localhost:5556`, or `-noDisplay`)
@@ -222,8 +245,7 @@ mod tests {
 
     #[test]
     fn the_arguments_hold_together() {
-        use clap::CommandFactory;
-        Cli::command().debug_assert();
+        command().debug_assert();
     }
 
     #[test]

@@ -1,0 +1,325 @@
+//! Examples at the end of every command's help.
+
+use clap::Command;
+
+/// A command line, and what it does.
+type Example = (&'static str, &'static str);
+
+/// The examples of each command, by its name behind those of its parents; the program's own stand under "".
+const EXAMPLES: &[(&str, &[Example])] = &[
+    (
+        "",
+        &[
+            ("terrella play", "fly with the space station in a window"),
+            ("terrella frame my.tle -o a.png", "draw one picture"),
+            ("terrella play my.tle --video a.mp4", "write a film"),
+        ],
+    ),
+    (
+        "play",
+        &[
+            ("terrella play", "the space station in a window"),
+            (
+                "terrella play my.tle --start now",
+                "a satellite of an orbit file, now",
+            ),
+            ("terrella play a.toml --video a.mp4", "a film"),
+            (
+                "terrella play a.toml --frames film --range 0..240",
+                "240 PNG files",
+            ),
+            (
+                "terrella play a.toml --frames film --resume",
+                "the frames that are missing",
+            ),
+        ],
+    ),
+    (
+        "serve",
+        &[
+            ("terrella serve", "answer simulations on the usual port"),
+            (
+                "terrella serve --listen tcp://127.0.0.1:5556 --once",
+                "answer one simulation, then end",
+            ),
+        ],
+    ),
+    (
+        "frame",
+        &[
+            (
+                "terrella frame -o iss.png",
+                "the view from the space station",
+            ),
+            (
+                "terrella frame my.tle --at now --size 1920x1080 -o a.png",
+                "a satellite's view, now",
+            ),
+            (
+                "terrella frame a.toml -o a.png --truth truth",
+                "a picture with ground truth per pixel",
+            ),
+            (
+                "terrella frame a.toml --format exr -o a.exr",
+                "linear light",
+            ),
+        ],
+    ),
+    (
+        "bench",
+        &[
+            (
+                "terrella bench a.toml --json old.json",
+                "measure and record",
+            ),
+            (
+                "terrella bench a.toml --baseline old.json --repeats 3",
+                "compare; exit code 3 if slower",
+            ),
+        ],
+    ),
+    (
+        "check",
+        &[
+            ("terrella check a.toml", "what the scene uses and ignores"),
+            (
+                "terrella check a.toml --all",
+                "with every key that a scene can have",
+            ),
+            (
+                "terrella check my.tle --strict",
+                "reject an orbit file with a bad record",
+            ),
+        ],
+    ),
+    (
+        "orbit",
+        &[
+            (
+                "terrella orbit my.tle --at now --frame geodetic",
+                "where the satellite is",
+            ),
+            (
+                "terrella orbit a.toml --every 10 --csv",
+                "a table of states",
+            ),
+            (
+                "terrella orbit my.tle --passes 48.2,16.4 --days 3",
+                "passes over a place",
+            ),
+            (
+                "terrella orbit a.toml --all --oem all.oem",
+                "ephemerides as a CCSDS message",
+            ),
+        ],
+    ),
+    (
+        "doctor",
+        &[
+            ("terrella doctor", "the adapters and their limits"),
+            (
+                "terrella doctor --adapter llvmpipe",
+                "fail unless there is one of that name",
+            ),
+        ],
+    ),
+    (
+        "report",
+        &[
+            (
+                "terrella report a.toml -o out --quick",
+                "error against run time, in minutes",
+            ),
+            (
+                "terrella report a.toml -o out --quality",
+                "a quality ladder for this adapter",
+            ),
+        ],
+    ),
+    (
+        "terrain",
+        &[
+            (
+                "terrella terrain alps.tif",
+                "the structures over an elevation file",
+            ),
+            (
+                "terrella terrain --fractal 2049 --csv",
+                "the same over fractal terrain, as CSV",
+            ),
+        ],
+    ),
+    (
+        "pack",
+        &[
+            (
+                "terrella pack fetch blue_marble -o earth",
+                "download maps, build a pack",
+            ),
+            ("terrella pack info earth", "list its contents"),
+        ],
+    ),
+    (
+        "pack build",
+        &[
+            (
+                "terrella pack build --day day.tif -o earth",
+                "a pack of one map",
+            ),
+            (
+                "terrella pack build --day day.tif --elevation dem.tif --water sea.png -o earth",
+                "and more",
+            ),
+        ],
+    ),
+    (
+        "pack fetch",
+        &[
+            ("terrella pack fetch --list", "the sources and their terms"),
+            (
+                "terrella pack fetch blue_marble@2004-06 -o earth",
+                "the map of June",
+            ),
+            (
+                "terrella pack fetch blue_marble --dry-run",
+                "only say how much it would be",
+            ),
+            (
+                "terrella pack fetch terrarium --region 5,44,12,48 --heights alps.tif",
+                "elevation of a region",
+            ),
+        ],
+    ),
+    (
+        "pack info",
+        &[(
+            "terrella pack info earth",
+            "the contents of the pack `earth`",
+        )],
+    ),
+    (
+        "pack verify",
+        &[(
+            "terrella pack verify earth",
+            "read every tile of the pack `earth`",
+        )],
+    ),
+    (
+        "pack preview",
+        &[(
+            "terrella pack preview earth -o sheet.png",
+            "a contact sheet of the pack `earth`",
+        )],
+    ),
+    (
+        "completions",
+        &[
+            (
+                "terrella completions bash > ~/.local/share/bash-completion/completions/terrella",
+                "for bash",
+            ),
+            (
+                "terrella completions zsh > ~/.zfunc/_terrella",
+                "for zsh, if fpath has ~/.zfunc",
+            ),
+        ],
+    ),
+    (
+        "man",
+        &[
+            ("terrella man pack build | man -l -", "read a page"),
+            ("terrella man --list", "the commands that have one"),
+        ],
+    ),
+];
+
+/// The command with the examples of all its commands above what their help ends with.
+pub fn added_to(root: Command) -> Command {
+    EXAMPLES
+        .iter()
+        .fold(root, |root, (path, examples)| at(root, path, examples))
+}
+
+/// The same for the examples of one command; one that this build leaves out stays so.
+fn at(command: Command, path: &str, examples: &[Example]) -> Command {
+    if path.is_empty() {
+        return with(command, examples);
+    }
+    let (name, rest) = path.split_once(' ').unwrap_or((path, ""));
+    if command.find_subcommand(name).is_none() {
+        return command;
+    }
+    command.mut_subcommand(name.to_owned(), |child| at(child, rest, examples))
+}
+
+fn with(command: Command, examples: &[Example]) -> Command {
+    /// Longer command lines have their meaning on a line of its own.
+    const LONGEST: usize = 60;
+    let lengths = examples.iter().map(|(line, _)| line.len());
+    let width = lengths.filter(|length| *length <= LONGEST).max();
+    let width = width.unwrap_or_default();
+    let mut text = "Examples:".to_owned();
+    for (line, does) in examples {
+        match line.len() <= LONGEST {
+            true => text.push_str(&format!("\n  {line:width$}  {does}")),
+            false => text.push_str(&format!("\n  {line}\n    {does}")),
+        }
+    }
+    if let Some(after) = command.get_after_help() {
+        text.push_str(&format!("\n\n{after}"));
+    }
+    command.after_help(text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::command;
+
+    /// The commands with their children, by name behind those of their parents.
+    fn names(parent: &Command, before: &str, all: &mut Vec<String>) {
+        for child in parent.get_subcommands() {
+            let name = format!("{before}{}", child.get_name());
+            all.push(name.clone());
+            names(child, &format!("{name} "), all);
+        }
+    }
+
+    #[test]
+    fn every_command_has_examples() {
+        let mut all = vec![String::new()];
+        names(&command(), "", &mut all);
+        for name in &all {
+            let found = EXAMPLES.iter().find(|(path, _)| path == name);
+            assert!(found.is_some_and(|(_, some)| !some.is_empty()), "{name:?}");
+        }
+        if cfg!(all(feature = "measure", feature = "pack")) {
+            assert_eq!(all.len(), EXAMPLES.len());
+        }
+    }
+
+    #[test]
+    fn examples_are_of_their_command_and_can_be_typed() {
+        let is_left_out = |path: &str| {
+            let first = path.split(' ').next().unwrap_or_default();
+            !path.is_empty() && command().find_subcommand(first).is_none()
+        };
+        for (path, examples) in EXAMPLES.iter().filter(|(path, _)| !is_left_out(path)) {
+            for (line, does) in *examples {
+                let own = line.split(['|', '>']).next().expect("a first part");
+                let words: Vec<_> = own.split_whitespace().collect();
+                assert!(
+                    own.starts_with(format!("terrella {path}").trim_end()),
+                    "{line}"
+                );
+                if let Err(error) = command().try_get_matches_from(words) {
+                    panic!("{line}: {error}");
+                }
+                assert!(
+                    !does.is_empty() && line.len().max(60) + does.len() < 110,
+                    "{line}"
+                );
+            }
+        }
+    }
+}
