@@ -17,6 +17,15 @@
 #include <stddef.h>
 #include <stdint.h>
 
+// First part of the version of this header. A library of another first part has another soname.
+#define TERRELLA_VERSION_MAJOR 0
+
+// Second part of the version of this header.
+#define TERRELLA_VERSION_MINOR 1
+
+// Third part of the version of this header.
+#define TERRELLA_VERSION_PATCH 0
+
 // What a call answers. `terrella_message` has the words.
 typedef enum {
   // Done.
@@ -396,6 +405,9 @@ size_t terrella_layer_count(void);
 // # Safety
 // `layer` has room.
 TerrellaStatus terrella_layer(size_t index, TerrellaLayer *layer);
+
+// The version of the library that is loaded, as in "0.1.0". Never null, and not to be freed.
+const char *terrella_version(void);
 
 // Names an extension that the host's device must be made with: the one of this place, from 0. Null where there are no more. Asked before vkCreateDevice.
 // Names stand for ever.

@@ -13,6 +13,7 @@ mod pointers;
 mod scene;
 mod time;
 mod truth;
+mod version;
 #[cfg(all(unix, not(target_vendor = "apple")))]
 mod vulkan;
 
@@ -24,5 +25,6 @@ pub use picture::*;
 pub use scene::*;
 pub use time::*;
 pub use truth::*;
+pub use version::*;
 #[cfg(all(unix, not(target_vendor = "apple")))]
 pub use vulkan::*;

@@ -1,6 +1,31 @@
-//! `include/terrella.h` is what cbindgen makes of the sources.
+//! `include/terrella.h` is what cbindgen makes of the sources, and names the version.
 
+use std::ffi::CStr;
 use std::path::Path;
+use terrella_c::{
+    TERRELLA_VERSION_MAJOR, TERRELLA_VERSION_MINOR, TERRELLA_VERSION_PATCH, terrella_version,
+};
+
+#[test]
+fn the_version_is_that_of_the_package() {
+    let parts = [
+        TERRELLA_VERSION_MAJOR,
+        TERRELLA_VERSION_MINOR,
+        TERRELLA_VERSION_PATCH,
+    ];
+    let text = parts.map(|part| part.to_string()).join(".");
+    assert_eq!(text, env!("CARGO_PKG_VERSION"));
+    // SAFETY: the function gives a text that ends with a zero and lives as long as the library.
+    let loaded = unsafe { CStr::from_ptr(terrella_version()) };
+    assert_eq!(loaded.to_str(), Ok(text.as_str()));
+    for file in [
+        include_str!("../build.rs"),
+        include_str!("../cmake/terrella-config.cmake.in"),
+    ] {
+        let soname = format!("libterrella_c.so.{TERRELLA_VERSION_MAJOR}\"");
+        assert!(file.contains(&soname), "{soname}");
+    }
+}
 
 #[test]
 fn the_header_is_that_of_the_sources() {

@@ -36,6 +36,9 @@ static void *draw_many(void *failed) {
 int main(int argc, char **argv) {
     if (argc < 2) return 2;
     if (strcmp(terrella_message(), "") != 0) return 3;
+    char version[40];
+    snprintf(version, sizeof version, "%d.%d.%d", TERRELLA_VERSION_MAJOR, TERRELLA_VERSION_MINOR, TERRELLA_VERSION_PATCH);
+    if (strcmp(terrella_version(), version) != 0) failures++, fprintf(stderr, "header %s, library %s\n", version, terrella_version());
     EXPECT(terrella_options_default(NULL), TERRELLA_NULL, "options");
     EXPECT(terrella_time_utc(NULL, &noon), TERRELLA_NULL, "text");
     EXPECT(terrella_time_utc("2018-06-21T12:00:00Z", NULL), TERRELLA_NULL, "time");

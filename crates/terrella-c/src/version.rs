@@ -1,0 +1,22 @@
+//! The version of the interface, for the compiler and at run time.
+
+use std::ffi::{CStr, c_char};
+
+/// First part of the version of this header. A library of another first part has another soname.
+pub const TERRELLA_VERSION_MAJOR: u32 = 0;
+/// Second part of the version of this header.
+pub const TERRELLA_VERSION_MINOR: u32 = 1;
+/// Third part of the version of this header.
+pub const TERRELLA_VERSION_PATCH: u32 = 0;
+
+const VERSION: &CStr =
+    match CStr::from_bytes_with_nul(concat!(env!("CARGO_PKG_VERSION"), "\0").as_bytes()) {
+        Ok(version) => version,
+        Err(_) => c"",
+    };
+
+/// The version of the library that is loaded, as in "0.1.0". Never null, and not to be freed.
+#[unsafe(no_mangle)]
+pub extern "C" fn terrella_version() -> *const c_char {
+    VERSION.as_ptr()
+}
