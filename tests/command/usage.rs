@@ -177,6 +177,23 @@ fn completions_and_man_pages_go_to_standard_output() {
     assert!(told.contains("terrella man --list"), "{told}");
 }
 
+#[test]
+fn internal_names_are_in_the_log_for_those_who_ask() {
+    let place = Place::new();
+    let log = |more: &str| {
+        let frame = [more, "frame", "small.toml", "-o", "a.png"];
+        words(&place.succeed(&frame))
+    };
+    let said = log("-v");
+    assert!(said.contains("INFO maps from "), "{said}");
+    assert!(!said.contains("terrella_play"), "{said}");
+    let said = log("-vv");
+    assert!(
+        said.contains("INFO terrella_play::maps: maps from "),
+        "{said}"
+    );
+}
+
 /// bash itself reads its script and completes a command and an option with it.
 #[cfg(target_os = "linux")]
 #[test]

@@ -249,7 +249,7 @@ fn at(command: Command, path: &str, examples: &[Example]) -> Command {
     if command.find_subcommand(name).is_none() {
         return command;
     }
-    command.mut_subcommand(name.to_owned(), |child| at(child, rest, examples))
+    command.mut_subcommand(name, |child| at(child, rest, examples))
 }
 
 fn with(command: Command, examples: &[Example]) -> Command {

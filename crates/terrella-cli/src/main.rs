@@ -211,12 +211,16 @@ fn log_to_stderr(common: &Common) {
     use tracing_subscriber::EnvFilter;
     let default = match (common.quiet, common.verbose) {
         (true, _) => "error",
-        (false, 0) => "warn",
+        // winit warns of displays without settings of their own, which work.
+        (false, 0) => "warn,winit=error",
         // wgpu's own messages are for its developers.
-        (false, 1) => "warn,terrella=info",
+        (false, 1) => "warn,winit=error,terrella=info",
         (false, _) => "info,terrella=debug",
     };
-    let filter = match std::env::var("RUST_LOG") {
+    let asked = std::env::var("RUST_LOG");
+    // Which part of the program says it is for those who ask for its parts.
+    let names_parts = common.verbose > 1 || asked.is_ok();
+    let filter = match asked {
         Ok(directives) => EnvFilter::try_new(&directives).unwrap_or_else(|error| {
             eprintln!("warning: RUST_LOG={directives:?} is not understood: {error}");
             EnvFilter::new(default)
@@ -227,6 +231,7 @@ fn log_to_stderr(common: &Common) {
         .with_env_filter(filter)
         .with_writer(std::io::stderr)
         .with_ansi(std::io::stderr().is_terminal())
+        .with_target(names_parts)
         .without_time()
         .init();
 }
