@@ -256,7 +256,12 @@ fn one_address_of_the_source_is_told() {
     let manifest = repository.text("Cargo.toml");
     let address = packages::string(&manifest, "workspace.package", "repository");
     let mut pages = repository.pages();
-    for file in ["Cargo.toml", "pyproject.toml"] {
+    for file in [
+        "Cargo.toml",
+        "pyproject.toml",
+        "CITATION.cff",
+        ".github/ISSUE_TEMPLATE/config.yml",
+    ] {
         pages.extend(repository.text_if_there(file).map(|text| Page {
             path: file.into(),
             text,
@@ -268,6 +273,15 @@ fn one_address_of_the_source_is_told() {
             .flat_map(|page| packages::other_sources(page, address, &repository))
             .collect(),
     );
+}
+
+#[test]
+fn citations_name_the_version() {
+    let repository = Repository::open();
+    let manifest = repository.text("Cargo.toml");
+    let version = packages::string(&manifest, "workspace.package", "version");
+    let citation = repository.text("CITATION.cff");
+    assert!(citation.contains(&format!("\nversion: {version}\n")));
 }
 
 /// crates.io makes links of a package's page lead to the source, PyPI does not.

@@ -111,6 +111,9 @@ impl Repository {
             .into_iter()
             .map(|name| format!("docs/embedding/{name}"));
         let folders = [
+            ".github/CODE_OF_CONDUCT.md",
+            ".github/SECURITY.md",
+            ".github/SUPPORT.md",
             "config/README.md",
             "crates/terrella-py/README.md",
             "fuzz/README.md",
