@@ -168,7 +168,7 @@ fn completions_and_man_pages_go_to_standard_output() {
         let title = format!(".TH terrella-{} 1", name.replace(' ', "-"));
         assert!(page.contains(&title), "{name}: {page}");
         assert!(
-            page.contains("Examples:") && page.contains("adapter"),
+            page.contains(".SH EXAMPLES\n.nf\nterrella ") && page.contains("adapter"),
             "{name}: {page}"
         );
     }

@@ -35,8 +35,43 @@ pub fn run(args: &ManArgs) -> anyhow::Result<()> {
         })?;
     }
     let mut text = Vec::new();
-    clap_mangen::Man::new(page.clone()).render(&mut text)?;
-    print(&String::from_utf8(text)?)
+    // What the help ends with would be filled like prose.
+    let without_end = page.clone().after_help(None::<&str>);
+    clap_mangen::Man::new(without_end).render(&mut text)?;
+    let end = page.get_after_help().map(ToString::to_string);
+    let end = ending(&end.unwrap_or_default());
+    print(&(String::from_utf8(text)? + &end))
+}
+
+/// What a command's help ends with, as sections of its page: the examples as they are typed, then the rest.
+fn ending(help: &str) -> String {
+    let (examples, rest) = help.split_once("\n\n").unwrap_or((help, ""));
+    let mut text = String::new();
+    for (line, number) in examples.lines().zip(0..) {
+        match number {
+            0 => text.push_str(".SH EXAMPLES\n.nf\n"),
+            _ => text.push_str(&format!("{}\n", escaped(line.trim_start()))),
+        }
+    }
+    text.push_str(".fi\n");
+    for (paragraph, number) in rest.split("\n\n").zip(0..) {
+        let head = match number {
+            _ if paragraph.is_empty() => continue,
+            0 => ".SH NOTES",
+            _ => ".PP",
+        };
+        text.push_str(&format!("{head}\n{}\n", escaped(paragraph)));
+    }
+    text
+}
+
+/// A line of text in which troff finds no command.
+fn escaped(line: &str) -> String {
+    let text = line.replace('\\', "\\e").replace('-', "\\-");
+    match text.starts_with(['.', '\'']) {
+        true => format!("\\&{text}"),
+        false => text,
+    }
 }
 
 /// Writes the names of the commands below `parent`, each with those of its parents before it.
@@ -46,5 +81,29 @@ fn list(parent: &Command, names: &str, text: &mut String) {
         // Writing to a string cannot fail.
         let _ = writeln!(text, "{}", names.trim_end());
         list(command, &names, text);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn examples_stay_as_they_are_typed() {
+        let page = ending("Examples:\n  a --b  c\n  .d\n\nOne.\n\nTwo.");
+        let lines: Vec<_> = page.lines().collect();
+        let expected = [
+            ".SH EXAMPLES",
+            ".nf",
+            "a \\-\\-b  c",
+            "\\&.d",
+            ".fi",
+            ".SH NOTES",
+            "One.",
+            ".PP",
+            "Two.",
+        ];
+        assert_eq!(lines, expected);
+        assert_eq!(escaped("a\\b"), "a\\eb");
     }
 }
