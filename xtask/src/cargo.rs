@@ -36,13 +36,16 @@ pub struct Built {
 
 /// Runs a building cargo command and gives what it made.
 pub fn build(arguments: &[&str]) -> anyhow::Result<Built> {
-    let mut command = cargo();
-    command.args(arguments);
-    let what = shown(&command);
+    let what = shown(cargo().args(arguments));
     say(&what);
-    // Asked of cargo itself: the folder depends on the profile, the target and the user's configuration.
+    // Asked of cargo itself: the folder depends on the profile, the target and the user's configuration. First, since the last
+    // arguments may be for the compiler.
+    let (first, rest) = arguments.split_at(arguments.len().min(1));
+    let mut command = cargo();
     let mut child = command
+        .args(first)
         .arg("--message-format=json-render-diagnostics")
+        .args(rest)
         .stdout(Stdio::piped())
         .spawn()
         .with_context(|| format!("cannot start `{what}`"))?;

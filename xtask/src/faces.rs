@@ -1,9 +1,12 @@
 //! What other languages call: the C library with its header, and the wheel for Python.
 
 use crate::cargo;
+use crate::files::{copy_whole, write_bytes};
+use crate::layout;
 use crate::process::{self, repository_root, say};
 use anyhow::{Context, bail};
 use serde_json::Value;
+use std::ffi::OsString;
 use std::fs;
 use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
@@ -12,8 +15,8 @@ use std::process::{Command, Stdio};
 /// Largest wheel, bytes: maps and all.
 const MAX_WHEEL_BYTES: u64 = 25_000_000;
 
-/// Builds the C library and puts it below a prefix, with header, maps, and what pkg-config and CMake look for.
-pub fn c_library(prefix: &Path) -> anyhow::Result<()> {
+/// Builds the C library by a profile and puts it below a prefix, with header, maps, and what pkg-config and CMake look for.
+pub fn c_library(prefix: &Path, profile: &str) -> anyhow::Result<()> {
     if !cfg!(target_os = "linux") {
         bail!(
             "the C library is laid out for Linux only; elsewhere `cargo build --release -p terrella-c` makes it in target/release"
@@ -23,11 +26,15 @@ pub fn c_library(prefix: &Path) -> anyhow::Result<()> {
     let mut command = cargo::cargo();
     command.args([
         "rustc",
-        "--release",
+        "--profile",
+        profile,
         "--locked",
         "--package",
         "terrella-c",
         "--lib",
+        // Without the library that Rust links, which no profile can optimise across crates.
+        "--crate-type",
+        "cdylib,staticlib",
     ]);
     // Cargo says where the libraries are, the compiler what a program needs beside the static one.
     command.args([
@@ -105,37 +112,22 @@ fn lay_out(root: &Path, built: &[PathBuf], prefix: &Path, libraries: &str) -> an
         found.with_context(|| format!("cargo made no {name}"))
     };
     let package = root.join("crates/terrella-c");
-    let [include, lib, pc, cmake, share] = [
-        "include",
-        "lib",
-        "lib/pkgconfig",
-        "lib/cmake/terrella",
-        "share/terrella/textures",
-    ]
-    .map(|folder| prefix.join(folder));
-    for folder in [&include, &lib, &pc, &cmake, &share] {
-        fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
-    }
-    copy(
-        &package.join("include/terrella.h"),
-        &include.join("terrella.h"),
-    )?;
-    copy(library("libterrella_c.a")?, &lib.join("libterrella_c.a"))?;
-    copy(
-        library("libterrella_c.so")?,
-        &lib.join("libterrella_c.so.0"),
-    )?;
-    let link = lib.join("libterrella_c.so");
-    if link.symlink_metadata().is_ok() {
-        fs::remove_file(&link)?;
-    }
+    let [include, lib, pc, cmake] =
+        ["include", "lib", "lib/pkgconfig", "lib/cmake/terrella"].map(|folder| prefix.join(folder));
+    layout::put_maps(root, prefix)?;
+    layout::put_documents(root, prefix)?;
+    let header = "include/terrella.h";
+    copy_whole(&package.join(header), &include.join("terrella.h"), false)?;
+    let archive = "libterrella_c.a";
+    copy_whole(library(archive)?, &lib.join(archive), false)?;
+    let named = lib.join("libterrella_c.so.0");
+    copy_whole(library("libterrella_c.so")?, &named, true)?;
     #[cfg(unix)]
-    std::os::unix::fs::symlink("libterrella_c.so.0", &link)?;
-    for map in fs::read_dir(root.join("textures"))?
-        .flatten()
-        .filter(|map| map.path().is_file())
     {
-        copy(&map.path(), &share.join(map.file_name()))?;
+        let (link, new) = (lib.join("libterrella_c.so"), lib.join(".libterrella_c.so"));
+        let _ = fs::remove_file(&new);
+        std::os::unix::fs::symlink("libterrella_c.so.0", &new)?;
+        fs::rename(new, link)?;
     }
     let list = libraries.split_whitespace().collect::<Vec<_>>().join(";");
     for (template, to) in [
@@ -144,10 +136,14 @@ fn lay_out(root: &Path, built: &[PathBuf], prefix: &Path, libraries: &str) -> an
             "cmake/terrella-config.cmake.in",
             cmake.join("terrella-config.cmake"),
         ),
+        (
+            "cmake/terrella-config-version.cmake.in",
+            cmake.join("terrella-config-version.cmake"),
+        ),
     ] {
         let text =
             fs::read_to_string(package.join(template)).with_context(|| template.to_owned())?;
-        fs::write(to, filled(&text, libraries, &list))?;
+        write_bytes(&to, filled(&text, libraries, &list).as_bytes())?;
     }
     Ok(())
 }
@@ -159,15 +155,14 @@ fn filled(template: &str, libraries: &str, list: &str) -> String {
         .replace("@PRIVATE@", libraries)
 }
 
-fn copy(from: &Path, to: &Path) -> anyhow::Result<()> {
-    fs::copy(from, to).with_context(|| format!("{} to {}", from.display(), to.display()))?;
-    Ok(())
+/// The Python that builds the wheel.
+fn python() -> OsString {
+    std::env::var_os("TERRELLA_PYTHON").unwrap_or_else(|| "python3".into())
 }
 
-/// Builds the wheel: one for Python 3.10 and later, for every Linux with glibc 2.28 or later. Needs maturin and zig, as Python packages.
-pub fn wheel(out: &Path) -> anyhow::Result<()> {
-    let root = repository_root();
-    let python = std::env::var_os("TERRELLA_PYTHON").unwrap_or_else(|| "python3".into());
+/// Fails where the packages that build the wheel are missing, and says how to have them.
+pub fn check_wheel_tools() -> anyhow::Result<()> {
+    let python = python();
     let ready = Command::new(&python)
         .args(["-c", "import maturin, ziglang"])
         .output();
@@ -178,7 +173,14 @@ pub fn wheel(out: &Path) -> anyhow::Result<()> {
             python.display()
         );
     }
-    let mut command = Command::new(&python);
+    Ok(())
+}
+
+/// Builds the wheel: one for Python 3.10 and later, for every Linux with glibc 2.28 or later. Needs maturin and zig, as Python packages.
+pub fn wheel(out: &Path) -> anyhow::Result<()> {
+    let root = repository_root();
+    check_wheel_tools()?;
+    let mut command = Command::new(python());
     command
         .current_dir(&root)
         .args(["-m", "maturin", "build", "--release", "--locked", "--strip"]);
@@ -230,14 +232,16 @@ no message
     #[test]
     fn templates_are_filled() {
         let root = repository_root().join("crates/terrella-c");
-        for template in ["terrella.pc.in", "cmake/terrella-config.cmake.in"] {
+        for (template, has_libraries) in [
+            ("terrella.pc.in", true),
+            ("cmake/terrella-config.cmake.in", true),
+            ("cmake/terrella-config-version.cmake.in", false),
+        ] {
             let text = fs::read_to_string(root.join(template)).expect("there");
             let filled = filled(&text, "-lm -ldl", "-lm;-ldl");
             assert!(!filled.contains('@'), "{template}: {filled}");
-            assert!(
-                filled.contains(env!("CARGO_PKG_VERSION")) && filled.contains("-ldl"),
-                "{template}"
-            );
+            assert!(filled.contains(env!("CARGO_PKG_VERSION")), "{template}");
+            assert_eq!(filled.contains("-ldl"), has_libraries, "{template}");
         }
     }
 }

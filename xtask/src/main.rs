@@ -4,7 +4,11 @@ mod big_pack;
 mod by_hand;
 mod cargo;
 mod demo;
+mod dist;
 mod faces;
+mod files;
+mod install;
+mod layout;
 mod lean;
 mod machine;
 mod numbers;
@@ -49,6 +53,33 @@ enum Command {
     Prepare {
         #[command(flatten)]
         install: Install,
+    },
+    /// Build the program as it is released and install it with maps, scenes, completions and man pages.
+    Install {
+        /// Folder to install below: `bin` and `share`; ~/.local by default.
+        #[arg(long, value_name = "DIR")]
+        prefix: Option<PathBuf>,
+        /// Install this program instead of building one.
+        #[arg(long, value_name = "FILE")]
+        program: Option<PathBuf>,
+    },
+    /// Write the archives of a release, the wheel, and their checksums.
+    Dist {
+        /// Parts to build.
+        #[arg(
+            long,
+            value_enum,
+            value_delimiter = ',',
+            default_value = "program,c-library,wheel",
+            value_name = "PART,…"
+        )]
+        parts: Vec<dist::Part>,
+        /// Archive this program instead of building one.
+        #[arg(long, value_name = "FILE")]
+        program: Option<PathBuf>,
+        /// Folder to write to.
+        #[arg(long, default_value = "target/dist-archives", value_name = "DIR")]
+        out: PathBuf,
     },
     /// Build the C library and put it below a folder, with header, maps, and what pkg-config and CMake look for.
     CLibrary {
@@ -145,7 +176,13 @@ fn run(command: Command) -> anyhow::Result<()> {
         Command::Demo { install, no_window } => demo::run(install.policy(), !no_window),
         Command::Test { install, arguments } => test::run(install.policy(), &arguments),
         Command::Prepare { install } => prepare::run(install.policy(), prepare::Window::ForTests),
-        Command::CLibrary { prefix } => faces::c_library(&prefix),
+        Command::Install { prefix, program } => install::run(prefix, program),
+        Command::Dist {
+            parts,
+            program,
+            out,
+        } => dist::run(&parts, program, &out),
+        Command::CLibrary { prefix } => faces::c_library(&prefix, "release"),
         Command::Wheel { out } => faces::wheel(&out),
         Command::Lean { features } => lean::run(&features),
         Command::BigPack {

@@ -1,0 +1,224 @@
+//! Archives are whole, and what is in them runs in a folder where nothing else is.
+
+use super::*;
+use std::fs::File;
+
+/// A stand-in for the program, which prints what is asked for.
+const STAND_IN: &str = "case \"$1 $2\" in
+'man --list') echo play; echo 'pack build';;
+'man '*) echo \".TH $3\";;
+'completions '*) echo \"# $2\";;
+*) exit 2;;
+esac";
+
+/// Runs a script as it lies there: a test beside this one may have it open.
+fn by_shell(script: &Path) -> Command {
+    let mut command = Command::new("sh");
+    command.arg(script);
+    command
+}
+
+fn extract(archive: &Path, to: &Path) {
+    let packed = flate2::read::GzDecoder::new(File::open(archive).unwrap());
+    tar::Archive::new(packed).unpack(to).unwrap();
+}
+
+fn names(folder: &Path) -> Vec<String> {
+    let entries = fs::read_dir(folder).unwrap();
+    let mut names: Vec<_> = entries
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    names.sort();
+    names
+}
+
+#[cfg(unix)]
+#[test]
+fn an_archive_has_all_that_the_program_needs() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = tempfile::tempdir().unwrap();
+    let (script, out) = (folder.path().join("terrella.sh"), folder.path().join("out"));
+    fs::write(&script, STAND_IN).unwrap();
+    pack_program(&script, &by_shell, &out).unwrap();
+    write_checksums(&out).unwrap();
+
+    let name = versioned("terrella").unwrap();
+    let archive = format!("{name}.tar.gz");
+    assert_eq!(names(&out), [CHECKSUMS, archive.as_str()]);
+    let sums = fs::read_to_string(out.join(CHECKSUMS)).unwrap();
+    let sum = archive::sha256(&out.join(&archive)).unwrap();
+    assert_eq!(sums, format!("{sum}  {archive}\n"));
+
+    let empty = tempfile::tempdir().unwrap();
+    extract(&out.join(&archive), empty.path());
+    assert_eq!(names(empty.path()), [name.as_str()]);
+    let prefix = empty.path().join(&name);
+    let program = layout::program_below(&prefix);
+    assert_eq!(fs::read_to_string(&program).unwrap(), STAND_IN);
+    let mode = fs::metadata(&program).unwrap().permissions().mode();
+    assert_eq!(mode & 0o777, 0o755);
+    let text = |file: &str| {
+        let path = prefix.join("share").join(file);
+        fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+    };
+    assert_eq!(text("bash-completion/completions/terrella"), "# bash\n");
+    assert_eq!(text("zsh/site-functions/_terrella"), "# zsh\n");
+    assert_eq!(text("man/man1/terrella.1"), ".TH \n");
+    assert_eq!(text("man/man1/terrella-pack-build.1"), ".TH build\n");
+    assert!(text("doc/terrella/LICENSE-MIT").contains("MIT"));
+    assert!(text("doc/terrella/README.md").contains("# Terrella"));
+    assert!(text("terrella/config/iss.toml").contains("orbits/iss.tle"));
+    assert!(text("terrella/textures/SOURCES.md").contains("NASA"));
+    let maps = names(&prefix.join(layout::MAPS));
+    for map in [
+        "day.jpg",
+        "clouds.jpg",
+        "elevation.toml",
+        "stars.bin",
+        "dem",
+    ] {
+        assert!(maps.iter().any(|name| name == map), "no {map}: {maps:?}");
+    }
+    for other in ["Cargo.toml", "lib.rs"] {
+        assert!(!maps.iter().any(|name| name == other), "{other}");
+    }
+
+    // The same again is the same.
+    let again = folder.path().join("again");
+    pack_program(&script, &by_shell, &again).unwrap();
+    assert_eq!(archive::sha256(&again.join(&archive)).unwrap(), sum);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_program_that_fails_leaves_no_archive() {
+    let folder = tempfile::tempdir().unwrap();
+    let (script, out) = (folder.path().join("terrella.sh"), folder.path().join("out"));
+    for broken in ["exit 3", "true"] {
+        fs::write(&script, broken).unwrap();
+        pack_program(&script, &by_shell, &out).unwrap_err();
+        assert!(!out.exists());
+    }
+}
+
+#[test]
+fn a_program_that_is_too_large_is_rejected() {
+    let folder = tempfile::tempdir().unwrap();
+    let large = folder.path().join("terrella");
+    File::create(&large)
+        .and_then(|file| file.set_len(MAX_PROGRAM_BYTES + 1))
+        .unwrap();
+    let error = pack_program(&large, &by_shell, folder.path()).unwrap_err();
+    assert!(error.to_string().contains("30000001 bytes"), "{error}");
+}
+
+#[cfg(unix)]
+#[test]
+fn links_stay_links() {
+    let folder = tempfile::tempdir().unwrap();
+    let (from, to) = (folder.path().join("a"), folder.path().join("b"));
+    fs::create_dir(&from).unwrap();
+    fs::write(from.join("x.so.0"), "library").unwrap();
+    std::os::unix::fs::symlink("x.so.0", from.join("x.so")).unwrap();
+    let path = folder.path().join("a.tar.gz");
+    archive::write(&from, "a", &path).unwrap();
+    extract(&path, &to);
+    assert_eq!(
+        fs::read_link(to.join("a/x.so")).unwrap(),
+        Path::new("x.so.0")
+    );
+}
+
+#[test]
+fn checksums_are_those_of_the_standard() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("abc");
+    fs::write(&path, "abc").unwrap();
+    // FIPS 180-4, the example of one block.
+    let expected = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad";
+    assert_eq!(archive::sha256(&path).unwrap(), expected);
+}
+
+/// Draws a first picture with what a release holds, in an empty folder and with nothing in the environment. Builds the program, which
+/// takes many minutes; `TERRELLA_PROGRAM` names one that is built.
+#[test]
+#[ignore = "builds a release; run by `.ci/run --always`, or by hand"]
+fn the_archived_program_draws_a_first_picture() {
+    let folder = tempfile::tempdir().unwrap();
+    let program = std::env::var_os("TERRELLA_PROGRAM").map(PathBuf::from);
+    run(&[Part::Program], program, folder.path()).unwrap();
+    let name = versioned("terrella").unwrap();
+    let empty = tempfile::tempdir().unwrap();
+    extract(&folder.path().join(format!("{name}.tar.gz")), empty.path());
+    let prefix = empty.path().join(&name);
+    let terrella = |arguments: &[&str]| {
+        let mut command = Command::new(layout::program_below(&prefix));
+        command.args(arguments).current_dir(empty.path());
+        let output = command
+            .env_clear()
+            .env("HOME", empty.path())
+            .output()
+            .unwrap();
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.success(), "{arguments:?}: {said}");
+        String::from_utf8(output.stdout).unwrap() + &said
+    };
+    assert!(terrella(&["--version"]).contains(env!("CARGO_PKG_VERSION")));
+    let said = terrella(&["frame", "-o", "iss.png", "--size", "640x360"]);
+    assert!(said.starts_with("iss.png: 640 × 360 pixels"), "{said}");
+    let picture = image::open(empty.path().join("iss.png")).unwrap();
+    let bright = picture
+        .to_luma8()
+        .pixels()
+        .filter(|one| one.0[0] > 60)
+        .count();
+    assert!(bright > 640 * 360 / 10, "{bright} pixels are bright");
+    let scene = prefix.join("share/terrella/config/relief.toml");
+    let scene = scene.to_str().unwrap();
+    terrella(&["frame", scene, "-o", "relief.png", "--size", "64x36"]);
+    // The maps are its own, not those of the checkout that it was built in.
+    fs::remove_file(prefix.join(layout::MAPS).join("clouds.jpg")).unwrap();
+    assert!(terrella(&["check"]).contains("missing, so left out"));
+}
+
+/// Compiles a program by pkg-config with what a release holds, in an empty folder, and draws with it.
+#[test]
+#[ignore = "builds a release; run by `.ci/run --always`, or by hand"]
+fn the_archived_c_library_draws_a_first_picture() {
+    if !cfg!(target_os = "linux") {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    run(&[Part::CLibrary], None, folder.path()).unwrap();
+    let name = versioned("terrella-c").unwrap();
+    let empty = tempfile::tempdir().unwrap();
+    extract(&folder.path().join(format!("{name}.tar.gz")), empty.path());
+    let prefix = empty.path().join(&name);
+    let source = repository_root().join("crates/terrella-c/examples/still.c");
+    let asked = |arguments: &[&str]| {
+        let mut command = Command::new("pkg-config");
+        command.env("PKG_CONFIG_PATH", prefix.join("lib/pkgconfig"));
+        let output = command.args(arguments).arg("terrella").output().unwrap();
+        assert!(output.status.success(), "{arguments:?}");
+        String::from_utf8(output.stdout).unwrap()
+    };
+    assert_eq!(asked(&["--modversion"]).trim(), env!("CARGO_PKG_VERSION"));
+    let private = asked(&["--libs-only-l", "--static"]).replace("-lterrella_c", "");
+    let archive = prefix.join("lib/libterrella_c.a").display().to_string();
+    let shared = asked(&["--cflags", "--libs"]);
+    let only_header = asked(&["--cflags"]) + &archive + " " + &private;
+    for (program, arguments) in [("shared", shared), ("static", only_header)] {
+        let mut compiler = Command::new("cc");
+        compiler.arg(&source).args(arguments.split_whitespace());
+        let compiled = compiler.args(["-o", program]).current_dir(empty.path());
+        assert!(compiled.status().unwrap().success(), "{program}");
+        let mut drawn = Command::new(empty.path().join(program));
+        drawn.env("LD_LIBRARY_PATH", prefix.join("lib"));
+        drawn.env("TERRELLA_TEXTURES", prefix.join(layout::MAPS));
+        let png = format!("{program}.png");
+        let drawn = drawn.arg(&png).current_dir(empty.path());
+        assert!(drawn.status().unwrap().success(), "{program}");
+        let picture = image::open(empty.path().join(png)).unwrap();
+        assert_eq!((picture.width(), picture.height()), (640, 360));
+    }
+}
