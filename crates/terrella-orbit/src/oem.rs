@@ -14,6 +14,7 @@ use super::found::Each;
 use super::text;
 use std::path::Path;
 
+pub(super) use metadata::{Axes, TimeSystem, axes_and_time};
 pub use write::write_oem;
 
 /// The key that begins a message in KVN.

@@ -26,7 +26,7 @@ use super::NumericalError;
 use super::integrate::Equations;
 use crate::StartError;
 use crate::constants::{EARTH_GM_M3_S2, MOON_GM_M3_S2, SUN_GM_M3_S2, SUNLIGHT_PRESSURE_N_M2};
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 use gravity::Field;
 use terrella_frames::{ASTRONOMICAL_UNIT_M, Ellipsoid, Epoch, Orientation};
 
@@ -76,6 +76,21 @@ pub enum ThrustAxes {
     Gcrf,
     /// x along the velocity, z along the angular momentum, y = z × x.
     Flight,
+    /// x away from the Earth's centre, z along the angular momentum, y = z × x.
+    Radial,
+}
+
+impl ThrustAxes {
+    /// What turns a vector from these axes to GCRF, of a satellite at `r` with velocity `v`.
+    pub(crate) fn gcrf_from(self, r: DVec3, v: DVec3) -> DMat3 {
+        let x = match self {
+            Self::Gcrf => return DMat3::IDENTITY,
+            Self::Flight => v.normalize_or_zero(),
+            Self::Radial => r.normalize_or_zero(),
+        };
+        let z = r.cross(v).normalize_or_zero();
+        DMat3::from_cols(x, z.cross(x), z)
+    }
 }
 
 /// Which forces act.
@@ -247,7 +262,7 @@ impl EquationsOfMotion {
         }
         for &k in &self.acting {
             if let Some(thrust) = self.model.thrusts.get(k) {
-                a += thrust_gcrf(thrust, r, v);
+                a += thrust.axes.gcrf_from(r, v) * thrust.acceleration_m_s2;
             }
         }
         if let Some(air) = self.model.drag
@@ -316,18 +331,6 @@ fn third_body(gm_m3_s2: f64, r: DVec3, s: DVec3) -> DVec3 {
     let f = q * (3.0 + 3.0 * q + q * q) / (1.0 + (1.0 + q) * (1.0 + q).sqrt());
     let d = (r - s).length();
     (r + s * f) * (-gm_m3_s2 / (d * d * d))
-}
-
-fn thrust_gcrf(thrust: &Thrust, r: DVec3, v: DVec3) -> DVec3 {
-    let a = thrust.acceleration_m_s2;
-    match thrust.axes {
-        ThrustAxes::Gcrf => a,
-        ThrustAxes::Flight => {
-            let x = v.normalize_or_zero();
-            let z = r.cross(v).normalize_or_zero();
-            x * a.x + z.cross(x) * a.y + z * a.z
-        }
-    }
 }
 
 #[cfg(test)]

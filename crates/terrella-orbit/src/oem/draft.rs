@@ -7,7 +7,7 @@ use super::super::interpolated::{
     EphemerisFeed, EphemerisSegment, InterpolatedStates, Interpolation, InterpolationError,
     StateSample, doubts, sift,
 };
-use super::metadata::{Axes, META_KEYS, TimeSystem, interpolation};
+use super::metadata::{Axes, META_KEYS, TimeSystem, axes_and_time, interpolation};
 use glam::DVec3;
 use std::path::Path;
 use terrella_frames::{Epoch, rfc3339};
@@ -92,33 +92,7 @@ impl<'o> Draft<'o> {
         }
         let must = |key| meta.must(key, "", origin);
         self.check_object(must("OBJECT_NAME")?, must("OBJECT_ID")?)?;
-        let center = must("CENTER_NAME")?;
-        if !center.value.eq_ignore_ascii_case("EARTH") {
-            return Err(center.unsupported(origin, "only orbits about the Earth are flown"));
-        }
-        let frame = must("REF_FRAME")?;
-        let axes = Axes::from_name(&frame.value).ok_or_else(|| {
-            frame.unsupported(
-                origin,
-                "known frames are ICRF, GCRF, EME2000, TEME, TOD, MOD, ITRF… and GTOD",
-            )
-        })?;
-        // Axes that have a date of their own, or none, are what they are.
-        if let Some(date) = meta.get("REF_FRAME_EPOCH")
-            && axes.are_of_date()
-        {
-            return Err(date.unsupported(
-                origin,
-                "axes of a fixed date are not known; only of the state's own",
-            ));
-        }
-        let system = must("TIME_SYSTEM")?;
-        let system = TimeSystem::from_name(&system.value).ok_or_else(|| {
-            system.unsupported(
-                origin,
-                "known time systems are UTC, TAI, TT, TDB and GPS; none is guessed",
-            )
-        })?;
+        let (axes, system) = axes_and_time(meta, origin)?;
         let (start, stop) = (
             system.epoch(must("START_TIME")?, origin)?,
             system.epoch(must("STOP_TIME")?, origin)?,

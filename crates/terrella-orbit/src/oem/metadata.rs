@@ -71,7 +71,7 @@ impl Axes {
 
 /// The scale that dates are in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum TimeSystem {
+pub(crate) enum TimeSystem {
     Scale(TimeScale),
     /// Barycentric dynamical time.
     Tdb,
@@ -94,6 +94,39 @@ impl TimeSystem {
             }),
         }
     }
+}
+
+/// The axes and the scale of dates that metadata name, of an object about the Earth.
+pub fn axes_and_time(meta: &Fields, origin: &Path) -> Result<(Axes, TimeSystem), RecordError> {
+    let must = |key| meta.must(key, "", origin);
+    let center = must("CENTER_NAME")?;
+    if !center.value.eq_ignore_ascii_case("EARTH") {
+        return Err(center.unsupported(origin, "only orbits about the Earth are flown"));
+    }
+    let frame = must("REF_FRAME")?;
+    let axes = Axes::from_name(&frame.value).ok_or_else(|| {
+        frame.unsupported(
+            origin,
+            "known frames are ICRF, GCRF, EME2000, TEME, TOD, MOD, ITRF… and GTOD",
+        )
+    })?;
+    // Axes that have a date of their own, or none, are what they are.
+    if let Some(date) = meta.get("REF_FRAME_EPOCH")
+        && axes.are_of_date()
+    {
+        return Err(date.unsupported(
+            origin,
+            "axes of a fixed date are not known; only of the state's own",
+        ));
+    }
+    let system = must("TIME_SYSTEM")?;
+    let system = TimeSystem::from_name(&system.value).ok_or_else(|| {
+        system.unsupported(
+            origin,
+            "known time systems are UTC, TAI, TT, TDB and GPS; none is guessed",
+        )
+    })?;
+    Ok((axes, system))
 }
 
 /// How it goes from state to state, if that is said.

@@ -103,10 +103,11 @@ fn burn(value: &Value) -> Result<Thrust, String> {
     };
     let axes = match entries.get("axes").map(|value| (value, value.as_str())) {
         None | Some((_, Some("flight"))) => ThrustAxes::Flight,
+        Some((_, Some("radial"))) => ThrustAxes::Radial,
         Some((_, Some("gcrf"))) => ThrustAxes::Gcrf,
         Some((other, _)) => {
             return Err(format!(
-                "axes is {}; it must be \"flight\" (x along the velocity, z along the angular momentum) or \"gcrf\"",
+                "axes is {}; it must be \"flight\" (x along the velocity, z along the angular momentum), \"radial\" (x away from the Earth's centre, z likewise) or \"gcrf\"",
                 printable(&other.to_string())
             ));
         }
@@ -148,6 +149,7 @@ fn burns_text(burns: &[Thrust]) -> KeyText {
             let [x, y, z] = burn.acceleration_m_s2.to_array();
             let axes = match burn.axes {
                 ThrustAxes::Flight => "flight",
+                ThrustAxes::Radial => "radial",
                 ThrustAxes::Gcrf => "gcrf",
             };
             format!(
