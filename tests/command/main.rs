@@ -18,6 +18,7 @@ mod interruptions;
 mod live;
 #[cfg(unix)]
 mod openers;
+mod opm;
 mod orbit;
 mod packs;
 mod passes;

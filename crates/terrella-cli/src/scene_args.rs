@@ -11,7 +11,7 @@ use terrella_play::{Flight, PlayError};
 /// The scene of a command.
 #[derive(Debug, Args)]
 pub struct SceneArgs {
-    /// The scene file, or a file of orbits: two-line elements, OMM, OEM, CZML, CSV, SP3, STK. Without one the built-in scene, config/iss.toml
+    /// The scene file, or a file of orbits: two-line elements, OMM, OEM, OPM, CZML, CSV, SP3, STK. Without one the built-in scene, config/iss.toml
     #[arg(value_name = "SCENE")]
     pub path: Option<PathBuf>,
     /// Refuse files of orbits in which anything is spoilt; else bad states and records are listed and passed over

@@ -4,7 +4,8 @@ use super::choose::{Candidate, Key, choose};
 use super::entry::{Faults, MAX_ENTRIES};
 use super::file::read_text;
 use super::omm;
-use super::recognise::message_that_is_not_read;
+use super::recognise::message_of_another_kind;
+use super::refused::Refused;
 use super::sgp4_set::Sgp4Set;
 use super::text::with_line_feeds;
 use super::tle_fields::{catalogue_number, elements};
@@ -31,25 +32,6 @@ pub struct Catalogue {
 
 /// Most records that cannot be flown whose names are kept.
 const MAX_REFUSED: usize = 100_000;
-
-/// A record that cannot be flown.
-#[derive(Debug)]
-struct Refused {
-    /// Name and catalogue number, as far as they are known.
-    names: Vec<String>,
-    cause: String,
-}
-
-impl Refused {
-    fn is_of(&self, wanted: &str) -> bool {
-        let number = catalogue_number(wanted);
-        let mut names = self.names.iter().map(|name| name.trim());
-        names.any(|name| {
-            name.to_lowercase() == wanted.to_lowercase()
-                || number.is_some() && catalogue_number(name) == number
-        })
-    }
-}
 
 /// The sets of a file by satellite, in the order of the satellites' first sets.
 #[derive(Default)]
@@ -120,9 +102,8 @@ impl Catalogue {
     pub fn from_text(text: &str, origin: &Path, is_strict: bool) -> Result<Self, OrbitError> {
         let text = with_line_feeds(text);
         let text = text.as_ref();
-        if let Some(kind) = message_that_is_not_read(text) {
-            let path = origin.to_owned();
-            return Err(OrbitError::NotRead { path, kind });
+        if let Some(other) = message_of_another_kind(text) {
+            return Err(other.error(origin));
         }
         let mut faults = Faults::new(is_strict);
         if let Some(cut) = omm::cut_off(text, origin) {
@@ -141,10 +122,7 @@ impl Catalogue {
         };
         let mut refuse = |names: Vec<String>, error: OrbitError| {
             if refused.len() < MAX_REFUSED {
-                refused.push(Refused {
-                    names,
-                    cause: error.to_string(),
-                });
+                refused.push(Refused::new(names, &error));
             }
             faults.note(error)
         };
@@ -232,13 +210,7 @@ impl Catalogue {
                 let path = origin.to_owned();
                 OrbitError::NoElements { path }
             }),
-            Err(OrbitError::UnknownName { wanted, .. })
-                if let Some(refused) = self.refused.iter().find(|one| one.is_of(&wanted)) =>
-            {
-                let cause = refused.cause.clone();
-                Err(OrbitError::Unusable { wanted, cause })
-            }
-            Err(error) => Err(error),
+            Err(error) => Err(Refused::explain(&self.refused, error)),
         }
     }
 }

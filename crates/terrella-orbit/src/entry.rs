@@ -3,6 +3,8 @@
 
 use super::cut::CutOff;
 use super::interpolated::{Doubt, InterpolationError, SegmentError};
+use super::kepler::KeplerError;
+use super::numerical::NumericalError;
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 use terrella_files::excerpt;
@@ -149,6 +151,12 @@ pub enum RecordFault {
         /// What happens instead.
         why: &'static str,
     },
+    /// Keplerian elements that no orbit has.
+    #[error("the elements: {0}")]
+    Elements(KeplerError),
+    /// A state from which no motion can be integrated.
+    #[error(transparent)]
+    Motion(NumericalError),
     /// More than anyone needs.
     #[error("more than {limit} {what}; cut out what you need")]
     TooMany { what: &'static str, limit: usize },

@@ -5,7 +5,7 @@ use super::entry::{Faults, RecordError};
 use super::file::read_text;
 use super::found::Found;
 use super::interpolated::EphemerisFeed;
-use super::recognise::message_that_is_not_read;
+use super::recognise::message_of_another_kind;
 use super::text::{unmarked, with_line_feeds};
 use super::{Feed, FileFormat, OrbitError, czml, ephemeris_csv, oem, sp3, stk};
 use std::path::Path;
@@ -65,9 +65,8 @@ impl Ephemerides {
     pub fn from_text(text: &str, origin: &Path, is_strict: bool) -> Result<Self, OrbitError> {
         let text = with_line_feeds(unmarked(text));
         let text = text.as_ref();
-        if let Some(kind) = message_that_is_not_read(text) {
-            let path = origin.to_owned();
-            return Err(OrbitError::NotRead { path, kind });
+        if let Some(other) = message_of_another_kind(text) {
+            return Err(other.error(origin));
         }
         // Read to its end when strict as well: what spoils an object says more than a fault before it that does not.
         let mut faults = Faults::<RecordError>::new(false);

@@ -145,13 +145,18 @@ pub enum OrbitError {
     /// The file has no ephemeris in it.
     #[error("{}: no ephemeris in it; expected an OEM (CCSDS 502.0, KVN or XML), CZML, CSV whose header names epoch_utc,x_km,y_km,z_km, SP3, or an ephemeris of STK", path.display())]
     NoEphemeris { path: PathBuf },
-    /// A message of another kind, which can be turned into one that is read.
-    #[error("{}: {kind} is not read; export an OEM", path.display())]
+    /// A message of another kind.
+    #[error("{}: {kind} {remedy}", path.display())]
     NotRead {
         path: PathBuf,
         /// What it is.
         kind: &'static str,
+        /// Why it is not read, and what to do.
+        remedy: &'static str,
     },
+    /// The file has no orbit parameter message in it.
+    #[error("{}: no orbit parameter message in it; expected an OPM (CCSDS 502.0, KVN or XML)", path.display())]
+    NoParameters { path: PathBuf },
     /// The epoch is outside an ephemeris or in one of its gaps.
     #[error(
         "{satellite} is not known at {epoch}: its ephemeris tells of it {known}; change the date or take an ephemeris of that time"

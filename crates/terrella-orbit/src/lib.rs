@@ -5,6 +5,7 @@
 //! | propagate an orbit from mean elements (TLE, OMM) by SGP4 | `sgp4_feed.rs`, `sgp4_set.rs`; read them: `tle_text.rs`, `tle_fields.rs`, `omm/`, `catalogue.rs`, `choose.rs`; how long they fly: `decay.rs` |
 //! | propagate Keplerian elements, with J2 or without | [`kepler`] |
 //! | integrate under forces; eclipses, nodes, apsides and impact on the way | [`numerical`] |
+//! | propagate the state of an OPM over its manoeuvres | [`ParameterMessages`], `opm/` |
 //! | interpolate an ephemeris (Lagrange, Hermite) | [`interpolated`]; read one: `oem/`, `czml.rs`, `ephemeris_csv.rs`, `sp3.rs`, `stk.rs`, `runs.rs`, `ephemerides.rs`, `found.rs` |
 //! | take many satellites from a file | [`OrbitFiles`], `orbit_files.rs` |
 //! | notice a file that was cut off | `cut.rs` |
@@ -47,9 +48,11 @@ mod mean_elements;
 pub mod numerical;
 mod oem;
 mod omm;
+mod opm;
 mod orbit_files;
 mod passes;
 mod recognise;
+mod refused;
 mod runs;
 mod sgp4_feed;
 mod sgp4_set;
@@ -75,6 +78,7 @@ pub use interpolated::EphemerisFeed;
 pub use mean_elements::MeanElements;
 pub use oem::write_oem;
 pub use omm::write_omm;
+pub use opm::{Maneuver, OpmFeed, ParameterMessage, ParameterMessages};
 pub use orbit_files::{OrbitFile, OrbitFiles};
 pub use passes::{LookAngles, Observer, Pass, next_pass, passes};
 pub use sgp4_feed::{Sgp4Feed, TleFeed};
@@ -92,6 +96,8 @@ pub enum FileFormat {
     Omm,
     /// Orbit ephemeris message.
     Oem,
+    /// Orbit parameter message.
+    Opm,
     /// CZML.
     Czml,
     /// States in columns.

@@ -1,6 +1,6 @@
 //! Files from which several satellites are taken: each is read once.
 
-use super::{Catalogue, Ephemerides, OrbitError};
+use super::{Catalogue, Ephemerides, OrbitError, ParameterMessages};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -12,6 +12,7 @@ use std::sync::Arc;
 pub struct OrbitFiles {
     catalogues: HashMap<(PathBuf, bool), Arc<Catalogue>>,
     ephemerides: HashMap<(PathBuf, bool), Arc<Ephemerides>>,
+    parameters: HashMap<(PathBuf, bool), Arc<ParameterMessages>>,
 }
 
 /// A file that has been read.
@@ -50,6 +51,23 @@ impl OrbitFiles {
             path,
             is_strict,
             Ephemerides::from_file,
+        )
+    }
+
+    /// A file of orbit parameter messages, as [`ParameterMessages::from_file`] reads it.
+    ///
+    /// # Errors
+    /// As [`ParameterMessages::from_file`]; a file with an error is read again the next time.
+    pub fn parameters(
+        &mut self,
+        path: &Path,
+        is_strict: bool,
+    ) -> Result<OrbitFile<ParameterMessages>, OrbitError> {
+        taken(
+            &mut self.parameters,
+            path,
+            is_strict,
+            ParameterMessages::from_file,
         )
     }
 }

@@ -2,7 +2,8 @@
 
 use super::file::first_text;
 use super::text::{kvn, unmarked, with_line_feeds};
-use super::{FileFormat, ephemeris_csv, sp3, stk};
+use super::{FileFormat, OrbitError, ephemeris_csv, sp3, stk};
+use std::path::Path;
 
 /// Shortest line of two-line elements: 69 columns, of which the checksum and blanks at the end may be missing.
 const TLE_LINE: usize = 60;
@@ -37,6 +38,7 @@ impl FileFormat {
             "tle" | "2le" | "3le" => Self::Tle,
             "omm" => Self::Omm,
             "oem" => Self::Oem,
+            "opm" => Self::Opm,
             "czml" => Self::Czml,
             "csv" => Self::Csv,
             "sp3" => Self::Sp3,
@@ -46,34 +48,61 @@ impl FileFormat {
     }
 }
 
-/// What a message of the CCSDS is that is not read, by its first key or its first element.
-pub(super) fn message_that_is_not_read(text: &str) -> Option<&'static str> {
-    const KINDS: [(&str, &str, &str); 3] = [
-        (
-            "CCSDS_OCM_VERS",
-            "<ocm",
-            "an orbit comprehensive message (OCM)",
-        ),
-        ("CCSDS_OPM_VERS", "<opm", "an orbit parameter message (OPM)"),
-        (
-            "CCSDS_AEM_VERS",
-            "<aem",
-            "an attitude ephemeris message (AEM)",
-        ),
-    ];
+/// A message of the CCSDS that neither has mean elements nor an ephemeris.
+pub(super) struct OtherMessage {
+    key: &'static str,
+    element: &'static str,
+    kind: &'static str,
+    remedy: &'static str,
+}
+
+const OTHER_MESSAGES: [OtherMessage; 3] = [
+    OtherMessage {
+        key: VERSIONS[2],
+        element: "<opm",
+        kind: "an orbit parameter message (OPM)",
+        remedy: "has neither mean elements nor an ephemeris; a scene reads it with source = \"opm\"",
+    },
+    OtherMessage {
+        key: "CCSDS_OCM_VERS",
+        element: "<ocm",
+        kind: "an orbit comprehensive message (OCM)",
+        remedy: "is not read; export its trajectory as an OEM, or its state as an OPM",
+    },
+    OtherMessage {
+        key: "CCSDS_AEM_VERS",
+        element: "<aem",
+        kind: "an attitude ephemeris message (AEM)",
+        remedy: "has no orbit in it; export an OEM",
+    },
+];
+
+impl OtherMessage {
+    /// The error that it cannot be read as what is wanted.
+    pub fn error(&self, origin: &Path) -> OrbitError {
+        OrbitError::NotRead {
+            path: origin.to_owned(),
+            kind: self.kind,
+            remedy: self.remedy,
+        }
+    }
+}
+
+/// What a message of the CCSDS is that has neither mean elements nor an ephemeris, by its first key or its elements.
+pub(super) fn message_of_another_kind(text: &str) -> Option<&'static OtherMessage> {
     let start = unmarked(text).trim_start();
-    let first_key = match kvn::lines(start).next() {
-        Some(kvn::KvnLine::Entry(entry)) => entry.key,
-        _ => "".into(),
-    };
-    let is_xml = start.starts_with('<');
+    let mut kinds = OTHER_MESSAGES.iter();
+    if !start.starts_with('<') {
+        let first_key = match kvn::lines(start).next() {
+            Some(kvn::KvnLine::Entry(entry)) => entry.key,
+            _ => return None,
+        };
+        return kinds.find(|other| first_key == other.key);
+    }
     let head: String = start.chars().take(HEAD_CHARS).collect();
-    let kinds = KINDS.iter();
-    let mut kinds = kinds.filter(|(key, element, _)| match is_xml {
-        true => head.contains(element) && !head.contains("<oem") && !head.contains("<omm"),
-        false => first_key == *key,
-    });
-    kinds.next().map(|(_, _, kind)| *kind)
+    // Messages may stand in an <ndm> beside those that are wanted.
+    let is_other = !["<oem", "<omm"].iter().any(|wanted| head.contains(wanted));
+    kinds.find(|other| is_other && (head.contains(other.element) || head.contains(other.key)))
 }
 
 /// How far into a message in XML its kind is looked for, characters.
@@ -89,15 +118,17 @@ fn first_of(text: &str, words: &[(&str, FileFormat)]) -> Option<FileFormat> {
 }
 
 fn of_xml(text: &str) -> Option<FileFormat> {
-    use FileFormat::{Oem, Omm};
+    use FileFormat::{Oem, Omm, Opm};
     // Messages may stand in an <ndm>, and tags may have prefixes.
     first_of(
         text,
         &[
             (VERSIONS[0], Omm),
             (VERSIONS[1], Oem),
+            (VERSIONS[2], Opm),
             ("<omm", Omm),
             ("<oem", Oem),
+            ("<opm", Opm),
             ("MEAN_MOTION>", Omm),
             ("stateVector>", Oem),
         ],
@@ -125,7 +156,7 @@ fn of_json(text: &str) -> Option<FileFormat> {
 }
 
 /// What messages in keys and values begin with.
-const VERSIONS: [&str; 2] = ["CCSDS_OMM_VERS", "CCSDS_OEM_VERS"];
+const VERSIONS: [&str; 3] = ["CCSDS_OMM_VERS", "CCSDS_OEM_VERS", "CCSDS_OPM_VERS"];
 
 fn of_lines(text: &str) -> Option<FileFormat> {
     match kvn::lines(text).next() {
@@ -134,6 +165,9 @@ fn of_lines(text: &str) -> Option<FileFormat> {
         }
         Some(kvn::KvnLine::Entry(entry)) if entry.key == VERSIONS[1] => {
             return Some(FileFormat::Oem);
+        }
+        Some(kvn::KvnLine::Entry(entry)) if entry.key == VERSIONS[2] => {
+            return Some(FileFormat::Opm);
         }
         Some(kvn::KvnLine::Other { text, .. })
             if text.contains(',') && text.contains("MEAN_MOTION") =>
@@ -163,7 +197,6 @@ fn has_elements(text: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::path::Path;
 
     #[test]
     fn files_that_come_with_the_program_are_recognised() {
@@ -183,7 +216,7 @@ mod tests {
 
     #[test]
     fn all_forms_are_told_from_one_another_and_from_scenes() {
-        use FileFormat::{Csv, Czml, Oem, Omm, Sp3, Stk, Tle};
+        use FileFormat::{Csv, Czml, Oem, Omm, Opm, Sp3, Stk, Tle};
         let set = "1 25544U 98067A   26329.50000000  .00016717  00000-0  10270-3 0  9993\n2 25544  51.6400 208.9163 0006703  69.9862  25.2906 15.50000000    13\n";
         let cases: &[(&str, Option<FileFormat>)] = &[
             (set, Some(Tle)),
@@ -202,6 +235,11 @@ mod tests {
                 Some(Omm),
             ),
             ("<ndm:oem id=\"CCSDS_OEM_VERS\">", Some(Oem)),
+            ("COMMENT x\nCCSDS_OPM_VERS = 2.0\n", Some(Opm)),
+            (
+                "<?xml version=\"1.0\"?>\n<ndm><opm id=\"CCSDS_OPM_VERS\"><stateVector>",
+                Some(Opm),
+            ),
             ("<html><body>", None),
             (
                 "[{\"OBJECT_NAME\":\"ISS\",\"MEAN_MOTION\":15.5}]",

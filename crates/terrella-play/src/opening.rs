@@ -4,7 +4,7 @@
 //! ([`Scene::begin_at`]). What else flies is told that start: motions that the scene describes, simulations, stand-ins.
 
 use super::error::PlayError;
-use super::satellites::{self, Listener, Satellite, stand_in};
+use super::satellites::{self, Integrated, Listener, Satellite, Sources, stand_in};
 use crate::scene::{Orbit, Scene};
 use terrella::frames::{EarthOrientation, Epoch};
 use terrella_orbit::OrbitFiles;
@@ -15,11 +15,14 @@ pub(super) fn open_all(
     table: Option<&EarthOrientation>,
     listener: Listener,
 ) -> Result<Vec<Satellite>, PlayError> {
-    // Many satellites may come from one file.
-    let mut read = OrbitFiles::default();
+    let mut sources = Sources {
+        table,
+        listener,
+        files: OrbitFiles::default(),
+    };
     let files = scene.orbits.iter().enumerate().map(|(index, orbit)| {
         let is_file = orbit.file.is_some();
-        let open = || satellites::open(scene, index, orbit, table, listener, &mut read);
+        let open = || satellites::open(scene, index, orbit, Integrated::AtEpoch, &mut sources);
         is_file.then(open).transpose()
     });
     let files = files.collect::<Result<Vec<_>, _>>()?;
@@ -36,8 +39,9 @@ pub(super) fn open_all(
     stand_in(scene)?;
     let all = scene.orbits.iter().zip(files).enumerate();
     all.map(|(index, (orbit, opened))| match opened {
-        Some(satellite) => Ok(satellite),
-        None => satellites::open(scene, index, orbit, table, listener, &mut read),
+        // What is propagated from a state is known to its epoch only.
+        Some(satellite) if satellite.state_epoch().is_none() => Ok(satellite),
+        _ => satellites::open(scene, index, orbit, Integrated::OverScene, &mut sources),
     })
     .collect()
 }
@@ -72,6 +76,9 @@ fn start_of(satellite: &Satellite, backwards: bool) -> (Epoch, String) {
     let name = satellite.name();
     if let Some(elements) = satellite.elements() {
         return (elements.epoch, format!("epoch of the elements of {name}"));
+    }
+    if let Some(epoch) = satellite.state_epoch() {
+        return (epoch, format!("epoch of the state of {name}"));
     }
     let (first, last) = satellite.feed().validity();
     match backwards {

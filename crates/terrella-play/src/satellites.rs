@@ -1,11 +1,12 @@
 //! The satellites of a scene, each source opened.
 
+mod files;
+
 use super::error::PlayError;
 use crate::scene::YEARS;
 use crate::scene::{
     ForceOptions, InitialState, Motion, Orbit, OrbitParameters, OrbitSource, Scene,
 };
-use std::path::Path;
 use std::sync::Arc;
 use terrella::frames::{Duration, EarthOrientation, Epoch, Orientation, utc_from_rfc3339};
 use terrella_orbit::basilisk::{
@@ -19,14 +20,13 @@ use terrella_orbit::live::{LiveError, LiveFeed, LiveOptions};
 use terrella_orbit::numerical::{
     Event, ForceModel, Gravity, NumericalFeed, NumericalOptions, Shadow,
 };
-use terrella_orbit::{
-    Feed, FileFormat, Frame, MeanElements, OrbitError, OrbitFiles, OrbitState, Sgp4Feed,
-};
+use terrella_orbit::{Feed, Frame, MeanElements, OrbitError, OrbitFiles, OrbitState, Sgp4Feed};
 
 /// A satellite of a scene.
 pub struct Satellite {
     feed: Arc<dyn Feed>,
     elements: Option<MeanElements>,
+    state_epoch: Option<Epoch>,
     live: Option<Arc<LiveFeed>>,
     simulation: Option<Arc<Simulation>>,
     recording: Option<Arc<Recording>>,
@@ -42,11 +42,30 @@ pub(super) enum Listener {
     Closed,
 }
 
+/// What satellites are opened with.
+pub(super) struct Sources<'t> {
+    /// The Earth's orientation.
+    pub table: Option<&'t EarthOrientation>,
+    pub listener: Listener,
+    /// Files that have been read: many satellites may come from one.
+    pub files: OrbitFiles,
+}
+
+/// Over what time the states of files are propagated that have to be integrated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Integrated {
+    /// Not at all: they are known at their epoch, which is asked for.
+    AtEpoch,
+    /// Over the time of the scene.
+    OverScene,
+}
+
 impl Satellite {
     fn of(feed: impl Feed + 'static) -> Self {
         Self {
             feed: Arc::new(feed),
             elements: None,
+            state_epoch: None,
             live: None,
             simulation: None,
             recording: None,
@@ -74,6 +93,11 @@ impl Satellite {
     /// The mean elements that it flies by, if it is flown by SGP4.
     pub fn elements(&self) -> Option<&MeanElements> {
         self.elements.as_ref()
+    }
+
+    /// The epoch of the state that it is propagated from, if its file has one state.
+    pub fn state_epoch(&self) -> Option<Epoch> {
+        self.state_epoch
     }
 
     /// What a simulator sends, if its states come from one.
@@ -123,9 +147,6 @@ impl FileRemark {
     }
 }
 
-/// How many faults of a file are told when it is read.
-const FAULTS_TOLD: usize = 10;
-
 /// How long before and after the scene a motion is integrated, so that instants at its edges have neighbours.
 const MARGIN_S: f64 = 60.0;
 
@@ -174,10 +195,10 @@ pub(super) fn open(
     scene: &Scene,
     index: usize,
     orbit: &Orbit,
-    table: Option<&EarthOrientation>,
-    listener: Listener,
-    files: &mut OrbitFiles,
+    integrated: Integrated,
+    sources: &mut Sources<'_>,
 ) -> Result<Satellite, PlayError> {
+    let (table, listener) = (sources.table, sources.listener);
     let name = orbit.name.as_deref();
     if let Some(options) = &orbit.live {
         let listen = options.transport.to_string();
@@ -236,7 +257,7 @@ pub(super) fn open(
                     .into()
             })
         }
-        (None, Some(file)) => from_file(scene, index, orbit, file, files),
+        (None, Some(file)) => files::open(scene, index, orbit, file, integrated, sources),
         (None, None) => {
             let feed = Sgp4Feed::built_in_iss()?;
             Ok(Satellite {
@@ -281,106 +302,6 @@ fn simulation(
     })
 }
 
-fn from_file(
-    scene: &Scene,
-    index: usize,
-    orbit: &Orbit,
-    file: &Path,
-    files: &mut OrbitFiles,
-) -> Result<Satellite, PlayError> {
-    let name = orbit.name.as_deref();
-    let check = |format| match OrbitSource::of(format) {
-        source if source == orbit.source => Ok(()),
-        source => {
-            let given = source_key(orbit.source);
-            let remedy = format!(
-                "{} holds {}; write source = \"{}\"",
-                file.display(),
-                format_name(format),
-                source_key(source)
-            );
-            Err(scene.refuse_orbit(index, "source", given, remedy))
-        }
-    };
-    let remarks = |faults: &[OrbitError]| faults.iter().map(FileRemark::of).collect::<Vec<_>>();
-    let (tracked, faults, faults_left_out, is_new) = match orbit.source {
-        OrbitSource::Tle | OrbitSource::Omm => {
-            // Without a name the only satellite is meant, and which is the only one a spoilt record leaves open.
-            let is_strict = orbit.strict || name.is_none();
-            let read = files.catalogue(file, is_strict)?;
-            let catalogue = &read.content;
-            check(catalogue.format)?;
-            let feed = catalogue.one(file, name)?;
-            let elements = Some(feed.elements().clone());
-            let satellite = Satellite {
-                elements,
-                ..Satellite::of(feed)
-            };
-            let faults = remarks(&catalogue.faults);
-            (satellite, faults, catalogue.faults_left_out, read.is_new)
-        }
-        _ => {
-            let read = files.ephemerides(file, orbit.strict)?;
-            let ephemerides = &read.content;
-            check(ephemerides.format)?;
-            let satellite = Satellite::of(ephemerides.one(file, name)?);
-            let faults = remarks(&ephemerides.faults);
-            (satellite, faults, ephemerides.faults_left_out, read.is_new)
-        }
-    };
-    // What is wrong with a file is reported once, however many satellites come from it.
-    if is_new {
-        tell(file, &faults, faults_left_out);
-    }
-    Ok(Satellite {
-        faults,
-        faults_left_out,
-        ..tracked
-    })
-}
-
-/// Warns of what is wrong with a file, or to be noticed.
-fn tell(file: &Path, faults: &[FileRemark], left_out: usize) {
-    for FileRemark { label, text } in faults.iter().take(FAULTS_TOLD) {
-        tracing::warn!("{label}: {text}");
-    }
-    match faults.len().saturating_sub(FAULTS_TOLD) + left_out {
-        0 => {}
-        more => tracing::warn!(
-            "passed over: {more} more of {}; terrella check lists them, --strict refuses them",
-            file.display()
-        ),
-    }
-}
-
-fn source_key(source: OrbitSource) -> &'static str {
-    match source {
-        OrbitSource::Tle => "tle",
-        OrbitSource::Omm => "omm",
-        OrbitSource::Oem => "oem",
-        OrbitSource::Czml => "czml",
-        OrbitSource::Csv => "csv",
-        OrbitSource::Sp3 => "sp3",
-        OrbitSource::Stk => "stk",
-        OrbitSource::Kepler => "kepler",
-        OrbitSource::Numerical => "numerical",
-        OrbitSource::Live => "live",
-        OrbitSource::Basilisk => "basilisk",
-    }
-}
-
-fn format_name(format: FileFormat) -> &'static str {
-    match format {
-        FileFormat::Tle => "two-line elements",
-        FileFormat::Omm => "an orbit mean-elements message",
-        FileFormat::Oem => "an orbit ephemeris message",
-        FileFormat::Czml => "CZML",
-        FileFormat::Csv => "states in columns",
-        FileFormat::Sp3 => "orbits in SP3",
-        FileFormat::Stk => "an ephemeris of STK",
-    }
-}
-
 fn kepler(
     name: &str,
     start: &InitialState,
@@ -406,6 +327,13 @@ fn kepler(
             KeplerFeed::from_state(name, &state, options)?
         }
     }))
+}
+
+/// The time over which a motion is integrated for a scene, without that from its start to the scene.
+fn integrated_span(scene: &Scene) -> (Epoch, Epoch) {
+    let margin = Duration::from_seconds(MARGIN_S);
+    let (a, b) = (scene.time.start, scene.time.end());
+    (a.min(b) - margin, a.max(b) + margin)
 }
 
 fn state(start: &InitialState) -> Result<OrbitState, OrbitError> {
@@ -449,16 +377,12 @@ fn numerical(
         thrusts: forces.burns.clone(),
         orientation: *orientation,
     };
-    let margin = Duration::from_seconds(MARGIN_S);
-    let (a, b) = (scene.time.start, scene.time.end());
+    let (first, last) = integrated_span(scene);
     let options = NumericalOptions {
         relative_tolerance: forces.tolerance,
         solver: forces.method,
         watch: forces.events,
-        ..NumericalOptions::between(
-            (a.min(b) - margin).min(start.epoch),
-            (a.max(b) + margin).max(start.epoch),
-        )
+        ..NumericalOptions::between(first.min(start.epoch), last.max(start.epoch))
     };
     let state = state(start)?;
     let feed = NumericalFeed::new(name, &state, &model, &forces.craft, &options)?;

@@ -39,6 +39,8 @@ pub enum OrbitSource {
     Omm,
     /// Orbit ephemeris messages (CCSDS 502.0): states, interpolated.
     Oem,
+    /// Orbit parameter messages (CCSDS 502.0): a state, integrated.
+    Opm,
     /// Positions of a CZML document, interpolated.
     Czml,
     /// States in columns, interpolated.
@@ -64,6 +66,7 @@ impl OrbitSource {
             FileFormat::Tle => Self::Tle,
             FileFormat::Omm => Self::Omm,
             FileFormat::Oem => Self::Oem,
+            FileFormat::Opm => Self::Opm,
             FileFormat::Czml => Self::Czml,
             FileFormat::Csv => Self::Csv,
             FileFormat::Sp3 => Self::Sp3,

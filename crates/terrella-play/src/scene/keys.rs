@@ -100,12 +100,12 @@ const fn only(sources: &'static [OrbitSource], why: &'static str) -> Only {
 }
 
 const FILE: &Only = &only(
-    &[Tle, Omm, Oem, Czml, Csv, Sp3, Stk, Basilisk],
-    "is for sources that are read from files: \"tle\", \"omm\", \"oem\", \"czml\", \"csv\", \"sp3\", \"stk\" and \"basilisk\"",
+    &[Tle, Omm, Oem, Opm, Czml, Csv, Sp3, Stk, Basilisk],
+    "is for sources that are read from files: \"tle\", \"omm\", \"oem\", \"opm\", \"czml\", \"csv\", \"sp3\", \"stk\" and \"basilisk\"",
 );
 const STRICT: &Only = &only(
-    &[Tle, Omm, Oem, Czml, Csv, Sp3, Stk],
-    "is for files of which parts can be passed over: \"tle\", \"omm\", \"oem\", \"czml\", \"csv\", \"sp3\" and \"stk\"",
+    &[Tle, Omm, Oem, Opm, Czml, Csv, Sp3, Stk],
+    "is for files of which parts can be passed over: \"tle\", \"omm\", \"oem\", \"opm\", \"czml\", \"csv\", \"sp3\" and \"stk\"",
 );
 const MOTION: &Only = &only(
     &[Kepler, Numerical],

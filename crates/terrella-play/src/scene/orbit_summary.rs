@@ -27,6 +27,7 @@ fn flies_by(orbit: &Orbit) -> String {
         (OrbitSource::Tle, _) => format!("two-line elements, SGP4: {whose}"),
         (OrbitSource::Omm, _) => format!("orbit mean-elements message, SGP4: {whose}"),
         (OrbitSource::Oem, _) => format!("orbit ephemeris message, interpolated: {whose}"),
+        (OrbitSource::Opm, _) => format!("orbit parameter message, integrated: {whose}"),
         (OrbitSource::Czml, _) => format!("CZML, interpolated: {whose}"),
         (OrbitSource::Csv, _) => format!("CSV, interpolated: {whose}"),
         (OrbitSource::Sp3, _) => format!("SP3, interpolated: {whose}"),

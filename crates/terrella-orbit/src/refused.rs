@@ -1,0 +1,41 @@
+//! Records of a file that cannot be used, kept by name: who asks for one of them is told why.
+
+use super::OrbitError;
+use super::tle_fields::catalogue_number;
+
+/// A record that cannot be used.
+#[derive(Debug)]
+pub(super) struct Refused {
+    /// Name and number, as far as they are known.
+    names: Vec<String>,
+    cause: String,
+}
+
+impl Refused {
+    pub fn new(names: Vec<String>, cause: &dyn std::fmt::Display) -> Self {
+        let cause = cause.to_string();
+        Self { names, cause }
+    }
+
+    fn is_of(&self, wanted: &str) -> bool {
+        let number = catalogue_number(wanted);
+        let mut names = self.names.iter().map(|name| name.trim());
+        names.any(|name| {
+            name.to_lowercase() == wanted.to_lowercase()
+                || number.is_some() && catalogue_number(name) == number
+        })
+    }
+
+    /// Why the one that is meant cannot be used, where that is why there is none of its name.
+    pub fn explain(refused: &[Self], error: OrbitError) -> OrbitError {
+        match error {
+            OrbitError::UnknownName { wanted, .. }
+                if let Some(one) = refused.iter().find(|one| one.is_of(&wanted)) =>
+            {
+                let cause = one.cause.clone();
+                OrbitError::Unusable { wanted, cause }
+            }
+            error => error,
+        }
+    }
+}

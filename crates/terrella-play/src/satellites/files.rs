@@ -1,0 +1,141 @@
+//! Satellites of files.
+
+use super::{FileRemark, Integrated, Satellite, Sources, integrated_span, orientation_at};
+use crate::error::PlayError;
+use crate::scene::{Orbit, OrbitSource, Scene};
+use std::path::Path;
+use std::sync::Arc;
+use terrella::frames::rfc3339;
+use terrella_orbit::{FileFormat, OrbitError};
+
+/// How many faults of a file are told when it is read.
+const FAULTS_TOLD: usize = 10;
+
+/// Opens a satellite of a file.
+pub(super) fn open(
+    scene: &Scene,
+    index: usize,
+    orbit: &Orbit,
+    file: &Path,
+    integrated: Integrated,
+    Sources { table, files, .. }: &mut Sources<'_>,
+) -> Result<Satellite, PlayError> {
+    let name = orbit.name.as_deref();
+    let check = |format| match OrbitSource::of(format) {
+        source if source == orbit.source => Ok(()),
+        source => {
+            let given = source_key(orbit.source);
+            let remedy = format!(
+                "{} holds {}; write source = \"{}\"",
+                file.display(),
+                format_name(format),
+                source_key(source)
+            );
+            Err(scene.refuse_orbit(index, "source", given, remedy))
+        }
+    };
+    let remarks = |faults: &[OrbitError]| faults.iter().map(FileRemark::of).collect::<Vec<_>>();
+    let (tracked, faults, faults_left_out, is_new) = match orbit.source {
+        OrbitSource::Tle | OrbitSource::Omm => {
+            // Without a name the only satellite is meant, and which is the only one a spoilt record leaves open.
+            let is_strict = orbit.strict || name.is_none();
+            let read = files.catalogue(file, is_strict)?;
+            let catalogue = &read.content;
+            check(catalogue.format)?;
+            let feed = catalogue.one(file, name)?;
+            let elements = Some(feed.elements().clone());
+            let satellite = Satellite {
+                elements,
+                ..Satellite::of(feed)
+            };
+            let faults = remarks(&catalogue.faults);
+            (satellite, faults, catalogue.faults_left_out, read.is_new)
+        }
+        OrbitSource::Opm => {
+            let read = files.parameters(file, orbit.strict)?;
+            let messages = &read.content;
+            let message = Arc::new(messages.one(file, name)?.clone());
+            let epoch = message.state.epoch;
+            let (first, last) = match integrated {
+                Integrated::AtEpoch => (epoch, epoch),
+                Integrated::OverScene => integrated_span(scene),
+            };
+            let orientation = orientation_at(*table, epoch).ok_or_else(|| {
+                let remedy = format!(
+                    "the table of [time] orientation does not reach to the epoch of its state, {}; take one that does, or leave orientation out",
+                    rfc3339(epoch)
+                );
+                scene.refuse_orbit(index, "file", &file.display().to_string(), remedy)
+            })?;
+            let feed = message.propagated(first, last, &orientation)?;
+            let satellite = Satellite {
+                events: Some(feed.events()),
+                state_epoch: Some(epoch),
+                ..Satellite::of(feed)
+            };
+            let faults = remarks(&messages.faults);
+            (satellite, faults, messages.faults_left_out, read.is_new)
+        }
+        _ => {
+            let read = files.ephemerides(file, orbit.strict)?;
+            let ephemerides = &read.content;
+            check(ephemerides.format)?;
+            let satellite = Satellite::of(ephemerides.one(file, name)?);
+            let faults = remarks(&ephemerides.faults);
+            (satellite, faults, ephemerides.faults_left_out, read.is_new)
+        }
+    };
+    // What is wrong with a file is reported once, however many satellites come from it.
+    if is_new {
+        tell(file, &faults, faults_left_out);
+    }
+    Ok(Satellite {
+        faults,
+        faults_left_out,
+        ..tracked
+    })
+}
+
+/// Warns of what is wrong with a file, or to be noticed.
+fn tell(file: &Path, faults: &[FileRemark], left_out: usize) {
+    for FileRemark { label, text } in faults.iter().take(FAULTS_TOLD) {
+        tracing::warn!("{label}: {text}");
+    }
+    match faults.len().saturating_sub(FAULTS_TOLD) + left_out {
+        0 => {}
+        more => tracing::warn!(
+            "passed over: {more} more of {}; terrella check lists them, --strict refuses them",
+            file.display()
+        ),
+    }
+}
+
+fn source_key(source: OrbitSource) -> &'static str {
+    match source {
+        OrbitSource::Tle => "tle",
+        OrbitSource::Omm => "omm",
+        OrbitSource::Oem => "oem",
+        OrbitSource::Opm => "opm",
+        OrbitSource::Czml => "czml",
+        OrbitSource::Csv => "csv",
+        OrbitSource::Sp3 => "sp3",
+        OrbitSource::Stk => "stk",
+        OrbitSource::Kepler => "kepler",
+        OrbitSource::Numerical => "numerical",
+        OrbitSource::Live => "live",
+        OrbitSource::Basilisk => "basilisk",
+    }
+}
+
+fn format_name(format: FileFormat) -> &'static str {
+    match format {
+        FileFormat::Tle => "two-line elements",
+        FileFormat::Omm => "an orbit mean-elements message",
+        FileFormat::Oem => "an orbit ephemeris message",
+        FileFormat::Opm => "an orbit parameter message",
+        FileFormat::Czml => "CZML",
+        FileFormat::Csv => "states in columns",
+        FileFormat::Sp3 => "orbits in SP3",
+        FileFormat::Stk => "an ephemeris of STK",
+    }
+}

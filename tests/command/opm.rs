@@ -1,0 +1,71 @@
+//! Orbit parameter messages at the command line and in scenes.
+
+use crate::Place;
+use std::path::Path;
+use terrella::frames::utc_from_rfc3339;
+use terrella_orbit::{Ephemerides, EphemerisFeed, Feed};
+
+fn printed(place: &Place, arguments: &[&str]) -> String {
+    String::from_utf8(place.succeed(arguments).stdout).expect("UTF-8")
+}
+
+fn read_table(text: &str) -> EphemerisFeed {
+    let origin = Path::new("printed.csv");
+    let read = Ephemerides::from_text(text, origin, true);
+    let feeds = read.unwrap_or_else(|error| panic!("{error}\n{text}"));
+    feeds.into_one(origin, None).expect("one satellite")
+}
+
+#[test]
+fn a_parameter_message_is_flown_from_its_state() {
+    const STATE: &str = "CCSDS_OPM_VERS = 2.0\nOBJECT_NAME = SAT\nOBJECT_ID = 2018-001A\nCENTER_NAME = EARTH\nREF_FRAME = EME2000\n\
+        TIME_SYSTEM = UTC\nEPOCH = 2018-01-01T00:00:00\nX = 6778.137\nY = 0\nZ = 0.5\nX_DOT = 0\nY_DOT = 4.7\nZ_DOT = 6.05\n";
+    const BURN: &str = "MAN_EPOCH_IGNITION = 2018-01-01T00:30:00\nMAN_DURATION = 0\nMAN_DELTA_MASS = 0\nMAN_REF_FRAME = TNW\n\
+        MAN_DV_1 = 0.1\nMAN_DV_2 = 0\nMAN_DV_3 = 0\n";
+    let place = Place::new();
+    place.scene("sat.opm", &format!("{STATE}{BURN}"));
+    // What the file is its text says; the scene begins with the state.
+    let arguments = ["orbit", "sat.opm", "--frame", "eme2000", "--csv"];
+    let feed = read_table(&printed(&place, &arguments));
+    let (first, last) = feed.validity();
+    assert_eq!(
+        first,
+        utc_from_rfc3339("2018-01-01T00:00:00Z").expect("a date")
+    );
+    assert!((last - first).to_seconds() > 5000.0);
+    let state = feed.state_at(first).expect("known");
+    assert!((state.position_m.x - 6_778_137.0).abs() < 1e-6, "{state:?}");
+    assert!((state.velocity_m_s.z - 6050.0).abs() < 1e-9, "{state:?}");
+    // Without the impulse the speed is 100 m/s less after it.
+    place.scene("coasting.opm", STATE);
+    let coasting = read_table(&printed(
+        &place,
+        &["orbit", "coasting.opm", "--frame", "eme2000", "--csv"],
+    ));
+    let at = utc_from_rfc3339("2018-01-01T00:30:00Z").expect("a date");
+    let [pushed, coasting] =
+        [&feed, &coasting].map(|feed| feed.state_at(at).expect("known").velocity_m_s.length());
+    assert!(
+        (pushed - coasting - 100.0).abs() < 1e-3,
+        "{pushed} {coasting}"
+    );
+
+    // Of another source it is an error that names the right one; a scene of its own may begin before the state.
+    place.scene(
+        "wrong.toml",
+        "[orbit]\nsource = \"oem\"\nfile = \"sat.opm\"\n",
+    );
+    let error = place.fail(2, &["check", "wrong.toml"]);
+    assert!(error.contains("source = \"opm\""), "{error}");
+    place.scene(
+        "before.toml",
+        "[time]\nstart = \"2017-12-31T23:00:00Z\"\n[orbit]\nsource = \"opm\"\nfile = \"sat.opm\"\nname = \"2018-001A\"\n",
+    );
+    let checked = printed(&place, &["check", "before.toml"]);
+    assert!(
+        checked.contains("orbit parameter message, integrated: 2018-001A of"),
+        "{checked}"
+    );
+    let known = "known          2017-12-31T22:59:00";
+    assert!(checked.contains(known), "{checked}");
+}
