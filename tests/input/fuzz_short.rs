@@ -20,6 +20,8 @@ mod manifest;
 mod mosaic;
 #[path = "../../fuzz/bodies/omm.rs"]
 mod omm;
+#[path = "../../fuzz/bodies/opm.rs"]
+mod opm;
 #[path = "../../fuzz/bodies/pack_heights.rs"]
 mod pack_heights;
 #[path = "../../fuzz/bodies/scene.rs"]
@@ -48,6 +50,7 @@ pub const TARGETS: &[Target] = &[
     ("scene", scene::seeds, scene::run, 100_000),
     ("tle", tle::seeds, tle::run, 200_000),
     ("omm", omm::seeds, omm::run, 30_000),
+    ("opm", opm::seeds, opm::run, 30_000),
     ("ephemeris", ephemeris::seeds, ephemeris::run, 30_000),
     ("live", live::seeds, live::run, 200_000),
     ("basilisk", basilisk::seeds, basilisk::run, 30_000),
@@ -204,6 +207,11 @@ fn elements_in_every_form() {
 }
 
 #[test]
+fn states_with_manoeuvres() {
+    run("opm");
+}
+
+#[test]
 fn ephemerides() {
     run("ephemeris");
 }
@@ -284,6 +292,10 @@ fn seeds_are_good() {
     }
     for seed in ephemeris::seeds() {
         terrella_orbit::Ephemerides::from_text(&text(&seed), path, true).expect("good states");
+    }
+    for seed in opm::seeds() {
+        terrella_orbit::ParameterMessages::from_text(&text(&seed), path, true)
+            .expect("a good message");
     }
     for seed in live::seeds() {
         let mut splitter = terrella_orbit::live::Splitter::default();

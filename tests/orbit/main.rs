@@ -14,6 +14,8 @@ mod oem;
 mod oem_bad_input;
 mod oem_of_others;
 mod omm;
+mod opm;
+mod opm_motion;
 mod simulators;
 mod sp3;
 mod stk;

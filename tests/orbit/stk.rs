@@ -206,16 +206,9 @@ fn wrong_files_are_named() {
 
 #[test]
 fn messages_that_are_not_read_are_named() {
-    for (text, kind) in [
-        (
-            "CCSDS_OCM_VERS = 3.0\nCREATION_DATE = 2022-11-06T09:23:57\n",
-            "(OCM)",
-        ),
-        (
-            "<?xml version=\"1.0\"?>\n<ndm><ocm id=\"CCSDS_OCM_VERS\" version=\"3.0\"/></ndm>",
-            "(OCM)",
-        ),
-        ("COMMENT x\nCCSDS_OPM_VERS = 2.0\n", "(OPM)"),
+    for text in [
+        "CCSDS_OCM_VERS = 3.0\nCREATION_DATE = 2022-11-06T09:23:57\n",
+        "<?xml version=\"1.0\"?>\n<ndm><ocm id=\"CCSDS_OCM_VERS\" version=\"3.0\"/></ndm>",
     ] {
         let origin = Path::new("a.ocm");
         let errors = [
@@ -224,7 +217,7 @@ fn messages_that_are_not_read_are_named() {
         ];
         for error in errors.map(|error| error.to_string()) {
             assert!(
-                error.contains(kind) && error.ends_with("is not read; export an OEM"),
+                error.contains("(OCM) is not read; export its trajectory as an OEM"),
                 "{error}"
             );
         }
