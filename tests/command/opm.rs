@@ -55,7 +55,7 @@ fn a_parameter_message_is_flown_from_its_state() {
         "wrong.toml",
         "[orbit]\nsource = \"oem\"\nfile = \"sat.opm\"\n",
     );
-    let error = place.fail(2, &["check", "wrong.toml"]);
+    let error = place.fail(1, &["check", "wrong.toml"]);
     assert!(error.contains("source = \"opm\""), "{error}");
     place.scene(
         "before.toml",
