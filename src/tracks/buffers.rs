@@ -70,7 +70,11 @@ impl Satellite {
         };
         let itrf_from_inertial = axes.itrf_from(reference.frame);
         let place_itrf_m = self.now_m.map(|place| itrf_from_inertial * place);
-        let subpoint_itrf_m = place_itrf_m.map(|place| subpoint(place, eye.ellipsoid));
+        // Of thousands of satellites only markers are drawn: what those do not need is not computed.
+        let has_foot = self.style.subpoint || self.style.ground_track.is_some();
+        let subpoint_itrf_m = place_itrf_m
+            .filter(|_| has_foot)
+            .map(|place| subpoint(place, eye.ellipsoid));
         if let (Some(footprint), Some(place)) = (self.style.footprint, place_itrf_m) {
             let half_angle_rad = footprint.half_angle_rad.unwrap_or(WIDEST_HALF_ANGLE_RAD);
             self.write_footprint(place, half_angle_rad, footprint.is_filled, eye, buffers);
@@ -106,7 +110,9 @@ impl Satellite {
             && place.distance(eye.itrf_m) >= NEAREST_MARKER_M
         {
             // The slope of the ground would cut a dot on it.
-            match eye.ellipsoid.geodetic_from_itrf(place).height_m < GROUND_MARKER_M {
+            let is_low = place.length() < eye.ellipsoid.equatorial_radius_m + GROUND_MARKER_M
+                && eye.ellipsoid.geodetic_from_itrf(place).height_m < GROUND_MARKER_M;
+            match is_low {
                 true => mark(place, TRACK_ON_GROUND, RING_PX),
                 false => mark(place, 0, MARKER_PX),
             }

@@ -180,6 +180,9 @@ impl Satellite {
             self.curves()
                 .for_each(|curve| curve.forget_after(now_s - UNSETTLED_S));
         }
+        if self.trail.is_none() && self.ground.is_none() {
+            return true;
+        }
         let known = (reference.seconds(first), reference.seconds(last));
         let itrf_from_inertial = axes.itrf_from(reference.frame);
         let rate_rad_s = axes.rate_rad_s();

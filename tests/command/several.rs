@@ -271,3 +271,95 @@ fn a_scene_of_another_year_flies_a_stand_in() {
     let scene = Scene::load(&place.path("today.toml")).expect("a scene");
     assert!(scene.notices.is_empty());
 }
+
+/// Sets of two constellations, 150 and 5 satellites; one of them twice.
+fn catalogue() -> String {
+    let checked = |line: String| {
+        let sum: u32 = line
+            .chars()
+            .map(|c| c.to_digit(10).unwrap_or(u32::from(c == '-')))
+            .sum();
+        format!("{line}{}\n", sum % 10)
+    };
+    let set = |number: u32, name: &str| {
+        let anomaly = f64::from(number % 360);
+        let one =
+            format!("1 {number:05}U 20001A   26060.50000000  .00000100  00000-0  10000-3 0  999");
+        let two = format!(
+            "2 {number:05}  53.0000 120.0000 0010000  90.0000 {anomaly:8.4} 15.06000000    1",
+        );
+        format!("{name}\n{}{}", checked(one), checked(two))
+    };
+    let chain = (0..150).map(|k| set(44_713 + k, &format!("CHAIN-{k}")));
+    let others = (0..5).map(|k| set(50_000 + k, &format!("OTHER {k}")));
+    let all: String = chain.chain(others).collect();
+    all + &set(44_713, "CHAIN-0")
+}
+
+#[test]
+fn one_table_flies_many_satellites_of_a_file() {
+    let place = Place::new();
+    place.scene("sets.tle", &catalogue());
+    let names = |scene: &str| {
+        let output = place.succeed(&["orbit", scene, "--names", "--csv"]);
+        let text = String::from_utf8(output.stdout).expect("UTF-8");
+        let rows = text.lines().skip(1);
+        let names = rows.filter_map(|row| Some(row.split(',').next()?.to_owned()));
+        names.collect::<Vec<_>>()
+    };
+    assert_eq!(names("sets.tle").len(), 155);
+    let orbit = "[orbit]\nfile = \"sets.tle\"\nmarker = true\n";
+    for (all, count, first) in [
+        ("true", 155, "CHAIN-0"),
+        ("\"other*\"", 5, "OTHER 0"),
+        ("\"44720..44729\"", 10, "CHAIN-7"),
+        ("\"CHAIN-1?\"", 10, "CHAIN-10"),
+    ] {
+        place.scene("many.toml", &format!("{orbit}all = {all}\n"));
+        let found = names("many.toml");
+        assert_eq!((found.len(), found[0].as_str()), (count, first), "{all}");
+    }
+    // Another table beside it is one satellite, which cameras follow by name.
+    let beside = "[[orbit]]\nfile = \"sets.tle\"\nall = \"CHAIN*\"\nmarker = true\n[[orbit]]\nfile = \"sets.tle\"\nname = \"OTHER 3\"\nmarker = true\n[camera]\nfollow = \"OTHER 3\"\n";
+    place.scene("beside.toml", beside);
+    assert_eq!(names("beside.toml").len(), 151);
+    let output = place.succeed(&["check", "beside.toml"]);
+    let text = String::from_utf8(output.stdout).expect("UTF-8");
+    for told in [
+        "satellites that match \"CHAIN*\" of sets.tle: 150",
+        "OTHER 3 of sets.tle",
+        "151 satellites in all; terrella orbit --names lists them",
+    ] {
+        assert!(text.contains(told), "{told}: {text}");
+    }
+    assert_eq!(text.matches("[[orbit]]").count(), 2, "{text}");
+    assert!(text.lines().count() < 400, "{text}");
+    // States of all of a file of orbits.
+    let output = place.succeed(&[
+        "orbit",
+        "sets.tle",
+        "--all",
+        "--at",
+        "2026-03-01T13:00:00Z",
+        "--csv",
+    ]);
+    let text = String::from_utf8(output.stdout).expect("UTF-8");
+    assert_eq!(text.lines().count(), 156);
+
+    for (keys, told) in [
+        (
+            "all = \"NONE*\"",
+            "sets.tle has no such satellite; terrella orbit sets.tle --names",
+        ),
+        ("all = \"9..1\"", "write the smaller number first"),
+        ("all = 7", "must be true, false, a pattern"),
+        ("all = true\nname = \"CHAIN-1\"", "leave one out"),
+    ] {
+        place.scene("bad.toml", &format!("{orbit}{keys}\n"));
+        let error = words(&place.run(&["check", "bad.toml"]));
+        assert!(
+            error.contains("bad.toml:4: [orbit] all") && error.contains(told),
+            "{error}"
+        );
+    }
+}

@@ -7,6 +7,9 @@ use terrella::frames::rfc3339;
 use terrella_orbit::Feed;
 use terrella_play::{Flight, LightOutlook};
 
+/// Most satellites that are told of one by one.
+const MAX_LISTED: usize = 50;
+
 /// Arguments of `terrella check`.
 #[derive(Debug, Args)]
 pub struct CheckArgs {
@@ -42,7 +45,12 @@ pub fn run(args: &CheckArgs, common: &Common) -> anyhow::Result<()> {
     for note in flight.colour_notes() {
         text.push_str(&format!("\ncolours\n  {note}\n"));
     }
-    for (index, satellite) in flight.satellites().iter().enumerate() {
+    let satellites = flight.satellites();
+    for (index, satellite) in satellites.iter().enumerate() {
+        let is_listed = index < MAX_LISTED || index == flight.followed();
+        if !is_listed && satellite.faults().0.is_empty() {
+            continue;
+        }
         if let Some(feed) = satellite.live() {
             let head = match index == flight.followed() {
                 true => "satellite",
@@ -79,6 +87,12 @@ pub fn run(args: &CheckArgs, common: &Common) -> anyhow::Result<()> {
         if left_out > 0 {
             text.push_str(&format!("  {:<14} {left_out} more\n", "passed over"));
         }
+    }
+    if satellites.len() > MAX_LISTED {
+        text.push_str(&format!(
+            "\n{} satellites in all; terrella orbit --names lists them\n",
+            satellites.len()
+        ));
     }
     text.push_str(&light(&flight));
     if let Some(table) = flight.earth_orientation() {

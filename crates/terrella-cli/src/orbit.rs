@@ -8,7 +8,7 @@ use terrella::frames::{Duration, Epoch, Geodetic, rfc3339};
 use terrella_orbit::{Frame, Header};
 use terrella_play::{
     Axes, Ephemeris, EphemerisRequest, EventTable, Flight, Layout, OutputError, PassRequest,
-    PassTable, PendingFile, Selection, Span, omm, select,
+    PassTable, PendingFile, Selection, Span, names, omm, select,
 };
 
 /// Arguments of `terrella orbit`.
@@ -53,10 +53,13 @@ pub struct OrbitArgs {
     /// Print the events along motions that are integrated: those that `events` under [orbit] names, and impacts
     #[arg(long, conflicts_with_all = ["every", "at", "frame", "oem", "omm", "passes"])]
     events: bool,
+    /// Print the names of all satellites, with catalogue number or designator and the time for which each is known
+    #[arg(long, conflicts_with_all = ["every", "at", "frame", "oem", "omm", "passes", "events", "satellite"])]
+    names: bool,
     /// Name of a satellite; may be given more than once [default: the one that cameras follow, or the only one of a file of orbits]
     #[arg(long, value_name = "NAME")]
     satellite: Vec<String>,
-    /// All satellites of the scene, each where it is known
+    /// All satellites of the scene, or of the file of orbits, each where it is known
     #[arg(long, conflicts_with = "satellite")]
     all: bool,
 }
@@ -96,13 +99,19 @@ pub fn run(args: &OrbitArgs, common: &Common) -> anyhow::Result<()> {
     // Before anything is computed: a file that cannot be written is found at once.
     let oem_file = pending(args.oem.as_ref(), "ephemeris messages", "oem")?;
     let omm_file = pending(args.omm.as_ref(), "element messages", "omm")?;
-    let scene = args.scene.load(&args.satellite)?;
+    let mut scene = args.scene.load(&args.satellite)?;
+    if args.all || args.names {
+        scene.take_all();
+    }
     let flight = open_flight(scene, Flight::open_without_listening)?;
     let layout = match (args.csv, args.json) {
         (true, _) => Layout::Csv,
         (_, true) => Layout::Json,
         _ => Layout::Text,
     };
+    if args.names {
+        return print(&names(&flight, layout));
+    }
     let selection = match (args.all, args.satellite.as_slice()) {
         (true, _) => Selection::All,
         (false, []) => Selection::Followed,

@@ -29,6 +29,8 @@ pub(super) struct Sgp4Set {
 pub(super) struct Reach {
     pub before: Option<Epoch>,
     pub after: Option<Epoch>,
+    /// First and last instant that the set answers for, elapsed time from its epoch.
+    span: (Duration, Duration),
 }
 
 impl Sgp4Set {
@@ -124,15 +126,28 @@ impl Sgp4Set {
                 };
                 search.last_good_ms().map(|ms| self.after_epoch(ms))
             };
+            let (before, after) = (last_good(-days_ms), last_good(days_ms));
+            let epoch = self.elements.epoch;
+            let elapsed = |at: Epoch| at.to_tai_duration() - epoch.to_tai_duration();
             Reach {
-                before: last_good(-days_ms),
-                after: last_good(days_ms),
+                before,
+                after,
+                span: (
+                    elapsed(before.unwrap_or(epoch - VALIDITY)),
+                    elapsed(after.unwrap_or(epoch + VALIDITY)),
+                ),
             }
         })
     }
 
     /// Refuses an epoch outside the validity.
     fn check(&self, epoch: Epoch) -> Result<(), OrbitError> {
+        // Thousands of sets are asked in a frame: comparing elapsed times costs least.
+        let elapsed = epoch.to_tai_duration() - self.elements.epoch.to_tai_duration();
+        let span = self.reach().span;
+        if span.0 <= elapsed && elapsed <= span.1 {
+            return Ok(());
+        }
         let (first, last) = self.validity();
         if (first..=last).contains(&epoch) {
             return Ok(());

@@ -87,6 +87,7 @@ mod live;
 mod live_status;
 mod maps;
 mod mp4;
+mod name_table;
 #[cfg_attr(not(feature = "window"), allow(dead_code))]
 mod offscreen;
 mod opening;
@@ -161,6 +162,7 @@ pub use film::{
 pub use flight::{Flight, Moment, SatelliteState, ViewRequest};
 pub use maps::{DroppedLayer, earth_options};
 pub use mp4::mp4_problem;
+pub use name_table::names;
 #[cfg(feature = "window")]
 pub use offscreen::rgba_image;
 pub use offscreen::{OffscreenRenderer, TimedFrame};

@@ -20,7 +20,12 @@ pub(super) fn open_all(
         listener,
         files: OrbitFiles::default(),
     };
-    let files = scene.orbits.iter().enumerate().map(|(index, orbit)| {
+    let many = open_many(scene, &mut sources)?;
+    let orbits = scene.orbits.iter().zip(many).enumerate();
+    let files = orbits.map(|(index, (orbit, opened))| {
+        if opened.is_some() {
+            return Ok(opened);
+        }
         let is_file = orbit.file.is_some();
         let open = || satellites::open(scene, index, orbit, Integrated::AtEpoch, &mut sources);
         is_file.then(open).transpose()
@@ -44,6 +49,28 @@ pub(super) fn open_all(
         _ => satellites::open(scene, index, orbit, Integrated::OverScene, &mut sources),
     })
     .collect()
+}
+
+/// Opens what tables fly that fly many satellites of a file, and gives each of these an orbit of the scene. Answers which satellites
+/// of the scene are open by that.
+fn open_many(
+    scene: &mut Scene,
+    sources: &mut Sources<'_>,
+) -> Result<Vec<Option<Satellite>>, PlayError> {
+    let (mut opened, mut orbits) = (Vec::new(), Vec::new());
+    for (index, orbit) in scene.orbits.iter().enumerate() {
+        let (Some(many), Some(file)) = (&orbit.all, &orbit.file) else {
+            opened.push(None);
+            orbits.push((index, None));
+            continue;
+        };
+        for satellite in satellites::open_many(scene, index, orbit, (many, file), sources)? {
+            orbits.push((index, Some(satellite.name().to_owned())));
+            opened.push(Some(satellite));
+        }
+    }
+    scene.expand(orbits)?;
+    Ok(opened)
 }
 
 /// When a scene begins that does not say so, and what says it: the satellite that cameras fly with, or where that flies at any

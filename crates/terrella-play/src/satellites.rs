@@ -2,6 +2,8 @@
 
 mod files;
 
+pub(super) use files::open_many;
+
 use super::error::PlayError;
 use crate::scene::YEARS;
 use crate::scene::{

@@ -10,7 +10,7 @@
 //! | `choices.rs` | the words that keys choose from |
 //! | `time.rs`, `orbit.rs`, `tracks.rs`, `camera.rs`, `earth.rs`, `sky.rs`, `output.rs` | a table each: the checked value that hosts read, and its reader |
 //! | `camera_keys.rs` | `[[camera.keys]]` |
-//! | `orbit_check.rs`, `live.rs`, `basilisk.rs`, `burns.rs` | readers of `[orbit]`, which has the most keys |
+//! | `orbit_check.rs`, `many.rs`, `live.rs`, `basilisk.rs`, `burns.rs` | readers of `[orbit]`, which has the most keys |
 //! | `relief.rs`, `surfaces.rs` | readers of the keys of `[earth]` that are about ground with relief |
 //! | `dated_maps.rs` | readers of the keys of `[earth]` that are about maps that change with the date |
 //! | `built_in.rs` | no key: the scene that comes with the program, and files of orbits in place of a scene |
@@ -37,6 +37,7 @@ mod error;
 mod field;
 mod keys;
 mod live;
+mod many;
 mod meaning;
 mod orbit;
 mod orbit_check;
@@ -78,6 +79,7 @@ pub use error::{KeyLocation, SceneError};
 pub(crate) use keys::YEARS;
 #[cfg(feature = "window")]
 pub use keys::{DEFAULT_TOLERANCE_PX, EDGE_SAMPLES};
+pub use many::Many;
 pub use orbit::{ForceOptions, InitialState, Motion, Orbit, OrbitParameters};
 pub use output::{Output, QualityTable};
 pub use relief::ReliefTable;
@@ -111,8 +113,10 @@ pub struct Scene {
     pub notices: Vec<String>,
     /// What the keys of each table came to, and where the file gives them.
     records: BTreeMap<&'static str, Record>,
-    /// The same of each satellite.
+    /// The same of each `[[orbit]]`.
     orbit_records: Vec<Record>,
+    /// For each of `orbits` the place of its table; empty where each has its own.
+    orbit_tables: Vec<usize>,
     /// The text that it was made of, where that is no file's.
     text: Option<String>,
     /// Keys that were set in place of the file's.
@@ -212,7 +216,7 @@ impl Scene {
 
     /// The line, from 1, on which the file gives a key of the satellite of that place in [`Self::orbits`].
     pub fn orbit_line(&self, orbit: usize, key: &str) -> Option<usize> {
-        self.orbit_records.get(orbit)?.line(key)
+        self.orbit_records.get(self.orbit_table(orbit))?.line(key)
     }
 
     /// Reads all of its files of orbits as `strict = true` does.

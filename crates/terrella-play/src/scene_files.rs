@@ -25,7 +25,13 @@ pub struct SceneFile {
 /// Maps that are not found; with `strict = true` a map that is missing.
 pub fn scene_files(scene: &Scene) -> Result<Vec<SceneFile>, PlayError> {
     let (earth, sky) = (&scene.earth, &scene.sky);
-    let orbits = scene.orbits.iter();
+    // A table's file counts once, however many satellites of it are flown.
+    let is_first = |index: usize| {
+        let table = scene.orbit_table(index);
+        index == 0 || scene.orbit_table(index - 1) != table
+    };
+    let orbits = scene.orbits.iter().enumerate();
+    let orbits = orbits.filter(|(index, _)| is_first(*index));
     let mut all = Vec::new();
     let mut add = |key, paths: Vec<PathBuf>| {
         all.extend(paths.into_iter().map(|path| SceneFile { key, path }));
@@ -36,7 +42,7 @@ pub fn scene_files(scene: &Scene) -> Result<Vec<SceneFile>, PlayError> {
     );
     add(
         "orbit.file",
-        orbits.filter_map(|orbit| orbit.file.clone()).collect(),
+        orbits.filter_map(|(_, orbit)| orbit.file.clone()).collect(),
     );
     let maps_key = match earth.pack {
         Some(_) => "earth.pack",

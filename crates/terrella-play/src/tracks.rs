@@ -6,6 +6,7 @@
 mod labels;
 mod roster;
 mod style;
+mod swarm;
 
 use super::egui_pass::EguiTarget;
 use super::error::PlayError;
@@ -13,17 +14,21 @@ use super::flight::{Flight, Moment};
 use super::satellites::orientation_at;
 use labels::Labels;
 use roster::RosterTracks;
-use std::sync::Arc;
 use style::style;
+use swarm::Swarm;
 use terrella::frames::EarthOrientation;
 use terrella::tracks::{TrackLabel, TrackMoment, TrackStats, Tracks, TracksOptions};
 use terrella::{Earth, FrameStats, GpuContext};
-use terrella_orbit::Feed;
+
+/// In a scene of more satellites those of a table that flies many have markers without names.
+const MAX_NAMED: usize = 100;
 
 /// The tracks of a picture or a window.
 pub struct TracksLayer {
     tracks: Tracks,
-    feeds: Vec<Arc<dyn Feed>>,
+    swarm: Swarm,
+    /// Whether each has its name written; all have where this is empty.
+    is_named: Vec<bool>,
     orientation: Option<EarthOrientation>,
     labels: Option<Labels>,
     is_complete: bool,
@@ -60,18 +65,24 @@ impl TracksLayer {
         if let Some(roster) = RosterTracks::of(flight) {
             return Ok(Some(Self {
                 tracks: Tracks::new(&gpu.device, &options, &[])?,
-                feeds: Vec::new(),
+                swarm: Swarm::default(),
+                is_named: Vec::new(),
                 orientation: flight.earth_orientation().cloned(),
                 labels: Some(Labels::new(&gpu.device, options.color_format)),
                 is_complete: false,
                 roster: Some(roster),
             }));
         }
+        let is_crowded = scene.orbits.len() > MAX_NAMED;
         let shown = scene.orbits.iter().zip(flight.satellites()).enumerate();
+        let mut is_named = Vec::new();
         let (styles, feeds): (Vec<_>, Vec<_>) = shown
             .filter(|(_, (orbit, _))| !orbit.track.is_off())
             .map(|(index, (orbit, satellite))| {
-                (style(index, orbit, width_px), satellite.shared_feed())
+                let is_followed = index == flight.followed();
+                is_named.push(!is_crowded || orbit.all.is_none() || is_followed);
+                let table = scene.orbit_table(index);
+                (style(table, orbit, width_px), satellite.shared_feed())
             })
             .unzip();
         if styles.is_empty() {
@@ -80,7 +91,8 @@ impl TracksLayer {
         let has_names = styles.iter().any(|style| style.marker);
         Ok(Some(Self {
             tracks: Tracks::new(&gpu.device, &options, &styles)?,
-            feeds,
+            swarm: Swarm::of(feeds),
+            is_named,
             orientation: flight.earth_orientation().cloned(),
             labels: has_names.then(|| Labels::new(&gpu.device, options.color_format)),
             is_complete: false,
@@ -96,7 +108,7 @@ impl TracksLayer {
         match Tracks::new(&gpu.device, self.tracks.options(), &styles) {
             Ok(tracks) => {
                 self.tracks = tracks;
-                self.feeds = feeds;
+                self.swarm = Swarm::of(feeds);
             }
             // The styles are those of a scene, which are checked; the shaders were good before.
             Err(error) => tracing::warn!("tracks stay as they were: {error}"),
@@ -126,7 +138,8 @@ impl TracksLayer {
             view: &moment.view,
             target: size.into(),
         };
-        let feeds = self.feeds.iter().map(Arc::as_ref);
+        self.swarm.look_at(moment.epoch);
+        let feeds = self.swarm.feeds();
         let own = match detail {
             TrackDetail::Live => self.tracks.prepare(&gpu.queue, &when, feeds),
             TrackDetail::Complete => self.tracks.prepare_complete(&gpu.queue, &when, feeds),
@@ -162,9 +175,10 @@ impl TracksLayer {
         let [x, y] = [larger(size.0, drawn_size.0), larger(size.1, drawn_size.1)];
         if let Some(labels) = &mut self.labels {
             let names = self.tracks.labels().iter().filter_map(|label| {
-                let feed = self.feeds.get(label.satellite)?;
+                let is_named = self.is_named.get(label.satellite).copied().unwrap_or(true);
+                let name = self.swarm.name(label.satellite).filter(|_| is_named)?;
                 let at_px = [label.at_px[0] * x, label.at_px[1] * y];
-                Some((TrackLabel { at_px, ..*label }, feed.name()))
+                Some((TrackLabel { at_px, ..*label }, name))
             });
             let target = EguiTarget {
                 device: &gpu.device,

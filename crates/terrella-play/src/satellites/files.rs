@@ -2,11 +2,11 @@
 
 use super::{FileRemark, Integrated, Satellite, Sources, integrated_span, orientation_at};
 use crate::error::PlayError;
-use crate::scene::{Orbit, OrbitSource, Scene};
+use crate::scene::{Many, Orbit, OrbitSource, Scene, SceneError};
 use std::path::Path;
 use std::sync::Arc;
 use terrella::frames::rfc3339;
-use terrella_orbit::{FileFormat, OrbitError};
+use terrella_orbit::{Feed, FileFormat, OrbitError};
 
 /// How many faults of a file are told when it is read.
 const FAULTS_TOLD: usize = 10;
@@ -21,20 +21,7 @@ pub(super) fn open(
     Sources { table, files, .. }: &mut Sources<'_>,
 ) -> Result<Satellite, PlayError> {
     let name = orbit.name.as_deref();
-    let check = |format| match OrbitSource::of(format) {
-        source if source == orbit.source => Ok(()),
-        source => {
-            let given = source_key(orbit.source);
-            let remedy = format!(
-                "{} holds {}; write source = \"{}\"",
-                file.display(),
-                format_name(format),
-                source_key(source)
-            );
-            Err(scene.refuse_orbit(index, "source", given, remedy))
-        }
-    };
-    let remarks = |faults: &[OrbitError]| faults.iter().map(FileRemark::of).collect::<Vec<_>>();
+    let check = |format| check_source(scene, index, orbit, file, format);
     let (tracked, faults, faults_left_out, is_new) = match orbit.source {
         OrbitSource::Tle | OrbitSource::Omm => {
             // Without a name the only satellite is meant, and which is the only one a spoilt record leaves open.
@@ -94,6 +81,93 @@ pub(super) fn open(
         faults_left_out,
         ..tracked
     })
+}
+
+/// The satellites of a file that one table flies, in the file's order. What is wrong with the file is with the first of them.
+///
+/// # Errors
+/// If the file cannot be read, is of another kind, or has none of them.
+pub fn open_many(
+    scene: &Scene,
+    index: usize,
+    orbit: &Orbit,
+    (many, file): (&Many, &Path),
+    sources: &mut Sources<'_>,
+) -> Result<Vec<Satellite>, PlayError> {
+    let check = |format| check_source(scene, index, orbit, file, format);
+    let (mut satellites, faults, left_out) = match orbit.source {
+        OrbitSource::Tle | OrbitSource::Omm => {
+            let read = sources.files.catalogue(file, orbit.strict)?;
+            let catalogue = &read.content;
+            check(catalogue.format)?;
+            let feeds = catalogue.feeds.iter().filter(|feed| {
+                let elements = feed.elements();
+                let names = [Some(elements.name.as_str()), elements.object_id.as_deref()];
+                many.has(names.into_iter().flatten(), Some(feed.catalogue_number()))
+            });
+            let satellites: Vec<_> = feeds
+                .map(|feed| Satellite {
+                    elements: Some(feed.elements().clone()),
+                    ..Satellite::of(feed.clone())
+                })
+                .collect();
+            (
+                satellites,
+                remarks(&catalogue.faults),
+                catalogue.faults_left_out,
+            )
+        }
+        _ => {
+            let read = sources.files.ephemerides(file, orbit.strict)?;
+            let ephemerides = &read.content;
+            check(ephemerides.format)?;
+            let feeds = ephemerides.feeds.iter().filter(|feed| {
+                let names = [Some(feed.name()), feed.id(), feed.object_id()];
+                many.has(names.into_iter().flatten(), None)
+            });
+            let satellites: Vec<_> = feeds.map(|feed| Satellite::of(feed.clone())).collect();
+            (
+                satellites,
+                remarks(&ephemerides.faults),
+                ephemerides.faults_left_out,
+            )
+        }
+    };
+    tell(file, &faults, left_out);
+    match satellites.first_mut() {
+        Some(first) => {
+            first.faults = faults;
+            first.faults_left_out = left_out;
+            Ok(satellites)
+        }
+        None => Err(scene.none_of_many(index, many, file).into()),
+    }
+}
+
+fn remarks(faults: &[OrbitError]) -> Vec<FileRemark> {
+    faults.iter().map(FileRemark::of).collect()
+}
+
+/// Refuses a file of another kind than the table says.
+fn check_source(
+    scene: &Scene,
+    index: usize,
+    orbit: &Orbit,
+    file: &Path,
+    format: FileFormat,
+) -> Result<(), SceneError> {
+    let source = OrbitSource::of(format);
+    if source == orbit.source {
+        return Ok(());
+    }
+    let given = source_key(orbit.source);
+    let remedy = format!(
+        "{} holds {}; write source = \"{}\"",
+        file.display(),
+        format_name(format),
+        source_key(source)
+    );
+    Err(scene.refuse_orbit(index, "source", given, remedy))
 }
 
 /// Warns of what is wrong with a file, or to be noticed.

@@ -82,6 +82,7 @@ pub(super) fn check(source: SceneText<'_>, raw: RawScene) -> Result<Scene, Scene
         quality,
         records: records.into(),
         orbit_records: orbit_records.collect(),
+        orbit_tables: Vec::new(),
         text: None,
         settings: Vec::new(),
     })

@@ -129,9 +129,12 @@ impl Scene {
         self.time.start = start;
         self.time.start_from = from;
         self.set("time", "start", quoted(&utc(start)));
-        for (orbit, record) in self.orbits.iter_mut().zip(&mut self.orbit_records) {
-            if record.line("epoch").is_none()
+        for index in 0..self.orbits.len() {
+            let table = self.orbit_table(index);
+            if let Some(orbit) = self.orbits.get_mut(index)
                 && let Some(motion) = &mut orbit.motion
+                && let Some(record) = self.orbit_records.get_mut(table)
+                && record.line("epoch").is_none()
             {
                 motion.start_mut().epoch = start;
                 record.set("epoch", quoted(&utc(start)));
@@ -147,10 +150,11 @@ impl Scene {
     /// `elements`, hold for `validity` only.
     pub fn stand_in(&mut self, orbit: usize, elements: KeplerElements, validity: (Epoch, Epoch)) {
         let start = self.time.start;
+        let table = self.orbit_table(orbit);
         let Some((slot, record)) = self
             .orbits
             .get_mut(orbit)
-            .zip(self.orbit_records.get_mut(orbit))
+            .zip(self.orbit_records.get_mut(table))
         else {
             return;
         };

@@ -107,6 +107,10 @@ const STRICT: &Only = &only(
     &[Tle, Omm, Oem, Opm, Czml, Csv, Sp3, Stk],
     "is for files of which parts can be passed over: \"tle\", \"omm\", \"oem\", \"opm\", \"czml\", \"csv\", \"sp3\" and \"stk\"",
 );
+const MANY: &Only = &only(
+    &[Tle, Omm, Oem, Czml, Csv, Sp3, Stk],
+    "is for files of many satellites: \"tle\", \"omm\", \"oem\", \"czml\", \"csv\", \"sp3\" and \"stk\"",
+);
 const MOTION: &Only = &only(
     &[Kepler, Numerical],
     "is for source = \"kepler\" and \"numerical\", whose start the scene gives",
@@ -189,6 +193,10 @@ table_with_tracks!(RawOrbit = "orbit" {
     file: RawPath, of "a file of elements or states", for FILE;
     /// Which satellite of the file; without a file, what the satellite is called.
     name: String, of "a string, the satellite's name";
+    // True or a string, checked by many.rs.
+    /// Whether this table flies many satellites of the file: all of them, those whose names match a pattern of `*` and `?`, or those in a
+    /// range of catalogue numbers. By default false.
+    all: toml::Value, of "true, false, a pattern of names like \"STARLINK*\" or a range of catalogue numbers like \"44713..44772\"", for MANY;
     /// Whether one bad record rejects the file.
     strict: bool, default false, for STRICT;
     // Any value: both a string and TOML's own date-time are read.

@@ -1,6 +1,7 @@
 //! `[orbit]`, checked: a satellite and where its motion is from.
 
 use super::choices::OrbitSource;
+use super::many::Many;
 use super::tracks::Track;
 use glam::DVec3;
 use std::path::PathBuf;
@@ -21,6 +22,8 @@ pub struct Orbit {
     pub file: Option<PathBuf>,
     /// Which satellite of the file, where `None` is its only one; without a file, what it is called.
     pub name: Option<String>,
+    /// Which of many satellites of the file are flown; once they are opened, each is an orbit of its own with its name.
+    pub all: Option<Many>,
     /// Whether one bad record refuses the file; else bad records of other satellites and bad states of ephemerides are passed
     /// over and reported.
     pub strict: bool,
@@ -41,6 +44,7 @@ impl Orbit {
             source: OrbitSource::Tle,
             file: None,
             name: None,
+            all: None,
             strict: false,
             motion: None,
             live: None,

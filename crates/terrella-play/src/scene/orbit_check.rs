@@ -19,6 +19,7 @@ use toml::Spanned;
 
 // Why keys of a satellite have no value.
 const BUILT_IN: &str = "the space station's elements are built in";
+const ONE_OF_MANY: &str = "all says which satellites are flown";
 pub(super) const ONLY_OF_FILE: &str = "the file's only satellite is taken";
 const BY_ELEMENTS: &str = "the start is given by elements";
 const BY_AXIS: &str = "the size is given by the semi-major axis";
@@ -89,11 +90,13 @@ impl SceneText<'_> {
             None => Err(match source {
                 OrbitSource::Basilisk => "cameras fly with the simulation's first spacecraft",
                 OrbitSource::Live => "it is called as its packets say",
+                _ if file.is_some() && orbit.all().is_given() => ONE_OF_MANY,
                 _ if file.is_some() => ONLY_OF_FILE,
                 _ if source.is_file() => BUILT_IN,
                 _ => "it is called by its source",
             }),
         });
+        let all = self.many(orbit, source, file.is_some(), name.is_some())?;
         let strict = orbit.strict();
         if file.is_none() {
             strict.note(Err(BUILT_IN));
@@ -144,6 +147,7 @@ impl SceneText<'_> {
             live,
             basilisk,
             name,
+            all,
             strict: strict.is_on(),
             motion,
             track: self.track(orbit, tracks)?,

@@ -9,15 +9,19 @@ use super::{Scene, basilisk, live};
 impl Scene {
     /// What each satellite flies by.
     pub(super) fn orbit_uses(&self) -> Vec<(&'static str, String)> {
-        self.orbits
-            .iter()
-            .map(|orbit| ("orbit", flies_by(orbit)))
+        let firsts = self.first_of_tables().into_iter();
+        let firsts = firsts.filter_map(|(index, count)| Some((self.orbits.get(index)?, count)));
+        firsts
+            .map(|(orbit, count)| ("orbit", flies_by(orbit, count)))
             .collect()
     }
 }
 
-fn flies_by(orbit: &Orbit) -> String {
+fn flies_by(orbit: &Orbit, count: usize) -> String {
     let whose = match (&orbit.file, &orbit.name) {
+        (Some(file), _) if let Some(many) = &orbit.all => {
+            format!("{} of {}: {count}", many.text(), file.display())
+        }
         (None, _) => "the built-in elements of the International Space Station".to_owned(),
         (Some(file), Some(name)) => format!("{} of {}", printable(name), file.display()),
         (Some(file), None) => format!("the only satellite of {}", file.display()),
@@ -64,7 +68,8 @@ fn flies_by(orbit: &Orbit) -> String {
 impl Scene {
     /// What is drawn of each satellite of which anything is.
     pub(super) fn track_uses(&self) -> Vec<(&'static str, String)> {
-        let shown = self.orbits.iter().enumerate();
+        let firsts = self.first_of_tables().into_iter();
+        let shown = firsts.filter_map(|(index, _)| Some((index, self.orbits.get(index)?)));
         shown
             .filter(|(_, orbit)| !orbit.track.is_off())
             .map(|(index, orbit)| ("track", track_text(index, orbit)))
@@ -103,6 +108,7 @@ fn track_text(index: usize, orbit: &Orbit) -> String {
     ];
     let parts: Vec<_> = parts.into_iter().flatten().collect();
     let whose = match &orbit.name {
+        _ if let Some(many) = &orbit.all => many.text(),
         Some(name) => printable(name),
         None => format!("satellite {}", index + 1),
     };

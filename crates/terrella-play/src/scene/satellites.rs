@@ -86,7 +86,7 @@ impl Scene {
 
     /// A refusal of the satellite of that place, where its key stands.
     pub fn refuse_orbit(&self, orbit: usize, key: &str, value: &str, remedy: String) -> SceneError {
-        let record = self.orbit_records.get(orbit);
+        let record = self.orbit_records.get(self.orbit_table(orbit));
         let any = record.and_then(Record::first_line);
         let line = self.orbit_line(orbit, key).or(any);
         self.refusal("orbit", key, line, value, remedy)

@@ -110,6 +110,7 @@ fn own(key: &Key) -> Value {
     let table = || table_within(key.name);
     match key.name {
         "start" | "epoch" => json!({ "type": "string" }),
+        "all" => json!({ "anyOf": [{ "type": "boolean" }, { "type": "string" }] }),
         "trail" | "ground_track" => json!({ "anyOf": [{ "type": "boolean" }, table()] }),
         "burns" => json!({ "type": "array", "maxItems": MAX_BURNS, "items": table() }),
         "events" => {
@@ -176,8 +177,8 @@ pub(super) fn parts(key: &str) -> Vec<KeyPart> {
             ),
             part(
                 "axes",
-                words(&["flight", "gcrf"]),
-                "Axes of the acceleration: of the flight (x along the velocity, z along the angular momentum), the default, or of the GCRF.",
+                words(&["flight", "radial", "gcrf"]),
+                "Axes of the acceleration: of the flight (x along the velocity, z along the angular momentum), the default, radial (x away from the Earth's centre, z likewise), or of the GCRF.",
             ),
         ],
         "day_maps" | "cloud_maps" | "night_light_maps" => vec![

@@ -42,7 +42,7 @@ impl Scene {
                 continue;
             }
             let head = match table.name {
-                "orbit" if self.orbits.len() > 1 => "[[orbit]]".to_owned(),
+                "orbit" if self.orbit_records.len() > 1 => "[[orbit]]".to_owned(),
                 name => format!("[{name}]"),
             };
             line(&mut out, format_args!("\n{head}"));
@@ -115,7 +115,9 @@ impl Scene {
     fn default_from(&self, table: &str, key: &str) -> &'static str {
         match self.is_of_orbits() {
             false => "default",
-            true if table == "orbit" && ["source", "file", "name", "strict"].contains(&key) => {
+            true if table == "orbit"
+                && ["source", "file", "name", "all", "strict"].contains(&key) =>
+            {
                 "the command line"
             }
             true => "the built-in scene",
@@ -132,9 +134,9 @@ impl Scene {
         }
     }
 
-    /// Satellites after the first: only what they use.
+    /// Tables after the first: only what they use.
     fn other_orbits(&self, out: &mut String, table: &Table) {
-        for index in 1..self.orbits.len() {
+        for (index, _) in self.first_of_tables().into_iter().skip(1) {
             line(out, format_args!("\n[[orbit]]"));
             for key in table.keys {
                 let line_of = self.orbit_line(index, key.name);
@@ -163,7 +165,7 @@ impl Scene {
         let orbit = self.orbits.get(index).ok_or(NO_ORBIT)?;
         match foreign(orbit.source, key) {
             Some(why) => Err(why),
-            None => recorded(self.orbit_records.get(index), key),
+            None => recorded(self.orbit_records.get(self.orbit_table(index)), key),
         }
     }
 
