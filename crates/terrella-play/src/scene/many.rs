@@ -110,8 +110,7 @@ impl SceneText<'_> {
         let field = orbit.all();
         let many = self.many_of(&field)?;
         field.note(match &many {
-            None if !field.is_given() && has_name => Err("name says which satellite is flown"),
-            None if !field.is_given() && !has_file => Err("only for satellites of a file"),
+            None if !field.is_given() => Err("one satellite is flown"),
             None => Ok("false".to_owned()),
             Some(Many::All) => Ok("true".to_owned()),
             Some(Many::Named(pattern)) => super::record::quoted(pattern),

@@ -89,18 +89,37 @@ mod tests {
     use terrella::frames::Duration;
     use terrella_orbit::Sgp4Feed;
 
+    fn feeds(iss: &Sgp4Feed, count: u32) -> Vec<Arc<dyn Feed>> {
+        let origin: Arc<Path> = Arc::from(Path::new("many"));
+        let feeds = (0..count).map(|k| {
+            let mut elements = iss.elements().clone();
+            elements.mean_anomaly_deg = f64::from(k % 360);
+            let feed = Sgp4Feed::from_elements(elements, Arc::clone(&origin), 1);
+            Arc::new(feed.expect("an orbit")) as Arc<dyn Feed>
+        });
+        feeds.collect()
+    }
+
+    /// `cargo test --release --lib print_swarm -- --ignored --nocapture`
+    #[test]
+    #[ignore = "measures"]
+    fn print_swarm_times() {
+        let iss = Sgp4Feed::built_in_iss().expect("built in");
+        let mut swarm = Swarm::of(feeds(&iss, 30_000));
+        for frame in 0..10 {
+            let began = std::time::Instant::now();
+            swarm.look_at(iss.epoch() + Duration::from_seconds(f64::from(frame)));
+            println!(
+                "frame {frame}: {:.1} ms",
+                began.elapsed().as_secs_f64() * 1e3
+            );
+        }
+    }
+
     #[test]
     fn states_are_those_of_the_feeds() {
         let iss = Sgp4Feed::built_in_iss().expect("built in");
-        let origin: Arc<Path> = Arc::from(Path::new("many"));
-        let feeds: Vec<Arc<dyn Feed>> = (0..300)
-            .map(|k| {
-                let mut elements = iss.elements().clone();
-                elements.mean_anomaly_deg = f64::from(k);
-                let feed = Sgp4Feed::from_elements(elements, Arc::clone(&origin), 1);
-                Arc::new(feed.expect("an orbit")) as Arc<dyn Feed>
-            })
-            .collect();
+        let feeds = feeds(&iss, 300);
         let mut swarm = Swarm::of(feeds.clone());
         for hours in [0.0, 1.0, 800.0] {
             let epoch = iss.epoch() + Duration::from_hours(hours);
