@@ -134,6 +134,15 @@ pub trait Feed: Send + Sync {
     fn gaps(&self) -> Vec<(Epoch, Epoch)> {
         Vec::new()
     }
+    /// Instants within the validity, in order, at which the motion is not smooth: an engine fires, or another record begins. The state
+    /// of such an instant is that behind it.
+    fn breaks(&self) -> Vec<Epoch> {
+        Vec::new()
+    }
+    /// The international designator, `1998-067A`, where the source has one.
+    fn object_id(&self) -> Option<&str> {
+        None
+    }
     /// Whether what it says now is up to date; only live feeds can be late.
     fn freshness(&self) -> Freshness {
         Freshness::Settled
@@ -167,6 +176,14 @@ impl<F: Feed + ?Sized> Feed for std::sync::Arc<F> {
 
     fn gaps(&self) -> Vec<(Epoch, Epoch)> {
         self.as_ref().gaps()
+    }
+
+    fn breaks(&self) -> Vec<Epoch> {
+        self.as_ref().breaks()
+    }
+
+    fn object_id(&self) -> Option<&str> {
+        self.as_ref().object_id()
     }
 
     fn freshness(&self) -> Freshness {

@@ -78,6 +78,8 @@ pub struct NumericalFeed {
     events: Vec<Event>,
     counts: Counts,
     stiff: Vec<(Epoch, Epoch)>,
+    /// When thrusts begin and end.
+    breaks: Vec<Epoch>,
 }
 
 impl NumericalFeed {
@@ -125,6 +127,11 @@ impl NumericalFeed {
         let at = |t| epoch + Duration::from_seconds(t);
         let stiff = stiff.into_iter().map(|(a, b)| (at(a), at(b))).collect();
         events.sort_by_key(|event| event.epoch);
+        let (first, last) = validity.interval();
+        let ends = model.thrusts.iter().flat_map(|one| [one.first, one.last]);
+        let mut breaks: Vec<_> = ends.filter(|at| (first..=last).contains(at)).collect();
+        breaks.sort();
+        breaks.dedup();
         Ok(Self {
             name,
             epoch,
@@ -134,6 +141,7 @@ impl NumericalFeed {
             events,
             counts,
             stiff,
+            breaks,
         })
     }
 
@@ -217,6 +225,10 @@ impl Feed for NumericalFeed {
 
     fn impact(&self) -> Option<Epoch> {
         self.validity.impacts.after
+    }
+
+    fn breaks(&self) -> Vec<Epoch> {
+        self.breaks.clone()
     }
 
     fn state_at(&self, epoch: Epoch) -> Result<OrbitState, OrbitError> {

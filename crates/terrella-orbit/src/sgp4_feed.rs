@@ -177,6 +177,17 @@ impl Feed for Sgp4Feed {
         between.filter(is_gap).collect()
     }
 
+    fn breaks(&self) -> Vec<Epoch> {
+        match self.earlier.is_empty() {
+            true => Vec::new(),
+            false => self.spans().iter().skip(1).map(|span| span.0).collect(),
+        }
+    }
+
+    fn object_id(&self) -> Option<&str> {
+        self.newest.elements.object_id.as_deref()
+    }
+
     fn state_at(&self, epoch: Epoch) -> Result<OrbitState, OrbitError> {
         self.nearest(epoch).state_at(epoch)
     }

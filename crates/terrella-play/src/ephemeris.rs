@@ -1,5 +1,6 @@
 //! Where a scene's satellites are: tables for people and programs, and messages for other programs.
 
+use super::stretches::stretches;
 use super::{Flight, PlayError, Satellite};
 use std::fmt::Write;
 use std::path::Path;
@@ -7,9 +8,7 @@ use terrella::frames::{
     Duration, Epoch, Geodetic, Illumination, TimeScale, ccsds_time, illumination,
     sun_position_itrf_m,
 };
-use terrella_orbit::interpolated::{
-    EphemerisSegment, InterpolatedStates, Interpolation, StateSample,
-};
+use terrella_orbit::interpolated::{EphemerisSegment, InterpolatedStates, Interpolation};
 use terrella_orbit::{
     EphemerisFeed, Feed, Frame, Header, OrbitState, csv_header, csv_row, write_oem, write_omm,
 };
@@ -271,7 +270,7 @@ impl<'f> Ephemeris<'f> {
         self.flight.ellipsoid().geodetic_from_itrf(itrf.position_m)
     }
 
-    /// The states as an orbit ephemeris message, for the file `path`, and how far what a reader interpolates is from the
+    /// The states as an orbit ephemeris message, in segments where the motion is not smooth or not known, for the file `path`, and how far what a reader interpolates is from the
     /// satellite half-way between states, metres at most.
     ///
     /// # Errors
@@ -288,25 +287,23 @@ impl<'f> Ephemeris<'f> {
                 "the format has no name for PEF; take --frame itrf".to_owned(),
             ));
         }
-        let samples: Vec<_> = self
-            .states
-            .iter()
-            .map(|state| StateSample {
-                epoch: state.epoch,
-                position_m: state.position_m,
-                velocity_m_s: Some(state.velocity_m_s),
-            })
-            .collect();
-        let sampled = InterpolatedStates::new(frame, &samples, Interpolation::WITH_VELOCITIES)
-            .map_err(|error| refuse(format!("{error}; take a smaller step with --every")))?;
-        let id = self.satellite.elements().and_then(|e| e.object_id.clone());
+        let mut segments = Vec::new();
+        for samples in stretches(self.satellite.feed(), &self.states, |state| {
+            state.in_frame(frame, &self.flight.orientation_at(state.epoch))
+        })? {
+            let sampled = InterpolatedStates::new(frame, &samples, Interpolation::WITH_VELOCITIES)
+                .map_err(|error| refuse(format!("{error}; take a smaller step with --every")))?;
+            segments.push(EphemerisSegment::whole(sampled));
+        }
+        let id = self.satellite.feed().object_id().map(str::to_owned);
         let name = self.satellite.name().to_owned();
-        let feed = EphemerisFeed::new(name, id, vec![EphemerisSegment::whole(sampled)])
-            .map_err(|error| refuse(error.to_string()))?;
+        let feed =
+            EphemerisFeed::new(name, id, segments).map_err(|error| refuse(error.to_string()))?;
         let mut worst_m = 0.0_f64;
-        for pair in self.states.windows(2) {
-            if let [a, b] = pair {
-                let middle = a.epoch + (b.epoch - a.epoch) * 0.5;
+        for segment in feed.segments() {
+            let epochs: Vec<_> = segment.samples.samples().map(|one| one.epoch).collect();
+            for (a, b) in epochs.iter().zip(epochs.iter().skip(1)) {
+                let middle = *a + (*b - *a) * 0.5;
                 let orientation = self.flight.orientation_at(middle);
                 let meant = self.satellite.feed().state_at(middle)?;
                 let meant = meant.in_frame(frame, &orientation).position_m;

@@ -9,6 +9,7 @@ use super::film::{
     KeptFrames, PageHead, PictureSettings, checksum,
 };
 use super::flight::Flight;
+use super::gap_words::gap_words;
 use super::outlook::LightOutlook;
 use super::output::{OutputError, PendingFile};
 use super::progress::Progress;
@@ -147,7 +148,15 @@ pub fn export(
         frame_rate_hz: scene.time.frame_rate_hz,
         light: light.as_ref(),
     };
-    words.lines().iter().for_each(|line| progress.say(line));
+    let gaps = match wanted.is_empty() {
+        true => Vec::new(),
+        false => {
+            let at = |frame| frame_epoch(&scene.time, frame);
+            gap_words(flight, (at(wanted.start), at(wanted.end - 1)))
+        }
+    };
+    let lines = words.lines().into_iter().chain(gaps);
+    lines.for_each(|line| progress.say(&line));
 
     progress.begin("loading maps", None);
     let features = FilmPainter::features(&request.pictures);

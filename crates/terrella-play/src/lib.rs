@@ -78,6 +78,7 @@ mod float_files;
 #[cfg(feature = "window")]
 mod frame_cost;
 #[cfg(feature = "window")]
+mod gap_words;
 mod hand;
 #[cfg(feature = "window")]
 mod keys;
@@ -127,6 +128,7 @@ mod spline;
 mod stats;
 #[cfg(feature = "window")]
 mod still;
+mod stretches;
 #[cfg(feature = "window")]
 mod surface;
 #[cfg(feature = "window")]

@@ -181,6 +181,16 @@ impl Feed for EphemerisFeed {
         between.filter(|(end, begin)| end < begin).collect()
     }
 
+    fn breaks(&self) -> Vec<Epoch> {
+        let pairs = self.segments.iter().zip(self.segments.iter().skip(1));
+        let meeting = pairs.filter(|(a, b)| a.usable.1 == b.usable.0);
+        meeting.map(|(_, b)| b.usable.0).collect()
+    }
+
+    fn object_id(&self) -> Option<&str> {
+        self.object_id.as_deref()
+    }
+
     fn state_at(&self, epoch: Epoch) -> Result<OrbitState, OrbitError> {
         self.segment(epoch)
             .and_then(|segment| segment.samples.state_at(epoch))

@@ -253,6 +253,20 @@ impl Feed for OpmFeed {
         self.stretches.last().and_then(NumericalFeed::impact)
     }
 
+    fn breaks(&self) -> Vec<Epoch> {
+        let maneuvers = self.message.maneuvers.iter();
+        let ends = maneuvers.flat_map(|maneuver| [maneuver.ignition, maneuver.end()]);
+        let (first, last) = self.validity();
+        let mut breaks: Vec<_> = ends.filter(|at| (first..=last).contains(at)).collect();
+        breaks.sort();
+        breaks.dedup();
+        breaks
+    }
+
+    fn object_id(&self) -> Option<&str> {
+        self.message.object_id.as_deref()
+    }
+
     fn state_at(&self, epoch: Epoch) -> Result<OrbitState, OrbitError> {
         let is_inside = (self.span.0..=self.span.1).contains(&epoch);
         match self.stretch(epoch).filter(|_| is_inside) {
