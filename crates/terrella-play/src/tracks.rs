@@ -22,6 +22,8 @@ use terrella::{Earth, FrameStats, GpuContext};
 
 /// In a scene of more satellites those of a table that flies many have markers without names.
 const MAX_NAMED: usize = 100;
+/// And these are smaller by as much.
+const CROWD_WIDTH: f32 = 0.4;
 
 /// The tracks of a picture or a window.
 pub struct TracksLayer {
@@ -81,6 +83,8 @@ impl TracksLayer {
             .map(|(index, (orbit, satellite))| {
                 let is_followed = index == flight.followed();
                 is_named.push(!is_crowded || orbit.all.is_none() || is_followed);
+                let is_point = is_crowded && orbit.all.is_some() && !is_followed;
+                let width_px = width_px * if is_point { CROWD_WIDTH } else { 1.0 };
                 let table = scene.orbit_table(index);
                 (style(table, orbit, width_px), satellite.shared_feed())
             })
