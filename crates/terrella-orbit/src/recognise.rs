@@ -31,6 +31,14 @@ impl FileFormat {
         Self::of_text(&first_text(head))
     }
 
+    /// Whether a file begins as a message of the CCSDS that no reader takes: an OCM or an AEM. What to do with it,
+    /// [`Ephemerides`](crate::Ephemerides) says.
+    pub fn is_unread_message(head: &[u8]) -> bool {
+        let text = first_text(head);
+        let text = with_line_feeds(&text);
+        Self::of_text(&text).is_none() && message_of_another_kind(&text).is_some()
+    }
+
     /// What kind the ending of a file's name promises, without its dot and in any case. Endings that say no more than how a text
     /// is written (`txt`, `xml`, `json`) promise nothing.
     pub fn of_ending(ending: &str) -> Option<Self> {

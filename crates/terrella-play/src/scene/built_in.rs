@@ -176,7 +176,11 @@ fn recognise(path: &Path) -> Option<FileFormat> {
     let file = files::open(path).ok()?;
     file.take(HEAD_BYTES).read_to_end(&mut head).ok()?;
     let ending = path.extension().unwrap_or_default().to_string_lossy();
-    FileFormat::of_bytes(&head).or_else(|| FileFormat::of_ending(&ending))
+    // The reader of ephemerides says what such a message is, and what to do.
+    let unread = || FileFormat::is_unread_message(&head).then_some(FileFormat::Oem);
+    FileFormat::of_bytes(&head)
+        .or_else(unread)
+        .or_else(|| FileFormat::of_ending(&ending))
 }
 
 /// What is said of a file that is no scene and whose name does not call it one.
