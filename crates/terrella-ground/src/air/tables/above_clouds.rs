@@ -3,10 +3,10 @@
 use super::interpolation::{InterpolationBound, LitFromOutside};
 use super::sources::Sources;
 use super::transmittance::TransmittanceTable;
-use super::{AirOptions, Builder, Outside, RAYS, SUNLIGHT, shipped};
+use super::{AirOptions, Builder, Outside, RAYS, SUNLIGHT};
 use crate::air::model::AirModel;
 use glam::{Vec3, Vec4};
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::OnceLock;
 
 /// Height of the clouds that tables come with the crate for, metres.
 pub(super) const SHIPPED_M: f64 = 6_000.0;
@@ -28,27 +28,6 @@ pub struct AirAboveClouds {
 }
 
 impl AirAboveClouds {
-    /// The tables for these options and clouds at a height, metres. Those of the default air and height come with the crate; others are
-    /// computed where the process has not them yet, a third of a second on two cores.
-    pub fn shared(options: &AirOptions, height_m: f64) -> Arc<Self> {
-        /// Layers that are kept: a host with more makes some of them anew.
-        const KEPT: usize = 4;
-        type Made = ((AirOptions, f64), Arc<AirAboveClouds>);
-        static MADE: Mutex<Vec<Made>> = Mutex::new(Vec::new());
-        let wanted = (*options, height_m);
-        let mut made = MADE.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((_, tables)) = made.iter().find(|(of, _)| *of == wanted) {
-            return tables.clone();
-        }
-        let tables = Arc::new(match wanted == (AirOptions::default(), SHIPPED_M) {
-            true => shipped::above_clouds(),
-            false => Self::compute(options, height_m),
-        });
-        made.truncate(KEPT - 1);
-        made.insert(0, (wanted, tables.clone()));
-        tables
-    }
-
     /// Computes the tables; uses all cores.
     pub fn compute(options: &AirOptions, height_m: f64) -> Self {
         let air = AirModel::above(options, height_m);

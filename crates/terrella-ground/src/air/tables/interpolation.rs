@@ -234,7 +234,7 @@ impl LitFromOutside<'_> {
         let column = (x as usize).min(RAYS as usize - 2);
         let through = self.through[column].lerp(self.through[column + 1], x - column as f32);
         let light_on = sun_coordinate(mu_s) * (SUNLIGHT.x - 1) as f32;
-        let row = |n: usize| bilinear(&self.sunlight, SUNLIGHT.x, light_on, n as f32).truncate();
+        let row = |n: usize| bilinear(self.sunlight, SUNLIGHT.x, light_on, n as f32).truncate();
         Sample {
             light: black + albedo / (1.0 - albedo * self.sky_albedo) * bounce,
             through: through.truncate(),
