@@ -72,8 +72,12 @@ fn preview_writes_a_whole_picture_or_none() {
         terrella(&arguments, fixture.dir())
     };
     for storage in ["plain", "bc"] {
-        let done = write_sheet(&["--storage", storage]);
-        assert_eq!(done, (Some(0), String::new(), String::new()));
+        let (code, out, written) = write_sheet(&["--storage", storage]);
+        assert_eq!((code, out.as_str()), (Some(0), ""), "{written}");
+        assert!(
+            written.starts_with("sheet.png: 1328 × 344 pixels, "),
+            "{written}"
+        );
         let picture = image::open(&sheet).expect("a picture");
         assert_eq!((picture.width(), picture.height()), (4 * 332, 332 + 12));
     }
