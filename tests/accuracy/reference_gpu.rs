@@ -106,7 +106,7 @@ fn what_is_drawn_is_near_the_reference() {
         options.light.detail = false;
         // The mesh's silhouette is not what is judged here.
         options.subdivision = terrella::Subdivision::Cells(48);
-        let reference = Reference::new(&options.layers, ReferenceOptions::of(&options, 3));
+        let reference = Reference::new(&options.layers, ReferenceOptions::of(&options, 2));
         let reference = reference.expect("sound options");
         let exact = reference.render(&moment.view, &moment.sky, SIZE).to_rgba8();
         let gpu = adapter().expect("as before");
