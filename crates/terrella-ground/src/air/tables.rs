@@ -122,32 +122,16 @@ impl AirTables {
     /// The tables for these options. Those of the default air come with the crate; others are computed where the process has not them yet,
     /// half a second on two cores.
     pub fn shared(options: &AirOptions) -> Arc<Self> {
-        /// Airs that are kept: a host with more makes some of them anew.
-        const KEPT: usize = 4;
-        static MADE: Mutex<Vec<(AirOptions, Arc<AirTables>)>> = Mutex::new(Vec::new());
-        let mut made = MADE.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((_, tables)) = made.iter().find(|(of, _)| of == options) {
-            return tables.clone();
-        }
-        let tables = Arc::new(match *options == AirOptions::default() {
+        static MADE: Kept<AirOptions, AirTables> = Kept::none();
+        MADE.get(options, || match *options == AirOptions::default() {
             true => shipped::default_tables(),
             false => Self::compute(options),
-        });
-        made.truncate(KEPT - 1);
-        made.insert(0, (*options, tables.clone()));
-        tables
+        })
     }
 
     /// Computes the tables; uses all cores.
     pub fn compute(options: &AirOptions) -> Self {
-        let air = AirModel::new(options);
-        let transmittance = TransmittanceTable::compute(&air);
-        let sources = Sources::compute(&air, &transmittance);
-        let builder = Builder {
-            air: &air,
-            transmittance: &transmittance,
-            sources: &sources,
-        };
+        let builder = Builder::new(AirModel::new(options));
         let Outside {
             scattering,
             bounce,
@@ -158,7 +142,12 @@ impl AirTables {
             bounce,
             through,
             sunlight: builder.sunlight(),
-            transmittance: transmittance.texels.iter().map(|t| texel(*t)).collect(),
+            transmittance: builder
+                .transmittance
+                .texels
+                .iter()
+                .map(|t| texel(*t))
+                .collect(),
             sources: builder.sources(),
             profile: fill(PROFILE, |x, _, _| {
                 let h = (height_radius(x) - 1.0) * RADIUS_M;
@@ -166,7 +155,7 @@ impl AirTables {
                 let molecules = (profile::molecules(h) / exponential) as f32;
                 Vec4::new(molecules, profile::ozone(h) as f32, 0.0, 1.0)
             }),
-            sky_albedo: sources.sky_albedo.rgb(),
+            sky_albedo: builder.sources.sky_albedo.rgb(),
             interpolation: OnceLock::new(),
         }
     }
@@ -218,31 +207,46 @@ impl AirAboveClouds {
     /// The tables for these options and clouds at a height, metres. Those of the default air and height come with the crate; others are
     /// computed where the process has not them yet, a third of a second on two cores.
     pub fn shared(options: &AirOptions, height_m: f64) -> Arc<Self> {
-        /// Layers that are kept: a host with more makes some of them anew.
-        const KEPT: usize = 4;
-        type Made = ((AirOptions, f64), Arc<AirAboveClouds>);
-        static MADE: Mutex<Vec<Made>> = Mutex::new(Vec::new());
-        let wanted = (*options, height_m);
-        let mut made = MADE.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((_, tables)) = made.iter().find(|(of, _)| *of == wanted) {
-            return tables.clone();
-        }
-        let tables = Arc::new(
-            match wanted == (AirOptions::default(), above_clouds::SHIPPED_M) {
+        static MADE: Kept<(AirOptions, f64), AirAboveClouds> = Kept::none();
+        let shipped = (AirOptions::default(), above_clouds::SHIPPED_M);
+        MADE.get(&(*options, height_m), || {
+            match (*options, height_m) == shipped {
                 true => shipped::above_clouds(),
                 false => Self::compute(options, height_m),
-            },
-        );
-        made.truncate(KEPT - 1);
-        made.insert(0, (wanted, tables.clone()));
+            }
+        })
+    }
+}
+
+/// Tables that the process has made, by what they are for.
+struct Kept<K, T>(Mutex<Vec<(K, Arc<T>)>>);
+
+impl<K: Copy + PartialEq, T> Kept<K, T> {
+    /// How many are kept: a host with more makes some of them anew.
+    const COUNT: usize = 4;
+
+    const fn none() -> Self {
+        Self(Mutex::new(Vec::new()))
+    }
+
+    /// Those for a key, made where they are not there.
+    fn get(&self, key: &K, make: impl FnOnce() -> T) -> Arc<T> {
+        let mut made = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, tables)) = made.iter().find(|(of, _)| of == key) {
+            return tables.clone();
+        }
+        let tables = Arc::new(make());
+        made.truncate(Self::COUNT - 1);
+        made.insert(0, (*key, tables.clone()));
         tables
     }
 }
 
-struct Builder<'a> {
-    air: &'a AirModel,
-    transmittance: &'a TransmittanceTable,
-    sources: &'a Sources,
+/// An air whose light is known everywhere.
+struct Builder {
+    air: AirModel,
+    transmittance: TransmittanceTable,
+    sources: Sources,
 }
 
 /// Tables of rays from outside.
@@ -252,7 +256,17 @@ struct Outside {
     through: Vec<Vec4>,
 }
 
-impl Builder<'_> {
+impl Builder {
+    fn new(air: AirModel) -> Self {
+        let transmittance = TransmittanceTable::compute(&air);
+        let sources = Sources::compute(&air, &transmittance);
+        Self {
+            air,
+            transmittance,
+            sources,
+        }
+    }
+
     /// The tables of so many rays from outside, those that meet the ground first.
     fn outside(&self, rays: u32) -> Outside {
         const STEPS: u32 = 32;
@@ -267,7 +281,7 @@ impl Builder<'_> {
         };
         let columns = parallel(rays as usize, |x| {
             let ray = outside_ray(x as u32);
-            let path = |light| Path::new(self.air, self.transmittance, ray, STEPS, light);
+            let path = |light| Path::new(&self.air, &self.transmittance, ray, STEPS, light);
             let (path, of_ground) = (path(all_light), path(of_ground));
             let through = path.through.rgb();
             let alpha = 1.0 - luminance(through.as_dvec3()) as f32;
@@ -343,7 +357,7 @@ impl Builder<'_> {
                 to: to_top(1.0, mu),
                 crowd: 0.0,
             };
-            let path = Path::new(self.air, self.transmittance, ray, 40, light);
+            let path = Path::new(&self.air, &self.transmittance, ray, 40, light);
             let flat = (1.0 - mu * mu).sqrt();
             let weight = (weight * mu * 2.0 * PI / f64::from(AZIMUTHS)) as f32;
             let of_sun = |x: u32| {

@@ -1,8 +1,6 @@
 //! The air above a layer of clouds: what it does to the light of clouds, which the air below them does not touch.
 
 use super::interpolation::{InterpolationBound, LitFromOutside};
-use super::sources::Sources;
-use super::transmittance::TransmittanceTable;
 use super::{AirOptions, Builder, Outside, RAYS, SUNLIGHT};
 use crate::air::model::AirModel;
 use glam::{Vec3, Vec4};
@@ -30,14 +28,7 @@ pub struct AirAboveClouds {
 impl AirAboveClouds {
     /// Computes the tables; uses all cores.
     pub fn compute(options: &AirOptions, height_m: f64) -> Self {
-        let air = AirModel::above(options, height_m);
-        let transmittance = TransmittanceTable::compute(&air);
-        let sources = Sources::compute(&air, &transmittance);
-        let builder = Builder {
-            air: &air,
-            transmittance: &transmittance,
-            sources: &sources,
-        };
+        let builder = Builder::new(AirModel::above(options, height_m));
         let Outside {
             scattering,
             bounce,
@@ -48,7 +39,7 @@ impl AirAboveClouds {
             bounce,
             through,
             sunlight: builder.sunlight(),
-            sky_albedo: sources.sky_albedo.rgb(),
+            sky_albedo: builder.sources.sky_albedo.rgb(),
             interpolation: OnceLock::new(),
         }
     }
