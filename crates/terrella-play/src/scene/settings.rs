@@ -1,6 +1,6 @@
 //! Keys that a command sets in place of a scene's: changes to its text, so that they are read and checked as if they stood there.
 
-use super::error::{SceneError, printable};
+use super::error::SceneError;
 use super::text::line_starts;
 use std::str::FromStr;
 use toml::de::{DeTable, DeValue};
@@ -157,35 +157,16 @@ enum Place {
     End,
 }
 
-/// An error with the name of the option in place of the file's where a setting is meant.
-pub(super) fn of_setting(error: SceneError, settings: &[Setting]) -> SceneError {
-    let is_set = |table: &str, key: &str| settings.iter().any(|s| s.is_of(table, key));
-    match error {
-        SceneError::Unknown { mut place, remedy } if is_set(&place.table, &place.key) => {
-            (place.path, place.line) = ("--set".into(), None);
-            SceneError::Unknown { place, remedy }
-        }
-        SceneError::Value {
-            mut place,
-            value,
-            remedy,
-        } if is_set(&place.table, &place.key) => {
-            (place.path, place.line) = ("--set".into(), None);
-            SceneError::Value {
-                place,
-                value: printable(&value),
-                remedy,
-            }
-        }
-        // Of a table that no scene has.
-        SceneError::Unknown { mut place, remedy }
-            if place.key.is_empty() && settings.iter().any(|s| s.table == place.table) =>
-        {
-            (place.path, place.line) = ("--set".into(), None);
-            SceneError::Unknown { place, remedy }
-        }
-        error => error,
+/// An error with the name of the option in place of the file's where a setting is meant, or the table of one.
+pub(super) fn of_setting(mut error: SceneError, settings: &[Setting]) -> SceneError {
+    if let SceneError::Unknown { place, .. } | SceneError::Value { place, .. } = &mut error
+        && settings.iter().any(|setting| {
+            setting.table == place.table && (place.key.is_empty() || setting.key == place.key)
+        })
+    {
+        (place.path, place.line) = ("--set".into(), None);
     }
+    error
 }
 
 #[cfg(test)]
