@@ -1,20 +1,9 @@
 //! Orbit parameter messages at the command line and in scenes.
 
 use crate::Place;
-use std::path::Path;
+use crate::orbit::read_table;
 use terrella::frames::utc_from_rfc3339;
-use terrella_orbit::{Ephemerides, EphemerisFeed, Feed};
-
-fn printed(place: &Place, arguments: &[&str]) -> String {
-    String::from_utf8(place.succeed(arguments).stdout).expect("UTF-8")
-}
-
-fn read_table(text: &str) -> EphemerisFeed {
-    let origin = Path::new("printed.csv");
-    let read = Ephemerides::from_text(text, origin, true);
-    let feeds = read.unwrap_or_else(|error| panic!("{error}\n{text}"));
-    feeds.into_one(origin, None).expect("one satellite")
-}
+use terrella_orbit::{Ephemerides, Feed};
 
 const STATE: &str = "CCSDS_OPM_VERS = 2.0\nOBJECT_NAME = SAT\nOBJECT_ID = 2018-001A\nCENTER_NAME = EARTH\nREF_FRAME = EME2000\n\
     TIME_SYSTEM = UTC\nEPOCH = 2018-01-01T00:00:00\nX = 6778.137\nY = 0\nZ = 0.5\nX_DOT = 0\nY_DOT = 4.7\nZ_DOT = 6.05\n";
@@ -27,7 +16,7 @@ fn a_parameter_message_is_flown_from_its_state() {
     place.scene("sat.opm", &format!("{STATE}{BURN}"));
     // What the file is its text says; the scene begins with the state.
     let arguments = ["orbit", "sat.opm", "--frame", "eme2000", "--csv"];
-    let feed = read_table(&printed(&place, &arguments));
+    let feed = read_table(&place.printed(&arguments));
     let (first, last) = feed.validity();
     assert_eq!(
         first,
@@ -39,10 +28,8 @@ fn a_parameter_message_is_flown_from_its_state() {
     assert!((state.velocity_m_s.z - 6050.0).abs() < 1e-9, "{state:?}");
     // Without the impulse the speed is 100 m/s less after it.
     place.scene("coasting.opm", STATE);
-    let coasting = read_table(&printed(
-        &place,
-        &["orbit", "coasting.opm", "--frame", "eme2000", "--csv"],
-    ));
+    let coasting =
+        read_table(&place.printed(&["orbit", "coasting.opm", "--frame", "eme2000", "--csv"]));
     let at = utc_from_rfc3339("2018-01-01T00:30:00Z").expect("a date");
     let [pushed, coasting] =
         [&feed, &coasting].map(|feed| feed.state_at(at).expect("known").velocity_m_s.length());
@@ -62,7 +49,7 @@ fn a_parameter_message_is_flown_from_its_state() {
         "before.toml",
         "[time]\nstart = \"2017-12-31T23:00:00Z\"\n[orbit]\nsource = \"opm\"\nfile = \"sat.opm\"\nname = \"2018-001A\"\n",
     );
-    let checked = printed(&place, &["check", "before.toml"]);
+    let checked = place.printed(&["check", "before.toml"]);
     assert!(
         checked.contains("orbit parameter message, integrated: 2018-001A of"),
         "{checked}"
@@ -110,12 +97,9 @@ fn messages_are_written_in_segments_with_the_designator() {
         (again.object_id(), again.segments().len()),
         (Some("2018-001A"), 2)
     );
-    let flown = printed(
-        &place,
-        &[
-            "orbit", "sat.opm", "--every", "13", "--frame", "gcrf", "--csv",
-        ],
-    );
+    let flown = place.printed(&[
+        "orbit", "sat.opm", "--every", "13", "--frame", "gcrf", "--csv",
+    ]);
     let mut worst_m = 0.0_f64;
     for sample in read_table(&flown).segments()[0].samples.samples() {
         let state = again.state_at(sample.epoch).expect("known");

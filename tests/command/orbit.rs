@@ -11,11 +11,8 @@ fn config(name: &str) -> PathBuf {
     Path::new(crate::REPOSITORY).join("config").join(name)
 }
 
-fn printed(place: &Place, arguments: &[&str]) -> String {
-    String::from_utf8(place.succeed(arguments).stdout).expect("UTF-8")
-}
-
-fn read_table(text: &str) -> EphemerisFeed {
+/// The one satellite of a printed table.
+pub fn read_table(text: &str) -> EphemerisFeed {
     let origin = Path::new("printed.csv");
     let read = Ephemerides::from_text(text, origin, true);
     let feeds = read.unwrap_or_else(|error| panic!("{error}\n{text}"));
@@ -32,18 +29,15 @@ fn csv_reads_back_bit_for_bit_in_every_frame() {
     let iss = Sgp4Feed::built_in_iss().expect("built in");
     for frame in Frame::ALL {
         let name = frame.name().to_lowercase();
-        let text = printed(
-            &place,
-            &[
-                "orbit",
-                "iss.toml",
-                "--every",
-                "250.1234567",
-                "--csv",
-                "--frame",
-                &name,
-            ],
-        );
+        let text = place.printed(&[
+            "orbit",
+            "iss.toml",
+            "--every",
+            "250.1234567",
+            "--csv",
+            "--frame",
+            &name,
+        ]);
         let mut lines = text.lines();
         assert_eq!(
             lines.next(),
@@ -86,7 +80,7 @@ fn one_instant_is_printed_in_words_and_json() {
     place.scene("iss.toml", STATION);
     // An instant outside the scene, inside the elements' reach.
     let at = ["orbit", "iss.toml", "--at", "2018-01-20T00:00:00Z"];
-    let text = printed(&place, &[&at[..], &["--frame", "geodetic"]].concat());
+    let text = place.printed(&[&at[..], &["--frame", "geodetic"]].concat());
     let [head, row] = text.lines().collect::<Vec<_>>()[..] else {
         panic!("{text}");
     };
@@ -94,7 +88,7 @@ fn one_instant_is_printed_in_words_and_json() {
         head.contains("ISS (ZARYA)") && head.contains("latitude"),
         "{head}"
     );
-    let json = printed(&place, &[&at[..], &["--frame", "teme", "--json"]].concat());
+    let json = place.printed(&[&at[..], &["--frame", "teme", "--json"]].concat());
     let document: serde_json::Value = serde_json::from_str(&json).expect("JSON");
     assert_eq!(document["frame"], "TEME");
     let state = &document["states"][0];
@@ -187,7 +181,7 @@ fn every_source_has_a_scene_that_flies() {
     let place = Place::new();
     for name in ["omm", "oem", "czml", "csv", "kepler", "numerical"] {
         let path = config(&format!("{name}.toml"));
-        let text = printed(&place, &["orbit", &path.display().to_string(), "--csv"]);
+        let text = place.printed(&["orbit", &path.display().to_string(), "--csv"]);
         let feed = read_table(&text);
         let heights = text
             .lines()
@@ -206,12 +200,12 @@ fn every_source_has_a_scene_that_flies() {
             (scene.time.start, scene.time.end()),
             "{name}"
         );
-        let summary = printed(&place, &["check", &path.display().to_string()]);
+        let summary = place.printed(&["check", &path.display().to_string()]);
         assert!(summary.contains(&format!("\"{name}\"")), "{summary}");
     }
     // The second satellite of a scene, by name.
     let kepler = config("kepler.toml").display().to_string();
-    let long = printed(&place, &["orbit", &kepler, "--csv", "--satellite", "long"]);
+    let long = place.printed(&["orbit", &kepler, "--csv", "--satellite", "long"]);
     assert_eq!(read_table(&long).name(), "Long");
     let refusal = place.fail(2, &["orbit", &kepler, "--satellite", "Lang"]);
     assert!(refusal.contains("did you mean \"Long\"?"), "{refusal}");
@@ -334,7 +328,7 @@ fn a_spoilt_record_of_another_satellite_is_passed_over_unless_strict() {
     std::fs::write(place.path("two.tle"), station + &spoilt).expect("writes");
     let scene = "[orbit]\nfile = \"two.tle\"\n";
     place.scene("loose.toml", &format!("{scene}name = \"25544\"\n"));
-    let told = printed(&place, &["check", "loose.toml"]);
+    let told = place.printed(&["check", "loose.toml"]);
     assert!(
         told.contains("passed over") && told.contains("checksum"),
         "{told}"
@@ -369,12 +363,8 @@ fn the_table_of_orientation_moves_places_on_the_ground() {
     place.scene("plain.toml", STATION);
     let with = STATION.replace("[time]\n", "[time]\norientation = \"finals\"\n");
     place.scene("with.toml", &with);
-    let [plain, with] = ["plain.toml", "with.toml"].map(|scene| {
-        read_table(&printed(
-            &place,
-            &["orbit", scene, "--csv", "--frame", "itrf"],
-        ))
-    });
+    let [plain, with] = ["plain.toml", "with.toml"]
+        .map(|scene| read_table(&place.printed(&["orbit", scene, "--csv", "--frame", "itrf"])));
     let iss = Sgp4Feed::built_in_iss().expect("built in");
     let pairs = plain.segments()[0]
         .samples
@@ -405,9 +395,9 @@ fn the_table_of_orientation_moves_places_on_the_ground() {
     let turned = (plain.place.lon_rad - with.place.lon_rad).abs();
     assert!((3e-5..4.5e-5).contains(&turned), "{turned}");
 
-    let told = printed(&place, &["check", "plain.toml"]);
+    let told = place.printed(&["check", "plain.toml"]);
     assert!(told.contains("420 m"), "{told}");
-    let told = printed(&place, &["check", "with.toml"]);
+    let told = place.printed(&["check", "with.toml"]);
     assert!(
         told.contains("measured until") && !told.contains("420 m"),
         "{told}"
@@ -509,10 +499,7 @@ fn burns_change_a_motion_and_its_events_are_told() {
     // Half a turn of the new orbit, about 6029 s, after the middle of the burn at 650 s.
     let radius_km = |file: &str| {
         let at = "2018-01-15T13:01:04Z";
-        let text = printed(
-            &place,
-            &["orbit", file, "--at", at, "--frame", "gcrf", "--csv"],
-        );
+        let text = place.printed(&["orbit", file, "--at", at, "--frame", "gcrf", "--csv"]);
         let row = text.lines().nth(1).expect("a row");
         let numbers = row.split(',').skip(3).take(3);
         let numbers = numbers.map(|number| number.parse::<f64>().expect("a number"));
@@ -521,7 +508,7 @@ fn burns_change_a_motion_and_its_events_are_told() {
     let (plain, burnt) = (radius_km("plain.toml"), radius_km("burn.toml"));
     assert!((plain - 7000.0).abs() < 1e-3, "{plain}");
     assert!((burnt - 7371.0).abs() < 15.0, "{burnt}");
-    let told = printed(&place, &["orbit", "events.toml", "--events", "--csv"]);
+    let told = place.printed(&["orbit", "events.toml", "--events", "--csv"]);
     let rows: Vec<Vec<&str>> = told
         .lines()
         .skip(1)

@@ -4,10 +4,6 @@ use crate::Place;
 use terrella::frames::{Ellipsoid, Epoch, Geodetic, Orientation, utc_from_rfc3339};
 use terrella_orbit::{Feed, Frame, Sgp4Feed};
 
-fn printed(place: &Place, arguments: &[&str]) -> String {
-    String::from_utf8(place.succeed(arguments).stdout).expect("UTF-8")
-}
-
 /// Elevation of the built-in space station over 33.5° S, 70.25° W, 520 m, degrees.
 fn elevation_deg(epoch: Epoch) -> f64 {
     let station = Sgp4Feed::built_in_iss().expect("built in");
@@ -34,7 +30,7 @@ fn passes_are_where_the_satellite_is_and_the_same_in_every_layout() {
             "--min-elevation",
             "20",
         ];
-        printed(&place, &[&asked[..], more].concat())
+        place.printed(&[&asked[..], more].concat())
     };
     let csv = ask(&["--csv"]);
     let rows: Vec<Vec<&str>> = csv
@@ -65,7 +61,7 @@ fn passes_are_where_the_satellite_is_and_the_same_in_every_layout() {
         assert!(most > 20.0 && (at(highest) - most).abs() < 0.001, "{row:?}");
     }
     // Without --days the scene's own half an hour is looked through.
-    let short = printed(&place, &["orbit", "iss.toml", "--passes", "90,0"]);
+    let short = place.printed(&["orbit", "iss.toml", "--passes", "90,0"]);
     assert!(
         short.contains("12:00:00.000Z to 2018-01-15T12:30:00.000Z") && short.ends_with("none\n"),
         "{short}"
@@ -89,6 +85,6 @@ fn what_is_no_place_or_no_time_is_refused() {
     }
     let refusal = place.fail(2, &["orbit", "small.toml", "--passes", "0,0"]);
     assert!(refusal.contains("satellite"), "{refusal}");
-    let help = printed(&place, &["orbit", "--help"]);
+    let help = place.printed(&["orbit", "--help"]);
     assert!(help.contains("--min-elevation"), "{help}");
 }

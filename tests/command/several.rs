@@ -5,10 +5,6 @@ use std::path::Path;
 use terrella_orbit::{Ephemerides, Feed};
 use terrella_play::scene::Scene;
 
-fn printed(place: &Place, arguments: &[&str]) -> String {
-    String::from_utf8(place.succeed(arguments).stdout).expect("UTF-8")
-}
-
 const KEPLER: &str = "source = \"kepler\"\nperiapsis_km = 7000\n";
 
 #[test]
@@ -18,26 +14,20 @@ fn several_satellites_come_in_one_table() {
         "[time]\nduration_s = 600\n[[orbit]]\n[[orbit]]\nname = \"Two, high\"\n{KEPLER}[[orbit]]\nname = \"Three\"\n{KEPLER}"
     );
     place.scene("three.toml", &scene);
-    let csv = printed(&place, &["orbit", "three.toml", "--csv", "--all"]);
+    let csv = place.printed(&["orbit", "three.toml", "--csv", "--all"]);
     assert_eq!(csv.matches("epoch_utc").count(), 1);
     let read = Ephemerides::from_text(&csv, Path::new("three.csv"), true).expect("a table");
     let names: Vec<_> = read.feeds.iter().map(Feed::name).collect();
     assert_eq!(names, ["ISS (ZARYA)", "Two, high", "Three"]);
     let two = ["--satellite", "three", "--satellite", "two, high"];
-    let json = printed(
-        &place,
-        &[&["orbit", "three.toml", "--json"], &two[..]].concat(),
-    );
+    let json = place.printed(&[&["orbit", "three.toml", "--json"], &two[..]].concat());
     let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
     assert_eq!(
         (&json[0]["name"], &json[1]["name"]),
         (&"Three".into(), &"Two, high".into())
     );
     // One alone is an object, and every row is of it.
-    let one = printed(
-        &place,
-        &["orbit", "three.toml", "--json", "--satellite", "Three"],
-    );
+    let one = place.printed(&["orbit", "three.toml", "--json", "--satellite", "Three"]);
     let one: serde_json::Value = serde_json::from_str(&one).expect("JSON");
     assert_eq!(one["name"], "Three");
     let told = place.succeed(&[&["orbit", "three.toml", "--oem", "two.oem"], &two[..]].concat());
@@ -48,19 +38,16 @@ fn several_satellites_come_in_one_table() {
     );
     let oem = Ephemerides::from_file(&place.path("two.oem"), true).expect("an OEM");
     assert_eq!(oem.feeds.len(), 2);
-    let passes = printed(
-        &place,
-        &[
-            "orbit",
-            "three.toml",
-            "--all",
-            "--csv",
-            "--passes",
-            "0,0",
-            "--days",
-            "1",
-        ],
-    );
+    let passes = place.printed(&[
+        "orbit",
+        "three.toml",
+        "--all",
+        "--csv",
+        "--passes",
+        "0,0",
+        "--days",
+        "1",
+    ]);
     for name in ["\nISS (ZARYA),", "\n\"Two, high\",", "\nThree,"] {
         assert!(passes.contains(name), "{passes}");
     }
@@ -97,7 +84,7 @@ fn a_bad_line_is_told_and_refused_only_when_strict() {
     );
     let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
     assert_eq!(json["states"].as_array().map(Vec::len), Some(11));
-    let check = printed(&place, &["check", "flown.toml"]);
+    let check = place.printed(&["check", "flown.toml"]);
     assert!(
         check.contains("passed over") && check.contains("sat.oem:22:1: "),
         "{check}"
@@ -116,12 +103,12 @@ fn the_source_s_own_error_is_shown() {
     let place = Place::new();
     spoilt(&place);
     // √3 · 10 m.
-    let text = printed(&place, &["orbit", "flown.toml"]);
+    let text = place.printed(&["orbit", "flown.toml"]);
     assert!(
         text.lines().skip(1).all(|row| row.ends_with("±17.3 m")),
         "{text}"
     );
-    let csv = printed(&place, &["orbit", "flown.toml", "--csv"]);
+    let csv = place.printed(&["orbit", "flown.toml", "--csv"]);
     let error_m = csv
         .lines()
         .nth(1)
@@ -148,7 +135,7 @@ fn the_source_s_own_error_is_shown() {
         "{stats}"
     );
     // Where nothing is known of it nothing is said.
-    let json = printed(&place, &["orbit", "made.toml", "--json"]);
+    let json = place.printed(&["orbit", "made.toml", "--json"]);
     assert!(json.contains("\"error_m\": null"), "{json}");
 }
 
@@ -191,7 +178,7 @@ fn an_impact_is_told_with_its_time_and_place() {
         apart("lat_deg") < 0.01 && apart("lon_deg") < 0.01,
         "{impact} {last}"
     );
-    let text = printed(&place, &["orbit", "usual.toml", "-q"]);
+    let text = place.printed(&["orbit", "usual.toml", "-q"]);
     let row = text.lines().last().expect("a row");
     assert!(row.starts_with("meets the ground at 2018-01-15T"), "{row}");
     // An instant behind it.
@@ -225,7 +212,7 @@ fn the_usual_duration_is_shortened_to_what_an_ephemeris_holds() {
         "back.toml",
         &format!("[time]\nstart = 2018-01-15T12:05:00Z\nspeed = -60\n{orbit}"),
     );
-    let told = printed(&place, &["check", "back.toml"]);
+    let told = place.printed(&["check", "back.toml"]);
     assert!(told.contains("to 300:"), "{told}");
     place.scene(
         "end.toml",
@@ -266,7 +253,7 @@ fn a_scene_of_another_year_flies_a_stand_in() {
     assert!(refusal.contains("ISS stand-in"), "{refusal}");
     // Where the station's own reach, they are flown.
     place.scene("then.toml", "[time]\nstart = 2018-01-16T00:00:00Z\n");
-    let then = printed(&place, &["orbit", "then.toml"]);
+    let then = place.printed(&["orbit", "then.toml"]);
     assert!(then.starts_with("ISS (ZARYA),"), "{then}");
     let scene = Scene::load(&place.path("today.toml")).expect("a scene");
     assert!(scene.notices.is_empty());

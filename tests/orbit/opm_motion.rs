@@ -13,6 +13,22 @@ fn hours(hours: f64) -> Duration {
     Duration::from_seconds(hours * 3600.0)
 }
 
+/// What acts on a satellite with mass, areas and coefficients.
+fn all_forces(thrusts: Vec<Thrust>, orientation: Orientation) -> ForceModel {
+    ForceModel {
+        gravity: Gravity::Field {
+            degree: 20,
+            order: 20,
+        },
+        drag: Some(AtmosphereModel::Standard1976),
+        sun: true,
+        moon: true,
+        sunlight: Some(Shadow::Cone),
+        thrusts,
+        orientation,
+    }
+}
+
 fn maneuver(epoch: &str, seconds: f64, frame: &str, dv: [f64; 3]) -> String {
     let [x, y, z] = dv;
     format!(
@@ -28,18 +44,7 @@ fn the_state_is_integrated_under_all_forces() {
     let none = Orientation::default();
     let motion = message.propagated(first, last, &none).unwrap();
     assert_eq!(motion.validity(), (first, last));
-    let model = ForceModel {
-        gravity: Gravity::Field {
-            degree: 20,
-            order: 20,
-        },
-        drag: Some(AtmosphereModel::Standard1976),
-        sun: true,
-        moon: true,
-        sunlight: Some(Shadow::Cone),
-        thrusts: Vec::new(),
-        orientation: none,
-    };
+    let model = all_forces(Vec::new(), none);
     let options = NumericalOptions::between(first, last);
     let alone = NumericalFeed::new("x", &message.state, &model, &message.craft, &options).unwrap();
     for hour in -3..=12 {
@@ -123,23 +128,13 @@ fn burns_are_accelerations_over_their_time_and_take_mass() {
     let motion = message.propagated(start(), last, &none).unwrap();
     let begin = start() + hours(2.0);
     let end = begin + Duration::from_seconds(600.0);
-    let model = ForceModel {
-        gravity: Gravity::Field {
-            degree: 20,
-            order: 20,
-        },
-        drag: Some(AtmosphereModel::Standard1976),
-        sun: true,
-        moon: true,
-        sunlight: Some(Shadow::Cone),
-        thrusts: vec![Thrust {
-            first: begin,
-            last: end,
-            acceleration_m_s2: DVec3::new(0.0, 0.1, 0.0),
-            axes: ThrustAxes::Radial,
-        }],
-        orientation: none,
+    let thrust = Thrust {
+        first: begin,
+        last: end,
+        acceleration_m_s2: DVec3::new(0.0, 0.1, 0.0),
+        axes: ThrustAxes::Radial,
     };
+    let model = all_forces(vec![thrust], none);
     let fly = |state: &OrbitState, craft: &Spacecraft, first, last| {
         NumericalFeed::new(
             "x",
