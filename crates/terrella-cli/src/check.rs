@@ -7,7 +7,7 @@ use terrella::frames::rfc3339;
 use terrella_orbit::Feed;
 use terrella_play::{Flight, LightOutlook};
 
-/// Most satellites that are told of one by one.
+/// Most satellites that are listed one by one.
 const MAX_LISTED: usize = 50;
 
 /// Arguments of `terrella check`.

@@ -1,4 +1,4 @@
-//! Records of a file that cannot be used, kept by name: who asks for one of them is told why.
+//! Records of a file that cannot be used, kept by name with the reason, for whoever asks for one of them.
 
 use super::OrbitError;
 use super::tle_fields::catalogue_number;

@@ -24,7 +24,7 @@ pub(super) fn open(
     let check = |format| check_source(scene, index, orbit, file, format);
     let (tracked, faults, faults_left_out, is_new) = match orbit.source {
         OrbitSource::Tle | OrbitSource::Omm => {
-            // Without a name the only satellite is meant, and which is the only one a spoilt record leaves open.
+            // Without a name the only satellite is meant, and a bad record may be another one.
             let is_strict = orbit.strict || name.is_none();
             let read = files.catalogue(file, is_strict)?;
             let catalogue = &read.content;
