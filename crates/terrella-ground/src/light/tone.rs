@@ -65,6 +65,67 @@ impl Tone {
         };
         shown.clamp(DVec3::ZERO, DVec3::ONE)
     }
+
+    /// Exposed light that is shown as this display light, 0…1 in each channel: what gives a line of a chosen colour that colour in a picture
+    /// that is developed afterwards. Of colours that the curve never shows, a near one's.
+    pub fn light_shown_as(self, shown: DVec3) -> DVec3 {
+        let shown = shown.clamp(DVec3::ZERO, DVec3::ONE);
+        match self {
+            Self::Camera => {
+                let grey = DVec3::splat(shown.dot(LUMINANCE));
+                let curved = grey + (shown - grey) / CAMERA_SATURATION;
+                DVec3::from_array(std::array::from_fn(|channel| {
+                    light_by_camera(curved[channel], CAMERA_TOE[channel])
+                }))
+            }
+            Self::Neutral => light_by_neutral(shown),
+            Self::Linear => shown,
+            Self::Filmic => shown.map(|y| {
+                let [a, b, c, d, e] = FILMIC;
+                // (a − yc)x² + (b − yd)x − ye = 0, the first of them positive.
+                positive_root(a - y * c, b - y * d, y * e) / FILMIC_SCALE
+            }),
+        }
+    }
+}
+
+/// The positive x of ax² + bx = c, a > 0 and c ≥ 0: no difference of like numbers.
+fn positive_root(a: f64, b: f64, c: f64) -> f64 {
+    let root = (b * b + 4.0 * a * c).sqrt();
+    match b > 0.0 {
+        true => 2.0 * c / (b + root),
+        false => (root - b) / (2.0 * a),
+    }
+}
+
+/// Light of one channel that the camera's curve shows so, before its saturation.
+fn light_by_camera(shown: f64, toe: f64) -> f64 {
+    let shown = shown.clamp(0.0, 1.0);
+    let raised = CAMERA_HALF_RAISED * shown / (CAMERA_WHITE - shown);
+    // s³ + straight·s² = raised by Newton from above, where the left side is convex.
+    let mut root = raised.cbrt();
+    for _ in 0..8 {
+        let slope = root * (3.0 * root + 2.0 * CAMERA_STRAIGHT);
+        if slope > 0.0 {
+            root -= (root * root * (root + CAMERA_STRAIGHT) - raised) / slope;
+        }
+    }
+    let cleared = root * root;
+    positive_root(1.0, CAMERA_TOE_LEAST * toe - cleared, cleared * toe)
+}
+
+fn light_by_neutral(shown: DVec3) -> DVec3 {
+    let shown_peak = shown.max_element();
+    if shown_peak <= NEUTRAL_START {
+        return shown;
+    }
+    let room = 1.0 - NEUTRAL_START;
+    // White itself is reached by no light; a third of a code below it is.
+    let shown_peak = shown_peak.min(1.0 - 1.0 / 768.0);
+    let peak = room * room / (1.0 - shown_peak) - room + NEUTRAL_START;
+    let white = 1.0 - 1.0 / (NEUTRAL_DESATURATION * (peak - shown_peak) + 1.0);
+    let colored = (shown.min(DVec3::splat(shown_peak)) - white * shown_peak) / (1.0 - white);
+    colored.max(DVec3::ZERO) * (peak / shown_peak)
 }
 
 fn camera(light: DVec3) -> DVec3 {
@@ -146,6 +207,27 @@ mod tests {
                     (hue(shown) - hue(tint)).abs() < 0.35,
                     "{tint} {light}: {shown}"
                 );
+            }
+        }
+    }
+
+    #[test]
+    fn light_is_shown_as_the_colour_that_it_was_asked_for() {
+        let codes = [0.0, 1.0, 7.0, 40.0, 128.0, 200.0, 254.0, 255.0];
+        let linear = |code: f64| (code / 255.0).powf(2.2);
+        let code = |linear: DVec3| linear.powf(1.0 / 2.2) * 255.0;
+        for tone in Tone::ALL {
+            for red in codes {
+                for green in codes {
+                    let wanted = DVec3::new(linear(red), linear(green), linear(90.0));
+                    let light = tone.light_shown_as(wanted);
+                    assert!(light.is_finite() && light.cmpge(DVec3::ZERO).all());
+                    let got = code(tone.shown(light));
+                    // Highlights of the neutral curve fade: it shows no bright pure colour.
+                    let is_shown = tone != Tone::Neutral || red.max(green) < 220.0;
+                    let off = (got - DVec3::new(red, green, 90.0)).abs().max_element();
+                    assert!(!is_shown || off < 0.4, "{tone:?} {red} {green}: {got}");
+                }
             }
         }
     }
