@@ -79,6 +79,7 @@ mod float_files;
 mod frame_cost;
 #[cfg(feature = "window")]
 mod gap_words;
+#[cfg(feature = "window")]
 mod hand;
 #[cfg(feature = "window")]
 mod keys;
