@@ -1,12 +1,11 @@
 // Tracks of satellites: lines of constant width on screen, marks of constant size, and the ground that a sensor sees.
 //
 // `TracksVariant` in src/gpu/shader/tracks.rs says which conditions hold together: lines, marks or fills; air, inside (of it);
-// encode.
+// those of common/displayed.wgsl.
 //
 // Drawn after all of the Earth, each pixel through the air before it. The globe hides by each pixel's own ray, not by the mesh.
 
 import common/ray.wgsl;
-@if(!encode) import common/color.wgsl;
 @if(lines) import tracks/lines.wgsl;
 @if(marks) import tracks/marks.wgsl;
 @if(fills) import tracks/fills.wgsl;
@@ -82,12 +81,6 @@ fn is_beyond_air(ray: Ray, from_eye: vec3f) -> bool {
     return ray.q < track.air_top && dot(from_eye, ray.direction) > ray.along - half_chord;
 }
 
-// Display values as given, or in linear light.
-fn target_color(display: vec3f) -> vec3f {
-    @if(encode) return display;
-    @else return decode_srgb(display);
-}
-
 // Bits of flags.
 import rust::ON_GROUND;
 @if(lines) import rust::FROM_PREVIOUS;
@@ -110,13 +103,17 @@ fn depth_of(clip: vec4f, from_eye_m: vec3f, flags: u32) -> f32 {
 // Outside of every viewport: nothing is drawn.
 @if(!fills) const NOWHERE: vec4f = vec4f(2.0, 2.0, 2.0, 1.0);
 // Width of the dark edge that sets a line off from bright ground, pixels, and its opacity.
-const CASING_PX: f32 = 1.0;
-const CASING: f32 = 0.5;
+@if(!fills) const CASING_PX: f32 = 1.0;
+@if(!fills) const CASING: f32 = 0.5;
 
-// A line or mark whose edge is `inside_px` away, over its casing; premultiplied.
-fn cased(color: vec4f, inside_px: f32, seen: f32) -> vec4f {
+// A line or mark whose edge is `inside_px` away, over its casing; premultiplied. Its colour is that of a pixel it covers wholly, `half_color`
+// that of one it covers by half: a tone curve that comes later does not show the half of a light as half of it.
+@if(!fills)
+fn cased(color: vec4f, half_color: vec3f, inside_px: f32, seen: f32) -> vec4f {
     let core = saturate(inside_px + 0.5);
     let cover = saturate(inside_px + CASING_PX + 0.5);
-    let alpha = color.a * seen;
-    return vec4f(color.rgb * (alpha * core), alpha * (core + (cover - core) * CASING));
+    let covered = core * seen;
+    // The parabola through none, half and all.
+    let light = covered * (4.0 * half_color - color.rgb + covered * (2.0 * color.rgb - 4.0 * half_color));
+    return vec4f(color.a * max(light, vec3f(0.0)), color.a * seen * (core + (cover - core) * CASING));
 }

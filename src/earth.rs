@@ -156,13 +156,7 @@ impl Earth {
         if options.diagnostics.wireframe && !planner.has_edges() {
             return Err(EarthError::NoEdges);
         }
-        let format = PassFormat {
-            color: options.color_format,
-            further: options.diagnostics.output.further_targets(),
-            samples: options.samples,
-            depth: options.depth,
-            tone: options.tone,
-        };
+        let format = options.pass_format();
         let memory = device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
         let scope = device.push_error_scope(wgpu::ErrorFilter::Validation);
         let mut air = match quality.atmosphere {

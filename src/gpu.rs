@@ -7,6 +7,7 @@ mod context;
 #[cfg(feature = "terrain")]
 mod contours;
 mod detail_tile;
+mod develop;
 mod faults;
 #[cfg(feature = "terrain")]
 mod grid;
@@ -39,15 +40,16 @@ mod truth_targets;
 pub use celestial::{CelestialUniforms, Disc};
 pub(crate) use context::device_limits;
 pub use context::{AdapterReport, BcSupport, ContextError, GpuContext, adapter_reports};
+pub use develop::{Developer, UndevelopedPicture};
 pub use faults::GpuFault;
 pub(crate) use faults::resolved;
 pub use map::{GpuMap, MapError, MapFade};
 pub use scaled::ScaledTarget;
 pub use shader::{
-    AirVariant, AirViewVariant, CelestialKind, CelestialVariant, EarthOutput, EarthVariant,
-    GlowVariant, MapFadeVariant, PaperLayers, PatchTiles, SHADER_FILES, ShaderCapability,
-    ShaderError, ShaderFiles, ShaderText, ShaderVariant, ShadingVariant, SunlitLayers, TargetColor,
-    TrackKind, TracksVariant, TruthLayers, UpscaleVariant, VertexForm,
+    AirVariant, AirViewVariant, CelestialKind, CelestialVariant, DevelopVariant, EarthOutput,
+    EarthVariant, GlowVariant, MapFadeVariant, PaperLayers, PatchTiles, SHADER_FILES,
+    ShaderCapability, ShaderError, ShaderFiles, ShaderText, ShaderVariant, ShadingVariant,
+    SunlitLayers, TargetColor, TrackKind, TracksVariant, TruthLayers, UpscaleVariant, VertexForm,
 };
 pub use targets::{
     Attachments, FrameTargets, PassPart, color_texture, read_floats, read_halves, read_texture,
@@ -81,7 +83,11 @@ pub(crate) use surface_view::SurfaceView;
 #[cfg(feature = "tracks")]
 pub(crate) use tracks::{Fill, LinePoint, Mark, TrackKinds, TracksDrawable};
 
+#[cfg(feature = "tracks")]
+use glam::DVec3;
 use terrella_ground::light::Tone;
+#[cfg(feature = "tracks")]
+use terrella_imagery::srgb::linear_from_encoded;
 
 /// The depth buffer of the pass that the Earth is drawn in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -133,6 +139,17 @@ impl SurfaceOutput {
     }
 }
 
+/// Where exposed light becomes what is shown of it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Development {
+    /// In the shader of each layer, before layers are blended: one pass and no texture in between, exact where one layer stands alone. Where
+    /// layers overlap, what is shown of them is added and not their light. Float targets get the light itself and no exposure.
+    #[default]
+    InPass,
+    /// After the pass, by a [`Developer`]: the pass adds up exposed light in a float target, whatever overlaps.
+    AfterPass,
+}
+
 /// What all pipelines of one Earth share: the pass that they are drawn in.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PassFormat {
@@ -141,7 +158,9 @@ pub struct PassFormat {
     pub further: &'static [wgpu::TextureFormat],
     pub samples: u32,
     pub depth: DepthBuffer,
-    /// By which curve light is shown, where the target is no float format.
+    /// Where exposed light becomes what is shown.
+    pub development: Development,
+    /// By which curve light is shown.
     pub tone: Tone,
 }
 
@@ -165,10 +184,33 @@ impl PassFormat {
     /// What shaders must give the colour target.
     pub fn target_color(&self) -> TargetColor {
         match self.color {
-            color if stores_light(color) => TargetColor::Radiance,
+            color if stores_light(color) => match self.development {
+                Development::InPass => TargetColor::Radiance,
+                Development::AfterPass => TargetColor::Exposed,
+            },
             color if color.is_srgb() => TargetColor::Linear(self.tone),
             _ => TargetColor::Display(self.tone),
         }
+    }
+
+    /// Whether the pass adds up exposed light that is developed after it.
+    #[cfg(feature = "tracks")]
+    pub(crate) fn is_developed_later(&self) -> bool {
+        self.target_color() == TargetColor::Exposed
+    }
+
+    /// What the target stores of a display colour, sRGB, that is blended with an opacity above 0: red, green and blue, not premultiplied. Where
+    /// light is developed after the pass, it is the light that is shown as the colour on black, faded by the opacity.
+    #[cfg(feature = "tracks")]
+    pub(crate) fn stored_color(&self, srgb: [u8; 3], opacity: f64) -> [f32; 3] {
+        let display = srgb.map(|code| f64::from(code) / f64::from(u8::MAX));
+        let linear = DVec3::from_array(display.map(linear_from_encoded));
+        let stored = match self.target_color() {
+            TargetColor::Display(_) => DVec3::from_array(display),
+            TargetColor::Linear(_) | TargetColor::Radiance => linear,
+            TargetColor::Exposed => self.tone.light_shown_as(opacity * linear) / opacity,
+        };
+        stored.as_vec3().to_array()
     }
 
     fn multisample(&self) -> wgpu::MultisampleState {
@@ -189,6 +231,16 @@ pub(crate) fn stores_light(format: wgpu::TextureFormat) -> bool {
 fn view(texture: &wgpu::Texture) -> wgpu::TextureView {
     texture.create_view(&wgpu::TextureViewDescriptor {
         label: Some("terrella view"),
+        ..Default::default()
+    })
+}
+
+/// Blends texels of one level.
+fn linear_sampler(device: &wgpu::Device, label: &str) -> wgpu::Sampler {
+    device.create_sampler(&wgpu::SamplerDescriptor {
+        label: Some(label),
+        mag_filter: wgpu::FilterMode::Linear,
+        min_filter: wgpu::FilterMode::Linear,
         ..Default::default()
     })
 }

@@ -136,8 +136,8 @@ pub use earth::{
 #[cfg(feature = "offscreen")]
 pub use gpu::{AdapterReport, ContextError, GpuContext, GpuFault, PictureError, adapter_reports};
 pub use gpu::{
-    Attachments, FrameTargets, GpuMap, MapError, MapFade, ScaledTarget, ShaderError, TruthTargets,
-    TruthTexel,
+    Attachments, Developer, Development, FrameTargets, GpuMap, MapError, MapFade, PassFormat,
+    ScaledTarget, ShaderError, TruthTargets, TruthTexel, UndevelopedPicture,
 };
 #[cfg(feature = "offscreen")]
 pub use offscreen::{

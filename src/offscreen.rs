@@ -5,24 +5,27 @@
 //! | `offscreen.rs` | the Earth: shown colour, light, and what is where pixels look |
 //! | `truth.rs` | the numbers of a picture's pixels as arrays |
 //! | `truth_layers.rs` | which layers there are: names, units, values |
-//! | `limits.rs` | textures, and how large pictures may be |
+//! | `textures.rs` | what a picture is drawn to |
+//! | `limits.rs` | how large pictures may be |
 //! | `error.rs` | what can go wrong |
 
 mod error;
 mod limits;
+mod textures;
 mod truth;
 mod truth_layers;
 
 pub use error::OffscreenError;
 pub use limits::check_length;
 pub use limits::{MAX_PICTURE_MIB, target_bytes};
-pub use limits::{check_memory, check_size, new_targets, supported_samples};
+pub use limits::{check_memory, check_size, supported_samples};
 pub use limits::{check_truth_memory, new_truth_targets};
+pub use textures::PictureTextures;
 pub use truth::set_truth;
 pub use truth::{LayerValues, TruthPicture};
 pub use truth_layers::{LayerDtype, TRUTH_LAYERS, TruthLayer, TruthPixel};
 
-use crate::gpu::{FrameTargets, GpuContext, TruthTargets};
+use crate::gpu::{Development, FrameTargets, GpuContext, TruthTargets};
 use crate::{
     DiagnosticOptions, Earth, EarthError, EarthOptions, EyeView, FrameRequest, FrameStats,
     Pipelines, Sky, TruthView,
@@ -41,8 +44,8 @@ pub struct OffscreenEarth {
     gpu: GpuContext,
     options: EarthOptions,
     size: (u32, u32),
-    shown: Option<Drawn<FrameTargets>>,
-    light: Option<Drawn<FrameTargets>>,
+    shown: Option<Drawn<PictureTextures>>,
+    light: Option<Drawn<PictureTextures>>,
     truth: Option<Drawn<TruthTargets>>,
 }
 
@@ -81,15 +84,15 @@ impl OffscreenEarth {
         mut options: EarthOptions,
         size: (u32, u32),
     ) -> Result<Self, OffscreenError> {
-        options.color_format = FrameTargets::COLOR;
+        options.develop_after_pass(FrameTargets::COLOR);
         options.depth = FrameTargets::REVERSED_DEPTH;
         options.diagnostics = DiagnosticOptions::default();
         options.pipelines = Pipelines::WhenNeeded;
         options.samples =
-            limits::supported_samples(&gpu.adapter, FrameTargets::COLOR, options.samples);
+            limits::supported_samples(&gpu.adapter, options.color_format, options.samples);
         options.check(&gpu.device)?;
         limits::check_size(&gpu, size)?;
-        limits::check_memory(size, options.color_format, options.samples)?;
+        limits::check_memory(size, &options.pass_format())?;
         Ok(Self {
             gpu,
             options,
@@ -111,7 +114,7 @@ impl OffscreenEarth {
     /// As [`Self::new`]; the size is then as it was.
     pub fn set_size(&mut self, size: (u32, u32)) -> Result<(), OffscreenError> {
         limits::check_size(&self.gpu, size)?;
-        limits::check_memory(size, self.options.color_format, self.options.samples)?;
+        limits::check_memory(size, &self.options.pass_format())?;
         self.size = size;
         Ok(())
     }
@@ -146,9 +149,10 @@ impl OffscreenEarth {
         check_length(self.size, 4, rgba.len())?;
         self.check_view(view, sky)?;
         let (gpu, options) = (&self.gpu, &self.options);
-        let shown = Self::of_kind(&mut self.shown, gpu, options, self.size, |_| ())?;
+        let shown = FrameTargets::COLOR;
+        let shown = Self::of_kind(&mut self.shown, gpu, options, shown, self.size, |_| ())?;
         let drawing = shown.draw(&self.gpu, view, sky, wait)?;
-        let targets = &shown.targets;
+        let targets = shown.targets.picture();
         let read = targets.read_back_into(&self.gpu.device, &self.gpu.queue, rgba);
         self.gpu.checked(read)?;
         Ok(drawing)
@@ -175,16 +179,18 @@ impl OffscreenEarth {
             &mut self.light,
             &self.gpu,
             &self.options,
+            format,
             self.size,
             |options| {
                 // 32-bit numbers of what the device can blend.
                 options.color_format = format;
+                options.development = Development::InPass;
                 options.samples = 1;
                 options.light.detail = false;
             },
         )?;
         let drawing = drawn.draw(&self.gpu, view, sky, wait)?;
-        let targets = &drawn.targets;
+        let targets = drawn.targets.picture();
         let read = targets.read_light_into(&self.gpu.device, &self.gpu.queue, light);
         self.gpu.checked(read)?;
         Ok(drawing)
@@ -228,29 +234,27 @@ impl OffscreenEarth {
     }
 
     fn of_kind<'d>(
-        kept: &'d mut Option<Drawn<FrameTargets>>,
+        kept: &'d mut Option<Drawn<PictureTextures>>,
         gpu: &GpuContext,
         options: &EarthOptions,
+        format: wgpu::TextureFormat,
         size: (u32, u32),
         choose: impl FnOnce(&mut EarthOptions),
-    ) -> Result<&'d mut Drawn<FrameTargets>, OffscreenError> {
+    ) -> Result<&'d mut Drawn<PictureTextures>, OffscreenError> {
+        let textures =
+            |earth: &Earth| PictureTextures::new(gpu, &earth.format(), format, size, size);
         let drawn = match kept.take() {
             Some(drawn) if drawn.targets.size() == size => drawn,
-            Some(drawn) => {
-                let (format, samples) = (drawn.targets.format(), drawn.earth.quality().samples);
-                Drawn {
-                    targets: limits::new_targets(gpu, size, format, samples)?,
-                    ..drawn
-                }
-            }
+            Some(drawn) => Drawn {
+                targets: textures(&drawn.earth)?,
+                ..drawn
+            },
             None => {
                 let mut options = options.clone();
                 choose(&mut options);
-                let (format, samples) = (options.color_format, options.samples);
-                Drawn {
-                    earth: Earth::new(&gpu.device, &gpu.queue, &options)?,
-                    targets: limits::new_targets(gpu, size, format, samples)?,
-                }
+                let earth = Earth::new(&gpu.device, &gpu.queue, &options)?;
+                let targets = textures(&earth)?;
+                Drawn { earth, targets }
             }
         };
         Ok(kept.insert(drawn))
@@ -262,15 +266,20 @@ impl OffscreenEarth {
     }
 }
 
-/// What begins a pass.
+/// What begins a pass, and what comes after it.
 trait Targets {
     fn begin<'e>(&self, encoder: &'e mut wgpu::CommandEncoder) -> wgpu::RenderPass<'e>;
+    fn end(&self, _: &mut wgpu::CommandEncoder) {}
     fn pixels(&self) -> (u32, u32);
 }
 
-impl Targets for FrameTargets {
+impl Targets for PictureTextures {
     fn begin<'e>(&self, encoder: &'e mut wgpu::CommandEncoder) -> wgpu::RenderPass<'e> {
         self.begin_pass(encoder)
+    }
+
+    fn end(&self, encoder: &mut wgpu::CommandEncoder) {
+        self.finish(encoder, None);
     }
 
     fn pixels(&self) -> (u32, u32) {
@@ -305,6 +314,7 @@ impl<T: Targets> Drawn<T> {
             .device
             .create_command_encoder(&wgpu::CommandEncoderDescriptor { label });
         self.earth.render(&mut self.targets.begin(&mut encoder));
+        self.targets.end(&mut encoder);
         gpu.queue.submit([encoder.finish()]);
         self.earth.check_pipelines()?;
         Ok(Drawing { stats, missing })

@@ -49,13 +49,14 @@
 mod buffers;
 mod curve;
 mod footprint;
+mod ink;
 mod projection;
 mod satellite;
 mod style;
 mod turn;
 
 use crate::earth::{Earth, EarthView, EyeView, Viewport};
-use crate::gpu::{AirTextures, DepthBuffer, PassFormat, ShaderError};
+use crate::gpu::{AirTextures, DepthBuffer, Development, PassFormat, ShaderError};
 use crate::gpu::{TrackKinds, TrackUniforms, TracksDrawable};
 use crate::plan::AirSide;
 use buffers::TrackBuffers;
@@ -68,6 +69,7 @@ use satellite::{Axes, Satellite};
 pub use style::{Footprint, TrackSpan, TrackStyle};
 use terrella_frames::{Ellipsoid, Epoch, Orientation};
 use terrella_ground::air::TOP;
+use terrella_ground::light::Tone;
 use terrella_orbit::Feed;
 pub use turn::EarthTurn;
 
@@ -89,6 +91,10 @@ pub struct TracksOptions {
     pub samples: u32,
     /// Depth buffer of the pass.
     pub depth: DepthBuffer,
+    /// Where exposed light becomes what is shown: after the pass, tracks are light that is shown in their colours.
+    pub development: Development,
+    /// By which curve.
+    pub tone: Tone,
     air: Option<AirTextures>,
 }
 
@@ -101,6 +107,8 @@ impl TracksOptions {
             color_format: format.color,
             samples: format.samples,
             depth: format.depth,
+            development: format.development,
+            tone: format.tone,
             air: earth.air_textures().cloned(),
         }
     }
@@ -198,14 +206,15 @@ impl Tracks {
             })
             .sum::<usize>();
         let max_points = (MAX_POINTS_IN_ALL / curves.max(1)).min(MAX_POINTS);
+        let format = options.format();
         Ok(Self {
             satellites: styles
                 .iter()
-                .map(|style| Satellite::new(style, max_points))
+                .map(|style| Satellite::new(style, &format, max_points))
                 .collect(),
             options: options.clone(),
             kinds,
-            drawable: TracksDrawable::new(device, options.format(), kinds, options.air.as_ref())?,
+            drawable: TracksDrawable::new(device, format, kinds, options.air.as_ref())?,
             device: device.clone(),
             buffers: TrackBuffers::default(),
             stats: TrackStats::default(),
@@ -244,6 +253,9 @@ impl Tracks {
             let (format, air) = (options.format(), options.air.as_ref());
             self.drawable = TracksDrawable::new(&self.device, format, self.kinds, air)?;
             self.options = options;
+            for satellite in &mut self.satellites {
+                satellite.ink = satellite.style.ink(&format);
+            }
             self.is_shown = false;
         }
         Ok(())
@@ -381,8 +393,8 @@ impl TracksOptions {
             further: &[],
             samples: self.samples,
             depth: self.depth,
-            // Of light alone; what is drawn here are display values.
-            tone: Default::default(),
+            development: self.development,
+            tone: self.tone,
         }
     }
 }

@@ -1,28 +1,31 @@
 // From light to what the colour target stores, once and last: exposure, tone curve, dithering, encoding.
 //
-// `TargetColor` in src/gpu/shader/variant.rs says which conditions hold together: radiance (a float target, which gets the light
-// itself), else camera, neutral, filmic or none of them (cut off at 1), and encode (the hardware does not encode).
+// `TargetColor` in src/gpu/shader/variant.rs says which conditions hold together. Float targets get the light itself, or exposed and no
+// more where it is developed after the pass (exposed). All others get what is shown: shown, with camera, neutral, filmic or none of
+// them (cut off at 1), and encode where the hardware does not encode.
 @if(encode) import common/color.wgsl;
-@if(!radiance) import rust::LAST_CODE;
+@if(exposed) import rust::BRIGHTEST_EXPOSED;
+@if(shown) import rust::LAST_CODE;
 @if(camera) import rust::{LUMINANCE, TONE_CAMERA_HALF_RAISED, TONE_CAMERA_SATURATION, TONE_CAMERA_STRAIGHT, TONE_CAMERA_TOE, TONE_CAMERA_TOE_LEAST, TONE_CAMERA_WHITE};
 @if(neutral) import rust::{TONE_NEUTRAL_DESATURATION, TONE_NEUTRAL_START};
 @if(filmic) import rust::{TONE_FILMIC_A, TONE_FILMIC_B, TONE_FILMIC_C, TONE_FILMIC_D, TONE_FILMIC_E, TONE_FILMIC_SCALE};
 
 fn displayed(light: vec3f, exposure: f32, pixel: vec2f) -> vec3f {
     let shown = toned(light, exposure);
-    @if(radiance) return shown;
+    @if(!shown) return shown;
     @if(encode) return encode_srgb(shown) + dither(pixel);
-    @if(!radiance && !encode) return shown + dither(pixel) * linear_per_code(shown);
+    @if(shown && !encode) return shown + dither(pixel) * linear_per_code(shown);
 }
 
 // The same, linear and without dithering.
 fn toned(light: vec3f, exposure: f32) -> vec3f {
-    @if(radiance) return light;
-    @if(!radiance) var shown = light * exposure;
+    @if(!shown && !exposed) return light;
+    @if(exposed) return min(light * exposure, vec3f(BRIGHTEST_EXPOSED));
+    @if(shown) var shown = light * exposure;
     @if(camera) shown = camera(shown);
     @if(neutral) shown = neutral(shown);
     @if(filmic) shown = filmic(shown);
-    @if(!radiance) return shown;
+    @if(shown) return shown;
 }
 
 // `Tone::Camera` in crates/terrella-ground/src/light/tone.rs.
@@ -62,14 +65,14 @@ fn filmic(light: vec3f) -> vec3f {
 //
 // Interleaved gradient noise (Jimenez 2014, "Next Generation Post Processing in Call of Duty"): evenly spread over any small
 // neighbourhood.
-@if(!radiance)
+@if(shown)
 fn dither(pixel: vec2f) -> f32 {
     return (fract(52.9829189 * fract(dot(pixel, vec2f(0.06711056, 0.00583715)))) - 0.5) / LAST_CODE;
 }
 
 // Change of linear light for a change of its sRGB code: 2.4/1.055 · c^(1.4/2.4), within 9 % and without a power; 1/12.92 at the
 // dark end.
-@if(!radiance)
+@if(shown)
 fn linear_per_code(linear: vec3f) -> vec3f {
     let c = clamp(linear, vec3f(0.0), vec3f(1.0));
     return max(1.469 * sqrt(c) + 0.806 * c, vec3f(1.0 / 12.92));

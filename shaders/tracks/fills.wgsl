@@ -31,7 +31,7 @@ fn vertex(@builtin(vertex_index) index: u32, in: FillInstance) -> Varying {
     out.apex = in.apex;
     out.down = in.down;
     out.tangent = in.tangent;
-    out.color = vec4f(target_color(in.color.rgb), in.color.a);
+    out.color = in.color;
     return out;
 }
 

@@ -12,6 +12,8 @@ struct Segment {
     @location(7) half_width_px: f32,
     @location(8) after_m: vec3f,
     @location(9) after_flags: u32,
+    @location(10) a_half_color: vec4f,
+    @location(11) b_half_color: vec4f,
 }
 
 struct Varying {
@@ -23,6 +25,7 @@ struct Varying {
     @location(3) across_px: f32,
     @location(4) @interpolate(flat) half_width_px: f32,
     @location(5) @interpolate(flat) flags: u32,
+    @location(6) half_color: vec3f,
 }
 
 fn clip_of(from_eye_m: vec3f) -> vec4f {
@@ -93,8 +96,8 @@ fn vertex(@builtin(vertex_index) index: u32, in: Segment) -> Varying {
     out.half_width_px = in.half_width_px;
     out.flags = in.b_flags;
     out.across_px = side * (in.half_width_px + CASING_PX + 1.0);
-    let color = mix(in.a_color, in.b_color, t);
-    out.color = vec4f(target_color(color.rgb), color.a);
+    out.color = mix(in.a_color, in.b_color, t);
+    out.half_color = mix(in.a_half_color.rgb, in.b_half_color.rgb, t);
     out.clip = NOWHERE;
     if (in.b_flags & FROM_PREVIOUS) != 0u && span.x < span.y {
         let at = mix(a, b, t);
@@ -112,5 +115,5 @@ fn fragment(in: Varying) -> @location(0) vec4f {
     let ray = ray_of(in.clip.xy);
     let from_eye = in.from_eye_over_w / in.one_over_w;
     let seen = in_sight(ray, from_eye, in.flags);
-    return seen_color(cased(in.color, in.half_width_px - abs(in.across_px), seen), ray, from_eye);
+    return seen_color(cased(in.color, in.half_color, in.half_width_px - abs(in.across_px), seen), ray, from_eye);
 }

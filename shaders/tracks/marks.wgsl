@@ -6,6 +6,7 @@ struct MarkInstance {
     @location(1) flags: u32,
     @location(2) color: vec4f,
     @location(3) radius_px: f32,
+    @location(4) half_color: vec4f,
 }
 
 struct Varying {
@@ -15,6 +16,7 @@ struct Varying {
     @location(2) @interpolate(flat) flags: u32,
     @location(3) @interpolate(flat) color: vec4f,
     @location(4) @interpolate(flat) radius_px: f32,
+    @location(5) @interpolate(flat) half_color: vec3f,
 }
 
 @vertex
@@ -25,7 +27,8 @@ fn vertex(@builtin(vertex_index) index: u32, in: MarkInstance) -> Varying {
     out.at_px = corner * (in.radius_px + CASING_PX + 1.5);
     out.from_eye = scaled(in.from_eye_m);
     out.flags = in.flags;
-    out.color = vec4f(target_color(in.color.rgb), in.color.a);
+    out.color = in.color;
+    out.half_color = in.half_color.rgb;
     out.radius_px = in.radius_px;
     out.clip = NOWHERE;
     if clip.w > 1e-6 * length(in.from_eye_m) {
@@ -45,5 +48,5 @@ fn fragment(in: Varying) -> @location(0) vec4f {
     if (in.flags & ON_GROUND) != 0u {
         inside_px = max(0.9 - abs(r - in.radius_px), 1.2 - r);
     }
-    return seen_color(cased(in.color, inside_px, seen), ray, in.from_eye);
+    return seen_color(cased(in.color, in.half_color, inside_px, seen), ray, in.from_eye);
 }

@@ -1,6 +1,7 @@
 //! What can be wrong with the options of an Earth.
 
 use crate::gpu::{MapError, ShaderError, SurfaceOutput};
+use terrella_ground::globe::Shading;
 use terrella_ground::globe::SubdivisionError;
 use terrella_imagery::ImageryError;
 
@@ -98,6 +99,17 @@ pub enum EarthError {
         format: wgpu::TextureFormat,
         /// Samples a pixel that were given.
         samples: u32,
+    },
+    /// Light is to be developed after the pass, and the pass does not hold it.
+    #[error(
+        "light that is developed after the pass wants a float colour format (Rgba16Float, Rgba32Float) and sunlit shading; \
+         color_format is {format:?} and the shading {shading:?}: give such a format, or Development::InPass"
+    )]
+    Development {
+        /// Colour format that was given.
+        format: wgpu::TextureFormat,
+        /// Shading that was given.
+        shading: Shading,
     },
     /// The textures do not fit into the device's memory.
     #[error(

@@ -3,7 +3,7 @@
 use super::{
     Appearance, DiagnosticOptions, EarthError, GroundOptions, Quality, SurfaceLight, TileOptions,
 };
-use crate::gpu::{DepthBuffer, SurfaceOutput, stores_light};
+use crate::gpu::{DepthBuffer, Development, PassFormat, SurfaceOutput, stores_light};
 use terrella_ground::air::{AirOptions, Atmosphere};
 use terrella_ground::globe::{Figure, Shading, Subdivision, Visibility};
 use terrella_ground::light::{Exposure, Tone};
@@ -42,6 +42,7 @@ pub struct EarthOptions {
     /// others get what is shown of it, exposed, through the tone curve and dithered for 8 bits: linear for sRGB formats, which
     /// the hardware encodes, else encoded in sRGB. On these the air beside the ground is blended over what is there as it is
     /// shown. The paper's shading and tracks are display values on 8-bit targets and those values in linear light on others.
+    /// With [`Development::AfterPass`] it is a float format, and gets light times the exposure.
     pub color_format: wgpu::TextureFormat,
     /// Samples a pixel of the host's pass.
     pub samples: u32,
@@ -53,6 +54,8 @@ pub struct EarthOptions {
     pub anisotropy: u16,
     /// How bright light is shown. The paper's shading works in display values and is not touched by it, the air is.
     pub exposure: Exposure,
+    /// Where exposed light becomes what is shown: in the host's pass, or after it by a [`crate::Developer`] with the same `tone`.
+    pub development: Development,
     /// By which curve exposed light is shown.
     pub tone: Tone,
     /// When pipelines are made.
@@ -91,9 +94,31 @@ impl EarthOptions {
             depth: crate::gpu::FrameTargets::REVERSED_DEPTH,
             anisotropy: 8,
             exposure: Exposure::default(),
+            development: Development::default(),
             tone: Tone::default(),
             pipelines: Pipelines::default(),
             diagnostics: DiagnosticOptions::default(),
+        }
+    }
+
+    /// Has light added up in the pass and developed after it, where the shading is one of light; the paper's, of display values, is drawn to
+    /// the `shown` format itself. For passes of a [`crate::ScaledTarget::of_pass`].
+    pub fn develop_after_pass(&mut self, shown: wgpu::TextureFormat) {
+        (self.development, self.color_format) = match self.shading {
+            Shading::Sunlit => (Development::AfterPass, crate::gpu::ScaledTarget::LIGHT),
+            Shading::Paper => (Development::InPass, shown),
+        };
+    }
+
+    /// The pass that the Earth is drawn in.
+    pub fn pass_format(&self) -> PassFormat {
+        PassFormat {
+            color: self.color_format,
+            further: self.diagnostics.output.further_targets(),
+            samples: self.samples,
+            depth: self.depth,
+            development: self.development,
+            tone: self.tone,
         }
     }
 
@@ -112,7 +137,7 @@ impl EarthOptions {
         self.shading == Shading::Sunlit
             && diagnostics.output == SurfaceOutput::Color
             && !diagnostics.per_pixel_air
-            && !stores_light(self.color_format)
+            && (!stores_light(self.color_format) || self.development == Development::AfterPass)
     }
 
     /// Whether this device can draw an Earth with these options, as far as that can be said before anything is made.
@@ -128,6 +153,13 @@ impl EarthOptions {
             return Err(EarthError::TruthTarget {
                 format: self.color_format,
                 samples: self.samples,
+            });
+        }
+        let is_developed = self.development == Development::AfterPass;
+        if is_developed && !(stores_light(self.color_format) && self.shading == Shading::Sunlit) {
+            return Err(EarthError::Development {
+                format: self.color_format,
+                shading: self.shading,
             });
         }
         let limit = device.limits().max_texture_dimension_2d;

@@ -243,6 +243,7 @@ impl MapFade {
                 further: &[],
                 samples: 1,
                 depth: DepthBuffer::None,
+                development: Default::default(),
                 tone: Tone::default(),
             },
             writes_depth: false,

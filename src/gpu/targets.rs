@@ -44,7 +44,7 @@ impl FrameTargets {
 
     /// Clears passes from now on to space that hides nothing: alpha is how much of what is behind is hidden.
     pub fn make_space_transparent(&mut self) {
-        self.attachments.space = wgpu::Color::TRANSPARENT;
+        self.attachments.make_space_transparent();
     }
 
     /// Width and height, pixels.
@@ -202,6 +202,25 @@ impl Attachments {
         }
     }
 
+    /// Clears passes from now on to space that hides nothing.
+    pub(super) fn make_space_transparent(&mut self) {
+        self.space = wgpu::Color::TRANSPARENT;
+    }
+
+    /// The same for attachments of another size, format or sample count.
+    pub(super) fn remade(
+        &self,
+        device: &wgpu::Device,
+        size: (u32, u32),
+        format: wgpu::TextureFormat,
+        samples: u32,
+    ) -> Self {
+        Self {
+            space: self.space,
+            ..Self::new(device, size, format, samples)
+        }
+    }
+
     /// Begins a pass on `target`: black space, depth infinitely far.
     pub fn begin_pass<'e>(
         &self,
@@ -211,7 +230,7 @@ impl Attachments {
         self.begin_part(encoder, target, PassPart::default(), None)
     }
 
-    fn begin_part<'e>(
+    pub(super) fn begin_part<'e>(
         &self,
         encoder: &'e mut wgpu::CommandEncoder,
         target: &wgpu::TextureView,

@@ -27,8 +27,8 @@ pub(crate) struct LinePoint {
     pub from_eye_m: [f32; 3],
     /// [`FROM_PREVIOUS`](super::TRACK_FROM_PREVIOUS) where a segment comes to it from the point before, [`ON_GROUND`](super::TRACK_ON_GROUND) where it lies there.
     pub flags: u32,
-    /// Display values and opacity.
-    pub color: [u8; 4],
+    /// As the target stores it and opacity, half floats, not premultiplied: of a pixel that is covered wholly, and of one by half.
+    pub colors: [[u16; 4]; 2],
     /// Half the width of the segment that comes to it, pixels.
     pub half_width_px: f32,
 }
@@ -41,8 +41,8 @@ pub(crate) struct Mark {
     pub from_eye_m: [f32; 3],
     /// [`ON_GROUND`](super::TRACK_ON_GROUND) or 0.
     pub flags: u32,
-    /// Display values and opacity.
-    pub color: [u8; 4],
+    /// As the target stores it and opacity, half floats, not premultiplied: of a pixel that is covered wholly, and of one by half.
+    pub colors: [[u16; 4]; 2],
     /// Radius, pixels.
     pub radius_px: f32,
 }
@@ -61,21 +61,19 @@ pub(crate) struct Fill {
     pub down: [f32; 3],
     /// Tangent of the cone's half angle.
     pub tangent: f32,
-    /// Display values and opacity.
-    pub color: [u8; 4],
+    /// As the target stores it, and opacity: half floats, not premultiplied.
+    pub color: [u16; 4],
 }
 
 const LINE_BEFORE: [wgpu::VertexAttribute; 1] = wgpu::vertex_attr_array![0 => Float32x3];
-const LINE_A: [wgpu::VertexAttribute; 3] =
-    wgpu::vertex_attr_array![1 => Float32x3, 2 => Uint32, 3 => Unorm8x4];
-const LINE_B: [wgpu::VertexAttribute; 4] =
-    wgpu::vertex_attr_array![4 => Float32x3, 5 => Uint32, 6 => Unorm8x4, 7 => Float32];
+const LINE_A: [wgpu::VertexAttribute; 4] =
+    wgpu::vertex_attr_array![1 => Float32x3, 2 => Uint32, 3 => Float16x4, 10 => Float16x4];
+const LINE_B: [wgpu::VertexAttribute; 5] = wgpu::vertex_attr_array![4 => Float32x3, 5 => Uint32, 6 => Float16x4, 11 => Float16x4, 7 => Float32];
 const LINE_AFTER: [wgpu::VertexAttribute; 2] =
     wgpu::vertex_attr_array![8 => Float32x3, 9 => Uint32];
-const MARK: [wgpu::VertexAttribute; 4] =
-    wgpu::vertex_attr_array![0 => Float32x3, 1 => Uint32, 2 => Unorm8x4, 3 => Float32];
+const MARK: [wgpu::VertexAttribute; 5] = wgpu::vertex_attr_array![0 => Float32x3, 1 => Uint32, 2 => Float16x4, 4 => Float16x4, 3 => Float32];
 const FILL: [wgpu::VertexAttribute; 6] = wgpu::vertex_attr_array![
-    0 => Float32x4, 1 => Float32x3, 2 => Float32, 3 => Float32x3, 4 => Float32, 5 => Unorm8x4
+    0 => Float32x4, 1 => Float32x3, 2 => Float32, 3 => Float32x3, 4 => Float32, 5 => Float16x4
 ];
 
 /// Which kinds of thing there are to draw; pipelines are made for no others.

@@ -1,7 +1,7 @@
 //! The textures of pictures in memory, and how large they may be.
 
 use super::error::OffscreenError;
-use crate::gpu::{FrameTargets, GpuContext, TruthTargets};
+use crate::gpu::{Development, FrameTargets, GpuContext, PassFormat, TruthTargets};
 
 /// Most memory that the textures and the read-back buffer of one picture may take, MiB.
 pub const MAX_PICTURE_MIB: u64 = 4096;
@@ -30,19 +30,16 @@ pub fn target_bytes((width, height): (u32, u32), samples: u32) -> u64 {
 }
 
 /// Refuses pictures whose textures and read-back buffer would take more than [`MAX_PICTURE_MIB`].
-pub fn check_memory(
-    size: (u32, u32),
-    format: wgpu::TextureFormat,
-    samples: u32,
-) -> Result<(), OffscreenError> {
-    let (width, height) = size;
-    let pixel = format.block_copy_size(None).unwrap_or(4);
+pub fn check_memory(size: (u32, u32), pass: &PassFormat) -> Result<(), OffscreenError> {
+    let ((width, height), samples) = (size, pass.samples);
+    let pixel = u64::from(pass.color.block_copy_size(None).unwrap_or(4));
     let pixels = u64::from(width) * u64::from(height);
-    // Of light, copies in numbers of 32 bits too.
-    let copies = if pixel > 4 {
-        u64::from(pixel) + 2 * 16
-    } else {
-        0
+    let copies = match pass.development {
+        // Twice the bytes of what layers are drawn to, with its samples; the picture, and its depth.
+        Development::AfterPass => 8 * u64::from(samples.max(1)) + 8,
+        // Of light, copies in numbers of 32 bits too.
+        Development::InPass if pixel > 4 => pixel + 2 * 16,
+        Development::InPass => 0,
     };
     let mib = (target_bytes(size, samples) + pixels * (4 + copies)) >> 20;
     if mib <= MAX_PICTURE_MIB {
@@ -73,17 +70,6 @@ pub fn check_truth_memory((width, height): (u32, u32)) -> Result<(), OffscreenEr
             limit_mib: MAX_PICTURE_MIB,
         }),
     }
-}
-
-/// The textures of a picture, made within what the device holds.
-pub fn new_targets(
-    gpu: &GpuContext,
-    size: (u32, u32),
-    format: wgpu::TextureFormat,
-    samples: u32,
-) -> Result<FrameTargets, OffscreenError> {
-    let make = || FrameTargets::with_color(&gpu.device, format, size, samples);
-    made(gpu, size, make)
 }
 
 /// The textures of truth layers, made within what the device holds.
@@ -126,7 +112,7 @@ pub fn check_length(
     }
 }
 
-fn made<T>(
+pub(super) fn made<T>(
     gpu: &GpuContext,
     size: (u32, u32),
     make: impl FnOnce() -> T,
@@ -155,7 +141,17 @@ mod tests {
 
     #[test]
     fn the_largest_picture_fits_with_one_sample_and_not_with_four() {
-        let check = |size, samples, format| check_memory(size, format, samples);
+        let check = |size, samples, color| {
+            let pass = PassFormat {
+                color,
+                further: &[],
+                samples,
+                depth: FrameTargets::REVERSED_DEPTH,
+                development: Development::InPass,
+                tone: Default::default(),
+            };
+            check_memory(size, &pass)
+        };
         let (shown, light) = (FrameTargets::COLOR, wgpu::TextureFormat::Rgba32Float);
         assert!(check((1280, 720), 4, shown).is_ok());
         assert!(check((16_384, 16_384), 1, shown).is_ok());

@@ -2,6 +2,7 @@
 
 use super::curve::TimeWindow;
 use super::footprint::{WIDEST_HALF_ANGLE_RAD, footprint_outline, is_hidden};
+use super::ink::Ink;
 use super::projection::EyeProjection;
 use super::satellite::{Axes, Satellite, subpoint};
 use crate::gpu::{Fill, LinePoint, Mark};
@@ -23,8 +24,8 @@ const OLDEST: f64 = 0.12;
 const AHEAD: f64 = 0.6;
 const LATEST: f64 = 0.15;
 /// Opacity of a footprint's outline and of its fill.
-const OUTLINE_OPACITY: u8 = 220;
-const FILL_OPACITY: u8 = 44;
+const OUTLINE_OPACITY: f64 = 0.863;
+const FILL_OPACITY: f64 = 0.173;
 
 /// Where a satellite's name belongs: beside its dot, which is in the picture and not hidden.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -94,12 +95,11 @@ impl Satellite {
             });
         }
         let scale = 0.5 * self.style.width_px;
-        let [red, green, blue] = self.style.color;
         let mut mark = |place: DVec3, flags, radius_px: f32| {
             buffers.marks.push(Mark {
                 from_eye_m: (place - eye.itrf_m).as_vec3().to_array(),
                 flags,
-                color: [red, green, blue, 255],
+                colors: self.ink.at(1.0),
                 radius_px: radius_px * scale,
             });
         };
@@ -142,7 +142,7 @@ impl Satellite {
         });
         let mut line = LineWriter::new(self, TRACK_ON_GROUND, eye, &mut buffers.points);
         for point in outline.iter().chain(outline.first()) {
-            line.add(*point, f64::from(OUTLINE_OPACITY) / 255.0);
+            line.add(*point, OUTLINE_OPACITY);
         }
         if is_filled && !outline.is_empty() {
             buffers
@@ -169,7 +169,6 @@ impl Satellite {
         let nearest_m = (center.distance(eye.itrf_m) - radius_m).max(0.0);
         let toward = (center - eye.itrf_m).normalize_or(down);
         let clip = eye.clip(eye.itrf_m + toward * nearest_m.max(1.0));
-        let [red, green, blue] = self.style.color;
         Some(Fill {
             bounds,
             apex: (eye.ellipsoid.scaled_from_itrf() * place_itrf_m)
@@ -178,7 +177,7 @@ impl Satellite {
             depth: (clip.z / clip.w).clamp(0.0, 1.0) as f32,
             down: down.as_vec3().to_array(),
             tangent: half_angle_rad.min(WIDEST_HALF_ANGLE_RAD).tan() as f32,
-            color: [red, green, blue, FILL_OPACITY],
+            color: self.ink.at(FILL_OPACITY)[0],
         })
     }
 }
@@ -197,7 +196,7 @@ fn opacity(t_s: f64, window: TimeWindow) -> f64 {
 struct LineWriter<'l> {
     points: &'l mut Vec<LinePoint>,
     eye_itrf_m: DVec3,
-    color: [u8; 3],
+    ink: &'l Ink,
     half_width_px: f32,
     /// Of the next point.
     flags: u32,
@@ -205,7 +204,7 @@ struct LineWriter<'l> {
 
 impl<'l> LineWriter<'l> {
     fn new(
-        of: &Satellite,
+        of: &'l Satellite,
         flags: u32,
         eye: &EyeProjection<'_>,
         points: &'l mut Vec<LinePoint>,
@@ -213,18 +212,17 @@ impl<'l> LineWriter<'l> {
         Self {
             points,
             eye_itrf_m: eye.itrf_m,
-            color: of.style.color,
+            ink: &of.ink,
             half_width_px: 0.5 * of.style.width_px,
             flags,
         }
     }
 
     fn add(&mut self, place_itrf_m: DVec3, opacity: f64) {
-        let [red, green, blue] = self.color;
         self.points.push(LinePoint {
             from_eye_m: (place_itrf_m - self.eye_itrf_m).as_vec3().to_array(),
             flags: self.flags,
-            color: [red, green, blue, (255.0 * opacity) as u8],
+            colors: self.ink.at(opacity),
             half_width_px: self.half_width_px,
         });
         self.flags |= TRACK_FROM_PREVIOUS;

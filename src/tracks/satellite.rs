@@ -1,8 +1,10 @@
 //! One satellite: its curves followed through time.
 
 use super::curve::{Curve, CurvePoint, STEP_RAD, TimeWindow};
+use super::ink::Ink;
 use super::style::{TrackSpan, TrackStyle};
 use super::turn::EarthTurn;
+use crate::gpu::PassFormat;
 use glam::{DMat3, DVec3};
 use terrella_frames::{Duration, EARTH_ROTATION_RATE_RAD_S, Ellipsoid, Epoch, Orientation};
 use terrella_orbit::constants::EARTH_GM_M3_S2;
@@ -57,6 +59,7 @@ impl Axes {
 #[derive(Clone)]
 pub(super) struct Satellite {
     pub style: TrackStyle,
+    pub ink: Ink,
     pub trail: Option<Curve>,
     pub ground: Option<Curve>,
     pub reference: Option<CurveReference>,
@@ -117,9 +120,10 @@ fn revolution_s(state: &OrbitState) -> f64 {
 }
 
 impl Satellite {
-    pub fn new(style: &TrackStyle, max_points: usize) -> Self {
+    pub fn new(style: &TrackStyle, format: &PassFormat, max_points: usize) -> Self {
         Self {
             style: *style,
+            ink: style.ink(format),
             trail: style.trail.map(|_| Curve::new(max_points)),
             ground: style.ground_track.map(|_| Curve::new(max_points)),
             reference: None,

@@ -6,6 +6,14 @@ use terrella_orbit::kepler::{Anomaly, KeplerElements, KeplerFeed, KeplerOptions,
 use terrella_orbit::{OrbitError, Sgp4Feed};
 
 const WGS84: Ellipsoid = Ellipsoid::WGS84;
+const PASS: PassFormat = PassFormat {
+    color: crate::gpu::FrameTargets::COLOR,
+    further: &[],
+    samples: 1,
+    depth: crate::gpu::FrameTargets::REVERSED_DEPTH,
+    development: crate::gpu::Development::InPass,
+    tone: terrella_ground::light::Tone::Camera,
+};
 
 fn utc(text: &str) -> Epoch {
     utc_from_rfc3339(text).unwrap_or_else(|error| panic!("{error}"))
@@ -94,8 +102,11 @@ fn the_trail_of_a_molniya_orbit_is_a_smooth_closed_ellipse_with_the_satellite_on
     let feed = kepler(6_971_000.0, 0.735, 63.4);
     for hours in 0..12 {
         let at = utc("2018-01-15T12:00:00Z") + Duration::from_seconds(3600.0 * f64::from(hours));
-        let mut satellite =
-            Satellite::new(&both(TrackSpan::TRAIL, TrackSpan::GROUND_TRACK), 16_384);
+        let mut satellite = Satellite::new(
+            &both(TrackSpan::TRAIL, TrackSpan::GROUND_TRACK),
+            &PASS,
+            16_384,
+        );
         let (is_whole, taken) = follow(&mut satellite, &feed, at);
         let [trail, ground] = curves(&satellite, at);
         assert!(is_whole && taken < 3500, "{taken}");
@@ -128,7 +139,7 @@ fn ground_tracks_are_the_feet_of_later_and_earlier_places() {
             before_s: 12_000.0,
             after_s: 12_000.0,
         };
-        let mut satellite = Satellite::new(&both(TrackSpan::TRAIL, span), 16_384);
+        let mut satellite = Satellite::new(&both(TrackSpan::TRAIL, span), &PASS, 16_384);
         follow(&mut satellite, feed, at);
         let [_, ground] = curves(&satellite, at);
         assert!((ground[0].0 + 12_000.0).abs() < 1e-6);
@@ -177,7 +188,7 @@ fn in_steady_state_few_states_are_asked_for() {
     let iss = Sgp4Feed::built_in_iss().unwrap_or_else(|error| panic!("{error}"));
     let at = utc("2018-01-19T00:30:00Z");
     let style = both(TrackSpan::TRAIL, TrackSpan::GROUND_TRACK);
-    let mut satellite = Satellite::new(&style, 16_384);
+    let mut satellite = Satellite::new(&style, &PASS, 16_384);
     let (_, first) = follow(&mut satellite, &iss, at);
     let mut then = 0;
     for frame in 1..=600 {
@@ -254,7 +265,7 @@ fn curves_end_with_what_is_known() {
             ),
             is_honest,
         };
-        let mut satellite = Satellite::new(&style, 16_384);
+        let mut satellite = Satellite::new(&style, &PASS, 16_384);
         assert!(follow(&mut satellite, &feed, at).0);
         for curve in curves(&satellite, at) {
             let (first, last) = (curve[0].0, curve[curve.len() - 1].0);

@@ -1,6 +1,7 @@
 //! What is drawn of a satellite, and how: spans of curves, the footprint, colours and widths.
 
-use crate::gpu::TrackKinds;
+use super::ink::Ink;
+use crate::gpu::{PassFormat, TrackKinds};
 
 /// Time before and after now that a curve is drawn over.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -101,6 +102,11 @@ impl TrackStyle {
             marks: self.marker || self.subpoint,
             fills: footprint.is_some_and(|footprint| footprint.is_filled),
         }
+    }
+
+    /// Its colour in passes of this format.
+    pub(super) fn ink(&self, format: &PassFormat) -> Ink {
+        Ink::new(format, self.color, self.kinds().lines)
     }
 
     /// Refuses angles, spans and widths that have no meaning: says what they must be.

@@ -16,7 +16,7 @@ fn draw(day: LayerImage, samples: u32, view: &EyeView) -> RgbaImage {
         samples,
         ..EarthOptions::new(day_only(day))
     };
-    let mut floor = Floor::new(gpu, &options);
+    let mut floor = Floor::new(gpu, &options, options.pass_format());
     floor.prepare(&gpu.queue, view, &Sky::new(glam::DVec3::X), SIZE);
     let targets = FrameTargets::new(&gpu.device, SIZE, samples);
     let mut encoder = gpu.device.create_command_encoder(&Default::default());

@@ -15,10 +15,10 @@ use std::path::Path;
 use std::sync::LazyLock;
 use terrella::Tone;
 use terrella::internals::gpu::{
-    AirVariant, AirViewVariant, CelestialVariant, EarthOutput, EarthVariant, GlowVariant,
-    MapFadeVariant, PaperLayers, PatchTiles, SHADER_FILES, ShaderCapability, ShaderText,
-    ShaderVariant, ShadingVariant, SunlitLayers, TargetColor, TracksVariant, TruthLayers,
-    UpscaleVariant, VertexForm,
+    AirVariant, AirViewVariant, CelestialVariant, DevelopVariant, EarthOutput, EarthVariant,
+    GlowVariant, MapFadeVariant, PaperLayers, PatchTiles, SHADER_FILES, ShaderCapability,
+    ShaderText, ShaderVariant, ShadingVariant, SunlitLayers, TargetColor, TracksVariant,
+    TruthLayers, UpscaleVariant, VertexForm,
 };
 use terrella::internals::plan::{AirSide, LightEffect, LightEffects};
 
@@ -69,6 +69,7 @@ static ALL: LazyLock<(Vec<Shader>, Vec<String>)> = LazyLock::new(|| {
     all.extend(built::<TracksVariant>());
     all.extend(built::<MapFadeVariant>());
     all.extend(built::<UpscaleVariant>());
+    all.extend(built::<DevelopVariant>());
     let (mut shaders, mut failures) = (Vec::new(), Vec::new());
     for shader in all {
         match shader {
@@ -447,7 +448,8 @@ fn the_paper_has_no_light_of_ours() {
     }
 }
 
-/// A float target gets light: nothing of how it is shown is in its shader. Else there is one curve at most.
+/// A float target gets light: nothing of how it is shown is in its shader, but the exposure where it is developed after the pass. Else there
+/// is one curve at most.
 #[test]
 fn a_target_of_light_is_not_exposed() {
     let layers = SunlitLayers::default();
@@ -461,18 +463,13 @@ fn a_target_of_light_is_not_exposed() {
     let curves = ["fn camera", "fn neutral", "fn filmic"];
     for target in TargetColor::all() {
         let text = text(target);
-        let is_light = target == TargetColor::Radiance;
-        for name in ["* exposure", "fn dither"] {
-            assert_eq!(text.contains(name), !is_light, "{target:?}: {name}");
-        }
+        let is_exposed = target != TargetColor::Radiance;
+        assert_eq!(text.contains("* exposure"), is_exposed, "{target:?}");
+        let is_shown = target.tone().is_some();
+        assert_eq!(text.contains("fn dither"), is_shown, "{target:?}");
         let found = curves.iter().filter(|curve| text.contains(**curve)).count();
-        let wanted = match target {
-            TargetColor::Linear(tone) | TargetColor::Display(tone) => {
-                usize::from(tone != Tone::Linear)
-            }
-            TargetColor::Radiance => 0,
-        };
-        assert_eq!(found, wanted, "{target:?}");
+        let wanted = target.tone().is_some_and(|tone| tone != Tone::Linear);
+        assert_eq!(found, usize::from(wanted), "{target:?}");
         let encodes = matches!(target, TargetColor::Display(_));
         assert_eq!(text.contains("encode_srgb"), encodes, "{target:?}");
     }

@@ -58,7 +58,7 @@ fn scaled(options: &EarthOptions, scale: f64) -> image::RgbaImage {
         .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
     rig.earth
         .render(&mut target.begin_pass(&mut encoder, shown.picture_view()));
-    target.enlarge(&mut encoder, shown.picture_view());
+    target.finish(&mut encoder, shown.picture_view(), None);
     gpu.queue.submit([encoder.finish()]);
     let texels = shown.read_back(&gpu.device, &gpu.queue).expect("a picture");
     image::RgbaImage::from_raw(SIZE.0, SIZE.1, texels).expect("of that size")
@@ -119,7 +119,7 @@ fn a_picture_is_enlarged_in_light() {
         pass.set_pipeline(&column);
         pass.draw(0..3, 0..1);
         drop(pass);
-        target.enlarge(&mut encoder, shown.picture_view());
+        target.finish(&mut encoder, shown.picture_view(), None);
         gpu.queue.submit([encoder.finish()]);
         let texels = shown.read_back(&gpu.device, &gpu.queue).expect("a picture");
         for row in texels.chunks(9 * 4) {

@@ -9,7 +9,7 @@ mod samples;
 mod view;
 
 use samples::Samples;
-use terrella::internals::gpu::{FrameTargets, GpuContext, PassFormat, PipelineDescription};
+use terrella::internals::gpu::{GpuContext, PassFormat, PipelineDescription};
 use terrella::{EarthOptions, EyeView, Sky};
 use view::{CORNERS, FloorView};
 
@@ -39,8 +39,8 @@ pub struct Floor {
 }
 
 impl Floor {
-    /// Makes the pass for an Earth with these options, `samples` a pixel being those of the targets.
-    pub fn new(gpu: &GpuContext, options: &EarthOptions) -> Self {
+    /// Makes the drawing for an Earth with these options, in the pass that it is drawn in.
+    pub fn new(gpu: &GpuContext, options: &EarthOptions, format: PassFormat) -> Self {
         let device = &gpu.device;
         let samples = Samples::of(options);
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
@@ -53,13 +53,7 @@ impl Floor {
             module: &module,
             buffers: &[],
             primitive: Default::default(),
-            format: PassFormat {
-                color: FrameTargets::COLOR,
-                further: &[],
-                samples: options.samples,
-                depth: FrameTargets::REVERSED_DEPTH,
-                tone: Default::default(),
-            },
+            format,
             writes_depth: true,
             blend: None,
         }

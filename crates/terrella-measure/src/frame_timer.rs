@@ -40,12 +40,8 @@ impl FrameTimer {
         size: (u32, u32),
     ) -> Result<Self, PlayError> {
         let picture = OffscreenRenderer::open(gpu.clone(), options.clone(), size)?;
-        let options = EarthOptions {
-            samples: picture.samples(),
-            ..options.clone()
-        };
         Ok(Self {
-            floor: Floor::new(gpu, &options),
+            floor: Floor::new(gpu, options, picture.earth().format()),
             picture,
         })
     }

@@ -11,7 +11,7 @@ use glam::{DMat3, DMat4, DVec3, Mat4, Vec2, Vec3};
 use mesh::CraftVertex;
 use terrella::frames::{Ellipsoid, illumination};
 use terrella::internals::gpu::{
-    FrameTargets, GpuContext, PassFormat, PipelineDescription, ShaderError, ShaderText, TargetColor,
+    GpuContext, PassFormat, PipelineDescription, ShaderError, ShaderText, TargetColor,
 };
 use terrella::{EarthError, EarthOptions, EyeView, FrameStats, Sky};
 use terrella_ground::light::exposure_factor;
@@ -132,13 +132,7 @@ pub struct CraftLayer {
 impl CraftLayer {
     /// For passes of the Earth's colour format and samples, with [`FrameTargets::DEPTH`] reversed.
     pub fn new(gpu: &GpuContext, options: &EarthOptions) -> Result<Self, EarthError> {
-        let format = PassFormat {
-            color: options.color_format,
-            further: &[],
-            samples: options.samples,
-            depth: FrameTargets::REVERSED_DEPTH,
-            tone: options.tone,
-        };
+        let format = options.pass_format();
         Ok(Self {
             shader: shader(format.target_color())?.compile(&gpu.device, "terrella craft")?,
             format,

@@ -5,13 +5,9 @@ use super::flight::{Flight, Moment};
 use super::scene_painter::{Patience, PictureTarget, ScenePainter};
 use image::RgbaImage;
 use std::time::{Duration, Instant};
-use terrella::internals::gpu::{
-    FrameTargets, GpuContext, GpuTimer, PassPart, PictureError, ScaledTarget,
-};
-use terrella::internals::offscreen::{check_memory, new_targets, supported_samples};
-use terrella::{
-    Earth, EarthError, EarthOptions, Exposure, EyeView, FrameStats, Pipelines, Quality,
-};
+use terrella::internals::gpu::{FrameTargets, GpuContext, GpuTimer, PassPart, PictureError};
+use terrella::internals::offscreen::{PictureTextures, supported_samples};
+use terrella::{Earth, EarthOptions, Exposure, EyeView, FrameStats, Pipelines, Quality};
 use terrella_imagery::tile::TileKey;
 
 /// An Earth with textures to draw it into.
@@ -25,37 +21,25 @@ pub struct OffscreenRenderer {
     pictures_without_heights: u64,
 }
 
-/// Textures of a picture, and a smaller one that is drawn to where the quality's scale is below 1.
-struct PictureTextures {
-    targets: FrameTargets,
-    smaller: Option<ScaledTarget>,
-}
-
 impl PictureTarget for PictureTextures {
     fn size(&self) -> (u32, u32) {
-        self.targets.size()
+        self.size()
     }
 
     fn drawn_size(&self) -> (u32, u32) {
-        let smaller = self.smaller.as_ref();
-        smaller.map_or(self.size(), ScaledTarget::drawn_size)
+        self.drawn_size()
     }
 
     fn begin_pass<'e>(&self, encoder: &'e mut wgpu::CommandEncoder) -> wgpu::RenderPass<'e> {
-        match &self.smaller {
-            Some(smaller) => smaller.begin_pass(encoder, self.view()),
-            None => self.targets.begin_pass(encoder),
-        }
+        self.begin_pass(encoder)
     }
 
-    fn enlarge(&self, encoder: &mut wgpu::CommandEncoder) {
-        if let Some(smaller) = &self.smaller {
-            smaller.enlarge(encoder, self.view());
-        }
+    fn finish(&self, encoder: &mut wgpu::CommandEncoder) {
+        self.finish(encoder, None);
     }
 
     fn view(&self) -> &wgpu::TextureView {
-        self.targets.picture_view()
+        self.picture().picture_view()
     }
 }
 
@@ -79,9 +63,9 @@ impl OffscreenRenderer {
         mut options: EarthOptions,
         size: (u32, u32),
     ) -> Result<Self, PlayError> {
-        options.color_format = FrameTargets::COLOR;
-        options.samples = supported_samples(&gpu.adapter, FrameTargets::COLOR, options.samples);
-        Self::open_as(gpu, &options, size)
+        options.develop_after_pass(FrameTargets::COLOR);
+        options.samples = supported_samples(&gpu.adapter, options.color_format, options.samples);
+        Self::open_as(gpu, &options, FrameTargets::COLOR, size)
     }
 
     /// The same for light itself ([`Self::read_light`]), with one sample a pixel: the light along the ray through its middle.
@@ -90,28 +74,26 @@ impl OffscreenRenderer {
         mut options: EarthOptions,
         size: (u32, u32),
     ) -> Result<Self, PlayError> {
-        options.color_format = gpu.float_format();
+        let format = gpu.float_format();
+        options.color_format = format;
         options.samples = 1;
-        Self::open_as(gpu, &options, size)
+        Self::open_as(gpu, &options, format, size)
     }
 
     fn open_as(
         gpu: GpuContext,
         options: &EarthOptions,
+        format: wgpu::TextureFormat,
         size: (u32, u32),
     ) -> Result<Self, PlayError> {
         let options = &EarthOptions {
             pipelines: Pipelines::WhenNeeded,
             ..options.clone()
         };
-        check_memory(size, options.color_format, options.samples)?;
-        let targets = new_targets(&gpu, size, options.color_format, options.samples)?;
+        let textures = PictureTextures::new(&gpu, &options.pass_format(), format, size, size)?;
         Ok(Self {
-            painter: ScenePainter::new(gpu, options)?,
-            textures: PictureTextures {
-                targets,
-                smaller: None,
-            },
+            painter: ScenePainter::new(gpu, options, format)?,
+            textures,
             samples: options.samples,
             is_space_transparent: false,
             pictures_without_heights: 0,
@@ -137,7 +119,7 @@ impl OffscreenRenderer {
             return Ok(());
         }
         self.painter.set_quality(&quality)?;
-        self.make_targets(self.size(), samples)?;
+        self.make_textures(self.size())?;
         self.samples = samples;
         match self.painter.follow_quality().into_iter().next() {
             Some((_, error)) => Err(error),
@@ -153,36 +135,26 @@ impl OffscreenRenderer {
         if size == self.size() {
             return Ok(());
         }
-        check_memory(size, self.earth().format().color, self.samples)?;
-        self.make_targets(size, self.samples)
+        self.make_textures(size)
     }
 
     /// Makes the textures for pictures of a size, at the quality's scale.
-    fn make_targets(&mut self, size: (u32, u32), samples: u32) -> Result<(), PlayError> {
-        let format = self.earth().format().color;
+    fn make_textures(&mut self, size: (u32, u32)) -> Result<(), PlayError> {
         let drawn_size = self.earth().quality().drawn_size(size);
-        let device = &self.gpu().device;
-        let smaller = match drawn_size == size {
-            true => None,
-            false => {
-                let smaller = ScaledTarget::new(device, format, size, drawn_size, samples);
-                Some(smaller.map_err(EarthError::from)?)
-            }
-        };
-        // The picture that is enlarged has its samples in the smaller one.
-        let picture_samples = if smaller.is_some() { 1 } else { samples };
-        let mut targets = new_targets(self.gpu(), size, format, picture_samples)?;
+        let format = self.textures.picture().format();
+        let pass = self.earth().format();
+        let mut textures = PictureTextures::new(self.gpu(), &pass, format, size, drawn_size)?;
         if self.is_space_transparent {
-            targets.make_space_transparent();
+            textures.make_space_transparent();
         }
-        self.textures = PictureTextures { targets, smaller };
+        self.textures = textures;
         Ok(())
     }
 
     /// Space hides nothing from now on: alpha of light is how much of what is behind is hidden. At full resolution alone.
     pub fn make_space_transparent(&mut self) {
         self.is_space_transparent = true;
-        self.textures.targets.make_space_transparent();
+        self.textures.make_space_transparent();
     }
 
     /// Width and height that are drawn, pixels; [`Self::size`] where the quality's scale is 1.
@@ -317,10 +289,10 @@ impl OffscreenRenderer {
         self.earth().check_pipelines()?;
         let read = self
             .textures
-            .targets
+            .picture()
             .read_back(&self.gpu().device, &self.gpu().queue);
         let texels = self.gpu().checked(read)?;
-        let (width, height) = self.textures.targets.size();
+        let (width, height) = self.textures.size();
         Ok(rgba_image(width, height, texels)?)
     }
 
@@ -329,7 +301,7 @@ impl OffscreenRenderer {
         self.earth().check_pipelines()?;
         let read = self
             .textures
-            .targets
+            .picture()
             .read_light(&self.gpu().device, &self.gpu().queue);
         Ok(self.gpu().checked(read)?)
     }
@@ -338,14 +310,17 @@ impl OffscreenRenderer {
     pub fn read_into(&self, rgba: &mut [u8]) -> Result<(), PlayError> {
         self.earth().check_pipelines()?;
         let (device, queue) = (&self.gpu().device, &self.gpu().queue);
-        let read = self.textures.targets.read_back_into(device, queue, rgba);
+        let read = self.textures.picture().read_back_into(device, queue, rgba);
         Ok(self.gpu().checked(read)?)
     }
 
     /// The same as light, of a renderer that is open for it: four numbers a pixel.
     pub fn read_light_into(&self, light: &mut [f32]) -> Result<(), PlayError> {
         let (device, queue) = (&self.gpu().device, &self.gpu().queue);
-        let read = self.textures.targets.read_light_into(device, queue, light);
+        let read = self
+            .textures
+            .picture()
+            .read_light_into(device, queue, light);
         Ok(self.gpu().checked(read)?)
     }
 
@@ -369,11 +344,11 @@ impl OffscreenRenderer {
         })
     }
 
-    /// Draws an instant in two passes, "surface" (with the craft, where there is one) and "air" (with tracks), and reads how long
-    /// each took on the device, milliseconds. Clearing counts to the first and resolving samples to the last.
+    /// Draws an instant in passes, "surface" (with the craft, where there is one), "air" (with tracks) and "development" (where light is
+    /// developed or enlarged after them), and reads how long each took on the device, milliseconds. Clearing counts to the first, resolving
+    /// samples to the air.
     ///
-    /// Two passes and the writing of times cost time themselves: not for frames whose whole time is wanted. At the picture's own size,
-    /// whatever the quality's scale.
+    /// Several passes and the writing of times cost time themselves: not for frames whose whole time is wanted.
     pub fn time_passes(
         &mut self,
         moment: &Moment,
@@ -392,8 +367,7 @@ impl OffscreenRenderer {
                 is_last: n + 1 == count,
             };
             let times = Some(timer.writes(n));
-            let targets = &self.textures.targets;
-            let mut pass = targets.begin_part(&mut encoder, part, times);
+            let mut pass = self.textures.begin_part(&mut encoder, part, times);
             match *name {
                 "air" => self.painter.render_air(&mut pass),
                 _ => self.painter.render_surface(&mut pass),
@@ -402,10 +376,17 @@ impl OffscreenRenderer {
                 self.painter.render_beyond(&mut pass);
             }
         }
+        let mut names = names.to_vec();
+        if self.textures.has_last_pass() {
+            self.textures
+                .finish(&mut encoder, Some(timer.writes(count)));
+            names.push("development");
+        }
+        let count = names.len() as u32;
         timer.resolve(&mut encoder, count);
         self.gpu().queue.submit([encoder.finish()]);
         let times = timer.read(&self.gpu().device, count)?;
-        Ok(names.iter().copied().zip(times).collect())
+        Ok(names.into_iter().zip(times).collect())
     }
 
     /// Prepares an instant that is not drawn, and waits until the device has what was written.
@@ -439,7 +420,7 @@ impl OffscreenRenderer {
 
     fn submit_pass(&self, draw: impl FnOnce(&mut wgpu::RenderPass<'_>)) {
         let mut encoder = self.encoder();
-        let mut pass = self.textures.targets.begin_pass(&mut encoder);
+        let mut pass = self.textures.begin_pass(&mut encoder);
         draw(&mut pass);
         drop(pass);
         self.gpu().queue.submit([encoder.finish()]);

@@ -22,6 +22,8 @@ pub struct ScenePainter {
     dated_maps: Option<DatedMapsLayer>,
     sky: Option<SkyLayer>,
     tracks: Option<TracksLayer>,
+    /// Format of the finished picture.
+    shown: wgpu::TextureFormat,
     /// Layers that are there and not drawn at present.
     hidden: HiddenLayers,
     /// Follows the exposure that views ask for, where it is metered.
@@ -48,8 +50,8 @@ pub trait PictureTarget {
     /// Begins the pass that draws it: black space, depth infinitely far.
     fn begin_pass<'e>(&self, encoder: &'e mut wgpu::CommandEncoder) -> wgpu::RenderPass<'e>;
 
-    /// Enlarges what that pass drew to all of the picture, where it is smaller.
-    fn enlarge(&self, encoder: &mut wgpu::CommandEncoder);
+    /// Makes the picture of what that pass drew, where that is no picture yet.
+    fn finish(&self, encoder: &mut wgpu::CommandEncoder);
 
     /// The finished picture.
     fn view(&self) -> &wgpu::TextureView;
@@ -67,8 +69,12 @@ pub enum Patience {
 }
 
 impl ScenePainter {
-    /// Uploads the maps; the Earth alone is drawn until layers are added by the methods below.
-    pub fn new(gpu: GpuContext, options: &EarthOptions) -> Result<Self, PlayError> {
+    /// Uploads the maps, for pictures of the format `shown`; the Earth alone is drawn until layers are added by the methods below.
+    pub fn new(
+        gpu: GpuContext,
+        options: &EarthOptions,
+        shown: wgpu::TextureFormat,
+    ) -> Result<Self, PlayError> {
         Ok(Self {
             earth: Earth::new(&gpu.device, &gpu.queue, options)?,
             craft: CraftLayer::new(&gpu, options)?,
@@ -76,14 +82,20 @@ impl ScenePainter {
             dated_maps: None,
             sky: None,
             tracks: None,
+            shown,
             hidden: HiddenLayers::default(),
             adaptation: (options.exposure == Exposure::Auto).then(Adaptation::default),
         })
     }
 
     /// The same with all layers of a flight's scene.
-    pub fn of(flight: &Flight, gpu: GpuContext, options: &EarthOptions) -> Result<Self, PlayError> {
-        let mut painter = Self::new(gpu, options)?;
+    pub fn of(
+        flight: &Flight,
+        gpu: GpuContext,
+        options: &EarthOptions,
+        shown: wgpu::TextureFormat,
+    ) -> Result<Self, PlayError> {
+        let mut painter = Self::new(gpu, options, shown)?;
         painter.show_dated_maps(flight)?;
         painter.show_sky(flight)?;
         painter.show_tracks(flight)?;
@@ -121,7 +133,7 @@ impl ScenePainter {
 
     /// Draws the tracks of a flight's satellites from now on, where its scene asks for any.
     pub fn show_tracks(&mut self, flight: &Flight) -> Result<(), PlayError> {
-        self.tracks = TracksLayer::of(flight, &self.gpu, &self.earth)?;
+        self.tracks = TracksLayer::of(flight, &self.gpu, &self.earth, self.shown)?;
         Ok(())
     }
 
@@ -245,14 +257,14 @@ impl ScenePainter {
         }
     }
 
-    /// Draws what was prepared, with the names of tracks over the enlarged picture.
+    /// Draws what was prepared, with the names of tracks over the finished picture.
     pub fn paint(&mut self, encoder: &mut wgpu::CommandEncoder, target: &impl PictureTarget) {
         let mut pass = target.begin_pass(encoder);
         self.render_surface(&mut pass);
         self.render_air(&mut pass);
         self.render_beyond(&mut pass);
         drop(pass);
-        target.enlarge(encoder);
+        target.finish(encoder);
         if let Some(tracks) = self.tracks.as_mut().filter(|_| !self.hidden.tracks) {
             let (size, drawn_size) = (target.size(), target.drawn_size());
             tracks.write_names(&self.gpu, encoder, target.view(), size, drawn_size);

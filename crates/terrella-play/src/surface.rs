@@ -3,7 +3,7 @@
 use super::error::{PlayError, WindowError};
 use terrella::internals::gpu::{GpuContext, ScaledTarget, color_texture};
 use terrella::internals::offscreen::supported_samples;
-use terrella::{EarthError, Quality};
+use terrella::{EarthError, EarthOptions, Quality};
 use wgpu::TextureFormat::{Bgra8Unorm, Bgra8UnormSrgb, Rgba8Unorm, Rgba8UnormSrgb};
 
 /// A configured surface and what is drawn with it.
@@ -19,16 +19,17 @@ pub struct WindowSurface {
 }
 
 impl WindowSurface {
-    /// Configures the surface for a window of `size` pixels.
+    /// Configures the surface for a window of `size` pixels, and has the options draw to it.
     pub fn new(
         gpu: &GpuContext,
         surface: wgpu::Surface<'static>,
         size: (u32, u32),
-        wanted_samples: u32,
+        options: &mut EarthOptions,
     ) -> Result<Self, PlayError> {
         let capabilities = surface.get_capabilities(&gpu.adapter);
         let (stored, format) = choose_formats(&gpu.adapter, &capabilities.formats)?;
-        let samples = supported_samples(&gpu.adapter, format, wanted_samples);
+        options.develop_after_pass(format);
+        options.samples = supported_samples(&gpu.adapter, options.color_format, options.samples);
         let limit = gpu.device.limits().max_texture_dimension_2d;
         let (width, height) = (size.0.clamp(1, limit), size.1.clamp(1, limit));
         let mut config = surface
@@ -46,8 +47,8 @@ impl WindowSurface {
         surface.configure(&gpu.device, &config);
         Ok(Self {
             target: {
-                let size = (width, height);
-                let target = ScaledTarget::new(&gpu.device, format, size, size, samples);
+                let (size, pass) = ((width, height), options.pass_format());
+                let target = ScaledTarget::of_pass(&gpu.device, &pass, format, size, size);
                 target.map_err(EarthError::from)?
             },
             surface,
@@ -58,7 +59,7 @@ impl WindowSurface {
         })
     }
 
-    /// The format that is drawn to.
+    /// The format of what is shown.
     pub fn format(&self) -> wgpu::TextureFormat {
         self.format
     }
@@ -70,7 +71,7 @@ impl WindowSurface {
 
     /// `wanted` samples a pixel if the adapter does so many, else 1.
     pub fn supported_samples(&self, gpu: &GpuContext, wanted: u32) -> u32 {
-        supported_samples(&gpu.adapter, self.format, wanted)
+        supported_samples(&gpu.adapter, self.target.drawn_format(), wanted)
     }
 
     /// Draws from now on with the samples and at the scale of a quality, of which the adapter must do the samples.
@@ -143,9 +144,9 @@ impl WindowSurface {
         self.target.begin_pass(encoder, view)
     }
 
-    /// Enlarges what that pass drew to all of the view.
-    pub fn enlarge(&self, encoder: &mut wgpu::CommandEncoder, view: &wgpu::TextureView) {
-        self.target.enlarge(encoder, view);
+    /// Draws what is shown of what that pass drew, over all of the view.
+    pub fn finish(&self, encoder: &mut wgpu::CommandEncoder, view: &wgpu::TextureView) {
+        self.target.finish(encoder, view, None);
     }
 
     /// A texture like the surface's that can be read: not every surface can.

@@ -59,8 +59,13 @@ impl TracksLayer {
         self.tracks.shader_bytes()
     }
 
-    /// The layer of a scene's satellites; `None` where none of them shows anything.
-    pub fn of(flight: &Flight, gpu: &GpuContext, earth: &Earth) -> Result<Option<Self>, PlayError> {
+    /// The layer of a scene's satellites, with names on pictures of the format `shown`; `None` where none of them shows anything.
+    pub fn of(
+        flight: &Flight,
+        gpu: &GpuContext,
+        earth: &Earth,
+        shown: wgpu::TextureFormat,
+    ) -> Result<Option<Self>, PlayError> {
         let scene = flight.scene();
         let width_px = scene.track_px as f32;
         let options = TracksOptions::of(earth);
@@ -70,15 +75,15 @@ impl TracksLayer {
                 swarm: Swarm::default(),
                 is_named: Vec::new(),
                 orientation: flight.earth_orientation().cloned(),
-                labels: Some(Labels::new(&gpu.device, options.color_format)),
+                labels: Some(Labels::new(&gpu.device, shown)),
                 is_complete: false,
                 roster: Some(roster),
             }));
         }
         let is_crowded = scene.orbits.len() > MAX_NAMED;
-        let shown = scene.orbits.iter().zip(flight.satellites()).enumerate();
+        let drawn = scene.orbits.iter().zip(flight.satellites()).enumerate();
         let mut is_named = Vec::new();
-        let (styles, feeds): (Vec<_>, Vec<_>) = shown
+        let (styles, feeds): (Vec<_>, Vec<_>) = drawn
             .filter(|(_, (orbit, _))| !orbit.track.is_off())
             .map(|(index, (orbit, satellite))| {
                 let is_followed = index == flight.followed();
@@ -98,7 +103,7 @@ impl TracksLayer {
             swarm: Swarm::of(feeds),
             is_named,
             orientation: flight.earth_orientation().cloned(),
-            labels: has_names.then(|| Labels::new(&gpu.device, options.color_format)),
+            labels: has_names.then(|| Labels::new(&gpu.device, shown)),
             is_complete: false,
             roster: None,
         }))

@@ -81,8 +81,8 @@ impl PictureTarget for SurfaceView<'_> {
         self.surface.begin_pass(encoder, self.view)
     }
 
-    fn enlarge(&self, encoder: &mut wgpu::CommandEncoder) {
-        self.surface.enlarge(encoder, self.view);
+    fn finish(&self, encoder: &mut wgpu::CommandEncoder) {
+        self.surface.finish(encoder, self.view);
     }
 
     fn view(&self) -> &wgpu::TextureView {
@@ -130,10 +130,8 @@ impl WindowRenderer {
         progress.end();
         let inner = window.inner_size();
         let inner = (inner.width, inner.height);
-        let surface = WindowSurface::new(&gpu, surface, inner, options.samples)?;
-        options.color_format = surface.format();
-        options.samples = surface.samples();
-        let painter = ScenePainter::of(flight, gpu, &options)?;
+        let surface = WindowSurface::new(&gpu, surface, inner, &mut options)?;
+        let painter = ScenePainter::of(flight, gpu, &options, surface.format())?;
         let (gpu, earth) = (painter.gpu(), painter.earth());
         let full = scene_quality(&flight.scene().quality, *earth.quality());
         let control = QualityControl::of(flight.scene(), full, earth.has_tiles())?;
@@ -180,10 +178,10 @@ impl WindowRenderer {
     pub fn reload_shaders(&mut self, flight: &Flight) -> Result<(), PlayError> {
         let gpu = self.painter.gpu().clone();
         let mut options = flight.earth_options(gpu.bc_support())?;
-        options.color_format = self.surface.format();
+        options.develop_after_pass(self.surface.format());
         options.samples = self.samples.without;
         let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
-        let painter = ScenePainter::of(flight, gpu, &options);
+        let painter = ScenePainter::of(flight, gpu, &options, self.surface.format());
         let rejected = pollster::block_on(scope.pop());
         let painter = painter?;
         if let Some(error) = rejected {

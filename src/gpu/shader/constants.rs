@@ -56,6 +56,9 @@ pub(crate) const GLARE_RADIUS_RAD: f64 = 0.25;
 const MILKY_WAY_LIGHT: f64 = 3.097e-8;
 const MILKY_WAY_FLOOR: f64 = 1.052e-9;
 
+/// Most exposed light that a layer adds to a float target that is developed later: the light of two of them is still a number of 16 bits.
+const BRIGHTEST_EXPOSED: f64 = 30_000.0;
+
 /// Directions below the limb and above it, together, that an eye in the air is shown the air in.
 pub const VIEW_ANGLES: u32 = 96;
 /// Azimuths of the Sun that it is shown in.
@@ -108,6 +111,7 @@ const SHARED: &[(&str, Value)] = &[
     ("DETAIL_MEAN", F32(DETAIL_MEAN as f64)),
     ("SEA_WATER_INDEX", F32(SEA_WATER_INDEX)),
     ("SEA_REFLECTANCE", F32(SEA_REFLECTANCE)),
+    ("BRIGHTEST_EXPOSED", F32(BRIGHTEST_EXPOSED)),
     // What is shown: the largest value of eight bits, and tone curves.
     ("LAST_CODE", F32(u8::MAX as f64)),
     ("TONE_CAMERA_TOE", Vec3(light::CAMERA_TOE)),

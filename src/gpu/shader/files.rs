@@ -133,6 +133,7 @@ files![
     "common/ray.wgsl",
     "common/whole_target.wgsl",
     "craft.wgsl",
+    "develop.wgsl",
     "earth.wgsl",
     "earth/bindings.wgsl",
     "earth/blocks.wgsl",

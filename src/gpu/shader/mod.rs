@@ -31,6 +31,7 @@ mod assemble;
 mod capability;
 mod celestial;
 mod constants;
+mod develop;
 mod earth;
 mod files;
 mod map_fade;
@@ -45,6 +46,7 @@ pub use air::{AirVariant, AirViewVariant, GlowVariant};
 pub use assemble::ShaderText;
 pub use capability::ShaderCapability;
 pub use celestial::{CelestialKind, CelestialVariant};
+pub use develop::DevelopVariant;
 pub use earth::{
     EarthOutput, EarthVariant, PaperLayers, PatchTiles, ShadingVariant, SunlitLayers, TruthLayers,
     VertexForm,

@@ -10,6 +10,9 @@ use terrella_ground::light::Tone;
 pub enum TargetColor {
     /// Light itself: a float format. Values that are meant for a display are decoded.
     Radiance,
+    /// Light times the exposure: a float format that is developed after the pass. Values that are meant for a display come as the light that
+    /// the tone curve shows as them.
+    Exposed,
     /// What is shown of light by a tone curve, dithered for 8 bits, linear: the hardware encodes it (sRGB formats). Values that
     /// are meant for a display are decoded.
     Linear(Tone),
@@ -19,27 +22,35 @@ pub enum TargetColor {
 
 impl TargetColor {
     /// The most usual ones: between them they have every condition but those of other tone curves.
-    pub const USUAL: [Self; 3] = [
-        Self::Radiance,
+    pub const USUAL: [Self; 4] = [
+        Self::Exposed,
         Self::Linear(Tone::Camera),
         Self::Display(Tone::Camera),
+        Self::Radiance,
     ];
 
     /// All of them.
     pub fn all() -> Vec<Self> {
         let shown = |tone| [Self::Linear(tone), Self::Display(tone)];
         let shown = Tone::ALL.into_iter().flat_map(shown);
-        std::iter::once(Self::Radiance).chain(shown).collect()
+        let light = [Self::Radiance, Self::Exposed];
+        light.into_iter().chain(shown).collect()
+    }
+
+    /// The curve by which light is shown; `None` where light itself is stored.
+    pub fn tone(self) -> Option<Tone> {
+        match self {
+            Self::Radiance | Self::Exposed => None,
+            Self::Linear(tone) | Self::Display(tone) => Some(tone),
+        }
     }
 
     /// The conditions of `common/displayed.wgsl`.
-    pub fn conditions(self) -> [(&'static str, bool); 5] {
-        let tone = match self {
-            Self::Radiance => None,
-            Self::Linear(tone) | Self::Display(tone) => Some(tone),
-        };
+    pub fn conditions(self) -> [(&'static str, bool); 6] {
+        let tone = self.tone();
         [
-            ("radiance", tone.is_none()),
+            ("exposed", self == Self::Exposed),
+            ("shown", tone.is_some()),
             ("camera", tone == Some(Tone::Camera)),
             ("neutral", tone == Some(Tone::Neutral)),
             ("filmic", tone == Some(Tone::Filmic)),

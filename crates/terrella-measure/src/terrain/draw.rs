@@ -52,6 +52,7 @@ impl Canvas {
                 further: &[],
                 samples: 1,
                 depth: FrameTargets::REVERSED_DEPTH,
+                development: Default::default(),
                 tone: Default::default(),
             },
             writes_depth: true,

@@ -1,0 +1,96 @@
+//! The colour of a track, as the target of its pass stores it.
+
+use crate::gpu::PassFormat;
+use terrella_ground::half::half_bits;
+
+/// Steps of opacity that colours are kept for.
+const STEPS: usize = 32;
+
+/// A display colour in every opacity that a track fades through.
+#[derive(Clone)]
+pub(super) struct Ink {
+    opaque: InkColors,
+    /// By opacity, from 1/32; empty where the target shows a faded colour as it is.
+    faded: Vec<InkColors>,
+}
+
+/// What a pixel gets that is covered wholly, and by half, not premultiplied: red, green and blue, half floats.
+type InkColors = [[u16; 3]; 2];
+
+impl Ink {
+    /// This display colour in passes of this format; `fades` where other opacities than 1 will be asked for.
+    pub fn new(format: &PassFormat, srgb: [u8; 3], fades: bool) -> Self {
+        let stored = |opacity: f64| {
+            let whole = format.stored_color(srgb, opacity).map(half_bits);
+            let half = format.stored_color(srgb, 0.5 * opacity);
+            [whole, half.map(|value| half_bits(0.5 * value))]
+        };
+        let steps = match fades && format.is_developed_later() {
+            true => 1..=STEPS,
+            false => 1..=0,
+        };
+        Self {
+            opaque: stored(1.0),
+            faded: steps
+                .map(|step| stored(step as f64 / STEPS as f64))
+                .collect(),
+        }
+    }
+
+    /// The colour in an opacity of 0…1, with that opacity, and that of a pixel that is covered by half.
+    pub fn at(&self, opacity: f64) -> [[u16; 4]; 2] {
+        let step = ((opacity * STEPS as f64).round() as usize).clamp(1, STEPS);
+        let colors = self.faded.get(step - 1).unwrap_or(&self.opaque);
+        colors.map(|[red, green, blue]| [red, green, blue, half_bits(opacity as f32)])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gpu::{Development, FrameTargets, ScaledTarget};
+    use glam::DVec3;
+    use terrella_ground::half::float_of_half;
+    use terrella_ground::light::Tone;
+
+    fn format(color: wgpu::TextureFormat) -> PassFormat {
+        PassFormat {
+            color,
+            further: &[],
+            samples: 1,
+            depth: FrameTargets::REVERSED_DEPTH,
+            development: Development::AfterPass,
+            tone: Tone::Camera,
+        }
+    }
+
+    /// Over black space a faded line has the hue of a full one, though the tone curve has contrast.
+    #[test]
+    fn faded_light_is_developed_to_the_faded_colour() {
+        let ink = Ink::new(&format(ScaledTarget::LIGHT), [244, 114, 160], true);
+        let shown = |opacity: f64| {
+            ink.at(opacity).map(|color| {
+                let [red, green, blue, opacity] = color.map(float_of_half).map(f64::from);
+                Tone::Camera.shown(opacity * DVec3::new(red, green, blue))
+            })
+        };
+        let [full, _] = shown(1.0);
+        for opacity in [0.125, 0.5, 0.75, 1.0] {
+            let [whole, half] = shown(opacity);
+            for (got, wanted) in [(whole, opacity * full), (half, 0.5 * opacity * full)] {
+                let off = (got - wanted).abs().max_element();
+                assert!(off < 2e-3, "{opacity}: {got} for {wanted}");
+            }
+        }
+    }
+
+    #[test]
+    fn display_values_are_stored_as_they_are() {
+        let display = Ink::new(&format(wgpu::TextureFormat::Rgba8Unorm), [0, 51, 255], true);
+        let [stored, half] = display.at(0.5).map(|color| color.map(float_of_half));
+        assert!((half[2] - 0.5).abs() < 2e-4, "{half:?}");
+        for (got, wanted) in stored.into_iter().zip([0.0, 0.2, 1.0, 0.5]) {
+            assert!((got - wanted).abs() < 2e-4, "{stored:?}");
+        }
+    }
+}
