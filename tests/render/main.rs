@@ -6,6 +6,8 @@ mod changes;
 #[path = "../common/mod.rs"]
 mod common;
 mod detail;
+#[cfg(feature = "offscreen")]
+mod development;
 mod embedding;
 #[cfg(feature = "offscreen")]
 mod faults;

@@ -1,0 +1,162 @@
+//! Light that all layers add up and that is developed once.
+
+use crate::common::{self, Rig, day_only, down, map, tilted};
+use glam::DVec3;
+use image::RgbaImage;
+use std::time::Duration;
+use terrella::frames::{Ellipsoid, Geodetic};
+use terrella::{
+    Development, EarthError, EarthOptions, Exposure, EyeView, FrameTargets, OffscreenEarth,
+    ScaledTarget, Shading, Sky, Tone, exposure_factor,
+};
+
+const SIZE: (u32, u32) = (96, 54);
+const DAY_EV: f64 = 0.5;
+const TWILIGHT_EV: f64 = 6.0;
+
+fn options(ev: f64) -> EarthOptions {
+    let day = map(128, |lat, lon| {
+        let wave = |angle: f64| (127.5 + 127.5 * angle.to_radians().sin()) as u8;
+        [wave(9.0 * lon), wave(7.0 * lat), wave(5.0 * (lat + lon))]
+    });
+    let mut options = EarthOptions::new(day_only(day));
+    options.exposure = Exposure::Ev(ev);
+    options.light.airglow = true;
+    options.light.night_gain = 200_000.0;
+    options
+}
+
+/// The limb towards a Sun that has set: the air beside the Earth and the airglow, which is behind and before it, are about as bright.
+fn twilight() -> (EyeView, Sky) {
+    let aspect = f64::from(SIZE.0) / f64::from(SIZE.1);
+    let place = Geodetic::from_degrees(0.0, 0.0, 4e5);
+    let view = tilted(place, 90.0, -20.0, 40.0, aspect);
+    (
+        view,
+        Sky::new(Ellipsoid::normal(0.0, f64::to_radians(120.0))),
+    )
+}
+
+fn day() -> (EyeView, Sky) {
+    let aspect = f64::from(SIZE.0) / f64::from(SIZE.1);
+    let view = down(Geodetic::from_degrees(10.0, 10.0, 2e6), 30.0, aspect);
+    (view, Sky::new(DVec3::new(0.9, 0.4, 0.1).normalize()))
+}
+
+fn developed(options: &EarthOptions, (view, sky): &(EyeView, Sky)) -> RgbaImage {
+    let gpu = common::gpu().clone();
+    let mut earth = OffscreenEarth::new(gpu, options.clone(), SIZE).expect("sound options");
+    let mut rgba = vec![0; (4 * SIZE.0 * SIZE.1) as usize];
+    earth
+        .draw_color(view, sky, Duration::ZERO, &mut rgba)
+        .expect("a picture");
+    RgbaImage::from_raw(SIZE.0, SIZE.1, rgba).expect("of that size")
+}
+
+fn in_pass(options: &EarthOptions, (view, sky): &(EyeView, Sky)) -> RgbaImage {
+    let mut rig = Rig::new(options, SIZE);
+    rig.draw_complete(view, sky.sun_itrf).0
+}
+
+/// Codes of the light itself by the curve's twin on the processor, not rounded.
+fn codes(options: &EarthOptions, (view, sky): &(EyeView, Sky)) -> Vec<DVec3> {
+    let light = Rig::of_light(options, SIZE).draw_light(view, sky.sun_itrf);
+    let Exposure::Ev(ev) = options.exposure else {
+        panic!("a fixed exposure");
+    };
+    let factor = exposure_factor(ev);
+    let code = |light: &[f32; 4]| {
+        let [red, green, blue, _] = light.map(f64::from);
+        let shown = options.tone.shown(factor * DVec3::new(red, green, blue));
+        shown.map(|value| match value <= 0.003_130_8 {
+            true => 255.0 * 12.92 * value,
+            false => 255.0 * (1.055 * value.powf(1.0 / 2.4) - 0.055),
+        })
+    };
+    light.iter().map(code).collect()
+}
+
+fn furthest(picture: &RgbaImage, codes: &[DVec3]) -> f64 {
+    let pixels = picture.pixels().zip(codes);
+    let off = pixels.map(|(pixel, code)| {
+        let [red, green, blue, _] = pixel.0.map(f64::from);
+        (DVec3::new(red, green, blue) - *code).abs().max_element()
+    });
+    off.fold(0.0, f64::max)
+}
+
+#[test]
+fn a_picture_is_the_development_of_the_sum_of_its_layers() {
+    for tone in Tone::ALL {
+        for (view, ev) in [(twilight(), TWILIGHT_EV), (day(), DAY_EV)] {
+            let options = EarthOptions {
+                tone,
+                ..options(ev)
+            };
+            let off = furthest(&developed(&options, &view), &codes(&options, &view));
+            println!("{tone:?}: {off:.2} codes");
+            // Half a code of dithering, half of rounding; the air's light is interpolated between vertices within half a code.
+            assert!(off < 1.3, "{tone:?}: {off} codes");
+        }
+    }
+    // Layers that are developed one by one are not, or this test could not fail.
+    let options = options(TWILIGHT_EV);
+    let off = furthest(
+        &in_pass(&options, &twilight()),
+        &codes(&options, &twilight()),
+    );
+    println!("in the pass: {off:.2} codes");
+    assert!(off > 4.0, "{off}");
+}
+
+#[test]
+fn both_ways_show_the_same_where_one_layer_stands_alone() {
+    let options = options(DAY_EV);
+    let (after, before) = (developed(&options, &day()), in_pass(&options, &day()));
+    let codes = after.as_raw().iter().zip(before.as_raw());
+    let off = codes.map(|(a, b)| a.abs_diff(*b)).max();
+    assert!(off <= Some(1), "{off:?}");
+}
+
+/// Light that hardly changes along a row changes its code from pixel to pixel all the same.
+#[test]
+fn faint_light_is_dithered() {
+    let picture = developed(&options(TWILIGHT_EV), &twilight());
+    let longest_run = |y: u32| {
+        let codes: Vec<u8> = (0..SIZE.0).map(|x| picture.get_pixel(x, y)[1]).collect();
+        let runs = codes.chunk_by(|a, b| a == b);
+        runs.filter(|run| (2..250).contains(&run[0]))
+            .map(<[u8]>::len)
+            .max()
+    };
+    let mut runs = Vec::from_iter((0..SIZE.1).filter_map(longest_run));
+    runs.sort_unstable();
+    println!("{runs:?}");
+    // Whole rows would be of one code without it, and rows whose light is just a code's are so with it.
+    assert!(runs.len() > 20 && runs[runs.len() / 2] < 12, "{runs:?}");
+}
+
+#[test]
+fn light_that_is_developed_later_wants_a_float_target_and_sunlight() {
+    let gpu = common::gpu();
+    let create =
+        |options: EarthOptions| terrella::Earth::new(&gpu.device, &gpu.queue, &options).map(|_| ());
+    let wrong = EarthOptions {
+        development: Development::AfterPass,
+        color_format: FrameTargets::COLOR,
+        ..options(DAY_EV)
+    };
+    let error = create(wrong.clone()).expect_err("eight bits hold no light");
+    assert!(matches!(error, EarthError::Development { .. }), "{error}");
+    assert!(error.to_string().contains("Rgba16Float"), "{error}");
+    let float = EarthOptions {
+        color_format: ScaledTarget::LIGHT,
+        ..wrong
+    };
+    create(float.clone()).expect("a float target");
+    let paper = EarthOptions {
+        shading: Shading::Paper,
+        ..float
+    };
+    create(paper).expect_err("the paper's display values are no light");
+}
