@@ -4,8 +4,8 @@
 // `AirVariant` in src/gpu/shader/air.rs says which conditions hold together: inside (the eye is in the air), moonlight, eclipse,
 // and those of common/displayed.wgsl.
 //
-// Over what stands behind it the air is laid as it is shown: on 8-bit targets its light has gone through the tone curve, and what
-// is behind it too, each by itself. Its alpha is the part of the light from behind that it takes.
+// It is blended over what stands behind it: as light where that is developed after the pass; on 8-bit targets as it is shown, each layer by
+// a tone curve of its own. Its alpha is the part of the light from behind that it takes.
 import common/air.wgsl;
 import common/displayed.wgsl;
 @if(eclipse) import common/air/eclipsed.wgsl;

@@ -4,7 +4,7 @@
 // inside (of it); and those of common/displayed.wgsl.
 //
 // Drawn after all of the Earth, at the farthest depth: what stands before the sky hides it, and its light is added to the air's. On
-// 8-bit targets both have gone through the tone curve, each by itself.
+// 8-bit targets what is shown of both is added, and not their light.
 import common/ray.wgsl;
 import common/displayed.wgsl;
 @if(air) import common/air.wgsl;

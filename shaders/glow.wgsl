@@ -3,7 +3,7 @@
 // `GlowVariant` in src/gpu/shader/air.rs says which conditions hold together: inside (the eye is in the air below), airglow, aurora, and
 // those of common/displayed.wgsl.
 //
-// On 8-bit targets its light has gone through the tone curve, and what is behind it too, each by itself.
+// On 8-bit targets what is shown of both is added, and not their light.
 import common/air.wgsl;
 import common/displayed.wgsl;
 @if(!inside) import rust::AIR_TOP;
