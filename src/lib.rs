@@ -41,6 +41,7 @@
 //! | `terrella-imagery` | maps and packs of tiles |
 //! | `terrella` | this crate: what is drawn with a GPU |
 //! | `terrella-pack` | packs made from large maps, and fetched maps |
+//! | `terrella-sensor` | camera sensors: lenses, point spread, electrons, noise |
 //! | `terrella-play` | scene files, pictures, films, the window |
 //! | `terrella-measure` | frame rates, the reference renderer, error against run time |
 //! | `terrella-cli` | the command |
@@ -72,6 +73,7 @@
 //! | `tracks` | trails, ground tracks, footprints and markers of feeds | files, the command |
 //! | `pack` | packs built from large maps | GPU, orbits |
 //! | `fetch` | maps from their public sources into a cache; all of the network that there is | GPU, orbits |
+//! | `sensor` | lenses, point spread, light to electrons and raw frames | GPU, files, scenes |
 //! | `scene` | the TOML file, defaults, checks with line and key | GPU |
 //! | `play` | clock, cameras, window, stills, video | |
 //! | `measure` | harness, reference renderer, error against run time, stability | |

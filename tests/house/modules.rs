@@ -36,6 +36,8 @@ const MODULES: &[(&str, &[&str])] = &[
     ("pack", &["files", "durable", "elevation", "globe", "imagery"]),
     // Maps from the network, for packs.
     ("fetch", &["files", "durable", "imagery", "pack"]),
+    // Light that others drew; knows no scene.
+    ("sensor", &[]),
     ("scene", &["shipped", "files", "frames", "orbit", "basilisk", "globe", "air", "light", "plan"]),
     ("play", &["files", "frames", "durable", "orbit", "basilisk", "elevation", "light", "imagery", "plan", "scene", "gpu", "earth", "offscreen", "celestial", "tracks"]),
     ("measure", &["files", "frames", "orbit", "elevation", "globe", "air", "light", "imagery", "plan", "scene", "gpu", "earth", "offscreen", "play"]),
@@ -62,6 +64,7 @@ const CRATES: &[Crate] = &[
     Crate { name: "terrella_imagery", folder: "crates/terrella-imagery/src/", first: Some("imagery"), modules: &[] },
     Crate { name: "terrella", folder: "src/", first: None, modules: &["shipped", "plan", "gpu", "earth", "offscreen", "celestial", "tracks"] },
     Crate { name: "terrella_pack", folder: "crates/terrella-pack/src/", first: Some("pack"), modules: &["fetch"] },
+    Crate { name: "terrella_sensor", folder: "crates/terrella-sensor/src/", first: Some("sensor"), modules: &[] },
     Crate { name: "terrella_play", folder: "crates/terrella-play/src/", first: Some("play"), modules: &["scene"] },
     Crate { name: "terrella_measure", folder: "crates/terrella-measure/src/", first: Some("measure"), modules: &[] },
     Crate { name: "terrella_cli", folder: "crates/terrella-cli/src/", first: Some("cli"), modules: &[] },

@@ -19,6 +19,7 @@ const WITHOUT_GPU: &[&str] = &[
     "plan",
     "pack",
     "fetch",
+    "sensor",
     "scene",
 ];
 
