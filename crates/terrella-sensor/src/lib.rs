@@ -21,10 +21,13 @@
 //! | `mosaic`, `shutter` | Bayer patterns; when rows are exposed |
 //! | `sensor` | all of it together |
 
+mod detector;
 mod distortion;
 mod error;
 mod lens;
+mod philox;
 
+pub use detector::{Detector, RawFrame, Wells};
 pub use distortion::Distortion;
 pub use error::SensorError;
 pub use lens::{Lens, PlaneRect};
