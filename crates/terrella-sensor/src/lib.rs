@@ -25,9 +25,15 @@ mod detector;
 mod distortion;
 mod error;
 mod lens;
+mod mosaic;
 mod philox;
+mod radiometry;
+mod shutter;
 
 pub use detector::{Detector, RawFrame, Wells};
 pub use distortion::Distortion;
 pub use error::SensorError;
 pub use lens::{Lens, PlaneRect};
+pub use mosaic::Mosaic;
+pub use radiometry::{Band, Radiometry, solar_photons_m2_s};
+pub use shutter::{Shutter, bands};
