@@ -24,9 +24,12 @@
 mod detector;
 mod distortion;
 mod error;
+mod fourier;
 mod lens;
 mod mosaic;
 mod philox;
+mod pinhole;
+mod psf;
 mod radiometry;
 mod shutter;
 
@@ -35,5 +38,7 @@ pub use distortion::Distortion;
 pub use error::SensorError;
 pub use lens::{Lens, PlaneRect};
 pub use mosaic::Mosaic;
+pub use pinhole::{PinholeFrame, PinholePicture};
+pub use psf::{Kernel, Psf, pixel_transfer};
 pub use radiometry::{Band, Radiometry, solar_photons_m2_s};
 pub use shutter::{Shutter, bands};
