@@ -31,6 +31,7 @@ mod philox;
 mod pinhole;
 mod psf;
 mod radiometry;
+mod sensor;
 mod shutter;
 
 pub use detector::{Detector, RawFrame, Wells};
@@ -41,4 +42,5 @@ pub use mosaic::Mosaic;
 pub use pinhole::{PinholeFrame, PinholePicture};
 pub use psf::{Kernel, Psf, pixel_transfer};
 pub use radiometry::{Band, Radiometry, solar_photons_m2_s};
+pub use sensor::Sensor;
 pub use shutter::{Shutter, bands};
