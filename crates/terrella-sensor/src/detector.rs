@@ -1,6 +1,7 @@
 //! From mean electrons to numbers: noise, wells and the converter.
 
-use crate::error::{SensorError, check_range};
+use crate::error::{SensorError, check_count, check_range};
+use crate::limits;
 use crate::philox::{PixelRandom, Stream};
 use rayon::prelude::*;
 
@@ -62,28 +63,42 @@ impl Detector {
     /// # Errors
     /// The first that is out of range.
     pub fn check(&self) -> Result<(), SensorError> {
-        check_range("full_well_e", self.full_well_e, 1.0..=1e9, " electrons")?;
         check_range(
-            "dark_current_e_s",
-            self.dark_current_e_s,
-            0.0..=1e9,
-            " electrons per second",
+            "full_well_e",
+            self.full_well_e,
+            limits::FULL_WELL_E,
+            " electrons",
         )?;
-        check_range("dsnu_e", self.dsnu_e, 0.0..=1e6, " electrons")?;
-        check_range("prnu", self.prnu, 0.0..=1.0, "")?;
-        check_range("hot_pixel_fraction", self.hot_pixel_fraction, 0.0..=1.0, "")?;
+        for (key, current) in [
+            ("dark_current_e_s", self.dark_current_e_s),
+            ("hot_pixel_e_s", self.hot_pixel_e_s),
+        ] {
+            check_range(
+                key,
+                current,
+                limits::DARK_CURRENT_E_S,
+                " electrons per second",
+            )?;
+        }
+        check_range("dsnu_e", self.dsnu_e, limits::NOISE_E, " electrons")?;
+        check_range("prnu", self.prnu, limits::PART, "")?;
         check_range(
-            "hot_pixel_e_s",
-            self.hot_pixel_e_s,
-            0.0..=1e9,
-            " electrons per second",
+            "hot_pixel_fraction",
+            self.hot_pixel_fraction,
+            limits::PART,
+            "",
         )?;
-        check_range("read_noise_e", self.read_noise_e, 0.0..=1e6, " electrons")?;
-        check_range("bits", f64::from(self.bits), 1.0..=16.0, "")?;
+        check_range(
+            "read_noise_e",
+            self.read_noise_e,
+            limits::NOISE_E,
+            " electrons",
+        )?;
+        check_count("bits", self.bits, limits::BITS)?;
         check_range(
             "gain_e_dn",
             self.gain_e_dn,
-            1e-6..=1e9,
+            limits::GAIN_E_DN,
             " electrons per number",
         )?;
         check_range("bias_dn", self.bias_dn, 0.0..=f64::from(self.white()), "")

@@ -99,3 +99,13 @@ pub(crate) fn check_range(
         unit,
     })
 }
+
+/// The same of whole numbers.
+pub(crate) fn check_count(
+    key: &'static str,
+    value: u32,
+    range: std::ops::RangeInclusive<i64>,
+) -> Result<(), SensorError> {
+    let range = *range.start() as f64..=*range.end() as f64;
+    check_range(key, f64::from(value), range, "")
+}

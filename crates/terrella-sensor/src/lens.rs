@@ -4,6 +4,7 @@
 
 use crate::distortion::Distortion;
 use crate::error::{SensorError, check_range};
+use crate::limits;
 use glam::DVec2;
 use std::ops::Range;
 
@@ -46,10 +47,20 @@ impl Lens {
         principal_point_px: Option<[f64; 2]>,
         distortion: Distortion,
     ) -> Result<Self, SensorError> {
-        check_range("focal_length_mm", focal_length_mm, 1e-3..=1e6, " mm")?;
-        check_range("pixel_pitch_um", pixel_pitch_um, 0.1..=1000.0, " µm")?;
+        check_range(
+            "focal_length_mm",
+            focal_length_mm,
+            limits::FOCAL_LENGTH_MM,
+            " mm",
+        )?;
+        check_range(
+            "pixel_pitch_um",
+            pixel_pitch_um,
+            limits::PIXEL_PITCH_UM,
+            " µm",
+        )?;
         for side in size {
-            check_range("size", f64::from(side), 1.0..=65_536.0, " pixels")?;
+            check_range("size", f64::from(side), limits::SIDE_PX, " pixels")?;
         }
         let [width, height] = size.map(f64::from);
         let middle = [0.5 * (width - 1.0), 0.5 * (height - 1.0)];

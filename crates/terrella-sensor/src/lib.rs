@@ -19,6 +19,7 @@
 //! | `radiometry` | the Sun's spectrum, aperture, exposure, quantum efficiency, vignetting |
 //! | `detector`, `philox` | wells, noise and converter; random numbers |
 //! | `mosaic`, `shutter` | Bayer patterns; when rows are exposed |
+//! | `limits`, `error` | what parameters may be |
 //! | `sensor` | all of it together |
 
 mod detector;
@@ -26,6 +27,7 @@ mod distortion;
 mod error;
 mod fourier;
 mod lens;
+pub mod limits;
 mod mosaic;
 mod philox;
 mod pinhole;

@@ -1,6 +1,7 @@
 //! Point spread: what the lens makes of a point, before pixels sum it.
 
 use crate::error::{SensorError, check_range};
+use crate::limits;
 use std::f64::consts::PI;
 
 /// A point spread function (PSF).
@@ -80,7 +81,7 @@ impl Psf {
         let samples = f64::from(oversampling);
         let undersampled = |needed: f64, remedy: &str| {
             let remedy = match needed.ceil() as u32 {
-                needed if needed <= MOST_OVERSAMPLING => {
+                needed if i64::from(needed) <= *limits::OVERSAMPLING.end() => {
                     format!("an oversampling of {needed} would work")
                 }
                 _ => format!("it is far smaller than a pixel: {remedy}"),
@@ -93,7 +94,7 @@ impl Psf {
         match self {
             Self::None | Self::Measured(_) => Ok(()),
             Self::Gaussian { sigma_px } => {
-                check_range("psf_sigma_px", *sigma_px, 0.01..=20.0, " pixels")?;
+                check_range("psf_sigma_px", *sigma_px, limits::PSF_SIGMA_PX, " pixels")?;
                 // exp(−2π²σ²f²) at f = n/2 is to be at most 0.01.
                 let needed = (2.0 * (1.0 / MOST_ALIASED).ln()).sqrt() / (PI * sigma_px);
                 match needed > samples {
@@ -144,9 +145,6 @@ impl Psf {
         }
     }
 }
-
-/// Most samples across a pixel.
-pub(crate) const MOST_OVERSAMPLING: u32 = 16;
 
 /// The modulation transfer of a pixel whose whole area is sensitive: sin(πf)/(πf) each way, cycles per pixel.
 pub fn pixel_transfer(across: f64, down: f64) -> f64 {

@@ -4,6 +4,7 @@
 
 use crate::error::{SensorError, check_range};
 use crate::lens::Lens;
+use crate::limits;
 use glam::DVec2;
 use std::f64::consts::PI;
 
@@ -58,11 +59,11 @@ impl Radiometry {
     /// # Errors
     /// The first that is out of range.
     pub fn check(&self, lens: &Lens) -> Result<(), SensorError> {
-        check_range("f_number", self.f_number, 0.1..=1000.0, "")?;
-        check_range("exposure_s", self.exposure_s, 1e-9..=1e5, " s")?;
-        check_range("transmission", self.transmission, 0.0..=1.0, "")?;
+        check_range("f_number", self.f_number, limits::F_NUMBER, "")?;
+        check_range("exposure_s", self.exposure_s, limits::EXPOSURE_S, " s")?;
+        check_range("transmission", self.transmission, limits::PART, "")?;
         for quantum_efficiency in self.quantum_efficiency {
-            check_range("quantum_efficiency", quantum_efficiency, 0.0..=1.0, "")?;
+            check_range("quantum_efficiency", quantum_efficiency, limits::PART, "")?;
         }
         for [first, last] in self.bands_nm {
             if !(first >= SOLAR_FIRST_NM && first < last && last <= SOLAR_LAST_NM) {

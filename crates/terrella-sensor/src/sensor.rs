@@ -1,12 +1,13 @@
 //! A whole camera: from the picture of a pinhole camera to a raw frame.
 
 use crate::detector::{Detector, RawFrame, Wells};
-use crate::error::{SensorError, check_range};
+use crate::error::{SensorError, check_count, check_range};
 use crate::fourier::Filter;
 use crate::lens::Lens;
+use crate::limits;
 use crate::mosaic::Mosaic;
 use crate::pinhole::{PinholeFrame, PinholePicture};
-use crate::psf::{MOST_OVERSAMPLING, Psf, pixel_transfer};
+use crate::psf::{Psf, pixel_transfer};
 use crate::radiometry::Radiometry;
 use crate::shutter::Shutter;
 use glam::DVec2;
@@ -44,13 +45,17 @@ impl Sensor {
     /// # Errors
     /// The first parameter that is out of range.
     pub fn check(&self) -> Result<(), SensorError> {
-        let most = f64::from(MOST_OVERSAMPLING);
-        check_range("oversampling", f64::from(self.oversampling), 1.0..=most, "")?;
+        check_count("oversampling", self.oversampling, limits::OVERSAMPLING)?;
         self.psf.check(self.oversampling)?;
         self.radiometry.check(&self.lens)?;
         self.detector.check()?;
         if let Shutter::Rolling { line_time_s, .. } = self.shutter {
-            check_range("line_time_us", 1e6 * line_time_s, 0.001..=1e6, " µs")?;
+            check_range(
+                "line_time_us",
+                1e6 * line_time_s,
+                limits::LINE_TIME_US,
+                " µs",
+            )?;
         }
         Ok(())
     }
