@@ -38,7 +38,7 @@ const MODULES: &[(&str, &[&str])] = &[
     ("fetch", &["files", "durable", "imagery", "pack"]),
     // Light that others drew; knows no scene.
     ("sensor", &[]),
-    ("scene", &["shipped", "files", "frames", "orbit", "basilisk", "globe", "air", "light", "plan"]),
+    ("scene", &["shipped", "files", "frames", "orbit", "basilisk", "globe", "air", "light", "sensor", "plan"]),
     ("play", &["files", "frames", "durable", "orbit", "basilisk", "elevation", "light", "imagery", "plan", "scene", "gpu", "earth", "offscreen", "celestial", "tracks"]),
     ("measure", &["files", "frames", "orbit", "elevation", "globe", "air", "light", "imagery", "plan", "scene", "gpu", "earth", "offscreen", "play"]),
     ("cli", &["files", "frames", "orbit", "basilisk", "globe", "imagery", "pack", "fetch", "scene", "gpu", "play", "measure"]),

@@ -2,7 +2,7 @@
 
 use super::film::FilmError;
 use super::output::OutputError;
-use crate::scene::SceneError;
+use crate::scene::{KernelError, SceneError};
 use std::path::PathBuf;
 use terrella::EarthError;
 use terrella::OffscreenError;
@@ -24,6 +24,9 @@ pub enum PlayError {
     /// The scene.
     #[error(transparent)]
     Scene(#[from] SceneError),
+    /// The measured point spread of a scene's sensor.
+    #[error(transparent)]
+    Kernel(#[from] KernelError),
     /// The orbit's elements, or SGP4 at some instant.
     #[error(transparent)]
     Orbit(#[from] OrbitError),
@@ -246,6 +249,7 @@ impl PlayError {
         matches!(
             self,
             Self::Scene(_)
+                | Self::Kernel(_)
                 | Self::NoSatellite
                 | Self::NoLayer { .. }
                 | Self::NoPackHeights { .. }

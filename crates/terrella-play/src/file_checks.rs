@@ -6,9 +6,12 @@ use super::quality_control::ladder_of;
 use super::relief::check_ground;
 
 impl Flight {
-    /// Looks at them: the ladder of quality, and the headers and sidecars of heights.
+    /// Looks at them: the ladder of quality, the kernel of a sensor, and the headers and sidecars of heights.
     pub fn check_files(&self) -> Result<(), PlayError> {
         ladder_of(self.scene())?;
+        if let Some(sensor) = &self.scene().sensor {
+            sensor.open()?;
+        }
         match &self.scene().earth.relief {
             Some(table) => check_ground(table),
             None => Ok(()),

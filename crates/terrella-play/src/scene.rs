@@ -10,6 +10,7 @@
 //! | `choices.rs` | the words that keys choose from |
 //! | `time.rs`, `orbit.rs`, `tracks.rs`, `camera.rs`, `earth.rs`, `sky.rs`, `output.rs` | a table each: the checked value that hosts read, and its reader |
 //! | `camera_keys.rs` | `[[camera.keys]]` |
+//! | `sensor_keys.rs`, `sensor.rs` | declarations and reader of `[sensor]` |
 //! | `orbit_check.rs`, `many.rs`, `live.rs`, `basilisk.rs`, `burns.rs` | readers of `[orbit]`, which has the most keys |
 //! | `relief.rs`, `surfaces.rs` | readers of the keys of `[earth]` that are about ground with relief |
 //! | `dated_maps.rs` | readers of the keys of `[earth]` that are about maps that change with the date |
@@ -51,6 +52,8 @@ mod relief;
 mod satellites;
 #[cfg(test)]
 mod schema;
+mod sensor;
+mod sensor_keys;
 mod settings;
 mod sky;
 mod summary;
@@ -83,6 +86,7 @@ pub use many::Many;
 pub use orbit::{ForceOptions, InitialState, Motion, Orbit, OrbitParameters};
 pub use output::{Output, QualityTable};
 pub use relief::ReliefTable;
+pub use sensor::{KernelError, SensorTable};
 pub use settings::Setting;
 pub use sky::SkyTable;
 pub use time::{StartSource, Time};
@@ -101,6 +105,8 @@ pub struct Scene {
     pub track_px: f64,
     /// `[camera]`
     pub camera: Camera,
+    /// `[sensor]`, if the scene gives one.
+    pub sensor: Option<SensorTable>,
     /// `[earth]`
     pub earth: EarthTable,
     /// `[sky]`

@@ -52,6 +52,14 @@ pub fn scene_files(scene: &Scene) -> Result<Vec<SceneFile>, PlayError> {
     for maps in &earth.dated_maps {
         add(maps.layer.path_key(), maps.files.clone());
     }
+    let sensor = scene.sensor.as_ref();
+    add(
+        "sensor.psf_kernel",
+        sensor
+            .and_then(|sensor| sensor.kernel.clone())
+            .into_iter()
+            .collect(),
+    );
     if let Some(relief) = &earth.relief {
         add("earth.elevation", relief_files(relief)?);
     }
@@ -120,6 +128,11 @@ mod tests {
             "earth.elevation",
             "[earth]\nelevation = [\"heights.tif\", \"alps.png\"]",
             &["heights.tif", "alps.png", "alps.toml"],
+        ),
+        (
+            "sensor.psf_kernel",
+            "[sensor]\nsize = [64, 36]\nfocal_length_mm = 10\npixel_pitch_um = 5\nf_number = 2\nexposure_s = 0.001\nfull_well_e = 10000\npsf = \"measured\"\npsf_kernel = \"kernel.txt\"",
+            &["kernel.txt"],
         ),
         (
             "sky.folder",

@@ -6,6 +6,7 @@ use super::error::SceneError;
 use super::field::{Bounds, NO_ORBIT, range_text, written};
 use super::keys::{GEODETIC, LAT_DEG, LON_DEG, NADIR, RawCamera};
 use super::record::{number_text, quoted};
+use super::sensor::SensorTable;
 use super::text::SceneText;
 use std::ops::RangeInclusive;
 
@@ -48,6 +49,7 @@ impl SceneText<'_> {
         &self,
         camera: &RawCamera,
         has_orbits: bool,
+        sensor: Option<&SensorTable>,
     ) -> Result<Camera, SceneError> {
         let (lat, lon, height) = (camera.lat_deg(), camera.lon_deg(), camera.height_km());
         let (heading, pitch) = (camera.heading_deg(), camera.pitch_deg());
@@ -79,11 +81,19 @@ impl SceneText<'_> {
             self.idle(&up, NADIR.why, advice)?;
         }
         let up = self.choice(&up)?;
-        let fov_deg = self.number(&camera.fov_deg(), |_, range| {
-            format!(
-                "the field of view must be more than 0 and less than 180 degrees (from {range})"
-            )
-        })?;
+        let fov = camera.fov_deg();
+        let fov_deg = match sensor {
+            Some(sensor) => {
+                let advice = "fov_deg of [camera] and focal_length_mm of [sensor] both give a field of view; leave the one out, or the [sensor]";
+                self.idle(&fov, "the focal length of [sensor] gives it", advice)?;
+                sensor.fov_deg()
+            }
+            None => self.number(&fov, |_, range| {
+                format!(
+                    "the field of view must be more than 0 and less than 180 degrees (from {range})"
+                )
+            })?,
+        };
         let lat_deg = self.number(&lat, |_, range| {
             format!("must be from {range} degrees, south negative")
         })?;

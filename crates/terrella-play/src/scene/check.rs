@@ -24,7 +24,8 @@ pub(super) fn check(source: SceneText<'_>, raw: RawScene) -> Result<Scene, Scene
         return Err(source.refuse_at("camera", "follow", follow.span(), advice));
     }
     let raw_keys = raw.camera.keys().given.map(toml::Spanned::span);
-    let camera = source.camera(&raw.camera, !orbits.is_empty())?;
+    let sensor = source.sensor(&raw.sensor)?;
+    let camera = source.camera(&raw.camera, !orbits.is_empty(), sensor.as_ref())?;
     let earth = source.earth(&raw.earth)?;
     let sky = source.sky(&raw.sky, &earth)?;
     let time = source.time(&raw.time)?;
@@ -41,6 +42,10 @@ pub(super) fn check(source: SceneText<'_>, raw: RawScene) -> Result<Scene, Scene
     let is_met = |orbit: &Orbit| orbit.live.is_some() || orbit.basilisk.is_some();
     let has_live = checked.iter().any(is_met);
     if let Some(keys) = raw_keys {
+        if sensor.is_some() && camera.keys.iter().any(|key| key.fov_deg.is_some()) {
+            let advice = "keys that set fov_deg have no meaning with [sensor], whose focal length gives the field of view; leave the one or the other out";
+            return Err(source.refuse_at("camera", "keys", keys, advice));
+        }
         if has_live {
             let advice = "keys are moments of the scene's own time, and here a simulator gives the time; leave them out";
             return Err(source.refuse_at("camera", "keys", keys, advice));
@@ -57,12 +62,13 @@ pub(super) fn check(source: SceneText<'_>, raw: RawScene) -> Result<Scene, Scene
         }
     }
     let track_px = source.tracks(&raw.tracks, !checked.is_empty())?;
-    let output = source.output(&raw.output, &camera, &earth, has_live)?;
+    let output = source.output(&raw.output, &camera, sensor.as_ref(), &earth, has_live)?;
     let quality = source.quality(&raw.quality)?;
     let records = [
         ("time", raw.time.record(source)),
         ("tracks", raw.tracks.record(source)),
         ("camera", raw.camera.record(source)),
+        ("sensor", raw.sensor.record(source)),
         ("earth", raw.earth.record(source)),
         ("sky", raw.sky.record(source)),
         ("output", raw.output.record(source)),
@@ -76,6 +82,7 @@ pub(super) fn check(source: SceneText<'_>, raw: RawScene) -> Result<Scene, Scene
         notices: Vec::new(),
         track_px,
         camera,
+        sensor,
         earth,
         sky,
         output,

@@ -88,6 +88,43 @@ impl OrbitSource {
     }
 }
 
+/// Models of lens distortion.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum DistortionModel {
+    BrownConrady,
+    Fisheye,
+}
+
+/// Point spread functions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum PsfName {
+    None,
+    Gaussian,
+    Airy,
+    Measured,
+}
+
+/// Filters on the pixels of a sensor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum MosaicName {
+    Mono,
+    Rggb,
+    Bggr,
+    Grbg,
+    Gbrg,
+}
+
+/// Shutters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum ShutterName {
+    Global,
+    Rolling,
+}
+
 /// The axes of a start, as a scene writes them.
 #[derive(Clone, Copy, Debug, Deserialize, Serialize)]
 #[serde(rename_all = "lowercase")]

@@ -6,6 +6,7 @@ use super::choices::{AirModel, CameraMode, CameraUp, FrameName, Look, Method, St
 use super::choices::{OrbitSource, OrbitSource::*};
 use super::field::{Bounds, Choice, Field, RawCameraKey, RawDatedMaps, RawPath};
 use super::record::{Notes, Record};
+use super::sensor_keys::RawSensor;
 #[cfg(test)]
 use super::table::About;
 use super::table::{Key, Only, Table, Value, given_or, method, table};
@@ -475,7 +476,7 @@ table!(RawSky = "sky" {
 
 table!(RawOutput = "output" {
     // A list of any length, so that a wrong length gets our own message.
-    /// Width and height of pictures. By default [1280, 720].
+    /// Width and height of pictures. By default [1280, 720]; with a sensor, its size.
     size: Vec<i64>, of "[width, height], two whole numbers of pixels", in SIDE_PX;
     /// Samples per pixel. By default 4 with mode = "chase" or without air, else 1.
     samples: i64, of "1 or 4";
@@ -505,6 +506,7 @@ pub(super) struct RawScene {
     pub(super) orbit: RawOrbits,
     pub(super) tracks: RawTracks,
     pub(super) camera: RawCamera,
+    pub(super) sensor: RawSensor,
     pub(super) earth: RawEarth,
     pub(super) sky: RawSky,
     pub(super) output: RawOutput,
@@ -517,6 +519,7 @@ pub(super) const TABLES: &[Table] = &[
     RawOrbit::TABLE,
     RawTracks::TABLE,
     RawCamera::TABLE,
+    RawSensor::TABLE,
     RawEarth::TABLE,
     RawSky::TABLE,
     RawOutput::TABLE,

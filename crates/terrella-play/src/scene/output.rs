@@ -7,6 +7,7 @@ use super::error::SceneError;
 use super::field::{Field, PathKind, range_text, whole};
 use super::keys::{DEFAULT_SIZE_PX, EDGE_SAMPLES, RawOutput, RawQuality, SAMPLES, SIDE_PX};
 use super::record::{number_text, quoted};
+use super::sensor::SensorTable;
 use super::text::SceneText;
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
@@ -58,13 +59,14 @@ impl SceneText<'_> {
         &self,
         output: &RawOutput,
         camera: &Camera,
+        sensor: Option<&SensorTable>,
         earth: &EarthTable,
         has_live: bool,
     ) -> Result<Output, SceneError> {
         let size_field = output.size();
         let range = &size_field.rule;
         let size = match size_field.given.map(|given| given.get_ref().as_slice()) {
-            None => DEFAULT_SIZE_PX,
+            None => sensor.map_or(DEFAULT_SIZE_PX, SensorTable::size),
             Some(&[width, height]) => match (whole(width, range), whole(height, range)) {
                 (Some(width), Some(height)) => [width, height],
                 _ => {

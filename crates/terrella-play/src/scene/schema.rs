@@ -126,6 +126,11 @@ fn own(key: &Key) -> Value {
             { "const": "auto" },
             bounded("integer", key.about.range.expect("a range")),
         ] }),
+        "principal_point_px" => list(json!({ "type": "number" }), 2),
+        "distortion" => json!({
+            "type": "array", "minItems": 4, "maxItems": 8, "items": { "type": "number" },
+        }),
+        "bands_nm" => list(list(json!({ "type": "number" }), 2), 3),
         "exposure_ev" => json!({ "anyOf": [
             { "const": "auto" },
             bounded("number", ends(&Exposure::RANGE_EV)),

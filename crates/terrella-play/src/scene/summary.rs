@@ -232,6 +232,20 @@ impl Scene {
                 ),
             },
         ));
+        if let Some(table) = &self.sensor {
+            let (lens, radiometry) = (table.lens(), table.radiometry());
+            let [width, height] = lens.size();
+            uses.push((
+                "sensor",
+                format!(
+                    "{width} × {height} pixels of {} µm behind {} mm at f/{}, {} s; raw frames by `terrella frame --raw`",
+                    lens.pixel_pitch_um(),
+                    lens.focal_length_mm(),
+                    radiometry.f_number,
+                    radiometry.exposure_s
+                ),
+            ));
+        }
         let maps = match (&self.earth.pack, &self.earth.textures) {
             (Some(pack), _) => format!("the pack {}, those that it has", pack.folder.display()),
             (None, Some(folder)) => folder.display().to_string(),
