@@ -78,14 +78,22 @@ impl TruthView {
 
     /// Unit vector from the eye through the middle of a pixel, ITRF axes.
     pub fn ray(&self, x: u32, y: u32) -> DVec3 {
-        let (x, y) = (f64::from(x) + 0.5, f64::from(y) + 0.5);
+        self.ray_through(f64::from(x) + 0.5, f64::from(y) + 0.5)
+    }
+
+    /// Unit vector from the eye through a point of the target, pixels from its upper left corner, ITRF axes.
+    pub fn ray_through(&self, x: f64, y: f64) -> DVec3 {
         (self.rays.corner + x * self.rays.right + y * self.rays.down).normalize()
     }
 
     /// Angle from the limb of the ellipsoid to a pixel's ray, radians, in the plane of the ray and the Earth's centre: below 0 on
     /// the disc, above 0 beside it. `None` for an eye that is not outside of the ellipsoid.
     pub fn limb_distance_rad(&self, x: u32, y: u32) -> Option<f64> {
-        let ray = self.ray(x, y);
+        self.limb_distance_along(self.ray(x, y))
+    }
+
+    /// The same of a ray through any point of the target: a unit vector, ITRF axes.
+    pub fn limb_distance_along(&self, ray: DVec3) -> Option<f64> {
         let scale = self.figure.scaled_from_itrf() * self.figure.equatorial_radius_m;
         let eye = self.eye_itrf_m * scale / self.figure.equatorial_radius_m;
         let above = (eye.length() - 1.0) * (eye.length() + 1.0);
@@ -117,10 +125,15 @@ impl TruthView {
 
     /// What is where a pixel looks, of which this was read back; `None` where that is no ground, and for an eye below the ground.
     pub fn point(&self, x: u32, y: u32, texel: &TruthTexel) -> Option<TruthPoint> {
+        self.point_along(self.ray(x, y), texel)
+    }
+
+    /// The same of a ray through any point of the target, a unit vector in ITRF axes, and the texel there: land, clouds, slopes and
+    /// height are the texel's, the place is the ray's own.
+    pub fn point_along(&self, ray: DVec3, texel: &TruthTexel) -> Option<TruthPoint> {
         if !texel.is_ground() {
             return None;
         }
-        let ray = self.ray(x, y);
         let [_, _, drawn_range_m, height_m] = texel.place.map(f64::from);
         let (range_m, place) = match height_m == 0.0 {
             true => self.on_ellipsoid(ray)?,
