@@ -43,6 +43,6 @@ pub use lens::{Lens, PlaneRect};
 pub use mosaic::Mosaic;
 pub use pinhole::{PinholeFrame, PinholePicture};
 pub use psf::{Kernel, Psf, pixel_transfer};
-pub use radiometry::{Band, Radiometry, solar_photons_m2_s};
+pub use radiometry::{ASTRONOMICAL_UNIT_M, Band, Radiometry, solar_photons_m2_s};
 pub use sensor::Sensor;
 pub use shutter::{Shutter, bands};

@@ -12,6 +12,9 @@ use std::f64::consts::PI;
 const PLANCK_J_S: f64 = 6.626_070_15e-34;
 const LIGHT_M_S: f64 = 299_792_458.0;
 
+/// The astronomical unit, metres: exact by IAU 2012 resolution B2.
+pub const ASTRONOMICAL_UNIT_M: f64 = 149_597_870_700.0;
+
 /// Wavelength at which [`SOLAR`] begins, and the width of its intervals, nanometres.
 const SOLAR_FIRST_NM: f64 = 300.0;
 const SOLAR_STEP_NM: f64 = 10.0;
