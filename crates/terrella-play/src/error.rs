@@ -15,6 +15,7 @@ use terrella_imagery::ImageryError;
 use terrella_imagery::pack::PackError;
 use terrella_orbit::OrbitError;
 use terrella_orbit::basilisk::RecordingError;
+use terrella_sensor::SensorError;
 
 /// What can go wrong between a scene and a picture. The messages are those of the modules they come from.
 #[derive(Debug, thiserror::Error)]
@@ -215,6 +216,27 @@ pub enum PlayError {
     /// A view of which there is no picture.
     #[error("there are no truth layers of this view: its eye or projection is not finite")]
     NoTruth,
+    /// A raw frame of a scene without a sensor.
+    #[error(
+        "{}: a raw frame needs a sensor; give the scene a [sensor] table (docs/sensors.md)",
+        scene.display()
+    )]
+    NoSensor { scene: PathBuf },
+    /// The scene's sensor, or light for it.
+    #[error(transparent)]
+    Sensor(#[from] SensorError),
+    /// Even one row of the sensor is larger than the adapter draws.
+    #[error(
+        "[sensor] oversampling = {oversampling}: a row is drawn {wide} pixels wide, and {adapter} draws at most {limit}; {remedy}"
+    )]
+    SensorTooWide {
+        oversampling: u32,
+        wide: u32,
+        adapter: String,
+        limit: u32,
+        /// What would work.
+        remedy: String,
+    },
     /// Events of a motion that is not integrated.
     #[error(
         "{satellite} has no events: they are found where motion is integrated; write source = \"numerical\", and what to look for with events = [\"nodes\", \"apsides\", \"eclipses\"] in [orbit]"
@@ -251,6 +273,8 @@ impl PlayError {
             Self::Scene(_)
                 | Self::Kernel(_)
                 | Self::NoSatellite
+                | Self::NoSensor { .. }
+                | Self::SensorTooWide { .. }
                 | Self::NoLayer { .. }
                 | Self::NoPackHeights { .. }
                 | Self::MissingLayer { .. }

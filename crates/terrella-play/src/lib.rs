@@ -33,6 +33,8 @@
 //! | `film/` | films and their pictures: formats, averaged light, ranges, going on with a film, the page `frames.json` |
 //! | `file_checks` | files that are read later, looked at before |
 //! | `radiance` | a picture's light as a file |
+//! | `sensor_bands`, `raw_picture` | what a sensor sees, row by row; its raw frame |
+//! | `raw`, `raw_manifest` | the frame as a file, and the page of all its parameters |
 //! | `truth`, `truth_manifest` | what is where its pixels look, as files |
 //! | `float_files` | arrays and pictures of floats |
 //! | `mp4` | whether a film is complete |
@@ -113,12 +115,20 @@ mod progress;
 mod quality_control;
 #[cfg(feature = "window")]
 mod radiance;
+#[cfg(feature = "window")]
+mod raw;
+#[cfg(feature = "window")]
+mod raw_manifest;
+#[cfg(feature = "window")]
+mod raw_picture;
 mod relief;
 mod satellites;
 pub mod scene;
 mod scene_files;
 #[cfg_attr(not(feature = "window"), allow(dead_code))]
 mod scene_painter;
+#[cfg(feature = "window")]
+mod sensor_bands;
 #[cfg(feature = "window")]
 mod shader_watch;
 #[cfg(feature = "window")]

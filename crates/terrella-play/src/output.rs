@@ -32,6 +32,12 @@ pub enum OutputError {
         path.display(), path.with_extension("npy").display(), path.with_extension("exr").display()
     )]
     RadianceName { path: PathBuf },
+    /// A raw frame whose name says no kind of it.
+    #[error(
+        "{}: raw frames are written as .png (16 bits), .tiff or .npy (NumPy); name it {}",
+        path.display(), path.with_extension("png").display()
+    )]
+    RawName { path: PathBuf },
     /// The folder is not there.
     #[error("{}: cannot be written: there is no folder {}; make it first", path.display(), folder.display())]
     NoFolder { path: PathBuf, folder: PathBuf },

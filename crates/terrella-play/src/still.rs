@@ -8,9 +8,13 @@ use super::output::{OutputError, PendingFile};
 use super::progress::Progress;
 use super::quality_control::{HeldQuality, scene_quality};
 use super::radiance::{Radiance, RadianceFile};
+use super::raw::RawFile;
+use super::raw_picture::RawPicture;
+use super::sensor_bands::{SensorBands, SensorView};
 use super::stats::PictureStats;
 use super::truth::TruthFolder;
 use super::written::written_picture;
+use crate::scene::SensorTable;
 use hifitime::Unit;
 use std::path::Path;
 use std::time::Instant;
@@ -31,6 +35,8 @@ pub struct StillRequest<'r> {
     pub output: &'r Path,
     /// The file of its light to write, NumPy's or OpenEXR's by its name, if that is wanted.
     pub radiance: Option<&'r Path>,
+    /// The file of its sensor's raw frame to write, PNG, TIFF or NumPy's by its name, if that is wanted.
+    pub raw: Option<&'r Path>,
     /// The folder to write what is where its pixels look to, if that is wanted.
     pub truth: Option<&'r Path>,
     /// The JSON to write its numbers to, if they are wanted.
@@ -57,6 +63,11 @@ pub fn write_still(
         flight.refuse_live("no other instant can be drawn", "leave --shutter out")?;
     }
     FilmPainter::check(flight, pictures)?;
+    let sensor = scene.sensor.as_ref().map(SensorTable::open).transpose()?;
+    if request.raw.is_some() && sensor.is_none() {
+        let scene = scene.path.clone();
+        return Err(PlayError::NoSensor { scene });
+    }
     let epoch = request.epoch.unwrap_or(scene.time.start);
     let size = request.size.unwrap_or(scene.output.size.into());
     let aspect = f64::from(size.0) / f64::from(size.1);
@@ -71,14 +82,22 @@ pub fn write_still(
         None => None,
     };
     let radiance = request.radiance.map(RadianceFile::create).transpose()?;
+    let raw = request.raw.map(RawFile::create).transpose()?;
+    // Truth is what the sensor sees, where there is one.
+    let truth_size = sensor
+        .as_ref()
+        .map_or(size, |sensor| sensor.lens.size().into());
     let truth = request
         .truth
-        .map(|folder| TruthFolder::create(folder, size));
+        .map(|folder| TruthFolder::create(folder, truth_size));
     let truth = truth.transpose()?;
 
     let mut wanted = wgpu::Features::empty();
     wanted.set(wgpu::Features::POLYGON_MODE_LINE, request.wireframe);
-    wanted.set(GpuContext::FLOAT_TARGET, radiance.is_some());
+    wanted.set(
+        GpuContext::FLOAT_TARGET,
+        radiance.is_some() || raw.is_some(),
+    );
     wanted |= FilmPainter::features(pictures);
     let gpu = pollster::block_on(GpuContext::open_with(request.adapter, wanted))?;
     progress.begin("loading maps", None);
@@ -89,15 +108,20 @@ pub fn write_still(
     let for_picture = pictures
         .need_light()
         .then(|| (gpu.clone(), options.clone()));
-    let for_light = radiance.map(|file| {
+    let is_measured = radiance.is_some() || raw.is_some();
+    let for_light = is_measured.then(|| {
         let mut options = options.clone();
         if options.light.detail {
             tracing::info!("the radiance is without made detail");
             // What is measured is what is known.
             options.light.detail = false;
         }
-        (file, gpu.clone(), options)
+        (gpu.clone(), options)
     });
+    let for_sensor = match raw.is_some() || for_truth.is_some() {
+        true => sensor.map(|sensor| (sensor, gpu.clone())),
+        false => None,
+    };
     let mut renderer = OffscreenRenderer::open(gpu, options, size)?;
     renderer.show_dated_maps(flight)?;
     renderer.show_sky(flight)?;
@@ -139,16 +163,34 @@ pub fn write_still(
         let painted = painter.paint(&moment, |part| flight.at(after(part), aspect))?;
         picture = painted.picture;
     }
-    let light = match for_light {
-        Some((file, gpu, options)) => {
+    let light = match (radiance, &for_light) {
+        (Some(file), Some((gpu, options))) => {
+            let (gpu, options) = (gpu.clone(), options.clone());
             let pixels = draw_light(flight, gpu, options, size, &moment)?;
             Some((file, pixels))
         }
+        _ => None,
+    };
+    let seen = match for_sensor {
+        Some((sensor, gpu)) => {
+            let bands = SensorBands::new(flight, &sensor, &moment, aspect, &gpu)?;
+            Some(SensorView { sensor, bands })
+        }
         None => None,
+    };
+    let raw = match (raw, &seen, for_light) {
+        (Some(file), Some(seen), Some((gpu, options))) => {
+            let frame = RawPicture::draw(flight, gpu, options, seen, &moment)?;
+            Some((file, frame))
+        }
+        _ => None,
     };
     let truth = match for_truth {
         Some((folder, gpu, options)) => {
-            let missing = folder.draw(flight, &gpu, options, size, &moment)?;
+            let missing = match &seen {
+                Some(seen) => folder.draw_seen(flight, &gpu, options, seen, &moment)?,
+                None => folder.draw(flight, &gpu, options, size, &moment)?,
+            };
             warn_of_missing(&missing);
             Some(folder)
         }
@@ -169,6 +211,10 @@ pub fn write_still(
             height,
             pixels: &pixels,
         })?;
+    }
+    if let (Some((file, picture)), Some(seen)) = (raw, &seen) {
+        let manifest = picture.manifest(flight, seen, &moment, file.target());
+        file.write(&picture.raw, &manifest)?;
     }
     if let Some(folder) = truth {
         folder.commit()?;

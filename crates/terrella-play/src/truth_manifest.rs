@@ -1,6 +1,7 @@
 //! The page beside the layers of truth: what they are, and the view that they are of.
 
 use super::flight::{Flight, Moment};
+use super::raw_manifest::SensorCamera;
 use terrella::TRUTH_LAYERS;
 use terrella::TruthView;
 use terrella::frames::{Ellipsoid, rfc3339};
@@ -21,7 +22,10 @@ pub struct TruthManifest {
     size: [u32; 2],
     figure: Figure,
     eye: Eye,
-    camera: Camera,
+    /// A pinhole camera; `None` where a sensor has its own.
+    camera: Option<Camera>,
+    /// The sensor whose pixels the layers have.
+    sensor: Option<SensorCamera>,
     /// Unit vector to the Sun from the Earth's centre, ITRF axes.
     sun_itrf: [f64; 3],
     /// The Moon's centre from the Earth's, ITRF axes, metres.
@@ -81,6 +85,7 @@ impl TruthManifest {
         view: &TruthView,
         figure: &Ellipsoid,
         size: (u32, u32),
+        sensor: Option<SensorCamera>,
     ) -> Self {
         let eye_itrf_m = view.eye_itrf_m();
         let eye = figure.geodetic_from_itrf(eye_itrf_m);
@@ -102,13 +107,14 @@ impl TruthManifest {
                 lon_deg: eye.lon_rad.to_degrees(),
                 height_m: eye.height_m,
             },
-            camera: Camera {
+            camera: sensor.is_none().then(|| Camera {
                 fov_x_deg: fov_deg(projection.x_axis.x),
                 fov_y_deg: fov_deg(projection.y_axis.y),
                 corner_ray: corner.to_array(),
                 pixel_right: right.to_array(),
                 pixel_down: down.to_array(),
-            },
+            }),
+            sensor,
             sun_itrf: moment.sky.sun_itrf.to_array(),
             moon_itrf_m: moment.sky.moon_itrf_m.map(|moon| moon.to_array()),
             layers: TRUTH_LAYERS

@@ -1,0 +1,110 @@
+//! A sensor's raw frame as a file, and the page beside it that says what it is.
+//!
+//! Numbers are those of the converter, from 0 to 2^bits − 1, not stretched to 16 bits:
+//! - `.png`: greyscale of 16 bits.
+//! - `.tiff`, `.tif`: greyscale of 16 bits, without compression.
+//! - `.npy`, NumPy's: an array of height × width of unsigned 16-bit integers.
+
+use super::float_files::write_npy_header;
+use super::output::{OutputError, PendingFile};
+use super::raw_manifest::RawManifest;
+use std::io::{self, Write};
+use std::path::Path;
+use terrella_sensor::RawFrame;
+
+/// A raw frame and its page on their way.
+#[derive(Debug)]
+pub struct RawFile {
+    file: PendingFile,
+    kind: RawKind,
+    manifest: PendingFile,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum RawKind {
+    Png,
+    Tiff,
+    Npy,
+}
+
+/// Endings of names, in small letters, and what they say.
+const ENDINGS: [(&str, RawKind); 4] = [
+    ("png", RawKind::Png),
+    ("tiff", RawKind::Tiff),
+    ("tif", RawKind::Tiff),
+    ("npy", RawKind::Npy),
+];
+
+impl RawFile {
+    /// Begins the file whose name's ending says of which kind it is, and a page of the same name with the ending `.json`.
+    pub fn create(path: &Path) -> Result<Self, OutputError> {
+        let given = path.extension().unwrap_or_default();
+        let mut endings = ENDINGS.iter();
+        let found = endings.find(|(ending, _)| given.eq_ignore_ascii_case(ending));
+        let (ending, kind) = found.ok_or_else(|| OutputError::RawName { path: path.into() })?;
+        Ok(Self {
+            file: PendingFile::create(path, "raw frames", ending)?,
+            kind: *kind,
+            manifest: PendingFile::create(&path.with_extension("json"), "manifests", "json")?,
+        })
+    }
+
+    /// The frame's file.
+    pub fn target(&self) -> &Path {
+        self.file.target()
+    }
+
+    /// Writes both and gives them their names, the page last.
+    pub fn write(self, frame: &RawFrame, manifest: &RawManifest) -> Result<(), OutputError> {
+        let path = self.file.target().to_owned();
+        let bytes = encoded(frame, self.kind);
+        let bytes = bytes.map_err(|source| OutputError::NotEncoded { path, source })?;
+        // That of an earlier frame tells of another one.
+        match std::fs::remove_file(self.manifest.target()) {
+            Err(source) if source.kind() != io::ErrorKind::NotFound => {
+                return Err(OutputError::write(self.manifest.target(), source));
+            }
+            _ => {}
+        }
+        self.file.write_whole(&bytes)?;
+        self.manifest.write_whole(manifest.to_json().as_bytes())
+    }
+}
+
+fn encoded(frame: &RawFrame, kind: RawKind) -> io::Result<Vec<u8>> {
+    let mut file = Vec::new();
+    match kind {
+        RawKind::Png => {
+            let mut encoder = png::Encoder::new(&mut file, frame.width, frame.height);
+            encoder.set_color(png::ColorType::Grayscale);
+            encoder.set_depth(png::BitDepth::Sixteen);
+            let mut writer = encoder.write_header()?;
+            let bytes: Vec<u8> = frame
+                .data
+                .iter()
+                .flat_map(|number| number.to_be_bytes())
+                .collect();
+            writer.write_image_data(&bytes)?;
+            writer.finish()?;
+        }
+        RawKind::Tiff => {
+            let mut out = io::Cursor::new(&mut file);
+            let mut encoder =
+                tiff::encoder::TiffEncoder::new(&mut out).map_err(io::Error::other)?;
+            encoder
+                .write_image::<tiff::encoder::colortype::Gray16>(
+                    frame.width,
+                    frame.height,
+                    &frame.data,
+                )
+                .map_err(io::Error::other)?;
+        }
+        RawKind::Npy => {
+            write_npy_header(&mut file, "<u2", &[frame.height, frame.width])?;
+            for number in &frame.data {
+                file.write_all(&number.to_le_bytes())?;
+            }
+        }
+    }
+    Ok(file)
+}

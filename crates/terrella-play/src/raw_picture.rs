@@ -1,0 +1,80 @@
+//! A sensor's raw frame, drawn: light band by band, then electrons and numbers.
+
+use super::error::PlayError;
+use super::flight::{Flight, Moment};
+use super::offscreen::OffscreenRenderer;
+use super::raw_manifest::{RawManifest, RawParts};
+use super::sensor_bands::SensorView;
+use hifitime::Unit;
+use std::path::Path;
+use terrella::{EarthOptions, GpuContext};
+use terrella_sensor::{ASTRONOMICAL_UNIT_M, PinholePicture, RawFrame, Wells};
+
+/// A raw frame and what it was read from.
+pub struct RawPicture {
+    /// The frame.
+    pub raw: RawFrame,
+    wells: Wells,
+    /// Its place in the scene's film, by which noise differs from frame to frame.
+    number: u32,
+}
+
+impl RawPicture {
+    /// Draws the light of a moment as the sensor sees it, and reads the sensor out. `options` are those of light.
+    pub fn draw(
+        flight: &Flight,
+        gpu: GpuContext,
+        options: EarthOptions,
+        seen: &SensorView,
+        moment: &Moment,
+    ) -> Result<Self, PlayError> {
+        let bands = &seen.bands.bands;
+        let size = bands.first().map_or((1, 1), |band| band.size());
+        let mut renderer = OffscreenRenderer::open_for_light(gpu, options, size)?;
+        renderer.show_dated_maps(flight)?;
+        renderer.show_sky(flight)?;
+        let mut light = Vec::new();
+        for band in bands {
+            renderer.resize(band.size())?;
+            renderer.draw_complete(&band.pinhole(), flight.scene().output.wait());
+            let pixels = renderer.read_light()?;
+            let picture = PinholePicture::new(band.frame, &pixels)?;
+            light.extend(seen.sensor.expose(band.rows.clone(), &picture)?);
+        }
+        let number = frame_number(flight, moment);
+        let sun_distance_au = moment.sky.sun_distance_m / ASTRONOMICAL_UNIT_M;
+        let (raw, wells) = seen.sensor.read_out(&light, sun_distance_au, number)?;
+        Ok(Self { raw, wells, number })
+    }
+
+    /// The page of the frame, whose file this is.
+    pub fn manifest(
+        &self,
+        flight: &Flight,
+        seen: &SensorView,
+        moment: &Moment,
+        file: &Path,
+    ) -> RawManifest {
+        let name = file.file_name().unwrap_or_default();
+        RawManifest::new(
+            flight,
+            &RawParts {
+                file: name.display().to_string(),
+                moment,
+                sensor: &seen.sensor,
+                bands: &seen.bands,
+                number: self.number,
+                raw: &self.raw,
+                wells: &self.wells,
+            },
+        )
+    }
+}
+
+/// The number of the scene's frame that is nearest to a moment; it wraps where that is beyond 2³².
+fn frame_number(flight: &Flight, moment: &Moment) -> u32 {
+    let time = &flight.scene().time;
+    let frame_s = time.speed / time.frame_rate_hz;
+    let after_s = (moment.epoch - time.start).to_unit(Unit::Second);
+    (after_s / frame_s).round() as i64 as u32
+}
