@@ -108,3 +108,55 @@ fn encoded(frame: &RawFrame, kind: RawKind) -> io::Result<Vec<u8>> {
     }
     Ok(file)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::float_files::NPY_HEADER;
+    use super::*;
+
+    fn frame() -> RawFrame {
+        RawFrame {
+            width: 3,
+            height: 2,
+            bits: 12,
+            data: vec![0, 1, 256, 4095, 2048, 7],
+        }
+    }
+
+    #[test]
+    fn files_hold_the_numbers() {
+        let png = encoded(&frame(), RawKind::Png).expect("encodes");
+        let read = image::load_from_memory(&png).expect("a PNG");
+        let image::DynamicImage::ImageLuma16(read) = read else {
+            panic!("{:?}", read.color());
+        };
+        assert_eq!(
+            (read.width(), read.height(), read.into_raw()),
+            (3, 2, frame().data)
+        );
+        let npy = encoded(&frame(), RawKind::Npy).expect("encodes");
+        let text = std::str::from_utf8(&npy[10..NPY_HEADER]).expect("text");
+        assert!(text.contains("'<u2'") && text.contains("(2, 3)"), "{text}");
+        assert_eq!(npy[NPY_HEADER..], [0, 0, 1, 0, 0, 1, 255, 15, 0, 8, 7, 0]);
+        let bytes = encoded(&frame(), RawKind::Tiff).expect("encodes");
+        let mut decoder = tiff::decoder::Decoder::new(io::Cursor::new(bytes)).expect("a TIFF");
+        assert_eq!(decoder.dimensions().expect("a size"), (3, 2));
+        let tiff::decoder::DecodingResult::U16(read) = decoder.read_image().expect("numbers")
+        else {
+            panic!("not 16 bits");
+        };
+        assert_eq!(read, frame().data);
+    }
+
+    #[test]
+    fn only_three_kinds_are_taken() {
+        let folder = tempfile::tempdir().expect("a folder");
+        for name in ["a.png", "a.TIF", "a.tiff", "b.npy"] {
+            RawFile::create(&folder.path().join(name)).expect(name);
+        }
+        let error = RawFile::create(&folder.path().join("a.raw")).expect_err("no kind");
+        let text = error.to_string();
+        assert!(text.contains(".npy") && text.contains("a.png"), "{text}");
+        assert_eq!(std::fs::read_dir(folder.path()).expect("there").count(), 0);
+    }
+}
