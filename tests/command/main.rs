@@ -26,6 +26,7 @@ mod pictures;
 mod quality;
 mod reference;
 mod report;
+mod sensor;
 mod several;
 mod shaders;
 mod shipped;

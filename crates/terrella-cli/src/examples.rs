@@ -60,6 +60,10 @@ const EXAMPLES: &[(&str, &[Example])] = &[
                 "a picture with ground truth per pixel",
             ),
             (
+                "terrella frame a.toml -o a.png --raw raw.tiff --truth truth",
+                "a sensor's raw frame with its truth",
+            ),
+            (
                 "terrella frame a.toml --format exr -o a.exr",
                 "linear light",
             ),

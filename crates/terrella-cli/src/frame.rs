@@ -35,6 +35,10 @@ pub struct FrameArgs {
     /// a NumPy array of height × width × 3, or OpenEXR
     #[arg(long, value_name = "OUT.npy|OUT.exr")]
     radiance: Option<PathBuf>,
+    /// Write the raw frame of the scene's [sensor] too: its converter's numbers as 16-bit greyscale PNG or TIFF, or as a NumPy array; all
+    /// parameters, the seed and the pose stand in a JSON file of the same name
+    #[arg(long, value_name = "OUT.png|OUT.tiff|OUT.npy")]
+    raw: Option<PathBuf>,
     /// Write what is where each pixel looks into this folder: place, range, Sun, land, clouds, shadow, limb and normal, each a NumPy
     /// array, and all as OpenEXR
     #[arg(long, value_name = "DIR")]
@@ -77,6 +81,7 @@ pub fn run(args: &FrameArgs, common: &Common) -> anyhow::Result<()> {
         adapter: common.adapter.as_deref(),
         output: &args.output,
         radiance: args.radiance.as_deref(),
+        raw: args.raw.as_deref(),
         truth: args.truth.as_deref(),
         stats: args.stats.as_deref(),
         pictures: args.pictures.settings(),
@@ -100,6 +105,12 @@ fn refuse_conflicts(args: &FrameArgs, common: &Common) {
     }
     #[cfg(not(feature = "measure"))]
     let _ = common;
+    if args.raw.as_deref() == Some(args.output.as_path()) {
+        refuse("--raw and --output name the same file; give the raw frame a name of its own");
+    }
+    if args.wireframe && args.raw.is_some() {
+        refuse("--raw has no meaning with --wireframe, which draws edges and no light");
+    }
     if args.wireframe && args.truth.is_some() {
         refuse("--truth has no meaning with --wireframe, which draws edges and no ground");
     }

@@ -43,6 +43,7 @@ pub fn stands_in(args: &FrameArgs, common: &Common, error: &PlayError) -> bool {
         && common.adapter.is_none()
         && !args.wireframe
         && args.radiance.is_none()
+        && args.raw.is_none()
         && args.pictures.first_given().is_none()
         && args.truth.is_none()
 }
@@ -70,6 +71,10 @@ pub fn conflict(args: &FrameArgs, common: &Common) -> Option<&'static str> {
         (
             args.wireframe,
             "--wireframe is for a graphics adapter; the reference renderer has no triangles",
+        ),
+        (
+            args.raw.is_some(),
+            "--raw is for a graphics adapter; the reference renderer writes a picture alone",
         ),
         (
             args.radiance.is_some(),
