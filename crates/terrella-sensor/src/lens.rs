@@ -63,6 +63,7 @@ impl Lens {
             check_range("size", f64::from(side), limits::SIDE_PX, " pixels")?;
         }
         let [width, height] = size.map(f64::from);
+        check_range("size", width * height, limits::PIXELS, " pixels in all")?;
         let middle = [0.5 * (width - 1.0), 0.5 * (height - 1.0)];
         let principal = principal_point_px.unwrap_or(middle);
         for (at, side) in principal.into_iter().zip([width, height]) {

@@ -101,6 +101,17 @@ fn a_field_too_wide_is_rejected_with_the_focal_length_that_works() {
     plain(focal_mm).expect("works");
 }
 
+#[test]
+fn a_sensor_of_too_many_pixels_is_rejected() {
+    let make = |side: u32| Lens::new([side, side], 50.0, 10.0, None, Distortion::NONE);
+    make(8192).expect("works");
+    let error = make(8193).expect_err("too many");
+    assert!(
+        error.key() == "size" && error.to_string().contains("67108864"),
+        "{error}"
+    );
+}
+
 /// The determinant by differences, everywhere in the picture.
 #[test]
 fn jacobians_are_the_slopes() {

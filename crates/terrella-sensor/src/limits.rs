@@ -4,6 +4,8 @@ use std::ops::RangeInclusive;
 
 /// Sides of the sensor, pixels.
 pub const SIDE_PX: RangeInclusive<f64> = 1.0..=16_384.0;
+/// Pixels in all: some 30 bytes are needed for each.
+pub const PIXELS: RangeInclusive<f64> = 1.0..=67_108_864.0;
 /// Focal length.
 pub const FOCAL_LENGTH_MM: RangeInclusive<f64> = 1e-3..=1e6;
 /// Distance of pixel centres.
