@@ -377,5 +377,9 @@ fn raw_frames_that_cannot_be_are_rejected() {
     );
     assert!(refusal(1, "a.toml", "a.jpg").contains("a.png"));
     assert!(refusal(2, "a.toml", "b.png").contains("--raw"));
+    let stats = [
+        "frame", "a.toml", "-o", "b.png", "--raw", "c.png", "--stats", "c.json",
+    ];
+    assert!(place.fail(2, &stats).contains("--raw"));
     assert_eq!(place.names().len(), 6, "{:?}", place.names());
 }

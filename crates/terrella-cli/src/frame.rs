@@ -105,8 +105,22 @@ fn refuse_conflicts(args: &FrameArgs, common: &Common) {
     }
     #[cfg(not(feature = "measure"))]
     let _ = common;
-    if args.raw.as_deref() == Some(args.output.as_path()) {
-        refuse("--raw and --output name the same file; give the raw frame a name of its own");
+    if let Some(raw) = &args.raw {
+        let page = raw.with_extension("json");
+        let others = [
+            Some(&args.output),
+            args.radiance.as_ref(),
+            args.stats.as_ref(),
+        ];
+        if others
+            .into_iter()
+            .flatten()
+            .any(|other| other == raw || *other == page)
+        {
+            refuse(
+                "--raw, or the .json of its name, is the file of another option; give the raw frame a name of its own",
+            );
+        }
     }
     if args.wireframe && args.raw.is_some() {
         refuse("--raw has no meaning with --wireframe, which draws edges and no light");

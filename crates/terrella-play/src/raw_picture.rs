@@ -8,6 +8,7 @@ use super::sensor_bands::SensorView;
 use hifitime::Unit;
 use std::path::Path;
 use terrella::{EarthOptions, GpuContext};
+use terrella_imagery::tile::TileKey;
 use terrella_sensor::{ASTRONOMICAL_UNIT_M, PinholePicture, RawFrame, Wells};
 
 /// A raw frame and what it was read from.
@@ -17,6 +18,8 @@ pub struct RawPicture {
     wells: Wells,
     /// Its place in the scene's film, by which noise differs from frame to frame.
     number: u32,
+    /// Tiles that its light lacks.
+    pub missing: Vec<TileKey>,
 }
 
 impl RawPicture {
@@ -33,10 +36,12 @@ impl RawPicture {
         let mut renderer = OffscreenRenderer::open_for_light(gpu, options, size)?;
         renderer.show_dated_maps(flight)?;
         renderer.show_sky(flight)?;
-        let mut light = Vec::new();
+        let (mut light, mut missing) = (Vec::new(), Vec::new());
         for band in bands {
             renderer.resize(band.size())?;
-            renderer.draw_complete(&band.pinhole(), flight.scene().output.wait());
+            let wait = flight.scene().output.wait();
+            let (_, lacks) = renderer.draw_complete(&band.pinhole(), wait);
+            missing.extend(lacks);
             let pixels = renderer.read_light()?;
             let picture = PinholePicture::new(band.frame, &pixels)?;
             light.extend(seen.sensor.expose(band.rows.clone(), &picture)?);
@@ -44,7 +49,14 @@ impl RawPicture {
         let number = frame_number(flight, moment);
         let sun_distance_au = moment.sky.sun_distance_m / ASTRONOMICAL_UNIT_M;
         let (raw, wells) = seen.sensor.read_out(&light, sun_distance_au, number)?;
-        Ok(Self { raw, wells, number })
+        missing.sort();
+        missing.dedup();
+        Ok(Self {
+            raw,
+            wells,
+            number,
+            missing,
+        })
     }
 
     /// The page of the frame, whose file this is.

@@ -181,6 +181,7 @@ pub fn write_still(
     let raw = match (raw, &seen, for_light) {
         (Some(file), Some(seen), Some((gpu, options))) => {
             let frame = RawPicture::draw(flight, gpu, options, seen, &moment)?;
+            warn_of_missing(&frame.missing);
             Some((file, frame))
         }
         _ => None,
