@@ -26,14 +26,13 @@ impl Ink {
             [whole, half.map(|value| half_bits(0.5 * value))]
         };
         let steps = match fades && format.is_developed_later() {
-            true => 1..=STEPS,
-            false => 1..=0,
+            true => STEPS,
+            false => 0,
         };
+        let faded = (1..=steps).map(|step| stored(step as f64 / STEPS as f64));
         Self {
             opaque: stored(1.0),
-            faded: steps
-                .map(|step| stored(step as f64 / STEPS as f64))
-                .collect(),
+            faded: faded.collect(),
         }
     }
 
