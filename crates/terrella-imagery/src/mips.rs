@@ -19,32 +19,15 @@ pub(super) fn chain(
     height: usize,
     format: TexelFormat,
 ) -> Vec<Vec<u8>> {
-    match format {
-        TexelFormat::Rgba8Srgb => chain_of::<4>(texels, width, height, format),
-        TexelFormat::R8Unorm => chain_of::<1>(texels, width, height, format),
-        TexelFormat::Rg8Snorm => chain_of::<2>(texels, width, height, format),
-    }
-}
-
-fn chain_of<const CHANNELS: usize>(
-    texels: Vec<u8>,
-    width: usize,
-    height: usize,
-    format: TexelFormat,
-) -> Vec<Vec<u8>> {
-    let mut smaller = Vec::new();
-    let mut size = (width, height);
-    while size != (1, 1) {
-        smaller.push(Halved::<CHANNELS>::of(size.0, size.1, format));
-        size = halved(size);
-    }
-    let mut values = vec![0.0; width * CHANNELS];
-    for row in texels.chunks_exact(width * CHANNELS) {
-        decode_row(row, format, &mut values);
-        push_row(&mut smaller, &values);
+    let mut rows = LevelRows::new(width, height, format);
+    let mut smaller: Vec<Vec<u8>> = rows.sizes().map(Vec::with_capacity).collect();
+    for row in texels.chunks_exact(width * format.texel_bytes()) {
+        rows.push(row, &mut |level, row| {
+            smaller[level - 1].extend_from_slice(row)
+        });
     }
     let mut levels = vec![texels];
-    levels.extend(smaller.into_iter().map(|level| level.bytes));
+    levels.append(&mut smaller);
     levels
 }
 
@@ -52,34 +35,120 @@ fn halved((width, height): (usize, usize)) -> (usize, usize) {
     ((width / 2).max(1), (height / 2).max(1))
 }
 
+/// The smaller levels of a map, made row by row: one unrounded row of each level is in memory.
+pub(super) enum LevelRows {
+    One(Rows<1>),
+    Two(Rows<2>),
+    Four(Rows<4>),
+}
+
+impl LevelRows {
+    /// For a map of this size, both at least 1.
+    pub fn new(width: usize, height: usize, format: TexelFormat) -> Self {
+        match format {
+            TexelFormat::R8Unorm => Self::One(Rows::new(width, height, format)),
+            TexelFormat::Rg8Snorm => Self::Two(Rows::new(width, height, format)),
+            TexelFormat::Rgba8Srgb => Self::Four(Rows::new(width, height, format)),
+        }
+    }
+
+    /// Bytes of each smaller level, from level 1 on.
+    pub fn sizes(&self) -> impl Iterator<Item = usize> {
+        let sizes: Vec<_> = match self {
+            Self::One(rows) => rows.levels.iter().map(Halved::bytes).collect(),
+            Self::Two(rows) => rows.levels.iter().map(Halved::bytes).collect(),
+            Self::Four(rows) => rows.levels.iter().map(Halved::bytes).collect(),
+        };
+        sizes.into_iter()
+    }
+
+    /// Takes the next row of level 0, from the north. `done` gets each row of a smaller level that it completes, with its level.
+    pub fn push(&mut self, row: &[u8], done: &mut dyn FnMut(usize, &[u8])) {
+        match self {
+            Self::One(rows) => rows.push(row, done),
+            Self::Two(rows) => rows.push(row, done),
+            Self::Four(rows) => rows.push(row, done),
+        }
+    }
+}
+
+/// The same for texels of so many channels.
+pub(super) struct Rows<const CHANNELS: usize> {
+    format: TexelFormat,
+    /// A row of level 0.
+    values: Vec<f32>,
+    levels: Vec<Halved<CHANNELS>>,
+}
+
+impl<const CHANNELS: usize> Rows<CHANNELS> {
+    fn new(width: usize, height: usize, format: TexelFormat) -> Self {
+        let mut levels = Vec::new();
+        let mut size = (width, height);
+        while size != (1, 1) {
+            levels.push(Halved::of(size.0, size.1));
+            size = halved(size);
+        }
+        Self {
+            format,
+            values: vec![0.0; width * CHANNELS],
+            levels,
+        }
+    }
+
+    fn push(&mut self, row: &[u8], done: &mut dyn FnMut(usize, &[u8])) {
+        decode_row(row, self.format, &mut self.values);
+        push_row(
+            &mut self.levels,
+            1,
+            &self.values,
+            &mut |level, row, bytes| {
+                encode(row, self.format, bytes);
+                done(level, bytes);
+            },
+        );
+    }
+}
+
 /// A level while it is made: rows of the level above go in from the north, and one unrounded row of its own is in memory.
 struct Halved<const CHANNELS: usize> {
-    format: TexelFormat,
     /// Size of the level above.
     width: usize,
     height: usize,
     /// Rows of the level above that went in.
     taken: usize,
     row: Vec<f32>,
+    /// The same row, rounded.
     bytes: Vec<u8>,
 }
 
 impl<const CHANNELS: usize> Halved<CHANNELS> {
-    fn of(width: usize, height: usize, format: TexelFormat) -> Self {
-        let (own_width, own_height) = halved((width, height));
+    fn of(width: usize, height: usize) -> Self {
+        let row = vec![0.0; halved((width, height)).0 * CHANNELS];
         Self {
-            format,
             width,
             height,
             taken: 0,
-            row: vec![0.0; own_width * CHANNELS],
-            bytes: Vec::with_capacity(own_width * own_height * CHANNELS),
+            bytes: Vec::with_capacity(row.len()),
+            row,
         }
+    }
+
+    /// Bytes of the whole level.
+    fn bytes(&self) -> usize {
+        self.row.len() * halved((self.width, self.height)).1
     }
 }
 
-/// Gives a row to the first of these levels, and what it completes to the next ones.
-fn push_row<const CHANNELS: usize>(levels: &mut [Halved<CHANNELS>], row: &[f32]) {
+/// Gets a level, an unrounded row of it, and where the row's bytes go.
+type RowDone<'a> = dyn FnMut(usize, &[f32], &mut Vec<u8>) + 'a;
+
+/// Gives a row to the first of these levels, which is the `number`th, and what it completes to the next ones.
+fn push_row<const CHANNELS: usize>(
+    levels: &mut [Halved<CHANNELS>],
+    number: usize,
+    row: &[f32],
+    done: &mut RowDone<'_>,
+) {
     let Some((level, smaller)) = levels.split_first_mut() else {
         return;
     };
@@ -95,8 +164,9 @@ fn push_row<const CHANNELS: usize>(levels: &mut [Halved<CHANNELS>], row: &[f32])
         }
         add_row::<CHANNELS>(row, level.width, weights[offset], &mut level.row);
         if weights[offset + 1..].iter().all(|weight| *weight == 0.0) {
-            encode(&level.row, level.format, &mut level.bytes);
-            push_row(smaller, &level.row);
+            level.bytes.clear();
+            done(number, &level.row, &mut level.bytes);
+            push_row(smaller, number + 1, &level.row, done);
             level.row.fill(0.0);
         }
     }
