@@ -82,9 +82,34 @@ impl LayerImage {
         (shrink(self.width), shrink(self.height))
     }
 
-    /// Bytes of all levels together.
+    /// Bytes of all levels together, be they here or not.
     pub fn bytes(&self) -> u64 {
-        self.levels.iter().map(|level| level.len() as u64).sum()
+        let texels = |level| {
+            let (width, height) = self.level_size(level);
+            u64::from(width) * u64::from(height)
+        };
+        let levels = 0..mips::level_count(self.width, self.height);
+        self.format.texel_bytes() as u64 * levels.map(texels).sum::<u64>()
+    }
+
+    /// Size and format of this map, without its texels: what is left of a map that is held on the GPU.
+    pub fn without_texels(&self) -> Self {
+        Self {
+            levels: [].into(),
+            ..*self
+        }
+    }
+
+    /// The last level at least so wide, texels; level 0 where none is.
+    pub(super) fn level_of_width(&self, width: usize) -> usize {
+        let is_wide = |level: &usize| self.level_size(*level).0 as usize >= width;
+        let levels = 0..mips::level_count(self.width, self.height);
+        levels.take_while(is_wide).last().unwrap_or(0)
+    }
+
+    /// Whether any level is there.
+    pub fn has_texels(&self) -> bool {
+        !self.levels.is_empty()
     }
 
     /// Checks a map whose fields were filled in by hand: every level present and of the right length.
@@ -135,6 +160,17 @@ impl EarthLayers {
             MapLayer::Normals => self.normals.as_ref(),
             MapLayer::NightLights => self.night_lights.as_ref(),
             MapLayer::Water => self.water.as_ref(),
+        }
+    }
+
+    /// A map by its kind, to be changed.
+    pub fn get_mut(&mut self, layer: MapLayer) -> Option<&mut LayerImage> {
+        match layer {
+            MapLayer::Day => Some(&mut self.day),
+            MapLayer::Clouds => self.clouds.as_mut(),
+            MapLayer::Normals => self.normals.as_mut(),
+            MapLayer::NightLights => self.night_lights.as_mut(),
+            MapLayer::Water => self.water.as_mut(),
         }
     }
 

@@ -5,6 +5,7 @@
 //! to sea. What lies farther out stays as it is, and is seen only where the water map is not drawn.
 
 use super::layer::LayerImage;
+use std::borrow::Cow;
 
 /// A texel with less water than this is land and nothing else.
 const DRY: u8 = 10;
@@ -23,16 +24,15 @@ const SEA_REACH: isize = 3;
 pub const FLOOR_SEEN_M: f64 = 40.0;
 
 /// How much of each texel of a map of this size is water, 0…255, from the water map's level that is nearest in size.
-fn water_at(water: &LayerImage, width: usize, height: usize) -> Vec<u8> {
-    let fits = |level: &usize| water.level_size(*level).0 as usize >= width;
-    let level = (0..water.levels.len()).take_while(fits).last().unwrap_or(0);
+fn water_at(water: &LayerImage, width: usize, height: usize) -> Cow<'_, [u8]> {
+    let level = water.level_of_width(width);
     let (from_width, from_height) = water.level_size(level);
     let (from_width, from_height) = (from_width as usize, from_height as usize);
     let Some(texels) = water.levels.get(level) else {
-        return vec![0; width * height];
+        return vec![0; width * height].into();
     };
     if (from_width, from_height) == (width, height) {
-        return texels.clone();
+        return texels.into();
     }
     let nearest =
         |at: usize, from: usize, to: usize| ((2 * at + 1) * from / (2 * to)).min(from - 1);
@@ -42,88 +42,124 @@ fn water_at(water: &LayerImage, width: usize, height: usize) -> Vec<u8> {
         .collect()
 }
 
+/// What is known of a texel while land grows.
+const IS_LAND: u8 = 1;
+const IS_QUEUED: u8 = 2;
+
 /// Spreads the land's colours over the coast, in RGBA texels `width` to a row.
 pub(super) fn grow_land(rgba: &mut [u8], width: usize, water: &LayerImage) {
     let height = rgba.len() / 4 / width.max(1);
     let water = water_at(water, width, height);
     let near = |n: usize| neighbours(n, width, height);
-    let wettest_near = greatest_near(&water, width);
-    let is_pure = |(water, near): (&u8, &u8)| *water < DRY && *near < NO_LONGER_DRY;
-    let mut is_land: Vec<bool> = water.iter().zip(&wettest_near).map(is_pure).collect();
-    let land: Vec<u8> = is_land.iter().map(|is_land| u8::from(*is_land)).collect();
-    let touches_land = greatest_near(&land, width);
+    let mut known = Vec::with_capacity(water.len());
+    each_row_near(&water, width, |here, wettest_near| {
+        let is_pure = |(water, near): (&u8, &u8)| *water < DRY && *near < NO_LONGER_DRY;
+        let land = here.iter().zip(wettest_near).map(is_pure);
+        known.extend(land.map(|is_land| if is_land { IS_LAND } else { 0 }));
+    });
+    let (mut ring, mut islands) = (Vec::new(), Vec::new());
+    let mut first = 0;
+    each_row_near(&known, width, |here, land_near| {
+        for (x, (here, land_near)) in here.iter().zip(land_near).enumerate() {
+            let n = first + x;
+            if *here == IS_LAND {
+                continue;
+            }
+            if *land_near > 0 {
+                ring.push(n);
+            }
+            if water[n] < MOSTLY_WET {
+                islands.push(n);
+            }
+        }
+        first += here.len();
+    });
+    ring.iter().for_each(|n| known[*n] |= IS_QUEUED);
     // Texels of a ring are grown each by itself, so that their order is of no account.
-    let mut ring = Vec::new();
-    let mut is_queued = vec![false; water.len()];
-    let mut islands = Vec::new();
-    for n in (0..water.len()).filter(|n| !is_land[*n]) {
-        if touches_land[n] > 0 {
-            ring.push(n);
-            is_queued[n] = true;
-        }
-        if water[n] < MOSTLY_WET {
-            islands.push(n);
-        }
-    }
     for round in 0..RINGS[1] {
         if round == RINGS[0] {
-            islands.retain(|n| !is_land[*n]);
+            islands.retain(|n| known[*n] & IS_LAND == 0);
             let colors: Vec<_> = islands
                 .iter()
                 .map(|n| without_sea(rgba, *n, &water, width))
                 .collect();
             for (n, color) in islands.iter().zip(colors) {
                 rgba[4 * n..4 * n + 3].copy_from_slice(&color);
-                is_land[*n] = true;
+                known[*n] |= IS_LAND;
             }
             for n in islands.iter().flat_map(|n| near(*n)) {
-                if !std::mem::replace(&mut is_queued[n], true) {
+                if known[n] & IS_QUEUED == 0 {
+                    known[n] |= IS_QUEUED;
                     ring.push(n);
                 }
             }
-            ring.retain(|n| !is_land[*n]);
+            ring.retain(|n| known[*n] & IS_LAND == 0);
         }
         let grown: Vec<_> = ring
             .iter()
-            .filter_map(|n| Some((*n, mean_color(rgba, near(*n).filter(|n| is_land[*n]))?)))
+            .filter_map(|n| {
+                Some((
+                    *n,
+                    mean_color(rgba, near(*n).filter(|n| known[*n] & IS_LAND > 0))?,
+                ))
+            })
             .collect();
         for (n, color) in &grown {
             rgba[4 * n..4 * n + 3].copy_from_slice(color);
-            is_land[*n] = true;
+            known[*n] |= IS_LAND;
         }
         ring.clear();
         for n in grown.iter().flat_map(|(n, _)| near(*n)) {
-            if !is_land[n] && !std::mem::replace(&mut is_queued[n], true) {
+            if known[n] == 0 {
+                known[n] = IS_QUEUED;
                 ring.push(n);
             }
         }
     }
 }
 
-/// Of each texel of a map, `width` to a row, the greatest value of the texels around it.
-fn greatest_near(map: &[u8], width: usize) -> Vec<u8> {
-    let mut beside = vec![0; map.len()];
-    for (out, row) in beside.chunks_exact_mut(width).zip(map.chunks_exact(width)) {
+/// Gives each row of a map, `width` texels to a row, and of each of its texels the greatest value of the texels around it.
+fn each_row_near(map: &[u8], width: usize, mut take: impl FnMut(&[u8], &[u8])) {
+    /// Of each texel of a row the greater of its neighbours in it, and the greatest with itself.
+    fn spread(row: &[u8], beside: &mut [u8], of_three: &mut [u8]) {
+        let width = row.len();
         let triples = row.iter().zip(row.iter().skip(2));
-        for (out, (west, east)) in out[1..].iter_mut().zip(triples) {
+        for (out, (west, east)) in beside[1..].iter_mut().zip(triples) {
             *out = *west.max(east);
         }
-        out[0] = row[width - 1].max(row[1 % width]);
-        out[width - 1] = row[width.saturating_sub(2)].max(row[0]);
+        beside[0] = row[width - 1].max(row[1 % width]);
+        beside[width - 1] = row[width.saturating_sub(2)].max(row[0]);
+        for (out, (beside, here)) in of_three.iter_mut().zip(beside.iter().zip(row)) {
+            *out = *beside.max(here);
+        }
     }
-    let of_three: Vec<u8> = beside.iter().zip(map).map(|(a, b)| *a.max(b)).collect();
-    let mut greatest = beside;
-    let (to_south, to_north) = (
-        of_three.len().min(width),
-        of_three.len().saturating_sub(width),
-    );
-    for (out, south) in greatest.iter_mut().zip(&of_three[to_south..]) {
-        *out = (*out).max(*south);
+    let row_of = || vec![0_u8; width];
+    let (mut north, mut here, mut south) = (row_of(), row_of(), row_of());
+    let (mut beside, mut beside_south, mut greatest) = (row_of(), row_of(), row_of());
+    let mut rows = map.chunks_exact(width);
+    let Some(mut row) = rows.next() else {
+        return;
+    };
+    spread(row, &mut beside, &mut here);
+    loop {
+        let next = rows.next();
+        match next {
+            Some(next) => spread(next, &mut beside_south, &mut south),
+            None => south.fill(0),
+        }
+        let beyond = north.iter().zip(&south);
+        for (out, (beside, (north, south))) in greatest.iter_mut().zip(beside.iter().zip(beyond)) {
+            *out = *beside.max(north).max(south);
+        }
+        take(row, &greatest);
+        let Some(next) = next else {
+            return;
+        };
+        row = next;
+        std::mem::swap(&mut beside, &mut beside_south);
+        std::mem::swap(&mut north, &mut here);
+        std::mem::swap(&mut here, &mut south);
     }
-    for (out, north) in greatest[to_south..].iter_mut().zip(&of_three[..to_north]) {
-        *out = (*out).max(*north);
-    }
-    greatest
 }
 
 /// The mean colour of texels; `None` of none.
@@ -215,10 +251,13 @@ impl SeaFloor {
         let mut depths_m: Vec<f32> = (0..width * height)
             .map(|n| depth_of(n).map_or(f32::NAN, |depth_m| depth_m.max(0.0) as f32))
             .collect();
-        let wettest_near = greatest_near(&share, width);
-        let mut waiting: Vec<usize> = (0..depths_m.len())
-            .filter(|n| depths_m[*n].is_nan() && wettest_near[*n] > 25)
-            .collect();
+        let (mut waiting, mut first) = (Vec::new(), 0);
+        each_row_near(&share, width, |here, wettest_near| {
+            let places = (first..).zip(wettest_near);
+            let is_coast = |(n, near): &(usize, &u8)| depths_m[*n].is_nan() && **near > 25;
+            waiting.extend(places.filter(is_coast).map(|(n, _)| n));
+            first += here.len();
+        });
         for _ in 0..FLOOR_RINGS {
             let mut found = Vec::new();
             waiting.retain(|n| {
@@ -234,37 +273,60 @@ impl SeaFloor {
                 depths_m[n] = depth_m;
             }
         }
-        let mut sharp = vec![0.0; depths_m.len()];
-        for (y, (row, depths_m)) in sharp
-            .chunks_exact_mut(width)
-            .zip(depths_m.chunks_exact(width))
-            .enumerate()
-        {
+        // As soft as the depths are coarse: of each row and those beside it.
+        let sharp = |y: usize, row: &mut [f64]| {
+            row.fill(0.0);
+            let mut is_lit = false;
             let latitude_deg = 90.0 - y as f64 * 180.0 / height as f64;
             let t = (latitude_deg.abs() - CLEAR_DEG[0]) / (CLEAR_DEG[1] - CLEAR_DEG[0]);
             let clear = 1.0 - t.clamp(0.0, 1.0);
             if clear == 0.0 {
+                return is_lit;
+            }
+            let depths_m = &depths_m[y * width..(y + 1) * width];
+            let pairs = row.iter_mut().zip(depths_m);
+            for (light, depth_m) in pairs.filter(|(_, depth_m)| **depth_m < DARK_M) {
+                *light = 255.0 * clear * (-ATTENUATION_PER_M * f64::from(*depth_m)).exp();
+                is_lit = true;
+            }
+            is_lit
+        };
+        let mut light = Vec::with_capacity(width * height);
+        let mut are_lit = [false; 3];
+        let [mut north, mut here, mut south] = [(); 3].map(|()| vec![0.0; width]);
+        are_lit[2] = sharp(0, &mut south);
+        for y in 0..height {
+            std::mem::swap(&mut north, &mut here);
+            std::mem::swap(&mut here, &mut south);
+            are_lit.rotate_left(1);
+            are_lit[2] = match y + 1 < height {
+                true => sharp(y + 1, &mut south),
+                false => {
+                    south.fill(0.0);
+                    false
+                }
+            };
+            if are_lit == [false; 3] {
+                light.resize(light.len() + width, 0);
                 continue;
             }
-            for (light, depth_m) in row
-                .iter_mut()
-                .zip(depths_m)
-                .filter(|(_, depth_m)| **depth_m < DARK_M)
-            {
-                *light = 255.0 * clear * (-ATTENUATION_PER_M * f64::from(*depth_m)).exp();
-            }
+            light.extend((0..width).map(|x| {
+                let (west, east) = ((x + width - 1) % width, (x + 1) % width);
+                let near: f64 = [
+                    north[west],
+                    north[x],
+                    north[east],
+                    here[west],
+                    here[east],
+                    south[west],
+                    south[x],
+                    south[east],
+                ]
+                .iter()
+                .sum();
+                ((4.0 * here[x] + near) / 12.0).round() as u8
+            }));
         }
-        // As soft as the depths are coarse.
-        let shown: Vec<u8> = sharp.iter().map(|light| u8::from(*light > 0.0)).collect();
-        let shown_near = greatest_near(&shown, width);
-        let soft = |n: usize| {
-            if shown[n] == 0 && shown_near[n] == 0 {
-                return 0;
-            }
-            let near: f64 = neighbours(n, width, height).map(|n| sharp[n]).sum();
-            ((4.0 * sharp[n] + near) / 12.0).round() as u8
-        };
-        let light = (0..sharp.len()).map(soft).collect();
         Self {
             width,
             height,
@@ -339,7 +401,9 @@ mod tests {
             let map: Vec<u8> = (0..width * height)
                 .map(|n| ((n * 2_654_435_761) >> 7) as u8)
                 .collect();
-            let greatest = greatest_near(&map, width);
+            let mut greatest = Vec::new();
+            each_row_near(&map, width, |_, near| greatest.extend_from_slice(near));
+            assert_eq!(greatest.len(), map.len());
             for (n, found) in greatest.iter().enumerate() {
                 let near = neighbours(n, width, height).map(|n| map[n]);
                 assert_eq!(near.max(), Some(*found), "{width} × {height}: {n}");
