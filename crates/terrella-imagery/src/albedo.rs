@@ -2,7 +2,9 @@
 //! comes from all of them, not from the pixel behind it.
 
 use super::layer::{EarthLayers, LayerImage};
+use super::mips::level_count;
 use super::srgb::LINEAR_FROM_SRGB;
+use super::texel::TexelFormat;
 use super::tile::{MAP_LAYERS, MapLayer};
 use glam::{Vec3, Vec4};
 
@@ -27,10 +29,20 @@ pub struct NeighbourhoodAlbedo {
 impl NeighbourhoodAlbedo {
     /// Of these maps. The day map is taken for the land's albedo.
     pub fn new(layers: &EarthLayers) -> Self {
+        let part = |layer| {
+            let map = layers.get(layer)?;
+            MapAlbedo::of(layer, map)
+        };
+        Self::of_parts(part)
+    }
+
+    /// Of what each map contributes; black land without a day map.
+    pub fn of_parts(part: impl Fn(MapLayer) -> Option<MapAlbedo>) -> Self {
+        let means = |layer| part(layer).map(|part| part.means);
         Self {
-            day: means(&layers.day, color),
-            water: layers.water.as_ref().map(|map| means(map, cover)),
-            cloud_cover: layers.clouds.as_ref().map(|map| means(map, cover)),
+            day: means(MapLayer::Day).unwrap_or_else(|| vec![Vec3::ZERO; WIDTH * HEIGHT]),
+            water: means(MapLayer::Water),
+            cloud_cover: means(MapLayer::Clouds),
         }
     }
 
@@ -81,9 +93,32 @@ pub struct MapAlbedo {
 impl MapAlbedo {
     /// That of a map; `None` of one that has no part in it.
     pub fn of(layer: MapLayer, map: &LayerImage) -> Option<Self> {
+        let level = Self::level(map);
+        let texels = map.levels.get(level).map_or(&[][..], Vec::as_slice);
+        Self::of_texels(layer, texels, map.level_size(level), map.format)
+    }
+
+    /// The level of a map that it is found from: the smallest with a texel for each neighbourhood.
+    pub(super) fn level(map: &LayerImage) -> usize {
+        let is_large = |level: &usize| {
+            let (width, height) = map.level_size(*level);
+            width as usize >= WIDTH && height as usize >= HEIGHT
+        };
+        let levels = 0..level_count(map.width, map.height);
+        levels.take_while(is_large).last().unwrap_or(0)
+    }
+
+    /// The same from the texels of that level.
+    pub(super) fn of_texels(
+        layer: MapLayer,
+        texels: &[u8],
+        size: (u32, u32),
+        format: TexelFormat,
+    ) -> Option<Self> {
+        let bytes = format.texel_bytes();
         let means = match layer {
-            MapLayer::Day => means(map, color),
-            MapLayer::Clouds | MapLayer::Water => means(map, cover),
+            MapLayer::Day => means(texels, size, bytes, color),
+            MapLayer::Clouds | MapLayer::Water => means(texels, size, bytes, cover),
             MapLayer::Normals | MapLayer::NightLights => return None,
         };
         Some(Self { layer, means })
@@ -108,21 +143,14 @@ fn cover(texel: &[u8]) -> Vec3 {
     Vec3::splat(f32::from(texel[0]) / 255.0)
 }
 
-/// Means of a map over the cells.
-fn means(map: &LayerImage, value: impl Fn(&[u8]) -> Vec3) -> Vec<Vec3> {
-    // The smallest level that has a texel for each.
-    let is_large = |level: &usize| {
-        let (width, height) = map.level_size(*level);
-        width as usize >= WIDTH && height as usize >= HEIGHT
-    };
-    let level = (0..map.levels.len())
-        .take_while(is_large)
-        .last()
-        .unwrap_or(0);
-    let (width, height) = map.level_size(level);
+/// Means of a map's texels over the cells.
+fn means(
+    texels: &[u8],
+    (width, height): (u32, u32),
+    bytes: usize,
+    value: impl Fn(&[u8]) -> Vec3,
+) -> Vec<Vec3> {
     let (width, height) = (width as usize, height as usize);
-    let texels = map.levels.get(level).map_or(&[][..], Vec::as_slice);
-    let bytes = map.format.texel_bytes();
     let part = |cell: usize, cells: usize, size: usize| {
         let first = cell * size / cells;
         first..((cell + 1) * size).div_ceil(cells).max(first + 1)

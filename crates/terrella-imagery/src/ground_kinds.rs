@@ -1,6 +1,8 @@
 //! Where the maps show nothing but land, or nothing but open sea: what is drawn there needs no other part of the shader.
 
 use super::layer::{EarthLayers, LayerImage};
+use super::tile::MapLayer;
+use std::ops::Range;
 
 /// What a cell of the Earth is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,29 +36,42 @@ const LEAST_TEXELS: u32 = 2048;
 const HAS_WATER: u8 = 1;
 const HAS_LAND: u8 = 2;
 
+/// What one map says of the cells.
+#[derive(Clone, Debug)]
+pub struct MapGroundKinds(Vec<u8>);
+
+impl MapGroundKinds {
+    /// That of a map; `None` of one that says nothing of land and sea.
+    pub fn of(layer: MapLayer, map: &LayerImage) -> Option<Self> {
+        let mut rows = GroundKindRows::new(layer, map)?;
+        let texels = map.levels.get(rows.level).map_or(&[][..], Vec::as_slice);
+        rows.rows(rows.level, 0, texels);
+        Some(rows.finish())
+    }
+}
+
 impl GroundKinds {
     /// Of maps of the whole Earth; `None` without a map of water.
     pub fn new(layers: &EarthLayers) -> Option<Self> {
-        let water = layers.water.as_ref()?;
-        let mut found = vec![0; WIDTH * HEIGHT];
-        mark(water, &mut found, |texel| match texel.first() {
-            Some(0) => HAS_LAND,
-            Some(255) => HAS_WATER,
-            _ => HAS_LAND | HAS_WATER,
-        });
-        // Where the floor shows it is not the open sea.
-        mark(&layers.day, &mut found, |texel| match texel.get(3) {
-            Some(255) => 0,
-            _ => HAS_LAND,
-        });
+        let part = |layer| MapGroundKinds::of(layer, layers.get(layer)?);
+        Some(Self::of_parts(
+            &part(MapLayer::Water)?,
+            &part(MapLayer::Day)?,
+        ))
+    }
+
+    /// Of what a map of water and a day map say.
+    pub fn of_parts(water: &MapGroundKinds, day: &MapGroundKinds) -> Self {
+        let pairs = water.0.iter().zip(&day.0);
+        let found: Vec<u8> = pairs.map(|(water, day)| water | day).collect();
         let cells = spread(&found).into_iter().map(|found| match found {
             HAS_LAND => GroundKind::Land,
             HAS_WATER => GroundKind::OpenSea,
             _ => GroundKind::Mixed,
         });
-        Some(Self {
+        Self {
             cells: cells.collect(),
-        })
+        }
     }
 
     /// What all of a cell is, of so many cells a block edge, that is the `column`th from 180° W and the `row`th from the north.
@@ -77,35 +92,77 @@ impl GroundKinds {
     }
 }
 
-/// Notes in each cell what texels are in it or reach into it when they are filtered.
-fn mark(map: &LayerImage, found: &mut [u8], kind: impl Fn(&[u8]) -> u8) {
-    let is_fine = |level: &usize| map.level_size(*level).0 >= LEAST_TEXELS;
-    let levels = 0..map.levels.len();
-    let level = levels.take_while(is_fine).last().unwrap_or(0);
-    let (width, height) = map.level_size(level);
-    let (width, height) = (width as usize, height as usize);
-    let bytes = map.format.texel_bytes();
-    // A texel is seen for one and a half of its own size from its middle on both sides.
-    let reach = |texel: usize, texels: usize, cells: usize| {
-        let (low, high) = ((2 * texel).saturating_sub(1), 2 * texel + 3);
-        low * cells / (2 * texels)..(high * cells).div_ceil(2 * texels).min(cells)
-    };
-    let columns: Vec<_> = (0..width).map(|x| reach(x, width, WIDTH)).collect();
-    let texels = map.levels.get(level).map_or(&[][..], Vec::as_slice);
-    let mut line = [0_u8; WIDTH];
-    for (y, row) in texels.chunks_exact(width * bytes).enumerate() {
-        line.fill(0);
-        for (texel, columns) in row.chunks_exact(bytes).zip(&columns) {
-            let kind = kind(texel);
-            line[columns.clone()].iter_mut().for_each(|at| *at |= kind);
+/// Notes in each cell what texels of a map are in it or reach into it when they are filtered, as rows of the map come in.
+pub(super) struct GroundKindRows {
+    kind: fn(&[u8]) -> u8,
+    /// The level that is looked at, and its height.
+    level: usize,
+    height: usize,
+    texel_bytes: usize,
+    /// The cells that each texel of a row reaches.
+    columns: Vec<Range<usize>>,
+    found: Vec<u8>,
+}
+
+impl GroundKindRows {
+    /// For a map of this size and format; `None` of one that says nothing of land and sea.
+    pub fn new(layer: MapLayer, map: &LayerImage) -> Option<Self> {
+        let kind: fn(&[u8]) -> u8 = match layer {
+            MapLayer::Water => |texel| match texel.first() {
+                Some(0) => HAS_LAND,
+                Some(255) => HAS_WATER,
+                _ => HAS_LAND | HAS_WATER,
+            },
+            // Where the floor shows it is not the open sea.
+            MapLayer::Day => |texel| match texel.get(3) {
+                Some(255) => 0,
+                _ => HAS_LAND,
+            },
+            MapLayer::Clouds | MapLayer::Normals | MapLayer::NightLights => return None,
+        };
+        let level = map.level_of_width(LEAST_TEXELS as usize);
+        let (width, height) = map.level_size(level);
+        let width = width as usize;
+        Some(Self {
+            kind,
+            level,
+            height: height as usize,
+            texel_bytes: map.format.texel_bytes(),
+            columns: (0..width).map(|x| reach(x, width, WIDTH)).collect(),
+            found: vec![0; WIDTH * HEIGHT],
+        })
+    }
+
+    /// Takes rows of a level from a number on; all but one level are ignored.
+    pub fn rows(&mut self, level: usize, first: u32, texels: &[u8]) {
+        if level != self.level {
+            return;
         }
-        // Around the Earth.
-        (line[0], line[WIDTH - 1]) = (line[0] | line[WIDTH - 1], line[0] | line[WIDTH - 1]);
-        for y in reach(y, height, HEIGHT) {
-            let cells = found[y * WIDTH..(y + 1) * WIDTH].iter_mut();
-            cells.zip(&line).for_each(|(at, here)| *at |= here);
+        let rows = texels.chunks_exact(self.columns.len() * self.texel_bytes);
+        for (y, row) in (first as usize..).zip(rows) {
+            let mut line = [0_u8; WIDTH];
+            for (texel, columns) in row.chunks_exact(self.texel_bytes).zip(&self.columns) {
+                let kind = (self.kind)(texel);
+                line[columns.clone()].iter_mut().for_each(|at| *at |= kind);
+            }
+            // Around the Earth.
+            (line[0], line[WIDTH - 1]) = (line[0] | line[WIDTH - 1], line[0] | line[WIDTH - 1]);
+            for y in reach(y, self.height, HEIGHT) {
+                let cells = self.found[y * WIDTH..(y + 1) * WIDTH].iter_mut();
+                cells.zip(&line).for_each(|(at, here)| *at |= here);
+            }
         }
     }
+
+    pub fn finish(self) -> MapGroundKinds {
+        MapGroundKinds(self.found)
+    }
+}
+
+/// The cells of a line that a texel reaches: it is seen for one and a half of its own size from its middle on both sides.
+fn reach(texel: usize, texels: usize, cells: usize) -> Range<usize> {
+    let (low, high) = ((2 * texel).saturating_sub(1), 2 * texel + 3);
+    low * cells / (2 * texels)..(high * cells).div_ceil(2 * texels).min(cells)
 }
 
 /// What is found in each cell and in [`MARGIN`] cells about.

@@ -9,6 +9,7 @@
 //! | `ground_kinds.rs` | where there is nothing but land, or nothing but open sea |
 //! | `detail_tile.rs` | detail smaller than texels |
 //! | `load.rs` | a folder of maps read from disk, with limits before every allocation |
+//! | `map_rows.rs` | maps given to a host row by row as they are read |
 //! | `decode.rs` | PNG and JPEG files |
 //! | `jpeg/` | whether a JPEG is whole |
 //! | `colour.rs` | what files say of their colours and of how they are turned |
@@ -16,6 +17,7 @@
 //! | `slopes.rs` | terrain slopes from elevations, and those of cloud tops |
 //! | `sea.rs` | the day map's land and the sea kept apart, where there is a water map |
 //! | `mips.rs`, `srgb.rs` | smaller levels, averaged in linear light |
+//! | `summary.rs` | what is known of a map without its texels |
 //! | `tile.rs` | tiles of a pack: names, sizes, formats |
 //! | `residency.rs` | what streaming hands to drawing |
 //! | `pack/` | packs on disk, with the feature `packs` |
@@ -36,6 +38,7 @@ mod ground_kinds;
 pub mod jpeg;
 mod layer;
 mod load;
+mod map_rows;
 mod mips;
 #[cfg(feature = "packs")]
 pub mod pack;
@@ -45,6 +48,7 @@ pub mod slopes;
 pub mod srgb;
 #[cfg(feature = "packs")]
 pub mod stream;
+mod summary;
 mod texel;
 pub mod tile;
 
@@ -52,16 +56,18 @@ pub use albedo::{CLOUD_ALBEDO, MapAlbedo, NEIGHBOURHOODS, NeighbourhoodAlbedo};
 pub use detail_tile::{DETAIL_MEAN, DETAIL_STEP, detail_tile};
 pub use error::ImageryError;
 pub use find::{TEXTURES_VARIABLE, find_textures};
-pub use ground_kinds::{CELLS_AROUND, GroundKind, GroundKinds, MOST_PIXEL_M};
+pub use ground_kinds::{CELLS_AROUND, GroundKind, GroundKinds, MOST_PIXEL_M, MapGroundKinds};
 pub use layer::{EarthLayers, LayerImage};
 pub use load::{
     DamagedLayer, LayerSelection, MAX_FILE_BYTES, load_color_map, load_day_map, load_grey_map,
     load_layers, load_whole_layers,
 };
 pub use load::{colour_note, day_file};
+pub use map_rows::{KeptInMemory, MapRows, MapSink};
 pub use sea::FLOOR_SEEN_M;
 pub use slopes::{
     ELEVATION_OFFSET_M, POLE_FADE_DEG, SLOPE_EXAGGERATION, SlopeMap, slopes_from_clouds,
     slopes_from_elevation,
 };
+pub use summary::{MapSummary, MapSummaryRows};
 pub use texel::{MAX_HEIGHT, MIN_HEIGHT, TexelFormat};
