@@ -180,6 +180,25 @@ impl<'a> Picture<'a> {
         }
         Ok(texels)
     }
+
+    /// The same row by row from the north, as far as they are whole.
+    pub fn rows(self, mut take: impl FnMut(&[u8])) -> Result<(), String> {
+        let (width, kind) = (self.size().0 as usize, self.texel_kind());
+        let row_bytes = width * usize::from(kind.channels) * usize::from(kind.bits) / 8;
+        match self {
+            Self::Png(mut reader) if !reader.info().interlaced => {
+                while let Some(row) = reader.next_row().map_err(one_line)? {
+                    take(row.data());
+                }
+                // What is left must be whole too: checksums and the end chunk.
+                reader.finish().map_err(one_line)
+            }
+            whole => {
+                whole.texels()?.chunks_exact(row_bytes).for_each(take);
+                Ok(())
+            }
+        }
+    }
 }
 
 /// A file that is not whole has been refused before by [`super::jpeg`]; the size is checked by who opens a file, by limits of its

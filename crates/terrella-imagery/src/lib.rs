@@ -8,7 +8,8 @@
 //! | `albedo.rs` | what neighbourhoods reflect, for the air over them |
 //! | `ground_kinds.rs` | where there is nothing but land, or nothing but open sea |
 //! | `detail_tile.rs` | detail smaller than texels |
-//! | `load.rs` | a folder of maps read from disk, with limits before every allocation |
+//! | `load.rs` | a folder of maps read from disk |
+//! | `map_file.rs` | one map file, opened with limits before every allocation |
 //! | `map_rows.rs` | maps given to a host row by row as they are read |
 //! | `decode.rs` | PNG and JPEG files |
 //! | `jpeg/` | whether a JPEG is whole |
@@ -38,6 +39,7 @@ mod ground_kinds;
 pub mod jpeg;
 mod layer;
 mod load;
+mod map_file;
 mod map_rows;
 mod mips;
 #[cfg(feature = "packs")]
@@ -59,10 +61,11 @@ pub use find::{TEXTURES_VARIABLE, find_textures};
 pub use ground_kinds::{CELLS_AROUND, GroundKind, GroundKinds, MOST_PIXEL_M, MapGroundKinds};
 pub use layer::{EarthLayers, LayerImage};
 pub use load::{
-    DamagedLayer, LayerSelection, MAX_FILE_BYTES, load_color_map, load_day_map, load_grey_map,
-    load_layers, load_whole_layers,
+    DamagedLayer, LayerSelection, load_color_map, load_day_map, load_grey_map, load_layers,
+    load_layers_to, load_whole_layers,
 };
 pub use load::{colour_note, day_file};
+pub use map_file::MAX_FILE_BYTES;
 pub use map_rows::{KeptInMemory, MapRows, MapSink};
 pub use sea::FLOOR_SEEN_M;
 pub use slopes::{

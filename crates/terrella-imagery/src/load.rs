@@ -1,18 +1,18 @@
 //! A folder of maps, read from disk.
 
 use super::colour::Said;
-use super::decode::{FileKind, Picture, TexelKind, png_size};
+use super::decode::{FileKind, TexelKind};
 use super::error::ImageryError;
 use super::layer::{EarthLayers, LayerImage};
+use super::map_file::{MapFile, read_file};
+use super::map_rows::{KeptInMemory, MapBuilder, MapSink};
 use super::sea::{SeaFloor, grow_land};
 use super::slopes::{ELEVATION_OFFSET_M, SLOPE_EXAGGERATION, slopes_from_elevation};
-use super::texel::{MAX_HEIGHT, MIN_HEIGHT};
+use super::texel::TexelFormat;
 use super::tile::MapLayer;
 use std::path::{Path, PathBuf};
+use std::sync::mpsc;
 use terrella_files as files;
-
-/// Largest map file, bytes.
-pub const MAX_FILE_BYTES: u64 = 1 << 30;
 
 /// Names of the day map, first come first taken.
 pub(super) const DAY_NAMES: [&str; 2] = ["day.jpg", "day.png"];
@@ -106,8 +106,8 @@ impl Default for LayerSelection {
     }
 }
 
-/// Reads the selected maps of a folder, each on its own thread, and makes their mip levels. Files of maps that are not
-/// selected are not opened.
+/// Reads the selected maps of a folder, two at a time, and makes their mip levels. Files of maps that are not selected are not
+/// opened.
 ///
 /// | map | file | texels |
 /// |---|---|---|
@@ -117,8 +117,8 @@ impl Default for LayerSelection {
 /// | normals | `elevation.png` | 16-bit grey, metres + [`ELEVATION_OFFSET_M`] |
 /// | water | `water.png`, which may be missing | 8-bit grey: open water 0…1, the coast where it is one half |
 ///
-/// All are equirectangular maps of the whole Earth, north row first, left edge at 180° W, [`MIN_HEIGHT`] to
-/// [`MAX_HEIGHT`] texels high and twice as wide. Slopes are stored [`SLOPE_EXAGGERATION`] times too steep.
+/// All are equirectangular maps of the whole Earth, north row first, left edge at 180° W, [`MIN_HEIGHT`](super::MIN_HEIGHT) to
+/// [`MAX_HEIGHT`](super::MAX_HEIGHT) texels high and twice as wide. Slopes are stored [`SLOPE_EXAGGERATION`] times too steep.
 ///
 /// With a water map the day map's colours are the land's, carried some way over the coast, and its alpha is the depth of the
 /// sea's floor (see [`EarthLayers::day`]), from `elevation.png` where there is one.
@@ -150,23 +150,49 @@ pub fn load_whole_layers(
     dir: &Path,
     selection: LayerSelection,
 ) -> Result<(EarthLayers, Vec<DamagedLayer>), ImageryError> {
+    load_layers_to(dir, selection, &KeptInMemory)
+}
+
+/// The same with maps that are given to a sink while they are read: those that it takes have no texels in the answer
+/// ([`LayerImage::without_texels`]). So no map is in memory as a whole but the day map, and that only until it is given away.
+///
+/// # Errors
+/// As [`load_whole_layers`]; the sink may then have maps of it.
+pub fn load_layers_to(
+    dir: &Path,
+    selection: LayerSelection,
+    sink: &dyn MapSink,
+) -> Result<(EarthLayers, Vec<DamagedLayer>), ImageryError> {
     std::thread::scope(|scope| {
-        let start = |wanted: bool, load: fn(&Path) -> Result<LayerImage, ImageryError>| {
-            wanted.then(|| scope.spawn(move || load(dir)))
-        };
-        let clouds = start(selection.clouds, load_clouds);
-        let night_lights = start(selection.night_lights, load_night_lights);
-        let terrain = scope.spawn(move || load_terrain(dir, selection));
+        let (send, terrain) = mpsc::channel();
+        let others = scope.spawn(move || {
+            // The day map waits for it.
+            let _ = send.send(load_terrain(dir, selection, sink));
+            let load = |wanted: bool, load: fn(_, _) -> _| wanted.then(|| load(dir, sink));
+            [
+                load(selection.clouds, load_clouds),
+                load(selection.night_lights, load_night_lights),
+            ]
+        });
         // The largest map is read by the calling thread. Errors are looked at when all threads have ended.
         let day = read_day(dir);
-        let [clouds, night_lights] = [clouds, night_lights].map(|map| map.map(joined));
-        let terrain = joined(terrain);
+        let terrain = terrain.recv();
+        let (terrain, day) = match terrain {
+            Ok(Ok(mut terrain)) => {
+                let day = day.and_then(|day| day.image(&mut terrain, sink));
+                (Ok(terrain), day)
+            }
+            Ok(Err(error)) => (Err(error), day.map(DayTexels::description)),
+            // The thread panicked, and so does this one when it is joined.
+            Err(mpsc::RecvError) => (Ok(Terrain::default()), day.map(DayTexels::description)),
+        };
+        let [clouds, night_lights] = joined(others);
         let (day, mut damaged) = (day?, Vec::new());
         let clouds = whole(clouds, MapLayer::Clouds, &mut damaged)?;
         let night_lights = whole(night_lights, MapLayer::NightLights, &mut damaged)?;
         let terrain = terrain?;
         let layers = EarthLayers {
-            day: day.image(&terrain)?,
+            day,
             clouds,
             night_lights,
             normals: terrain.normals,
@@ -239,21 +265,22 @@ pub fn load_color_map(path: &Path, layer: &'static str) -> Result<LayerImage, Im
 }
 
 fn read_color(path: &Path, layer: &'static str) -> Result<DayTexels, ImageryError> {
-    let file = MapFile::read(path, layer, "8-bit colour (sRGB)", |texels| {
-        texels.bits == 8
-    })?;
+    let contents = read_file(path, layer)?;
+    let needed = "8-bit colour (sRGB)";
+    let file = MapFile::open(path, &contents, layer, needed, |texels| texels.bits == 8)?;
     if let Some(note) = file.said.note() {
         tracing::warn!("{} {note}", path.display());
     }
-    let rgba = match file.texel_kind.channels {
-        4 => without_alpha(file.bytes),
-        3 => to_rgba(&file.bytes, |rgb: &[u8; 3]| *rgb),
-        2 => to_rgba(&file.bytes, |[grey, alpha]: &[u8; 2]| {
+    let ((width, height), channels) = (file.size(), file.texel_kind().channels);
+    let texels = file.texels()?;
+    let rgba = match channels {
+        4 => without_alpha(texels),
+        3 => to_rgba(&texels, |rgb: &[u8; 3]| *rgb),
+        2 => to_rgba(&texels, |[grey, alpha]: &[u8; 2]| {
             [grey * u8::from(*alpha > 0); 3]
         }),
-        _ => to_rgba(&file.bytes, |grey: &[u8; 1]| [grey[0]; 3]),
+        _ => to_rgba(&texels, |grey: &[u8; 1]| [grey[0]; 3]),
     };
-    let (width, height) = (file.width, file.height);
     Ok(DayTexels {
         width,
         height,
@@ -262,12 +289,16 @@ fn read_color(path: &Path, layer: &'static str) -> Result<DayTexels, ImageryErro
 }
 
 impl DayTexels {
-    /// The map; where there is water, of land alone and with the depth of the sea.
-    fn image(mut self, terrain: &Terrain) -> Result<LayerImage, ImageryError> {
-        if let Some(water) = &terrain.water {
-            let width = self.width as usize;
-            grow_land(&mut self.rgba, width, water);
-            match &terrain.floor {
+    /// The map; where there is water, of land alone and with the depth of the sea, for which what is known of the sea is used up.
+    fn image(
+        mut self,
+        terrain: &mut Terrain,
+        sink: &dyn MapSink,
+    ) -> Result<LayerImage, ImageryError> {
+        let (size, width) = ((self.width, self.height), self.width as usize);
+        if let Some(shares) = terrain.shares.take() {
+            grow_land(&mut self.rgba, width, &shares);
+            match terrain.floor.take() {
                 Some(floor) => floor.write_alpha(&mut self.rgba, width),
                 None => self
                     .rgba
@@ -275,7 +306,22 @@ impl DayTexels {
                     .for_each(|texel| texel[3] = 255),
             }
         }
-        LayerImage::from_rgba8(self.width, self.height, self.rgba)
+        let mut map = MapBuilder::new(sink, MapLayer::Day, size, TexelFormat::Rgba8Srgb);
+        if map.is_in_memory() {
+            return LayerImage::from_rgba8(self.width, self.height, self.rgba);
+        }
+        map.push_all(self.rgba);
+        Ok(map.finish().0)
+    }
+
+    /// What is left where the texels are not wanted.
+    fn description(self) -> LayerImage {
+        LayerImage {
+            width: self.width,
+            height: self.height,
+            format: TexelFormat::Rgba8Srgb,
+            levels: [].into(),
+        }
     }
 }
 
@@ -319,20 +365,21 @@ pub fn load_day_map(
         ..selection
     };
     let day = read_color(path, "day")?;
-    let mut terrain = load_terrain(dir, sea)?;
+    let mut terrain = load_terrain(dir, sea, &KeptInMemory)?;
     match terrain.damaged.pop() {
         Some(damaged) => Err(damaged.error),
-        None => day.image(&terrain),
+        None => day.image(&mut terrain, &KeptInMemory),
     }
 }
 
-fn load_clouds(dir: &Path) -> Result<LayerImage, ImageryError> {
+fn load_clouds(dir: &Path, sink: &dyn MapSink) -> Result<LayerImage, ImageryError> {
     let path = first_in(dir, &CLOUD_NAMES).unwrap_or_else(|| dir.join(CLOUD_NAMES[0]));
-    load_grey_map(&path, "clouds")
+    Ok(read_grey(&path, "clouds", (MapLayer::Clouds, sink), None)?.0)
 }
 
-fn load_night_lights(dir: &Path) -> Result<LayerImage, ImageryError> {
-    load_grey_map(&dir.join("night_lights.png"), "night lights")
+fn load_night_lights(dir: &Path, sink: &dyn MapSink) -> Result<LayerImage, ImageryError> {
+    let path = dir.join("night_lights.png");
+    Ok(read_grey(&path, "night lights", (MapLayer::NightLights, sink), None)?.0)
 }
 
 /// Loads a map of cover or intensity (8-bit grey) of a whole round; `layer` is what messages call it. Of a map with alpha it is what
@@ -341,30 +388,60 @@ fn load_night_lights(dir: &Path) -> Result<LayerImage, ImageryError> {
 /// # Errors
 /// A map that fails, with its path, the cause and what to do.
 pub fn load_grey_map(path: &Path, layer: &'static str) -> Result<LayerImage, ImageryError> {
-    let needed = "8-bit grey, or 8-bit grey or colour with alpha";
-    let file = MapFile::read(path, layer, needed, |texels| {
-        texels.bits == 8 && texels.channels != 3
-    })?;
-    let amounts = match file.texel_kind.channels {
-        4 => amounts(&file.bytes, |[red, green, blue, alpha]: &[u8; 4]| {
-            (luminance([*red, *green, *blue]), *alpha)
-        }),
-        2 => amounts(&file.bytes, |[grey, alpha]: &[u8; 2]| {
-            (f32::from(*grey), *alpha)
-        }),
-        _ => file.bytes,
-    };
-    LayerImage::from_r8(file.width, file.height, amounts)
+    Ok(read_grey(path, layer, (MapLayer::Clouds, &KeptInMemory), None)?.0)
 }
 
-/// What is shown, 0…255, times alpha.
-fn amounts<const N: usize>(texels: &[u8], parts: impl Fn(&[u8; N]) -> (f32, u8)) -> Vec<u8> {
+/// The same for a sink. Answers beside the map its levels of at least a width that are kept in memory ([`MapBuilder::finish`]).
+fn read_grey(
+    path: &Path,
+    name: &'static str,
+    (layer, sink): (MapLayer, &dyn MapSink),
+    kept_width: Option<usize>,
+) -> Result<(LayerImage, LayerImage), ImageryError> {
+    let contents = read_file(path, name)?;
+    let needed = "8-bit grey, or 8-bit grey or colour with alpha";
+    let file = MapFile::open(path, &contents, name, needed, |texels| {
+        texels.bits == 8 && texels.channels != 3
+    })?;
+    let channels = file.texel_kind().channels;
+    let mut map = MapBuilder::new(sink, layer, file.size(), TexelFormat::R8Unorm);
+    if let Some(width) = kept_width {
+        map.keep(width);
+    }
+    let mut row_amounts = Vec::with_capacity(file.size().0 as usize);
+    file.rows(|row| {
+        row_amounts.clear();
+        let row = match channels {
+            4 => {
+                amounts(
+                    row,
+                    &mut row_amounts,
+                    |[red, green, blue, alpha]: &[u8; 4]| {
+                        (luminance([*red, *green, *blue]), *alpha)
+                    },
+                );
+                &row_amounts
+            }
+            2 => {
+                amounts(row, &mut row_amounts, |[grey, alpha]: &[u8; 2]| {
+                    (f32::from(*grey), *alpha)
+                });
+                &row_amounts
+            }
+            _ => row,
+        };
+        map.push(row);
+    })?;
+    Ok(map.finish())
+}
+
+/// Adds what is shown, 0…255, times alpha.
+fn amounts<const N: usize>(texels: &[u8], to: &mut Vec<u8>, parts: impl Fn(&[u8; N]) -> (f32, u8)) {
     let (texels, _) = texels.as_chunks::<N>();
-    let amounts = texels.iter().map(|texel| {
+    to.extend(texels.iter().map(|texel| {
         let (shown, alpha) = parts(texel);
         (shown * f32::from(alpha) / 255.0).round() as u8
-    });
-    amounts.collect()
+    }));
 }
 
 /// Of values as they are stored, by the weights of ITU-R BT.709: as packs take it.
@@ -377,36 +454,57 @@ fn luminance([red, green, blue]: [u8; 3]) -> f32 {
 struct Terrain {
     normals: Option<LayerImage>,
     water: Option<LayerImage>,
+    /// The levels of the water map that the day map is made with.
+    shares: Option<LayerImage>,
     floor: Option<SeaFloor>,
     damaged: Vec<DamagedLayer>,
 }
 
-fn load_terrain(dir: &Path, selection: LayerSelection) -> Result<Terrain, ImageryError> {
+fn load_terrain(
+    dir: &Path,
+    selection: LayerSelection,
+    sink: &dyn MapSink,
+) -> Result<Terrain, ImageryError> {
     let elevation = dir.join("elevation.png");
     // Normals that are asked for must be there; the sea does without its floor.
     let is_needed = selection.normals || selection.water && elevation.exists();
     let mut damaged = Vec::new();
+    // In the order in which errors are told; but the largest map is read first.
+    let water = selection.water.then(|| load_water(dir, sink));
     let elevation = is_needed.then(|| Elevation::read(&elevation));
     let elevation = whole(elevation, MapLayer::Normals, &mut damaged)?;
-    let normals = match elevation.as_ref().filter(|_| selection.normals) {
-        Some(elevation) => Some(elevation.slopes()?),
+    let water = whole(water, MapLayer::Water, &mut damaged)?.flatten();
+    let shares = water.as_ref().map(|water| &water.shares);
+    let floor = shares.zip(elevation.as_ref());
+    let floor = floor.map(|(shares, elevation)| elevation.sea_floor(shares));
+    let normals = match elevation.filter(|_| selection.normals) {
+        Some(elevation) => Some(elevation.slopes()?.given_to(sink, MapLayer::Normals)),
         None => None,
     };
-    let water = selection.water.then(|| load_water(dir));
-    let water = whole(water, MapLayer::Water, &mut damaged)?.flatten();
-    let floor = water.as_ref().zip(elevation.as_ref());
-    let floor = floor.map(|(water, elevation)| elevation.sea_floor(water));
+    let (water, shares) = water.map(|water| (water.map, water.shares)).unzip();
     Ok(Terrain {
         normals,
         water,
+        shares,
         floor,
         damaged,
     })
 }
 
-fn load_water(dir: &Path) -> Result<Option<LayerImage>, ImageryError> {
-    match load_grey_map(&dir.join("water.png"), "water") {
-        Ok(map) => Ok(Some(map)),
+/// A water map, and the levels of it that other maps are made with.
+struct Water {
+    map: LayerImage,
+    shares: LayerImage,
+}
+
+fn load_water(dir: &Path, sink: &dyn MapSink) -> Result<Option<Water>, ImageryError> {
+    // Other maps are made with levels at least as wide as they are themselves.
+    let others = day_file(dir).into_iter().chain([dir.join("elevation.png")]);
+    let widths = others.filter_map(|path| MapFile::width(&path));
+    let widest = widths.max().unwrap_or(0) as usize;
+    let path = dir.join("water.png");
+    match read_grey(&path, "water", (MapLayer::Water, sink), Some(widest)) {
+        Ok((map, shares)) => Ok(Some(Water { map, shares })),
         Err(ImageryError::Missing { path, .. }) => {
             tracing::info!(
                 "{} is missing: the sea has the day map's colours",
@@ -428,18 +526,22 @@ struct Elevation {
 
 impl Elevation {
     fn read(path: &Path) -> Result<Self, ImageryError> {
-        let file = MapFile::read(
-            path,
-            "elevation",
-            "16-bit grey (metres + 11000)",
-            |texels| texels == TexelKind::grey(16),
-        )?;
-        let (pairs, _) = file.bytes.as_chunks::<2>();
+        let contents = read_file(path, "elevation")?;
+        let needed = "16-bit grey (metres + 11000)";
+        let file = MapFile::open(path, &contents, "elevation", needed, |texels| {
+            texels == TexelKind::grey(16)
+        })?;
+        let (width, height) = file.size();
+        let mut values = Vec::with_capacity(width as usize * height as usize);
+        file.rows(|row| {
+            let (pairs, _) = row.as_chunks::<2>();
+            values.extend(pairs.iter().map(|pair| u16::from_be_bytes(*pair)));
+        })?;
         Ok(Self {
             path: path.into(),
-            width: file.width,
-            height: file.height,
-            values: pairs.iter().map(|pair| u16::from_be_bytes(*pair)).collect(),
+            width,
+            height,
+            values,
         })
     }
 
@@ -458,110 +560,4 @@ impl Elevation {
         let (width, height) = (self.width as usize, self.height as usize);
         SeaFloor::new(width, height, &self.values, ELEVATION_OFFSET_M, water)
     }
-}
-
-/// A decoded file, its size and texel kind checked.
-struct MapFile {
-    width: u32,
-    height: u32,
-    texel_kind: TexelKind,
-    said: Said,
-    /// Row-major texels; 16-bit ones with the high byte first.
-    bytes: Vec<u8>,
-}
-
-impl MapFile {
-    /// Reads a map. Nothing is allocated for texels before the header is found good.
-    fn read(
-        path: &Path,
-        layer: &'static str,
-        needed: &'static str,
-        takes: impl Fn(TexelKind) -> bool,
-    ) -> Result<Self, ImageryError> {
-        let contents = read_file(path, layer)?;
-        let not_an_image = |cause: String| ImageryError::NotAnImage {
-            path: path.into(),
-            cause,
-        };
-        let damaged = |cause: String| ImageryError::Damaged {
-            path: path.into(),
-            cause,
-        };
-        if contents.is_empty() {
-            return Err(not_an_image("the file is empty".into()));
-        }
-        let Some(kind) = FileKind::of(&contents) else {
-            return Err(not_an_image(
-                "its first bytes are neither PNG's nor JPEG's".into(),
-            ));
-        };
-        if let Some((width, height)) = png_size(&contents) {
-            check_map_size(path, width, height)?;
-        }
-        let picture = Picture::open(kind, &contents).map_err(damaged)?;
-        let (width, height) = picture.size();
-        check_map_size(path, width, height)?;
-        let texel_kind = picture.texel_kind();
-        if !takes(texel_kind) {
-            return Err(ImageryError::TexelKind {
-                path: path.into(),
-                layer,
-                found: texel_kind.to_string(),
-                needed,
-            });
-        }
-        // The decoder would fill what is missing with grey and say nothing.
-        let said = picture.check_whole().map_err(damaged)?;
-        if let Some(how) = said.turned() {
-            return Err(ImageryError::Turned {
-                path: path.into(),
-                how,
-                orientation: said.orientation.unwrap_or_default(),
-            });
-        }
-        // A colour has four bytes in the map: better made by the decoder than copied.
-        let picture = picture.with_alpha();
-        Ok(Self {
-            width,
-            height,
-            texel_kind: picture.texel_kind(),
-            said,
-            bytes: picture.texels().map_err(damaged)?,
-        })
-    }
-}
-
-/// A map is twice as wide as high, and within the limits.
-fn check_map_size(path: &Path, width: u32, height: u32) -> Result<(), ImageryError> {
-    if (MIN_HEIGHT..=MAX_HEIGHT).contains(&height) && u64::from(width) == 2 * u64::from(height) {
-        return Ok(());
-    }
-    Err(ImageryError::Size {
-        path: path.into(),
-        width,
-        height,
-    })
-}
-
-/// The whole file, if it is one and not too large.
-fn read_file(path: &Path, layer: &'static str) -> Result<Vec<u8>, ImageryError> {
-    let unreadable = |source: std::io::Error| {
-        if source.kind() == std::io::ErrorKind::NotFound {
-            ImageryError::Missing {
-                path: path.into(),
-                layer,
-            }
-        } else {
-            ImageryError::Unreadable {
-                path: path.into(),
-                source,
-            }
-        }
-    };
-    let contents = files::read(path, MAX_FILE_BYTES).map_err(unreadable)?;
-    contents.ok_or_else(|| ImageryError::FileTooLarge {
-        path: path.into(),
-        bytes: std::fs::metadata(path).map_or(MAX_FILE_BYTES, |found| found.len()),
-        limit: MAX_FILE_BYTES,
-    })
 }

@@ -1,0 +1,141 @@
+//! One map file, opened with limits before every allocation.
+
+use super::colour::Said;
+use super::decode::{FileKind, Picture, TexelKind, png_size};
+use super::error::ImageryError;
+use super::texel::{MAX_HEIGHT, MIN_HEIGHT};
+use std::path::Path;
+use terrella_files as files;
+
+/// Largest map file, bytes.
+pub const MAX_FILE_BYTES: u64 = 1 << 30;
+
+/// A map file whose header was found good, and whose texels are not decoded.
+pub(super) struct MapFile<'a> {
+    path: &'a Path,
+    picture: Picture<'a>,
+    pub said: Said,
+}
+
+/// The bytes of a map file.
+pub(super) fn read_file(path: &Path, layer: &'static str) -> Result<Vec<u8>, ImageryError> {
+    let unreadable = |source: std::io::Error| {
+        if source.kind() == std::io::ErrorKind::NotFound {
+            ImageryError::Missing {
+                path: path.into(),
+                layer,
+            }
+        } else {
+            ImageryError::Unreadable {
+                path: path.into(),
+                source,
+            }
+        }
+    };
+    let contents = files::read(path, MAX_FILE_BYTES).map_err(unreadable)?;
+    contents.ok_or_else(|| ImageryError::FileTooLarge {
+        path: path.into(),
+        bytes: std::fs::metadata(path).map_or(MAX_FILE_BYTES, |found| found.len()),
+        limit: MAX_FILE_BYTES,
+    })
+}
+
+impl<'a> MapFile<'a> {
+    /// Width in the header of a file, texels; `None` of one that has none. Reading the map reports what is wrong with it.
+    pub fn width(path: &Path) -> Option<u32> {
+        let contents = files::read(path, MAX_FILE_BYTES).ok()??;
+        let picture = Picture::open(FileKind::of(&contents)?, &contents).ok()?;
+        Some(picture.size().0)
+    }
+
+    /// Opens a map in the bytes of its file. Nothing is allocated for texels before the header is found good.
+    pub fn open(
+        path: &'a Path,
+        contents: &'a [u8],
+        layer: &'static str,
+        needed: &'static str,
+        takes: impl Fn(TexelKind) -> bool,
+    ) -> Result<Self, ImageryError> {
+        let not_an_image = |cause: String| ImageryError::NotAnImage {
+            path: path.into(),
+            cause,
+        };
+        let damaged = damaged(path);
+        if contents.is_empty() {
+            return Err(not_an_image("the file is empty".into()));
+        }
+        let Some(kind) = FileKind::of(contents) else {
+            return Err(not_an_image(
+                "its first bytes are neither PNG's nor JPEG's".into(),
+            ));
+        };
+        if let Some((width, height)) = png_size(contents) {
+            check_map_size(path, width, height)?;
+        }
+        let picture = Picture::open(kind, contents).map_err(&damaged)?;
+        let (width, height) = picture.size();
+        check_map_size(path, width, height)?;
+        let texel_kind = picture.texel_kind();
+        if !takes(texel_kind) {
+            return Err(ImageryError::TexelKind {
+                path: path.into(),
+                layer,
+                found: texel_kind.to_string(),
+                needed,
+            });
+        }
+        // The decoder would fill what is missing with grey and say nothing.
+        let said = picture.check_whole().map_err(&damaged)?;
+        if let Some(how) = said.turned() {
+            return Err(ImageryError::Turned {
+                path: path.into(),
+                how,
+                orientation: said.orientation.unwrap_or_default(),
+            });
+        }
+        Ok(Self {
+            path,
+            // A colour has four bytes in the map: better made by the decoder than copied.
+            picture: picture.with_alpha(),
+            said,
+        })
+    }
+
+    /// Width and height, texels.
+    pub fn size(&self) -> (u32, u32) {
+        self.picture.size()
+    }
+
+    pub fn texel_kind(&self) -> TexelKind {
+        self.picture.texel_kind()
+    }
+
+    /// Row-major texels; 16-bit ones with the high byte first.
+    pub fn texels(self) -> Result<Vec<u8>, ImageryError> {
+        self.picture.texels().map_err(damaged(self.path))
+    }
+
+    /// The same row by row from the north, as far as they are whole.
+    pub fn rows(self, take: impl FnMut(&[u8])) -> Result<(), ImageryError> {
+        self.picture.rows(take).map_err(damaged(self.path))
+    }
+}
+
+fn damaged(path: &Path) -> impl Fn(String) -> ImageryError {
+    |cause| ImageryError::Damaged {
+        path: path.into(),
+        cause,
+    }
+}
+
+/// A map is twice as wide as high, and within the limits.
+fn check_map_size(path: &Path, width: u32, height: u32) -> Result<(), ImageryError> {
+    if (MIN_HEIGHT..=MAX_HEIGHT).contains(&height) && u64::from(width) == 2 * u64::from(height) {
+        return Ok(());
+    }
+    Err(ImageryError::Size {
+        path: path.into(),
+        width,
+        height,
+    })
+}
