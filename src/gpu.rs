@@ -16,6 +16,7 @@ mod ground;
 mod lattice;
 mod layers;
 mod map;
+mod map_upload;
 mod maps;
 mod mesh;
 mod pass_kind;

@@ -1,7 +1,8 @@
 //! Maps as textures.
 
+use super::map_upload::MapUpload;
 use terrella_ground::half::half_bits;
-use terrella_imagery::{LayerImage, TexelFormat};
+use terrella_imagery::LayerImage;
 
 /// One map on the GPU.
 #[derive(Clone, Debug)]
@@ -12,7 +13,8 @@ pub struct GpuLayer {
 }
 
 impl GpuLayer {
-    /// Uploads all levels. With `display_values` a colour map is read as it is stored, not as linear light.
+    /// Uploads all levels, and waits where much would wait for the device. With `display_values` a colour map is read as it is stored, not
+    /// as linear light.
     pub fn upload(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
@@ -20,53 +22,14 @@ impl GpuLayer {
         image: &LayerImage,
         display_values: bool,
     ) -> Self {
-        let format = match image.format {
-            TexelFormat::Rgba8Srgb if display_values => wgpu::TextureFormat::Rgba8Unorm,
-            TexelFormat::Rgba8Srgb => wgpu::TextureFormat::Rgba8UnormSrgb,
-            TexelFormat::R8Unorm => wgpu::TextureFormat::R8Unorm,
-            TexelFormat::Rg8Snorm => wgpu::TextureFormat::Rg8Snorm,
-        };
-        let texture = device.create_texture(&wgpu::TextureDescriptor {
-            label: Some(label),
-            size: wgpu::Extent3d {
-                width: image.width,
-                height: image.height,
-                depth_or_array_layers: 1,
-            },
-            mip_level_count: image.levels.len() as u32,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format,
-            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-            view_formats: &[],
-        });
-        let mut bytes = 0;
-        for (level, texels) in image.levels.iter().enumerate() {
-            let (width, height) = (
-                (image.width >> level).max(1),
-                (image.height >> level).max(1),
-            );
-            queue.write_texture(
-                wgpu::TexelCopyTextureInfo {
-                    texture: &texture,
-                    mip_level: level as u32,
-                    origin: wgpu::Origin3d::ZERO,
-                    aspect: wgpu::TextureAspect::All,
-                },
-                texels,
-                wgpu::TexelCopyBufferLayout {
-                    offset: 0,
-                    bytes_per_row: Some(width * image.format.texel_bytes() as u32),
-                    rows_per_image: Some(height),
-                },
-                wgpu::Extent3d {
-                    width,
-                    height,
-                    depth_or_array_layers: 1,
-                },
-            );
-            bytes += texels.len() as u64;
-        }
+        let mut upload = MapUpload::new(device, queue, label, image, display_values);
+        image.rows_to(&mut upload);
+        Self::of_upload(upload)
+    }
+
+    /// A map whose rows have all come.
+    pub(super) fn of_upload(upload: MapUpload) -> Self {
+        let (texture, bytes) = upload.finish();
         Self {
             view: super::view(&texture),
             bytes,
