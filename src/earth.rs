@@ -136,7 +136,8 @@ pub struct Earth {
 }
 
 impl Earth {
-    /// Makes pipelines and uploads the maps.
+    /// Makes pipelines and uploads the maps that [`EarthOptions::upload`] has not uploaded. Of large maps it submits parts to `queue`, and
+    /// waits for them, so that few copies are in memory at once.
     pub fn new(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
@@ -179,8 +180,8 @@ impl Earth {
         let config = surface_config(device, style, format, &quality, textures, ground);
         let pools = tiles.as_ref().map(TileDriver::pools);
         let mut view = SurfaceView::new(device, planner.meshes().grids(), &config);
-        let layers = &options.layers;
-        let mut surface = SurfaceDrawable::new(device, queue, layers, pools, &config, &mut view);
+        let maps = (&options.layers, &options.uploaded);
+        let mut surface = SurfaceDrawable::new(device, queue, maps, pools, &config, &mut view);
         if options.pipelines == Pipelines::AtOnce {
             surface.make_all(device, &config, &view)?;
             if let Some(air) = &mut air {

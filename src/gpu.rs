@@ -36,6 +36,7 @@ mod timer;
 #[cfg(feature = "tracks")]
 mod tracks;
 mod truth_targets;
+mod uploaded_maps;
 
 #[cfg(feature = "celestial")]
 pub use celestial::{CelestialUniforms, Disc};
@@ -59,6 +60,7 @@ pub use timer::{GpuTimer, TimerError};
 #[cfg(feature = "tracks")]
 pub use tracks::TrackUniforms;
 pub use truth_targets::{TruthTargets, TruthTexel};
+pub use uploaded_maps::{MapUploader, UploadedMaps};
 
 pub(crate) use air::{AirDrawable, AirTextures, Binding};
 #[cfg(feature = "celestial")]

@@ -23,6 +23,7 @@
 //! | [`FrameStats`] | what was drawn, counted |
 //! | [`Atmosphere`], [`Shading`] | the air; the light on the ground |
 //! | [`Exposure`], [`Tone`] | how light is shown |
+//! | [`MapUploader`], [`UploadedMaps`] | maps that go to the GPU while they are read, and that several Earths share |
 //! | [`GpuMap`], [`MapFade`] | maps that are changed while the Earth is drawn, the host's own textures among them |
 //! | [`Quality`], [`ScaledTarget`] | what may be changed while the Earth is drawn; a picture drawn smaller than it is shown |
 //! | [`GroundOptions`], [`SurfaceSettings`] | ground with relief, and the surface that draws it |
@@ -138,8 +139,9 @@ pub use earth::{
 #[cfg(feature = "offscreen")]
 pub use gpu::{AdapterReport, ContextError, GpuContext, GpuFault, PictureError, adapter_reports};
 pub use gpu::{
-    Attachments, Developer, Development, FrameTargets, GpuMap, MapError, MapFade, PassFormat,
-    ScaledTarget, ShaderError, TruthTargets, TruthTexel, UndevelopedPicture,
+    Attachments, Developer, Development, FrameTargets, GpuMap, MapError, MapFade, MapUploader,
+    PassFormat, ScaledTarget, ShaderError, TruthTargets, TruthTexel, UndevelopedPicture,
+    UploadedMaps,
 };
 #[cfg(feature = "offscreen")]
 pub use offscreen::{
@@ -161,6 +163,7 @@ pub use terrella_ground::light::{Adaptation, Exposure, Tone, exposure_factor};
 pub use terrella_imagery::pack::PackHeights;
 pub use terrella_imagery::{
     EarthLayers, ImageryError, LayerImage, LayerSelection, find_textures, load_layers,
+    load_layers_to,
     tile::{LayerLayout, MapLayer, Tile, TileError, TileFormat, TileKey, TileShape, TileSource},
 };
 #[cfg(feature = "packs")]

@@ -33,7 +33,9 @@ impl ExposureControl {
             exposure: options.exposure,
             moon_gain: options.light.moon_gain(),
             has_eclipses: options.light.eclipses,
-            albedo: Arc::new(NeighbourhoodAlbedo::new(&options.layers)),
+            albedo: Arc::new(NeighbourhoodAlbedo::of_parts(|layer| {
+                options.map_albedo(layer)
+            })),
             air: None,
             air_options: options.air,
             meter: None,

@@ -3,18 +3,25 @@
 use super::{
     Appearance, DiagnosticOptions, EarthError, GroundOptions, Quality, SurfaceLight, TileOptions,
 };
-use crate::gpu::{DepthBuffer, Development, PassFormat, SurfaceOutput, stores_light};
+use crate::gpu::{
+    DepthBuffer, Development, GpuMap, MapError, PassFormat, SurfaceOutput, UploadedMaps, resolved,
+    stores_light,
+};
+use std::sync::Arc;
 use terrella_ground::air::{AirOptions, Atmosphere};
 use terrella_ground::globe::{Figure, Shading, Subdivision, Visibility};
 use terrella_ground::light::{Exposure, Tone};
-use terrella_imagery::EarthLayers;
 use terrella_imagery::tile::MapLayer;
+use terrella_imagery::{EarthLayers, MapAlbedo, MapGroundKinds};
 
 /// What is fixed when an Earth is made.
 #[derive(Clone, Debug)]
 pub struct EarthOptions {
     /// The maps. A layer that is `None` costs nothing.
     pub layers: EarthLayers,
+    /// Maps that are on the GPU already: drawn for those of `layers` that have no texels ([`Self::upload`]). Earths that are made with
+    /// clones of these options share them.
+    pub uploaded: UploadedMaps,
     /// Tiles of a pack, drawn in place of the whole maps of the same layers as they arrive; `None` draws whole maps
     /// only and costs nothing. `layers` must be the pack's coarsest maps, `subdivision` automatic or at least [`super::TILED_SUBDIVISION`] if
     /// nothing is to be seen of block edges at grazing views.
@@ -80,6 +87,7 @@ impl EarthOptions {
     pub fn new(layers: EarthLayers) -> Self {
         Self {
             layers,
+            uploaded: UploadedMaps::default(),
             tiles: None,
             ground: None,
             figure: Figure::default(),
@@ -119,6 +127,49 @@ impl EarthOptions {
             depth: self.depth,
             development: self.development,
             tone: self.tone,
+        }
+    }
+
+    /// Uploads the maps and lets go of their texels: `layers` has descriptions from then on ([`LayerImage::without_texels`]), and `uploaded`
+    /// the maps. For programs that make several Earths of one set of maps, or that keep their options: all clones made from then on, and
+    /// all Earths on this device, share one copy on the GPU and none in memory. Maps that other programs' clones still hold stay there.
+    ///
+    /// # Errors
+    /// The first map that does not hold what it says, or that the device does not take; those before it are uploaded.
+    pub fn upload(&mut self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<(), MapError> {
+        for layer in MapLayer::ALL {
+            let image = self.layers.get_mut(layer);
+            let Some(image) = image.filter(|image| image.has_texels()) else {
+                continue;
+            };
+            let memory = device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+            let map = GpuMap::upload(device, queue, layer, image, self.shading);
+            let full = resolved(memory.pop());
+            let map = map?;
+            if let Some(error) = full {
+                return Err(MapError::Refused(error.to_string()));
+            }
+            self.uploaded.set(map);
+            *image = image.without_texels();
+        }
+        Ok(())
+    }
+
+    /// What a map has a part in the light of the air with.
+    pub(crate) fn map_albedo(&self, layer: MapLayer) -> Option<MapAlbedo> {
+        let image = self.layers.get(layer)?;
+        match image.has_texels() {
+            true => MapAlbedo::of(layer, image),
+            false => Some(self.uploaded.get(layer)?.albedo.as_deref()?.clone()),
+        }
+    }
+
+    /// Where a map says that there is land or sea.
+    pub(crate) fn map_kinds(&self, layer: MapLayer) -> Option<Arc<MapGroundKinds>> {
+        let image = self.layers.get(layer)?;
+        match image.has_texels() {
+            true => MapGroundKinds::of(layer, image).map(Arc::new),
+            false => self.uploaded.get(layer)?.kinds.clone(),
         }
     }
 
@@ -167,7 +218,13 @@ impl EarthOptions {
             let Some(image) = self.layers.get(layer) else {
                 continue;
             };
-            image.check()?;
+            match self.uploaded.fitting(layer, image, self.shading) {
+                Some(uploaded) => {
+                    uploaded?;
+                    continue;
+                }
+                None => image.check()?,
+            }
             let (width, height) = (image.width, image.height);
             if width.max(height) > limit {
                 return Err(EarthError::TooLarge {

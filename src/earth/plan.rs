@@ -25,6 +25,7 @@ use terrella_ground::globe::{
     Surface, Visibility, sagitta, select_blocks, texels_per_pixel,
 };
 use terrella_ground::light::{Tone, exposure_factor};
+use terrella_imagery::tile::MapLayer;
 use terrella_imagery::{GroundKinds, MOST_PIXEL_M};
 
 /// Where the maps of an Earth have nothing but land or open sea: of whole maps, and of pictures that may use it.
@@ -33,8 +34,12 @@ fn ground_kinds(options: &EarthOptions) -> Option<Arc<GroundKinds>> {
         && options.atmosphere == Atmosphere::Billboard
         && options.tiles.is_none()
         && options.ground.is_none();
-    let kinds = is_used.then(|| GroundKinds::new(&options.layers)).flatten();
-    kinds.map(Arc::new)
+    let kinds = || {
+        let water = options.map_kinds(MapLayer::Water)?;
+        let day = options.map_kinds(MapLayer::Day)?;
+        Some(Arc::new(GroundKinds::of_parts(&water, &day)))
+    };
+    is_used.then(kinds).flatten()
 }
 
 /// Turns the views of one eye into plans.

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use terrella_ground::globe::Shading;
 use terrella_ground::light::Tone;
 use terrella_imagery::tile::MapLayer;
-use terrella_imagery::{ImageryError, LayerImage, MapAlbedo};
+use terrella_imagery::{ImageryError, LayerImage, MapAlbedo, MapGroundKinds, MapSummary};
 
 /// Why a texture cannot be a map.
 #[derive(Debug, thiserror::Error)]
@@ -49,11 +49,16 @@ pub struct GpuMap {
     pub(crate) held: GpuLayer,
     /// What it lends to the light of the air; not known of a texture.
     pub(crate) albedo: Option<Arc<MapAlbedo>>,
+    /// Where it says that there is land or sea; nor is this.
+    pub(crate) kinds: Option<Arc<MapGroundKinds>>,
+    /// The shading that its texels were uploaded for; none of a texture.
+    pub(crate) shading: Option<Shading>,
 }
 
 impl GpuMap {
-    /// Uploads a map, mip levels included. It may be called on any thread, so that no frame waits for it; the texels go to the
-    /// GPU with the queue's next submission. `shading` is the Earth's: the paper's reads colours as they are stored.
+    /// Uploads a map, mip levels included. It may be called on any thread, so that no frame waits for it; the last texels go to the
+    /// GPU with the queue's next submission. Of a large map it submits parts itself and waits for them, so that few copies are in memory
+    /// at once. `shading` is the Earth's: the paper's reads colours as they are stored.
     ///
     /// # Errors
     /// An image that does not hold what it says, or is too large for the device.
@@ -71,13 +76,25 @@ impl GpuMap {
             let what = format!("it is {width} × {height}; this device takes {limit} texels a side");
             return Err(unfit(layer, what));
         }
-        let label = format!("terrella {}", layer.name());
-        let is_stored = shading == Shading::Paper;
-        Ok(Self {
+        let held = GpuLayer::upload(device, queue, &label(layer), image, is_stored(shading));
+        let summary = MapSummary::of(layer, image);
+        Ok(Self::of_summary(layer, held, summary, shading))
+    }
+
+    /// A map whose texels were uploaded for a shading.
+    pub(super) fn of_summary(
+        layer: MapLayer,
+        held: GpuLayer,
+        summary: MapSummary,
+        shading: Shading,
+    ) -> Self {
+        Self {
             layer,
-            held: GpuLayer::upload(device, queue, &label, image, is_stored),
-            albedo: MapAlbedo::of(layer, image).map(Arc::new),
-        })
+            held,
+            albedo: summary.albedo.map(Arc::new),
+            kinds: summary.kinds.map(Arc::new),
+            shading: Some(shading),
+        }
     }
 
     /// A texture that the host holds, writes and draws to as it likes; what it holds when the frame is submitted is drawn.
@@ -119,6 +136,8 @@ impl GpuMap {
                     bytes: (0..texture.mip_level_count()).map(level_bytes).sum(),
                 },
                 albedo: None,
+                kinds: None,
+                shading: None,
             });
         };
         Err(unfit(layer, what))
@@ -130,6 +149,8 @@ impl GpuMap {
             layer,
             held,
             albedo: None,
+            kinds: None,
+            shading: None,
         }
     }
 
@@ -149,7 +170,17 @@ impl GpuMap {
     }
 }
 
-fn unfit(layer: MapLayer, what: String) -> MapError {
+/// The label of a map's texture.
+pub(super) fn label(layer: MapLayer) -> String {
+    format!("terrella {}", layer.name())
+}
+
+/// Whether colours are read as they are stored, not as linear light.
+pub(super) fn is_stored(shading: Shading) -> bool {
+    shading == Shading::Paper
+}
+
+pub(super) fn unfit(layer: MapLayer, what: String) -> MapError {
     MapError::Unfit {
         layer: layer.name(),
         what,

@@ -1,6 +1,6 @@
 //! The maps of the surface's fragment shader: whole maps, and the bind groups that hold them or tiles of them.
 
-use super::GpuLayer;
+use super::{GpuLayer, UploadedMaps};
 use terrella_imagery::EarthLayers;
 use terrella_imagery::tile::{MAP_LAYERS, MapLayer};
 
@@ -28,11 +28,12 @@ pub(super) struct MapArrangement {
 const SAMPLERS: u32 = MAP_LAYERS as u32;
 
 impl Maps {
-    /// Uploads the whole maps. With `display_values` colours are read as they are stored, not as linear light.
+    /// Takes the whole maps that are uploaded, and uploads the others. With `display_values` colours are read as they are stored, not as
+    /// linear light.
     pub fn upload(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
-        layers: &EarthLayers,
+        (layers, uploaded): (&EarthLayers, &UploadedMaps),
         display_values: bool,
         shown: [bool; MAP_LAYERS],
         anisotropy: u16,
@@ -40,6 +41,9 @@ impl Maps {
     ) -> Self {
         let whole = MapLayer::ALL.map(|layer| {
             let image = layers.get(layer)?;
+            if !image.has_texels() {
+                return uploaded.get(layer).map(|map| map.held.clone());
+            }
             let label = format!("terrella {}", layer.name());
             Some(GpuLayer::upload(
                 device,

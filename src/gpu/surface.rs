@@ -13,7 +13,7 @@ use super::surface_pipelines::{
 };
 use super::surface_view::SurfaceView;
 use super::tiles::TileTextures;
-use super::{Binding, GpuMap, MapError, ShaderError};
+use super::{Binding, GpuMap, MapError, ShaderError, UploadedMaps};
 use crate::plan::{ChosenTiles, DrawLight, FramePlan, SurfaceLightUniforms};
 use terrella_ground::globe::{BlockSet, Shading};
 use terrella_imagery::EarthLayers;
@@ -56,7 +56,7 @@ impl SurfaceDrawable {
     pub fn new(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
-        layers: &EarthLayers,
+        maps: (&EarthLayers, &UploadedMaps),
         pools: Option<&[Pool]>,
         config: &SurfaceConfig<'_>,
         first: &mut SurfaceView,
@@ -65,7 +65,7 @@ impl SurfaceDrawable {
         let maps = Maps::upload(
             device,
             queue,
-            layers,
+            maps,
             display_values,
             config.shown,
             config.anisotropy,

@@ -32,5 +32,6 @@ mod tiles;
 #[cfg(feature = "tracks")]
 mod tracks;
 mod truth;
+mod uploaded_maps;
 mod views;
 mod water;

@@ -1,0 +1,154 @@
+//! Maps that are on the GPU before an Earth is made with them.
+
+use super::map::{is_stored, label, unfit};
+use super::map_upload::MapUpload;
+use super::{GpuLayer, GpuMap, MapError, resolved};
+use std::sync::{Mutex, PoisonError};
+use terrella_ground::globe::Shading;
+use terrella_imagery::tile::{MAP_LAYERS, MapLayer};
+use terrella_imagery::{LayerImage, MapRows, MapSink, MapSummaryRows, TexelFormat};
+
+/// Maps on one device for Earths that are yet to be made. Clones share the textures, and so do all Earths that are made with them.
+///
+/// It is filled by [`EarthOptions::upload`](crate::EarthOptions::upload) from maps in memory, or by a [`MapUploader`] from files.
+#[derive(Clone, Debug, Default)]
+pub struct UploadedMaps([Option<GpuMap>; MAP_LAYERS]);
+
+impl UploadedMaps {
+    /// A map by its kind.
+    pub fn get(&self, layer: MapLayer) -> Option<&GpuMap> {
+        self.0[layer.index()].as_ref()
+    }
+
+    /// Puts a map in the place of that of its kind.
+    pub(crate) fn set(&mut self, map: GpuMap) {
+        let index = map.layer().index();
+        self.0[index] = Some(map);
+    }
+
+    /// The map that stands for one without texels, to be drawn with a shading.
+    pub(crate) fn fitting(
+        &self,
+        layer: MapLayer,
+        map: &LayerImage,
+        shading: Shading,
+    ) -> Option<Result<&GpuMap, MapError>> {
+        let uploaded = self.get(layer).filter(|_| !map.has_texels())?;
+        let (width, height) = uploaded.size();
+        let what = if (width, height) != (map.width, map.height) {
+            format!(
+                "it is {width} × {height} on the GPU and {} × {} by its description; upload it again",
+                map.width, map.height
+            )
+        } else if uploaded
+            .shading
+            .is_some_and(|of| is_stored(of) != is_stored(shading))
+        {
+            "it was uploaded for another shading; upload it again".to_owned()
+        } else {
+            return Some(Ok(uploaded));
+        };
+        Some(Err(unfit(layer, what)))
+    }
+}
+
+/// Uploads maps while they are read from files ([`load_layers_to`](terrella_imagery::load_layers_to)): no map is in memory as a whole, but
+/// for the day map.
+pub struct MapUploader {
+    device: wgpu::Device,
+    queue: wgpu::Queue,
+    shading: Shading,
+    done: Mutex<Result<UploadedMaps, MapError>>,
+}
+
+impl MapUploader {
+    /// For Earths that are drawn with this shading.
+    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, shading: Shading) -> Self {
+        Self {
+            device: device.clone(),
+            queue: queue.clone(),
+            shading,
+            done: Mutex::new(Ok(UploadedMaps::default())),
+        }
+    }
+
+    /// The maps that were read to their end.
+    ///
+    /// # Errors
+    /// The first that the device refused.
+    pub fn finish(self) -> Result<UploadedMaps, MapError> {
+        let done = self.done.into_inner();
+        done.unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl MapSink for MapUploader {
+    fn begin(
+        &self,
+        layer: MapLayer,
+        (width, height): (u32, u32),
+        format: TexelFormat,
+    ) -> Option<Box<dyn MapRows + '_>> {
+        // What is too large stays in memory, and is an error when an Earth is made with it.
+        if width.max(height) > self.device.limits().max_texture_dimension_2d {
+            return None;
+        }
+        let map = LayerImage {
+            width,
+            height,
+            format,
+            levels: [].into(),
+        };
+        let memory = self.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+        let validation = self.device.push_error_scope(wgpu::ErrorFilter::Validation);
+        let (device, queue) = (&self.device, &self.queue);
+        let is_stored = is_stored(self.shading);
+        Some(Box::new(Rows {
+            upload: MapUpload::new(device, queue, &label(layer), &map, is_stored),
+            summary: MapSummaryRows::new(layer, (width, height), format),
+            layer,
+            validation,
+            memory,
+            uploader: self,
+        }))
+    }
+}
+
+/// One map of it.
+struct Rows<'u> {
+    layer: MapLayer,
+    upload: MapUpload,
+    summary: MapSummaryRows,
+    // In the order in which scopes must end.
+    validation: wgpu::ErrorScopeGuard,
+    memory: wgpu::ErrorScopeGuard,
+    uploader: &'u MapUploader,
+}
+
+impl MapRows for Rows<'_> {
+    fn rows(&mut self, level: usize, first: u32, texels: &[u8]) {
+        self.upload.rows(level, first, texels);
+        self.summary.rows(level, first, texels);
+    }
+
+    fn finish(self: Box<Self>) {
+        let held = GpuLayer::of_upload(self.upload);
+        let refused = resolved(self.validation.pop());
+        let full = resolved(self.memory.pop());
+        let uploader = self.uploader;
+        let mut done = uploader.done.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(error) = full.or(refused) {
+            if done.is_ok() {
+                *done = Err(MapError::Refused(error.to_string()));
+            }
+        } else if let Ok(maps) = &mut *done {
+            let summary = self.summary.summary();
+            maps.set(GpuMap::of_summary(
+                self.layer,
+                held,
+                summary,
+                uploader.shading,
+            ));
+        }
+    }
+}
