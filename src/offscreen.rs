@@ -36,7 +36,7 @@ use terrella_imagery::tile::TileKey;
 /// An Earth that is drawn into memory, by a device of its own or one that is shared by clones of its [`GpuContext`].
 ///
 /// It draws three kinds of pictures, each by an [`Earth`] with textures that are made when the first of its kind is asked for: a
-/// program that asks for one kind pays for that one. The maps of its options are kept in memory for the others.
+/// program that asks for one kind pays for that one. All kinds share the maps, which leave memory for the GPU with the first picture.
 ///
 /// Every picture is complete when the call returns: the device is waited for. One picture is drawn at a time (`&mut self`); it may
 /// be moved to other threads.
@@ -129,7 +129,7 @@ impl OffscreenEarth {
         &self.gpu
     }
 
-    /// What the Earth is made of.
+    /// What the Earth is made of. Its maps have no texels after the first picture.
     pub fn options(&self) -> &EarthOptions {
         &self.options
     }
@@ -148,6 +148,7 @@ impl OffscreenEarth {
     ) -> Result<Drawing, OffscreenError> {
         check_length(self.size, 4, rgba.len())?;
         self.check_view(view, sky)?;
+        self.upload()?;
         let (gpu, options) = (&self.gpu, &self.options);
         let shown = FrameTargets::COLOR;
         let shown = Self::of_kind(&mut self.shown, gpu, options, shown, self.size, |_| ())?;
@@ -174,6 +175,7 @@ impl OffscreenEarth {
     ) -> Result<Drawing, OffscreenError> {
         check_length(self.size, 4, light.len())?;
         self.check_view(view, sky)?;
+        self.upload()?;
         let format = self.gpu.float_format();
         let drawn = Self::of_kind(
             &mut self.light,
@@ -209,6 +211,7 @@ impl OffscreenEarth {
         let truth_view = TruthView::new(view, sky, self.options.figure, self.size);
         let truth_view = truth_view.ok_or(OffscreenError::NoPicture)?;
         limits::check_truth_memory(self.size)?;
+        self.upload()?;
         let (gpu, size) = (&self.gpu, self.size);
         let targets = match self.truth.take() {
             Some(drawn) if drawn.targets.size() == size => drawn,
@@ -231,6 +234,12 @@ impl OffscreenEarth {
             TruthPicture::new(truth_view, size, texels, has_water),
             drawing,
         ))
+    }
+
+    /// Uploads the maps, if none was yet.
+    fn upload(&mut self) -> Result<(), OffscreenError> {
+        let uploaded = self.options.upload(&self.gpu.device, &self.gpu.queue);
+        Ok(uploaded.map_err(EarthError::from)?)
     }
 
     fn of_kind<'d>(

@@ -161,7 +161,7 @@ pub fn export(
     progress.begin("loading maps", None);
     let features = FilmPainter::features(&request.pictures);
     let gpu = pollster::block_on(GpuContext::open_with(request.adapter, features))?;
-    let options = flight.earth_options(gpu.bc_support())?;
+    let options = flight.uploaded_options(&gpu)?;
     progress.end();
     let mut frames = FilmFrames::open(flight, gpu, options, size, request.pictures)?;
     let adapter = frames.painter().renderer().adapter_info().name;

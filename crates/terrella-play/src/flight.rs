@@ -4,7 +4,9 @@ use super::camera::{HeadTurn, OrbitalMotion, Pose};
 use super::camera_path::CameraPath;
 use super::craft::CraftPose;
 use super::error::PlayError;
-use super::maps::{DroppedLayer, check_pack, dropped_layers, earth_options, earth_options_at};
+use super::maps::{
+    DroppedLayer, check_pack, dropped_layers, earth_options, earth_options_at, uploaded_options_at,
+};
 use super::opening::open_all;
 use super::place_text::GroundPlace;
 use super::satellites::{Listener, Satellite, orientation_at};
@@ -16,7 +18,7 @@ use terrella::frames::{
 };
 use terrella::internals::gpu::BcSupport;
 use terrella::tracks::EarthTurn;
-use terrella::{EarthOptions, EyeView, Sky};
+use terrella::{EarthOptions, EyeView, GpuContext, Sky};
 use terrella_orbit::{Feed, Frame, OrbitError, OrbitState};
 
 /// A scene with its satellites opened and its dates checked.
@@ -370,6 +372,21 @@ impl Flight {
     /// The same with the maps of an epoch, where they change with the date.
     pub fn earth_options_at(&self, epoch: Epoch, bc: BcSupport) -> Result<EarthOptions, PlayError> {
         earth_options_at(&self.scene, epoch, bc)
+    }
+
+    /// As [`Self::earth_options`] with maps that are on this device, and none in memory: they are uploaded while they are read. For
+    /// programs that draw on one device and look at no texels.
+    pub fn uploaded_options(&self, gpu: &GpuContext) -> Result<EarthOptions, PlayError> {
+        uploaded_options_at(&self.scene, self.scene.time.start, gpu)
+    }
+
+    /// The same with the maps of an epoch, where they change with the date.
+    pub fn uploaded_options_at(
+        &self,
+        epoch: Epoch,
+        gpu: &GpuContext,
+    ) -> Result<EarthOptions, PlayError> {
+        uploaded_options_at(&self.scene, epoch, gpu)
     }
 }
 

@@ -8,12 +8,12 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use terrella::frames::Epoch;
 use terrella::internals::gpu::BcSupport;
-use terrella::{EarthOptions, SurfaceLight, TileOptions};
+use terrella::{EarthError, EarthOptions, GpuContext, MapUploader, SurfaceLight, TileOptions};
 use terrella_imagery::pack::{MANIFEST_FILE, Pack, PackTiles};
 use terrella_imagery::tile::{MapLayer, Storage};
 use terrella_imagery::{
-    DamagedLayer, EarthLayers, LayerSelection, SLOPE_EXAGGERATION, find_textures, load_layers,
-    load_whole_layers, slopes_from_clouds,
+    DamagedLayer, EarthLayers, KeptInMemory, LayerSelection, MapSink, SLOPE_EXAGGERATION,
+    find_textures, load_layers_to, slopes_from_clouds,
 };
 
 /// Loads the maps that a scene wants at its start and no others, and gathers its options. `bc` is what the adapter does with
@@ -28,10 +28,32 @@ pub(super) fn earth_options_at(
     epoch: Epoch,
     bc: BcSupport,
 ) -> Result<EarthOptions, PlayError> {
+    options_of(scene, epoch, bc, None)
+}
+
+/// The same with maps that are on this device, and none in memory: they are uploaded while they are read.
+pub(super) fn uploaded_options_at(
+    scene: &Scene,
+    epoch: Epoch,
+    gpu: &GpuContext,
+) -> Result<EarthOptions, PlayError> {
+    let mut options = options_of(scene, epoch, gpu.bc_support(), Some(gpu))?;
+    let uploaded = options.upload(&gpu.device, &gpu.queue);
+    uploaded.map_err(EarthError::from)?;
+    Ok(options)
+}
+
+/// Loads maps, those of a folder to a device where one is given.
+fn options_of(
+    scene: &Scene,
+    epoch: Epoch,
+    bc: BcSupport,
+    gpu: Option<&GpuContext>,
+) -> Result<EarthOptions, PlayError> {
     let table = &scene.earth;
     let mut options = match &table.pack {
         Some(pack) => pack_options(scene, pack, bc)?,
-        None => folder_options(scene)?,
+        None => folder_options(scene, gpu)?,
     };
     set_dated_layers(scene, epoch, &mut options.layers)?;
     options.figure = table.figure;
@@ -185,15 +207,25 @@ fn storage_of(pack: &Pack, table: &PackTable, bc: BcSupport) -> Result<(Storage,
     })
 }
 
-fn folder_options(scene: &Scene) -> Result<EarthOptions, PlayError> {
+fn folder_options(scene: &Scene, gpu: Option<&GpuContext>) -> Result<EarthOptions, PlayError> {
     let folder = maps_folder(scene)?;
     let table = &scene.earth;
     let is_paper = table.is_paper();
     let (selection, dropped) = selection_in(scene, &folder)?;
     warn_of(&dropped);
     tracing::info!("maps from {}", folder.display());
-    let mut options = EarthOptions::new(whole_layers(scene, &folder, selection)?);
-    if table.normals && is_paper {
+    let has_cloud_normals = table.normals && is_paper;
+    // Normals of clouds are made from clouds in memory.
+    if let Some(gpu) = gpu.filter(|_| !has_cloud_normals) {
+        let uploader = MapUploader::new(&gpu.device, &gpu.queue, table.shading);
+        let layers = whole_layers(scene, &folder, selection, &uploader)?;
+        return Ok(EarthOptions {
+            uploaded: uploader.finish().map_err(EarthError::from)?,
+            ..EarthOptions::new(layers)
+        });
+    }
+    let mut options = EarthOptions::new(whole_layers(scene, &folder, selection, &KeptInMemory)?);
+    if has_cloud_normals {
         take_cloud_normals(&mut options)?;
     }
     Ok(options)
@@ -205,12 +237,13 @@ fn whole_layers(
     scene: &Scene,
     folder: &Path,
     selection: LayerSelection,
+    sink: &dyn MapSink,
 ) -> Result<EarthLayers, PlayError> {
-    if scene.earth.strict {
-        return Ok(load_layers(folder, selection)?);
-    }
-    let (layers, damaged) = load_whole_layers(folder, selection)?;
+    let (layers, damaged) = load_layers_to(folder, selection, sink)?;
     for DamagedLayer { layer, error } in damaged {
+        if scene.earth.strict {
+            return Err(error.into());
+        }
         tracing::warn!("{error}; {} is left out", layer.name());
     }
     Ok(layers)

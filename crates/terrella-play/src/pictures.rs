@@ -235,7 +235,7 @@ impl ScenePictures {
                 let options = match maps.is_empty() {
                     true => self.options()?.clone(),
                     // It has no maps that pass into each other.
-                    false => self.flight.earth_options_at(epoch, self.gpu.bc_support())?,
+                    false => self.flight.uploaded_options_at(epoch, &self.gpu)?,
                 };
                 OffscreenEarth::new(self.gpu.clone(), options, self.size)?
             }
@@ -247,7 +247,7 @@ impl ScenePictures {
     fn options(&mut self) -> Result<&EarthOptions, PlayError> {
         let options = match self.options.take() {
             Some(options) => options,
-            None => self.flight.earth_options(self.gpu.bc_support())?,
+            None => self.flight.uploaded_options(&self.gpu)?,
         };
         Ok(self.options.insert(options))
     }

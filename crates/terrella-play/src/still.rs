@@ -101,7 +101,7 @@ pub fn write_still(
     wanted |= FilmPainter::features(pictures);
     let gpu = pollster::block_on(GpuContext::open_with(request.adapter, wanted))?;
     progress.begin("loading maps", None);
-    let mut options = flight.earth_options_at(epoch, gpu.bc_support())?;
+    let mut options = flight.uploaded_options_at(epoch, &gpu)?;
     options.diagnostics.wireframe = request.wireframe;
     progress.end();
     let for_truth = truth.map(|folder| (folder, gpu.clone(), options.clone()));

@@ -126,7 +126,7 @@ impl WindowRenderer {
             window.clone(),
         ))?;
         progress.begin("loading maps", None);
-        let mut options = flight.earth_options(gpu.bc_support())?;
+        let mut options = flight.uploaded_options(&gpu)?;
         progress.end();
         let inner = window.inner_size();
         let inner = (inner.width, inner.height);
@@ -177,7 +177,7 @@ impl WindowRenderer {
     /// A file that cannot be read, compiled or drawn with. What was drawn then stays as it was.
     pub fn reload_shaders(&mut self, flight: &Flight) -> Result<(), PlayError> {
         let gpu = self.painter.gpu().clone();
-        let mut options = flight.earth_options(gpu.bc_support())?;
+        let mut options = flight.uploaded_options(&gpu)?;
         options.develop_after_pass(self.surface.format());
         options.samples = self.samples.without;
         let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);

@@ -118,7 +118,7 @@ impl PyFilmFrames {
             let features = FilmPainter::features(&settings);
             let gpu = pollster::block_on(GpuContext::open_with(adapter.as_deref(), features));
             let gpu = gpu.map_err(|error| of_play(error.into()))?;
-            let options = flight.earth_options(gpu.bc_support()).map_err(of_play)?;
+            let options = flight.uploaded_options(&gpu).map_err(of_play)?;
             let size = size.unwrap_or(flight.scene().output.size.into());
             let frames = FilmFrames::open(&flight, gpu.clone(), options, size, settings);
             Ok::<_, PyErr>((flight, gpu, frames.map_err(of_play)?))

@@ -83,7 +83,7 @@ impl<'f> CameraService<'f> {
         adapter: Option<&str>,
     ) -> Result<Self, PlayError> {
         let gpu = pollster::block_on(GpuContext::open(adapter))?;
-        let options = flight.earth_options(gpu.bc_support())?;
+        let options = flight.uploaded_options(&gpu)?;
         let mut renderer = OffscreenRenderer::open(gpu, options, FIRST_SIZE)?;
         renderer.show_dated_maps(flight)?;
         renderer.show_sky(flight)?;
