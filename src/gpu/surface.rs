@@ -216,6 +216,15 @@ impl SurfaceDrawable {
         plan: &FramePlan,
     ) -> Result<(), ShaderError> {
         let side = side_of(plan);
+        let kinds = DrawLight::ALL.into_iter().filter(|light| {
+            let mut draws = plan.draws.iter();
+            draws.any(|draw| draw.light == *light)
+        });
+        let kinds = kinds.map(|light| self.pipelines.kind_of(side, light, plan.has_moon_shadow));
+        let wanted: Vec<_> = kinds.map(|kind| (side, kind)).collect();
+        let maker = self.maker(view);
+        self.pipelines
+            .make_passes(&maker, device, config, wanted.into_iter())?;
         let mut seen = [false; DrawLight::ALL.len()];
         for draw in &plan.draws {
             if std::mem::replace(&mut seen[draw.light as usize], true) {
@@ -224,11 +233,6 @@ impl SurfaceDrawable {
             let kind = self
                 .pipelines
                 .kind_of(side, draw.light, plan.has_moon_shadow);
-            if self.pipelines.pass(side, kind).is_none() {
-                let maker = self.maker(view);
-                self.pipelines
-                    .make_pass(&maker, device, config, (side, kind))?;
-            }
             if let Some(pass) = self.pipelines.pass(side, kind)
                 && view.group(side, kind).is_none()
             {

@@ -12,7 +12,7 @@ use super::shader::{
 use super::surface_config::SurfaceConfig;
 use super::surface_view::SurfaceView;
 use super::tiles::tiles_bytes;
-use super::{PipelineDescription, ShaderError};
+use super::{PipelineDescription, ShaderError, resolved};
 use crate::plan::{
     AirSide, DrawLight, FrameUniforms, LightEffect, LightEffects, SurfaceLightUniforms,
 };
@@ -106,6 +106,54 @@ impl SurfacePipelines {
         Ok(())
     }
 
+    /// Makes passes that are not there yet, several at a time.
+    ///
+    /// # Errors
+    /// The first that cannot be made. What the device refuses, the calling thread's error scope has.
+    pub(super) fn make_passes(
+        &mut self,
+        maker: &SurfaceMaker,
+        device: &wgpu::Device,
+        config: &SurfaceConfig<'_>,
+        wanted: impl Iterator<Item = (usize, PassKind)>,
+    ) -> Result<(), ShaderError> {
+        let mut missing: Vec<(usize, PassKind, EarthVariant)> = Vec::new();
+        for (side, kind) in wanted {
+            let slot = self.sides.get(side).map(|slots| &slots[kind as usize]);
+            let is_listed = missing.iter().any(|(s, k, _)| (*s, *k) == (side, kind));
+            if let Some(slot) = slot.filter(|slot| slot.pass.is_none() && !is_listed)
+                && let Some(variant) = slot.variant
+            {
+                missing.push((side, kind, variant));
+            }
+        }
+        let threads = std::thread::available_parallelism().map_or(1, usize::from);
+        for together in missing.chunks(threads) {
+            let maps = &self.maps;
+            let made = std::thread::scope(|scope| {
+                let make = |variant: EarthVariant| {
+                    // A thread has scopes of its own.
+                    let refusals = device.push_error_scope(wgpu::ErrorFilter::Validation);
+                    let pass = maker.pass(device, config, maps, variant).ok();
+                    let refused = resolved(refusals.pop());
+                    pass.filter(|_| refused.is_none())
+                };
+                let others = together.iter().skip(1);
+                let others = others.map(|(_, _, variant)| scope.spawn(move || make(*variant)));
+                let others: Vec<_> = others.collect();
+                let own = together.first().map(|(_, _, variant)| make(*variant));
+                let others = others.into_iter().map(|thread| thread.join().ok()?);
+                own.into_iter().chain(others).collect::<Vec<_>>()
+            });
+            for ((side, kind, _), pass) in together.iter().zip(made) {
+                self.sides[*side][*kind as usize].pass = pass;
+            }
+        }
+        // What failed is made again here, where its errors are looked for.
+        let mut missing = missing.into_iter();
+        missing.try_for_each(|(side, kind, _)| self.make_pass(maker, device, config, (side, kind)))
+    }
+
     /// Makes one of them, that nothing can be drawn without.
     pub fn make_one(
         &mut self,
@@ -123,12 +171,9 @@ impl SurfacePipelines {
         device: &wgpu::Device,
         config: &SurfaceConfig<'_>,
     ) -> Result<(), ShaderError> {
-        for side in 0..self.sides.len() {
-            for kind in PassKind::ALL {
-                self.make_pass(maker, device, config, (side, kind))?;
-            }
-        }
-        Ok(())
+        let sides = 0..self.sides.len();
+        let all = sides.flat_map(|side| PassKind::ALL.map(|kind| (side, kind)));
+        self.make_passes(maker, device, config, all)
     }
 
     /// All that may be drawn with from the first side of the air.
