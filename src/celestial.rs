@@ -32,7 +32,7 @@ mod projection;
 mod seen;
 mod stars;
 
-use crate::earth::{Earth, EarthView, EyeView, ItrfView, Viewport, ball_bounds};
+use crate::earth::{Earth, EarthView, EyeView, ItrfView, Pipelines, Viewport, ball_bounds};
 use crate::gpu::{AirTextures, DepthBuffer, PassFormat, ShaderError};
 use crate::gpu::{
     CelestialDrawable, CelestialKind, CelestialParts, CelestialUniforms, GLARE_RADIUS_RAD,
@@ -195,6 +195,7 @@ pub struct Celestial {
 struct Pass {
     format: PassFormat,
     air: Option<AirTextures>,
+    pipelines: Pipelines,
 }
 
 impl Pass {
@@ -202,6 +203,7 @@ impl Pass {
         Self {
             format: earth.format(),
             air: earth.air_textures().cloned(),
+            pipelines: earth.pipelines(),
         }
     }
 
@@ -227,12 +229,17 @@ impl Pass {
             moon: options.moon.as_deref(),
             glare: options.glare,
         };
-        CelestialDrawable::new(device, queue, self.format, &parts, self.air.as_ref())
+        let air = self.air.as_ref();
+        let mut drawable = CelestialDrawable::new(device, queue, self.format, &parts, air)?;
+        if self.pipelines == Pipelines::AtOnce {
+            drawable.make_all()?;
+        }
+        Ok(drawable)
     }
 }
 
 impl Celestial {
-    /// Makes pipelines and uploads maps, for the pass and through the air of an Earth.
+    /// Uploads maps and makes pipelines, for the pass and through the air of an Earth, and when that makes its own ([`Pipelines`]).
     ///
     /// # Errors
     /// Maps that are none, and a gain that has no meaning.
@@ -259,6 +266,7 @@ impl Celestial {
         let pass = Pass {
             format: self.pass.format,
             air: view.air_textures().cloned(),
+            pipelines: self.pass.pipelines,
         };
         Self {
             drawable: self.drawable.for_another_view(device, pass.air.as_ref()),

@@ -501,6 +501,12 @@ impl Earth {
         self.format
     }
 
+    /// When pipelines are made.
+    #[cfg(feature = "celestial")]
+    pub(crate) fn pipelines(&self) -> Pipelines {
+        self.style.pipelines
+    }
+
     #[cfg(feature = "celestial")]
     pub(crate) fn first_view(&self) -> &EarthView {
         &self.first

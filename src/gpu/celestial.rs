@@ -1,7 +1,9 @@
 //! The drawable of what is beyond the Earth: plain values and maps. `crate::celestial` makes them of an instant and an eye.
 
-use super::shader::{CelestialKind, CelestialVariant, ShaderModule};
-use super::{AirTextures, Binding, GpuLayer, PassFormat, PipelineDescription, ShaderError};
+use super::shader::{CelestialKind, CelestialVariant, ShaderModule, ShaderVariant};
+use super::{
+    AirTextures, Binding, GpuLayer, PassFormat, PipelineDescription, ShaderError, resolved,
+};
 use crate::plan::{AirSide, FrameUniforms};
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3, Vec4};
@@ -105,6 +107,8 @@ pub(crate) struct CelestialParts<'m> {
 
 /// Pipelines, maps and buffers.
 pub(crate) struct CelestialDrawable {
+    device: wgpu::Device,
+    format: PassFormat,
     layers: Vec<Layer>,
     uniforms: wgpu::Buffer,
     points: wgpu::Buffer,
@@ -122,9 +126,11 @@ pub(crate) struct CelestialDrawable {
 #[derive(Clone)]
 struct Layer {
     kind: CelestialKind,
-    /// One for each side.
-    pipelines: Vec<wgpu::RenderPipeline>,
-    map: Option<wgpu::BindGroup>,
+    /// One for each side, those that are made.
+    pipelines: Vec<Option<wgpu::RenderPipeline>>,
+    /// Whether one could not be made; then none is tried again.
+    is_refused: bool,
+    map: Option<(wgpu::BindGroupLayout, wgpu::BindGroup)>,
     /// Whether there is anything of it in this frame.
     is_drawn: bool,
 }
@@ -133,6 +139,7 @@ struct Layer {
 const BODIES: usize = 2;
 
 impl CelestialDrawable {
+    /// Uploads maps; makes no pipeline yet.
     pub fn new(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
@@ -171,45 +178,22 @@ impl CelestialDrawable {
                 texture_bytes += texture.bytes;
                 bind_map(device, &label, &texture)
             });
-            let label = format!("terrella {}", kind.name());
-            let mut pipelines = Vec::new();
-            for (air, layout) in sides.iter().copied().zip(&layouts) {
+            for air in sides.iter().copied() {
                 let target = format.target_color();
-                let shader = ShaderModule::new(device, &CelestialVariant { kind, target, air })?;
-                shader_bytes += shader.bytes;
-                let map_layout = map.as_ref().map(|(layout, _)| Some(layout));
-                let groups: Vec<_> = std::iter::once(Some(layout)).chain(map_layout).collect();
-                let points = [Some(wgpu::VertexBufferLayout {
-                    array_stride: size_of::<StarPoint>() as u64,
-                    step_mode: wgpu::VertexStepMode::Instance,
-                    attributes: &STAR,
-                })];
-                let pipeline = PipelineDescription {
-                    label: &label,
-                    bind_groups: Some(&groups),
-                    module: &shader.module,
-                    buffers: match kind {
-                        CelestialKind::Stars => &points,
-                        _ => &[],
-                    },
-                    primitive: wgpu::PrimitiveState {
-                        topology: wgpu::PrimitiveTopology::TriangleStrip,
-                        ..Default::default()
-                    },
-                    format,
-                    writes_depth: false,
-                    blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
-                };
-                pipelines.push(pipeline.create(device));
+                let source = CelestialVariant { kind, target, air }.source()?;
+                shader_bytes += source.text.len() as u64;
             }
             layers.push(Layer {
                 kind,
-                pipelines,
-                map: map.map(|(_, group)| group),
+                pipelines: vec![None; sides.len()],
+                is_refused: false,
+                map,
                 is_drawn: false,
             });
         }
         Ok(Self {
+            device: device.clone(),
+            format,
             layers,
             uniforms,
             points,
@@ -222,6 +206,81 @@ impl CelestialDrawable {
         })
     }
 
+    /// Makes all pipelines, so that no frame waits for one.
+    pub fn make_all(&mut self) -> Result<(), ShaderError> {
+        for place in 0..self.layers.len() {
+            for side in 0..self.layouts.len() {
+                self.make(place, side)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Makes a pipeline that is not there yet.
+    fn make(&mut self, place: usize, side: usize) -> Result<(), ShaderError> {
+        let Some((layer, layout)) = self.layers.get_mut(place).zip(self.layouts.get(side)) else {
+            return Ok(());
+        };
+        if layer.pipelines[side].is_some() {
+            return Ok(());
+        }
+        let variant = CelestialVariant {
+            kind: layer.kind,
+            target: self.format.target_color(),
+            air: AirSide::of_air(self.layouts.len() > 1)[side],
+        };
+        let shader = ShaderModule::new(&self.device, &variant)?;
+        let map_layout = layer.map.as_ref().map(|(layout, _)| Some(layout));
+        let groups: Vec<_> = std::iter::once(Some(layout)).chain(map_layout).collect();
+        let points = [Some(wgpu::VertexBufferLayout {
+            array_stride: size_of::<StarPoint>() as u64,
+            step_mode: wgpu::VertexStepMode::Instance,
+            attributes: &STAR,
+        })];
+        let pipeline = PipelineDescription {
+            label: &format!("terrella {}", layer.kind.name()),
+            bind_groups: Some(&groups),
+            module: &shader.module,
+            buffers: match layer.kind {
+                CelestialKind::Stars => &points,
+                _ => &[],
+            },
+            primitive: wgpu::PrimitiveState {
+                topology: wgpu::PrimitiveTopology::TriangleStrip,
+                ..Default::default()
+            },
+            format: self.format,
+            writes_depth: false,
+            blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
+        };
+        layer.pipelines[side] = Some(pipeline.create(&self.device));
+        Ok(())
+    }
+
+    /// Makes ready what is drawn in this frame. What cannot be made is not drawn, with a warning.
+    fn make_ready(&mut self) {
+        for place in 0..self.layers.len() {
+            let layer = &self.layers[place];
+            if !layer.is_drawn || layer.pipelines[self.side].is_some() {
+                continue;
+            }
+            let scope = self.device.push_error_scope(wgpu::ErrorFilter::Validation);
+            let made = match layer.is_refused {
+                true => Ok(()),
+                false => self.make(place, self.side),
+            };
+            let refused = resolved(scope.pop()).map(|error| error.to_string());
+            let refused = made.err().map(|error| error.to_string()).or(refused);
+            let (side, layer) = (self.side, &mut self.layers[place]);
+            if let Some(error) = refused {
+                tracing::warn!("{} is not drawn: {error}", layer.kind.name());
+                layer.is_refused = true;
+                layer.pipelines[side] = None;
+            }
+            layer.is_drawn = layer.pipelines[side].is_some();
+        }
+    }
+
     /// The same for another view, through that view's air if there is any: with these pipelines and maps, and buffers of its own.
     pub fn for_another_view(&self, device: &wgpu::Device, air: Option<&AirTextures>) -> Self {
         let uniforms = super::uniform_buffer::<CelestialUniforms>(device, "terrella sky");
@@ -231,6 +290,8 @@ impl CelestialDrawable {
             super::bind_to(device, "terrella sky", layout, bindings)
         });
         Self {
+            device: device.clone(),
+            format: self.format,
             bind_groups: bind_groups.collect(),
             layers: self.layers.clone(),
             points: point_buffer(device, self.points.size()),
@@ -267,14 +328,18 @@ impl CelestialDrawable {
                 kind => is_drawn(kind),
             };
         }
+        self.make_ready();
         (points.len() + size_of::<CelestialUniforms>()) as u64
     }
 
     pub fn render(&self, pass: &mut wgpu::RenderPass<'_>) {
         for layer in self.layers.iter().filter(|layer| layer.is_drawn) {
-            pass.set_pipeline(&layer.pipelines[self.side]);
+            let Some(pipeline) = &layer.pipelines[self.side] else {
+                continue;
+            };
+            pass.set_pipeline(pipeline);
             pass.set_bind_group(0, &self.bind_groups[self.side], &[]);
-            if let Some(map) = &layer.map {
+            if let Some((_, map)) = &layer.map {
                 pass.set_bind_group(1, map, &[]);
             }
             let mut instances = 1;

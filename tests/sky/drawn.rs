@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 use terrella::celestial::{Celestial, CelestialMoment, CelestialOptions, StarCatalogue};
 use terrella::frames::{Ellipsoid, Epoch, Geodetic, Observer, Orientation};
-use terrella::{Atmosphere, EarthOptions, EyeView, LayerImage};
+use terrella::{Atmosphere, Earth, EarthOptions, EyeView, LayerImage, Pipelines};
 
 const DATE: &str = "2018-01-20T21:00:00Z";
 
@@ -195,4 +195,48 @@ fn sun_and_moon_give_the_light_that_they_give() {
     println!("Moon: full {full:e} for {expected:e}, eclipsed {eclipsed:e}");
     assert!((0.8..1.3).contains(&(full / expected)), "{full}");
     assert!(eclipsed < 1e-3 * full, "{eclipsed}");
+}
+
+#[test]
+fn pipelines_that_are_made_when_needed_draw_the_same() {
+    let (epoch, size) = (utc(DATE), (96, 64));
+    let everything = CelestialOptions {
+        stars: Some(stars()),
+        star_gain: 1e4,
+        stars_fade_by_day: false,
+        sun: true,
+        moon: grey_moon(),
+        glare: true,
+        ..CelestialOptions::NOTHING
+    };
+    let air = EarthOptions::new(plain([90; 3]));
+    for (options, height_m) in [(bare_earth(), 4e7), (air.clone(), 4e7), (air, 3e3)] {
+        // Noon.
+        let eye = above(-20.0, -90.0, height_m);
+        let observer = Observer::at_rest(epoch, &Orientation::default(), eye);
+        let mut rigs = [Pipelines::AtOnce, Pipelines::WhenNeeded].map(|pipelines| {
+            let options = EarthOptions {
+                pipelines,
+                color_format: gpu().float_format(),
+                ..options.clone()
+            };
+            // The rig's own makes them when they are needed.
+            let mut rig = Rig::of_light(&options, size);
+            let earth = Earth::new(&gpu().device, &gpu().queue, &options);
+            rig.earth = earth.expect("sound options");
+            rig
+        });
+        for forward in [observer.sun_m(), observer.moon_m(), eye] {
+            let forward = forward.normalize();
+            let view = EyeView::itrf(eye, forward, DVec3::Z, 3_f64.to_radians(), 1.5);
+            let [at_once, when_needed] = rigs
+                .each_mut()
+                .map(|rig| drawn(rig, &everything, &view, epoch, size));
+            assert!(at_once == when_needed, "{height_m} {forward}");
+            let is_lit = |texel: &[f32; 4]| texel[..3].iter().any(|light| *light > 0.0);
+            let is_up = forward.dot(eye) > 0.0;
+            let any_is_lit = at_once.iter().any(is_lit);
+            assert!(any_is_lit || !is_up, "{height_m} {forward}");
+        }
+    }
 }

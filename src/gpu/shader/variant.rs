@@ -102,7 +102,7 @@ pub trait ShaderVariant: Copy {
 pub(crate) struct ShaderModule {
     pub module: wgpu::ShaderModule,
     /// Length of its text.
-    #[cfg(any(feature = "celestial", feature = "tracks"))]
+    #[cfg(feature = "tracks")]
     pub bytes: u64,
 }
 
@@ -118,7 +118,7 @@ impl ShaderModule {
         }
         Ok(Self {
             module: source.compile(device, &format!("terrella {}", variant.name()))?,
-            #[cfg(any(feature = "celestial", feature = "tracks"))]
+            #[cfg(feature = "tracks")]
             bytes: source.text.len() as u64,
         })
     }
