@@ -16,6 +16,7 @@ const REPOSITORY: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
 #[cfg(target_os = "linux")]
 mod interruptions;
 mod live;
+mod memory;
 #[cfg(unix)]
 mod openers;
 mod opm;

@@ -201,6 +201,19 @@ pub const RECORDINGS: &[Recording] = &[
             },
         },
     },
+    Recording {
+        name: "start",
+        file: "start.csv",
+        source: Source::Measured {
+            method: "the scene that comes with the program, drawn once by a process of its own, which reads its maps, compiles its \
+                shaders and writes a picture; development build, with maps, files and the driver's code in memory",
+            draws: true,
+            found: Found::Figures(&[Figures {
+                command: "cargo test --locked --workspace --test command memory -- --nocapture",
+                lines: "a still took {frame_mb} MB; of 64 × 36 pixels {small_mb} MB and {small_s} s of processor time",
+            }]),
+        },
+    },
     kept(
         "report_defaults",
         "report_defaults.csv",
@@ -211,11 +224,7 @@ pub const RECORDINGS: &[Recording] = &[
         "report_settings.csv",
         "a report of all heights takes an hour",
     ),
-    kept(
-        "by_hand",
-        "by_hand.csv",
-        "criterion and `time` print for people",
-    ),
+    kept("by_hand", "by_hand.csv", "criterion prints for people"),
     kept("streaming", "streaming.csv", "it needs a pack of 3 GB"),
     kept(
         "farm",

@@ -1,0 +1,101 @@
+//! What a start costs: memory at its peak and processor time, of a process of its own.
+
+use crate::{Place, REPOSITORY, words};
+use std::process::{Child, Stdio};
+use std::time::Duration;
+
+/// What a process has taken so far.
+#[derive(Clone, Copy, Debug, Default)]
+struct Cost {
+    /// Most memory at once, megabytes.
+    peak_mb: f64,
+    /// Processor time of all its threads, seconds.
+    processor_s: f64,
+}
+
+impl Cost {
+    /// As Linux tells it; `None` of a process that has ended.
+    fn of(process: u32) -> Option<Self> {
+        let read = |file: &str| std::fs::read_to_string(format!("/proc/{process}/{file}")).ok();
+        let status = read("status")?;
+        let peak = status
+            .lines()
+            .find_map(|line| line.strip_prefix("VmHWM:"))?;
+        let peak_kib: f64 = peak.trim().strip_suffix("kB")?.trim().parse().ok()?;
+        // After the name, which may hold anything: fields 14 and 15 of proc(5), in hundredths of a second on every Linux here.
+        let stat = read("stat")?;
+        let (_, fields) = stat.rsplit_once(')')?;
+        let fields: Vec<f64> = fields
+            .split_whitespace()
+            .map(|field| field.parse().unwrap_or(0.0))
+            .collect();
+        let [user, system] = [11, 12].map(|at| fields.get(at).copied().unwrap_or(0.0));
+        Some(Self {
+            peak_mb: peak_kib * 1024.0 / 1e6,
+            processor_s: (user + system) / 100.0,
+        })
+    }
+
+    /// Follows a process to its end. Both figures only grow, and what is missed of them is the last milliseconds.
+    fn until_end(child: &mut Child) -> Self {
+        let mut cost = Self::default();
+        loop {
+            if let Some(now) = Self::of(child.id()) {
+                cost = now;
+            }
+            if child.try_wait().expect("a child of ours").is_some() {
+                return cost;
+            }
+            std::thread::sleep(Duration::from_millis(2));
+        }
+    }
+}
+
+/// A still of the scene that comes with the program, from the maps that come with it, by the software adapter. `None` where there is
+/// none.
+fn still(more: &[&str]) -> Option<Cost> {
+    let place = Place::new();
+    let scene = format!("{REPOSITORY}/config/iss.toml");
+    let arguments = ["--adapter", "llvmpipe", "frame", &scene, "-o", "a.png"];
+    let mut command = place.command(&[&arguments[..], more].concat());
+    command.env("TERRELLA_TEXTURES", format!("{REPOSITORY}/textures"));
+    command.stderr(Stdio::piped());
+    let mut child = command.spawn().expect("the command starts");
+    let cost = Cost::until_end(&mut child);
+    let output = child.wait_with_output().expect("it has ended");
+    let said = words(&output);
+    if said.contains("no graphics adapter") {
+        eprintln!("SKIPPED: memory of a still: {said}");
+        return None;
+    }
+    assert!(output.status.success(), "{said}");
+    Some(cost)
+}
+
+/// Most memory that a still may take, megabytes: between what it takes with maps that are uploaded while they are read (about 300, of which
+/// the driver and its compiler have a good half), and what it takes with all maps in memory until they are uploaded (430).
+const MOST_MB: f64 = 360.0;
+
+/// Most processor time of a small still, seconds. A development build takes most of two on a slow machine.
+const MOST_PROCESSOR_S: f64 = 8.0;
+
+#[test]
+fn a_still_holds_no_map_beside_the_one_on_the_gpu() {
+    if !cfg!(target_os = "linux") {
+        eprintln!("SKIPPED: memory of a still: only Linux tells it");
+        return;
+    }
+    let (Some(whole), Some(small)) = (still(&[]), still(&["--size", "64x36"])) else {
+        return;
+    };
+    println!(
+        "a still took {:.0} MB; of 64 × 36 pixels {:.0} MB and {:.2} s of processor time",
+        whole.peak_mb, small.peak_mb, small.processor_s
+    );
+    for cost in [whole, small] {
+        // A figure that was not read would pass.
+        assert!((100.0..MOST_MB).contains(&cost.peak_mb), "{cost:?}");
+    }
+    let processor_s = small.processor_s;
+    assert!((0.1..MOST_PROCESSOR_S).contains(&processor_s), "{small:?}");
+}
