@@ -7,7 +7,7 @@ use terrella::internals::gpu::SHADER_FILES;
 /// What is drawn last, and what the tests make of it.
 const LAST: &str = "earth/fragment.wgsl";
 const DRAWN: &str = "    return drawn(vec4f(color, 1.0), at);";
-const RED: &str = "    return drawn(vec4f(1.0, 0.0, 0.0, 1.0), at);";
+const RED: &str = "    return drawn(vec4f(9.0, 0.0, 0.0, 1.0), at);";
 const BROKEN: &str = "    return drawn(vec4f(colour, 1.0), at);";
 
 /// Writes all files, the last line of what is drawn replaced. Answers the number of that line.

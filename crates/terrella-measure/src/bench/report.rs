@@ -150,7 +150,7 @@ pub struct BenchRow {
     pub uploaded_bytes: u64,
     /// `prepare` on the processor, milliseconds.
     pub prepare_ms: Quantiles,
-    /// Median time of "surface" and "air" on the device, each a pass of its own, in frames apart from the others,
+    /// Median time of "surface", "air" and "development" on the device, each a pass of its own, in frames apart from the others,
     /// milliseconds; empty where the device has no timestamps.
     pub gpu_ms: BTreeMap<String, f64>,
     /// The whole frame, the device waited for, milliseconds.

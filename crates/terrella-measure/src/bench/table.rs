@@ -98,12 +98,12 @@ fn some(value: Option<f64>, decimals: usize) -> String {
 }
 
 /// The passes, as they are drawn.
-const PASSES: [&str; 2] = ["surface", "air"];
+const PASSES: [&str; 3] = ["surface", "air", "development"];
 
 fn rows(out: &mut String, report: &BenchReport) {
     line!(
         out,
-        "\n{:>7} {:<10} {:>6} {:>7} {:^23} {:>7} {:^15} {:>8} {:>7} {:>6}",
+        "\n{:>7} {:<10} {:>6} {:>7} {:^23} {:>7} {:^23} {:>8} {:>7} {:>6}",
         "height",
         "",
         "frame/",
@@ -117,7 +117,7 @@ fn rows(out: &mut String, report: &BenchReport) {
     );
     line!(
         out,
-        "{:>7} {:<10} {:>6} {:>7} {:>7} {:>7} {:>7} {:>7} {:>8} {:>6} {:>8} {:>7} {:>6}",
+        "{:>7} {:<10} {:>6} {:>7} {:>7} {:>7} {:>7} {:>7} {:>8} {:>6} {:>7} {:>8} {:>7} {:>6}",
         "km",
         "path",
         "floor",
@@ -128,19 +128,20 @@ fn rows(out: &mut String, report: &BenchReport) {
         "ms",
         "surface",
         "air",
+        "develop",
         "ms",
         "/s",
         "/s"
     );
     for row in &report.rows {
-        let [surface, air] = PASSES.map(|pass| match row.gpu_ms.get(pass) {
+        let [surface, air, development] = PASSES.map(|pass| match row.gpu_ms.get(pass) {
             Some(time) => format!("{time:.2}"),
             None => "–".into(),
         });
         let paper = row.paper_frames_per_s;
         line!(
             out,
-            "{:>7} {:<10} {:>6.2} {:>7} {:>7.2} {:>7} {:>7} {:>7.1} {:>8} {:>6} {:>8.3} {:>7.1} {:>6}",
+            "{:>7} {:<10} {:>6.2} {:>7} {:>7.2} {:>7} {:>7} {:>7.1} {:>8} {:>6} {:>7} {:>8.3} {:>7.1} {:>6}",
             row.height_km,
             row.path.name(),
             row.floor_ratio,
@@ -151,6 +152,7 @@ fn rows(out: &mut String, report: &BenchReport) {
             row.jank_ms,
             surface,
             air,
+            development,
             row.prepare_ms.median,
             row.frames_per_s,
             paper.map_or("–".into(), |paper| format!("{paper:.0}")),
@@ -293,7 +295,7 @@ fn compared(out: &mut String, comparison: &Comparison) {
 }
 
 /// Columns of the table of rows; times in milliseconds, levels separated by blanks.
-const CSV_COLUMNS: [&str; 28] = [
+const CSV_COLUMNS: [&str; 29] = [
     "height_km",
     "path",
     "inclination_deg",
@@ -312,6 +314,7 @@ const CSV_COLUMNS: [&str; 28] = [
     "prepare_p99_ms",
     "gpu_surface_ms",
     "gpu_air_ms",
+    "gpu_development_ms",
     "frame_median_ms",
     "frame_p95_ms",
     "frame_p99_ms",
@@ -361,6 +364,7 @@ fn csv_fields(row: &BenchRow) -> [String; CSV_COLUMNS.len()] {
         optional(row.prepare_ms.p99),
         gpu("surface"),
         gpu("air"),
+        gpu("development"),
         row.frame_ms.median.to_string(),
         optional(row.frame_ms.p95),
         optional(row.frame_ms.p99),
