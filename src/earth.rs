@@ -496,7 +496,6 @@ impl Earth {
     }
 
     /// The pass that it is drawn in.
-    #[cfg(any(feature = "celestial", feature = "tracks"))]
     pub fn format(&self) -> PassFormat {
         self.format
     }
