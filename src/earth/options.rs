@@ -130,7 +130,7 @@ impl EarthOptions {
         }
     }
 
-    /// Uploads the maps and lets go of their texels: `layers` has descriptions from then on ([`LayerImage::without_texels`]), and `uploaded`
+    /// Uploads the maps and lets go of their texels: `layers` has descriptions from then on ([`without_texels`](terrella_imagery::LayerImage::without_texels)), and `uploaded`
     /// the maps. For programs that make several Earths of one set of maps, or that keep their options: all clones made from then on, and
     /// all Earths on this device, share one copy on the GPU and none in memory. Maps that other programs' clones still hold stay there.
     ///

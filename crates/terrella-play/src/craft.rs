@@ -130,7 +130,7 @@ pub struct CraftLayer {
 }
 
 impl CraftLayer {
-    /// For passes of the Earth's colour format and samples, with [`FrameTargets::DEPTH`] reversed.
+    /// For the pass that an Earth of these options is drawn in.
     pub fn new(gpu: &GpuContext, options: &EarthOptions) -> Result<Self, EarthError> {
         let format = options.pass_format();
         Ok(Self {
