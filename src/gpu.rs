@@ -9,6 +9,7 @@ mod contours;
 mod detail_tile;
 mod develop;
 mod faults;
+mod full_pass;
 #[cfg(feature = "terrain")]
 mod grid;
 #[cfg(feature = "terrain")]
@@ -234,16 +235,6 @@ pub(crate) fn stores_light(format: wgpu::TextureFormat) -> bool {
 fn view(texture: &wgpu::Texture) -> wgpu::TextureView {
     texture.create_view(&wgpu::TextureViewDescriptor {
         label: Some("terrella view"),
-        ..Default::default()
-    })
-}
-
-/// Blends texels of one level.
-fn linear_sampler(device: &wgpu::Device, label: &str) -> wgpu::Sampler {
-    device.create_sampler(&wgpu::SamplerDescriptor {
-        label: Some(label),
-        mag_filter: wgpu::FilterMode::Linear,
-        min_filter: wgpu::FilterMode::Linear,
         ..Default::default()
     })
 }

@@ -4,8 +4,8 @@ use super::{
     Appearance, DiagnosticOptions, EarthError, GroundOptions, Quality, SurfaceLight, TileOptions,
 };
 use crate::gpu::{
-    DepthBuffer, Development, GpuMap, MapError, PassFormat, SurfaceOutput, UploadedMaps, resolved,
-    stores_light,
+    DepthBuffer, Development, GpuMap, MapError, PassFormat, SurfaceOutput, TargetColor,
+    UploadedMaps, resolved, stores_light,
 };
 use std::sync::Arc;
 use terrella_ground::air::{AirOptions, Atmosphere};
@@ -130,7 +130,7 @@ impl EarthOptions {
         }
     }
 
-    /// Uploads the maps and lets go of their texels: `layers` has descriptions from then on ([`without_texels`](terrella_imagery::LayerImage::without_texels)), and `uploaded`
+    /// Uploads the maps and frees their texels: `layers` has descriptions from then on ([`without_texels`](terrella_imagery::LayerImage::without_texels)), and `uploaded`
     /// the maps. For programs that make several Earths of one set of maps, or that keep their options: all clones made from then on, and
     /// all Earths on this device, share one copy on the GPU and none in memory. Maps that other programs' clones still hold stay there.
     ///
@@ -188,7 +188,7 @@ impl EarthOptions {
         self.shading == Shading::Sunlit
             && diagnostics.output == SurfaceOutput::Color
             && !diagnostics.per_pixel_air
-            && (!stores_light(self.color_format) || self.development == Development::AfterPass)
+            && self.pass_format().target_color() != TargetColor::Radiance
     }
 
     /// Whether this device can draw an Earth with these options, as far as that can be said before anything is made.

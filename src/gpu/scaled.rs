@@ -1,9 +1,10 @@
 //! A picture that is drawn to a texture of its own before it is shown: at a lower resolution, as light that is developed, or both.
 
-use super::shader::ShaderModule;
+use super::develop::developing_pass;
+use super::full_pass::FullPass;
 use super::{
-    Attachments, DepthBuffer, Developer, Development, PassFormat, PassPart, PipelineDescription,
-    ShaderError, TargetColor, UndevelopedPicture, UpscaleVariant, color_texture,
+    Attachments, DepthBuffer, Development, PassFormat, PassPart, ShaderError, TargetColor,
+    UpscaleVariant, color_texture,
 };
 use terrella_ground::light::Tone;
 
@@ -31,16 +32,8 @@ pub struct ScaledTarget {
 /// The texture that is drawn to before the picture, and what draws the picture of it.
 struct Between {
     view: wgpu::TextureView,
-    last: LastPass,
-}
-
-/// What draws the picture over all of its target.
-enum LastPass {
-    Enlarging {
-        pipeline: wgpu::RenderPipeline,
-        bind_group: wgpu::BindGroup,
-    },
-    Developing(Developer, UndevelopedPicture),
+    last: FullPass,
+    bound: wgpu::BindGroup,
 }
 
 impl ScaledTarget {
@@ -61,19 +54,7 @@ impl ScaledTarget {
         drawn_size: (u32, u32),
         samples: u32,
     ) -> Result<Self, ShaderError> {
-        let between = match size == drawn_size {
-            true => None,
-            false => Some(Between::enlarging(device, format, drawn_size)?),
-        };
-        Ok(Self {
-            format,
-            size,
-            drawn_size,
-            samples,
-            tone: None,
-            attachments: Attachments::new(device, drawn_size, format, samples),
-            between,
-        })
+        Self::with_tone(device, format, size, drawn_size, samples, None)
     }
 
     /// The same for layers that are drawn with [`Development::AfterPass`]: the pass has the colour format [`Self::LIGHT`], and `finish` shows
@@ -89,15 +70,27 @@ impl ScaledTarget {
         samples: u32,
         tone: Tone,
     ) -> Result<Self, ShaderError> {
-        let developer = developer_for(device, format, tone, size != drawn_size)?;
+        Self::with_tone(device, format, size, drawn_size, samples, Some(tone))
+    }
+
+    fn with_tone(
+        device: &wgpu::Device,
+        format: wgpu::TextureFormat,
+        size: (u32, u32),
+        drawn_size: (u32, u32),
+        samples: u32,
+        tone: Option<Tone>,
+    ) -> Result<Self, ShaderError> {
+        let drawn_format = drawn_format(format, tone);
+        let last = last_pass(device, format, tone, size != drawn_size)?;
         Ok(Self {
             format,
             size,
             drawn_size,
             samples,
-            tone: Some(tone),
-            attachments: Attachments::new(device, drawn_size, Self::LIGHT, samples),
-            between: Some(Between::developing(device, drawn_size, developer)),
+            tone,
+            attachments: Attachments::new(device, drawn_size, drawn_format, samples),
+            between: last.map(|last| Between::new(device, drawn_format, drawn_size, last)),
         })
     }
 
@@ -127,10 +120,7 @@ impl ScaledTarget {
 
     /// Colour format of the pass that all is drawn in.
     pub fn drawn_format(&self) -> wgpu::TextureFormat {
-        match self.tone {
-            Some(_) => Self::LIGHT,
-            None => self.format,
-        }
+        drawn_format(self.format, self.tone)
     }
 
     /// Clears passes from now on to space that hides nothing: alpha is how much of what is behind is hidden.
@@ -168,23 +158,12 @@ impl ScaledTarget {
             return Ok(());
         }
         let is_enlarging = size != drawn_size;
-        let between = match self.tone {
-            None if !is_enlarging => None,
-            None => Some(Between::enlarging(device, self.format, drawn_size)?),
-            Some(tone) => {
-                let developer = match self.between.take() {
-                    Some(between) => between.developer(is_enlarging),
-                    None => None,
-                };
-                let developer = match developer {
-                    Some(developer) => developer,
-                    None => developer_for(device, self.format, tone, is_enlarging)?,
-                };
-                Some(Between::developing(device, drawn_size, developer))
-            }
+        let last = match is_enlarging == (self.size != self.drawn_size) {
+            true => self.between.take().map(|between| between.last),
+            false => last_pass(device, self.format, self.tone, is_enlarging)?,
         };
         let format = self.drawn_format();
-        self.between = between;
+        self.between = last.map(|last| Between::new(device, format, drawn_size, last));
         self.attachments = self.attachments.remade(device, drawn_size, format, samples);
         (self.size, self.drawn_size, self.samples) = (size, drawn_size, samples);
         Ok(())
@@ -237,133 +216,65 @@ impl ScaledTarget {
             timestamp_writes: times,
             ..Default::default()
         });
-        match &between.last {
-            LastPass::Enlarging {
-                pipeline,
-                bind_group,
-            } => {
-                pass.set_pipeline(pipeline);
-                pass.set_bind_group(0, bind_group, &[]);
-                pass.draw(0..3, 0..1);
-            }
-            LastPass::Developing(developer, picture) => developer.render(&mut pass, picture),
+        between.last.render(&mut pass, &between.bound);
+    }
+}
+
+impl Between {
+    fn new(
+        device: &wgpu::Device,
+        format: wgpu::TextureFormat,
+        size: (u32, u32),
+        last: FullPass,
+    ) -> Self {
+        let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING;
+        let texture = color_texture(device, "terrella drawn", size, format, 1, usage);
+        let view = super::view(&texture);
+        Self {
+            bound: last.bind(device, &view),
+            view,
+            last,
         }
     }
 }
 
-/// A developer of pictures of this format.
-fn developer_for(
+/// Colour format of the pass that all is drawn in, for a picture of this format.
+fn drawn_format(format: wgpu::TextureFormat, tone: Option<Tone>) -> wgpu::TextureFormat {
+    match tone {
+        Some(_) => ScaledTarget::LIGHT,
+        None => format,
+    }
+}
+
+/// What makes the picture of what was drawn; `None` where the picture is what is drawn to.
+fn last_pass(
     device: &wgpu::Device,
     format: wgpu::TextureFormat,
-    tone: Tone,
+    tone: Option<Tone>,
     is_enlarging: bool,
-) -> Result<Developer, ShaderError> {
-    let format = PassFormat {
+) -> Result<Option<FullPass>, ShaderError> {
+    let pass = PassFormat {
         color: format,
         further: &[],
         samples: 1,
         depth: DepthBuffer::None,
         development: Development::InPass,
-        tone,
+        tone: tone.unwrap_or_default(),
     };
-    Developer::new(device, format, is_enlarging)
-}
-
-impl Between {
-    /// Its developer, if that enlarges or does not as asked for.
-    fn developer(self, is_enlarging: bool) -> Option<Developer> {
-        match self.last {
-            LastPass::Developing(developer, _) => {
-                (developer.is_enlarging() == is_enlarging).then_some(developer)
-            }
-            LastPass::Enlarging { .. } => None,
-        }
+    if tone.is_some() {
+        return developing_pass(device, pass, is_enlarging).map(Some);
     }
-
-    fn developing(device: &wgpu::Device, size: (u32, u32), developer: Developer) -> Self {
-        let view = between_view(device, "terrella light", size, ScaledTarget::LIGHT);
-        let picture = developer.picture(device, &view);
-        Self {
-            view,
-            last: LastPass::Developing(developer, picture),
-        }
+    if !is_enlarging {
+        return Ok(None);
     }
-
-    fn enlarging(
-        device: &wgpu::Device,
-        format: wgpu::TextureFormat,
-        size: (u32, u32),
-    ) -> Result<Self, ShaderError> {
-        let label = "terrella upscale";
-        let view = between_view(device, label, size, format);
-        let pass = PassFormat {
-            color: format,
-            further: &[],
-            samples: 1,
-            depth: DepthBuffer::None,
-            development: Development::InPass,
-            tone: Tone::default(),
-        };
-        let features = device.features();
-        let filterable = wgpu::TextureSampleType::Float { filterable: true };
-        let variant = match pass.target_color() {
-            TargetColor::Display(_) => UpscaleVariant::LoadedDisplay,
-            _ if format.sample_type(None, Some(features)) == Some(filterable) => {
-                UpscaleVariant::Sampled
-            }
-            _ => UpscaleVariant::Loaded,
-        };
-        let is_sampled = variant == UpscaleVariant::Sampled;
-        let shader = ShaderModule::new(device, &variant)?;
-        let sampler = super::linear_sampler(device, label);
-        let entry = |binding, ty| wgpu::BindGroupLayoutEntry {
-            binding,
-            visibility: wgpu::ShaderStages::FRAGMENT,
-            ty,
-            count: None,
-        };
-        let texels = wgpu::BindingType::Texture {
-            sample_type: wgpu::TextureSampleType::Float {
-                filterable: is_sampled,
-            },
-            view_dimension: wgpu::TextureViewDimension::D2,
-            multisampled: false,
-        };
-        let bound = |binding, resource| wgpu::BindGroupEntry { binding, resource };
-        let view_bound = bound(0, wgpu::BindingResource::TextureView(&view));
-        let mut bindings = vec![(entry(0, texels), view_bound)];
-        if is_sampled {
-            let filtering = wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering);
-            let sampler = bound(1, wgpu::BindingResource::Sampler(&sampler));
-            bindings.push((entry(1, filtering), sampler));
+    let filterable = wgpu::TextureSampleType::Float { filterable: true };
+    let variant = match pass.target_color() {
+        TargetColor::Display(_) => UpscaleVariant::LoadedDisplay,
+        _ if format.sample_type(None, Some(device.features())) == Some(filterable) => {
+            UpscaleVariant::Sampled
         }
-        let (layout, bind_group) = super::bind(device, label, bindings);
-        let pipeline = PipelineDescription {
-            label,
-            bind_groups: Some(&[Some(&layout)]),
-            module: &shader.module,
-            buffers: &[],
-            primitive: wgpu::PrimitiveState::default(),
-            format: pass,
-            writes_depth: false,
-            blend: None,
-        }
-        .create(device);
-        let last = LastPass::Enlarging {
-            pipeline,
-            bind_group,
-        };
-        Ok(Self { view, last })
-    }
-}
-
-/// A texture that is drawn to and then read.
-fn between_view(
-    device: &wgpu::Device,
-    label: &str,
-    size: (u32, u32),
-    format: wgpu::TextureFormat,
-) -> wgpu::TextureView {
-    let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING;
-    super::view(&color_texture(device, label, size, format, 1, usage))
+        _ => UpscaleVariant::Loaded,
+    };
+    let is_sampled = variant == UpscaleVariant::Sampled;
+    FullPass::new(device, "terrella upscale", &variant, pass, is_sampled).map(Some)
 }

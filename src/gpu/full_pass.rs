@@ -1,0 +1,95 @@
+//! A pass that draws over all of a target from one texture.
+
+use super::shader::ShaderModule;
+use super::{PassFormat, PipelineDescription, ShaderError, ShaderVariant};
+
+/// The pipeline of such a pass, and how its texture is bound: by itself, or with a sampler that blends its texels.
+pub(super) struct FullPass {
+    label: &'static str,
+    pipeline: wgpu::RenderPipeline,
+    layout: wgpu::BindGroupLayout,
+    sampler: Option<wgpu::Sampler>,
+}
+
+impl FullPass {
+    /// For passes of this format. The variant reads the texture at binding 0 of group 0, and the sampler, where `is_sampled`, at 1.
+    ///
+    /// # Errors
+    /// A shader file that is at fault.
+    pub fn new(
+        device: &wgpu::Device,
+        label: &'static str,
+        variant: &impl ShaderVariant,
+        format: PassFormat,
+        is_sampled: bool,
+    ) -> Result<Self, ShaderError> {
+        let shader = ShaderModule::new(device, variant)?;
+        let entry = |binding, ty| wgpu::BindGroupLayoutEntry {
+            binding,
+            visibility: wgpu::ShaderStages::FRAGMENT,
+            ty,
+            count: None,
+        };
+        let texels = wgpu::BindingType::Texture {
+            sample_type: wgpu::TextureSampleType::Float {
+                filterable: is_sampled,
+            },
+            view_dimension: wgpu::TextureViewDimension::D2,
+            multisampled: false,
+        };
+        let mut entries = vec![entry(0, texels)];
+        if is_sampled {
+            let filtering = wgpu::SamplerBindingType::Filtering;
+            entries.push(entry(1, wgpu::BindingType::Sampler(filtering)));
+        }
+        let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some(label),
+            entries: &entries,
+        });
+        let pipeline = PipelineDescription {
+            label,
+            bind_groups: Some(&[Some(&layout)]),
+            module: &shader.module,
+            buffers: &[],
+            primitive: wgpu::PrimitiveState::default(),
+            format,
+            writes_depth: false,
+            blend: None,
+        };
+        let sampler = is_sampled.then(|| {
+            device.create_sampler(&wgpu::SamplerDescriptor {
+                label: Some(label),
+                mag_filter: wgpu::FilterMode::Linear,
+                min_filter: wgpu::FilterMode::Linear,
+                ..Default::default()
+            })
+        });
+        Ok(Self {
+            label,
+            pipeline: pipeline.create(device),
+            layout,
+            sampler,
+        })
+    }
+
+    /// A texture to draw from.
+    pub fn bind(&self, device: &wgpu::Device, view: &wgpu::TextureView) -> wgpu::BindGroup {
+        let bound = |binding, resource| wgpu::BindGroupEntry { binding, resource };
+        let mut entries = vec![bound(0, wgpu::BindingResource::TextureView(view))];
+        if let Some(sampler) = &self.sampler {
+            entries.push(bound(1, wgpu::BindingResource::Sampler(sampler)));
+        }
+        device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some(self.label),
+            layout: &self.layout,
+            entries: &entries,
+        })
+    }
+
+    /// Draws from it over all of the pass's target.
+    pub fn render(&self, pass: &mut wgpu::RenderPass<'_>, texture: &wgpu::BindGroup) {
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, texture, &[]);
+        pass.draw(0..3, 0..1);
+    }
+}
