@@ -26,7 +26,7 @@ fn soak(count: u64) -> u64 {
     });
     let mut stream = connect(address);
     let mut random = Random(0x9e37_79b9_7f4a_7c15);
-    let (mut good, mut spoilt) = (0, 0);
+    let (mut good, mut corrupt) = (0, 0);
     let mut after_warming = None;
     let mut slowest = Duration::ZERO;
     for seq in 0..count {
@@ -36,7 +36,7 @@ fn soak(count: u64) -> u64 {
             _ => packet.to_bytes().unwrap().to_vec(),
         };
         if random.next().is_multiple_of(20) {
-            spoilt += 1;
+            corrupt += 1;
             let at = random.next() as usize % bytes.len();
             match random.next() % 4 {
                 0 => bytes.truncate(at),
@@ -73,14 +73,14 @@ fn soak(count: u64) -> u64 {
     std::thread::sleep(Duration::from_millis(100));
     let counters = feed.counters();
     assert!(counters.taken <= good + good / 1000, "{counters:?}");
-    assert!(counters.bad * 2 > spoilt, "{counters:?} of {spoilt}");
+    assert!(counters.bad * 2 > corrupt, "{counters:?} of {corrupt}");
     assert_eq!((counters.over_rate, counters.connections), (0, 1));
     let grown_kib = match (after_warming, resident_kib()) {
         (Some(before), Some(after)) => after.saturating_sub(before),
         _ => 0,
     };
     println!(
-        "{count} packets, {spoilt} spoilt: {counters:?}; memory +{grown_kib} KiB; slowest state {slowest:?}"
+        "{count} packets, {corrupt} corrupt: {counters:?}; memory +{grown_kib} KiB; slowest state {slowest:?}"
     );
     assert!(slowest < Duration::from_secs(1), "{slowest:?}");
     grown_kib
@@ -163,7 +163,7 @@ fn silent_connections_make_room_for_one_another() {
     until("1 state", || feed.counters().taken == 1);
     let mut silent: Vec<_> = (0..50).map(|_| connect(address)).collect();
     // Eight of them are kept, beside those that have sent something.
-    until("42 are dismissed", || feed.counters().refused == 42);
+    until("42 are dismissed", || feed.counters().rejected == 42);
     assert_eq!(feed.counters().connections, 51);
     assert!(matches!(silent[0].read(&mut [0]), Ok(0) | Err(_)));
     send_line(&silent[49], &packet(2, 2.0));
@@ -192,7 +192,7 @@ fn a_stalled_simulator_is_stale_and_comes_back() {
 }
 
 #[test]
-fn a_web_page_that_posts_states_is_refused() {
+fn a_web_page_that_posts_states_is_rejected() {
     let (feed, address) = open(tcp());
     let body = packet(1, 1.0).to_json();
     let mut stream = connect(address);
@@ -205,7 +205,7 @@ fn a_web_page_that_posts_states_is_refused() {
     let mut rest = Vec::new();
     let _ = stream.read_to_end(&mut rest);
     assert_eq!(rest, b"");
-    until("refused", || feed.counters().refused == 1);
+    until("rejected", || feed.counters().rejected == 1);
     assert_eq!(feed.counters().taken, 0);
 }
 

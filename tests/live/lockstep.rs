@@ -86,7 +86,7 @@ fn a_player_can_say_why_there_is_no_picture() {
     let stream = connect(address);
     send_line(&stream, &frame(1, 1.0));
     let request = feed.wait_request(PATIENCE).unwrap();
-    assert!(feed.refuse(&request, "below the ground"));
+    assert!(feed.reject(&request, "below the ground"));
     assert_eq!(answer_line(&stream)["error"], "below the ground");
     // Nor does a packet that cannot be read leave its sender waiting.
     (&stream).write_all(b"{\"seq\":2}\n").unwrap();
@@ -215,7 +215,7 @@ fn who_waits_for_a_frame_is_not_dismissed_for_simulators_that_send() {
         .iter()
         .for_each(|other| send_line(other, &packet(1, 2.0)));
     // Of those that wait for nothing the longest silent leaves.
-    until("2 are dismissed", || feed.counters().refused >= 2);
+    until("2 are dismissed", || feed.counters().rejected >= 2);
     assert!(feed.acknowledge(&request));
     assert_eq!(answer_line(&simulator)["seq"], 1);
     assert!(matches!(others[0].read(&mut [0]), Ok(0) | Err(_)));
@@ -245,7 +245,7 @@ fn idle_connections_leave_a_simulator_over_websocket_alone() {
 }
 
 #[test]
-fn a_frame_in_broadcast_is_refused_and_says_why() {
+fn a_frame_in_broadcast_is_rejected_and_says_why() {
     let (feed, address) = open(tcp());
     let stream = connect(address);
     send_line(&stream, &frame(1, 1.0));

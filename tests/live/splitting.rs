@@ -18,8 +18,8 @@ fn all(splitter: &mut Splitter) -> (Vec<u64>, Vec<PacketFault>) {
 fn a_wrong_piece_costs_itself_only() {
     let json = |seq| packet(seq, seq as f64).to_json().into_bytes();
     let binary = |seq| packet(seq, seq as f64).to_bytes().unwrap().to_vec();
-    let mut spoilt = binary(9);
-    spoilt[40] ^= 1;
+    let mut corrupt = binary(9);
+    corrupt[40] ^= 1;
     let mut wrong_frame = packet(9, 9.0).to_bytes().unwrap().to_vec();
     wrong_frame[24] = 200;
     let pieces: [(&str, Vec<u8>); 8] = [
@@ -27,7 +27,7 @@ fn a_wrong_piece_costs_itself_only() {
         ("zeros", vec![0; 1000]),
         ("half a line", json(9)[..60].to_vec()),
         ("half a packet", binary(9)[..50].to_vec()),
-        ("a changed bit", spoilt),
+        ("a changed bit", corrupt),
         ("magic", b"\x89TRL".to_vec()),
         ("a wrong field", b"{\"epoch\":1}\n".to_vec()),
         ("a brace", b"{".to_vec()),

@@ -90,7 +90,7 @@ fn states_come_from_a_stream_and_its_end_is_not_the_feeds() {
 }
 
 #[test]
-fn states_come_over_websocket_and_web_pages_are_refused() {
+fn states_come_over_websocket_and_web_pages_are_rejected() {
     use tungstenite::Message;
     use tungstenite::client::IntoClientRequest;
     let options = LiveOptions {
@@ -117,8 +117,8 @@ fn states_come_over_websocket_and_web_pages_are_refused() {
         .unwrap();
     until("2 states", || feed.counters().taken == 2);
     assert_eq!(feed.counters().bad, 0, "{:?}", feed.last_fault());
-    let refused = from(Some("https://evil.example")).unwrap_err();
-    assert!(refused.contains("403"), "{refused}");
+    let rejected = from(Some("https://evil.example")).unwrap_err();
+    assert!(rejected.contains("403"), "{rejected}");
     let (mut allowed, _) = from(Some("https://example.org")).unwrap();
     allowed
         .send(Message::text(packet(3, 3.0).to_json()))
@@ -159,7 +159,7 @@ fn other_machines_are_let_in_only_where_allowed() {
 }
 
 #[test]
-fn settings_and_ports_that_cannot_be_are_refused() {
+fn settings_and_ports_that_cannot_be_are_rejected() {
     let (_feed, address) = open(tcp());
     let taken = LiveFeed::open(LiveOptions::new(Transport::Tcp(address))).unwrap_err();
     assert!(matches!(taken, LiveError::Bind { .. }), "{taken}");

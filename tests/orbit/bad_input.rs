@@ -20,7 +20,7 @@ fn message(text: &str, name: Option<&str>) -> String {
 }
 
 /// Asserts that the message is about this place and says this.
-fn refused(text: &str, place: &str, says: &str) {
+fn rejected(text: &str, place: &str, says: &str) {
     let message = message(text, None);
     assert!(
         message.starts_with(&format!("sets.tle{place}: ")),
@@ -110,16 +110,16 @@ fn alpha_5_numbers_are_read() {
     }
     for written in ["I0000", "O0000", "a0000", "A000 ", "1 234", "+1234"] {
         let text = [edited(ISS[0], 3, written), edited(ISS[1], 3, written)].join("\n");
-        refused(&text, ":1:3", "catalogue number");
+        rejected(&text, ":1:3", "catalogue number");
     }
 }
 
 #[test]
-fn spoilt_lines_are_named() {
+fn corrupt_lines_are_named() {
     let [one, two] = ISS;
     let name = "ISS (ZARYA)";
     // Bad checksum, on either line, and none at all.
-    refused(
+    rejected(
         &format!(
             "{name}\n{one}\n{}4",
             &two[..68].replace("51.6424", "51.6425")
@@ -127,84 +127,84 @@ fn spoilt_lines_are_named() {
         ":3:69",
         "bad checksum: the line sums to 5 and ends in '4'",
     );
-    refused(
+    rejected(
         &format!("{}3\n{two}", &one[..68]),
         ":1:69",
         "bad checksum: the line sums to 2 and ends in '3'",
     );
-    refused(&format!("{}!\n{two}", &one[..68]), ":1:69", "ends in '!'");
+    rejected(&format!("{}!\n{two}", &one[..68]), ":1:69", "ends in '!'");
     // Short and long lines.
-    refused(
+    rejected(
         &format!("{name}\n{one}\n{}", &two[..60]),
         ":3",
         "short line: 60 characters where an element line has 69",
     );
-    refused(
+    rejected(
         &format!("# c\n\n{}\n{two}", &one[..68]),
         ":3",
         "short line: 68 characters",
     );
-    refused(&format!("1 \n{two}"), ":1", "short line: 1 characters");
-    refused(
+    rejected(&format!("1 \n{two}"), ":1", "short line: 1 characters");
+    rejected(
         &format!("{one}\n{two}     0.00      4320.0"),
         ":2:70",
         "long line: 90 characters",
     );
     // Mixed satellites.
-    refused(
+    rejected(
         &format!("{name}\n{one}\n{}", GOES[1]),
         ":3:3",
         "mixed satellites: line 1 (line 2 of the file) is of 25544, line 2 of 41866",
     );
     // Lines that miss their partner.
-    refused(
+    rejected(
         &format!("{one}\n{one}\n{two}"),
         ":1",
         "not followed by its line 2",
     );
-    refused(
+    rejected(
         &format!("{one}\n{name}\n{two}"),
         ":1",
         "not followed by its line 2",
     );
-    refused(&format!("# c\n{one}\n"), ":2", "not followed by its line 2");
-    refused(&format!("{two}\n{one}"), ":1", "has no line 1 before it");
-    refused(
+    rejected(&format!("# c\n{one}\n"), ":2", "not followed by its line 2");
+    rejected(&format!("{two}\n{one}"), ":1", "has no line 1 before it");
+    rejected(
         &format!("{one}\n{two}\n{two}"),
         ":3",
         "has no line 1 before it",
     );
-    refused(
+    rejected(
         &format!("{name}\n{name}\n{one}\n{two}"),
         ":1",
         "neither an element line nor a name",
     );
-    refused(
+    rejected(
         &format!("{one}\n{two}\n{name}"),
         ":3",
         "neither an element line nor a name",
     );
-    refused("hello\n", ":1", "begin a comment with #");
-    refused("<!DOCTYPE html>\n<html>\n", ":1:1", "as web pages have");
+    rejected("hello\n", ":1", "begin a comment with #");
+    rejected("<!DOCTYPE html>\n<html>\n", ":1:1", "as web pages have");
     // Columns that have moved, and line numbers that do not exist.
-    refused(&format!(" {one}\n {two}"), ":1", "begins with a blank");
-    refused(
+    rejected(&format!(" {one}\n {two}"), ":1", "begins with a blank");
+    rejected(
         &format!("{}\n{two}", with_checksum(&one.replacen('1', "3", 1))),
         ":1",
         "line number '3'",
     );
-    refused(
+    rejected(
         &format!("{}\n{two}", edited(one, 9, "198067A ")),
         ":1:9",
         "between two fields",
     );
     // Characters that no element line has.
-    refused(
+    rejected(
         &format!("{}\n{two}", one.replacen("0  9992", "0\u{a0} 9992", 1)),
         ":1:64",
         "cannot stand here",
     );
-    refused(
+    rejected(
         &format!(
             "{}\n{two}",
             one.replacen(' ', "\t", 1).replacen('\t', " \t", 1)
@@ -212,17 +212,17 @@ fn spoilt_lines_are_named() {
         ":1:3",
         "'\\t' cannot stand here",
     );
-    refused(
+    rejected(
         &format!("{name}\u{0}\n{one}\n{two}"),
         ":1:12",
         "a name is printable text",
     );
-    refused(
+    rejected(
         &format!("{}\n{one}\n{two}", "é".repeat(200)),
         ":1",
         "200 characters; names have at most 128",
     );
-    // A spoilt line of a satellite that nobody asked for.
+    // A corrupt line of a satellite that nobody asked for.
     let other = format!(
         "{name}\n{one}\n{two}\nGOES 16\n{}\n{}",
         GOES[0],
@@ -258,7 +258,7 @@ fn fields_are_named_with_their_column() {
         (63, "4", "ephemeris type is \"4\"; expected 0"),
         (65, "-999", "element set number"),
     ] {
-        refused(
+        rejected(
             &format!("{}\n{two}", edited(one, column, characters)),
             &format!(":1:{column}"),
             says,
@@ -290,7 +290,7 @@ fn fields_are_named_with_their_column() {
         (53, "15.54.90080", "mean motion"),
         (64, "-9561", "revolution number"),
     ] {
-        refused(
+        rejected(
             &format!("{one}\n{}", edited(two, column, characters)),
             &format!(":2:{column}"),
             says,
@@ -299,7 +299,7 @@ fn fields_are_named_with_their_column() {
 }
 
 #[test]
-fn elements_that_cannot_fly_are_refused_with_sgp4s_cause() {
+fn elements_that_cannot_fly_are_rejected_with_sgp4s_cause() {
     let [one, two] = ISS;
     // 18 revolutions a day: below the ground from the start.
     let error = message(

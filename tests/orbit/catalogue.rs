@@ -57,11 +57,11 @@ fn all_of_a_file_are_read() {
 fn the_good_are_used_and_the_bad_are_listed() {
     let [one, two] = ISS;
     let named = |name: &str| format!("{name}\n{one}\n{two}\n");
-    let spoilt = two.replace("51.6424", "51.6425");
+    let corrupt = two.replace("51.6424", "51.6425");
     // What stands in the file, how many are good, and the lines that are named.
     let cases: [(String, usize, &[&str]); 9] = [
         (
-            format!("A\n{one}\n{spoilt}\n{}", named("B")),
+            format!("A\n{one}\n{corrupt}\n{}", named("B")),
             1,
             &["3:69: bad checksum"],
         ),
@@ -127,7 +127,7 @@ fn the_good_are_used_and_the_bad_are_listed() {
 }
 
 #[test]
-fn a_file_without_a_good_set_is_refused() {
+fn a_file_without_a_good_set_is_rejected() {
     assert!(matches!(
         read("", false),
         Err(OrbitError::NoElements { .. })

@@ -280,7 +280,7 @@ fn extrapolation_is_followed() {
     );
     assert_eq!(first.validity().0, at(480.0));
     assert!((x(&first, 500.0).unwrap() - 7_000_100.0).abs() < 1e-6);
-    // Where nothing ends it, it is not followed, and that is told.
+    // Where nothing ends it, it is not followed, and that is reported.
     let endless = position(&parabola, r#","forwardExtrapolationType":"HOLD""#);
     let told = read(&document(&[packet("a", &endless)])).unwrap();
     assert_eq!(told.feeds[0].validity().1, at(600.0));

@@ -340,16 +340,16 @@ fn years_on_it_is_as_sharp() {
 }
 
 #[test]
-fn samples_that_are_no_ephemeris_are_refused() {
+fn samples_that_are_no_ephemeris_are_rejected() {
     let good = sample(&KeplerOrbit::LOW, 0.0);
     let later = sample(&KeplerOrbit::LOW, 60.0);
     let new =
         |samples: &[StateSample], i| InterpolatedStates::new(Frame::Gcrf, samples, i).map(|_| ());
     assert_eq!(new(&[], LAGRANGE(3)), Err(InterpolationError::Empty));
     for degree in [0, 32, usize::MAX] {
-        let refused = Err(InterpolationError::Degree { degree });
-        assert_eq!(new(&[good], LAGRANGE(degree)), refused);
-        assert_eq!(new(&[good], HERMITE(degree)), refused);
+        let rejected = Err(InterpolationError::Degree { degree });
+        assert_eq!(new(&[good], LAGRANGE(degree)), rejected);
+        assert_eq!(new(&[good], HERMITE(degree)), rejected);
     }
     for samples in [[good, good], [later, good]] {
         assert!(matches!(

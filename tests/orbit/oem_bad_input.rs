@@ -273,7 +273,7 @@ fn several_messages_and_a_bad_one() {
     }
 }
 
-/// Each with one bad line in it: the other states are flown, the line is told; strictly it is refused.
+/// Each with one bad line in it: the other states are flown, the line is reported; strictly it is rejected.
 #[test]
 fn a_bad_state_costs_that_state() {
     let times = every_minute(0, 10);
@@ -334,7 +334,7 @@ fn a_bad_state_costs_that_state() {
         let feed = loose.into_one(origin, None).expect(to);
         assert_eq!(feed.segments()[0].samples.len(), states, "{to}");
     }
-    // A mark that is out of place spoils the message: nothing says what its other lines are of.
+    // A mark that is out of place corrupts the message: nothing says what its other lines are of.
     let text = kvn.replacen("META_START\n", "", 1);
     assert!(Ephemerides::from_text(&text, Path::new("sat.oem"), false).is_err());
 }

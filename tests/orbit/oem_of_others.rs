@@ -140,7 +140,7 @@ fn gaps_between_segments_are_known() {
 
 /// A state that comes twice does no harm, and segments that overlap do: the overlap is named.
 #[test]
-fn the_fault_that_spoils_the_message_is_named() {
+fn the_fault_that_corrupts_the_message_is_named() {
     let segment = |times: &[f64]| {
         let (from, to) = (times[0], times[times.len() - 1]);
         meta(TimeScale::Utc, from, to).kvn() + &rows(times, TimeScale::Utc)

@@ -208,7 +208,7 @@ fn wrong_files_are_named() {
             "{from}: {error}"
         );
     }
-    // A wrong number costs its state, and the line is told.
+    // A wrong number costs its state, and the line is reported.
     let line = good.lines().find(|line| line.starts_with("PG01")).unwrap();
     let wrong = good.replacen(line, &format!("PG01      here{}", &line[18..]), 1);
     let some = read(&wrong, false).unwrap();

@@ -131,7 +131,7 @@ fn segments_meet_where_the_motion_jumps() {
             (start(), start() + Duration::from_seconds(1200.0))
         );
     }
-    // Covariances behind the states are passed over.
+    // Covariances behind the states are skipped.
     let more = rows(0..=20, 1e3, true) + "CovarianceTimePos\n0.0 1 2 3 4 5 6\n";
     assert_eq!(
         read(&file(J2000_KM, "EphemerisTimePosVel", &more))

@@ -93,7 +93,7 @@ fn errors_are_read_back_and_bad_ones_cost_no_state() {
         // Where none is said it is that between its neighbours'.
         near(minute, 10.0 + f64::from(minute));
     }
-    // An error that is none is told; the state is flown all the same, without it.
+    // An error that is none is reported; the state is flown all the same, without it.
     for wrong in ["-1", "much", "inf"] {
         let bad = text.replacen(",15\n", &format!(",{wrong}\n"), 1);
         assert_ne!(bad, text);
@@ -314,14 +314,14 @@ fn a_table_of_several_satellites_says_in_each_row_whose_it_is() {
 #[test]
 fn a_bad_row_costs_that_row() {
     let good = printed(Frame::Gcrf);
-    let spoilt = good
+    let corrupt = good
         .replacen("T21:38:14", "T21:3x:14", 1)
         .replacen("T21:43:14", "T21:03:14", 1);
-    assert_ne!(spoilt, good);
+    assert_ne!(corrupt, good);
     let origin = Path::new("sat.csv");
-    let error = Ephemerides::from_text(&spoilt, origin, true).unwrap_err();
+    let error = Ephemerides::from_text(&corrupt, origin, true).unwrap_err();
     assert!(error.to_string().starts_with("sat.csv:"), "{error}");
-    let loose = Ephemerides::from_text(&spoilt, origin, false).unwrap();
+    let loose = Ephemerides::from_text(&corrupt, origin, false).unwrap();
     let told: Vec<_> = loose.faults.iter().map(OrbitError::to_string).collect();
     assert_eq!(told.len(), 2, "{told:?}");
     let feed = loose.into_one(origin, None).unwrap();

@@ -150,9 +150,9 @@ fn afspc_mode_is_the_reference_codes_where_the_modes_differ() {
     assert!((0.9..1.0).contains(&between_modes_km), "{between_modes_km}");
 }
 
-/// 20413 from 1 844 000 minutes: a feed refuses, and the propagator below it still agrees.
+/// 20413 from 1 844 000 minutes: a feed rejects, and the propagator below it still agrees.
 #[test]
-fn far_from_its_epoch_the_feed_refuses_and_the_propagator_agrees() {
+fn far_from_its_epoch_the_feed_rejects_and_the_propagator_agrees() {
     let case = cases().pop().unwrap();
     assert_eq!(case.satellite, "20413");
     let [line1, line2] = &case.lines;
@@ -227,7 +227,7 @@ fn errors_come_at_the_reference_codes_times() {
 /// 33334 is made up with a mean motion of 1e-5 a day. The reference code reports an error at once and prints the row
 /// of the case before it.
 #[test]
-fn a_set_that_fails_at_its_own_epoch_is_refused_when_read() {
+fn a_set_that_fails_at_its_own_epoch_is_rejected_when_read() {
     let all = cases();
     let at = all.iter().position(|c| c.satellite == "33334").unwrap();
     assert_eq!(all[at].rows.len(), 1);

@@ -5,7 +5,7 @@ use super::entry::{Faults, MAX_ENTRIES};
 use super::file::read_text;
 use super::omm;
 use super::recognise::message_of_another_kind;
-use super::refused::Refused;
+use super::rejected::Rejected;
 use super::sgp4_set::Sgp4Set;
 use super::text::with_line_feeds;
 use super::tle_fields::{catalogue_number, elements};
@@ -26,12 +26,12 @@ pub struct Catalogue {
     pub faults: Vec<OrbitError>,
     /// How many faults there are beyond those.
     pub faults_left_out: usize,
-    refused: Vec<Refused>,
+    rejected: Vec<Rejected>,
     index: OnceLock<Index>,
 }
 
 /// Most records that cannot be flown whose names are kept.
-const MAX_REFUSED: usize = 100_000;
+const MAX_REJECTED: usize = 100_000;
 
 /// The sets of a file by satellite, in the order of the satellites' first sets.
 #[derive(Default)]
@@ -87,7 +87,7 @@ impl Catalogue {
     ///
     /// Sets of several epochs of one satellite are one feed, in which each answers for the instants to which its epoch is the
     /// nearest; a notice says so. Sets that are faulty, or that SGP4 cannot fly, are listed and the others used; `is_strict`
-    /// refuses the file instead.
+    /// rejects the file instead.
     ///
     /// # Errors
     /// If no set is good, or, when strict, if one is not: says which line and column is wrong, how, and what to do.
@@ -114,15 +114,15 @@ impl Catalogue {
 
     fn read(text: &str, origin: &Path, mut faults: Faults<OrbitError>) -> Result<Self, OrbitError> {
         let mut groups = Groups::default();
-        let mut refused = Vec::new();
+        let mut rejected = Vec::new();
         let path: Arc<Path> = Arc::from(origin);
         let format = match omm::is_omm(text) {
             true => FileFormat::Omm,
             false => FileFormat::Tle,
         };
-        let mut refuse = |names: Vec<String>, error: OrbitError| {
-            if refused.len() < MAX_REFUSED {
-                refused.push(Refused::new(names, &error));
+        let mut reject = |names: Vec<String>, error: OrbitError| {
+            if rejected.len() < MAX_REJECTED {
+                rejected.push(Rejected::new(names, &error));
             }
             faults.note(error)
         };
@@ -130,24 +130,24 @@ impl Catalogue {
             omm::each_elements(text, origin, &mut |result| {
                 let (elements, line) = match result {
                     Ok(read) => read,
-                    Err(bad) => return refuse(bad.names, bad.error),
+                    Err(bad) => return reject(bad.names, bad.error),
                 };
                 let names = vec![elements.name.clone(), elements.catalogue_number.to_string()];
                 match Sgp4Set::new(elements, Arc::clone(&path), line) {
                     Ok(set) => groups.add(set),
-                    Err(error) => refuse(names, error)?,
+                    Err(error) => reject(names, error)?,
                 }
                 Ok(())
             })?;
         } else {
-            for set in sets_and_faults(text, origin, &mut refuse)? {
+            for set in sets_and_faults(text, origin, &mut reject)? {
                 let flown = elements(&set, origin)
                     .and_then(|elements| Sgp4Set::new(elements, Arc::clone(&path), set.at1));
                 match flown {
                     Ok(set) => groups.add(set),
                     Err(error) => {
                         let names = [set.label(), set.catalogue()];
-                        refuse(names.map(str::to_owned).to_vec(), error)?;
+                        reject(names.map(str::to_owned).to_vec(), error)?;
                     }
                 }
             }
@@ -171,7 +171,7 @@ impl Catalogue {
             feeds,
             faults: faults.kept,
             faults_left_out: faults.left_out,
-            refused,
+            rejected,
             index: OnceLock::new(),
         })
     }
@@ -210,7 +210,7 @@ impl Catalogue {
                 let path = origin.to_owned();
                 OrbitError::NoElements { path }
             }),
-            Err(error) => Err(Refused::explain(&self.refused, error)),
+            Err(error) => Err(Rejected::explain(&self.rejected, error)),
         }
     }
 }
@@ -251,7 +251,7 @@ impl Sgp4Feed {
     /// catalogue number. `None` takes the only set there is.
     ///
     /// The file holds two-line elements or an OMM in any of its forms ([`Catalogue`] says which). Two-line sets may have a
-    /// name line first, with or without a leading `0 `. Empty lines and lines that begin with `#` are passed over. Every
+    /// name line first, with or without a leading `0 `. Empty lines and lines that begin with `#` are skipped. Every
     /// line is checked, also those of other satellites.
     ///
     /// # Errors

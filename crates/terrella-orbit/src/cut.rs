@@ -2,7 +2,7 @@
 //!
 //! A file of lines that ends without a line feed may have lost digits of its last number, and what is left reads as a good
 //! one. Many programs leave the line feed out of whole files, too. So the last line is used where it is written as finely as
-//! those before it, and otherwise left out; either way the user is told.
+//! those before it, and otherwise left out; either way the user is reported.
 
 /// How a file shows that it has been cut off, or may have been.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -10,7 +10,7 @@
 pub enum CutOff {
     /// Its last line is not whole, or cannot be shown to be.
     #[error(
-        "the file has been cut off within this line, which is left out: there is no line feed behind it; fetch or write the file anew, or end the line with a line feed if it is whole"
+        "the file has been cut off within this line, which is left out: there is no line feed behind it; fetch or write the file again, or end the line with a line feed if it is whole"
     )]
     Line,
     /// Its last line seems to be whole.
@@ -25,7 +25,7 @@ pub enum CutOff {
     Unended,
     /// States are missing at the end.
     #[error(
-        "the file has been cut off, or states are missing: the last one is of {last}, before {key} = {stop}; fetch or write the file anew"
+        "the file has been cut off, or states are missing: the last one is of {last}, before {key} = {stop}; fetch or write the file again"
     )]
     Stop {
         /// Instant of the last state, UTC.
@@ -36,7 +36,7 @@ pub enum CutOff {
         stop: String,
     },
     /// Something has begun and does not end.
-    #[error("the file has been cut off: {what} is not closed; fetch or write it anew")]
+    #[error("the file has been cut off: {what} is not closed; fetch or write it again")]
     Unclosed {
         /// What has begun.
         what: String,

@@ -37,7 +37,7 @@ pub(super) fn each_object(
         objects.packet(&document, value, each)
     });
     // What ends a whole text is one more fault where others are good.
-    read.or_else(|error| each(Found::Spoilt(error)))?;
+    read.or_else(|error| each(Found::Corrupt(error)))?;
     objects.finish(&document, each)
 }
 
@@ -88,7 +88,7 @@ impl<'t> Objects<'t> {
     ) -> Result<(), RecordError> {
         let packet = match document.object(value, "a packet, which is an object") {
             Ok(packet) => packet,
-            Err(error) => return each(Found::Spoilt(error)),
+            Err(error) => return each(Found::Corrupt(error)),
         };
         let text = |key| {
             let entry = document.entry(key, packet.get(key)?)?;
@@ -121,7 +121,7 @@ impl<'t> Objects<'t> {
         match thing.add(document, &packet, each) {
             Err(error) if !thing.is_faulty => {
                 thing.is_faulty = true;
-                each(Found::Spoilt(error))
+                each(Found::Corrupt(error))
             }
             _ => Ok(()),
         }
@@ -149,7 +149,7 @@ impl<'t> Objects<'t> {
                     false => Found::Follower(feed),
                 })?,
                 Ok(None) => {}
-                Err(error) => each(Found::Spoilt(error))?,
+                Err(error) => each(Found::Corrupt(error))?,
             }
         }
         Ok(())
@@ -436,7 +436,7 @@ impl<'t> Timelines<'_, 't> {
         id: &str,
         each: &mut Each<'_>,
     ) -> Result<Vec<Known>, RecordError> {
-        let refuse = |remedy| {
+        let reject = |remedy| {
             let fault = RecordFault::Unsupported {
                 key: "reference".to_owned(),
                 text: excerpt(id),
@@ -445,7 +445,7 @@ impl<'t> Timelines<'_, 't> {
             Err(self.document.error(piece.place, fault))
         };
         let Some(at) = self.objects.by_id.get(id).copied() else {
-            return refuse("no object has this id");
+            return reject("no object has this id");
         };
         let is_faulty = self
             .objects
@@ -453,10 +453,10 @@ impl<'t> Timelines<'_, 't> {
             .get(at)
             .is_some_and(|other| other.is_faulty);
         if is_faulty || matches!(self.known.get(at), Some(Work::Failed)) {
-            return refuse("the object of this id cannot be read");
+            return reject("the object of this id cannot be read");
         }
         if matches!(self.known.get(at), Some(Work::Begun)) {
-            return refuse("objects refer to one another in a circle; give one of them samples");
+            return reject("objects refer to one another in a circle; give one of them samples");
         }
         Ok(self.known(at, each)?.to_vec())
     }

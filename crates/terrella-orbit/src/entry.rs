@@ -212,7 +212,7 @@ impl Entry<'_> {
         self.place.error(origin, fault)
     }
 
-    /// Refuses a unit other than `expected`; none is fine.
+    /// Rejects a unit other than `expected`; none is fine.
     pub fn check_unit(&self, origin: &Path, expected: &'static str) -> Result<(), RecordError> {
         match &self.unit {
             Some(unit) if !unit.trim().eq_ignore_ascii_case(expected) => {
@@ -251,7 +251,7 @@ impl Entry<'_> {
 /// Keys that are looked at, and the units they may say they are in (empty: not checked).
 pub(super) type Keys = [(&'static str, &'static str)];
 
-/// The entries of one record (a message, a segment's metadata, a state) by key; entries of other keys are passed over.
+/// The entries of one record (a message, a segment's metadata, a state) by key; entries of other keys are skipped.
 pub(super) struct Fields {
     /// What it is, for errors: "the message".
     what: &'static str,
@@ -347,7 +347,7 @@ pub(super) fn scaled_number(text: &str, power: i32) -> Option<f64> {
     number(&format!("{mantissa}e{exponent}"))
 }
 
-/// Faults of records that were passed over, so many that a reader can see what is wrong with a file.
+/// Faults of records that were skipped, so many that a reader can see what is wrong with a file.
 #[derive(Debug, Default)]
 pub(super) struct Faults<E> {
     pub is_strict: bool,

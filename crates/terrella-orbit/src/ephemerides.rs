@@ -35,13 +35,13 @@ impl Ephemerides {
     /// Reads a file of states. Which kind it is, the text itself says:
     ///
     /// - an OEM of CCSDS 502.0 begins with `CCSDS_OEM_VERS` (KVN) or `<` (XML). States in ICRF, GCRF, EME2000, TEME,
-    ///   TOD, MOD, ITRF… or GTOD, times in UTC, TAI, TT, TDB or GPS; others are refused. Where it names no interpolation,
+    ///   TOD, MOD, ITRF… or GTOD, times in UTC, TAI, TT, TDB or GPS; others are rejected. Where it names no interpolation,
     ///   [`Interpolation::WITH_VELOCITIES`](super::interpolated::Interpolation::WITH_VELOCITIES) is taken.
     /// - CZML begins with `[`. Every `id` with a sampled `position`, in one packet or several, is an object; `INERTIAL` is taken
-    ///   as GCRF, `FIXED` as ITRF. Points that stand still are passed over; objects whose position refers to another's, as those of
+    ///   as GCRF, `FIXED` as ITRF. Points that stand still are skipped; objects whose position refers to another's, as those of
     ///   sensors do, are not among [`Self::feeds`], but [`Self::one`] finds them by name.
     /// - CSV has a header that names `epoch_utc,x_km,y_km,z_km`, and if it likes `vx_km_s,vy_km_s,vz_km_s`, in any order,
-    ///   others being passed over (`epoch_tai`, `…_tt`, `…_gps`; `x_m` with `vx_m_s`). A column `error_m` says how far a state may be
+    ///   others being skipped (`epoch_tai`, `…_tt`, `…_gps`; `x_m` with `vx_m_s`). A column `error_m` says how far a state may be
     ///   off, one standard deviation, and may be empty. Columns `name` and `frame` say of
     ///   which satellite a row is and in which frame; or a comment before the header says it of all rows, and what else
     ///   the numbers do not: `# frame = TEME, name = ISS, interpolation = HERMITE, degree = 7`. The frame must be said.
@@ -50,7 +50,7 @@ impl Ephemerides {
     /// - An ephemeris of STK begins with `stk.v.`; its systems ICRF, J2000, Fixed and TEMEOfDate are read.
     ///
     /// States that cannot be read, and those out of the order of time, are listed and their objects flown
-    /// without them. Objects that are faulty are listed and the others used. `is_strict` refuses the file instead.
+    /// without them. Objects that are faulty are listed and the others used. `is_strict` rejects the file instead.
     ///
     /// # Errors
     /// If no object is good, or, when strict, if anything is not: says which line and column is wrong, how, and what to do.
@@ -68,7 +68,7 @@ impl Ephemerides {
         if let Some(other) = message_of_another_kind(text) {
             return Err(other.error(origin));
         }
-        // Read to its end when strict as well: what spoils an object says more than a fault before it that does not.
+        // Read to its end when strict as well: what corrupts an object says more than a fault before it that does not.
         let mut faults = Faults::<RecordError>::new(false);
         let mut first_fault = None;
         let mut feeds = Vec::new();
@@ -82,7 +82,7 @@ impl Ephemerides {
                 followers.push(feed);
                 Ok(())
             }
-            Found::Spoilt(error) => {
+            Found::Corrupt(error) => {
                 faulty.get_or_insert_with(|| error.clone());
                 first_fault.get_or_insert_with(|| error.clone());
                 faults.note(error)
@@ -107,12 +107,12 @@ impl Ephemerides {
             FileFormat::Oem => oem::each_object(text, origin, &mut each)?,
             FileFormat::Czml => czml::each_object(text, origin, &mut each)?,
             FileFormat::Sp3 => sp3::each_object(text, origin, &mut each)
-                .or_else(|error| each(Found::Spoilt(error)))?,
+                .or_else(|error| each(Found::Corrupt(error)))?,
             FileFormat::Stk => stk::each_object(text, origin, &mut each)
-                .or_else(|error| each(Found::Spoilt(error)))?,
+                .or_else(|error| each(Found::Corrupt(error)))?,
             _ if ephemeris_csv::is_table(text) => {
                 ephemeris_csv::each_object(text, origin, &mut each)
-                    .or_else(|error| each(Found::Spoilt(error)))?;
+                    .or_else(|error| each(Found::Corrupt(error)))?;
             }
             _ => {}
         }
@@ -122,7 +122,7 @@ impl Ephemerides {
         }
         let mut kept: Vec<_> = faults.kept.into_iter().map(OrbitError::from).collect();
         if feeds.is_empty() {
-            // What spoils an object says more than a fault of one state, and that more than that there is nothing.
+            // What corrupts an object says more than a fault of one state, and that more than that there is nothing.
             return Err(match (telling, kept.is_empty()) {
                 (Some(faulty), _) => faulty.into(),
                 (None, true) => OrbitError::NoEphemeris {

@@ -16,7 +16,7 @@ pub enum OrbitError {
         source: std::io::Error,
     },
     /// The file is compressed by gzip and damaged.
-    #[error("{}: cannot be decompressed: {source}; fetch it anew", path.display())]
+    #[error("{}: cannot be decompressed: {source}; fetch it again", path.display())]
     Compressed {
         path: PathBuf,
         /// The decompressor's reason.
@@ -102,7 +102,7 @@ pub enum OrbitError {
         last: String,
     },
     /// SGP4 cannot start from these elements or fails at an epoch.
-    #[error("{}:{line}: SGP4 fails for {satellite} at {epoch}: {cause}; the orbit has decayed or the elements are spoilt: take a newer set, or a date nearer to its epoch", path.display())]
+    #[error("{}:{line}: SGP4 fails for {satellite} at {epoch}: {cause}; the orbit has decayed or the elements are corrupt: take a newer set, or a date nearer to its epoch", path.display())]
     Sgp4 {
         path: PathBuf,
         /// Line of the set's line 1, from 1.
@@ -256,7 +256,7 @@ pub enum LineFault {
     NameAlone { text: String },
     /// The checksum does not fit.
     #[error(
-        "bad checksum: the line sums to {expected} and ends in {found:?}; a character of it is wrong, copy it anew"
+        "bad checksum: the line sums to {expected} and ends in {found:?}; a character of it is wrong, copy it again"
     )]
     Checksum {
         /// Sum of the digits, with 1 for each minus sign, modulo 10.

@@ -10,7 +10,7 @@ pub(super) enum Found {
     /// An object that is where another one is, such as a satellite's sensor.
     Follower(EphemerisFeed),
     /// An object that cannot, and why.
-    Spoilt(RecordError),
+    Corrupt(RecordError),
     /// A state or an error estimate that its object is flown without, and why.
     BadState(RecordError),
 }
@@ -19,7 +19,7 @@ impl From<Result<EphemerisFeed, RecordError>> for Found {
     fn from(object: Result<EphemerisFeed, RecordError>) -> Self {
         match object {
             Ok(feed) => Self::Object(feed),
-            Err(error) => Self::Spoilt(error),
+            Err(error) => Self::Corrupt(error),
         }
     }
 }

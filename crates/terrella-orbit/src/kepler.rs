@@ -71,7 +71,7 @@ impl KeplerFeed {
     /// From classical elements at `epoch`, in the axes of `frame` (TEME, GCRF or EME2000).
     ///
     /// # Errors
-    /// What [`KeplerElements::conic`] refuses, a turning frame, a drift of what is no ellipse, an empty span, an epoch under
+    /// What [`KeplerElements::conic`] rejects, a turning frame, a drift of what is no ellipse, an empty span, an epoch under
     /// the ground.
     pub fn from_elements(
         name: impl Into<String>,

@@ -52,7 +52,7 @@ mod opm;
 mod orbit_files;
 mod passes;
 mod recognise;
-mod refused;
+mod rejected;
 mod runs;
 mod sgp4_feed;
 mod sgp4_set;

@@ -21,7 +21,7 @@
 //! | `message` | `"state"`, which is taken where there is none, or `"frame"` |
 //! | `name` | the satellite's, at most 64 characters; the first one stays |
 //!
-//! Other keys are passed over. Answers are `{"message":"ack","seq":1}` and `{"message":"error","seq":1,"error":"…"}`, with
+//! Other keys are skipped. Answers are `{"message":"ack","seq":1}` and `{"message":"error","seq":1,"error":"…"}`, with
 //! `"seq":null` where the packet could not be read.
 //!
 //! # Binary
@@ -242,9 +242,9 @@ impl LiveFeed {
     }
 
     /// Tells the simulator why there is no picture. `false` where it waits no more.
-    pub fn refuse(&self, request: &FrameRequest, reason: &str) -> bool {
+    pub fn reject(&self, request: &FrameRequest, reason: &str) -> bool {
         let reason = printable(reason);
-        self.shared.lockstep.end(request, Outcome::Refused(reason))
+        self.shared.lockstep.end(request, Outcome::Rejected(reason))
     }
 
     /// Where it listens, with the port that was found for port 0.

@@ -123,7 +123,7 @@ fn from_kvn(text: &str, origin: &Path, each: &mut Each<'_>) -> Result<(), OrbitE
                 }
             }
             kvn::KvnLine::Entry(entry) => {
-                // Behind a fault the rest of its record is passed over.
+                // Behind a fault the rest of its record is skipped.
                 if let Some(Err(error)) = record.as_mut().map(|r| r.add(entry, origin)) {
                     let names = record.take().map(|r| r.names()).unwrap_or_default();
                     each(Err(BadRecord::new(names, error)))?;
@@ -166,7 +166,7 @@ fn check_count(count: usize, place: TextPosition, origin: &Path) -> Result<(), R
 
 fn from_xml(text: &str, origin: &Path, each: &mut Each<'_>) -> Result<(), OrbitError> {
     let mut record: Option<ElementEntries> = None;
-    // A fault has been reported: the rest of the record is passed over.
+    // A fault has been reported: the rest of the record is skipped.
     let mut count = 0;
     xml::walk::<OrbitError>(text, origin, &mut |item| {
         match item {

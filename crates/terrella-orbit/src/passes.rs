@@ -107,10 +107,10 @@ impl<'o> Observer<'o> {
 /// tenth, and the turn of the Earth: two burns within minutes may hide a pass between them.
 ///
 /// Work is bounded: at most one state for half a second of the span, as a rule one for some minutes. A feed's gaps
-/// ([`OrbitError::NotCovered`]) are passed over and end passes.
+/// ([`OrbitError::NotCovered`]) are skipped and end passes.
 ///
 /// # Errors
-/// What else the feed refuses in its validity before the end of a pass: a satellite that has decayed.
+/// What else the feed rejects in its validity before the end of a pass: a satellite that has decayed.
 pub fn next_pass(
     feed: &dyn Feed,
     observer: &Observer<'_>,

@@ -111,7 +111,7 @@ fn compare(feed: &dyn Feed, from: Epoch, days: f64, least_deg: f64) -> usize {
         // A second's look may miss a pass of a second.
         let length = |pass: &Pass| (pass.end - pass.begin).to_seconds();
         let found: Vec<_> = found
-            .expect("no refusal")
+            .expect("no rejection")
             .into_iter()
             .filter(|p| length(p) > 2.0)
             .collect();
@@ -340,14 +340,14 @@ fn spans_outside_the_validity_have_no_pass() {
     let place = observer(48.2, 16.4, 10.0);
     let late = feed.validity().1 + Duration::from_days(1.0);
     let found = next_pass(&feed, &place, late, late + Duration::from_days(9.0));
-    assert_eq!(found.expect("no refusal"), None);
+    assert_eq!(found.expect("no rejection"), None);
     let backwards = next_pass(
         &feed,
         &place,
         feed.epoch(),
         feed.epoch() - Duration::from_days(9.0),
     );
-    assert_eq!(backwards.expect("no refusal"), None);
+    assert_eq!(backwards.expect("no rejection"), None);
     // Across the end of the validity nothing is asked behind it.
     let last = feed.validity().1 - Duration::from_seconds(60.0);
     assert!(next_pass(&feed, &place, last, late).is_ok());

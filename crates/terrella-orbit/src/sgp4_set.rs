@@ -53,7 +53,7 @@ impl Sgp4Set {
             constants,
             reach: OnceLock::new(),
         };
-        // A set that does not even hold at its own epoch is refused here, not in the middle of a flight.
+        // A set that does not even hold at its own epoch is rejected here, not in the middle of a flight.
         set.propagated(set.elements.epoch)?;
         Ok(set)
     }
@@ -140,7 +140,7 @@ impl Sgp4Set {
         })
     }
 
-    /// Refuses an epoch outside the validity.
+    /// Rejects an epoch outside the validity.
     fn check(&self, epoch: Epoch) -> Result<(), OrbitError> {
         // Thousands of sets are asked in a frame: comparing elapsed times costs least.
         let elapsed = epoch.to_tai_duration() - self.elements.epoch.to_tai_duration();

@@ -157,7 +157,7 @@ impl<'o> Reader<'o> {
         place.error(self.origin, fault)
     }
 
-    /// A keyword before the states; those that say nothing of the motion are passed over.
+    /// A keyword before the states; those that say nothing of the motion are skipped.
     fn header(
         &mut self,
         key: &str,

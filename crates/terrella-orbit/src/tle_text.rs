@@ -40,7 +40,7 @@ pub(super) fn columns(line: &str, first: usize, last: usize) -> &str {
     line.get(first - 1..last).unwrap_or("")
 }
 
-/// All sets of a file. Every line is checked, also of satellites that nobody asks for: a file with one spoilt line is
+/// All sets of a file. Every line is checked, also of satellites that nobody asks for: a file with one corrupt line is
 /// not to be trusted.
 pub(super) fn element_sets<'t>(
     text: &'t str,
@@ -56,20 +56,20 @@ pub(super) fn element_sets<'t>(
 }
 
 /// What is done with a fault and the names of the satellite that it costs, as far as they are known; its error ends the reading.
-pub(super) type Refuse<'r> = dyn FnMut(Vec<String>, OrbitError) -> Result<(), OrbitError> + 'r;
+pub(super) type Reject<'r> = dyn FnMut(Vec<String>, OrbitError) -> Result<(), OrbitError> + 'r;
 
-/// The sets that are whole; what is wrong with the others goes to `refuse`, which may end the reading.
+/// The sets that are whole; what is wrong with the others goes to `reject`, which may end the reading.
 pub(super) fn sets_and_faults<'t>(
     text: &'t str,
     origin: &Path,
-    refuse: &mut Refuse<'_>,
+    reject: &mut Reject<'_>,
 ) -> Result<Vec<ElementSet<'t>>, OrbitError> {
     let mut reader = SetReader {
         origin,
         sets: Vec::new(),
         name: None,
         first: None,
-        is_line1_spoilt: false,
+        is_line1_corrupt: false,
     };
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     for (index, line) in text.lines().enumerate() {
@@ -82,17 +82,17 @@ pub(super) fn sets_and_faults<'t>(
             let of_line = matches!(kind(line), Ok(LineKind::Line1 | LineKind::Line2));
             let number = Some(columns(line, 3, 7).trim()).filter(|_| of_line);
             let names = names.into_iter().flatten().chain(number);
-            refuse(names.map(str::to_owned).collect(), error)?;
-            // A set in work may be the one that is spoilt: the next line begins anew.
+            reject(names.map(str::to_owned).collect(), error)?;
+            // A set in work may be the one that is corrupt: the next line begins again.
             if let Err(again) = reader.begin_anew(at, line) {
-                refuse(number.map(str::to_owned).into_iter().collect(), again)?;
+                reject(number.map(str::to_owned).into_iter().collect(), again)?;
             }
         }
     }
     let names = reader.names();
     if let Err(error) = reader.end() {
         let names = names.into_iter().flatten();
-        refuse(names.map(str::to_owned).collect(), error)?;
+        reject(names.map(str::to_owned).collect(), error)?;
     }
     Ok(reader.sets)
 }
@@ -104,8 +104,8 @@ struct SetReader<'t, 'o> {
     name: Option<(usize, &'t str)>,
     /// A line 1 that waits for its line 2.
     first: Option<(usize, &'t str)>,
-    /// A line 1 was refused: its line 2 is passed over with it.
-    is_line1_spoilt: bool,
+    /// A line 1 was rejected: its line 2 is skipped with it.
+    is_line1_corrupt: bool,
 }
 
 impl<'t> SetReader<'t, '_> {
@@ -121,7 +121,7 @@ impl<'t> SetReader<'t, '_> {
 
     fn line(&mut self, at: usize, line: &'t str) -> Result<(), OrbitError> {
         let kind = kind(line).map_err(|f| self.fault(at, f))?;
-        let was_spoilt = std::mem::take(&mut self.is_line1_spoilt);
+        let was_corrupt = std::mem::take(&mut self.is_line1_corrupt);
         match kind {
             LineKind::Line1 => {
                 if let Some((earlier, _)) = self.first {
@@ -132,7 +132,7 @@ impl<'t> SetReader<'t, '_> {
             }
             LineKind::Line2 => {
                 let Some((at1, line1)) = self.first.take() else {
-                    return match was_spoilt {
+                    return match was_corrupt {
                         true => Ok(()),
                         false => Err(self.fault(at, LineFault::NoLine1)),
                     };
@@ -174,17 +174,17 @@ impl<'t> SetReader<'t, '_> {
         let (had_first, had_name) = (self.first.take().is_some(), self.name.take().is_some());
         match kind(line) {
             Ok(LineKind::Line1) => {
-                self.is_line1_spoilt = true;
+                self.is_line1_corrupt = true;
                 if had_first {
                     check(line, at, self.origin)?;
                     self.first = Some((at, line));
-                    self.is_line1_spoilt = false;
+                    self.is_line1_corrupt = false;
                 }
             }
             Ok(LineKind::Name) if had_first || had_name => {
                 self.name = Some((at, check_name(line, at, self.origin)?));
             }
-            Err(LineFault::Indented | LineFault::LineNumber { .. }) => self.is_line1_spoilt = true,
+            Err(LineFault::Indented | LineFault::LineNumber { .. }) => self.is_line1_corrupt = true,
             _ => {}
         }
         Ok(())

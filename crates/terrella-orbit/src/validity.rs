@@ -52,7 +52,7 @@ impl Validity {
         Ok(inside(epoch))
     }
 
-    /// Refuses an epoch outside the interval or on the far side of an impact; `position_itrf_m` is where the satellite is at
+    /// Rejects an epoch outside the interval or on the far side of an impact; `position_itrf_m` is where the satellite is at
     /// that.
     fn check(
         &self,

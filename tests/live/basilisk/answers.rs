@@ -91,7 +91,7 @@ fn a_picture_is_of_the_step_just_received() {
                 for frame in offset..offset + 10 {
                     peer.update(&messages::step(frame, frame as f64));
                     let file = peer.picture(1);
-                    // Until the painter is there pictures are refused.
+                    // Until the painter is there pictures are rejected.
                     let wanted = format!("{frame} 1").into_bytes();
                     assert!(file == wanted || file.is_empty(), "{file:?}");
                 }

@@ -102,11 +102,11 @@ impl Listener {
             }
             #[cfg(unix)]
             Endpoint::Ipc(path) => {
-                // A socket that nobody answers at was left behind by a program that ended. A file is refused the same way, and stays.
+                // A socket that nobody answers at was left behind by a program that ended. A file is rejected the same way, and stays.
                 let is_socket = std::fs::symlink_metadata(path)
                     .is_ok_and(|found| found.file_type().is_socket());
-                let is_refused = |error: io::Error| error.kind() == ErrorKind::ConnectionRefused;
-                if is_socket && UnixStream::connect(path).is_err_and(is_refused) {
+                let is_rejected = |error: io::Error| error.kind() == ErrorKind::ConnectionRefused;
+                if is_socket && UnixStream::connect(path).is_err_and(is_rejected) {
                     std::fs::remove_file(path)?;
                 }
                 let (listener, unfinished) =
@@ -285,7 +285,7 @@ mod tests {
         };
         drop(UnixListener::bind(path).expect("binds"));
         assert!(path.exists());
-        let bound = Listener::bind(&endpoint).expect("binds anew");
+        let bound = Listener::bind(&endpoint).expect("binds again");
         assert!(Listener::bind(&endpoint).is_err());
         drop(bound);
         assert!(!path.exists());

@@ -114,7 +114,7 @@ mod tests {
         }
         assert_eq!(history.at(-1.0), None);
         assert_eq!(history.at(6300.0), None);
-        // The simulation begins anew.
+        // The simulation begins again.
         history.add(5.0, &on_circle(5.0), 8192);
         assert_eq!(history.span_s(), Some((5.0, 5.0)));
     }

@@ -54,7 +54,7 @@ impl SimulationOptions {
         }
     }
 
-    /// Refuses settings that cannot be; [`Simulation`](super::Simulation) does so too.
+    /// Rejects settings that cannot be; [`Simulation`](super::Simulation) does so too.
     ///
     /// # Errors
     /// A setting out of its range, an endpoint of another machine that is not allowed.

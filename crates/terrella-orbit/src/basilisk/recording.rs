@@ -2,7 +2,7 @@
 //!
 //! A file is messages one after the other, each behind its length as a variable-length number. It may be larger than memory: when it
 //! is opened one pass notes where messages begin and when they are, a message in so many where there are many, and what
-//! is said once (epoch, ground locations). Basilisk can write files that are spoilt from some message on; what is before that is
+//! is said once (epoch, ground locations). Basilisk can write files that are corrupt from some message on; what is before that is
 //! played.
 
 mod error;
@@ -223,7 +223,7 @@ impl Recording {
     /// The simulation at an epoch within [`Feed::validity`], between two messages interpolated; `None` outside.
     ///
     /// # Errors
-    /// A file that cannot be read any more, or a message in it that is spoilt.
+    /// A file that cannot be read any more, or a message in it that is corrupt.
     pub fn snapshot_at(&self, epoch: Epoch) -> Result<Option<Arc<Snapshot>>, RecordingError> {
         let elapsed_s = (epoch - self.start).to_seconds();
         let first_s = self.index.first_s();

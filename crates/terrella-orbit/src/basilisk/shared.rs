@@ -211,7 +211,7 @@ impl SharedSimulation {
                 inner.keys.entry(session.number).or_default().listen(keys);
             }
             let world = session.world.get_or_insert_with(|| {
-                // A simulation that goes on with a new viewer does not say its epoch again.
+                // A simulation that continues with a new viewer does not say its epoch again.
                 let before = self.lock().world.clone().filter(|_| !has_epoch);
                 before.unwrap_or_else(|| World::new(self.start))
             });

@@ -12,7 +12,7 @@ const CONNECT: Duration = Duration::from_secs(2);
 /// How long to wait before the next try.
 const RETRY: Duration = Duration::from_millis(100);
 
-/// Subscribes to a publisher until all ends, anew whenever it is gone.
+/// Subscribes to a publisher until all ends, again whenever it is gone.
 pub fn follow(endpoint: &Endpoint, shared: &SharedSimulation) {
     while !shared.is_stopped() {
         match Stream::connect(endpoint, CONNECT) {

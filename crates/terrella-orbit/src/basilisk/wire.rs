@@ -1,7 +1,7 @@
-//! Protocol buffers as bytes: fields of a message, passed over or read, without a copy and without an allocation.
+//! Protocol buffers as bytes: fields of a message, skipped or read, without a copy and without an allocation.
 //!
 //! Written by hand: a dozen messages of which a third of the fields are used, from a sender that is not trusted. Lengths are
-//! checked against the bytes that are there before anything is done with them; what is not asked for is passed over.
+//! checked against the bytes that are there before anything is done with them; what is not asked for is skipped.
 
 use std::fmt;
 

@@ -79,7 +79,7 @@ fn what_is_missing_is_told_once_and_the_ephemeris_lights() {
 }
 
 #[test]
-fn what_cannot_be_drawn_is_refused() {
+fn what_cannot_be_drawn_is_rejected() {
     let mut world = World::new(start());
     for elapsed_s in [-1.0, f64::NAN, f64::INFINITY, 1e30] {
         let bytes = messages::message(1, elapsed_s, &[]);

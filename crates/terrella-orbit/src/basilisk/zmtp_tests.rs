@@ -104,19 +104,19 @@ fn strangers_are_turned_away() {
 
 #[test]
 fn nothing_is_taken_that_breaks_the_limits() {
-    let refused = |bytes: &[u8]| {
+    let rejected = |bytes: &[u8]| {
         let mut connection = met([hello("REQ"), bytes.to_vec()].concat(), 4096).expect("greeted");
         matches!(connection.receive(&|| false), Err(ZmtpError::Limit { .. }))
     };
     // 2⁶³ bytes are announced, and none come.
-    assert!(refused(&[LONG, 0x80, 0, 0, 0, 0, 0, 0, 0]));
-    assert!(refused(&frame(0, &[0; 1001])));
+    assert!(rejected(&[LONG, 0x80, 0, 0, 0, 0, 0, 0, 0]));
+    assert!(rejected(&frame(0, &[0; 1001])));
     // Over the limit together.
-    assert!(refused(
+    assert!(rejected(
         &[frame(MORE, &[0; 600]), frame(0, &[0; 600])].concat()
     ));
-    assert!(refused(&frame(MORE, b"").repeat(MAX_FRAMES)));
-    assert!(refused(&[COMMAND | LONG, 0, 0, 0, 0, 0, 1, 0, 0]));
-    assert!(refused(&[0x40, 0]));
-    assert!(!refused(&frame(0, &[0; 1000])));
+    assert!(rejected(&frame(MORE, b"").repeat(MAX_FRAMES)));
+    assert!(rejected(&[COMMAND | LONG, 0, 0, 0, 0, 0, 1, 0, 0]));
+    assert!(rejected(&[0x40, 0]));
+    assert!(!rejected(&frame(0, &[0; 1000])));
 }

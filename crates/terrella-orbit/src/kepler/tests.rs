@@ -338,32 +338,32 @@ fn the_drift_by_flattening_is_that_of_known_orbits() {
 }
 
 #[test]
-fn what_is_no_orbit_is_refused() {
-    let refused = |change: fn(&mut KeplerElements)| {
+fn what_is_no_orbit_is_rejected() {
+    let rejected = |change: fn(&mut KeplerElements)| {
         let mut e = elements(7e6, 0.1, 20.0);
         change(&mut e);
         e.conic(MU, epoch()).unwrap_err()
     };
     assert!(matches!(
-        refused(|e| e.eccentricity = f64::NAN),
+        rejected(|e| e.eccentricity = f64::NAN),
         KeplerError::Start(StartError::NotFinite {
             field: "eccentricity"
         })
     ));
     assert!(matches!(
-        refused(|e| e.eccentricity = -0.1),
+        rejected(|e| e.eccentricity = -0.1),
         KeplerError::Start(StartError::Range { .. })
     ));
     assert!(matches!(
-        refused(|e| e.inclination_rad = 4.0),
+        rejected(|e| e.inclination_rad = 4.0),
         KeplerError::Start(StartError::Range { .. })
     ));
     assert!(matches!(
-        refused(|e| e.size = OrbitSize::Periapsis(-7e6)),
+        rejected(|e| e.size = OrbitSize::Periapsis(-7e6)),
         KeplerError::Start(StartError::Range { .. })
     ));
     assert!(matches!(
-        refused(|e| e.size = OrbitSize::SemiMajorAxis(f64::INFINITY)),
+        rejected(|e| e.size = OrbitSize::SemiMajorAxis(f64::INFINITY)),
         KeplerError::Start(StartError::NotFinite { .. })
     ));
     for (a, e) in [(-7e6, 0.5), (7e6, 1.5), (7e6, 1.0), (-7e6, 1.0), (0.0, 1.2)] {

@@ -24,7 +24,7 @@ pub struct FrameRequest {
 pub enum Outcome {
     Drawn,
     /// The player says why it is not.
-    Refused(String),
+    Rejected(String),
     /// Nobody drew it in time.
     TimedOut,
     /// Too many wait already.

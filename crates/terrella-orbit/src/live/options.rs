@@ -182,7 +182,7 @@ impl LiveOptions {
         }
     }
 
-    /// Refuses settings that cannot be; [`LiveFeed::open`](super::LiveFeed::open) does so too.
+    /// Rejects settings that cannot be; [`LiveFeed::open`](super::LiveFeed::open) does so too.
     ///
     /// # Errors
     /// A setting out of its range, or an address that other machines reach.

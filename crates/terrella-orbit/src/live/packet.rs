@@ -128,7 +128,7 @@ fn field(key: &'static str, text: &str, expected: &'static str) -> PacketFault {
 }
 
 impl Packet {
-    /// Reads one line of JSON. Numbers are read to the last bit; unknown keys are passed over.
+    /// Reads one line of JSON. Numbers are read to the last bit; unknown keys are skipped.
     ///
     /// # Errors
     /// Says what is wrong; nothing of the line is used then.
@@ -294,7 +294,7 @@ fn vector(key: &'static str, numbers: [&RawValue; 3]) -> Result<DVec3, PacketFau
     Ok(vector.into())
 }
 
-/// Refuses what no satellite of the Earth is.
+/// Rejects what no satellite of the Earth is.
 fn plausible(state: OrbitState) -> Result<OrbitState, PacketFault> {
     let show = |v: DVec3| format!("{:?}", v.to_array());
     if !(1.0..1e13).contains(&state.position_m.length()) {

@@ -72,7 +72,7 @@ pub fn stream(
         };
         if std::mem::take(&mut is_first) && is_http(bytes) {
             // A web page that posts to every port it can think of.
-            shared.lock().counters.refused += 1;
+            shared.lock().counters.rejected += 1;
             return;
         }
         splitter.push(bytes);
@@ -187,7 +187,7 @@ fn accept(listener: &TcpListener, serve: Serve, shared: &Arc<SharedFeed>) {
     while !shared.is_stopped() {
         let dismissed = connections.tidy();
         if dismissed > 0 {
-            shared.lock().counters.refused += dismissed as u64;
+            shared.lock().counters.rejected += dismissed as u64;
         }
         if connections.is_full() {
             std::thread::sleep(LISTEN);
@@ -203,7 +203,7 @@ fn accept(listener: &TcpListener, serve: Serve, shared: &Arc<SharedFeed>) {
                 shared.lock().counters.connections += 1;
                 connections.add(standing, thread, closer);
             }
-            None => shared.lock().counters.refused += 1,
+            None => shared.lock().counters.rejected += 1,
         }
     }
     // It may be closed by the other side.

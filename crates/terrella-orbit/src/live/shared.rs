@@ -27,7 +27,7 @@ pub struct PacketCounters {
     pub too_late: u64,
     /// States far from all others in time, not taken.
     pub apart: u64,
-    /// How often the simulator jumped to another time or began anew.
+    /// How often the simulator jumped to another time or began again.
     pub restarts: u64,
     /// Packets missing in the simulator's count, now.
     pub lost: u64,
@@ -35,8 +35,8 @@ pub struct PacketCounters {
     pub over_rate: u64,
     /// Connections that were accepted.
     pub connections: u64,
-    /// Connections that were refused or closed to make place.
-    pub refused: u64,
+    /// Connections that were rejected or closed to make place.
+    pub rejected: u64,
     /// Frames that a simulator waited for.
     pub frames: u64,
     /// Of these, frames that were drawn.
@@ -180,7 +180,7 @@ impl SharedFeed {
                 inner.counters.drawn += 1;
                 return Some(Reply::Drawn { seq });
             }
-            Outcome::Refused(reason) => reason,
+            Outcome::Rejected(reason) => reason,
             Outcome::TimedOut => {
                 inner.counters.timed_out += 1;
                 format!("not drawn within {} s", timeout.as_secs_f64())

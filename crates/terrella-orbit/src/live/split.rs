@@ -80,7 +80,7 @@ impl Splitter {
             if rest.starts_with(&MAGIC) {
                 return Some(self.binary());
             }
-            // Something else: passed over to the next place where a packet can begin.
+            // Something else: skipped to the next place where a packet can begin.
             let next = rest.iter().skip(1).position(|&b| starts(b));
             self.done += next.map_or(rest.len(), |n| n + 1);
             if let Some(received) = self.lose(PacketFault::NotAPacket, PacketFormat::Json) {

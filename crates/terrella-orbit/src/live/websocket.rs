@@ -20,7 +20,7 @@ pub fn serve(connection: TcpStream, shared: &SharedFeed, standing: &Standing) {
     let Some(mut socket) = handshake(connection, shared, standing) else {
         // One that was dismissed meanwhile is counted already.
         if !standing.is_dismissed() {
-            shared.lock().counters.refused += 1;
+            shared.lock().counters.rejected += 1;
         }
         return;
     };
@@ -36,7 +36,7 @@ pub fn serve(connection: TcpStream, shared: &SharedFeed, standing: &Standing) {
                 continue;
             }
             Err(Error::Capacity(_) | Error::Protocol(_) | Error::Utf8(_)) => {
-                // Its stream cannot be read on: the simulator connects anew.
+                // Its stream cannot be read on: the simulator connects again.
                 let mut inner = shared.lock();
                 inner.counters.bad += 1;
                 inner.last_fault = Some("a WebSocket frame that is too long or wrong".to_owned());
@@ -91,9 +91,9 @@ fn handshake(
         if is_allowed {
             return Ok(response);
         }
-        let mut refusal = ErrorResponse::new(Some("this page is not allowed here".to_owned()));
-        *refusal.status_mut() = StatusCode::FORBIDDEN;
-        Err(refusal)
+        let mut rejection = ErrorResponse::new(Some("this page is not allowed here".to_owned()));
+        *rejection.status_mut() = StatusCode::FORBIDDEN;
+        Err(rejection)
     };
     let mut result = accept_hdr_with_config(connection, check, Some(config));
     loop {

@@ -158,7 +158,7 @@ fn states_of_every_frame_are_taken() {
 }
 
 #[test]
-fn what_makes_no_sense_is_refused() {
+fn what_makes_no_sense_is_rejected() {
     let good = start(&conic(7e6, 0.01, 50.0, 40.0));
     let try_with =
         |state: &OrbitState, model: &ForceModel, craft: &Spacecraft, options: &NumericalOptions| {

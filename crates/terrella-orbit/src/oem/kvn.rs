@@ -30,15 +30,15 @@ pub fn read(text: &str, origin: &Path, each: &mut Each<'_>) -> Result<(), Record
                 Some("1" | "2" | "3") => message = Some(Message::new(text, origin, entry.place)),
                 _ => {
                     let error = entry.unsupported(origin, "versions 1 to 3 are read");
-                    each(Found::Spoilt(error))?;
+                    each(Found::Corrupt(error))?;
                 }
             }
             continue;
         }
-        // Behind a fault that spoils its message the rest of that is passed over.
+        // Behind a fault that corrupts its message the rest of that is skipped.
         if let Some(Err(error)) = message.as_mut().map(|m| m.line(line, each)) {
             message = None;
-            each(Found::Spoilt(error))?;
+            each(Found::Corrupt(error))?;
         }
     }
     match message {

@@ -52,15 +52,15 @@ pub fn read(text: &str, origin: &Path, each: &mut Each<'_>) -> Result<(), Record
             }
             _ => {}
         }
-        // Behind a fault that spoils its message the rest of that is passed over.
+        // Behind a fault that corrupts its message the rest of that is skipped.
         if let Some(Err(error)) = message.as_mut().map(|m| m.item(item, each)) {
             message = None;
-            each(Found::Spoilt(error))?;
+            each(Found::Corrupt(error))?;
         }
         Ok(())
     });
     // What ends a whole text is one more fault where others are good.
-    read.or_else(|error| each(Found::Spoilt(error)))
+    read.or_else(|error| each(Found::Corrupt(error)))
 }
 
 struct Message<'o> {
@@ -90,7 +90,7 @@ impl Message<'_> {
             }
             XmlItem::Value(entry) => match &mut self.block {
                 Some((block, fields)) => match fields.add(entry, self.origin) {
-                    // The rest of the element is passed over.
+                    // The rest of the element is skipped.
                     Err(error) if *block != "metadata" => {
                         self.block = None;
                         each(Found::BadState(error))

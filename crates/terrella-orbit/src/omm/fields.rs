@@ -6,7 +6,7 @@ use super::super::tle_fields::catalogue_number;
 use crate::MeanElements;
 use std::path::Path;
 
-/// The keys that are looked at and the units they may say they are in; all others are passed over, `USER_DEFINED_…` too.
+/// The keys that are looked at and the units they may say they are in; all others are skipped, `USER_DEFINED_…` too.
 const KEYS: [(&str, &str); 21] = [
     ("OBJECT_NAME", ""),
     ("OBJECT_ID", ""),
@@ -67,7 +67,7 @@ impl ElementEntries {
         self.0.add(entry, origin)
     }
 
-    /// Refuses a value that is none of `accepted`, and in a message that there is none.
+    /// Rejects a value that is none of `accepted`, and in a message that there is none.
     fn check(
         &self,
         key: &'static str,
@@ -152,7 +152,7 @@ impl ElementEntries {
         })
     }
 
-    /// Refuses what SGP4 would fly wrongly.
+    /// Rejects what SGP4 would fly wrongly.
     fn check_meaning(&self, origin: &Path, source: OmmSource) -> Result<(), RecordError> {
         for (key, accepted, remedy) in [
             (

@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 use terrella_files::excerpt;
 use terrella_frames::Epoch;
 
-/// Keys of a message but for those of its manoeuvres. Comments and what users define are passed over.
+/// Keys of a message but for those of its manoeuvres. Comments and what users define are skipped.
 pub const KEYS: &Keys = &[
     ("OBJECT_NAME", ""),
     ("OBJECT_ID", ""),

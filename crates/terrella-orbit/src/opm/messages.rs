@@ -7,7 +7,7 @@ use crate::cut::{CutOff, open_line};
 use crate::entry::{Faults, MAX_ENTRIES, RecordError, RecordFault, TextPosition};
 use crate::file::read_text;
 use crate::recognise::message_of_another_kind;
-use crate::refused::Refused;
+use crate::rejected::Rejected;
 use crate::text::{unmarked, with_line_feeds};
 use crate::{FileFormat, OrbitError};
 use std::path::Path;
@@ -21,7 +21,7 @@ pub struct ParameterMessages {
     pub faults: Vec<OrbitError>,
     /// How many faults there are beyond those.
     pub faults_left_out: usize,
-    refused: Vec<Refused>,
+    rejected: Vec<Rejected>,
     /// Why the first message that cannot be used cannot be.
     faulty: Option<RecordError>,
 }
@@ -57,12 +57,12 @@ impl ParameterMessages {
             });
         }
         let mut faults = Faults::<RecordError>::new(is_strict);
-        let (mut messages, mut refused, mut faulty) = (Vec::new(), Vec::new(), None);
+        let (mut messages, mut rejected, mut faulty) = (Vec::new(), Vec::new(), None);
         if let Some(cut) = cut_off(text, origin) {
             faults.note(cut)?;
         }
         each_record(text, origin, &mut |read| {
-            if messages.len() + refused.len() >= MAX_ENTRIES {
+            if messages.len() + rejected.len() >= MAX_ENTRIES {
                 let (what, limit) = ("messages", MAX_ENTRIES);
                 let place = TextPosition { line: 1, column: 1 };
                 return Err(place.error(origin, RecordFault::TooMany { what, limit }));
@@ -78,7 +78,7 @@ impl ParameterMessages {
             match read {
                 Ok(message) => messages.push(message),
                 Err((names, error)) => {
-                    refused.push(Refused::new(names, &error));
+                    rejected.push(Rejected::new(names, &error));
                     faulty.get_or_insert_with(|| error.clone());
                     faults.note(error)?;
                 }
@@ -94,7 +94,7 @@ impl ParameterMessages {
                 messages,
                 faults: faults.kept.into_iter().map(OrbitError::from).collect(),
                 faults_left_out: faults.left_out,
-                refused,
+                rejected,
                 faulty,
             }),
         }
@@ -124,7 +124,7 @@ impl ParameterMessages {
                 let path = origin.to_owned();
                 OrbitError::NoParameters { path }
             }),
-            Err(error) => Err(Refused::explain(&self.refused, error)),
+            Err(error) => Err(Rejected::explain(&self.rejected, error)),
         }
     }
 }

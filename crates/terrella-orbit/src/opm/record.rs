@@ -102,7 +102,7 @@ fn from_kvn(text: &str, origin: &Path, each: &mut Each<'_>) -> Result<(), Record
                 Err(place.error(origin, fault))
             }),
         };
-        // Behind a fault the rest of its message is passed over.
+        // Behind a fault the rest of its message is skipped.
         if let Some(Err(error)) = added {
             let names = record.take().map(|record| record.names());
             each(Err((names.unwrap_or_default(), error)))?;

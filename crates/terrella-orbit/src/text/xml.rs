@@ -35,7 +35,7 @@ struct Begun {
 }
 
 /// Calls `each` for the elements of a text in their order; ends at its first error. The number beside the name of an
-/// opened element is its line. Document types, which could define entities, are refused.
+/// opened element is its line. Document types, which could define entities, are rejected.
 pub fn walk<E: From<RecordError>>(
     text: &str,
     origin: &Path,

@@ -61,7 +61,7 @@ struct Head {
     end: u64,
 }
 
-fn spoilt(fault: WireFault) -> io::Error {
+fn corrupt(fault: WireFault) -> io::Error {
     io::Error::new(ErrorKind::InvalidData, fault)
 }
 
@@ -75,11 +75,11 @@ fn stream_varint(read: &mut impl Read) -> io::Result<Option<(u64, u64)>> {
             Err(error) => return Err(error),
         }
         if bytes[len] & 0x80 == 0 {
-            let value = varint(&mut &bytes[..=len]).map_err(spoilt)?;
+            let value = varint(&mut &bytes[..=len]).map_err(corrupt)?;
             return Ok(Some((value, len as u64 + 1)));
         }
     }
-    Err(spoilt(WireFault::LongNumber))
+    Err(corrupt(WireFault::LongNumber))
 }
 
 /// The head of the message at `offset`, without the bytes that nobody needs yet; `None` at the end of the file.
@@ -98,15 +98,15 @@ fn head(file: &mut RecordingFile, offset: u64, file_len: u64) -> io::Result<Opti
     let mut changes = Vec::new();
     let mut at = begin;
     while at < end {
-        let (tag, tag_len) = stream_varint(file)?.ok_or(spoilt(WireFault::Short))?;
-        let (field_len, len_len) = stream_varint(file)?.ok_or(spoilt(WireFault::Short))?;
+        let (tag, tag_len) = stream_varint(file)?.ok_or(corrupt(WireFault::Short))?;
+        let (field_len, len_len) = stream_varint(file)?.ok_or(corrupt(WireFault::Short))?;
         // All fields of this message are messages.
         let (number, kind) = (tag >> 3, (tag & 7) as u8);
         at = at
             .saturating_add(tag_len + len_len)
             .saturating_add(field_len);
         if kind != 2 || number == 0 || at > end {
-            return Err(spoilt(WireFault::Field { number, kind }));
+            return Err(corrupt(WireFault::Field { number, kind }));
         }
         if !matches!(number, 1 | 8 | 9) {
             // Within a message, of which the longest fits.
@@ -120,11 +120,11 @@ fn head(file: &mut RecordingFile, offset: u64, file_len: u64) -> io::Result<Opti
         file.read_exact(&mut bytes)?;
         match number {
             1 => {
-                let (_, elapsed_ns) = time_stamp(&bytes).map_err(spoilt)?;
+                let (_, elapsed_ns) = time_stamp(&bytes).map_err(corrupt)?;
                 elapsed_s = Some(elapsed_ns * 1e-9);
             }
-            8 => changes.push(Change::Epoch(epoch(&bytes).map_err(spoilt)?)),
-            _ => changes.push(Change::Place(read_location(&bytes).map_err(spoilt)?)),
+            8 => changes.push(Change::Epoch(epoch(&bytes).map_err(corrupt)?)),
+            _ => changes.push(Change::Place(read_location(&bytes).map_err(corrupt)?)),
         }
     }
     let elapsed_s = elapsed_s.filter(|elapsed_s| elapsed_s.is_finite() && *elapsed_s >= 0.0);
@@ -139,7 +139,7 @@ fn head(file: &mut RecordingFile, offset: u64, file_len: u64) -> io::Result<Opti
 }
 
 impl Index {
-    /// Goes through a file once, up to where it is spoilt; `path` is what messages name.
+    /// Goes through a file once, up to where it is corrupt; `path` is what messages name.
     ///
     /// # Errors
     /// A file that cannot be read or does not begin with a message.
@@ -163,7 +163,7 @@ impl Index {
                 Err(error) => {
                     cause = error.to_string();
                     notes.push(format!(
-                        "{}: spoilt from byte {offset} on ({cause}); the {messages} messages before it are played",
+                        "{}: corrupt from byte {offset} on ({cause}); the {messages} messages before it are played",
                         path.display()
                     ));
                     break;
@@ -235,13 +235,13 @@ impl Index {
 /// A file that cannot be read there, a message longer than one may be.
 pub fn message_bytes(file: &mut RecordingFile, offset: u64) -> io::Result<(Vec<u8>, u64)> {
     let position = file.stream_position()?;
-    // Within what is buffered nothing is read anew.
+    // Within what is buffered nothing is read again.
     let ahead = offset.cast_signed().checked_sub(position.cast_signed());
     match ahead {
         Some(ahead) => file.seek_relative(ahead)?,
         None => drop(file.seek(SeekFrom::Start(offset))?),
     }
-    let (len, len_len) = stream_varint(file)?.ok_or(spoilt(WireFault::Short))?;
+    let (len, len_len) = stream_varint(file)?.ok_or(corrupt(WireFault::Short))?;
     let is_short = usize::try_from(len).is_ok_and(|len| len <= MAX_MESSAGE_BYTES);
     if !is_short {
         return Err(io::Error::other("it is longer than a message may be"));

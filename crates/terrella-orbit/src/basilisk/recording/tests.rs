@@ -60,7 +60,7 @@ fn a_file_is_played_where_it_is_asked_for() {
 }
 
 #[test]
-fn a_spoilt_file_is_played_up_to_where_it_is_spoilt() {
+fn a_corrupt_file_is_played_up_to_where_it_is_corrupt() {
     let good = messages::file(&flight(10));
     let tails: [&[u8]; 5] = [
         // A length without its message, one message's as Basilisk writes with noDisplay.
@@ -73,7 +73,7 @@ fn a_spoilt_file_is_played_up_to_where_it_is_spoilt() {
         &[0],
     ];
     for tail in tails {
-        let file = saved("spoilt", &[good.as_slice(), tail].concat());
+        let file = saved("corrupt", &[good.as_slice(), tail].concat());
         let recording = open(&file).expect("opens");
         assert_eq!(recording.messages(), 10);
         let notes = recording.notes().join("\n");
@@ -98,8 +98,8 @@ fn a_spoilt_file_is_played_up_to_where_it_is_spoilt() {
     let back = messages::file(&[flight(10), flight(3)].concat());
     assert_eq!(open(&saved("back", &back)).expect("opens").messages(), 10);
     for empty in [b"".as_slice(), b"hello, world", &[0; 100]] {
-        let refused = open(&saved("empty", empty));
-        assert!(matches!(refused, Err(RecordingError::Empty { .. })));
+        let rejected = open(&saved("empty", empty));
+        assert!(matches!(rejected, Err(RecordingError::Empty { .. })));
     }
 }
 

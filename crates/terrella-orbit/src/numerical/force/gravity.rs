@@ -19,7 +19,7 @@ pub(super) struct Field {
     order: usize,
     c: Harmonics,
     s: Harmonics,
-    /// Kept between calls: filling it with zeros anew would take longer than J2 itself.
+    /// Kept between calls: filling it with zeros again would take longer than J2 itself.
     v: Harmonics,
     w: Harmonics,
 }

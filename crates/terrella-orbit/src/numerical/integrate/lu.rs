@@ -112,7 +112,7 @@ mod tests {
     }
 
     #[test]
-    fn singular_matrices_are_refused() {
+    fn singular_matrices_are_rejected() {
         assert!(Lu::of_shifted(0.0, &[[1.0, 2.0], [2.0, 4.0]]).is_none());
         assert!(Lu::of_shifted(1.0, &[[f64::NAN, 0.0], [0.0, 0.0]]).is_none());
     }

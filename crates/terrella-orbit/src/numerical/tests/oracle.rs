@@ -1,4 +1,4 @@
-//! Held against another program: satkit 0.24.1 (MIT licence), which has its own field, ephemerides (JPL DE440), axes (IERS
+//! Compared with another program: satkit 0.24.1 (MIT licence), which has its own field, ephemerides (JPL DE440), axes (IERS
 //! 2010 with daily UT1 and pole) and integrator (Verner 9(8), relative error 1e-13). EGM96 as here; a day from 2018-01-15
 //! 12:00 UTC, GCRF.
 

@@ -5,13 +5,13 @@ use super::tle_fields::catalogue_number;
 
 /// A record that cannot be used.
 #[derive(Debug)]
-pub(super) struct Refused {
+pub(super) struct Rejected {
     /// Name and number, as far as they are known.
     names: Vec<String>,
     cause: String,
 }
 
-impl Refused {
+impl Rejected {
     pub fn new(names: Vec<String>, cause: &dyn std::fmt::Display) -> Self {
         let cause = cause.to_string();
         Self { names, cause }
@@ -27,10 +27,10 @@ impl Refused {
     }
 
     /// Why the one that is meant cannot be used, where that is why there is none of its name.
-    pub fn explain(refused: &[Self], error: OrbitError) -> OrbitError {
+    pub fn explain(rejected: &[Self], error: OrbitError) -> OrbitError {
         match error {
             OrbitError::UnknownName { wanted, .. }
-                if let Some(one) = refused.iter().find(|one| one.is_of(&wanted)) =>
+                if let Some(one) = rejected.iter().find(|one| one.is_of(&wanted)) =>
             {
                 let cause = one.cause.clone();
                 OrbitError::Unusable { wanted, cause }
