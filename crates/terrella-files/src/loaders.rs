@@ -119,7 +119,7 @@ struct Running {
 }
 
 impl Loaders {
-    /// Starts threads, each with its number; `what` they load names them. One that the system refuses is done without.
+    /// Starts threads, each with its number; `what` they load names them. One that the system does not start is done without.
     pub fn start(
         what: &'static str,
         count: usize,

@@ -63,7 +63,7 @@ pub enum EarthOrientationError {
         expected: &'static str,
     },
     /// A day is missing or comes twice.
-    #[error("{}:{line}: MJD {found} follows MJD {before}; rows go from day to day, so mend or download the table anew", path.display())]
+    #[error("{}:{line}: MJD {found} follows MJD {before}; rows go from day to day, so mend or download the table again", path.display())]
     Order {
         path: PathBuf,
         /// Line, from 1.
@@ -104,7 +104,7 @@ impl EarthOrientation {
 
     /// As [`Self::from_file`], from text that is already in memory; `origin` is named in errors.
     ///
-    /// Rows at the end that have a date and no values yet are passed over.
+    /// Rows at the end that have a date and no values yet are skipped.
     ///
     /// # Errors
     /// Says which line and column is wrong and how.

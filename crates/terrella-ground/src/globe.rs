@@ -5,7 +5,7 @@
 //! [`BlockGrid`] holds the lattice in f64, [`select_blocks`] chooses what an eye needs, [`screen_level`] and [`paper_level`]
 //! how fine a map it needs there, [`Meshes`] how fine a lattice.
 //!
-//! Ground with relief is drawn by a [`Surface`], which turns a view and heights into patches of triangles:
+//! Terrain is drawn by a [`Surface`], which turns a view and heights into patches of triangles:
 //! `DisplacedBlocks`, `projected_grid`, `quadtree`, `contours` or `clipmap`; `SurfaceKind` names them. They need the feature
 //! `terrain`.
 //!

@@ -19,7 +19,7 @@ pub struct HeightTileStats {
     /// Tiles that are asked for and on their way.
     pub wanted: u32,
     /// Tiles that are asked for and that the budget has no room for: the ground stays coarser there.
-    pub refused: u32,
+    pub rejected: u32,
     /// Tiles that were asked for and could not be read.
     pub unreadable: u32,
     /// How often a tile has come or gone since the start.

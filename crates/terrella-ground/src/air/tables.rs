@@ -222,7 +222,7 @@ impl AirAboveClouds {
 struct Kept<K, T>(Mutex<Vec<(K, Arc<T>)>>);
 
 impl<K: Copy + PartialEq, T> Kept<K, T> {
-    /// How many are kept: a host with more makes some of them anew.
+    /// How many are kept: a host with more makes some of them again.
     const COUNT: usize = 4;
 
     const fn none() -> Self {

@@ -13,7 +13,7 @@
 //! that names the key to write, and so is what both say and contradict each other in. Only latitudes and longitudes of
 //! WGS84 and what differs from it by a few metres at most are read; errors about others name the command that warps
 //! them. What GDAL writes beside a file counts: `NAME.tif.aux.xml` (no data, unit, scale, offset) and the mask `NAME.tif.msk`. Numbers
-//! that usually mean no data (−9999, −32 768 and others) are holes where nothing is declared, and are told. Everything is checked before
+//! that usually mean no data (−9999, −32 768 and others) are holes where nothing is declared, and are reported. Everything is checked before
 //! anything large is allocated.
 
 mod ascii;
@@ -194,7 +194,7 @@ pub fn height_files(path: &Path) -> Vec<PathBuf> {
 pub fn check_heights(path: &Path, limits: &GridLimits) -> Result<(), HeightFileError> {
     let reader = HeightReader::open(path)?;
     let (columns, rows) = reader.size();
-    limits.check(columns, rows).map_err(reader.refusal())?;
+    limits.check(columns, rows).map_err(reader.rejection())?;
     reader.georeference()?;
     reader.above()?;
     reader.conversion().map(drop)
@@ -230,7 +230,7 @@ pub fn check_metres(path: &Path, is_placed: bool) -> Result<(), HeightFileError>
         return Ok(());
     }
     let unit = unit.or(reader.said.unit).map_or("metres", HeightUnit::name);
-    Err(reader.context.refused(
+    Err(reader.context.rejected(
         format!(
             "stores {unit}, times {} plus {}",
             scale.unwrap_or(1.0),
@@ -252,7 +252,7 @@ fn folder_sidecar(path: &Path) -> Result<Option<Sidecar>, HeightFileError> {
     let of_folder = path.with_file_name(FOLDER_SIDECAR);
     let sidecar = read_sidecar(&of_folder)?;
     match &sidecar {
-        Some(said) if said.georeference.is_some() => Err(FileContext::new(&of_folder).refused(
+        Some(said) if said.georeference.is_some() => Err(FileContext::new(&of_folder).rejected(
             "says where all files of its folder lie",
             "unit, scale, offset, nodata or attribution, which files share",
             "write the place into a sidecar of each file",
@@ -274,7 +274,7 @@ fn read_sidecar(path: &Path) -> Result<Option<Sidecar>, HeightFileError> {
         .read_to_end(&mut text)
         .map_err(|error| context.unreadable(error))?;
     let Ok(text) = String::from_utf8(text) else {
-        return Err(context.refused("is no text", "TOML", "write it anew as UTF-8"));
+        return Err(context.rejected("is no text", "TOML", "write it again as UTF-8"));
     };
     Sidecar::from_toml(&text, path).map(Some)
 }
@@ -322,7 +322,7 @@ impl<R: BufRead + Seek> HeightReader<R> {
                 (Decoder::NetCdf(file), header)
             }
             [b'C', b'D', b'F', ..] | [0x89, b'H', b'D', b'F', ..] => {
-                return Err(context.refused(
+                return Err(context.rejected(
                     "is a NetCDF file of a later form",
                     "NetCDF classic",
                     format!("convert it: `nccopy -k classic {} OUT.nc`", path.display()),
@@ -347,7 +347,7 @@ impl<R: BufRead + Seek> HeightReader<R> {
                 (Decoder::Ascii(file), header)
             }
             _ => {
-                return Err(context.refused(
+                return Err(context.rejected(
                     "is none of the files that heights are read from",
                     formats,
                     format!(
@@ -359,14 +359,14 @@ impl<R: BufRead + Seek> HeightReader<R> {
         };
         let is_png = matches!(decoder, Decoder::Png(_));
         if said.byte_order.is_some() && !is_png {
-            return Err(context.refused(
+            return Err(context.rejected(
                 "says its byte order itself, and so does the sidecar",
                 "one word on it",
                 "take byte_order out of the sidecar",
             ));
         }
         if said.variable.is_some() && !matches!(decoder, Decoder::NetCdf(_)) {
-            return Err(context.refused(
+            return Err(context.rejected(
                 "has no variables, and the sidecar names one",
                 "a variable for NetCDF files only",
                 "take it out of the sidecar",
@@ -397,7 +397,7 @@ impl<R: BufRead + Seek> HeightReader<R> {
     /// What the heights of the file stand above.
     fn above(&self) -> Result<Option<VerticalDatum>, HeightFileError> {
         match (self.header.above, self.said.above) {
-            (Some(own), Some(other)) if own != other => Err(self.context.refused(
+            (Some(own), Some(other)) if own != other => Err(self.context.rejected(
                 format!(
                     "says that its heights stand above {}, and its sidecar says above {}",
                     own.name(),
@@ -416,7 +416,7 @@ impl<R: BufRead + Seek> HeightReader<R> {
     }
 
     /// Makes errors about the grid that the heights make.
-    pub(super) fn refusal(&self) -> impl Fn(GridError) -> HeightFileError + use<R> {
+    pub(super) fn rejection(&self) -> impl Fn(GridError) -> HeightFileError + use<R> {
         let context = self.context.clone();
         move |error| context.grid(error)
     }
@@ -552,7 +552,7 @@ fn georeference(
     context: &FileContext,
 ) -> Result<Georeference, HeightFileError> {
     match (&header.georeference, &said.georeference) {
-        (Some(_), Some(_)) => Err(context.refused(
+        (Some(_), Some(_)) => Err(context.rejected(
             "says itself where it lies, and so does its sidecar",
             "one place",
             "take bounds, centre, spacing and registration out of the sidecar",

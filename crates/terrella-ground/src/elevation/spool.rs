@@ -122,7 +122,7 @@ pub struct SpoolNeeds {
 pub fn look(path: &Path) -> Result<SpoolNeeds, HeightFileError> {
     let reader = HeightReader::open(path)?;
     let georeference = reader.georeference()?;
-    let place = Placement::new(&georeference).map_err(reader.refusal())?;
+    let place = Placement::new(&georeference).map_err(reader.rejection())?;
     reader.conversion()?;
     let size = reader.size();
     Ok(SpoolNeeds {
@@ -212,7 +212,7 @@ impl HeightSpool {
     fn spool(path: &Path, scratch: &Scratch<'_>, kept: Kept) -> Result<Self, Stop> {
         let reader = HeightReader::open(path)?;
         let place = Placement::new(&reader.georeference()?);
-        let place = place.map_err(reader.refusal())?;
+        let place = place.map_err(reader.rejection())?;
         let conversion = reader.conversion()?;
         let attribution = reader.attribution();
         let rows = u64::from(reader.size().1);
@@ -222,7 +222,7 @@ impl HeightSpool {
         let mut file = store.open()?;
         let (mut known, mut holes) = (KnownHeights::default(), 0_u64);
         scratch.host.begin(rows);
-        let refused = reader.refusal();
+        let rejected = reader.rejection();
         let read = reader.read(&conversion, |row, column, heights_m| {
             if column == 0 {
                 scratch.go_on()?;
@@ -232,7 +232,7 @@ impl HeightSpool {
             let count = columns.saturating_sub(column).min(heights_m.len());
             let heights_m = &mut heights_m[..count];
             known.add(heights_m);
-            known.check().map_err(&refused)?;
+            known.check().map_err(&rejected)?;
             holes += heights_m.iter().filter(|height| height.is_nan()).count() as u64;
             let is_whole = |height: &f32| height.is_nan() || height.fract() == 0.0;
             if kept == Kept::Whole && !heights_m.iter().all(is_whole) {
@@ -243,7 +243,7 @@ impl HeightSpool {
         scratch.host.end();
         read?;
         drop(file);
-        let range = known.range().map_err(&refused)?;
+        let range = known.range().map_err(&rejected)?;
         let means = match (holes, shapes.get(1)) {
             (0, _) | (_, None) => None,
             (_, Some(coarse)) => {

@@ -45,7 +45,7 @@ use std::time::Duration;
 use terrella_files::loaders::{lock, try_lock};
 use viewer::EyePlace;
 
-/// Tiles that a frame takes over in an `Earth`, at most: each has its part of the ground made anew.
+/// Tiles that a frame takes over in an `Earth`, at most: each has its part of the ground made again.
 pub const TILES_PER_FRAME: usize = 4;
 
 /// What a [`StreamedGround`] may use.
@@ -104,7 +104,7 @@ struct Viewers {
     is_planned: bool,
 }
 
-/// Calls of [`StreamedGround::take_over`] after which requests are weighed anew while tiles are loaded.
+/// Calls of [`StreamedGround::take_over`] after which requests are weighed again while tiles are loaded.
 const REST: u32 = 4;
 
 impl fmt::Debug for StreamedGround {

@@ -86,7 +86,7 @@ pub struct TiffMask {
 }
 
 impl TiffMask {
-    /// Finds the mask of the first image, whose size is given, among all directories. Masks of smaller copies are passed over.
+    /// Finds the mask of the first image, whose size is given, among all directories. Masks of smaller copies are skipped.
     ///
     /// # Errors
     /// [`TiffGapError`], also for masks of another size and those that are compressed in unknown ways.
@@ -117,23 +117,23 @@ impl TiffMask {
     }
 
     fn new(tags: &mut IfdDecoder<'_>, (columns, rows): (u32, u32)) -> Result<Self, TiffGapError> {
-        let refused = |what: String| Err(TiffGapError::Mask(what));
+        let rejected = |what: String| Err(TiffGapError::Mask(what));
         let mut number = |tag, usual: u32| -> Result<u32, TiffGapError> {
             Ok(tags.find_tag_unsigned::<u32>(tag)?.unwrap_or(usual))
         };
         let size = (number(Tag::ImageWidth, 0)?, number(Tag::ImageLength, 0)?);
         if size != (columns, rows) {
-            return refused(format!(
+            return rejected(format!(
                 "a mask of {} x {} pixels over an image of {columns} x {rows}",
                 size.0, size.1
             ));
         }
         let bits = number(Tag::BitsPerSample, 1)?;
         if !matches!(bits, 1 | 8) || number(Tag::SamplesPerPixel, 1)? != 1 {
-            return refused(format!("a mask of {bits} bits or of several channels"));
+            return rejected(format!("a mask of {bits} bits or of several channels"));
         }
         if number(Tag::FillOrder, 1)? != 1 {
-            return refused("a mask whose bits run backwards".to_string());
+            return rejected("a mask whose bits run backwards".to_string());
         }
         let (compression, predictor) = (number(Tag::Compression, 1)?, number(Tag::Predictor, 1)?);
         let tile = (number(Tag::TileWidth, 0)?, number(Tag::TileLength, 0)?);
@@ -150,7 +150,7 @@ impl TiffMask {
         let bits = bits as usize;
         let row_bytes = (chunk_columns * bits).div_ceil(8);
         if row_bytes.saturating_mul(chunk_rows) > CHUNK_BYTES {
-            return refused("a mask in strips or tiles of more than 256 MB".to_string());
+            return rejected("a mask in strips or tiles of more than 256 MB".to_string());
         }
         let places = match is_tiled {
             true => places(tags, Tag::TileOffsets, Tag::TileByteCounts)?,
@@ -266,7 +266,7 @@ impl TiffMask {
         Ok(bytes)
     }
 
-    /// A TIFF of grey pixels whose only strip holds these data: the decoder refuses images that are masks, but not their strips.
+    /// A TIFF of grey pixels whose only strip holds these data: the decoder rejects images that are masks, but not their strips.
     fn file_of(&self, rows: usize, data: &[u8]) -> Vec<u8> {
         let strip_at = 8 + 2 + 12 * 10 + 4;
         let entries: [(u16, u32); 10] = [

@@ -185,7 +185,7 @@ impl Node {
         }
     }
 
-    /// Refuses other degrees than those of WGS84 or its like.
+    /// Rejects other degrees than those of WGS84 or its like.
     fn check_geographic(&self) -> Result<(), String> {
         let datum = self.child(&["DATUM", "GEODETICDATUM", "TRF", "ENSEMBLE"]);
         let is_known = match self.code() {

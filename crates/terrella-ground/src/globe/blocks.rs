@@ -90,7 +90,7 @@ impl BlockSet {
         u32::from(block) < BLOCK_COUNT && self.0 >> block & 1 == 1
     }
 
-    /// Adds a block by its index; indices beyond 127 are passed over.
+    /// Adds a block by its index; indices beyond 127 are skipped.
     pub fn insert(&mut self, block: u8) {
         if u32::from(block) < BLOCK_COUNT {
             self.0 |= 1 << block;

@@ -25,7 +25,7 @@
 //! eye, to less than a 1 000th of a pixel of a milliradian. The grid itself moves no vertex by more than a 60 000th of its
 //! cell, or 2 mm.
 //!
-//! An eye at rest reads, changes and allocates nothing. A level that moves has the list of its triangles made anew, and that
+//! An eye at rest reads, changes and allocates nothing. A level that moves has the list of its triangles made again, and that
 //! of the coarser one: two allocations each, 0.4 MB at 129 samples.
 //!
 //! The tolerance says how many levels there are (the last is the first whose cells' sixteenth, the rise taken to be between

@@ -1,4 +1,4 @@
-//! Which surface draws ground with relief, and with what settings.
+//! Which surface draws terrain, and with what settings.
 
 use super::clipmap::{Clipmap, ClipmapOptions, SamplesError};
 use super::contours::{ContourOptions, ContourPages, ContourSurface, PageOptions};
@@ -10,7 +10,7 @@ use super::{DisplacedBlocks, Figure, Subdivision, SubdivisionError, Surface};
 /// for cost nothing.
 const SCENE_LEVELS: u32 = 12;
 
-/// What draws ground with relief: by default what docs/surfaces.md finds best near the ground.
+/// What draws terrain: by default what docs/surfaces.md finds best near the ground.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum SurfaceKind {
@@ -73,7 +73,7 @@ pub enum ContourDrawing {
     Cast,
 }
 
-/// What draws ground with relief, and how. The figures in here give way to the Earth's.
+/// What draws terrain, and how. The figures in here give way to the Earth's.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SurfaceSettings {
     /// [`DisplacedBlocks`] with so many cells a block edge.

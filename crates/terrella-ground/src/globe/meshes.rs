@@ -9,7 +9,7 @@ use terrella_frames::Ellipsoid;
 /// How many cells a block's edge has.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Subdivision {
-    /// The fewest of 2, 4, 6, 12, 24 and 48 that keep the drawn limb within [`LIMB_PX`] of the true one, chosen anew for each
+    /// The fewest of 2, 4, 6, 12, 24 and 48 that keep the drawn limb within [`LIMB_PX`] of the true one, chosen again for each
     /// picture; with tiles at least 24.
     #[default]
     Auto,

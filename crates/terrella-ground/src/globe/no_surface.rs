@@ -1,4 +1,4 @@
-//! In place of `surface/` where the feature `terrain` is off: there is no ground with relief to draw.
+//! In place of `surface/` where the feature `terrain` is off: there is no terrain to draw.
 
 pub use super::surface_stats::SurfaceStats;
 use std::convert::Infallible;

@@ -91,7 +91,7 @@ pub struct GridOptions {
     pub footprint: SampleFootprint,
     /// What samples hold on to.
     pub anchor: Anchor,
-    /// Whether the GPU makes the vertices, with heights from tiles that are kept; else the CPU, with heights read anew.
+    /// Whether the GPU makes the vertices, with heights from tiles that are kept; else the CPU, with heights read again.
     ///
     /// At 1280 × 720, from 500 m to 30 km over mountains, it takes 1.1 to 1.3 ms to prepare and the CPU's form 4.4 ms and more;
     /// it writes 7 kB a frame and not 400 kB, besides new tiles. Frames of a software adapter took as long with either.
@@ -500,7 +500,7 @@ impl Surface for ProjectedGrid {
 
     fn heights_changed(&mut self, changes: &[HeightChange], _: &dyn Elevation) {
         self.raised = None;
-        // Where the grid lay was chosen by the heights before; it is laid anew, as if these had always been there.
+        // Where the grid lay was chosen by the heights before; it is laid again, as if these had always been there.
         self.frame = None;
         if let Some(tiles) = &mut self.tiles {
             tiles.heights_changed(changes);

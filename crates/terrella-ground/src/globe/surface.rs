@@ -50,7 +50,7 @@ pub trait Surface: Send + Sync {
     fn prepare(&mut self, view: &GroundView, ground: &dyn Elevation) -> SurfaceStats;
 
     /// Hears where heights have changed since the last [`Self::prepare`], from now on those of `ground`. What was made of them is
-    /// made anew by the next calls of that, within its budgets; no edge opens meanwhile, and nothing is left out.
+    /// made again by the next calls of that, within its budgets; no edge opens meanwhile, and nothing is left out.
     fn heights_changed(&mut self, changes: &[HeightChange], ground: &dyn Elevation);
 
     /// Forgets what was chosen for views before and is kept only so that an eye that moves does not toggle it. What the next calls of

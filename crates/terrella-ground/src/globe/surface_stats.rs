@@ -9,7 +9,7 @@ pub struct SurfaceStats {
     pub vertices: u32,
     /// Triangles of those, those without area included.
     pub triangles: u32,
-    /// Places whose height was read anew.
+    /// Places whose height was read again.
     pub samples_read: u64,
     /// Bytes of vertices, indices, trees and tables held in memory.
     pub resident_bytes: u64,

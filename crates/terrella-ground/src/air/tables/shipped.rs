@@ -3,7 +3,7 @@
 //! `default.bin` is little-endian: `scattering` and `bounce` as IEEE halves, which is how the GPU holds them and all that they are for;
 //! then `through`, `sunlight`, `transmittance`, `sources`, `profile` and the sky's albedo as f32. `above_clouds.bin` has the same of
 //! [`AirAboveClouds`], which has no `transmittance`, `sources` and `profile`.
-//! `TERRELLA_UPDATE_AIR=1 cargo test -p terrella-ground shipped` writes them anew; without the variable the same tests compare.
+//! `TERRELLA_UPDATE_AIR=1 cargo test -p terrella-ground shipped` writes them again; without the variable the same tests compare.
 
 use super::{
     AirAboveClouds, AirTables, BOUNCE, PROFILE, RAYS, SCATTERING, SOURCES, SUNLIGHT, THROUGH,

@@ -26,7 +26,7 @@ impl Default for GridLimits {
 }
 
 impl GridLimits {
-    /// Refuses what cannot be held, whatever its heights.
+    /// Rejects what cannot be held, whatever its heights.
     ///
     /// # Errors
     /// [`GridError::Size`] and [`GridError::Memory`].
@@ -180,7 +180,7 @@ impl KnownHeights {
         }
     }
 
-    /// Refuses heights that no ground has, as soon as there are some.
+    /// Rejects heights that no ground has, as soon as there are some.
     pub fn check(&self) -> Result<(), GridError> {
         let (low_m, high_m) = (f64::from(self.low), f64::from(self.high));
         if low_m < LOWEST_M || high_m > HIGHEST_M {

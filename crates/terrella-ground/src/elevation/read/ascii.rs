@@ -78,7 +78,7 @@ impl<R: BufRead + Seek> Ascii<R> {
         let (keys, start, first_line) = read_header(&mut reader, context)?;
         let needed = |key: &str| {
             keys.get(key).ok_or_else(|| {
-                context.refused(
+                context.rejected(
                     format!("has no {key} in its header"),
                     "ncols, nrows, xllcorner, yllcorner and cellsize",
                     format!("write a line `{key} VALUE` at its beginning"),
@@ -94,7 +94,7 @@ impl<R: BufRead + Seek> Ascii<R> {
         let step = |key: &str| keys.get(key).map_or_else(|| needed("cellsize"), Ok);
         let (dx, dy) = (step("dx")?, step("dy")?);
         if !(dx > 0.0 && dy > 0.0 && dx.is_finite() && dy.is_finite()) {
-            return Err(context.refused(
+            return Err(context.rejected(
                 format!("has cells of {dx} x {dy}"),
                 "a positive cellsize",
                 "correct its header",
@@ -190,7 +190,7 @@ fn read_header<R: BufRead + Seek>(
             let is_number = key.parse::<f64>().is_ok();
             return match is_number {
                 true => Ok((keys, start, line)),
-                false => Err(context.refused(
+                false => Err(context.rejected(
                     format!(
                         "line {line}: {:?} is neither a key of the header nor a number",
                         excerpt(&key)
@@ -213,7 +213,7 @@ fn read_header<R: BufRead + Seek>(
 }
 
 fn not_a_number(line: usize, word: &str, context: &FileContext) -> HeightFileError {
-    context.refused(
+    context.rejected(
         format!("line {line}: {:?} is no number", excerpt(word)),
         "numbers with a decimal point",
         "correct it; commas as decimal points become points by `sed -i s/,/./g`",

@@ -44,10 +44,10 @@ impl SaidBeside {
         let context = FileContext::new(&aux);
         match files::read_text(&aux, AUX_BYTES) {
             Ok(Some(text)) => Self::of(&text, &context),
-            Ok(None) => Err(context.refused(
+            Ok(None) => Err(context.rejected(
                 format!("has more than {AUX_BYTES} bytes"),
                 "a few lines about one file",
-                "remove its histograms (`gdalinfo` writes it anew)",
+                "remove its histograms (`gdalinfo` writes it again)",
             )),
             Err(error) if error.kind() == ErrorKind::NotFound => Ok(Self::default()),
             Err(error) => Err(context.reading(error)),
@@ -57,7 +57,7 @@ impl SaidBeside {
     fn of(text: &str, context: &FileContext) -> Result<Self, HeightFileError> {
         let number = |name| {
             band_number(text, name).map_err(|cause| {
-                context.refused(
+                context.rejected(
                     cause,
                     "a number",
                     format!("correct <{name}> of its first band"),
@@ -67,7 +67,7 @@ impl SaidBeside {
         let unit = match band_text(text, "UnitType").filter(|word| !word.is_empty()) {
             None => None,
             Some(word) => Some(HeightUnit::from_word(&word).ok_or_else(|| {
-                context.refused(
+                context.rejected(
                     format!("has heights of the unit {:?}", excerpt(&word)),
                     "metres or feet",
                     "correct <UnitType> of its first band, or remove it and write unit = \"metres\" in a sidecar",
@@ -94,7 +94,7 @@ impl Header {
             && !self.missing.has(no_data)
         {
             self.missing = self.missing.and(no_data).ok_or_else(|| {
-                context.refused(
+                context.rejected(
                     "names more than 4 missing values with the .aux.xml beside it",
                     "a few",
                     "write nodata in a sidecar",
@@ -103,7 +103,7 @@ impl Header {
         }
         match (self.unit, said.unit) {
             (Some(own), Some(other)) if own != other => {
-                return Err(context.refused(
+                return Err(context.rejected(
                     format!(
                         "says that its heights are {}, and the .aux.xml beside it says {}",
                         own.name(),
@@ -180,8 +180,8 @@ impl SideMask {
 }
 
 fn unread(context: &FileContext, error: TiffGapError) -> HeightFileError {
-    let refused = |cause: String| {
-        context.refused(
+    let rejected = |cause: String| {
+        context.rejected(
             cause,
             "a mask of 1 or 8 bits as large as the file beside it",
             "remove it, or write what it masks as no data (`gdalwarp -dstnodata -32768`)",
@@ -189,8 +189,8 @@ fn unread(context: &FileContext, error: TiffGapError) -> HeightFileError {
     };
     match error {
         TiffGapError::Tiff(TiffError::IoError(error)) => context.reading(error),
-        TiffGapError::Tiff(error) => refused(format!("is no mask that is read ({error})")),
+        TiffGapError::Tiff(error) => rejected(format!("is no mask that is read ({error})")),
         TiffGapError::Damaged(cause) => context.damaged(cause),
-        TiffGapError::Mask(cause) => refused(format!("is {cause}")),
+        TiffGapError::Mask(cause) => rejected(format!("is {cause}")),
     }
 }

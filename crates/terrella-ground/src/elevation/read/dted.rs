@@ -78,7 +78,7 @@ impl<R: BufRead + Seek> Dted<R> {
         );
         let sides = 2..=MOST;
         if !sides.contains(&columns) || !sides.contains(&rows) || steps.0 == 0 || steps.1 == 0 {
-            return Err(context.refused(
+            return Err(context.rejected(
                 format!("is DTED of {columns} x {rows} heights"),
                 format!(
                     "levels 0 to 2, of 2 to {MOST} heights a side, with the steps between them"

@@ -20,7 +20,7 @@ pub enum HeightFileError {
     Damaged { path: PathBuf, cause: String },
     /// A file cannot be used as it is.
     #[error("{}: {cause}; expected {expected}: {remedy}", path.display())]
-    Refused {
+    Rejected {
         path: PathBuf,
         /// What the file is or lacks.
         cause: String,
@@ -79,7 +79,7 @@ pub enum HeightFileError {
     #[error("{}: {source}", path.display())]
     Grid {
         path: PathBuf,
-        /// Why its grid is refused.
+        /// Why its grid is rejected.
         source: GridError,
     },
 }
@@ -123,13 +123,13 @@ impl FileContext {
         }
     }
 
-    pub(super) fn refused(
+    pub(super) fn rejected(
         &self,
         cause: impl Display,
         expected: impl Into<String>,
         remedy: impl Into<String>,
     ) -> HeightFileError {
-        HeightFileError::Refused {
+        HeightFileError::Rejected {
             path: self.0.clone(),
             cause: files::cause(cause),
             expected: expected.into(),
@@ -146,7 +146,7 @@ impl FileContext {
 
     /// Why a projected grid is not warped.
     pub(super) fn unwarped(&self, cause: String) -> HeightFileError {
-        self.refused(
+        self.rejected(
             cause,
             "projected heights of at most 268 million samples, near the middle of their projection",
             format!(

@@ -55,7 +55,7 @@ impl HeightTags {
             None | Some(1) => Registration::Cells,
             Some(2) => Registration::Posts,
             Some(other) => {
-                return Err(context.refused(
+                return Err(context.rejected(
                     format!("has the raster type {other}"),
                     "1 (areas) or 2 (points) in GTRasterTypeGeoKey",
                     "rewrite it with `gdal_translate`",
@@ -68,7 +68,7 @@ impl HeightTags {
             Registration::Posts => 0.0,
         };
         if !(right_step > 0.0 && down_step != 0.0 && left.is_finite() && top.is_finite()) {
-            return Err(context.refused(
+            return Err(context.rejected(
                 "runs from east to west, or has steps of no size",
                 "columns from west to east",
                 format!(
@@ -125,7 +125,7 @@ impl HeightTags {
             }
             (Some(_), None) => Err(context.damaged("ModelPixelScale without ModelTiepoint")),
             (None, None) => Ok(None),
-            _ => Err(context.refused(
+            _ => Err(context.rejected(
                 "is placed by several points",
                 "one point and a scale",
                 format!(
@@ -136,7 +136,7 @@ impl HeightTags {
         }
     }
 
-    /// Refuses what is not latitude and longitude of WGS84 or nearly that; radians of one unit.
+    /// Rejects what is not latitude and longitude of WGS84 or nearly that; radians of one unit.
     fn check_coordinates(&self, context: &FileContext) -> Result<f64, HeightFileError> {
         match self.geo.system() {
             Ok(Some(System::Geographic {
@@ -150,7 +150,7 @@ impl HeightTags {
                 Err(context.other_coordinates("the projected coordinates EPSG:3857"))
             }
             Err(crs) => Err(context.other_coordinates(crs)),
-            Ok(None) => Err(context.refused(
+            Ok(None) => Err(context.rejected(
                 "does not say what coordinates it lies in",
                 "GeoTIFF keys of latitude and longitude",
                 format!(
@@ -167,7 +167,7 @@ impl HeightTags {
         context: &FileContext,
     ) -> Result<Option<HeightUnit>, HeightFileError> {
         let unknown = |what: String| {
-            context.refused(
+            context.rejected(
                 what,
                 "metres or feet",
                 format!("`gdal_translate -a_scale … {} OUT.tif`, then write unit = \"metres\" in a sidecar", context.path().display()),

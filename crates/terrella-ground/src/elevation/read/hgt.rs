@@ -94,7 +94,7 @@ impl<R: BufRead + Seek> Hgt<R> {
             .iter()
             .find(|(columns, rows)| 2 * u64::from(*columns) * u64::from(*rows) == bytes);
         let Some(&(columns, rows)) = size else {
-            return Err(context.refused(
+            return Err(context.rejected(
                 format!("has {bytes} bytes of heights"),
                 "those of an .hgt file: 1201 x 1201, 3601 x 3601, 1801 x 3601 or 7201 x 7201 numbers of 16 bits",
                 "copy or fetch it again",

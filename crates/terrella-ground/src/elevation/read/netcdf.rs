@@ -325,7 +325,7 @@ impl<R: BufRead + Seek> NetCdf<R> {
         let unit = match text(&chosen.attributes, "units") {
             None => None,
             Some(word) => Some(HeightUnit::from_word(word).ok_or_else(|| {
-                context.refused(
+                context.rejected(
                     format!("has heights of the unit {word:?}"),
                     "metres or feet",
                     format!(
@@ -364,7 +364,7 @@ impl<R: BufRead + Seek> NetCdf<R> {
             offset: number(&chosen.attributes, "add_offset"),
             above: None,
             missing: chosen.missing().ok_or_else(|| {
-                context.refused(
+                context.rejected(
                     "names more than 4 missing values",
                     "a fill value, and few others",
                     format!(
@@ -445,19 +445,19 @@ fn select_variable<'a>(
             .filter(is_grid)
             .find(|v| v.name == wanted)
             .ok_or_else(|| {
-                context.refused(
+                context.rejected(
                     format!("has no variable {wanted:?} over two dimensions"),
                     format!("one of: {}", names()),
                     write,
                 )
             }),
         (None, Some(only), None) => Ok(only),
-        (None, Some(_), Some(_)) => Err(context.refused(
+        (None, Some(_), Some(_)) => Err(context.rejected(
             "has several variables over two dimensions",
             format!("one of: {}", names()),
             write,
         )),
-        (None, None, _) => Err(context.refused(
+        (None, None, _) => Err(context.rejected(
             "has no variable over two dimensions",
             "heights over latitude and longitude",
             "take one time or level out of it (`ncks -d time,0`, then `ncwa -a time`)",
@@ -529,7 +529,7 @@ impl Axis {
         };
         let is_good = step.is_finite() && step != 0.0 && degrees.iter().enumerate().all(even);
         if !is_good || self.name == "lon" && step < 0.0 {
-            return Err(context.refused(
+            return Err(context.rejected(
                 format!("has coordinates {name:?} at unequal steps, or only one"),
                 "equal steps, longitudes to the east",
                 format!(

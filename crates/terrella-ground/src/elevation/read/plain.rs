@@ -61,7 +61,7 @@ impl Header {
             && grid.top <= 90.0 + grid.row
             && south >= -90.0 - grid.row;
         if !is_degrees {
-            return Err(context.refused(
+            return Err(context.rejected(
                 format!(
                     "has its first cell at {} {}, which are no degrees, and nothing says in which coordinate system",
                     grid.left, grid.top
@@ -87,10 +87,10 @@ impl Header {
 pub(super) fn system_beside(path: &Path) -> Result<Option<TextSystem>, HeightFileError> {
     let read = |file: &Path, most: u64| match files::read(file, most) {
         Ok(Some(bytes)) => Ok(Some(String::from_utf8_lossy(&bytes).into_owned())),
-        Ok(None) => Err(FileContext::new(file).refused(
+        Ok(None) => Err(FileContext::new(file).rejected(
             format!("has more than {most} bytes"),
             "the name of a coordinate system",
-            "write it anew",
+            "write it again",
         )),
         Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),
         Err(error) => Err(FileContext::new(file).unreadable(error)),
@@ -98,7 +98,7 @@ pub(super) fn system_beside(path: &Path) -> Result<Option<TextSystem>, HeightFil
     let named = |file: &Path, text: &str| {
         let system = system_of(text);
         system.map(Some).map_err(|cause| {
-            FileContext::new(file).refused(
+            FileContext::new(file).rejected(
                 cause,
                 "degrees, UTM, polar stereographic or conformal conic metres of WGS84",
                 format!(

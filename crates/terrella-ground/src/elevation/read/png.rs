@@ -45,14 +45,14 @@ impl<R: BufRead + Seek> Png<R> {
         let (colour, depth) = (info.color_type, info.bit_depth);
         let is_short = depth == BitDepth::Sixteen;
         if colour != ColorType::Grayscale || !(is_short || depth == BitDepth::Eight) {
-            return Err(context.refused(
+            return Err(context.rejected(
                 format!("holds {colour:?} samples of {} bits", depth as u8),
                 "one height a sample, grey of 8 or 16 bits",
                 "save it as 16-bit grey",
             ));
         }
         if info.interlaced || info.is_animated() {
-            return Err(context.refused(
+            return Err(context.rejected(
                 "is interlaced or an animation",
                 "a PNG that is written row by row",
                 format!(
@@ -132,7 +132,7 @@ impl<R: BufRead + Seek> Png<R> {
 fn png_error(context: &FileContext, error: DecodingError) -> HeightFileError {
     match error {
         DecodingError::IoError(error) => context.reading(error),
-        DecodingError::LimitsExceeded => context.refused(
+        DecodingError::LimitsExceeded => context.rejected(
             "has chunks beyond all measure",
             "a picture and little else",
             "strip it of everything but the picture",

@@ -47,7 +47,7 @@ pub fn height_set(path: &Path) -> Result<Vec<PathBuf>, HeightFileError> {
             files.push(entry.path());
         }
         if files.len() > MAX_SET_FILES {
-            return Err(context.refused(
+            return Err(context.rejected(
                 format!("stands for more than {MAX_SET_FILES} files"),
                 "fewer",
                 "join them (`gdal_merge.py`), or give parts of them",
@@ -55,7 +55,7 @@ pub fn height_set(path: &Path) -> Result<Vec<PathBuf>, HeightFileError> {
         }
     }
     if files.is_empty() {
-        return Err(context.refused(
+        return Err(context.rejected(
             "stands for no file of heights",
             format!("files whose names end in {}", ENDINGS.join(", ")),
             "correct the path, or give the files by their names",

@@ -1,9 +1,9 @@
-//! Files of all formats, and every way in which they are refused.
+//! Files of all formats, and every way in which they are rejected.
 
 mod files;
 mod formats;
 mod nothing;
-mod refusals;
+mod rejections;
 
 use super::*;
 use crate::elevation::GridError;
@@ -175,7 +175,7 @@ fn read(bytes: Vec<u8>, sidecar: &str) -> Result<HeightFile, HeightFileError> {
 
 #[track_caller]
 fn said(bytes: Vec<u8>, sidecar: &str) -> String {
-    let error = read(bytes, sidecar).expect_err("refused");
+    let error = read(bytes, sidecar).expect_err("rejected");
     let said = error.to_string();
     assert!(said.starts_with("dem.t"), "{said}");
     said

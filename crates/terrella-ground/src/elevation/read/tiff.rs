@@ -80,7 +80,7 @@ impl<R: BufRead + Seek> Tiff<R> {
                 let text = value.into_string().map_err(told)?;
                 let shown = excerpt(&text);
                 Some(number(&text).ok_or_else(|| {
-                    context.refused(
+                    context.rejected(
                         format!("has the no-data value {shown:?}"),
                         "a number",
                         format!(
@@ -119,7 +119,7 @@ impl<R: BufRead + Seek> Tiff<R> {
             return Err(context.damaged("strips or tiles of no size"));
         }
         if chunk_bytes > CHUNK_BYTES {
-            return Err(context.refused(
+            return Err(context.rejected(
                 format!("has strips or tiles of {} MB", chunk_bytes / 1_000_000),
                 format!("at most {} MB", CHUNK_BYTES / 1_000_000),
                 format!(
@@ -306,7 +306,7 @@ fn convert_rows<T: Copy + Into<f64>, E>(
 }
 
 fn unsupported(context: &FileContext, cause: String) -> HeightFileError {
-    context.refused(
+    context.rejected(
         cause,
         "one channel of whole numbers of 8 to 32 bits or of floats of 32 or 64, uncompressed or by LZW, deflate or PackBits",
         format!(
@@ -318,18 +318,18 @@ fn unsupported(context: &FileContext, cause: String) -> HeightFileError {
 
 fn gap_error(context: &FileContext, error: TiffGapError) -> HeightFileError {
     match error {
-        TiffGapError::Tiff(TiffError::UnsupportedError(error)) => mask_refused(
+        TiffGapError::Tiff(TiffError::UnsupportedError(error)) => mask_rejected(
             context,
             format!("a mask that is not read: {}", printable(&error.to_string())),
         ),
         TiffGapError::Tiff(error) => tiff_error(context, error),
         TiffGapError::Damaged(cause) => context.damaged(cause),
-        TiffGapError::Mask(cause) => mask_refused(context, cause),
+        TiffGapError::Mask(cause) => mask_rejected(context, cause),
     }
 }
 
-fn mask_refused(context: &FileContext, cause: String) -> HeightFileError {
-    context.refused(
+fn mask_rejected(context: &FileContext, cause: String) -> HeightFileError {
+    context.rejected(
         format!("has {cause}"),
         "a mask of 1 or 8 bits as large as the image, uncompressed or by LZW, deflate or PackBits",
         format!(
@@ -343,7 +343,7 @@ fn tiff_error(context: &FileContext, error: TiffError) -> HeightFileError {
     match error {
         TiffError::IoError(error) => context.reading(error),
         TiffError::UnsupportedError(error) => unsupported(context, printable(&error.to_string())),
-        TiffError::LimitsExceeded => context.refused(
+        TiffError::LimitsExceeded => context.rejected(
             "has tags or strips beyond all measure",
             "those of a picture",
             format!(

@@ -62,7 +62,7 @@ impl ZipEntry {
                 continue;
             }
             if let Some((other, _)) = &found {
-                return Err(context.refused(
+                return Err(context.rejected(
                     format!(
                         "holds {} and {}",
                         excerpt(&other.name),
@@ -75,7 +75,7 @@ impl ZipEntry {
             found = Some((entry, local));
         }
         let Some((mut entry, local)) = found else {
-            return Err(context.refused(
+            return Err(context.rejected(
                 format!("is a zip file without a file whose name ends in {ending}"),
                 "a file of heights, or a zip file that holds one of SRTM",
                 "unzip it",
@@ -112,7 +112,7 @@ impl ZipEntry {
         };
         let is_locked = flags & 1 != 0;
         if is_locked || !matches!(method, 0 | 8) || [packed, bytes, local].contains(&u32::MAX) {
-            return Err(context.refused(
+            return Err(context.rejected(
                 format!("holds {} in a form that is not read", excerpt(&name)),
                 "a zip file below 4 GB, stored or deflated, without a password",
                 "unzip it",
@@ -152,7 +152,7 @@ fn list_of<R: Read + Seek>(
     };
     let (bytes, start) = (u64::from(bytes), u64::from(start));
     if bytes > LIST_BYTES || start > length {
-        return Err(context.refused(
+        return Err(context.rejected(
             "is a zip file of very many files",
             "one that holds one file of heights",
             "unzip it",

@@ -38,7 +38,7 @@ pub(super) struct Store {
 }
 
 impl Store {
-    /// Makes the file anew, as large as it will be.
+    /// Makes the file again, as large as it will be.
     pub(super) fn create(
         path: PathBuf,
         (columns, rows): (usize, usize),

@@ -264,7 +264,7 @@ fn files_of_all_formats_are_spooled() {
                 compare(&file, &spool);
                 count += 1;
             }
-            // What one refuses the other refuses.
+            // What one rejects the other rejects.
             (Err(a), Err(SpoolError::Heights(b))) => assert_eq!(a.to_string(), b.to_string()),
             (a, b) => panic!("{}: {:?} and {:?}", path.display(), a.err(), b.err()),
         }
@@ -325,7 +325,7 @@ fn what_cannot_be_spooled_is_told_and_nothing_stays() {
     for (value, is_empty) in [(65_535, true), (60_000, false)] {
         let image: ImageBuffer<Luma<u16>, _> = ImageBuffer::from_pixel(161, 97, Luma([value]));
         image.save(&path).expect("writable");
-        let error = read(None, 1000).expect_err("refused");
+        let error = read(None, 1000).expect_err("rejected");
         let SpoolError::Heights(HeightFileError::Grid { source, .. }) = error else {
             panic!("{error}");
         };

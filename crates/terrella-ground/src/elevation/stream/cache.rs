@@ -51,7 +51,7 @@ pub(super) struct HeightCache {
     /// What shall be loaded, most lacking first.
     queue: Vec<HeightTileKey>,
     /// Requests that there is no room for.
-    refused: Vec<HeightTileKey>,
+    rejected: Vec<HeightTileKey>,
     arrived: Vec<HeldTile>,
     failed: BTreeSet<HeightTileKey>,
     /// Requests may hang on tiles that will not come.
@@ -109,7 +109,7 @@ impl HeightCache {
             tile_bytes: 4 * layout.tile_samples() as u64,
             requests: BTreeMap::new(),
             queue: Vec::new(),
-            refused: Vec::new(),
+            rejected: Vec::new(),
             arrived: Vec::new(),
             failed: BTreeSet::new(),
             has_lost: false,
@@ -230,7 +230,7 @@ impl HeightCache {
         self.pyramid.wants.look(eyes.iter().map(EyePlace::near));
         self.note_wants();
         self.queue.clear();
-        self.refused.clear();
+        self.rejected.clear();
         let layout = self.pyramid.layout;
         let mut wanted: Vec<(f64, HeightTileKey)> = Vec::new();
         for (key, request) in self.requests.iter().filter(|(_, r)| !r.has_come) {
@@ -255,7 +255,7 @@ impl HeightCache {
             };
             match has_room {
                 true => self.queue.push(key),
-                false => self.refused.push(key),
+                false => self.rejected.push(key),
             }
         }
     }
@@ -341,7 +341,7 @@ impl HeightCache {
 
     /// Tiles that were asked for and that there is no room for, that could not be read, or that have not come yet.
     pub fn missing(&self) -> Vec<HeightTileKey> {
-        let all = self.queue.iter().chain(&self.refused).chain(&self.failed);
+        let all = self.queue.iter().chain(&self.rejected).chain(&self.failed);
         all.copied().collect()
     }
 
@@ -350,7 +350,7 @@ impl HeightCache {
             tiles: self.tiles,
             bytes: self.bytes,
             wanted: (self.queue.len() + self.arrived.len()) as u32,
-            refused: self.refused.len() as u32,
+            rejected: self.rejected.len() as u32,
             unreadable: self.failed.len() as u32,
             changes: self.version,
         }

@@ -125,7 +125,7 @@ fn with_everything_there_heights_are_those_of_the_levels() {
     assert!(seen > 1000, "levels differ in {seen} places");
     assert_eq!(ground.missing(), []);
     let counters = ground.counters();
-    assert!(counters.tiles > 100 && counters.refused == 0 && counters.wanted == 0);
+    assert!(counters.tiles > 100 && counters.rejected == 0 && counters.wanted == 0);
 }
 
 #[test]
@@ -337,7 +337,7 @@ fn the_budget_holds_and_no_two_tiles_take_turns() {
     fly(45.0, 10.0);
     let counters = ground.counters();
     assert!(
-        counters.refused > 0 && (counters.tiles as usize) < all,
+        counters.rejected > 0 && (counters.tiles as usize) < all,
         "{counters:?}"
     );
     assert!(counters.tiles > 20, "{counters:?}");
@@ -434,7 +434,7 @@ fn tiles_that_cannot_be_read_are_told_and_not_waited_for() {
 }
 
 #[test]
-fn a_coarsest_level_that_is_not_whole_or_too_large_is_refused() {
+fn a_coarsest_level_that_is_not_whole_or_too_large_is_rejected() {
     struct Holey(TestTiles);
     impl HeightTileSource for Holey {
         fn layout(&self) -> HeightTileLayout {
@@ -453,22 +453,22 @@ fn a_coarsest_level_that_is_not_whole_or_too_large_is_refused() {
     }
     let options = HeightStreamOptions::default();
     let holey = Arc::new(Holey(TestTiles::new(2, 16, |_| true)));
-    let refused = StreamedGround::new(holey, Ground::new([]), &options);
+    let rejected = StreamedGround::new(holey, Ground::new([]), &options);
     assert!(matches!(
-        refused,
+        rejected,
         Err(StreamedGroundError::Tile(HeightTileError::Absent(_)))
     ));
     let small = HeightStreamOptions {
         memory_bytes: 10_000,
         ..options
     };
-    let refused = StreamedGround::new(
+    let rejected = StreamedGround::new(
         Arc::new(TestTiles::new(2, 16, |_| true)),
         Ground::new([]),
         &small,
     );
     assert!(matches!(
-        refused,
+        rejected,
         Err(StreamedGroundError::Coarsest(GridError::Memory { .. }))
     ));
 }

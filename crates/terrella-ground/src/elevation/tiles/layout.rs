@@ -248,7 +248,7 @@ mod tests {
     }
 
     #[test]
-    fn layouts_that_cannot_be_are_refused() {
+    fn layouts_that_cannot_be_are_rejected() {
         for (levels, columns, side, border) in [
             (0, 16, 64, 1),
             (1, 12, 64, 1),
@@ -262,8 +262,8 @@ mod tests {
             (18, 16, 1024, 1),
             (255, 16, 64, 1),
         ] {
-            let refused = HeightTileLayout::new(levels, columns, side, border);
-            assert!(refused.is_err(), "{levels} {columns} {side} {border}");
+            let rejected = HeightTileLayout::new(levels, columns, side, border);
+            assert!(rejected.is_err(), "{levels} {columns} {side} {border}");
         }
         assert!(HeightTileLayout::new(17, 16, 1024, 1).is_ok());
     }

@@ -1,8 +1,8 @@
 //! What levels do where heights have changed.
 //!
-//! Samples are read anew within the budget of a frame, those of the finest levels first; until then they stay as they were. In one
+//! Samples are read again within the budget of a frame, those of the finest levels first; until then they stay as they were. In one
 //! level that opens no edge: neighbours share their vertices. Only points on the edges of diamonds are held once in each, and
-//! are read anew all at once. A level's border is the coarser one's surface, and is set anew with it.
+//! are read again all at once. A level's border is the coarser one's surface, and is set again with it.
 
 use super::lattice::{Icosahedron, LatticeIndex};
 use super::level::{EDGE_RAD, HeightSource, Level};
@@ -13,7 +13,7 @@ use glam::DVec3;
 /// Points along a side of the squares that are marked together.
 const SQUARE: i64 = 16;
 
-/// Marks the samples whose heights may have changed, and reads those anew that diamonds share. Of what is not drawn they are dropped.
+/// Marks the samples whose heights may have changed, and reads those again that diamonds share. Of what is not drawn they are dropped.
 pub fn heights_changed(levels: &mut [Level], changes: &[HeightChange], source: &HeightSource<'_>) {
     for level in levels {
         // Half a cell: how heights are averaged.
@@ -103,7 +103,7 @@ fn place(icosahedron: &Icosahedron, index: LatticeIndex, n: i64) -> (DVec3, f64,
     (normal, lat_rad, normal.y.atan2(normal.x))
 }
 
-/// Reads what is left anew within a budget, the finest levels first, and sets what is drawn of it. Answers how many samples.
+/// Reads what is left again within a budget, the finest levels first, and sets what is drawn of it. Answers how many samples.
 pub fn read_left(levels: &mut [Level], source: &HeightSource<'_>, budget: &mut u64) -> u64 {
     let mut read = 0;
     for level in levels.iter_mut().rev() {

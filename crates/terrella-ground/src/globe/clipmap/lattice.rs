@@ -208,7 +208,7 @@ pub enum DiamondPlace {
 }
 
 /// The 3 × 3 virtual diamond of a home, `[row][column]`: rows from A's side to D's along i, columns along j; the home is at
-/// `[1][1]`. Nothing is split and paired anew, as the paper does: in each place are whole diamonds of the globe, so that a
+/// `[1][1]`. Nothing is split and paired again, as the paper does: in each place are whole diamonds of the globe, so that a
 /// change of home changes names only.
 pub fn virtual_diamond(home: u8) -> [[DiamondPlace; 3]; 3] {
     let across = |i, j| {

@@ -62,7 +62,7 @@ pub struct Level {
     pub buffers: Vec<ToroidalBuffer>,
     /// Where all buffers measure from, and the middle that this was chosen for.
     origin: Option<(DVec3, LatticeIndex)>,
-    /// Samples that are drawn have been read anew, and vertices are not set by them yet.
+    /// Samples that are drawn have been read again, and vertices are not set by them yet.
     pub is_read_anew: bool,
     /// How far the whole level is drawn as the coarser one: 0 not at all, 1 altogether.
     pub fade: f64,
@@ -298,7 +298,7 @@ impl Level {
         ((steps - (radius - blend)) as f64 / blend as f64).clamp(0.0, 1.0)
     }
 
-    /// Makes the triangles anew if the reach of this level or of the finer one has changed.
+    /// Makes the triangles again if the reach of this level or of the finer one has changed.
     pub fn cut(&mut self, finer: Option<&Level>) {
         let hole = finer
             .and_then(|finer| finer.extent.as_ref())

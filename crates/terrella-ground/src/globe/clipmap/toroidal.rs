@@ -159,7 +159,7 @@ impl ToroidalBuffer {
         }
     }
 
-    /// Gives points to `read`, which puts them anew, whose heights have changed and that `is_meant`, while there is budget.
+    /// Gives points to `read`, which puts them again, whose heights have changed and that `is_meant`, while there is budget.
     pub fn take_stale(
         &mut self,
         is_meant: &impl Fn(i64, i64) -> bool,

@@ -183,7 +183,7 @@ impl Node {
 }
 
 impl TreeStats {
-    /// Counts a leaf, held against the tolerance of its tree.
+    /// Counts a leaf, compared with the tolerance of its tree.
     pub fn add_leaf(&mut self, leaf: &Node, tolerance_m: f64) {
         let thick_m = leaf.contour.thickness_m();
         self.leaves += 1;

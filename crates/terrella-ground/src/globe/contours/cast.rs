@@ -120,7 +120,7 @@ impl ContourTree {
         best
     }
 
-    /// The same by looking at every leaf: what [`Self::cast`] is held against.
+    /// The same by looking at every leaf: what [`Self::cast`] is compared with.
     #[cfg(test)]
     pub fn cast_at_all(&self, dem: &Dem, ray: &Ray) -> Option<Hit> {
         let mut best: Option<Hit> = None;

@@ -7,7 +7,7 @@ use terrella_frames::Ellipsoid;
 /// Most samples of a grid: 16 385 × 16 385.
 pub const MAX_SAMPLES: u64 = 16_385 * 16_385;
 
-/// Heights that are refused.
+/// Heights that are rejected.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum DemError {
     /// The sizes do not fit the number of heights, are 0, or too large.

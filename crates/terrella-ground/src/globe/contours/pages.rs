@@ -199,7 +199,7 @@ impl ContourPages {
         page.revision = self.clock;
     }
 
-    /// Builds pages of the last view anew whose heights have changed: first those that were drawn, and half as many at most as a
+    /// Builds pages of the last view again whose heights have changed: first those that were drawn, and half as many at most as a
     /// frame may build, so that others are not kept waiting. Answers how many.
     fn build_stale(&mut self, ground: &dyn Elevation, reach: HeightRange) -> u64 {
         let mut stale: Vec<(bool, u64, usize)> = (0..)

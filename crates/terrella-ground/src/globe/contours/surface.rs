@@ -13,7 +13,7 @@
 //!
 //! Per frame: choose which cells to cut, largest errors in pixels first, as measured when a cell was first looked at, and with
 //! each what must be cut beside it; draw those that are seen. New cells are measured, and cut, within budgets, so a jump of
-//! the eye becomes sharp over some frames and never waits. Vertices are written anew only where the neighbours' levels have
+//! the eye becomes sharp over some frames and never waits. Vertices are written again only where the neighbours' levels have
 //! changed. The error that is reported is that of the cells drawn, each on its own: at the border of the picture an edge may
 //! be that of a coarser cell out of sight.
 
@@ -45,7 +45,7 @@ pub struct ContourOptions {
     pub ellipsoid: Ellipsoid,
     /// Most cells that are cut for a view; patches are up to three times as many, and balancing adds to them. 16…900.
     pub max_cuts: u32,
-    /// Cells that are measured anew in a frame; fewer, down to a quarter, where patches are written anew for heights that have changed.
+    /// Cells that are measured again in a frame; fewer, down to a quarter, where patches are written again for heights that have changed.
     pub measured_per_frame: u32,
     /// Cells that are cut in a frame and were not in the last; what must be cut beside the last of them comes on top.
     pub cut_per_frame: u32,
@@ -92,7 +92,7 @@ pub struct ContourSurface {
     slots: Vec<PatchSlot>,
     by_key: KeyMap,
     drawn: Vec<u32>,
-    /// Of those drawn, how many are to be written anew since heights have changed.
+    /// Of those drawn, how many are to be written again since heights have changed.
     to_rewrite: u32,
     indices: [Arc<TriangleList>; 16],
     samples: u64,

@@ -57,7 +57,7 @@ pub struct TreeStats {
 pub struct ContourTree {
     /// The root first, children after their parent.
     pub nodes: Vec<Node>,
-    /// What its slabs were held against, metres.
+    /// What its slabs were compared with, metres.
     pub tolerance_m: f64,
     /// Counts and bounds of its nodes.
     pub stats: TreeStats,

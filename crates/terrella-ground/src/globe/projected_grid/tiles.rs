@@ -77,7 +77,7 @@ pub struct TileCounts {
     pub loaded: u32,
     /// Of those, tiles that are still missing; a later update loads them.
     pub missing: u32,
-    /// Of those wanted, tiles that are drawn with heights that have changed since; a later update loads them anew.
+    /// Of those wanted, tiles that are drawn with heights that have changed since; a later update loads them again.
     pub stale: u32,
     /// Tiles that gave way.
     pub evicted: u32,
@@ -221,7 +221,7 @@ impl HeightTiles {
     ) -> u32 {
         if let Some(slot) = self.slots.iter().position(|slot| slot.tile == Some(tile)) {
             self.slots[slot].used = self.update;
-            // What it holds is drawn until there is time to load it anew.
+            // What it holds is drawn until there is time to load it again.
             if self.slots[slot].is_stale && may_load {
                 counts.loaded += 1;
                 self.load(slot, tile, ground);

@@ -1,7 +1,7 @@
 //! What the forest does where heights have changed.
 //!
-//! Vertices there that two patches have are computed anew by the next view, in all patches at once: so edges stay closed. Those
-//! inside patches follow over the next views, near ones first. What is known of squares is widened at once, so that nothing is culled that could be seen, and read anew over the next views: until then squares are divided
+//! Vertices there that two patches have are computed again by the next view, in all patches at once: so edges stay closed. Those
+//! inside patches follow over the next views, near ones first. What is known of squares is widened at once, so that nothing is culled that could be seen, and read again over the next views: until then squares are divided
 //! by what was known of them.
 
 use super::forest::Forest;
@@ -13,11 +13,11 @@ use crate::elevation::{Elevation, HeightChange};
 /// Part of a frame's work that goes into squares whose heights have changed.
 const PART: u32 = 4;
 
-/// Vertices inside patches that a view computes anew because their heights have changed: about a millisecond.
+/// Vertices inside patches that a view computes again because their heights have changed: about a millisecond.
 const RENEWED: u32 = 1200;
 
 impl Quadtree {
-    /// Reads squares anew whose heights have changed, within a part of the frame's work.
+    /// Reads squares again whose heights have changed, within a part of the frame's work.
     pub(super) fn read_stale(&mut self, forest: &mut Forest, ground: &dyn Elevation) {
         if !forest.is_stale() {
             return;
@@ -31,7 +31,7 @@ impl Quadtree {
         self.changes += 1;
     }
 
-    /// Computes vertices anew whose heights have changed, in the patches that are not built anew as a whole.
+    /// Computes vertices again whose heights have changed, in the patches that are not built again as a whole.
     pub(super) fn renew(&mut self, forest: &Forest, lod: &LodView, ground: &dyn Elevation) {
         let mut order = std::mem::take(&mut self.order);
         order.clear();
@@ -50,13 +50,13 @@ impl Quadtree {
             if let Some(slot) = forest.slot(built.node) {
                 built.is_drawn = lod.draws(forest.info(slot), &built.normals);
             }
-            // The next view goes on with it.
+            // The next view continues with it.
             self.changes += u32::from(built.is_stale());
         }
         self.order = order;
     }
 
-    /// Has the vertices computed anew that may have changed.
+    /// Has the vertices computed again that may have changed.
     pub(super) fn mark_changed(
         &mut self,
         forest: &Forest,

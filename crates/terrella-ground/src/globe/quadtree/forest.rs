@@ -357,7 +357,7 @@ impl Forest {
         None
     }
 
-    /// Hears where heights have changed: what is known of squares there is made to hold them at once, and is read anew by
+    /// Hears where heights have changed: what is known of squares there is made to hold them at once, and is read again by
     /// [`Self::read_stale`].
     pub fn heights_changed(&mut self, changes: &[HeightChange]) {
         let Self {
@@ -367,7 +367,7 @@ impl Forest {
             stale,
             ..
         } = self;
-        // A square that is touched lies in one that is: the others are passed over with all beneath.
+        // A square that is touched lies in one that is: the others are skipped with all beneath.
         let mut below: Vec<u32> = (0..BLOCK_COUNT).collect();
         while let Some(index) = below.pop() {
             let page = &mut pages[index as usize];
@@ -399,7 +399,7 @@ impl Forest {
         self.stale > 0
     }
 
-    /// Reads pages anew whose heights have changed, at most so many.
+    /// Reads pages again whose heights have changed, at most so many.
     pub fn read_stale(&mut self, most: u32, ground: &dyn Elevation) {
         let mut left = most;
         for _ in 0..self.pages.len() {

@@ -17,7 +17,7 @@ const STEPS: usize = 4 * SIDE;
 const POSTS: usize = STEPS + 1;
 /// Ranges of the data in a row of a page, one to two steps.
 const RANGES: usize = STEPS / 2;
-/// Squares of a page. Reading several levels at once would take fewer posts for each, but most would be read in vain: where
+/// Squares of a page. Reading several levels at once would take fewer posts for each, but most would be read for nothing: where
 /// a square is just not fine enough, its quarters mostly are.
 pub const PAGE_NODES: usize = 4;
 
@@ -53,7 +53,7 @@ impl SquareInfo {
         );
         let is_wider = low_m < f64::from(self.low_m) || high_m > f64::from(self.high_m);
         if is_wider {
-            // Rounded outwards: it is not looked at again until it is read anew.
+            // Rounded outwards: it is not looked at again until it is read again.
             self.low_m = (low_m as f32).next_down();
             self.high_m = (high_m as f32).next_up();
             let shape = ball(node, ellipsoid, self.low_m.into(), self.high_m.into());

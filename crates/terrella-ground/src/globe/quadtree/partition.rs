@@ -91,7 +91,7 @@ impl Quadtree {
         self.steps_changed(forest, parent, step_m);
     }
 
-    /// Patches that are adjacent to a node and stand on finer steps than there are or were must be built anew.
+    /// Patches that are adjacent to a node and stand on finer steps than there are or were must be built again.
     pub(super) fn steps_changed(&mut self, forest: &Forest, node: Node, step_m: f64) {
         let mut beside = std::mem::take(&mut self.order);
         beside.clear();

@@ -43,7 +43,7 @@ impl Hasher for PointHasher {
 
 type Places = HashMap<Point, u32, BuildHasherDefault<PointHasher>>;
 
-/// A patch and what is needed to build it anew.
+/// A patch and what is needed to build it again.
 pub struct BuiltPatch {
     /// The node that it covers.
     pub node: Node,
@@ -53,7 +53,7 @@ pub struct BuiltPatch {
     pub step_m: f64,
     /// Leaves at the last look.
     pub leaves: u32,
-    /// It must be built anew.
+    /// It must be built again.
     pub is_dirty: bool,
     /// It is drawn in this view.
     pub is_drawn: bool,
@@ -352,7 +352,7 @@ impl BuiltPatch {
         (self.stale_vertices, self.has_stale_edge) = (0, false);
     }
 
-    /// Computes stale vertices anew, at most so many of those inside; those on the edge all, since other patches have them too.
+    /// Computes stale vertices again, at most so many of those inside; those on the edge all, since other patches have them too.
     /// Answers how many.
     pub fn renew(
         &mut self,

@@ -26,7 +26,7 @@ pub struct QuadtreeOptions {
     pub max_pages: u32,
     /// Finest level: 0 are the blocks of 22.5°, 24 is 15 cm. At most 32.
     pub max_level: u8,
-    /// Work in a frame: a leaf built anew counts as 1, a new vertex as 4, a page read as `PAGE_WORK`.
+    /// Work in a frame: a leaf built again counts as 1, a new vertex as 4, a page read as `PAGE_WORK`.
     pub work: u32,
     /// Leave out patches that lie outside the picture, beyond the horizon, or face away with every face.
     pub is_culled: bool,
@@ -136,7 +136,7 @@ impl Quadtree {
         self.leaves
     }
 
-    /// Patches that the last view built anew.
+    /// Patches that the last view built again.
     pub fn rebuilt(&self) -> u32 {
         self.rebuilt
     }
@@ -361,7 +361,7 @@ impl Quadtree {
         true
     }
 
-    /// Notes that a node was divided or merged: its patch is built anew, and those of leaves beside that share points.
+    /// Notes that a node was divided or merged: its patch is built again, and those of leaves beside that share points.
     fn changed(&mut self, forest: &Forest, node: Node) {
         self.changes += 1;
         self.work_done = self.work_done.saturating_add(SPLIT_WORK);

@@ -1,4 +1,4 @@
-//! Holes, repeated columns, poles, memory and refusals while a grid is made.
+//! Holes, repeated columns, poles, memory and rejections while a grid is made.
 
 use super::super::*;
 use super::{degrees, grid_of};

@@ -158,7 +158,7 @@ fn places_are_told_in_several_ways() {
 }
 
 #[test]
-fn units_are_told_or_refused() {
+fn units_are_told_or_rejected() {
     let unit = |pairs: &[(u16, u16)]| {
         let mut all = vec![(1024, 2), (1025, 1), (2048, 4326)];
         all.extend(pairs);

@@ -78,7 +78,7 @@ fn read_as(name: &str, bytes: Vec<u8>, sidecar: &str) -> Result<HeightFile, Heig
 }
 
 #[track_caller]
-fn refused(name: &str, bytes: Vec<u8>, words: &str) {
+fn rejected(name: &str, bytes: Vec<u8>, words: &str) {
     let said = read_as(name, bytes, "").expect_err(words).to_string();
     assert!(said.starts_with(name) && said.contains(words), "{said}");
 }
@@ -127,15 +127,15 @@ fn hgt_lies_where_its_name_says() {
 }
 
 #[test]
-fn hgt_that_is_none_is_refused() {
-    refused("tile.hgt", hgt(), "does not say where it lies");
-    refused("N90E000.hgt", hgt(), "does not say where it lies");
-    refused(
+fn hgt_that_is_none_is_rejected() {
+    rejected("tile.hgt", hgt(), "does not say where it lies");
+    rejected("N90E000.hgt", hgt(), "does not say where it lies");
+    rejected(
         "N45E006.hgt",
         hgt()[2..].to_vec(),
         "has 2884800 bytes of heights",
     );
-    refused(
+    rejected(
         "N45E006.hgt.gz",
         gzipped(&hgt()[2..]),
         "has 2884800 bytes of heights",
@@ -143,7 +143,7 @@ fn hgt_that_is_none_is_refused() {
     let mut broken = gzipped(&hgt());
     let middle = broken.len() / 2;
     broken[middle] ^= 0xFF;
-    refused("N45E006.hgt.gz", broken, "truncated or damaged");
+    rejected("N45E006.hgt.gz", broken, "truncated or damaged");
     let whole = zipped("N45E006.hgt", &hgt());
     let mut wrong = whole.clone();
     let list = whole
@@ -151,16 +151,16 @@ fn hgt_that_is_none_is_refused() {
         .rposition(|mark| mark == b"PK\x01\x02")
         .expect("a list");
     wrong[list + 16] ^= 1;
-    refused("a.zip", wrong, "the checksum of its heights is wrong");
+    rejected("a.zip", wrong, "the checksum of its heights is wrong");
     let mut locked = whole.clone();
     locked[list + 8] |= 1;
-    refused("a.zip", locked, "without a password");
-    refused(
+    rejected("a.zip", locked, "without a password");
+    rejected(
         "a.zip",
         whole[..whole.len() - 30].to_vec(),
         "the zip file has no end",
     );
-    refused(
+    rejected(
         "a.zip",
         zipped("a.tif", b"II*\0"),
         "without a file whose name ends in .hgt",
@@ -219,40 +219,40 @@ fn ascii_grids_are_read() {
             .replace(from, to)
             .into_bytes()
     };
-    refused("g.asc", with("nrows 4\n", ""), "has no nrows in its header");
-    refused(
+    rejected("g.asc", with("nrows 4\n", ""), "has no nrows in its header");
+    rejected(
         "g.asc",
         with("cellsize 1", "cellsize 0"),
         "has cells of 0 x 0",
     );
-    refused(
+    rejected(
         "g.asc",
         with("cellsize 1", "cellsize 1,0"),
         "line 5: \"1,0\" is no number",
     );
-    refused(
+    rejected(
         "g.asc",
         with("ncols 6", "ncols 6e9"),
         "4294967295 x 4 samples",
     );
-    refused(
+    rejected(
         "g.asc",
         with("xllcorner 10", "xllcorner 500000"),
         "no degrees",
     );
-    refused(
+    rejected(
         "g.asc",
         with("NODATA_value", "colour"),
         "line 6: \"colour\" is neither a key",
     );
-    refused(
+    rejected(
         "g.asc",
         with("", ""),
         "does not say whether its heights are metres or feet",
     );
     let said = |bytes| {
         read_as("g.asc", bytes, "unit = \"metres\"")
-            .expect_err("refused")
+            .expect_err("rejected")
             .to_string()
     };
     assert!(said(with("2300", "")).contains("it ends in row 4 of 4"));
@@ -317,22 +317,22 @@ fn dted_is_read() {
         file[at..at + bytes.len()].copy_from_slice(bytes);
         file
     };
-    refused("a.dt2", with(47, b"9001"), "is DTED of 9001 x 61 heights");
-    refused("a.dt2", with(47, b"x   "), "the number of columns \"x\"");
-    refused("a.dt2", with(4, b"0060000Q"), "the longitude \"0060000Q\"");
-    refused("a.dt2", with(80 + 144, b"NAD27"), "the datum \"NAD27\"");
-    refused(
+    rejected("a.dt2", with(47, b"9001"), "is DTED of 9001 x 61 heights");
+    rejected("a.dt2", with(47, b"x   "), "the number of columns \"x\"");
+    rejected("a.dt2", with(4, b"0060000Q"), "the longitude \"0060000Q\"");
+    rejected("a.dt2", with(80 + 144, b"NAD27"), "the datum \"NAD27\"");
+    rejected(
         "a.dt2",
         with(3428 + 50, &[1]),
         "the checksum of column 0 is wrong",
     );
-    refused("a.dt2", with(3428 + 5, &[9]), "column 9");
-    refused(
+    rejected("a.dt2", with(3428 + 5, &[9]), "column 9");
+    rejected(
         "a.dt2",
         dted()[..4000].to_vec(),
         "its columns do not end with the file",
     );
-    refused("a.dt2", dted()[..3000].to_vec(), "the file ends too early");
+    rejected("a.dt2", dted()[..3000].to_vec(), "the file ends too early");
 }
 
 #[test]

@@ -61,22 +61,22 @@ fn the_text_beside_a_file_counts() {
     assert!((file.grid.stats().range.low_m - 335.28).abs() < 1e-3);
     assert_eq!(height_files(&path).len(), 2);
 
-    let refused = |text: &[u8], words: &str| {
+    let rejected = |text: &[u8], words: &str| {
         let (_folder, path) = beside(first_is(0.0).bytes(), ".aux.xml", text);
         let said = open_heights(&path, &GridLimits::default())
             .expect_err(words)
             .to_string();
         assert!(said.contains(words), "{said}");
     };
-    refused(
+    rejected(
         b"<PAMRasterBand><UnitType>ft</UnitType></PAMRasterBand>",
         "says that its heights are metres, and the .aux.xml beside it says feet",
     );
-    refused(
+    rejected(
         b"<PAMRasterBand><UnitType>fathom</UnitType></PAMRasterBand>",
         "dem.tif.aux.xml: has heights of the unit \"fathom\"",
     );
-    refused(
+    rejected(
         b"<PAMRasterBand><NoDataValue>none</NoDataValue></PAMRasterBand>",
         "dem.tif.aux.xml: has the NoDataValue \"none\"",
     );

@@ -249,7 +249,7 @@ impl Page {
         self.enclose(cell, &dem, &tree, ellipsoid, range);
     }
 
-    /// Makes it hold ground of other heights than it was built of, until it is built anew: nothing of that is culled, and beside it
+    /// Makes it hold ground of other heights than it was built of, until it is built again: nothing of that is culled, and beside it
     /// prisms reach down as far as it may lie.
     pub(super) fn widen(&mut self, range: HeightRange) {
         let off_m = (range.high_m - self.low_m).max(self.high_m - range.low_m);

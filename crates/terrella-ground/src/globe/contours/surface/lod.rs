@@ -128,7 +128,7 @@ impl ContourSurface {
     }
 
     /// Forgets what was made of heights that have changed. What is known of cells is widened to hold them, and stays until it is
-    /// found anew.
+    /// found again.
     pub(super) fn forget_changed(&mut self, changes: &[HeightChange]) {
         let ellipsoid = self.options.ellipsoid;
         // Knots of the cell, and of a coarser one beside it, reach so far beyond it.
@@ -263,7 +263,7 @@ impl ContourSurface {
         std::mem::swap(&mut self.cut_cells, &mut self.cut_before);
         self.cut_cells.clear();
         self.candidates.clear();
-        // Patches are written anew all in one frame, so the time for them is taken from what can wait.
+        // Patches are written again all in one frame, so the time for them is taken from what can wait.
         let rewritten = std::mem::take(&mut self.to_rewrite) / WRITTEN_PER_MEASURED;
         let measured = self.options.measured_per_frame;
         let mut evaluations = measured - rewritten.min(measured - measured / 4);

@@ -219,7 +219,7 @@ fn an_eye_in_the_ground_and_odd_rays_have_answers() {
 }
 
 #[test]
-fn what_cannot_be_a_dem_is_refused() {
+fn what_cannot_be_a_dem_is_rejected() {
     let step_m = DVec2::ONE;
     let new = |c, r, h: Vec<f32>| Dem::new(c, r, h, DemFrame::Flat { step_m });
     assert!(matches!(new(0, 3, vec![]), Err(DemError::Size { .. })));
@@ -241,6 +241,6 @@ fn what_cannot_be_a_dem_is_refused() {
         Err(DemError::Place)
     );
     let dem = fractal(65, 1);
-    let refused = ContourTree::build(&dem, 0.0, 10_000);
-    assert!(refused.is_err());
+    let rejected = ContourTree::build(&dem, 0.0, 10_000);
+    assert!(rejected.is_err());
 }

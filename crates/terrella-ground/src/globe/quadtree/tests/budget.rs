@@ -6,7 +6,7 @@ use crate::elevation::Elevation;
 use crate::globe::quadtree::{Quadtree, QuadtreeOptions};
 use crate::globe::surface::{GroundView, Surface};
 
-/// Counted work of a view, in its budgets: patches are divided past the end of one, and what lies beside them is built anew.
+/// Counted work of a view, in its budgets: patches are divided past the end of one, and what lies beside them is built again.
 const MOST_BUDGETS: u32 = 3;
 
 /// Cliffs of 20 km between samples 300 km apart.

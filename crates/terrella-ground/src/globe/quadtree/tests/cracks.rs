@@ -14,7 +14,7 @@ type Corner = [u64; 3];
 /// along it in opposite directions, and corners − edges + faces = 2.
 ///
 /// Where very large and very small leaves meet, or meridians do, points may stand on one step: triangles without area are
-/// then passed over, and slivers may share an edge, as often in one direction as in the other. The points need not be
+/// then skipped, and slivers may share an edge, as often in one direction as in the other. The points need not be
 /// corners of one triangle: at a pole, the middles of two leaves beside each other may be one place, and the two triangles
 /// between them then cover each other.
 #[track_caller]

@@ -1,4 +1,4 @@
-//! What is left out cannot be seen: held against every face, and every ray to it.
+//! What is left out cannot be seen: compared with every face, and every ray to it.
 
 use super::{Posts, placed, view};
 use crate::globe::quadtree::patch::BuiltPatch;

@@ -62,7 +62,7 @@ fn a_place_stands_in_one_of_both() {
 }
 
 #[test]
-fn files_that_hold_no_heights_are_refused() {
+fn files_that_hold_no_heights_are_rejected() {
     let rgb = Plain::new()
         .with(277, shorts(&[3]))
         .with(258, shorts(&[16, 16, 16]))
@@ -130,7 +130,7 @@ fn truncated_and_lying_files_are_told() {
             }
         }
     }
-    // Sizes beyond the memory allowed are refused before it is asked for: this file is a header and nothing else.
+    // Sizes beyond the memory allowed are rejected before it is asked for: this file is a header and nothing else.
     let mut huge = Vec::new();
     let mut encoder = ::png::Encoder::new(&mut huge, 1_000_000, 900_000);
     encoder.set_depth(::png::BitDepth::Sixteen);
