@@ -1,6 +1,6 @@
 //! What a file says of its colours and of how its texels lie, beside the texels: gamma, colour profiles, orientation.
 //!
-//! Colours are drawn as sRGB. Others are not converted; they are told, so that nobody takes them for what they are not.
+//! Colours are drawn as sRGB. Others are not converted; they are reported, so that nobody takes them for what they are not.
 //! Sources: PNG (W3C, third edition) 11.3.2, ICC.1:2022 (7.2, 8.3, 10.6, 10.18), Exif 2.32 (4.5.4).
 
 /// What a file says.

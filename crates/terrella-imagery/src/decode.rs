@@ -201,7 +201,7 @@ impl<'a> Picture<'a> {
     }
 }
 
-/// A file that is not whole has been refused before by [`super::jpeg`]; the size is checked by who opens a file, by limits of its
+/// A file that is not whole has been rejected before by [`super::jpeg`]; the size is checked by who opens a file, by limits of its
 /// own.
 fn jpeg_options() -> DecoderOptions {
     DecoderOptions::default()

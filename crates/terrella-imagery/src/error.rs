@@ -34,7 +34,7 @@ pub enum ImageryError {
         /// Which map it is.
         layer: &'static str,
     },
-    /// The operating system refused.
+    /// The operating system rejected.
     #[error("{} could not be read: {source}; check that it is a file and its permissions", path.display())]
     Unreadable {
         path: PathBuf,

@@ -14,7 +14,7 @@ pub const TEXTURES_VARIABLE: &str = "TERRELLA_TEXTURES";
 /// a day map.
 ///
 /// # Errors
-/// [`ImageryError::FolderMissing`] if the variable is set but names no folder: a wrong setting must not be passed over
+/// [`ImageryError::FolderMissing`] if the variable is set but names no folder: a wrong setting must not be skipped
 /// in silence. [`ImageryError::NotFound`] lists the places looked at.
 pub fn find_textures() -> Result<PathBuf, ImageryError> {
     let executable = std::env::current_exe().ok();

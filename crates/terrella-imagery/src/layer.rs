@@ -197,7 +197,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn wrong_lengths_and_sizes_are_refused() {
+    fn wrong_lengths_and_sizes_are_rejected() {
         assert!(matches!(
             LayerImage::from_rgba8(4, 2, vec![0; 31]),
             Err(ImageryError::Length {

@@ -469,7 +469,7 @@ fn load_terrain(
     // Normals that are asked for must be there; the sea does without its floor.
     let is_needed = selection.normals || selection.water && elevation.exists();
     let mut damaged = Vec::new();
-    // In the order in which errors are told; but the largest map is read first.
+    // In the order in which errors are reported; but the largest map is read first.
     let water = selection.water.then(|| load_water(dir, sink));
     let elevation = is_needed.then(|| Elevation::read(&elevation));
     let elevation = whole(elevation, MapLayer::Normals, &mut damaged)?;

@@ -432,7 +432,7 @@ mod tests {
     }
 
     #[test]
-    fn a_wrong_number_of_values_is_refused() {
+    fn a_wrong_number_of_values_is_rejected() {
         assert!(matches!(
             slopes_from_elevation(4, 2, &[0; 7], 1.0),
             Err(ImageryError::Length {

@@ -377,7 +377,7 @@ impl TileSet {
             .is_some_and(|(word, bit)| self.words[word] & bit != 0)
     }
 
-    /// Adds a tile; those that there are not are passed over.
+    /// Adds a tile; those that there are not are skipped.
     pub fn insert(&mut self, block: u8, part: u16) {
         if let Some((word, bit)) = self.place(block, part) {
             self.words[word] |= bit;

@@ -111,7 +111,7 @@ pub enum BuildError {
         found: String,
     },
     /// The folder holds a finished pack.
-    #[error("{}: is a finished pack; add --restart to throw it away and build anew", path.display())]
+    #[error("{}: is a finished pack; add --restart to throw it away and build again", path.display())]
     Finished { path: PathBuf },
     /// The folder holds a build with other maps or options.
     #[error(

@@ -120,7 +120,7 @@ impl<'a> BuildFolder<'a> {
         }
         let mut journal = Journal::open(dir, JOURNAL_FILE)?;
         if present.scratch {
-            // Of a build that was killed: they are made anew.
+            // Of a build that was killed: they are made again.
             let path = dir.join(SCRATCH);
             fs::remove_dir_all(&path).map_err(|source| BuildError::Write { path, source })?;
         }

@@ -36,7 +36,7 @@ impl MapInput {
         Ok(Self::Mosaic(Box::new(mosaic)))
     }
 
-    /// Refuses a file that what lies beside it says to be no map of the whole Earth.
+    /// Rejects a file that what lies beside it says to be no map of the whole Earth.
     pub(super) fn check_place(&self, info: &SourceInfo) -> Result<(), BuildError> {
         match self {
             Self::File(path) => check_whole_earth(path, (info.width, info.height)),

@@ -138,7 +138,7 @@ fn check_pixels(
     pixels: &[u32],
     most_pixels: u32,
 ) -> Result<Vec<TileShape>, BuildError> {
-    let refuse = |cause: String| {
+    let reject = |cause: String| {
         let words: Vec<_> = pixels.iter().map(u32::to_string).collect();
         Err(BuildError::Pixels {
             layer,
@@ -147,14 +147,14 @@ fn check_pixels(
         })
     };
     if pixels.is_empty() || pixels.len() > MAX_LEVELS {
-        return refuse(format!("give 1 to {MAX_LEVELS} levels"));
+        return reject(format!("give 1 to {MAX_LEVELS} levels"));
     }
     if pixels.windows(2).any(|pair| pair[0] <= pair[1]) {
-        return refuse("levels must fall, the finest first".to_string());
+        return reject("levels must fall, the finest first".to_string());
     }
     let most = MAX_PARTS * most_pixels;
     if pixels.iter().any(|n| !(MIN_PIXELS..=most).contains(n)) {
-        return refuse(format!(
+        return reject(format!(
             "a level has {MIN_PIXELS} to {most} pixels per block"
         ));
     }
@@ -162,7 +162,7 @@ fn check_pixels(
         .last()
         .is_some_and(|last| *last > MAX_COARSEST_PIXELS)
     {
-        return refuse(format!(
+        return reject(format!(
             "the coarsest level is always held and may have at most {MAX_COARSEST_PIXELS} pixels per block: add one"
         ));
     }
@@ -171,7 +171,7 @@ fn check_pixels(
     let base = base.unwrap_or(MAX_COARSEST_PIXELS);
     if pixels[0] > most_pixels && pixels.last() == Some(&base) {
         let finest = pixels[0];
-        return refuse(format!(
+        return reject(format!(
             "a level of more than {most_pixels} pixels per block is cut into parts of the finest other level, which may not be the \
              coarsest{}",
             level_below(finest, most_pixels).map_or(String::new(), |n| format!(": add {n}"))
@@ -185,7 +185,7 @@ fn check_pixels(
             .flatten();
         match shape {
             Some(shape) => shapes.push(shape),
-            None => return refuse(cannot_be_cut(*n, base, most_pixels)),
+            None => return reject(cannot_be_cut(*n, base, most_pixels)),
         }
     }
     Ok(shapes)
@@ -303,7 +303,7 @@ mod tests {
     }
 
     #[test]
-    fn bad_ladders_are_refused_with_what_is_allowed() {
+    fn bad_ladders_are_rejected_with_what_is_allowed() {
         for (asked, words) in [
             (&[][..], &["1 to 10"][..]),
             (&[2000; 11][..], &["1 to 10"]),

@@ -180,9 +180,9 @@ impl BuildOptions {
             .collect()
     }
 
-    /// Refuses what can be told to be wrong without a look at the maps.
+    /// Rejects what can be told to be wrong without a look at the maps.
     fn check(&self) -> Result<(), BuildError> {
-        let refuse = |option, cause: &str| {
+        let reject = |option, cause: &str| {
             Err(BuildError::Option {
                 option,
                 cause: cause.to_string(),
@@ -191,7 +191,7 @@ impl BuildOptions {
         if self.storages.is_empty()
             || (1..self.storages.len()).any(|n| self.storages[..n].contains(&self.storages[n]))
         {
-            return refuse("--storage", "give plain, bc or both, each once");
+            return reject("--storage", "give plain, bc or both, each once");
         }
         if let Some(Relief::Elevation {
             offset_m,
@@ -200,10 +200,10 @@ impl BuildOptions {
         }) = &self.relief
         {
             if !(0.01..=1000.0).contains(exaggeration) {
-                return refuse("--exaggeration", "must be from 0.01 to 1000");
+                return reject("--exaggeration", "must be from 0.01 to 1000");
             }
             if !offset_m.is_none_or(|offset_m| offset_m.abs() <= 100_000.0) {
-                return refuse(
+                return reject(
                     "--elevation-offset",
                     "must be from -100000 to 100000 metres",
                 );
@@ -218,7 +218,7 @@ impl BuildOptions {
                     .count()
                     > 1
         }) {
-            return refuse(
+            return reject(
                 "--pixels",
                 &format!("{} is not among the maps, or given twice", layer.name()),
             );
@@ -278,7 +278,7 @@ struct Map<'a> {
     plan: Plan,
 }
 
-/// Builds a pack, or goes on with one whose building was stopped. The folder holds a manifest only when all is done.
+/// Builds a pack, or continues with one whose building was stopped. The folder holds a manifest only when all is done.
 ///
 /// # Errors
 /// [`BuildError`] with what is wrong and what to do. What has been built stays for the next run.
@@ -387,7 +387,7 @@ impl<'a> Prepared<'a> {
         Ok(prepared)
     }
 
-    /// Refuses texts that no manifest may have.
+    /// Rejects texts that no manifest may have.
     fn check(
         &self,
         options: &BuildOptions,
@@ -450,7 +450,7 @@ fn look<'a>(
             progress.note(&note);
         }
     }
-    // Refuses texels of the wrong kind.
+    // Rejects texels of the wrong kind.
     drop(ValueRows::new(source, meaning, path)?);
     if matches!(meaning, Meaning::Elevation { .. }) {
         input.check_metres(path)?;

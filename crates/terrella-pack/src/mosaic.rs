@@ -104,7 +104,7 @@ impl Mosaic {
         }
         let Some(first) = pieces.first() else {
             return Err(
-                context.refused("has no part that is whole", "copy or fetch its files again")
+                context.rejected("has no part that is whole", "copy or fetch its files again")
             );
         };
         let sample = first.kind().sample;
@@ -121,7 +121,7 @@ impl Mosaic {
             piece.kind().sample != sample || (is_integer && piece.info.file != first.info.file)
         });
         if let Some(other) = other {
-            return Err(FileContext::new(other.part.from.name()).refused(
+            return Err(FileContext::new(other.part.from.name()).rejected(
                 format!(
                     "holds {} texels of another kind of file or number than the other parts",
                     other.kind().sample
@@ -130,7 +130,7 @@ impl Mosaic {
             ));
         }
         if kind.is_colour() && matches!(sample, SampleKind::I16 | SampleKind::F32) {
-            return Err(context.refused(
+            return Err(context.rejected(
                 format!("holds {sample} colour"),
                 "convert it to 8 or 16 bits",
             ));
@@ -272,7 +272,7 @@ fn check_worth(pieces: &[Piece], target: &Target, context: &FileContext) -> Resu
     if target.columns <= UNPROVEN_COLUMNS || made / MOST_MADE <= given {
         return Ok(());
     }
-    Err(context.refused(
+    Err(context.rejected(
         format!(
             "would be a map of {} x {} texels, and its parts have {given} in all",
             target.columns, target.rows
@@ -292,7 +292,7 @@ fn target(
         Some(width) => {
             let heights = MIN_SOURCE_HEIGHT..=MAX_SOURCE_HEIGHT;
             if window.is_none() && (width % 2 != 0 || !heights.contains(&(width / 2))) {
-                return Err(context.refused(
+                return Err(context.rejected(
                     format!("has a width of {width} texels"),
                     format!(
                         "give an even number from {} to {}",
@@ -310,7 +310,7 @@ fn target(
         && width > UNPROVEN_COLUMNS
         && f64::from(width) > MOST_ENLARGED * natural
     {
-        return Err(context.refused(
+        return Err(context.rejected(
             format!(
                 "has a width of {width} texels, and its finest part would make a map of {natural:.0}"
             ),
@@ -319,7 +319,7 @@ fn target(
     }
     let Some(window) = window else {
         if description.width.is_none() && natural > 1.001 * f64::from(2 * MAX_SOURCE_HEIGHT) {
-            return Err(context.refused(
+            return Err(context.rejected(
                 format!("its finest part would make a map of {natural:.0} texels round the Earth"),
                 format!(
                     "correct that part's bounds, or give a width of {} texels at most: \
@@ -333,7 +333,7 @@ fn target(
     let part = Target::part(window, texel_deg);
     let sides = 1..=MAX_PIECE_SIDE;
     if !sides.contains(&part.columns) || !sides.contains(&part.rows) {
-        return Err(context.refused(
+        return Err(context.rejected(
             format!(
                 "would have {} x {} texels in that region",
                 part.columns, part.rows

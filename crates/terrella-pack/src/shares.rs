@@ -48,7 +48,7 @@ impl BuildShare {
     }
 }
 
-/// Begins a build, or goes on with one that was stopped, that `workers` processes work at. With [`BuildOptions::restart`] what is there is thrown
+/// Begins a build, or continues with one that was stopped, that `workers` processes work at. With [`BuildOptions::restart`] what is there is thrown
 /// away; the shares are then made with the same options without it.
 ///
 /// # Errors

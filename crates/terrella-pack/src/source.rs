@@ -177,7 +177,7 @@ impl FileContext {
         }
     }
 
-    pub(super) fn refused(
+    pub(super) fn rejected(
         &self,
         cause: impl fmt::Display,
         advice: impl Into<String>,
@@ -189,11 +189,11 @@ impl FileContext {
         }
     }
 
-    /// Refuses texels that do not lie as they are drawn.
+    /// Rejects texels that do not lie as they are drawn.
     fn check_turned(&self, said: &Said) -> Result<(), BuildError> {
         match said.turned() {
             None => Ok(()),
-            Some(how) => Err(self.refused(
+            Some(how) => Err(self.rejected(
                 format!(
                     "is stored {how} (orientation {})",
                     said.orientation.unwrap_or_default()
@@ -212,7 +212,7 @@ impl FileContext {
         advice: &str,
     ) -> BuildError {
         let megabytes = |bytes: u64| bytes.div_ceil(1_000_000);
-        self.refused(
+        self.rejected(
             format!(
                 "{what} would take {} MB of memory and {} MB are left for it",
                 megabytes(bytes),
@@ -278,7 +278,7 @@ pub(super) fn read_extent<R: BufRead + Seek + 'static>(
             tiff::TiffRows::open(reader, context.clone(), limits, extent)?,
         ),
         _ => {
-            return Err(context.refused(
+            return Err(context.rejected(
                 "is neither PNG nor JPEG nor TIFF",
                 "convert it to one of these",
             ));
@@ -287,7 +287,7 @@ pub(super) fn read_extent<R: BufRead + Seek + 'static>(
     Ok(source)
 }
 
-/// Refuses what is no map of the whole Earth, or no part of one. Readers call it with the sizes of the header, before they
+/// Rejects what is no map of the whole Earth, or no part of one. Readers call it with the sizes of the header, before they
 /// allocate.
 fn check_size(
     context: &FileContext,
@@ -300,7 +300,7 @@ fn check_size(
         if sides.contains(&width) && sides.contains(&height) {
             return Ok(());
         }
-        return Err(context.refused(
+        return Err(context.rejected(
             format!("is {width} x {height} texels"),
             format!("give maps of at most {MAX_PIECE_SIDE} texels a side"),
         ));
@@ -308,7 +308,7 @@ fn check_size(
     if !(MIN_SOURCE_HEIGHT..=MAX_SOURCE_HEIGHT).contains(&height)
         || width.abs_diff(height.saturating_mul(2)) > 1
     {
-        return Err(context.refused(
+        return Err(context.rejected(
             format!("is {width} x {height} texels"),
             format!(
                 "give an equirectangular map of the whole Earth, twice as wide as high, from {MIN_SOURCE_HEIGHT} to \

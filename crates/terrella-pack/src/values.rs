@@ -40,7 +40,7 @@ impl Meaning {
         }
     }
 
-    /// Refuses texels that cannot mean this.
+    /// Rejects texels that cannot mean this.
     fn check(self, info: &SourceInfo, context: &FileContext) -> Result<(), BuildError> {
         use SampleKind::{F32, I16, U8, U16};
         let (fits, needed) = match self {
@@ -65,7 +65,7 @@ impl Meaning {
             return Ok(());
         }
         let colour = if info.channels >= 3 { "colour" } else { "grey" };
-        Err(context.refused(
+        Err(context.rejected(
             format!("holds {} {colour} texels", info.sample),
             format!("{needed}: convert it"),
         ))

@@ -4,4 +4,4 @@ mod command;
 mod maps;
 mod packs;
 mod readers;
-mod refusals;
+mod rejections;

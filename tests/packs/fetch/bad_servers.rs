@@ -281,7 +281,7 @@ fn a_server_that_is_gone_is_not_asked_for_ever() {
 }
 
 #[test]
-fn descriptions_and_caches_of_others_are_refused() {
+fn descriptions_and_caches_of_others_are_rejected() {
     let folder = tempfile::tempdir().expect("a folder");
     let server = Server::new(|path, _| good(path));
     layer(&description(&server))
@@ -312,7 +312,7 @@ fn certificates_are_looked_at() {
         .expect_err("an unknown authority");
     let said = error.to_string();
     assert!(
-        matches!(error, FetchError::Refused { .. })
+        matches!(error, FetchError::Rejected { .. })
             && said.contains("certificate is not good")
             && said.contains("--ca"),
         "{said}"

@@ -18,7 +18,7 @@ fn good() -> Server {
     })
 }
 
-/// All rows of a mosaic, and what is told.
+/// All rows of a mosaic, and what is reported.
 fn read(mosaic: &Mosaic) -> (Vec<u8>, Vec<String>) {
     let info = mosaic.info();
     let mut rows = mosaic.rows(LIMITS);

@@ -1,4 +1,4 @@
-//! Packs on disk: opened, read tile by tile and as whole maps, verified, previewed, and bad ones refused.
+//! Packs on disk: opened, read tile by tile and as whole maps, verified, previewed, and bad ones rejected.
 
 mod coarsest;
 mod command;

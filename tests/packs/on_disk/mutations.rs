@@ -77,7 +77,7 @@ proptest! {
     }
 
     #[test]
-    fn a_damaged_tile_is_refused_or_has_its_texels(
+    fn a_damaged_tile_is_rejected_or_has_its_texels(
         which in 0..6usize,
         changes in prop::collection::vec(change(), 1..6),
     ) {
@@ -102,7 +102,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(150))]
 
     #[test]
-    fn a_damaged_manifest_is_refused_or_a_good_one(
+    fn a_damaged_manifest_is_rejected_or_a_good_one(
         changes in prop::collection::vec(change(), 1..4),
         in_head in any::<bool>(),
     ) {

@@ -4,7 +4,7 @@ use super::fixture::{Fixture, write};
 use std::path::Path;
 use terrella_imagery::pack::{JOURNAL_FILE, MANIFEST_FILE, MAX_MANIFEST_BYTES, Pack, PackError};
 
-fn refused(dir: &Path) -> PackError {
+fn rejected(dir: &Path) -> PackError {
     Pack::open(dir).expect_err("no good pack")
 }
 
@@ -23,7 +23,7 @@ fn a_pack_is_opened() {
 fn what_is_no_pack_is_told_apart() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let dir = folder.path();
-    let error = refused(&dir.join("nowhere"));
+    let error = rejected(&dir.join("nowhere"));
     assert!(matches!(error, PackError::Missing { .. }), "{error}");
     assert!(
         error
@@ -33,14 +33,14 @@ fn what_is_no_pack_is_told_apart() {
 
     let file = dir.join("file");
     write(&file, b"");
-    let error = refused(&file);
+    let error = rejected(&file);
     assert!(matches!(error, PackError::NotAFolder { .. }), "{error}");
 
-    let error = refused(dir);
+    let error = rejected(dir);
     assert!(matches!(error, PackError::NoManifest { .. }), "{error}");
 
     write(&dir.join(JOURNAL_FILE), b"");
-    let error = refused(dir);
+    let error = rejected(dir);
     assert!(matches!(error, PackError::Unfinished { .. }), "{error}");
     assert!(
         error
@@ -50,11 +50,11 @@ fn what_is_no_pack_is_told_apart() {
 }
 
 #[test]
-fn manifests_that_are_no_text_are_refused() {
+fn manifests_that_are_no_text_are_rejected() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let manifest = folder.path().join(MANIFEST_FILE);
     write(&manifest, b"format = 1\nname = \"\xff\"\n");
-    let error = refused(folder.path());
+    let error = rejected(folder.path());
     assert!(
         matches!(error, PackError::NotUtf8 { line: 2, .. }),
         "{error}"
@@ -64,12 +64,12 @@ fn manifests_that_are_no_text_are_refused() {
     let file = std::fs::File::create(&manifest).expect("made");
     file.set_len(MAX_MANIFEST_BYTES + 1)
         .expect("a long file of nothing");
-    let error = refused(folder.path());
+    let error = rejected(folder.path());
     assert!(matches!(error, PackError::TooLarge { .. }), "{error}");
 
     std::fs::remove_file(&manifest).expect("removed");
     std::fs::create_dir(&manifest).expect("made");
-    let error = refused(folder.path());
+    let error = rejected(folder.path());
     assert!(
         error
             .to_string()
@@ -79,7 +79,7 @@ fn manifests_that_are_no_text_are_refused() {
 
     std::fs::remove_dir(&manifest).expect("removed");
     write(&manifest, b"format = 1\nname = 7\n");
-    let error = refused(folder.path());
+    let error = rejected(folder.path());
     assert_eq!(error.line(), None, "{error}");
     assert!(
         error.to_string().contains("pack.toml: columns: is missing"),
@@ -96,6 +96,6 @@ fn a_pipe_is_not_waited_for() {
         .arg(folder.path().join(MANIFEST_FILE))
         .status();
     assert!(made.expect("mkfifo").success());
-    let error = refused(folder.path());
+    let error = rejected(folder.path());
     assert!(matches!(error, PackError::Read { .. }), "{error}");
 }

@@ -115,14 +115,14 @@ fn whole_blocks_stand_in_for_the_coarsest_level_and_parts_do_not() {
     );
 }
 
-/// Every line of a manifest with parts taken out, doubled or changed: read as a good one or refused with words, never a panic.
+/// Every line of a manifest with parts taken out, doubled or changed: read as a good one or rejected with words, never a panic.
 #[test]
-fn damaged_manifests_with_parts_are_refused_with_line_or_key() {
+fn damaged_manifests_with_parts_are_rejected_with_line_or_key() {
     let fixture = fixture();
     let text = fixture.manifest.to_toml();
     let lines: Vec<&str> = text.lines().collect();
     let path = Path::new("pack.toml");
-    let mut refused = 0;
+    let mut rejected = 0;
     for (at, line) in lines.iter().enumerate() {
         // Lists have hundreds of like lines.
         if line.starts_with("    ") && at % 29 != 0 {
@@ -138,7 +138,7 @@ fn damaged_manifests_with_parts_are_refused_with_line_or_key() {
                     assert_eq!(again.expect("its own text"), manifest);
                 }
                 Err(error) => {
-                    refused += 1;
+                    rejected += 1;
                     let said = error.to_string();
                     assert!(said.starts_with("pack.toml:"), "{said}");
                     assert!(said.contains([';', '(']) || said.contains("must"), "{said}");
@@ -146,7 +146,7 @@ fn damaged_manifests_with_parts_are_refused_with_line_or_key() {
             }
         }
     }
-    assert!(refused > 100, "{refused}");
+    assert!(rejected > 100, "{rejected}");
     assert!(Pack::open(fixture.dir()).is_ok());
 }
 

@@ -17,7 +17,7 @@ fn corrupt(read: Result<Tile, TileError>, path: &Path) -> String {
             assert_eq!(named, path);
             cause
         }
-        other => panic!("not refused as corrupt: {other:?}"),
+        other => panic!("not rejected as corrupt: {other:?}"),
     }
 }
 

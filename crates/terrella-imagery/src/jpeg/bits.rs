@@ -141,7 +141,7 @@ impl<'a, R: Read> Bits<'a, R> {
         Ok((self.window >> 48) as u16)
     }
 
-    /// Passes over at most 16 bits. False if there are not as many.
+    /// Skips at most 16 bits. False if there are not as many.
     #[inline]
     #[must_use]
     pub fn skip(&mut self, count: u32) -> bool {

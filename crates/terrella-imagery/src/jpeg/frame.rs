@@ -103,7 +103,7 @@ impl Frame {
         })
     }
 
-    /// Refuses a picture of which something has not come.
+    /// Rejects a picture of which something has not come.
     pub fn check_complete(&self) -> Result<(), Fault> {
         let is_whole = |bits: &Option<u8>| *bits == Some(0);
         let is_complete = |component: &Component| component.low_bits.iter().all(is_whole);

@@ -1,4 +1,4 @@
-//! A scan: its blocks, passed over bit by bit (T.81, F.2.2, G.1.2 and G.2).
+//! A scan: its blocks, skipped bit by bit (T.81, F.2.2, G.1.2 and G.2).
 
 use super::Fault;
 use super::bits::{Bits, Bytes};
@@ -135,7 +135,7 @@ impl Scan {
         }
     }
 
-    /// Passes over all blocks, and gives the marker after them.
+    /// Skips all blocks, and gives the marker after them.
     pub fn walk<R: Read>(
         &self,
         frame: &mut Frame,
@@ -175,7 +175,7 @@ impl Scan {
         cursor.bits.end()
     }
 
-    /// Passes over the blocks of a coding unit. False if the data end in it.
+    /// Skips the blocks of a coding unit. False if the data end in it.
     fn unit<'t, R: Read>(
         &self,
         cursor: &mut Cursor<'t, '_, R>,
@@ -215,7 +215,7 @@ impl<R: Read> Cursor<'_, '_, R> {
         )))
     }
 
-    /// Passes over a block. False if the data end in it.
+    /// Skips a block. False if the data end in it.
     fn block(&mut self, nonzero: Option<&mut u64>) -> Result<bool, Fault> {
         let done = match self.kind {
             Kind::Sequential => self.sequential(),

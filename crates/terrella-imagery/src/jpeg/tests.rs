@@ -114,18 +114,18 @@ fn no_bytes_make_it_panic_or_take_long() {
     };
     for bytes in [BASELINE, PROGRESSIVE, RESTARTS] {
         for _ in 0..3000 {
-            let mut spoilt = bytes.to_vec();
+            let mut corrupt = bytes.to_vec();
             for _ in 0..1 + next() % 4 {
-                let at = next() as usize % spoilt.len();
+                let at = next() as usize % corrupt.len();
                 // The size in the header is checked before this.
                 let frame = bytes
                     .windows(2)
                     .position(|pair| matches!(pair, [0xFF, 0xC0 | 0xC2]));
                 if frame.is_none_or(|frame| !(frame..frame + 9).contains(&at)) {
-                    spoilt[at] = next() as u8;
+                    corrupt[at] = next() as u8;
                 }
             }
-            let _ = check(spoilt.as_slice());
+            let _ = check(corrupt.as_slice());
         }
     }
 }

@@ -128,9 +128,9 @@ pub enum PackError {
     #[error("{}: the {} map: {source}", path.display(), layer.name())]
     Map {
         path: PathBuf,
-        /// The map that is refused.
+        /// The map that is rejected.
         layer: MapLayer,
-        /// Why it is refused.
+        /// Why it is rejected.
         source: ImageryError,
     },
 }

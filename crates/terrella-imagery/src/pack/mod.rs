@@ -61,7 +61,7 @@
 //! ## The manifest
 //!
 //! ```toml
-//! format = 1                      # the version; readers refuse later ones
+//! format = 1                      # the version; readers reject later ones
 //! name = "Blue Marble"            # at most 200 characters, as all texts without control characters
 //! attribution = ["NASA"]          # at most 64 lines of 1000 characters
 //! columns = 16                    # these four are always so

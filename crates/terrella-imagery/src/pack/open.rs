@@ -23,7 +23,7 @@ impl Pack {
     /// Reads the manifest of the pack in a folder.
     ///
     /// # Errors
-    /// No folder, a folder that is no pack or one that is not finished, and whatever [`Manifest::from_toml`] refuses.
+    /// No folder, a folder that is no pack or one that is not finished, and whatever [`Manifest::from_toml`] rejects.
     pub fn open(dir: &Path) -> Result<Self, PackError> {
         let found = std::fs::metadata(dir).map_err(|source| match source.kind() {
             ErrorKind::NotFound => PackError::Missing { path: dir.into() },

@@ -1,4 +1,4 @@
-//! A pack as a source of tiles. Every reading opens its file anew: nothing is kept between two of them.
+//! A pack as a source of tiles. Every reading opens its file again: nothing is kept between two of them.
 
 use super::container::read_ktx2;
 use super::decode::decode_tile;

@@ -75,7 +75,7 @@ enum What<'a> {
 /// of all.
 ///
 /// # Errors
-/// What [`Pack::open`] refuses, and a `tiles` folder that cannot be listed. Bad tiles are no error but in the report.
+/// What [`Pack::open`] rejects, and a `tiles` folder that cannot be listed. Bad tiles are no error but in the report.
 pub fn verify(dir: &Path, mut progress: impl FnMut(u64, u64)) -> Result<VerifyReport, PackError> {
     let pack = Pack::open(dir)?;
     let mut listed = listed_tiles(pack.manifest());

@@ -333,7 +333,7 @@ mod tests {
     }
 
     #[test]
-    fn a_cut_journal_costs_its_last_line_and_another_address_is_refused() {
+    fn a_cut_journal_costs_its_last_line_and_another_address_is_rejected() {
         let dir = tempfile::tempdir().expect("a folder");
         let shelf = Shelf::open(dir.path(), ADDRESS).expect("opens");
         put(&shelf, "1/2", b"tile");

@@ -231,7 +231,7 @@ impl SharedDownload<'_> {
                     return Ok(());
                 }
                 Next::End(advice) => {
-                    return Err(FetchError::Refused {
+                    return Err(FetchError::Rejected {
                         url: wanted.url.clone(),
                         cause,
                         advice,
@@ -255,7 +255,7 @@ impl SharedDownload<'_> {
                     });
                     let in_a_row = 1 + self.failures_in_a_row.fetch_add(1, Ordering::Relaxed);
                     if in_a_row >= MOST_FAILURES_IN_A_ROW {
-                        return Err(FetchError::Refused {
+                        return Err(FetchError::Rejected {
                             url: wanted.url.clone(),
                             cause: format!(
                                 "{cause}; it is the last of {in_a_row} failures in a row"

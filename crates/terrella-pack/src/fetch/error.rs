@@ -52,9 +52,9 @@ pub enum FetchError {
         found: String,
         wanted: String,
     },
-    /// The server refuses, or cannot be trusted: nothing else from it will do better.
+    /// The server rejects, or cannot be trusted: nothing else from it will do better.
     #[error("{url}: {cause}; {advice}. What was fetched is kept")]
-    Refused {
+    Rejected {
         /// What was asked for.
         url: String,
         /// What came.

@@ -1,6 +1,6 @@
 //! HTTP. The only file of the program that reaches the network on its own account (`tests/house` holds it), and only for this module.
 //!
-//! Nothing is believed: sizes are counted while they come, compressed answers are refused (none is asked for), and redirects are
+//! Nothing is believed: sizes are counted while they come, compressed answers are rejected (none is asked for), and redirects are
 //! followed by this file, which knows where they may lead.
 
 use super::address::{joined, may_follow};

@@ -305,22 +305,22 @@ impl MapSource {
     /// # Errors
     /// [`FetchError::Option`] with what is wrong with the time.
     pub fn time(&self, asked: Option<&str>) -> Result<Option<String>, FetchError> {
-        let refuse = |cause: String| FetchError::Option {
+        let reject = |cause: String| FetchError::Option {
             option: "TIME",
             cause,
         };
         match (&self.time, asked) {
             (None, None) => Ok(None),
-            (None, Some(_)) => Err(refuse(format!("{} has no times", self.name))),
+            (None, Some(_)) => Err(reject(format!("{} has no times", self.name))),
             (Some(times), None) => times.default.clone().map(Some).ok_or_else(|| {
-                refuse(format!(
+                reject(format!(
                     "{} has one map a day: give one as in {}@2024-06-21",
                     self.name, self.name
                 ))
             }),
             (Some(times), Some(asked)) => match times.asked(asked) {
                 Ok(time) => Ok(Some(time)),
-                Err(cause) => Err(refuse(format!("{asked:?} of {}: {cause}", self.name))),
+                Err(cause) => Err(reject(format!("{asked:?} of {}: {cause}", self.name))),
             },
         }
     }

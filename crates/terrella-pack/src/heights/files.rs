@@ -278,7 +278,7 @@ fn file_name(path: &Path) -> Cow<'_, str> {
     path.file_name().unwrap_or_default().to_string_lossy()
 }
 
-/// What is told while a file is read into a scratch file.
+/// What is reported while a file is read into a scratch file.
 struct Host<'a> {
     path: &'a Path,
     folder: &'a BuildFolder<'a>,

@@ -114,7 +114,7 @@ fn little(options: BuildOptions, out: &str) -> BuildOptions {
     };
     BuildOptions {
         memory_bytes: needed_mb * 1_000_000,
-        // What was refused is a build of its own.
+        // What was rejected is a build of its own.
         restart: true,
         ..options
     }

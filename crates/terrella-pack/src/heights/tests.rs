@@ -295,7 +295,7 @@ fn heights_that_are_stopped_go_on_to_the_same_bytes() {
         restart: true,
         ..one_thread
     };
-    build(&restart, &()).expect("builds anew");
+    build(&restart, &()).expect("builds again");
     assert!(!restart.out.join("heights").exists());
 }
 
@@ -348,18 +348,18 @@ fn damaged_heights_are_named() {
 }
 
 #[test]
-fn what_cannot_be_built_is_refused_with_what_to_do() {
+fn what_cannot_be_built_is_rejected_with_what_to_do() {
     let (folder, _) = folder();
-    let refused = |options: &BuildOptions, words: &[&str]| {
-        let error = build(options, &()).expect_err("refused").to_string();
+    let rejected = |options: &BuildOptions, words: &[&str]| {
+        let error = build(options, &()).expect_err("rejected").to_string();
         for word in words {
             assert!(error.contains(word), "{error}");
         }
     };
     let none = options(folder.path(), &[folder.path().join("none.tif")], "none");
-    refused(&none, &["none.tif"]);
+    rejected(&none, &["none.tif"]);
     let day = options(folder.path(), &[folder.path().join("day.png")], "day");
-    refused(&day, &["day.png", "does not say where it lies"]);
+    rejected(&day, &["day.png", "does not say where it lies"]);
     // Less than the program itself takes, and what reading a file part by part takes beside that.
     let globe = "bounds = { south_deg = -90, north_deg = 90, west_deg = -180, east_deg = 180 }\nregistration = \"cells\"";
     let large = write_heights(folder.path(), "large", (2048, 1024), globe);
@@ -368,7 +368,7 @@ fn what_cannot_be_built_is_refused_with_what_to_do() {
         threads: Some(1),
         ..options(folder.path(), &[large], "large")
     };
-    refused(
+    rejected(
         &large,
         &[
             "--memory 60: ",

@@ -125,7 +125,7 @@ impl Description {
     pub fn from_toml(text: &str, path: &Path) -> Result<Self, BuildError> {
         let context = FileContext::new(path);
         let wrong =
-            |cause: String| context.refused(cause, "see docs/packs.md for what a mosaic is");
+            |cause: String| context.rejected(cause, "see docs/packs.md for what a mosaic is");
         let raw: RawDescription =
             toml::from_str(text).map_err(|error| wrong(syntax_complaint(text, &error)))?;
         let texts = &raw.attribution;
@@ -178,13 +178,13 @@ impl Description {
         }
         let bytes = files::read(path, MAX_DESCRIPTION_BYTES).map_err(with_path)?;
         let bytes = bytes.ok_or_else(|| {
-            context.refused(
+            context.rejected(
                 format!("has more than {MAX_DESCRIPTION_BYTES} bytes"),
                 "give a description of a mosaic",
             )
         })?;
         let text = String::from_utf8(bytes)
-            .map_err(|_| context.refused("is no text", "give a description of a mosaic"))?;
+            .map_err(|_| context.rejected("is no text", "give a description of a mosaic"))?;
         Self::from_toml(&text, path)
     }
 
@@ -211,7 +211,7 @@ impl Description {
         }
         files.sort();
         if files.is_empty() || files.len() > MAX_PARTS {
-            return Err(context.refused(
+            return Err(context.rejected(
                 format!("holds {} maps", files.len()),
                 format!("give a folder with 1 to {MAX_PARTS} PNG, JPEG or TIFF files, or with {MOSAIC_FILE}"),
             ));

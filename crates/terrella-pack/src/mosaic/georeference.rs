@@ -49,7 +49,7 @@ pub(super) fn place_of(
         None => of_file(path, stated.crs, size)?,
     };
     let Some((place, turn)) = found else {
-        return Err(context.refused(
+        return Err(context.rejected(
             "does not say where it lies (no GeoTIFF tags, no world file, no name of NASA's like NAME.A1.jpg)",
             "describe the mosaic in a TOML file and give its bounds_deg = [west, south, east, north]",
         ));
@@ -61,12 +61,12 @@ pub(super) fn place_of(
     match place.complaint(size) {
         None => Ok((place, turn)),
         Some(complaint) => {
-            Err(context.refused(complaint, "correct its bounds, tags or world file"))
+            Err(context.rejected(complaint, "correct its bounds, tags or world file"))
         }
     }
 }
 
-/// Refuses a map of the whole Earth that is said to be something else by the files beside it. Its own tags are its reader's matter.
+/// Rejects a map of the whole Earth that is said to be something else by the files beside it. Its own tags are its reader's matter.
 pub(crate) fn check_whole_earth(
     path: &Path,
     (width, height): (u32, u32),
@@ -74,17 +74,17 @@ pub(crate) fn check_whole_earth(
     let context = FileContext::new(path);
     let said = of_text(path)?;
     if matches!(said, Some(SaidBeside::Projected(_))) {
-        return Err(context.refused("is projected by the text beside it", ADVICE));
+        return Err(context.rejected("is projected by the text beside it", ADVICE));
     }
     if said == Some(SaidBeside::Crs(Crs::WebMercator)) {
-        return Err(context.refused("is projected (EPSG:3857 by the text beside it)", ADVICE));
+        return Err(context.rejected("is projected (EPSG:3857 by the text beside it)", ADVICE));
     }
     let Some(grid) = of_world_file(path)? else {
         return Ok(());
     };
     match grid.complaint(width, height, "its world file") {
         None => Ok(()),
-        Some(complaint) => Err(context.refused(
+        Some(complaint) => Err(context.rejected(
             complaint,
             "warp it to the whole globe (`gdalwarp -t_srs EPSG:4326 -te -180 -90 180 90`), or give it as a part of a mosaic",
         )),
@@ -98,13 +98,13 @@ fn of_file(
     size: (u32, u32),
 ) -> Result<Option<(RasterPlacement, Turn)>, BuildError> {
     let context = FileContext::new(path);
-    let refused = |complaint: String| context.refused(complaint, ADVICE);
+    let rejected = |complaint: String| context.rejected(complaint, ADVICE);
     let file = files::open(path).map_err(|error| context.unreadable(error))?;
     let tags = tags_of(BufReader::new(file));
     let projection = tags.projection().filter(|_| tags.system().is_err());
     let (said, projection) = match (projection, tags.system()) {
         (Some(projection), _) => (None, Some(projection)),
-        (None, Err(system)) => return Err(refused(in_other_system(&system))),
+        (None, Err(system)) => return Err(rejected(in_other_system(&system))),
         (None, Ok(Some(system))) => (Some(system), None),
         (None, Ok(None)) => match of_text(path)? {
             Some(SaidBeside::Projected(projection)) => (None, Some(projection)),
@@ -113,7 +113,7 @@ fn of_file(
         },
     };
     if let (Some(_), Some(stated)) = (projection, stated) {
-        return Err(context.refused(
+        return Err(context.rejected(
             format!(
                 "lies in a projection by its tags or the text beside it, and in {} by its [[part]]",
                 stated.name()
@@ -122,7 +122,7 @@ fn of_file(
         ));
     }
     let system = agreed(said, stated, &context)?;
-    let grid = match grid_of(&tags).map_err(refused)? {
+    let grid = match grid_of(&tags).map_err(rejected)? {
         Some(grid) => Some(grid),
         None => of_world_file(path)?,
     };
@@ -139,7 +139,7 @@ fn of_file(
     match (grid, system) {
         (Some(grid), system) => match placed(grid, system) {
             Ok(place) => Ok(Some((place, turn))),
-            Err(cause) => Err(context.refused(cause, metric_advice())),
+            Err(cause) => Err(context.rejected(cause, metric_advice())),
         },
         // Names are of degrees.
         (None, Some(System::WebMercator)) => Ok(None),
@@ -155,7 +155,7 @@ fn warped(
     context: &FileContext,
 ) -> Result<(RasterPlacement, Turn), BuildError> {
     if !(grid.scale_x > 0.0 && grid.scale_y != 0.0) {
-        return Err(context.refused("runs from east to west, or has texels of no size", ADVICE));
+        return Err(context.rejected("runs from east to west, or has texels of no size", ADVICE));
     }
     let warp = Warp::of(ProjectedGrid {
         projection,
@@ -167,7 +167,7 @@ fn warped(
         row_m: grid.scale_y,
         margin: 0.5,
     });
-    let warp = warp.map_err(|cause| context.refused(cause, ADVICE))?;
+    let warp = warp.map_err(|cause| context.rejected(cause, ADVICE))?;
     let place = &warp.place;
     let (column_deg, row_deg) = (
         place.lon_step_rad.to_degrees(),
@@ -225,7 +225,7 @@ fn agreed(
                 true => Crs::WebMercator.name(),
                 false => Crs::Geographic.name(),
             };
-            Err(context.refused(
+            Err(context.rejected(
                 format!(
                     "lies in {} by its tags or the text beside it, and in {} by its [[part]]",
                     of(said),
@@ -305,7 +305,7 @@ fn crs_in(file: &Path, text: &str) -> Result<SaidBeside, BuildError> {
         Ok(TextSystem::Degrees) => Ok(SaidBeside::Crs(Crs::Geographic)),
         Ok(TextSystem::WebMercator) => Ok(SaidBeside::Crs(Crs::WebMercator)),
         Ok(TextSystem::Projected(projection)) => Ok(SaidBeside::Projected(projection)),
-        Err(cause) => Err(FileContext::new(file).refused(
+        Err(cause) => Err(FileContext::new(file).rejected(
             cause,
             "warp the map beside it (`gdalwarp -t_srs EPSG:4326`): those of EPSG:4326, EPSG:3857, UTM, polar stereographic and conformal \
              conic grids of WGS84 are taken",
@@ -320,7 +320,7 @@ fn of_world_file(path: &Path) -> Result<Option<TagGrid>, BuildError> {
     };
     let grid = world_grid(&text_of(&file, WORLD_FILE_BYTES)?);
     grid.map(Some)
-        .map_err(|cause| FileContext::new(&file).refused(cause, ADVICE))
+        .map_err(|cause| FileContext::new(&file).rejected(cause, ADVICE))
 }
 
 /// The text of a small file.
@@ -393,7 +393,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn world_files_are_read_and_turned_ones_refused() {
+    fn world_files_are_read_and_turned_ones_rejected() {
         let place = world_place("0.5\n0\n0\n-0.25\n-179.75\n89.875\n", None).expect("good");
         assert_eq!((place.west_deg, place.north_deg), (-180.0, 90.0));
         assert_eq!(

@@ -49,7 +49,7 @@ impl Piece {
         if part.encoding.is_some()
             && (info.channels < 3 || info.sample != crate::source::SampleKind::U8)
         {
-            return Err(FileContext::new(part.from.name()).refused(
+            return Err(FileContext::new(part.from.name()).rejected(
                 "holds no heights written as 8-bit colours",
                 "leave its encoding out",
             ));

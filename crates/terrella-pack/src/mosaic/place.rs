@@ -235,7 +235,7 @@ mod tests {
     }
 
     #[test]
-    fn edges_that_cannot_be_are_refused() {
+    fn edges_that_cannot_be_are_rejected() {
         assert!(Bounds::new([170.0, -10.0, -170.0, 10.0]).is_ok_and(|b| b.east_deg == 190.0));
         for bad in [
             [0.0, 10.0, 10.0, 10.0],

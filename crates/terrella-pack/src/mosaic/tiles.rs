@@ -79,7 +79,7 @@ impl TileSet {
         (side(&self.columns).min(self.width), side(&self.rows))
     }
 
-    /// The first tile's kind of texels; tiles that are missing or damaged are passed over.
+    /// The first tile's kind of texels; tiles that are missing or damaged are skipped.
     fn probe(&self, limits: SourceLimits) -> Option<SourceInfo> {
         let all = self.rows.clone().flat_map(|row| {
             let columns = self.columns.clone();
@@ -149,7 +149,7 @@ impl TileRows {
     ) -> Result<Self, BuildError> {
         let context = FileContext::new(description);
         let Some(first) = set.probe(limits) else {
-            return Err(context.refused(
+            return Err(context.rejected(
                 format!(
                     "none of the {} tiles {} can be read",
                     set.columns.len() as u64 * set.rows.len() as u64,

@@ -79,21 +79,21 @@ fn no_data_beside(aux: &Path, info: &SourceInfo) -> Result<Option<Vec<f32>>, Bui
     let text = match files::read_text(aux, AUX_BYTES) {
         Ok(Some(text)) => text,
         Ok(None) => {
-            return Err(context.refused(
+            return Err(context.rejected(
                 format!("has more than {AUX_BYTES} bytes"),
-                "remove its histograms (`gdalinfo` writes it anew)",
+                "remove its histograms (`gdalinfo` writes it again)",
             ));
         }
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
         Err(error) => return Err(context.unreadable(error)),
     };
     let numbers = no_data(&text)
-        .map_err(|cause| context.refused(cause, "correct its <NoDataValue>, or remove it"))?;
+        .map_err(|cause| context.rejected(cause, "correct its <NoDataValue>, or remove it"))?;
     let Some(numbers) = numbers else {
         return Ok(None);
     };
     if numbers.len() < colours(info) {
-        return Err(context.refused(
+        return Err(context.rejected(
             format!(
                 "names {} numbers for nothing, and the map beside it has {} colours",
                 numbers.len(),
@@ -133,17 +133,17 @@ impl SideMask {
 }
 
 fn unread(context: &FileContext, error: TiffGapError) -> BuildError {
-    let refused = |cause: String| {
-        context.refused(
+    let rejected = |cause: String| {
+        context.rejected(
             cause,
             "remove it, or write what it masks as alpha (`gdalwarp -dstalpha IN OUT`)",
         )
     };
     match error {
         TiffGapError::Tiff(TiffError::IoError(error)) => context.damaged(error),
-        TiffGapError::Tiff(error) => refused(format!("is no mask that is read ({error})")),
+        TiffGapError::Tiff(error) => rejected(format!("is no mask that is read ({error})")),
         TiffGapError::Damaged(cause) => context.damaged(cause),
-        TiffGapError::Mask(cause) => refused(format!("is {cause}")),
+        TiffGapError::Mask(cause) => rejected(format!("is {cause}")),
     }
 }
 

@@ -45,7 +45,7 @@ impl<R: BufRead + Seek> PngRows<R> {
         check_size(&context, width, height, extent)?;
         let mut reader = decoder.read_info().map_err(with_file)?;
         if reader.info().is_animated() {
-            return Err(context.refused("is an animation", "give a PNG with one picture"));
+            return Err(context.rejected("is an animation", "give a PNG with one picture"));
         }
         let said = Said::of_png(reader.info());
         context.check_turned(&said)?;
@@ -140,7 +140,7 @@ fn decode_error(context: &FileContext, error: DecodingError) -> BuildError {
             context.damaged("the file ends too early")
         }
         DecodingError::IoError(error) => context.unreadable(error),
-        DecodingError::LimitsExceeded => context.refused(
+        DecodingError::LimitsExceeded => context.rejected(
             "has chunks beyond all measure",
             "strip it of everything but the picture",
         ),

@@ -57,7 +57,7 @@ pub(super) fn read_header<R: BufRead + Seek>(
             // Start of frame: Huffman or arithmetic, all kinds.
             0xC0..=0xC3 | 0xC5..=0xC7 | 0xC9..=0xCB | 0xCD..=0xCF => {
                 if !matches!(marker, 0xC0..=0xC2) {
-                    return Err(context.refused(
+                    return Err(context.rejected(
                         "is a lossless, hierarchical or arithmetic JPEG",
                         "save it as a baseline JPEG or a PNG",
                     ));
@@ -90,7 +90,7 @@ fn frame(segment: &[u8], context: &FileContext) -> Result<Header, BuildError> {
         return Err(context.damaged("a short frame header"));
     };
     if *precision != 8 {
-        return Err(context.refused(
+        return Err(context.rejected(
             format!("is a JPEG of {precision} bits"),
             "save it with 8 bits or as a PNG",
         ));
@@ -109,7 +109,7 @@ fn frame(segment: &[u8], context: &FileContext) -> Result<Header, BuildError> {
         return Err(context.damaged("a frame header of wrong components"));
     }
     if !matches!(sampling.len(), 1 | 3) {
-        return Err(context.refused(
+        return Err(context.rejected(
             format!("has {} components (CMYK?)", sampling.len()),
             "convert it to grey or sRGB",
         ));
@@ -122,7 +122,7 @@ fn frame(segment: &[u8], context: &FileContext) -> Result<Header, BuildError> {
     })
 }
 
-/// The next marker's code; bytes between segments are passed over.
+/// The next marker's code; bytes between segments are skipped.
 fn next_marker<R: BufRead>(reader: &mut R, context: &FileContext) -> Result<u8, BuildError> {
     loop {
         let [mut byte] = bytes(reader, context)?;

@@ -63,7 +63,7 @@ impl Stored {
         self.channels * self.sample.bytes()
     }
 
-    /// Reads what the header says, and refuses what is not read.
+    /// Reads what the header says, and rejects what is not read.
     fn of<R: BufRead + Seek>(
         decoder: &mut Decoder<Recoded<R>>,
         has_palette: bool,
@@ -129,7 +129,7 @@ fn palette<R: BufRead + Seek>(
     let map = map.map_err(|error| decode_error(context, error))?;
     let map = map.unwrap_or_default();
     if (channels, bits) != (1, 8) {
-        return Err(context.refused(
+        return Err(context.rejected(
             format!("has a palette of {bits}-bit numbers"),
             "write its colours out (`gdal_translate -expand rgb IN OUT`)",
         ));
@@ -157,7 +157,7 @@ impl Chunks {
             ChunkType::Tile => rows,
             ChunkType::Strip => rows.min(height),
         };
-        // Neither is 0: the decoder has refused that.
+        // Neither is 0: the decoder has rejected that.
         let across = width.div_ceil(columns);
         Self {
             columns,
@@ -185,7 +185,7 @@ impl<R: BufRead + Seek> TiffRows<R> {
         if extent == Extent::WholeEarth
             && let Some(complaint) = complaint_of(&GeoTags::read(&mut decoder), width, height)
         {
-            return Err(context.refused(
+            return Err(context.rejected(
                 complaint,
                 "warp it to the whole globe (`gdalwarp -t_srs EPSG:4326 -te -180 -90 180 90`)",
             ));
@@ -378,7 +378,7 @@ fn full(sample: SampleKind) -> [u8; 4] {
 /// What the tags say of orientation and colours.
 fn said<R: BufRead + Seek>(decoder: &mut Decoder<Recoded<R>>) -> Result<Said, TiffError> {
     let orientation = decoder.find_tag_unsigned::<u16>(Tag::Orientation)?;
-    // A profile beyond the decoder's limits is no small thing to be told, but no reason to refuse the picture.
+    // A profile beyond the decoder's limits is no small thing to be told, but no reason to reject the picture.
     let profile = decoder.get_tag_u8_vec(Tag::IccProfile).ok();
     Ok(Said {
         orientation,
@@ -443,7 +443,7 @@ impl<R: BufRead + Seek> RowSource for TiffRows<R> {
 }
 
 fn unfit(context: &FileContext, cause: String) -> BuildError {
-    context.refused(
+    context.rejected(
         cause,
         "convert it to grey or RGB of 8 or 16 bits (elevations also signed 16-bit or 32-bit float); a palette by `gdal_translate -expand rgb`",
     )
@@ -467,7 +467,7 @@ fn decode_error(context: &FileContext, error: TiffError) -> BuildError {
         }
         TiffError::IoError(error) => context.unreadable(error),
         TiffError::UnsupportedError(error) => unfit(context, printable(&error.to_string())),
-        TiffError::LimitsExceeded => context.refused(
+        TiffError::LimitsExceeded => context.rejected(
             "has tags or strips beyond all measure",
             "rewrite it (`gdal_translate` or `tiffcp`)",
         ),

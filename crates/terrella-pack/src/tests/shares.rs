@@ -71,11 +71,11 @@ fn shares_give_the_files_of_one_build() {
     let share = share(MapLayer::Day, 0, 16);
     let again = build_share(&shared, &share, &()).expect_err("a finished pack");
     assert!(matches!(again, BuildError::Finished { .. }), "{again}");
-    let anew = BuildOptions {
+    let again = BuildOptions {
         restart: true,
         ..shared.clone()
     };
-    let plan = begin_shares(&anew, 2, &()).expect("begins anew");
+    let plan = begin_shares(&again, 2, &()).expect("begins again");
     let missing: u64 = plan.shares.iter().map(|share| share.missing).sum();
     assert_eq!(missing, plan.tiles);
 }
@@ -106,7 +106,7 @@ fn colours_cost_more_than_water() {
 }
 
 #[test]
-fn shares_of_other_builds_and_shares_that_are_not_there_are_refused() {
+fn shares_of_other_builds_and_shares_that_are_not_there_are_rejected() {
     let folder = tempfile::tempdir().expect("a folder");
     let shared = options(folder.path(), "shared");
     begin_shares(&shared, 2, &()).expect("begins");
@@ -127,7 +127,7 @@ fn shares_of_other_builds_and_shares_that_are_not_there_are_refused() {
     };
     let error = build_share(&other, &good, &()).expect_err("another build");
     assert!(matches!(error, BuildError::OtherBuild { .. }), "{error}");
-    // Who makes a share has it for himself, and whoever would begin anew waits.
+    // Who makes a share has it for himself, and whoever would begin again waits.
     let name = share_journal_file("day-0-8");
     let held = fs::File::open(shared.out.join(&name)).expect("a journal");
     held.try_lock().expect("free");

@@ -67,7 +67,7 @@ impl BuildProgress for Stopping {
     }
 }
 
-/// Keeps what is told.
+/// Keeps what is reported.
 #[derive(Default)]
 pub(crate) struct Notes(Mutex<Vec<String>>);
 
@@ -273,7 +273,7 @@ fn other_maps_and_finished_packs_need_restart() {
         restart: true,
         ..other.clone()
     };
-    build(&restart, &()).expect("builds anew");
+    build(&restart, &()).expect("builds again");
     let names: Vec<_> = contents(&options.out).into_keys().collect();
     assert!(
         !names
@@ -285,7 +285,7 @@ fn other_maps_and_finished_packs_need_restart() {
         let error = build(options, &()).expect_err("a finished pack");
         assert!(matches!(error, BuildError::Finished { .. }), "{error}");
     }
-    build(&restart, &()).expect("builds anew");
+    build(&restart, &()).expect("builds again");
 }
 
 #[test]

@@ -184,7 +184,7 @@ fn another_reader_understands_the_files() {
 }
 
 #[test]
-fn a_file_that_ends_early_is_refused_at_every_length() {
+fn a_file_that_ends_early_is_rejected_at_every_length() {
     for format in FORMATS {
         let tile = tile(format, 16);
         let file = write_ktx2(&tile);
@@ -195,13 +195,13 @@ fn a_file_that_ends_early_is_refused_at_every_length() {
     }
 }
 
-/// With any one bit other than it was, the file is refused or its texels are what they were.
+/// With any one bit other than it was, the file is rejected or its texels are what they were.
 #[test]
 fn a_changed_byte_never_changes_texels() {
     for format in FORMATS {
         let tile = tile(format, 16);
         let good = write_ktx2(&tile);
-        let mut refused = 0;
+        let mut rejected = 0;
         for at in 0..good.len() {
             for flip in [0xff, 0x01, 0x80] {
                 let mut file = good.clone();
@@ -209,35 +209,35 @@ fn a_changed_byte_never_changes_texels() {
                 match read_ktx2(&file, format, tile.shape) {
                     // Key/value data, and bits that Zstandard leaves without meaning.
                     Ok(read) => assert_eq!(read, tile, "{format:?} byte {at}"),
-                    Err(_) => refused += 1,
+                    Err(_) => rejected += 1,
                 }
             }
         }
         assert!(
-            refused * 10 > good.len() * 3 * 9,
-            "{format:?}: {refused} of {}",
+            rejected * 10 > good.len() * 3 * 9,
+            "{format:?}: {rejected} of {}",
             good.len() * 3
         );
     }
 }
 
 #[test]
-fn other_formats_and_sizes_are_refused_in_words() {
+fn other_formats_and_sizes_are_rejected_in_words() {
     let tile = tile(TileFormat::R8Unorm, 16);
     let file = write_ktx2(&tile);
-    let refusal = |file: &[u8], format, pixels| {
+    let rejection = |file: &[u8], format, pixels| {
         let shape = TileShape::new(pixels).expect("in range");
         read_ktx2(file, format, shape).expect_err("not this tile")
     };
     for format in FORMATS {
         if format != tile.format {
-            let said = refusal(&file, format, 16);
+            let said = rejection(&file, format, 16);
             assert!(said.contains("Vulkan format is 9"), "{said}");
         }
     }
-    let said = refusal(&file, tile.format, 75);
+    let said = rejection(&file, tile.format, 75);
     assert_eq!(said, "the width is 24 and must be 88");
-    let said = refusal(&vec![0; 1 << 20], tile.format, 16);
+    let said = rejection(&vec![0; 1 << 20], tile.format, 16);
     assert!(said.contains("1048576 bytes"), "{said}");
     for (at, value, part) in [
         (0, 1, "no KTX2 file"),
@@ -261,13 +261,13 @@ fn other_formats_and_sizes_are_refused_in_words() {
     ] {
         let mut file = file.clone();
         file[at] = value;
-        let said = refusal(&file, tile.format, 16);
+        let said = rejection(&file, tile.format, 16);
         assert!(said.contains(part), "byte {at}: {said}");
     }
     let kvd = word(&file, 56) as usize;
     let mut turned = file;
     turned[kvd + 4 + 15] = b'l';
-    assert!(refusal(&turned, tile.format, 16).contains("KTXorientation"));
+    assert!(rejection(&turned, tile.format, 16).contains("KTXorientation"));
 }
 
 /// Files of earlier writers have no sizes of planes in a compressed file's descriptor.
@@ -341,7 +341,7 @@ fn bombs_do_not_go_off() {
 
 /// The crate's reader of whole files panics on this one; ours must not go near it.
 #[test]
-fn a_descriptor_that_overflows_is_refused() {
+fn a_descriptor_that_overflows_is_rejected() {
     let tile = tile(TileFormat::Bc4Unorm, 16);
     let mut file = write_ktx2(&tile);
     let dfd = word(&file, 48) as usize;

@@ -31,7 +31,7 @@ pub struct HeightRecord {
 }
 
 impl HeightRecord {
-    /// Refuses samples that are not within the tile's range.
+    /// Rejects samples that are not within the tile's range.
     pub(in crate::pack) fn check_range(
         &self,
         values: &HeightValues,
@@ -71,7 +71,7 @@ impl HeightIndex {
     /// Reads the index of the pack in a folder.
     pub fn read(dir: &Path, entry: &HeightsEntry) -> Result<Self, PackError> {
         let path = dir.join(HeightsEntry::index_path());
-        let refuse = |cause: String| PackError::HeightIndex {
+        let reject = |cause: String| PackError::HeightIndex {
             path: path.clone(),
             cause,
         };
@@ -80,10 +80,10 @@ impl HeightIndex {
                 path: path.clone(),
                 source,
             },
-            TileError::Corrupt { cause, .. } => refuse(cause),
-            other => refuse(other.to_string()),
+            TileError::Corrupt { cause, .. } => reject(cause),
+            other => reject(other.to_string()),
         })?;
-        decode_index(&bytes, entry).map_err(refuse)
+        decode_index(&bytes, entry).map_err(reject)
     }
 }
 

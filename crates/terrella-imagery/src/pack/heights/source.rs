@@ -11,7 +11,7 @@ use terrella_ground::elevation::{
     HeightRange, HeightSamples, HeightTileError, HeightTileKey, HeightTileLayout, HeightTileSource,
 };
 
-/// The heights of a pack. Ranges are held in memory, 48 bytes a tile; every reading opens its file anew.
+/// The heights of a pack. Ranges are held in memory, 48 bytes a tile; every reading opens its file again.
 #[derive(Debug)]
 pub struct PackHeights {
     dir: PathBuf,

@@ -77,7 +77,7 @@ fn samples_come_back_to_the_last_bit() {
 }
 
 #[test]
-fn tiles_that_are_none_are_refused() {
+fn tiles_that_are_none_are_rejected() {
     let steps = entry(STEPS);
     let floats = entry(HeightKind::F32);
     let count = steps.tile_samples();
@@ -113,7 +113,7 @@ fn tiles_that_are_none_are_refused() {
             "no numbers",
         ),
     ] {
-        let error = decode_heights(&bytes, entry).expect_err("refused");
+        let error = decode_heights(&bytes, entry).expect_err("rejected");
         assert!(error.contains(words), "{error}");
     }
     let record = records()[0];
@@ -169,30 +169,30 @@ fn drop_tile(records: &mut Vec<HeightRecord>, row: u32, column: u32) {
 }
 
 #[test]
-fn indexes_that_cannot_be_are_refused() {
-    let refused = |change: &dyn Fn(&mut Vec<HeightRecord>), words: &str| {
+fn indexes_that_cannot_be_are_rejected() {
+    let rejected = |change: &dyn Fn(&mut Vec<HeightRecord>), words: &str| {
         let mut records = records();
         change(&mut records);
         let entry = HeightsEntry {
             tiles: records.len() as u32,
             ..entry(STEPS)
         };
-        let error = decode_index(&encode_index(&records), &entry).expect_err("refused");
+        let error = decode_index(&encode_index(&records), &entry).expect_err("rejected");
         assert!(error.contains(words), "{error}");
     };
-    refused(&|r| r.swap(0, 1), "not in the order");
-    refused(&|r| r[1] = r[0], "not in the order");
-    refused(&|r| r[1].place.column = 32, "where there is none");
-    refused(&|r| r[129].place.level = 2, "where there is none");
-    refused(&|r| r[5].file.bytes = 0, "has 0 bytes");
-    refused(&|r| r[5].file.bytes = 1 << 30, "bytes");
-    refused(&|r| r[5].low_m = f32::NAN, "heights from NaN m");
-    refused(&|r| r[5].high_m = f32::INFINITY, "to inf m");
-    refused(&|r| r[5].high_m = -60.1, "heights from");
-    refused(&|r| r[0].low_m = -61.0, "beyond those of the coarser one");
-    refused(&|r| r[0].high_m = 1002.0, "beyond those of the coarser one");
-    refused(&|r| drop_tile(r, 4, 4), "has 127 of 128");
-    refused(
+    rejected(&|r| r.swap(0, 1), "not in the order");
+    rejected(&|r| r[1] = r[0], "not in the order");
+    rejected(&|r| r[1].place.column = 32, "where there is none");
+    rejected(&|r| r[129].place.level = 2, "where there is none");
+    rejected(&|r| r[5].file.bytes = 0, "has 0 bytes");
+    rejected(&|r| r[5].file.bytes = 1 << 30, "bytes");
+    rejected(&|r| r[5].low_m = f32::NAN, "heights from NaN m");
+    rejected(&|r| r[5].high_m = f32::INFINITY, "to inf m");
+    rejected(&|r| r[5].high_m = -60.1, "heights from");
+    rejected(&|r| r[0].low_m = -61.0, "beyond those of the coarser one");
+    rejected(&|r| r[0].high_m = 1002.0, "beyond those of the coarser one");
+    rejected(&|r| drop_tile(r, 4, 4), "has 127 of 128");
+    rejected(
         &|r| r.retain(|record| record.place.column != 15),
         "no coarser one over it",
     );
@@ -203,7 +203,7 @@ fn indexes_that_cannot_be_are_refused() {
         (&[][..], "other first bytes"),
         (&[&bytes[..], b"x"].concat(), "bytes instead of"),
     ] {
-        let error = decode_index(bytes, &entry).expect_err("refused");
+        let error = decode_index(bytes, &entry).expect_err("rejected");
         assert!(error.contains(words), "{error}");
     }
     let other = HeightsEntry {

@@ -1,6 +1,6 @@
 //! Manifests with levels that are cut into parts: version 2.
 
-use super::tests::{read, refusal};
+use super::tests::{read, rejection};
 use super::*;
 use crate::tile::{MapLayer, Storage, TileKey, TileShape};
 
@@ -83,12 +83,12 @@ fn packs_without_parts_stay_what_they_were() {
     assert_eq!(read(&text).expect("good"), manifest);
     // A reader of version 1 knows no parts.
     let as_1 = super::cut_tests::manifest().to_toml();
-    let said = refusal(&as_1.replacen("format = 2", "format = 1", 1));
+    let said = rejection(&as_1.replacen("format = 2", "format = 1", 1));
     assert!(said.contains("layer.level.parts: unknown key"), "{said}");
 }
 
 #[test]
-fn parts_that_cannot_be_are_refused_with_line_key_and_remedy() {
+fn parts_that_cannot_be_are_rejected_with_line_key_and_remedy() {
     let text = manifest().to_toml();
     for (from, to, words) in [
         ("parts = 4", "parts = 3", &["must be 2, 4, 8 or 16"][..]),
@@ -119,7 +119,7 @@ fn parts_that_cannot_be_are_refused_with_line_key_and_remedy() {
         ("block = 28", "block = 128", &["from 0 to 127"]),
     ] {
         assert!(text.contains(from), "{from}");
-        let said = refusal(&text.replacen(from, to, 1));
+        let said = rejection(&text.replacen(from, to, 1));
         for word in words {
             assert!(
                 word.split('|').any(|word| said.contains(word)),
@@ -131,19 +131,19 @@ fn parts_that_cannot_be_are_refused_with_line_key_and_remedy() {
 }
 
 #[test]
-fn tiles_that_do_not_fit_one_another_are_refused() {
-    let refused = |change: &dyn Fn(&mut Vec<LevelEntry>), words: &str| {
+fn tiles_that_do_not_fit_one_another_are_rejected() {
+    let rejected = |change: &dyn Fn(&mut Vec<LevelEntry>), words: &str| {
         let mut manifest = manifest();
         change(&mut manifest.layers[0].levels);
-        let said = refusal(&manifest.to_toml());
+        let said = rejection(&manifest.to_toml());
         assert!(said.contains(words), "{said}");
     };
-    refused(
+    rejected(
         &|levels| levels[0].tiles[1][28 * 16 + 6] = None,
         "block 28, part 6, has a tile in one storage and none in the other",
     );
     // What stands in for the parts of a block.
-    refused(
+    rejected(
         &|levels| {
             for tiles in &mut levels[2].tiles {
                 tiles[28] = None;
@@ -151,23 +151,23 @@ fn tiles_that_do_not_fit_one_another_are_refused() {
         },
         "block 28 of \"day\" has parts of 80 pixels and no tile of 20",
     );
-    refused(&|levels| levels.swap(1, 2), "must be less than 20");
-    refused(
+    rejected(&|levels| levels.swap(1, 2), "must be less than 20");
+    rejected(
         &|levels| {
             levels.remove(2);
         },
         "tiles of 16 pixels and the level before has tiles of 20",
     );
-    refused(
+    rejected(
         &|levels| levels.truncate(3),
         "has levels that are cut and no other but the coarsest",
     );
-    refused(
+    rejected(
         &|levels| levels.truncate(2),
         "the coarsest level of \"day\" has 40 pixels and may have at most 256, and no parts",
     );
     // A level finer than those that are cut, of whole blocks.
-    refused(
+    rejected(
         &|levels| {
             let shape = TileShape::new(100).expect("in range");
             let tiles = vec![vec![file("x"); 128]; 2];
@@ -175,7 +175,7 @@ fn tiles_that_do_not_fit_one_another_are_refused() {
         },
         "levels that are cut stand first",
     );
-    refused(
+    rejected(
         &|levels| {
             for tiles in &mut levels[1].tiles {
                 tiles.fill(None);
@@ -189,7 +189,7 @@ fn tiles_that_do_not_fit_one_another_are_refused() {
     let zeros = ["0"; 16].join(", ");
     let empty = ["\"\""; 16].join(", ");
     let none = format!("block = 3\nbytes = [{zeros}]\nchecksums = [{empty}]");
-    let said = refusal(&[&text[..start], &none, &text[end..]].concat());
+    let said = rejection(&[&text[..start], &none, &text[end..]].concat());
     assert!(
         said.contains("has no part; a block without any has no table"),
         "{said}"

@@ -39,7 +39,7 @@ impl<'a> ManifestText<'a> {
         before.filter(|byte| **byte == b'\n').count() + 1
     }
 
-    fn refuse(&self, offset: Option<usize>, key: &str, cause: impl Display) -> PackError {
+    fn reject(&self, offset: Option<usize>, key: &str, cause: impl Display) -> PackError {
         PackError::Key {
             place: Box::new(ManifestPlace {
                 path: self.path.to_owned(),
@@ -88,7 +88,7 @@ impl<'a> Table<'a> {
                     None => format!("unknown key; known here: {}", known.join(", ")),
                 };
                 let key = format!("{}{word}", self.prefix);
-                return Err(self.source.refuse(Some(name.span().start), &key, hint));
+                return Err(self.source.reject(Some(name.span().start), &key, hint));
             }
         }
         Ok(())
@@ -107,7 +107,7 @@ impl<'a> Table<'a> {
         self.get(key).ok_or_else(|| {
             let name = format!("{}{key}", self.prefix);
             let cause = "is missing; build the pack again";
-            self.source.refuse(self.offset, &name, cause)
+            self.source.reject(self.offset, &name, cause)
         })
     }
 }
@@ -130,18 +130,18 @@ impl<'a> Value<'a> {
         }
     }
 
-    /// The error that refuses this value, with its line.
-    pub(super) fn refuse(&self, cause: impl Display) -> PackError {
+    /// The error that rejects this value, with its line.
+    pub(super) fn reject(&self, cause: impl Display) -> PackError {
         let span = self.value.span();
         let excerpt = excerpt(self.source.text.get(span.clone()).unwrap_or_default());
         let cause = format!("{cause} (found {excerpt})");
-        self.source.refuse(Some(span.start), &self.key, cause)
+        self.source.reject(Some(span.start), &self.key, cause)
     }
 
     /// A whole number in a range.
     pub(super) fn whole(&self, range: RangeInclusive<u64>) -> Result<u64, PackError> {
         let DeValue::Integer(digits) = self.value.get_ref() else {
-            return Err(self.refuse("must be a whole number"));
+            return Err(self.reject("must be a whole number"));
         };
         u64::from_str_radix(digits.as_str(), digits.radix())
             .ok()
@@ -149,9 +149,9 @@ impl<'a> Value<'a> {
             .ok_or_else(|| {
                 let (least, most) = range.into_inner();
                 if least == most {
-                    self.refuse(format!("must be {least}"))
+                    self.reject(format!("must be {least}"))
                 } else {
-                    self.refuse(format!("must be a whole number from {least} to {most}"))
+                    self.reject(format!("must be a whole number from {least} to {most}"))
                 }
             })
     }
@@ -159,13 +159,13 @@ impl<'a> Value<'a> {
     /// A finite number above zero.
     pub(super) fn positive(&self) -> Result<f64, PackError> {
         self.number(|number| number > 0.0)
-            .ok_or_else(|| self.refuse("must be a finite number above 0"))
+            .ok_or_else(|| self.reject("must be a finite number above 0"))
     }
 
     /// A finite number.
     pub(super) fn finite(&self) -> Result<f64, PackError> {
         self.number(|_| true)
-            .ok_or_else(|| self.refuse("must be a finite number"))
+            .ok_or_else(|| self.reject("must be a finite number"))
     }
 
     fn number(&self, is_good: impl Fn(f64) -> bool) -> Option<f64> {
@@ -182,7 +182,7 @@ impl<'a> Value<'a> {
     pub(super) fn string(&self) -> Result<&'a str, PackError> {
         match self.value.get_ref() {
             DeValue::String(text) => Ok(text),
-            _ => Err(self.refuse("must be a string")),
+            _ => Err(self.reject("must be a string")),
         }
     }
 
@@ -190,10 +190,10 @@ impl<'a> Value<'a> {
     pub(super) fn text(&self, most_chars: usize) -> Result<String, PackError> {
         let text = self.string()?;
         if text.chars().nth(most_chars).is_some() {
-            return Err(self.refuse(format!("must have at most {most_chars} characters")));
+            return Err(self.reject(format!("must have at most {most_chars} characters")));
         }
         if text.chars().any(is_unprintable) {
-            return Err(self.refuse("must have no control characters"));
+            return Err(self.reject("must have no control characters"));
         }
         Ok(text.to_owned())
     }
@@ -204,7 +204,7 @@ impl<'a> Value<'a> {
         lengths: RangeInclusive<usize>,
     ) -> Result<impl Iterator<Item = Value<'a>> + use<'a>, PackError> {
         let DeValue::Array(items) = self.value.get_ref() else {
-            return Err(self.refuse("must be a list"));
+            return Err(self.reject("must be a list"));
         };
         if !lengths.contains(&items.len()) {
             let (least, most) = lengths.into_inner();
@@ -215,7 +215,7 @@ impl<'a> Value<'a> {
             };
             // The items themselves would make no good excerpt.
             let start = self.value.span().start;
-            return Err(self.source.refuse(Some(start), &self.key, cause));
+            return Err(self.source.reject(Some(start), &self.key, cause));
         }
         let (source, key) = (self.source, self.key.clone());
         Ok(items.iter().map(move |value| Value {
@@ -228,7 +228,7 @@ impl<'a> Value<'a> {
     /// A table that may have these keys.
     pub(super) fn table(&self, known: &[&str]) -> Result<Table<'a>, PackError> {
         let DeValue::Table(entries) = self.value.get_ref() else {
-            return Err(self.refuse("must be a table"));
+            return Err(self.reject("must be a table"));
         };
         let table = Table {
             source: self.source,

@@ -44,12 +44,12 @@ pub(super) fn heights(value: &Value<'_>) -> Result<HeightsEntry, PackError> {
         "f32" => {
             for key in ["offset_m", "scale_m"] {
                 if let Some(value) = table.get(key) {
-                    return Err(value.refuse("is for samples \"i16\" only; take it out"));
+                    return Err(value.reject("is for samples \"i16\" only; take it out"));
                 }
             }
             HeightKind::F32
         }
-        _ => return Err(samples.refuse("must be \"i16\" or \"f32\"")),
+        _ => return Err(samples.reject("must be \"i16\" or \"f32\"")),
     };
     let tiles = whole("tiles", 1, MAX_HEIGHT_TILES)?;
     let needed = index_bytes(tiles);
@@ -65,11 +65,11 @@ pub(super) fn heights(value: &Value<'_>) -> Result<HeightsEntry, PackError> {
         index: TileFile {
             bytes: table.need("index_bytes")?.whole(needed..=needed)?,
             checksum: read_hex(checksum.string()?)
-                .ok_or_else(|| checksum.refuse("must be 32 digits of 0 to 9 and a to f"))?,
+                .ok_or_else(|| checksum.reject("must be 32 digits of 0 to 9 and a to f"))?,
         },
     };
     if !entry.is_possible() {
-        return Err(table.need("levels")?.refuse(
+        return Err(table.need("levels")?.reject(
             "with these columns (16, 32 or 64) and this side (even) there is no such pack: at most 2^30 samples go round the Earth; \
              build the pack again",
         ));

@@ -43,10 +43,10 @@ pub(super) fn levels(
         let tiles = tiles(&table, layer, shape, storages)?;
         levels.push(LevelEntry { shape, tiles });
     }
-    let coarsest = levels.last().ok_or_else(|| value.refuse("is empty"))?;
+    let coarsest = levels.last().ok_or_else(|| value.reject("is empty"))?;
     if coarsest.shape.block_pixels() > MAX_COARSEST_PIXELS || coarsest.shape.parts > 1 {
         let pixels = coarsest.shape.block_pixels();
-        return Err(value.refuse(format!(
+        return Err(value.reject(format!(
             "the coarsest level of \"{}\" has {pixels} pixels and may have at most {MAX_COARSEST_PIXELS}, and no parts",
             layer.name()
         )));
@@ -54,7 +54,7 @@ pub(super) fn levels(
     let missing = coarsest.tiles.iter().flatten().position(Option::is_none);
     if let Some(block) = missing {
         let block = block % BLOCKS;
-        return Err(value.refuse(format!(
+        return Err(value.reject(format!(
             "the coarsest level of \"{}\" must have all {BLOCKS} blocks, and block {block} is missing",
             layer.name()
         )));
@@ -70,7 +70,7 @@ fn shape(level: &Table<'_>, finer: Option<TileShape>) -> Result<TileShape, PackE
             let parts = value.whole(2..=u64::from(MAX_PARTS))? as u32;
             if !parts.is_power_of_two() {
                 return Err(
-                    value.refuse("must be 2, 4, 8 or 16; a level that is not cut has no such key")
+                    value.reject("must be 2, 4, 8 or 16; a level that is not cut has no such key")
                 );
             }
             parts
@@ -88,24 +88,24 @@ fn shape(level: &Table<'_>, finer: Option<TileShape>) -> Result<TileShape, PackE
         .is_multiple_of(parts)
         .then(|| TileShape::cut(number / parts, parts))
         .flatten()
-        .ok_or_else(|| pixels.refuse(format!("must be a multiple of {parts}, its parts")))?;
+        .ok_or_else(|| pixels.reject(format!("must be a multiple of {parts}, its parts")))?;
     let Some(finer) = finer else {
         return Ok(shape);
     };
     if finer.block_pixels() <= number {
         let finer = finer.block_pixels();
-        return Err(pixels.refuse(format!(
+        return Err(pixels.reject(format!(
             "must be less than {finer}, that of the level before: levels stand with the finest first, each once"
         )));
     }
     if parts > 1 && finer.parts == 1 {
-        return Err(pixels.refuse(
+        return Err(pixels.reject(
             "is cut into parts, and the level before is not: levels that are cut stand first; build the pack again",
         ));
     }
     if finer.parts > 1 && finer.pixels != shape.pixels {
         let of_finer = finer.pixels;
-        return Err(pixels.refuse(format!(
+        return Err(pixels.reject(format!(
             "has tiles of {} pixels and the level before has tiles of {of_finer}: all levels that are cut and the next one have \
              tiles of one size; build the pack again",
             shape.pixels
@@ -119,7 +119,7 @@ fn check_parts(value: &Value<'_>, layer: MapLayer, levels: &[LevelEntry]) -> Res
     let cut = levels.iter().take_while(|level| level.shape.parts > 1);
     let base = cut.clone().count();
     if base > 0 && base + 1 >= levels.len() {
-        return Err(value.refuse(format!(
+        return Err(value.reject(format!(
             "\"{}\" has levels that are cut and no other but the coarsest, which is never streamed; build the pack again with one \
              between them",
             layer.name()
@@ -134,7 +134,7 @@ fn check_parts(value: &Value<'_>, layer: MapLayer, levels: &[LevelEntry]) -> Res
         for ((block, _), file) in present {
             let block = block.index();
             if file.is_some() && base.file(0, block as u8, 0).is_none() {
-                return Err(value.refuse(format!(
+                return Err(value.reject(format!(
                     "block {block} of \"{}\" has parts of {} pixels and no tile of {}, the finest level that is not cut, which \
                      stands in for them; build the pack again",
                     layer.name(),
@@ -176,7 +176,7 @@ fn tiles(
                 1 => String::new(),
                 _ => format!(", part {},", at % parts),
             };
-            return Err(value.refuse(format!(
+            return Err(value.reject(format!(
                 "block {}{part} has a tile in one storage and none in the other; it must be in both or in neither",
                 at / parts
             )));
@@ -196,14 +196,14 @@ fn cut_files(table: &Table<'_>, shape: TileShape, most: u64) -> Result<Files, Pa
         let block = of_block.need("block")?;
         let number = block.whole(0..=BLOCKS as u64 - 1)? as usize;
         if number * parts < files.len() {
-            return Err(block.refuse(
+            return Err(block.reject(
                 "must be greater than that of the table before: blocks stand in order, each once",
             ));
         }
         files.resize(number * parts, None);
         read_files(&of_block, parts, most, &mut files)?;
         if files[number * parts..].iter().all(Option::is_none) {
-            return Err(block.refuse("has no part; a block without any has no table: take it out"));
+            return Err(block.reject("has no part; a block without any has no table: take it out"));
         }
     }
     files.resize(BLOCKS * parts, None);
@@ -234,13 +234,13 @@ fn tile_file(
     let digits = checksum.string()?;
     let count = bytes.whole(0..=most)?;
     if digits.is_empty() != (count == 0) {
-        return Err(checksum.refuse("must be empty just where the bytes are 0"));
+        return Err(checksum.reject("must be empty just where the bytes are 0"));
     }
     if count == 0 {
         return Ok(None);
     }
     let checksum = read_hex(digits)
-        .ok_or_else(|| checksum.refuse("must be 32 digits of 0 to 9 and a to f"))?;
+        .ok_or_else(|| checksum.reject("must be 32 digits of 0 to 9 and a to f"))?;
     Ok(Some(TileFile {
         bytes: count,
         checksum,

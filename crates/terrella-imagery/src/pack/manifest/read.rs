@@ -80,7 +80,7 @@ impl Manifest {
 fn check_version(value: &Value<'_>) -> Result<u32, PackError> {
     let version = value.whole(0..=u64::from(u32::MAX))? as u32;
     if !(1..=FORMAT_VERSION).contains(&version) {
-        return Err(value.refuse(format!(
+        return Err(value.reject(format!(
             "must be 1 to {FORMAT_VERSION}, the versions that this program reads; build the pack again with this program"
         )));
     }
@@ -102,10 +102,10 @@ fn choose<T: Copy + PartialEq>(
             None => String::new(),
         };
         let list = names.join("\", \"");
-        return Err(value.refuse(format!("must be one of \"{list}\"{hint}")));
+        return Err(value.reject(format!("must be one of \"{list}\"{hint}")));
     };
     if before.into_iter().any(|earlier| earlier == item) {
-        return Err(value.refuse("is given twice; each may stand once"));
+        return Err(value.reject("is given twice; each may stand once"));
     }
     Ok(item)
 }
@@ -138,7 +138,7 @@ fn layers(
         let exaggeration = match table.get("exaggeration") {
             Some(value) if layer == MapLayer::Normals => Some(value.positive()?),
             Some(value) => {
-                return Err(value.refuse("is known for the layer \"normals\" only; take it out"));
+                return Err(value.reject("is known for the layer \"normals\" only; take it out"));
             }
             None => None,
         };
@@ -151,7 +151,7 @@ fn layers(
     }
     layers.sort_by_key(|entry| entry.layer.index());
     if layers.first().map(|entry| entry.layer) != Some(MapLayer::Day) {
-        return Err(value.refuse("no layer is named \"day\", which every pack has"));
+        return Err(value.reject("no layer is named \"day\", which every pack has"));
     }
     Ok(layers)
 }

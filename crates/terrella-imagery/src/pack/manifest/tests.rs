@@ -43,9 +43,9 @@ pub fn read(text: &str) -> Result<Manifest, PackError> {
     Manifest::from_toml(text, Path::new("earth/pack.toml"))
 }
 
-/// The words of refusal of a text, which must be refused at a key.
-pub(super) fn refusal(text: &str) -> String {
-    let error = read(text).expect_err("refused");
+/// The words of rejection of a text, which must be rejected at a key.
+pub(super) fn rejection(text: &str) -> String {
+    let error = read(text).expect_err("rejected");
     assert!(matches!(error, PackError::Key { .. }), "{error}");
     error.to_string()
 }
@@ -138,13 +138,13 @@ fn every_key_is_needed() {
             len => start + len + 1,
         };
         let without = [&text[..start], &text[end..]].concat();
-        let said = refusal(&without);
+        let said = rejection(&without);
         let name = line.unwrap_or(key);
         assert!(said.contains(&format!("{name}: is missing")), "{said}");
     }
-    let said = refusal(&changed("name = \"day\"\n", ""));
+    let said = rejection(&changed("name = \"day\"\n", ""));
     assert!(said.contains("layer.name: is missing"), "{said}");
-    let said = refusal("");
+    let said = rejection("");
     assert_eq!(
         said,
         "earth/pack.toml: format: is missing; build the pack again"
@@ -152,7 +152,7 @@ fn every_key_is_needed() {
 }
 
 #[test]
-fn wrong_values_are_refused_with_line_and_key() {
+fn wrong_values_are_rejected_with_line_and_key() {
     for (from, to, parts) in [
         (
             "format = 1",
@@ -303,7 +303,7 @@ fn wrong_values_are_refused_with_line_and_key() {
             &["layer.level.bc.file: unknown key"],
         ),
     ] {
-        let said = refusal(&changed(from, to));
+        let said = rejection(&changed(from, to));
         for part in parts {
             assert!(said.contains(part), "{from} → {to}: {said}");
         }
@@ -329,17 +329,17 @@ fn files_are_held_to_their_shape() {
     // R8 of side 144 in four levels: 27 540 bytes and 64 KiB.
     let most = 144 * 144 + 72 * 72 + 36 * 36 + 18 * 18 + 65_536;
     assert!(read(&with_file([2, 0, 1, 0], file(most))).is_ok());
-    let said = refusal(&with_file([2, 0, 1, 0], file(most + 1)));
+    let said = rejection(&with_file([2, 0, 1, 0], file(most + 1)));
     assert!(
         said.contains("layer.level.plain.bytes: must be a whole number from 0 to 93076"),
         "{said}"
     );
-    let said = refusal(&with_file([2, 0, 1, 0], file(0)));
+    let said = rejection(&with_file([2, 0, 1, 0], file(0)));
     assert!(
         said.contains("must be empty just where the bytes are 0"),
         "{said}"
     );
-    let said = refusal(&with_file([2, 0, 0, 7], None));
+    let said = rejection(&with_file([2, 0, 0, 7], None));
     assert!(
         said.contains("in one storage and none in the other"),
         "{said}"
@@ -348,7 +348,7 @@ fn files_are_held_to_their_shape() {
     for tiles in &mut gap.layers[1].levels[0].tiles {
         tiles[77] = None;
     }
-    let said = refusal(&gap.to_toml());
+    let said = rejection(&gap.to_toml());
     assert!(
         said.contains("must have all 128 blocks, and block 77 is missing"),
         "{said}"
@@ -356,7 +356,7 @@ fn files_are_held_to_their_shape() {
     for blocks in [127, 129] {
         let mut wrong = manifest();
         wrong.layers[0].levels[1].tiles[0].resize(blocks, file(9));
-        let said = refusal(&wrong.to_toml());
+        let said = rejection(&wrong.to_toml());
         assert!(
             said.contains(&format!("must have 128 items and has {blocks}")),
             "{said}"
@@ -365,11 +365,11 @@ fn files_are_held_to_their_shape() {
     let mut many = manifest();
     let level = many.layers[1].levels[0].clone();
     many.layers[1].levels = vec![level; MAX_LEVELS + 1];
-    assert!(refusal(&many.to_toml()).contains("must have 1 to 10 items and has 11"));
+    assert!(rejection(&many.to_toml()).contains("must have 1 to 10 items and has 11"));
     let as_1 = many.to_toml().replacen("format = 2", "format = 1", 1);
-    assert!(refusal(&as_1).contains("must have 1 to 8 items and has 11"));
+    assert!(rejection(&as_1).contains("must have 1 to 8 items and has 11"));
     many.layers[1].levels.clear();
-    assert!(refusal(&many.to_toml()).contains("layer.level: is missing"));
+    assert!(rejection(&many.to_toml()).contains("layer.level: is missing"));
 }
 
 #[test]
@@ -382,14 +382,14 @@ fn texts_are_bounded_and_printable() {
         .to_toml()
     };
     assert!(read(&named(&"x".repeat(MAX_NAME_CHARS))).is_ok());
-    let said = refusal(&named(&"x".repeat(MAX_NAME_CHARS + 1)));
+    let said = rejection(&named(&"x".repeat(MAX_NAME_CHARS + 1)));
     assert!(
         said.contains("name: must have at most 200 characters"),
         "{said}"
     );
     assert!(said.len() < 300, "{said}");
     for text in ["a\u{1b}[31m", "a\nb", "\u{202e}gnp", "\u{7f}", "\0"] {
-        let said = refusal(&named(text));
+        let said = rejection(&named(text));
         assert!(said.contains("no control characters"), "{said:?}");
         assert!(
             !said.contains(|c: char| c.is_control() || c == '\u{202e}'),
@@ -397,7 +397,7 @@ fn texts_are_bounded_and_printable() {
         );
     }
     let lines = vec![String::new(); MAX_ATTRIBUTION_LINES + 1];
-    let said = refusal(
+    let said = rejection(
         &Manifest {
             attribution: lines,
             ..manifest()
@@ -411,7 +411,7 @@ fn texts_are_bounded_and_printable() {
 }
 
 #[test]
-fn what_is_no_toml_is_refused() {
+fn what_is_no_toml_is_rejected() {
     let error = read("format = 1\nname = [\n").expect_err("not TOML");
     assert!(matches!(error, PackError::Syntax { .. }), "{error}");
     let error = read("format = 1\nformat = 1\n").expect_err("twice");
@@ -431,7 +431,7 @@ fn what_is_no_toml_is_refused() {
         assert!(read(&hostile).is_err());
     }
     // A later version is named as such, whatever keys it has.
-    let said = refusal("format = 3\nnew_key = 1\n");
+    let said = rejection("format = 3\nnew_key = 1\n");
     assert!(said.contains("format: must be 1 to 2"), "{said}");
 }
 

@@ -11,7 +11,7 @@ impl TileCache {
     ///
     /// Requests for the picture come before those that are only expected. Each is promised a slot: at the level asked for,
     /// or, where the pool is promised to others or there is no such tile, at the next coarser one that can be had. A tile
-    /// that could not be read is passed over likewise; when it is due to be tried again it is loaded beside its stand-in. Requests for
+    /// that could not be read is skipped likewise; when it is due to be tried again it is loaded beside its stand-in. Requests for
     /// parts come after those for the tiles of whole blocks, which they need.
     pub fn allocate(&mut self, now: Instant, requests: &[TileRequest], reserved_bytes: u64) {
         self.frame += 1;

@@ -1,4 +1,4 @@
-//! Where files lie that say it in ways of their own, and which are refused.
+//! Where files lie that say it in ways of their own, and which are rejected.
 
 use super::*;
 
@@ -24,7 +24,7 @@ fn metric() -> Folder {
 
 const FILE: &str = "[[part]]\nfile = \"a.png\"\n";
 
-fn refused(folder: &Folder, text: &str, words: &[&str]) {
+fn rejected(folder: &Folder, text: &str, words: &[&str]) {
     let said = folder.open(text).expect_err(text).to_string();
     assert!(
         words.iter().all(|word| said.contains(word)),
@@ -41,9 +41,9 @@ fn is_placed(folder: &Folder, text: &str) {
 }
 
 #[test]
-fn metres_of_no_system_are_refused_with_the_key_that_says_it() {
+fn metres_of_no_system_are_rejected_with_the_key_that_says_it() {
     let folder = metric();
-    refused(
+    rejected(
         &folder,
         FILE,
         &["a.png", "no degrees", "crs = \"EPSG:3857\"", "gdalwarp"],
@@ -54,13 +54,13 @@ fn metres_of_no_system_are_refused_with_the_key_that_says_it() {
     is_placed(&folder, FILE);
     is_placed(&folder, &stated);
     let other = format!("{FILE}crs = \"EPSG:4326\"\n");
-    refused(&folder, &other, &["EPSG:3857", "EPSG:4326", "correct crs"]);
+    rejected(&folder, &other, &["EPSG:3857", "EPSG:4326", "correct crs"]);
     // Without its parameters.
     folder.put("a.prj", UTM);
-    refused(&folder, FILE, &["a.prj", "UTM zone 33N"]);
-    refused(&folder, &stated, &["a.prj", "UTM zone 33N"]);
+    rejected(&folder, FILE, &["a.prj", "UTM zone 33N"]);
+    rejected(&folder, &stated, &["a.prj", "UTM zone 33N"]);
     folder.put("a.prj", b"Projection UTM\nZone 33\n");
-    refused(&folder, FILE, &["a.prj", "no well-known text"]);
+    rejected(&folder, FILE, &["a.prj", "no well-known text"]);
 }
 
 #[test]
@@ -76,26 +76,26 @@ fn the_text_of_gdal_beside_a_file_says_its_system() {
     aux(MERCATOR);
     is_placed(&folder, FILE);
     aux(UTM);
-    refused(&folder, FILE, &["a.png.aux.xml", "UTM zone 33N"]);
+    rejected(&folder, FILE, &["a.png.aux.xml", "UTM zone 33N"]);
     folder.put("a.png.aux.xml", b"<PAMDataset></PAMDataset>");
-    refused(&folder, FILE, &["no degrees"]);
+    rejected(&folder, FILE, &["no degrees"]);
 }
 
 #[test]
-fn degrees_of_other_figures_are_refused_and_south_up_files_turned() {
+fn degrees_of_other_figures_are_rejected_and_south_up_files_turned() {
     let folder = Folder::new();
     folder.put("a.png", &png(64, 32, code));
     folder.put("a.pgw", b"5.625\n0\n0\n-5.625\n-177.1875\n87.1875\n");
     let (map, _) = folder.read(FILE);
     assert_eq!(map.at(3, 2), code(3, 2));
     folder.put("a.prj", NAD27);
-    refused(&folder, FILE, &["a.prj", "\"NAD27\"", "not those of WGS84"]);
+    rejected(&folder, FILE, &["a.prj", "\"NAD27\"", "not those of WGS84"]);
     fs::remove_file(folder.0.path().join("a.prj")).expect("removed");
     folder.put("a.pgw", b"5.625\n0\n0\n5.625\n-177.1875\n-87.1875\n");
     let (map, _) = folder.read(FILE);
     assert!((0..32).all(|y| (0..64).all(|x| map.at(x, y) == code(x, 31 - y))));
     folder.put("a.pgw", b"-5.625\n0\n0\n-5.625\n177.1875\n87.1875\n");
-    refused(&folder, FILE, &["a.png"]);
+    rejected(&folder, FILE, &["a.png"]);
 }
 
 /// A map of UTM lies where PROJ says that its corners do, whether its system is spelt out or named by its code.
@@ -142,7 +142,7 @@ fn projected_maps_are_warped() {
         );
         assert_eq!((at(49.75, 9.25), at(43.75, 20.25)), (BELOW, BELOW));
         let stated = format!("{FILE}crs = \"EPSG:3857\"\n");
-        refused(
+        rejected(
             &folder,
             &stated,
             &["in a projection", "EPSG:3857", "correct crs"],

@@ -115,7 +115,7 @@ fn no_data<R: Read + Seek>(
         Ok(number) => Ok(Some(number as f32)),
         Err(_) => {
             let shown: String = text.chars().take(40).collect();
-            Err(context.refused(
+            Err(context.rejected(
                 format!("has the no-data value {shown:?}, which is no number"),
                 "correct it (`gdal_edit.py -a_nodata 0`) or take it away (`gdal_edit.py -unsetnodata`)",
             ))
@@ -124,18 +124,18 @@ fn no_data<R: Read + Seek>(
 }
 
 fn gap_error(context: &FileContext, error: TiffGapError) -> BuildError {
-    let refused = |cause: String| {
-        context.refused(
+    let rejected = |cause: String| {
+        context.rejected(
             format!("has {cause}"),
             "write what it masks as alpha (`gdalwarp -dstalpha IN OUT`)",
         )
     };
     match error {
         TiffGapError::Tiff(TiffError::UnsupportedError(error)) => {
-            refused(format!("a mask that is not read ({error})"))
+            rejected(format!("a mask that is not read ({error})"))
         }
         TiffGapError::Tiff(error) => decode_error(context, error),
         TiffGapError::Damaged(cause) => context.damaged(cause),
-        TiffGapError::Mask(cause) => refused(cause),
+        TiffGapError::Mask(cause) => rejected(cause),
     }
 }

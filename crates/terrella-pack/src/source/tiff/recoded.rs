@@ -1,4 +1,4 @@
-//! A TIFF whose first directory is shown with another photometric interpretation: the decoder refuses palettes, but not grey
+//! A TIFF whose first directory is shown with another photometric interpretation: the decoder rejects palettes, but not grey
 //! pictures of the same bytes (TIFF 6.0, sections 2, 5 and 8; BigTIFF).
 
 use std::io::{self, Read, Seek, SeekFrom};

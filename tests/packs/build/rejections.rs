@@ -12,7 +12,7 @@ use tiff::encoder::Compression;
 use tiff::encoder::colortype::{Gray8, RGB8};
 use tiff::tags::Tag;
 
-/// What is said of a file that must be refused.
+/// What is said of a file that must be rejected.
 fn complaint(bytes: &[u8]) -> String {
     match read(bytes) {
         Ok((info, _)) => panic!("taken as {info:?}"),
@@ -117,7 +117,7 @@ fn tampered_png_and_tiff_are_found() {
 }
 
 #[test]
-fn progressive_jpegs_beyond_the_budget_are_refused_with_advice() {
+fn progressive_jpegs_beyond_the_budget_are_rejected_with_advice() {
     let texels = noise(512 * 256 * 3);
     let progressive = jpeg(512, &texels, true);
     let tight = SourceLimits {
@@ -142,7 +142,7 @@ fn progressive_jpegs_beyond_the_budget_are_refused_with_advice() {
 }
 
 #[test]
-fn other_sizes_are_refused_before_anything_is_allocated() {
+fn other_sizes_are_rejected_before_anything_is_allocated() {
     for (width, height) in [(64, 31), (64, 34), (8, 4), (64, 64)] {
         let grey = vec![7; width as usize * height as usize];
         let files = [
@@ -170,7 +170,7 @@ fn other_sizes_are_refused_before_anything_is_allocated() {
         let mut bytes = png(64, 32, ExtendedColorType::L8, &[7; 2048]);
         bytes[16..20].copy_from_slice(&width.to_be_bytes());
         bytes[20..24].copy_from_slice(&height.to_be_bytes());
-        // The header's checksum is told after its size, or before: refused in either case.
+        // The header's checksum is reported after its size, or before: rejected in either case.
         complaint(&bytes);
     }
     let mut bytes = jpeg(64, &rgb_map(), false);
@@ -186,7 +186,7 @@ fn other_sizes_are_refused_before_anything_is_allocated() {
 }
 
 #[test]
-fn other_kinds_are_refused() {
+fn other_kinds_are_rejected() {
     assert!(complaint(b"GIF89a......").contains("neither PNG nor JPEG nor TIFF"));
     assert!(complaint(b"").contains("neither"));
     let folder = tempfile::tempdir().expect("a folder");
@@ -202,7 +202,7 @@ fn other_kinds_are_refused() {
 }
 
 #[test]
-fn geotiffs_elsewhere_are_refused() {
+fn geotiffs_elsewhere_are_rejected() {
     let geo = |scale: f64, left: f64, model: u16| Geo {
         doubles: vec![
             (Tag::ModelPixelScaleTag, vec![scale, scale, 0.0]),
@@ -227,7 +227,7 @@ fn geotiffs_elsewhere_are_refused() {
 }
 
 #[test]
-fn other_figures_and_meridians_are_refused_as_in_heights() {
+fn other_figures_and_meridians_are_rejected_as_in_heights() {
     let degrees = 360.0 / f64::from(WIDTH);
     let file = |keys: &[(u16, u16)]| {
         let mut directory = vec![1, 1, 0, keys.len() as u16];
@@ -260,7 +260,7 @@ fn other_figures_and_meridians_are_refused_as_in_heights() {
 }
 
 #[test]
-fn turned_and_short_tiffs_are_refused() {
+fn turned_and_short_tiffs_are_rejected() {
     let turned = Geo {
         shorts: vec![(Tag::Orientation, vec![3])],
         ..Geo::default()
@@ -281,7 +281,7 @@ fn turned_and_short_tiffs_are_refused() {
 }
 
 #[test]
-fn maps_of_the_wrong_kind_for_their_layer_are_refused() {
+fn maps_of_the_wrong_kind_for_their_layer_are_rejected() {
     let folder = tempfile::tempdir().expect("a folder");
     let write = |name: &str, bytes: &[u8]| {
         let path = folder.path().join(name);
@@ -299,22 +299,22 @@ fn maps_of_the_wrong_kind_for_their_layer_are_refused() {
     let signed = write("signed.tif", &super::maps::i16_tiff(&[5; 2048]));
     let out = folder.path().join("pack");
     let good = BuildOptions::new(&colour, &out);
-    let refused = |options: BuildOptions, word: &str| {
+    let rejected = |options: BuildOptions, word: &str| {
         let error = build(&options, &()).expect_err(word);
         assert!(error.to_string().contains(word), "{error}");
         assert!(!out.exists(), "nothing is begun: {word}");
     };
-    refused(BuildOptions::new(&signed, &out), "needs 8- or 16-bit sRGB");
+    rejected(BuildOptions::new(&signed, &out), "needs 8- or 16-bit sRGB");
     let with_clouds = BuildOptions {
         clouds: Some(signed.clone()),
         ..good.clone()
     };
-    refused(with_clouds, "float (0 to 1)");
+    rejected(with_clouds, "float (0 to 1)");
     let relief = |relief| BuildOptions {
         relief: Some(relief),
         ..good.clone()
     };
-    refused(relief(Relief::Normals(grey.clone())), "use --elevation");
+    rejected(relief(Relief::Normals(grey.clone())), "use --elevation");
     let elevation = |path: &Path, offset_m, exaggeration| {
         relief(Relief::Elevation {
             path: path.into(),
@@ -322,9 +322,9 @@ fn maps_of_the_wrong_kind_for_their_layer_are_refused() {
             exaggeration,
         })
     };
-    refused(elevation(&grey, None, 4.0), "elevations need 16-bit");
-    refused(elevation(&signed, None, f64::NAN), "--exaggeration");
-    refused(
+    rejected(elevation(&grey, None, 4.0), "elevations need 16-bit");
+    rejected(elevation(&signed, None, f64::NAN), "--exaggeration");
+    rejected(
         elevation(&signed, Some(f64::INFINITY), 4.0),
         "--elevation-offset",
     );
@@ -332,7 +332,7 @@ fn maps_of_the_wrong_kind_for_their_layer_are_refused() {
         attribution: vec!["two\nlines".to_string()],
         ..good.clone()
     };
-    refused(control, "attribution");
+    rejected(control, "attribution");
     let memory = BuildOptions {
         memory_bytes: 30_000_000,
         ..good
