@@ -116,10 +116,10 @@ fn a_bad_star_file_is_named_and_left_out_unless_strict() {
     let stats = std::fs::read_to_string(place.path("a.json")).expect("numbers");
     assert!(stats.contains("\"layers_missing\""), "{stats}");
     place.scene("strict.toml", &format!("[earth]\nstrict = true\n{sky}"));
-    let refused = place.fail(2, &["frame", "strict.toml", "-o", "b.png"]);
+    let rejected = place.fail(2, &["frame", "strict.toml", "-o", "b.png"]);
     assert!(
-        refused.contains("[sky] stars") && !place.path("b.png").exists(),
-        "{refused}"
+        rejected.contains("[sky] stars") && !place.path("b.png").exists(),
+        "{rejected}"
     );
 }
 

@@ -1,4 +1,4 @@
-//! The frame-rate harness: what it writes, what it compares, what it refuses.
+//! The frame-rate harness: what it writes, what it compares, what it rejects.
 
 use crate::{Place, SMALL, words};
 use serde_json::Value;
@@ -150,7 +150,7 @@ fn a_run_is_written_and_compared_with_an_earlier_one() {
     );
     assert!(String::from_utf8_lossy(&slower.stdout).contains("SLOWER"));
 
-    refuses_others(&place, &report);
+    rejects_others(&place, &report);
 }
 
 /// The contract with programs that read the file.
@@ -246,8 +246,8 @@ fn holds_the_keys(report: &Value) {
     }
 }
 
-/// A baseline of something else is refused with the difference, and before anything is measured.
-fn refuses_others(place: &Place, report: &Value) {
+/// A baseline of something else is rejected with the difference, and before anything is measured.
+fn rejects_others(place: &Place, report: &Value) {
     let adapter = report["adapter"].as_str().expect("a name");
     changed(place, "adapter.json", report, |report| {
         report["adapter"] = "Another \u{1b}[31madapter".into();

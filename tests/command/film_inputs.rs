@@ -83,7 +83,7 @@ impl Film {
         words(&resumed)
     }
 
-    fn refused(&self, change: impl FnOnce(), told: &str) {
+    fn rejected(&self, change: impl FnOnce(), told: &str) {
         let words = self.resumed_after(change, 1);
         let advice = words.contains("another film") && words.contains("--overwrite");
         assert!(words.contains(told) && advice, "{words}");
@@ -97,7 +97,7 @@ fn a_film_with_another_dated_map_is_another() {
     write_grey(&film.path("a.png"), 255);
     write_grey(&film.path("b.png"), 255);
     let change = || write_grey(&film.path("b.png"), 40);
-    film.refused(change, "changed files: b.png (earth.cloud_maps)");
+    film.rejected(change, "changed files: b.png (earth.cloud_maps)");
     film.resumed_after(|| (), 0);
 }
 
@@ -106,7 +106,7 @@ fn a_film_with_another_default_or_sidecar_is_another() {
     let relief = scene("elevation = []", "[sky]\nmilky_way = true");
     let film = Film::new(&relief);
     let starter = |name: &str| film.path("starter").join(name);
-    film.refused(
+    film.rejected(
         || {
             std::fs::write(
                 starter("elevation.toml"),
@@ -116,15 +116,15 @@ fn a_film_with_another_default_or_sidecar_is_another() {
         },
         "changed files: elevation.toml (earth.elevation)",
     );
-    film.refused(
+    film.rejected(
         || write_grey(&starter("night_lights.png"), 200),
         "changed files: night_lights.png (earth.textures)",
     );
-    film.refused(
+    film.rejected(
         || copy(&starter("day.jpg"), &starter("moon.jpg")),
         "changed files: moon.jpg (sky.folder)",
     );
-    film.refused(
+    film.rejected(
         || std::fs::remove_file(starter("water.png")).expect("removes"),
         "missing files: water.png (earth.textures)",
     );

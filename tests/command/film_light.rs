@@ -227,7 +227,7 @@ fn space_is_transparent_with_alpha() {
 }
 
 #[test]
-fn films_of_light_are_refused_where_there_is_none() {
+fn films_of_light_are_rejected_where_there_is_none() {
     let place = Place::new();
     let frames = |scene: &str, more: &[&str]| {
         place.fail(2, &[&["play", scene, "--frames", "a"], more].concat())

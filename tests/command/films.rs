@@ -131,9 +131,9 @@ fn a_film_goes_on_where_it_was_left() {
         found.modified().expect("a time")
     };
     let drawn = modified(1);
-    // One that is spoilt is drawn anew, one that is not of the page too.
-    let spoilt = place.path("a").join(frame(2));
-    std::fs::write(&spoilt, &bytes(&spoilt)[..100]).expect("writes");
+    // One that is corrupt is drawn again, one that is not of the page too.
+    let corrupt = place.path("a").join(frame(2));
+    std::fs::write(&corrupt, &bytes(&corrupt)[..100]).expect("writes");
     std::fs::write(place.path("a").join(frame(3)), &kept).expect("writes");
     let output = place.succeed(&[&["-v"], &play[..], &["--resume"]].concat());
     assert!(
@@ -176,7 +176,7 @@ fn films_are_not_mixed() {
     let words = place.fail(1, &resume);
     assert!(words.contains("the scene has changed"), "{words}");
     place.scene("small.toml", SMALL);
-    for (spoilt, told) in [
+    for (corrupt, told) in [
         (&b"{"[..], "no page of frames"),
         (b"{\"format\": \"other\"}", "its format is \"other\""),
         (b"[1]", "no page of frames"),
@@ -185,7 +185,7 @@ fn films_are_not_mixed() {
             "by terrella 0.0.1",
         ),
     ] {
-        std::fs::write(place.path("a/frames.json"), spoilt).expect("writes");
+        std::fs::write(place.path("a/frames.json"), corrupt).expect("writes");
         let words = place.fail(1, &resume);
         assert!(
             words.contains(told) && words.contains("--overwrite"),

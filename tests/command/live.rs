@@ -1,4 +1,4 @@
-//! Scenes whose states a simulator sends: films of exactly what it asks for, stills, refusals, a player that is killed.
+//! Scenes whose states a simulator sends: films of exactly what it asks for, stills, rejections, a player that is killed.
 
 use crate::{Place, frame_names, words};
 use std::io::{BufRead, BufReader, Read, Write};
@@ -321,7 +321,7 @@ fn one_picture_is_of_the_state_that_comes() {
 }
 
 #[test]
-fn what_has_no_meaning_with_a_simulators_time_is_refused_with_advice() {
+fn what_has_no_meaning_with_a_simulators_time_is_rejected_with_advice() {
     let place = Place::new();
     // Somebody listens there: what only looks at the scene does not.
     let taken = std::net::TcpListener::bind("127.0.0.1:0").expect("a port");

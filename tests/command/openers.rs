@@ -62,7 +62,7 @@ const SCENES: &[&str] = &[
 ];
 
 /// What it says, within some seconds, as an error.
-fn refusal(place: &Place, arguments: &[&str]) -> String {
+fn rejection(place: &Place, arguments: &[&str]) -> String {
     let mut command = place.command(arguments);
     let mut child = command
         .stdout(Stdio::null())
@@ -116,12 +116,12 @@ fn what_is_no_file_is_rejected_by_every_reader() {
                 .iter()
                 .map(|word| if *word == "@" { name } else { word })
                 .collect();
-            let said = refusal(&place, &arguments);
+            let said = rejection(&place, &arguments);
             assert!(is_mosaic || said.contains(what), "{reader}, {name}: {said}");
         }
         for scene in SCENES {
             place.scene("scene.toml", &scene.replace('@', name));
-            let said = refusal(&place, &["check", "scene.toml"]);
+            let said = rejection(&place, &["check", "scene.toml"]);
             assert!(said.contains(what), "{scene}, {name}: {said}");
         }
     }
@@ -135,9 +135,9 @@ fn a_sidecar_that_is_a_pipe_is_rejected() {
     std::fs::copy(textures.join("elevation.png"), place.path("dem.png")).expect("copied");
     let made = Command::new("mkfifo").arg(place.path("dem.toml")).status();
     assert!(made.expect("mkfifo starts").success());
-    let said = refusal(&place, &["terrain", "dem.png"]);
+    let said = rejection(&place, &["terrain", "dem.png"]);
     assert!(said.contains("dem.toml") && said.contains("pipe"), "{said}");
     place.scene("scene.toml", "[earth]\nelevation = [\"dem.png\"]\n");
-    let said = refusal(&place, &["check", "scene.toml"]);
+    let said = rejection(&place, &["check", "scene.toml"]);
     assert!(said.contains("dem.toml") && said.contains("pipe"), "{said}");
 }

@@ -1,4 +1,4 @@
-//! `terrella orbit`: tables that read back, messages that other scenes fly, refusals.
+//! `terrella orbit`: tables that read back, messages that other scenes fly, rejections.
 
 use crate::{Place, words};
 use std::path::{Path, PathBuf};
@@ -171,8 +171,8 @@ fn an_element_message_holds_the_elements() {
     assert_eq!(read.feeds[0].elements(), iss.elements());
     let kepler = "[orbit]\nsource = \"kepler\"\nperiapsis_km = 7000\n";
     place.scene("kepler.toml", kepler);
-    let refusal = place.fail(2, &["orbit", "kepler.toml", "--omm", "kepler.omm"]);
-    assert!(refusal.contains("--oem"), "{refusal}");
+    let rejection = place.fail(2, &["orbit", "kepler.toml", "--omm", "kepler.omm"]);
+    assert!(rejection.contains("--oem"), "{rejection}");
     assert!(!place.path("kepler.omm").exists());
 }
 
@@ -207,8 +207,8 @@ fn every_source_has_a_scene_that_flies() {
     let kepler = config("kepler.toml").display().to_string();
     let long = place.printed(&["orbit", &kepler, "--csv", "--satellite", "long"]);
     assert_eq!(read_table(&long).name(), "Long");
-    let refusal = place.fail(2, &["orbit", &kepler, "--satellite", "Lang"]);
-    assert!(refusal.contains("did you mean \"Long\"?"), "{refusal}");
+    let rejection = place.fail(2, &["orbit", &kepler, "--satellite", "Lang"]);
+    assert!(rejection.contains("did you mean \"Long\"?"), "{rejection}");
 }
 
 /// Files made from one scene and flown by another say the same.
@@ -241,7 +241,7 @@ fn the_files_of_the_scenes_are_of_the_scenes_that_they_name() {
 }
 
 #[test]
-fn instants_outside_are_refused_with_the_interval() {
+fn instants_outside_are_rejected_with_the_interval() {
     let place = Place::new();
     let late = ["--at", "2030-01-01T00:00:00Z"];
     for (name, first) in [
@@ -250,8 +250,8 @@ fn instants_outside_are_refused_with_the_interval() {
         ("numerical.toml", "2018-01-15T11:59:00.000Z"),
     ] {
         let path = config(name).display().to_string();
-        let refusal = place.fail(2, &["orbit", &path, late[0], late[1]]);
-        assert!(refusal.contains(first), "{refusal}");
+        let rejection = place.fail(2, &["orbit", &path, late[0], late[1]]);
+        assert!(rejection.contains(first), "{rejection}");
     }
 }
 
@@ -263,21 +263,21 @@ fn files_that_cannot_be_written_are_found_before_the_run() {
     for option in ["--oem", "--omm"] {
         let extension = option.trim_start_matches('-');
         let file = format!("missing/iss.{extension}");
-        let refusal = place.fail(1, &["orbit", "nowhere.toml", option, &file]);
-        assert!(refusal.contains("make it first"), "{refusal}");
+        let rejection = place.fail(1, &["orbit", "nowhere.toml", option, &file]);
+        assert!(rejection.contains("make it first"), "{rejection}");
     }
-    let refusal = place.fail(1, &["orbit", "iss.toml", "--oem", "iss.csv"]);
-    assert!(refusal.contains("iss.oem"), "{refusal}");
-    let refusal = place.fail(
+    let rejection = place.fail(1, &["orbit", "iss.toml", "--oem", "iss.csv"]);
+    assert!(rejection.contains("iss.oem"), "{rejection}");
+    let rejection = place.fail(
         1,
         &["orbit", "iss.toml", "--oem", "iss.oem", "--frame", "pef"],
     );
-    assert!(refusal.contains("--frame itrf"), "{refusal}");
+    assert!(rejection.contains("--frame itrf"), "{rejection}");
     place.fail(2, &["orbit", "iss.toml", "--every", "0"]);
-    let refusal = place.fail(2, &["orbit", "iss.toml", "--every", "0.0001"]);
-    assert!(refusal.contains("rows"), "{refusal}");
-    let refusal = place.fail(2, &["orbit", "small.toml"]);
-    assert!(refusal.contains("no satellite"), "{refusal}");
+    let rejection = place.fail(2, &["orbit", "iss.toml", "--every", "0.0001"]);
+    assert!(rejection.contains("rows"), "{rejection}");
+    let rejection = place.fail(2, &["orbit", "small.toml"]);
+    assert!(rejection.contains("no satellite"), "{rejection}");
     assert_eq!(place.names(), ["iss.toml", "small.toml"]);
 }
 
@@ -290,57 +290,60 @@ fn sources_and_starts_that_cannot_be_are_told_at_the_line_of_the_scene() {
         "wrong.toml",
         "[orbit]\nsource = \"omm\"\nfile = \"iss.tle\"\n",
     );
-    let refusal = place.fail(2, &["check", "wrong.toml"]);
+    let rejection = place.fail(2, &["check", "wrong.toml"]);
     for needle in [
         "wrong.toml:2: [orbit] source",
         "two-line elements",
         "source = \"tle\"",
     ] {
-        assert!(refusal.contains(needle), "{needle} is not in {refusal}");
+        assert!(rejection.contains(needle), "{needle} is not in {rejection}");
     }
     place.scene(
         "low.toml",
         "[[orbit]]\n[[orbit]]\nsource = \"numerical\"\nsemi_major_axis_km = 6300\n",
     );
-    let refusal = place.fail(2, &["check", "low.toml"]);
-    assert!(refusal.contains("low.toml:3: [orbit] source"), "{refusal}");
-    assert!(refusal.contains("ground"), "{refusal}");
+    let rejection = place.fail(2, &["check", "low.toml"]);
+    assert!(
+        rejection.contains("low.toml:3: [orbit] source"),
+        "{rejection}"
+    );
+    assert!(rejection.contains("ground"), "{rejection}");
     // It has met the ground before the scene begins.
     place.scene(
         "fallen.toml",
         "[time]\nstart = 2018-01-15T12:00:00Z\n[orbit]\nsource = \"numerical\"\nsemi_major_axis_km = 6538\narea_m2 = 40\nepoch = 2018-01-15T06:00:00Z\n",
     );
-    let refusal = place.fail(2, &["check", "fallen.toml"]);
+    let rejection = place.fail(2, &["check", "fallen.toml"]);
     assert!(
-        refusal.contains("[time] start") && refusal.contains("choose a start"),
-        "{refusal}"
+        rejection.contains("[time] start") && rejection.contains("choose a start"),
+        "{rejection}"
     );
-    assert!(!refusal.contains("newer elements"), "{refusal}");
+    assert!(!rejection.contains("newer elements"), "{rejection}");
 }
 
 #[test]
-fn a_spoilt_record_of_another_satellite_is_passed_over_unless_strict() {
+fn a_corrupt_record_of_another_satellite_is_passed_over_unless_strict() {
     let place = Place::new();
     let station = std::fs::read_to_string(config("orbits/iss.tle")).expect("the elements");
-    let spoilt = std::fs::read_to_string(config("orbits/molniya.tle"))
+    let corrupt = std::fs::read_to_string(config("orbits/molniya.tle"))
         .expect("the elements")
         .replace("62.4528", "62.4529");
-    std::fs::write(place.path("two.tle"), station + &spoilt).expect("writes");
+    std::fs::write(place.path("two.tle"), station + &corrupt).expect("writes");
     let scene = "[orbit]\nfile = \"two.tle\"\n";
     place.scene("loose.toml", &format!("{scene}name = \"25544\"\n"));
     let told = place.printed(&["check", "loose.toml"]);
     assert!(
-        told.contains("passed over") && told.contains("checksum"),
+        told.contains("skipped") && told.contains("checksum"),
         "{told}"
     );
     place.scene(
         "strict.toml",
         &format!("{scene}name = \"25544\"\nstrict = true\n"),
     );
-    let refusal = place.fail(1, &["check", "strict.toml"]);
+    let rejection = place.fail(1, &["check", "strict.toml"]);
     assert!(
-        refusal.contains("two.tle:8") && refusal.contains("checksum"),
-        "{refusal}"
+        rejection.contains("two.tle:8") && rejection.contains("checksum"),
+        "{rejection}"
     );
     // Which is the only one cannot be known.
     place.scene("any.toml", scene);
@@ -406,12 +409,12 @@ fn the_table_of_orientation_moves_places_on_the_ground() {
         "late.toml",
         "[time]\nstart = \"2018-01-16T23:00:00Z\"\nduration_s = 5000\norientation = \"finals\"\n",
     );
-    let refusal = place.fail(2, &["check", "late.toml"]);
+    let rejection = place.fail(2, &["check", "late.toml"]);
     assert!(
-        refusal.contains("late.toml:4: [time] orientation"),
-        "{refusal}"
+        rejection.contains("late.toml:4: [time] orientation"),
+        "{rejection}"
     );
-    assert!(refusal.contains("2018-01-17T00:00:00Z"), "{refusal}");
+    assert!(rejection.contains("2018-01-17T00:00:00Z"), "{rejection}");
 }
 
 #[test]
@@ -434,12 +437,12 @@ fn cameras_fly_with_the_satellite_that_is_named() {
         "nobody.toml",
         &format!("{two}[camera]\nfollow = \"Hihg\"\n"),
     );
-    let refusal = place.fail(2, &["check", "nobody.toml"]);
+    let rejection = place.fail(2, &["check", "nobody.toml"]);
     assert!(
-        refusal.contains("nobody.toml:7: [camera] follow"),
-        "{refusal}"
+        rejection.contains("nobody.toml:7: [camera] follow"),
+        "{rejection}"
     );
-    assert!(refusal.contains("did you mean \"High\"?"), "{refusal}");
+    assert!(rejection.contains("did you mean \"High\"?"), "{rejection}");
 }
 
 /// A satellite that is not followed may come and go.
@@ -474,8 +477,8 @@ fn satellites_that_are_not_followed_need_not_be_known_throughout() {
         "led.toml",
         &format!("{scene}[camera]\nfollow = \"falling\"\n"),
     );
-    let refusal = place.fail(2, &["check", "led.toml"]);
-    assert!(refusal.contains("2018-01-15T13:10:00Z"), "{refusal}");
+    let rejection = place.fail(2, &["check", "led.toml"]);
+    assert!(rejection.contains("2018-01-15T13:10:00Z"), "{rejection}");
 }
 
 #[test]
@@ -539,6 +542,6 @@ fn burns_change_a_motion_and_its_events_are_told() {
         "kepler.toml",
         "[orbit]\nsource = \"kepler\"\nperiapsis_km = 7000\n",
     );
-    let refusal = place.fail(2, &["orbit", "kepler.toml", "--events"]);
-    assert!(refusal.contains("source = \"numerical\""), "{refusal}");
+    let rejection = place.fail(2, &["orbit", "kepler.toml", "--events"]);
+    assert!(rejection.contains("source = \"numerical\""), "{rejection}");
 }

@@ -156,7 +156,7 @@ fn a_coarsest_tile_that_is_damaged_is_replaced_by_finer_ones() {
 }
 
 #[test]
-fn what_is_no_pack_is_refused_with_advice() {
+fn what_is_no_pack_is_rejected_with_advice() {
     let place = with_pack();
     scene(&place, "a.toml", "");
     let draw = ["frame", "a.toml", "-o", "a.png"];
@@ -317,7 +317,7 @@ fn heights_of_a_pack_are_drawn_as_those_of_their_file() {
 }
 
 #[test]
-fn a_scene_that_wants_heights_of_a_pack_without_is_refused() {
+fn a_scene_that_wants_heights_of_a_pack_without_is_rejected() {
     let place = with_pack();
     scene(
         &place,

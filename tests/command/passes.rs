@@ -1,4 +1,4 @@
-//! `terrella orbit --passes`: the same passes in every layout, and refusals.
+//! `terrella orbit --passes`: the same passes in every layout, and rejections.
 
 use crate::Place;
 use terrella::frames::{Ellipsoid, Epoch, Geodetic, Orientation, utc_from_rfc3339};
@@ -69,7 +69,7 @@ fn passes_are_where_the_satellite_is_and_the_same_in_every_layout() {
 }
 
 #[test]
-fn what_is_no_place_or_no_time_is_refused() {
+fn what_is_no_place_or_no_time_is_rejected() {
     let place = Place::new();
     place.scene("iss.toml", "[time]\nduration_s = 1800\n");
     for bad in [
@@ -80,11 +80,11 @@ fn what_is_no_place_or_no_time_is_refused() {
         &["--passes", "48.2,16.4", "--oem", "a.oem"],
         &["--min-elevation", "5"],
     ] {
-        let refusal = place.fail(2, &[&["orbit", "iss.toml"][..], bad].concat());
-        assert!(refusal.contains("--"), "{refusal}");
+        let rejection = place.fail(2, &[&["orbit", "iss.toml"][..], bad].concat());
+        assert!(rejection.contains("--"), "{rejection}");
     }
-    let refusal = place.fail(2, &["orbit", "small.toml", "--passes", "0,0"]);
-    assert!(refusal.contains("satellite"), "{refusal}");
+    let rejection = place.fail(2, &["orbit", "small.toml", "--passes", "0,0"]);
+    assert!(rejection.contains("satellite"), "{rejection}");
     let help = place.printed(&["orbit", "--help"]);
     assert!(help.contains("--min-elevation"), "{help}");
 }

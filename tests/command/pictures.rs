@@ -157,7 +157,7 @@ fn light_is_written_as_an_array_in_which_a_white_sheet_is_one() {
 }
 
 #[test]
-fn light_is_refused_where_it_cannot_be_written() {
+fn light_is_rejected_where_it_cannot_be_written() {
     let place = Place::new();
     let frame = |radiance: &str, code, more: &[&str]| {
         let mut arguments = vec!["frame", "small.toml", "-o", "a.png", "--radiance", radiance];

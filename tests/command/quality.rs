@@ -167,7 +167,7 @@ fn pictures_are_drawn_at_the_scale_of_the_scene() {
 }
 
 #[test]
-fn a_ladder_that_is_none_is_refused_with_its_line() {
+fn a_ladder_that_is_none_is_rejected_with_its_line() {
     let place = Place::new();
     place.scene(
         "ladder.csv",

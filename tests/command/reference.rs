@@ -58,7 +58,7 @@ fn a_reference_still_looks_like_the_drawn_one_and_tells_its_numbers() {
 }
 
 #[test]
-fn options_that_mean_nothing_together_are_refused() {
+fn options_that_mean_nothing_together_are_rejected() {
     let place = Place::new();
     for (more, must_say) in [
         (&["--samples", "2"][..], "--renderer reference"),

@@ -1,4 +1,4 @@
-//! `terrella report`: whole reports, partial ones, and refusals.
+//! `terrella report`: whole reports, partial ones, and rejections.
 
 use crate::{Place, names, words};
 use std::collections::HashMap;
@@ -104,7 +104,7 @@ fn a_report_has_its_table_charts_pictures_and_page() {
         assert!(!page.contains(elsewhere), "{elsewhere} is on the page");
     }
     assert!(!page.contains("Partial"));
-    // On a software adapter a sweep that cannot be is told and not made up.
+    // On a software adapter a sweep that cannot be is reported and not made up.
     if page.contains("llvmpipe") {
         assert!(page.contains("not available on this adapter"));
         assert!(values("anisotropy").is_empty());
@@ -117,7 +117,7 @@ fn a_report_has_its_table_charts_pictures_and_page() {
     );
 }
 
-/// Of a pack, tiles are drawn and held against its finest maps.
+/// Of a pack, tiles are drawn and compared with its finest maps.
 #[test]
 fn a_pack_is_reported_by_its_tiles() {
     let place = crate::packs::with_pack();
@@ -375,7 +375,7 @@ fn surfaces_are_compared() {
 }
 
 #[test]
-fn surfaces_that_there_are_not_are_refused() {
+fn surfaces_that_there_are_not_are_rejected() {
     let place = Place::new();
     for (words, why) in [
         (

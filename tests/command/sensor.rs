@@ -356,7 +356,7 @@ fn raw_frames_that_cannot_be_are_rejected() {
         &format!("{camera}{SHEET}psf = \"measured\"\npsf_kernel = \"kernel.txt\"\n"),
     );
     place.scene("kernel.txt", "1 2\n");
-    let refusal = |code: i32, scene: &str, file: &str| {
+    let rejection = |code: i32, scene: &str, file: &str| {
         place.fail(
             code,
             &[
@@ -364,19 +364,19 @@ fn raw_frames_that_cannot_be_are_rejected() {
             ],
         )
     };
-    assert!(refusal(2, "plain.toml", "a.npy").contains("[sensor]"));
-    let none = refusal(2, "none.toml", "a.npy");
+    assert!(rejection(2, "plain.toml", "a.npy").contains("[sensor]"));
+    let none = rejection(2, "none.toml", "a.npy");
     assert!(
         none.contains("full_well_e = 0") && none.contains("1 to 1e9"),
         "{none}"
     );
-    let kernel = refusal(2, "fine.toml", "a.npy");
+    let kernel = rejection(2, "fine.toml", "a.npy");
     assert!(
         kernel.contains("kernel.txt") && kernel.contains("psf_kernel"),
         "{kernel}"
     );
-    assert!(refusal(1, "a.toml", "a.jpg").contains("a.png"));
-    assert!(refusal(2, "a.toml", "b.png").contains("--raw"));
+    assert!(rejection(1, "a.toml", "a.jpg").contains("a.png"));
+    assert!(rejection(2, "a.toml", "b.png").contains("--raw"));
     let stats = [
         "frame", "a.toml", "-o", "b.png", "--raw", "c.png", "--stats", "c.json",
     ];

@@ -1,4 +1,4 @@
-//! `terrella orbit` of several satellites, of spoilt files, of falls, and of dates that satellites do not answer for.
+//! `terrella orbit` of several satellites, of corrupt files, of falls, and of dates that satellites do not answer for.
 
 use crate::{Place, words};
 use std::path::Path;
@@ -55,7 +55,7 @@ fn several_satellites_come_in_one_table() {
 }
 
 /// A scene that flies an ephemeris of ten minutes with error estimates, and in it one date that is none.
-fn spoilt(place: &Place) {
+fn corrupt(place: &Place) {
     place.scene(
         "made.toml",
         &format!("[time]\nduration_s = 600\n[orbit]\n{KEPLER}"),
@@ -73,35 +73,35 @@ fn spoilt(place: &Place) {
 }
 
 #[test]
-fn a_bad_line_is_told_and_refused_only_when_strict() {
+fn a_bad_line_is_told_and_rejected_only_when_strict() {
     let place = Place::new();
-    spoilt(&place);
+    corrupt(&place);
     let output = place.succeed(&["orbit", "flown.toml", "--json"]);
     let told = words(&output);
     assert!(
-        told.contains("passed over: ") && told.contains("sat.oem:22:1: "),
+        told.contains("skipped: ") && told.contains("sat.oem:22:1: "),
         "{told}"
     );
     let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
     assert_eq!(json["states"].as_array().map(Vec::len), Some(11));
     let check = place.printed(&["check", "flown.toml"]);
     assert!(
-        check.contains("passed over") && check.contains("sat.oem:22:1: "),
+        check.contains("skipped") && check.contains("sat.oem:22:1: "),
         "{check}"
     );
     for arguments in [
         &["orbit", "flown.toml", "--strict"],
         &["check", "flown.toml", "--strict"],
     ] {
-        let refusal = place.fail(1, arguments);
-        assert!(refusal.contains("sat.oem:22:1: "), "{refusal}");
+        let rejection = place.fail(1, arguments);
+        assert!(rejection.contains("sat.oem:22:1: "), "{rejection}");
     }
 }
 
 #[test]
 fn the_source_s_own_error_is_shown() {
     let place = Place::new();
-    spoilt(&place);
+    corrupt(&place);
     // √3 · 10 m.
     let text = place.printed(&["orbit", "flown.toml"]);
     assert!(
@@ -144,16 +144,16 @@ const FALL: &str = "[orbit]\nsource = \"numerical\"\nname = \"Fall\"\nsemi_major
 #[test]
 fn an_impact_is_told_with_its_time_and_place() {
     let place = Place::new();
-    // A duration that is asked for is refused, with what ends it.
+    // A duration that is asked for is rejected, with what ends it.
     place.scene("asked.toml", &format!("[time]\nduration_s = 20000\n{FALL}"));
-    let refusal = place.fail(2, &["orbit", "asked.toml"]);
+    let rejection = place.fail(2, &["orbit", "asked.toml"]);
     for needle in [
         "asked.toml:2: [time] duration_s",
         "the satellite meets the ground at 2018-01-15T",
         "° ",
         "make it at most",
     ] {
-        assert!(refusal.contains(needle), "{needle} is not in {refusal}");
+        assert!(rejection.contains(needle), "{needle} is not in {rejection}");
     }
     // One that is not is shortened.
     place.scene("usual.toml", FALL);
@@ -182,17 +182,17 @@ fn an_impact_is_told_with_its_time_and_place() {
     let row = text.lines().last().expect("a row");
     assert!(row.starts_with("meets the ground at 2018-01-15T"), "{row}");
     // An instant behind it.
-    let refusal = place.fail(2, &["orbit", "usual.toml", "--at", "2018-01-15T13:32:59Z"]);
+    let rejection = place.fail(2, &["orbit", "usual.toml", "--at", "2018-01-15T13:32:59Z"]);
     assert!(
-        refusal.contains("Fall meets the ground at") && refusal.contains("° "),
-        "{refusal}"
+        rejection.contains("Fall meets the ground at") && rejection.contains("° "),
+        "{rejection}"
     );
 }
 
 #[test]
 fn the_usual_duration_is_shortened_to_what_an_ephemeris_holds() {
     let place = Place::new();
-    spoilt(&place);
+    corrupt(&place);
     let orbit = "[orbit]\nsource = \"oem\"\nfile = \"sat.oem\"\n";
     place.scene("short.toml", orbit);
     let output = place.succeed(&["check", "short.toml"]);
@@ -220,10 +220,10 @@ fn the_usual_duration_is_shortened_to_what_an_ephemeris_holds() {
     );
     place.fail(2, &["check", "end.toml"]);
     place.scene("long.toml", &format!("[time]\nduration_s = 601\n{orbit}"));
-    let refusal = place.fail(2, &["check", "long.toml"]);
+    let rejection = place.fail(2, &["check", "long.toml"]);
     assert!(
-        refusal.contains("long.toml:2: [time] duration_s"),
-        "{refusal}"
+        rejection.contains("long.toml:2: [time] duration_s"),
+        "{rejection}"
     );
 }
 
@@ -249,8 +249,8 @@ fn a_scene_of_another_year_flies_a_stand_in() {
     let highest = lats.iter().copied().fold(0.0, f64::max);
     assert!((51.0..52.0).contains(&highest), "{highest}");
     // Its elements are nobody's: they are not given out as the station's.
-    let refusal = place.fail(2, &["orbit", "today.toml", "--omm", "iss.omm"]);
-    assert!(refusal.contains("ISS stand-in"), "{refusal}");
+    let rejection = place.fail(2, &["orbit", "today.toml", "--omm", "iss.omm"]);
+    assert!(rejection.contains("ISS stand-in"), "{rejection}");
     // Where the station's own reach, they are flown.
     place.scene("then.toml", "[time]\nstart = 2018-01-16T00:00:00Z\n");
     let then = place.printed(&["orbit", "then.toml"]);

@@ -162,7 +162,7 @@ fn truth_of_ground_with_relief_has_its_heights() {
 }
 
 #[test]
-fn truth_that_cannot_be_written_is_refused_before_drawing() {
+fn truth_that_cannot_be_written_is_rejected_before_drawing() {
     let place = Place::new();
     std::fs::write(place.path("file"), "here").expect("writes");
     let frame = |code, folder: &str, more: &[&str]| {

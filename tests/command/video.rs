@@ -207,7 +207,7 @@ fn other_codecs_and_qualities_are_written_by_ffmpeg() {
     assert!(!place.path("x.mp4").exists());
 }
 
-/// Without ffmpeg on the search path the built-in encoder is taken, and asking for ffmpeg is refused.
+/// Without ffmpeg on the search path the built-in encoder is taken, and asking for ffmpeg is rejected.
 #[test]
 fn without_ffmpeg_the_built_in_encoder_is_taken() {
     let place = Place::new();

@@ -12,7 +12,7 @@ pub struct Display {
     pub name: String,
 }
 
-/// Set where Xvfb cannot be installed: the window's tests are passed over then, and say so.
+/// Set where Xvfb cannot be installed: the window's tests are skipped then, and say so.
 const WITHOUT: &str = "TERRELLA_NO_DISPLAY";
 
 impl Display {

@@ -150,7 +150,7 @@ impl Keyboard {
         self.stream.write_all(&bytes).expect("the display listens");
     }
 
-    /// Sends a request and reads its answer. An event that comes before is passed over, an error ends the test.
+    /// Sends a request and reads its answer. An event that comes before is skipped, an error ends the test.
     fn ask(&mut self, request: u8, detail: u8, body: &[u8]) -> Vec<u8> {
         self.send(request, detail, body);
         loop {

@@ -1,7 +1,7 @@
 //! The same bodies for as long as is asked for, on other inputs each time: `cargo xtask fuzz`.
 //!
 //! Some inputs join the seeds, so that later ones lie farther from the first. There is no coverage to choose them by, as
-//! `cargo fuzz` has: any that took longer than the mean, so was not refused at once, is a candidate.
+//! `cargo fuzz` has: any that took longer than the mean, so was not rejected at once, is a candidate.
 
 use crate::fuzz_short::{Random, TARGETS, mutated};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -57,7 +57,7 @@ fn fuzz(target: &str, seeds: Vec<Vec<u8>>, body: fn(&[u8]), time: Duration, seed
                 break;
             }
         }
-        // Longer than the mean: it went on beyond the first refusals.
+        // Longer than the mean: it went on beyond the first rejections.
         let is_deep = ended_well && u128::from(outcome.runs) * took.as_nanos() > sum.as_nanos();
         if is_deep && input.len() <= LONGEST_ADDED && random.below(64) == 0 {
             if seeds.len() < first_seeds + MOST_ADDED {

@@ -231,7 +231,7 @@ fn tables_of_the_earths_orientation() {
     run("earth_orientation");
 }
 
-/// The seeds are good inputs: a fuzzer that starts from refused ones would look at little.
+/// The seeds are good inputs: a fuzzer that starts from rejected ones would look at little.
 #[test]
 fn seeds_are_good() {
     use terrella_imagery::pack::Manifest;

@@ -1,8 +1,8 @@
-//! Scene files: what is refused and in which words, what is taken, what the defaults are.
+//! Scene files: what is rejected and in which words, what is taken, what the defaults are.
 
 mod any_text;
 mod orbits;
-mod refusals;
+mod rejections;
 mod relief;
 mod summary;
 mod tracks;
@@ -33,8 +33,8 @@ impl Folder {
         Scene::load(&path)
     }
 
-    /// Holds that each scene is refused where it is wrong, in one line that has the words.
-    fn refuses(&self, bad: &[Bad]) {
+    /// Holds that each scene is rejected where it is wrong, in one line that has the words.
+    fn rejects(&self, bad: &[Bad]) {
         let file = self.path("scene.toml").display().to_string();
         let mut wrong = Vec::new();
         for (text, line, needles) in bad {
@@ -69,7 +69,7 @@ impl Folder {
 fn scene(text: &str) -> Scene {
     match Scene::from_toml(text, Path::new("scene.toml")) {
         Ok(scene) => scene,
-        Err(error) => panic!("refused: {error}"),
+        Err(error) => panic!("rejected: {error}"),
     }
 }
 

@@ -249,7 +249,7 @@ TerrellaStatus terrella_camera_look(const double *eye_itrf_m,
 // `options` points to options whose texts end with zero bytes; `earth` has room.
 TerrellaStatus terrella_earth_new(const TerrellaOptions *options, TerrellaEarth **earth);
 
-// Gives an Earth back. Null is refused, and so is one that is freed already.
+// Gives an Earth back. Null is rejected, and so is one that is freed already.
 TerrellaStatus terrella_earth_free(TerrellaEarth *earth);
 
 // Draws pictures of another size from now on. On failure the size is as it was.
@@ -325,7 +325,7 @@ TerrellaStatus terrella_scene_open(const char *path,
                                    const char *adapter,
                                    TerrellaScene **scene);
 
-// Gives a scene back. Null is refused, and so is one that is freed already.
+// Gives a scene back. Null is rejected, and so is one that is freed already.
 TerrellaStatus terrella_scene_free(TerrellaScene *scene);
 
 // What a scene says of its pictures.

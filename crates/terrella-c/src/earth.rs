@@ -39,7 +39,7 @@ pub unsafe extern "C" fn terrella_earth_new(
     })
 }
 
-/// Gives an Earth back. Null is refused, and so is one that is freed already.
+/// Gives an Earth back. Null is rejected, and so is one that is freed already.
 #[unsafe(no_mangle)]
 pub extern "C" fn terrella_earth_free(earth: *mut TerrellaEarth) -> TerrellaStatus {
     answer(|| handles::remove(earth, KIND, "earth"))

@@ -108,7 +108,7 @@ pub unsafe fn text_if_any<'a>(
     }
 }
 
-/// The same where null is refused.
+/// The same where null is rejected.
 ///
 /// # Safety
 /// As [`text_if_any`].

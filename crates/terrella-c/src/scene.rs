@@ -77,7 +77,7 @@ pub unsafe extern "C" fn terrella_scene_open(
     })
 }
 
-/// Gives a scene back. Null is refused, and so is one that is freed already.
+/// Gives a scene back. Null is rejected, and so is one that is freed already.
 #[unsafe(no_mangle)]
 pub extern "C" fn terrella_scene_free(scene: *mut TerrellaScene) -> TerrellaStatus {
     answer(|| handles::remove(scene, KIND, "scene"))

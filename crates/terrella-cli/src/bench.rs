@@ -23,7 +23,7 @@ const SLOWER: u8 = 3;
     ratio, not milliseconds. With a pack, tiles are waited for before a frame is timed.\n\n\
     With --baseline a row is slower where all that noise leaves open, an interval of 95 % for all rows together, lies beyond \
     --smallest-effect. Frames are compared view by view; --repeats 3 or more on both sides lets the interval know how runs differ. A \
-    baseline of another scene, size, number of frames or adapter is refused.\n\n\
+    baseline of another scene, size, number of frames or adapter is rejected.\n\n\
     Ctrl-C, SIGTERM or SIGHUP ends the run early: the files then hold the complete rows and say that they are partial.\n\n\
     Exit codes: 0 done, 2 bad scene or bad usage, 3 slower than the baseline, 1 any other failure, 130, 143 or 129 \
     interrupted by SIGINT, SIGTERM or SIGHUP."
@@ -49,7 +49,7 @@ pub struct BenchArgs {
     /// Frames to time for each row and each feature in each run
     #[arg(long, value_name = "N", default_value_t = DEFAULT_FRAMES, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     frames: u32,
-    /// Runs over all rows and features, whose spread is told
+    /// Runs over all rows and features, whose spread is reported
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=100))]
     repeats: u32,
     /// Width and height in pixels, instead of the scene's
@@ -65,7 +65,7 @@ const SMALLEST_EFFECT: f64 = 0.05;
 /// Benchmarks the scene, prints the tables and fails where a row is slower than the baseline.
 pub fn run(args: &BenchArgs, common: &Common) -> anyhow::Result<()> {
     let flight = Flight::open_without_listening(Scene::load(&args.scene)?)?;
-    flight.refuse_live(
+    flight.reject_live(
         "frames are timed at instants of the scene",
         "take a scene of another source",
     )?;

@@ -25,7 +25,7 @@ pub struct CheckArgs {
 /// Loads the scene with all that it names and prints a summary.
 pub fn run(args: &CheckArgs, common: &Common) -> anyhow::Result<()> {
     let scene = args.scene.load(&args.satellites.satellite)?;
-    args.satellites.refuse_scenes(&scene);
+    args.satellites.reject_scenes(&scene);
     let flight = open_flight(scene, Flight::open_without_listening)?;
     flight.check_files()?;
     let dropped = flight.dropped_layers()?;
@@ -85,7 +85,7 @@ pub fn run(args: &CheckArgs, common: &Common) -> anyhow::Result<()> {
             text.push_str(&format!("  {:<14} {}\n", fault.label, fault.text));
         }
         if left_out > 0 {
-            text.push_str(&format!("  {:<14} {left_out} more\n", "passed over"));
+            text.push_str(&format!("  {:<14} {left_out} more\n", "skipped"));
         }
     }
     if satellites.len() > MAX_LISTED {

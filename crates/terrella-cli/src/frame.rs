@@ -58,9 +58,9 @@ pub struct FrameArgs {
 
 /// Draws the picture. Where there is no graphics adapter at all, and none was asked for by name, the reference draws.
 pub fn run(args: &FrameArgs, common: &Common) -> anyhow::Result<()> {
-    refuse_conflicts(args, common);
+    reject_conflicts(args, common);
     let scene = args.scene.load(&args.satellites.satellite)?;
-    args.satellites.refuse_scenes(&scene);
+    args.satellites.reject_scenes(&scene);
     let flight = open_flight(scene, Flight::open)?;
     if let Some(simulation) = flight.simulation() {
         do_first(simulation.stopper());
@@ -98,10 +98,10 @@ pub fn run(args: &FrameArgs, common: &Common) -> anyhow::Result<()> {
 }
 
 /// Ends the program, as clap does, where options have no meaning together.
-fn refuse_conflicts(args: &FrameArgs, common: &Common) {
+fn reject_conflicts(args: &FrameArgs, common: &Common) {
     #[cfg(feature = "measure")]
     if let Some(message) = reference::conflict(args, common) {
-        refuse(message);
+        reject(message);
     }
     #[cfg(not(feature = "measure"))]
     let _ = common;
@@ -117,20 +117,20 @@ fn refuse_conflicts(args: &FrameArgs, common: &Common) {
             .flatten()
             .any(|other| other == raw || *other == page)
         {
-            refuse(
+            reject(
                 "--raw, or the .json of its name, is the file of another option; give the raw frame a name of its own",
             );
         }
     }
     if args.wireframe && args.raw.is_some() {
-        refuse("--raw has no meaning with --wireframe, which draws edges and no light");
+        reject("--raw has no meaning with --wireframe, which draws edges and no light");
     }
     if args.wireframe && args.truth.is_some() {
-        refuse("--truth has no meaning with --wireframe, which draws edges and no ground");
+        reject("--truth has no meaning with --wireframe, which draws edges and no ground");
     }
 }
 
-fn refuse(message: &str) -> ! {
+fn reject(message: &str) -> ! {
     Cli::command()
         .error(ErrorKind::ArgumentConflict, message)
         .exit()

@@ -100,7 +100,7 @@ impl Codec {
 
 /// Opens the window, or writes frames and video.
 pub fn run(args: &PlayArgs, common: &Common) -> anyhow::Result<()> {
-    refuse_conflicts(args);
+    reject_conflicts(args);
     let names = &args.satellites.satellite;
     let duration = args
         .duration
@@ -112,7 +112,7 @@ pub fn run(args: &PlayArgs, common: &Common) -> anyhow::Result<()> {
         }
         None => args.scene.load_with(names, duration.as_slice())?,
     };
-    args.satellites.refuse_scenes(&scene);
+    args.satellites.reject_scenes(&scene);
     if let Some(start) = args.start {
         if scene.is_live() {
             let message = "--start has no meaning in this scene, whose simulator gives the time";
@@ -143,7 +143,7 @@ pub fn run(args: &PlayArgs, common: &Common) -> anyhow::Result<()> {
         existing: match (args.overwrite, args.resume) {
             (true, _) => Existing::Overwrite,
             (_, true) => Existing::Resume,
-            _ => Existing::Refuse,
+            _ => Existing::Reject,
         },
         pictures: args.pictures.settings(),
         range: args.range.unwrap_or_default(),
@@ -164,8 +164,8 @@ pub fn run(args: &PlayArgs, common: &Common) -> anyhow::Result<()> {
 }
 
 /// Ends the program, as clap does, where options have no meaning together.
-fn refuse_conflicts(args: &PlayArgs) {
-    let refuse = |kind, message: String| -> ! { Cli::command().error(kind, message).exit() };
+fn reject_conflicts(args: &PlayArgs) {
+    let reject = |kind, message: String| -> ! { Cli::command().error(kind, message).exit() };
     let pictures = &args.pictures;
     let range = args.range.map(|_| "--range");
     if let Some(name) = range.or(pictures.first_given())
@@ -174,7 +174,7 @@ fn refuse_conflicts(args: &PlayArgs) {
     {
         let message =
             format!("{name} is for frames that are written: give --frames or --video too");
-        refuse(ErrorKind::MissingRequiredArgument, message);
+        reject(ErrorKind::MissingRequiredArgument, message);
     }
     let codec = args.codec.codec();
     if args.crf.is_some_and(|crf| crf > codec.max_crf()) {
@@ -183,14 +183,14 @@ fn refuse_conflicts(args: &PlayArgs) {
             codec.max_crf(),
             codec.name()
         );
-        refuse(ErrorKind::ValueValidation, message);
+        reject(ErrorKind::ValueValidation, message);
     }
     if pictures.format.is_some() && args.frames.is_none() {
         let message = "--format is for pictures: give --frames too".to_owned();
-        refuse(ErrorKind::MissingRequiredArgument, message);
+        reject(ErrorKind::MissingRequiredArgument, message);
     }
     if pictures.alpha && args.video.is_some() {
         let message = "--alpha is for pictures: videos have none; write --frames alone".to_owned();
-        refuse(ErrorKind::ArgumentConflict, message);
+        reject(ErrorKind::ArgumentConflict, message);
     }
 }

@@ -1,6 +1,6 @@
 //! A graphics driver that keeps its words to itself.
 
-/// Starts this program anew, in its own place, where Mesa would complain of a missing desktop on standard error.
+/// Starts this program again, in its own place, where Mesa would complain of a missing desktop on standard error.
 ///
 /// Mesa's Vulkan looks for a Wayland session to put the display's adapter first, and Wayland's library prints an error
 /// where `XDG_RUNTIME_DIR` is not set: services, containers, ssh. Adapters are ranked here anyway, so the layer that does
@@ -31,7 +31,7 @@ pub fn quieten() {
             .env(SWITCH, "1")
             .exec();
         // It goes on as it is, with the message.
-        tracing::debug!("the program cannot be started anew: {error}");
+        tracing::debug!("the program cannot be started again: {error}");
     }
 }
 

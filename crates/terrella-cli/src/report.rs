@@ -72,7 +72,7 @@ pub struct ReportArgs {
 /// Measures the scene, or compares surfaces, and prints a summary and the page's path.
 pub fn run(args: &ReportArgs, common: &Common) -> anyhow::Result<()> {
     let flight = Flight::open_without_listening(Scene::load(&args.scene)?)?;
-    flight.refuse_live(
+    flight.reject_live(
         "pictures are compared at instants of the scene",
         "take a scene of another source",
     )?;

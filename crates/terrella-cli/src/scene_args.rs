@@ -14,7 +14,7 @@ pub struct SceneArgs {
     /// The scene file, or a file of orbits: two-line elements, OMM, OEM, OPM, CZML, CSV, SP3, STK. Without one the built-in scene, config/iss.toml
     #[arg(value_name = "SCENE")]
     pub path: Option<PathBuf>,
-    /// Refuse files of orbits in which anything is spoilt; else bad states and records are listed and passed over
+    /// Reject files of orbits in which anything is corrupt; else bad states and records are listed and skipped
     #[arg(long)]
     pub strict: bool,
     /// Set a key in place of the scene's, for example earth.look=full; may be given more than once. Paths are relative to the scene's folder
@@ -33,7 +33,7 @@ pub struct SatelliteArgs {
 
 impl SatelliteArgs {
     /// Ends the program, as clap does, where satellites are chosen of what is no file of orbits.
-    pub fn refuse_scenes(&self, scene: &Scene) {
+    pub fn reject_scenes(&self, scene: &Scene) {
         if self.satellite.is_empty() || scene.is_of_orbits() {
             return;
         }

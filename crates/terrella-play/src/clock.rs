@@ -28,7 +28,7 @@ const MIN_RANGE_FRACTION: f64 = 1e-3;
 /// What the clock does at the end of what it plays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AtEnd {
-    /// Begins anew, in either direction.
+    /// Begins again, in either direction.
     Loop,
     /// Stands still at the end.
     Stop,
@@ -192,7 +192,7 @@ impl Clock {
 
     /// Lets `wall_dt_s` seconds of the wall clock pass. A step that is negative or not finite is no step.
     ///
-    /// It ends, or begins anew, with the played range; set outside of it, it first runs into it or to the end of the span.
+    /// It ends, or begins again, with the played range; set outside of it, it first runs into it or to the end of the span.
     pub fn advance(&mut self, wall_dt_s: f64) {
         if self.paused || !wall_dt_s.is_finite() || wall_dt_s <= 0.0 {
             return;

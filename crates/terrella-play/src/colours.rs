@@ -1,4 +1,4 @@
-//! What the files of a scene's maps say of their colours: those that are not sRGB's are told, not converted.
+//! What the files of a scene's maps say of their colours: those that are not sRGB's are reported, not converted.
 
 use super::sky_parts::map_files;
 use crate::scene::{DatedLayer, Scene};

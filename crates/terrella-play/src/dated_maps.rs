@@ -22,7 +22,7 @@ use terrella::frames::Epoch;
 use terrella::{Earth, EarthError};
 use terrella::{GpuContext, GpuMap, MapFade};
 
-/// How often what two maps lend to the light of the air is set anew while one passes into the other.
+/// How often what two maps lend to the light of the air is set again while one passes into the other.
 const AIR_STEPS: f64 = 16.0;
 
 /// The maps of a scene that change with the date.
@@ -34,7 +34,7 @@ impl DatedMapsLayer {
     /// Those of a flight's scene; `None` where no map changes. The thread of each begins.
     ///
     /// # Errors
-    /// A thread that cannot begin, and what the device refuses.
+    /// A thread that cannot begin, and what the device rejects.
     pub fn of(flight: &Flight, gpu: &GpuContext) -> Result<Option<Self>, PlayError> {
         let scene = flight.scene();
         let tables = scene.earth.dated_maps.iter();

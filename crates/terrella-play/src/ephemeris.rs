@@ -276,14 +276,14 @@ impl<'f> Ephemeris<'f> {
     /// # Errors
     /// A frame that no such message names, or fewer states than an interpolation needs.
     pub fn oem(&self, path: &Path, header: &Header) -> Result<(String, f64), PlayError> {
-        let refuse = |cause: String| PlayError::NoEphemeris {
+        let reject = |cause: String| PlayError::NoEphemeris {
             path: path.to_owned(),
             satellite: self.satellite.name().to_owned(),
             cause,
         };
         let frame = self.axes.frame();
         if frame == Frame::Pef {
-            return Err(refuse(
+            return Err(reject(
                 "the format has no name for PEF; take --frame itrf".to_owned(),
             ));
         }
@@ -292,13 +292,13 @@ impl<'f> Ephemeris<'f> {
             state.in_frame(frame, &self.flight.orientation_at(state.epoch))
         })? {
             let sampled = InterpolatedStates::new(frame, &samples, Interpolation::WITH_VELOCITIES)
-                .map_err(|error| refuse(format!("{error}; take a smaller step with --every")))?;
+                .map_err(|error| reject(format!("{error}; take a smaller step with --every")))?;
             segments.push(EphemerisSegment::whole(sampled));
         }
         let id = self.satellite.feed().object_id().map(str::to_owned);
         let name = self.satellite.name().to_owned();
         let feed =
-            EphemerisFeed::new(name, id, segments).map_err(|error| refuse(error.to_string()))?;
+            EphemerisFeed::new(name, id, segments).map_err(|error| reject(error.to_string()))?;
         let mut worst_m = 0.0_f64;
         for segment in feed.segments() {
             let epochs: Vec<_> = segment.samples.samples().map(|one| one.epoch).collect();
@@ -365,12 +365,12 @@ pub fn select<'f>(
             let names: Vec<_> = satellites.iter().map(Satellite::name).collect();
             let scene = flight.scene();
             for wanted in wanted {
-                let refuse = |remedy| PlayError::UnknownSatellite {
+                let reject = |remedy| PlayError::UnknownSatellite {
                     scene: scene.path.clone(),
                     wanted: wanted.clone(),
                     remedy,
                 };
-                let index = scene.satellite(wanted, &names).map_err(refuse)?;
+                let index = scene.satellite(wanted, &names).map_err(reject)?;
                 if !indices.contains(&index) {
                     indices.push(index);
                 }

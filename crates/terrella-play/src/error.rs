@@ -151,7 +151,7 @@ pub enum PlayError {
     NoSimulation { scene: PathBuf },
     /// The work was stopped from outside.
     #[error(
-        "interrupted after {done}{} frames; an unfinished video is taken away, finished frames stay, and --resume goes on with them",
+        "interrupted after {done}{} frames; an unfinished video is taken away, finished frames stay, and --resume continues with them",
         wanted.map_or_else(String::new, |wanted| format!(" of {wanted}"))
     )]
     Interrupted {

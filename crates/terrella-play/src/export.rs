@@ -67,7 +67,7 @@ pub fn export(
         (None, None) => false,
     };
     if !is_lockstep {
-        flight.refuse_live(
+        flight.reject_live(
             "nobody waits for the pictures of a film in broadcast",
             "write pacing = \"lockstep\" in [orbit] and have the simulator ask for each frame (of Basilisk: liveStream, and listen in place of subscribe), or draw one picture with `terrella frame`",
         )?;
@@ -77,13 +77,13 @@ pub fn export(
     let frame_count = count.unwrap_or(1);
     let wanted = request.range.of(frame_count)?;
     if is_lockstep && !(request.range.is_all() && request.existing != Existing::Resume) {
-        flight.refuse_live(
+        flight.reject_live(
             "which frames there are is the simulator's to say",
             "leave --range and --resume out",
         )?;
     }
     if is_lockstep && request.pictures.shutter.is_some() {
-        flight.refuse_live("no other instant can be drawn", "leave --shutter out")?;
+        flight.reject_live("no other instant can be drawn", "leave --shutter out")?;
     }
     FilmPainter::check(flight, &request.pictures)?;
     let mut sinks: Vec<Box<dyn FrameSink>> = Vec::new();
@@ -91,7 +91,7 @@ pub fn export(
     if request.video.is_some() {
         check_size(size)?;
     }
-    // The video's file first: it makes no folder where it is refused.
+    // The video's file first: it makes no folder where it is rejected.
     if let Some(path) = request.video {
         let file = PendingFile::create(path, "videos", "mp4")?;
         let format = VideoFormat {
@@ -167,7 +167,7 @@ pub fn export(
     let adapter = frames.painter().renderer().adapter_info().name;
     if let Some(before) = kept.adapter.as_ref().filter(|name| **name != adapter) {
         tracing::warn!(
-            "the frames that are kept were drawn by {}, the others will be by {adapter}: they may differ a little; --overwrite draws all anew",
+            "the frames that are kept were drawn by {}, the others will be by {adapter}: they may differ a little; --overwrite draws all again",
             printable(before)
         );
     }
@@ -277,9 +277,9 @@ fn export_lockstep(
                 Ok((moment, Some(asked))) => (moment, asked),
                 Err(error @ PlayError::Silent { .. }) if done == 0 => return Err(error),
                 Ok((_, None)) | Err(PlayError::Silent { .. }) => break,
-                // The simulator has the refusal; the next frame may be a good one.
+                // The simulator has the rejection; the next frame may be a good one.
                 Err(error) => {
-                    tracing::warn!("a frame was refused: {error}");
+                    tracing::warn!("a frame was rejected: {error}");
                     continue;
                 }
             };

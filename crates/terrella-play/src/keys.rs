@@ -46,7 +46,7 @@ pub enum Action {
     Panel,
     /// Shows or hides the time line.
     TimeLine,
-    /// Begins anew at the end, or stops there.
+    /// Begins again at the end, or stops there.
     Loop,
     /// The played range begins at a fraction of the span, 0…1; `None` is where the clock stands.
     RangeStart(Option<f64>),
@@ -183,7 +183,7 @@ pub const BINDINGS: &[Binding] = &[
     },
     Binding {
         keys: "L",
-        does: "at the end begin anew, or stop",
+        does: "at the end begin again, or stop",
         patterns: &[Char("l")],
         action: Action::Loop,
     },

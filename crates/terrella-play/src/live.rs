@@ -50,7 +50,7 @@ impl<'f> LivePlay<'f> {
         self.feed.options().pacing == Pacing::Lockstep
     }
 
-    /// Whether a new picture is due. Where it is hidden, whoever waits for one is refused.
+    /// Whether a new picture is due. Where it is hidden, whoever waits for one is rejected.
     pub fn is_due(&mut self, is_hidden: bool, is_paused: bool) -> bool {
         if !self.is_lockstep() && !is_paused {
             return !is_hidden;
@@ -59,7 +59,7 @@ impl<'f> LivePlay<'f> {
             let waiting = self.request.take().into_iter();
             for request in waiting.chain(std::iter::from_fn(|| self.feed.next_request())) {
                 self.feed
-                    .refuse(&request, "the window is hidden, nothing is drawn");
+                    .reject(&request, "the window is hidden, nothing is drawn");
             }
             return false;
         }
@@ -102,7 +102,7 @@ impl<'f> LivePlay<'f> {
                 return moment;
             }
             Some(Err(error)) => {
-                self.refuse(&error);
+                self.reject(&error);
                 self.fault = Some(error.to_string());
                 self.last.map(|last| last.epoch)
             }
@@ -113,7 +113,7 @@ impl<'f> LivePlay<'f> {
         let again = drawn.map(|epoch| self.flight.view_at(epoch, view));
         match (again, self.last) {
             (Some(Ok(moment)), _) => moment,
-            // Its states are forgotten: a simulator that began anew.
+            // Its states are forgotten: a simulator that began again.
             (_, Some(last)) => last,
             (_, None) => {
                 let epoch = epoch.unwrap_or(self.flight.scene().time.start);
@@ -130,9 +130,9 @@ impl<'f> LivePlay<'f> {
         }
     }
 
-    fn refuse(&mut self, error: &PlayError) {
+    fn reject(&mut self, error: &PlayError) {
         if let Some(request) = self.request.take() {
-            self.feed.refuse(&request, &error.to_string());
+            self.feed.reject(&request, &error.to_string());
         }
     }
 
@@ -253,11 +253,11 @@ impl Flight {
         waits.or_else(followed).or_else(|| live().next())
     }
 
-    /// Refuses a scene whose time a simulator gives, for work that needs a time of its own.
+    /// Rejects a scene whose time a simulator gives, for work that needs a time of its own.
     ///
     /// # Errors
     /// Says what cannot be done and what to do.
-    pub fn refuse_live(&self, work: &'static str, remedy: &'static str) -> Result<(), PlayError> {
+    pub fn reject_live(&self, work: &'static str, remedy: &'static str) -> Result<(), PlayError> {
         let simulation = self.simulation().map(|one| one.endpoint().to_string());
         let feed = || Some(self.live_clock()?.listens_on().to_string());
         match simulation.or_else(feed) {
@@ -289,7 +289,7 @@ impl Flight {
     /// a state has come. At most as long as the scene says.
     ///
     /// # Errors
-    /// If nothing comes, or the satellite is not known at the instant; a simulator that asked is refused.
+    /// If nothing comes, or the satellite is not known at the instant; a simulator that asked is rejected.
     pub(super) fn await_moment(
         &self,
         aspect: f64,
@@ -319,7 +319,7 @@ impl Flight {
             Ok(moment) => Ok((moment, asked)),
             Err(error) => {
                 if let Some(asked) = asked {
-                    asked.refuse(&error.to_string());
+                    asked.reject(&error.to_string());
                 }
                 Err(error)
             }
@@ -425,10 +425,10 @@ impl AwaitedFrame<'_> {
     }
 
     /// There is no picture.
-    pub fn refuse(&self, reason: &str) {
+    pub fn reject(&self, reason: &str) {
         match self {
             Self::Frame { feed, request } => {
-                feed.refuse(request, reason);
+                feed.reject(request, reason);
             }
             // A simulation is told nothing and goes on; the reason is the user's to hear.
             Self::Step(step) => {

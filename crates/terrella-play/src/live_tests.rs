@@ -258,7 +258,7 @@ fn a_flood_and_garbage_in_the_middle_of_a_flight_are_dropped_and_counted() {
         dropped && (moment.epoch - before).to_seconds() > 1.0
     });
     assert!(slowest < STUMBLE, "{slowest:?}");
-    // The true simulator is heard through it, and what was dropped is told.
+    // The true simulator is heard through it, and what was dropped is reported.
     assert!((feed.newest().expect("states").epoch - before).to_seconds() > 0.5);
     let rows = play.status(false).rows;
     let packets = rows
@@ -431,11 +431,11 @@ fn a_scene_that_is_only_looked_at_listens_to_nobody() {
     let scene = || Scene::from_toml(&text, Path::new("scene.toml")).expect("a good scene");
     let deaf = Flight::open_without_listening(scene()).expect("opens");
     assert!(deaf.live_clock().is_some());
-    let refusal = Flight::open(scene())
+    let rejection = Flight::open(scene())
         .err()
         .expect("the port is taken")
         .to_string();
     for part in ["scene.toml:3: [orbit] listen", "another port"] {
-        assert!(refusal.contains(part), "{refusal}");
+        assert!(rejection.contains(part), "{rejection}");
     }
 }

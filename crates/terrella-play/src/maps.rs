@@ -163,7 +163,7 @@ fn is_dated(scene: &Scene, layer: DatedLayer) -> bool {
     maps.iter().any(|maps| maps.layer == layer)
 }
 
-/// Refuses maps that are not there in a strict scene.
+/// Rejects maps that are not there in a strict scene.
 fn told(scene: &Scene, dropped: Vec<DroppedLayer>) -> Result<Vec<DroppedLayer>, PlayError> {
     match dropped.first() {
         Some(DroppedLayer { layer, missing }) if scene.earth.strict => {
@@ -345,7 +345,7 @@ fn wanted_layers(
     Ok((layers, told(scene, dropped)?))
 }
 
-/// Refuses a scene that asks for heights of a pack that has none.
+/// Rejects a scene that asks for heights of a pack that has none.
 fn check_heights(scene: &Scene, table: &PackTable, pack: &Pack) -> Result<(), PlayError> {
     let relief = scene.earth.relief.as_ref();
     let is_wanted = relief.is_some_and(|relief| relief.pack_heights_mb.is_some());

@@ -17,7 +17,7 @@ pub struct OffscreenRenderer {
     samples: u32,
     /// Whether space hides nothing.
     is_space_transparent: bool,
-    /// Pictures that waited for heights in vain.
+    /// Pictures drawn before all heights were there.
     pictures_without_heights: u64,
 }
 
@@ -104,7 +104,7 @@ impl OffscreenRenderer {
     /// for, one sample a pixel is drawn, with a warning.
     ///
     /// # Errors
-    /// A quality that the Earth refuses, and textures that the device has no room for.
+    /// A quality that the Earth rejects, and textures that the device has no room for.
     pub fn set_quality(&mut self, quality: &Quality) -> Result<(), PlayError> {
         let format = self.earth().format().color;
         let samples = match quality.samples == self.samples {

@@ -82,7 +82,7 @@ fn own_start(scene: &Scene, files: &[Option<Satellite>]) -> Option<(Epoch, Strin
         None => orbit.name.as_deref().unwrap_or_default(),
     });
     let names: Vec<_> = names.collect();
-    // A name that nobody has is refused when all are open.
+    // A name that nobody has is rejected when all are open.
     let followed = scene.followed(&names).unwrap_or(0);
     let backwards = scene.time.speed < 0.0;
     let is_given = |index| scene.orbit_line(index, "epoch").is_some();

@@ -57,7 +57,7 @@ pub enum OutputError {
     /// A file of that name is write-protected.
     #[error("{}: cannot be written: the file there is write-protected; choose another name or allow writing", path.display())]
     Protected { path: PathBuf },
-    /// The system refuses.
+    /// The system rejects.
     #[error("{}: cannot be written: {source}", path.display())]
     Write {
         path: PathBuf,
@@ -65,7 +65,7 @@ pub enum OutputError {
         source: std::io::Error,
     },
     /// There is no room.
-    #[error("{}: cannot be written: {source}; make room. What is finished stays, and `terrella play` goes on with frames by --resume", path.display())]
+    #[error("{}: cannot be written: {source}; make room. What is finished stays, and `terrella play` continues with frames by --resume", path.display())]
     Full {
         path: PathBuf,
         /// Error of the operating system.
@@ -88,7 +88,7 @@ pub enum OutputError {
 }
 
 impl OutputError {
-    /// For what the system refuses of a file or folder.
+    /// For what the system does not start of a file or folder.
     pub fn write(path: &Path, source: std::io::Error) -> Self {
         use std::io::ErrorKind::{FileTooLarge, QuotaExceeded, StorageFull};
         let path = path.to_owned();
@@ -235,7 +235,7 @@ impl PendingFile {
 }
 
 /// A picture as the bytes of a PNG, without its alpha channel. In memory: an encoder that writes to a file may lose what the disk
-/// refuses at its end.
+/// rejects at its end.
 pub(super) fn png_of(picture: &RgbaImage) -> Result<Vec<u8>, image::ImageError> {
     let (width, height) = picture.dimensions();
     let rgb: Vec<u8> = picture.pixels().flat_map(|p| [p[0], p[1], p[2]]).collect();
@@ -319,26 +319,26 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_written_is_refused_before() {
+    fn what_cannot_be_written_is_rejected_before() {
         let folder = tempfile::tempdir().expect("a folder");
         let at = |name: &str| folder.path().join(name);
-        let refusal = |path: PathBuf| {
+        let rejection = |path: PathBuf| {
             PendingFile::create(&path, "pictures", "png")
-                .expect_err("refused")
+                .expect_err("rejected")
                 .to_string()
         };
-        assert!(refusal(at("missing/a.png")).contains("make it first"));
-        let jpg = refusal(at("a.jpg"));
+        assert!(rejection(at("missing/a.png")).contains("make it first"));
+        let jpg = rejection(at("a.jpg"));
         assert!(jpg.contains(".png") && jpg.contains("a.png"), "{jpg}");
         std::fs::create_dir(at("b.png")).expect("makes");
-        assert!(refusal(at("b.png")).contains("a folder"));
+        assert!(rejection(at("b.png")).contains("a folder"));
         std::fs::write(at("file"), b"").expect("writes");
-        assert!(refusal(at("file/c.png")).contains("no folder"));
+        assert!(rejection(at("file/c.png")).contains("no folder"));
         std::fs::write(at("d.png"), b"").expect("writes");
         let mut rights = std::fs::metadata(at("d.png")).expect("there").permissions();
         rights.set_readonly(true);
         std::fs::set_permissions(at("d.png"), rights).expect("sets");
-        assert!(refusal(at("d.png")).contains("write-protected"));
+        assert!(rejection(at("d.png")).contains("write-protected"));
         assert_eq!(names(folder.path()), ["b.png", "d.png", "file"]);
     }
 }

@@ -17,7 +17,7 @@ pub struct Overlay {
 pub struct EventResponse {
     /// egui wants it for itself.
     pub consumed: bool,
-    /// The picture is to be drawn anew.
+    /// The picture is to be drawn again.
     pub repaint: bool,
 }
 

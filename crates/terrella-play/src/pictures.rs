@@ -58,7 +58,7 @@ impl From<Epoch> for Shot {
 /// A scene with a device of its own, drawn into memory at any instant.
 ///
 /// As for [`OffscreenEarth`], what draws a kind of picture is made when the first of that kind is asked for. Scenes whose time a
-/// simulator gives are refused: they are played by the command.
+/// simulator gives are rejected: they are played by the command.
 pub struct ScenePictures {
     flight: Flight,
     gpu: GpuContext,

@@ -145,8 +145,8 @@ mod tests {
             RadianceFile::create(&folder.path().join(name)).expect(name);
         }
         for name in ["a.png", "a", "a.npz"] {
-            let refused = RadianceFile::create(&folder.path().join(name)).expect_err(name);
-            let text = refused.to_string();
+            let rejected = RadianceFile::create(&folder.path().join(name)).expect_err(name);
+            let text = rejected.to_string();
             assert!(text.contains(".npy") && text.contains(".exr"), "{text}");
         }
         assert_eq!(std::fs::read_dir(folder.path()).expect("there").count(), 0);

@@ -131,7 +131,7 @@ impl Satellite {
 /// What a reader says of a file that is flown all the same.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FileRemark {
-    /// "passed over" where something in the file is not used, else "noticed".
+    /// "skipped" where something in the file is not used, else "noticed".
     pub label: &'static str,
     /// Where, what, and what to do.
     pub text: String,
@@ -142,7 +142,7 @@ impl FileRemark {
         Self {
             label: match error.is_notice() {
                 true => "noticed",
-                false => "passed over",
+                false => "skipped",
             },
             text: error.to_string(),
         }
@@ -206,7 +206,7 @@ pub(super) fn open(
         let listen = options.transport.to_string();
         // The numbers are the scene's: so are the file and the line.
         let opened = live(options, listener)
-            .map_err(|error| scene.refuse_orbit(index, "listen", &listen, error.to_string()));
+            .map_err(|error| scene.reject_orbit(index, "listen", &listen, error.to_string()));
         return Ok(opened?);
     }
     if let Some(options) = &orbit.basilisk {
@@ -216,14 +216,14 @@ pub(super) fn open(
             Meeting::Subscribe(_) => "subscribe",
         };
         let opened = simulation(options, scene.time.start, listener)
-            .map_err(|error| scene.refuse_orbit(index, key, &endpoint, error.to_string()));
+            .map_err(|error| scene.reject_orbit(index, key, &endpoint, error.to_string()));
         return Ok(opened?);
     }
     if let (OrbitSource::Basilisk, Some(file)) = (orbit.source, &orbit.file) {
         let recording = Recording::open(file, scene.time.start, name);
         let path = file.display().to_string();
         let recording = recording
-            .map_err(|error| scene.refuse_orbit(index, "file", &path, error.to_string()))?;
+            .map_err(|error| scene.reject_orbit(index, "file", &path, error.to_string()))?;
         for note in recording.notes() {
             tracing::warn!("{note}");
         }
@@ -242,7 +242,7 @@ pub(super) fn open(
             };
             let orientation = orientation_at(table, start.epoch).ok_or_else(|| {
                 let remedy = "the table of [time] orientation does not reach to this epoch; take one that does, or start later";
-                scene.refuse_orbit(index, "epoch", &terrella::frames::rfc3339(start.epoch), remedy.to_owned())
+                scene.reject_orbit(index, "epoch", &terrella::frames::rfc3339(start.epoch), remedy.to_owned())
             })?;
             let name = name.unwrap_or(default_name);
             let opened = match motion {
@@ -255,7 +255,7 @@ pub(super) fn open(
             opened.map_err(|error| {
                 let source = default_name.to_lowercase();
                 scene
-                    .refuse_orbit(index, "source", &source, error.to_string())
+                    .reject_orbit(index, "source", &source, error.to_string())
                     .into()
             })
         }

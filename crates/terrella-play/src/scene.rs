@@ -12,7 +12,7 @@
 //! | `camera_keys.rs` | `[[camera.keys]]` |
 //! | `sensor_keys.rs`, `sensor.rs` | declarations and reader of `[sensor]` |
 //! | `orbit_check.rs`, `many.rs`, `live.rs`, `basilisk.rs`, `burns.rs` | readers of `[orbit]`, which has the most keys |
-//! | `relief.rs`, `surfaces.rs` | readers of the keys of `[earth]` that are about ground with relief |
+//! | `relief.rs`, `surfaces.rs` | readers of the keys of `[earth]` that are about terrain |
 //! | `dated_maps.rs` | readers of the keys of `[earth]` that are about maps that change with the date |
 //! | `built_in.rs` | no key: the scene that comes with the program, and files of orbits in place of a scene |
 //! | `config/iss.toml` | its explanation for users: a test holds that every key stands there |
@@ -137,7 +137,7 @@ impl Scene {
     ///
     /// # Errors
     /// A file that cannot be read, has more than [`Self::MAX_FILE_BYTES`], is not UTF-8, or holds anything
-    /// that [`Scene::from_toml`] refuses.
+    /// that [`Scene::from_toml`] rejects.
     pub fn load(path: &Path) -> Result<Self, SceneError> {
         Self::load_with(path, &[])
     }

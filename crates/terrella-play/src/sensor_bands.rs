@@ -81,7 +81,7 @@ impl SensorBands {
         let motion_px = match sensor.shutter {
             Shutter::Global => 0.0,
             Shutter::Rolling { .. } => {
-                flight.refuse_live(
+                flight.reject_live(
                     "rows cannot be exposed one after the other",
                     "write shutter = \"global\" in [sensor]",
                 )?;

@@ -10,7 +10,7 @@ use terrella::FrameStats;
 use terrella::frames::{Geodetic, rfc3339};
 use terrella_imagery::tile::TileKey;
 
-/// The numbers of one picture. Every key is always there, but `relief` only where ground with relief is, `tiles` only where a pack
+/// The numbers of one picture. Every key is always there, but `relief` only where terrain is, `tiles` only where a pack
 /// is drawn, `exposure_ev` only where it was metered, `drawn_size` only where it is another, `quality` only where the scene holds a
 /// frame time, `satellite` only where there is one, and `layers_missing` only where there are any.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -43,7 +43,7 @@ pub struct PictureStats {
     /// says it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub exposure_ev: Option<f64>,
-    /// The ground with relief; left out where there is none.
+    /// Terrain; left out where there is none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub relief: Option<ReliefStats>,
     /// What the scene's frame time would ask for in the window; left out where it has none.
@@ -70,7 +70,7 @@ pub struct PictureStats {
     pub epoch: String,
 }
 
-/// How ground with relief is drawn.
+/// How terrain is drawn.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ReliefStats {

@@ -56,11 +56,11 @@ pub fn write_still(
     let begun = Instant::now();
     let scene = flight.scene();
     if request.epoch.is_some() {
-        flight.refuse_live("no other instant can be drawn", "leave the instant out")?;
+        flight.reject_live("no other instant can be drawn", "leave the instant out")?;
     }
     let pictures = &request.pictures;
     if pictures.shutter.is_some() {
-        flight.refuse_live("no other instant can be drawn", "leave --shutter out")?;
+        flight.reject_live("no other instant can be drawn", "leave --shutter out")?;
     }
     FilmPainter::check(flight, pictures)?;
     let sensor = scene.sensor.as_ref().map(SensorTable::open).transpose()?;

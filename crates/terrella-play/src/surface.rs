@@ -110,7 +110,7 @@ impl WindowSurface {
         self.configure(device);
     }
 
-    /// Configures the surface anew, as it asks for when it is outdated.
+    /// Configures the surface again, as it asks for when it is outdated.
     pub fn configure(&self, device: &wgpu::Device) {
         self.surface.configure(device, &self.config);
     }

@@ -109,7 +109,7 @@ impl TracksLayer {
         }))
     }
 
-    /// Makes the tracks anew where a simulation has other craft or places than before.
+    /// Makes the tracks again where a simulation has other craft or places than before.
     fn follow_roster(&mut self, gpu: &GpuContext) {
         let Some((styles, feeds)) = self.roster.as_mut().and_then(RosterTracks::changed) else {
             return;

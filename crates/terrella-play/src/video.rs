@@ -117,7 +117,7 @@ pub struct VideoFormat {
     pub coding: VideoCoding,
 }
 
-/// Refuses sizes that no video can have.
+/// Rejects sizes that no video can have.
 pub fn check_size(size: (u32, u32)) -> Result<(), VideoError> {
     let (width, height) = size;
     if width % 2 == 0 && height % 2 == 0 {
@@ -134,7 +134,7 @@ pub fn check_size(size: (u32, u32)) -> Result<(), VideoError> {
 /// Least width and height of SVT-AV1's videos, pixels.
 const AV1_LEAST: u32 = 64;
 
-/// Refuses sizes that a codec's encoder does not write.
+/// Rejects sizes that a codec's encoder does not write.
 fn check_codec_size(format: VideoFormat) -> Result<(), VideoError> {
     let (width, height) = format.size;
     match format.coding.codec == VideoCodec::Av1 && width.min(height) < AV1_LEAST {
@@ -193,10 +193,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn odd_sizes_are_refused_with_an_even_one() {
+    fn odd_sizes_are_rejected_with_an_even_one() {
         check_size((64, 36)).expect("even");
-        let refused = check_size((641, 360)).expect_err("odd").to_string();
-        assert!(refused.contains("642 × 360"), "{refused}");
+        let rejected = check_size((641, 360)).expect_err("odd").to_string();
+        assert!(rejected.contains("642 × 360"), "{rejected}");
         assert!(check_size((640, 361)).is_err());
         let of = |codec, size| {
             check_codec_size(VideoFormat {
@@ -207,7 +207,7 @@ mod tests {
         };
         of(VideoCodec::H264, (32, 16)).expect("small");
         of(VideoCodec::Av1, (64, 64)).expect("the least");
-        let refused = of(VideoCodec::Av1, (640, 62)).expect_err("too low");
-        assert!(refused.to_string().contains("64 × 64"), "{refused}");
+        let rejected = of(VideoCodec::Av1, (640, 62)).expect_err("too low");
+        assert!(rejected.to_string().contains("64 × 64"), "{rejected}");
     }
 }

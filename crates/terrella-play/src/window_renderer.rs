@@ -171,7 +171,7 @@ impl WindowRenderer {
         Ok(renderer)
     }
 
-    /// Draws with the shaders of the files as they are now: all that is drawn is made anew.
+    /// Draws with the shaders of the files as they are now: all that is drawn is made again.
     ///
     /// # Errors
     /// A file that cannot be read, compiled or drawn with. What was drawn then stays as it was.
@@ -185,7 +185,7 @@ impl WindowRenderer {
         let rejected = pollster::block_on(scope.pop());
         let painter = painter?;
         if let Some(error) = rejected {
-            return Err(EarthError::Refused(error.to_string()).into());
+            return Err(EarthError::Rejected(error.to_string()).into());
         }
         let quality = *self.painter.earth().quality();
         self.painter = painter;

@@ -1,6 +1,6 @@
 """Measures the farm: farm.py WHAT [ROUNDS], WHAT being film, sweep, big_sweep, pack, engines or parts. Prints a line of JSON for each run.
 
-One worker on one core against two on one core each, by turns; `loop` is a program that draws and writes the same without a farm, on one
+One worker on one core against two on one core each, interleaved; `loop` is a program that draws and writes the same without a farm, on one
 core. `rate` is of the time after all workers have answered once: a long run's. `cpu_s` is user and system time of all processes.
 """
 

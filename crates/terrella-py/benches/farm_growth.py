@@ -70,7 +70,7 @@ def measured(runs):
         ("the same by the processor time of all processes, with all that a run begins with, ms a frame more",
          spread([1000 * (run["cpu_s"] / run["done"] - alone["cpu_s"] / alone["done"])
                  for run, alone in zip(runs[("film", 1, None)], runs[("film loop", 0, None)])]), rounds),
-        ("the same: bytes that are told and answered, and bytes that are written, a frame",
+        ("the same: bytes that are reported and answered, and bytes that are written, a frame",
          "; ".join(format_number(statistics.median(run[key] / run["done"] for run in runs[("film", 2, None)])) for key in ("bytes_moved", "bytes_written")), rounds),
         ("the same: the first frames after the start, s: one worker; two", "; ".join(spread(values(runs, "film", n, "first_s")) for n in (1, 2)), rounds),
     ]
@@ -182,7 +182,7 @@ def files():
     machine = json.loads((HERE / "farm_machine.json").read_text(encoding="utf-8"))
     made = {}
     for name, rows, method in [
-        ("farm.csv", measured(runs), "one worker on one core, two on one core each, by turns"),
+        ("farm.csv", measured(runs), "one worker on one core, two on one core each, interleaved"),
         ("farm_growth.csv", growth(runs), "computed from the runs of farm.csv"),
     ]:
         command = "python crates/terrella-py/benches/" + ("farm.py WHAT" if name == "farm.csv" else "farm_growth.py")

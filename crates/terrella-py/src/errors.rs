@@ -11,7 +11,7 @@ create_exception!(
     terrella,
     Error,
     PyException,
-    "What the library refuses or cannot do."
+    "What the library rejects or cannot do."
 );
 create_exception!(
     terrella,

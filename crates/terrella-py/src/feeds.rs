@@ -165,7 +165,7 @@ impl PySatellites {
 
 /// Satellites of a file of mean elements (TLE, or OMM in KVN, XML, JSON or CSV), flown by SGP4.
 ///
-/// Sets that are spoilt are listed in `faults`; with strict=True they are refused.
+/// Sets that are corrupt are listed in `faults`; with strict=True they are rejected.
 #[pyclass(frozen, extends = PySatellites, name = "Catalogue", module = "terrella")]
 pub struct PyCatalogue {
     /// What is wrong with other records of the file: the first thousand.
@@ -187,7 +187,7 @@ impl PyCatalogue {
 
 /// Objects of a file of states (OEM, CZML, CSV, SP3, STK), interpolated as the file says.
 ///
-/// What is spoilt is listed in `faults`; with strict=True it is refused.
+/// What is corrupt is listed in `faults`; with strict=True it is rejected.
 #[pyclass(frozen, extends = PySatellites, name = "Ephemerides", module = "terrella")]
 pub struct PyEphemerides {
     /// What is wrong with other records of the file: the first thousand.

@@ -33,22 +33,22 @@ impl PyPictures {
         shutter: Option<f64>,
         subframes: u32,
     ) -> PyResult<Self> {
-        let refused = |words: String| Err(PyValueError::new_err(words));
+        let rejected = |words: String| Err(PyValueError::new_err(words));
         let format = match format {
             "png" => PictureFormat::Png,
             "png16" => PictureFormat::Png16,
             "exr" => PictureFormat::Exr,
-            other => return refused(format!("format: {other:?} is none of png, png16, exr")),
+            other => return rejected(format!("format: {other:?} is none of png, png16, exr")),
         };
         if let Some(n) = supersample.filter(|n| !PictureSettings::SUPERSAMPLES.contains(n)) {
-            return refused(format!("supersample: {n} is none of 1, 2, 4"));
+            return rejected(format!("supersample: {n} is none of 1, 2, 4"));
         }
         if let Some(open) = shutter.filter(|open| !(*open > 0.0 && *open <= 1.0)) {
-            return refused(format!("shutter: {open} is not more than 0 and at most 1"));
+            return rejected(format!("shutter: {open} is not more than 0 and at most 1"));
         }
         let most = PictureSettings::MAX_SUBFRAMES;
         if !(1..=most).contains(&subframes) {
-            return refused(format!("subframes: {subframes} is not from 1 to {most}"));
+            return rejected(format!("subframes: {subframes} is not from 1 to {most}"));
         }
         Ok(Self(PictureSettings {
             format,
@@ -168,7 +168,7 @@ impl PyFilmFrames {
     }
 }
 
-/// The folder of a film's frames and its page `frames.json`, held against other runs, the command's among them.
+/// The folder of a film's frames and its page `frames.json`, compared with other runs, the command's among them.
 #[pyclass(frozen, name = "FilmFolder", module = "terrella")]
 pub struct PyFilmFolder(Mutex<Option<(Flight, SharedFolder)>>);
 
@@ -178,7 +178,7 @@ type Held<'f> = MutexGuard<'f, Option<(Flight, SharedFolder)>>;
 #[pymethods]
 impl PyFilmFolder {
     #[new]
-    #[pyo3(signature = (path, textures, folder, pictures, *, size = None, first = 0, end = None, existing = "refuse"))]
+    #[pyo3(signature = (path, textures, folder, pictures, *, size = None, first = 0, end = None, existing = "reject"))]
     #[expect(clippy::too_many_arguments, reason = "Python's are named")]
     fn new(
         py: Python<'_>,
@@ -193,12 +193,12 @@ impl PyFilmFolder {
     ) -> PyResult<Self> {
         let size = size.map(pictures::size).transpose()?;
         let existing = match existing {
-            "refuse" => Existing::Refuse,
+            "reject" => Existing::Reject,
             "resume" => Existing::Resume,
             "overwrite" => Existing::Overwrite,
             other => {
                 return Err(PyValueError::new_err(format!(
-                    "existing: {other:?} is none of refuse, resume, overwrite"
+                    "existing: {other:?} is none of reject, resume, overwrite"
                 )));
             }
         };

@@ -55,26 +55,26 @@ impl PyPackBuild {
         threads: Option<usize>,
         restart: bool,
     ) -> PyResult<Self> {
-        let refused = |words: String| PyValueError::new_err(words);
+        let rejected = |words: String| PyValueError::new_err(words);
         let storages = match storage {
             "plain" => vec![Storage::Plain],
             "bc" => vec![Storage::Bc],
             "both" => Storage::ALL.to_vec(),
             other => {
-                return Err(refused(format!(
+                return Err(rejected(format!(
                     "storage: {other:?} is none of plain, bc, both"
                 )));
             }
         };
         if elevation.is_none() && (exaggeration.is_some() || elevation_offset_m.is_some()) {
-            return Err(refused(
+            return Err(rejected(
                 "exaggeration, elevation_offset_m: they are for elevation, and there is none"
                     .into(),
             ));
         }
         let relief = match (elevation, normals) {
             (Some(_), Some(_)) => {
-                return Err(refused("elevation, normals: give one of them".into()));
+                return Err(rejected("elevation, normals: give one of them".into()));
             }
             (Some(path), None) => Some(Relief::Elevation {
                 path,
@@ -103,7 +103,7 @@ impl PyPackBuild {
         }))
     }
 
-    /// Begins the build, or goes on with one that was stopped, for so many workers: the shares of which tiles lack, the costliest first, and how
+    /// Begins the build, or continues with one that was stopped, for so many workers: the shares of which tiles lack, the costliest first, and how
     /// many tiles the pack has.
     fn begin(&self, py: Python<'_>, workers: u32) -> PyResult<(Vec<Share>, u64)> {
         let plan = py.detach(|| begin_shares(&self.0, workers, &()));

@@ -50,7 +50,7 @@ def contents(folder, ending):
 
 
 def inodes(folder, ending):
-    """What tells a file from one that was written anew under the same name."""
+    """What tells a file from one that was written again under the same name."""
     return {path.name: (path.stat().st_ino, path.stat().st_mtime_ns) for path in Path(folder).iterdir() if path.name.endswith(ending)}
 
 

@@ -125,7 +125,7 @@ def test_a_journal_that_was_cut_off_counts_as_far_as_it_goes(tmp_path):
     assert list(_files.journals(tmp_path)) == [{"file": "a"}]
 
 
-def test_scenes_without_instants_of_their_own_are_refused(tmp_path, root):
+def test_scenes_without_instants_of_their_own_are_rejected(tmp_path, root):
     scene = write_scene(tmp_path, (root / "config/live.toml").read_text(), "live.toml")
     with pytest.raises(Exception, match="play it with the command"):
         farm.film(scene, tmp_path / "out")

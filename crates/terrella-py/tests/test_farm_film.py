@@ -52,7 +52,7 @@ def test_films_are_those_of_the_command(film, tmp_path):
     assert contents(tmp_path / "whole", ".png") == contents(film / "one", ".png")
     pages = [json.loads((folder / "frames.json").read_text()) for folder in (tmp_path / "whole", film / "one")]
     assert pages[0] == pages[1]
-    # Each goes on with what the other has done.
+    # Each continues with what the other has done.
     subprocess.run([*play, tmp_path / "half", "--range", "0..9"], check=True, env=environment)
     before = inodes(tmp_path / "half", ".png")
     report = farm.film(scene, tmp_path / "half", workers=2)
@@ -118,17 +118,17 @@ def test_who_began_the_run_may_be_killed(film, tmp_path):
     assert inodes(out, ".png") == after
 
 
-def test_a_frame_that_was_spoilt_is_drawn_again(film, tmp_path):
+def test_a_frame_that_was_corrupt_is_drawn_again(film, tmp_path):
     shutil.copytree(film / "one", tmp_path / "out")
-    spoilt = tmp_path / "out/frame_00005.png"
-    spoilt.write_bytes(spoilt.read_bytes()[:-1] + b"x")
+    corrupt = tmp_path / "out/frame_00005.png"
+    corrupt.write_bytes(corrupt.read_bytes()[:-1] + b"x")
     (tmp_path / "out/frame_00007.png").unlink()
     report = farm.film(film / "scene.toml", tmp_path / "out", workers=1)
     assert (report.kept, report.done) == (FRAMES - 2, 2)
     assert contents(tmp_path / "out", ".png") == contents(film / "one", ".png")
 
 
-def test_other_films_are_refused(film, tmp_path):
+def test_other_films_are_rejected(film, tmp_path):
     shutil.copytree(film / "one", tmp_path / "out")
     other = write_scene(tmp_path, SCENE.replace("lon_deg = 130", "lon_deg = 131"))
     for scene, options, words in [
@@ -251,7 +251,7 @@ def test_the_video_is_that_of_the_frames(film, tmp_path):
         assert mp4_problem(cut, FRAMES), length
 
 
-def test_workers_refuse_other_scenes_than_were_meant(film, tmp_path, monkeypatch):
+def test_workers_reject_other_scenes_than_were_meant(film, tmp_path, monkeypatch):
     from terrella.farm import _worker
 
     real = _worker.expected_inputs

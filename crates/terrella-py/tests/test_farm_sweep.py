@@ -177,7 +177,7 @@ def test_a_disk_that_fills_keeps_what_was_done(swept, tmp_path):
     assert report.done == COUNT and contents(out, ".tar") == contents(swept / "one", ".tar")
 
 
-def test_other_sweeps_are_refused(swept):
+def test_other_sweeps_are_rejected(swept):
     scene, out = swept / "scene.toml", swept / "one"
     before = inodes(out, ".tar")
     other = write_scene(swept, SCENE.replace("samples = 1", "samples = 4"), "other.toml")

@@ -87,7 +87,7 @@ def test_frames_of_a_part_of_a_film(scene):
 
 
 @pytest.mark.skipif(shutil.which("ffmpeg") is None, reason="ffmpeg is not installed")
-def test_what_films_refuse(tmp_path):
+def test_what_films_reject(tmp_path):
     for arguments, named in [
         (("a.mp4", (15, 16), 10), "size"),
         (("a.mp4", (16, 16), 0), "frame_rate_hz"),

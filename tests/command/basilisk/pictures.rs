@@ -259,19 +259,19 @@ fn a_saved_simulation_is_played_by_its_own_time() {
         ],
     );
     assert!(late.contains("2026-03-20T15:06:00"), "{late}");
-    // Spoilt from the middle on.
+    // Corrupt from the middle on.
     let cut = file.len() / 2;
     std::fs::write(place.path("flight.bin"), &file[..cut]).expect("writes");
     let output = place.succeed(&["frame", "saved.toml", "-o", "c.png"]);
     assert!(
-        crate::words(&output).contains("spoilt from byte"),
+        crate::words(&output).contains("corrupt from byte"),
         "{}",
         crate::words(&output)
     );
     std::fs::write(place.path("flight.bin"), b"no simulation").expect("writes");
-    let refused = place.fail(2, &["frame", "saved.toml", "-o", "d.png"]);
+    let rejected = place.fail(2, &["frame", "saved.toml", "-o", "d.png"]);
     assert!(
-        refused.contains("[orbit] file") && refused.contains("saveFile"),
-        "{refused}"
+        rejected.contains("[orbit] file") && rejected.contains("saveFile"),
+        "{rejected}"
     );
 }

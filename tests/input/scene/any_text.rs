@@ -56,7 +56,7 @@ fn holds(text: &str) -> Result<(), TestCaseError> {
             prop_assert!(scene.summary().contains("leaves out"));
             prop_assert!(scene.time.frame_count() >= 1);
             let start = scene.time.start;
-            // Whether it is refused does not matter here: it must not panic.
+            // Whether it is rejected does not matter here: it must not panic.
             let _ = scene.check_dates((start, start), None);
         }
         Err(error) => {

@@ -62,8 +62,8 @@ const BAD: &[Bad] = &[
 ];
 
 #[test]
-fn bad_satellites_are_refused_with_file_line_key_and_remedy() {
-    Folder::new().refuses(BAD);
+fn bad_satellites_are_rejected_with_file_line_key_and_remedy() {
+    Folder::new().rejects(BAD);
 }
 
 #[test]
@@ -78,9 +78,9 @@ fn several_satellites_keep_their_order_and_lines() {
     assert_eq!(scene.orbit_line(0, "source"), None);
     assert_eq!(scene.line("orbit", "source"), None);
     assert_eq!(scene.followed(&["ISS (ZARYA)", "B"]).ok(), Some(1));
-    let refusal = scene.followed(&["ISS (ZARYA)", "C"]);
+    let rejection = scene.followed(&["ISS (ZARYA)", "C"]);
     // The scene's own name counts, whatever the file calls it.
-    assert_eq!(refusal.ok(), Some(1));
+    assert_eq!(rejection.ok(), Some(1));
     let summary = scene.summary();
     assert_eq!(summary.matches("\n[[orbit]]\n").count(), 2, "{summary}");
     assert!(summary.contains("line 7 of the file"), "{summary}");
@@ -247,8 +247,8 @@ const BAD_LIVE: &[Bad] = &[
 ];
 
 #[test]
-fn bad_live_satellites_are_refused_with_file_line_key_and_remedy() {
-    Folder::new().refuses(BAD_LIVE);
+fn bad_live_satellites_are_rejected_with_file_line_key_and_remedy() {
+    Folder::new().rejects(BAD_LIVE);
 }
 
 #[rustfmt::skip]
@@ -262,15 +262,15 @@ const BAD_BASILISK: &[Bad] = &[
     ("[orbit]\nsource = \"basilisk\"\nsubscribe = \"tcp://127.0.0.1:2\"\ntimeout_s = 1", 4, &["[orbit] timeout_s = 1:", "publishes does not"]),
     ("[orbit]\nsource = \"basilisk\"\ntimeout_s = 0", 3, &["[orbit] timeout_s = 0:", "from 0.001 to 3600 seconds"]),
     ("[orbit]\nsource = \"basilisk\"\nrate = 2", 3, &["[orbit] rate = 2:", "is for source = \"live\""]),
-    ("[orbit]\nsource = \"basilisk\"\nstrict = true", 3, &["[orbit] strict = true:", "passed over"]),
+    ("[orbit]\nsource = \"basilisk\"\nstrict = true", 3, &["[orbit] strict = true:", "skipped"]),
     ("[orbit]\nsource = \"basilisk\"\nfile = \"missing.bin\"", 3, &["[orbit] file = \"missing.bin\":"]),
     ("[orbit]\nsource = \"basilisk\"\nfile = \"sat.tle\"\nlisten = \"tcp://127.0.0.1:1\"", 4, &["[orbit] listen", "simulations that run"]),
     ("[[orbit]]\n[[orbit]]\nsource = \"basilisk\"", 3, &["[orbit] source = \"basilisk\":", "its own satellites"]),
 ];
 
 #[test]
-fn bad_simulations_are_refused_with_file_line_key_and_remedy() {
-    Folder::new().refuses(BAD_BASILISK);
+fn bad_simulations_are_rejected_with_file_line_key_and_remedy() {
+    Folder::new().rejects(BAD_BASILISK);
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! Ground with relief: when it is drawn, and by what.
+//! Terrain: when it is drawn, and by what.
 
 use super::Folder;
 use terrella_ground::globe::clipmap::Trim;
@@ -134,15 +134,9 @@ fn relief_is_drawn_where_heights_or_its_surface_are_named() {
             "surface = \"contours\"\ncontours = { drawn = \"casts\" }",
             ["contours", "must be \"patches\" or \"cast\""],
         ),
-        (
-            "sea_floor = true",
-            ["sea_floor", "is for ground with relief"],
-        ),
-        ("denoise = true", ["denoise", "is for ground with relief"]),
-        (
-            "tolerance_px = 2",
-            ["tolerance_px", "is for ground with relief"],
-        ),
+        ("sea_floor = true", ["sea_floor", "is for terrain"]),
+        ("denoise = true", ["denoise", "is for terrain"]),
+        ("tolerance_px = 2", ["tolerance_px", "is for terrain"]),
         (
             "elevation = [\"no.tif\"]",
             ["elevation", "cannot be opened"],

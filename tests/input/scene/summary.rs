@@ -8,9 +8,9 @@ use terrella_ground::globe::{Figure, Subdivision, Visibility};
 use terrella_play::scene::Scene;
 
 #[test]
-fn dates_outside_the_validity_of_the_orbit_are_refused() {
+fn dates_outside_the_validity_of_the_orbit_are_rejected() {
     let validity = (utc("2018-01-10T00:00:00Z"), utc("2018-01-20T00:00:00Z"));
-    let refusal = |text| match scene(text).check_dates(validity, None) {
+    let rejection = |text| match scene(text).check_dates(validity, None) {
         Ok(()) => String::new(),
         Err(error) => error.to_string(),
     };
@@ -20,7 +20,7 @@ fn dates_outside_the_validity_of_the_orbit_are_refused() {
         "[time]\nstart = \"2018-01-20T00:00:00Z\"\nspeed = -60",
         "[time]\nstart = \"2018-01-19T00:00:00Z\"\nduration_s = 86400",
     ] {
-        assert_eq!(refusal(good), "", "{good}");
+        assert_eq!(rejection(good), "", "{good}");
     }
     let interval = "from 2018-01-10T00:00:00Z to 2018-01-20T00:00:00Z";
     let cases: [(&str, &str, &[&str]); 4] = [
@@ -46,7 +46,7 @@ fn dates_outside_the_validity_of_the_orbit_are_refused() {
         ),
     ];
     for (text, start, needles) in cases {
-        let message = refusal(text);
+        let message = rejection(text);
         assert!(message.starts_with(start), "{message}");
         for needle in needles.iter().chain([&interval]) {
             assert!(message.contains(needle), "{needle:?} is not in: {message}");
@@ -94,10 +94,10 @@ fn the_summary_tells_values_origins_use_and_what_is_left_out() {
         summary.contains(&format!("\n{unused} more keys")),
         "{summary}"
     );
-    // A key that the file gives in vain is told beside those in force.
+    // A key of the file without effect is reported beside those in force.
     let vain = scene("[tracks]\nmarker = true\n").summary();
     assert!(
-        vain.contains("marker             line 2 of the file is not used: it is told"),
+        vain.contains("marker             line 2 of the file is not used: it is reported"),
         "{vain}"
     );
     assert!(summary.contains("billboard"), "{summary}");

@@ -27,8 +27,8 @@ const BAD: &[Bad] = &[
 ];
 
 #[test]
-fn what_is_wrong_is_refused_where_it_stands() {
-    Folder::new().refuses(BAD);
+fn what_is_wrong_is_rejected_where_it_stands() {
+    Folder::new().rejects(BAD);
 }
 
 #[test]

@@ -87,7 +87,7 @@ pub struct FetchArgs {
     /// Longest wait for a server, seconds
     #[arg(long, value_name = "SECONDS", default_value_t = 30, value_parser = clap::value_parser!(u64).range(1..=3600))]
     timeout: u64,
-    /// Go on without files that cannot be fetched; they are told
+    /// Go on without files that cannot be fetched; they are reported
     #[arg(long)]
     allow_missing: bool,
     /// Host that redirects may lead to, beside the one asked; may be given several times

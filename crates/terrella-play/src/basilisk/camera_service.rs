@@ -30,7 +30,7 @@ pub fn with_camera_service<R>(
         return body();
     };
     let is_ended = AtomicBool::new(false);
-    // Before the thread runs: no picture is to be refused because it came first.
+    // Before the thread runs: no picture is to be rejected because it came first.
     let painter = simulation.painter();
     std::thread::scope(|scope| {
         scope.spawn(|| {
@@ -129,27 +129,27 @@ impl<'f> CameraService<'f> {
 
     fn draw(&mut self, request: &PictureRequest<'_>) -> Result<Vec<u8>, PlayError> {
         let (camera, snapshot) = (&request.camera, &request.snapshot);
-        let refuse = |cause: String| PlayError::NoCameraPicture { cause };
+        let reject = |cause: String| PlayError::NoCameraPicture { cause };
         let is_side = |side: i64| (1..=MAX_SIDE_PX).contains(&side);
         let size = match camera.size {
             Some([width, height]) if is_side(width) && is_side(height) => {
                 (width as u32, height as u32)
             }
             size => {
-                return Err(refuse(format!(
+                return Err(reject(format!(
                     "camera {} asks for {size:?} pixels; widths and heights are from 1 to {MAX_SIDE_PX}",
                     camera.id
                 )));
             }
         };
         let moment = self.flight.seen_by(snapshot, camera, size);
-        let moment = moment.map_err(refuse)?;
+        let moment = moment.map_err(reject)?;
         let picture = match camera.is_depth {
             true => {
                 let clip_m = camera.clip_m.unwrap_or(USUAL_CLIP_M);
                 let [near_m, far_m] = clip_m;
                 if !(far_m.is_finite() && (0.0..far_m).contains(&near_m)) {
-                    return Err(refuse(format!(
+                    return Err(reject(format!(
                         "camera {} clips depth to {clip_m:?} m, which is no range",
                         camera.id
                     )));
@@ -165,7 +165,7 @@ impl<'f> CameraService<'f> {
                 image::DynamicImage::from(self.renderer.read()?).into_rgb8()
             }
         };
-        png(&picture).map_err(|error| refuse(format!("a picture could not be encoded: {error}")))
+        png(&picture).map_err(|error| reject(format!("a picture could not be encoded: {error}")))
     }
 }
 

@@ -1,4 +1,4 @@
-//! Why a folder of frames is refused.
+//! Why a folder of frames is rejected.
 
 use std::path::PathBuf;
 
@@ -14,14 +14,14 @@ pub enum FilmError {
     #[error("{}: there is no film to go on with: it holds files and no frames.json; choose another folder, or give --overwrite to replace frames in it", path.display())]
     NoFilm { path: PathBuf },
     /// The folder holds frames of another film.
-    #[error("{}: holds frames of another film: {differences}; choose another folder, or give --overwrite to draw all frames anew", path.display())]
+    #[error("{}: holds frames of another film: {differences}; choose another folder, or give --overwrite to draw all frames again", path.display())]
     OtherFilm {
         path: PathBuf,
         /// What is different, in words.
         differences: String,
     },
     /// The page of a folder cannot be understood.
-    #[error("{}: {problem}; choose another folder, or give --overwrite to draw all frames anew", path.display())]
+    #[error("{}: {problem}; choose another folder, or give --overwrite to draw all frames again", path.display())]
     BadPage { path: PathBuf, problem: String },
     /// Another run writes to the folder.
     #[error("{}: another run is writing frames to this folder; wait for its end, or give each run a folder of its own (frames are numbered by their place in the film, so that folders can be joined)", path.display())]

@@ -10,9 +10,9 @@ use terrella_files::{self as files, Unfinished};
 /// What becomes of a folder that holds something already.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Existing {
-    /// It is refused.
+    /// It is rejected.
     #[default]
-    Refuse,
+    Reject,
     /// Frames of the same number are replaced; nothing else is touched.
     Overwrite,
     /// Frames of the same film are kept.
@@ -59,13 +59,13 @@ impl FrameFolder {
         ending: &'static str,
         existing: Existing,
     ) -> Result<Self, PlayError> {
-        let refused = |source| OutputError::write(folder, source);
+        let rejected = |source| OutputError::write(folder, source);
         make_folder(folder)?;
         let mut is_empty = true;
-        for entry in std::fs::read_dir(folder).map_err(refused)? {
-            is_empty &= entry.map_err(refused)?.file_name() == LOCK;
+        for entry in std::fs::read_dir(folder).map_err(rejected)? {
+            is_empty &= entry.map_err(rejected)?.file_name() == LOCK;
         }
-        if !is_empty && existing == Existing::Refuse {
+        if !is_empty && existing == Existing::Reject {
             return Err(FilmError::NotEmpty {
                 path: folder.into(),
             }
@@ -98,11 +98,11 @@ impl FrameFolder {
     /// # Errors
     /// A folder that cannot be read, files that cannot be taken away.
     pub fn remove_unfinished(&self) -> Result<(), OutputError> {
-        let refused = |source| OutputError::write(&self.folder, source);
-        for entry in std::fs::read_dir(&self.folder).map_err(refused)? {
-            let entry = entry.map_err(refused)?;
+        let rejected = |source| OutputError::write(&self.folder, source);
+        for entry in std::fs::read_dir(&self.folder).map_err(rejected)? {
+            let entry = entry.map_err(rejected)?;
             if entry.file_name().to_string_lossy().starts_with(UNFINISHED) {
-                std::fs::remove_file(entry.path()).map_err(refused)?;
+                std::fs::remove_file(entry.path()).map_err(rejected)?;
             }
         }
         Ok(())
@@ -136,11 +136,11 @@ impl FrameFolder {
 
 fn lock(folder: &Path) -> Result<FolderLock, PlayError> {
     let path = folder.join(LOCK);
-    let refused = |source| OutputError::write(folder, source);
+    let rejected = |source| OutputError::write(folder, source);
     let mut options = File::options();
     options.create(true).truncate(false).write(true);
     let made = Unfinished::create(&path, |path| files::open_with(&options, path));
-    let (file, unfinished) = made.map_err(refused)?;
+    let (file, unfinished) = made.map_err(rejected)?;
     match file.try_lock() {
         Ok(()) => {}
         Err(TryLockError::WouldBlock) => {
@@ -181,7 +181,7 @@ mod tests {
         let root = tempfile::tempdir().expect("a folder");
         let folder = root.path().join("new/frames");
         let open = |path: &Path, count, existing| FrameFolder::open(path, count, "png", existing);
-        let frames = open(&folder, 3, Existing::Refuse).expect("made");
+        let frames = open(&folder, 3, Existing::Reject).expect("made");
         assert!(frames.path(0).ends_with("frame_00000.png"));
         let busy = open(&folder, 3, Existing::Resume).expect_err("another run");
         assert!(
@@ -195,17 +195,17 @@ mod tests {
             .expect("writes");
         drop(frames);
         assert_eq!(names(&folder), ["frame_00002.png"]);
-        let refused = open(&folder, 3, Existing::Refuse).expect_err("not empty");
+        let rejected = open(&folder, 3, Existing::Reject).expect_err("not empty");
         assert!(matches!(
-            refused,
+            rejected,
             PlayError::Film(FilmError::NotEmpty { .. })
         ));
         std::fs::write(folder.join(".terrella-frame-x.part"), b"half").expect("writes");
         drop(open(&folder, 3, Existing::Overwrite).expect("overwrites"));
         assert_eq!(names(&folder), ["frame_00002.png"]);
-        let many = open(&root.path().join("many"), 1_000_000, Existing::Refuse).expect("made");
+        let many = open(&root.path().join("many"), 1_000_000, Existing::Reject).expect("made");
         assert!(many.path(7).ends_with("frame_000007.png"));
-        let in_the_way = open(&folder.join("frame_00002.png"), 3, Existing::Refuse);
+        let in_the_way = open(&folder.join("frame_00002.png"), 3, Existing::Reject);
         assert!(matches!(
             in_the_way,
             Err(PlayError::Output(OutputError::InTheWay { .. }))

@@ -88,7 +88,7 @@ impl FilmKey {
         if self.start_utc != found.start_utc {
             let (before, now) = (shown(&found.start_utc), &self.start_utc);
             words.push(format!(
-                "it begins at {before}, this at {now} (--start {before} goes on with it)"
+                "it begins at {before}, this at {now} (--start {before} continues with it)"
             ));
         }
         words.extend(input_differences(&self.inputs, &found.inputs));
@@ -237,7 +237,7 @@ mod tests {
         let moved = later.differences(&key((64, 36))).expect("another");
         assert_eq!(
             moved,
-            "it begins at 2018-01-15T12:00:00.000Z, this at 2030-01-01T00:00:00.000Z (--start 2018-01-15T12:00:00.000Z goes on with it)"
+            "it begins at 2018-01-15T12:00:00.000Z, this at 2030-01-01T00:00:00.000Z (--start 2018-01-15T12:00:00.000Z continues with it)"
         );
         std::fs::write(&path, format!("{text}# more\n")).expect("writes");
         assert!(words((64, 36)).contains("the scene has changed"));

@@ -18,7 +18,7 @@
 //! | `painter` | draws them: as a screen shows them, or as light of many pixels and instants |
 //! | `develop` | from light to a picture, on the processor |
 //! | `picture` | a picture and its file: PNG, PNG with 16 bits, OpenEXR |
-//! | `error` | why a folder is refused |
+//! | `error` | why a folder is rejected |
 
 mod develop;
 mod error;

@@ -1,6 +1,6 @@
 //! `frames.json`, the page of a folder of frames.
 //!
-//! The page is one JSON document. Frames are added to its end: what ends the document is written anew behind each of them, in one
+//! The page is one JSON document. Frames are added to its end: what ends the document is written again behind each of them, in one
 //! write, so that it is whole at any moment. When a run begins, and when it ends, the page is written as a new file and renamed; its
 //! frames are then in their order.
 
@@ -74,7 +74,7 @@ pub struct KeptFrames {
     pub entries: BTreeMap<u64, String>,
     /// The adapter that drew last; `None` where no frame is kept.
     pub adapter: Option<String>,
-    /// Whether the page is cut off or damaged and must be written anew, also where no frame is missing.
+    /// Whether the page is cut off or damaged and must be written again, also where no frame is missing.
     pub is_cut: bool,
 }
 

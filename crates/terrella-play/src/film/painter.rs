@@ -42,7 +42,7 @@ impl FilmPainter {
         }
     }
 
-    /// Refuses settings that a scene cannot be drawn with.
+    /// Rejects settings that a scene cannot be drawn with.
     ///
     /// # Errors
     /// Tracks and the paper's shading where pictures are made of light.
@@ -51,25 +51,25 @@ impl FilmPainter {
             return Ok(());
         }
         let scene = flight.scene();
-        let refused = |what, remedy| FilmError::NoLight {
+        let rejected = |what, remedy| FilmError::NoLight {
             scene: scene.path.clone(),
             what,
             remedy,
         };
         if TracksLayer::is_wanted(flight) {
-            return Err(refused(
+            return Err(rejected(
                 "tracks and names",
                 "switch trail, ground_track, subpoint, marker and footprint off",
             ));
         }
         if scene.earth.light.is_none() {
-            return Err(refused(
+            return Err(rejected(
                 "the paper's shading",
                 "write shading = \"sunlit\" in [earth]",
             ));
         }
         if settings.alpha && scene.quality.scale < 1.0 {
-            return Err(refused(
+            return Err(rejected(
                 "space between enlarged pixels",
                 "leave scale out of [quality]",
             ));

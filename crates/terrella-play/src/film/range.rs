@@ -87,8 +87,8 @@ mod tests {
         ] {
             bad.parse::<FrameRange>().expect_err(bad);
         }
-        let refused = "9..12".parse::<FrameRange>().expect("good").of(4);
-        let words = refused.expect_err("beyond the end").to_string();
+        let rejected = "9..12".parse::<FrameRange>().expect("good").of(4);
+        let words = rejected.expect_err("beyond the end").to_string();
         assert!(
             words.contains("9..12") && words.contains("from 0 to 3"),
             "{words}"

@@ -52,7 +52,7 @@ impl SharedFolder {
         let film = FilmKey::new(flight.scene(), request.size, request.pictures)?;
         let kept = match request.existing {
             Existing::Resume => FilmPage::read_kept(&folder, &film, frame_count, &wanted)?,
-            Existing::Refuse | Existing::Overwrite => KeptFrames::default(),
+            Existing::Reject | Existing::Overwrite => KeptFrames::default(),
         };
         Ok(Self {
             folder,

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use terrella::frames::rfc3339;
 use terrella_orbit::{Feed, FileFormat, OrbitError};
 
-/// How many faults of a file are told when it is read.
+/// How many faults of a file are reported when it is read.
 const FAULTS_TOLD: usize = 10;
 
 /// Opens a satellite of a file.
@@ -52,7 +52,7 @@ pub(super) fn open(
                     "the table of [time] orientation does not reach to the epoch of its state, {}; take one that does, or leave orientation out",
                     rfc3339(epoch)
                 );
-                scene.refuse_orbit(index, "file", &file.display().to_string(), remedy)
+                scene.reject_orbit(index, "file", &file.display().to_string(), remedy)
             })?;
             let feed = message.propagated(first, last, &orientation)?;
             let satellite = Satellite {
@@ -148,7 +148,7 @@ fn remarks(faults: &[OrbitError]) -> Vec<FileRemark> {
     faults.iter().map(FileRemark::of).collect()
 }
 
-/// Refuses a file of another kind than the table says.
+/// Rejects a file of another kind than the table says.
 fn check_source(
     scene: &Scene,
     index: usize,
@@ -167,7 +167,7 @@ fn check_source(
         format_name(format),
         source_key(source)
     );
-    Err(scene.refuse_orbit(index, "source", given, remedy))
+    Err(scene.reject_orbit(index, "source", given, remedy))
 }
 
 /// Warns of what is wrong with a file, or to be noticed.
@@ -178,7 +178,7 @@ fn tell(file: &Path, faults: &[FileRemark], left_out: usize) {
     match faults.len().saturating_sub(FAULTS_TOLD) + left_out {
         0 => {}
         more => tracing::warn!(
-            "passed over: {more} more of {}; terrella check lists them, --strict refuses them",
+            "skipped: {more} more of {}; terrella check lists them, --strict rejects them",
             file.display()
         ),
     }

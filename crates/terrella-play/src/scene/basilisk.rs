@@ -41,7 +41,7 @@ impl SceneText<'_> {
             };
             if let Some(span) = span {
                 let advice = format!("{} {why}; leave it out", key.name);
-                return Err(self.refuse_at("orbit", key.name, span, advice));
+                return Err(self.reject_at("orbit", key.name, span, advice));
             }
             orbit.notes.note(key.name, Err(why));
         }
@@ -53,7 +53,7 @@ impl SceneText<'_> {
         let allow_remote = orbit.allow_remote().is_on();
         if endpoint.is_remote() && !allow_remote {
             let advice = "other machines reach this address, and whoever reaches it can steer the picture; take 127.0.0.1 or [::1], or write allow_remote = true";
-            return Err(self.refuse(field, advice));
+            return Err(self.reject(field, advice));
         }
         field.note(quoted(&endpoint.to_string()));
         if !publishes {
@@ -81,11 +81,11 @@ impl SceneText<'_> {
         let endpoint = given.get_ref().parse();
         endpoint.map(Some).map_err(|_| {
             let advice = "must be \"tcp://\" with an IP address or localhost and a port, such as \"tcp://127.0.0.1:5556\", or \"ipc:///path\"";
-            self.refuse(field, advice)
+            self.reject(field, advice)
         })
     }
 
-    /// Refuses a simulation beside other satellites: it brings all of its own, and the time.
+    /// Rejects a simulation beside other satellites: it brings all of its own, and the time.
     pub(super) fn basilisk_alone(
         &self,
         raw: &[RawOrbit],
@@ -96,7 +96,7 @@ impl SceneText<'_> {
         match simulation {
             Some((orbit, _)) if raw.len() > 1 => {
                 let advice = "a simulation brings its own satellites and its own time; leave the other [[orbit]] tables out";
-                Err(self.refuse(&orbit.source(), advice))
+                Err(self.reject(&orbit.source(), advice))
             }
             _ => Ok(()),
         }

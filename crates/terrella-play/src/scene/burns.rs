@@ -21,18 +21,18 @@ impl SceneText<'_> {
             Some(Value::Array(burns)) => burns,
             Some(_) => {
                 let advice = format!("must be a list of burns, [{{ … }}, {{ … }}]; {KNOWN_KEYS}");
-                return Err(self.refuse(field, advice));
+                return Err(self.reject(field, advice));
             }
         };
         if burns.len() > MAX_BURNS {
             let advice = format!("a satellite has at most {MAX_BURNS} burns");
-            return Err(self.refuse(field, advice));
+            return Err(self.reject(field, advice));
         }
         let numbered = burns.iter().enumerate();
         let read = numbered.map(|(n, value)| {
             burn(value).map_err(|problem| {
                 let advice = format!("burn {}: {problem}", n + 1);
-                self.refuse(field, advice)
+                self.reject(field, advice)
             })
         });
         let burns = read.collect::<Result<Vec<_>, _>>()?;
@@ -56,11 +56,11 @@ impl SceneText<'_> {
                         "{:?} is no event that can be looked for; those are \"nodes\", \"apsides\" and \"eclipses\"",
                         printable(other)
                     );
-                    return Err(self.refuse(field, advice));
+                    return Err(self.reject(field, advice));
                 }
             };
             if std::mem::replace(on, true) {
-                return Err(self.refuse(field, format!("names {word:?} twice")));
+                return Err(self.reject(field, format!("names {word:?} twice")));
             }
         }
         field.note(events_text(selection));

@@ -122,7 +122,7 @@ impl SceneText<'_> {
         let follow = follow_field.given.map(|name| name.get_ref().clone());
         if follow.as_ref().is_some_and(|name| name.trim().is_empty()) {
             let advice = "must not be empty; give the name of a satellite of the scene, or leave follow out for the first";
-            return Err(self.refuse(&follow_field, advice));
+            return Err(self.reject(&follow_field, advice));
         }
         follow_field.note(match &follow {
             Some(name) => quoted(name),

@@ -81,7 +81,7 @@ impl SceneText<'_> {
         let raw = given.get_ref();
         if raw.is_empty() || raw.len() > MAX_CAMERA_KEYS {
             let advice = format!("has 1 to {MAX_CAMERA_KEYS} camera keys, or is left out");
-            return Err(self.refuse_at("camera", "keys", given.span(), advice));
+            return Err(self.reject_at("camera", "keys", given.span(), advice));
         }
         let mut keys: Vec<CameraKey> = Vec::new();
         let mut place: Option<[f64; 3]> = None;
@@ -94,13 +94,13 @@ impl SceneText<'_> {
                     "must be more than that of the key before, {}: keys stand in the order of their times",
                     before.time_s
                 );
-                return Err(self.refuse_key(entries, "time_s", given.span(), advice));
+                return Err(self.reject_key(entries, "time_s", given.span(), advice));
             }
             if let (Some(from), Some(to)) = (place, key.place)
                 && angle_deg(from, to) > WIDEST_STEP_DEG
             {
                 let advice = "is on the other side of the Earth from the place before, and no way there is the shortest; give a key between them";
-                return Err(self.refuse_key(entries, "lon_deg", given.span(), advice));
+                return Err(self.reject_key(entries, "lon_deg", given.span(), advice));
             }
             place = key.place.or(place);
             keys.push(key);
@@ -108,7 +108,7 @@ impl SceneText<'_> {
         Ok(keys)
     }
 
-    fn refuse_key(
+    fn reject_key(
         &self,
         entries: &RawCameraKey,
         name: &str,
@@ -116,7 +116,7 @@ impl SceneText<'_> {
         advice: impl std::fmt::Display,
     ) -> SceneError {
         let span = entries.get(name).map_or(all, Spanned::span);
-        self.refuse_at("camera.keys", name, span, advice)
+        self.reject_at("camera.keys", name, span, advice)
     }
 
     fn camera_key(
@@ -125,8 +125,8 @@ impl SceneText<'_> {
         mode: CameraMode,
         all: Range<usize>,
     ) -> Result<CameraKey, SceneError> {
-        let refuse =
-            |name: &str, advice: String| self.refuse_key(entries, name, all.clone(), advice);
+        let reject =
+            |name: &str, advice: String| self.reject_key(entries, name, all.clone(), advice);
         let known = || NUMBERS.iter().map(|(name, ..)| *name).chain([OFFSET]);
         for name in entries.keys() {
             if !known().any(|known| known == name) {
@@ -134,7 +134,7 @@ impl SceneText<'_> {
                     Some(near) => format!("unknown key; did you mean {near}? "),
                     None => "unknown key. ".to_owned(),
                 };
-                return Err(self.refuse_at(
+                return Err(self.reject_at(
                     "camera.keys",
                     &printable(name),
                     entries.get(name).map_or(all, Spanned::span),
@@ -147,10 +147,10 @@ impl SceneText<'_> {
                 return Ok(None);
             };
             let rule = NUMBERS.iter().find(|(known, ..)| *known == name);
-            let (_, range, unit) = rule.ok_or_else(|| refuse(name, LIST.to_owned()))?;
+            let (_, range, unit) = rule.ok_or_else(|| reject(name, LIST.to_owned()))?;
             let number = number_of(value.get_ref()).filter(|number| range.contains(number));
             let advice = || format!("must be a number from {} {unit}", short_range_text(range));
-            number.map(Some).ok_or_else(|| refuse(name, advice()))
+            number.map(Some).ok_or_else(|| reject(name, advice()))
         };
         let only_in = |name: &str, modes: &[CameraMode]| match entries.contains_key(name)
             && !modes.contains(&mode)
@@ -161,7 +161,7 @@ impl SceneText<'_> {
                     .iter()
                     .map(|mode| format!("\"{}\"", written(mode)))
                     .collect();
-                Err(refuse(
+                Err(reject(
                     name,
                     format!(
                         "has no meaning with mode = \"{}\"; it is for mode = {}",
@@ -188,7 +188,7 @@ impl SceneText<'_> {
             let mut numbers = Vec::new();
             for name in names {
                 let missing = || {
-                    refuse(
+                    reject(
                         first,
                         format!(
                             "needs {name} with it: {} are given together",
@@ -207,14 +207,14 @@ impl SceneText<'_> {
         let facing = facing.map(|numbers| [numbers[0], numbers[1]]);
         let is_on_ground = mode == CameraMode::Geodetic;
         let key = CameraKey {
-            time_s: number("time_s")?.ok_or_else(|| refuse("time_s", format!("is missing; {LIST}")))?,
+            time_s: number("time_s")?.ok_or_else(|| reject("time_s", format!("is missing; {LIST}")))?,
             place: together(&PLACE)?.map(|numbers| [numbers[0], numbers[1], numbers[2]]),
             facing_deg: facing.filter(|_| is_on_ground),
             turn_deg: facing.filter(|_| !is_on_ground),
             offset_m: match entries.get(OFFSET) {
                 None => None,
                 Some(value) => Some(offset(value.get_ref()).ok_or_else(|| {
-                    refuse(OFFSET, format!("must be [ahead, right, down], three numbers of metres from {}, together {NEAREST_M} m or more from the satellite", short_range_text(&OFFSET_M)))
+                    reject(OFFSET, format!("must be [ahead, right, down], three numbers of metres from {}, together {NEAREST_M} m or more from the satellite", short_range_text(&OFFSET_M)))
                 })?),
             },
             fov_deg: number("fov_deg")?,
@@ -225,7 +225,7 @@ impl SceneText<'_> {
             ..CameraKey::default()
         };
         if key == sets_nothing {
-            return Err(refuse("time_s", format!("sets nothing; {LIST}")));
+            return Err(reject("time_s", format!("sets nothing; {LIST}")));
         }
         Ok(key)
     }

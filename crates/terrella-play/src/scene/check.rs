@@ -15,13 +15,13 @@ pub(super) fn check(source: SceneText<'_>, raw: RawScene) -> Result<Scene, Scene
             "a scene has at most {MAX_ORBITS} satellites and this one {}; leave some out",
             orbits.len()
         );
-        return Err(source.refuse(&orbit.source(), advice));
+        return Err(source.reject(&orbit.source(), advice));
     }
 
     let follow = raw.camera.follow().given;
     if let Some(follow) = follow.filter(|_| orbits.is_empty()) {
         let advice = "follow names one of the scene's own satellites and it has none; give it an [orbit] table, or leave follow out";
-        return Err(source.refuse_at("camera", "follow", follow.span(), advice));
+        return Err(source.reject_at("camera", "follow", follow.span(), advice));
     }
     let raw_keys = raw.camera.keys().given.map(toml::Spanned::span);
     let sensor = source.sensor(&raw.sensor)?;
@@ -44,11 +44,11 @@ pub(super) fn check(source: SceneText<'_>, raw: RawScene) -> Result<Scene, Scene
     if let Some(keys) = raw_keys {
         if sensor.is_some() && camera.keys.iter().any(|key| key.fov_deg.is_some()) {
             let advice = "keys that set fov_deg have no meaning with [sensor], whose focal length gives the field of view; leave the one or the other out";
-            return Err(source.refuse_at("camera", "keys", keys, advice));
+            return Err(source.reject_at("camera", "keys", keys, advice));
         }
         if has_live {
             let advice = "keys are moments of the scene's own time, and here a simulator gives the time; leave them out";
-            return Err(source.refuse_at("camera", "keys", keys, advice));
+            return Err(source.reject_at("camera", "keys", keys, advice));
         }
         if raw
             .output
@@ -58,7 +58,7 @@ pub(super) fn check(source: SceneText<'_>, raw: RawScene) -> Result<Scene, Scene
             && camera.keys.iter().any(|key| key.exposure_ev.is_some())
         {
             let advice = "keys that set exposure_ev have no meaning with exposure_ev = \"auto\" in [output]; leave the one or the other out";
-            return Err(source.refuse_at("camera", "keys", keys, advice));
+            return Err(source.reject_at("camera", "keys", keys, advice));
         }
     }
     let track_px = source.tracks(&raw.tracks, !checked.is_empty())?;

@@ -220,16 +220,16 @@ impl SceneText<'_> {
             };
             if scene.is_paper {
                 let advice = "maps that change with the date are for shading = \"sunlit\"; leave them out, or take that shading";
-                return Err(self.refuse(&field, advice));
+                return Err(self.reject(&field, advice));
             }
             if !is_on {
                 let advice =
                     "is for a map that the scene leaves out; leave one of the two keys out";
-                return Err(self.refuse(&field, advice));
+                return Err(self.reject(&field, advice));
             }
             if layer == DatedLayer::Day && scene.has_pack {
                 let advice = "a pack draws its own day map; leave out one of the two";
-                return Err(self.refuse(&field, advice));
+                return Err(self.reject(&field, advice));
             }
             let (files, times) = self.maps_in(&field, given)?;
             let maps = DatedMaps {
@@ -253,13 +253,13 @@ impl SceneText<'_> {
         field: &Field<'_, RawDatedMaps>,
         given: &Value,
     ) -> Result<(Vec<PathBuf>, MapTimes), SceneError> {
-        let refuse = |advice: String| self.refuse(field, advice);
+        let reject = |advice: String| self.reject(field, advice);
         let entries = match given {
             Value::Array(entries) if !entries.is_empty() => entries,
-            _ => return Err(refuse(format!("must be {FORMS}"))),
+            _ => return Err(reject(format!("must be {FORMS}"))),
         };
         if entries.len() > MAX_DATED_MAPS {
-            return Err(refuse(format!(
+            return Err(reject(format!(
                 "has {} maps; at most {MAX_DATED_MAPS} are taken",
                 entries.len()
             )));
@@ -268,22 +268,22 @@ impl SceneText<'_> {
         if entries.iter().all(Value::is_str) {
             if entries.len() != 12 {
                 let count = entries.len();
-                return Err(refuse(format!(
+                return Err(reject(format!(
                     "has {count} files without dates; must be {FORMS}"
                 )));
             }
             let files = entries.iter().enumerate().map(|(n, entry)| {
                 let name = entry.as_str().unwrap_or_default();
-                file_in(folder, name).map_err(|problem| refuse(format!("map {}: {problem}", n + 1)))
+                file_in(folder, name).map_err(|problem| reject(format!("map {}: {problem}", n + 1)))
             });
             return Ok((files.collect::<Result<_, _>>()?, MapTimes::Months));
         }
         let (mut files, mut dates) = (Vec::new(), Vec::<Epoch>::new());
         for (n, entry) in entries.iter().enumerate() {
             let (date, file) = dated(entry, folder)
-                .map_err(|problem| refuse(format!("map {}: {problem}", n + 1)))?;
+                .map_err(|problem| reject(format!("map {}: {problem}", n + 1)))?;
             if dates.last().is_some_and(|before| *before >= date) {
-                return Err(refuse(format!(
+                return Err(reject(format!(
                     "map {}: its date {} is not after the one before; write the earliest first, each date once",
                     n + 1,
                     utc(date)

@@ -43,7 +43,7 @@ fn validity_text(validity: (Epoch, Epoch), ending: Option<&Ending>) -> String {
 }
 
 impl Scene {
-    /// Refuses a scene of which any part lies outside `validity`, the first and last epoch that its orbit
+    /// Rejects a scene of which any part lies outside `validity`, the first and last epoch that its orbit
     /// answers for without a gap ([`terrella_orbit::Feed::validity`], [`terrella_orbit::Feed::gaps`]). `ending` is what ends that time,
     /// if it is known.
     pub fn check_dates(
@@ -62,7 +62,7 @@ impl Scene {
                 false => "",
             };
             let remedy = format!("{validity_text}; choose a start in that time{or}");
-            return Err(self.refuse_time("start", utc(start), remedy));
+            return Err(self.reject_time("start", utc(start), remedy));
         }
         if !inside(end) {
             let room_s = if self.time.speed > 0.0 {
@@ -76,7 +76,7 @@ impl Scene {
                 utc(end),
                 room_s.floor()
             );
-            return Err(self.refuse_time("duration_s", self.time.duration_s.to_string(), remedy));
+            return Err(self.reject_time("duration_s", self.time.duration_s.to_string(), remedy));
         }
         Ok(())
     }
@@ -141,7 +141,7 @@ impl Scene {
             }
         }
         match self.time.bad_year() {
-            Some(year) => Err(self.refuse_time("start", utc(start), year_advice(year))),
+            Some(year) => Err(self.reject_time("start", utc(start), year_advice(year))),
             None => Ok(()),
         }
     }
@@ -189,7 +189,7 @@ impl Scene {
         ));
     }
 
-    fn refuse_time(&self, key: &str, value: String, remedy: String) -> SceneError {
+    fn reject_time(&self, key: &str, value: String, remedy: String) -> SceneError {
         let line = self.line("time", key);
         SceneError::Value {
             place: Box::new(KeyLocation {

@@ -1,4 +1,4 @@
-//! `[earth]`: the globe, its layers and its air, and the imagery pack that they may come from. Its keys of ground with relief
+//! `[earth]`: the globe, its layers and its air, and the imagery pack that they may come from. Its keys of terrain
 //! are read in [`relief`](super::relief).
 
 use super::choices::{Look, StorageChoice};
@@ -24,7 +24,7 @@ const MOONLIT_NIGHT_GAIN: f64 = 4e4;
 pub struct EarthTable {
     /// Which effects are on by default.
     pub look: Look,
-    /// Whether a map that is not there refuses the scene.
+    /// Whether a map that is not there rejects the scene.
     pub strict: bool,
     /// The Earth's figure.
     pub figure: Figure,
@@ -52,7 +52,7 @@ pub struct EarthTable {
     pub textures: Option<PathBuf>,
     /// The imagery pack; `None` draws whole maps.
     pub pack: Option<PackTable>,
-    /// Ground with relief; `None` draws the smooth ellipsoid.
+    /// Terrain; `None` draws the smooth ellipsoid.
     pub relief: Option<ReliefTable>,
     /// Maps that change with the date.
     pub dated_maps: Vec<DatedMaps>,
@@ -95,12 +95,12 @@ impl SceneText<'_> {
         let night_lights = lights.is_on_or(shading == Shading::Sunlit);
         if night_lights && shading == Shading::Paper {
             let advice = "the paper's shading has no night lights; write false, leave it out, or take shading = \"sunlit\"";
-            return Err(self.refuse(&lights, advice));
+            return Err(self.reject(&lights, advice));
         }
         let water = earth.water();
         if shading == Shading::Paper && water.value() == Some(true) {
             let advice = "the paper's shading has no water; write false, leave it out, or take shading = \"sunlit\"";
-            return Err(self.refuse(&water, advice));
+            return Err(self.reject(&water, advice));
         }
         let atmosphere = self.choice(&earth.atmosphere())?;
         let aerosol = earth.aerosol_optical_depth();
@@ -193,7 +193,7 @@ impl SceneText<'_> {
         self.quantity_or(field, 0.0).map(Some)
     }
 
-    /// Refuses a key that does nothing with the paper's shading.
+    /// Rejects a key that does nothing with the paper's shading.
     fn only_in_sunlight<T, R>(&self, field: &Field<'_, T, R>) -> Result<(), SceneError> {
         let advice = format!(
             "the paper's shading has no {}; leave it out, or take shading = \"sunlit\"",
@@ -221,7 +221,7 @@ impl SceneText<'_> {
         let textures = earth.textures();
         if textures.is_given() {
             let advice = "a scene draws a folder of maps or a pack; leave out textures or pack";
-            return Err(self.refuse(&textures, advice));
+            return Err(self.reject(&textures, advice));
         }
         let rule = self.choice(&levels)?;
         if rule == LevelRule::Paper {
@@ -240,7 +240,7 @@ impl SceneText<'_> {
         }))
     }
 
-    /// Refuses a key that does nothing without a pack.
+    /// Rejects a key that does nothing without a pack.
     pub(super) fn only_with_a_pack<T, R>(
         &self,
         field: &Field<'_, T, R>,
@@ -269,7 +269,7 @@ impl SceneText<'_> {
                 "must be \"auto\" or from {} cells per block edge",
                 range_text(&field.rule)
             );
-            self.refuse(field, advice)
+            self.reject(field, advice)
         })?;
         field.note(match cells {
             Subdivision::Auto => quoted("auto"),

@@ -36,7 +36,7 @@ impl fmt::Display for KeyLocation {
     }
 }
 
-/// Why a scene is refused.
+/// Why a scene is rejected.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 #[allow(missing_docs, reason = "the messages say what fields are")]

@@ -1,4 +1,4 @@
-//! What every key needs: its value or default, a range, a choice of names, a path, and the text of a refusal.
+//! What every key needs: its value or default, a range, a choice of names, a path, and the text of a rejection.
 
 use super::error::{KeyLocation, SceneError, printable};
 use super::record::{KeyText, Notes, number_text, quoted};
@@ -119,10 +119,10 @@ impl SceneText<'_> {
         remedy: impl Fn(f64) -> String,
     ) -> Result<f64, SceneError> {
         if !value.is_finite() {
-            return Err(self.refuse(field, "must be a finite number, not nan or inf"));
+            return Err(self.reject(field, "must be a finite number, not nan or inf"));
         }
         if !range.contains(&value) {
-            return Err(self.refuse(field, remedy(value)));
+            return Err(self.reject(field, remedy(value)));
         }
         Ok(value)
     }
@@ -135,7 +135,7 @@ impl SceneText<'_> {
     ) -> Result<u32, SceneError> {
         let Bounds { range, default } = &field.rule;
         let count = whole(field.value().unwrap_or(*default), range)
-            .ok_or_else(|| self.refuse(field, remedy(&range_text(range))))?;
+            .ok_or_else(|| self.reject(field, remedy(&range_text(range))))?;
         field.note(Ok(count.to_string()));
         Ok(count)
     }
@@ -180,7 +180,7 @@ impl SceneText<'_> {
                 Some(near) if known.len() > 1 => format!("; did you mean \"{near}\"?"),
                 _ => String::new(),
             };
-            self.refuse(field, list + &hint)
+            self.reject(field, list + &hint)
         })
     }
 
@@ -215,7 +215,7 @@ impl SceneText<'_> {
             let advice = format!(
                 "must not be empty; give the path of {what}, relative to the scene's folder"
             );
-            return Err(self.refuse(field, advice));
+            return Err(self.reject(field, advice));
         }
         let folder = self.path.parent().unwrap_or(Path::new(""));
         let path = folder.join(given);
@@ -224,13 +224,13 @@ impl SceneText<'_> {
             Ok(found) if found.is_dir() == (kind == PathKind::Folder) => Ok(path),
             Ok(_) => {
                 let advice = format!("{shown} is {other}; give the path of {what}");
-                Err(self.refuse(field, advice))
+                Err(self.reject(field, advice))
             }
             Err(error) => {
                 let advice = format!(
                     "{shown} cannot be opened: {error}; give the path of {what}, relative to the scene's folder"
                 );
-                Err(self.refuse(field, advice))
+                Err(self.reject(field, advice))
             }
         }
     }
@@ -243,14 +243,14 @@ impl SceneText<'_> {
         advice: impl Display,
     ) -> Result<(), SceneError> {
         if field.is_given() {
-            return Err(self.refuse(field, advice));
+            return Err(self.reject(field, advice));
         }
         field.note(Err(why));
         Ok(())
     }
 
-    /// Refuses a key that the file gives, by the span of its value.
-    pub(super) fn refuse_at(
+    /// Rejects a key that the file gives, by the span of its value.
+    pub(super) fn reject_at(
         &self,
         table: &str,
         key: &str,
@@ -269,8 +269,8 @@ impl SceneText<'_> {
         }
     }
 
-    /// Refuses a key's value, or its default where the file gives none.
-    pub(super) fn refuse<T, R>(&self, field: &Field<'_, T, R>, remedy: impl Display) -> SceneError {
+    /// Rejects a key's value, or its default where the file gives none.
+    pub(super) fn reject<T, R>(&self, field: &Field<'_, T, R>, remedy: impl Display) -> SceneError {
         let span = field.given.map(Spanned::span);
         SceneError::Value {
             place: Box::new(KeyLocation {

@@ -106,7 +106,7 @@ const FILE: &Only = &only(
 );
 const STRICT: &Only = &only(
     &[Tle, Omm, Oem, Opm, Czml, Csv, Sp3, Stk],
-    "is for files of which parts can be passed over: \"tle\", \"omm\", \"oem\", \"opm\", \"czml\", \"csv\", \"sp3\" and \"stk\"",
+    "is for files of which parts can be skipped: \"tle\", \"omm\", \"oem\", \"opm\", \"czml\", \"csv\", \"sp3\" and \"stk\"",
 );
 const MANY: &Only = &only(
     &[Tle, Omm, Oem, Czml, Csv, Sp3, Stk],
@@ -141,7 +141,7 @@ pub(super) const GEODETIC: &Only = &only(&[], "only for mode = \"geodetic\"");
 pub(super) const SUNLIT: &Only = &only(&[], "only for shading = \"sunlit\"");
 pub(super) const PACK: &Only = &only(&[], "only for scenes with a pack");
 pub(super) const SCREEN: &Only = &only(&[], "only for levels = \"screen\"");
-pub(super) const RELIEF: &Only = &only(&[], "only for ground with relief");
+pub(super) const RELIEF: &Only = &only(&[], "only for terrain");
 pub(super) const CLIPMAP: &Only = &only(&[], "for surface = \"clipmap\"");
 pub(super) const CONTOURS: &Only = &only(&[], "for surface = \"contours\"");
 pub(super) const PROJECTED_GRID: &Only = &only(&[], "for surface = \"projected-grid\"");

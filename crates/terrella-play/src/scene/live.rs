@@ -19,11 +19,11 @@ impl SceneText<'_> {
         let listen = orbit.listen();
         let Some(given) = listen.given else {
             let advice = "needs a place to listen on; add listen = \"tcp://127.0.0.1:5005\", or \"udp://…\", \"ws://…\" or \"stdin\"";
-            return Err(self.refuse(&orbit.source(), advice));
+            return Err(self.reject(&orbit.source(), advice));
         };
         let transport: Transport = given.get_ref().parse().map_err(|_| {
             let advice = "must be \"stdin\", or \"tcp://\", \"udp://\" or \"ws://\" with an IP address and a port, such as \"tcp://127.0.0.1:5005\"";
-            self.refuse(&listen, advice)
+            self.reject(&listen, advice)
         })?;
         let usual = LiveOptions::new(transport);
         let pacing = self.choice(&orbit.pacing())?;
@@ -35,7 +35,7 @@ impl SceneText<'_> {
         };
         if is_remote(&usual.transport) && !allow_remote {
             let advice = "other machines reach this address, and whoever reaches it can steer the picture; take 127.0.0.1 or [::1], or write allow_remote = true";
-            return Err(self.refuse(&listen, advice));
+            return Err(self.reject(&listen, advice));
         }
         listen.note(quoted(&usual.transport.to_string()));
         let seconds = |field: Field<'_, f64, Bounds<f64>>| {
@@ -64,7 +64,7 @@ impl SceneText<'_> {
         })
     }
 
-    /// Refuses keys that have no meaning with the way in or the pacing.
+    /// Rejects keys that have no meaning with the way in or the pacing.
     fn live_keys_fit(
         &self,
         orbit: &RawOrbit,
@@ -76,7 +76,7 @@ impl SceneText<'_> {
                 continue;
             };
             if let Some(span) = span {
-                return Err(self.refuse_at(
+                return Err(self.reject_at(
                     "orbit",
                     key.name,
                     span,
@@ -95,7 +95,7 @@ impl SceneText<'_> {
             .unwrap_or_default();
         if origins.len() > MAX_ORIGINS {
             let advice = format!("must be at most {MAX_ORIGINS} web pages");
-            return Err(self.refuse(field, advice));
+            return Err(self.reject(field, advice));
         }
         let is_origin = |origin: &String| {
             let host = ["http://", "https://"]
@@ -113,12 +113,12 @@ impl SceneText<'_> {
             }
             false => {
                 let advice = "must be web pages as browsers name them, scheme and host without a path, like \"https://example.org\"";
-                Err(self.refuse(field, advice))
+                Err(self.reject(field, advice))
             }
         }
     }
 
-    /// Refuses live satellites that cannot be in one scene: two on one port or both on standard input, two whose
+    /// Rejects live satellites that cannot be in one scene: two on one port or both on standard input, two whose
     /// simulators both wait, too many.
     pub(super) fn live_together(
         &self,
@@ -133,7 +133,7 @@ impl SceneText<'_> {
             let advice = format!(
                 "a scene has at most {MAX_LIVE_ORBITS} satellites whose states are sent; leave some out"
             );
-            return Err(self.refuse(&orbit.source(), advice));
+            return Err(self.reject(&orbit.source(), advice));
         }
         for (index, (orbit, options)) in live().enumerate() {
             let before = || live().take(index).map(|(_, before)| before);
@@ -144,12 +144,12 @@ impl SceneText<'_> {
                     }
                     _ => "a satellite before this one listens there; give this one another port",
                 };
-                return Err(self.refuse(&orbit.listen(), advice));
+                return Err(self.reject(&orbit.listen(), advice));
             }
             let waits = |options: &LiveOptions| options.pacing == Pacing::Lockstep;
             if waits(options) && before().any(waits) {
                 let advice = "a picture is of one instant, and the simulator of a satellite before this one says which; write \"broadcast\" here";
-                return Err(self.refuse(&orbit.pacing(), advice));
+                return Err(self.reject(&orbit.pacing(), advice));
             }
         }
         Ok(())

@@ -121,16 +121,16 @@ impl SceneText<'_> {
         }
         if !has_file {
             let advice = "all takes satellites of a file; add file = \"…\" to [orbit]";
-            return Err(self.refuse(&field, advice));
+            return Err(self.reject(&field, advice));
         }
         if has_name {
             let advice = "name and all both say which satellites are flown; leave one out";
-            return Err(self.refuse(&field, advice));
+            return Err(self.reject(&field, advice));
         }
         let has_numbers = matches!(source, OrbitSource::Tle | OrbitSource::Omm);
         if matches!(many, Some(Many::Numbered(_))) && !has_numbers {
             let advice = "only satellites of source = \"tle\" and \"omm\" have catalogue numbers; give a pattern of names";
-            return Err(self.refuse(&field, advice));
+            return Err(self.reject(&field, advice));
         }
         Ok(many)
     }
@@ -141,11 +141,11 @@ impl SceneText<'_> {
             Some(toml::Value::Boolean(true)) => Ok(Some(Many::All)),
             Some(toml::Value::String(text)) => match Many::of_text(text) {
                 Ok(many) => Ok(Some(many)),
-                Err(advice) => Err(self.refuse(field, advice)),
+                Err(advice) => Err(self.reject(field, advice)),
             },
             Some(_) => {
                 let advice = "must be true, false, a pattern of names like \"STARLINK*\" or a range of catalogue numbers like \"44713..44772\"";
-                Err(self.refuse(field, advice))
+                Err(self.reject(field, advice))
             }
         }
     }
@@ -179,7 +179,7 @@ impl Scene {
                 "the scene has {} satellites; at most {MAX_SATELLITES} are flown: give a pattern of names or a range of numbers",
                 satellites.len()
             );
-            return Err(self.refuse_orbit(table, "all", "true", remedy));
+            return Err(self.reject_orbit(table, "all", "true", remedy));
         }
         let orbits = satellites.iter().filter_map(|(table, name)| {
             let mut orbit = self.orbits.get(*table)?.clone();
@@ -220,7 +220,7 @@ impl Scene {
             file.display(),
             file.display()
         );
-        self.refuse_orbit(orbit, "all", &many.text(), remedy)
+        self.reject_orbit(orbit, "all", &many.text(), remedy)
     }
 }
 

@@ -24,7 +24,7 @@ pub struct Orbit {
     pub name: Option<String>,
     /// Which of many satellites of the file are flown; once they are opened, each is an orbit of its own with its name.
     pub all: Option<Many>,
-    /// Whether one bad record refuses the file; else bad records of other satellites and bad states of ephemerides are passed
+    /// Whether one bad record rejects the file; else bad records of other satellites and bad states of ephemerides are passed
     /// over and reported.
     pub strict: bool,
     /// The motion that the scene itself describes: for [`OrbitSource::Kepler`] and [`OrbitSource::Numerical`].

@@ -64,7 +64,7 @@ impl SceneText<'_> {
                     key.name,
                     written(&source)
                 );
-                return Err(self.refuse_at("orbit", key.name, span, advice));
+                return Err(self.reject_at("orbit", key.name, span, advice));
             }
         }
         let without = match source {
@@ -76,14 +76,14 @@ impl SceneText<'_> {
         let name = name_field.given.map(|name| name.get_ref().clone());
         if name.as_ref().is_some_and(|name| name.trim().is_empty()) {
             let advice = "must not be empty; give the satellite's name, or leave name out where the file holds one satellite";
-            return Err(self.refuse(&name_field, advice));
+            return Err(self.reject(&name_field, advice));
         }
         if name
             .as_ref()
             .is_some_and(|name| name.contains(char::is_control))
         {
             let advice = "must be one line of text, without control characters";
-            return Err(self.refuse(&name_field, advice));
+            return Err(self.reject(&name_field, advice));
         }
         name_field.note(match &name {
             Some(name) => quoted(name),
@@ -104,15 +104,15 @@ impl SceneText<'_> {
         if source.is_file() && file.is_none() {
             if source != OrbitSource::Tle {
                 let advice = "needs the file to read; add file = \"…\" to [orbit]";
-                return Err(self.refuse(&source_field, advice));
+                return Err(self.reject(&source_field, advice));
             }
             if name.is_some() {
                 let advice = "name chooses a satellite of an elements file; add file = \"…\" to [orbit], or leave name out for the built-in space station";
-                return Err(self.refuse(&name_field, advice));
+                return Err(self.reject(&name_field, advice));
             }
             if strict.is_given() {
                 let advice = "strict is for files; add file = \"…\" to [orbit], or leave strict out for the built-in space station";
-                return Err(self.refuse(&strict, advice));
+                return Err(self.reject(&strict, advice));
             }
         }
         let motion = match source {
@@ -131,7 +131,7 @@ impl SceneText<'_> {
             && elements.eccentricity >= 1.0
         {
             let advice = "the drift by J2 is an average over revolutions, which only an eccentricity below 1 has; write false or leave it out";
-            return Err(self.refuse(&orbit.j2(), advice));
+            return Err(self.reject(&orbit.j2(), advice));
         }
         let live = match source {
             OrbitSource::Live => Some(self.live(orbit, name.as_deref())?),
@@ -171,7 +171,7 @@ impl SceneText<'_> {
                 velocity.note(Err(BY_ELEMENTS));
                 if frame.is_earth_fixed() {
                     let advice = "elements are of axes that do not turn with the Earth: \"teme\", \"gcrf\" or \"eme2000\"; or give position_km and velocity_km_s";
-                    return Err(self.refuse(&frame_field, advice));
+                    return Err(self.reject(&frame_field, advice));
                 }
                 OrbitParameters::Elements(self.elements(orbit)?)
             }
@@ -180,7 +180,7 @@ impl SceneText<'_> {
                 for (key, span) in elements.filter(|(key, _)| ELEMENTS.contains(&key.name)) {
                     if let Some(span) = span {
                         let advice = "a start is given by elements or by position_km and velocity_km_s; leave out the one or the other";
-                        return Err(self.refuse_at("orbit", key.name, span, advice));
+                        return Err(self.reject_at("orbit", key.name, span, advice));
                     }
                     orbit
                         .notes
@@ -192,10 +192,10 @@ impl SceneText<'_> {
                 }
             }
             (true, false) => {
-                return Err(self.refuse(&position, "needs velocity_km_s beside it"));
+                return Err(self.reject(&position, "needs velocity_km_s beside it"));
             }
             (false, true) => {
-                return Err(self.refuse(&velocity, "needs position_km beside it"));
+                return Err(self.reject(&velocity, "needs position_km beside it"));
             }
         };
         Ok(InitialState {
@@ -212,11 +212,11 @@ impl SceneText<'_> {
         let size = match (axis.given, periapsis.given) {
             (Some(_), Some(_)) => {
                 let advice = "semi_major_axis_km and periapsis_km both say how large the orbit is; leave one out";
-                return Err(self.refuse(&periapsis, advice));
+                return Err(self.reject(&periapsis, advice));
             }
             (None, None) => {
                 let advice = "needs a start: semi_major_axis_km or periapsis_km (from the Earth's centre) with the other elements, or position_km and velocity_km_s";
-                return Err(self.refuse(&orbit.source(), advice));
+                return Err(self.reject(&orbit.source(), advice));
             }
             (Some(given), None) => {
                 let km = self.quantity_or(&axis, *given.get_ref())?;
@@ -224,11 +224,11 @@ impl SceneText<'_> {
                 if eccentricity == 1.0 {
                     let advice =
                         "a parabola (eccentricity 1) has no semi-major axis; give periapsis_km";
-                    return Err(self.refuse(&axis, advice));
+                    return Err(self.reject(&axis, advice));
                 }
                 if (km > 0.0) != (eccentricity < 1.0) || km == 0.0 {
                     let advice = "must be above 0 with an eccentricity below 1, and below 0 with one above 1";
-                    return Err(self.refuse(&axis, advice));
+                    return Err(self.reject(&axis, advice));
                 }
                 OrbitSize::SemiMajorAxis(km * 1e3)
             }
@@ -245,12 +245,12 @@ impl SceneText<'_> {
         let anomaly = match mean.is_given() {
             true if true_anomaly.is_given() => {
                 let advice = "true_anomaly_deg and mean_anomaly_deg both say where on the orbit; leave one out";
-                return Err(self.refuse(&mean, advice));
+                return Err(self.reject(&mean, advice));
             }
             true if eccentricity == 1.0 => {
                 let advice =
                     "a parabola (eccentricity 1) has no mean anomaly; give true_anomaly_deg";
-                return Err(self.refuse(&mean, advice));
+                return Err(self.reject(&mean, advice));
             }
             true => {
                 true_anomaly.note(Err(BY_MEAN));
@@ -282,7 +282,7 @@ impl SceneText<'_> {
                 let advice = format!(
                     "the order of the Earth's gravity must be from 0, the zonal terms alone, to its degree, {gravity_degree}"
                 );
-                self.refuse(&order_field, advice)
+                self.reject(&order_field, advice)
             })?,
         };
         order_field.note(Ok(gravity_order.to_string()));
@@ -330,7 +330,7 @@ impl SceneText<'_> {
         unit: &str,
     ) -> Result<DVec3, SceneError> {
         let Some(&[x, y, z]) = field.given.map(Spanned::get_ref).map(Vec::as_slice) else {
-            return Err(self.refuse(field, "must be three numbers, [x, y, z]"));
+            return Err(self.reject(field, "must be three numbers, [x, y, z]"));
         };
         // A range does not contain a number that is none.
         if ![x, y, z].iter().all(|part| field.rule.contains(part)) {
@@ -338,7 +338,7 @@ impl SceneText<'_> {
                 "each number must be from {} {unit}",
                 short_range_text(&field.rule)
             );
-            return Err(self.refuse(field, advice));
+            return Err(self.reject(field, advice));
         }
         let [x_text, y_text, z_text] = [x, y, z].map(number_text);
         field.note(Ok(format!("[{x_text}, {y_text}, {z_text}]")));

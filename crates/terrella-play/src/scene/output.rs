@@ -74,12 +74,12 @@ impl SceneText<'_> {
                         "width and height must each be from {} pixels",
                         range_text(range)
                     );
-                    return Err(self.refuse(&size_field, advice));
+                    return Err(self.reject(&size_field, advice));
                 }
             },
             Some(other) => {
                 let advice = format!("must be two numbers, [width, height], not {}", other.len());
-                return Err(self.refuse(&size_field, advice));
+                return Err(self.reject(&size_field, advice));
             }
         };
         size_field.note(Ok(format!("[{}, {}]", size[0], size[1])));
@@ -95,7 +95,7 @@ impl SceneText<'_> {
                 .filter(|count| SAMPLES.contains(count))
                 .ok_or_else(|| {
                     let advice = "must be 1 (edges as they fall) or 4 (smooth edges), the counts that every adapter can do";
-                    self.refuse(&samples_field, advice)
+                    self.reject(&samples_field, advice)
                 })?,
         };
         samples_field.note(Ok(samples.to_string()));
@@ -142,7 +142,7 @@ impl SceneText<'_> {
             "must be a number of exposure values from {}, each of which doubles the light, or \"auto\"",
             range_text(&range)
         );
-        Err(self.refuse(field, advice))
+        Err(self.reject(field, advice))
     }
 
     /// Checks `[quality]`.
@@ -169,7 +169,7 @@ impl SceneText<'_> {
         let ladder = quality.ladder();
         if ladder.given.is_some() && target_ms.is_none() {
             let advice = "quality is given up where a frame time is to be held; give target_ms too, or leave ladder out";
-            return Err(self.refuse(&ladder, advice));
+            return Err(self.reject(&ladder, advice));
         }
         let without = match target_ms {
             Some(_) => "the one that was recorded for the adapter",

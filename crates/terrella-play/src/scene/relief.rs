@@ -1,4 +1,4 @@
-//! `[earth]`: the keys of ground with relief.
+//! `[earth]`: the keys of terrain.
 
 use super::error::SceneError;
 use super::field::{Field, PathKind, RawPath};
@@ -9,7 +9,7 @@ use super::text::SceneText;
 use std::path::PathBuf;
 use terrella_ground::globe::{Subdivision, SurfaceKind, SurfaceSettings, Visibility};
 
-/// The keys of `[earth]` that say how ground with relief is drawn.
+/// The keys of `[earth]` that say how terrain is drawn.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReliefTable {
     /// The surface that draws the ground.
@@ -76,7 +76,7 @@ impl SceneText<'_> {
     /// Rejects a key that has no meaning without relief.
     fn only_with_relief<T, R>(&self, field: &Field<'_, T, R>) -> Result<(), SceneError> {
         let advice = format!(
-            "{} is for ground with relief; leave it out, or name heights by elevation = [] (the starter pack's) or [\"FILE\", …]",
+            "{} is for terrain; leave it out, or name heights by elevation = [] (the starter pack's) or [\"FILE\", …]",
             field.key
         );
         self.idle(field, RELIEF.why, advice)
@@ -101,7 +101,7 @@ impl SceneText<'_> {
         Ok(Some(megabytes))
     }
 
-    /// A key that ground with relief takes no notice of.
+    /// A key that terrain takes no notice of.
     fn only_of_the_smooth_earth(
         &self,
         earth: &RawEarth,
@@ -112,12 +112,12 @@ impl SceneText<'_> {
         if cells != Subdivision::Auto && surface != SurfaceKind::Blocks {
             let advice =
                 "a number of cells is for surface = \"blocks\"; leave it out, or give tolerance_px";
-            return Err(self.refuse(&subdivision, advice));
+            return Err(self.reject(&subdivision, advice));
         }
         let visibility = earth.visibility();
         if self.choice(&visibility)? == Visibility::Paper {
             let advice = "the paper's rule loses ground behind the horizon; leave it out, or leave out elevation and surface";
-            return Err(self.refuse(&visibility, advice));
+            return Err(self.reject(&visibility, advice));
         }
         Ok(())
     }
@@ -132,7 +132,7 @@ impl SceneText<'_> {
         };
         if given.get_ref().len() > MAX_ELEVATION_FILES {
             let advice = format!("must be at most {MAX_ELEVATION_FILES} files; join some of them");
-            return Err(self.refuse(field, advice));
+            return Err(self.reject(field, advice));
         }
         let mut paths = Vec::new();
         for given in given.get_ref() {

@@ -18,7 +18,7 @@ impl Scene {
             return Ok(0);
         };
         self.satellite(wanted, names).map_err(|remedy| {
-            self.refusal(
+            self.rejection(
                 "camera",
                 "follow",
                 self.line("camera", "follow"),
@@ -84,15 +84,15 @@ impl Scene {
         }
     }
 
-    /// A refusal of the satellite of that place, where its key stands.
-    pub fn refuse_orbit(&self, orbit: usize, key: &str, value: &str, remedy: String) -> SceneError {
+    /// A rejection of the satellite of that place, where its key stands.
+    pub fn reject_orbit(&self, orbit: usize, key: &str, value: &str, remedy: String) -> SceneError {
         let record = self.orbit_records.get(self.orbit_table(orbit));
         let any = record.and_then(Record::first_line);
         let line = self.orbit_line(orbit, key).or(any);
-        self.refusal("orbit", key, line, value, remedy)
+        self.rejection("orbit", key, line, value, remedy)
     }
 
-    /// Refuses a scene of which any part lies outside `span`, that of its table of the Earth's orientation.
+    /// Rejects a scene of which any part lies outside `span`, that of its table of the Earth's orientation.
     ///
     /// # Errors
     /// Says what the table spans.
@@ -115,7 +115,7 @@ impl Scene {
             utc(last)
         );
         let line = self.line("time", "orientation");
-        Err(self.refusal(
+        Err(self.rejection(
             "time",
             "orientation",
             line,
@@ -124,7 +124,7 @@ impl Scene {
         ))
     }
 
-    fn refusal(
+    fn rejection(
         &self,
         table: &str,
         key: &str,

@@ -1,6 +1,6 @@
 //! `config/terrella.schema.json`, by which editors complete and check scenes: made from the declarations of the keys.
 //!
-//! `TERRELLA_UPDATE_REFERENCE=1 cargo test -p terrella-play reference` writes it anew, and the reference page with it; without
+//! `TERRELLA_UPDATE_REFERENCE=1 cargo test -p terrella-play reference` writes it again, and the reference page with it; without
 //! the variable the same test compares.
 
 use super::camera_keys::{NUMBERS, OFFSET, OFFSET_M};

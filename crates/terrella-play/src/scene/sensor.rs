@@ -130,7 +130,7 @@ impl SceneText<'_> {
                 "a sensor needs size = [width, height], each from {} pixels",
                 range_text(range)
             );
-            return Err(self.refuse(&size_field, advice));
+            return Err(self.reject(&size_field, advice));
         };
         size_field.note(Ok(format!("[{width}, {height}]")));
         let focal_length_mm = self.needed(&raw.focal_length_mm())?;
@@ -194,12 +194,12 @@ impl SceneText<'_> {
                 for (band, row) in read.iter_mut().zip(rows) {
                     let numbers = number_list(row).filter(|numbers| numbers.len() == 2);
                     let numbers = numbers
-                        .ok_or_else(|| self.refuse(&bands, format!("must be {expected}")))?;
+                        .ok_or_else(|| self.reject(&bands, format!("must be {expected}")))?;
                     *band = [numbers[0], numbers[1]];
                 }
                 read
             }
-            Some(_) => return Err(self.refuse(&bands, format!("must be {expected}"))),
+            Some(_) => return Err(self.reject(&bands, format!("must be {expected}"))),
         };
         let texts = bands_nm.map(|[from, to]| format!("[{from}, {to}]"));
         bands.note(Ok(format!("[{}]", texts.join(", "))));
@@ -261,7 +261,7 @@ impl SceneText<'_> {
             PsfName::Measured => {
                 let path = self.path(&kernel, PathKind::File, "")?;
                 let path = path.ok_or_else(|| {
-                    self.refuse(&kernel, "psf = \"measured\" needs the file of its kernel")
+                    self.reject(&kernel, "psf = \"measured\" needs the file of its kernel")
                 })?;
                 // Read when it is needed, as all files are.
                 (Psf::None, Some(path), None)
@@ -277,7 +277,7 @@ impl SceneText<'_> {
         let white = f64::from((1_u32 << bits) - 1);
         if bias_dn >= white {
             let advice = format!("must be below {white}, the greatest number of {bits} bits");
-            return Err(self.refuse(&raw.bias_dn(), advice));
+            return Err(self.reject(&raw.bias_dn(), advice));
         }
         let gain = raw.gain_e_dn();
         let gain_e_dn = self.quantity_or(&gain, full_well_e / (white - bias_dn))?;
@@ -317,7 +317,7 @@ impl SceneText<'_> {
                 "is too short for a rolling shutter; {} would work, or shutter = \"global\"",
                 limits::LINE_TIME_US.start()
             );
-            return Err(self.refuse(&line_time, advice));
+            return Err(self.reject(&line_time, advice));
         }
         Ok(Shutter::Rolling {
             line_time_s: 1e-6 * line_time_us.abs(),
@@ -329,7 +329,7 @@ impl SceneText<'_> {
     fn needed(&self, field: &Field<'_, f64, RangeInclusive<f64>>) -> Result<f64, SceneError> {
         if !field.is_given() {
             let advice = format!("a sensor needs {}; give it in [sensor]", field.key);
-            return Err(self.refuse(field, advice));
+            return Err(self.reject(field, advice));
         }
         self.quantity_or(field, f64::NAN)
     }
@@ -348,7 +348,7 @@ impl SceneText<'_> {
         let numbers = numbers.filter(|numbers| counts.contains(&numbers.len()));
         match numbers {
             Some(numbers) => Ok(Some(numbers)),
-            None => Err(self.refuse(field, format!("must be {expected}"))),
+            None => Err(self.reject(field, format!("must be {expected}"))),
         }
     }
 
@@ -367,7 +367,7 @@ impl SceneText<'_> {
             }
             _ => {
                 let advice = format!("must be {}, each from {}", field.of, range_text(range));
-                Err(self.refuse(field, advice))
+                Err(self.reject(field, advice))
             }
         }
     }
@@ -378,7 +378,7 @@ impl SceneText<'_> {
         // The key that the fault is of may be left out, where a needed one is too small or too large for its default.
         let place = place.or_else(|| raw.given().find(|(key, _)| key.name == "size"));
         let (key, span) = place.map_or((error.key(), 0..0), |(key, span)| (key.name, span));
-        self.refuse_at("sensor", key, span, error)
+        self.reject_at("sensor", key, span, error)
     }
 }
 

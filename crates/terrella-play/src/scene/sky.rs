@@ -70,7 +70,7 @@ impl SceneText<'_> {
         let eclipses = sky.eclipses();
         if !is_sunlit && eclipses.value() == Some(true) {
             let advice = "the paper's shading has no eclipses; write false, leave it out, or take shading = \"sunlit\"";
-            return Err(self.refuse(&eclipses, advice));
+            return Err(self.reject(&eclipses, advice));
         }
         let stars = sky.stars().is_on_or(is_real);
         let milky_way = sky.milky_way().is_on_or(is_full);

@@ -18,7 +18,7 @@ const UNKNOWN: &str = "unknown to the summary";
 
 impl Scene {
     /// The scene as text, many lines, each ended: the keys that are in force, in scene order, each with its value and whether
-    /// that is from the file or the default, and those that the file gives in vain; then what the scene uses and what it
+    /// that is from the file or the default, and those of the file that have no effect; then what the scene uses and what it
     /// leaves out. Values are those that were read: fields that a host sets afterwards do not change them.
     pub fn summary(&self) -> String {
         self.summary_of(false)

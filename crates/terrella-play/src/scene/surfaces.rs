@@ -15,7 +15,7 @@ use terrella_ground::globe::{ContourDrawing, SurfaceKind, SurfaceSettings};
 use toml::{Spanned, Value};
 
 impl SceneText<'_> {
-    /// What draws ground with relief, as its own table sets it.
+    /// What draws terrain, as its own table sets it.
     pub(super) fn surface_settings(
         &self,
         earth: &RawEarth,
@@ -89,7 +89,7 @@ impl SceneText<'_> {
                     format!("a clipmap has samples, levels and trimming, not {other}")
                 }
             };
-            return Err(self.refuse(table, format!("{must}; write them like {}", like(table))));
+            return Err(self.reject(table, format!("{must}; write them like {}", like(table))));
         }
         table.note(Ok(format!(
             "{{ samples = {}, levels = {}, trimming = \"{}\" }}",
@@ -121,7 +121,7 @@ impl SceneText<'_> {
                     format!("a projected grid has samples and on_gpu, not {other}")
                 }
             };
-            return Err(self.refuse(table, format!("{must}; write them like {}", like(table))));
+            return Err(self.reject(table, format!("{must}; write them like {}", like(table))));
         }
         table.note(Ok(format!(
             "{{ samples = [{}, {}], on_gpu = {} }}",
@@ -169,7 +169,7 @@ impl SceneText<'_> {
                     format!("a quadtree has lambda, culling and max_leaves, not {other}")
                 }
             };
-            return Err(self.refuse(table, format!("{must}; write them like {}", like(table))));
+            return Err(self.reject(table, format!("{must}; write them like {}", like(table))));
         }
         let lambda = match options.split_rule {
             SplitRule::Paper { lambda } => format!("lambda = {lambda}, "),
@@ -193,7 +193,7 @@ impl SceneText<'_> {
                 ("drawn", _) => "drawn must be \"patches\" or \"cast\"".into(),
                 (other, _) => format!("contours have drawn, not {}", printable(other)),
             };
-            return Err(self.refuse(table, format!("{must}; write it like {}", like(table))));
+            return Err(self.reject(table, format!("{must}; write it like {}", like(table))));
         }
         table.note(Ok(format!("{{ drawn = \"{}\" }}", written(&drawing))));
         Ok(drawing)
@@ -207,7 +207,7 @@ impl SceneText<'_> {
         let entries = match table.given.map(Spanned::get_ref) {
             None => None,
             Some(Value::Table(entries)) => Some(entries),
-            Some(_) => return Err(self.refuse(table, format!("must be {}", table.of))),
+            Some(_) => return Err(self.reject(table, format!("must be {}", table.of))),
         };
         Ok(entries.into_iter().flatten())
     }

@@ -73,11 +73,11 @@ impl SceneText<'_> {
     pub(super) fn time(&self, time: &RawTime) -> Result<Time, SceneError> {
         let start_field = time.start();
         let default_start =
-            utc_from_rfc3339(DEFAULT_START).map_err(|error| self.refuse(&start_field, error))?;
+            utc_from_rfc3339(DEFAULT_START).map_err(|error| self.reject(&start_field, error))?;
         let (start, start_from) = match start_field.given.map(Spanned::get_ref) {
             None => (default_start, StartSource::Default),
             Some(value) if is_now(value) => (
-                utc_now().map_err(|error| self.refuse(&start_field, error))?,
+                utc_now().map_err(|error| self.reject(&start_field, error))?,
                 StartSource::Clock,
             ),
             Some(_) => (
@@ -95,7 +95,7 @@ impl SceneText<'_> {
             format!("must be from {range} simulated seconds per second")
         })?;
         if speed == 0.0 {
-            return Err(self.refuse(
+            return Err(self.reject(
                 &speed_field,
                 "a scene at speed 0 would never end; give 1 for real time, a negative speed to play backwards",
             ));
@@ -127,13 +127,13 @@ impl SceneText<'_> {
             } else {
                 &duration
             };
-            return Err(self.refuse(guilty, advice));
+            return Err(self.reject(guilty, advice));
         }
         if let Some(year) = time.bad_year() {
             let advice = year_advice(year);
             return Err(match duration.is_given() {
-                true => self.refuse(&duration, advice),
-                false => self.refuse(&start_field, advice),
+                true => self.reject(&duration, advice),
+                false => self.reject(&start_field, advice),
             });
         }
         Ok(time)
@@ -154,7 +154,7 @@ impl SceneText<'_> {
                 if when.date.is_none() || when.time.is_none() || when.offset.is_none() {
                     let advice =
                         format!("must have a date, a time of day and the zone Z; {ADVICE}");
-                    return Err(self.refuse(field, advice));
+                    return Err(self.reject(field, advice));
                 }
                 // TOML lets the seconds be left out, RFC 3339 does not.
                 if let Some(time) = &mut when.time {
@@ -164,11 +164,11 @@ impl SceneText<'_> {
             }
             Some(_) => {
                 return Err(
-                    self.refuse(field, format!("must be a date and a time of day; {ADVICE}"))
+                    self.reject(field, format!("must be a date and a time of day; {ADVICE}"))
                 );
             }
         };
-        utc_from_rfc3339(&text).map_err(|error| self.refuse(field, error))
+        utc_from_rfc3339(&text).map_err(|error| self.reject(field, error))
     }
 }
 

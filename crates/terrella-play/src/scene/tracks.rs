@@ -104,7 +104,7 @@ impl SceneText<'_> {
     ) -> Result<f64, SceneError> {
         if let Some((key, span)) = tracks.given().next().filter(|_| !has_satellites) {
             let advice = "tracks are of satellites and this scene has none; give it an [orbit] table, or leave [tracks] out";
-            return Err(self.refuse_at("tracks", key.name, span, advice));
+            return Err(self.reject_at("tracks", key.name, span, advice));
         }
         // Each satellite may have keys of its own: what is common is checked here too.
         self.track(&RawOrbit::default(), tracks)?;
@@ -133,7 +133,7 @@ impl SceneText<'_> {
         let Some(number) = number else {
             let advice =
                 "must be \"#\" and six hexadecimal digits, red, green and blue: \"#ffc42e\"";
-            return Err(self.refuse(field, advice));
+            return Err(self.reject(field, advice));
         };
         field.note(quoted(&text.to_lowercase()));
         let [_, red, green, blue] = number.to_be_bytes();
@@ -157,7 +157,7 @@ impl SceneText<'_> {
             None | Some(toml::Value::Boolean(false)) => return Ok(None),
             Some(toml::Value::Boolean(true)) => return Ok(Some(TrackSpan::Usual)),
             Some(toml::Value::Table(entries)) => entries,
-            Some(_) => return Err(self.refuse(field, advice())),
+            Some(_) => return Err(self.reject(field, advice())),
         };
         let (mut before_min, mut after_min) = (0.0, 0.0);
         for (key, value) in entries {
@@ -165,10 +165,10 @@ impl SceneText<'_> {
                 // Whole minutes: i64 as f64 is exact in the range that is taken.
                 toml::Value::Integer(whole) => *whole as f64,
                 toml::Value::Float(minutes) => *minutes,
-                _ => return Err(self.refuse(field, advice())),
+                _ => return Err(self.reject(field, advice())),
             };
             if !SPAN_MIN.contains(&minutes) {
-                return Err(self.refuse(field, advice()));
+                return Err(self.reject(field, advice()));
             }
             match key.as_str() {
                 "before_min" => before_min = minutes,
@@ -179,14 +179,14 @@ impl SceneText<'_> {
                         printable(other),
                         advice()
                     );
-                    return Err(self.refuse(field, advice));
+                    return Err(self.reject(field, advice));
                 }
             }
         }
         if before_min + after_min == 0.0 {
             let advice =
                 "a span of no time shows nothing; give before_min or after_min, or write false";
-            return Err(self.refuse(field, advice));
+            return Err(self.reject(field, advice));
         }
         Ok(Some(TrackSpan::Minutes {
             before_min,
@@ -228,11 +228,11 @@ impl SceneText<'_> {
         if !is_shown && angle.is_given() && is_meant(angle.table) {
             let advice =
                 "a sensor's angle has no meaning with footprint = false; leave one of them out";
-            return Err(self.refuse(&angle, advice));
+            return Err(self.reject(&angle, advice));
         }
         if !is_shown && fill.is_on() && is_meant(fill.table) {
             let advice = "footprint_fill tints a footprint and there is none; write footprint = true, or give sensor_half_angle_deg";
-            return Err(self.refuse(&fill, advice));
+            return Err(self.reject(&fill, advice));
         }
         Ok(is_shown.then(|| Footprint {
             half_angle_deg,

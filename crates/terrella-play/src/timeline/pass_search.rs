@@ -31,7 +31,7 @@ pub enum PassQuery {
 /// Result of a search for the next pass.
 #[derive(Debug)]
 pub enum PassResult {
-    /// Passes in order of time; what the satellite's feed refuses ends them.
+    /// Passes in order of time; what the satellite's feed rejects ends them.
     InSpan(Vec<Pass>),
     Next(Upcoming),
 }
@@ -179,7 +179,7 @@ fn next(feed: &dyn Feed, observer: &Observer<'_>, from: Epoch, until: Epoch) -> 
     }
 }
 
-/// A feed that refuses everything once its answers are not wanted any more: so every search ends at once.
+/// A feed that rejects everything once its answers are not wanted any more: so every search ends at once.
 struct Wanted<'f> {
     feed: &'f dyn Feed,
     is_wanted: &'f (dyn Fn() -> bool + Sync),

@@ -57,7 +57,7 @@ pub fn ticks((first, last): (Epoch, Epoch), max_count: usize) -> Vec<Tick> {
         return Vec::new();
     };
     let (mjd, ns) = utc_day(first);
-    // A leap second's count of 86 400 s belongs to its day; steps begin anew each midnight.
+    // A leap second's count of 86 400 s belongs to its day; steps begin again each midnight.
     let begin_s = mjd * DAY_S + (ns.div_euclid(NS)).min(DAY_S - 1);
     let aligned = begin_s.div_euclid(step_s);
     (aligned..)

@@ -11,7 +11,7 @@ from . import _whole
 
 
 def _checked(path, size, frame_rate_hz, crf):
-    """The program ffmpeg; refuses what it would not make a film of."""
+    """The program ffmpeg; rejects what it would not make a film of."""
     from . import _native
 
     width, height = size

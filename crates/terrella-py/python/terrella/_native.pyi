@@ -18,7 +18,7 @@ Elapsed = Union[datetime.timedelta, float]
 __version__: str
 
 class Error(Exception):
-    """What the library refuses or cannot do."""
+    """What the library rejects or cannot do."""
 
 class SceneError(Error):
     """A scene, or an instant asked of it, is at fault."""
@@ -137,7 +137,7 @@ class FilmFolder:
         size: tuple[int, int] | None = None,
         first: int = 0,
         end: int | None = None,
-        existing: Literal["refuse", "resume", "overwrite"] = "refuse",
+        existing: Literal["reject", "resume", "overwrite"] = "reject",
     ) -> None: ...
     @property
     def frame_count(self) -> int: ...

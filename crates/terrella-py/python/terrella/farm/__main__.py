@@ -89,7 +89,7 @@ def _parser() -> argparse.ArgumentParser:
     group.add_argument("--workers", type=int, metavar="N", help="processes of this machine [2]")
     group.add_argument("--address", metavar="tcp://HOST:PORT", help="a Dask cluster instead; local: one of this machine")
     group.add_argument("--retries", type=int, default=2, metavar="N", help="attempts beyond the first, where one may go well [2]")
-    group.add_argument("--overwrite", action="store_true", help="make all anew, also what is there")
+    group.add_argument("--overwrite", action="store_true", help="make all again, also what is there")
     group.add_argument("--quiet", action="store_true", help="no bar and no report")
     scene = argparse.ArgumentParser(add_help=False)
     scene.add_argument("scene", metavar="SCENE", help="the scene file")

@@ -145,7 +145,7 @@ class LocalCluster:
             environment.setdefault("LP_NUM_THREADS", str(len(cores) // workers))
         command = [sys.executable, "-m", "distributed.cli.dask_worker", "--nthreads", "1", "--death-timeout", "30",
                    "--local-directory", self._folder.name, "--memory-limit", "0", *common]
-        # One program each, which starts its worker anew when it dies.
+        # One program each, which starts its worker again when it dies.
         self._programs += [subprocess.Popen(command, **quiet) for _ in range(workers)]
         self._workers = workers
 

@@ -47,12 +47,12 @@ def film(
     progress: bool | _run.Progress | None = None,
 ) -> Report:
     """Draws the frames of a scene's film into the folder `out`, as `terrella play SCENE --frames OUT --resume` does: the same files and the same
-    page `frames.json`, so that each goes on with what the other has done.
+    page `frames.json`, so that each continues with what the other has done.
 
     `size` is width and height in pixels (by default the scene's), `frames` which of them are drawn (by default all; in steps of 1), `video`
     an MP4 that is put together from them by ffmpeg with the quality `crf`. `workers` processes of this machine draw, 2 by default; with
     `address` the workers of a Dask cluster ("tcp://host:8786", a `distributed.Client`, or "local"), which must see `scene` and `out` under
-    the same names. `overwrite` draws all anew. `adapter` is a part of the name of the graphics adapter. Pictures are made and kept as the
+    the same names. `overwrite` draws all again. `adapter` is a part of the name of the graphics adapter. Pictures are made and kept as the
     command's options of these names say: `format`, `alpha`, `supersample`, `shutter`, `subframes`.
 
     Raises `FarmError` where something is left undone; what is done is kept, and the same call goes on.
@@ -98,7 +98,7 @@ def film(
                 _run.drive(engine, calls, report, retries=retries, progress=_run.shown(progress, "frames"), take=taking)
             finally:
                 engine.close()
-            _run.refuse_failures(report)
+            _run.reject_failures(report)
         folder.finish()
         _files.forget(out)
         if video is not None:
@@ -154,7 +154,7 @@ class _Taking:
     def _begin(self, adapter: str) -> None:
         if self._begun not in ("", adapter):
             self._report.notes.append(f"the frames that are kept were drawn by {self._begun}, the others by {adapter}: they may differ a little; "
-                                      "overwrite=True draws all anew")
+                                      "overwrite=True draws all again")
         if self._begun != adapter:
             self._folder.begin(adapter)
 

@@ -69,7 +69,7 @@ def pack(
             report.processor_seconds += value["processor_seconds"]
 
         _run.drive(engine, calls, report, retries=retries, progress=_run.shown(progress, "tiles"), take=take)
-        _run.refuse_failures(report)
+        _run.reject_failures(report)
         begin = time.monotonic()
         _native.PackBuild(*given, **options).finish()
         report.seconds += time.monotonic() - begin

@@ -1,4 +1,4 @@
-"""Workers on this machine: processes that are started anew, never forked, each with its share of the cores."""
+"""Workers on this machine: processes that are started again, never forked, each with its share of the cores."""
 
 from __future__ import annotations
 
@@ -118,7 +118,7 @@ class Pool(Engine):
     def close(self) -> None:
         workers, self._all = self._all, []
         for worker in workers:
-            # It ends when nobody is there any more to ask it. One that has died already is told so in vain.
+            # It ends when nobody is there any more to ask it. One that has died already cannot be told.
             with contextlib.suppress(OSError):
                 worker.process.stdin.close()
         for worker in workers:

@@ -103,7 +103,7 @@ def _so_far(report: Report) -> str:
     return f"{report.kept + report.done} of {report.wanted} {report.what} are done and kept"
 
 
-def refuse_failures(report: Report) -> None:
+def reject_failures(report: Report) -> None:
     """Raises where something was given up."""
     if report.failed:
         first = report.failed[0]

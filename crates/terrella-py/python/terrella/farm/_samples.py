@@ -57,6 +57,6 @@ class Plan:
             if unknown:
                 raise ValueError(f"draw: gives {', '.join(unknown)}; there are {', '.join(ORDER)}")
             values |= given
-        # What is told is what is drawn, to the last digit.
+        # What is reported is what is drawn, to the last digit.
         values["time"] = _native.Epoch(values["time"]).utc
         return Chosen(index, values)

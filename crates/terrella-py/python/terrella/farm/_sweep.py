@@ -159,7 +159,7 @@ def _fill(out: Path, definition: dict, part: dict, kind: Any, workers: int | Non
                 half.unlink(missing_ok=True)
             if shards:
                 _keep(out, definition, shards)
-        _run.refuse_failures(report)
+        _run.reject_failures(report)
         _write_manifest(out, definition, shards, complete=True)
         _files.forget(out)
         if len(report.adapters) > 1:
@@ -178,7 +178,7 @@ def _keep(out: Path, definition: dict, shards: dict) -> None:
 
 
 def _check_folder(out: Path, definition: dict, overwrite: bool) -> None:
-    """Refuses a folder that holds something else."""
+    """Rejects a folder that holds something else."""
     out.mkdir(parents=True, exist_ok=True)
     manifest = out / MANIFEST
     if manifest.exists():
@@ -190,11 +190,11 @@ def _check_folder(out: Path, definition: dict, overwrite: bool) -> None:
             return
         if found.get("format") != FORMAT:
             raise FarmError(f"{manifest}: is no manifest of a sweep ({found.get('problem', found.get('format'))}); choose another folder, or "
-                            "give overwrite=True to draw all anew")
+                            "give overwrite=True to draw all again")
         differences = [name for name in definition if definition[name] != found.get(name)]
         if differences:
             words = "; ".join(_difference(name, found.get(name), definition[name]) for name in differences)
-            raise FarmError(f"{out}: holds another sweep: {words}; choose another folder, or give overwrite=True to draw all anew")
+            raise FarmError(f"{out}: holds another sweep: {words}; choose another folder, or give overwrite=True to draw all again")
         return
     other = [path.name for path in out.iterdir() if not path.name.startswith(".terrella")]
     if other:

@@ -61,7 +61,7 @@ def name() -> str:
 
 
 def check_inputs(argument: dict) -> Path:
-    """The folder of maps that this worker draws with. Refuses to draw another scene, or with other maps or another version, than was meant."""
+    """The folder of maps that this worker draws with. Does not draw another scene, or with other maps or another version, than was meant."""
     from .._earth import _textures
 
     textures = _textures(argument["textures"])
@@ -113,7 +113,7 @@ def guarded(function: Callable[[Any], Any], argument: Any) -> dict:
         return {"error": str(error), "again": True}
     except (_native.Error, ValueError, TypeError) as error:
         return {"error": str(error)}
-    except Exception as error:  # noqa: BLE001 - whatever a caller's function raises is told, and ends no worker.
+    except Exception as error:  # noqa: BLE001 - whatever a caller's function raises is reported, and ends no worker.
         return {"error": f"{type(error).__name__}: {error}"}
 
 

@@ -97,7 +97,7 @@ def test_sizes(size):
         terrella.Earth(size)
 
 
-def test_what_earths_refuse(earth):
+def test_what_earths_reject(earth):
     with pytest.raises(ValueError, match="wait_s"):
         earth.color(CAMERA, NOON, wait_s=float("nan"))
     with pytest.raises(ValueError, match="layers.*no_such"):
@@ -114,7 +114,7 @@ def test_what_earths_refuse(earth):
         terrella.Earth((16, 16), adapter="no such adapter")
 
 
-def test_what_scenes_refuse(scene, root, tmp_path):
+def test_what_scenes_reject(scene, root, tmp_path):
     with pytest.raises(terrella.OrbitError, match="2030"):
         scene.frame("2030-01-01T00:00:00Z")
     with pytest.raises(terrella.SceneError, match="nowhere.toml"):

@@ -1,4 +1,4 @@
-//! What is refused, where, and with which remedy.
+//! What is rejected, where, and with which remedy.
 
 use super::{Bad, Folder};
 use std::path::Path;
@@ -220,12 +220,12 @@ const BAD: &[Bad] = &[
 ];
 
 #[test]
-fn every_bad_scene_is_refused_with_file_line_key_and_remedy() {
-    Folder::new().refuses(BAD);
+fn every_bad_scene_is_rejected_with_file_line_key_and_remedy() {
+    Folder::new().rejects(BAD);
 }
 
 #[test]
-fn a_file_that_cannot_be_a_scene_is_named_and_refused() {
+fn a_file_that_cannot_be_a_scene_is_named_and_rejected() {
     let folder = Folder::new();
 
     let path = folder.path("nowhere.toml");
@@ -260,7 +260,7 @@ fn a_file_that_cannot_be_a_scene_is_named_and_refused() {
 /// A device has no length to be rejected by.
 #[cfg(unix)]
 #[test]
-fn an_endless_file_is_refused() {
+fn an_endless_file_is_rejected() {
     let error = Scene::load(Path::new("/dev/zero")).expect_err("endless");
     let words = "it is a device, not a file";
     assert!(error.to_string().contains(words), "{error}");
