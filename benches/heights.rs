@@ -5,7 +5,7 @@
 //! ```
 //!
 //! - `flights`: each surface at 200 km and at 2 km, 60 frames a second in real time, over tiles of which each takes 5 ms to
-//!   load, and the same flight with all of them in memory, by turns. A frame is what an Earth does for its ground without a
+//!   load, and the same flight with all of them in memory, interleaved. A frame is what an Earth does for its ground without a
 //!   GPU: take tiles over, hear of changes, prepare. Its time is processor time of its thread, so loaders do not count.
 //! - `settling`: from an empty ground until a view at rest settles, over 9 levels of tiles with two loader threads.
 //! - `reading`: one height of tiles against one of a grid in memory, with the same samples.
@@ -189,7 +189,7 @@ fn flights(arguments: &Arguments) {
     let slow = Arc::new(Mountains::new(TILE_TIME));
     let quick = Arc::new(Mountains::new(Duration::ZERO));
     println!(
-        "processor time of a frame, ms: median / 99th percentile / most of {} frames, {} rounds by turns",
+        "processor time of a frame, ms: median / 99th percentile / most of {} frames, {} rounds interleaved",
         arguments.frames, arguments.rounds
     );
     println!(
@@ -353,7 +353,7 @@ fn reading(arguments: &Arguments) {
         stream.wait(Duration::from_millis(5));
     }
     println!(
-        "a height, ns: median of {} rounds by turns, least and most",
+        "a height, ns: median of {} rounds interleaved, least and most",
         5 * arguments.rounds
     );
     println!("| asked for | order | grid | tiles | ratio |");

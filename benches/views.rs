@@ -1,4 +1,4 @@
-//! What further views of one Earth cost: a frame of one view beside a frame of four of the same size, by turns, and the bytes that
+//! What further views of one Earth cost: a frame of one view beside a frame of four of the same size, interleaved, and the bytes that
 //! they hold. Target: four views cost at most four times one.
 //!
 //! `cargo bench --bench views`
@@ -74,7 +74,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("{}", gpu.adapter.get_info().name);
     println!("an Earth is made in {made_ms:.0} ms, a further view in {view_ms:.1} ms");
     println!(
-        "one view {:.2} ms, four views {:.2} ms, medians of {ROUNDS} frames by turns, {} × {}",
+        "one view {:.2} ms, four views {:.2} ms, medians of {ROUNDS} frames interleaved, {} × {}",
         of(&mut ones, 0.5),
         of(&mut fours, 0.5),
         SIZE.0,

@@ -283,7 +283,7 @@ impl Celestial {
         self.shows_stars = are_shown;
     }
 
-    /// Follows an Earth to another quality. What was prepared must be prepared anew, and those for further views be made anew from it.
+    /// Follows an Earth to another quality. What was prepared must be prepared again, and those for further views be made again from it.
     ///
     /// # Errors
     /// None that [`Self::new`] did not have.

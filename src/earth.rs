@@ -15,7 +15,7 @@
 //! | `glow.rs` | where the air's own light is in sight |
 //! | `metering.rs` | how bright it is shown |
 //! | `stats.rs` | what a frame drew |
-//! | `ground.rs` | ground with relief, where there is any; `no_ground.rs` without the feature `terrain` |
+//! | `ground.rs` | terrain, where there is any; `no_ground.rs` without the feature `terrain` |
 //! | `tiles.rs` | which tiles of a pack a frame requests and is drawn with; `no_tiles.rs` without the feature `packs` |
 //! | `tile_rule.rs` | how fine a map is asked for |
 //! | `tile_parts.rs` | which parts of blocks a frame requests |
@@ -188,7 +188,7 @@ impl Earth {
                 air.make_all(device)?;
             }
         }
-        let refused = resolved(scope.pop());
+        let rejected = resolved(scope.pop());
         let full = resolved(memory.pop());
         if let Some(error) = full {
             return Err(EarthError::NoRoom {
@@ -196,8 +196,8 @@ impl Earth {
                 cause: error.to_string(),
             });
         }
-        if let Some(error) = refused {
-            return Err(EarthError::Refused(error.to_string()));
+        if let Some(error) = rejected {
+            return Err(EarthError::Rejected(error.to_string()));
         }
         let version = Version {
             earth: EARTHS.fetch_add(1, Ordering::Relaxed),
@@ -228,7 +228,7 @@ impl Earth {
     pub fn check_pipelines(&self) -> Result<(), EarthError> {
         match &self.error {
             None => Ok(()),
-            Some(error) => Err(EarthError::Refused(error.to_string())),
+            Some(error) => Err(EarthError::Rejected(error.to_string())),
         }
     }
 
@@ -245,7 +245,7 @@ impl Earth {
         self.prepare_within(queue, &mut request, None)
     }
 
-    /// As [`Self::prepare`], but waits until every tile that the pictures request is on the GPU, and ground with relief is as fine
+    /// As [`Self::prepare`], but waits until every tile that the pictures request is on the GPU, and terrain is as fine
     /// as it will be, at most `timeout`: for
     /// pictures that are kept. Answers what is missing; such blocks are drawn with something coarser. A tile that cannot
     /// be read is not waited for. What is missing of heights, `missing_heights` says. The levels of tiles, and the triangles of the ground,
@@ -354,7 +354,7 @@ impl Earth {
             if self.follow(other.view) {
                 other.view.choose(other.eye, other.sky, other.target);
             } else {
-                if !std::mem::replace(&mut other.view.is_refused, true) {
+                if !std::mem::replace(&mut other.view.is_rejected, true) {
                     tracing::warn!("a view of another Earth is not drawn");
                 }
                 other.view.drawn = None;
@@ -375,9 +375,9 @@ impl Earth {
                 let ready =
                     surface.make_ready(&self.device, &config, &mut view.surface, &view.plan);
                 let ready = ready.and_then(|()| view.make_air_ready(&self.device));
-                let refused = resolved(scope.pop());
-                let refused = refused.map(|error| EarthError::Refused(error.to_string()));
-                if let Some(error) = ready.err().map(EarthError::from).or(refused) {
+                let rejected = resolved(scope.pop());
+                let rejected = rejected.map(|error| EarthError::Rejected(error.to_string()));
+                if let Some(error) = ready.err().map(EarthError::from).or(rejected) {
                     tracing::warn!("a part of the Earth is not drawn: {error}");
                     self.error = Some(error);
                 }
@@ -484,7 +484,7 @@ impl Earth {
         }
     }
 
-    /// The surface that draws ground with relief, as scenes name it; `None` without relief.
+    /// The surface that draws terrain, as scenes name it; `None` without relief.
     #[cfg(feature = "terrain")]
     pub fn surface_name(&self) -> Option<&'static str> {
         self.first.planner.ground().map(|surface| surface.name())

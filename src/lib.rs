@@ -26,7 +26,7 @@
 //! | [`MapUploader`], [`UploadedMaps`] | maps that go to the GPU while they are read, and that several Earths share |
 //! | [`GpuMap`], [`MapFade`] | maps that are changed while the Earth is drawn, the host's own textures among them |
 //! | [`Quality`], [`ScaledTarget`] | what may be changed while the Earth is drawn; a picture drawn smaller than it is shown |
-//! | [`GroundOptions`], [`SurfaceSettings`] | ground with relief, and the surface that draws it |
+//! | [`GroundOptions`], [`SurfaceSettings`] | terrain, and the surface that draws it |
 //! | [`TileOptions`] | imagery larger than memory, streamed |
 //! | [`OffscreenEarth`] | an Earth with a device of its own, drawn into memory: for programs without wgpu |
 //! | `orbit::Feed` | where a satellite is, for `tracks::Tracks` and for your camera |

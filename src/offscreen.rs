@@ -108,7 +108,7 @@ impl OffscreenEarth {
         self.size
     }
 
-    /// Draws pictures of another size from now on. Textures are made anew, maps stay where they are.
+    /// Draws pictures of another size from now on. Textures are made again, maps stay where they are.
     ///
     /// # Errors
     /// As [`Self::new`]; the size is then as it was.

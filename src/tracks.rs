@@ -24,7 +24,7 @@
 //! **Samples.** A curve is sampled half a degree of arc apart, by the state's own speed over radius, so that Molniya's
 //! perigee is as smooth as its apogee. It follows time: only what enters the span is asked of the feed, only what leaves it
 //! is dropped, and the ends between samples are cut. Where a feed has no state the curve ends. Of a live feed, what lies
-//! after now, and the last seconds before, is asked anew in each frame. [`Tracks::prepare`] asks for at most
+//! after now, and the last seconds before, is asked again in each frame. [`Tracks::prepare`] asks for at most
 //! [`SAMPLES_A_FRAME`] states, from now outwards, and goes on in the next frame; [`Tracks::prepare_complete`] asks for all.
 //! In steady state neither allocates.
 //!
@@ -243,7 +243,7 @@ impl Tracks {
     }
 
     /// Follows an Earth to another quality or appearance: another sample count, another air or none. What was prepared must be prepared
-    /// anew, and those for further views be made anew from it.
+    /// again, and those for further views be made again from it.
     ///
     /// # Errors
     /// None that [`Self::new`] did not have.

@@ -64,7 +64,7 @@ const DAY_ONLY: LayerSelection = LayerSelection {
 fn error_with(name: &str, contents: &[u8]) -> (ImageryError, String) {
     let dir = good_folder();
     std::fs::write(dir.path().join(name), contents).expect("temporary file");
-    let error = load_all(dir.path()).expect_err("a bad map must be refused");
+    let error = load_all(dir.path()).expect_err("a bad map must be rejected");
     let text = error.to_string();
     assert!(text.contains(name), "the message must name {name}: {text}");
     assert!(!text.contains('\n'), "one line: {text}");
@@ -177,7 +177,7 @@ fn a_missing_map_is_named() {
 }
 
 #[test]
-fn a_folder_in_place_of_a_map_is_refused() {
+fn a_folder_in_place_of_a_map_is_rejected() {
     let dir = good_folder();
     let path = dir.path().join("clouds.png");
     std::fs::remove_file(&path).expect("temporary file");
@@ -191,7 +191,7 @@ fn a_folder_in_place_of_a_map_is_refused() {
 }
 
 #[test]
-fn truncated_maps_are_refused_at_every_length() {
+fn truncated_maps_are_rejected_at_every_length() {
     for name in ["day.jpg", "clouds.png", "night_lights.png", "elevation.png"] {
         let whole = good_bytes(name);
         let last = whole.len() - 1;
@@ -212,7 +212,7 @@ fn truncated_maps_are_refused_at_every_length() {
 }
 
 #[test]
-fn a_jpeg_whose_preview_is_whole_but_whose_picture_is_cut_is_refused() {
+fn a_jpeg_whose_preview_is_whole_but_whose_picture_is_cut_is_rejected() {
     let whole = good_bytes("day.jpg");
     // A segment (APP1) that holds an end marker, as a preview picture does, before a cut scan.
     let mut contents = vec![0xFF, 0xD8, 0xFF, 0xE1, 0x00, 0x06, 0xFF, 0xD9, 0xFF, 0xD9];
@@ -223,7 +223,7 @@ fn a_jpeg_whose_preview_is_whole_but_whose_picture_is_cut_is_refused() {
 
 /// Decoders fill the rest with grey where an end marker follows, wherever the data end.
 #[test]
-fn a_jpeg_that_is_cut_and_closed_again_is_refused() {
+fn a_jpeg_that_is_cut_and_closed_again_is_rejected() {
     let texels = image::RgbImage::from_fn(512, 256, |x, y| {
         image::Rgb([
             (x * 7 % 256) as u8,
@@ -246,7 +246,7 @@ fn a_jpeg_that_is_cut_and_closed_again_is_refused() {
 }
 
 #[test]
-fn pictures_that_are_stored_turned_are_refused() {
+fn pictures_that_are_stored_turned_are_rejected() {
     let whole = good_bytes("day.jpg");
     // Exif with one tag: orientation 3 (Exif 2.32).
     let exif = b"\xFF\xD8\xFF\xE1\x00\x22Exif\0\0MM\0\x2a\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0\x03\0\0\0\0\0\0";
@@ -369,7 +369,7 @@ fn crc32(bytes: &[u8]) -> u32 {
 }
 
 #[test]
-fn a_header_that_declares_too_much_is_refused_before_any_allocation() {
+fn a_header_that_declares_too_much_is_rejected_before_any_allocation() {
     for (width, height) in [
         (60_000, 30_000),
         (32_770, 16_385),

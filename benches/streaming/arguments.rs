@@ -54,7 +54,7 @@ pub struct Arguments {
 }
 
 impl Arguments {
-    /// From the command line; what cargo adds of its own is passed over.
+    /// From the command line; what cargo adds of its own is skipped.
     pub fn read() -> Self {
         let mut read = Self {
             pack: None,

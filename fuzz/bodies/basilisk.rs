@@ -70,7 +70,7 @@ fn saved(data: &[u8]) {
     let (first, last) = recording.validity();
     for part in [0.0, 0.5, 1.0] {
         let epoch = first + (last - first) * part;
-        // A message may be spoilt inside; then the reason is an error.
+        // A message may be corrupt inside; then the reason is an error.
         let _ = recording.snapshot_at(epoch);
     }
 }

@@ -18,7 +18,7 @@ const MAX_MOTION: f64 = 20.0;
 /// The Sun's magnitude V (Willmer 2018).
 const SUN_V: f64 = -26.76;
 
-/// Why a star file is refused.
+/// Why a star file is rejected.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 #[allow(missing_docs, reason = "the messages say what fields are")]

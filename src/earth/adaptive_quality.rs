@@ -106,7 +106,7 @@ impl AdaptiveQuality {
     }
 
     /// Takes note of what a frame cost, milliseconds; answers the change to make before the next, if any. A cost that
-    /// is no number is passed over.
+    /// is no number is skipped.
     pub fn observe(&mut self, cost_ms: f64) -> Option<QualityChange> {
         if !cost_ms.is_finite() {
             return None;

@@ -7,7 +7,7 @@ use terrella_ground::air::AirOptions;
 /// while it is drawn. What is meant is said at the same fields of [`EarthOptions`](crate::EarthOptions).
 #[derive(Clone, Debug, Default)]
 pub struct Appearance {
-    /// Ground with relief; `None` is the smooth ellipsoid.
+    /// Terrain; `None` is the smooth ellipsoid.
     pub ground: Option<GroundOptions>,
     /// What of the light on the surface can be chosen.
     pub light: SurfaceLight,

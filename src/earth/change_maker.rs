@@ -181,7 +181,7 @@ impl ChangeMaker {
             (ReadyGround::Made(made), pipelines)
         };
         if let Some(error) = resolved(scope.pop()) {
-            return Err(EarthError::Refused(error.to_string()));
+            return Err(EarthError::Rejected(error.to_string()));
         }
         Ok(ReadyChange {
             quality,
@@ -204,7 +204,7 @@ impl ChangeMaker {
         let mut pipelines = maker.plan(&self.device, config);
         match self.style.pipelines {
             Pipelines::AtOnce => pipelines.make_all(maker, &self.device, config)?,
-            // What the device refuses it refuses now, and not in the middle of a frame.
+            // What the device rejects it rejects now, and not in the middle of a frame.
             Pipelines::WhenNeeded => pipelines.make_one(maker, &self.device, config)?,
         }
         Ok(pipelines)
@@ -251,7 +251,7 @@ impl Earth {
     }
 
     /// Draws better or worse from the next [`Self::prepare`] on. Maps and tiles stay on the GPU; pipelines and the
-    /// lattice are made anew, which takes longer than a frame: [`Self::change_maker`] has another thread do it.
+    /// lattice are made again, which takes longer than a frame: [`Self::change_maker`] has another thread do it.
     ///
     /// # Errors
     /// As [`Self::new`]; the Earth is then as it was.
@@ -297,7 +297,7 @@ impl Earth {
 
     /// Draws so from the next [`Self::prepare`] on. Nothing is compiled: it binds textures and makes some buffers. If the sample count
     /// differs, the next pass must have it; what else is drawn through this air (`Celestial`,
-    /// `Tracks`) has to be made anew.
+    /// `Tracks`) has to be made again.
     ///
     /// # Errors
     /// [`EarthError::OutOfDate`] of what was made for another Earth, or before this one was changed; the Earth is then as it was.

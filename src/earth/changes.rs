@@ -30,7 +30,7 @@ impl Earth {
         let before = self.surface.set_map(&device, map)?;
         if let Some(error) = resolved(scope.pop()) {
             self.surface.set_map(&device, &before)?;
-            return Err(MapError::Refused(error.to_string()).into());
+            return Err(MapError::Rejected(error.to_string()).into());
         }
         if matches!(map.layer(), MapLayer::Day | MapLayer::Water) {
             self.first.planner.set_kinds(None);

@@ -28,7 +28,7 @@ pub struct EarthView {
     pub(super) stats: FrameStats,
     pub(super) version: Version,
     /// Whether it was told that it is of another Earth.
-    pub(super) is_refused: bool,
+    pub(super) is_rejected: bool,
 }
 
 /// What a view was made for: an Earth, its ground, and its pipelines of some quality and appearance.
@@ -57,7 +57,7 @@ impl EarthView {
             drawn: None,
             stats: FrameStats::default(),
             version,
-            is_refused: false,
+            is_rejected: false,
         }
     }
 

@@ -12,7 +12,7 @@ pub enum EarthError {
     /// Subdivision outside 1…48.
     #[error(transparent)]
     Subdivision(#[from] SubdivisionError),
-    /// Settings of ground with relief.
+    /// Settings of terrain.
     #[cfg(feature = "terrain")]
     #[error(transparent)]
     Surface(#[from] terrella_ground::globe::SurfaceError),
@@ -56,7 +56,7 @@ pub enum EarthError {
     Layer(#[from] ImageryError),
     /// What was made for another quality does not belong to the Earth as it is now.
     #[error(
-        "this quality was made ready for another Earth, or before this one was given another quality; make it anew"
+        "this quality was made ready for another Earth, or before this one was given another quality; make it again"
     )]
     OutOfDate,
     /// A map cannot be drawn with.
@@ -122,7 +122,7 @@ pub enum EarthError {
         /// The device's words.
         cause: String,
     },
-    /// A shader or pipeline was refused by the device, for instance for a colour format it cannot draw to.
-    #[error("the device refused the Earth's pipelines: {0}")]
-    Refused(String),
+    /// A shader or pipeline was rejected by the device, for instance for a colour format it cannot draw to.
+    #[error("the device rejected the Earth's pipelines: {0}")]
+    Rejected(String),
 }

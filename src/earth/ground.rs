@@ -1,4 +1,4 @@
-//! Ground with relief: the surface that a scene chose, and the heights that it is made from.
+//! Terrain: the surface that a scene chose, and the heights that it is made from.
 
 use super::view::ItrfView;
 use crate::gpu::{GridMesh, PageMesh};
@@ -18,7 +18,7 @@ use terrella_ground::globe::{
     SurfaceSettings, SurfaceStats, select_blocks_between,
 };
 
-/// Ground with relief in place of the smooth ellipsoid.
+/// Terrain in place of the smooth ellipsoid.
 #[derive(Clone)]
 pub struct GroundOptions {
     /// Where heights come from: in memory as a whole, or streamed ([`StreamedGround`]).

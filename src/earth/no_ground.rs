@@ -1,4 +1,4 @@
-//! In place of `ground.rs` where the feature `terrain` is off: types without a value, so that nothing of ground with relief is
+//! In place of `ground.rs` where the feature `terrain` is off: types without a value, so that nothing of terrain is
 //! compiled in.
 
 use super::EarthError;
@@ -9,7 +9,7 @@ use terrella_frames::Ellipsoid;
 use terrella_ground::globe::{Block, BlockGrid, BlockSet, Figure, Surface, SurfaceStats};
 use terrella_ground::height::HeightTileStats;
 
-/// Ground with relief in place of the smooth ellipsoid. It needs the feature `terrain`; without, there is no value of this type.
+/// Terrain in place of the smooth ellipsoid. It needs the feature `terrain`; without, there is no value of this type.
 #[derive(Clone, Debug)]
 pub enum GroundOptions {}
 

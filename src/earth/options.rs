@@ -26,7 +26,7 @@ pub struct EarthOptions {
     /// only and costs nothing. `layers` must be the pack's coarsest maps, `subdivision` automatic or at least [`super::TILED_SUBDIVISION`] if
     /// nothing is to be seen of block edges at grazing views.
     pub tiles: Option<TileOptions>,
-    /// Ground with relief; `None` draws the smooth ellipsoid and costs nothing.
+    /// Terrain; `None` draws the smooth ellipsoid and costs nothing.
     pub ground: Option<GroundOptions>,
     /// Figure of the Earth: WGS84 or the paper's sphere.
     pub figure: Figure,
@@ -147,7 +147,7 @@ impl EarthOptions {
             let full = resolved(memory.pop());
             let map = map?;
             if let Some(error) = full {
-                return Err(MapError::Refused(error.to_string()));
+                return Err(MapError::Rejected(error.to_string()));
             }
             self.uploaded.set(map);
             *image = image.without_texels();

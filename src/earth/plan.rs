@@ -65,7 +65,7 @@ pub(super) struct Planner {
 }
 
 impl Planner {
-    /// `limits` are the device's: they say in what forms it can draw ground with relief.
+    /// `limits` are the device's: they say in what forms it can draw terrain.
     pub fn new(
         options: &EarthOptions,
         quality: &Quality,
@@ -149,7 +149,7 @@ impl Planner {
         &self.meshes
     }
 
-    /// The ground with relief, if there is any.
+    /// Terrain, if there is any.
     pub fn ground(&self) -> Option<&dyn Surface> {
         self.ground.as_ref().map(GroundDriver::surface)
     }
@@ -169,7 +169,7 @@ impl Planner {
         self.ground().is_some_and(Surface::crosses_blocks)
     }
 
-    /// What makes the ground with relief, if there is any.
+    /// What makes terrain, if there is any.
     pub fn ground_driver(&self) -> Option<&GroundDriver> {
         self.ground.as_ref()
     }

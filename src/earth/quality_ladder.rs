@@ -346,7 +346,7 @@ mod tests {
     }
 
     #[test]
-    fn bad_ladders_are_refused_by_their_line() {
+    fn bad_ladders_are_rejected_by_their_line() {
         for (text, line, word) in [
             ("", 1, "columns"),
             ("give_up,cost\n", 1, "columns"),

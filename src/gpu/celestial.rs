@@ -129,7 +129,7 @@ struct Layer {
     /// One for each side, those that are made.
     pipelines: Vec<Option<wgpu::RenderPipeline>>,
     /// Whether one could not be made; then none is tried again.
-    is_refused: bool,
+    is_rejected: bool,
     map: Option<(wgpu::BindGroupLayout, wgpu::BindGroup)>,
     /// Whether there is anything of it in this frame.
     is_drawn: bool,
@@ -186,7 +186,7 @@ impl CelestialDrawable {
             layers.push(Layer {
                 kind,
                 pipelines: vec![None; sides.len()],
-                is_refused: false,
+                is_rejected: false,
                 map,
                 is_drawn: false,
             });
@@ -265,16 +265,16 @@ impl CelestialDrawable {
                 continue;
             }
             let scope = self.device.push_error_scope(wgpu::ErrorFilter::Validation);
-            let made = match layer.is_refused {
+            let made = match layer.is_rejected {
                 true => Ok(()),
                 false => self.make(place, self.side),
             };
-            let refused = resolved(scope.pop()).map(|error| error.to_string());
-            let refused = made.err().map(|error| error.to_string()).or(refused);
+            let rejected = resolved(scope.pop()).map(|error| error.to_string());
+            let rejected = made.err().map(|error| error.to_string()).or(rejected);
             let (side, layer) = (self.side, &mut self.layers[place]);
-            if let Some(error) = refused {
+            if let Some(error) = rejected {
                 tracing::warn!("{} is not drawn: {error}", layer.kind.name());
-                layer.is_refused = true;
+                layer.is_rejected = true;
                 layer.pipelines[side] = None;
             }
             layer.is_drawn = layer.pipelines[side].is_some();

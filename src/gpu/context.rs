@@ -24,7 +24,7 @@ pub enum ContextError {
         /// The adapters there are.
         present: Vec<String>,
     },
-    /// The adapter refused a device.
+    /// The adapter rejected a device.
     #[error("the adapter {adapter} gave no device: {source}")]
     NoDevice {
         /// The adapter's name.
@@ -319,7 +319,7 @@ fn report(adapter: &wgpu::Adapter) -> AdapterReport {
     }
     let has_bc = adapter.features();
     match has_bc.contains(wgpu::Features::TEXTURE_COMPRESSION_BC) {
-        true if software => dropped.push("compressed tiles: a software adapter unpacks every texel anew; packs are read as plain texels".into()),
+        true if software => dropped.push("compressed tiles: a software adapter unpacks every texel again; packs are read as plain texels".into()),
         true => can.push("compressed tiles (BC7, BC5, BC4)".into()),
         false => dropped.push("compressed tiles: not supported; packs are read as plain texels".into()),
     }

@@ -1,4 +1,4 @@
-//! Patches of ground with relief on the GPU: kept from frame to frame, written where they change.
+//! Patches of terrain on the GPU: kept from frame to frame, written where they change.
 
 use super::lattice::BlockInstance;
 use super::mesh::{BeginDraw, SurfaceMesh};

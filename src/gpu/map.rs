@@ -35,9 +35,9 @@ pub enum MapError {
     /// The shader file is at fault.
     #[error(transparent)]
     Shader(#[from] ShaderError),
-    /// The device refused it.
-    #[error("the device refused the map: {0}")]
-    Refused(String),
+    /// The device rejected it.
+    #[error("the device rejected the map: {0}")]
+    Rejected(String),
 }
 
 /// A whole map on the GPU, for [`Earth::set_map`](crate::Earth::set_map). A clone is the same texture.

@@ -54,12 +54,12 @@ pub(super) trait SurfaceMesh {
     /// Draws blocks from now on with these grids. Nothing may be drawn until it is written again.
     fn reset(&mut self, _device: &wgpu::Device, _grids: &[BlockGrid]) {}
 
-    /// Writes what a plan draws as far as it is not there: its blocks, or what the surface of a ground with relief made. Returns the
+    /// Writes what a plan draws as far as it is not there: its blocks, or what the surface of terrain made. Returns the
     /// bytes written.
     fn write(&mut self, queue: &wgpu::Queue, plan: &FramePlan, ground: Option<&dyn Surface>)
     -> u64;
 
-    /// Bytes of the vertices, triangles and heights of ground with relief that it holds.
+    /// Bytes of the vertices, triangles and heights of terrain that it holds.
     fn ground_bytes(&self) -> u64 {
         0
     }

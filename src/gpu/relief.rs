@@ -1,4 +1,4 @@
-//! The meshes of ground with relief.
+//! The meshes of terrain.
 
 use super::contours::PageMesh;
 use super::grid::GridMesh;

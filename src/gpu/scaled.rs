@@ -143,7 +143,7 @@ impl ScaledTarget {
         self.samples
     }
 
-    /// The same with other sizes or samples; what is as it was is not made anew.
+    /// The same with other sizes or samples; what is as it was is not made again.
     ///
     /// # Errors
     /// As [`Self::new`]; it is then as it was.

@@ -1,4 +1,4 @@
-//! The drawable of the surface: blocks of a lattice, patches of ground with relief, a grid, or pages that rays are cast at, one
+//! The drawable of the surface: blocks of a lattice, patches of terrain, a grid, or pages that rays are cast at, one
 //! indexed draw each. What all views share stands here, what each has of its own in `surface_view.rs`.
 
 use super::detail_tile::DetailTile;
@@ -181,7 +181,7 @@ impl SurfaceDrawable {
         }
     }
 
-    /// Has a view bound anew, as far as it is drawn.
+    /// Has a view bound again, as far as it is drawn.
     pub fn bind_view(&self, view: &mut SurfaceView) {
         view.unbind(self.pipelines.sides());
     }

@@ -17,7 +17,7 @@ pub(crate) struct SurfaceConfig<'a> {
     pub format: PassFormat,
     /// The air, if there is any.
     pub air: Option<&'a AirTextures>,
-    /// In what form ground with relief is drawn, if it is and not the block sphere. The variant does not change.
+    /// In what form terrain is drawn, if it is and not the block sphere. The variant does not change.
     pub ground: Option<DrawKind<'a>>,
     /// Whether that has triangles that lie in several blocks. Nor does that.
     #[cfg(feature = "terrain")]

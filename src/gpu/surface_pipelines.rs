@@ -109,7 +109,7 @@ impl SurfacePipelines {
     /// Makes passes that are not there yet, several at a time.
     ///
     /// # Errors
-    /// The first that cannot be made. What the device refuses, the calling thread's error scope has.
+    /// The first that cannot be made. What the device rejects, the calling thread's error scope has.
     pub(super) fn make_passes(
         &mut self,
         maker: &SurfaceMaker,
@@ -133,10 +133,10 @@ impl SurfacePipelines {
             let made = std::thread::scope(|scope| {
                 let make = |variant: EarthVariant| {
                     // A thread has scopes of its own.
-                    let refusals = device.push_error_scope(wgpu::ErrorFilter::Validation);
+                    let rejections = device.push_error_scope(wgpu::ErrorFilter::Validation);
                     let pass = maker.pass(device, config, maps, variant).ok();
-                    let refused = resolved(refusals.pop());
-                    pass.filter(|_| refused.is_none())
+                    let rejected = resolved(rejections.pop());
+                    pass.filter(|_| rejected.is_none())
                 };
                 let others = together.iter().skip(1);
                 let others = others.map(|(_, _, variant)| scope.spawn(move || make(*variant)));

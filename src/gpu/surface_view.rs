@@ -68,7 +68,7 @@ impl SurfaceView {
         queue.write_buffer(&self.uniforms, 0, bytemuck::bytes_of(uniforms));
     }
 
-    /// Writes what a frame draws: the plan, and of ground with relief the patches or the grid of its surface, as far as they are
+    /// Writes what a frame draws: the plan, and of terrain the patches or the grid of its surface, as far as they are
     /// not there. Returns the bytes written.
     pub fn write(
         &mut self,
@@ -81,7 +81,7 @@ impl SurfaceView {
         written + self.mesh.write(queue, plan, ground)
     }
 
-    /// Bytes of the vertices, triangles and heights of ground with relief that it holds.
+    /// Bytes of the vertices, triangles and heights of terrain that it holds.
     pub fn ground_bytes(&self) -> u64 {
         self.mesh.ground_bytes()
     }

@@ -165,7 +165,7 @@ impl TileTextures {
         &self.blocks[block.index() as usize].bind_group
     }
 
-    /// Writes a part of a tile. A slot that is not there is passed over: the caller has the pools from here.
+    /// Writes a part of a tile. A slot that is not there is skipped: the caller has the pools from here.
     pub fn write(&self, queue: &wgpu::Queue, part: &Upload<'_>) {
         let Some(pool) = self.pools.get(usize::from(part.slot.pool)) else {
             return;
@@ -276,7 +276,7 @@ impl TileTextures {
         self.is_stale |= cells.is_changed;
     }
 
-    /// Makes the bind groups of all blocks anew, the maps having been arranged otherwise.
+    /// Makes the bind groups of all blocks again, the maps having been arranged otherwise.
     pub fn bind_again(&mut self, device: &wgpu::Device, maps: &Maps) {
         for block in &mut self.blocks {
             block.bind_group = bind(device, &self.pools, maps, block.tiles);

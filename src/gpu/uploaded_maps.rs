@@ -75,7 +75,7 @@ impl MapUploader {
     /// The maps that were read to their end.
     ///
     /// # Errors
-    /// The first that the device refused.
+    /// The first that the device rejected.
     pub fn finish(self) -> Result<UploadedMaps, MapError> {
         let done = self.done.into_inner();
         done.unwrap_or_else(PoisonError::into_inner)
@@ -133,13 +133,13 @@ impl MapRows for Rows<'_> {
 
     fn finish(self: Box<Self>) {
         let held = GpuLayer::of_upload(self.upload);
-        let refused = resolved(self.validation.pop());
+        let rejected = resolved(self.validation.pop());
         let full = resolved(self.memory.pop());
         let uploader = self.uploader;
         let mut done = uploader.done.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(error) = full.or(refused) {
+        if let Some(error) = full.or(rejected) {
             if done.is_ok() {
-                *done = Err(MapError::Refused(error.to_string()));
+                *done = Err(MapError::Rejected(error.to_string()));
             }
         } else if let Ok(maps) = &mut *done {
             let summary = self.summary.summary();

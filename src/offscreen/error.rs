@@ -75,7 +75,7 @@ pub enum OffscreenError {
         /// How many the buffer has.
         got: usize,
     },
-    /// The device refused the picture's textures.
+    /// The device rejected the picture's textures.
     #[error(
         "{adapter} cannot hold a picture of {width} × {height} pixels: {cause}; take a smaller size"
     )]

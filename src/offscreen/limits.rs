@@ -29,7 +29,7 @@ pub fn target_bytes((width, height): (u32, u32), samples: u32) -> u64 {
     u64::from(width) * u64::from(height) * 4 * (1 + multisampled + u64::from(samples))
 }
 
-/// Refuses pictures whose textures and read-back buffer would take more than [`MAX_PICTURE_MIB`].
+/// Rejects pictures whose textures and read-back buffer would take more than [`MAX_PICTURE_MIB`].
 pub fn check_memory(size: (u32, u32), pass: &PassFormat) -> Result<(), OffscreenError> {
     let ((width, height), samples) = (size, pass.samples);
     let pixel = u64::from(pass.color.block_copy_size(None).unwrap_or(4));
@@ -57,7 +57,7 @@ pub fn check_memory(size: (u32, u32), pass: &PassFormat) -> Result<(), Offscreen
 /// Most bytes of truth that are read back and worked on at once.
 const TRUTH_BAND_BYTES: u64 = 64 << 20;
 
-/// Refuses truth layers whose textures would take more than [`MAX_PICTURE_MIB`].
+/// Rejects truth layers whose textures would take more than [`MAX_PICTURE_MIB`].
 pub fn check_truth_memory((width, height): (u32, u32)) -> Result<(), OffscreenError> {
     let pixels = u64::from(width) * u64::from(height);
     let mib = (pixels * TruthTargets::PIXEL_BYTES + TRUTH_BAND_BYTES) >> 20;
@@ -80,7 +80,7 @@ pub fn new_truth_targets(
     made(gpu, size, || TruthTargets::new(&gpu.device, size))
 }
 
-/// Refuses pictures that are empty or larger than the device draws.
+/// Rejects pictures that are empty or larger than the device draws.
 pub fn check_size(gpu: &GpuContext, (width, height): (u32, u32)) -> Result<(), OffscreenError> {
     let limit = gpu.device.limits().max_texture_dimension_2d;
     match (1..=limit).contains(&width) && (1..=limit).contains(&height) {
@@ -94,7 +94,7 @@ pub fn check_size(gpu: &GpuContext, (width, height): (u32, u32)) -> Result<(), O
     }
 }
 
-/// Refuses buffers that a picture with so many numbers a pixel does not fit.
+/// Rejects buffers that a picture with so many numbers a pixel does not fit.
 pub fn check_length(
     (width, height): (u32, u32),
     channels: usize,
@@ -122,9 +122,9 @@ pub(super) fn made<T>(
     let memory = gpu.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
     let validation = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
     let targets = make();
-    let refused = pollster::block_on(validation.pop());
+    let rejected = pollster::block_on(validation.pop());
     let full = pollster::block_on(memory.pop());
-    match full.or(refused) {
+    match full.or(rejected) {
         None => Ok(targets),
         Some(cause) => Err(OffscreenError::NoRoom {
             width: size.0,
@@ -155,16 +155,16 @@ mod tests {
         let (shown, light) = (FrameTargets::COLOR, wgpu::TextureFormat::Rgba32Float);
         assert!(check((1280, 720), 4, shown).is_ok());
         assert!(check((16_384, 16_384), 1, shown).is_ok());
-        let refused = check((16_384, 16_384), 4, shown).expect_err("too much");
-        assert!(refused.to_string().contains("samples = 1"), "{refused}");
+        let rejected = check((16_384, 16_384), 4, shown).expect_err("too much");
+        assert!(rejected.to_string().contains("samples = 1"), "{rejected}");
         assert!(check((4096, 4096), 1, light).is_ok());
         assert!(check((16_384, 16_384), 1, light).is_err());
     }
 
     #[test]
-    fn truth_that_no_memory_holds_is_refused() {
+    fn truth_that_no_memory_holds_is_rejected() {
         assert!(check_truth_memory((8192, 8192)).is_ok());
-        let refused = check_truth_memory((16_384, 16_384)).expect_err("too much");
-        assert!(refused.to_string().contains("16384"), "{refused}");
+        let rejected = check_truth_memory((16_384, 16_384)).expect_err("too much");
+        assert!(rejected.to_string().contains("16384"), "{rejected}");
     }
 }

@@ -34,7 +34,7 @@ impl ChosenTiles {
     }
 }
 
-/// All that a frame draws but the vertices of ground with relief: these stay with the surface that made them.
+/// All that a frame draws but the vertices of terrain: these stay with the surface that made them.
 ///
 /// One plan serves all frames, so that its lists keep their memory.
 pub(crate) struct FramePlan {
@@ -47,7 +47,7 @@ pub(crate) struct FramePlan {
     pub mesh: usize,
     /// The blocks in sight, in the order in which they are drawn.
     pub blocks: Vec<Block>,
-    /// Their vertices from the eye, ITRF axes, metres: (n + 1)² a block, row by row. None where there is ground with relief.
+    /// Their vertices from the eye, ITRF axes, metres: (n + 1)² a block, row by row. None where there is terrain.
     pub vertices: Vec<Vec3>,
     /// Indices of the cells of blocks that are not drawn alike everywhere.
     pub cells: Vec<u16>,

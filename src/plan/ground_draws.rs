@@ -1,4 +1,4 @@
-//! The draws of ground with relief.
+//! The draws of terrain.
 
 use super::draws::{DrawLight, PER_BLOCK_TILES, SurfaceDraw, WHOLE_MAP};
 use std::collections::HashMap;

@@ -1,6 +1,6 @@
 //! What a device allows.
 
-/// What a device allows, as far as it decides in what form ground with relief is drawn.
+/// What a device allows, as far as it decides in what form terrain is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DeviceLimits {
     /// Longest side of a texture, texels.

@@ -38,7 +38,7 @@ pub(super) struct Curve {
     /// Steps are this often as long as each sample says: above 1 where the span is too long for `max_points`.
     coarseness: f64,
     /// Before the one and after the other the feed has answered with an error.
-    refused: (f64, f64),
+    rejected: (f64, f64),
 }
 
 impl Curve {
@@ -48,23 +48,23 @@ impl Curve {
             samples: VecDeque::with_capacity(max_points + 2),
             max_points,
             coarseness: 1.0,
-            refused: (f64::NEG_INFINITY, f64::INFINITY),
+            rejected: (f64::NEG_INFINITY, f64::INFINITY),
         }
     }
 
-    /// Forgets all samples: the next call begins anew.
+    /// Forgets all samples: the next call begins again.
     pub fn clear(&mut self) {
         self.samples.clear();
         self.coarseness = 1.0;
-        self.refused = (f64::NEG_INFINITY, f64::INFINITY);
+        self.rejected = (f64::NEG_INFINITY, f64::INFINITY);
     }
 
-    /// Forgets what lies later than `t_s`, and what was refused: a live feed may know better by now.
+    /// Forgets what lies later than `t_s`, and what was rejected: a live feed may know better by now.
     pub fn forget_after(&mut self, t_s: f64) {
         while self.samples.back().is_some_and(|last| last.t_s > t_s) {
             self.samples.pop_back();
         }
-        self.refused = (f64::NEG_INFINITY, f64::INFINITY);
+        self.rejected = (f64::NEG_INFINITY, f64::INFINITY);
     }
 
     /// Samples what of `window` is missing, from now outwards, with at most `budget` calls of `at`, which are taken off
@@ -91,8 +91,8 @@ impl Curve {
             at(t_s)
         };
         loop {
-            let first_s = from_s.max(known.0).max(self.refused.0);
-            let last_s = to_s.min(known.1).min(self.refused.1);
+            let first_s = from_s.max(known.0).max(self.rejected.0);
+            let last_s = to_s.min(known.1).min(self.rejected.1);
             if *budget == 0 || first_s > last_s {
                 break;
             }
@@ -122,14 +122,14 @@ impl Curve {
                     let t_s = (back.t_s + step(&back)).min(known.1);
                     match taken(budget, t_s) {
                         Some(sample) => self.samples.push_back(sample),
-                        None => self.refused.1 = back.t_s,
+                        None => self.rejected.1 = back.t_s,
                     }
                 }
                 (_, true) => {
                     let t_s = (front.t_s - step(&front)).max(known.0);
                     match taken(budget, t_s) {
                         Some(sample) => self.samples.push_front(sample),
-                        None => self.refused.0 = front.t_s,
+                        None => self.rejected.0 = front.t_s,
                     }
                 }
                 _ => break,
@@ -138,12 +138,12 @@ impl Curve {
         self.drop_outside(from_s, to_s);
         let ends = self.samples.front().zip(self.samples.back());
         ends.is_none_or(|(front, back)| {
-            front.t_s <= from_s.max(known.0).max(self.refused.0)
-                && back.t_s >= to_s.min(known.1).min(self.refused.1)
+            front.t_s <= from_s.max(known.0).max(self.rejected.0)
+                && back.t_s >= to_s.min(known.1).min(self.rejected.1)
         })
     }
 
-    /// Whether the window lies so far from what is kept that going there would cost more than beginning anew.
+    /// Whether the window lies so far from what is kept that going there would cost more than beginning again.
     fn is_far(&self, window: TimeWindow) -> bool {
         let (Some(front), Some(back)) = (self.samples.front(), self.samples.back()) else {
             return false;
@@ -319,17 +319,17 @@ mod tests {
         assert_eq!((times[0], times[times.len() - 1]), (-33.0, 44.0));
         // Found out: the last place that it answered for, asked once.
         let mut curve = Curve::new(1000);
-        let mut refused = 0;
+        let mut rejected = 0;
         let mut at = |t_s: f64| {
             let is_known = (-45.0..=25.0).contains(&t_s);
-            refused += u32::from(!is_known);
+            rejected += u32::from(!is_known);
             along(t_s).filter(|_| is_known)
         };
         assert!(curve.follow(whole, ALWAYS, &mut 1000, &mut at));
         assert!(curve.follow(whole, ALWAYS, &mut 1000, &mut at));
         let times = walked(&curve, whole);
         assert_eq!((times[0], times[times.len() - 1]), (-40.0, 20.0));
-        assert_eq!(refused, 2);
+        assert_eq!(rejected, 2);
         // Not known at all, or not yet begun: nothing, and only what is known.
         let mut none = Curve::new(10);
         assert!(none.follow(whole, ALWAYS, &mut 10, |_| None));

@@ -12,7 +12,7 @@ use terrella_orbit::{Feed, Frame, Freshness, OrbitState};
 
 /// Longest revolution that spans are counted in, seconds; the span of what takes longer is counted in days.
 const LONGEST_REVOLUTION_S: f64 = 2.0 * 86_400.0;
-/// Of a feed that is live, what lies later than so long before now is asked anew: late packets change it.
+/// Of a feed that is live, what lies later than so long before now is asked again: late packets change it.
 const UNSETTLED_S: f64 = 10.0;
 
 /// Now, and the rotations from inertial axes to the Earth as it stands now, each made when it is first asked for.

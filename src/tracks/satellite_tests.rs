@@ -206,7 +206,7 @@ fn in_steady_state_few_states_are_asked_for() {
         (1200..1800).contains(&first) && then < 200,
         "{first} {then}"
     );
-    // A jump to another day begins anew; backwards too.
+    // A jump to another day begins again; backwards too.
     let (is_whole, taken) = follow(&mut satellite, &iss, at - Duration::from_seconds(86_400.0));
     assert!(is_whole && taken < 2000, "{taken}");
 }

@@ -109,7 +109,7 @@ impl TrackStyle {
         Ink::new(format, self.color, self.kinds().lines)
     }
 
-    /// Refuses angles, spans and widths that have no meaning: says what they must be.
+    /// Rejects angles, spans and widths that have no meaning: says what they must be.
     pub(super) fn check(&self) -> Result<(), &'static str> {
         let is_sound = |span: TrackSpan| {
             let (before, after) = match span {

@@ -1,4 +1,4 @@
-//! The floor that frames are held against samples where frames do: the same pixels, the same places, the same footprints.
+//! The floor that frames are compared with samples where frames do: the same pixels, the same places, the same footprints.
 
 use crate::common::{day_only, down, gpu, looks_at, map, ray, tilted};
 use image::RgbaImage;
@@ -102,7 +102,7 @@ fn the_floor_covers_the_ground_and_samples_where_pixels_look() {
     }
 }
 
-/// Texels turn about from bright to dark: pixels larger than texels are grey, smaller ones are one or the other.
+/// Texels interleaved from bright to dark: pixels larger than texels are grey, smaller ones are one or the other.
 #[test]
 fn the_floor_reads_the_mip_level_of_the_pixels_footprint() {
     let texels = |lat_deg: f64, lon_deg: f64| {

@@ -587,15 +587,15 @@ fn work_can_be_counted_and_stopped() {
 }
 
 #[test]
-fn unsound_maps_and_options_are_refused() {
+fn unsound_maps_and_options_are_rejected() {
     let layers = plain([200; 3]);
     for samples in [0, 17] {
-        let refused = Reference::new(&layers, ReferenceOptions { samples, ..BARE });
-        assert!(matches!(refused, Err(ReferenceError::Samples(_))));
+        let rejected = Reference::new(&layers, ReferenceOptions { samples, ..BARE });
+        assert!(matches!(rejected, Err(ReferenceError::Samples(_))));
     }
     for exposure in [-1.0, f64::NAN, f64::INFINITY] {
-        let refused = Reference::new(&layers, ReferenceOptions { exposure, ..BARE });
-        assert!(matches!(refused, Err(ReferenceError::Exposure(_))));
+        let rejected = Reference::new(&layers, ReferenceOptions { exposure, ..BARE });
+        assert!(matches!(rejected, Err(ReferenceError::Exposure(_))));
     }
     let mut short = layers.clone();
     std::sync::Arc::make_mut(&mut short.day.levels)[0].pop();
@@ -605,6 +605,6 @@ fn unsound_maps_and_options_are_refused() {
     ));
     let mut wrong = layers.clone();
     wrong.clouds = Some(layers.day);
-    let refused = Reference::new(&wrong, BARE).expect_err("a colour map of clouds");
-    assert!(refused.to_string().contains("clouds"), "{refused}");
+    let rejected = Reference::new(&wrong, BARE).expect_err("a colour map of clouds");
+    assert!(rejected.to_string().contains("clouds"), "{rejected}");
 }

@@ -128,7 +128,7 @@ fn grounds() -> Vec<(&'static str, (f64, f64), Ground)> {
 }
 
 /// Name, eye's distance north of the middle, degrees, its height above the ground there, heading, pitch and whether what it
-/// sees is held against the data.
+/// sees is compared with the data.
 const VIEWS: [(&str, f64, f64, f64, f64, bool); 5] = [
     ("from above", 0.0, 4e5, 0.0, -90.0, true),
     ("aslant", -0.3, 2e4, 10.0, -30.0, true),
@@ -301,7 +301,7 @@ fn the_numbers_see_what_is_wrong() {
     let (_, at, ground) = grounds().swap_remove(8);
     let view = view(&ground, at, 1);
     let exact = TrueRelief::new(&view, SIZE, &FIGURE, &ground).expect("pixels");
-    // Drawn from other heights than it is held against.
+    // Drawn from other heights than it is compared with.
     let picture = |drawn: &Ground| {
         let options = GroundOptions {
             elevation: Arc::new(drawn.clone()),

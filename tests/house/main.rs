@@ -1,4 +1,4 @@
-//! The house rules, held against the repository's own files.
+//! The house rules, compared with the repository's own files.
 //!
 //! What clippy can hold, clippy holds (`[workspace.lints]`); here is what it cannot.
 

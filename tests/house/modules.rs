@@ -180,7 +180,7 @@ pub fn unused(files: &[File], exports: &BTreeMap<String, String>) -> Vec<String>
         .collect()
 }
 
-/// How the table of modules in these pages differs from the enforced one. Pages without one are passed over; one page at
+/// How the table of modules in these pages differs from the enforced one. Pages without one are skipped; one page at
 /// least must have it.
 pub fn unlike_the_table(pages: &[(&str, String)]) -> Vec<String> {
     let names: Vec<_> = MODULES.iter().map(|(name, _)| *name).collect();

@@ -178,7 +178,7 @@ fn a_texture_of_the_host_is_a_map() {
 }
 
 #[test]
-fn maps_that_cannot_be_drawn_are_refused_by_name() {
+fn maps_that_cannot_be_drawn_are_rejected_by_name() {
     let gpu = gpu();
     let mut rig = Rig::new(&EarthOptions::new(layers(clouds(1))), SIZE);
     let before = rig.draw(&view(), SUN).0;
@@ -198,7 +198,7 @@ fn maps_that_cannot_be_drawn_are_refused_by_name() {
     ] {
         let error = MapFade::new(&gpu.device, layer, size)
             .err()
-            .expect("refused");
+            .expect("rejected");
         assert!(error.to_string().contains(layer.name()), "{error}");
     }
     assert!(rig.draw(&view(), SUN).0 == before);

@@ -49,7 +49,7 @@ fn what_the_device_rejects_is_the_error_of_the_next_picture() {
         .draw_color(&view, &sky, wait, &mut rgba)
         .expect("a picture");
     for _ in 0..2 {
-        // The second follows from the first, or hides it: the first is told.
+        // The second follows from the first, or hides it: the first is reported.
         ask_for_something_that_is_not_allowed(earth.gpu());
         ask_for_something_that_is_not_allowed(earth.gpu());
         let found = fault(earth.draw_color(&view, &sky, wait, &mut rgba));

@@ -130,7 +130,7 @@ fn tiles_follow_the_levels() {
 }
 
 #[test]
-fn a_quality_that_is_refused_leaves_the_earth_as_it_was() {
+fn a_quality_that_is_rejected_leaves_the_earth_as_it_was() {
     let options = EarthOptions::new(layers(map(64, hills)));
     let mut rig = Rig::new(&options, SIZE);
     let (before, ..) = rig.draw_complete(&view(), sun());
@@ -149,7 +149,7 @@ fn a_quality_that_is_refused_leaves_the_earth_as_it_was() {
         ..quality
     };
     for bad in [cells, samples, scale] {
-        let error = rig.earth.set_quality(queue, &bad).expect_err("refused");
+        let error = rig.earth.set_quality(queue, &bad).expect_err("rejected");
         assert!(!error.to_string().is_empty());
         assert_eq!(rig.earth.quality(), &quality);
         assert!(rig.draw_complete(&view(), sun()).0 == before);

@@ -422,12 +422,12 @@ fn compressed_tiles_need_a_device_that_reads_them() {
     };
     let opened = pollster::block_on(gpu.adapter.request_device(&descriptor));
     let (device, queue) = opened.expect("a device");
-    let refused = |tiles: FunctionTiles<Map>| {
+    let rejected = |tiles: FunctionTiles<Map>| {
         let earth = Earth::new(&device, &queue, &options(Arc::new(tiles)));
         earth.err().map(|error| error.to_string())
     };
-    assert_eq!(refused(source(ocean)), None);
-    let words = refused(source(ocean).compressed()).expect("refused");
+    assert_eq!(rejected(source(ocean)), None);
+    let words = rejected(source(ocean).compressed()).expect("rejected");
     assert!(
         words.contains("TEXTURE_COMPRESSION_BC") && words.contains("decode"),
         "{words}"
@@ -435,10 +435,10 @@ fn compressed_tiles_need_a_device_that_reads_them() {
 }
 
 #[test]
-fn tiles_of_a_map_that_is_not_drawn_are_refused() {
+fn tiles_of_a_map_that_is_not_drawn_are_rejected() {
     let gpu = common::gpu();
     let tiles = source(ocean).of(MapLayer::Water);
     let error = Earth::new(&gpu.device, &gpu.queue, &options(Arc::new(tiles))).err();
-    let words = error.expect("refused").to_string();
+    let words = error.expect("rejected").to_string();
     assert!(words.contains("water"), "{words}");
 }

@@ -481,7 +481,7 @@ fn what_is_off_is_absent() {
 }
 
 #[test]
-fn styles_without_meaning_are_refused() {
+fn styles_without_meaning_are_rejected() {
     let gpu = common::gpu();
     let earth = Earth::new(&gpu.device, &gpu.queue, &options(Atmosphere::None));
     let options = TracksOptions::of(&earth.expect("an Earth"));
@@ -515,8 +515,8 @@ fn styles_without_meaning_are_refused() {
             "half angle",
         ),
     ] {
-        let refused = Tracks::new(&gpu.device, &options, &[TrackStyle::new(0), style(change)]);
-        let words_of = refused
+        let rejected = Tracks::new(&gpu.device, &options, &[TrackStyle::new(0), style(change)]);
+        let words_of = rejected
             .err()
             .map(|error| error.to_string())
             .unwrap_or_default();

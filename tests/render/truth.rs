@@ -394,14 +394,14 @@ fn land_and_clouds_are_those_of_their_maps() {
 }
 
 #[test]
-fn a_pass_that_cannot_hold_truth_is_refused_by_name() {
+fn a_pass_that_cannot_hold_truth_is_rejected_by_name() {
     let gpu = gpu();
-    let refused = |options: EarthOptions| match Earth::new(&gpu.device, &gpu.queue, &options) {
+    let rejected = |options: EarthOptions| match Earth::new(&gpu.device, &gpu.queue, &options) {
         Ok(_) => panic!("drawn"),
         Err(error) => error.to_string(),
     };
     let sound = options(plain([90; 3]));
-    let words = refused(EarthOptions {
+    let words = rejected(EarthOptions {
         samples: 4,
         ..sound.clone()
     });
@@ -409,7 +409,7 @@ fn a_pass_that_cannot_hold_truth_is_refused_by_name() {
         words.contains("samples 4") && words.contains("R32Uint"),
         "{words}"
     );
-    let words = refused(EarthOptions {
+    let words = rejected(EarthOptions {
         color_format: wgpu::TextureFormat::Rgba8UnormSrgb,
         ..sound
     });

@@ -128,7 +128,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn folders_in_the_repository_are_refused() {
+    fn folders_in_the_repository_are_rejected() {
         let root = repository_root();
         for inside in ["out/new/folder", "", "xtask/../out"] {
             let error = run(Path::new("/nowhere"), &root.join(inside), true).unwrap_err();

@@ -3,7 +3,7 @@
 use crate::cargo;
 use crate::process;
 
-/// Sends 100 000 packets to a live feed, one in twenty of them spoilt, and holds its memory and what it answers.
+/// Sends 100 000 packets to a live feed, one in twenty of them corrupt, and holds its memory and what it answers.
 ///
 /// # Errors
 /// A build or a test that failed.

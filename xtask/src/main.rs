@@ -113,11 +113,11 @@ enum Command {
     },
     /// Make the numbers on README.md and the pages of docs/ from the runs recorded in docs/recorded/.
     Numbers {
-        /// Measure these anew first, in release builds, and record them; without names all that can be, which takes hours.
+        /// Measure these again first, in release builds, and record them; without names all that can be, which takes hours.
         #[arg(long, value_name = "NAME", num_args = 0..)]
         measure: Option<Vec<String>>,
     },
-    /// Draw the pictures of README.md and of the pages of docs/ anew.
+    /// Draw the pictures of README.md and of the pages of docs/ again.
     Pictures {
         /// The program to draw with; by default it is built as for a release.
         #[arg(long, value_name = "FILE")]
@@ -126,7 +126,7 @@ enum Command {
         #[arg(value_name = "NAME.jpg")]
         names: Vec<String>,
     },
-    /// Send 100 000 packets to a live feed, one in twenty of them spoilt: memory and answers.
+    /// Send 100 000 packets to a live feed, one in twenty of them corrupt: memory and answers.
     Soak,
     /// Run the bodies of the fuzz targets for some time each, without a nightly compiler; rows for fuzz/RESULTS.md.
     Fuzz {

@@ -1,4 +1,4 @@
-//! `cargo xtask pictures`: draws the pictures of README.md and of the pages of docs/ anew.
+//! `cargo xtask pictures`: draws the pictures of README.md and of the pages of docs/ again.
 
 use crate::cargo;
 use crate::process::{self, repository_root, say};

@@ -199,12 +199,12 @@ fn install(installer: Installer, packages: &[&str]) -> anyhow::Result<()> {
         .output()
         .is_ok_and(|output| output.status.success());
     if !known {
-        say("the package list does not name what is needed: it is fetched anew");
+        say("the package list does not name what is needed: it is fetched again");
         update()?;
         return install();
     }
     install().or_else(|_| {
-        say("the package list may be out of date: it is fetched anew");
+        say("the package list may be out of date: it is fetched again");
         update()?;
         install()
     })

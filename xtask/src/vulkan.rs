@@ -1,7 +1,7 @@
 //! Is there a Vulkan driver that has its device? Answered from files alone, before anything is built.
 //!
 //! The Vulkan loader finds drivers through JSON manifests. Distributions install the manifests of all makers together, so
-//! a manifest says nothing about the machine: each is held against the devices that are there.
+//! a manifest says nothing about the machine: each is compared with the devices that are there.
 //! The last word has `terrella doctor`, which opens the adapter.
 
 use serde_json::Value;

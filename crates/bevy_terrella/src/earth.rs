@@ -14,7 +14,7 @@ use terrella::{
 /// The Earth of this world: one entity has it. Where it stands is its [`EarthFrame`], when it is its [`EarthEpoch`].
 ///
 /// It is made on a thread of [`AsyncComputeTaskPool`](bevy::tasks::AsyncComputeTaskPool), once for each pair of format and sample count that
-/// cameras have, and drawn when it is ready. After a change it is made anew, and drawn as it was until then.
+/// cameras have, and drawn when it is ready. After a change it is made again, and drawn as it was until then.
 #[derive(Component, Clone, Debug, Default)]
 #[require(EarthFrame, EarthEpoch, EarthSky)]
 pub struct Earth {
@@ -38,7 +38,7 @@ pub struct Earth {
     pub tone: Tone,
     /// Tiles of a pack in place of whole maps (feature `packs` of the crate `terrella`).
     pub tiles: Option<TileOptions>,
-    /// Ground with relief (feature `terrain` of the crate `terrella`).
+    /// Terrain (feature `terrain` of the crate `terrella`).
     pub ground: Option<GroundOptions>,
 }
 

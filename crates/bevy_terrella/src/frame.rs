@@ -41,7 +41,7 @@ impl EarthFrame {
         Self::of(DMat3::IDENTITY, origin_itrf_m)
     }
 
-    /// Metres from a point in GCRF metres, axes of GCRF, the Earth turned as it is at `epoch`: make it anew when the epoch changes.
+    /// Metres from a point in GCRF metres, axes of GCRF, the Earth turned as it is at `epoch`: make it again when the epoch changes.
     pub fn gcrf(origin_gcrf_m: DVec3, epoch: Epoch) -> Self {
         let itrf_from_gcrf = itrf_from_gcrf(epoch);
         Self::of(itrf_from_gcrf, itrf_from_gcrf * origin_gcrf_m)

@@ -38,7 +38,7 @@
 //!
 //! `prepare` is one call for all cameras of a format and sample count, because Bevy submits them together; each camera has an
 //! [`EarthView`](terrella::EarthView) of its own. Where a camera needs an Earth that is not there yet, a task makes it.
-//! On a new device (`RenderStartup`) all is made anew.
+//! On a new device (`RenderStartup`) all is made again.
 //!
 //! What Bevy draws from its prepass (ambient occlusion, depth of field, motion vectors) does not know of the Earth, which is not in it.
 

@@ -67,7 +67,7 @@ pub enum ChartError {
     /// No point has finite values (above zero on logarithmic axes).
     #[error("the chart \"{0}\" has nothing to show")]
     Empty(String),
-    /// The drawing library refused.
+    /// The drawing library rejected.
     #[error("the chart \"{title}\" cannot be drawn: {cause}")]
     Drawing {
         title: String,
@@ -311,7 +311,7 @@ mod tests {
     }
 
     #[test]
-    fn a_chart_of_nothing_is_refused() {
+    fn a_chart_of_nothing_is_rejected() {
         let mut chart = chart();
         chart.series.remove(0);
         assert!(matches!(chart.to_svg(), Err(ChartError::Empty(_))));

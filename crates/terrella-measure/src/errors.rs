@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `difference.rs` | colours against the true picture: FLIP, and the root mean square error in linear light |
 //! | `geolocation.rs` | the geolocation buffer: where each pixel says that it looks; its distance from the exact ray's place |
-//! | `relief.rs` | drawn ground with relief against its heights: metres, pixels, holes |
+//! | `relief.rs` | drawn terrain against its heights: metres, pixels, holes |
 //! | `silhouette.rs` | the drawn limb against the analytic one, to 1/64 pixel |
 
 mod difference;

@@ -53,14 +53,14 @@ const MAX_WAIT: Duration = Duration::from_secs(60);
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ExtremeError {
-    /// The Earth refused its options.
+    /// The Earth rejected its options.
     #[error(transparent)]
     Earth(#[from] EarthError),
     /// The picture could not be read back.
     #[error(transparent)]
     Picture(#[from] PictureError),
-    /// The device refused a command.
-    #[error("the device refused to draw: {0}")]
+    /// The device rejected a command.
+    #[error("the device cannot draw: {0}")]
     Device(String),
 }
 
@@ -96,8 +96,8 @@ pub fn run(case: &ExtremeCase, gpu: &GpuContext, layers: &EarthLayers) -> CaseRe
         )
     });
     let passed = match (&case.lit, &error) {
-        (Lit::Refused(part), Some(error)) => error.contains(part),
-        (Lit::Refused(_), None) | (_, Some(_)) => false,
+        (Lit::Rejected(part), Some(error)) => error.contains(part),
+        (Lit::Rejected(_), None) | (_, Some(_)) => false,
         (Lit::Nothing, None) => lit == 0 && broken == 0,
         (Lit::Pixels(min, max), None) => (*min..=*max).contains(&lit) && broken == 0,
         (Lit::Share(min, max), None) => {
@@ -147,7 +147,7 @@ fn describe(picture: &LinearPicture, lit: usize) -> String {
 /// Draws a case.
 ///
 /// # Errors
-/// What the Earth or the device refuses.
+/// What the Earth or the device rejects.
 pub fn draw(
     case: &ExtremeCase,
     gpu: &GpuContext,

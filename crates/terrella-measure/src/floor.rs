@@ -26,7 +26,7 @@ use view::{CORNERS, FloorView};
 /// samples cost where nothing is made of them, so that a frame over its floor says what light, air, meshes, sky and the processor's work
 /// cost in units of the reading. It is less than what a frame reads in these: shadows of clouds and clouds themselves are
 /// sampled where the place is, moved by one fixed amount and not by their height; by day's edge the Earth reads city lights in blocks that are partly by night; tables hold nothing, which hardware may
-/// compress; an Earth of a pack has the floor of its coarsest whole maps; ground with relief that of the smooth ellipsoid; made
+/// compress; an Earth of a pack has the floor of its coarsest whole maps; terrain that of the smooth ellipsoid; made
 /// detail, stars, the Milky Way and tracks are not in it. From as far as the Moon most of both is what any pass costs that
 /// clears and waits.
 pub struct Floor {

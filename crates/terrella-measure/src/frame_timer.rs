@@ -1,4 +1,4 @@
-//! Times frames of an Earth beside their floor and a bare clear, turn about on the same textures.
+//! Times frames of an Earth beside their floor and a bare clear, interleaved on the same textures.
 
 use super::floor::Floor;
 use image::RgbaImage;
@@ -79,7 +79,7 @@ impl FrameTimer {
         self.picture.draw_complete(&moment(view, sky), wait).1.len()
     }
 
-    /// Draws a view when ground with relief is as fine as it will be, or `wait` is over.
+    /// Draws a view when terrain is as fine as it will be, or `wait` is over.
     pub fn wait_for_ground(&mut self, view: &EyeView, sky: &Sky, wait: Duration) {
         self.picture.draw_complete(&moment(view, sky), wait);
     }

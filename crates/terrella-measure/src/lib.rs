@@ -3,11 +3,11 @@
 //! | module | what |
 //! |---|---|
 //! | `viewpoints` | where frames are measured from: the heights of the paper's Table 2 and farther |
-//! | `frame_timer` | frames and their floor, timed turn about |
+//! | `frame_timer` | frames and their floor, timed interleaved |
 //! | `floor` | what a frame's texture samples cost alone |
 //! | [`mod@bench`] | the frame-rate harness |
 //! | [`mod@reference`] | the true picture: ray casting in f64 on the processor |
-//! | [`numeric`] | formulas held against arbitrary precision, methods compared by error and cost |
+//! | [`numeric`] | formulas compared with arbitrary precision, methods compared by error and cost |
 //! | [`extreme`] | pictures that nobody would ask for, and what they must show |
 //! | [`clear_air`] | the air's light against tables of a radiative-transfer program |
 //! | [`errors`] | how wrong a picture is: colours, places, silhouette |

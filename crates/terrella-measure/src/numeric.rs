@@ -1,10 +1,10 @@
-//! Formulas held against arbitrary precision, and numerical methods compared by error and cost.
+//! Formulas compared with arbitrary precision, and numerical methods compared by error and cost.
 //!
 //! | file | what |
 //! |---|---|
 //! | `oracle.rs` | real numbers of 320 bits |
 //! | `method.rs` | anything that has an error and a cost, and the driver that measures both |
-//! | `formula.rs` | a formula with its forms, each held against the oracle over a range |
+//! | `formula.rs` | a formula with its forms, each compared with the oracle over a range |
 //! | `limb.rs`, `roots.rs`, `horizon.rs`, `geodetic.rs`, `sidereal.rs`, `depth.rs`, `place.rs` | the formulas |
 
 mod depth;

@@ -1,7 +1,7 @@
 //! What each reduction of quality saves and what it costs in error, and the ladder that follows.
 //!
-//! A search from the full quality down: every reduction that is left is tried on top of what is given up already, each timed turn about
-//! with the full quality in the same views and held against its pictures, and the one that saves most for the error that
+//! A search from the full quality down: every reduction that is left is tried on top of what is given up already, each timed interleaved
+//! with the full quality in the same views and compared with its pictures, and the one that saves most for the error that
 //! it adds is taken; then again from there. What is on the Pareto front of error and cost of all that was tried, and saves
 //! enough, is a step of the [`QualityLadder`](terrella::QualityLadder).
 //!

@@ -12,7 +12,7 @@
 //! - **Light** by wavelength, in 16 bands, and from them linear sRGB with the Sun as white. A map's colour is a factor on each
 //!   channel of what white ground would show.
 //! - **Air** by quadrature along each ray, in scaled space as the drawables' air is ([`terrella_ground::air`]): molecules, ozone and
-//!   aerosol of this renderer's own sources, all orders of scattering, ground as bright as the maps about it. It is held against
+//!   aerosol of this renderer's own sources, all orders of scattering, ground as bright as the maps about it. It is compared with
 //!   tables of another program ([`super::clear_air`]).
 //!
 //! | file | what |
@@ -28,7 +28,7 @@
 //! | `orders`, `field` | light that is scattered more than once, and its tables |
 //! | `grid` | quadrature and interpolation |
 //! | `render`, `picture` | rays to pixels |
-//! | `relief` | where rays meet ground with relief |
+//! | `relief` | where rays meet terrain |
 //! | `pack` | whole maps of a pack's finest levels |
 //! | `still` | one picture of a scene into a file |
 
@@ -211,7 +211,7 @@ impl Reference {
         })
     }
 
-    /// The same on ground with relief at its finest, whatever surface would draw it.
+    /// The same on terrain at its finest, whatever surface would draw it.
     pub fn on_relief(self, elevation: Arc<dyn Elevation>) -> Self {
         Self {
             relief: Some(elevation),

@@ -1,6 +1,6 @@
 //! Error against run time: what each setting of a scene costs and what it buys.
 //!
-//! The scene is seen from several heights, each setting changed by itself, and every picture is held against the true
+//! The scene is seen from several heights, each setting changed by itself, and every picture is compared with the true
 //! one. Every setting but the swept one is the scene's. From this come a table, charts, and a page.
 //!
 //! | file | what |
@@ -184,7 +184,7 @@ impl Study {
         some
     }
 
-    /// What other meshes are held against: the scene's own mesh, measured in the sweep beside them where it is there.
+    /// What other meshes are compared with: the scene's own mesh, measured in the sweep beside them where it is there.
     fn scene_mesh(&self, height_km: f64) -> Option<&SweepRow> {
         self.row("subdivision", &self.subdivision.to_string(), height_km)
             .or_else(|| self.row("scene", "as it is", height_km))

@@ -73,13 +73,13 @@ pub enum TerrainError {
     /// Heights of a synthetic ground, or of every so many samples of a file, that these trees cannot be made of.
     #[error("{ground}: {error}")]
     Ground { ground: String, error: DemError },
-    /// The quadtree was refused.
+    /// The quadtree was rejected.
     #[error("{ground}: {error}")]
     Quadtree { ground: String, error: TreeError },
-    /// The tree of contours was refused.
+    /// The tree of contours was rejected.
     #[error("{ground}: {error}")]
     Contours { ground: String, error: BudgetError },
-    /// The patches were refused.
+    /// The patches were rejected.
     #[error("{ground}: {error}")]
     Patches { ground: String, error: PatchError },
     /// A degree or q that no q-Bernstein basis has.
@@ -97,7 +97,7 @@ pub enum TerrainError {
 }
 
 impl HeightField {
-    fn refused(&self, error: DemError) -> TerrainError {
+    fn rejected(&self, error: DemError) -> TerrainError {
         TerrainError::Ground {
             ground: self.name.clone(),
             error,

@@ -252,18 +252,18 @@ fn a_white_sheet_makes_the_electrons_of_the_equation() {
 
 #[test]
 fn a_narrow_point_spread_is_rejected_with_the_oversampling_that_works() {
-    let refusal = |psf, oversampling| {
+    let rejection = |psf, oversampling| {
         let error = sensor([8, 8], psf, oversampling)
             .check()
             .expect_err("rejected");
         assert_eq!(error.key(), "psf");
         error.to_string()
     };
-    let narrow = refusal(Psf::Gaussian { sigma_px: 0.25 }, 3);
+    let narrow = rejection(Psf::Gaussian { sigma_px: 0.25 }, 3);
     assert!(narrow.contains("oversampling of 4"), "{narrow}");
-    let airy = refusal(Psf::Airy { lambda_n_px: 0.5 }, 3);
+    let airy = rejection(Psf::Airy { lambda_n_px: 0.5 }, 3);
     assert!(airy.contains("oversampling of 4"), "{airy}");
-    let none = refusal(Psf::Airy { lambda_n_px: 0.05 }, 3);
+    let none = rejection(Psf::Airy { lambda_n_px: 0.05 }, 3);
     assert!(none.contains("psf = \"none\""), "{none}");
     sensor([8, 8], Psf::Airy { lambda_n_px: 0.5 }, 4)
         .check()

@@ -20,7 +20,7 @@ fn air_before(at: SurfacePoint, mu_s: f32) -> AirBefore {
     return air_before_smooth_ground(at, mu_s);
 }
 
-// To an eye in the air ground with relief may be nearer than the smooth ground, or stand where that does not.
+// To an eye in the air terrain may be nearer than the smooth ground, or stand where that does not.
 @if(relief && inside)
 fn air_before_relief(at: SurfacePoint, smooth_: AirBefore) -> AirBefore {
     let to_ground = -at.to_eye * vec3f(1.0, 1.0, air.polar_stretch);
@@ -64,7 +64,7 @@ fn air_before_smooth_ground(at: SurfacePoint, mu_s: f32) -> AirBefore {
     return AirBefore(through_at(x), light);
 }
 
-// The air before ground with relief or before clouds, as a part of the air before the smooth ground: `part` of the optical depth, and of
+// The air before terrain or before clouds, as a part of the air before the smooth ground: `part` of the optical depth, and of
 // the light as if its source were the same all along.
 fn thinned(air_: AirBefore, part: vec3f) -> AirBefore {
     let through = pow(max(air_.through, vec3f(1e-6)), part);

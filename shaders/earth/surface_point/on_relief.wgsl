@@ -1,4 +1,4 @@
-// A point of ground with relief, on the pixel's ray.
+// A point of terrain, on the pixel's ray.
 @if(cast) import earth/surface_point/contour_tree.wgsl;
 
 // Where the ray meets the contours of the page whose prism is drawn; no pixel where it meets none.

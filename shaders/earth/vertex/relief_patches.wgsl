@@ -1,4 +1,4 @@
-// Patches of ground with relief, their vertices displaced on the CPU: `GroundVertex` about the origin of each, `PatchInstance`
+// Patches of terrain, their vertices displaced on the CPU: `GroundVertex` about the origin of each, `PatchInstance`
 // in src/gpu/ground.rs.
 
 struct PatchVertex {

@@ -23,7 +23,7 @@ pub enum VertexForm {
         /// Whether blocks have tiles.
         tiles: bool,
     },
-    /// Patches of ground with relief.
+    /// Patches of terrain.
     ReliefPatches(PatchTiles),
     /// A grid whose vertices the GPU makes; its triangles lie in several blocks.
     ProjectedGrid {

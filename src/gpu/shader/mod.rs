@@ -12,7 +12,7 @@
 //! there as the driver gets it.
 //!
 //! `TERRELLA_SHADERS` names a folder that the files are read from in place of those compiled in; a debug build reads them from
-//! `shaders/` without it ([`ShaderFiles`]). The player's window draws with them anew when they change.
+//! `shaders/` without it ([`ShaderFiles`]). The player's window draws with them again when they change.
 //!
 //! # Why our own resolver
 //!
@@ -20,7 +20,7 @@
 //! the resolver is ours, 150 lines:
 //!
 //! - `wesl` parses all of WGSL and names errors well, but is 48 crates more, a parser generator among them; it prints the text
-//!   anew with mangled names, and a condition that nobody declared is false without a word.
+//!   again with mangled names, and a condition that nobody declared is false without a word.
 //! - `naga_oil` is 7 crates more and hands over naga's IR instead of text: nothing to dump, nothing to count bytes of. Its
 //!   `#ifdef` takes lines of its own, which is what made functions here unreadable.
 //! - Here a line of the driver's text is a line of a file, [`ShaderText::origins`] says which, unknown names are errors, and

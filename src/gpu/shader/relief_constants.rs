@@ -1,4 +1,4 @@
-//! Constants that only shaders of ground with relief and Rust both know.
+//! Constants that only shaders of terrain and Rust both know.
 
 use super::value::Value::{self, F32, U32};
 use terrella_ground::globe::contours::STACK;

@@ -1,4 +1,4 @@
-//! The extremes: formulas at the ends of their ranges, held against arbitrary precision, and pictures that nobody
+//! The extremes: formulas at the ends of their ranges, compared with arbitrary precision, and pictures that nobody
 //! would ask for.
 
 mod formulas;

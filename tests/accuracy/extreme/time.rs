@@ -107,7 +107,7 @@ fn the_sun_is_continuous_through_the_ends_of_the_scenes_years() {
             largest = largest.max(jump);
         }
         println!("about {text}: {largest:.5}° at most in a minute");
-        // There is a joint, and the test has passed over it.
+        // There is a joint, and the test has skipped it.
         assert!(largest > LAT_A_MINUTE_DEG, "{text}: {largest}°");
     }
     for text in ["1899-12-31T23:59:59Z", "2100-01-01T00:00:00Z"] {

@@ -38,7 +38,7 @@ fn other_scales_are_written_in_utc() {
 }
 
 #[test]
-fn bad_dates_are_refused_with_the_reason() {
+fn bad_dates_are_rejected_with_the_reason() {
     for (text, part) in [
         ("", "write it like 2018-01-15T12:00:00Z"),
         ("now", "write it like"),

@@ -17,7 +17,7 @@ fn every_backend_takes_every_variant_that_it_can() {
     let shaders = all_shaders();
     let mut failures = Vec::new();
     for backend in BACKENDS {
-        let (mut taken, mut refused) = (0, 0);
+        let (mut taken, mut rejected) = (0, 0);
         for shader in shaders {
             let is_lacking = shader
                 .needs
@@ -25,17 +25,17 @@ fn every_backend_takes_every_variant_that_it_can() {
                 .any(|need| lacks(backend).contains(need));
             match (backend.write(&shader.module, &shader.info), is_lacking) {
                 (Ok(()), false) => taken += 1,
-                (Err(_), true) => refused += 1,
+                (Err(_), true) => rejected += 1,
                 (Ok(()), true) => failures.push(format!(
                     "{backend:?} takes {} without {:?}: that is no capability of it",
                     shader.name, shader.needs
                 )),
                 (Err(error), false) => {
-                    failures.push(format!("{backend:?} refuses {}: {error}", shader.name));
+                    failures.push(format!("{backend:?} rejects {}: {error}", shader.name));
                 }
             }
         }
-        println!("{backend:?}: {taken} variants; {refused} refused as expected");
+        println!("{backend:?}: {taken} variants; {rejected} rejected as expected");
     }
     hold(&failures);
 }

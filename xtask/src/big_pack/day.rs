@@ -1,4 +1,4 @@
-//! The day map enlarged, its coasts drawn anew from the land mask and its slopes shaded.
+//! The day map enlarged, its coasts drawn again from the land mask and its slopes shaded.
 //!
 //! An enlarged coast is a soft passage from the colour of the land to that of the sea. How much of each texel should be
 //! sea is known from the land mask, once exactly and once as soft as the map is. Where the two differ, the difference

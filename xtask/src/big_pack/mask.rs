@@ -61,7 +61,7 @@ impl<R: Read> Mask<R> {
     }
 }
 
-/// A compressed file of a zip archive, by its local headers; archives without sizes in them are refused.
+/// A compressed file of a zip archive, by its local headers; archives without sizes in them are rejected.
 fn entry<R: Read>(mut archive: R, name: &str) -> Result<DeflateDecoder<std::io::Take<R>>> {
     loop {
         let mut head = [0; 30];
@@ -132,7 +132,7 @@ mod tests {
     }
 
     #[test]
-    fn other_files_are_refused() {
+    fn other_files_are_rejected() {
         let archive = zipped("mask.npy", &npy(HEAD, &[0; 8]));
         assert!(entry(&archive[..], "none.npy").is_err());
         assert!(entry(&b"no zip at all, but long enough"[..], "mask.npy").is_err());

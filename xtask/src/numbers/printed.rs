@@ -8,7 +8,7 @@ pub enum Printed {
     /// Lines between the lines `--- begin csv` and `--- end csv`, of all such blocks; all have the same columns.
     Csv,
     /// Lines that this begins: what stands in braces names a column and takes all up to the text that follows it, what is
-    /// after the last one must end the line, and `{}` is passed over. Blanks at the line's ends do not count.
+    /// after the last one must end the line, and `{}` is skipped. Blanks at the line's ends do not count.
     Lines(&'static str),
 }
 

@@ -222,7 +222,7 @@ mod tests {
     }
 
     #[test]
-    fn a_run_that_does_not_say_where_it_is_from_is_refused() {
+    fn a_run_that_does_not_say_where_it_is_from_is_rejected() {
         for missing in KEYS {
             let mut head = head();
             head.retain(|(key, _)| *key != missing);

@@ -25,7 +25,7 @@ pub enum Source {
     },
     /// The file was written by hand, and says of itself how its numbers were measured.
     Kept {
-        /// Why nothing here measures it anew.
+        /// Why nothing here measures it again.
         why: &'static str,
     },
 }
@@ -59,7 +59,7 @@ pub struct Figures {
     pub lines: &'static str,
 }
 
-/// A recording that nothing measures anew.
+/// A recording that nothing measures again.
 const fn kept(name: &'static str, file: &'static str, why: &'static str) -> Recording {
     Recording {
         name,
@@ -78,7 +78,7 @@ pub const RECORDINGS: &[Recording] = &[
         name: "bench",
         file: "bench.json",
         source: Source::Measured {
-            method: "whole frames at 1280 × 720, each beside its floor and a bare clear, turn about; medians; features switched off \
+            method: "whole frames at 1280 × 720, each beside its floor and a bare clear, interleaved; medians; features switched off \
                 in turn along the scene's flight",
             draws: true,
             found: Found::Written {
@@ -92,7 +92,7 @@ pub const RECORDINGS: &[Recording] = &[
         file: "orbits.csv",
         source: Source::Measured {
             method: "perigee at 7000 km, i = 63.4°; error: the largest of 24 places, against extrapolation of order 22 in 32 digits; \
-                time: processor time of the thread for one run with 24 places read, nine times, the methods turn about",
+                time: processor time of the thread for one run with 24 places read, nine times, the methods interleaved",
             draws: false,
             found: Found::Printed {
                 command: "cargo test --release --locked --workspace --lib print_orbits -- --ignored --nocapture",
@@ -193,7 +193,7 @@ pub const RECORDINGS: &[Recording] = &[
         file: "surfaces.json",
         source: Source::Measured {
             method: "four flights at 60 frames a second over three grounds, 1280 × 720; errors of all frames, a hundredth of their \
-                pixels in each; frames timed beside frames of blocks and their floor, by turns, in 12 places of each flight",
+                pixels in each; frames timed beside frames of blocks and their floor, interleaved, in 12 places of each flight",
             draws: true,
             found: Found::Written {
                 command: "terrella report config/relief.toml --surfaces -o {out} --quiet",

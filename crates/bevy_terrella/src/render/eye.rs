@@ -135,7 +135,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_picture_is_refused() {
+    fn what_has_no_picture_is_rejected() {
         let frame = EarthFrame::default();
         let fault = |view: &ExtractedView| eye(view, None, None, &frame).map(drop);
         let flat = Mat4::from_scale(Vec3::splat(0.1));

@@ -1,4 +1,4 @@
-//! Pictures held against each other.
+//! Pictures compared with each other.
 
 use crate::headless::Picture;
 use bevy::render::render_resource::TextureFormat;

@@ -1,4 +1,4 @@
-//! The Earth in Bevy, held against the native host's.
+//! The Earth in Bevy, compared with the native host's.
 
 mod cameras;
 mod compare;

@@ -1,4 +1,4 @@
-//! A run held against an earlier one: the same scene, size and adapter, and only ratios.
+//! A run compared with an earlier one: the same scene, size and adapter, and only ratios.
 
 use super::error::BenchError;
 use super::interval::Interval;
@@ -37,7 +37,7 @@ pub struct Comparison {
 
 /// That no row of all is called slower by noise alone.
 const CONFIDENCE: f64 = 0.95;
-/// Runs on a side from which their spread is told.
+/// Runs on a side from which their spread is reported.
 const RUNS_TO_TELL: u32 = 3;
 
 impl Baseline {
@@ -52,7 +52,7 @@ impl Baseline {
         })
     }
 
-    /// Refuses a baseline of another scene, size or number of frames. The adapter need not be known yet, nor the maps.
+    /// Rejects a baseline of another scene, size or number of frames. The adapter need not be known yet, nor the maps.
     ///
     /// # Errors
     /// The first difference.
@@ -71,7 +71,7 @@ impl Baseline {
         Ok(())
     }
 
-    /// Refuses one of another adapter or of other maps too. Everything of `run` but its rows is known by now.
+    /// Rejects one of another adapter or of other maps too. Everything of `run` but its rows is known by now.
     ///
     /// # Errors
     /// The first difference.
@@ -171,7 +171,7 @@ impl Baseline {
 }
 
 impl Comparison {
-    /// Refuses a run of which a row is slower.
+    /// Rejects a run of which a row is slower.
     ///
     /// # Errors
     /// [`BenchError::Slower`].

@@ -111,7 +111,7 @@ impl FeatureKind {
             Self::Tiles => less.tiles = None,
             Self::Multisampling => less.samples = 1,
             Self::Anisotropy => less.anisotropy = 1,
-            // A pack is opened anew: its tiles go with the map.
+            // A pack is opened again: its tiles go with the map.
             Self::Map(layer) if less.tiles.is_some() => {
                 let mut scene = scene.clone();
                 let earth = &mut scene.earth;
@@ -235,7 +235,7 @@ impl<'f> FeatureMeter<'f> {
         })
     }
 
-    /// Measures it along each course, `repeats` runs of all of them, the scene with and without it turn about; `None` where the
+    /// Measures it along each course, `repeats` runs of all of them, the scene with and without it interleaved; `None` where the
     /// work is no longer wanted.
     pub fn measure(
         &mut self,

@@ -13,7 +13,7 @@ pub struct Interval {
 
 /// Pairs of frames below which nothing is said.
 const LEAST_PAIRS: usize = 8;
-/// Samples drawn anew from what was measured.
+/// Samples drawn again from what was measured.
 const RESAMPLED: usize = 4000;
 /// So that the same two files give the same answer.
 const SEED: u64 = 0x7e22_e11a;
@@ -22,7 +22,7 @@ impl Interval {
     /// The median over all pairs of now ÷ before, frame by frame, with the percentile bootstrap's interval (Efron and Tibshirani
     /// 1993, chapter 13) of this confidence (0…1).
     ///
-    /// Both have a list of frames for each run; frames of the same number show the same view. What is drawn anew, with replacement,
+    /// Both have a list of frames for each run; frames of the same number show the same view. What is drawn again, with replacement,
     /// is first a run of each side and then frames, so that the interval is as wide as runs differ and as frames do. Of a single run
     /// on a side it cannot know how runs differ.
     pub fn of(before: &[Vec<f64>], now: &[Vec<f64>], confidence: f64) -> Self {

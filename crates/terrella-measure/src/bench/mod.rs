@@ -12,7 +12,7 @@
 //! | `table`, `plots` | what a person reads |
 //!
 //! Times of a shared or unknown machine cannot be compared with others. So each frame is timed beside its
-//! [`Floor`](super::Floor) and a bare clear, turn about, and the ratio of frame and floor is what is printed first and what a
+//! [`Floor`](super::Floor) and a bare clear, interleaved, and the ratio of frame and floor is what is printed first and what a
 //! baseline is held to.
 
 mod baseline;

@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use terrella_files::{self as files, printable};
 
-/// The layout of the file. A reader refuses others.
+/// The layout of the file. A reader rejects others.
 pub const VERSION: u32 = 2;
 /// Largest baseline that is read, bytes: twice one with [`MAX_FRAMES`](super::MAX_FRAMES).
 const MAX_BYTES: u64 = 64 << 20;
@@ -214,26 +214,27 @@ impl BenchReport {
             source,
         };
         let bytes = files::read(path, MAX_BYTES).map_err(unreadable)?;
-        let refused = |what: String| BenchError::NoBaseline {
+        let rejected = |what: String| BenchError::NoBaseline {
             path: path.into(),
             what,
         };
-        let bytes = bytes.ok_or_else(|| refused(format!("it is larger than {MAX_BYTES} bytes")))?;
-        let unlike = |error: serde_json::Error| refused(printable(&error.to_string()));
+        let bytes =
+            bytes.ok_or_else(|| rejected(format!("it is larger than {MAX_BYTES} bytes")))?;
+        let unlike = |error: serde_json::Error| rejected(printable(&error.to_string()));
         // First, so that an older file is not told what its keys should be.
         let layout: Layout = serde_json::from_slice(&bytes).map_err(unlike)?;
         if layout.version != VERSION {
-            return Err(refused(format!(
+            return Err(rejected(format!(
                 "its layout is version {}, this program's is {VERSION}",
                 layout.version
             )));
         }
         let report: Self = serde_json::from_slice(&bytes).map_err(unlike)?;
-        report.check().map_err(refused)?;
+        report.check().map_err(rejected)?;
         Ok(report)
     }
 
-    /// Refuses what no complete run of this version writes; answers why.
+    /// Rejects what no complete run of this version writes; answers why.
     fn check(&self) -> Result<(), String> {
         if self.partial {
             return Err("its run was interrupted and rows are missing".into());
@@ -287,7 +288,7 @@ impl BenchRow {
             .collect()
     }
 
-    /// Refuses times that no run gives.
+    /// Rejects times that no run gives.
     fn check_runs(&self) -> Result<(), String> {
         let frames = self.runs.first().map_or(0, |run| run.frame_ms.len());
         for run in &self.runs {

@@ -194,7 +194,7 @@ pub fn run_bench(
     if let Some(baseline) = &baseline {
         baseline.check_all(&report)?;
     }
-    // What was refused at opening is not asked for again.
+    // What was rejected at opening is not asked for again.
     let options = EarthOptions {
         samples: report.samples,
         ..options

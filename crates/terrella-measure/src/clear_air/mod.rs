@@ -1,4 +1,4 @@
-//! The light of the clear air as it is drawn, held against tables of a radiative-transfer program.
+//! The light of the clear air as it is drawn, compared with tables of a radiative-transfer program.
 //!
 //! The tables lie outside the repository, in `../shared/oracle` (its README says what each column is): spherical air, US
 //! Standard Atmosphere 1976, ozone, all orders of scattering, 41 wavelengths to linear sRGB with the Sun as white. No

@@ -286,15 +286,15 @@ mod tests {
     fn what_is_missing_is_named() {
         let read = |text: &str| {
             let folder = written("nadir_A.csv", text);
-            let refused = read_table(folder.path(), AirTable::Nadir, AirSet::Clear);
-            refused.expect_err("nothing to read").to_string()
+            let rejected = read_table(folder.path(), AirTable::Nadir, AirSet::Clear);
+            rejected.expect_err("nothing to read").to_string()
         };
         assert!(read("albedo,r_scalar,g_scalar\n0,1,1\n").contains("\"b_scalar\""));
         assert!(read(&NADIR.replace("0.35", "none")).contains("row 2"));
         let folder = tempfile::tempdir().expect("a folder");
-        let refused = read_table(folder.path(), AirTable::Sky, AirSet::Haze);
+        let rejected = read_table(folder.path(), AirTable::Sky, AirSet::Haze);
         assert!(
-            refused
+            rejected
                 .expect_err("no file")
                 .to_string()
                 .contains("sky_B.csv")

@@ -95,7 +95,7 @@ impl GeolocationRenderer {
         self.stats
     }
 
-    /// Lets ground with relief become as fine as it will be for a view, at most `wait`.
+    /// Lets terrain become as fine as it will be for a view, at most `wait`.
     pub fn settle(&mut self, view: &EyeView, size: (u32, u32), wait: Duration) {
         let sky = Sky::new(DVec3::X);
         let queue = &self.gpu.queue;
@@ -161,7 +161,7 @@ impl GeolocationRenderer {
     }
 }
 
-/// Sizes that are drawn by turns without making textures anew.
+/// Sizes that are drawn interleaved without making textures again.
 const MAX_TARGETS: usize = 2;
 
 impl Targets {
@@ -206,7 +206,7 @@ impl GeolocationBuffer {
         Some(figure.surface_point(Ellipsoid::normal(lat_rad, lon_rad)))
     }
 
-    /// Of ground with relief: how many times the pixel's ray, to the plane one metre in front of the eye, the drawn ground is
+    /// Of terrain: how many times the pixel's ray, to the plane one metre in front of the eye, the drawn ground is
     /// away; `None` in space.
     pub fn along(&self, x: u32, y: u32) -> Option<f64> {
         let [_, _, is_ground, along] = self.texel(x, y);

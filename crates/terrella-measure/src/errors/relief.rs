@@ -1,4 +1,4 @@
-//! Drawn ground with relief against its heights.
+//! Drawn terrain against its heights.
 
 use super::{GeolocationBuffer, pixel_at};
 use crate::SortedSample;

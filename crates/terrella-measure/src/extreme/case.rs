@@ -12,7 +12,7 @@ pub enum Lit {
     /// From this part of all pixels to that.
     Share(f64, f64),
     /// No picture: an error that says this.
-    Refused(&'static str),
+    Rejected(&'static str),
 }
 
 /// One side of a picture.

@@ -215,21 +215,21 @@ fn not_finite() -> Vec<ExtremeCase> {
 #[rustfmt::skip]
 fn options() -> Vec<ExtremeCase> {
     let good = centred(TOWARDS * 2e7, 60.0);
-    let refused = |name, part| {
+    let rejected = |name, part| {
         case(
             name,
             "an error that says what is allowed",
-            Lit::Refused(part),
+            Lit::Rejected(part),
             good,
         )
     };
     let exposed = |name, ev| ExtremeCase {
         exposure: Exposure::Ev(ev),
-        ..refused(name, "exposure")
+        ..rejected(name, "exposure")
     };
     let subdivided = |name, subdivision| ExtremeCase {
         subdivision: Subdivision::Cells(subdivision),
-        ..refused(name, "subdivision")
+        ..rejected(name, "subdivision")
     };
     vec![
         exposed("exposure not a number", f64::NAN),

@@ -1,4 +1,4 @@
-//! Formulas of which several forms are known, held against the oracle over a range.
+//! Formulas of which several forms are known, compared with the oracle over a range.
 
 use super::method::{Method, Sweep, Work};
 use super::oracle::Real;
@@ -77,7 +77,7 @@ pub struct StabilityRow {
     pub parameter: &'static str,
     /// The longest run of swept values over which the bound is kept: first and last; `None` if it is kept nowhere.
     pub range_holds: Option<(f64, f64)>,
-    /// The bound that the stable form keeps over the whole range. All forms are held against it.
+    /// The bound that the stable form keeps over the whole range. All forms are compared with it.
     pub bound: f64,
     /// Whether this form must keep it.
     pub is_stable: bool,

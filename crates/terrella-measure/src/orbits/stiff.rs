@@ -18,7 +18,7 @@ const VARIANTS: [(&str, Solver); 3] = [
     ("Radau IIA", Solver::Implicit),
     ("automatic", Solver::Automatic),
 ];
-/// Tolerance of the fall that the others are held against; its impact moves by less than a millisecond from 1e-10 on.
+/// Tolerance of the fall that the others are compared with; its impact moves by less than a millisecond from 1e-10 on.
 const REFERENCE_TOLERANCE: f64 = 1e-12;
 
 /// A fall to its end.

@@ -137,7 +137,7 @@ impl Meter {
             .collect()
     }
 
-    /// Draws and times these reductions turn about with the full quality.
+    /// Draws and times these reductions interleaved with the full quality.
     fn measure(&mut self, reductions: Vec<QualityReduction>) -> Result<Combination, PlayError> {
         let has_tiles = self.full.earth().has_tiles();
         let quality = reductions

@@ -1,4 +1,4 @@
-//! Where rays meet ground with relief: marched along heights in f64, whatever surface draws them.
+//! Where rays meet terrain: marched along heights in f64, whatever surface draws them.
 
 use super::Rays;
 use glam::{DVec2, DVec3};

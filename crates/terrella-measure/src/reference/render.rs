@@ -190,7 +190,7 @@ impl<'r> RayCaster<'r> {
     ///
     /// The part is divided into so many equal parts that the rays through their middles, the taps, are no farther apart
     /// on the ground than half a texel of the finest map, as far as [`MAX_TAPS`] allows. The spacing is that about the
-    /// part's middle: in a part that the limb runs through it is wider beyond. Ground with relief is looked at along the one
+    /// part's middle: in a part that the limb runs through it is wider beyond. Terrain is looked at along the one
     /// ray.
     fn ground_light(
         &self,

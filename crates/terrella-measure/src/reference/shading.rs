@@ -151,7 +151,7 @@ impl GroundShader {
             let [value] = self.maps.get(layer)?.at(u, v, &self.decode.unorm);
             Some(value)
         };
-        // Ground with relief has slopes of its own.
+        // Terrain has slopes of its own.
         let slope = point.slope.or_else(|| {
             let map = self.maps.get(MapLayer::Normals)?;
             let gain = self.surface.relief_exaggeration / SLOPE_EXAGGERATION;

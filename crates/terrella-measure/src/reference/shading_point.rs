@@ -9,6 +9,6 @@ pub(super) struct ShadingPoint {
     pub up: DVec3,
     /// Towards the eye, a unit vector.
     pub to_eye: DVec3,
-    /// Rise of ground with relief to the east and to the north, metres per metre.
+    /// Rise of terrain to the east and to the north, metres per metre.
     pub slope: Option<DVec2>,
 }

@@ -1,6 +1,6 @@
 //! Light by wavelength, and its colour.
 //!
-//! The inputs are this renderer's own: neither the air that is drawn nor the tables that both are held against
+//! The inputs are this renderer's own: neither the air that is drawn nor the tables that both are compared with
 //! ([`crate::clear_air`]) are made from them.
 
 use glam::DVec3;

@@ -116,7 +116,7 @@ pub fn write_reference_still(
     request: &ReferenceRequest<'_>,
     progress: &dyn Progress,
 ) -> Result<(), StillError> {
-    flight.refuse_live(
+    flight.reject_live(
         "no simulator waits as long as this renderer takes",
         "draw it by a graphics adapter, with --renderer gpu",
     )?;

@@ -117,7 +117,7 @@ impl SettingChange {
         }
     }
 
-    /// Whether pictures with it show the same as the scene's, so that their errors may be held against each other.
+    /// Whether pictures with it show the same as the scene's, so that their errors may be compared with each other.
     pub fn shows_the_same(&self) -> bool {
         !matches!(self, Self::Atmosphere(_) | Self::Shading(_) | Self::Size(_))
     }

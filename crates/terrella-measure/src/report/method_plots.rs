@@ -88,7 +88,7 @@ pub(super) fn about(measurement: &Measurement) -> &'static str {
 /// A cost that changes by less than this factor over a sweep is the same.
 const SAME_COST: f64 = 4.0;
 
-/// What errors are held against costs. Where the parameter trades one for the other, every measurement; where it says only
+/// What errors are compared with costs. Where the parameter trades one for the other, every measurement; where it says only
 /// how hard a case is, and costs are the same throughout, each variant's worst error.
 fn costs(measurements: &[&Measurement]) -> Vec<Measurement> {
     let mut worst: Vec<Measurement> = Vec::new();

@@ -42,7 +42,7 @@ pub(super) fn run(
     options.exposure = Exposure::Ev(options.exposure.fixed_ev());
     progress.end();
     let mut notes = Vec::new();
-    // Limb and places are held against the ellipsoid.
+    // Limb and places are compared with the ellipsoid.
     if options.ground.take().is_some() {
         let note = "The ground's relief is left out: this page is of the smooth Earth. `terrella report --surfaces` compares relief.";
         tracing::warn!("{note}");

@@ -1,4 +1,4 @@
-//! The true pictures that drawn ones are held against, each computed once for all settings that show the same.
+//! The true pictures that drawn ones are compared with, each computed once for all settings that show the same.
 
 use super::ReportError;
 use super::change::SettingChange;

@@ -21,7 +21,7 @@ pub struct Candidate {
 }
 
 impl Candidate {
-    /// A surface for others to be held against, with the tolerance of scenes.
+    /// A surface for others to be compared with, with the tolerance of scenes.
     pub(super) fn unnamed(surface: SurfaceSettings) -> Self {
         let setting = Setting {
             surface: SurfaceKind::Blocks,

@@ -22,7 +22,7 @@ const SPREAD: u32 = 10;
 const WINDOW: (u32, u32) = (96, 54);
 /// Frames before the window is moved.
 const WINDOW_FRAMES: u32 = 8;
-/// Of so many frames one is held against the exact picture.
+/// Of so many frames one is compared with the exact picture.
 const EXACT_EVERY: u32 = 2 * WINDOW_FRAMES;
 
 /// What is to be seen in the windows of a flight.

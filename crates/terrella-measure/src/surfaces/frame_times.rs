@@ -62,7 +62,7 @@ impl FlightMeter<'_> {
             settle(&mut timer)?;
             settle(blocks)?;
             let now = view(0);
-            // By turns the one or the other first.
+            // Either one first, in alternation.
             let (one, other) = match place % 2 {
                 0 => {
                     let one = self.time_one(&mut timer, &now)?;

@@ -10,7 +10,7 @@ pub(super) struct FlightMeter<'s> {
     pub gpu: &'s GpuContext,
     pub options: &'s EarthOptions,
     pub sky: Sky,
-    /// Of all pictures, pixels: those that are timed and those that are held against the data.
+    /// Of all pictures, pixels: those that are timed and those that are compared with the data.
     pub size: (u32, u32),
     /// Frames of a flight that are timed.
     pub places: u32,

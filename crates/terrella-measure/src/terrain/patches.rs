@@ -118,7 +118,7 @@ impl PatchTree {
         options: &PatchOptions,
         progress: &mut dyn FnMut(f32),
     ) -> Result<Self, PatchError> {
-        // Refused before any work.
+        // Rejected before any work.
         options
             .q
             .iter()

@@ -204,7 +204,7 @@ pub(super) fn stored(
     field: &HeightField,
     tolerance_m: f64,
 ) -> Result<Vec<String>, TerrainError> {
-    let dem = field.dem().map_err(|error| field.refused(error))?;
+    let dem = field.dem().map_err(|error| field.rejected(error))?;
     // One after the other: both do not fit into the memory for one.
     let contours = trees.contours(field, &dem, tolerance_m, trees.threads)?;
     let contours = contours.stats;
@@ -241,7 +241,7 @@ pub(super) fn built(
     tolerance_m: f64,
     threads: &[usize],
 ) -> Result<Vec<Vec<String>>, TerrainError> {
-    let dem = field.dem().map_err(|error| field.refused(error))?;
+    let dem = field.dem().map_err(|error| field.rejected(error))?;
     let memory_bytes = trees.memory_bytes;
     let row = |tree: &str, tolerance: String, times: Vec<f64>, memory_bytes: u64| {
         let mut row = vec![field.name.clone(), field.size(), tree.to_owned(), tolerance];

@@ -29,7 +29,7 @@ pub fn build_on(
     budget_bytes: u64,
     progress: &mut dyn FnMut(f32),
 ) -> Result<ContourTree, BudgetError> {
-    let refused = BudgetError {
+    let rejected = BudgetError {
         what: "a tree of contours",
         budget_bytes,
     };
@@ -37,7 +37,7 @@ pub fn build_on(
     let workers = Workers::new(threads);
     let mut stats = TreeStats::default();
     let coarse = coarse(&builder, &workers, &mut stats);
-    let (mut nodes, roots) = coarse.ok_or(refused)?;
+    let (mut nodes, roots) = coarse.ok_or(rejected)?;
     let all = cells(dem.span());
     let small = roots.iter().map(|root| cells(nodes[*root].span));
     let mut done = all - small.sum::<u64>();
@@ -49,7 +49,7 @@ pub fn build_on(
             progress(0.95 * done as f32 / all as f32);
         },
     );
-    let parts: Vec<Subtree> = parts.into_iter().collect::<Option<_>>().ok_or(refused)?;
+    let parts: Vec<Subtree> = parts.into_iter().collect::<Option<_>>().ok_or(rejected)?;
     // What is drawn of coarse nodes that no part begins with.
     for k in 0..nodes.len() {
         if roots.binary_search(&k).is_err() {

@@ -166,11 +166,11 @@ fn q_moves_control_values_and_not_the_surface() {
         }
         assert!(moved > 1.0);
     }
-    let refused = PatchOptions {
+    let rejected = PatchOptions {
         q: [0.0, 1.0],
         ..PatchOptions::default()
     };
-    assert!(PatchTree::build(&dem, None, &refused, &mut |_| ()).is_err());
+    assert!(PatchTree::build(&dem, None, &rejected, &mut |_| ()).is_err());
     let small = PatchOptions {
         tolerance_m: 0.0,
         budget_bytes: 20_000,

@@ -147,7 +147,7 @@ fn slope_is_that_of_the_converted_curve() {
 }
 
 #[test]
-fn what_is_not_offered_is_refused() {
+fn what_is_not_offered_is_rejected() {
     assert_eq!(QBasis::new(0, 1.0), Err(QError::Degree(0)));
     assert_eq!(QBasis::new(13, 1.0), Err(QError::Degree(13)));
     assert_eq!(QBasis::new(3, 0.0), Err(QError::Q(0.0)));

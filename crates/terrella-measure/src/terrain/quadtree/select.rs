@@ -187,7 +187,7 @@ impl GridQuadtree {
             x: 0,
             y: 0,
         };
-        // Leaves stand in the order of this walk; those left out are passed over.
+        // Leaves stand in the order of this walk; those left out are skipped.
         let mut leaves = selected.leaves.iter().copied().peekable();
         let mut stack = Vec::with_capacity(64);
         stack.push(among(&divided, (root, 0)));

@@ -361,7 +361,7 @@ fn every_order_and_every_number_of_threads_gives_the_same_leaves() {
 }
 
 #[test]
-fn what_cannot_be_built_is_refused() {
+fn what_cannot_be_built_is_rejected() {
     let build = |size, heights: Vec<f32>, max_bytes| {
         let options = TreeOptions {
             max_bytes,

@@ -362,7 +362,7 @@ impl Builder<'_> {
         let is_merged = match self.merge {
             Merge::None => false,
             Merge::Equal => out.low_m == out.high_m,
-            // What is added in vain by rounding is never 0 where the error is not.
+            // What rounding adds is never 0 where the error is not.
             Merge::Flat => out.bound_m == 0.0,
         };
         if is_merged {
