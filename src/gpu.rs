@@ -1,6 +1,7 @@
 //! Everything that knows wgpu: adapter, targets, shaders, uniform structs, one file per drawable.
 
 mod air;
+mod bloom;
 #[cfg(feature = "celestial")]
 mod celestial;
 mod context;
@@ -39,6 +40,7 @@ mod tracks;
 mod truth_targets;
 mod uploaded_maps;
 
+pub use bloom::BloomPass;
 #[cfg(feature = "celestial")]
 pub use celestial::{CelestialUniforms, Disc};
 pub(crate) use context::device_limits;
@@ -49,8 +51,8 @@ pub(crate) use faults::resolved;
 pub use map::{GpuMap, MapError, MapFade};
 pub use scaled::ScaledTarget;
 pub use shader::{
-    AirVariant, AirViewVariant, CelestialKind, CelestialVariant, DevelopVariant, EarthOutput,
-    EarthVariant, GlowVariant, MapFadeVariant, PaperLayers, PatchTiles, SHADER_FILES,
+    AirVariant, AirViewVariant, BloomVariant, CelestialKind, CelestialVariant, DevelopVariant,
+    EarthOutput, EarthVariant, GlowVariant, MapFadeVariant, PaperLayers, PatchTiles, SHADER_FILES,
     ShaderCapability, ShaderError, ShaderFiles, ShaderText, ShaderVariant, ShadingVariant,
     SunlitLayers, TargetColor, TrackKind, TracksVariant, TruthLayers, UpscaleVariant, VertexForm,
 };
@@ -89,7 +91,7 @@ pub(crate) use tracks::{Fill, LinePoint, Mark, TrackKinds, TracksDrawable};
 
 #[cfg(feature = "tracks")]
 use glam::DVec3;
-use terrella_ground::light::Tone;
+use terrella_ground::light::{Bloom, Tone};
 #[cfg(feature = "tracks")]
 use terrella_imagery::srgb::linear_from_encoded;
 
@@ -166,6 +168,8 @@ pub struct PassFormat {
     pub development: Development,
     /// By which curve light is shown.
     pub tone: Tone,
+    /// What a lens does to light that is developed after the pass.
+    pub bloom: Bloom,
 }
 
 impl PassFormat {

@@ -139,9 +139,9 @@ pub use earth::{
 #[cfg(feature = "offscreen")]
 pub use gpu::{AdapterReport, ContextError, GpuContext, GpuFault, PictureError, adapter_reports};
 pub use gpu::{
-    Attachments, Developer, Development, FrameTargets, GpuMap, MapError, MapFade, MapUploader,
-    PassFormat, ScaledTarget, ShaderError, TruthTargets, TruthTexel, UndevelopedPicture,
-    UploadedMaps,
+    Attachments, BloomPass, Developer, Development, FrameTargets, GpuMap, MapError, MapFade,
+    MapUploader, PassFormat, ScaledTarget, ShaderError, TruthTargets, TruthTexel,
+    UndevelopedPicture, UploadedMaps,
 };
 #[cfg(feature = "offscreen")]
 pub use offscreen::{
@@ -158,7 +158,7 @@ pub use terrella_ground::globe::{
     contours::PageOptions, projected_grid::GridOptions, quadtree::QuadtreeOptions,
 };
 pub use terrella_ground::height::HeightTileStats;
-pub use terrella_ground::light::{Adaptation, Exposure, Tone, exposure_factor};
+pub use terrella_ground::light::{Adaptation, Bloom, Exposure, Tone, exposure_factor};
 #[cfg(all(feature = "packs", feature = "terrain"))]
 pub use terrella_imagery::pack::PackHeights;
 pub use terrella_imagery::{

@@ -395,6 +395,7 @@ impl TracksOptions {
             depth: self.depth,
             development: self.development,
             tone: self.tone,
+            bloom: Default::default(),
         }
     }
 }

@@ -19,6 +19,9 @@ pub enum EarthError {
     /// Exposure outside [`Exposure::RANGE_EV`](terrella_ground::light::Exposure::RANGE_EV) or not finite.
     #[error("exposure is {0} EV; it must be a number from −20 to 20")]
     Exposure(f64),
+    /// Bloom outside [`Bloom::STRENGTH`](terrella_ground::light::Bloom::STRENGTH) or not a number.
+    #[error("the lens's bloom is {0}; it must be from 0 to 0.5")]
+    Bloom(f64),
     /// Scale outside [`Quality::SCALES`](crate::Quality::SCALES) or not a number.
     #[error("the picture's scale is {0}; it must be from 0.25 to 1")]
     Scale(f64),

@@ -10,7 +10,7 @@ use crate::gpu::{
 use std::sync::Arc;
 use terrella_ground::air::{AirOptions, Atmosphere};
 use terrella_ground::globe::{Figure, Shading, Subdivision, Visibility};
-use terrella_ground::light::{Exposure, Tone};
+use terrella_ground::light::{Bloom, Exposure, Tone};
 use terrella_imagery::tile::MapLayer;
 use terrella_imagery::{EarthLayers, MapAlbedo, MapGroundKinds};
 
@@ -65,6 +65,8 @@ pub struct EarthOptions {
     pub development: Development,
     /// By which curve exposed light is shown.
     pub tone: Tone,
+    /// What a lens does to light that is developed after the pass.
+    pub bloom: Bloom,
     /// When pipelines are made.
     pub pipelines: Pipelines,
     /// What is drawn for measuring and for looking at meshes, in place of pictures.
@@ -104,6 +106,7 @@ impl EarthOptions {
             exposure: Exposure::default(),
             development: Development::default(),
             tone: Tone::default(),
+            bloom: Bloom::default(),
             pipelines: Pipelines::default(),
             diagnostics: DiagnosticOptions::default(),
         }
@@ -127,6 +130,7 @@ impl EarthOptions {
             depth: self.depth,
             development: self.development,
             tone: self.tone,
+            bloom: self.bloom,
         }
     }
 
@@ -212,6 +216,9 @@ impl EarthOptions {
                 format: self.color_format,
                 shading: self.shading,
             });
+        }
+        if !Bloom::STRENGTH.contains(&self.bloom.strength) {
+            return Err(EarthError::Bloom(self.bloom.strength));
         }
         let limit = device.limits().max_texture_dimension_2d;
         for layer in MapLayer::ALL {

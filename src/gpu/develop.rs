@@ -53,6 +53,7 @@ pub(super) fn developing_pass(
         "terrella development",
         &variant,
         format,
+        None,
         is_enlarging,
     )
 }

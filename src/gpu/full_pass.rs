@@ -12,7 +12,8 @@ pub(super) struct FullPass {
 }
 
 impl FullPass {
-    /// For passes of this format. The variant reads the texture at binding 0 of group 0, and the sampler, where `is_sampled`, at 1.
+    /// For passes of this format. The variant reads the texture at binding 0 of group 0, and the sampler, where `is_sampled`, at 1. `blend` lays
+    /// what is drawn over what is there; `None` replaces it.
     ///
     /// # Errors
     /// A shader file that is at fault.
@@ -21,6 +22,7 @@ impl FullPass {
         label: &'static str,
         variant: &impl ShaderVariant,
         format: PassFormat,
+        blend: Option<wgpu::BlendState>,
         is_sampled: bool,
     ) -> Result<Self, ShaderError> {
         let shader = ShaderModule::new(device, variant)?;
@@ -54,7 +56,7 @@ impl FullPass {
             primitive: wgpu::PrimitiveState::default(),
             format,
             writes_depth: false,
-            blend: None,
+            blend,
         };
         let sampler = is_sampled.then(|| {
             device.create_sampler(&wgpu::SamplerDescriptor {

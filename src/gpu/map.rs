@@ -276,6 +276,7 @@ impl MapFade {
                 depth: DepthBuffer::None,
                 development: Default::default(),
                 tone: Tone::default(),
+                bloom: Default::default(),
             },
             writes_depth: false,
             blend: None,

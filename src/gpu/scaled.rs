@@ -1,12 +1,13 @@
 //! A picture that is drawn to a texture of its own before it is shown: at a lower resolution, as light that is developed, or both.
 
+use super::bloom::BloomPass;
 use super::develop::developing_pass;
 use super::full_pass::FullPass;
 use super::{
     Attachments, DepthBuffer, Development, PassFormat, PassPart, ShaderError, TargetColor,
     UpscaleVariant, color_texture,
 };
-use terrella_ground::light::Tone;
+use terrella_ground::light::{Bloom, Tone};
 
 /// Draws a picture at one size and shows it at another, for [`Quality::scale`](crate::Quality::scale): what a pass needs, the
 /// texture that is drawn to in between, and the pass that enlarges it, bilinear in light.
@@ -25,6 +26,8 @@ pub struct ScaledTarget {
     samples: u32,
     /// By which curve light is developed; `None` where layers do that themselves.
     tone: Option<Tone>,
+    /// What is done to light before that.
+    bloom: Bloom,
     attachments: Attachments,
     between: Option<Between>,
 }
@@ -32,13 +35,14 @@ pub struct ScaledTarget {
 /// The texture that is drawn to before the picture, and what draws the picture of it.
 struct Between {
     view: wgpu::TextureView,
+    bloom: Option<BloomPass>,
     last: FullPass,
     bound: wgpu::BindGroup,
 }
 
 impl ScaledTarget {
     /// Colour format of the pass before development.
-    pub const LIGHT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
+    pub const LIGHT: wgpu::TextureFormat = super::bloom::LIGHT;
 
     /// For targets of this format and `size`, drawn at `drawn_size` with `samples` a pixel. Depth is
     /// [`FrameTargets::DEPTH`](super::FrameTargets::DEPTH), reversed.
@@ -54,11 +58,19 @@ impl ScaledTarget {
         drawn_size: (u32, u32),
         samples: u32,
     ) -> Result<Self, ShaderError> {
-        Self::with_tone(device, format, size, drawn_size, samples, None)
+        Self::with_tone(
+            device,
+            format,
+            size,
+            drawn_size,
+            samples,
+            None,
+            Bloom::default(),
+        )
     }
 
     /// The same for layers that are drawn with [`Development::AfterPass`]: the pass has the colour format [`Self::LIGHT`], and `finish` shows
-    /// what it drew by a tone curve. The device can draw to that format with so many samples.
+    /// what it drew, as a lens scatters it, by a tone curve. The device can draw to that format with so many samples.
     ///
     /// # Errors
     /// A shader file that is at fault.
@@ -69,8 +81,9 @@ impl ScaledTarget {
         drawn_size: (u32, u32),
         samples: u32,
         tone: Tone,
+        bloom: Bloom,
     ) -> Result<Self, ShaderError> {
-        Self::with_tone(device, format, size, drawn_size, samples, Some(tone))
+        Self::with_tone(device, format, size, drawn_size, samples, Some(tone), bloom)
     }
 
     fn with_tone(
@@ -80,17 +93,29 @@ impl ScaledTarget {
         drawn_size: (u32, u32),
         samples: u32,
         tone: Option<Tone>,
+        bloom: Bloom,
     ) -> Result<Self, ShaderError> {
         let drawn_format = drawn_format(format, tone);
         let last = last_pass(device, format, tone, size != drawn_size)?;
+        let between = match last {
+            Some(last) => Some(Between::new(
+                device,
+                drawn_format,
+                drawn_size,
+                last,
+                &bloom,
+            )?),
+            None => None,
+        };
         Ok(Self {
             format,
             size,
             drawn_size,
             samples,
             tone,
+            bloom,
             attachments: Attachments::new(device, drawn_size, drawn_format, samples),
-            between: last.map(|last| Between::new(device, drawn_format, drawn_size, last)),
+            between,
         })
     }
 
@@ -108,7 +133,8 @@ impl ScaledTarget {
         match pass.development {
             Development::InPass => Self::new(device, format, size, drawn_size, pass.samples),
             Development::AfterPass => {
-                Self::developing(device, format, size, drawn_size, pass.samples, pass.tone)
+                let (samples, tone, bloom) = (pass.samples, pass.tone, pass.bloom);
+                Self::developing(device, format, size, drawn_size, samples, tone, bloom)
             }
         }
     }
@@ -157,13 +183,16 @@ impl ScaledTarget {
         if (size, drawn_size, samples) == (self.size, self.drawn_size, self.samples) {
             return Ok(());
         }
+        let format = self.drawn_format();
         let is_enlarging = size != drawn_size;
         let last = match is_enlarging == (self.size != self.drawn_size) {
             true => self.between.take().map(|between| between.last),
             false => last_pass(device, self.format, self.tone, is_enlarging)?,
         };
-        let format = self.drawn_format();
-        self.between = last.map(|last| Between::new(device, format, drawn_size, last));
+        self.between = match last {
+            Some(last) => Some(Between::new(device, format, drawn_size, last, &self.bloom)?),
+            None => None,
+        };
         self.attachments = self.attachments.remade(device, drawn_size, format, samples);
         (self.size, self.drawn_size, self.samples) = (size, drawn_size, samples);
         Ok(())
@@ -201,6 +230,10 @@ impl ScaledTarget {
         let Some(between) = &self.between else {
             return;
         };
+        let mut times = times;
+        if let Some(bloom) = &between.bloom {
+            bloom.record(encoder, begin_of(&mut times));
+        }
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("terrella picture"),
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
@@ -226,15 +259,21 @@ impl Between {
         format: wgpu::TextureFormat,
         size: (u32, u32),
         last: FullPass,
-    ) -> Self {
+        bloom: &Bloom,
+    ) -> Result<Self, ShaderError> {
         let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING;
         let texture = color_texture(device, "terrella drawn", size, format, 1, usage);
         let view = super::view(&texture);
-        Self {
+        let bloom = match format {
+            ScaledTarget::LIGHT => BloomPass::new(device, bloom, &view, size)?,
+            _ => None,
+        };
+        Ok(Self {
             bound: last.bind(device, &view),
             view,
+            bloom,
             last,
-        }
+        })
     }
 }
 
@@ -260,6 +299,7 @@ fn last_pass(
         depth: DepthBuffer::None,
         development: Development::InPass,
         tone: tone.unwrap_or_default(),
+        bloom: Bloom::default(),
     };
     if tone.is_some() {
         return developing_pass(device, pass, is_enlarging).map(Some);
@@ -276,5 +316,17 @@ fn last_pass(
         _ => UpscaleVariant::Loaded,
     };
     let is_sampled = variant == UpscaleVariant::Sampled;
-    FullPass::new(device, "terrella upscale", &variant, pass, is_sampled).map(Some)
+    FullPass::new(device, "terrella upscale", &variant, pass, None, is_sampled).map(Some)
+}
+
+/// Takes the time at which a pass begins from what is timed, for a pass before it.
+fn begin_of<'q>(
+    times: &mut Option<wgpu::RenderPassTimestampWrites<'q>>,
+) -> Option<wgpu::RenderPassTimestampWrites<'q>> {
+    let times = times.as_mut()?;
+    Some(wgpu::RenderPassTimestampWrites {
+        query_set: times.query_set,
+        beginning_of_pass_write_index: times.beginning_of_pass_write_index.take(),
+        end_of_pass_write_index: None,
+    })
 }

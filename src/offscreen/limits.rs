@@ -149,6 +149,7 @@ mod tests {
                 depth: FrameTargets::REVERSED_DEPTH,
                 development: Development::InPass,
                 tone: Default::default(),
+                bloom: Default::default(),
             };
             check_memory(size, &pass)
         };

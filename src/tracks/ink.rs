@@ -60,6 +60,7 @@ mod tests {
             depth: FrameTargets::REVERSED_DEPTH,
             development: Development::AfterPass,
             tone: Tone::Camera,
+            bloom: Default::default(),
         }
     }
 

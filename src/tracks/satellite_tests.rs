@@ -13,6 +13,7 @@ const PASS: PassFormat = PassFormat {
     depth: crate::gpu::FrameTargets::REVERSED_DEPTH,
     development: crate::gpu::Development::InPass,
     tone: terrella_ground::light::Tone::Camera,
+    bloom: terrella_ground::light::Bloom { strength: 0.0 },
 };
 
 fn utc(text: &str) -> Epoch {

@@ -15,10 +15,10 @@ use std::path::Path;
 use std::sync::LazyLock;
 use terrella::Tone;
 use terrella::internals::gpu::{
-    AirVariant, AirViewVariant, CelestialVariant, DevelopVariant, EarthOutput, EarthVariant,
-    GlowVariant, MapFadeVariant, PaperLayers, PatchTiles, SHADER_FILES, ShaderCapability,
-    ShaderText, ShaderVariant, ShadingVariant, SunlitLayers, TargetColor, TracksVariant,
-    TruthLayers, UpscaleVariant, VertexForm,
+    AirVariant, AirViewVariant, BloomVariant, CelestialVariant, DevelopVariant, EarthOutput,
+    EarthVariant, GlowVariant, MapFadeVariant, PaperLayers, PatchTiles, SHADER_FILES,
+    ShaderCapability, ShaderText, ShaderVariant, ShadingVariant, SunlitLayers, TargetColor,
+    TracksVariant, TruthLayers, UpscaleVariant, VertexForm,
 };
 use terrella::internals::plan::{AirSide, LightEffect, LightEffects};
 
@@ -69,6 +69,7 @@ static ALL: LazyLock<(Vec<Shader>, Vec<String>)> = LazyLock::new(|| {
     all.extend(built::<TracksVariant>());
     all.extend(built::<MapFadeVariant>());
     all.extend(built::<UpscaleVariant>());
+    all.extend(built::<BloomVariant>());
     all.extend(built::<DevelopVariant>());
     let (mut shaders, mut failures) = (Vec::new(), Vec::new());
     for shader in all {

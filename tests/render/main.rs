@@ -2,6 +2,7 @@
 
 mod appearances;
 mod aurora;
+mod bloom;
 mod changes;
 #[path = "../common/mod.rs"]
 mod common;

@@ -12,7 +12,7 @@ use std::f64::consts::PI;
 use terrella_frames::{MOON_RADIUS_M, SUN_RADIUS_M, SUN_RADIUS_RAD};
 use terrella_ground::air::{self, TableSize};
 use terrella_ground::globe::{BLOCK_COUNT, COLUMNS, ROWS};
-use terrella_ground::light;
+use terrella_ground::light::{self, Bloom};
 use terrella_imagery::tile::{MAP_LAYERS, MapLayer, TILE_BORDER};
 use terrella_imagery::{CLOUD_ALBEDO, DETAIL_MEAN, DETAIL_STEP, FLOOR_SEEN_M, NEIGHBOURHOODS};
 
@@ -112,6 +112,7 @@ const SHARED: &[(&str, Value)] = &[
     ("SEA_WATER_INDEX", F32(SEA_WATER_INDEX)),
     ("SEA_REFLECTANCE", F32(SEA_REFLECTANCE)),
     ("BRIGHTEST_EXPOSED", F32(BRIGHTEST_EXPOSED)),
+    ("BRIGHTEST_SCATTERED", F32(Bloom::BRIGHTEST_SCATTERED)),
     // What is shown: the largest value of eight bits, and tone curves.
     ("LAST_CODE", F32(u8::MAX as f64)),
     ("TONE_CAMERA_TOE", Vec3(light::CAMERA_TOE)),

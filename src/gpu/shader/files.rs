@@ -109,6 +109,7 @@ macro_rules! files {
 files![
     "air.wgsl",
     "air_view.wgsl",
+    "bloom.wgsl",
     "celestial.wgsl",
     "celestial/glare.wgsl",
     "celestial/milky_way.wgsl",

@@ -28,6 +28,7 @@
 
 mod air;
 mod assemble;
+mod bloom;
 mod capability;
 mod celestial;
 mod constants;
@@ -44,6 +45,7 @@ mod variant;
 
 pub use air::{AirVariant, AirViewVariant, GlowVariant};
 pub use assemble::ShaderText;
+pub use bloom::BloomVariant;
 pub use capability::ShaderCapability;
 pub use celestial::{CelestialKind, CelestialVariant};
 pub use develop::DevelopVariant;

@@ -9,13 +9,16 @@
 //! | `exposure.rs` | exposure values, fixed or metered, and how a metered one follows in time |
 //! | `meter.rs` | the exposure that a view asks for |
 //! | `display_slope.rs` | how steeply those curves rise |
+//! | `bloom.rs` | light that a lens scatters before that |
 //! | `tone.rs` | tone curves, the shaders' twins |
 
+mod bloom;
 mod display_slope;
 mod exposure;
 mod meter;
 mod tone;
 
+pub use bloom::Bloom;
 pub use display_slope::DisplaySlope;
 pub use exposure::{Adaptation, Exposure, exposure_factor};
 pub use meter::{Meter, MeterView, VIEW_RAYS, view_rays};

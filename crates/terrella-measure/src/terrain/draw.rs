@@ -54,6 +54,7 @@ impl Canvas {
                 depth: FrameTargets::REVERSED_DEPTH,
                 development: Default::default(),
                 tone: Default::default(),
+                bloom: Default::default(),
             },
             writes_depth: true,
             blend: None,
