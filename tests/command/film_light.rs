@@ -64,6 +64,41 @@ fn sixteen_bits_are_the_eight_that_a_screen_gets() {
     assert!(brightest > 100, "not a black picture");
 }
 
+/// The processor scatters light as the adapter does.
+#[test]
+fn bloom_of_a_film_is_that_of_a_picture() {
+    let place = Place::new();
+    let frame = |name: &str, more: &[&str]| {
+        place.succeed(&[&["frame", "small.toml", "-o", name], more].concat());
+        open(&place.path(name)).to_rgb8()
+    };
+    let wide = ["--set", "output.bloom=0.4"];
+    let sharp = frame("sharp.png", &[]);
+    let adapter = frame("adapter.png", &wide);
+    let open_shutter = ["--shutter", "1e-9", "--subframes", "1"];
+    let processor = frame("processor.png", &[&wide[..], &open_shutter].concat());
+    let farthest = |a: &image::RgbImage, b: &image::RgbImage| {
+        let pairs = a.as_raw().iter().zip(b.as_raw());
+        pairs.map(|(a, b)| a.abs_diff(*b)).max().unwrap_or_default()
+    };
+    let scattered = farthest(&sharp, &adapter);
+    assert!(scattered > 4, "it is seen: {scattered} codes");
+    // Of 11 bits a channel between, which are mixed again and again.
+    let apart = farthest(&adapter, &processor);
+    assert!(apart <= 2, "{apart} codes");
+    // Light itself is not what a lens makes of it.
+    place.succeed(&["frame", "small.toml", "-o", "a.exr", "--format", "exr"]);
+    place.succeed(
+        &[
+            &["frame", "small.toml", "-o", "b.exr", "--format", "exr"],
+            &wide[..],
+        ]
+        .concat(),
+    );
+    let [a, b] = ["a.exr", "b.exr"].map(|name| std::fs::read(place.path(name)).expect("reads"));
+    assert!(a == b, "EXR is light before the lens");
+}
+
 /// N × N pixels for one are the mean of the light of a picture N times as large.
 #[test]
 fn many_pixels_for_one_are_the_mean_of_their_light() {

@@ -78,6 +78,8 @@ const BAD: &[Bad] = &[
     ("[earth]\naerosol_optical_depth = 5.1", 2, &["[earth] aerosol_optical_depth = 5.1:", "from 0 to 5"]),
     ("[earth]\naerosol_optical_depth = -0.1", 2, &["[earth] aerosol_optical_depth = -0.1:", "from 0 to 5"]),
     ("[earth]\naerosol_optical_depth = nan", 2, &["[earth] aerosol_optical_depth = nan", "finite"]),
+    ("[output]\nbloom = 0.6", 2, &["[output] bloom = 0.6:", "from 0 to 0.5"]),
+    ("[earth]\nlook = \"paper\"\n[output]\nbloom = 0.1", 4, &["[output] bloom = 0.1:", "the paper's shading has no bloom"]),
     ("[earth]\nwind_m_s = 31", 2, &["[earth] wind_m_s = 31:", "from 0 to 30 metres a second"]),
     ("[earth]\nrelief_exaggeration = -1", 2, &["[earth] relief_exaggeration = -1:", "from 0 to 20"]),
     ("[earth]\ncloud_height_km = 0", 2, &["[earth] cloud_height_km = 0:", "from 0.1 to 20 kilometres"]),

@@ -27,6 +27,7 @@ pub(super) enum FeatureKind {
     Tiles,
     Multisampling,
     Anisotropy,
+    Bloom,
     /// A part of `[sky]`, by its key.
     Sky(&'static str),
     Tracks,
@@ -61,6 +62,7 @@ impl FeatureKind {
                 Self::Anisotropy,
                 options.anisotropy > 1 && !gpu.is_software(),
             ),
+            (Self::Bloom, options.bloom.strength > 0.0),
         ] {
             if is_on {
                 kinds.push(kind);
@@ -91,6 +93,7 @@ impl FeatureKind {
             Self::Tiles => "tiles",
             Self::Multisampling => "multisampling",
             Self::Anisotropy => "anisotropy",
+            Self::Bloom => "bloom",
             Self::Sky(key) => key,
             Self::Tracks => "tracks",
         }
@@ -111,6 +114,7 @@ impl FeatureKind {
             Self::Tiles => less.tiles = None,
             Self::Multisampling => less.samples = 1,
             Self::Anisotropy => less.anisotropy = 1,
+            Self::Bloom => less.bloom.strength = 0.0,
             // A pack is opened again: its tiles go with the map.
             Self::Map(layer) if less.tiles.is_some() => {
                 let mut scene = scene.clone();

@@ -2,10 +2,12 @@
 //!
 //! What a screen gets is decided as in `shaders/common/displayed.wgsl`; here light of many pixels and instants is averaged before.
 
+use super::bloom::scatter;
 use glam::{DVec3, DVec4};
 use image::RgbaImage;
 use rayon::prelude::*;
-use terrella::Tone;
+use std::borrow::Cow;
+use terrella::{Bloom, Tone};
 
 /// Light of a picture that is gathered from many pixels and instants.
 ///
@@ -30,6 +32,8 @@ pub struct LightPicture {
     pub factor: f64,
     /// The curve of highlights.
     pub tone: Tone,
+    /// What a lens does to exposed light before that.
+    pub bloom: Bloom,
 }
 
 impl GatheredLight {
@@ -61,7 +65,7 @@ impl GatheredLight {
     }
 
     /// The mean of what was added.
-    pub fn picture(&self, factor: f64, tone: Tone) -> LightPicture {
+    pub fn picture(&self, factor: f64, tone: Tone, bloom: Bloom) -> LightPicture {
         let count = f64::from(self.pixels_a_side).powi(2) * f64::from(self.instants.max(1));
         let pixels = self.sums.par_iter().map(|sum| {
             let mean = *sum / count;
@@ -72,6 +76,7 @@ impl GatheredLight {
             pixels: pixels.collect(),
             factor,
             tone,
+            bloom,
         }
     }
 }
@@ -81,7 +86,8 @@ impl LightPicture {
     pub fn shown_8(&self, alpha: bool) -> RgbaImage {
         let width = self.size.0.max(1) as usize;
         let mut bytes = vec![0; self.pixels.len() * 4];
-        let pixels = self.pixels.par_iter().zip(bytes.par_chunks_exact_mut(4));
+        let scattered = self.scattered();
+        let pixels = scattered.par_iter().zip(bytes.par_chunks_exact_mut(4));
         pixels.enumerate().for_each(|(n, (light, bytes))| {
             let (shown, opacity) = self.shown(light, alpha);
             let noise = dither((n % width) as f32 + 0.5, (n / width) as f32 + 0.5);
@@ -105,7 +111,8 @@ impl LightPicture {
     pub fn shown_16(&self, alpha: bool) -> Vec<u8> {
         let channels = if alpha { 4 } else { 3 };
         let mut bytes = vec![0; self.pixels.len() * channels * 2];
-        let pixels = self.pixels.par_iter();
+        let scattered = self.scattered();
+        let pixels = scattered.par_iter();
         pixels
             .zip(bytes.par_chunks_exact_mut(channels * 2))
             .for_each(|(light, bytes)| {
@@ -121,6 +128,15 @@ impl LightPicture {
                 }
             });
         bytes
+    }
+
+    /// The light that a lens lets through, before it is exposed.
+    fn scattered(&self) -> Cow<'_, [[f32; 4]]> {
+        let mut pixels = Cow::from(&self.pixels);
+        if self.bloom.strength > 0.0 {
+            scatter(&self.bloom, self.size, pixels.to_mut(), self.factor);
+        }
+        pixels
     }
 
     /// Linear display light of a pixel, 0…1, and its opacity.
@@ -173,6 +189,7 @@ mod tests {
             pixels,
             factor: 1.0,
             tone: Tone::Linear,
+            bloom: Bloom::default(),
         }
     }
 
@@ -183,12 +200,12 @@ mod tests {
         // 8 × 4: the first three columns lit with light that a screen would cut off.
         let row = [8.0, 8.0, 8.0, 0.0, 0.0, 0.0, 0.0, 0.0].map(|v: f32| [v, 0.5 * v, 0.0, 1.0]);
         gathered.add(&[row; 4].concat());
-        let mean = gathered.picture(1.0, Tone::Linear).pixels;
+        let mean = gathered.picture(1.0, Tone::Linear, Bloom::default()).pixels;
         assert_eq!(mean, [[6.0, 3.0, 0.0, 1.0], [0.0, 0.0, 0.0, 1.0]]);
         // An instant without light halves it.
         gathered.add(&[[0.0, 0.0, 0.0, 1.0]; 32]);
         assert_eq!(
-            gathered.picture(1.0, Tone::Linear).pixels[0],
+            gathered.picture(1.0, Tone::Linear, Bloom::default()).pixels[0],
             [3.0, 1.5, 0.0, 1.0]
         );
     }
@@ -202,7 +219,10 @@ mod tests {
         for count in [1, 3, 16, 255] {
             let mut gathered = GatheredLight::new((2, 1), 1);
             (0..count).for_each(|_| gathered.add(&light));
-            assert_eq!(gathered.picture(1.0, Tone::Linear).pixels, light);
+            assert_eq!(
+                gathered.picture(1.0, Tone::Linear, Bloom::default()).pixels,
+                light
+            );
         }
     }
 
@@ -235,6 +255,7 @@ mod tests {
             pixels: vec![[0.1, 0.1, 0.1, 1.0]; 64 * 64],
             factor: 1.0,
             tone: Tone::Linear,
+            bloom: Bloom::default(),
         };
         let shown = light.shown_8(false);
         let mean = shown.pixels().map(|p| f64::from(p[0])).sum::<f64>() / 4096.0;

@@ -16,10 +16,12 @@
 //! | `frames` | draws the frames of a scene's film, in any order |
 //! | `shared_folder` | a folder that several processes fill |
 //! | `painter` | draws them: as a screen shows them, or as light of many pixels and instants |
+//! | `bloom` | light that a lens scatters, on the processor |
 //! | `develop` | from light to a picture, on the processor |
 //! | `picture` | a picture and its file: PNG, PNG with 16 bits, OpenEXR |
 //! | `error` | why a folder is rejected |
 
+mod bloom;
 mod develop;
 mod error;
 mod folder;

@@ -20,6 +20,7 @@ pub struct FilmPainter {
     size: (u32, u32),
     pixels_a_side: u32,
     tone: terrella::Tone,
+    bloom: terrella::Bloom,
     wait: Duration,
 }
 
@@ -118,6 +119,7 @@ impl FilmPainter {
             size,
             pixels_a_side,
             tone: scene.output.tone,
+            bloom: scene.output.bloom,
             wait: scene.output.wait(),
         })
     }
@@ -164,8 +166,9 @@ impl FilmPainter {
             exposure_ev = exposure_ev.or(Some(stats.exposure_ev));
         }
         let exposure_ev = exposure_ev.unwrap_or_default();
+        let factor = exposure_factor(exposure_ev);
         Ok(Painted {
-            picture: FilmPicture::Light(gathered.picture(exposure_factor(exposure_ev), self.tone)),
+            picture: FilmPicture::Light(gathered.picture(factor, self.tone, self.bloom)),
             exposure_ev,
             missing: all_missing,
         })

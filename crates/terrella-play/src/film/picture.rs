@@ -104,6 +104,7 @@ mod tests {
             pixels: vec![[1.0, 0.5, 0.25, 0.5], [2.0, 4.0, 8.0, 1.0]],
             factor: 1.0,
             tone: Tone::Linear,
+            bloom: Default::default(),
         };
         let picture = FilmPicture::Light(light);
         let file = |format, alpha| {

@@ -194,7 +194,7 @@ impl SceneText<'_> {
     }
 
     /// Rejects a key that does nothing with the paper's shading.
-    fn only_in_sunlight<T, R>(&self, field: &Field<'_, T, R>) -> Result<(), SceneError> {
+    pub(super) fn only_in_sunlight<T, R>(&self, field: &Field<'_, T, R>) -> Result<(), SceneError> {
         let advice = format!(
             "the paper's shading has no {}; leave it out, or take shading = \"sunlit\"",
             field.key

@@ -20,7 +20,7 @@ use std::ops::{Range, RangeInclusive};
 use terrella::SurfaceLight;
 use terrella_ground::air::{AirOptions, Atmosphere};
 use terrella_ground::globe::{Figure, LevelRule, Shading, SurfaceKind, Visibility};
-use terrella_ground::light::Tone;
+use terrella_ground::light::{Bloom, Tone};
 use terrella_orbit::live::{Extrapolation, LiveOptions, Pacing, Transport};
 use terrella_orbit::numerical::Spacecraft;
 use toml::Spanned;
@@ -485,6 +485,8 @@ table!(RawOutput = "output" {
     exposure_ev: toml::Value, of "a number of exposure values from −20 to 20 or \"auto\"";
     /// The curve by which exposed light is shown. By default "camera"; "neutral" with look = "paper".
     tone: Choice<Tone>;
+    /// The part of all light that the lens scatters about what is bright. By default 0.03 with look = "full", else 0.
+    bloom: f64, in Bloom::STRENGTH, for SUNLIT;
     /// How long a picture that is kept waits for its tiles and its simulator.
     wait_s: f64, of "seconds", in 0.0..=3600.0, default 30.0;
 });

@@ -12,8 +12,11 @@ use super::text::SceneText;
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use terrella_ground::air::Atmosphere;
-use terrella_ground::light::{Exposure, Tone};
+use terrella_ground::light::{Bloom, Exposure, Tone};
 use toml::Spanned;
+
+/// Bloom with look = "full".
+const FULL_BLOOM: f64 = 0.03;
 
 /// `[output]`
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,6 +29,8 @@ pub struct Output {
     pub exposure: Exposure,
     /// By which curve exposed light is shown.
     pub tone: Tone,
+    /// What the lens does to light before that.
+    pub bloom: Bloom,
     /// How long a picture that is kept waits for the tiles of its pack, and for its satellite's simulator, seconds.
     pub wait_s: f64,
 }
@@ -113,7 +118,26 @@ impl SceneText<'_> {
             samples,
             exposure: self.exposure(&output.exposure_ev())?,
             tone: self.choice_or(&output.tone(), usual_tone)?,
+            bloom: self.bloom(&output.bloom(), earth)?,
             wait_s,
+        })
+    }
+
+    fn bloom(
+        &self,
+        bloom: &Field<'_, f64, RangeInclusive<f64>>,
+        earth: &EarthTable,
+    ) -> Result<Bloom, SceneError> {
+        if earth.light.is_none() {
+            self.only_in_sunlight(bloom)?;
+            return Ok(Bloom::default());
+        }
+        let usual = match earth.look {
+            Look::Full => FULL_BLOOM,
+            Look::Paper | Look::Standard => 0.0,
+        };
+        Ok(Bloom {
+            strength: self.quantity_or(bloom, usual)?,
         })
     }
 
