@@ -234,6 +234,22 @@ fn code_in_the_readme_is_that_of_an_example() {
     );
 }
 
+/// So that it compiles as it is printed.
+#[test]
+fn the_host_in_the_tutorial_is_a_whole_example() {
+    let repository = Repository::open();
+    let page = repository.text("docs/start/own-renderer.md");
+    let printed = page.split("```rust\n").nth(1);
+    let printed = printed.and_then(|rest| rest.split("```").next());
+    let example = repository.text("examples/minimal.rs");
+    let is_header = |line: &&str| line.starts_with("//!") || line.is_empty();
+    let code: Vec<_> = example.lines().skip_while(is_header).collect();
+    assert!(
+        printed.is_some_and(|text| text.lines().eq(code.iter().copied())),
+        "docs/start/own-renderer.md does not print examples/minimal.rs"
+    );
+}
+
 #[test]
 fn pages_install_our_own_distribution() {
     let repository = Repository::open();

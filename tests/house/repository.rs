@@ -101,15 +101,14 @@ impl Repository {
         names
     }
 
-    /// The pages at the top, those of `docs/` and `docs/embedding/`, and those of the folders that have one.
+    /// The pages at the top, those of `docs/` and of the folders below it, and those of the folders that have one.
     pub fn pages(&self) -> Vec<Page> {
         let top = self.file_names(".", "md");
-        let docs = self.file_names("docs", "md");
-        let docs = docs.into_iter().map(|name| format!("docs/{name}"));
-        let embedding = self.file_names("docs/embedding", "md");
-        let embedding = embedding
-            .into_iter()
-            .map(|name| format!("docs/embedding/{name}"));
+        let docs = ["docs", "docs/embedding", "docs/start"];
+        let docs = docs.into_iter().flat_map(|folder| {
+            let names = self.file_names(folder, "md").into_iter();
+            names.map(move |name| format!("{folder}/{name}"))
+        });
         let folders = [
             ".github/CODE_OF_CONDUCT.md",
             ".github/SECURITY.md",
@@ -123,7 +122,6 @@ impl Repository {
         let folders = folders.iter().map(|path| (*path).to_string());
         top.into_iter()
             .chain(docs)
-            .chain(embedding)
             .chain(folders.filter(|path| self.exists(path)))
             .map(|path| Page {
                 text: self.text(&path),
