@@ -30,6 +30,8 @@ pub struct TestProgram {
 pub struct Built {
     /// The `terrella` executable; `None` where the arguments made none.
     pub terrella: Option<PathBuf>,
+    /// The last example; `None` where the arguments made none.
+    pub example: Option<PathBuf>,
     /// Programs of tests.
     pub tests: Vec<TestProgram>,
 }
@@ -53,7 +55,9 @@ pub fn build(arguments: &[&str]) -> anyhow::Result<Built> {
     if let Some(stdout) = child.stdout.take() {
         for line in BufReader::new(stdout).lines() {
             let line = line.with_context(|| format!("cannot read the output of `{what}`"))?;
-            built.terrella = executable_in(&line).or(built.terrella);
+            let executable = |kind| executable_in(&line, kind);
+            built.terrella = executable(Kind::Program).or(built.terrella);
+            built.example = executable(Kind::Example).or(built.example);
             built.tests.extend(test_in(&line));
         }
     }
@@ -96,16 +100,27 @@ pub fn output(arguments: &[&str]) -> anyhow::Result<String> {
     }
 }
 
-/// The path in one of cargo's messages, if it is about the `terrella` program (not about its unit tests).
-fn executable_in(line: &str) -> Option<PathBuf> {
+/// What an executable is, unless it is a program of tests.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    /// The program `terrella`.
+    Program,
+    Example,
+}
+
+/// The path in one of cargo's messages, if it is about an executable of this kind (not about its unit tests).
+fn executable_in(line: &str, kind: Kind) -> Option<PathBuf> {
     let message: Value = serde_json::from_str(line).ok()?;
     let target = message.get("target")?;
-    let is_program = message.get("reason")? == "compiler-artifact"
-        && target.get("name")? == "terrella"
-        && target.get("kind")?.as_array()?.iter().any(|k| k == "bin")
+    let is = |word: &str| Some(target.get("kind")?.as_array()?.iter().any(|k| k == word));
+    let is_kind = match kind {
+        Kind::Program => is("bin")? && target.get("name")? == "terrella",
+        Kind::Example => is("example")?,
+    };
+    let is_built = message.get("reason")? == "compiler-artifact"
         && message.get("profile")?.get("test")? == false;
     let path = message.get("executable")?.as_str()?;
-    is_program.then(|| PathBuf::from(path))
+    (is_kind && is_built).then(|| PathBuf::from(path))
 }
 
 #[cfg(test)]
@@ -138,16 +153,22 @@ mod tests {
     #[test]
     fn only_the_program_itself_is_taken() {
         let path = r#""/t/debug/terrella""#;
+        let program = |line: &str| executable_in(line, Kind::Program);
         assert_eq!(
-            executable_in(&message("bin", false, path)),
+            program(&message("bin", false, path)),
             Some(PathBuf::from("/t/debug/terrella"))
         );
-        assert_eq!(executable_in(&message("bin", true, path)), None);
-        assert_eq!(executable_in(&message("lib", false, path)), None);
-        assert_eq!(executable_in(&message("bin", false, "null")), None);
-        assert_eq!(executable_in("running 3 tests"), None);
         assert_eq!(
-            executable_in(r#"{"reason":"build-finished","success":true}"#),
+            executable_in(&message("example", false, path), Kind::Example),
+            Some(PathBuf::from("/t/debug/terrella"))
+        );
+        assert_eq!(program(&message("example", false, path)), None);
+        assert_eq!(program(&message("bin", true, path)), None);
+        assert_eq!(program(&message("lib", false, path)), None);
+        assert_eq!(program(&message("bin", false, "null")), None);
+        assert_eq!(program("running 3 tests"), None);
+        assert_eq!(
+            program(r#"{"reason":"build-finished","success":true}"#),
             None
         );
     }

@@ -122,8 +122,8 @@ enum Command {
         /// The program to draw with; by default it is built as for a release.
         #[arg(long, value_name = "FILE")]
         program: Option<PathBuf>,
-        /// Pictures by name; all by default.
-        #[arg(value_name = "NAME.jpg")]
+        /// Pictures by name, start/film.jpg, or gallery for the page of all scenes; all by default.
+        #[arg(value_name = "NAME")]
         names: Vec<String>,
     },
     /// Send 100 000 packets to a live feed, one in twenty of them corrupt: memory and answers.

@@ -1,12 +1,15 @@
 //! `cargo xtask pictures`: draws the pictures of README.md and of the pages of docs/ again.
 
+mod gallery;
+mod sheet;
+mod tutorials;
+
 use crate::cargo;
 use crate::process::{self, repository_root, say};
-use anyhow::{Context, Result};
-use image::codecs::jpeg::JpegEncoder;
-use image::{RgbImage, imageops};
+use anyhow::{Context, Result, bail};
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use tutorials::Tutorial;
 
 /// Size of each scene in a picture, pixels, and how many stand in a row.
 const SCENE_PX: (u32, u32) = (640, 360);
@@ -18,11 +21,14 @@ const BUILD: [&str; 5] = [
     "--package",
     "terrella-cli",
 ];
-const JPEG_QUALITY: u8 = 88;
+/// Name of the page of all scenes, with its pictures.
+const GALLERY: &str = "gallery";
 
-/// A picture: its name below docs/, and the scenes in it, each at an instant where it is not the scene's start.
+/// A picture of scenes of config/.
 struct Sheet {
+    /// Name below docs/.
     name: &'static str,
+    /// The scenes in it, each at an instant where it is not the scene's start.
     scenes: &'static [(&'static str, Option<&'static str>)],
 }
 
@@ -58,12 +64,35 @@ const SHEETS: &[Sheet] = &[
     },
 ];
 
+/// What can be drawn, by name.
+enum Picture {
+    Sheet(&'static Sheet),
+    Tutorial(&'static Tutorial),
+    Gallery,
+}
+
+impl Picture {
+    fn all() -> Vec<Self> {
+        let sheets = SHEETS.iter().map(Self::Sheet);
+        let tutorials = tutorials::ALL.iter().map(Self::Tutorial);
+        sheets.chain(tutorials).chain([Self::Gallery]).collect()
+    }
+
+    fn name(&self) -> String {
+        match self {
+            Self::Sheet(sheet) => sheet.name.to_owned(),
+            Self::Tutorial(tutorial) => tutorial.picture(),
+            Self::Gallery => GALLERY.to_owned(),
+        }
+    }
+}
+
 /// Draws those of these names, or all, with a program, or with one that is built for it.
 ///
 /// # Errors
 /// A program that cannot be built, a name that is none, a scene that cannot be drawn, a file that cannot be written.
 pub fn run(program: Option<PathBuf>, names: &[String]) -> Result<()> {
-    let sheets = wanted(names)?;
+    let wanted = wanted(names)?;
     let terrella = match program {
         Some(program) => program
             .canonicalize()
@@ -72,55 +101,62 @@ pub fn run(program: Option<PathBuf>, names: &[String]) -> Result<()> {
             .terrella
             .context("cargo built the program and did not say where it is")?,
     };
-    let root = repository_root();
-    let folder = tempfile::tempdir().context("no temporary folder")?;
-    for sheet in sheets {
-        let mut parts = Vec::new();
-        for (n, (scene, at)) in sheet.scenes.iter().enumerate() {
-            let picture = folder.path().join(format!("{n}.png"));
-            let mut command = Command::new(&terrella);
-            command.current_dir(&root).arg("--quiet").arg("frame");
-            command.arg(format!("config/{scene}.toml"));
-            command.args(["--size", &format!("{}x{}", SCENE_PX.0, SCENE_PX.1)]);
-            command.args(at.iter().flat_map(|at| ["--at", *at]));
-            process::run(command.arg("-o").arg(&picture))?;
-            let read = image::open(&picture).with_context(|| picture.display().to_string())?;
-            parts.push(read.into_rgb8());
+    let docs = repository_root().join("docs");
+    for picture in wanted {
+        match &picture {
+            Picture::Sheet(sheet) => draw(sheet, &terrella, &docs.join(sheet.name))?,
+            Picture::Tutorial(tutorial) => tutorial.draw(&terrella, &docs)?,
+            Picture::Gallery => gallery::draw(&terrella)?,
         }
-        let path = root.join("docs").join(sheet.name);
-        write(&together(&parts), &path)?;
-        say(format_args!("wrote {}", path.display()));
+        say(format_args!("wrote docs/{}", picture.name()));
     }
     Ok(())
 }
 
-fn wanted(names: &[String]) -> Result<Vec<&'static Sheet>> {
-    let known = || SHEETS.iter().map(|sheet| sheet.name).collect::<Vec<_>>();
-    if names.is_empty() {
-        return Ok(SHEETS.iter().collect());
+fn draw(of: &Sheet, terrella: &Path, path: &Path) -> Result<()> {
+    let folder = tempfile::tempdir().context("no temporary folder")?;
+    let mut parts = Vec::new();
+    for (n, (scene, at)) in of.scenes.iter().enumerate() {
+        let picture = folder.path().join(format!("{n}.png"));
+        let scene = format!("config/{scene}.toml");
+        let at: Vec<_> = at.iter().flat_map(|at| ["--at", *at]).collect();
+        frame(
+            terrella,
+            &repository_root(),
+            &scene,
+            SCENE_PX,
+            &at,
+            &picture,
+        )?;
+        parts.push(sheet::read(&picture)?);
     }
-    let sheets = names.iter().map(|name| {
-        let sheet = SHEETS.iter().find(|sheet| sheet.name == name);
-        sheet.with_context(|| format!("{name} is none of {}", known().join(", ")))
-    });
-    sheets.collect()
+    sheet::write(&sheet::together(&parts, COLUMNS), path)
 }
 
-/// Side by side, row by row.
-fn together(parts: &[RgbImage]) -> RgbImage {
-    let rows = (parts.len() as u32).div_ceil(COLUMNS);
-    let mut sheet = RgbImage::new(COLUMNS * SCENE_PX.0, rows * SCENE_PX.1);
-    for (n, part) in (0..).zip(parts) {
-        let (x, y) = (n % COLUMNS * SCENE_PX.0, n / COLUMNS * SCENE_PX.1);
-        imageops::replace(&mut sheet, part, x.into(), y.into());
-    }
-    sheet
+/// `terrella frame` of a scene, or of the built-in one where it has no name, in a folder.
+fn frame(
+    terrella: &Path,
+    folder: &Path,
+    scene: &str,
+    size_px: (u32, u32),
+    more: &[&str],
+    picture: &Path,
+) -> Result<()> {
+    let mut command = Command::new(terrella);
+    command.current_dir(folder).args(["--quiet", "frame"]);
+    command.args(Some(scene).filter(|scene| !scene.is_empty()));
+    command.args(["--size", &format!("{}x{}", size_px.0, size_px.1)]);
+    process::run(command.args(more).arg("-o").arg(picture))
 }
 
-fn write(sheet: &RgbImage, path: &Path) -> Result<()> {
-    let mut jpeg = Vec::new();
-    JpegEncoder::new_with_quality(&mut jpeg, JPEG_QUALITY).encode_image(sheet)?;
-    std::fs::write(path, jpeg).with_context(|| path.display().to_string())
+fn wanted(names: &[String]) -> Result<Vec<Picture>> {
+    let all = Picture::all();
+    let known: Vec<_> = all.iter().map(Picture::name).collect();
+    if let Some(name) = names.iter().find(|name| !known.contains(name)) {
+        bail!("{name} is none of {}", known.join(", "));
+    }
+    let is_wanted = |picture: &Picture| names.is_empty() || names.contains(&picture.name());
+    Ok(all.into_iter().filter(is_wanted).collect())
 }
 
 #[cfg(test)]
@@ -142,21 +178,15 @@ mod tests {
     fn names_choose_and_wrong_ones_list_the_right_ones() {
         let names =
             |names: &[&str]| wanted(&names.iter().map(|n| (*n).to_owned()).collect::<Vec<_>>());
-        assert_eq!(names(&[]).unwrap().len(), SHEETS.len());
-        assert_eq!(names(&["sky.jpg"]).unwrap()[0].name, "sky.jpg");
+        assert_eq!(names(&[]).unwrap().len(), Picture::all().len());
+        for name in ["sky.jpg", "start/film.jpg", "gallery"] {
+            let found = names(&[name]).unwrap();
+            assert!(found.len() == 1 && found[0].name() == name);
+        }
         let error = names(&["moon.jpg"]).err().unwrap().to_string();
         assert!(
             error.contains("moon.jpg is none of terrella.jpg, light.jpg"),
             "{error}"
         );
-    }
-
-    #[test]
-    fn parts_stand_in_rows() {
-        let part = |value| RgbImage::from_pixel(SCENE_PX.0, SCENE_PX.1, image::Rgb([value; 3]));
-        let sheet = together(&[part(1), part(2), part(3)]);
-        assert_eq!(sheet.dimensions(), (2 * SCENE_PX.0, 2 * SCENE_PX.1));
-        let at = |x, y| sheet.get_pixel(x * SCENE_PX.0, y * SCENE_PX.1).0[0];
-        assert_eq!([at(0, 0), at(1, 0), at(0, 1), at(1, 1)], [1, 2, 3, 0]);
     }
 }
