@@ -22,6 +22,8 @@ mod openers;
 mod opm;
 mod orbit;
 mod packs;
+#[cfg(unix)]
+mod pages;
 mod passes;
 mod pictures;
 mod quality;
