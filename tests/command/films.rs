@@ -79,7 +79,7 @@ fn a_range_gives_the_frames_of_the_whole_film() {
         &["play", "auto.toml", "--frames", "x", "--range", "5..7"],
     );
     assert!(
-        words.contains("5..7") && words.contains("from 0 to 5"),
+        words.contains("5..7") && words.contains("are 0 to 5"),
         "{words}"
     );
     assert!(!place.path("x").exists());
@@ -137,7 +137,7 @@ fn a_film_goes_on_where_it_was_left() {
     std::fs::write(place.path("a").join(frame(3)), &kept).expect("writes");
     let output = place.succeed(&[&["-v"], &play[..], &["--resume"]].concat());
     assert!(
-        words(&output).contains("1 frames are there already"),
+        words(&output).contains("1 frames are already rendered"),
         "{}",
         words(&output)
     );
@@ -147,14 +147,14 @@ fn a_film_goes_on_where_it_was_left() {
         drawn,
         "a frame that was there is not written again"
     );
-    assert!(!words(&output).contains("may differ a little"));
+    assert!(!words(&output).contains("may differ slightly"));
     // As if drawn in one go.
     place.succeed(&["play", "small.toml", "--frames", "b"]);
     assert_same_folders(&place.path("a"), &place.path("b"));
     // Nothing is left to do.
     let output = place.succeed(&[&["-v"], &play[..], &["--resume"]].concat());
     assert!(
-        words(&output).contains("all frames are there"),
+        words(&output).contains("all frames are already rendered"),
         "{}",
         words(&output)
     );
@@ -208,7 +208,7 @@ fn films_are_not_mixed() {
     std::fs::remove_file(place.path("a").join(frame(3))).expect("removes");
     let output = place.succeed(&resume);
     assert!(
-        crate::words(&output).contains("drawn by another"),
+        crate::words(&output).contains("rendered by another"),
         "{}",
         crate::words(&output)
     );
@@ -248,7 +248,7 @@ fn a_film_whose_page_is_cut_goes_on() {
         }
         std::fs::write(place.path("a/frames.json"), &text[..cut]).expect("writes");
         let output = place.succeed(&["-v", "play", "small.toml", "--frames", "a", "--resume"]);
-        let said = format!("cut off or damaged; {kept} frames that it still names are kept");
+        let said = format!("truncated or corrupt; the {kept} frames that it still lists are kept");
         assert!(words(&output).contains(&said), "{cut}: {}", words(&output));
         assert_same_folders(&place.path("whole"), &place.path("a"));
     }
@@ -285,7 +285,7 @@ fn a_film_that_is_killed_goes_on() {
     let done = indices(&page(&place.path("a"))).len();
     assert!((5..60).contains(&done), "{done}");
     let output = place.succeed(&[&["-v"], &play[..], &["--resume"]].concat());
-    let said = format!("{done} frames are there already");
+    let said = format!("{done} frames are already rendered");
     assert!(words(&output).contains(&said), "{}", words(&output));
     place.succeed(&["play", "long.toml", "--frames", "b"]);
     assert_same_folders(&place.path("a"), &place.path("b"));
@@ -318,7 +318,9 @@ fn a_disk_that_fills_keeps_what_was_done() {
     // The page grows over it.
     let said = full(24);
     assert!(
-        said.contains("frames.json") && said.contains("make room") && said.contains("--resume"),
+        said.contains("frames.json")
+            && said.contains("free some space")
+            && said.contains("--resume"),
         "{said}"
     );
     let done = indices(&page(&place.path("a")));
@@ -334,7 +336,7 @@ fn a_disk_that_fills_keeps_what_was_done() {
     std::fs::remove_dir_all(place.path("a")).expect("removes");
     let said = full(4);
     assert!(
-        said.contains("frame_00000.png") && said.contains("make room"),
+        said.contains("frame_00000.png") && said.contains("free some space"),
         "{said}"
     );
     assert_eq!(names(&place.path("a")), ["frames.json"]);

@@ -138,7 +138,7 @@ fn an_ephemeris_message_flies_as_the_satellite_does() {
     let told_m = told
         .split_whitespace()
         .rev()
-        .nth(4)
+        .nth(1)
         .and_then(|word| word.parse::<f64>().ok());
     let read = Ephemerides::from_file(&place.path("iss.oem"), true).expect("an OEM");
     let iss = Sgp4Feed::built_in_iss().expect("built in");
@@ -264,7 +264,7 @@ fn files_that_cannot_be_written_are_found_before_the_run() {
         let extension = option.trim_start_matches('-');
         let file = format!("missing/iss.{extension}");
         let rejection = place.fail(1, &["orbit", "nowhere.toml", option, &file]);
-        assert!(rejection.contains("make it first"), "{rejection}");
+        assert!(rejection.contains("create it first"), "{rejection}");
     }
     let rejection = place.fail(1, &["orbit", "iss.toml", "--oem", "iss.csv"]);
     assert!(rejection.contains("iss.oem"), "{rejection}");

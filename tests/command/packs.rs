@@ -203,7 +203,7 @@ fn what_is_no_pack_is_rejected_with_advice() {
         &text.replace("atmosphere", "storage = \"plain\"\natmosphere"),
     );
     let told = place.fail(2, &["frame", "b.toml", "-o", "a.png"]);
-    assert!(told.contains("bc only"), "{told}");
+    assert!(told.contains("only as bc"), "{told}");
     // Without being forced it is decoded and drawn.
     place.scene("b.toml", &text);
     place.succeed(&["--quiet", "frame", "b.toml", "-o", "b.png"]);
@@ -327,7 +327,7 @@ fn a_scene_that_wants_heights_of_a_pack_without_is_rejected() {
     let told = place.fail(2, &["frame", "a.toml", "-o", "a.png"]);
     for word in [
         "a.toml:15: [earth] pack_heights: ",
-        "the pack earth has no heights",
+        "the pack earth has no elevation data",
         "elevation = [",
         "--heights",
     ] {

@@ -378,19 +378,16 @@ fn surfaces_are_compared() {
 fn surfaces_that_there_are_not_are_rejected() {
     let place = Place::new();
     for (words, why) in [
-        (
-            &["--surfaces", "--only", "spheres"][..],
-            "there is no such surface",
-        ),
+        (&["--surfaces", "--only", "spheres"][..], "unknown surface"),
         (&["--only", "blocks"], "--surfaces"),
         (&["--surfaces", "--places", "0"], "0 is not in 1..=1000"),
         (
             &["--surfaces", "--parts", "all"],
-            "there are errors, times, settling",
+            "one of errors, times, settling",
         ),
         (
             &["--surfaces", "--flights", "up"],
-            "there are orbit, descent, low, horizon",
+            "one of orbit, descent, low, horizon",
         ),
     ] {
         let mut all = vec!["report", "small.toml", "-o", "out"];

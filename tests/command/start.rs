@@ -239,7 +239,7 @@ fn what_is_neither_a_scene_nor_a_file_of_orbits_is_said_to_be_so() {
         for command in ["check", "play", "orbit"] {
             let told = place.fail(2, &[command, file]);
             assert!(told.contains(file), "{told}");
-            assert!(told.contains("nor is it a file of orbits"), "{told}");
+            assert!(told.contains("nor is it an orbit file"), "{told}");
         }
     }
     // A message that is known and not read is named, with what to do.
@@ -267,7 +267,7 @@ fn what_is_neither_a_scene_nor_a_file_of_orbits_is_said_to_be_so() {
         "{told}"
     );
     let told = place.fail(2, &["check", "missing.tle"]);
-    assert!(told.contains("or of a file of orbits"), "{told}");
+    assert!(told.contains("or of an orbit file"), "{told}");
 }
 
 #[test]
@@ -355,7 +355,7 @@ fn films_of_now_are_not_mixed() {
     let live = "[orbit]\nsource = \"live\"\nlisten = \"udp://127.0.0.1:0\"\n";
     place.scene("live.toml", live);
     let told = place.fail(2, &["play", "live.toml", "--start", "now"]);
-    assert!(told.contains("simulator gives the time"), "{told}");
+    assert!(told.contains("simulator sets the time"), "{told}");
 }
 
 /// An equatorial circle of 6778 km at the equinox, at noon over it and half a revolution later: light from start, shadow from
@@ -387,8 +387,8 @@ fn a_films_light_size_and_encoder_are_told_before_and_its_files_after() {
     for word in [
         "film: 185 frames of 64 × 36 pixels: 18.5 s at 10 frames a second",
         "video: a.mp4, encoded by the built-in encoder, OpenH264",
-        "light: the satellite is in the Earth's shadow for 39 % of it, in sunlight until 2018-03-20T16:4",
-        "light: the ground below is in night for 50 % of it, in daylight until 2018-03-20T16:38:",
+        "light: the satellite is in the Earth's shadow for 39 % of the film, in sunlight until 2018-03-20T16:4",
+        "light: the ground below is in night for 50 % of the film, in daylight until 2018-03-20T16:38:",
     ] {
         assert!(said.contains(word), "no {word}: {said}");
     }
@@ -406,11 +406,11 @@ fn a_films_light_size_and_encoder_are_told_before_and_its_files_after() {
     place.scene("dark.toml", &equinox(180, 60));
     let said = words(&place.succeed(&["play", "dark.toml", "--frames", "dark"]));
     for word in [
-        "pictures: in dark, PNG",
+        "images: in dark, PNG",
         "light: the satellite is in the Earth's shadow all the time, in sunlight from 2018-03-20T16:3",
         "light: the ground below is in night all the time, in daylight from 2018-03-20T16:38:",
         "light: --start 2018-03-20T16:38:",
-        "2 pictures",
+        "2 images",
     ] {
         assert!(said.contains(word), "no {word}: {said}");
     }
@@ -421,7 +421,7 @@ fn a_films_light_size_and_encoder_are_told_before_and_its_files_after() {
         .sum();
     assert!(said.contains(&format!("{bytes} bytes")), "{bytes}: {said}");
     let said = words(&place.succeed(&["play", "dark.toml", "--frames", "dark", "--resume"]));
-    assert!(said.contains("all frames are there"), "{said}");
+    assert!(said.contains("all frames are already rendered"), "{said}");
 }
 
 #[test]

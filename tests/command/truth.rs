@@ -172,7 +172,7 @@ fn truth_that_cannot_be_written_is_rejected_before_drawing() {
     };
     let words = frame(1, "file", &[]);
     assert!(
-        words.contains("file") && words.contains("in the way"),
+        words.contains("file") && words.contains("already exists"),
         "{words}"
     );
     let words = frame(1, "file/truth", &[]);

@@ -299,7 +299,7 @@ fn check_says_what_is_used_and_how_long_the_elements_hold() {
     place.scene("iss.toml", "");
     let output = place.succeed(&["check", "iss.toml"]);
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
-    for word in ["leaves out", "elements hold", "2018-0"] {
+    for word in ["leaves out", "elements valid", "2018-0"] {
         assert!(text.contains(word), "no {word:?} in: {text}");
     }
     let output = place.succeed(&["check", "small.toml"]);
@@ -320,7 +320,7 @@ fn doctor_lists_adapters_or_says_what_to_install() {
         Some(0) => {
             let text = String::from_utf8_lossy(&output.stdout).into_owned();
             assert!(
-                text.contains("taken by default") && text.contains("  can "),
+                text.contains("used by default") && text.contains("  can "),
                 "{text}"
             );
         }

@@ -17,19 +17,19 @@ const SLOWER: u8 = 3;
 /// Arguments of `terrella bench`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "The scene's Earth and camera are flown round at twelve heights, from 1 km to the Moon's distance, along \
-    the equator and along a path inclined by 51.6°, with the Sun of the scene's start. Each frame is timed beside its \
-    floor: a pass with the same texture samples at the same places that computes no light. Compare their \
-    ratio, not milliseconds. With a pack, tiles are waited for before a frame is timed.\n\n\
-    With --baseline a row is slower where all that noise leaves open, an interval of 95 % for all rows together, lies beyond \
-    --smallest-effect. Frames are compared view by view; --repeats 3 or more on both sides lets the interval know how runs differ. A \
-    baseline of another scene, size, number of frames or adapter is rejected.\n\n\
-    Ctrl-C, SIGTERM or SIGHUP ends the run early: the files then hold the complete rows and say that they are partial.\n\n\
-    Exit codes: 0 done, 2 bad scene or bad usage, 3 slower than the baseline, 1 any other failure, 130, 143 or 129 \
+    after_help = "Flies the scene's camera at twelve altitudes, from 1 km to the Moon's distance, along the equator and along a path \
+    inclined by 51.6°, with the Sun of the scene's start. Each frame is timed against its floor: a pass that takes the same texture \
+    samples at the same places and computes no light. Compare their ratio, not milliseconds. With a pack, a frame is timed once its \
+    tiles have loaded.\n\n\
+    With --baseline, a row is slower if its whole confidence interval (95 % for all rows together) lies beyond --smallest-effect. \
+    Frames are compared view by view. Use --repeats 3 or more for both runs, so that the interval includes the variation between \
+    runs. A baseline of another scene, size, number of frames or adapter is rejected.\n\n\
+    Ctrl-C, SIGTERM or SIGHUP ends the run early; the files then hold the complete rows and are marked as partial.\n\n\
+    Exit codes: 0 success, 2 invalid scene or usage, 3 slower than the baseline, 1 any other failure, 130, 143 or 129 \
     interrupted by SIGINT, SIGTERM or SIGHUP."
 )]
 pub struct BenchArgs {
-    /// The scene file
+    /// Scene file
     scene: PathBuf,
     /// Write the whole report to this file, for --baseline and other programs
     #[arg(long, value_name = "FILE.json")]
@@ -43,16 +43,16 @@ pub struct BenchArgs {
     /// Compare with an earlier run's JSON
     #[arg(long, value_name = "OLD.json")]
     baseline: Option<PathBuf>,
-    /// With --baseline: the smallest slowdown that counts, 0.05 being a twentieth
+    /// With --baseline: smallest slowdown that counts, as a fraction: 0.05 is 5 %
     #[arg(long, value_name = "PART", default_value_t = SMALLEST_EFFECT, value_parser = values::part, requires = "baseline")]
     smallest_effect: f64,
-    /// Frames to time for each row and each feature in each run
+    /// Number of frames timed for each row and each feature in each run
     #[arg(long, value_name = "N", default_value_t = DEFAULT_FRAMES, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     frames: u32,
-    /// Runs over all rows and features, whose spread is reported
+    /// Number of runs over all rows and features; their spread is reported
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=100))]
     repeats: u32,
-    /// Width and height in pixels, instead of the scene's
+    /// Width and height in pixels [default: the scene's]
     #[arg(long, value_name = "WxH", value_parser = values::size)]
     size: Option<(u32, u32)>,
 }
@@ -66,8 +66,8 @@ const SMALLEST_EFFECT: f64 = 0.05;
 pub fn run(args: &BenchArgs, common: &Common) -> anyhow::Result<()> {
     let flight = Flight::open_without_listening(Scene::load(&args.scene)?)?;
     flight.reject_live(
-        "frames are timed at instants of the scene",
-        "take a scene of another source",
+        "frames are timed at times of the scene",
+        "use a scene with another source",
     )?;
     let request = BenchRequest {
         // The ranges above keep them from zero.

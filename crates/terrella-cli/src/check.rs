@@ -17,7 +17,7 @@ pub struct CheckArgs {
     scene: SceneArgs,
     #[command(flatten)]
     satellites: SatelliteArgs,
-    /// List every key that a scene can have, also those without a meaning in this one
+    /// List every key that a scene can have, including those without effect in this one
     #[arg(long)]
     all: bool,
 }
@@ -73,7 +73,7 @@ pub fn run(args: &CheckArgs, common: &Common) -> anyhow::Result<()> {
             "name",
             satellite.name(),
             match satellite.elements() {
-                Some(_) => "elements hold",
+                Some(_) => "elements valid",
                 None => "known",
             },
             rfc3339(first),

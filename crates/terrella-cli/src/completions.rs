@@ -7,11 +7,11 @@ use clap_complete::Shell;
 /// Arguments of `terrella completions`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "The script completes commands, options and their values. It is for this version of the program: print it again \
-    after an update. docs/command.md has the folder that each shell reads."
+    after_help = "The script completes commands, options and their values. Print it again after an update of the program. \
+    docs/command.md names the folder that each shell reads."
 )]
 pub struct CompletionsArgs {
-    /// The shell
+    /// Shell
     #[arg(value_enum)]
     shell: Shell,
 }

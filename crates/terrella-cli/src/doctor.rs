@@ -32,7 +32,7 @@ pub fn run(common: &Common) -> anyhow::Result<()> {
 
 fn describe(text: &mut String, report: &AdapterReport) -> std::fmt::Result {
     let chosen = if report.chosen {
-        ", taken by default"
+        ", used by default"
     } else {
         ""
     };
@@ -48,7 +48,7 @@ fn describe(text: &mut String, report: &AdapterReport) -> std::fmt::Result {
         writeln!(text, "  can     {line}")?;
     }
     for line in &report.dropped {
-        writeln!(text, "  drops   {line}")?;
+        writeln!(text, "  lacks   {line}")?;
     }
     writeln!(text)
 }

@@ -10,8 +10,11 @@ const EXAMPLES: &[(&str, &[Example])] = &[
     (
         "",
         &[
-            ("terrella play", "fly with the space station in a window"),
-            ("terrella frame my.tle -o a.png", "draw one picture"),
+            (
+                "terrella play",
+                "the view from the space station, in a window",
+            ),
+            ("terrella frame my.tle -o a.png", "render one image"),
             ("terrella play my.tle --video a.mp4", "write a film"),
         ],
     ),
@@ -37,10 +40,10 @@ const EXAMPLES: &[(&str, &[Example])] = &[
     (
         "serve",
         &[
-            ("terrella serve", "answer simulations on the usual port"),
+            ("terrella serve", "serve simulations on the default port"),
             (
                 "terrella serve --listen tcp://127.0.0.1:5556 --once",
-                "answer one simulation, then end",
+                "serve one simulation, then exit",
             ),
         ],
     ),
@@ -57,7 +60,7 @@ const EXAMPLES: &[(&str, &[Example])] = &[
             ),
             (
                 "terrella frame a.toml -o a.png --truth truth",
-                "a picture with ground truth per pixel",
+                "an image with ground truth per pixel",
             ),
             (
                 "terrella frame a.toml -o a.png --raw raw.tiff --truth truth",
@@ -123,7 +126,7 @@ const EXAMPLES: &[(&str, &[Example])] = &[
             ("terrella doctor", "the adapters and their limits"),
             (
                 "terrella doctor --adapter llvmpipe",
-                "fail unless there is one of that name",
+                "fail if there is no such adapter",
             ),
         ],
     ),
@@ -145,11 +148,11 @@ const EXAMPLES: &[(&str, &[Example])] = &[
         &[
             (
                 "terrella terrain alps.tif",
-                "the structures over an elevation file",
+                "the structures on an elevation file",
             ),
             (
                 "terrella terrain --fractal 2049 --csv",
-                "the same over fractal terrain, as CSV",
+                "the same on fractal terrain, as CSV",
             ),
         ],
     ),
@@ -172,7 +175,7 @@ const EXAMPLES: &[(&str, &[Example])] = &[
             ),
             (
                 "terrella pack build --day day.tif --elevation dem.tif --water sea.png -o earth",
-                "and more",
+                "with slopes and water",
             ),
         ],
     ),
@@ -186,7 +189,7 @@ const EXAMPLES: &[(&str, &[Example])] = &[
             ),
             (
                 "terrella pack fetch blue_marble --dry-run",
-                "only say how much it would be",
+                "print the size of the download only",
             ),
             (
                 "terrella pack fetch terrarium --region 5,44,12,48 --heights alps.tif",

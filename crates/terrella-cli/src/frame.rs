@@ -22,28 +22,28 @@ pub struct FrameArgs {
     scene: SceneArgs,
     #[command(flatten)]
     satellites: SatelliteArgs,
-    /// The picture to write; with --format exr, OUT.exr
+    /// Image to write; with --format exr, OUT.exr
     #[arg(short, long, value_name = "OUT.png")]
     output: PathBuf,
-    /// The instant, for example 2018-01-15T12:30:00Z, or now, instead of the scene's start
+    /// Time, for example 2018-01-15T12:30:00Z, or now [default: the scene's start]
     #[arg(long, value_name = "RFC3339", value_parser = values::instant)]
     at: Option<Epoch>,
-    /// Width and height in pixels, instead of the scene's
+    /// Width and height in pixels [default: the scene's]
     #[arg(long, value_name = "WxH", value_parser = values::size)]
     size: Option<(u32, u32)>,
-    /// Write its light too, before exposure and tone curve: 32-bit floats, a white sheet that faces the Sun in space is 1;
-    /// a NumPy array of height × width × 3, or OpenEXR
+    /// Also write linear light before exposure and tone mapping: 32-bit floats, where a white surface that faces the Sun in space is 1,
+    /// as a NumPy array of height × width × 3 or as OpenEXR
     #[arg(long, value_name = "OUT.npy|OUT.exr")]
     radiance: Option<PathBuf>,
-    /// Write the raw frame of the scene's [sensor] too: its converter's numbers as 16-bit greyscale PNG or TIFF, or as a NumPy array; all
-    /// parameters, the seed and the pose stand in a JSON file of the same name
+    /// Also write the raw frame of the scene's [sensor]: digital numbers as 16-bit greyscale PNG or TIFF, or as a NumPy array; a JSON file
+    /// of the same name holds all parameters, the seed and the pose
     #[arg(long, value_name = "OUT.png|OUT.tiff|OUT.npy")]
     raw: Option<PathBuf>,
-    /// Write what is where each pixel looks into this folder: place, range, Sun, land, clouds, shadow, limb and normal, each a NumPy
-    /// array, and all as OpenEXR
+    /// Write ground truth per pixel into this folder: position, range, Sun, land, clouds, shadow, limb and normal, each as a NumPy array,
+    /// and all as OpenEXR
     #[arg(long, value_name = "DIR")]
     truth: Option<PathBuf>,
-    /// Write statistics of the picture (times, memory, features, eye, Sun) to this file
+    /// Write statistics of the image (times, memory, features, camera, Sun) to this file
     #[arg(long, value_name = "FILE.json")]
     stats: Option<PathBuf>,
     #[command(flatten)]
@@ -118,15 +118,15 @@ fn reject_conflicts(args: &FrameArgs, common: &Common) {
             .any(|other| other == raw || *other == page)
         {
             reject(
-                "--raw, or the .json of its name, is the file of another option; give the raw frame a name of its own",
+                "--raw, or the .json of the same name, is the file of another option; give the raw frame another name",
             );
         }
     }
     if args.wireframe && args.raw.is_some() {
-        reject("--raw has no meaning with --wireframe, which draws edges and no light");
+        reject("--raw conflicts with --wireframe, which draws edges without light");
     }
     if args.wireframe && args.truth.is_some() {
-        reject("--truth has no meaning with --wireframe, which draws edges and no ground");
+        reject("--truth conflicts with --wireframe, which draws edges without ground");
     }
 }
 

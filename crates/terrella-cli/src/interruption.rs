@@ -63,7 +63,7 @@ fn ask(number: u8) {
     // Nobody is left to tell if standard error is closed.
     let _ = writeln!(
         std::io::stderr(),
-        "error: interrupted; nothing unfinished is left"
+        "error: interrupted; no partial file is left"
     );
     end(SIGNALLED + number);
 }
@@ -116,7 +116,9 @@ pub fn listen() {
             })
         });
     if let Err(error) = heard {
-        tracing::warn!("an interruption will leave hidden unfinished files behind: {error}");
+        tracing::warn!(
+            "cannot handle signals; an interruption will leave hidden partial files: {error}"
+        );
     }
 }
 
@@ -142,6 +144,8 @@ fn ignored_signals() -> u64 {
 pub fn listen() {
     const INTERRUPT: u8 = 2;
     if let Err(error) = ctrlc::set_handler(|| ask(INTERRUPT)) {
-        tracing::warn!("an interruption will leave hidden unfinished files behind: {error}");
+        tracing::warn!(
+            "cannot handle signals; an interruption will leave hidden partial files: {error}"
+        );
     }
 }

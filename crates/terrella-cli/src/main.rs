@@ -41,7 +41,7 @@ const FAILED: u8 = 1;
 #[derive(Debug, Parser)]
 #[command(name = "terrella", version, about, max_term_width = 100)]
 #[command(
-    after_help = "Exit codes: 0 done, 2 bad scene or bad usage, 3 slower than the baseline (bench), 1 any other failure, \
+    after_help = "Exit codes: 0 success, 2 invalid scene or usage, 3 slower than the baseline (bench), 1 any other failure, \
     130 interrupted by Ctrl-C (SIGINT), 143 by SIGTERM, 129 by SIGHUP."
 )]
 struct Cli {
@@ -55,38 +55,38 @@ struct Cli {
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Global options")]
 struct Common {
-    /// Log more to standard error; twice for everything. The variable RUST_LOG sets levels in detail
+    /// Log more to standard error; -vv logs debug messages. RUST_LOG sets the level of each module
     #[arg(short, long, global = true, action = clap::ArgAction::Count)]
     verbose: u8,
-    /// Print errors only, and no progress bars
+    /// Print errors only, without progress bars
     #[arg(short, long, global = true, conflicts_with = "verbose")]
     quiet: bool,
-    /// Draw with the best adapter whose name contains this (see `terrella doctor`)
+    /// Render with the best graphics adapter whose name contains NAME; `terrella doctor` lists them
     #[arg(long, global = true, value_name = "NAME")]
     adapter: Option<String>,
 }
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Play a scene in a window, or write it as frames or video
+    /// Play a scene in a window, or render it to frames or video
     Play(play::PlayArgs),
-    /// Answer Basilisk simulations without a display: draw the pictures and depth maps that their cameras ask for
+    /// Render the camera images and depth maps that Basilisk simulations request, without a display
     Serve(serve::ServeArgs),
-    /// Write one picture of a scene
+    /// Render one image of a scene
     Frame(frame::FrameArgs),
-    /// Benchmark frames of a scene at twelve heights, each beside its floor: the least that it could cost
+    /// Benchmark frames of a scene at twelve altitudes, each against its floor: the lower bound of its cost
     #[cfg(feature = "measure")]
     Bench(bench::BenchArgs),
-    /// Check a scene and list what it uses and ignores
+    /// Validate a scene and list what it uses and ignores
     Check(check::CheckArgs),
     /// Print positions of a scene's satellites, or write their ephemerides and elements
     Orbit(orbit::OrbitArgs),
-    /// List graphics adapters, their capabilities, and what is turned off on each
+    /// List graphics adapters, their capabilities, and the features that each cannot run
     Doctor,
-    /// Measure error against run time and write a page with tables, charts and pictures
+    /// Measure error against run time and write a page with tables, charts and images
     #[cfg(feature = "measure")]
     Report(report::ReportArgs),
-    /// Benchmark terrain structures (quadtree, contours, patches) over heights: triangles saved, speed, storage
+    /// Benchmark terrain structures (quadtree, contours, patches) on elevation data: triangles saved, speed, storage
     #[cfg(feature = "measure")]
     Terrain(terrain::TerrainArgs),
     /// Build, inspect and verify imagery packs: maps larger than memory, cut into tiles

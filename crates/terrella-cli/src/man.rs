@@ -7,13 +7,13 @@ use std::fmt::Write;
 /// Arguments of `terrella man`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Pages are troff source for section 1. `cargo xtask install` installs them for man."
+    after_help = "Pages are troff source for section 1. `cargo xtask install` installs them."
 )]
 pub struct ManArgs {
-    /// The command to describe: play, or pack build; without one the program
+    /// Command, for example play or pack build [default: the program]
     #[arg(value_name = "COMMAND")]
     command: Vec<String>,
-    /// List the commands that have a page, one a line
+    /// List the commands that have a page, one per line
     #[arg(long, conflicts_with = "command")]
     list: bool,
 }

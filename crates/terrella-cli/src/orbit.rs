@@ -16,13 +16,13 @@ use terrella_play::{
 pub struct OrbitArgs {
     #[command(flatten)]
     scene: SceneArgs,
-    /// Seconds between states, from the scene's first instant to its last
+    /// Seconds between states, from the scene's start to its end
     #[arg(long, value_name = "SECONDS", value_parser = values::seconds, default_value = "60", conflicts_with = "at")]
     every: f64,
-    /// Print only the state at this instant, or now
+    /// Print only the state at this time, or now
     #[arg(long, value_name = "UTC", value_parser = values::instant)]
     at: Option<Epoch>,
-    /// Frame of positions and velocities, or latitude, longitude and height
+    /// Reference frame of positions and velocities, or geodetic coordinates
     #[arg(long, value_enum, default_value_t = FrameName::Itrf)]
     frame: FrameName,
     /// Print CSV, which a scene reads with source = "csv"
@@ -34,11 +34,11 @@ pub struct OrbitArgs {
     /// Write an orbit ephemeris message (CCSDS OEM) instead of printing
     #[arg(long, value_name = "FILE", conflicts_with_all = ["at", "csv", "json"])]
     oem: Option<PathBuf>,
-    /// Write an orbit mean-elements message (CCSDS OMM) instead of printing: of the satellite that is named, or of all
+    /// Write an orbit mean-elements message (CCSDS OMM) instead of printing: of the satellites that --satellite names, or of all
     #[arg(long, value_name = "FILE", conflicts_with_all = ["at", "csv", "json"])]
     omm: Option<PathBuf>,
-    /// Print when the satellite stands above the horizon of a place, from the scene's first instant to its last: latitude and
-    /// longitude in degrees, south and west negative, and metres above the ellipsoid
+    /// Print the passes over a place, from the scene's start to its end: latitude and longitude in degrees, south and west negative, and
+    /// height in metres above the ellipsoid
     #[arg(
         long, value_name = "LAT,LON[,HEIGHT]", value_parser = values::place, allow_hyphen_values = true,
         conflicts_with_all = ["every", "at", "frame", "oem", "omm"]
@@ -47,19 +47,19 @@ pub struct OrbitArgs {
     /// With --passes: minimum elevation above the horizon, degrees
     #[arg(long, value_name = "DEGREES", value_parser = values::elevation_deg, default_value = "10", requires = "passes")]
     min_elevation: f64,
-    /// With --passes: number of days from the scene's first instant, as far as the satellite's orbit is known
+    /// With --passes: number of days from the scene's start, as far as the orbit is valid
     #[arg(long, value_name = "N", value_parser = values::days, requires = "passes")]
     days: Option<f64>,
-    /// Print the events along motions that are integrated: those that `events` under [orbit] names, and impacts
+    /// Print the events of numerical propagation: those that `events` under [orbit] names, and impacts
     #[arg(long, conflicts_with_all = ["every", "at", "frame", "oem", "omm", "passes"])]
     events: bool,
-    /// Print the names of all satellites, with catalogue number or designator and the time for which each is known
+    /// List all satellites, with catalogue number or designator, and the time span of each
     #[arg(long, conflicts_with_all = ["every", "at", "frame", "oem", "omm", "passes", "events", "satellite"])]
     names: bool,
-    /// Name of a satellite; may be given more than once [default: the one that cameras follow, or the only one of a file of orbits]
+    /// Name of a satellite; repeatable [default: the one that cameras follow, or the only one of an orbit file]
     #[arg(long, value_name = "NAME")]
     satellite: Vec<String>,
-    /// All satellites of the scene, or of the file of orbits, each where it is known
+    /// All satellites of the scene or orbit file, each within its time span
     #[arg(long, conflicts_with = "satellite")]
     all: bool,
 }
@@ -173,7 +173,7 @@ pub fn run(args: &OrbitArgs, common: &Common) -> anyhow::Result<()> {
         if ephemeris.left_out() > 0 {
             let (first, last) = ephemeris.satellite().feed().validity();
             tracing::warn!(
-                "{name}: {} instants left out; it is known from {} to {}",
+                "{name}: {} times left out; it is known from {} to {}",
                 ephemeris.left_out(),
                 rfc3339(first),
                 rfc3339(last)
@@ -210,7 +210,7 @@ fn write_oem(
             _ => format!("{}: ", ephemeris.satellite().name()),
         };
         eprintln!(
-            "{target}: {name}{count} states; between them a reader's interpolation is {worst_m:.3} m off at most"
+            "{target}: {name}{count} states; interpolating between them is accurate to {worst_m:.3} m"
         );
     }
     Ok(())

@@ -24,16 +24,16 @@ pub struct PackArgs {
 enum PackCommand {
     /// Build a pack from maps of the whole Earth
     Build(Box<build::BuildArgs>),
-    /// Fetch maps from their public sources and build a pack from them; nothing else of terrella reaches the network
+    /// Download maps from public servers and build a pack from them; no other command uses the network
     Fetch(Box<fetch::FetchArgs>),
-    /// List what a pack holds: maps, levels, sizes, attribution
+    /// List the contents of a pack: maps, levels, sizes, attribution
     Info(info::InfoArgs),
-    /// Read every tile of a pack and name the bad ones
+    /// Read every tile of a pack and list the corrupt ones
     ///
-    /// Presence, length, checksum and contents are checked. Exit code 1 if a tile is bad; files that are no tiles of
-    /// the pack are named too but do no harm.
+    /// Checks that each tile is there, its length, checksum and contents. The exit code is 1 if a tile is corrupt; files that do not
+    /// belong to the pack are listed and ignored.
     Verify(verify::VerifyArgs),
-    /// Write a contact sheet: each map as a whole, and one block of it at every level
+    /// Write a contact sheet: each map, and one block of it at every level
     Preview(preview::PreviewArgs),
 }
 

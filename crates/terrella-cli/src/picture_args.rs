@@ -10,34 +10,35 @@ const DEFAULT_SUBFRAMES: u32 = 16;
 /// Options of pictures that are written.
 #[derive(Clone, Copy, Debug, Args)]
 pub struct PictureArgs {
-    /// As what pictures are kept. Default: png
+    /// Image format [default: png]
     #[arg(long, value_enum)]
     pub format: Option<Format>,
-    /// Space is transparent, and nothing beyond the Earth is drawn. PNG has its colours straight, EXR premultiplied
+    /// Transparent space, without stars, Sun or Moon; PNG stores straight alpha, EXR premultiplied alpha
     #[arg(long)]
     pub alpha: bool,
-    /// Draw N × N pixels for each and average their light: 1, 2 or 4. Default: 1; where light is averaged, 2 with samples = 4
+    /// Render N × N samples per pixel and average their light: 1, 2 or 4 [default: 1; 2 where light is averaged and the scene has
+    /// samples = 4]
     #[arg(long, value_name = "N", value_parser = values::supersample)]
     pub supersample: Option<u32>,
-    /// Blur motion: average the light of this part of the time from frame to frame, from the frame's instant on; 0.5 is a film
-    /// camera's shutter of 180°
+    /// Motion blur: average the light over this fraction of the frame interval, from the frame's time on; 0.5 is a film camera's 180°
+    /// shutter
     #[arg(long, value_name = "PART", value_parser = values::shutter)]
     pub shutter: Option<f64>,
-    /// With --shutter: how many instants are averaged, 1 to 256. Default: 16
+    /// With --shutter: number of times that are averaged, 1 to 256 [default: 16]
     #[arg(long, value_name = "N", requires = "shutter", value_parser = clap::value_parser!(u32).range(
         1..=i64::from(PictureSettings::MAX_SUBFRAMES)
     ))]
     pub subframes: Option<u32>,
 }
 
-/// As what pictures are kept.
+/// The image format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Format {
-    /// PNG, 8 bits a channel, sRGB, dithered
+    /// PNG, 8 bits per channel, sRGB, dithered
     Png,
-    /// PNG, 16 bits a channel, sRGB
+    /// PNG, 16 bits per channel, sRGB
     Png16,
-    /// OpenEXR, 32-bit floats: light before exposure and tone curve, a white sheet that faces the Sun in space is 1
+    /// OpenEXR, 32-bit floats: linear light before exposure and tone mapping; a white surface that faces the Sun in space is 1
     Exr,
 }
 

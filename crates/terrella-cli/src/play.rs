@@ -25,56 +25,56 @@ pub struct PlayArgs {
     scene: SceneArgs,
     #[command(flatten)]
     satellites: SatelliteArgs,
-    /// The first instant, for example 2026-11-25T05:00:00Z, or now, instead of the scene's start
+    /// Start time, for example 2026-11-25T05:00:00Z, or now [default: the scene's]
     #[arg(long, value_name = "UTC", value_parser = values::instant)]
     start: Option<Epoch>,
-    /// How long the film or the playback is, in seconds of simulated time, instead of the scene's
+    /// Length of the film or playback in seconds of simulated time [default: the scene's]
     #[arg(long, value_name = "SECONDS", value_parser = values::simulated_seconds, conflicts_with = "listen")]
     duration: Option<f64>,
-    /// Simulations of Basilisk: where they connect, instead of the scene's; without a scene the built-in one, config/basilisk.toml
+    /// Address that Basilisk simulations connect to [default: the scene's]; without a scene, plays the built-in config/basilisk.toml
     #[arg(long, value_name = "tcp://ADDRESS:PORT")]
     listen: Option<Endpoint>,
-    /// Write every frame as a PNG into this folder instead of opening a window
+    /// Write every frame as an image into this folder instead of opening a window
     #[arg(long, value_name = "FOLDER")]
     frames: Option<PathBuf>,
     /// With --frames: accept a folder that is not empty, and replace frames in it
     #[arg(long, requires = "frames")]
     overwrite: bool,
-    /// With --frames: go on with the film in this folder: frames of it that are whole are kept, the others drawn
+    /// With --frames: resume the film in this folder: keep complete frames and render the missing ones
     #[arg(long, requires = "frames", conflicts_with_all = ["overwrite", "video"])]
     resume: bool,
-    /// Only these frames of the film, FIRST..END without the last, FIRST..=LAST with it; either number may be left out
+    /// Render only these frames: FIRST..END excludes END, FIRST..=LAST includes LAST; either number may be omitted
     #[arg(long, value_name = "RANGE", value_parser = values::frame_range)]
     range: Option<FrameRange>,
     #[command(flatten)]
     pictures: PictureArgs,
-    /// Write an MP4 video (H.264) instead of opening a window
+    /// Write an MP4 video instead of opening a window
     #[arg(long, value_name = "FILE.mp4")]
     video: Option<PathBuf>,
     /// With --video: the encoder
     #[arg(long, value_enum, default_value_t = Encoder::Auto, requires = "video")]
     encoder: Encoder,
-    /// With --video: the codec; other than h264 needs ffmpeg
+    /// With --video: the codec; h265 and av1 need ffmpeg
     #[arg(long, value_enum, default_value_t = Codec::H264, requires = "video")]
     codec: Codec,
-    /// With --video: constant quality, 0 (best) to 51, of av1 to 63. Default: 18 (h264), 20 (h265), 24 (av1); needs ffmpeg
+    /// With --video: constant quality of ffmpeg's encoders, 0 (best) to 51, for av1 to 63 [default: 18 for h264, 20 for h265, 24 for av1]
     #[arg(long, value_name = "N", requires = "video", value_parser = clap::value_parser!(u32).range(0..=63))]
     crf: Option<u32>,
-    /// Width and height in pixels, instead of the scene's
+    /// Width and height in pixels [default: the scene's]
     #[arg(long, value_name = "WxH", value_parser = values::size)]
     size: Option<(u32, u32)>,
-    /// Close the window after so many seconds
+    /// Close the window after this many seconds
     #[arg(long, value_name = "N", value_parser = values::seconds, conflicts_with_all = ["frames", "video"])]
     for_seconds: Option<f64>,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum Encoder {
-    /// ffmpeg with libx264 if it is installed, else the built-in one
+    /// ffmpeg if it is installed, otherwise builtin
     Auto,
-    /// ffmpeg with libx264
+    /// The installed ffmpeg
     Ffmpeg,
-    /// The built-in one (OpenH264), up to 3840x2160
+    /// Built-in OpenH264, up to 3840x2160
     Builtin,
 }
 
@@ -115,7 +115,7 @@ pub fn run(args: &PlayArgs, common: &Common) -> anyhow::Result<()> {
     args.satellites.reject_scenes(&scene);
     if let Some(start) = args.start {
         if scene.is_live() {
-            let message = "--start has no meaning in this scene, whose simulator gives the time";
+            let message = "--start has no effect in this scene: the simulator sets the time";
             Cli::command()
                 .error(ErrorKind::ArgumentConflict, message)
                 .exit();
@@ -172,25 +172,25 @@ fn reject_conflicts(args: &PlayArgs) {
         && args.frames.is_none()
         && args.video.is_none()
     {
-        let message =
-            format!("{name} is for frames that are written: give --frames or --video too");
+        let message = format!("{name} needs --frames or --video");
         reject(ErrorKind::MissingRequiredArgument, message);
     }
     let codec = args.codec.codec();
     if args.crf.is_some_and(|crf| crf > codec.max_crf()) {
         let message = format!(
-            "--crf is 0 to {} with --codec {}",
+            "--crf must be from 0 to {} with --codec {}",
             codec.max_crf(),
             codec.name()
         );
         reject(ErrorKind::ValueValidation, message);
     }
     if pictures.format.is_some() && args.frames.is_none() {
-        let message = "--format is for pictures: give --frames too".to_owned();
+        let message = "--format needs --frames".to_owned();
         reject(ErrorKind::MissingRequiredArgument, message);
     }
     if pictures.alpha && args.video.is_some() {
-        let message = "--alpha is for pictures: videos have none; write --frames alone".to_owned();
+        let message =
+            "--alpha needs --frames without --video: videos have no alpha channel".to_owned();
         reject(ErrorKind::ArgumentConflict, message);
     }
 }

@@ -17,31 +17,31 @@ use terrella_play::scene::Scene;
 /// Arguments of `terrella report`.
 #[derive(Debug, Args)]
 pub struct ReportArgs {
-    /// The scene file
+    /// Scene file
     scene: PathBuf,
-    /// The folder to write to: index.html, tables, charts, pictures
+    /// Folder to write to: index.html, tables, charts, images
     #[arg(short, long, value_name = "FOLDER")]
     output: PathBuf,
-    /// Three heights and fewer values: minutes instead of an hour
+    /// Three altitudes and fewer values: minutes instead of an hour
     #[arg(long)]
     quick: bool,
     /// Compare terrain surfaces instead: errors, holes, popping and cost on four flights at 60 frames a second
     #[arg(long, conflicts_with_all = ["repeats", "samples", "heights"])]
     surfaces: bool,
-    /// With --surfaces: every setting on every flight, not only where docs/surfaces.md shows it; takes hours
+    /// With --surfaces: every setting on every flight, not only those that docs/surfaces.md shows; takes hours
     #[arg(long, requires = "surfaces", conflicts_with = "quick")]
     all_settings: bool,
-    /// Measure instead what each reduction of quality saves and what it costs in error, on this adapter: quality.csv, and ladder.csv
-    /// for `ladder` under [quality] in a scene
+    /// Measure instead how much time each reduction of quality saves on this adapter, and its error: quality.csv, and ladder.csv for
+    /// `ladder` under [quality] in a scene
     #[arg(long, conflicts_with_all = ["quick", "surfaces", "samples", "heights"])]
     quality: bool,
-    /// Compare only these surfaces: quadtree,clipmap
+    /// With --surfaces: compare only these, for example quadtree,clipmap
     #[arg(long, value_name = "NAME,…", requires = "surfaces", value_delimiter = ',', value_parser = values::surface)]
     only: Vec<SurfaceKind>,
-    /// Measure only these parts of it; other rows of tables in the folder are kept: errors,times,settling
+    /// With --surfaces: measure only these parts of errors,times,settling; other rows of tables in the folder are kept
     #[arg(long, value_name = "NAME,…", requires = "surfaces", value_delimiter = ',', value_parser = surfaces_part)]
     parts: Vec<SurfacesPart>,
-    /// Fly only over these grounds: globe,scene
+    /// With --surfaces: fly only over these of globe,scene
     #[arg(
         long,
         value_name = "NAME,…",
@@ -49,22 +49,22 @@ pub struct ReportArgs {
         value_delimiter = ','
     )]
     grounds: Vec<String>,
-    /// Fly only these flights: orbit,descent,low,horizon
+    /// With --surfaces: fly only these of orbit,descent,low,horizon
     #[arg(long, value_name = "NAME,…", requires = "surfaces", value_delimiter = ',', value_parser = surface_path)]
     flights: Vec<SurfacePath>,
-    /// With --surfaces: frames of each flight that are timed [default: 12, with --quick 3]
+    /// With --surfaces: number of frames of each flight that are timed [default: 12, with --quick 3]
     #[arg(long, value_name = "N", requires = "surfaces", value_parser = clap::value_parser!(u32).range(1..=1000))]
     places: Option<u32>,
-    /// Width and height of the pictures in pixels [default: 640x360, with --surfaces 1280x720]
+    /// Width and height of the images in pixels [default: 640x360, with --surfaces 1280x720]
     #[arg(long, value_name = "WxH", value_parser = values::size)]
     size: Option<(u32, u32)>,
     /// Number of times that each frame is timed [default: 9, with --quick 5]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     repeats: Option<u32>,
-    /// Rays along each side of a pixel of the true pictures [default: 4, with --quick 3]
+    /// N × N rays per pixel of the reference images [default: 4, with --quick 3]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=16))]
     samples: Option<u32>,
-    /// Heights of the eye in kilometres, instead of the usual twelve: 400,36000
+    /// Altitudes of the camera in kilometres, for example 400,36000 [default: twelve from 1 km to the Moon]
     #[arg(long, value_name = "KM,…", value_delimiter = ',', value_parser = values::height_km)]
     heights: Option<Vec<f64>>,
 }
@@ -73,8 +73,8 @@ pub struct ReportArgs {
 pub fn run(args: &ReportArgs, common: &Common) -> anyhow::Result<()> {
     let flight = Flight::open_without_listening(Scene::load(&args.scene)?)?;
     flight.reject_live(
-        "pictures are compared at instants of the scene",
-        "take a scene of another source",
+        "images are compared at times of the scene",
+        "use a scene with another source",
     )?;
     if args.surfaces {
         return surfaces(args, common, &flight);
@@ -177,7 +177,7 @@ fn surfaces_part(text: &str) -> Result<SurfacesPart, String> {
         .find(|part| part.name() == text);
     found.ok_or_else(|| {
         let names = SurfacesPart::ALL.map(SurfacesPart::name);
-        format!("there is no such part; there are {}", names.join(", "))
+        format!("unknown part; must be one of {}", names.join(", "))
     })
 }
 
@@ -187,6 +187,6 @@ fn surface_path(text: &str) -> Result<SurfacePath, String> {
     let found = SurfacePath::ALL.into_iter().find(|path| word(path) == text);
     found.ok_or_else(|| {
         let names: Vec<_> = SurfacePath::ALL.iter().map(word).collect();
-        format!("there is no such flight; there are {}", names.join(", "))
+        format!("unknown flight; must be one of {}", names.join(", "))
     })
 }

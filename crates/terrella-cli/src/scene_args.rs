@@ -11,13 +11,13 @@ use terrella_play::{Flight, PlayError};
 /// The scene of a command.
 #[derive(Debug, Args)]
 pub struct SceneArgs {
-    /// The scene file, or a file of orbits: two-line elements, OMM, OEM, OPM, CZML, CSV, SP3, STK. Without one the built-in scene, config/iss.toml
+    /// Scene file, or orbit file: TLE, OMM, OEM, OPM, CZML, CSV, SP3, STK [default: the built-in scene, config/iss.toml]
     #[arg(value_name = "SCENE")]
     pub path: Option<PathBuf>,
-    /// Reject files of orbits in which anything is corrupt; else bad states and records are listed and skipped
+    /// Reject an orbit file that contains any invalid record; by default invalid records are skipped and listed
     #[arg(long)]
     pub strict: bool,
-    /// Set a key in place of the scene's, for example earth.look=full; may be given more than once. Paths are relative to the scene's folder
+    /// Override a key of the scene, for example earth.look=full; repeatable. Paths are relative to the scene's folder
     #[arg(long, value_name = "TABLE.KEY=VALUE")]
     pub set: Vec<Setting>,
 }
@@ -25,8 +25,8 @@ pub struct SceneArgs {
 /// Which satellites of a file of orbits are flown.
 #[derive(Debug, Args)]
 pub struct SatelliteArgs {
-    /// Name or catalogue number of a satellite of a file of orbits; may be given more than once, cameras fly with the first
-    /// [default: the only one of the file]
+    /// Name or catalogue number of a satellite of an orbit file; repeatable, cameras follow the first [default: the only satellite of
+    /// the file]
     #[arg(long, value_name = "NAME")]
     pub satellite: Vec<String>,
 }
@@ -38,7 +38,7 @@ impl SatelliteArgs {
             return;
         }
         let message = format!(
-            "--satellite is for files of orbits, and {} is a scene: write follow under [camera] in it",
+            "--satellite is for orbit files, and {} is a scene: set follow under [camera] in it",
             scene.path.display()
         );
         Cli::command()

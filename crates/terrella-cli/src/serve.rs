@@ -14,15 +14,15 @@ use terrella_play::{Flight, ServeRequest, serve};
 /// Arguments of `terrella serve`.
 #[derive(Debug, Args)]
 pub struct ServeArgs {
-    /// The scene file, with source = "basilisk" in [orbit]; without one the built-in scene, config/basilisk.toml
+    /// Scene file, with source = "basilisk" in [orbit] [default: the built-in scene, config/basilisk.toml]
     scene: Option<PathBuf>,
-    /// Where simulations connect, instead of the scene's
+    /// Address that simulations connect to [default: the scene's]
     #[arg(long, value_name = "tcp://ADDRESS:PORT")]
     listen: Option<Endpoint>,
-    /// End with the first simulation, when it has left
+    /// Exit when the first simulation has disconnected
     #[arg(long)]
     once: bool,
-    /// End after so many seconds
+    /// Exit after this many seconds
     #[arg(long, value_name = "N", value_parser = values::seconds)]
     for_seconds: Option<f64>,
 }
@@ -46,7 +46,7 @@ pub fn simulation_scene(
         match options {
             Some(options) => options.meeting = Meeting::Listen(endpoint.clone()),
             None => anyhow::bail!(
-                "{}: --listen is for scenes with source = \"basilisk\" in [orbit]",
+                "{}: --listen needs a scene with source = \"basilisk\" in [orbit]",
                 scene.path.display()
             ),
         }
@@ -73,13 +73,15 @@ pub fn run(args: &ServeArgs, common: &Common) -> anyhow::Result<()> {
     let endpoint = endpoint.unwrap_or_default();
     let ready = |adapter: &str| {
         if !common.quiet {
-            eprintln!("simulations are answered on {endpoint}, drawn by {adapter}; Ctrl-C ends it");
+            eprintln!(
+                "listening for simulations on {endpoint}, rendering with {adapter}; Ctrl-C to stop"
+            );
         }
     };
     let counters = serve(&flight, &request, &bars, ready)?;
     let mean_ms = |us: u64, count: u64| us as f64 / 1e3 / count.max(1) as f64;
     super::print(&format!(
-        "{} steps, answered after {:.3} ms on average, {:.1} ms at most\n{} pictures, after {:.1} ms on average, {:.1} ms at most; {} asked for and not drawn\n",
+        "{} steps, answered in {:.3} ms on average, {:.1} ms at most\n{} images, in {:.1} ms on average, {:.1} ms at most; {} requested and not rendered\n",
         counters.steps,
         mean_ms(counters.steps_us, counters.steps),
         counters.slowest_step_us as f64 / 1e3,

@@ -9,21 +9,21 @@ const OPTIONS: &[(&str, &str)] = &[
     ("--framerate", "set frame_rate_hz under [time] in the scene"),
     (
         "--duration",
-        "set duration_s under [time] in the scene, or draw a part of the film by --range",
+        "set duration_s under [time] in the scene, or render a part of the film with --range",
     ),
-    ("--tle", "give the file itself: terrella play my.tle"),
-    ("--file", "give the file itself: terrella play my.tle"),
+    ("--tle", "give the file as SCENE: terrella play my.tle"),
+    ("--file", "give the file as SCENE: terrella play my.tle"),
     (
         "--dem",
-        "list the file in elevation under [earth] in the scene",
+        "list the file under elevation in [earth] of the scene",
     ),
     (
         "--elevation",
-        "list the file in elevation under [earth] in the scene",
+        "list the file under elevation in [earth] of the scene",
     ),
     (
         "--textures",
-        "set textures under [earth] in the scene, or the variable TERRELLA_TEXTURES",
+        "set textures under [earth] in the scene, or the environment variable TERRELLA_TEXTURES",
     ),
     ("--resolution", "use --size, for example --size 1920x1080"),
     ("--width", "use --size, for example --size 1920x1080"),

@@ -9,17 +9,17 @@ use terrella_measure::terrain::{SyntheticGround, TerrainRequest, measure_terrain
 /// Arguments of `terrella terrain`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Tables go to standard output, in Markdown or with --csv as CSV. Elevation files are those that scenes read: GeoTIFF, \
-    NetCDF classic, or PNG with a TOML file beside it."
+    after_help = "Tables are printed to standard output as Markdown, or with --csv as CSV. Elevation files are those that scenes read: \
+    GeoTIFF, NetCDF classic, or PNG with a TOML sidecar."
 )]
 pub struct TerrainArgs {
     /// Elevation files
     #[arg(value_name = "FILE", required_unless_present = "fractal")]
     files: Vec<PathBuf>,
-    /// Measure fractal ground too, of N x N posts 90 m apart; N is 129, 257, … up to 8193
+    /// Also measure fractal terrain of N x N posts, 90 m apart; N is 129, 257, … up to 8193
     #[arg(long, value_name = "N", value_parser = side)]
     fractal: Option<u32>,
-    /// Seed of the fractal ground
+    /// Seed of the fractal terrain
     #[arg(long, value_name = "NUMBER", default_value_t = 1, requires = "fractal")]
     seed: u64,
     /// Tolerances of contours and patches, metres
@@ -34,7 +34,7 @@ pub struct TerrainArgs {
     /// Print the tables as CSV
     #[arg(long)]
     csv: bool,
-    /// Write the tables as CSV and pictures of the quadtree's triangles to this folder
+    /// Write the tables as CSV and images of the quadtree's triangles to this folder
     #[arg(short, long, value_name = "FOLDER")]
     output: Option<PathBuf>,
 }
@@ -71,7 +71,9 @@ pub fn run(args: &TerrainArgs, common: &Common) -> anyhow::Result<()> {
 fn side(text: &str) -> Result<u32, String> {
     let side = text.trim().parse::<u32>().ok();
     side.filter(|side| (129..=8193).contains(side) && (side - 1).is_power_of_two())
-        .ok_or_else(|| "write one more than a power of two, from 129 to 8193: 2049".to_owned())
+        .ok_or_else(|| {
+            "must be one more than a power of two, from 129 to 8193, for example 2049".to_owned()
+        })
 }
 
 /// Metres, none negative.
@@ -81,7 +83,7 @@ fn tolerance_m(text: &str) -> Result<f64, String> {
         .filter(|metres| (0.0..=100_000.0).contains(metres))
         // Minus nought too.
         .map(f64::abs)
-        .ok_or_else(|| "write metres from 0 to 100000: 5".to_owned())
+        .ok_or_else(|| "must be from 0 to 100000 metres, for example 5".to_owned())
 }
 
 #[cfg(test)]

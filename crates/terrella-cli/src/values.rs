@@ -23,7 +23,7 @@ pub fn size(text: &str) -> Result<(u32, u32), String> {
             }
             Ok((width, height))
         }
-        _ => Err("write it as WIDTHxHEIGHT in pixels, for example 1280x720".into()),
+        _ => Err("must be WIDTHxHEIGHT in pixels, for example 1280x720".into()),
     }
 }
 
@@ -37,14 +37,14 @@ pub fn supersample(text: &str) -> Result<u32, String> {
     let number = text.parse::<u32>().ok();
     number
         .filter(|number| PictureSettings::SUPERSAMPLES.contains(number))
-        .ok_or_else(|| "it must be 1, 2 or 4".into())
+        .ok_or_else(|| "must be 1, 2 or 4".into())
 }
 
 /// A part of the time from frame to frame.
 pub fn shutter(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(part) if part > 0.0 && part <= 1.0 => Ok(part),
-        _ => Err("it must be a number more than 0 and at most 1, for example 0.5".into()),
+        _ => Err("must be a number greater than 0 and at most 1, for example 0.5".into()),
     }
 }
 
@@ -54,7 +54,7 @@ pub fn surface(text: &str) -> Result<SurfaceKind, String> {
     let found = SurfaceKind::ALL.iter().find(|kind| kind.name() == text);
     found.copied().ok_or_else(|| {
         let names: Vec<_> = SurfaceKind::ALL.iter().map(|kind| kind.name()).collect();
-        format!("there is no such surface; there are {}", names.join(", "))
+        format!("unknown surface; must be one of {}", names.join(", "))
     })
 }
 
@@ -71,7 +71,7 @@ pub fn instant(text: &str) -> Result<Epoch, String> {
 pub fn seconds(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(seconds) if seconds > 0.0 && seconds <= 86_400.0 => Ok(seconds),
-        _ => Err("it must be a number of seconds, more than 0 and at most 86400".into()),
+        _ => Err("must be a number of seconds, greater than 0 and at most 86400".into()),
     }
 }
 
@@ -79,7 +79,7 @@ pub fn seconds(text: &str) -> Result<f64, String> {
 pub fn simulated_seconds(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(seconds) if seconds > 0.0 && seconds.is_finite() => Ok(seconds),
-        _ => Err("it must be a number of seconds, more than 0".into()),
+        _ => Err("must be a number of seconds, greater than 0".into()),
     }
 }
 
@@ -90,7 +90,7 @@ pub fn place(text: &str) -> Result<Geodetic, String> {
         [Ok(lat), Ok(lon)] => (lat, lon, 0.0),
         [Ok(lat), Ok(lon), Ok(height)] => (lat, lon, height),
         _ => {
-            return Err("write it as latitude,longitude in degrees, for example 48.2,16.4, or with metres above the ellipsoid behind".into());
+            return Err("must be latitude,longitude in degrees, for example 48.2,16.4, optionally followed by the height in metres above the ellipsoid".into());
         }
     };
     if !Camera::LAT_DEG.contains(&lat) {
@@ -113,7 +113,7 @@ pub fn place(text: &str) -> Result<Geodetic, String> {
 pub fn elevation_deg(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(degrees) if (0.0..90.0).contains(&degrees) => Ok(degrees),
-        _ => Err("it must be a number of degrees from 0 to less than 90".into()),
+        _ => Err("must be a number of degrees from 0 to less than 90".into()),
     }
 }
 
@@ -121,7 +121,7 @@ pub fn elevation_deg(text: &str) -> Result<f64, String> {
 pub fn days(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(days) if days > 0.0 && days <= 3653.0 => Ok(days),
-        _ => Err("it must be a number of days, more than 0 and at most 3653".into()),
+        _ => Err("must be a number of days, greater than 0 and at most 3653".into()),
     }
 }
 
@@ -130,7 +130,7 @@ pub fn days(text: &str) -> Result<f64, String> {
 pub fn height_km(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {
         Ok(km) if (1.0..=1e6).contains(&km) => Ok(km),
-        _ => Err("it must be a number of kilometres from 1 to 1000000".into()),
+        _ => Err("must be a number of kilometres from 1 to 1000000".into()),
     }
 }
 
@@ -139,7 +139,7 @@ pub fn height_km(text: &str) -> Result<f64, String> {
 pub fn part(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(part) if (0.0..=10.0).contains(&part) => Ok(part),
-        _ => Err("it must be a number from 0 to 10, for example 0.25 for a quarter".into()),
+        _ => Err("must be a number from 0 to 10, for example 0.25 for a quarter".into()),
     }
 }
 

@@ -145,7 +145,7 @@ pub fn measure_terrain(
             table.rows.push(row);
             if let (Some(picture), Some(output)) = (picture, request.output) {
                 let path = output.join(format!("pictures/{}.png", field.name));
-                PendingFile::create(&path, "pictures", "png")?.write_png(&picture)?;
+                PendingFile::create(&path, "images", "png")?.write_png(&picture)?;
             }
         }
     }

@@ -50,11 +50,11 @@ pub enum PlayError {
     #[error(transparent)]
     Heights(#[from] HeightFileError),
     /// The heights of the scene's pack cannot be the ground.
-    #[error("heights of the pack: {0}")]
+    #[error("elevation data of the pack: {0}")]
     PackHeights(#[from] StreamedGroundError),
     /// The scene asks for heights that its pack has not.
     #[error(
-        "{}:{line}: [earth] pack_heights: the pack {} has no heights; leave it out and name files by elevation = [\"FILE\", …], or build \
+        "{}:{line}: [earth] pack_heights: the pack {} has no elevation data; omit it and list files in elevation = [\"FILE\", …], or build \
          the pack with --heights",
         scene.display(), folder.display()
     )]
@@ -91,7 +91,7 @@ pub enum PlayError {
     },
     /// The scene asks for a storage that its pack has not.
     #[error(
-        "the pack {} keeps its tiles as {kept} only; write storage = \"auto\" in [earth], or build the pack with the other",
+        "the pack {} stores its tiles only as {kept}; write storage = \"auto\" in [earth], or build the pack with the other",
         folder.display()
     )]
     NoStorage {
@@ -111,7 +111,7 @@ pub enum PlayError {
         files: Box<[PathBuf; 2]>,
     },
     /// The thread that reads maps cannot begin.
-    #[error("no thread to read maps with: {0}")]
+    #[error("cannot start a thread to read maps: {0}")]
     NoThread(#[source] std::io::Error),
     /// The renderer.
     #[error(transparent)]
@@ -144,14 +144,14 @@ pub enum PlayError {
     #[error(transparent)]
     Recording(#[from] RecordingError),
     /// A camera of a simulation cannot be drawn.
-    #[error("no picture for the simulation: {cause}")]
+    #[error("no image for the simulation: {cause}")]
     NoCameraPicture { cause: String },
     /// A scene whose satellites do not come from a simulation that runs.
     #[error("{}: there is no simulation to serve; write source = \"basilisk\" in [orbit], without a file", scene.display())]
     NoSimulation { scene: PathBuf },
     /// The work was stopped from outside.
     #[error(
-        "interrupted after {done}{} frames; an unfinished video is taken away, finished frames stay, and --resume continues with them",
+        "interrupted after {done}{} frames; an unfinished video is removed, finished frames are kept, and --resume continues with them",
         wanted.map_or_else(String::new, |wanted| format!(" of {wanted}"))
     )]
     Interrupted {
@@ -211,7 +211,7 @@ pub enum PlayError {
         when: String,
     },
     /// A camera at a satellite, and no satellite.
-    #[error("the scene has no satellite, which this needs; give it an [orbit] table")]
+    #[error("the scene has no satellite; add an [orbit] table")]
     NoSatellite,
     /// A view of which there is no picture.
     #[error("there are no truth layers of this view: its eye or projection is not finite")]
@@ -253,9 +253,7 @@ pub enum PlayError {
     #[error("the graphics device stopped answering: {0}")]
     DeviceLost(String),
     /// A thread that writes frames ended without a message.
-    #[error(
-        "the thread that writes the frames broke down; this is a fault of the program, please report it"
-    )]
+    #[error("the thread that writes the frames panicked; this is a bug, please report it")]
     WriterBroke,
 }
 

@@ -126,7 +126,7 @@ pub fn export(
         .collect();
     let lacking = wanted.end - wanted.start - kept_frames.len() as u64;
     if lacking == 0 {
-        progress.say("all frames are there");
+        progress.say("all frames are already rendered");
         if let Some((folder, film)) = folder.filter(|_| kept.is_cut) {
             let adapter = kept.adapter.unwrap_or_default();
             let head = PageHead::new(scene, frame_epoch(&scene.time, 0), film, adapter);
@@ -167,7 +167,7 @@ pub fn export(
     let adapter = frames.painter().renderer().adapter_info().name;
     if let Some(before) = kept.adapter.as_ref().filter(|name| **name != adapter) {
         tracing::warn!(
-            "the frames that are kept were drawn by {}, the others will be by {adapter}: they may differ a little; --overwrite draws all again",
+            "the frames that are kept were rendered by {}, the others will be rendered by {adapter}: they may differ slightly; --overwrite renders all frames again",
             printable(before)
         );
     }
@@ -191,7 +191,7 @@ pub fn export(
     );
     if !kept_frames.is_empty() {
         let kept = kept_frames.len();
-        tracing::info!("{kept} frames are there already and kept");
+        tracing::info!("{kept} frames are already rendered and kept");
     }
     progress.begin("frames", count.map(|_| lacking));
     let mut missing_tiles = MissingTiles::default();

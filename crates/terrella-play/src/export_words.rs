@@ -27,12 +27,12 @@ impl FilmWords<'_> {
         let (width, height) = self.size;
         let mut lines = vec![match self.frames {
             None => format!(
-                "film: as many frames as the simulator asks for, of {width} × {height} pixels"
+                "film: as many frames as the simulator requests, of {width} × {height} pixels"
             ),
             Some((wanted, kept)) => {
                 let kept = match kept {
                     0 => String::new(),
-                    kept => format!(", {kept} of them there already"),
+                    kept => format!(", {kept} of them already rendered"),
                 };
                 format!(
                     "film: {} of {width} × {height} pixels{kept}: {:.1} s at {} frames a second",
@@ -47,7 +47,7 @@ impl FilmWords<'_> {
         }
         if let Some((folder, format)) = self.pictures {
             let format = format_name(format);
-            lines.push(format!("pictures: in {}, {format}", folder.display()));
+            lines.push(format!("images: in {}, {format}", folder.display()));
         }
         if let Some(light) = self.light {
             lines.extend(

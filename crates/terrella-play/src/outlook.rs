@@ -121,7 +121,7 @@ impl LightTimes {
         };
         let share = match self.dark_share {
             1.0 => "all the time".to_owned(),
-            share => format!("for {} of it", percent(share)),
+            share => format!("for {} of the film", percent(share)),
         };
         let then = match self.light_from {
             None => format!("not {light} within a day after it"),

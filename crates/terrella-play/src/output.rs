@@ -39,10 +39,10 @@ pub enum OutputError {
     )]
     RawName { path: PathBuf },
     /// The folder is not there.
-    #[error("{}: cannot be written: there is no folder {}; make it first", path.display(), folder.display())]
+    #[error("{}: cannot be written: there is no folder {}; create it first", path.display(), folder.display())]
     NoFolder { path: PathBuf, folder: PathBuf },
     /// The path is taken by something that is not a file.
-    #[error("{}: cannot be written: {found} of that name is in the way; choose another name", path.display())]
+    #[error("{}: cannot be written: {found} of that name already exists; choose another name", path.display())]
     InTheWay {
         path: PathBuf,
         /// What stands at the path instead of a file.
@@ -65,21 +65,21 @@ pub enum OutputError {
         source: std::io::Error,
     },
     /// There is no room.
-    #[error("{}: cannot be written: {source}; make room. What is finished stays, and `terrella play` continues with frames by --resume", path.display())]
+    #[error("{}: cannot be written: {source}; free some space. Finished files are kept, and `terrella play --resume` renders the missing frames", path.display())]
     Full {
         path: PathBuf,
         /// Error of the operating system.
         source: std::io::Error,
     },
     /// A picture could not be put into its format.
-    #[error("{}: the picture could not be encoded: {source}", path.display())]
+    #[error("{}: the image could not be encoded: {source}", path.display())]
     NotEncoded {
         path: PathBuf,
         /// What the encoder says.
         source: std::io::Error,
     },
     /// A picture could not be encoded.
-    #[error("{}: the picture could not be encoded: {source}", path.display())]
+    #[error("{}: the image could not be encoded: {source}", path.display())]
     Encode {
         path: PathBuf,
         /// Error of the encoder.
@@ -323,11 +323,11 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let at = |name: &str| folder.path().join(name);
         let rejection = |path: PathBuf| {
-            PendingFile::create(&path, "pictures", "png")
+            PendingFile::create(&path, "images", "png")
                 .expect_err("rejected")
                 .to_string()
         };
-        assert!(rejection(at("missing/a.png")).contains("make it first"));
+        assert!(rejection(at("missing/a.png")).contains("create it first"));
         let jpg = rejection(at("a.jpg"));
         assert!(jpg.contains(".png") && jpg.contains("a.png"), "{jpg}");
         std::fs::create_dir(at("b.png")).expect("makes");

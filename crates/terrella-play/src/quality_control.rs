@@ -46,7 +46,7 @@ impl QualityControl {
             .last()?;
         let given_up = self.given_up();
         tracing::info!(
-            "frames cost {:.1} ms, {:.1} ms are allowed; given up: {}",
+            "frames take {:.1} ms, {:.1} ms are allowed; reduced: {}",
             change.cost_ms,
             self.adaptive.target_ms(),
             match given_up.is_empty() {

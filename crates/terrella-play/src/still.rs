@@ -76,7 +76,7 @@ pub fn write_still(
         false => Some(flight.at(epoch, aspect)?),
         true => None,
     };
-    let output = PendingFile::create(request.output, "pictures", pictures.format.ending())?;
+    let output = PendingFile::create(request.output, "images", pictures.format.ending())?;
     let stats = match request.stats {
         Some(path) => Some(PendingFile::create(path, "numbers", "json")?),
         None => None,

@@ -343,7 +343,7 @@ impl WindowRenderer {
             return Err(PlayError::DeviceLost("nothing has been drawn yet".into()));
         };
         let path = free_name(folder, &rfc3339(moment.epoch));
-        let file = PendingFile::create(&path, "pictures", "png")?;
+        let file = PendingFile::create(&path, "images", "png")?;
         // Some surfaces cannot be read: the same is drawn once more into a texture that can.
         let texture = self.surface.capture_texture(&self.painter.gpu().device);
         let view = self.surface.view_of(&texture);

@@ -26,7 +26,7 @@ impl Written {
     pub(super) fn line(&self, frames: u64, elapsed: Duration) -> String {
         let what = match self.pictures {
             None => counted(frames, "frame"),
-            Some(pictures) => counted(pictures, "picture"),
+            Some(pictures) => counted(pictures, "image"),
         };
         format!(
             "{}: {}, {what}, {:.1} s",

@@ -114,7 +114,7 @@ fn a_camera_is_answered_without_a_display() {
     }
     let said = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(
-        said.contains("5 pictures") && said.contains("0 asked for and not drawn"),
+        said.contains("5 images") && said.contains("0 requested and not rendered"),
         "{said}"
     );
 }

@@ -100,7 +100,7 @@ const BAD: &[Bad] = &[
     ("[camera]\nlat_deg = -90.000001", 2, &["[camera] lat_deg = -90.000001:", "must be from −90 to 90 degrees"]),
     ("[camera]\nlon_deg = 361", 2, &["[camera] lon_deg = 361:", "must be from −360 to 360 degrees"]),
     ("[camera]\nheight_km = -5", 2, &["[camera] height_km = -5:", "inside the Earth", "0.001 to 1000000000 km"]),
-    ("[camera]\nheight_km = 0", 2, &["[camera] height_km = 0:", "in the surface", "0.001 to 1000000000 km"]),
+    ("[camera]\nheight_km = 0", 2, &["[camera] height_km = 0:", "below the surface", "0.001 to 1000000000 km"]),
     ("[camera]\nheight_km = 2e9", 2, &["[camera] height_km = 2e9:", "0.001 to 1000000000 km"]),
     ("[camera]\npitch_deg = 91", 2, &["[camera] pitch_deg = 91:", "from −90 to 90 degrees", "straight down"]),
     ("[camera]\nheading_deg = 361", 2, &["[camera] heading_deg = 361:", "from −360 to 360 degrees", "clockwise from north"]),
@@ -209,7 +209,7 @@ const BAD: &[Bad] = &[
     ("[orbit]\nsource = \"numerical\"\nperiapsis_km = 7000\nburns = [{ start = \"2018-01-15T12:00:00Z\", thrust_n = 1 }]", 4, &["burn 1: a burn has", "not thrust_n"]),
     ("[quality]\nscale = 0.2", 2, &["[quality] scale = 0.2:", "must be from 0.25 to 1"]),
     ("[quality]\nscale = nan", 2, &["[quality] scale = nan:", "finite"]),
-    ("[quality]\nladder = \"sat.tle\"", 2, &["[quality] ladder = \"sat.tle\":", "give target_ms too"]),
+    ("[quality]\nladder = \"sat.tle\"", 2, &["[quality] ladder = \"sat.tle\":", "set target_ms too"]),
     ("[quality]\ntarget_ms = 16\nladder = \"maps\"", 3, &["[quality] ladder = \"maps\":", "is a folder"]),
     ("[quality]\ntarget = 16", 2, &["[quality] target", "target_ms"]),
     // Not TOML.

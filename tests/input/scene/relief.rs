@@ -22,7 +22,9 @@ fn heights_of_a_pack_are_the_ground_if_asked_for() {
         (0, Some(256.0))
     );
     assert!(
-        alone.summary().contains("quadtree from the pack's heights"),
+        alone
+            .summary()
+            .contains("quadtree from the pack's elevation data"),
         "{}",
         alone.summary()
     );
@@ -35,7 +37,7 @@ fn heights_of_a_pack_are_the_ground_if_asked_for() {
     assert!(
         under
             .summary()
-            .contains("one file of heights over the pack's"),
+            .contains("one elevation file over the pack's"),
         "{}",
         under.summary()
     );

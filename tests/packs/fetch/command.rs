@@ -42,7 +42,7 @@ fn one_command_makes_a_pack_and_names_whose_it_is() {
     assert!(
         told.contains("128 files")
             && told.contains("/4/0/0.png")
-            && told.contains("nothing was fetched"),
+            && told.contains("nothing was downloaded"),
         "{told}"
     );
     assert_eq!(
@@ -53,7 +53,7 @@ fn one_command_makes_a_pack_and_names_whose_it_is() {
     let (code, _, complaint) = run(&command, folder.path());
     assert_eq!(code, Some(0), "{complaint}");
     assert!(
-        complaint.contains("local, level 4: 128 files fetched"),
+        complaint.contains("local, level 4: 128 files downloaded"),
         "{complaint}"
     );
     let (_, told, _) = run(&["pack", "info", "earth"], folder.path());
@@ -294,11 +294,11 @@ fn bad_usage_is_named() {
                 "c",
                 "--restart",
             ],
-            "are for packs",
+            "need --output",
         ),
         (
             &["pack", "fetch", "local.toml", "--heights", "x.tif"],
-            "sources of heights only",
+            "only sources of elevation data",
         ),
     ] {
         let (code, _, complaint) = run(arguments, folder.path());

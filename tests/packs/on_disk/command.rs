@@ -53,13 +53,13 @@ fn verify_names_bad_tiles_and_fails() {
     let (code, told, complaint) = terrella(&["pack", "verify", "."], fixture.dir());
     assert_eq!(code, Some(1));
     assert!(
-        told.contains("bad       tiles/bc/normals/33/r1c2.ktx2: it has 3 bytes"),
+        told.contains("corrupt   tiles/bc/normals/33/r1c2.ktx2: it has 3 bytes"),
         "{told}"
     );
-    assert!(told.contains("no tile   tiles/odd\\u{1b}[31m"), "{told}");
+    assert!(told.contains("unknown   tiles/odd\\u{1b}[31m"), "{told}");
     assert_eq!(
         complaint,
-        "error: .: 1 of 2560 tiles are bad; build the pack again\n"
+        "error: .: 1 of 2560 tiles are corrupt; build the pack again\n"
     );
 }
 

@@ -23,14 +23,14 @@ pub fn adapter(terrella: &Path) -> anyhow::Result<(String, String)> {
     let output = Command::new(terrella).arg("doctor").output();
     let output = output.with_context(|| format!("cannot start {}", terrella.display()))?;
     let text = String::from_utf8_lossy(&output.stdout);
-    taken(&text).context("`terrella doctor` names no adapter that is taken by default")
+    taken(&text).context("`terrella doctor` names no adapter that is used by default")
 }
 
 /// The same from what `terrella doctor` prints.
 fn taken(doctor: &str) -> Option<(String, String)> {
     let mut lines = doctor
         .lines()
-        .skip_while(|line| !line.ends_with("taken by default)"));
+        .skip_while(|line| !line.ends_with("used by default)"));
     let name = lines.next()?;
     let name = name.rsplit_once(" (").map_or(name, |(name, _)| name);
     let driver = lines
@@ -46,12 +46,12 @@ mod tests {
 
     #[test]
     fn the_adapter_that_is_taken_is_named_with_its_driver() {
-        let doctor = "one (gl, software)\n  driver  x\n\nllvmpipe (LLVM 15, 256 bits) (vulkan, software, taken by default)\n  \
+        let doctor = "one (gl, software)\n  driver  x\n\nllvmpipe (LLVM 15, 256 bits) (vulkan, software, used by default)\n  \
             driver  llvmpipe Mesa 22.3.6\n  can     draw\n\n";
         let (name, driver) = taken(doctor).unwrap();
         assert_eq!(name, "llvmpipe (LLVM 15, 256 bits)");
         assert_eq!(driver, "llvmpipe Mesa 22.3.6");
         assert_eq!(taken("one (gl, software)\n"), None);
-        assert_eq!(taken("a (b, taken by default)\n").unwrap().1, "unknown");
+        assert_eq!(taken("a (b, used by default)\n").unwrap().1, "unknown");
     }
 }

@@ -12,10 +12,10 @@ const DEFAULT_SAMPLES: u32 = 4;
 
 #[derive(Debug, Args)]
 pub struct ReferenceArgs {
-    /// Renderer: a graphics adapter, or the slow and exact one that adapters are compared with
+    /// Renderer: a graphics adapter, or the slow, exact reference renderer
     #[arg(long, value_enum, default_value_t = Renderer::Gpu)]
     renderer: Renderer,
-    /// With --renderer reference: N × N rays a pixel, 1 to 16. Default: 4
+    /// With --renderer reference: N × N rays per pixel, 1 to 16 [default: 4]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(
         i64::from(*SAMPLES.start())..=i64::from(*SAMPLES.end())
     ))]
@@ -24,9 +24,9 @@ pub struct ReferenceArgs {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Renderer {
-    /// The best graphics adapter, or the one that --adapter names
+    /// Best graphics adapter, or the one that --adapter names
     Gpu,
-    /// Rays on the processor, to double precision; needs no adapter
+    /// Ray tracing on the CPU in double precision; needs no adapter
     Reference,
 }
 
@@ -64,33 +64,33 @@ pub fn draw(args: &FrameArgs, flight: &Flight, bars: &Bars) -> anyhow::Result<()
 pub fn conflict(args: &FrameArgs, common: &Common) -> Option<&'static str> {
     if !args.reference.is_chosen() {
         return args.reference.samples.map(|_| {
-            "--samples is for --renderer reference; a graphics adapter takes samples under [output] in the scene"
+            "--samples needs --renderer reference; for a graphics adapter, set samples under [output] in the scene"
         });
     }
     let conflicts = [
         (
             args.wireframe,
-            "--wireframe is for a graphics adapter; the reference renderer has no triangles",
+            "--wireframe needs a graphics adapter; the reference renderer has no triangles",
         ),
         (
             args.raw.is_some(),
-            "--raw is for a graphics adapter; the reference renderer writes a picture alone",
+            "--raw needs a graphics adapter; the reference renderer writes only an image",
         ),
         (
             args.radiance.is_some(),
-            "--radiance is for a graphics adapter; the reference renderer writes a picture alone",
+            "--radiance needs a graphics adapter; the reference renderer writes only an image",
         ),
         (
             args.pictures.first_given().is_some(),
-            "--format, --alpha, --supersample and --shutter are for a graphics adapter; the reference renderer takes --samples",
+            "--format, --alpha, --supersample and --shutter need a graphics adapter; the reference renderer has --samples",
         ),
         (
             args.truth.is_some(),
-            "--truth is for a graphics adapter; the reference renderer writes a picture alone",
+            "--truth needs a graphics adapter; the reference renderer writes only an image",
         ),
         (
             common.adapter.is_some(),
-            "--adapter has no meaning with --renderer reference, which uses none",
+            "--adapter conflicts with --renderer reference, which uses no adapter",
         ),
     ];
     let met = conflicts.into_iter().find(|(is_met, _)| *is_met);

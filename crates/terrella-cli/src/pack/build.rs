@@ -13,9 +13,9 @@ use terrella_pack::{BuildOptions, Relief, build};
 /// Arguments of `terrella pack build`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Maps are equirectangular PNG, JPEG or (Geo)TIFF files of the whole Earth, twice as wide as \
-    high, north up, left edge at 180° W; or mosaics of several that say where they lie: a TOML file, or a folder of GeoTIFFs, maps \
-    with world files or NASA's eight parts (docs/packs.md). A build that was stopped goes on when the same command is run again."
+    after_help = "Maps are equirectangular PNG, JPEG or (Geo)TIFF files of the whole Earth, twice as wide as high, north up, left edge \
+    at 180° W; or mosaics of georeferenced files: a TOML file, or a folder of GeoTIFFs, maps with world files or NASA's eight parts \
+    (docs/packs.md). Run the same command again to resume an interrupted build."
 )]
 pub struct BuildArgs {
     /// Surface colour by day, sRGB
@@ -27,17 +27,17 @@ pub struct BuildArgs {
     /// Normal map in tangent space: red east, green north, blue up, middle 128
     #[arg(long, value_name = "MAP", conflicts_with = "elevation")]
     normals: Option<PathBuf>,
-    /// Elevations in metres, from which slopes are computed: 16-bit PNG, or TIFF of 16-bit or float samples
+    /// Elevation in metres, from which slopes are computed: 16-bit PNG, or TIFF of 16-bit or float samples
     #[arg(long, value_name = "MAP")]
     elevation: Option<PathBuf>,
     /// City lights: grey, or the luminance of colour
     #[arg(long, value_name = "MAP")]
     night: Option<PathBuf>,
-    /// Open water: white where there is some
+    /// Open water: white
     #[arg(long, value_name = "MAP")]
     water: Option<PathBuf>,
-    /// Heights of the ground for streamed relief: GeoTIFF, PNG or NetCDF classic as scenes read them, of the whole Earth or parts of it,
-    /// finer ones over coarser ones; those that do not fit into --memory are read part by part through a scratch file in the pack's folder
+    /// Elevation data for streamed terrain: GeoTIFF, PNG or NetCDF classic as scenes read them, of the whole Earth or parts of it; finer
+    /// files cover coarser ones, and those that do not fit into --memory are read in parts through a scratch file in the pack's folder
     #[arg(long, value_name = "FILE", num_args = 1..)]
     heights: Vec<PathBuf>,
     /// The pack's folder
@@ -45,10 +45,10 @@ pub struct BuildArgs {
     output: PathBuf,
     #[command(flatten)]
     pack: PackOptions,
-    /// How many times steeper than the truth slopes are, with --elevation
+    /// With --elevation: factor by which slopes are exaggerated
     #[arg(long, value_name = "TIMES", default_value_t = SLOPE_EXAGGERATION, requires = "elevation")]
     exaggeration: f64,
-    /// Metres to subtract from elevations [default: 11000 for PNG, 0 for TIFF]
+    /// With --elevation: metres to subtract from elevations [default: 11000 for PNG, 0 for TIFF]
     #[arg(
         long,
         value_name = "METRES",

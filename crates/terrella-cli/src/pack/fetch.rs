@@ -21,27 +21,27 @@ use terrella_pack::{BuildOptions, Relief, build};
 /// Arguments of `terrella pack fetch`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "A source is one of --list or a TOML file of your own (docs/packs.md), with @TIME where it has times: \
-    blue_marble@2004-06, viirs_snpp@2024-06-21. What was stopped goes on when the same command is run again; what is in the cache \
-    is not fetched again. `terrella pack build --day CACHE/day` builds from the cache without the network."
+    after_help = "A source is one of --list, or a TOML file (docs/packs.md); @TIME selects the date of a source that has several: \
+    blue_marble@2004-06, viirs_snpp@2024-06-21. Run the same command again to resume; files in the cache are not downloaded again. \
+    `terrella pack build --day CACHE/day` builds from the cache without the network."
 )]
 pub struct FetchArgs {
-    /// Sources, each NAME, NAME@TIME or FILE.toml; several of one map lie over one another, the last on top
+    /// Sources, each NAME, NAME@TIME or FILE.toml; of several sources of one map, later ones cover earlier ones
     #[arg(required_unless_present = "list", value_name = "SOURCE")]
     sources: Vec<String>,
     /// The pack's folder
     #[arg(short, long, value_name = "DIR", required_unless_present_any = ["list", "dry_run", "download_only", "heights"])]
     output: Option<PathBuf>,
-    /// Texels round the Earth at least: the coarsest level that has as many is fetched, or the finest there is
+    /// Minimum texels round the Earth: the coarsest level with as many is downloaded, or the finest available
     #[arg(long, value_name = "TEXELS", default_value_t = 21_600, value_parser = clap::value_parser!(u32).range(16..=10_000_000))]
     width: u32,
-    /// Level to fetch, instead of --width
+    /// Level to download, instead of --width
     #[arg(long, value_name = "N", conflicts_with = "width")]
     level: Option<u32>,
-    /// Fetch a part of the Earth only: west, south, east and north in degrees; coarser ground lies round it
+    /// Download only this part of the Earth: west, south, east and north in degrees; coarser imagery surrounds it
     #[arg(long, value_name = "W,S,E,N", allow_hyphen_values = true, value_parser = parse_region)]
     region: Option<Bounds>,
-    /// With --region: texels round the Earth of the ground round it, from the same source; 0 for none
+    /// With --region: texels round the Earth of the surrounding imagery, from the same source; 0 for none
     #[arg(
         long,
         value_name = "TEXELS",
@@ -49,7 +49,7 @@ pub struct FetchArgs {
         requires = "region"
     )]
     ground_width: u32,
-    /// With --region: degrees over which it fades into the ground
+    /// With --region: width in degrees of the blend into the surrounding imagery
     #[arg(
         long,
         value_name = "DEGREES",
@@ -57,46 +57,46 @@ pub struct FetchArgs {
         requires = "region"
     )]
     feather: f64,
-    /// A map of the whole Earth below all that is fetched, for poles and gaps; for one kind of map at a time
+    /// Map of the whole Earth that fills poles and gaps of the sources; for one kind of map at a time
     #[arg(long, value_name = "MAP")]
     under: Option<PathBuf>,
-    /// Folder for what is fetched [default: that of the output with .cache added]
+    /// Folder for downloads [default: the output's name with .cache added]
     #[arg(long, value_name = "DIR")]
     cache: Option<PathBuf>,
-    /// Say what would be fetched, without a request to anybody
+    /// Print what would be downloaded, without using the network
     #[arg(long)]
     dry_run: bool,
-    /// Fetch into the cache and build nothing
+    /// Download into the cache without building a pack
     #[arg(long, conflicts_with_all = ["output", "heights"])]
     download_only: bool,
-    /// Write heights as a GeoTIFF for the elevation of a scene, instead of a pack
+    /// Write a GeoTIFF of elevation data for a scene, instead of a pack
     #[arg(long, value_name = "FILE.tif", conflicts_with = "output")]
     heights: Option<PathBuf>,
-    /// List the sources that come with terrella, whose they are and their terms
+    /// List the built-in sources with attribution and terms
     #[arg(long)]
     list: bool,
-    /// Requests under way at once [default: the source's, mostly 4]
+    /// Number of parallel requests [default: the source's, mostly 4]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=32))]
     connections: Option<u32>,
-    /// Requests begun in a second [default: the source's, mostly 20]
+    /// Maximum requests per second [default: the source's, mostly 20]
     #[arg(long, value_name = "PER_S", value_parser = parse_rate)]
     rate: Option<f64>,
-    /// How often a file is asked for again after a failure
+    /// Number of retries of a failed download
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(0..=20))]
     retries: u32,
-    /// Longest wait for a server, seconds
+    /// Timeout of a request, seconds
     #[arg(long, value_name = "SECONDS", default_value_t = 30, value_parser = clap::value_parser!(u64).range(1..=3600))]
     timeout: u64,
-    /// Go on without files that cannot be fetched; they are reported
+    /// Continue without files that cannot be downloaded; they are reported
     #[arg(long)]
     allow_missing: bool,
-    /// Host that redirects may lead to, beside the one asked; may be given several times
+    /// Additional host that redirects may lead to; repeatable
     #[arg(long, value_name = "HOST")]
     redirect_host: Vec<String>,
-    /// Certificates (PEM) of authorities to trust instead of the usual ones
+    /// Certificates (PEM) of authorities to trust instead of the default ones
     #[arg(long, value_name = "FILE")]
     ca: Option<PathBuf>,
-    /// How many times steeper than the truth slopes are, of a source of heights [default: 4]
+    /// Factor by which slopes of an elevation source are exaggerated [default: 4]
     #[arg(long, value_name = "TIMES")]
     exaggeration: Option<f64>,
     #[command(flatten)]
@@ -111,7 +111,9 @@ fn parse_region(text: &str) -> Result<Bounds, String> {
         .and_then(|numbers| <[f64; 4]>::try_from(numbers).ok())
     {
         Some(edges) => Bounds::new(edges),
-        None => Err("write west, south, east and north in degrees, as in 5,44,12,48".to_string()),
+        None => Err(
+            "must be west, south, east and north in degrees, for example 5,44,12,48".to_string(),
+        ),
     }
 }
 
@@ -139,7 +141,7 @@ pub fn run(args: &FetchArgs, common: &Common) -> anyhow::Result<()> {
     }
     if args.output.is_some() && !layers.iter().any(|layer| layer.layer == SourceLayer::Day) {
         bail!(
-            "a pack needs a day map: add a source of one, such as blue_marble, or fetch with --download-only and use `pack build`"
+            "a pack needs a day map: add a source such as blue_marble, or download with --download-only and use `pack build`"
         );
     }
     if args.heights.is_some()
@@ -147,23 +149,21 @@ pub fn run(args: &FetchArgs, common: &Common) -> anyhow::Result<()> {
             .iter()
             .any(|layer| layer.layer != SourceLayer::Elevation)
     {
-        bail!("--heights: give sources of heights only, such as terrarium");
+        bail!("--heights: give only sources of elevation data, such as terrarium");
     }
     if args.under.is_some() && layers.len() > 1 {
         bail!(
-            "--under: is a map of one kind; fetch one kind of map at a time with --download-only, then use `pack build`"
+            "--under: is a map of one kind; download one kind of map at a time with --download-only, then use `pack build`"
         );
     }
     let has_heights = layers
         .iter()
         .any(|layer| layer.layer == SourceLayer::Elevation);
     if args.exaggeration.is_some() && !(has_heights && args.output.is_some()) {
-        bail!("--exaggeration: is for packs with a source of heights");
+        bail!("--exaggeration: needs a pack with a source of elevation data");
     }
     if args.output.is_none() && !args.pack.is_default() {
-        bail!(
-            "--name, --attribution, --storage, --pixels, --restart: are for packs; give --output, or leave them out"
-        );
+        bail!("--name, --attribution, --storage, --pixels, --restart: need --output");
     }
     stop_by_itself();
     let begun = Instant::now();
@@ -182,7 +182,7 @@ pub fn run(args: &FetchArgs, common: &Common) -> anyhow::Result<()> {
             );
             if !common.quiet {
                 eprintln!(
-                    "{what}: {} files fetched ({}), {} there already, {} requests repeated",
+                    "{what}: {} files downloaded ({}), {} already in the cache, {} requests retried",
                     fetched.new,
                     bytes(fetched.bytes),
                     fetched.kept,
@@ -213,7 +213,7 @@ fn options(args: &FetchArgs) -> anyhow::Result<FetchOptions> {
         (Some(cache), _) => cache,
         // Nothing is written there.
         (None, true) => PathBuf::new(),
-        (None, false) => bail!("--cache: say where to keep what is fetched"),
+        (None, false) => bail!("--cache: give the folder for downloads"),
     };
     Ok(FetchOptions {
         cache,
@@ -274,7 +274,7 @@ fn heights(
     let region = args.region.unwrap_or(Bounds::EARTH);
     let (columns, rows) = write_heights(&done.mosaic, &region, path, limits, shown)?;
     if !common.quiet {
-        eprintln!("{}: {columns} x {rows} heights", path.display());
+        eprintln!("{}: {columns} x {rows} elevations", path.display());
     }
     Ok(())
 }
@@ -304,7 +304,7 @@ fn dry_run(layers: &[Layer], options: &FetchOptions) -> anyhow::Result<()> {
     }
     let _ = writeln!(
         text,
-        "{files} files, about {} where it is known; nothing was fetched",
+        "{files} files, about {} where known; nothing was downloaded",
         bytes(total)
     );
     print(&text)

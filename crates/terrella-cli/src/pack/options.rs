@@ -13,7 +13,7 @@ pub struct PackOptions {
     /// Name of the pack [default: its folder's]
     #[arg(long)]
     name: Option<String>,
-    /// Attribution of the data, beside what maps say themselves; may be given several times
+    /// Attribution of the data, in addition to that of the maps; repeatable
     #[arg(long, value_name = "TEXT")]
     attribution: Vec<String>,
     /// Format of the tiles: plain for software adapters, bc for graphics cards
@@ -22,9 +22,9 @@ pub struct PackOptions {
     /// Memory limit, megabytes
     #[arg(long, value_name = "MB", default_value_t = DEFAULT_MEMORY_BYTES / 1_000_000, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     memory: u64,
-    /// Levels of a map in pixels per block (a 16th of its width), the finest first, as in day=5400,2700,1350,256; may
-    /// be given for each map. Levels of more than 2040 are cut into parts and must be 2, 4, 8 or 16 times the finest other one
-    /// [default: the paper's up to the map's own size, and of finer maps those times 2, 4, 8 and 16]
+    /// Levels of a map in pixels per block (a 16th of its width), finest first, for example day=5400,2700,1350,256; repeatable, once for
+    /// each map. Levels of more than 2040 are cut into parts and must be 2, 4, 8 or 16 times the finest other one [default: the paper's
+    /// levels up to the map's size; for finer maps, these times 2, 4, 8 and 16]
     #[arg(long, value_name = "LAYER=N,N", value_parser = parse_pixels)]
     pixels: Vec<(MapLayer, Vec<u32>)>,
     /// Discard an unfinished build or a finished pack in the folder
@@ -76,7 +76,7 @@ impl PackOptions {
 fn parse_pixels(text: &str) -> Result<(MapLayer, Vec<u32>), String> {
     let layers = || MapLayer::ALL.map(MapLayer::name).join(", ");
     let Some((name, list)) = text.split_once('=') else {
-        return Err("write it as in day=1350,675,256".to_string());
+        return Err("must be LAYER=N,N, for example day=1350,675,256".to_string());
     };
     let layer = MapLayer::from_name(name)
         .ok_or_else(|| format!("there is no map {name:?}; it is one of {}", layers()))?;

@@ -15,10 +15,10 @@ use terrella_play::{PendingFile, written_picture};
 pub struct PreviewArgs {
     /// The pack's folder
     dir: PathBuf,
-    /// The picture to write
+    /// Image to write
     #[arg(short, long, value_name = "SHEET.png")]
     output: PathBuf,
-    /// Format of the tiles to show [default: the first that the pack holds]
+    /// Format of the tiles to show [default: the pack's first]
     #[arg(long, value_name = "KIND")]
     storage: Option<StorageName>,
 }

@@ -32,7 +32,7 @@ pub fn run(args: &VerifyArgs, common: &Common) -> anyhow::Result<()> {
     }
     print(&text)?;
     anyhow::bail!(
-        "{}: {} of {} tiles are bad; build the pack again",
+        "{}: {} of {} tiles are corrupt; build the pack again",
         args.dir.display(),
         report.bad.len(),
         report.tiles
@@ -43,17 +43,17 @@ fn describe(report: &VerifyReport) -> String {
     let mut text = String::new();
     // Writing to a string cannot fail.
     for tile in &report.bad {
-        let _ = writeln!(text, "bad       {}: {}", tile.path.display(), tile.cause);
+        let _ = writeln!(text, "corrupt   {}: {}", tile.path.display(), tile.cause);
     }
     for path in report.strangers.iter().take(MAX_SHOWN_STRANGERS) {
         let path = path.display().to_string();
-        let _ = writeln!(text, "no tile   {}", path.escape_debug());
+        let _ = writeln!(text, "unknown   {}", path.escape_debug());
     }
     let more = report
         .stranger_count
         .saturating_sub(MAX_SHOWN_STRANGERS as u64);
     if more > 0 {
-        let _ = writeln!(text, "no tile   and {more} more");
+        let _ = writeln!(text, "unknown   and {more} more");
     }
     let good = report.tiles - report.bad.len() as u64;
     let (tiles, size) = (report.tiles, bytes(report.bytes));

@@ -126,7 +126,7 @@ pub fn write_reference_still(
     let size = request.size.unwrap_or(scene.output.size.into());
     check_memory(size)?;
     let moment = flight.at(epoch, f64::from(size.0) / f64::from(size.1))?;
-    let output = PendingFile::create(request.output, "pictures", "png")?;
+    let output = PendingFile::create(request.output, "images", "png")?;
     let stats = match request.stats {
         Some(path) => Some(PendingFile::create(path, "numbers", "json")?),
         None => None,

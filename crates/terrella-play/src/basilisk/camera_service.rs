@@ -165,7 +165,7 @@ impl<'f> CameraService<'f> {
                 image::DynamicImage::from(self.renderer.read()?).into_rgb8()
             }
         };
-        png(&picture).map_err(|error| reject(format!("a picture could not be encoded: {error}")))
+        png(&picture).map_err(|error| reject(format!("an image could not be encoded: {error}")))
     }
 }
 

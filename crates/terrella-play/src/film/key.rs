@@ -95,18 +95,18 @@ impl FilmKey {
         if self.size != found.size {
             let [[w, h], [old_w, old_h]] = [self.size, found.size];
             words.push(format!(
-                "its pictures have {old_w} × {old_h} pixels, these {w} × {h}"
+                "its images have {old_w} × {old_h} pixels, these {w} × {h}"
             ));
         }
         let options = self.pictures.differences(&found.pictures);
-        words.extend(options.map(|name| format!("it was drawn with another {name}")));
+        words.extend(options.map(|name| format!("it was rendered with another {name}")));
         (!words.is_empty()).then(|| words.join("; "))
     }
 
     /// How another program differs, in words.
     pub(super) fn program_difference(&self, found: &str) -> Option<String> {
         let (before, now) = (shown(found), &self.program);
-        (found != now).then(|| format!("it was drawn by {before}, this is {now}"))
+        (found != now).then(|| format!("it was rendered by {before}, this is {now}"))
     }
 }
 

@@ -143,7 +143,7 @@ impl FilmPage {
         if page.is_cut {
             let (path, kept) = (path.display(), entries.len());
             tracing::warn!(
-                "{path}: is cut off or damaged; {kept} frames that it still names are kept, and all others are drawn again"
+                "{path}: is truncated or corrupt; the {kept} frames that it still lists are kept, and the others are rendered again"
             );
         }
         Ok(KeptFrames {
@@ -200,7 +200,7 @@ impl FilmPage {
                 .write_at_end(END.as_bytes())
                 .and_then(|()| self.file.set_len(self.end_at + END.len() as u64))
             {
-                tracing::warn!("{}: is not whole any more: {error}", self.path.display());
+                tracing::warn!("{}: is corrupt: {error}", self.path.display());
             }
             return Err(failed(&self.path, source));
         }

@@ -90,7 +90,7 @@ mod tests {
         let rejected = "9..12".parse::<FrameRange>().expect("good").of(4);
         let words = rejected.expect_err("beyond the end").to_string();
         assert!(
-            words.contains("9..12") && words.contains("from 0 to 3"),
+            words.contains("9..12") && words.contains("are 0 to 3"),
             "{words}"
         );
     }

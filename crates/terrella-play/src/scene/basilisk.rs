@@ -52,7 +52,7 @@ impl SceneText<'_> {
         let endpoint = self.endpoint(field)?.unwrap_or(Endpoint::TWO_WAY);
         let allow_remote = orbit.allow_remote().is_on();
         if endpoint.is_remote() && !allow_remote {
-            let advice = "other machines reach this address, and whoever reaches it can steer the picture; take 127.0.0.1 or [::1], or write allow_remote = true";
+            let advice = "other machines can reach this address and control the image; use 127.0.0.1 or [::1], or set allow_remote = true";
             return Err(self.reject(field, advice));
         }
         field.note(quoted(&endpoint.to_string()));

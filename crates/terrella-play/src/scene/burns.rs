@@ -53,7 +53,7 @@ impl SceneText<'_> {
                 "eclipses" => &mut selection.shadow,
                 other => {
                     let advice = format!(
-                        "{:?} is no event that can be looked for; those are \"nodes\", \"apsides\" and \"eclipses\"",
+                        "{:?} is not an event; the events are \"nodes\", \"apsides\" and \"eclipses\"",
                         printable(other)
                     );
                     return Err(self.reject(field, advice));

@@ -106,8 +106,8 @@ impl SceneText<'_> {
         let lowest_km = *height.rule.range.start();
         let height_km = self.number(&height, |height_km, range| {
             let why = match height_km {
-                h if h < 0.0 => "the eye would be inside the Earth",
-                h if h < lowest_km => "the eye would stand in the surface it looks at",
+                h if h < 0.0 => "the camera would be inside the Earth",
+                h if h < lowest_km => "the camera would be below the surface that it looks at",
                 _ => "nothing would be seen from so far",
             };
             format!("{why}; must be from {range} km")

@@ -206,7 +206,7 @@ impl SceneText<'_> {
         let folder = self.path(
             &earth.pack(),
             PathKind::Folder,
-            "no pack: whole maps are drawn",
+            "no pack: maps are loaded whole",
         )?;
         let (levels, texel_px, storage) = (earth.levels(), earth.texel_px(), earth.storage());
         let (texture_mb, upload_mb) = (earth.texture_mb(), earth.upload_mb());

@@ -42,7 +42,7 @@ impl fmt::Display for KeyLocation {
 #[allow(missing_docs, reason = "the messages say what fields are")]
 pub enum SceneError {
     /// The file could not be opened or read.
-    #[error("{}: cannot be read: {source}; give the path of a scene file such as config/iss.toml, or of a file of orbits", path.display())]
+    #[error("{}: cannot be read: {source}; give the path of a scene file such as config/iss.toml, or of an orbit file", path.display())]
     Read {
         path: PathBuf,
         /// Error of the operating system.
@@ -86,7 +86,7 @@ pub enum SceneError {
     },
     /// A file that is no scene, and whose name does not say that it should be one.
     #[error(
-        "{scene}; nor is it a file of orbits: two-line elements, OMM, OEM, CZML, or CSV with columns epoch_utc, x_km, y_km, z_km"
+        "{scene}; nor is it an orbit file: two-line elements, OMM, OEM, CZML, or CSV with columns epoch_utc, x_km, y_km, z_km"
     )]
     Neither { scene: Box<SceneError> },
     /// A value of the wrong type, out of range, or in conflict with another.

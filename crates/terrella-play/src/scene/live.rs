@@ -34,7 +34,7 @@ impl SceneText<'_> {
             address.is_some_and(|address| !address.ip().is_loopback())
         };
         if is_remote(&usual.transport) && !allow_remote {
-            let advice = "other machines reach this address, and whoever reaches it can steer the picture; take 127.0.0.1 or [::1], or write allow_remote = true";
+            let advice = "other machines can reach this address and control the image; use 127.0.0.1 or [::1], or set allow_remote = true";
             return Err(self.reject(&listen, advice));
         }
         listen.note(quoted(&usual.transport.to_string()));

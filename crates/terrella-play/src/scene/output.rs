@@ -185,19 +185,19 @@ impl SceneText<'_> {
             .transpose()?;
         target.note(match target_ms {
             Some(target_ms) => Ok(number_text(target_ms)),
-            None => Err("everything is drawn however long it takes"),
+            None => Err("quality is constant, whatever a frame takes"),
         });
         let scale = self.number(&quality.scale(), |_, range| {
             format!("must be from {range}, a part of width and height")
         })?;
         let ladder = quality.ladder();
         if ladder.given.is_some() && target_ms.is_none() {
-            let advice = "quality is given up where a frame time is to be held; give target_ms too, or leave ladder out";
+            let advice = "ladder needs a frame time to keep; set target_ms too, or omit ladder";
             return Err(self.reject(&ladder, advice));
         }
         let without = match target_ms {
             Some(_) => "the one that was recorded for the adapter",
-            None => "no quality is given up",
+            None => "quality is not reduced",
         };
         let ladder = self.path(&ladder, PathKind::File, without)?;
         Ok(QualityTable {

@@ -54,8 +54,8 @@ impl SceneText<'_> {
         self.only_of_the_smooth_earth(earth, surface)?;
         elevation_field.note(match (elevation.is_empty(), pack_heights_mb) {
             (false, _) => Ok(list_text(elevation.iter().map(|file| file.display()))),
-            (true, Some(_)) => Err("the pack's heights are taken alone"),
-            (true, None) => Err("the starter pack's heights are taken"),
+            (true, Some(_)) => Err("only the pack's elevation data is used"),
+            (true, None) => Err("the starter pack's elevation data is used"),
         });
         if let Some(why) = surfaces::without_tolerance(&settings) {
             tolerance_px.note(Err(why));
@@ -76,7 +76,7 @@ impl SceneText<'_> {
     /// Rejects a key that has no meaning without relief.
     fn only_with_relief<T, R>(&self, field: &Field<'_, T, R>) -> Result<(), SceneError> {
         let advice = format!(
-            "{} is for terrain; leave it out, or name heights by elevation = [] (the starter pack's) or [\"FILE\", …]",
+            "{} is for terrain; leave it out, or set elevation = [] (the starter pack's) or [\"FILE\", …]",
             field.key
         );
         self.idle(field, RELIEF.why, advice)
@@ -91,8 +91,8 @@ impl SceneText<'_> {
         }
         if !pack_heights.is_on() {
             let advice =
-                "ground_mb is for heights of a pack; leave it out, or write pack_heights = true";
-            self.idle(&ground_mb, "no heights of a pack are taken", advice)?;
+                "ground_mb is for elevation data of a pack; omit it, or write pack_heights = true";
+            self.idle(&ground_mb, "no elevation data of a pack is used", advice)?;
             return Ok(None);
         }
         let megabytes = self.number(&ground_mb, |_, range| {

@@ -84,7 +84,9 @@ impl Scene {
         if hidden > 0 {
             line(
                 &mut out,
-                format_args!("\n{hidden} more keys have no meaning in this scene (--all)"),
+                format_args!(
+                    "\n{hidden} more keys have no effect in this scene (--all lists them)"
+                ),
             );
         }
         if !self.notices.is_empty() {
@@ -189,11 +191,11 @@ impl Scene {
         )];
         uses.push(("orientation", match &time.orientation {
             Some(file) => format!(
-                "UT1 and polar motion of {}; what that leaves out is 5 cm on the ground, more where it predicts",
+                "UT1 and polar motion of {}; the remaining error is 5 cm on the ground, more where the table is a prediction",
                 file.display()
             ),
-            None => "UT1 taken as UTC, no polar motion: between the stars and the ground places are up to 420 m off at the \
-                 equator by the first and 20 m by the second; give a table by orientation in [time]"
+            None => "UT1 is set to UTC, no polar motion: at the equator, places on the ground are up to 420 m off \
+                 against the stars by the first and 20 m by the second; set orientation in [time] to a table"
                 .to_owned(),
         }));
         uses.extend(self.orbit_uses());
@@ -225,9 +227,9 @@ impl Scene {
         uses.push((
             "camera",
             match camera.keys.len() {
-                0 => format!("{eye}; {}° from bottom to top", camera.fov_deg),
+                0 => format!("{eye}; {}° vertical field of view", camera.fov_deg),
                 keys => format!(
-                    "{eye}; {}° from bottom to top; what its {keys} keys set goes through them",
+                    "{eye}; {}° vertical field of view; its {keys} keyframes override these",
                     camera.fov_deg
                 ),
             },
@@ -255,15 +257,15 @@ impl Scene {
         let names: Vec<_> = layers.iter().map(|(name, _)| *name).collect();
         uses.push(("layers", format!("{} from {maps}", names.join(", "))));
         if self.earth.light.is_some_and(|light| light.detail) {
-            let made = "made up between the maps' texels, not measured";
+            let made = "synthesized between the maps' texels, not measured";
             uses.push(("detail", made.to_owned()));
         }
         if let Some(relief) = &self.earth.relief {
             let files = match relief.elevation.len() {
-                0 if relief.pack_heights_mb.is_some() => "the pack's heights".to_owned(),
-                0 => "the starter pack's heights".to_owned(),
-                1 => "one file of heights".to_owned(),
-                count => format!("{count} files of heights"),
+                0 if relief.pack_heights_mb.is_some() => "the pack's elevation data".to_owned(),
+                0 => "the starter pack's elevation data".to_owned(),
+                1 => "one elevation file".to_owned(),
+                count => format!("{count} elevation files"),
             };
             let files = match relief.pack_heights_mb {
                 Some(_) if !relief.elevation.is_empty() => format!("{files} over the pack's"),

@@ -113,7 +113,7 @@ impl SceneText<'_> {
         })?;
         for (key, span) in tracks.declared() {
             let why = match span {
-                Some(_) => "it is told with each satellite",
+                Some(_) => "it is reported with each satellite",
                 None => "each satellite's own",
             };
             tracks.notes.note(key.name, Err(why));
