@@ -48,7 +48,7 @@ const IDIOMS: [(&str, &str); 20] = [
 
 /// The page's English is measured: it is the first page or one of `docs/` or `config/`, and not generated.
 pub fn is_measured(path: &str) -> bool {
-    let is_generated = path == "docs/scene-reference.md";
+    let is_generated = path == "docs/scene-reference.md" || path.starts_with("docs/reference/");
     path == "README.md" || path == "config/README.md" || path.starts_with("docs/") && !is_generated
 }
 
@@ -282,7 +282,13 @@ mod tests {
         );
         assert_eq!(count("It Refuses the file."), 1);
         assert_eq!(count("| held\nagainst |"), 1);
-        assert!(!is_measured("docs/scene-reference.md") && !is_measured("CHANGELOG.md"));
+        for other in [
+            "docs/scene-reference.md",
+            "docs/reference/command.md",
+            "CHANGELOG.md",
+        ] {
+            assert!(!is_measured(other), "{other}");
+        }
         assert!(is_measured("docs/embedding/c.md") && is_measured("README.md"));
     }
 

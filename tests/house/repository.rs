@@ -104,7 +104,7 @@ impl Repository {
     /// The pages at the top, those of `docs/` and of the folders below it, and those of the folders that have one.
     pub fn pages(&self) -> Vec<Page> {
         let top = self.file_names(".", "md");
-        let docs = ["docs", "docs/embedding", "docs/start"];
+        let docs = ["docs", "docs/embedding", "docs/reference", "docs/start"];
         let docs = docs.into_iter().flat_map(|folder| {
             let names = self.file_names(folder, "md").into_iter();
             names.map(move |name| format!("{folder}/{name}"))

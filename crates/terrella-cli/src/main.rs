@@ -16,6 +16,8 @@ mod picture_args;
 mod play;
 mod progress;
 mod quiet_driver;
+#[cfg(test)]
+mod reference;
 #[cfg(feature = "measure")]
 mod report;
 mod scene_args;
