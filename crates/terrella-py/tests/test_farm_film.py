@@ -148,7 +148,7 @@ def test_other_films_are_rejected(film, tmp_path):
     for options, words in [
         ({"workers": 0}, "workers"),
         ({"frames": range(0, 10, 2)}, "frames"),
-        ({"frames": range(20, 30)}, "from 0 to 23"),
+        ({"frames": range(20, 30)}, "are 0 to 23"),
         ({"format": "gif"}, "format"),
         ({"shutter": 2.0}, "shutter"),
         ({"format": "exr", "video": "a.mp4"}, "video"),
