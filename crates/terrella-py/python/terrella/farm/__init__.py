@@ -4,7 +4,7 @@
 >>> print(farm.film("config/iss.toml", "frames", video="iss.mp4", frames=range(30), workers=2))
 
 Workers are processes of this machine, or those of a Dask cluster by its address. Each keeps its renderer warm, writes files itself and answers
-with names. A file appears under its name when it is whole; a run that was ended by anything goes on where it was when it is called again.
+with names. A file gets its name only when it is complete; the same call resumes an interrupted run.
 """
 
 from ._film import film

@@ -161,7 +161,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         report = call(options.pop("scene", None), options.pop("out"), options)
     except KeyboardInterrupt:
-        print("stopped; what is done is kept, and the same command goes on", file=sys.stderr)
+        print("stopped; complete output is kept, and the same command resumes", file=sys.stderr)
         return 130
     except FarmError as error:
         print(f"error: {error}", file=sys.stderr)

@@ -46,16 +46,16 @@ def film(
     retries: int = 2,
     progress: bool | _run.Progress | None = None,
 ) -> Report:
-    """Draws the frames of a scene's film into the folder `out`, as `terrella play SCENE --frames OUT --resume` does: the same files and the same
-    page `frames.json`, so that each continues with what the other has done.
+    """Renders the frames of a scene's film into the folder `out`, as `terrella play SCENE --frames OUT --resume` does: the same files and the
+    same index `frames.json`, so that each resumes what the other has begun.
 
-    `size` is width and height in pixels (by default the scene's), `frames` which of them are drawn (by default all; in steps of 1), `video`
-    an MP4 that is put together from them by ffmpeg with the quality `crf`. `workers` processes of this machine draw, 2 by default; with
+    `size` is width and height in pixels (by default the scene's), `frames` the range to render (by default all; in steps of 1), `video`
+    an MP4 that ffmpeg encodes from them with the quality `crf`. `workers` processes of this machine render, 2 by default; with
     `address` the workers of a Dask cluster ("tcp://host:8786", a `distributed.Client`, or "local"), which must see `scene` and `out` under
-    the same names. `overwrite` draws all again. `adapter` is a part of the name of the graphics adapter. Pictures are made and kept as the
-    command's options of these names say: `format`, `alpha`, `supersample`, `shutter`, `subframes`.
+    the same paths. `overwrite` renders all frames again. `adapter` is a part of the name of the graphics adapter. `format`, `alpha`,
+    `supersample`, `shutter` and `subframes` are those of the command.
 
-    Raises `FarmError` where something is left undone; what is done is kept, and the same call goes on.
+    Raises `FarmError` if anything fails; complete output is kept, and the same call resumes.
     """
     scene, out = Path(scene).absolute(), Path(out).absolute()
     options = {"format": format, "alpha": alpha, "supersample": supersample, "shutter": shutter, "subframes": subframes}

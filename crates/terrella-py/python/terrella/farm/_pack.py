@@ -37,13 +37,13 @@ def pack(
     retries: int = 2,
     progress: bool | _run.Progress | None = None,
 ) -> Report:
-    """Cuts maps into an imagery pack in the folder `out`: the same files as `terrella pack build` writes, whose options these are, and each goes
-    on with what the other has done.
+    """Cuts maps into an imagery pack in the folder `out`: the same files as `terrella pack build` writes, with its options, so that
+    each resumes what the other has begun.
 
     Workers make columns of blocks of a map each; every worker reads its maps from their beginning, with `memory_mb` megabytes at most.
     `workers`, `address`, `overwrite` and `retries` as for `film`.
 
-    Raises `FarmError` where something is left undone; what is done is kept, and the same call goes on.
+    Raises `FarmError` if anything fails; complete output is kept, and the same call resumes.
     """
     out = Path(out).absolute()
     paths = {"clouds": clouds, "normals": normals, "elevation": elevation, "night_lights": night_lights, "water": water}

@@ -70,7 +70,7 @@ class Report:
 
 
 class FarmError(_native.Error):
-    """A run that stopped, or left something undone. What is done is kept: the same run again goes on from there."""
+    """A run that stopped or failed in part. Complete output is kept, and the same call resumes."""
 
     def __init__(self, words: str, report: Report | None = None):
         super().__init__(words)

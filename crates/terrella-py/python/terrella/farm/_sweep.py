@@ -52,19 +52,19 @@ def sweep(
     retries: int = 2,
     progress: bool | _run.Progress | None = None,
 ) -> Report:
-    """Draws `count` pictures of a scene from places, at instants and with exposures that are drawn from distributions, with truth layers, into a
-    data set in the folder `out`.
+    """Renders `count` images of a scene with truth layers into a data set in the folder `out`. Positions, times and exposures are sampled from
+    distributions.
 
     `place` gives a latitude and a longitude, `height_m` metres above the ellipsoid, `heading_deg` degrees clockwise from north, `pitch_deg`
-    degrees above the level, `fov_deg` the vertical field of view, `time` an instant (by default any of the scene's), `exposure_ev` exposure
+    degrees above the horizontal, `fov_deg` the vertical field of view, `time` a time (by default any of the scene's), `exposure_ev` exposure
     values (by default the scene's exposure). Each is a distribution of `terrella.farm`, a value, or a function of a
-    `numpy.random.Generator`; `draw` is a function of one and the sample's number, and gives any of them by name in place of these. Functions
-    must stand in a module that workers can import. `layers` are names of `terrella.truth_layers()`.
+    `numpy.random.Generator`; `draw` is a function of a generator and the sample's number that returns several of them by name. Functions
+    must be defined in a module that workers can import. `layers` are names of `terrella.truth_layers()`.
 
-    A sample hangs on `seed` and on its number alone. `format` "webdataset" writes tar shards of `samples_a_shard` samples, "zarr" a Zarr
-    group. `manifest.json` says what is in it. `workers`, `address`, `overwrite`, `textures`, `adapter` and `retries` as for `film`.
+    A sample depends only on `seed` and its number. `format` "webdataset" writes tar shards of `samples_a_shard` samples, "zarr" a Zarr
+    group. `manifest.json` describes it. `workers`, `address`, `overwrite`, `textures`, `adapter` and `retries` as for `film`.
 
-    Raises `FarmError` where something is left undone; what is done is kept, and the same call goes on.
+    Raises `FarmError` if anything fails; complete output is kept, and the same call resumes.
     """
     scene, out = Path(scene).absolute(), Path(out).absolute()
     if not 1 <= count <= _MOST_SAMPLES:

@@ -1,6 +1,6 @@
 """What the samples of a sweep are drawn from.
 
-A sample hangs on the seed and on its number alone, not on the worker that draws it nor on the samples before: each has a stream of random
+A sample depends only on the seed and its number, not on the worker that draws it nor on the samples before: each has a stream of random
 numbers of its own, that of ``numpy.random.SeedSequence((seed, index))``, from which only numbers that are even between 0 and 1 are taken.
 """
 
