@@ -141,7 +141,7 @@ impl MapPlayer {
         let map = match map {
             Ok(map) => Some(map),
             Err(problem) => {
-                tracing::warn!("{problem}; what is drawn stays until the next map's date");
+                tracing::warn!("{problem}; the previous map stays until the date of the next one");
                 None
             }
         };

@@ -306,7 +306,7 @@ fn export_lockstep(
         Ok(())
     })?;
     progress.end();
-    tracing::info!("{done} frames, as many as the simulator asked for");
+    tracing::info!("{done} frames, as the simulator requested");
     missing_tiles.warn();
     Ok((written, done))
 }
@@ -332,7 +332,7 @@ impl MissingTiles {
         };
         let tiles: Vec<_> = self.tiles.iter().map(TileKey::to_string).collect();
         tracing::warn!(
-            "{} frames lack tiles and are drawn coarser there, first frame {frame} ({key}); give them more time (wait_s \
+            "{} frames lack tiles and are coarser there, first frame {frame} ({key}); give them more time (wait_s \
              under [output]) or run `terrella pack verify`. Missing: {}",
             self.frames,
             tiles.join(", ")

@@ -23,7 +23,7 @@ pub(super) fn gap_words(flight: &Flight, film: (Epoch, Epoch)) -> Vec<String> {
         let times = unknown(satellite.feed(), (first, last)).into_iter();
         times.map(move |(from, to)| {
             format!(
-                "{} is not known from {} to {}: nothing is drawn of it in that time",
+                "{} is not known from {} to {}: it is not drawn in that time",
                 satellite.name(),
                 rfc3339(from),
                 rfc3339(to)
@@ -98,8 +98,8 @@ mod tests {
         assert_eq!(
             words("00:05:00", "00:25:00"),
             [
-                "GAPPY is not known from 2026-03-01T00:10:00.000Z to 2026-03-01T00:12:00.000Z: nothing is drawn of it in that time",
-                "GAPPY is not known from 2026-03-01T00:20:00.000Z to 2026-03-01T00:25:00.000Z: nothing is drawn of it in that time",
+                "GAPPY is not known from 2026-03-01T00:10:00.000Z to 2026-03-01T00:12:00.000Z: it is not drawn in that time",
+                "GAPPY is not known from 2026-03-01T00:20:00.000Z to 2026-03-01T00:25:00.000Z: it is not drawn in that time",
             ]
         );
         assert_eq!(words("00:05:00", "00:10:00"), Vec::<String>::new());

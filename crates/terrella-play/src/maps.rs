@@ -285,7 +285,7 @@ fn pack_options(
     let tiles = PackTiles::new(pack, storage, decode, &layers)?;
     let (maps, failures) = tiles.coarsest_maps()?;
     for failure in failures {
-        tracing::warn!("{failure}; a finer level is drawn in its place");
+        tracing::warn!("{failure}; a finer level is used instead");
     }
     let mut options = EarthOptions::new(maps);
     if scene.earth.normals && is_paper {

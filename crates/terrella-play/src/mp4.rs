@@ -30,7 +30,7 @@ fn frames_in(path: &Path) -> io::Result<u64> {
     for kind in TO_SAMPLE_SIZES {
         let boxes = boxes(&mut file, inside)?;
         let found = boxes.into_iter().find(|(found, _)| found == kind);
-        let (_, contents) = found.ok_or_else(|| incomplete("its index of pictures is missing"))?;
+        let (_, contents) = found.ok_or_else(|| incomplete("its index of frames is missing"))?;
         inside = contents;
     }
     // Version and flags, the size of all or 0, their number.

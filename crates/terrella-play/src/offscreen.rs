@@ -253,7 +253,7 @@ impl OffscreenRenderer {
         self.pictures_without_heights += 1;
         if self.pictures_without_heights.is_power_of_two() {
             tracing::warn!(
-                "the ground lacks {} tiles of heights and is drawn coarser there ({first} among them; {} pictures so far); give it more time \
+                "{} elevation tiles are missing, and the terrain is coarser there ({first} among them; {} images so far); give it more time \
                  (wait_s under [output]) or memory (ground_mb under [earth]), or run `terrella pack verify`",
                 missing.len(),
                 self.pictures_without_heights

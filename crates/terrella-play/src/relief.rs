@@ -85,7 +85,7 @@ fn read_grids(files: &[PathBuf], denoise: bool) -> Result<Vec<Arc<HeightGrid>>, 
         let heights = open_heights_denoised(file, &GridLimits::default(), denoise.as_ref())?;
         let stats = heights.grid.stats();
         tracing::info!(
-            "heights from {}: {:.0} to {:.0} m, {:.0} MB",
+            "elevation from {}: {:.0} to {:.0} m, {:.0} MB",
             file.display(),
             stats.range.low_m,
             stats.range.high_m,
@@ -94,19 +94,19 @@ fn read_grids(files: &[PathBuf], denoise: bool) -> Result<Vec<Arc<HeightGrid>>, 
         if stats.holes > 0 {
             let (holes, left) = (stats.holes, stats.left_holes);
             tracing::warn!(
-                "{}: {holes} samples have no data; {left} of them are left to what lies beneath",
+                "{}: {holes} samples have no data; {left} of them are filled from the data beneath",
                 file.display()
             );
         }
         match heights.denoised {
             Some(found) if found.replaced > 0 => tracing::warn!(
-                "{}: {} single heights stood out by up to {:.0} m and were taken out; {} others stand with neighbours",
+                "{}: {} outliers of up to {:.0} m were removed; {} others agree with their neighbours",
                 file.display(),
                 found.replaced,
                 found.moved_m,
                 found.kept
             ),
-            Some(_) => tracing::info!("{}: no single height stands out", file.display()),
+            Some(_) => tracing::info!("{}: no outliers", file.display()),
             None => {}
         }
         grids.push(Arc::new(heights.grid));

@@ -253,7 +253,7 @@ impl ScenePainter {
             // Keys lie in the range, and what is between them too.
             && let Err(error) = self.earth.set_exposure(Exposure::Ev(ev))
         {
-            tracing::warn!("the exposure stays as it is: {error}");
+            tracing::warn!("the exposure is unchanged: {error}");
         }
     }
 

@@ -260,7 +260,7 @@ fn warn_of_missing(missing: &[TileKey]) {
         more => format!(" and {more} more"),
     };
     tracing::warn!(
-        "{} tiles are missing and drawn coarser: {}{more}; give them more time (wait_s under [output]) or run `terrella pack verify`",
+        "{} tiles are missing and rendered at a coarser level: {}{more}; increase wait_s under [output] or run `terrella pack verify`",
         missing.len(),
         names.join(", ")
     );

@@ -84,7 +84,7 @@ impl WindowSurface {
         let set = self.target.set(device, self.size(), drawn_size, samples);
         if let Err(error) = set {
             // A fault of the program that its tests would have found.
-            tracing::warn!("the window's picture stays as it is: {error}");
+            tracing::warn!("the window keeps its last image: {error}");
         }
     }
 

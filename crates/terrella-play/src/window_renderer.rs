@@ -377,14 +377,14 @@ impl WindowRenderer {
         let elapsed_s = interval.unwrap_or_default().as_secs_f64();
         // What was metered lies in the range.
         if let Err(error) = self.painter.follow_light(moment, elapsed_s) {
-            tracing::warn!("the exposure stays as it is: {error}");
+            tracing::warn!("the exposure is unchanged: {error}");
         }
     }
 
     fn set_quality(&mut self, quality: &Quality) -> bool {
         let changed = self.painter.set_quality(quality);
         if let Err(error) = &changed {
-            tracing::warn!("the quality stays as it is: {error}");
+            tracing::warn!("the quality is unchanged: {error}");
         }
         let quality = self.painter.earth().quality();
         self.surface

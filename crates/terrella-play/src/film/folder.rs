@@ -83,7 +83,7 @@ impl FrameFolder {
         frames.remove_unfinished()?;
         if existing == Existing::Overwrite && frames.path(frame_count).exists() {
             tracing::warn!(
-                "{} holds frames of a longer film; those from {} on stay",
+                "{} contains frames of a longer film; frames from {} on are kept",
                 folder.display(),
                 frames.path(frame_count).display()
             );

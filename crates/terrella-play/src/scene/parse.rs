@@ -123,7 +123,7 @@ impl SceneText<'_> {
         let (place, remedy) = match home {
             Some(table) => (
                 self.place(offset, "", word),
-                format!("stands outside its table; move it below [{}]", table.name),
+                format!("is outside its table; move it below [{}]", table.name),
             ),
             None if is_table => (
                 self.place(offset, word, ""),

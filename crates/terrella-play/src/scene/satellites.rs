@@ -108,7 +108,7 @@ impl Scene {
             .as_ref()
             .map(|path| path.display().to_string());
         let remedy = format!(
-            "the table tells of {} to {}, the flight goes from {} to {}; take a table of that time, or leave orientation out",
+            "the table covers {} to {}, the flight {} to {}; use a table that covers it, or omit orientation",
             utc(span.0),
             utc(span.1),
             utc(first),

@@ -119,7 +119,7 @@ impl RosterTracks {
         }
         if roster.craft.len().max(roster.places.len()) > MAX_TRACKS {
             tracing::warn!(
-                "tracks and names are drawn of the first {MAX_TRACKS} spacecraft and places"
+                "tracks and names are limited to the first {MAX_TRACKS} spacecraft and places"
             );
         }
         Some((styles, feeds))
