@@ -42,6 +42,7 @@
 //! | `window`, `window_renderer`, `surface` | the window: its events, its renderer, its surface |
 //! | `controls`, `keys`, `panel`, `overlay` | what the user has set, by which keys; the panel, and egui under it |
 //! | `pointer`, `hand`, `orbit_camera` | clicks and drags; the eye that they move; the camera over the globe |
+//! | `pose` | an eye and what it faces |
 //! | `picking` | what is under a click |
 //! | `egui_pass` | panel and names, drawn over pictures |
 //! | `place_text` | places as a person reads them |
@@ -111,6 +112,7 @@ mod pictures;
 mod place_text;
 #[cfg(feature = "window")]
 mod pointer;
+mod pose;
 mod progress;
 mod quality_control;
 #[cfg(feature = "window")]

@@ -9,9 +9,11 @@
 //! - [`OrbitCamera::tilt`]: the eye moves around the place in the middle. Where there is none, it turns its head.
 //! - No eye comes closer to the ground than [`MIN_CLEARANCE_M`].
 
+// The path is said for the web page's crate, which has this file too.
+#[path = "orbit_camera/solve.rs"]
 mod solve;
 
-use super::camera::Pose;
+use super::pose::Pose;
 use glam::{DMat3, DQuat, DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_2, PI};
 use terrella::frames::{Ellipsoid, Geodetic};
