@@ -11,6 +11,9 @@ use glam::Vec3;
 use terrella_ground::globe::contours::{ContourNode, MAX_NODES, PageOptions};
 use terrella_ground::globe::{ContourPageSet, DrawKind, Surface};
 
+/// Corners of a page's prism.
+const PRISM_CORNERS: usize = 8;
+
 /// The binding of the nodes.
 const BINDING: u32 = 6;
 
@@ -96,10 +99,10 @@ impl PageMesh {
             held: vec![0; most],
             corners: buffer(
                 "terrella page corners",
-                8 * most * size_of::<Vec3>(),
+                PRISM_CORNERS * most * size_of::<Vec3>(),
                 vertex,
             ),
-            corner_staging: Vec::with_capacity(8 * most),
+            corner_staging: Vec::with_capacity(PRISM_CORNERS * most),
             instances: buffer("terrella pages", most * size_of::<PageInstance>(), vertex),
             instance_staging: Vec::with_capacity(most),
             faces: super::filled_buffer(
@@ -218,7 +221,6 @@ impl SurfaceMesh for PageMesh {
         plan: &FramePlan,
         begin_draw: &mut BeginDraw<'_>,
     ) {
-        pass.set_vertex_buffer(0, self.corners.slice(..));
         pass.set_vertex_buffer(1, self.instances.slice(..));
         pass.set_index_buffer(self.faces.slice(..), wgpu::IndexFormat::Uint16);
         let count = plan.draws.len();
@@ -227,7 +229,10 @@ impl SurfaceMesh for PageMesh {
             let draw = &plan.draws[k];
             begin_draw(pass, draw);
             let place = k as u32;
-            pass.draw_indexed(draw.indices.clone(), 8 * place as i32, place..place + 1);
+            // An offset and not a base vertex, which WebGL2 has not.
+            let begin = PRISM_CORNERS * k * size_of::<Vec3>();
+            pass.set_vertex_buffer(0, self.corners.slice(begin as u64..));
+            pass.draw_indexed(draw.indices.clone(), 0, place..place + 1);
         }
     }
 }

@@ -71,7 +71,8 @@ pub(super) struct Lattice {
 /// The triangles of a grid's blocks.
 struct Cells {
     indices: wgpu::Buffer,
-    vertices_per_block: u32,
+    /// Bytes of the vertices of a block.
+    block_bytes: u64,
 }
 
 impl Lattice {
@@ -137,7 +138,6 @@ impl SurfaceMesh for Lattice {
         let Some(cells) = self.cells.get(plan.mesh) else {
             return;
         };
-        pass.set_vertex_buffer(0, self.vertices.slice(..));
         pass.set_vertex_buffer(1, self.instances.slice(..));
         let mut bound = None;
         for draw in &plan.draws {
@@ -150,8 +150,10 @@ impl SurfaceMesh for Lattice {
                 };
                 pass.set_index_buffer(indices.slice(..), wgpu::IndexFormat::Uint16);
             }
-            let base = (draw.patch as u32 * cells.vertices_per_block) as i32;
-            pass.draw_indexed(draw.indices.clone(), base, draw.drawn_as..draw.drawn_as + 1);
+            // An offset and not a base vertex, which WebGL2 has not.
+            let begin = draw.patch as u64 * cells.block_bytes;
+            pass.set_vertex_buffer(0, self.vertices.slice(begin..));
+            pass.draw_indexed(draw.indices.clone(), 0, draw.drawn_as..draw.drawn_as + 1);
         }
     }
 }
@@ -176,7 +178,7 @@ impl Cells {
                 bytemuck::cast_slice(&list),
                 wgpu::BufferUsages::INDEX,
             ),
-            vertices_per_block: grid.vertices_per_block(),
+            block_bytes: u64::from(grid.vertices_per_block()) * size_of::<Vec3>() as u64,
         }
     }
 }
