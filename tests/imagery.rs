@@ -1,12 +1,13 @@
 //! Reading folders of maps: what is selected is read and no more; every kind of bad file is named.
 
 use image::{DynamicImage, ImageBuffer, ImageFormat};
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use tempfile::TempDir;
 use terrella_imagery::{
-    EarthLayers, ImageryError, LayerSelection, SLOPE_EXAGGERATION, TexelFormat, load_layers,
-    load_whole_layers, slopes_from_elevation,
+    EarthLayers, ImageryError, KeptInMemory, LayerSelection, SLOPE_EXAGGERATION, TexelFormat,
+    load_layers, load_layers_to, load_whole_layers, slopes_from_elevation,
 };
 
 const WIDTH: u32 = 64;
@@ -308,6 +309,45 @@ fn damaged_maps_are_left_out_where_that_is_asked_for() {
     cut("day.jpg");
     let error = load_whole_layers(dir.path(), all).expect_err("no day map");
     assert!(error.to_string().contains("day.jpg"), "{error}");
+}
+
+#[test]
+fn files_in_memory_are_read_as_those_of_a_folder() {
+    let dir = good_folder();
+    let all = LayerSelection::default();
+    let water = image::GrayImage::from_fn(2 * WIDTH, 2 * HEIGHT, |x, _| {
+        image::Luma([if x < WIDTH { 255 } else { 0 }])
+    });
+    let path = dir.path().join("water.png");
+    water.save(path).expect("temporary file");
+    let mut files = HashMap::new();
+    for entry in std::fs::read_dir(dir.path()).expect("the folder") {
+        let path = entry.expect("an entry").path();
+        let name = path.file_name().expect("a name").to_string_lossy();
+        files.insert(name.into_owned(), std::fs::read(&path).expect("a map"));
+    }
+    assert_eq!(files.len(), 5);
+    let expected = load_all(dir.path()).expect("sound maps");
+    let (layers, damaged) = load_layers_to(&files, all, &KeptInMemory).expect("sound maps");
+    assert!(damaged.is_empty() && layers == expected);
+    // The water map is one of them: without it the day map is another.
+    let water = files.remove("water.png");
+    let (dry, _) = load_layers_to(&files, all, &KeptInMemory).expect("sound maps");
+    assert!(water.is_some() && dry.water.is_none() && dry.day != expected.day);
+
+    let clouds = files.get_mut("clouds.png").expect("clouds");
+    clouds.truncate(clouds.len() - 6);
+    let (layers, damaged) = load_layers_to(&files, all, &KeptInMemory).expect("a sound day map");
+    assert!(layers.clouds.is_none() && damaged.len() == 1);
+    assert!(damaged[0].error.to_string().contains("clouds.png"));
+    files.remove("day.jpg");
+    let error = load_layers_to(&files, all, &KeptInMemory).expect_err("no day map");
+    assert!(
+        error
+            .to_string()
+            .starts_with("the day map day.jpg is missing"),
+        "{error}"
+    );
 }
 
 #[test]

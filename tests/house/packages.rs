@@ -7,7 +7,9 @@ pub const PYPI_PAGE: &str = "crates/terrella-py/README.md";
 /// The name of the module, and on PyPI that of a stranger's distribution.
 const MODULE: &str = "terrella";
 /// Features that change nothing in the public items of the library.
-const NOT_DOCUMENTED: &[&str] = &["default", "dx12", "gles", "maps", "metal", "vulkan"];
+const NOT_DOCUMENTED: &[&str] = &[
+    "default", "dx12", "gles", "maps", "metal", "vulkan", "webgl", "webgpu",
+];
 
 /// The value of a key in a table of a TOML file, as it is written there; lists may take several lines.
 pub fn value<'t>(toml: &'t str, table: &str, key: &str) -> Option<&'t str> {

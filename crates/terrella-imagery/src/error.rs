@@ -49,6 +49,16 @@ pub enum ImageryError {
         /// The largest size taken.
         limit: u64,
     },
+    /// The map is larger than the platform can address.
+    #[error(
+        "{} has {width} × {height} texels, more than a program of this platform can address; use a smaller map",
+        path.display()
+    )]
+    AddressSpace {
+        path: PathBuf,
+        width: u32,
+        height: u32,
+    },
     /// Neither PNG nor JPEG.
     #[error("{} is not an image: {cause}; a map is a PNG or JPEG file", path.display())]
     NotAnImage {

@@ -40,6 +40,7 @@ pub mod jpeg;
 mod layer;
 mod load;
 mod map_file;
+mod map_folder;
 mod map_rows;
 mod mips;
 #[cfg(feature = "packs")]
@@ -66,6 +67,7 @@ pub use load::{
 };
 pub use load::{colour_note, day_file};
 pub use map_file::MAX_FILE_BYTES;
+pub use map_folder::MapFolder;
 pub use map_rows::{KeptInMemory, MapRows, MapSink};
 pub use sea::FLOOR_SEEN_M;
 pub use slopes::{

@@ -1,10 +1,11 @@
-//! A folder of maps, read from disk.
+//! A folder of maps, read.
 
 use super::colour::Said;
 use super::decode::{FileKind, TexelKind};
 use super::error::ImageryError;
 use super::layer::{EarthLayers, LayerImage};
 use super::map_file::{MapFile, read_file};
+use super::map_folder::MapFolder;
 use super::map_rows::{KeptInMemory, MapBuilder, MapSink};
 use super::sea::{SeaFloor, grow_land};
 use super::slopes::{ELEVATION_OFFSET_M, SLOPE_EXAGGERATION, slopes_from_elevation};
@@ -12,7 +13,7 @@ use super::texel::TexelFormat;
 use super::tile::MapLayer;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc;
-use terrella_files as files;
+use terrella_files::{self as files, parallel};
 
 /// Names of the day map, first come first taken.
 pub(super) const DAY_NAMES: [&str; 2] = ["day.jpg", "day.png"];
@@ -37,15 +38,18 @@ const CLOUD_NAMES: [&str; 2] = ["clouds.png", "clouds.jpg"];
 /// Files of the maps that may be left out, under their names in a folder: first come first taken.
 const OPTIONAL_FILES: [(MapLayer, &[&str]); 4] = [
     (MapLayer::Clouds, &CLOUD_NAMES),
-    (MapLayer::Normals, &["elevation.png"]),
+    (MapLayer::Normals, &[ELEVATION_NAME]),
     (MapLayer::NightLights, &["night_lights.png"]),
     (MapLayer::Water, &["water.png"]),
 ];
 
+/// The file of the elevation map.
+const ELEVATION_NAME: &str = "elevation.png";
+
 /// The first of these files that a folder has.
 fn first_in(dir: &Path, names: &[&str]) -> Option<PathBuf> {
-    let mut paths = names.iter().map(|name| dir.join(name));
-    paths.find(|path| path.exists())
+    let name = MapFolder::Disk(dir).first(names)?;
+    Some(dir.join(name))
 }
 
 impl LayerSelection {
@@ -153,31 +157,31 @@ pub fn load_whole_layers(
     load_layers_to(dir, selection, &KeptInMemory)
 }
 
-/// The same with maps that are given to a sink while they are read: those that it takes have no texels in the answer
-/// ([`LayerImage::without_texels`]). So no map is in memory as a whole but the day map, and that only until it is given away.
+/// The same from a folder or from files in memory, with maps that are given to a sink while they are read: those that it takes have no
+/// texels in the answer ([`LayerImage::without_texels`]). So no map is in memory as a whole but the day map, and that only until it is given away.
 ///
 /// # Errors
 /// As [`load_whole_layers`]; the sink may then have maps of it.
-pub fn load_layers_to(
-    dir: &Path,
+pub fn load_layers_to<'f>(
+    folder: impl Into<MapFolder<'f>>,
     selection: LayerSelection,
     sink: &dyn MapSink,
 ) -> Result<(EarthLayers, Vec<DamagedLayer>), ImageryError> {
-    std::thread::scope(|scope| {
-        let (send, terrain) = mpsc::channel();
-        let others = scope.spawn(move || {
-            // The day map waits for it.
-            let _ = send.send(load_terrain(dir, selection, sink));
-            let load = |wanted: bool, load: fn(_, _) -> _| wanted.then(|| load(dir, sink));
-            [
-                load(selection.clouds, load_clouds),
-                load(selection.night_lights, load_night_lights),
-            ]
-        });
-        // The largest map is read by the calling thread. Errors are looked at when all threads have ended.
-        let day = read_day(dir);
-        let terrain = terrain.recv();
-        let (terrain, day) = match terrain {
+    let folder = folder.into();
+    let (send, terrain) = mpsc::channel();
+    let others = move || {
+        // The day map waits for it.
+        let _ = send.send(load_terrain(folder, selection, sink));
+        let load = |wanted: bool, load: fn(_, _) -> _| wanted.then(|| load(folder, sink));
+        [
+            load(selection.clouds, load_clouds),
+            load(selection.night_lights, load_night_lights),
+        ]
+    };
+    // The largest map is read by the calling thread. Errors are looked at when both threads have ended.
+    let (others, (terrain, day)) = parallel::join(others, || {
+        let day = read_day(folder);
+        match terrain.recv() {
             Ok(Ok(mut terrain)) => {
                 let day = day.and_then(|day| day.image(&mut terrain, sink));
                 (Ok(terrain), day)
@@ -185,22 +189,22 @@ pub fn load_layers_to(
             Ok(Err(error)) => (Err(error), day.map(DayTexels::description)),
             // The thread panicked, and so does this one when it is joined.
             Err(mpsc::RecvError) => (Ok(Terrain::default()), day.map(DayTexels::description)),
-        };
-        let [clouds, night_lights] = joined(others);
-        let (day, mut damaged) = (day?, Vec::new());
-        let clouds = whole(clouds, MapLayer::Clouds, &mut damaged)?;
-        let night_lights = whole(night_lights, MapLayer::NightLights, &mut damaged)?;
-        let terrain = terrain?;
-        let layers = EarthLayers {
-            day,
-            clouds,
-            night_lights,
-            normals: terrain.normals,
-            water: terrain.water,
-        };
-        damaged.extend(terrain.damaged);
-        Ok((layers, damaged))
-    })
+        }
+    });
+    let [clouds, night_lights] = others;
+    let (day, mut damaged) = (day?, Vec::new());
+    let clouds = whole(clouds, MapLayer::Clouds, &mut damaged)?;
+    let night_lights = whole(night_lights, MapLayer::NightLights, &mut damaged)?;
+    let terrain = terrain?;
+    let layers = EarthLayers {
+        day,
+        clouds,
+        night_lights,
+        normals: terrain.normals,
+        water: terrain.water,
+    };
+    damaged.extend(terrain.damaged);
+    Ok((layers, damaged))
 }
 
 /// What was read, unless its file is damaged.
@@ -216,12 +220,6 @@ fn whole<T>(
         }
         read => read,
     }
-}
-
-fn joined<T>(thread: std::thread::ScopedJoinHandle<'_, T>) -> T {
-    thread
-        .join()
-        .unwrap_or_else(|panic| std::panic::resume_unwind(panic))
 }
 
 /// The day map's texels before they are made a map.
@@ -250,9 +248,9 @@ pub fn day_file(dir: &Path) -> Option<PathBuf> {
     first_in(dir, &DAY_NAMES)
 }
 
-fn read_day(dir: &Path) -> Result<DayTexels, ImageryError> {
-    let path = day_file(dir).unwrap_or_else(|| dir.join(DAY_NAMES[0]));
-    read_color(&path, "day")
+fn read_day(folder: MapFolder<'_>) -> Result<DayTexels, ImageryError> {
+    let name = folder.first(&DAY_NAMES).unwrap_or(DAY_NAMES[0]);
+    color_texels(&folder.path(name), &folder.read(name, "day")?, "day")
 }
 
 /// Loads a colour map (8 bits, sRGB) of a whole round, as [`load_layers`] does the day map; `layer` is what messages call it.
@@ -265,9 +263,16 @@ pub fn load_color_map(path: &Path, layer: &'static str) -> Result<LayerImage, Im
 }
 
 fn read_color(path: &Path, layer: &'static str) -> Result<DayTexels, ImageryError> {
-    let contents = read_file(path, layer)?;
+    color_texels(path, &read_file(path, layer)?, layer)
+}
+
+fn color_texels(
+    path: &Path,
+    contents: &[u8],
+    layer: &'static str,
+) -> Result<DayTexels, ImageryError> {
     let needed = "8-bit colour (sRGB)";
-    let file = MapFile::open(path, &contents, layer, needed, |texels| texels.bits == 8)?;
+    let file = MapFile::open(path, contents, layer, needed, |texels| texels.bits == 8)?;
     if let Some(note) = file.said.note() {
         tracing::warn!("{} {note}", path.display());
     }
@@ -365,21 +370,33 @@ pub fn load_day_map(
         ..selection
     };
     let day = read_color(path, "day")?;
-    let mut terrain = load_terrain(dir, sea, &KeptInMemory)?;
+    let mut terrain = load_terrain(MapFolder::Disk(dir), sea, &KeptInMemory)?;
     match terrain.damaged.pop() {
         Some(damaged) => Err(damaged.error),
         None => day.image(&mut terrain, &KeptInMemory),
     }
 }
 
-fn load_clouds(dir: &Path, sink: &dyn MapSink) -> Result<LayerImage, ImageryError> {
-    let path = first_in(dir, &CLOUD_NAMES).unwrap_or_else(|| dir.join(CLOUD_NAMES[0]));
-    Ok(read_grey(&path, "clouds", (MapLayer::Clouds, sink), None)?.0)
+fn load_clouds(folder: MapFolder<'_>, sink: &dyn MapSink) -> Result<LayerImage, ImageryError> {
+    let name = folder.first(&CLOUD_NAMES).unwrap_or(CLOUD_NAMES[0]);
+    load_grey(folder, (name, "clouds"), (MapLayer::Clouds, sink))
 }
 
-fn load_night_lights(dir: &Path, sink: &dyn MapSink) -> Result<LayerImage, ImageryError> {
-    let path = dir.join("night_lights.png");
-    Ok(read_grey(&path, "night lights", (MapLayer::NightLights, sink), None)?.0)
+fn load_night_lights(
+    folder: MapFolder<'_>,
+    sink: &dyn MapSink,
+) -> Result<LayerImage, ImageryError> {
+    let file = ("night_lights.png", "night lights");
+    load_grey(folder, file, (MapLayer::NightLights, sink))
+}
+
+fn load_grey(
+    folder: MapFolder<'_>,
+    (name, layer): (&str, &'static str),
+    to: (MapLayer, &dyn MapSink),
+) -> Result<LayerImage, ImageryError> {
+    let contents = folder.read(name, layer)?;
+    Ok(grey_map((&folder.path(name), &contents, layer), to, None)?.0)
 }
 
 /// Loads a map of cover or intensity (8-bit grey) of a whole round; `layer` is what messages call it. Of a map with alpha it is what
@@ -388,19 +405,19 @@ fn load_night_lights(dir: &Path, sink: &dyn MapSink) -> Result<LayerImage, Image
 /// # Errors
 /// A map that fails, with its path, the cause and what to do.
 pub fn load_grey_map(path: &Path, layer: &'static str) -> Result<LayerImage, ImageryError> {
-    Ok(read_grey(path, layer, (MapLayer::Clouds, &KeptInMemory), None)?.0)
+    let contents = read_file(path, layer)?;
+    let file = (path, contents.as_slice(), layer);
+    Ok(grey_map(file, (MapLayer::Clouds, &KeptInMemory), None)?.0)
 }
 
-/// The same for a sink. Answers beside the map its levels of at least a width that are kept in memory ([`MapBuilder::finish`]).
-fn read_grey(
-    path: &Path,
-    name: &'static str,
+/// The same of a file's contents, for a sink. Answers beside the map its levels of at least a width that are kept in memory ([`MapBuilder::finish`]).
+fn grey_map(
+    (path, contents, name): (&Path, &[u8], &'static str),
     (layer, sink): (MapLayer, &dyn MapSink),
     kept_width: Option<usize>,
 ) -> Result<(LayerImage, LayerImage), ImageryError> {
-    let contents = read_file(path, name)?;
     let needed = "8-bit grey, or 8-bit grey or colour with alpha";
-    let file = MapFile::open(path, &contents, name, needed, |texels| {
+    let file = MapFile::open(path, contents, name, needed, |texels| {
         texels.bits == 8 && texels.channels != 3
     })?;
     let channels = file.texel_kind().channels;
@@ -461,17 +478,16 @@ struct Terrain {
 }
 
 fn load_terrain(
-    dir: &Path,
+    folder: MapFolder<'_>,
     selection: LayerSelection,
     sink: &dyn MapSink,
 ) -> Result<Terrain, ImageryError> {
-    let elevation = dir.join("elevation.png");
     // Normals that are asked for must be there; the sea does without its floor.
-    let is_needed = selection.normals || selection.water && elevation.exists();
+    let is_needed = selection.normals || selection.water && folder.has(ELEVATION_NAME);
     let mut damaged = Vec::new();
     // In the order in which errors are reported; but the largest map is read first.
-    let water = selection.water.then(|| load_water(dir, sink));
-    let elevation = is_needed.then(|| Elevation::read(&elevation));
+    let water = selection.water.then(|| load_water(folder, sink));
+    let elevation = is_needed.then(|| Elevation::read(folder));
     let elevation = whole(elevation, MapLayer::Normals, &mut damaged)?;
     let water = whole(water, MapLayer::Water, &mut damaged)?.flatten();
     let shares = water.as_ref().map(|water| &water.shares);
@@ -497,23 +513,27 @@ struct Water {
     shares: LayerImage,
 }
 
-fn load_water(dir: &Path, sink: &dyn MapSink) -> Result<Option<Water>, ImageryError> {
+fn load_water(folder: MapFolder<'_>, sink: &dyn MapSink) -> Result<Option<Water>, ImageryError> {
     // Other maps are made with levels at least as wide as they are themselves.
-    let others = day_file(dir).into_iter().chain([dir.join("elevation.png")]);
-    let widths = others.filter_map(|path| MapFile::width(&path));
+    let day = folder.first(&DAY_NAMES).into_iter();
+    let widths = day.chain([ELEVATION_NAME]);
+    let widths = widths.filter_map(|name| folder.width(name));
     let widest = widths.max().unwrap_or(0) as usize;
-    let path = dir.join("water.png");
-    match read_grey(&path, "water", (MapLayer::Water, sink), Some(widest)) {
-        Ok((map, shares)) => Ok(Some(Water { map, shares })),
-        Err(ImageryError::Missing { path, .. }) => {
+    let (name, layer) = ("water.png", "water");
+    let path = folder.path(name);
+    let contents = match folder.read(name, layer) {
+        Err(ImageryError::Missing { .. }) => {
             tracing::info!(
                 "{} is missing: the sea has the day map's colours",
                 path.display()
             );
-            Ok(None)
+            return Ok(None);
         }
-        Err(error) => Err(error),
-    }
+        contents => contents?,
+    };
+    let file = (path.as_path(), &*contents, layer);
+    let (map, shares) = grey_map(file, (MapLayer::Water, sink), Some(widest))?;
+    Ok(Some(Water { map, shares }))
 }
 
 /// Heights of the whole Earth, metres + [`ELEVATION_OFFSET_M`].
@@ -525,10 +545,11 @@ struct Elevation {
 }
 
 impl Elevation {
-    fn read(path: &Path) -> Result<Self, ImageryError> {
-        let contents = read_file(path, "elevation")?;
+    fn read(folder: MapFolder<'_>) -> Result<Self, ImageryError> {
+        let path = folder.path(ELEVATION_NAME);
+        let contents = folder.read(ELEVATION_NAME, "elevation")?;
         let needed = "16-bit grey (metres + 11000)";
-        let file = MapFile::open(path, &contents, "elevation", needed, |texels| {
+        let file = MapFile::open(&path, &contents, "elevation", needed, |texels| {
             texels == TexelKind::grey(16)
         })?;
         let (width, height) = file.size();
@@ -538,7 +559,7 @@ impl Elevation {
             values.extend(pairs.iter().map(|pair| u16::from_be_bytes(*pair)));
         })?;
         Ok(Self {
-            path: path.into(),
+            path,
             width,
             height,
             values,

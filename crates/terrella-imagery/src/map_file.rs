@@ -3,7 +3,7 @@
 use super::colour::Said;
 use super::decode::{FileKind, Picture, TexelKind, png_size};
 use super::error::ImageryError;
-use super::texel::{MAX_HEIGHT, MIN_HEIGHT};
+use super::texel::{MAX_HEIGHT, MIN_HEIGHT, TexelFormat};
 use std::path::Path;
 use terrella_files as files;
 
@@ -43,8 +43,12 @@ pub(super) fn read_file(path: &Path, layer: &'static str) -> Result<Vec<u8>, Ima
 impl<'a> MapFile<'a> {
     /// Width in the header of a file, texels; `None` of one that has none. Reading the map reports what is wrong with it.
     pub fn width(path: &Path) -> Option<u32> {
-        let contents = files::read(path, MAX_FILE_BYTES).ok()??;
-        let picture = Picture::open(FileKind::of(&contents)?, &contents).ok()?;
+        Self::width_of(&files::read(path, MAX_FILE_BYTES).ok()??)
+    }
+
+    /// The same of a file's contents.
+    pub fn width_of(contents: &[u8]) -> Option<u32> {
+        let picture = Picture::open(FileKind::of(contents)?, contents).ok()?;
         Some(picture.size().0)
     }
 
@@ -75,6 +79,7 @@ impl<'a> MapFile<'a> {
         let picture = Picture::open(kind, contents).map_err(&damaged)?;
         let (width, height) = picture.size();
         check_map_size(path, width, height)?;
+        check_addressable(path, (width, height), isize::MAX as u64)?;
         let texel_kind = picture.texel_kind();
         if !takes(texel_kind) {
             return Err(ImageryError::TexelKind {
@@ -128,6 +133,26 @@ fn damaged(path: &Path) -> impl Fn(String) -> ImageryError {
     }
 }
 
+/// Whether a map with its mip levels can be in one piece of memory, of at most so many bytes: what 32-bit platforms have no room for is
+/// rejected before it is allocated.
+fn check_addressable(
+    path: &Path,
+    (width, height): (u32, u32),
+    limit: u64,
+) -> Result<(), ImageryError> {
+    let texels = u64::from(width) * u64::from(height);
+    let bytes = texels * TexelFormat::Rgba8Srgb.texel_bytes() as u64;
+    // Mip levels add a third.
+    if bytes + bytes / 3 <= limit {
+        return Ok(());
+    }
+    Err(ImageryError::AddressSpace {
+        path: path.into(),
+        width,
+        height,
+    })
+}
+
 /// A map is twice as wide as high, and within the limits.
 fn check_map_size(path: &Path, width: u32, height: u32) -> Result<(), ImageryError> {
     if (MIN_HEIGHT..=MAX_HEIGHT).contains(&height) && u64::from(width) == 2 * u64::from(height) {
@@ -138,4 +163,23 @@ fn check_map_size(path: &Path, width: u32, height: u32) -> Result<(), ImageryErr
         width,
         height,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn maps_beyond_the_address_space_are_rejected() {
+        let fits = |width: u32, limit: u64| {
+            check_addressable(Path::new("day.jpg"), (width, width / 2), limit).is_ok()
+        };
+        let (web, native) = (i32::MAX as u64, i64::MAX as u64);
+        assert!(fits(2 * MAX_HEIGHT, native));
+        assert!(!fits(2 * MAX_HEIGHT, web));
+        assert!(fits(16_384, web));
+        let error = check_addressable(Path::new("day.jpg"), (32_768, 16_384), web);
+        let text = error.expect_err("2.7 GiB").to_string();
+        assert!(text.contains("day.jpg") && text.contains("32768"), "{text}");
+    }
 }

@@ -4,9 +4,10 @@ use super::layer::LayerImage;
 use super::mips::LevelRows;
 use super::texel::TexelFormat;
 use super::tile::MapLayer;
+use terrella_files::parallel::ThreadSync;
 
 /// Holds maps outside this process's memory. Maps are read by several threads at once.
-pub trait MapSink: Sync {
+pub trait MapSink: ThreadSync {
     /// Begins a map of this size, texels. `None` keeps it in memory.
     fn begin(
         &self,

@@ -41,7 +41,8 @@ pub use pools::plan_pools;
 use super::tile::{MapLayer, TileKey, TileSource};
 use loader::Loader;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
+use terrella_files::clock::Instant;
 use terrella_ground::globe::Part;
 
 /// What a [`TileStream`] may use. Fixed when it is made.

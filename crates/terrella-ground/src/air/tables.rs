@@ -40,6 +40,7 @@ use source_table::{COEFFICIENTS, HEIGHTS, SUNS, SourceFunction};
 use sources::Sources;
 use std::f64::consts::PI;
 use std::sync::{Arc, LazyLock, Mutex, OnceLock, PoisonError};
+use terrella_files::parallel;
 use terrella_frames::SUN_RADIUS_RAD;
 use transmittance::{SunRow, TransmittanceTable, horizon_cosine, to_top};
 
@@ -279,7 +280,7 @@ impl Builder {
             sun: false,
             sources: Some(&self.sources.bounce),
         };
-        let columns = parallel(rays as usize, |x| {
+        let columns = parallel::map(rays as usize, |x| {
             let ray = outside_ray(x as u32);
             let path = |light| Path::new(&self.air, &self.transmittance, ray, STEPS, light);
             let (path, of_ground) = (path(all_light), path(of_ground));
@@ -348,7 +349,7 @@ impl Builder {
             sources: Some(&self.sources.black),
         };
         let looks = quadrature::gauss_legendre_10().map(|(x, w)| (0.5 + 0.5 * x, 0.5 * w));
-        let rows = parallel(looks.len(), |n| {
+        let rows = parallel::map(looks.len(), |n| {
             let (mu, weight) = looks[n];
             let ray = Ray {
                 r: 1.0,
@@ -544,39 +545,13 @@ impl Lerp for Vec4 {
 /// Fills a table by coordinates 0…1, texel centres on both ends; rows are shared out over the cores.
 fn fill<T: Send>(size: TableSize, f: impl Fn(f64, f64, f64) -> T + Sync) -> Vec<T> {
     let coordinate = |i: u32, n: u32| f64::from(i) / f64::from(n.max(2) - 1);
-    let rows = parallel((size.y * size.z) as usize, |row| {
+    let rows = parallel::map((size.y * size.z) as usize, |row| {
         let (y, z) = (row as u32 % size.y, row as u32 / size.y);
         let (y, z) = (coordinate(y, size.y), coordinate(z, size.z));
         let texels = (0..size.x).map(|x| f(coordinate(x, size.x), y, z));
         texels.collect::<Vec<_>>()
     });
     rows.into_iter().flatten().collect()
-}
-
-/// What `f` makes of 0…`count`, in order, made by all cores: each takes what is next.
-fn parallel<T: Send>(count: usize, f: impl Fn(usize) -> T + Sync) -> Vec<T> {
-    let threads = std::thread::available_parallelism().map_or(1, |n| n.get());
-    let next = std::sync::atomic::AtomicUsize::new(0);
-    let mut made: Vec<(usize, T)> = std::thread::scope(|scope| {
-        let work = || {
-            let mut made = Vec::new();
-            loop {
-                let n = next.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
-                if n >= count {
-                    return made;
-                }
-                made.push((n, f(n)));
-            }
-        };
-        let threads: Vec<_> = (0..threads.min(count)).map(|_| scope.spawn(work)).collect();
-        let parts = threads.into_iter().map(|thread| match thread.join() {
-            Ok(part) => part,
-            Err(panic) => std::panic::resume_unwind(panic),
-        });
-        parts.flatten().collect()
-    });
-    made.sort_by_key(|(n, _)| *n);
-    made.into_iter().map(|(_, value)| value).collect()
 }
 
 #[cfg(test)]

@@ -12,7 +12,8 @@ use crate::tile::{
     LayerLayout, LevelLayout, MAP_LAYERS, Tile, TileError, TileFormat, TileKey, TileSet, TileShape,
 };
 use places::TilePlaces;
-use std::time::{Duration, Instant};
+use std::time::Duration;
+use terrella_files::clock::Instant;
 use terrella_ground::globe::BLOCK_COUNT;
 
 /// Why a load gave no tile.

@@ -9,7 +9,8 @@ use crate::tile::{LayerLayout, Tile, TileFormat, TileKey, TileShape, TileSource}
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::{Duration, Instant};
+use std::time::Duration;
+use terrella_files::clock::Instant;
 use terrella_files::loaders::{LoadQueue, Loaders};
 
 pub(super) struct Loader {

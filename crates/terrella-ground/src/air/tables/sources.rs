@@ -15,6 +15,7 @@ use super::{height_radius, sun_cosine};
 use crate::air::model::{AEROSOL_ASYMMETRY, AirModel, RAYLEIGH_PHASE};
 use crate::air::spectrum::Spectrum;
 use std::f64::consts::PI;
+use terrella_files::parallel;
 
 /// Azimuths of rays, on one side of the Sun's vertical plane.
 const AZIMUTHS: usize = 4;
@@ -106,7 +107,7 @@ struct Order<'a> {
 
 impl Order<'_> {
     fn moments(&self) -> Vec<Moments> {
-        let rows = super::parallel(HEIGHTS, |height| self.row(height));
+        let rows = parallel::map(HEIGHTS, |height| self.row(height));
         rows.into_iter().flatten().collect()
     }
 

@@ -2,7 +2,7 @@
 
 use super::{Allocation, Level, PendingUpload, TileCache, TileRequest, TileStage};
 use crate::tile::{MAX_LEVELS, TileKey};
-use std::time::Instant;
+use terrella_files::clock::Instant;
 use terrella_ground::globe::BLOCK_COUNT;
 
 impl TileCache {

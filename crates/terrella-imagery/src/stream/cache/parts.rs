@@ -7,7 +7,7 @@ use super::{TileCache, TileStage};
 use crate::residency::{PartCell, PartTable, PartTables, ResidentTile};
 use crate::stream::TileRequest;
 use crate::tile::{MapLayer, TileKey};
-use std::time::Instant;
+use terrella_files::clock::Instant;
 use terrella_ground::globe::Part;
 
 impl TileCache {
