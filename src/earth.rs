@@ -2,7 +2,8 @@
 //!
 //! | file | what |
 //! |---|---|
-//! | `earth.rs` | the three verbs |
+//! | `earth.rs` | preparing and drawing it |
+//! | `creation.rs` | how it is made, in a call or awaited |
 //! | `options.rs` | what is fixed when an Earth is made |
 //! | `error.rs` | what can be wrong with it |
 //! | `plan.rs` | what a frame draws, chosen without a GPU |
@@ -33,6 +34,7 @@ mod adaptive_quality;
 mod appearance;
 mod change_maker;
 mod changes;
+mod creation;
 mod diagnostics;
 mod earth_view;
 mod error;
@@ -60,8 +62,7 @@ mod truth;
 mod view;
 
 use crate::gpu::{
-    AirDrawable, AirTextures, PassFormat, SurfaceConfig, SurfaceDrawable, SurfaceView,
-    device_limits, resolved,
+    AirDrawable, AirTextures, ErrorScope, PassFormat, SurfaceConfig, SurfaceDrawable,
 };
 pub use crate::gpu::{DepthBuffer, SurfaceOutput};
 pub use crate::plan::{AIRGLOW_LUMINANCE, CITY_RADIANCE};
@@ -71,7 +72,6 @@ pub use appearance::Appearance;
 pub use change_maker::{ChangeMaker, ReadyChange};
 pub use diagnostics::{DiagnosticOptions, Diagnostics};
 pub use earth_view::EarthView;
-use earth_view::Version;
 pub use error::EarthError;
 pub use frame_request::{FrameRequest, ViewFrame};
 pub use ground::GroundOptions;
@@ -85,13 +85,11 @@ pub use sky::Sky;
 #[cfg(feature = "celestial")]
 pub(crate) use sky::{moonlight, moonlight_of_phase};
 pub use stats::FrameStats;
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 use surface_config::{SurfaceStyle, surface_config};
-use terrella_ground::air::{AirAboveClouds, AirModel, AirTables, Atmosphere};
+use terrella_files::clock::Instant;
 pub use terrella_ground::globe::Shading;
 use terrella_ground::globe::{BlockSet, Figure};
-use terrella_imagery::NeighbourhoodAlbedo;
 use terrella_imagery::tile::TileKey;
 use tiles::TileDriver;
 pub use tiles::TileOptions;
@@ -107,9 +105,6 @@ const WAITING_UPLOAD_BYTES: u64 = 64_000_000;
 
 /// How long a picture waits for heights before it looks at what else there is to do: surfaces become finer meanwhile.
 const HEIGHTS_WAIT: Duration = Duration::from_millis(2);
-
-/// Tells Earths apart.
-static EARTHS: AtomicU64 = AtomicU64::new(0);
 
 /// The Earth.
 ///
@@ -136,91 +131,6 @@ pub struct Earth {
 }
 
 impl Earth {
-    /// Makes pipelines and uploads the maps that [`EarthOptions::upload`] has not uploaded. Of large maps it submits parts to `queue`, and
-    /// waits for them, so that few copies are in memory at once.
-    pub fn new(
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        options: &EarthOptions,
-    ) -> Result<Self, EarthError> {
-        options.check(device)?;
-        let appearance = options.appearance();
-        let mut quality = Quality::of(options);
-        if options.diagnostics.output != SurfaceOutput::Color {
-            quality.atmosphere = Atmosphere::None;
-        }
-        let tiles = options.tiles.as_ref();
-        let tiles =
-            tiles.map(|t| TileDriver::new(t, &options.layers, options.visibility, options.figure));
-        let tiles = tiles.transpose()?;
-        let planner = Planner::new(options, &quality, &device_limits(&device.limits()))?;
-        if options.diagnostics.wireframe && !planner.has_edges() {
-            return Err(EarthError::NoEdges);
-        }
-        let format = options.pass_format();
-        let memory = device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
-        let scope = device.push_error_scope(wgpu::ErrorFilter::Validation);
-        let mut air = match quality.atmosphere {
-            Atmosphere::Billboard => {
-                let albedo = planner.exposure.albedo();
-                let textures = air_textures(device, queue, &appearance, albedo, &quality);
-                Some(AirDrawable::new(device, format, textures, &options.light))
-            }
-            Atmosphere::None => None,
-        };
-        let style = SurfaceStyle {
-            shading: options.shading,
-            light: options.light,
-            diagnostics: options.diagnostics,
-            interpolates_air: options.interpolates_air(),
-            pipelines: options.pipelines,
-        };
-        let ground = planner.ground();
-        let textures = air.as_ref().map(AirDrawable::textures);
-        let config = surface_config(device, style, format, &quality, textures, ground);
-        let pools = tiles.as_ref().map(TileDriver::pools);
-        let mut view = SurfaceView::new(device, planner.meshes().grids(), &config);
-        let maps = (&options.layers, &options.uploaded);
-        let mut surface = SurfaceDrawable::new(device, queue, maps, pools, &config, &mut view);
-        if options.pipelines == Pipelines::AtOnce {
-            surface.make_all(device, &config, &view)?;
-            if let Some(air) = &mut air {
-                air.make_all(device)?;
-            }
-        }
-        let rejected = resolved(scope.pop());
-        let full = resolved(memory.pop());
-        if let Some(error) = full {
-            return Err(EarthError::NoRoom {
-                mib: surface.texture_bytes() >> 20,
-                cause: error.to_string(),
-            });
-        }
-        if let Some(error) = rejected {
-            return Err(EarthError::Rejected(error.to_string()));
-        }
-        let version = Version {
-            earth: EARTHS.fetch_add(1, Ordering::Relaxed),
-            grounds: 0,
-            pipelines: 0,
-        };
-        let first = EarthView::new(planner, view, air, version);
-        Ok(Self {
-            first,
-            surface,
-            tiles,
-            chosen: ChosenTiles::default(),
-            figure: options.figure,
-            appearance,
-            device: device.clone(),
-            style,
-            format,
-            quality,
-            uploaded_tiles: 0,
-            error: None,
-        })
-    }
-
     /// Whether all pipelines could be made that frames needed so far.
     ///
     /// # Errors
@@ -371,11 +281,11 @@ impl Earth {
                 let (style, format, ground) = (self.style, self.format, view.planner.ground());
                 let config =
                     surface_config(&self.device, style, format, &self.quality, air, ground);
-                let scope = self.device.push_error_scope(wgpu::ErrorFilter::Validation);
+                let scope = ErrorScope::open(&self.device, wgpu::ErrorFilter::Validation);
                 let ready =
                     surface.make_ready(&self.device, &config, &mut view.surface, &view.plan);
                 let ready = ready.and_then(|()| view.make_air_ready(&self.device));
-                let rejected = resolved(scope.pop());
+                let rejected = scope.error();
                 let rejected = rejected.map(|error| EarthError::Rejected(error.to_string()));
                 if let Some(error) = ready.err().map(EarthError::from).or(rejected) {
                     tracing::warn!("a part of the Earth is not drawn: {error}");
@@ -548,26 +458,4 @@ fn render_halo(view: &EarthView, pass: &mut wgpu::RenderPass<'_>) {
     if let Some(air) = &view.air {
         air.render(pass, &view.plan);
     }
-}
-
-/// The air on the GPU over the ground of a quality.
-fn air_textures(
-    device: &wgpu::Device,
-    queue: &wgpu::Queue,
-    appearance: &Appearance,
-    albedo: &NeighbourhoodAlbedo,
-    quality: &Quality,
-) -> AirTextures {
-    let (model, tables) = (
-        AirModel::new(&appearance.air),
-        AirTables::shared(&appearance.air),
-    );
-    let height_m = appearance.light.cloud_height_m;
-    let above = albedo
-        .has_clouds()
-        .then(|| AirAboveClouds::shared(&appearance.air, height_m));
-    let clouds = above.as_deref().map(|above| (above, height_m));
-    let albedo = albedo.texels(&quality.maps);
-    let moonlight = appearance.light.moonlight;
-    AirTextures::new(device, queue, model, &tables, &albedo, clouds, moonlight)
 }

@@ -27,6 +27,7 @@ mod read_back;
 #[cfg_attr(not(feature = "terrain"), path = "gpu/no_relief.rs")]
 mod relief;
 mod scaled;
+mod scopes;
 mod shader;
 mod surface;
 mod surface_config;
@@ -47,9 +48,11 @@ pub(crate) use context::device_limits;
 pub use context::{AdapterReport, BcSupport, ContextError, GpuContext, adapter_reports};
 pub use develop::{Developer, UndevelopedPicture};
 pub use faults::GpuFault;
-pub(crate) use faults::resolved;
 pub use map::{GpuMap, MapError, MapFade};
 pub use scaled::ScaledTarget;
+#[cfg(not(target_family = "wasm"))]
+pub(crate) use scopes::resolved;
+pub(crate) use scopes::{CreationErrors, CreationScopes, ErrorScope};
 pub use shader::{
     AirVariant, AirViewVariant, BloomVariant, CelestialKind, CelestialVariant, DevelopVariant,
     EarthOutput, EarthVariant, GlowVariant, MapFadeVariant, PaperLayers, PatchTiles, SHADER_FILES,

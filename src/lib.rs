@@ -1,7 +1,7 @@
 //! Terrella: a realistic Earth that any program can draw.
 //!
 //! The library is a wgpu component. The host owns device, queue, pass and depth buffer, and calls three verbs:
-//! [`Earth::new`], [`Earth::prepare`] and [`Earth::render`]; `examples/minimal.rs` is a whole host.
+//! [`Earth::new`] (in a web page [`Earth::create`]), [`Earth::prepare`] and [`Earth::render`]; `examples/minimal.rs` is a whole host.
 //!
 //! ```text
 //!  EyeView, Sky ──► Earth::prepare ─────────────────────────────► FrameStats
@@ -54,6 +54,8 @@
 //! |---|---|---|
 //! | `files` | opening files from outside, files that are not finished, text from outside in messages | anything below |
 //! | `durable` | files that outlast a power failure: synced, then renamed | anything below |
+//! | `clock` | the monotonic clock of every platform | anything below |
+//! | `parallel` | work shared out over the cores, or done in turn where there are no threads | anything below |
 //! | `loaders` | threads that load tiles beside the frame | anything below |
 //! | [`frames`] | ellipsoid, time scales, Earth rotation, Sun; f64 | anything below |
 //! | `orbit` | readers and propagators: a state at an epoch | GPU |
@@ -87,10 +89,15 @@
 //! A host pays for what it draws. By default this crate is the Earth and its air from the starter maps (`maps`), held whole, on all backends of
 //! wgpu. `packs`, `terrain`, `tracks`, `celestial` and `offscreen` add what their names say, and `serde` reads and writes [`SurfaceLight`]. Without `terrain` there is no value of [`GroundOptions`],
 //! without `packs` none of [`TileOptions`], and the compiler drops all that would use one. With `default-features = false` the host chooses wgpu's backends, by
-//! the features `vulkan`, `gles`, `metal` and `dx12` or by its own dependency on wgpu, which is also [`wgpu`] here.
+//! the features `vulkan`, `gles`, `metal` and `dx12`, in a web page `webgpu` and `webgl`, or by its own dependency on wgpu, which is also [`wgpu`] here.
 
 // docs.rs says of each item which feature it needs.
 #![cfg_attr(docsrs, feature(doc_cfg))]
+
+#[cfg(all(feature = "offscreen", target_family = "wasm"))]
+compile_error!(
+    "the feature `offscreen` waits for the device, which a web page cannot: leave it out there"
+);
 
 #[cfg(feature = "celestial")]
 pub mod celestial;
@@ -162,7 +169,7 @@ pub use terrella_ground::light::{Adaptation, Bloom, Exposure, Tone, exposure_fac
 #[cfg(all(feature = "packs", feature = "terrain"))]
 pub use terrella_imagery::pack::PackHeights;
 pub use terrella_imagery::{
-    EarthLayers, ImageryError, LayerImage, LayerSelection, find_textures, load_layers,
+    EarthLayers, ImageryError, LayerImage, LayerSelection, MapFolder, find_textures, load_layers,
     load_layers_to,
     tile::{LayerLayout, MapLayer, Tile, TileError, TileFormat, TileKey, TileShape, TileSource},
 };

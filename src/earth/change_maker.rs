@@ -1,17 +1,17 @@
 //! What another quality or another appearance needs, made by any thread while the Earth is drawn.
 
+use super::creation::air_textures;
 use super::earth_view::Version;
 use super::ground::GroundDriver;
 use super::surface_config::{SurfaceStyle, surface_config};
-use super::{
-    Appearance, Earth, EarthError, EyeView, Pipelines, Quality, Viewport, air_textures, resolved,
-};
+use super::{Appearance, Earth, EarthError, EyeView, Pipelines, Quality, Viewport};
 use crate::gpu::{
-    AirDrawable, AirTextures, PassFormat, SurfaceConfig, SurfaceMaker, SurfaceOutput,
+    AirDrawable, AirTextures, ErrorScope, PassFormat, SurfaceConfig, SurfaceMaker, SurfaceOutput,
     SurfacePipelines, SurfaceView, device_limits,
 };
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
+use terrella_files::clock::Instant;
 use terrella_ground::air::Atmosphere;
 use terrella_ground::globe::{BLOCK_COUNT, Figure, Meshes};
 use terrella_imagery::NeighbourhoodAlbedo;
@@ -154,7 +154,7 @@ impl ChangeMaker {
             ..self.format
         };
         let device = &self.device;
-        let scope = device.push_error_scope(wgpu::ErrorFilter::Validation);
+        let scope = ErrorScope::open(device, wgpu::ErrorFilter::Validation);
         let air = self.make_air(&quality, appearance, format)?;
         let textures = match &air {
             ReadyAir::None => None,
@@ -180,7 +180,7 @@ impl ChangeMaker {
             let made = Box::new(MadeGround { driver, view });
             (ReadyGround::Made(made), pipelines)
         };
-        if let Some(error) = resolved(scope.pop()) {
+        if let Some(error) = scope.error() {
             return Err(EarthError::Rejected(error.to_string()));
         }
         Ok(ReadyChange {

@@ -1,7 +1,7 @@
 //! What is changed while an Earth is drawn.
 
-use super::{Earth, EarthError, resolved};
-use crate::gpu::{GpuMap, MapError};
+use super::{Earth, EarthError};
+use crate::gpu::{ErrorScope, GpuMap, MapError};
 use std::sync::Arc;
 use terrella_ground::light::Exposure;
 use terrella_imagery::tile::MapLayer;
@@ -26,9 +26,9 @@ impl Earth {
     /// A map that the Earth was made without or draws with tiles, and one of another device; the Earth is then as it was.
     pub fn set_map(&mut self, queue: &wgpu::Queue, map: &GpuMap) -> Result<(), EarthError> {
         let device = self.device.clone();
-        let scope = device.push_error_scope(wgpu::ErrorFilter::Validation);
+        let scope = ErrorScope::open(&device, wgpu::ErrorFilter::Validation);
         let before = self.surface.set_map(&device, map)?;
-        if let Some(error) = resolved(scope.pop()) {
+        if let Some(error) = scope.error() {
             self.surface.set_map(&device, &before)?;
             return Err(MapError::Rejected(error.to_string()).into());
         }

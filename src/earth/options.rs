@@ -4,8 +4,8 @@ use super::{
     Appearance, DiagnosticOptions, EarthError, GroundOptions, Quality, SurfaceLight, TileOptions,
 };
 use crate::gpu::{
-    DepthBuffer, Development, GpuMap, MapError, PassFormat, SurfaceOutput, TargetColor,
-    UploadedMaps, resolved, stores_light,
+    DepthBuffer, Development, ErrorScope, GpuMap, MapError, PassFormat, SurfaceOutput, TargetColor,
+    UploadedMaps, stores_light,
 };
 use std::sync::Arc;
 use terrella_ground::air::{AirOptions, Atmosphere};
@@ -146,9 +146,9 @@ impl EarthOptions {
             let Some(image) = image.filter(|image| image.has_texels()) else {
                 continue;
             };
-            let memory = device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+            let memory = ErrorScope::open(device, wgpu::ErrorFilter::OutOfMemory);
             let map = GpuMap::upload(device, queue, layer, image, self.shading);
-            let full = resolved(memory.pop());
+            let full = memory.error();
             let map = map?;
             if let Some(error) = full {
                 return Err(MapError::Rejected(error.to_string()));

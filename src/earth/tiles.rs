@@ -11,7 +11,8 @@ use crate::plan::{BlockTiles, ChosenTiles};
 use glam::DVec3;
 use std::fmt;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
+use terrella_files::clock::Instant;
 use terrella_ground::globe::{
     BLOCK_COUNT, Block, BlockGrid, BlockSet, Figure, LevelRule, PartSight, Visibility,
     select_blocks, texels_per_pixel,

@@ -2,7 +2,7 @@
 
 use super::shader::{CelestialKind, CelestialVariant, ShaderModule, ShaderVariant};
 use super::{
-    AirTextures, Binding, GpuLayer, PassFormat, PipelineDescription, ShaderError, resolved,
+    AirTextures, Binding, ErrorScope, GpuLayer, PassFormat, PipelineDescription, ShaderError,
 };
 use crate::plan::{AirSide, FrameUniforms};
 use bytemuck::{Pod, Zeroable};
@@ -264,12 +264,12 @@ impl CelestialDrawable {
             if !layer.is_drawn || layer.pipelines[self.side].is_some() {
                 continue;
             }
-            let scope = self.device.push_error_scope(wgpu::ErrorFilter::Validation);
+            let scope = ErrorScope::open(&self.device, wgpu::ErrorFilter::Validation);
             let made = match layer.is_rejected {
                 true => Ok(()),
                 false => self.make(place, self.side),
             };
-            let rejected = resolved(scope.pop()).map(|error| error.to_string());
+            let rejected = scope.error().map(|error| error.to_string());
             let rejected = made.err().map(|error| error.to_string()).or(rejected);
             let (side, layer) = (self.side, &mut self.layers[place]);
             if let Some(error) = rejected {

@@ -79,16 +79,6 @@ impl GpuFaults {
     }
 }
 
-/// The value of a future that is ready at once, as wgpu's error scopes are everywhere but on the web.
-pub(crate) fn resolved<T>(future: impl Future<Output = Option<T>>) -> Option<T> {
-    let mut future = std::pin::pin!(future);
-    let mut context = std::task::Context::from_waker(std::task::Waker::noop());
-    match future.as_mut().poll(&mut context) {
-        std::task::Poll::Ready(value) => value,
-        std::task::Poll::Pending => None,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

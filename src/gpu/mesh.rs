@@ -33,8 +33,8 @@ impl MeshForm {
     }
 }
 
-/// One form of the surface's mesh.
-pub(super) trait SurfaceMesh {
+/// One form of the surface's mesh. As GPU objects are, it is `Send` and `Sync` everywhere but on the web.
+pub(super) trait SurfaceMesh: wgpu::WasmNotSendSync {
     /// The vertex stage that it is drawn with, where blocks have tiles or have none.
     fn vertex_form(&self, has_tiles: bool) -> VertexForm;
 

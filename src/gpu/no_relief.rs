@@ -9,7 +9,7 @@ pub(super) fn mesh(
     _: &wgpu::Device,
     kind: &DrawKind<'_>,
     _: &SurfaceConfig<'_>,
-) -> Box<dyn SurfaceMesh + Send + Sync> {
+) -> Box<dyn SurfaceMesh> {
     match kind.0 {}
 }
 

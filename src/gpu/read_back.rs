@@ -126,6 +126,9 @@ pub(super) fn map(
     buffer: &wgpu::Buffer,
     limit: Option<(SubmissionIndex, Duration)>,
 ) -> Result<wgpu::BufferView, String> {
+    if cfg!(target_family = "wasm") {
+        return Err("a web page cannot wait for the device".into());
+    }
     let (sender, receiver) = std::sync::mpsc::channel();
     buffer.map_async(MapMode::Read, .., move |result| {
         // The receiver lives until the end of this function; if it is gone nobody waits.

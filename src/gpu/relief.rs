@@ -14,7 +14,7 @@ pub(super) fn mesh(
     device: &wgpu::Device,
     kind: &DrawKind<'_>,
     config: &SurfaceConfig<'_>,
-) -> Box<dyn SurfaceMesh + Send + Sync> {
+) -> Box<dyn SurfaceMesh> {
     match kind {
         DrawKind::Patches => Box::new(GroundMesh::new(device, config.crosses_blocks)),
         DrawKind::Grid(grid) => Box::new(GridMesh::new(device, grid)),

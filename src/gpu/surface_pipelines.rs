@@ -12,10 +12,11 @@ use super::shader::{
 use super::surface_config::SurfaceConfig;
 use super::surface_view::SurfaceView;
 use super::tiles::tiles_bytes;
-use super::{PipelineDescription, ShaderError, resolved};
+use super::{ErrorScope, PipelineDescription, ShaderError};
 use crate::plan::{
     AirSide, DrawLight, FrameUniforms, LightEffect, LightEffects, SurfaceLightUniforms,
 };
+use terrella_files::parallel;
 use terrella_ground::globe::Shading;
 use terrella_imagery::tile::{MAP_LAYERS, MapLayer};
 
@@ -127,29 +128,20 @@ impl SurfacePipelines {
                 missing.push((side, kind, variant));
             }
         }
-        let threads = std::thread::available_parallelism().map_or(1, usize::from);
-        for together in missing.chunks(threads) {
+        if parallel::HAS_THREADS {
             let maps = &self.maps;
-            let made = std::thread::scope(|scope| {
-                let make = |variant: EarthVariant| {
-                    // A thread has scopes of its own.
-                    let rejections = device.push_error_scope(wgpu::ErrorFilter::Validation);
-                    let pass = maker.pass(device, config, maps, variant).ok();
-                    let rejected = resolved(rejections.pop());
-                    pass.filter(|_| rejected.is_none())
-                };
-                let others = together.iter().skip(1);
-                let others = others.map(|(_, _, variant)| scope.spawn(move || make(*variant)));
-                let others: Vec<_> = others.collect();
-                let own = together.first().map(|(_, _, variant)| make(*variant));
-                let others = others.into_iter().map(|thread| thread.join().ok()?);
-                own.into_iter().chain(others).collect::<Vec<_>>()
+            let made = parallel::map(missing.len(), |place| {
+                // A thread has scopes of its own.
+                let rejections = ErrorScope::open(device, wgpu::ErrorFilter::Validation);
+                let pass = maker.pass(device, config, maps, missing[place].2).ok();
+                let rejected = rejections.error();
+                pass.filter(|_| rejected.is_none())
             });
-            for ((side, kind, _), pass) in together.iter().zip(made) {
+            for ((side, kind, _), pass) in missing.iter().zip(made) {
                 self.sides[*side][*kind as usize].pass = pass;
             }
         }
-        // What failed is made again here, where its errors are looked for.
+        // What failed, or could not be made in parallel, is made here, where its errors are looked for.
         let mut missing = missing.into_iter();
         missing.try_for_each(|(side, kind, _)| self.make_pass(maker, device, config, (side, kind)))
     }

@@ -11,7 +11,7 @@ use terrella_ground::globe::{BlockGrid, Surface};
 pub(crate) struct SurfaceView {
     /// [`FrameUniforms`].
     uniforms: wgpu::Buffer,
-    mesh: Box<dyn SurfaceMesh + Send + Sync>,
+    mesh: Box<dyn SurfaceMesh>,
     /// For each side of the air.
     groups: Vec<PassGroups>,
 }
@@ -37,7 +37,7 @@ impl SurfaceView {
         self.mesh.reset(device, grids);
     }
 
-    pub(super) fn mesh(&self) -> &(dyn SurfaceMesh + Send + Sync) {
+    pub(super) fn mesh(&self) -> &dyn SurfaceMesh {
         self.mesh.as_ref()
     }
 

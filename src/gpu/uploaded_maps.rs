@@ -2,7 +2,7 @@
 
 use super::map::{is_stored, label, unfit};
 use super::map_upload::MapUpload;
-use super::{GpuLayer, GpuMap, MapError, resolved};
+use super::{ErrorScope, GpuLayer, GpuMap, MapError};
 use std::sync::{Mutex, PoisonError};
 use terrella_ground::globe::Shading;
 use terrella_imagery::tile::{MAP_LAYERS, MapLayer};
@@ -99,8 +99,8 @@ impl MapSink for MapUploader {
             format,
             levels: [].into(),
         };
-        let memory = self.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
-        let validation = self.device.push_error_scope(wgpu::ErrorFilter::Validation);
+        let memory = ErrorScope::open(&self.device, wgpu::ErrorFilter::OutOfMemory);
+        let validation = ErrorScope::open(&self.device, wgpu::ErrorFilter::Validation);
         let (device, queue) = (&self.device, &self.queue);
         let is_stored = is_stored(self.shading);
         Some(Box::new(Rows {
@@ -120,8 +120,8 @@ struct Rows<'u> {
     upload: MapUpload,
     summary: MapSummaryRows,
     // In the order in which scopes must end.
-    validation: wgpu::ErrorScopeGuard,
-    memory: wgpu::ErrorScopeGuard,
+    validation: ErrorScope,
+    memory: ErrorScope,
     uploader: &'u MapUploader,
 }
 
@@ -133,8 +133,8 @@ impl MapRows for Rows<'_> {
 
     fn finish(self: Box<Self>) {
         let held = GpuLayer::of_upload(self.upload);
-        let rejected = resolved(self.validation.pop());
-        let full = resolved(self.memory.pop());
+        let rejected = self.validation.error();
+        let full = self.memory.error();
         let uploader = self.uploader;
         let mut done = uploader.done.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(error) = full.or(rejected) {

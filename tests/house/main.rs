@@ -7,6 +7,7 @@ mod licences;
 mod modules;
 mod packages;
 mod pages;
+mod platforms;
 mod repository;
 mod rules;
 mod source;
@@ -99,6 +100,18 @@ fn modules_without_a_gpu_do_not_name_it() {
 #[test]
 fn gpu_objects_are_labelled() {
     holds_in_products(rules::labels_gpu_objects);
+}
+
+#[test]
+fn what_pages_are_built_of_runs_in_them() {
+    holds_in(platforms::FOLDERS, platforms::runs_in_pages);
+    let repository = Repository::open();
+    for path in platforms::KNOWING {
+        assert!(
+            repository.exists(path),
+            "{path}, which the rule lets through, is gone"
+        );
+    }
 }
 
 #[test]

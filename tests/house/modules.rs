@@ -10,6 +10,8 @@ use std::collections::{BTreeMap, BTreeSet};
 const MODULES: &[(&str, &[&str])] = &[
     ("files", &[]),
     ("durable", &[]),
+    ("clock", &[]),
+    ("parallel", &[]),
     ("loaders", &[]),
     ("frames", &["files"]),
     ("orbit", &["files", "frames"]),
@@ -18,15 +20,15 @@ const MODULES: &[(&str, &[&str])] = &[
     ("elevation", &["files", "loaders", "frames", "height"]),
     ("globe", &["frames", "height", "elevation"]),
     ("half", &[]),
-    ("air", &["frames", "half"]),
+    ("air", &["parallel", "frames", "half"]),
     ("light", &["frames", "air"]),
     // Maps and drawables know nothing of satellites.
-    ("imagery", &["files", "loaders", "elevation", "globe"]),
+    ("imagery", &["files", "clock", "parallel", "loaders", "elevation", "globe"]),
     ("shipped", &[]),
     // What a frame draws knows nothing of what draws it.
     ("plan", &["frames", "globe", "air", "light", "imagery"]),
-    ("gpu", &["files", "frames", "globe", "half", "air", "light", "imagery", "plan"]),
-    ("earth", &["files", "frames", "height", "elevation", "globe", "air", "light", "imagery", "plan", "gpu"]),
+    ("gpu", &["files", "parallel", "frames", "globe", "half", "air", "light", "imagery", "plan"]),
+    ("earth", &["files", "clock", "frames", "height", "elevation", "globe", "air", "light", "imagery", "plan", "gpu"]),
     // Drawn into memory.
     ("offscreen", &["light", "imagery", "gpu", "earth"]),
     // Drawn behind the Earth.
@@ -57,7 +59,7 @@ struct Crate {
 
 #[rustfmt::skip]
 const CRATES: &[Crate] = &[
-    Crate { name: "terrella_files", folder: "crates/terrella-files/src/", first: Some("files"), modules: &["durable", "loaders"] },
+    Crate { name: "terrella_files", folder: "crates/terrella-files/src/", first: Some("files"), modules: &["durable", "clock", "parallel", "loaders"] },
     Crate { name: "terrella_frames", folder: "crates/terrella-frames/src/", first: Some("frames"), modules: &[] },
     Crate { name: "terrella_orbit", folder: "crates/terrella-orbit/src/", first: Some("orbit"), modules: &["basilisk"] },
     Crate { name: "terrella_ground", folder: "crates/terrella-ground/src/", first: None, modules: &["height", "elevation", "globe", "half", "air", "light"] },

@@ -1,10 +1,11 @@
 //! Errors of the device outside of error scopes: they come back from the next picture, and nothing panics.
 
-use crate::common::plain;
+use crate::common::{gpu, plain};
 use std::time::Duration;
 use terrella::frames::{Ellipsoid, Geodetic};
 use terrella::{
-    EarthOptions, EyeView, GpuContext, GpuFault, OffscreenEarth, OffscreenError, PictureError, Sky,
+    Earth, EarthError, EarthOptions, EyeView, GpuContext, GpuFault, OffscreenEarth, OffscreenError,
+    PictureError, Sky,
 };
 
 fn earth() -> OffscreenEarth {
@@ -68,6 +69,23 @@ fn what_the_device_rejects_is_the_error_of_the_next_picture() {
         .draw_truth(&view, &sky, wait)
         .map(|(_, drawing)| drawing);
     assert!(matches!(fault(truth), GpuFault::Validation(_)));
+}
+
+#[test]
+fn the_errors_of_an_awaited_earth_are_its_answer() {
+    let gpu = gpu();
+    let mut options = EarthOptions::new(plain([90, 120, 60]));
+    let create = |options: &EarthOptions| {
+        let made = Earth::create(&gpu.device, &gpu.queue, options);
+        pollster::block_on(made).map(drop)
+    };
+    create(&options).expect("an Earth");
+    // No device draws to a pass of three samples a pixel.
+    options.samples = 3;
+    let error = create(&options).expect_err("the device rejects it");
+    assert!(matches!(error, EarthError::Rejected(_)), "{error}");
+    let error = Earth::new(&gpu.device, &gpu.queue, &options).map(drop);
+    assert!(matches!(error, Err(EarthError::Rejected(_))));
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use super::constants;
 use super::files::{ShaderError, ShaderFiles};
-use crate::gpu::faults::resolved;
+use crate::gpu::scopes::{ErrorScope, resolved};
 
 /// WGSL as the driver gets it.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -99,16 +99,16 @@ impl ShaderText {
         device: &wgpu::Device,
         label: &str,
     ) -> Result<wgpu::ShaderModule, ShaderError> {
-        let scope = device.push_error_scope(wgpu::ErrorFilter::Validation);
+        let scope = ErrorScope::open(device, wgpu::ErrorFilter::Validation);
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some(label),
             source: wgpu::ShaderSource::Wgsl(self.text.as_str().into()),
         });
-        let Some(error) = resolved(scope.pop()) else {
+        let Some(error) = scope.error() else {
             return Ok(module);
         };
-        let messages = async { Some(module.get_compilation_info().await.messages) };
-        let first = resolved(messages).and_then(|messages| messages.into_iter().next());
+        let messages = resolved(module.get_compilation_info());
+        let first = messages.and_then(|info| info.messages.into_iter().next());
         let line = first.as_ref().and_then(|message| message.location);
         let line = line.map_or(0, |location| {
             (location.line_number as usize).saturating_sub(1)
