@@ -1,0 +1,201 @@
+//! The camera that the page sets and the pointer moves.
+
+use crate::orbit_camera::{Globe, OrbitCamera, Screen};
+use glam::{DVec2, DVec3};
+use terrella::EyeView;
+use terrella::frames::{Ellipsoid, Geodetic};
+
+/// Widest and narrowest vertical field of view, degrees.
+const FOV_RANGE_DEG: (f64, f64) = (0.1, 150.0);
+
+/// A view as a page writes it: degrees and metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct View {
+    /// Geodetic latitude of the eye, −90…90.
+    pub lat_deg: f64,
+    /// Longitude of the eye, east positive.
+    pub lon_deg: f64,
+    /// Height of the eye above the ellipsoid.
+    pub altitude_m: f64,
+    /// Clockwise from north.
+    pub heading_deg: f64,
+    /// Above the horizontal; −90 is straight down.
+    pub pitch_deg: f64,
+    /// Vertical field of view.
+    pub fov_deg: f64,
+}
+
+/// An eye over the globe, and the place that a drag holds.
+#[derive(Clone, Copy, Debug)]
+pub struct Eye {
+    camera: OrbitCamera,
+    fov_rad: f64,
+    grabbed_itrf_m: Option<DVec3>,
+}
+
+const GLOBE: Globe<'static> = Globe {
+    ellipsoid: Ellipsoid::WGS84,
+    ground: None,
+};
+
+impl Eye {
+    /// At a view. `None` if a number is not finite.
+    pub fn new(view: &View) -> Option<Self> {
+        let View {
+            lat_deg,
+            lon_deg,
+            altitude_m,
+            heading_deg,
+            pitch_deg,
+            fov_deg,
+        } = *view;
+        let all = [
+            lat_deg,
+            lon_deg,
+            altitude_m,
+            heading_deg,
+            pitch_deg,
+            fov_deg,
+        ];
+        if !all.iter().all(|number| number.is_finite()) {
+            return None;
+        }
+        let camera = OrbitCamera {
+            place: Geodetic::from_degrees(lat_deg.clamp(-90.0, 90.0), lon_deg, altitude_m),
+            heading_rad: heading_deg.to_radians(),
+            pitch_rad: pitch_deg.clamp(-90.0, 90.0).to_radians(),
+        };
+        Some(Self {
+            camera: camera.held_above(&GLOBE),
+            fov_rad: fov_deg.clamp(FOV_RANGE_DEG.0, FOV_RANGE_DEG.1).to_radians(),
+            grabbed_itrf_m: None,
+        })
+    }
+
+    /// Where it is now.
+    pub fn view(&self) -> View {
+        let OrbitCamera {
+            place,
+            heading_rad,
+            pitch_rad,
+        } = self.camera;
+        View {
+            lat_deg: place.lat_rad.to_degrees(),
+            lon_deg: place.lon_rad.to_degrees(),
+            altitude_m: place.height_m,
+            heading_deg: heading_rad.to_degrees().rem_euclid(360.0),
+            pitch_deg: pitch_rad.to_degrees(),
+            fov_deg: self.fov_rad.to_degrees(),
+        }
+    }
+
+    /// For the renderer, on a canvas of so many pixels.
+    pub fn eye_view(&self, size_px: (u32, u32)) -> EyeView {
+        let aspect = f64::from(size_px.0) / f64::from(size_px.1.max(1));
+        self.camera
+            .pose(&GLOBE.ellipsoid)
+            .view(self.fov_rad, aspect)
+    }
+
+    fn screen(&self, size_px: (u32, u32)) -> Screen {
+        Screen {
+            size_px: DVec2::new(size_px.0.into(), size_px.1.into()),
+            fov_rad: self.fov_rad,
+        }
+    }
+
+    /// Latitude and longitude of the ground under a pixel, degrees; `None` beside the globe.
+    pub fn place_at(&self, size_px: (u32, u32), at_px: DVec2) -> Option<[f64; 2]> {
+        let point = self.camera.pick(&GLOBE, &self.screen(size_px), at_px)?;
+        let place = GLOBE.ellipsoid.geodetic_from_itrf(point);
+        Some([place.lat_rad.to_degrees(), place.lon_rad.to_degrees()])
+    }
+
+    /// A drag begins: the place under the pixel is held.
+    pub fn grab(&mut self, size_px: (u32, u32), at_px: DVec2) {
+        self.grabbed_itrf_m = self.camera.pick(&GLOBE, &self.screen(size_px), at_px);
+    }
+
+    /// Nothing is held any more.
+    pub fn let_go(&mut self) {
+        self.grabbed_itrf_m = None;
+    }
+
+    /// The pointer has moved: the held place comes under it, or the globe spins where none is held.
+    pub fn drag(&mut self, size_px: (u32, u32), from_px: DVec2, to_px: DVec2) {
+        let screen = self.screen(size_px);
+        self.camera = match self.grabbed_itrf_m {
+            Some(place) => self.camera.drag(&GLOBE, &screen, place, to_px),
+            None => self.camera.spin(&GLOBE, &screen, to_px - from_px),
+        };
+    }
+
+    /// Multiplies the distance; the place under the pixel stays there if it can.
+    pub fn approach(&mut self, size_px: (u32, u32), at_px: DVec2, factor: f64) {
+        let screen = self.screen(size_px);
+        self.camera = self.camera.approach(&GLOBE, &screen, at_px, factor);
+    }
+
+    /// Moves around the place in the middle by pixels of a drag.
+    pub fn tilt(&mut self, size_px: (u32, u32), by_px: DVec2) {
+        let screen = self.screen(size_px);
+        self.camera = self.camera.tilt(&GLOBE, &screen, by_px);
+    }
+
+    /// North upwards.
+    pub fn north_up(&mut self, size_px: (u32, u32)) {
+        let screen = self.screen(size_px);
+        self.camera = self.camera.north_up(&GLOBE, &screen);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SIZE: (u32, u32) = (640, 360);
+
+    fn eye() -> Eye {
+        let view = View {
+            lat_deg: 20.0,
+            lon_deg: -40.0,
+            altitude_m: 12e6,
+            heading_deg: 30.0,
+            pitch_deg: -80.0,
+            fov_deg: 40.0,
+        };
+        Eye::new(&view).expect("finite numbers")
+    }
+
+    #[test]
+    fn a_dragged_place_stays_under_the_pointer() {
+        let (mut eye, from, to) = (eye(), DVec2::new(300.0, 200.0), DVec2::new(250.0, 140.0));
+        let held = eye.place_at(SIZE, from).expect("ground");
+        eye.grab(SIZE, from);
+        eye.drag(SIZE, from, to);
+        let there = eye.place_at(SIZE, to).expect("ground");
+        for (held, there) in held.into_iter().zip(there) {
+            assert!((held - there).abs() < 1e-6, "{held} {there}");
+        }
+    }
+
+    #[test]
+    fn views_come_back_and_nonsense_is_none() {
+        let view = eye().view();
+        let again = Eye::new(&view).expect("finite numbers").view();
+        assert!((view.lat_deg - again.lat_deg).abs() < 1e-12);
+        assert!((view.heading_deg - again.heading_deg).abs() < 1e-12);
+        let nonsense = View {
+            altitude_m: f64::NAN,
+            ..view
+        };
+        assert!(Eye::new(&nonsense).is_none());
+        let low = View {
+            altitude_m: -1e9,
+            lat_deg: 1e9,
+            ..view
+        };
+        let low = Eye::new(&low).expect("finite numbers").view();
+        assert!(low.altitude_m > 0.0 && low.lat_deg == 90.0);
+    }
+}

@@ -1,0 +1,23 @@
+//! The Earth in a canvas of a web page: what `terrella.js` calls.
+//!
+//! The page owns canvas, events and time; this crate draws and moves the camera. Lengths in the interface are metres, angles degrees,
+//! places on the canvas its own pixels from the upper left corner, instants milliseconds since 1970 (UTC) as `Date.now()` gives them.
+
+#[cfg(target_family = "wasm")]
+mod canvas;
+#[cfg_attr(not(target_family = "wasm"), allow(dead_code))]
+mod eye;
+#[cfg(target_family = "wasm")]
+mod globe;
+// The window's camera: one place for its mathematics.
+#[allow(dead_code)]
+#[path = "../../terrella-play/src/orbit_camera.rs"]
+mod orbit_camera;
+#[allow(dead_code)]
+#[path = "../../terrella-play/src/pose.rs"]
+mod pose;
+#[cfg_attr(not(target_family = "wasm"), allow(dead_code))]
+mod satellites;
+
+#[cfg(target_family = "wasm")]
+pub use globe::Globe;
