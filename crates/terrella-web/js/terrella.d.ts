@@ -1,0 +1,127 @@
+/** Bytes of a file, or its address. */
+export type Source = string | URL | ArrayBuffer | ArrayBufferView;
+
+/** Maps: the address of a folder with the starter maps, or sources by the names of its files. `day.jpg` must be there. */
+export type Maps = string | URL | Record<string, Source>;
+
+/** Sources of the wasm files, by backend. */
+export type Wasm = Partial<Record<"webgpu" | "webgl", Source | WebAssembly.Module>>;
+
+/** A camera over the globe: degrees, and metres above the ellipsoid. */
+export interface View {
+  /** Geodetic latitude of the eye, −90…90. */
+  lat: number;
+  /** Longitude of the eye, east positive. */
+  lon: number;
+  /** Height of the eye, metres. */
+  altitude: number;
+  /** Clockwise from north. */
+  heading: number;
+  /** Above the horizontal; −90 is straight down. */
+  pitch: number;
+  /** Vertical field of view, 0.1…150. */
+  fov: number;
+}
+
+export interface Options {
+  /** By default the folder `maps/` beside this module. */
+  maps?: Maps;
+  /** By default the files beside this module. */
+  wasm?: Wasm;
+  /** By default WebGPU where the browser has an adapter, else WebGL2. */
+  backend?: "auto" | "webgpu" | "webgl";
+  /** Samples a pixel, 1 or 4; by default 4. */
+  samples?: 1 | 4;
+  /** Whether pointer, wheel and keys move the camera; by default they do. */
+  controls?: boolean;
+  /** Ends the loading. */
+  signal?: AbortSignal;
+  /** How much is loaded, 0…1, and what is going on. */
+  progress?: (part: number, what: string) => void;
+}
+
+/** A name beside a satellite, in pixels of the canvas. */
+export interface Label {
+  index: number;
+  name: string;
+  x: number;
+  y: number;
+}
+
+/**
+ * The Earth on a canvas. Events: `frame` (detail.epoch), `viewchange`, `error` (detail is the Error), `devicelost` (detail says why;
+ * nothing is drawn any more, make another Earth on a new canvas).
+ */
+export class TerrellaEarth extends EventTarget {
+  /** Loads maps and wasm, and makes the Earth on a canvas that has no context yet. */
+  static create(canvas: HTMLCanvasElement, options?: Options): Promise<TerrellaEarth>;
+  readonly backend: "webgpu" | "webgl";
+  readonly adapter: string;
+  /** Reading gives all numbers; what is assigned may have some of them. */
+  get view(): View;
+  set view(change: Partial<View>);
+  /** The instant shown. Takes milliseconds since 1970 (UTC), RFC 3339 text and "now" too. */
+  get epoch(): Date;
+  set epoch(epoch: Date | number | string);
+  /** Simulated seconds per second; 0 stands still, and nothing is drawn while nothing moves. */
+  rate: number;
+  /** Exposure value, −20…20, or "auto", which meters each frame and is the default. */
+  exposure: number | "auto";
+  /** Names of the satellites drawn. */
+  readonly satellites: string[];
+  /** Draws the satellites of two-line elements or an OMM (KVN, XML, JSON, CSV); with a name or catalogue number that one alone; none of an empty text. */
+  setSatellites(text: string, name?: string): string[];
+  /** The instant of a satellite's newest elements. */
+  elementsEpoch(index?: number): Date | undefined;
+  readonly labels: Label[];
+  /** The ground under a pixel of the canvas, degrees; null beside the globe. */
+  pick(x: number, y: number): { lat: number; lon: number } | null;
+  /** Holds the place under a pixel for the drags that follow. */
+  grab(x: number, y: number): void;
+  drag(fromX: number, fromY: number, x: number, y: number): void;
+  spin(x: number, y: number): void;
+  /** Multiplies the distance; the place under the pixel stays there if it can. */
+  approach(x: number, y: number, factor: number): void;
+  tilt(x: number, y: number): void;
+  northUp(): void;
+  /** Follows the canvas to another size in pixels. */
+  resize(width: number, height: number): void;
+  /** Whether the canvas is in sight: out of sight nothing is drawn. */
+  set isVisible(isVisible: boolean);
+  invalidate(): void;
+  /** Draws now; answers whether the frame is whole. */
+  draw(ms?: number): boolean;
+  toBlob(type?: string): Promise<Blob>;
+  /** Gives memory and device back. */
+  free(): void;
+}
+
+/**
+ * `<terrella-earth>`. Attributes: `maps`, `backend`, `samples`, `satellites` (an address), `satellite` (a name), and as properties too
+ * `lat`, `lon`, `altitude`, `heading`, `pitch`, `fov`, `epoch`, `rate`, `exposure`. Events: `progress` (detail.part, detail.what),
+ * `ready`, `frame`, `viewchange`, `error`, `devicelost`, after which it begins again by itself.
+ */
+export class TerrellaEarthElement extends HTMLElement {
+  /** The Earth, once it is ready. */
+  readonly earth: TerrellaEarth | null;
+  /** To be set before the element is in the page. */
+  maps: Maps | undefined;
+  wasm: Wasm | undefined;
+  lat: number;
+  lon: number;
+  altitude: number;
+  heading: number;
+  pitch: number;
+  fov: number;
+  epoch: Date | number | string;
+  rate: number;
+  exposure: number | "auto";
+  /** Draws satellites now, or as soon as the Earth is ready. */
+  setSatellites(text: string, name?: string): string[] | undefined;
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "terrella-earth": TerrellaEarthElement;
+  }
+}

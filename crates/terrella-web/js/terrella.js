@@ -1,0 +1,231 @@
+// <terrella-earth>: the Earth as an element of a page. See terrella.d.ts.
+
+import { TerrellaEarth } from "./earth.js";
+
+export { TerrellaEarth };
+
+/** Attributes that the Earth follows while it is there. */
+const VIEW = ["lat", "lon", "altitude", "heading", "pitch", "fov"];
+const LIVE = [...VIEW, "epoch", "rate", "exposure"];
+/** Most names of satellites written at once: more would hide the globe. */
+const MAX_LABELS = 50;
+/** A device that is lost again so soon is not opened again, milliseconds. */
+const RETRY_AFTER_MS = 10_000;
+
+// A sheet made by script, which a strict content policy allows.
+const sheet = new CSSStyleSheet();
+sheet.replaceSync(`
+  :host { display: block; position: relative; overflow: hidden; background: #000; min-height: 10em; }
+  :host([hidden]) { display: none; }
+  canvas { display: block; width: 100%; height: 100%; position: absolute; inset: 0; touch-action: none; cursor: grab; }
+  canvas:active { cursor: grabbing; }
+  canvas:focus-visible { outline: 2px solid #5cc8ff; outline-offset: -2px; }
+  .names { position: absolute; inset: 0; pointer-events: none; font: 13px/1 system-ui, sans-serif; color: #fff; text-shadow: 0 0 3px #000, 0 0 3px #000; }
+  .names span { position: absolute; left: 0; top: 0; white-space: nowrap; }
+  .message { position: absolute; inset: 0; display: grid; place-items: center; padding: 2em; text-align: center; font: 16px/1.5 system-ui, sans-serif; color: #fff; pointer-events: none; }
+  .message:empty { display: none; }
+`);
+
+export class TerrellaEarthElement extends HTMLElement {
+  static observedAttributes = LIVE;
+
+  #root = this.attachShadow({ mode: "open" });
+  #names = document.createElement("div");
+  #message = document.createElement("div");
+  #earth = null;
+  #abort = null;
+  #observers = [];
+  #lastLoss = -Infinity;
+  #satellites = null;
+  /** What `maps` and `wasm` were set to as properties: bytes have no attribute. */
+  #sources = {};
+
+  constructor() {
+    super();
+    this.#root.adoptedStyleSheets = [sheet];
+    this.#names.className = "names";
+    this.#names.ariaHidden = "true";
+    this.#message.className = "message";
+    this.#message.role = "status";
+  }
+
+  /** The Earth, once it is ready. */
+  get earth() {
+    return this.#earth;
+  }
+
+  get maps() {
+    return this.#sources.maps ?? this.getAttribute("maps") ?? undefined;
+  }
+
+  set maps(maps) {
+    this.#sources.maps = maps;
+  }
+
+  get wasm() {
+    return this.#sources.wasm;
+  }
+
+  set wasm(wasm) {
+    this.#sources.wasm = wasm;
+  }
+
+  /** Draws satellites now, or as soon as the Earth is ready. */
+  setSatellites(text, name) {
+    const names = this.#earth?.setSatellites(text, name);
+    this.#satellites = [text, name];
+    return names;
+  }
+
+  connectedCallback() {
+    this.#start();
+  }
+
+  disconnectedCallback() {
+    this.#stop();
+  }
+
+  attributeChangedCallback(name, before, now) {
+    if (!this.#earth || before === now || now === null) return;
+    try {
+      this.#follow(name, now);
+    } catch (error) {
+      this.#fail(error);
+    }
+  }
+
+  #follow(name, value) {
+    if (VIEW.includes(name)) this.#earth.view = { [name]: value };
+    else this.#earth[name] = value;
+  }
+
+  async #start() {
+    const abort = (this.#abort = new AbortController());
+    const canvas = document.createElement("canvas");
+    canvas.tabIndex = 0;
+    canvas.role = "application";
+    canvas.ariaLabel = this.getAttribute("aria-label") ?? "Globe. Arrow keys turn it, plus and minus approach, shift and arrows tilt, N turns north up.";
+    this.#root.replaceChildren(canvas, this.#names, this.#message);
+    this.#message.role = "status";
+    const size = () => this.getBoundingClientRect();
+    canvas.width = Math.max(1, Math.round(size().width * devicePixelRatio));
+    canvas.height = Math.max(1, Math.round(size().height * devicePixelRatio));
+    try {
+      const earth = await TerrellaEarth.create(canvas, {
+        maps: this.maps,
+        wasm: this.wasm,
+        backend: this.getAttribute("backend") ?? "auto",
+        samples: Number(this.getAttribute("samples") ?? 4),
+        signal: abort.signal,
+        progress: (part, what) => {
+          if (abort.signal.aborted) return;
+          this.#message.textContent = part < 1 ? `Loading the Earth … ${Math.round(100 * part)} %` : "";
+          this.dispatchEvent(new CustomEvent("progress", { detail: { part, what } }));
+        },
+      });
+      this.#earth = earth;
+      for (const type of ["frame", "viewchange"]) {
+        earth.addEventListener(type, (event) => this.dispatchEvent(new CustomEvent(type, { detail: event.detail })));
+      }
+      earth.addEventListener("frame", () => this.#writeNames(canvas));
+      earth.addEventListener("error", (event) => this.#fail(event.detail));
+      earth.addEventListener("devicelost", (event) => this.#restart(event.detail));
+      for (const name of LIVE) {
+        if (this.hasAttribute(name)) this.#follow(name, this.getAttribute(name));
+      }
+      if (this.#satellites) earth.setSatellites(...this.#satellites);
+      const address = this.getAttribute("satellites");
+      if (!this.#satellites && address) await this.#fetchSatellites(address, abort.signal);
+      this.#observe(canvas, earth);
+      this.dispatchEvent(new CustomEvent("ready"));
+    } catch (error) {
+      if (!abort.signal.aborted) this.#fail(error);
+    }
+  }
+
+  async #fetchSatellites(address, signal) {
+    const response = await fetch(address, { signal });
+    if (!response.ok) throw new Error(`The satellites could not be loaded: ${address} answered ${response.status}. Check the address.`);
+    this.#earth?.setSatellites(await response.text(), this.getAttribute("satellite"));
+  }
+
+  #observe(canvas, earth) {
+    const resize = new ResizeObserver(() => {
+      const { width, height } = this.getBoundingClientRect();
+      earth.resize(width * devicePixelRatio, height * devicePixelRatio);
+    });
+    const sight = new IntersectionObserver((entries) => {
+      earth.isVisible = entries.at(-1).isIntersecting;
+    });
+    this.#observers = [resize, sight];
+    for (const observer of this.#observers) observer.observe(this);
+  }
+
+  #stop() {
+    this.#abort?.abort();
+    for (const observer of this.#observers) observer.disconnect();
+    this.#observers = [];
+    this.#earth?.free();
+    this.#earth = null;
+    this.#root.replaceChildren();
+    this.#names.replaceChildren();
+  }
+
+  #restart(why) {
+    this.dispatchEvent(new CustomEvent("devicelost", { detail: why }));
+    const view = this.#earth?.view;
+    const isFirst = performance.now() - this.#lastLoss > RETRY_AFTER_MS;
+    this.#lastLoss = performance.now();
+    if (!isFirst) {
+      this.#fail(new Error(`The graphics device was lost again: ${why}. Reload the page.`));
+      return;
+    }
+    const [epoch, rate] = [this.#earth?.epoch, this.#earth?.rate];
+    this.#stop();
+    this.addEventListener(
+      "ready",
+      () => {
+        Object.assign(this.#earth, { epoch, rate, view });
+      },
+      { once: true },
+    );
+    this.#start();
+  }
+
+  #fail(error) {
+    this.#message.role = "alert";
+    this.#message.textContent = error?.message ?? String(error);
+    this.dispatchEvent(new CustomEvent("error", { detail: error }));
+  }
+
+  #writeNames(canvas) {
+    const labels = this.#earth.labels.slice(0, MAX_LABELS);
+    while (this.#names.childElementCount < labels.length) this.#names.append(document.createElement("span"));
+    while (this.#names.childElementCount > labels.length) this.#names.lastChild.remove();
+    const scale = canvas.clientWidth / Math.max(canvas.width, 1);
+    labels.forEach((label, i) => {
+      const span = this.#names.children[i];
+      span.textContent = label.name;
+      span.style.transform = `translate(${label.x * scale + 9}px, ${label.y * scale - 6}px)`;
+    });
+  }
+}
+
+// Numbers, dates and words as properties too: of the Earth where it is there, else of the attribute.
+for (const name of LIVE) {
+  Object.defineProperty(TerrellaEarthElement.prototype, name, {
+    configurable: true,
+    enumerable: true,
+    get() {
+      const earth = this.earth;
+      if (!earth) return this.getAttribute(name);
+      return VIEW.includes(name) ? earth.view[name] : earth[name];
+    },
+    set(value) {
+      this.setAttribute(name, value instanceof Date ? value.toISOString() : String(value));
+      if (this.earth) VIEW.includes(name) ? (this.earth.view = { [name]: value }) : (this.earth[name] = value);
+    },
+  });
+}
+
+if (!customElements.get("terrella-earth")) customElements.define("terrella-earth", TerrellaEarthElement);
