@@ -18,6 +18,7 @@ mod process;
 mod starter_pack;
 mod test;
 mod vulkan;
+mod web;
 
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
@@ -140,6 +141,8 @@ enum Command {
         #[arg(value_name = "TARGET")]
         targets: Vec<String>,
     },
+    /// Build the Earth for web pages with a small viewer, and serve it on this machine.
+    Web(web::Web),
     /// Make the pictures in textures/ from the source data.
     StarterPack {
         /// Folder with the source data.
@@ -198,6 +201,7 @@ fn run(command: Command) -> anyhow::Result<()> {
             targets,
         } => by_hand::fuzz(seconds, seed, &targets),
         Command::Pictures { program, names } => pictures::run(program, &names),
+        Command::Web(web) => web::run(web),
         Command::StarterPack { data, out, check } => {
             let out = out.unwrap_or_else(|| process::repository_root().join("textures"));
             if check {

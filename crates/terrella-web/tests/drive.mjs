@@ -1,0 +1,282 @@
+// Opens pages in headless Chromium and compares what they show with native pictures:
+//   node drive.mjs ADDRESS NATIVE_FOLDER OUT_FOLDER
+// in a folder that has playwright-core. Prints a line for each check, and ends with 1 if one failed.
+
+import fs from "node:fs";
+import path from "node:path";
+import { createRequire } from "node:module";
+
+const require = createRequire(`${process.cwd()}/`);
+const { chromium } = require("playwright-core");
+const [address, native, out] = process.argv.slice(2);
+const views = JSON.parse(fs.readFileSync(new URL("views.json", import.meta.url)));
+
+/** Size of the pictures, and how far they may be from native ones: mean and greatest of a channel, of 255. */
+const SIZE = { width: 640, height: 360 };
+const MEAN = 0.2;
+const GREATEST = 12;
+const PATIENCE_MS = 240_000;
+const QUIET = ["--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync"];
+const BACKENDS = {
+  webgpu: ["--enable-unsafe-webgpu", "--enable-unsafe-swiftshader"],
+  webgl: ["--enable-unsafe-swiftshader"],
+  none: ["--disable-gpu", "--disable-3d-apis", "--disable-webgl", "--disable-webgl2"],
+};
+
+let failures = 0;
+function check(what, isGood, numbers = "") {
+  failures += isGood ? 0 : 1;
+  console.log(`${isGood ? "ok  " : "FAIL"} ${what}${numbers ? `: ${numbers}` : ""}`);
+}
+
+/** Runs in the page before all else: WebGPU's canvas hands out a texture that can be read back, since this Chromium's compositor does not show
+ * a software device's canvas. */
+function readable() {
+  if (!window.GPUCanvasContext) return;
+  const configure = GPUCanvasContext.prototype.configure;
+  let target;
+  GPUCanvasContext.prototype.configure = function (configuration) {
+    target = { ...configuration, canvas: this.canvas };
+    return configure.call(this, configuration);
+  };
+  GPUCanvasContext.prototype.getCurrentTexture = function () {
+    const { device, format, viewFormats, canvas } = target;
+    const size = [canvas.width, canvas.height];
+    if (target.texture?.width !== size[0] || target.texture?.height !== size[1]) {
+      const usage = GPUTextureUsage.RENDER_ATTACHMENT | GPUTextureUsage.COPY_SRC;
+      target.texture = device.createTexture({ size, format, viewFormats, usage });
+    }
+    return target.texture;
+  };
+  window.readWebGpu = async () => {
+    const { device, format, texture } = target;
+    const { width, height } = texture;
+    const bytesPerRow = Math.ceil((width * 4) / 256) * 256;
+    const buffer = device.createBuffer({ size: bytesPerRow * height, usage: GPUBufferUsage.COPY_DST | GPUBufferUsage.MAP_READ });
+    const encoder = device.createCommandEncoder();
+    encoder.copyTextureToBuffer({ texture }, { buffer, bytesPerRow }, [width, height]);
+    device.queue.submit([encoder.finish()]);
+    await buffer.mapAsync(GPUMapMode.READ);
+    const rows = new Uint8Array(buffer.getMappedRange());
+    const image = new ImageData(width, height);
+    const order = format.startsWith("bgra") ? [2, 1, 0] : [0, 1, 2];
+    for (let y = 0; y < height; y++)
+      for (let x = 0; x < width; x++)
+        for (let c = 0; c < 4; c++) image.data[4 * (y * width + x) + c] = c === 3 ? 255 : rows[bytesPerRow * y + 4 * x + order[c]];
+    return image;
+  };
+}
+
+/** Runs in the page: draws a view, and compares it with the native picture of its name. */
+async function compare({ view, picture }) {
+  const element = document.querySelector("terrella-earth");
+  const { earth } = element;
+  const canvas = element.shadowRoot.querySelector("canvas");
+  const { lat, lon, altitude, heading, pitch, fov } = view;
+  earth.view = { lat, lon, altitude, heading, pitch, fov };
+  earth.exposure = view.exposure;
+  earth.rate = 0;
+  earth.epoch = view.epoch;
+  const begin = performance.now();
+  earth.draw();
+  const first = performance.now() - begin;
+  const times = [];
+  for (let i = 0; i < 5; i++) {
+    const begin = performance.now();
+    earth.draw();
+    times.push(performance.now() - begin);
+  }
+  const plain = document.createElement("canvas");
+  [plain.width, plain.height] = [canvas.width, canvas.height];
+  const context = plain.getContext("2d");
+  let shown;
+  if (earth.backend === "webgpu") {
+    shown = await window.readWebGpu();
+    context.putImageData(shown, 0, 0);
+  } else {
+    // In the task that drew: later the canvas is empty.
+    context.drawImage(canvas, 0, 0);
+    shown = context.getImageData(0, 0, plain.width, plain.height);
+  }
+  const file = plain.toDataURL("image/png");
+  const bytes = Uint8Array.from(atob(picture), (c) => c.charCodeAt(0));
+  const bitmap = await createImageBitmap(new Blob([bytes], { type: "image/png" }), { colorSpaceConversion: "none" });
+  if (bitmap.width !== plain.width || bitmap.height !== plain.height) return { error: `${bitmap.width} × ${bitmap.height} against ${plain.width} × ${plain.height}` };
+  context.drawImage(bitmap, 0, 0);
+  const expected = context.getImageData(0, 0, plain.width, plain.height);
+  let [sum, greatest, over2] = [0, 0, 0];
+  for (let i = 0; i < shown.data.length; i += 4) {
+    let most = 0;
+    for (let c = 0; c < 3; c++) {
+      const difference = Math.abs(shown.data[i + c] - expected.data[i + c]);
+      sum += difference;
+      most = Math.max(most, difference);
+    }
+    greatest = Math.max(greatest, most);
+    over2 += most > 2 ? 1 : 0;
+  }
+  const pixels = shown.data.length / 4;
+  return { mean: sum / 3 / pixels, greatest, over2: over2 / pixels, first, cpu: times.sort((a, b) => a - b)[2], file };
+}
+
+async function open(backend, page, hook) {
+  const browser = await chromium.launch({ executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args: [...QUIET, ...BACKENDS[backend]] });
+  const context = await browser.newContext({ viewport: { width: SIZE.width, height: SIZE.height + 200 }, hasTouch: true });
+  const tab = await context.newPage();
+  const said = [];
+  tab.on("console", (message) => ["error", "warning"].includes(message.type()) && said.push(message.text()));
+  tab.on("pageerror", (error) => said.push(error.message));
+  tab.on("requestfailed", (request) => said.push(`${request.url()}: ${request.failure()?.errorText}`));
+  if (hook) await tab.addInitScript(readable);
+  await tab.addInitScript(() => {
+    addEventListener("DOMContentLoaded", () => {
+      const element = document.querySelector("terrella-earth");
+      window.progress = [];
+      window.outcome = new Promise((resolve) => {
+        element.addEventListener("ready", () => resolve({ ready: performance.now() }));
+        element.addEventListener("error", (event) => resolve({ error: event.detail.message }));
+      });
+      element.addEventListener("progress", (event) => window.progress.push([Math.round(performance.now()), event.detail.what]));
+    });
+  });
+  await tab.goto(`${address}${page}`);
+  tab.setDefaultTimeout(PATIENCE_MS);
+  const outcome = await tab.evaluate(() => window.outcome);
+  return { browser, tab, said, outcome };
+}
+
+async function pictures(backend) {
+  const { browser, tab, said, outcome } = await open(backend, "/test.html", true);
+  check(`${backend}: the page is ready`, !outcome.error, outcome.error ?? `${Math.round(outcome.ready)} ms after navigation`);
+  if (!outcome.error) {
+    const about = await tab.evaluate(() => [document.querySelector("terrella-earth").earth.adapter, JSON.stringify(window.progress)]);
+    console.log(`     ${about[0]}; ${about[1]}`);
+    for (const view of views) {
+      const picture = fs.readFileSync(path.join(native, `${view.name}.png`)).toString("base64");
+      const found = await tab.evaluate(compare, { view, picture });
+      const isGood = !found.error && found.mean <= MEAN && found.greatest <= GREATEST;
+      const numbers = found.error ?? `mean ${found.mean.toFixed(4)}, greatest ${found.greatest}, over 2 ${(100 * found.over2).toFixed(3)} %; processor: first ${found.first.toFixed(1)} ms, then ${found.cpu.toFixed(2)} ms`;
+      check(`${backend}: ${view.name} as natively`, isGood, numbers);
+      if (found.file) fs.writeFileSync(path.join(out, `${backend}-${view.name}.png`), Buffer.from(found.file.split(",")[1], "base64"));
+    }
+    await moves(backend, tab);
+    const faults = await tab.evaluate(() => document.querySelector("terrella-earth").shadowRoot.querySelector(".message").textContent);
+    check(`${backend}: no message`, faults === "", faults);
+  }
+  check(`${backend}: the console is free of errors`, said.length === 0, said.slice(0, 3).join(" | "));
+  await browser.close();
+}
+
+/** Pointer, wheel, keys and touch; and nothing is drawn when nothing moves. */
+async function moves(backend, tab) {
+  const drawn = () => tab.evaluate(() => new Promise((resolve) => {
+    const { earth } = document.querySelector("terrella-earth");
+    let frames = 0;
+    earth.addEventListener("frame", () => frames++);
+    setTimeout(() => resolve(frames), 1500);
+  }));
+  await tab.evaluate(() => {
+    document.querySelector("terrella-earth").earth.view = { lat: 20, lon: 10, altitude: 9e6, heading: 0, pitch: -90, fov: 40 };
+  });
+  await tab.waitForTimeout(1500);
+  check(`${backend}: nothing is drawn while nothing moves`, (await drawn()) === 0);
+  const pick = (x, y) => tab.evaluate(([x, y]) => document.querySelector("terrella-earth").earth.pick(x, y), [x, y]);
+  const view = () => tab.evaluate(() => document.querySelector("terrella-earth").earth.view);
+  const box = await tab.locator("terrella-earth").boundingBox();
+  const far = (a, b) => (a && b ? Math.hypot(a.lat - b.lat, a.lon - b.lon) : Infinity);
+  const [from, to] = [[300, 150], [380, 210]];
+  const held = await pick(...from);
+  await tab.mouse.move(box.x + from[0], box.y + from[1]);
+  await tab.mouse.down();
+  await tab.mouse.move(box.x + to[0], box.y + to[1], { steps: 4 });
+  await tab.mouse.up();
+  check(`${backend}: a dragged place stays under the pointer`, far(held, await pick(...to)) < 1e-3, `${far(held, await pick(...to)).toExponential(1)}°`);
+  const before = await view();
+  const under = await pick(...to);
+  await tab.mouse.wheel(0, -300);
+  await tab.waitForTimeout(1000);
+  const after = await view();
+  check(`${backend}: the wheel approaches what is under the pointer`, after.altitude < 0.8 * before.altitude && far(under, await pick(...to)) < 1e-3);
+  await tab.locator("terrella-earth canvas").focus();
+  await tab.keyboard.press("ArrowLeft");
+  await tab.keyboard.press("-");
+  const keyed = await view();
+  check(`${backend}: keys turn and recede`, keyed.lon !== after.lon && keyed.altitude > after.altitude);
+  const pinched = await tab.evaluate(() => {
+    const element = document.querySelector("terrella-earth");
+    const canvas = element.shadowRoot.querySelector("canvas");
+    const box = canvas.getBoundingClientRect();
+    const point = (type, pointerId, x, y) =>
+      canvas.dispatchEvent(new PointerEvent(type, { pointerId, pointerType: "touch", bubbles: true, clientX: box.left + x, clientY: box.top + y }));
+    const before = element.earth.view.altitude;
+    point("pointerdown", 11, 280, 180);
+    point("pointerdown", 12, 360, 180);
+    point("pointermove", 11, 200, 180);
+    point("pointermove", 12, 440, 180);
+    point("pointerup", 11, 200, 180);
+    point("pointerup", 12, 440, 180);
+    return element.earth.view.altitude / before;
+  });
+  check(`${backend}: two fingers approach`, pinched < 0.6, pinched.toFixed(3));
+  const message = await tab.evaluate(() => {
+    const { earth } = document.querySelector("terrella-earth");
+    try {
+      earth.setSatellites("this is no orbit");
+    } catch (error) {
+      return error.message;
+    }
+  });
+  check(`${backend}: bad elements are explained`, message?.includes("elements"), message);
+}
+
+async function viewer(backend) {
+  const { browser, tab, said, outcome } = await open(backend, "/#lat=20&lon=-30&altitude=15000000&t=2018-01-14T13:06:40Z", true);
+  check(`${backend}: the viewer is ready`, !outcome.error, outcome.error);
+  const tle = fs.readFileSync(new URL("../../terrella-orbit/data/iss.tle", import.meta.url), "utf8");
+  await tab.locator("#file").setInputFiles({ name: "iss.tle", mimeType: "text/plain", buffer: Buffer.from(tle) });
+  await tab.waitForFunction(() => document.querySelector("terrella-earth").earth.satellites.length === 1);
+  await tab.waitForTimeout(3000);
+  const labels = await tab.evaluate(() => document.querySelector("terrella-earth").earth.labels.map((label) => label.name));
+  check(`${backend}: a satellite from a file has its name`, labels.length <= 1, labels.join());
+  const file = await tab.evaluate(async () => {
+    const element = document.querySelector("terrella-earth");
+    const canvas = element.shadowRoot.querySelector("canvas");
+    element.earth.draw();
+    const plain = document.createElement("canvas");
+    [plain.width, plain.height] = [canvas.width, canvas.height];
+    if (element.earth.backend === "webgpu") plain.getContext("2d").putImageData(await window.readWebGpu(), 0, 0);
+    else plain.getContext("2d").drawImage(canvas, 0, 0);
+    return plain.toDataURL("image/png");
+  });
+  fs.writeFileSync(path.join(out, `${backend}-viewer.png`), Buffer.from(file.split(",")[1], "base64"));
+  await tab.locator("#share").click();
+  const hash = await tab.evaluate(() => location.hash);
+  check(`${backend}: the link holds the view and the satellite`, hash.includes("altitude=15000000") && hash.includes("25544"));
+  await tab.screenshot({ path: path.join(out, `${backend}-page.png`) });
+  const left = await tab.evaluate(async () => {
+    const element = document.querySelector("terrella-earth");
+    element.remove();
+    return element.earth;
+  });
+  check(`${backend}: an element that is removed gives its Earth back`, left === null);
+  check(`${backend}: the viewer's console is free of errors`, said.length === 0, said.slice(0, 3).join(" | "));
+  await browser.close();
+}
+
+/** Without a GPU the page says so. */
+async function none() {
+  const { browser, tab, outcome } = await open("none", "/test.html", false);
+  const shown = await tab.evaluate(() => document.querySelector("terrella-earth").shadowRoot.querySelector("[role=alert]")?.textContent);
+  check("none: the page says that there is no graphics", outcome.error?.includes("neither WebGPU nor WebGL2") && shown === outcome.error, shown ?? outcome.error);
+  await browser.close();
+}
+
+fs.mkdirSync(out, { recursive: true });
+const only = (process.env.ONLY ?? "webgpu,webgl,viewer,none").split(",");
+for (const backend of ["webgpu", "webgl"]) {
+  if (only.includes(backend)) await pictures(backend);
+  if (only.includes(backend) && only.includes("viewer")) await viewer(backend);
+}
+if (only.includes("none")) await none();
+console.log(failures === 0 ? "all passed" : `${failures} failed`);
+process.exit(failures === 0 ? 0 : 1);

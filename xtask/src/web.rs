@@ -1,0 +1,246 @@
+//! `cargo xtask web`: the Earth for web pages, built, served on this machine and tested in a browser.
+
+mod serve;
+mod toolchain;
+
+use crate::cargo;
+use crate::files::{copy_whole, write_bytes};
+use crate::process::{self, repository_root, say};
+use anyhow::{Context, bail};
+use clap::{Args, Subcommand};
+use serde_json::Value;
+use serve::Server;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use toolchain::Toolchain;
+
+/// The backends of pages: each is a wasm file of its own.
+const BACKENDS: [&str; 2] = ["webgpu", "webgl"];
+/// Files of the starter maps that a page draws.
+const MAPS: [&str; 6] = [
+    "day.jpg",
+    "clouds.jpg",
+    "elevation.png",
+    "night_lights.png",
+    "water.png",
+    "stars.bin",
+];
+/// The driver's browser library, which brings no browser.
+const PLAYWRIGHT: &str = "playwright-core@1.65.1";
+
+#[derive(Args)]
+pub struct Web {
+    #[command(subcommand)]
+    action: Option<Action>,
+    /// Only check that the library and the page's crate compile for wasm32.
+    #[arg(long)]
+    check: bool,
+    /// Folder to write the pages to, for any static host; target/web/dist by default.
+    #[arg(long, value_name = "DIR")]
+    dist: Option<PathBuf>,
+    /// Do not serve the folder at the end.
+    #[arg(long)]
+    no_serve: bool,
+    /// Port to serve at.
+    #[arg(long, default_value_t = 8080, value_name = "N")]
+    port: u16,
+}
+
+#[derive(Subcommand)]
+enum Action {
+    /// Open the pages in headless Chromium and compare them with native pictures.
+    Test {
+        /// The program to draw native pictures with; by default it is built.
+        #[arg(long, value_name = "FILE")]
+        program: Option<PathBuf>,
+        /// Test what is in the folder; build nothing.
+        #[arg(long)]
+        no_build: bool,
+        /// Parts with commas between them: webgpu, webgl, viewer, none. All by default.
+        #[arg(long, value_name = "LIST")]
+        only: Option<String>,
+    },
+}
+
+pub fn run(web: Web) -> anyhow::Result<()> {
+    if web.check {
+        return check();
+    }
+    let root = repository_root();
+    let dist = web.dist.unwrap_or_else(|| root.join("target/web/dist"));
+    match web.action {
+        None => {
+            build(&dist)?;
+            if !web.no_serve {
+                let server = Server::start(&dist, web.port)?;
+                say(format_args!("open {}; Ctrl-C ends it", server.address()));
+                server.wait();
+            }
+            Ok(())
+        }
+        Some(Action::Test {
+            program,
+            no_build,
+            only,
+        }) => {
+            if !no_build {
+                build(&dist)?;
+            }
+            test(&dist, program, only)
+        }
+    }
+}
+
+/// The crate's folder.
+fn package() -> PathBuf {
+    repository_root().join("crates/terrella-web")
+}
+
+/// Compiles for wasm32 without making a file. Says so where the machine cannot.
+fn check() -> anyhow::Result<()> {
+    let toolchain = match Toolchain::find() {
+        Ok(toolchain) => toolchain,
+        Err(missing) => {
+            say(format_args!(
+                "SKIPPED: wasm32 was not checked, because {missing}"
+            ));
+            return Ok(());
+        }
+    };
+    for backend in BACKENDS {
+        process::run(&mut compile(&toolchain, "check", backend))?;
+    }
+    Ok(())
+}
+
+/// A cargo command for the crate with one backend. The folder of what it builds is a backend's own: features are part of what is built.
+fn compile(toolchain: &Toolchain, what: &str, backend: &str) -> Command {
+    let mut command = toolchain.cargo(what);
+    command.current_dir(package());
+    command.args(["--release", "--locked", "--no-default-features"]);
+    command.args(["--features", backend, "--target-dir"]);
+    command.arg(target(backend));
+    command
+}
+
+fn target(backend: &str) -> PathBuf {
+    repository_root().join("target/web").join(backend)
+}
+
+/// Writes the pages, the module and the maps.
+fn build(dist: &Path) -> anyhow::Result<()> {
+    let toolchain = match Toolchain::find() {
+        Ok(toolchain) => toolchain,
+        Err(missing) => bail!("{missing}"),
+    };
+    let bindgen = toolchain::bindgen(&package())?;
+    let module = dist.join("terrella");
+    fs::create_dir_all(&module).with_context(|| module.display().to_string())?;
+    for backend in BACKENDS {
+        process::run(&mut compile(&toolchain, "build", backend))?;
+        let wasm = target(backend).join("wasm32-unknown-unknown/release/terrella_web.wasm");
+        let mut bind = Command::new(&bindgen);
+        bind.args(["--target", "web", "--no-typescript", "--out-name", backend]);
+        process::run(bind.arg("--out-dir").arg(&module).arg(wasm))?;
+    }
+    copy_pages(dist)?;
+    for backend in BACKENDS {
+        let file = module.join(format!("{backend}_bg.wasm"));
+        let bytes = fs::metadata(&file).map_or(0, |found| found.len());
+        say(format_args!("{}: {bytes} bytes", file.display()));
+    }
+    Ok(())
+}
+
+/// The files that are not compiled.
+fn copy_pages(dist: &Path) -> anyhow::Result<()> {
+    let (root, package) = (repository_root(), package());
+    for (from, to) in [
+        (package.join("js"), dist.join("terrella")),
+        (package.join("viewer"), dist.to_owned()),
+    ] {
+        let entries = fs::read_dir(&from).with_context(|| from.display().to_string())?;
+        for entry in entries {
+            let path = entry.with_context(|| from.display().to_string())?.path();
+            let name = path.file_name().unwrap_or_default();
+            copy_whole(&path, &to.join(name), false)?;
+        }
+    }
+    for name in MAPS {
+        let to = dist.join("terrella/maps").join(name);
+        copy_whole(&root.join("textures").join(name), &to, false)?;
+    }
+    Ok(())
+}
+
+fn test(dist: &Path, program: Option<PathBuf>, only: Option<String>) -> anyhow::Result<()> {
+    let (root, tests) = (repository_root(), package().join("tests"));
+    for page in ["test.html", "test.css"] {
+        copy_whole(&tests.join(page), &dist.join(page), false)?;
+    }
+    let native = root.join("target/web/native");
+    let program = match program {
+        Some(program) => program,
+        None => cargo::build(&["build", "--package", "terrella-cli"])?
+            .terrella
+            .context("cargo built no program")?,
+    };
+    draw_natively(&program, &tests.join("views.json"), &native)?;
+    let tools = root.join("target/web/tools");
+    fs::create_dir_all(&tools).with_context(|| tools.display().to_string())?;
+    if !tools.join("node_modules/playwright-core").exists() {
+        let mut npm = Command::new("npm");
+        npm.args([
+            "install",
+            "--no-save",
+            "--no-audit",
+            "--no-fund",
+            PLAYWRIGHT,
+        ]);
+        npm.env("PLAYWRIGHT_SKIP_BROWSER_DOWNLOAD", "1");
+        process::run(npm.current_dir(&tools))?;
+    }
+    let server = Server::start(dist, 0)?;
+    let mut node = Command::new("node");
+    node.arg(tests.join("drive.mjs")).arg(server.address());
+    node.arg(&native).arg(root.join("target/web/pictures"));
+    if let Some(only) = only {
+        node.env("ONLY", only);
+    }
+    process::run(node.current_dir(&tools))
+}
+
+/// Draws each view of the list with the program.
+fn draw_natively(program: &Path, views: &Path, to: &Path) -> anyhow::Result<()> {
+    let text = fs::read_to_string(views).with_context(|| views.display().to_string())?;
+    let views: Vec<Value> = serde_json::from_str(&text).context("views.json is no list")?;
+    fs::create_dir_all(to).with_context(|| to.display().to_string())?;
+    for view in &views {
+        let name = view["name"].as_str().context("a view without a name")?;
+        let scene = to.join(format!("{name}.toml"));
+        write_bytes(&scene, scene_of(view).as_bytes())?;
+        let mut draw = Command::new(program);
+        draw.arg("frame")
+            .arg(&scene)
+            .args(["--size", "640x360", "-o"]);
+        process::run(draw.arg(to.join(format!("{name}.png"))))?;
+    }
+    Ok(())
+}
+
+/// The scene file of a view: nothing but the Earth, its air, stars and Sun, as a page draws them.
+fn scene_of(view: &Value) -> String {
+    let kilometres = view["altitude"].as_f64().unwrap_or_default() / 1000.0;
+    format!(
+        "[time]\nstart = {}\n\n[camera]\nmode = \"geodetic\"\nlat_deg = {}\nlon_deg = {}\nheight_km = {kilometres}\nheading_deg = {}\n\
+         pitch_deg = {}\nfov_deg = {}\n\n[sky]\nglare = true\n\n[output]\nsamples = 1\nexposure_ev = {}\n",
+        view["epoch"],
+        view["lat"],
+        view["lon"],
+        view["heading"],
+        view["pitch"],
+        view["fov"],
+        view["exposure"]
+    )
+}
