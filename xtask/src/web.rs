@@ -234,7 +234,7 @@ fn scene_of(view: &Value) -> String {
     let kilometres = view["altitude"].as_f64().unwrap_or_default() / 1000.0;
     format!(
         "[time]\nstart = {}\n\n[camera]\nmode = \"geodetic\"\nlat_deg = {}\nlon_deg = {}\nheight_km = {kilometres}\nheading_deg = {}\n\
-         pitch_deg = {}\nfov_deg = {}\n\n[sky]\nglare = true\n\n[output]\nsamples = 1\nexposure_ev = {}\n",
+         pitch_deg = {}\nfov_deg = {}\n\n[sky]\nglare = true\n\n[output]\nsamples = 4\nexposure_ev = {}\n",
         view["epoch"],
         view["lat"],
         view["lon"],

@@ -108,7 +108,7 @@ export class TerrellaEarth extends EventTarget {
 
   /** Makes the Earth on a canvas that has no context yet; see terrella.d.ts. */
   static async create(canvas, options = {}) {
-    const { maps = new URL("./maps/", import.meta.url), backend = "auto", samples = 4, signal, controls = true } = options;
+    const { maps = new URL("./maps/", import.meta.url), backend = "auto", samples = 4, anisotropy = 8, signal, controls = true } = options;
     const progress = options.progress ?? (() => {});
     progress(0, "loading");
     const kind = backend === "auto" ? await availableBackend() : backend;
@@ -131,7 +131,7 @@ export class TerrellaEarth extends EventTarget {
     const earth = new TerrellaEarth();
     earth.#canvas = canvas;
     earth.backend = kind;
-    earth.#globe = await module.Globe.create(canvas, files, samples, step);
+    earth.#globe = await module.Globe.create(canvas, files, samples, anisotropy, step);
     if (signal?.aborted) {
       earth.free();
       signal.throwIfAborted();

@@ -32,6 +32,8 @@ export interface Options {
   backend?: "auto" | "webgpu" | "webgl";
   /** Samples a pixel, 1 or 4; by default 4. */
   samples?: 1 | 4;
+  /** Most samples that a map is filtered with at a grazing view, 1…16; by default 8. */
+  anisotropy?: number;
   /** Whether pointer, wheel and keys move the camera; by default they do. */
   controls?: boolean;
   /** Ends the loading. */
@@ -97,7 +99,7 @@ export class TerrellaEarth extends EventTarget {
 }
 
 /**
- * `<terrella-earth>`. Attributes: `maps`, `backend`, `samples`, `satellites` (an address), `satellite` (a name), and as properties too
+ * `<terrella-earth>`. Attributes: `maps`, `backend`, `samples`, `anisotropy`, `satellites` (an address), `satellite` (a name), and as properties too
  * `lat`, `lon`, `altitude`, `heading`, `pitch`, `fov`, `epoch`, `rate`, `exposure`. Events: `progress` (detail.part, detail.what),
  * `ready`, `frame`, `viewchange`, `error`, `devicelost`, after which it begins again by itself.
  */

@@ -99,6 +99,11 @@ export class TerrellaEarthElement extends HTMLElement {
     else this.#earth[name] = value;
   }
 
+  /** A number that is said once; undefined where it is left to the default. */
+  #number(name) {
+    return this.hasAttribute(name) ? Number(this.getAttribute(name)) : undefined;
+  }
+
   async #start() {
     const abort = (this.#abort = new AbortController());
     const canvas = document.createElement("canvas");
@@ -115,7 +120,8 @@ export class TerrellaEarthElement extends HTMLElement {
         maps: this.maps,
         wasm: this.wasm,
         backend: this.getAttribute("backend") ?? "auto",
-        samples: Number(this.getAttribute("samples") ?? 4),
+        samples: this.#number("samples"),
+        anisotropy: this.#number("anisotropy"),
         signal: abort.signal,
         progress: (part, what) => {
           if (abort.signal.aborted) return;

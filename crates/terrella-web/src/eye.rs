@@ -8,6 +8,10 @@ use terrella::frames::{Ellipsoid, Geodetic};
 /// Widest and narrowest vertical field of view, degrees.
 const FOV_RANGE_DEG: (f64, f64) = (0.1, 150.0);
 
+/// The near plane, as a part of the eye's height. WebGL2 keeps depth between −1 and 1, where a float has no digits left for planets behind
+/// a near plane of centimetres.
+const NEAR_BY_HEIGHT: f64 = 1e-3;
+
 /// A view as a page writes it: degrees and metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
@@ -92,9 +96,12 @@ impl Eye {
     /// For the renderer, on a canvas of so many pixels.
     pub fn eye_view(&self, size_px: (u32, u32)) -> EyeView {
         let aspect = f64::from(size_px.0) / f64::from(size_px.1.max(1));
-        self.camera
-            .pose(&GLOBE.ellipsoid)
-            .view(self.fov_rad, aspect)
+        let pose = self.camera.pose(&GLOBE.ellipsoid);
+        let mut view = pose.view(self.fov_rad, aspect);
+        // The last column of the projection is the near plane: see `infinite_reversed_z`.
+        let near_m = (NEAR_BY_HEIGHT * self.camera.place.height_m).max(EyeView::NEAR_M);
+        view.clip_from_view.w_axis.z = near_m;
+        view
     }
 
     fn screen(&self, size_px: (u32, u32)) -> Screen {

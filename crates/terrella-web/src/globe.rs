@@ -57,6 +57,7 @@ impl Globe {
         canvas: web_sys::HtmlCanvasElement,
         maps: js_sys::Object,
         samples: u32,
+        anisotropy: u16,
         step: js_sys::Function,
     ) -> Result<Globe, JsValue> {
         let samples = if samples > 1 { 4 } else { 1 };
@@ -93,6 +94,7 @@ impl Globe {
         let mut options = EarthOptions::new(layers);
         options.uploaded = uploader.finish().map_err(thrown)?;
         canvas.fit(&mut options);
+        options.anisotropy = anisotropy;
         options.exposure = Exposure::Auto;
         options.pipelines = Pipelines::WhenNeeded;
         let earth = Earth::create(device, queue, &options)
