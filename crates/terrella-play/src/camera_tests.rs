@@ -2,6 +2,7 @@
 
 use super::*;
 use glam::{DVec2, DVec4};
+use terrella::EyeView;
 
 const WGS84: Ellipsoid = Ellipsoid::WGS84;
 const ASPECT: f64 = 16.0 / 9.0;

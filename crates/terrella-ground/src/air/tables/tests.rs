@@ -62,12 +62,3 @@ fn airs_are_made_once_and_forgotten_in_turn() {
     assert!(Arc::ptr_eq(&first, &tables(0.031)));
     assert!(!Arc::ptr_eq(&first, &tables(0.032)));
 }
-
-#[test]
-fn work_is_handed_back_in_order() {
-    assert_eq!(
-        parallel(1000, |n| n * 2),
-        (0..1000).map(|n| n * 2).collect::<Vec<_>>()
-    );
-    assert!(parallel(0, |n| n).is_empty());
-}
