@@ -151,7 +151,7 @@ impl SurfaceMesh for Lattice {
                 pass.set_index_buffer(indices.slice(..), wgpu::IndexFormat::Uint16);
             }
             // An offset and not a base vertex, which WebGL2 has not.
-            let begin = draw.patch as u64 * cells.block_bytes;
+            let begin = draw.patch * cells.block_bytes;
             pass.set_vertex_buffer(0, self.vertices.slice(begin..));
             pass.draw_indexed(draw.indices.clone(), 0, draw.drawn_as..draw.drawn_as + 1);
         }

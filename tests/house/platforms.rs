@@ -36,7 +36,7 @@ pub fn runs_in_pages(file: &File) -> Vec<String> {
     if file.path.ends_with("_tests.rs") {
         return Vec::new();
     }
-    if KNOWING.contains(&file.path.as_str()) || NOT_IN_PAGES.iter().any(|start| is_inside(&start)) {
+    if KNOWING.contains(&file.path.as_str()) || NOT_IN_PAGES.iter().any(is_inside) {
         return Vec::new();
     }
     let mut found = Vec::new();
