@@ -5,9 +5,10 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use tempfile::TempDir;
+use terrella_imagery::tile::MapLayer;
 use terrella_imagery::{
-    EarthLayers, ImageryError, KeptInMemory, LayerSelection, SLOPE_EXAGGERATION, TexelFormat,
-    load_layers, load_layers_to, load_whole_layers, slopes_from_elevation,
+    EarthLayers, ImageryError, KeptInMemory, LayerSelection, MapRows, MapSink, SLOPE_EXAGGERATION,
+    TexelFormat, load_layers, load_layers_to, load_whole_layers, slopes_from_elevation,
 };
 
 const WIDTH: u32 = 64;
@@ -311,6 +312,23 @@ fn damaged_maps_are_left_out_where_that_is_asked_for() {
     assert!(error.to_string().contains("day.jpg"), "{error}");
 }
 
+/// Takes the water map, and keeps nothing of it.
+struct WaterElsewhere;
+
+impl MapSink for WaterElsewhere {
+    fn begin(&self, layer: MapLayer, _: (u32, u32), _: TexelFormat) -> Option<Box<dyn MapRows>> {
+        (layer == MapLayer::Water).then(|| Box::new(Nothing) as Box<dyn MapRows>)
+    }
+}
+
+struct Nothing;
+
+impl MapRows for Nothing {
+    fn rows(&mut self, _: usize, _: u32, _: &[u8]) {}
+
+    fn finish(self: Box<Self>) {}
+}
+
 #[test]
 fn files_in_memory_are_read_as_those_of_a_folder() {
     let dir = good_folder();
@@ -330,9 +348,19 @@ fn files_in_memory_are_read_as_those_of_a_folder() {
     let expected = load_all(dir.path()).expect("sound maps");
     let (layers, damaged) = load_layers_to(&files, all, &KeptInMemory).expect("sound maps");
     assert!(damaged.is_empty());
-    for layer in terrella_imagery::tile::MapLayer::ALL {
+    for layer in MapLayer::ALL {
         assert!(layers.get(layer) == expected.get(layer), "{layer:?}");
     }
+    // A water map that is held elsewhere leaves the levels that the day map is made with.
+    let (layers, _) = load_layers_to(&files, all, &WaterElsewhere).expect("sound maps");
+    assert!(layers.day == expected.day);
+    // The sea has its floor without normals too.
+    let flat = LayerSelection {
+        normals: false,
+        ..all
+    };
+    let (layers, _) = load_layers_to(&files, flat, &KeptInMemory).expect("sound maps");
+    assert!(layers.normals.is_none() && layers.day == expected.day);
     // The water map is one of them: without it the day map is another.
     let water = files.remove("water.png");
     let (dry, _) = load_layers_to(&files, all, &KeptInMemory).expect("sound maps");

@@ -131,6 +131,11 @@ async function open(backend, page, hook) {
   tab.on("console", (message) => message.type() === "error" && said.push(message.text()));
   tab.on("pageerror", (error) => said.push(error.message));
   tab.on("requestfailed", (request) => said.push(`${request.url()}: ${request.failure()?.errorText}`));
+  // A module that does not even parse sends no event of ours.
+  const broken = new Promise((resolve) => {
+    tab.on("pageerror", (error) => resolve({ error: error.message }));
+    setTimeout(() => resolve({ error: `nothing came in ${PATIENCE_MS} ms` }), PATIENCE_MS).unref();
+  });
   if (hook) await tab.addInitScript(readable);
   await tab.addInitScript(() => {
     addEventListener("DOMContentLoaded", () => {
@@ -145,7 +150,7 @@ async function open(backend, page, hook) {
   });
   await tab.goto(`${address}${page}`);
   tab.setDefaultTimeout(PATIENCE_MS);
-  const outcome = await tab.evaluate(() => window.outcome);
+  const outcome = await Promise.race([tab.evaluate(() => window.outcome), broken]);
   return { browser, tab, said, outcome };
 }
 
