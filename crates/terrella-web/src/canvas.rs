@@ -1,7 +1,7 @@
 //! The canvas as wgpu sees it: device, surface, and what is drawn to before it.
 
 use std::sync::{Arc, Mutex, PoisonError};
-use terrella::{EarthOptions, ScaledTarget, ShaderError, Tone, wgpu};
+use terrella::{Bloom, EarthOptions, ScaledTarget, ShaderError, Tone, wgpu};
 
 /// Why nothing can be drawn on a canvas.
 #[derive(Debug, thiserror::Error)]
@@ -135,7 +135,8 @@ impl Canvas {
         let target = match is_developing {
             true => {
                 let tone = Tone::default();
-                ScaledTarget::developing(&device, format, size, size, samples, tone)?
+                let bloom = Bloom::default();
+                ScaledTarget::developing(&device, format, size, size, samples, tone, bloom)?
             }
             false => ScaledTarget::new(&device, format, size, size, samples)?,
         };
