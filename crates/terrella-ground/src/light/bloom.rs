@@ -58,6 +58,16 @@ impl Bloom {
         let shares = std::iter::once(first).chain(rest);
         shares.take(weights.len()).collect()
     }
+
+    /// Bytes of the textures that it takes for pictures of this size, pixels.
+    pub fn texture_bytes(&self, (mut width, mut height): (u32, u32)) -> u64 {
+        let levels = self.shares((width, height)).into_iter().map(|_| {
+            (width, height) = (width.div_ceil(2), height.div_ceil(2));
+            // Four channels of half floats.
+            u64::from(width) * u64::from(height) * 8
+        });
+        levels.sum()
+    }
 }
 
 #[cfg(test)]
@@ -97,6 +107,14 @@ mod tests {
             let other = large[index + 2];
             assert!((part - other).abs() < 1e-12, "{index}: {part} and {other}");
         }
+    }
+
+    #[test]
+    fn textures_are_a_third_of_the_light() {
+        let bloom = Bloom { strength: 0.1 };
+        let part = bloom.texture_bytes((1280, 720)) as f64 / (1280.0 * 720.0 * 8.0);
+        assert!((part - 1.0 / 3.0).abs() < 0.01, "{part}");
+        assert_eq!(Bloom::default().texture_bytes((1280, 720)), 0);
     }
 
     #[test]

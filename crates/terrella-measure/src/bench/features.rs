@@ -6,7 +6,7 @@ use crate::frame_timer::milliseconds;
 use crate::{FrameTimer, median};
 use terrella::internals::gpu::{BcSupport, GpuContext};
 use terrella::internals::offscreen::target_bytes;
-use terrella::{Atmosphere, EarthOptions, LightEffect, Shading};
+use terrella::{Atmosphere, Bloom, EarthOptions, LightEffect, Shading};
 use terrella_imagery::tile::MapLayer;
 use terrella_play::clock::frame_epoch;
 use terrella_play::scene::Scene;
@@ -177,6 +177,8 @@ pub(super) struct FeatureMeter<'f> {
     less: OffscreenRenderer,
     /// Samples a pixel with it and without.
     samples: [u32; 2],
+    /// The bloom with it and without.
+    blooms: [Bloom; 2],
 }
 
 impl<'f> FeatureMeter<'f> {
@@ -191,6 +193,7 @@ impl<'f> FeatureMeter<'f> {
         let size = timer.picture().size();
         let less = kind.options_without(flight.scene(), options, gpu.bc_support())?;
         let samples = [options.samples, less.samples];
+        let blooms = [options.bloom, less.bloom];
         let mut less = OffscreenRenderer::open(gpu.clone(), less, size)?;
         let mut own = match kind.is_beside_the_earth() {
             true => Some(OffscreenRenderer::open(gpu, options.clone(), size)?),
@@ -211,6 +214,7 @@ impl<'f> FeatureMeter<'f> {
             own,
             less,
             samples,
+            blooms,
         })
     }
 
@@ -263,7 +267,9 @@ impl<'f> FeatureMeter<'f> {
         let whole = self.own.as_ref().unwrap_or(timer.picture());
         let difference = |more: u64, less: u64| more as i64 - less as i64;
         let [more, less] = self.samples.map(|samples| target_bytes(size, samples));
-        let texture_bytes = difference(texture_bytes[0], texture_bytes[1]) + difference(more, less);
+        let [scattered, sharp] = self.blooms.map(|bloom| bloom.texture_bytes(size));
+        let texture_bytes = difference(texture_bytes[0], texture_bytes[1])
+            + difference(more + scattered, less + sharp);
         let shader_bytes = difference(whole.shader_bytes(), self.less.shader_bytes());
         let features = Course::ALL.into_iter().zip(runs).map(|(course, runs)| {
             let by_run: Vec<_> = runs
