@@ -21,6 +21,7 @@ use terrella::internals::gpu::{
     TracksVariant, TruthLayers, UpscaleVariant, VertexForm,
 };
 use terrella::internals::plan::{AirSide, LightEffect, LightEffects};
+use terrella_files::parallel;
 
 /// A legal variant of any shader, validated.
 pub struct Shader {
@@ -54,20 +55,9 @@ impl Shader {
 }
 
 fn built<V: ShaderVariant + Sync>() -> Vec<Result<Shader, String>> {
-    let build =
-        |variant: &V| Shader::new(variant).map_err(|error| format!("{}: {error}", variant.name()));
-    on_all_cores(&V::all(), |part| part.iter().map(build).collect())
-}
-
-/// What `work` gives for parts of these, in their order: a part for each core.
-fn on_all_cores<T: Sync, R: Send>(all: &[T], work: impl Fn(&[T]) -> Vec<R> + Sync) -> Vec<R> {
-    let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    let parts = all.chunks(all.len().div_ceil(cores).max(1));
-    std::thread::scope(|scope| {
-        let running: Vec<_> = parts.map(|part| scope.spawn(|| work(part))).collect();
-        let done = running.into_iter();
-        done.flat_map(|part| part.join().expect("no panic"))
-            .collect()
+    let all = V::all();
+    parallel::map(all.len(), |n| {
+        Shader::new(&all[n]).map_err(|error| format!("{}: {error}", all[n].name()))
     })
 }
 
