@@ -119,7 +119,7 @@ struct Running {
 }
 
 impl Loaders {
-    /// Starts threads, each with its number; `what` they load names them. One that the system does not start is done without.
+    /// Starts threads, each with its number; `what` they load names them. Where the system cannot start one, the others do its work.
     pub fn start(
         what: &'static str,
         count: usize,

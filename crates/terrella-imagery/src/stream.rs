@@ -89,7 +89,7 @@ pub struct TileStream {
 }
 
 impl TileStream {
-    /// Plans the pools and starts the decoder threads. A thread that the system does not start is done without.
+    /// Plans the pools and starts the decoder threads. Where the system cannot start one, the others do its work.
     pub fn new(source: Arc<dyn TileSource>, options: &StreamOptions) -> Self {
         let pools = plan_pools(source.layers(), options.texture_bytes);
         let cache = TileCache::new(source.layers(), pools, options.decoded_bytes);

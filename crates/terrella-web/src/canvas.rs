@@ -70,7 +70,7 @@ pub struct Canvas {
     pub device: wgpu::Device,
     pub queue: wgpu::Queue,
     pub faults: Faults,
-    /// What the page may be told of the adapter.
+    /// Backend and name of the adapter, for the page to show.
     pub adapter: String,
     surface: wgpu::Surface<'static>,
     config: wgpu::SurfaceConfiguration,

@@ -39,7 +39,7 @@ struct Work {
 }
 
 impl HeightLoader {
-    /// Starts the threads. One that the system does not start is done without.
+    /// Starts the threads. Where the system cannot start one, the others do its work.
     pub fn new(source: Arc<dyn HeightTileSource>, threads: usize) -> Self {
         let work = Work {
             loading: vec![None; threads],
