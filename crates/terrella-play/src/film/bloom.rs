@@ -1,9 +1,10 @@
 //! Light that a lens scatters, on the processor: as `terrella::Bloom` does it, for films whose light is gathered first.
 
 use glam::DVec3;
+use rayon::prelude::*;
 use terrella::Bloom;
 
-/// A picture of light that is not bounded by the size of another.
+/// A picture of light, rows from the top.
 struct Grid {
     width: usize,
     height: usize,
@@ -31,26 +32,29 @@ pub fn scatter(bloom: &Bloom, size: (u32, u32), pixels: &mut [[f32; 4]], factor:
     for _ in &shares {
         levels.push(levels.last().unwrap_or(&light).coarser());
     }
-    let mut scattered = levels.pop();
-    for (level, share) in levels.into_iter().zip(&shares[1..]).rev() {
-        scattered = scattered.map(|coarser| level.mixed(&coarser, *share));
-    }
-    let Some(scattered) = scattered else {
+    let Some(coarsest) = levels.pop() else {
         return;
     };
-    for (index, pixel) in pixels.iter_mut().enumerate() {
-        let light = scattered.finer(index % width, index / width);
-        for (channel, scattered) in pixel.iter_mut().zip(light.to_array()) {
-            *channel = (f64::from(*channel) * (1.0 - first) + scattered * first) as f32;
-        }
-    }
+    let finer_levels = levels.into_iter().zip(&shares[1..]).rev();
+    let scattered = finer_levels.fold(coarsest, |coarser, (level, share)| {
+        level.mixed(&coarser, *share)
+    });
+    pixels
+        .par_iter_mut()
+        .enumerate()
+        .for_each(|(index, pixel)| {
+            let light = scattered.finer(index % width, index / width);
+            for (channel, scattered) in pixel.iter_mut().zip(light.to_array()) {
+                *channel = (f64::from(*channel) * (1.0 - first) + scattered * first) as f32;
+            }
+        });
 }
 
 impl Grid {
     /// Half as large.
     fn coarser(&self) -> Self {
         let (width, height) = (self.width.div_ceil(2), self.height.div_ceil(2));
-        let light = (0..width * height).map(|index| {
+        let light = (0..width * height).into_par_iter().map(|index| {
             let (x, y) = ((index % width) as isize, (index / width) as isize);
             let weights = [1.0, 3.0, 3.0, 1.0];
             let mut sum = DVec3::ZERO;
@@ -98,10 +102,11 @@ impl Grid {
 
     /// With a share of a coarser one in place of its own light.
     fn mixed(mut self, coarser: &Self, share: f64) -> Self {
-        for index in 0..self.light.len() {
-            let finer = coarser.finer(index % self.width, index / self.width);
-            self.light[index] = self.light[index].lerp(finer, share);
-        }
+        let width = self.width;
+        let light = self.light.par_iter_mut().enumerate();
+        light.for_each(|(index, light)| {
+            *light = light.lerp(coarser.finer(index % width, index / width), share);
+        });
         self
     }
 
