@@ -12,12 +12,11 @@ pub(super) const LIGHT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 /// Each level is half as large as the one before. On the way back each is blended with the next coarser one, so that all light that is
 /// taken from a pixel arrives at others: no light is lost but over the picture's edges.
 pub struct BloomPass {
+    bloom: Bloom,
     coarser: FullPass,
     coarser_light: FullPass,
     finer: FullPass,
     levels: Vec<Level>,
-    /// The part of its own light that each picture gives up for the next level's; the light itself is the first.
-    shares: Vec<f64>,
     light: wgpu::TextureView,
 }
 
@@ -28,11 +27,13 @@ struct Level {
     from: wgpu::BindGroup,
     /// This one, to be read.
     to: wgpu::BindGroup,
+    /// The part of its own light that the one before gives up for this one's.
+    share: f64,
 }
 
 impl BloomPass {
-    /// For light of [`ScaledTarget::LIGHT`](super::ScaledTarget::LIGHT) that is drawn at this size, pixels; the texture can be drawn to and be read by shaders. `None`
-    /// where the lens scatters nothing, or the picture is too small for that.
+    /// For light of [`ScaledTarget::LIGHT`](super::ScaledTarget::LIGHT) that is drawn at this size, pixels; the texture can be drawn to and be
+    /// read by shaders. `None` where the lens scatters nothing.
     ///
     /// # Errors
     /// A shader file that is at fault.
@@ -42,39 +43,52 @@ impl BloomPass {
         light: &wgpu::TextureView,
         size: (u32, u32),
     ) -> Result<Option<Self>, ShaderError> {
-        let shares = bloom.shares(size);
-        if shares.is_empty() {
+        if bloom.strength <= 0.0 {
             return Ok(None);
         }
-        let coarser = pass(device, BloomVariant::Coarser)?;
-        let coarser_light = pass(device, BloomVariant::CoarserLight)?;
-        let finer = pass(device, BloomVariant::Finer)?;
+        let mut pass = Self {
+            bloom: *bloom,
+            coarser: pass(device, BloomVariant::Coarser)?,
+            coarser_light: pass(device, BloomVariant::CoarserLight)?,
+            finer: pass(device, BloomVariant::Finer)?,
+            levels: Vec::new(),
+            light: light.clone(),
+        };
+        pass.set_light(device, light, size);
+        Ok(Some(pass))
+    }
+
+    /// Scatters other light from now on.
+    pub fn set_light(
+        &mut self,
+        device: &wgpu::Device,
+        light: &wgpu::TextureView,
+        size: (u32, u32),
+    ) {
+        self.light = light.clone();
         let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING;
-        let mut levels: Vec<Level> = Vec::with_capacity(shares.len());
-        let (mut width, mut height) = size;
-        for _ in &shares {
-            (width, height) = (width.div_ceil(2), height.div_ceil(2));
-            let format = LIGHT;
-            let texture =
-                color_texture(device, "terrella bloom", (width, height), format, 1, usage);
+        let mut levels: Vec<Level> = Vec::new();
+        let mut size = size;
+        for share in self.bloom.shares(size) {
+            size = (size.0.div_ceil(2), size.1.div_ceil(2));
+            let texture = color_texture(device, "terrella bloom", size, LIGHT, 1, usage);
             let view = super::view(&texture);
             levels.push(Level {
                 from: match levels.last() {
-                    None => coarser_light.bind(device, light),
-                    Some(before) => coarser.bind(device, &before.view),
+                    None => self.coarser_light.bind(device, light),
+                    Some(before) => self.coarser.bind(device, &before.view),
                 },
-                to: finer.bind(device, &view),
+                to: self.finer.bind(device, &view),
                 view,
+                share,
             });
         }
-        Ok(Some(Self {
-            coarser,
-            coarser_light,
-            finer,
-            levels,
-            shares,
-            light: light.clone(),
-        }))
+        self.levels = levels;
+    }
+
+    /// Whether there is a pass: a picture of some pixels is too small for one.
+    pub(super) fn has_levels(&self) -> bool {
+        !self.levels.is_empty()
     }
 
     /// Scatters the light that has been drawn. `begins` is the time at which its first pass begins.
@@ -121,7 +135,7 @@ impl BloomPass {
                 0 => &self.light,
                 _ => &self.levels[index - 1].view,
             };
-            draw(&self.finer, &level.to, target, Some(self.shares[index]));
+            draw(&self.finer, &level.to, target, Some(level.share));
         }
     }
 }

@@ -97,16 +97,7 @@ impl ScaledTarget {
     ) -> Result<Self, ShaderError> {
         let drawn_format = drawn_format(format, tone);
         let last = last_pass(device, format, tone, size != drawn_size)?;
-        let between = match last {
-            Some(last) => Some(Between::new(
-                device,
-                drawn_format,
-                drawn_size,
-                last,
-                &bloom,
-            )?),
-            None => None,
-        };
+        let between = last.map(|last| Between::new(device, drawn_format, drawn_size, last, &bloom));
         Ok(Self {
             format,
             size,
@@ -115,7 +106,7 @@ impl ScaledTarget {
             tone,
             bloom,
             attachments: Attachments::new(device, drawn_size, drawn_format, samples),
-            between,
+            between: between.transpose()?,
         })
     }
 
@@ -185,14 +176,20 @@ impl ScaledTarget {
         }
         let format = self.drawn_format();
         let is_enlarging = size != drawn_size;
-        let last = match is_enlarging == (self.size != self.drawn_size) {
-            true => self.between.take().map(|between| between.last),
-            false => last_pass(device, self.format, self.tone, is_enlarging)?,
+        let is_other = is_enlarging != (self.size != self.drawn_size);
+        let last = match is_other {
+            true => last_pass(device, self.format, self.tone, is_enlarging)?,
+            false => None,
         };
-        self.between = match last {
-            Some(last) => Some(Between::new(device, format, drawn_size, last, &self.bloom)?),
-            None => None,
-        };
+        match &mut self.between {
+            Some(between) if !is_other || last.is_some() => {
+                between.set(device, format, drawn_size, last);
+            }
+            _ => {
+                let made = |last| Between::new(device, format, drawn_size, last, &self.bloom);
+                self.between = last.map(made).transpose()?;
+            }
+        }
         self.attachments = self.attachments.remade(device, drawn_size, format, samples);
         (self.size, self.drawn_size, self.samples) = (size, drawn_size, samples);
         Ok(())
@@ -231,7 +228,7 @@ impl ScaledTarget {
             return;
         };
         let mut times = times;
-        if let Some(bloom) = &between.bloom {
+        if let Some(bloom) = between.bloom.as_ref().filter(|bloom| bloom.has_levels()) {
             bloom.record(encoder, begin_of(&mut times));
         }
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
@@ -261,9 +258,7 @@ impl Between {
         last: FullPass,
         bloom: &Bloom,
     ) -> Result<Self, ShaderError> {
-        let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING;
-        let texture = color_texture(device, "terrella drawn", size, format, 1, usage);
-        let view = super::view(&texture);
+        let view = drawn_view(device, format, size);
         let bloom = match format {
             ScaledTarget::LIGHT => BloomPass::new(device, bloom, &view, size)?,
             _ => None,
@@ -275,6 +270,41 @@ impl Between {
             last,
         })
     }
+
+    /// Has a texture of this size, and another last pass where one is given. The lens's passes stay.
+    fn set(
+        &mut self,
+        device: &wgpu::Device,
+        format: wgpu::TextureFormat,
+        size: (u32, u32),
+        last: Option<FullPass>,
+    ) {
+        if let Some(last) = last {
+            self.last = last;
+        }
+        self.view = drawn_view(device, format, size);
+        self.bound = self.last.bind(device, &self.view);
+        if let Some(bloom) = &mut self.bloom {
+            bloom.set_light(device, &self.view, size);
+        }
+    }
+}
+
+/// A texture that is drawn to before the picture.
+fn drawn_view(
+    device: &wgpu::Device,
+    format: wgpu::TextureFormat,
+    size: (u32, u32),
+) -> wgpu::TextureView {
+    let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING;
+    super::view(&color_texture(
+        device,
+        "terrella drawn",
+        size,
+        format,
+        1,
+        usage,
+    ))
 }
 
 /// Colour format of the pass that all is drawn in, for a picture of this format.

@@ -3,7 +3,9 @@
 use crate::common::{self, Rig, map, tilted};
 use glam::DVec3;
 use terrella::frames::Geodetic;
-use terrella::{EarthOptions, EyeView, FrameRequest, FrameTargets, Quality, ScaledTarget, Sky};
+use terrella::{
+    Bloom, EarthOptions, EyeView, FrameRequest, FrameTargets, Quality, ScaledTarget, Sky, Tone,
+};
 
 const SIZE: (u32, u32) = (192, 108);
 
@@ -99,6 +101,57 @@ fn a_smaller_picture_is_enlarged_to_the_same_view() {
             assert!(self::apart(&mirrored, &full) > 3.0 * apart[1]);
         }
     }
+}
+
+/// A target whose size and scale change draws as one that is made for them.
+#[test]
+fn a_target_with_bloom_follows_other_sizes() {
+    let gpu = common::gpu();
+    let format = wgpu::TextureFormat::Rgba8UnormSrgb;
+    let bloom = Bloom { strength: 0.5 };
+    let (tone, column) = (Tone::Linear, white_column(ScaledTarget::LIGHT));
+    let made = |size, drawn_size| {
+        ScaledTarget::developing(&gpu.device, format, size, drawn_size, 1, tone, bloom)
+            .expect("shaders")
+    };
+    let drawn = |target: &ScaledTarget| {
+        let shown = FrameTargets::with_color(&gpu.device, format, target.size(), 1);
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        let mut pass = target.begin_pass(&mut encoder, shown.picture_view());
+        pass.set_pipeline(&column);
+        pass.draw(0..3, 0..1);
+        drop(pass);
+        target.finish(&mut encoder, shown.picture_view(), None);
+        gpu.queue.submit([encoder.finish()]);
+        shown.read_back(&gpu.device, &gpu.queue).expect("a picture")
+    };
+    let mut target = made((16, 9), (16, 9));
+    for (size, drawn_size) in [
+        ((40, 24), (40, 24)),
+        ((40, 24), (20, 12)),
+        ((1, 1), (1, 1)),
+        ((33, 17), (17, 9)),
+        ((64, 36), (64, 36)),
+    ] {
+        target
+            .set(&gpu.device, size, drawn_size, 1)
+            .expect("shaders");
+        assert!(
+            drawn(&target) == drawn(&made(size, drawn_size)),
+            "{size:?} {drawn_size:?}"
+        );
+    }
+    // And the lens is still before it.
+    let none = ScaledTarget::developing(
+        &gpu.device,
+        format,
+        (64, 36),
+        (64, 36),
+        1,
+        tone,
+        Bloom::default(),
+    );
+    assert!(drawn(&target) != drawn(&none.expect("shaders")));
 }
 
 /// Between black and white stands half the light, and not half the code, also where the hardware does not know of codes.
