@@ -1,0 +1,174 @@
+//! The light of each texel of a map of night lights.
+
+use super::places::Place;
+use crate::layer::LayerImage;
+use std::f64::consts::{PI, TAU};
+use terrella_files::parallel;
+
+/// Nodes and weights of Gauss and Legendre on 0…½, of half a texel: exact for the fourth power of what is linear between texels.
+const NODES: [(f32, f32); 3] = [
+    (0.056_350_83, 0.138_888_9),
+    (0.25, 0.222_222_22),
+    (0.443_649_17, 0.138_888_9),
+];
+
+/// Light of a map, texel by texel.
+pub struct MapLight {
+    width: usize,
+    height: usize,
+    light: Vec<f32>,
+}
+
+impl MapLight {
+    /// The mean over each texel of the fourth power of the map's value, which is linear between the middles of texels.
+    pub fn new(map: &LayerImage) -> Self {
+        let (width, height) = (map.width as usize, map.height as usize);
+        let texels = map.levels.first().map_or(&[][..], Vec::as_slice);
+        let value = |row: usize, column: usize| {
+            let texel = texels.get(row * width + column);
+            f32::from(texel.copied().unwrap_or(0)) / 255.0
+        };
+        let rows = parallel::map(height, |row| {
+            let above = row.saturating_sub(1);
+            let below = (row + 1).min(height - 1);
+            let line = |column: usize| [above, row, below].map(|row| value(row, column));
+            let mut light = Vec::with_capacity(width);
+            for column in 0..width {
+                let columns = [(column + width - 1) % width, column, (column + 1) % width];
+                light.push(mean_fourth_power(columns.map(line)));
+            }
+            light
+        });
+        Self {
+            width,
+            height,
+            light: rows.concat(),
+        }
+    }
+
+    /// Columns and rows.
+    pub fn size(&self) -> (usize, usize) {
+        (self.width, self.height)
+    }
+
+    /// Mean light of a texel, 0…1.
+    pub fn of(&self, row: usize, column: usize) -> f32 {
+        self.light[row * self.width + column]
+    }
+
+    /// Area of a texel in a row, square equatorial radii.
+    pub fn area(&self, row: usize) -> f32 {
+        let (north, south) = (self.lat_rad(row as f64), self.lat_rad(row as f64 + 1.0));
+        (TAU / self.width as f64 * (north.sin() - south.sin())) as f32
+    }
+
+    /// Latitude of a place so many rows from the north pole, radians.
+    fn lat_rad(&self, rows: f64) -> f64 {
+        (0.5 - rows / self.height as f64) * PI
+    }
+
+    /// The texel that a place lies in, by row and column.
+    pub fn texel_at(&self, lat_deg: f64, lon_deg: f64) -> (usize, usize) {
+        let row = (0.5 - lat_deg / 180.0) * self.height as f64;
+        let column = (lon_deg / 360.0 + 0.5).rem_euclid(1.0) * self.width as f64;
+        (
+            (row.max(0.0) as usize).min(self.height - 1),
+            (column as usize).min(self.width - 1),
+        )
+    }
+
+    /// Places by the texels that they lie in.
+    pub fn places_by_texel(&self, places: &[Place]) -> ByTexel<Place> {
+        let located = places.iter().map(|place| {
+            let (row, column) = self.texel_at(place.lat_deg, place.lon_deg);
+            ((row * self.width + column) as u32, *place)
+        });
+        ByTexel::new(self.size(), located.collect())
+    }
+}
+
+/// Things by the texels of a map that they lie in.
+pub struct ByTexel<T> {
+    width: usize,
+    starts: Vec<u32>,
+    things: Vec<T>,
+}
+
+impl<T> ByTexel<T> {
+    /// Of things with the numbers of their texels; those of one texel stay in order.
+    pub fn new((width, height): (usize, usize), mut located: Vec<(u32, T)>) -> Self {
+        located.sort_by_key(|(texel, _)| *texel);
+        let mut starts = vec![0; width * height + 1];
+        for (texel, _) in &located {
+            starts[*texel as usize + 1] += 1;
+        }
+        for texel in 0..width * height {
+            starts[texel + 1] += starts[texel];
+        }
+        let things = located.into_iter().map(|(_, thing)| thing).collect();
+        Self {
+            width,
+            starts,
+            things,
+        }
+    }
+
+    /// Those in a texel.
+    pub fn of(&self, row: usize, column: usize) -> &[T] {
+        let texel = row * self.width + column;
+        &self.things[self.starts[texel] as usize..self.starts[texel + 1] as usize]
+    }
+}
+
+/// Over a texel, given it and the eight about it, three columns of three.
+fn mean_fourth_power(around: [[f32; 3]; 3]) -> f32 {
+    if around == [[0.0; 3]; 3] {
+        return 0.0;
+    }
+    let mut sum = 0.0;
+    for x in [0, 2] {
+        for y in [0, 2] {
+            for (a, weight_x) in NODES {
+                for (b, weight_y) in NODES {
+                    let near = (1.0 - a) * around[1][1] + a * around[x][1];
+                    let far = (1.0 - a) * around[1][y] + a * around[x][y];
+                    let value = (1.0 - b) * near + b * far;
+                    sum += weight_x * weight_y * value.powi(4);
+                }
+            }
+        }
+    }
+    sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_single_texel_keeps_what_the_filter_shows_of_it() {
+        let mut texels = vec![0; 8 * 4];
+        texels[8 + 3] = 255;
+        let map = LayerImage::from_r8(8, 4, texels).expect("a map");
+        let light = MapLight::new(&map);
+        // ∫ (1 − |x|)⁴ is 2/5 over both texels beside, in both directions.
+        let total: f32 = light.light.iter().sum();
+        assert!((total - 0.16).abs() < 1e-6, "{total}");
+        assert!(light.of(1, 3) > 10.0 * light.of(1, 2));
+        assert_eq!(light.of(1, 2), light.of(1, 4));
+        let areas: f32 = (0..4).map(|row| 8.0 * light.area(row)).sum();
+        assert!((f64::from(areas) - 2.0 * TAU).abs() < 1e-5, "{areas}");
+    }
+
+    #[test]
+    fn texels_and_places_agree() {
+        let map = LayerImage::from_r8(64, 32, vec![0; 64 * 32]).expect("a map");
+        let light = MapLight::new(&map);
+        for (row, column) in [(0, 0), (31, 63), (7, 40)] {
+            let lat = 90.0 - 180.0 * (row as f64 + 0.3) / 32.0;
+            let lon = 360.0 * (column as f64 + 0.9) / 64.0 - 180.0;
+            assert_eq!(light.texel_at(lat, lon), (row, column));
+        }
+        assert_eq!(light.texel_at(-90.0, 180.0), (31, 0));
+    }
+}

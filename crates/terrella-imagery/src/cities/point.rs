@@ -1,0 +1,77 @@
+//! Points of light, and the cells that they are sorted into.
+
+use glam::{DVec3, Vec3};
+use std::f64::consts::{PI, TAU};
+
+/// The Earth's radius for distances within towns and texels, metres.
+pub const EARTH_M: f64 = 6.371e6;
+/// Mean light of a texel below which it has no point: three ten-thousandths of the starter pack's light are in such texels.
+pub const LEAST_LIGHT: f32 = 1e-4;
+
+/// A point that shines: a place, a district, a stretch of road, or the sum of all that is in one or more texels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CityLight {
+    /// Normal of the ellipsoid there, unit, ITRF axes.
+    pub up: Vec3,
+    /// Square equatorial radii of ground that sends as much light up if it is as bright as the brightest lamps and of this colour.
+    pub light: f32,
+    /// Linear RGB of its lamps, 0…1, all of the luminance ½.
+    pub color: [f32; 3],
+    /// How far its lamps are spread, metres, 0…[`Self::MOST_RADIUS_M`].
+    pub radius_m: f32,
+}
+
+impl CityLight {
+    /// Most that lamps of a point are spread, metres.
+    pub const MOST_RADIUS_M: f64 = 2550.0;
+}
+
+/// Columns and rows of cells.
+const COLUMNS: usize = 64;
+const ROWS: usize = 32;
+/// How many cells there are.
+pub const CITY_CELLS: usize = COLUMNS * ROWS;
+
+/// Where the points of a cell are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CityCell {
+    /// Its number.
+    pub index: usize,
+    /// Normal of the ellipsoid in its middle, unit, ITRF axes.
+    pub up: DVec3,
+    /// Normals of its places are at most so far from that, radians.
+    pub radius_rad: f64,
+}
+
+impl CityCell {
+    /// All cells.
+    pub fn all() -> impl Iterator<Item = Self> {
+        (0..CITY_CELLS).map(|index| {
+            let (row, column) = (index / COLUMNS, index % COLUMNS);
+            let (height_rad, width_rad) = (PI / ROWS as f64, TAU / COLUMNS as f64);
+            let lat_rad = 0.5 * PI - (row as f64 + 0.5) * height_rad;
+            let nearest_equator = (lat_rad.abs() - 0.5 * height_rad).cos();
+            Self {
+                index,
+                up: up_at(
+                    (column as f64 + 0.5) / COLUMNS as f64,
+                    (row as f64 + 0.5) / ROWS as f64,
+                ),
+                radius_rad: 0.5 * height_rad.hypot(width_rad * nearest_equator),
+            }
+        })
+    }
+}
+
+/// The cell of a place on a map, by the parts of its width from the west and of its height from the north.
+pub fn cell_of(u: f64, v: f64) -> u32 {
+    let (row, column) = ((v * ROWS as f64) as usize, (u * COLUMNS as f64) as usize);
+    (row.min(ROWS - 1) * COLUMNS + column.min(COLUMNS - 1)) as u32
+}
+
+/// The normal of the ellipsoid there.
+pub fn up_at(u: f64, v: f64) -> DVec3 {
+    let (sin_lat, cos_lat) = ((0.5 - v) * PI).sin_cos();
+    let (sin_lon, cos_lon) = ((u - 0.5) * TAU).sin_cos();
+    DVec3::new(cos_lat * cos_lon, cos_lat * sin_lon, sin_lat)
+}
