@@ -40,6 +40,12 @@ pub enum ImageryError {
         path: PathBuf,
         source: std::io::Error,
     },
+    /// A file of places that cannot be used.
+    #[error("{}: {error}; take the file of the starter pack or remove it", path.display())]
+    Places {
+        path: PathBuf,
+        error: super::cities::PlacesError,
+    },
     /// The file is larger than any map may be.
     #[error("{} has {bytes} bytes; a map file may have at most {limit}", path.display())]
     FileTooLarge {

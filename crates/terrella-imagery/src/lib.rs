@@ -8,6 +8,7 @@
 //! | `albedo.rs` | what neighbourhoods reflect, for the air over them |
 //! | `ground_kinds.rs` | where there is nothing but land, or nothing but open sea |
 //! | `detail_tile.rs` | detail smaller than texels |
+//! | `cities.rs`, `cities/` | city lights as points |
 //! | `load.rs` | a folder of maps read from disk |
 //! | `map_file.rs` | one map file, opened with limits before every allocation |
 //! | `map_rows.rs` | maps given to a host row by row as they are read |
@@ -30,6 +31,7 @@
 
 mod albedo;
 mod between;
+mod cities;
 pub mod colour;
 mod decode;
 mod detail_tile;
@@ -56,6 +58,10 @@ mod texel;
 pub mod tile;
 
 pub use albedo::{CLOUD_ALBEDO, MapAlbedo, NEIGHBOURHOODS, NeighbourhoodAlbedo};
+pub use cities::{
+    CITY_CELLS, CityCell, CityLight, CityLights, FINENESSES, LEAST_LIGHT, MAX_PLACES, PLACES_FILE,
+    Place, PlacesError, read_places,
+};
 pub use detail_tile::{DETAIL_MEAN, DETAIL_STEP, detail_tile};
 pub use error::ImageryError;
 pub use find::{TEXTURES_VARIABLE, find_textures};

@@ -39,9 +39,12 @@ const CLOUD_NAMES: [&str; 2] = ["clouds.png", "clouds.jpg"];
 const OPTIONAL_FILES: [(MapLayer, &[&str]); 4] = [
     (MapLayer::Clouds, &CLOUD_NAMES),
     (MapLayer::Normals, &[ELEVATION_NAME]),
-    (MapLayer::NightLights, &["night_lights.png"]),
+    (MapLayer::NightLights, &[NIGHT_LIGHTS_NAME]),
     (MapLayer::Water, &["water.png"]),
 ];
+
+/// The file of the map of night lights.
+const NIGHT_LIGHTS_NAME: &str = "night_lights.png";
 
 /// The file of the elevation map.
 const ELEVATION_NAME: &str = "elevation.png";
@@ -386,7 +389,7 @@ fn load_night_lights(
     folder: MapFolder<'_>,
     sink: &dyn MapSink,
 ) -> Result<LayerImage, ImageryError> {
-    let file = ("night_lights.png", "night lights");
+    let file = (NIGHT_LIGHTS_NAME, "night lights");
     load_grey(folder, file, (MapLayer::NightLights, sink))
 }
 
@@ -408,6 +411,14 @@ pub fn load_grey_map(path: &Path, layer: &'static str) -> Result<LayerImage, Ima
     let contents = read_file(path, layer)?;
     let file = (path, contents.as_slice(), layer);
     Ok(grey_map(file, (MapLayer::Clouds, &KeptInMemory), None)?.0)
+}
+
+/// The map of night lights of a folder, in memory; `None` where there is none.
+pub(super) fn night_map(folder: MapFolder<'_>) -> Result<Option<LayerImage>, ImageryError> {
+    let is_there = folder.has(NIGHT_LIGHTS_NAME);
+    is_there
+        .then(|| load_night_lights(folder, &KeptInMemory))
+        .transpose()
 }
 
 /// The same of a file's contents, for a sink. Answers beside the map its levels of at least a width that are kept in memory ([`MapBuilder::finish`]).

@@ -1,0 +1,209 @@
+//! How a texel's light is divided among its points.
+
+use super::lamps::{LIGHT_OF_MAP, lamp_of};
+use super::map_light::MapLight;
+use super::noise::Noise;
+use super::places::Place;
+use super::point::{CityLight, EARTH_M, cell_of, up_at};
+use super::roads::{RoadLamp, Roads};
+use std::f64::consts::{PI, TAU};
+
+/// Part of the light of a texel with places that its roads have.
+const ROAD_SHARE: f64 = 0.15;
+/// Most lamps of roads in a texel.
+const MOST_ROAD_LAMPS: usize = 4;
+/// Light grows with the population to this power.
+const LIGHT_BY_POPULATION: f64 = 0.75;
+/// A place of so many people is one point; larger ones have districts, their number growing with the power.
+const DISTRICT_POPULATION: f64 = 20_000.0;
+const DISTRICTS_BY_POPULATION: f64 = 0.6;
+const MOST_DISTRICTS: f64 = 40.0;
+/// How far the districts of a place of 100 000 people lie apart, metres, and how that grows.
+const TOWN_M: f64 = 1_100.0;
+const TOWN_BY_POPULATION: f64 = 0.42;
+/// How many times brighter than the map's brightest texels the middle of a point is: so far its lamps are spread (standard deviation), and
+/// no less than so many metres.
+const POINT_BRIGHTNESS: f64 = 2.0;
+const LEAST_RADIUS_M: f64 = 100.0;
+const MOST_RADIUS_M: f64 = 1300.0;
+/// How much wider than others the widest points of the same light are.
+const RADIUS_VARIES: f64 = 2.0;
+/// Points that a texel with light has, one for so many square metres of ground as bright as the brightest lamps, and at most so many. Where
+/// places and roads are fewer, points are made up between them: villages that the list lacks, flares, ships.
+const LIGHT_OF_POINT_M2: f64 = 8e6;
+const MOST_POINTS: f64 = 40.0;
+/// Part of the lamps of a place that are of its one kind.
+const OF_ONE_KIND: f64 = 0.75;
+/// No country.
+const UNKNOWN_COUNTRY: [u8; 2] = *b"--";
+
+/// A texel of the map.
+pub struct Texel {
+    pub row: usize,
+    pub column: usize,
+    /// Its mean light.
+    pub light: f32,
+    /// Square equatorial radii.
+    pub area: f32,
+}
+
+/// A point before the light of its texel is known to be divided among all.
+struct Part {
+    /// Rows from the north pole and columns from 180° W.
+    at: (f64, f64),
+    weight: f64,
+    color: [f32; 3],
+}
+
+/// Divides the light of a texel and appends its points, each with its cell and its texel.
+pub fn gather(
+    texel: &Texel,
+    map: &MapLight,
+    places: &[Place],
+    roads: &Roads,
+    points: &mut Vec<(u32, u32, CityLight)>,
+) {
+    let (width, height) = map.size();
+    let number = texel.row * width + texel.column;
+    let mut noise = Noise::new(number as u64);
+    let mut parts = Vec::new();
+    for place in places {
+        districts(texel, map, place, &mut noise, &mut parts);
+    }
+    let lamps = roads.of(texel.row, texel.column);
+    let of_places: f64 = parts.iter().map(|part| part.weight).sum();
+    let of_roads = match parts.is_empty() {
+        true => 1.0,
+        false => of_places * ROAD_SHARE / (1.0 - ROAD_SHARE),
+    };
+    road_lamps(map, lamps, of_roads, &mut noise, &mut parts);
+    let texel_light = f64::from(LIGHT_OF_MAP * texel.light * texel.area);
+    let wanted = texel_light * EARTH_M * EARTH_M / LIGHT_OF_POINT_M2;
+    made_up(texel, wanted, &mut noise, &mut parts);
+    let total: f64 = parts.iter().map(|part| part.weight).sum();
+    let light = texel_light / total;
+    points.extend(parts.into_iter().map(|part| {
+        let (row, column) = within(part.at, texel);
+        let (v, u) = (row / height as f64, column / width as f64);
+        let light = light * part.weight;
+        let radius_m = EARTH_M * (light / (TAU * POINT_BRIGHTNESS)).sqrt();
+        let radius_m = radius_m * RADIUS_VARIES.powf(noise.next() - 0.5);
+        let point = CityLight {
+            up: up_at(u, v).as_vec3(),
+            light: light as f32,
+            color: part.color,
+            radius_m: radius_m.clamp(LEAST_RADIUS_M, MOST_RADIUS_M) as f32,
+        };
+        (cell_of(u, v), number as u32, point)
+    }));
+}
+
+/// A place as one point or as its districts, as far as they lie in the texel.
+fn districts(
+    texel: &Texel,
+    map: &MapLight,
+    place: &Place,
+    noise: &mut Noise,
+    parts: &mut Vec<Part>,
+) {
+    let (width, height) = map.size();
+    let weight = place.population.powf(LIGHT_BY_POPULATION);
+    let count = (place.population / DISTRICT_POPULATION)
+        .powf(DISTRICTS_BY_POPULATION)
+        .clamp(1.0, MOST_DISTRICTS) as usize;
+    let own = lamp_of(place.country, noise.next() as f32);
+    let middle = (
+        (0.5 - place.lat_deg / 180.0) * height as f64,
+        (place.lon_deg / 360.0 + 0.5) * width as f64,
+    );
+    let spread_m = TOWN_M * (place.population / 1e5).powf(TOWN_BY_POPULATION);
+    // Rows and columns of a metre.
+    let row_m = height as f64 / (PI * EARTH_M);
+    let cos_lat = place.lat_deg.to_radians().cos().max(0.05);
+    let column_m = width as f64 / (TAU * EARTH_M * cos_lat);
+    let first = parts.len();
+    for district in 0..count {
+        let mut at = middle;
+        let mut off = 0.0;
+        if district > 0 {
+            let angle = TAU * noise.next();
+            // Normal in both directions, without the few that are far away.
+            off = (-2.0 * (1.0 - 0.98 * noise.next()).ln()).sqrt();
+            let moved = (
+                middle.0 + off * spread_m * row_m * angle.sin(),
+                middle.1 + off * spread_m * column_m * angle.cos(),
+            );
+            if (moved.0 as usize, moved.1 as usize) == (texel.row, texel.column) {
+                at = moved;
+            }
+        }
+        let is_own = noise.next() < OF_ONE_KIND;
+        let other = lamp_of(place.country, noise.next() as f32);
+        parts.push(Part {
+            at,
+            weight: (0.5 + noise.next()) / (1.0 + off),
+            color: if is_own { own } else { other }.color(),
+        });
+    }
+    let sum: f64 = parts[first..].iter().map(|part| part.weight).sum();
+    for part in &mut parts[first..] {
+        part.weight *= weight / sum;
+    }
+}
+
+/// A place of a texel, a little within its edges: rounding must not move it to the next.
+fn within((row, column): (f64, f64), texel: &Texel) -> (f64, f64) {
+    const EDGE: f64 = 1e-4;
+    let inside = |at: f64, first: usize| at.clamp(first as f64 + EDGE, (first + 1) as f64 - EDGE);
+    (inside(row, texel.row), inside(column, texel.column))
+}
+
+/// The lamps of roads in a texel, which share `weight` evenly; of many every so manyth.
+fn road_lamps(
+    map: &MapLight,
+    lamps: &[RoadLamp],
+    weight: f64,
+    noise: &mut Noise,
+    parts: &mut Vec<Part>,
+) {
+    let (width, height) = map.size();
+    let step = lamps.len().div_ceil(MOST_ROAD_LAMPS).max(1);
+    let count = lamps.len().div_ceil(step);
+    for lamp in lamps.iter().step_by(step) {
+        let column = (lamp.lon_deg / 360.0 + 0.5).rem_euclid(1.0);
+        parts.push(Part {
+            at: (
+                (0.5 - lamp.lat_deg / 180.0) * height as f64,
+                column * width as f64,
+            ),
+            weight: weight / count as f64,
+            color: lamp_of(lamp.country, noise.next() as f32).color(),
+        });
+    }
+}
+
+/// Adds points that are made up until there are as many as are wanted, and one where there is none. On average they have as much light as
+/// the others.
+fn made_up(texel: &Texel, wanted: f64, noise: &mut Noise, parts: &mut Vec<Part>) {
+    let there = parts.len();
+    let count = (wanted.min(MOST_POINTS).ceil() as usize).max(1);
+    let sum: f64 = parts.iter().map(|part| part.weight).sum();
+    let mean = if there == 0 { 1.0 } else { sum / there as f64 };
+    for _ in there..count {
+        let at = (
+            texel.row as f64 + noise.next(),
+            texel.column as f64 + noise.next(),
+        );
+        let nearest = parts[..there].get((noise.next() * there as f64) as usize);
+        let color = match nearest {
+            Some(part) => part.color,
+            None => lamp_of(UNKNOWN_COUNTRY, noise.next() as f32).color(),
+        };
+        parts.push(Part {
+            at,
+            // Few are bright; the mean of this is 1.
+            weight: mean * (0.2 + 3.2 * noise.next().powi(3)),
+            color,
+        });
+    }
+}
