@@ -14,6 +14,7 @@
 //! | `pixel_lattice.rs` | a picture in some of its points alone, for measuring |
 //! | `sky.rs` | what lights it |
 //! | `glow.rs` | where the air's own light is in sight |
+//! | `city_lights.rs` | which city lights may be in sight |
 //! | `metering.rs` | how bright it is shown |
 //! | `stats.rs` | what a frame drew |
 //! | `ground.rs` | terrain, where there is any; `no_ground.rs` without the feature `terrain` |
@@ -34,6 +35,7 @@ mod adaptive_quality;
 mod appearance;
 mod change_maker;
 mod changes;
+mod city_lights;
 mod creation;
 mod diagnostics;
 mod earth_view;

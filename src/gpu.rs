@@ -4,6 +4,7 @@ mod air;
 mod bloom;
 #[cfg(feature = "celestial")]
 mod celestial;
+mod city_lights;
 mod context;
 #[cfg(feature = "terrain")]
 mod contours;

@@ -59,18 +59,25 @@ fn pixel_ray(pixel: vec2f) -> vec3f {
 }
 
 // What follows from a point's normal `up` and its distance, `radii` equatorial radii times the ray's length.
+@if(!points)
 fn point_on_ray(in: Varying, ray: vec3f, radii: f32, up: vec3f) -> SurfacePoint {
+    var out = seen_along(ray, radii, up);
+    let angles = longitude_latitude(in, up, max(length(up.xy), 1e-7));
+    out.uv = vec2f(angles.x / (2.0 * PI), -angles.y / PI);
+    out.center_uv = in.center_uv;
+    @if(truth) out.range_m = frame.radius_m * radii * length(ray);
+    @if(tiles) out.block = in.block;
+    return out;
+}
+
+// The same but for where maps are read.
+fn seen_along(ray: vec3f, radii: f32, up: vec3f) -> SurfacePoint {
     var out: SurfacePoint;
     out.to_eye = -ray;
     out.up = up;
     let across = max(length(up.xy), 1e-7);
     out.east = vec3f(-up.y, up.x, 0.0) / across;
     out.north = cross(up, out.east);
-    let angles = longitude_latitude(in, up, across);
-    out.uv = vec2f(angles.x / (2.0 * PI), -angles.y / PI);
-    out.center_uv = in.center_uv;
-    @if(truth) out.range_m = frame.radius_m * radii * length(ray);
-    @if(tiles) out.block = in.block;
 
     // The neighbour pixel's ray on the tangent plane: r − ray·(up·r)/(up·ray), times the distance in radii.
     let facing = min(dot(up, ray), -0.02 * length(ray));

@@ -23,7 +23,7 @@ impl Earth {
     /// or the other at the end.
     ///
     /// # Errors
-    /// A map that the Earth was made without or draws with tiles, and one of another device; the Earth is then as it was.
+    /// A map that the Earth was made without or draws with tiles, one of city lights that are drawn as points, and one of another device; the Earth is then as it was.
     pub fn set_map(&mut self, queue: &wgpu::Queue, map: &GpuMap) -> Result<(), EarthError> {
         let device = self.device.clone();
         let scope = ErrorScope::open(&device, wgpu::ErrorFilter::Validation);

@@ -100,6 +100,7 @@ impl Earth {
             diagnostics: options.diagnostics,
             interpolates_air: options.interpolates_air(),
             pipelines: options.pipelines,
+            has_city_lights: options.city_lights.is_some(),
         };
         let ground = planner.ground();
         let textures = air.as_ref().map(AirDrawable::textures);
@@ -108,6 +109,9 @@ impl Earth {
         let mut view = SurfaceView::new(device, planner.meshes().grids(), &config);
         let maps = (&options.layers, &options.uploaded);
         let mut surface = SurfaceDrawable::new(device, queue, maps, pools, &config, &mut view);
+        if let Some(lights) = &options.city_lights {
+            surface.set_city_lights(device, lights);
+        }
         if options.pipelines == Pipelines::AtOnce {
             surface.make_all(device, &config, &view)?;
             if let Some(air) = &mut air {

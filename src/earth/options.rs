@@ -12,7 +12,7 @@ use terrella_ground::air::{AirOptions, Atmosphere};
 use terrella_ground::globe::{Figure, Shading, Subdivision, Visibility};
 use terrella_ground::light::{Bloom, Exposure, Tone};
 use terrella_imagery::tile::MapLayer;
-use terrella_imagery::{EarthLayers, MapAlbedo, MapGroundKinds};
+use terrella_imagery::{CityLights, EarthLayers, GroundKinds, MapAlbedo, MapGroundKinds};
 
 /// What is fixed when an Earth is made.
 #[derive(Clone, Debug)]
@@ -26,6 +26,9 @@ pub struct EarthOptions {
     /// only and costs nothing. `layers` must be the pack's coarsest maps, `subdivision` automatic or at least [`super::TILED_SUBDIVISION`] if
     /// nothing is to be seen of block edges at grazing views.
     pub tiles: Option<TileOptions>,
+    /// City lights as points, which take the place of the map of night lights where [`SurfaceLight::detail`] is on and the block sphere is
+    /// drawn with whole maps: [`CityLights::load`]. `None` draws the map and costs nothing.
+    pub city_lights: Option<Arc<CityLights>>,
     /// Terrain; `None` draws the smooth ellipsoid and costs nothing.
     pub ground: Option<GroundOptions>,
     /// Figure of the Earth: WGS84 or the paper's sphere.
@@ -91,6 +94,7 @@ impl EarthOptions {
             layers,
             uploaded: UploadedMaps::default(),
             tiles: None,
+            city_lights: None,
             ground: None,
             figure: Figure::default(),
             subdivision: Subdivision::default(),
@@ -175,6 +179,20 @@ impl EarthOptions {
             true => MapGroundKinds::of(layer, image).map(Arc::new),
             false => self.uploaded.get(layer)?.kinds.clone(),
         }
+    }
+
+    /// Where its maps have nothing but land or open sea: of whole maps, and of pictures that may use it.
+    pub(crate) fn ground_kinds(&self) -> Option<Arc<GroundKinds>> {
+        let is_used = self.interpolates_air()
+            && self.atmosphere == Atmosphere::Billboard
+            && self.tiles.is_none()
+            && self.ground.is_none();
+        let kinds = || {
+            let water = self.map_kinds(MapLayer::Water)?;
+            let day = self.map_kinds(MapLayer::Day)?;
+            Some(Arc::new(GroundKinds::of_parts(&water, &day)))
+        };
+        is_used.then(kinds).flatten()
     }
 
     /// What of them can be changed while the Earth is drawn, besides quality and maps.

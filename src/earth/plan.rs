@@ -1,6 +1,7 @@
 //! What a frame draws: how fine the mesh is, which blocks are in sight, with which tiles and ground. Pure code: the plan is
 //! handed to the GPU, and nothing comes back.
 
+use super::city_lights::CityLightDriver;
 use super::glow::glow_in_sight;
 use super::ground::GroundDriver;
 use super::metering::ExposureControl;
@@ -25,22 +26,7 @@ use terrella_ground::globe::{
     Surface, Visibility, sagitta, select_blocks, texels_per_pixel,
 };
 use terrella_ground::light::{Tone, exposure_factor};
-use terrella_imagery::tile::MapLayer;
 use terrella_imagery::{GroundKinds, MOST_PIXEL_M};
-
-/// Where the maps of an Earth have nothing but land or open sea: of whole maps, and of pictures that may use it.
-fn ground_kinds(options: &EarthOptions) -> Option<Arc<GroundKinds>> {
-    let is_used = options.interpolates_air()
-        && options.atmosphere == Atmosphere::Billboard
-        && options.tiles.is_none()
-        && options.ground.is_none();
-    let kinds = || {
-        let water = options.map_kinds(MapLayer::Water)?;
-        let day = options.map_kinds(MapLayer::Day)?;
-        Some(Arc::new(GroundKinds::of_parts(&water, &day)))
-    };
-    is_used.then(kinds).flatten()
-}
 
 /// Turns the views of one eye into plans.
 pub(super) struct Planner {
@@ -58,6 +44,7 @@ pub(super) struct Planner {
     /// Where there is nothing but land or open sea, if that is known.
     kinds: Option<Arc<GroundKinds>>,
     light: SurfaceLight,
+    city_lights: Option<CityLightDriver>,
     ground: Option<GroundDriver>,
     has_tiles: bool,
     /// Texels of the day map per block side where no tile is drawn.
@@ -85,8 +72,9 @@ impl Planner {
             air: options.air,
             has_clouds: options.layers.clouds.is_some(),
             cells: None,
-            kinds: ground_kinds(options),
+            kinds: options.ground_kinds(),
             light: options.light,
+            city_lights: CityLightDriver::new(options),
             has_tiles,
             ground: ground.transpose()?,
             whole_day_pixels: options.layers.day.width / COLUMNS,
@@ -102,6 +90,7 @@ impl Planner {
             ground: ground.transpose()?,
             cells: None,
             kinds: self.kinds.clone(),
+            city_lights: self.city_lights.clone(),
             ..*self
         })
     }
@@ -226,6 +215,9 @@ impl Planner {
             if grid.sun_range(*block, sky.sun_itrf).0 > LIGHTS_OUT {
                 plan.daylit.insert(block.index() as u8);
             }
+        }
+        if let (Some(lights), None) = (&self.city_lights, &self.ground) {
+            lights.list(view, sky, exposure, &self.light, plan);
         }
         if !self.has_tiles {
             stats.texels_per_pixel = self.whole_texels_per_pixel(view, &plan.blocks);

@@ -1,7 +1,7 @@
 //! How the surface is drawn.
 
 use super::{DiagnosticOptions, Pipelines, Quality, SurfaceLight};
-use crate::gpu::{AirTextures, PassFormat, SurfaceConfig};
+use crate::gpu::{AirTextures, PassFormat, SurfaceConfig, SurfaceOutput};
 use terrella_ground::globe::{Shading, Surface};
 use terrella_imagery::tile::MapLayer;
 
@@ -14,6 +14,8 @@ pub(super) struct SurfaceStyle {
     /// Of [`super::EarthOptions`]: whether the air's light may be interpolated.
     pub interpolates_air: bool,
     pub pipelines: Pipelines,
+    /// Whether there are city lights as points.
+    pub has_city_lights: bool,
 }
 
 /// How the surface is drawn with a quality.
@@ -28,8 +30,14 @@ pub(super) fn surface_config<'a>(
     let software = device.adapter_info().device_type == wgpu::DeviceType::Cpu;
     let mut shown = quality.maps;
     shown[MapLayer::Day.index()] = true;
+    let city_lights = style.has_city_lights
+        && style.light.detail
+        && style.shading == Shading::Sunlit
+        && style.diagnostics.output == SurfaceOutput::Color
+        && shown[MapLayer::NightLights.index()];
     SurfaceConfig {
         shading: style.shading,
+        city_lights,
         light: style.light,
         shown,
         output: style.diagnostics.output,

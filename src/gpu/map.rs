@@ -32,6 +32,11 @@ pub enum MapError {
         "the {0} map is drawn with the tiles of a pack; give the Earth one without tiles of it, or another pack"
     )]
     Tiled(&'static str),
+    /// City lights are points.
+    #[error(
+        "city lights are drawn as points in place of their map; make the Earth without EarthOptions::city_lights to draw another map of them"
+    )]
+    AsPoints,
     /// The shader file is at fault.
     #[error(transparent)]
     Shader(#[from] ShaderError),

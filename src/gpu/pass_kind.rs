@@ -17,10 +17,12 @@ pub(super) enum PassKind {
     OpenSea,
     /// All, in frames that the Moon's shadow is in.
     Eclipsed,
+    /// City lights as points, over all of it.
+    CityLights,
 }
 
 impl PassKind {
-    pub const COUNT: usize = 6;
+    pub const COUNT: usize = 7;
     pub const ALL: [Self; Self::COUNT] = [
         Self::Everything,
         Self::Daylit,
@@ -28,6 +30,7 @@ impl PassKind {
         Self::Land,
         Self::OpenSea,
         Self::Eclipsed,
+        Self::CityLights,
     ];
 
     /// What a draw of a frame is drawn by.
@@ -45,7 +48,7 @@ impl PassKind {
     /// What draws the same where that is not to be had.
     pub fn instead(self) -> Option<Self> {
         match self {
-            Self::Everything => None,
+            Self::Everything | Self::CityLights => None,
             Self::Daylit | Self::Eclipsed => Some(Self::Everything),
             Self::Interpolated => Some(Self::Daylit),
             Self::Land | Self::OpenSea => Some(Self::Interpolated),

@@ -1,6 +1,7 @@
 //! The drawable of the surface: blocks of a lattice, patches of terrain, a grid, or pages that rays are cast at, one
 //! indexed draw each. What all views share stands here, what each has of its own in `surface_view.rs`.
 
+use super::city_lights::CityPoints;
 use super::detail_tile::DetailTile;
 use super::maps::Maps;
 use super::mesh::{MeshForm, SurfaceMesh};
@@ -16,8 +17,9 @@ use super::tiles::TileTextures;
 use super::{Binding, GpuMap, MapError, ShaderError, UploadedMaps};
 use crate::plan::{ChosenTiles, DrawLight, FramePlan, SurfaceLightUniforms};
 use terrella_ground::globe::{BlockSet, Shading};
-use terrella_imagery::EarthLayers;
 use terrella_imagery::residency::{Pool, Upload};
+use terrella_imagery::tile::MapLayer;
+use terrella_imagery::{CityLights, EarthLayers};
 
 pub(crate) struct SurfaceDrawable {
     pipelines: SurfacePipelines,
@@ -27,6 +29,8 @@ pub(crate) struct SurfaceDrawable {
     light: wgpu::Buffer,
     /// Where something is drawn with it.
     detail_tile: Option<DetailTile>,
+    /// City lights that take the place of their map.
+    city_lights: Option<CityPoints>,
     texture_bytes: u64,
 }
 
@@ -101,10 +105,16 @@ impl SurfaceDrawable {
             imagery,
             light,
             detail_tile,
+            city_lights: None,
             texture_bytes,
         };
         drawable.bind_view(first);
         drawable
+    }
+
+    /// Has these city lights from now on, for pipelines that draw them.
+    pub fn set_city_lights(&mut self, device: &wgpu::Device, lights: &CityLights) {
+        self.city_lights = Some(CityPoints::upload(device, lights));
     }
 
     /// Bytes of all its textures.
@@ -159,6 +169,9 @@ impl SurfaceDrawable {
         if !self.maps.there()[layer.index()] {
             return Err(MapError::NotDrawn(layer.name()));
         }
+        if layer == MapLayer::NightLights && self.pipelines.has(0, PassKind::CityLights) {
+            return Err(MapError::AsPoints);
+        }
         if let Imagery::Tiles { tiles, .. } = &self.imagery
             && tiles.has(layer)
         {
@@ -200,11 +213,21 @@ impl SurfaceDrawable {
     /// Whether what a plan is drawn with is made and bound.
     pub fn is_ready(&self, view: &SurfaceView, plan: &FramePlan) -> bool {
         let side = side_of(plan);
-        let mut lights = plan.draws.iter().map(|draw| draw.light);
-        lights.all(|light| {
-            let kind = self.pipelines.kind_of(side, light, plan.has_moon_shadow);
+        let lights = plan.draws.iter().map(|draw| draw.light);
+        let kinds = lights.map(|light| self.pipelines.kind_of(side, light, plan.has_moon_shadow));
+        let mut kinds = kinds.chain(self.city_lights_of(plan));
+        kinds.all(|kind| {
             self.pipelines.pass(side, kind).is_some() && view.group(side, kind).is_some()
         })
+    }
+
+    /// What draws the city lights of a plan, if there are any.
+    fn city_lights_of(&self, plan: &FramePlan) -> Option<PassKind> {
+        let kind = PassKind::CityLights;
+        let is_drawn = !plan.city_lights.is_empty()
+            && self.city_lights.is_some()
+            && self.pipelines.has(side_of(plan), kind);
+        is_drawn.then_some(kind)
     }
 
     /// Makes ready what a plan is drawn with, as far as it is not there.
@@ -221,18 +244,12 @@ impl SurfaceDrawable {
             draws.any(|draw| draw.light == *light)
         });
         let kinds = kinds.map(|light| self.pipelines.kind_of(side, light, plan.has_moon_shadow));
-        let wanted: Vec<_> = kinds.map(|kind| (side, kind)).collect();
+        let wanted: Vec<_> = kinds.chain(self.city_lights_of(plan)).collect();
         let maker = self.maker(view);
+        let missing = wanted.iter().map(|kind| (side, *kind));
         self.pipelines
-            .make_passes(&maker, device, config, wanted.into_iter())?;
-        let mut seen = [false; DrawLight::ALL.len()];
-        for draw in &plan.draws {
-            if std::mem::replace(&mut seen[draw.light as usize], true) {
-                continue;
-            }
-            let kind = self
-                .pipelines
-                .kind_of(side, draw.light, plan.has_moon_shadow);
+            .make_passes(&maker, device, config, missing)?;
+        for kind in wanted {
             if let Some(pass) = self.pipelines.pass(side, kind)
                 && view.group(side, kind).is_none()
             {
@@ -315,12 +332,32 @@ impl SurfaceDrawable {
             Imagery::Whole(maps) => {
                 pass.set_bind_group(1, maps, &[]);
                 mesh.render(pass, plan, &mut |pass, draw| by_light(pass, draw.light));
+                self.render_city_lights(pass, view, plan);
             }
             Imagery::Tiles { tiles, whole } => mesh.render(pass, plan, &mut |pass, draw| {
                 by_light(pass, draw.light);
                 let maps = draw.block.map_or(whole, |block| tiles.bind_group(block));
                 pass.set_bind_group(1, maps, &[]);
             }),
+        }
+    }
+
+    /// Draws city lights over the surface; the whole maps are bound.
+    fn render_city_lights(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        view: &SurfaceView,
+        plan: &FramePlan,
+    ) {
+        let side = side_of(plan);
+        let drawn = self.city_lights_of(plan).and_then(|kind| {
+            let pass = self.pipelines.pass(side, kind)?;
+            Some((pass, view.group(side, kind)?, self.city_lights.as_ref()?))
+        });
+        if let Some((drawn, group, points)) = drawn {
+            pass.set_pipeline(&drawn.pipeline);
+            pass.set_bind_group(0, group, &[]);
+            points.draw(pass, &plan.city_lights);
         }
     }
 

@@ -24,6 +24,8 @@ pub(crate) struct SurfaceConfig<'a> {
     pub crosses_blocks: bool,
     /// Whether the air's light is taken from vertices where that suffices.
     pub interpolates_air: bool,
+    /// Whether city lights are points where the block sphere is drawn with whole maps, in place of their map.
+    pub city_lights: bool,
     /// Whether edges of triangles are drawn alone.
     pub wireframe: bool,
 }

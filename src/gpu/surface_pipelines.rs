@@ -1,13 +1,14 @@
 //! The pipelines of the surface: made by any thread, without the surface that they are for.
 
 use super::SurfaceOutput;
+use super::city_lights::CityPoints;
 use super::detail_tile::DetailTile;
 use super::maps::MapArrangement;
 use super::mesh::MeshForm;
 use super::pass_kind::PassKind;
 use super::shader::{
     EarthOutput, EarthVariant, PaperLayers, ShaderModule, ShaderVariant, ShadingVariant,
-    SunlitLayers, TruthLayers,
+    SunlitLayers, TruthLayers, VertexForm,
 };
 use super::surface_config::SurfaceConfig;
 use super::surface_view::SurfaceView;
@@ -64,16 +65,18 @@ impl SurfacePipelines {
     /// What draws light of this kind from one side of the air: that, or what serves in its place.
     pub(super) fn kind_of(&self, side: usize, light: DrawLight, has_moon_shadow: bool) -> PassKind {
         let mut kind = PassKind::of(light, has_moon_shadow);
-        let is_there = |kind: PassKind| {
-            let slots = self.sides.get(side);
-            slots.is_some_and(|slots| slots[kind as usize].variant.is_some())
-        };
-        while !is_there(kind)
+        while !self.has(side, kind)
             && let Some(instead) = kind.instead()
         {
             kind = instead;
         }
         kind
+    }
+
+    /// Whether there is such a pass, be it made or not.
+    pub(super) fn has(&self, side: usize, kind: PassKind) -> bool {
+        let slots = self.sides.get(side);
+        slots.is_some_and(|slots| slots[kind as usize].variant.is_some())
     }
 
     /// Whether one of them reads the tile of detail.
@@ -203,11 +206,16 @@ impl SurfaceMaker {
         );
         let sides = AirSide::of_air(config.air.is_some()).iter();
         let sides = sides.map(|&side| {
-            let all = EarthVariant {
+            let output = output(&maps, config, side);
+            let mut all = EarthVariant {
                 form: self.mesh.vertex,
-                output: output(&maps, config, side),
+                output,
                 parts: self.has_parts,
             };
+            let city_lights = all.lights_as_points().filter(|_| config.city_lights);
+            if city_lights.is_some() {
+                all = all.without_night_map();
+            }
             let interpolated = all.interpolated().filter(|_| config.interpolates_air);
             // Tiles show more than is known of whole maps.
             let of_one_kind = interpolated.filter(|_| !self.has_tiles);
@@ -220,6 +228,7 @@ impl SurfaceMaker {
                     PassKind::Land => of_one_kind.map(|(land, _)| land),
                     PassKind::OpenSea => of_one_kind.map(|(_, open_sea)| open_sea),
                     PassKind::Eclipsed => all.eclipsed().filter(|_| config.light.eclipses),
+                    PassKind::CityLights => city_lights,
                 },
                 pass: None,
             })
@@ -243,7 +252,7 @@ impl SurfaceMaker {
             label: Some("terrella earth"),
             entries: &self.entries(config, &variant),
         });
-        let pipeline = PipelineDescription {
+        let mut description = PipelineDescription {
             label: "terrella earth",
             bind_groups: Some(&[Some(&layout), Some(maps.layout())]),
             module: &shader.module,
@@ -260,8 +269,14 @@ impl SurfaceMaker {
             format: config.format,
             writes_depth: true,
             blend: None,
+        };
+        if variant.form == VertexForm::CityPoints {
+            description.buffers = &CityPoints::BUFFERS;
+            description.primitive = CityPoints::PRIMITIVE;
+            description.writes_depth = false;
+            description.blend = Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING);
         }
-        .create(device);
+        let pipeline = description.create(device);
         Ok(SurfacePass {
             variant,
             pipeline,

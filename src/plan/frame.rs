@@ -3,13 +3,18 @@
 use super::{AirPlan, DrawCosts, DrawLight, FrameUniforms, LISTED_INDICES, SurfaceDraw};
 use bytemuck::Zeroable;
 use glam::{DVec3, Vec3};
+use std::ops::Range;
 use terrella_frames::Ellipsoid;
 use terrella_ground::globe::{BLOCK_COUNT, Block, BlockGrid, BlockSet, TangentCone};
+use terrella_imagery::CITY_CELLS;
 use terrella_imagery::residency::{PartTables, ResidentTile};
 use terrella_imagery::tile::MAP_LAYERS;
 
 /// Of the rectangle that the air's own light is drawn in.
 const GLOW_TRIANGLES: u32 = 2;
+
+/// Of the rectangle that a point of city lights is drawn in.
+const POINT_TRIANGLES: u32 = 2;
 
 /// The tiles that a block is drawn with, by [`terrella_imagery::tile::MapLayer::index`]; `None` is the whole map.
 pub(crate) type BlockTiles = [Option<ResidentTile>; MAP_LAYERS];
@@ -53,6 +58,8 @@ pub(crate) struct FramePlan {
     pub cells: Vec<u16>,
     /// The draws of the surface, in their order.
     pub draws: Vec<SurfaceDraw>,
+    /// The city lights that may be lit and in sight, by their numbers among all.
+    pub city_lights: Vec<Range<u32>>,
     /// The blocks on which the Sun stands above the horizon everywhere: no lamp is lit there.
     pub daylit: BlockSet,
     /// Whether the Moon's shadow may be in view.
@@ -73,6 +80,7 @@ impl FramePlan {
             vertices: Vec::with_capacity(vertices),
             cells: Vec::with_capacity(if vertices > 0 { LISTED_INDICES } else { 0 }),
             draws: Vec::with_capacity(DrawLight::ALL.len() * BLOCK_COUNT as usize),
+            city_lights: Vec::with_capacity(CITY_CELLS),
             daylit: BlockSet::default(),
             has_moon_shadow: false,
             air: None,
@@ -85,6 +93,7 @@ impl FramePlan {
         self.vertices.clear();
         self.cells.clear();
         self.draws.clear();
+        self.city_lights.clear();
         self.daylit = BlockSet::default();
         self.has_moon_shadow = false;
         self.air = None;
@@ -95,11 +104,23 @@ impl FramePlan {
         let air = self.air.as_ref().map(|air| air.ring.triangles());
         let glow = self.air.as_ref().and_then(|air| air.glow.as_ref());
         let glow = glow.map(|_| GLOW_TRIANGLES);
+        let city_lights = self.city_lights.iter();
+        let city_lights = city_lights.map(|points| POINT_TRIANGLES * points.len() as u32);
         DrawCosts {
             draw_calls: (self.draws.len()
+                + self.city_lights.len()
                 + usize::from(air.is_some())
                 + usize::from(glow.is_some())) as u32,
-            triangles: surface.chain(air).chain(glow).sum(),
+            triangles: surface.chain(city_lights).chain(air).chain(glow).sum(),
+        }
+    }
+
+    /// Adds city lights; those of neighbours are drawn in one call.
+    pub fn add_city_lights(&mut self, lights: Range<u32>) {
+        match self.city_lights.last_mut() {
+            _ if lights.is_empty() => {}
+            Some(last) if last.end == lights.start => last.end = lights.end,
+            _ => self.city_lights.push(lights),
         }
     }
 

@@ -225,6 +225,11 @@ impl SurfaceLight {
         }
     }
 
+    /// Radiance of the brightest city lights.
+    pub(crate) fn lamp_light(&self) -> f64 {
+        CITY_RADIANCE * self.night_gain
+    }
+
     /// As the shader takes it.
     pub(crate) fn uniforms(&self) -> SurfaceLightUniforms {
         let wave_slope_squared = 0.003 + 0.00512 * self.wind_m_s;
@@ -240,7 +245,7 @@ impl SurfaceLight {
             cloud_height: cloud_height as f32,
             cloud_relief: (self.cloud_relief_m / RADIUS_M) as f32,
             cloud_dip: ((cloud_height * (2.0 + cloud_height)).sqrt() / (1.0 + cloud_height)) as f32,
-            lamp_light: (CITY_RADIANCE * self.night_gain) as f32,
+            lamp_light: self.lamp_light() as f32,
             padding: [0.0; 3],
         }
     }

@@ -4,6 +4,7 @@ mod appearances;
 mod aurora;
 mod bloom;
 mod changes;
+mod city_lights;
 #[path = "../common/mod.rs"]
 mod common;
 mod detail;

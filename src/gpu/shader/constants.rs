@@ -14,7 +14,9 @@ use terrella_ground::air::{self, TableSize};
 use terrella_ground::globe::{BLOCK_COUNT, COLUMNS, ROWS};
 use terrella_ground::light::{self, Bloom};
 use terrella_imagery::tile::{MAP_LAYERS, MapLayer, TILE_BORDER};
-use terrella_imagery::{CLOUD_ALBEDO, DETAIL_MEAN, DETAIL_STEP, FLOOR_SEEN_M, NEIGHBOURHOODS};
+use terrella_imagery::{
+    CLOUD_ALBEDO, CityLight, DETAIL_MEAN, DETAIL_STEP, FLOOR_SEEN_M, NEIGHBOURHOODS,
+};
 
 /// Words of four numbers that cells of blocks with parts may take, each with eight of them: with all else that says where tiles lie a
 /// buffer of 16 KiB, which every adapter takes.
@@ -106,6 +108,7 @@ const SHARED: &[(&str, Value)] = &[
     ("LUMINANCE", Vec3(air::LUMINANCE)),
     ("LAMPS_OUT_SIN", F32(LAMPS_OUT_SIN)),
     ("LAMPS_FULL_SIN", F32(LAMPS_FULL_SIN)),
+    ("CITY_LIGHT_RADIUS_M", F32(CityLight::MOST_RADIUS_M)),
     ("FLOOR_SEEN_M", F32(FLOOR_SEEN_M)),
     ("DETAIL_STEP", F32(DETAIL_STEP as f64)),
     ("DETAIL_MEAN", F32(DETAIL_MEAN as f64)),

@@ -30,6 +30,8 @@ pub enum VertexForm {
         /// Whether blocks have tiles.
         tiles: bool,
     },
+    /// City lights, points that are drawn over the block sphere.
+    CityPoints,
     /// Prisms behind which rays are cast at pages of contours. Each lies in one block.
     ContourPrisms {
         /// Whether blocks have tiles.
@@ -185,6 +187,45 @@ impl EarthVariant {
         Some((land, open_sea))
     }
 
+    /// City lights as points over ground that is drawn so; `None` where it has no such lights, tiles, or another mesh than the block sphere.
+    pub fn lights_as_points(self) -> Option<Self> {
+        match (self.form, self.output) {
+            (
+                VertexForm::BlockLattice { tiles: false },
+                EarthOutput::Picture(ShadingVariant::Sunlit(layers), target),
+            ) if layers.night_lights => Some(Self::of_city_lights((layers, target))),
+            _ => None,
+        }
+    }
+
+    /// The same without the map of city lights.
+    pub fn without_night_map(self) -> Self {
+        let without = self.with_sunlit(|layers| {
+            Some(SunlitLayers {
+                night_lights: false,
+                ..layers
+            })
+        });
+        without.unwrap_or(self)
+    }
+
+    /// City lights as points, behind what of these layers is before the ground.
+    fn of_city_lights((layers, target): (SunlitLayers, TargetColor)) -> Self {
+        let detail = LightEffects::NONE.with(LightEffect::Detail);
+        let layers = SunlitLayers {
+            clouds: layers.clouds,
+            night_lights: true,
+            effects: layers.effects.and(detail),
+            air: layers.air,
+            ..SunlitLayers::default()
+        };
+        Self {
+            form: VertexForm::CityPoints,
+            output: EarthOutput::Picture(ShadingVariant::Sunlit(layers), target),
+            parts: false,
+        }
+    }
+
     /// The same with other layers in real light; `None` where it has no such light, or there are none.
     fn with_sunlit(
         self,
@@ -201,7 +242,7 @@ impl EarthVariant {
 }
 
 impl VertexForm {
-    /// All of them.
+    /// All that the surface is drawn by.
     pub fn all() -> Vec<Self> {
         let mut all = Vec::new();
         for tiles in SWITCH {
@@ -223,6 +264,7 @@ impl VertexForm {
             Self::BlockLattice { tiles } | Self::ProjectedGrid { tiles } => tiles,
             Self::ContourPrisms { tiles, .. } => tiles,
             Self::ReliefPatches(tiles) => tiles != PatchTiles::None,
+            Self::CityPoints => false,
         }
     }
 
@@ -310,6 +352,19 @@ impl EarthOutput {
     }
 }
 
+/// What city lights are drawn behind and to.
+fn outputs_of_city_lights() -> impl Iterator<Item = (SunlitLayers, TargetColor)> {
+    let layers = SWITCH.into_iter().flat_map(|clouds| {
+        AirSide::OR_NONE.map(|air| SunlitLayers {
+            clouds,
+            air,
+            effects: LightEffects::NONE.with(LightEffect::Detail),
+            ..SunlitLayers::default()
+        })
+    });
+    layers.flat_map(|layers| TargetColor::USUAL.map(|target| (layers, target)))
+}
+
 impl ShaderVariant for EarthVariant {
     const ENTRY: &'static str = "earth.wgsl";
 
@@ -358,8 +413,9 @@ impl ShaderVariant for EarthVariant {
         let mut open_sea: Vec<_> = open_sea.filter_map(|v| Some(v.of_one_kind()?.1)).collect();
         open_sea.sort_unstable();
         open_sea.dedup();
+        let city_lights = outputs_of_city_lights().map(Self::of_city_lights);
         let all = all.into_iter().chain(interpolated);
-        all.chain(open_sea).collect()
+        all.chain(open_sea).chain(city_lights).collect()
     }
 
     fn needs(&self) -> Vec<ShaderCapability> {
@@ -401,7 +457,11 @@ impl ShaderVariant for EarthVariant {
             ("patches", matches!(form, Form::ReliefPatches(_))),
             ("grid", matches!(form, Form::ProjectedGrid { .. })),
             ("cast", matches!(form, Form::ContourPrisms { .. })),
-            ("relief", !matches!(form, Form::BlockLattice { .. })),
+            ("points", form == Form::CityPoints),
+            (
+                "relief",
+                !matches!(form, Form::BlockLattice { .. } | Form::CityPoints),
+            ),
             (
                 "depth",
                 matches!(

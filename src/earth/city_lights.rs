@@ -1,0 +1,173 @@
+//! Which city lights may be in sight.
+
+use super::view::ItrfView;
+use super::{EarthOptions, Sky, SurfaceLight};
+use crate::gpu::{LAMPS_OUT_SIN, TargetColor};
+use crate::plan::FramePlan;
+use glam::DVec3;
+use std::f64::consts::FRAC_PI_2;
+use std::sync::Arc;
+use terrella_frames::Ellipsoid;
+use terrella_imagery::{CityCell, CityLights};
+
+/// Room for the ellipsoid in angles, radians.
+const ROOM_RAD: f64 = 0.01;
+/// What is shown of a whole pixel's light, linear, where a city light is left out: a fifth of a code of 8 bits.
+const LEAST_SHOWN: f64 = 6e-5;
+/// Least cosine from the vertical at which ground is taken to be seen.
+const LEAST_FACING: f64 = 0.02;
+
+/// Chooses city lights for the views of an Earth.
+#[derive(Clone)]
+pub(super) struct CityLightDriver {
+    lights: Arc<CityLights>,
+    /// Exposed light of a pixel that nothing is shown of; 0 where all light counts.
+    least_shown: f64,
+}
+
+impl CityLightDriver {
+    /// `None` without such lights.
+    pub fn new(options: &EarthOptions) -> Option<Self> {
+        let shown = DVec3::splat(LEAST_SHOWN);
+        Some(Self {
+            lights: options.city_lights.clone()?,
+            least_shown: match options.pass_format().target_color() {
+                TargetColor::Radiance => 0.0,
+                _ => options.tone.light_shown_as(shown).min_element(),
+            },
+        })
+    }
+
+    /// Lists the lights of cells that are partly in the dark and in sight, as fine as their nearest place needs. Without detail there are
+    /// none.
+    pub fn list(
+        &self,
+        view: &ItrfView,
+        sky: &Sky,
+        exposure: f32,
+        light: &SurfaceLight,
+        plan: &mut FramePlan,
+    ) {
+        let full = light.lamp_light() * f64::from(exposure);
+        if !light.detail || full <= 0.0 {
+            return;
+        }
+        let ellipsoid = plan.ellipsoid;
+        let radius_m = ellipsoid.equatorial_radius_m;
+        for cell in CityCell::all() {
+            let from_sun_rad = cell.up.angle_between(sky.sun_itrf) + cell.radius_rad + ROOM_RAD;
+            if from_sun_rad < FRAC_PI_2 - LAMPS_OUT_SIN.asin() {
+                continue;
+            }
+            let Some(seen) = Seen::of(&cell, view, &ellipsoid) else {
+                continue;
+            };
+            let pixel_m = seen.distance_m * view.pixel_rad();
+            let fineness = self.lights.fineness(pixel_m / seen.facing.sqrt());
+            // Of a pixel's ground, square radii.
+            let ground = (pixel_m / radius_m).powi(2) / seen.facing;
+            let least_light = self.least_shown / full * ground;
+            let lights = self
+                .lights
+                .of_cell(cell.index, fineness, least_light as f32);
+            plan.add_city_lights(lights);
+        }
+    }
+}
+
+/// How a cell is seen at most.
+struct Seen {
+    /// A distance that no place of it is nearer than, metres.
+    distance_m: f64,
+    /// A cosine that no place of it is seen at more than, from its vertical; at least [`LEAST_FACING`].
+    facing: f64,
+}
+
+impl Seen {
+    /// `None` of cells behind the limb or beside the picture.
+    fn of(cell: &CityCell, view: &ItrfView, ellipsoid: &Ellipsoid) -> Option<Self> {
+        let (a, b) = (ellipsoid.equatorial_radius_m, ellipsoid.polar_radius_m);
+        let eye_m = view.eye_itrf_m.length();
+        // To the nearest place of the cell, over whose horizon the eye stands so high, on the smallest sphere.
+        let angle_rad = view.eye_itrf_m.angle_between(cell.up) - cell.radius_rad - ROOM_RAD;
+        let over_m = eye_m * angle_rad.max(0.0).cos() - b;
+        if over_m < 0.0 {
+            return None;
+        }
+        let squares = DVec3::new(a * a, a * a, b * b);
+        let middle_m = squares * cell.up / (squares * cell.up * cell.up).element_sum().sqrt();
+        let from_eye_m = middle_m - view.eye_itrf_m;
+        let reach_m = (cell.radius_rad + ROOM_RAD) * a;
+        let [x, y, w] = [0, 1, 3].map(|row| view.clip_from_eye.row(row));
+        let is_inside = [w + x, w - x, w + y, w - y].into_iter().all(|plane| {
+            let normal = plane.truncate();
+            normal.dot(from_eye_m) + plane.w > -reach_m * normal.length()
+        });
+        let distance_m = (from_eye_m.length() - reach_m).max(eye_m - a).max(1.0);
+        is_inside.then(|| Self {
+            distance_m,
+            facing: (over_m / distance_m).clamp(LEAST_FACING, 1.0),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::earth::{EyeView, Viewport};
+    use terrella_frames::Geodetic;
+
+    /// Beside every place of a grid that the eye sees in the picture: its cell is listed as seen, no nearer and no more from above.
+    #[test]
+    fn no_cell_in_sight_is_left_out() {
+        let ellipsoid = Ellipsoid::WGS84;
+        for (lat_deg, lon_deg, height_m, aim_deg) in [
+            (41.0, 8.0, 4.1e5, 25.0),
+            (0.0, 179.0, 2e6, 10.0),
+            (88.0, 30.0, 4e5, 40.0),
+            (-30.0, -60.0, 3.6e7, 2.0),
+            (50.0, 10.0, 1e3, 60.0),
+        ] {
+            let eye = Geodetic::from_degrees(lat_deg, lon_deg, height_m);
+            let eye_m = ellipsoid.itrf_from_geodetic(eye);
+            let aim = Geodetic::from_degrees(lat_deg - aim_deg, lon_deg, 0.0);
+            let aim_m = ellipsoid.itrf_from_geodetic(aim);
+            let view = EyeView::itrf(eye_m, aim_m - eye_m, eye_m, 0.8, 1.6);
+            let view = view.in_itrf(Viewport::from((640, 400))).expect("a picture");
+            let (mut in_sight, mut listed) = (0, 0);
+            for cell in CityCell::all() {
+                let seen = Seen::of(&cell, &view, &ellipsoid);
+                listed += usize::from(seen.is_some());
+                let (row, column) = (cell.index / 64, cell.index % 64);
+                for place in 0..36 {
+                    let lat_deg = 90.0 - 5.625 * (row as f64 + f64::from(place / 6) / 5.0);
+                    let lon_deg = 5.625 * (column as f64 + f64::from(place % 6) / 5.0) - 180.0;
+                    let place = Geodetic::from_degrees(lat_deg, lon_deg, 0.0);
+                    let from_eye_m = ellipsoid.itrf_from_geodetic(place) - eye_m;
+                    let facing = -from_eye_m
+                        .normalize()
+                        .dot(Ellipsoid::normal(place.lat_rad, place.lon_rad));
+                    let clip = view.clip_from_eye * from_eye_m.extend(1.0);
+                    if facing <= 0.0
+                        || clip.w <= 0.0
+                        || clip.truncate().truncate().abs().max_element() > clip.w
+                    {
+                        continue;
+                    }
+                    in_sight += 1;
+                    let seen = seen.as_ref().expect("a place of it is in sight");
+                    assert!(seen.distance_m <= from_eye_m.length() + 1.0, "{cell:?}");
+                    assert!(
+                        seen.facing >= facing - 1e-3,
+                        "{cell:?}: {} {facing}",
+                        seen.facing
+                    );
+                }
+            }
+            assert!(
+                in_sight > 0 && listed < 1200,
+                "{height_m}: {in_sight}, {listed}"
+            );
+        }
+    }
+}
