@@ -12,8 +12,8 @@ use terrella::{EarthError, EarthOptions, GpuContext, MapUploader, SurfaceLight, 
 use terrella_imagery::pack::{MANIFEST_FILE, Pack, PackTiles};
 use terrella_imagery::tile::{MapLayer, Storage};
 use terrella_imagery::{
-    DamagedLayer, EarthLayers, KeptInMemory, LayerSelection, MapSink, SLOPE_EXAGGERATION,
-    find_textures, load_layers_to, slopes_from_clouds,
+    CityLights, DamagedLayer, EarthLayers, KeptInMemory, LayerSelection, MapSink, PLACES_FILE,
+    SLOPE_EXAGGERATION, find_textures, load_layers_to, slopes_from_clouds,
 };
 
 /// Loads the maps that a scene wants at its start and no others, and gathers its options. `bc` is what the adapter does with
@@ -117,7 +117,10 @@ pub(super) fn map_files(scene: &Scene) -> Result<Vec<PathBuf>, PlayError> {
     }
     let folder = maps_folder(scene)?;
     let (selection, _) = selection_in(scene, &folder)?;
-    Ok(selection.files_in(&folder))
+    let mut files = selection.files_in(&folder);
+    let places = folder.join(PLACES_FILE);
+    files.extend((has_city_lights(scene, selection) && places.is_file()).then_some(places));
+    Ok(files)
 }
 
 fn maps_folder(scene: &Scene) -> Result<PathBuf, PlayError> {
@@ -215,6 +218,7 @@ fn folder_options(scene: &Scene, gpu: Option<&GpuContext>) -> Result<EarthOption
     let (selection, dropped) = selection_in(scene, &folder)?;
     warn_of(&dropped);
     tracing::info!("maps from {}", folder.display());
+    let city_lights = city_lights(scene, &folder, selection)?;
     let has_cloud_normals = table.normals && is_paper;
     // Normals of clouds are made from clouds in memory.
     if let Some(gpu) = gpu.filter(|_| !has_cloud_normals) {
@@ -222,14 +226,41 @@ fn folder_options(scene: &Scene, gpu: Option<&GpuContext>) -> Result<EarthOption
         let layers = whole_layers(scene, &folder, selection, &uploader)?;
         return Ok(EarthOptions {
             uploaded: uploader.finish().map_err(EarthError::from)?,
+            city_lights,
             ..EarthOptions::new(layers)
         });
     }
     let mut options = EarthOptions::new(whole_layers(scene, &folder, selection, &KeptInMemory)?);
+    options.city_lights = city_lights;
     if has_cloud_normals {
         take_cloud_normals(&mut options)?;
     }
     Ok(options)
+}
+
+/// City lights as points, where a scene shows detail that is smaller than its map of night lights. A damaged file is an error in a strict
+/// scene, else they are left out with a warning, and the map is drawn.
+fn city_lights(
+    scene: &Scene,
+    folder: &Path,
+    selection: LayerSelection,
+) -> Result<Option<Arc<CityLights>>, PlayError> {
+    if !has_city_lights(scene, selection) {
+        return Ok(None);
+    }
+    match CityLights::load(folder) {
+        Err(error) if !scene.earth.strict => {
+            tracing::warn!("{error}; city lights are drawn as a map");
+            Ok(None)
+        }
+        lights => Ok(lights?),
+    }
+}
+
+/// Whether a scene draws its city lights as points.
+fn has_city_lights(scene: &Scene, selection: LayerSelection) -> bool {
+    let has_detail = scene.earth.light.is_some_and(|light| light.detail);
+    has_detail && selection.night_lights && scene.earth.relief.is_none()
 }
 
 /// Reads the maps of a folder. One that is damaged is an error in a strict scene, else it is left out and told; the day map is
