@@ -30,7 +30,7 @@ const MOST_RADIUS_M: f64 = 1300.0;
 const RADIUS_VARIES: f64 = 2.0;
 /// Points that a texel with light has, one for so many square metres of ground as bright as the brightest lamps, and at most so many. Where
 /// places and roads are fewer, points are made up between them: villages that the list lacks, flares, ships.
-const LIGHT_OF_POINT_M2: f64 = 8e6;
+const LIGHT_OF_POINT_M2: f64 = 1e7;
 const MOST_POINTS: f64 = 40.0;
 /// Part of the lamps of a place that are of its one kind.
 const OF_ONE_KIND: f64 = 0.75;

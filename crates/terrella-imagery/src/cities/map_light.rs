@@ -24,20 +24,15 @@ impl MapLight {
     pub fn new(map: &LayerImage) -> Self {
         let (width, height) = (map.width as usize, map.height as usize);
         let texels = map.levels.first().map_or(&[][..], Vec::as_slice);
-        let value = |row: usize, column: usize| {
-            let texel = texels.get(row * width + column);
-            f32::from(texel.copied().unwrap_or(0)) / 255.0
-        };
+        let row_of = |row: usize| texels.get(row * width..(row + 1) * width).unwrap_or(&[]);
         let rows = parallel::map(height, |row| {
-            let above = row.saturating_sub(1);
-            let below = (row + 1).min(height - 1);
-            let line = |column: usize| [above, row, below].map(|row| value(row, column));
-            let mut light = Vec::with_capacity(width);
-            for column in 0..width {
-                let columns = [(column + width - 1) % width, column, (column + 1) % width];
-                light.push(mean_fourth_power(columns.map(line)));
-            }
-            light
+            let rows = [row.saturating_sub(1), row, (row + 1).min(height - 1)].map(row_of);
+            let column_of = |column: usize| rows.map(|row| row.get(column).copied().unwrap_or(0));
+            let columns = (0..width).map(|column| {
+                let beside = [(column + width - 1) % width, column, (column + 1) % width];
+                mean_fourth_power(beside.map(column_of))
+            });
+            columns.collect::<Vec<_>>()
         });
         Self {
             width,
@@ -121,10 +116,11 @@ impl<T> ByTexel<T> {
 }
 
 /// Over a texel, given it and the eight about it, three columns of three.
-fn mean_fourth_power(around: [[f32; 3]; 3]) -> f32 {
-    if around == [[0.0; 3]; 3] {
+fn mean_fourth_power(around: [[u8; 3]; 3]) -> f32 {
+    if around == [[0; 3]; 3] {
         return 0.0;
     }
+    let around = around.map(|column| column.map(|value| f32::from(value) / 255.0));
     let mut sum = 0.0;
     for x in [0, 2] {
         for y in [0, 2] {

@@ -15,8 +15,8 @@ const SPACING_M: f64 = 5_000.0;
 const WINDING_M: f64 = 500.0;
 /// Metres of a degree of latitude.
 const DEGREE_M: f64 = 111_195.0;
-/// Side of the cells in which neighbours are looked for, degrees: no way crosses more than two in latitude.
-const CELL_DEG: f64 = 0.3;
+/// Side of the cells in which neighbours are looked for, degrees.
+const CELL_DEG: f64 = 0.2;
 
 /// Lamps along a road.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -138,28 +138,48 @@ impl<'p> Neighbours<'p> {
     /// The nearest place with more people, no farther than [`LONGEST_M`].
     fn nearest_larger(&self, place: &Place) -> Option<&'p Place> {
         let (row, column) = cell_of(place);
-        let beside = (LONGEST_M / (DEGREE_M * CELL_DEG * cos_lat(place))).ceil() as i64;
-        let above = (LONGEST_M / (DEGREE_M * CELL_DEG)).ceil() as i64;
+        // Metres of a cell from west to east, the shorter side.
+        let cell_m = DEGREE_M * CELL_DEG * cos_lat(place);
         let mut nearest = None;
-        let mut nearest_squared = LONGEST_M * LONGEST_M;
-        for row in (row - above).max(0)..=(row + above).min(self.rows - 1) {
-            for column in column - beside..=column + beside {
-                let cell = (row * self.columns + column.rem_euclid(self.columns)) as usize;
+        let mut nearest_m = LONGEST_M;
+        // Cells farther and farther away, until none can hold a nearer one.
+        for away in 0.. {
+            if f64::from(away - 1) * cell_m >= nearest_m {
+                break;
+            }
+            for (north, east) in ring(away) {
+                let row = row + i64::from(north);
+                if !(0..self.rows).contains(&row) {
+                    continue;
+                }
+                let column = (column + i64::from(east)).rem_euclid(self.columns);
+                let cell = (row * self.columns + column) as usize;
                 let cell = self.starts[cell] as usize..self.starts[cell + 1] as usize;
                 for other in &self.places[cell] {
                     if other.population <= place.population {
                         continue;
                     }
                     let (east_m, north_m) = offset_m(place, other);
-                    let squared = east_m * east_m + north_m * north_m;
-                    if squared < nearest_squared {
-                        (nearest, nearest_squared) = (Some(*other), squared);
+                    let distance_m = (east_m * east_m + north_m * north_m).sqrt();
+                    if distance_m < nearest_m {
+                        (nearest, nearest_m) = (Some(*other), distance_m);
                     }
                 }
             }
         }
         nearest
     }
+}
+
+/// Steps to the cells that are so many cells away.
+fn ring(away: i32) -> impl Iterator<Item = (i32, i32)> {
+    (-away..=away).flat_map(move |north| {
+        // All of the first and the last row, and the ends of the others.
+        let step = if north.abs() == away { 1 } else { 2 * away };
+        (-away..=away)
+            .step_by(step.max(1) as usize)
+            .map(move |east| (north, east))
+    })
 }
 
 fn cell_of(place: &Place) -> (i64, i64) {
