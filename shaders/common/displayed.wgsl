@@ -1,13 +1,14 @@
 // From light to what the colour target stores, once and last: exposure, tone curve, dithering, encoding.
 //
 // `TargetColor` in src/gpu/shader/variant.rs says which conditions hold together. Float targets get the light itself, or exposed and no
-// more where it is developed after the pass (exposed). All others get what is shown: shown, with camera, neutral, filmic or none of
+// more where it is developed after the pass (exposed). All others get what is shown: shown, with camera, neutral, filmic, agx or none of
 // them (cut off at 1), and encode where the hardware does not encode.
 @if(encode) import common/color.wgsl;
 @if(exposed) import rust::BRIGHTEST_EXPOSED;
 @if(shown) import rust::LAST_CODE;
 @if(camera) import rust::{LUMINANCE, TONE_CAMERA_HALF_RAISED, TONE_CAMERA_SATURATION, TONE_CAMERA_STRAIGHT, TONE_CAMERA_TOE, TONE_CAMERA_TOE_LEAST, TONE_CAMERA_WHITE};
 @if(neutral) import rust::{TONE_NEUTRAL_DESATURATION, TONE_NEUTRAL_START};
+@if(agx) import rust::{TONE_AGX_CONTRAST_HIGH, TONE_AGX_CONTRAST_LOW, TONE_AGX_CONTRAST_LEAST, TONE_AGX_DISPLAY_POWER, TONE_AGX_FROM_X, TONE_AGX_FROM_Y, TONE_AGX_FROM_Z, TONE_AGX_INSET_X, TONE_AGX_INSET_Y, TONE_AGX_INSET_Z, TONE_AGX_LEAST_LOG, TONE_AGX_MOST_LOG, TONE_AGX_OUTSET_X, TONE_AGX_OUTSET_Y, TONE_AGX_OUTSET_Z};
 @if(filmic) import rust::{TONE_FILMIC_A, TONE_FILMIC_B, TONE_FILMIC_C, TONE_FILMIC_D, TONE_FILMIC_E, TONE_FILMIC_SCALE};
 
 fn displayed(light: vec3f, exposure: f32, pixel: vec2f) -> vec3f {
@@ -25,6 +26,7 @@ fn toned(light: vec3f, exposure: f32) -> vec3f {
     @if(camera) shown = camera(shown);
     @if(neutral) shown = neutral(shown);
     @if(filmic) shown = filmic(shown);
+    @if(agx) shown = agx(shown);
     @if(shown) return shown;
 }
 
@@ -58,6 +60,20 @@ fn filmic(light: vec3f) -> vec3f {
     // Beyond a thousand times white the curve is at its end, and squares could leave f32's range.
     let x = min(light, vec3f(1000.0)) * TONE_FILMIC_SCALE;
     return x * (TONE_FILMIC_A * x + TONE_FILMIC_B) / (x * (TONE_FILMIC_C * x + TONE_FILMIC_D) + TONE_FILMIC_E);
+}
+
+// `agx` in crates/terrella-ground/src/light/agx.rs.
+@if(agx)
+fn agx(light: vec3f) -> vec3f {
+    let seen = mat3x3f(TONE_AGX_INSET_X, TONE_AGX_INSET_Y, TONE_AGX_INSET_Z) * light;
+    let log_ = log2(max(seen, vec3f(1e-10)));
+    let x = saturate((log_ - TONE_AGX_LEAST_LOG) / (TONE_AGX_MOST_LOG - TONE_AGX_LEAST_LOG));
+    let high = (TONE_AGX_CONTRAST_HIGH.z * x + TONE_AGX_CONTRAST_HIGH.y) * x + TONE_AGX_CONTRAST_HIGH.x;
+    let low = (TONE_AGX_CONTRAST_LOW.z * x + TONE_AGX_CONTRAST_LOW.y) * x + TONE_AGX_CONTRAST_LOW.x;
+    let curved = (high * x * x * x + low) * x + TONE_AGX_CONTRAST_LEAST;
+    let outset = mat3x3f(TONE_AGX_OUTSET_X, TONE_AGX_OUTSET_Y, TONE_AGX_OUTSET_Z) * curved;
+    let shown = pow(max(outset, vec3f(0.0)), vec3f(TONE_AGX_DISPLAY_POWER));
+    return saturate(mat3x3f(TONE_AGX_FROM_X, TONE_AGX_FROM_Y, TONE_AGX_FROM_Z) * shown);
 }
 
 // Noise of at most half a step of 8 bits, the same for a pixel in every frame, so that gradients too dark for 8 bits are shown

@@ -463,7 +463,7 @@ fn a_target_of_light_is_not_exposed() {
             parts: false,
         })
     };
-    let curves = ["fn camera", "fn neutral", "fn filmic"];
+    let curves = ["fn camera", "fn neutral", "fn filmic", "fn agx"];
     for target in TargetColor::all() {
         let text = text(target);
         let is_exposed = target != TargetColor::Radiance;

@@ -12,7 +12,7 @@ use std::f64::consts::PI;
 use terrella_frames::{MOON_RADIUS_M, SUN_RADIUS_M, SUN_RADIUS_RAD};
 use terrella_ground::air::{self, TableSize};
 use terrella_ground::globe::{BLOCK_COUNT, COLUMNS, ROWS};
-use terrella_ground::light::{self, Bloom};
+use terrella_ground::light::{self, Bloom, agx};
 use terrella_imagery::tile::{MAP_LAYERS, MapLayer, TILE_BORDER};
 use terrella_imagery::{
     CLOUD_ALBEDO, CityLight, DETAIL_MEAN, DETAIL_STEP, FLOOR_SEEN_M, NEIGHBOURHOODS,
@@ -135,6 +135,35 @@ const SHARED: &[(&str, Value)] = &[
     ("TONE_FILMIC_C", F32(light::FILMIC[2])),
     ("TONE_FILMIC_D", F32(light::FILMIC[3])),
     ("TONE_FILMIC_E", F32(light::FILMIC[4])),
+    ("TONE_AGX_INSET_X", Vec3(agx::INSET.x_axis)),
+    ("TONE_AGX_INSET_Y", Vec3(agx::INSET.y_axis)),
+    ("TONE_AGX_INSET_Z", Vec3(agx::INSET.z_axis)),
+    ("TONE_AGX_OUTSET_X", Vec3(agx::OUTSET.x_axis)),
+    ("TONE_AGX_OUTSET_Y", Vec3(agx::OUTSET.y_axis)),
+    ("TONE_AGX_OUTSET_Z", Vec3(agx::OUTSET.z_axis)),
+    ("TONE_AGX_FROM_X", Vec3(agx::REC709_FROM_REC2020.x_axis)),
+    ("TONE_AGX_FROM_Y", Vec3(agx::REC709_FROM_REC2020.y_axis)),
+    ("TONE_AGX_FROM_Z", Vec3(agx::REC709_FROM_REC2020.z_axis)),
+    ("TONE_AGX_LEAST_LOG", F32(agx::LEAST_LOG)),
+    ("TONE_AGX_MOST_LOG", F32(agx::MOST_LOG)),
+    ("TONE_AGX_CONTRAST_LEAST", F32(agx::CONTRAST[0])),
+    (
+        "TONE_AGX_CONTRAST_LOW",
+        Vec3(DVec3::new(
+            agx::CONTRAST[1],
+            agx::CONTRAST[2],
+            agx::CONTRAST[3],
+        )),
+    ),
+    (
+        "TONE_AGX_CONTRAST_HIGH",
+        Vec3(DVec3::new(
+            agx::CONTRAST[4],
+            agx::CONTRAST[5],
+            agx::CONTRAST[6],
+        )),
+    ),
+    ("TONE_AGX_DISPLAY_POWER", F32(agx::DISPLAY_POWER)),
     // The air and its tables; heights are equatorial radii where they say no unit.
     ("LOWEST_SUN", F32(air::LOWEST_SUN)),
     ("SUN_SPACING", F32(air::SUN_SPACING)),

@@ -46,7 +46,7 @@ impl TargetColor {
     }
 
     /// The conditions of `common/displayed.wgsl`.
-    pub fn conditions(self) -> [(&'static str, bool); 6] {
+    pub fn conditions(self) -> [(&'static str, bool); 7] {
         let tone = self.tone();
         [
             ("exposed", self == Self::Exposed),
@@ -54,6 +54,7 @@ impl TargetColor {
             ("camera", tone == Some(Tone::Camera)),
             ("neutral", tone == Some(Tone::Neutral)),
             ("filmic", tone == Some(Tone::Filmic)),
+            ("agx", tone == Some(Tone::Agx)),
             ("encode", matches!(self, Self::Display(_))),
         ]
     }

@@ -11,7 +11,9 @@
 //! | `display_slope.rs` | how steeply those curves rise |
 //! | `bloom.rs` | light that a lens scatters before that |
 //! | `tone.rs` | tone curves, the shaders' twins |
+//! | `agx.rs` | one of them |
 
+pub mod agx;
 mod bloom;
 mod display_slope;
 mod exposure;

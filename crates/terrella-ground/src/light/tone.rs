@@ -1,5 +1,6 @@
 //! Tone curves: how exposed light becomes display light, 0…1. The shaders' twins stand in `shaders/common/displayed.wgsl`.
 
+use super::agx::{agx, light_by_agx};
 use crate::air::LUMINANCE;
 use glam::DVec3;
 
@@ -44,11 +45,19 @@ pub enum Tone {
     /// A film's contrast, channel by channel: Narkowicz's fit (2016) of the ACES curve, with the scale of 0.6 that he gives for
     /// it. Hues of highlights change.
     Filmic,
+    /// AgX, as Blender, three.js and Filament have it: 16.5 stops, and bright colours that fade to white.
+    Agx,
 }
 
 impl Tone {
     /// All of them.
-    pub const ALL: [Self; 4] = [Self::Camera, Self::Neutral, Self::Linear, Self::Filmic];
+    pub const ALL: [Self; 5] = [
+        Self::Camera,
+        Self::Neutral,
+        Self::Linear,
+        Self::Filmic,
+        Self::Agx,
+    ];
 
     /// Display light, 0…1 in each channel, of exposed light, which is not negative.
     pub fn shown(self, light: DVec3) -> DVec3 {
@@ -62,6 +71,7 @@ impl Tone {
                 let x = light * FILMIC_SCALE;
                 x * (a * x + b) / (x * (c * x + d) + e)
             }
+            Self::Agx => agx(light),
         };
         shown.clamp(DVec3::ZERO, DVec3::ONE)
     }
@@ -85,6 +95,7 @@ impl Tone {
                 // (a − yc)x² + (b − yd)x − ye = 0, the first of them positive.
                 positive_root(a - y * c, b - y * d, y * e) / FILMIC_SCALE
             }),
+            Self::Agx => light_by_agx(shown),
         }
     }
 }
@@ -165,7 +176,12 @@ mod tests {
             for step in 0..=4000 {
                 let light = tint * (f64::from(step) * 0.01 - 20.0).exp2();
                 let shown = tone.shown(light);
-                assert!(shown.cmpge(before - 1e-12).all(), "{tone:?} {light}");
+                // Of AgX a bright channel falls a little while the others reach white.
+                let room = if tone == Tone::Agx { 0.006 } else { 1e-12 };
+                assert!(
+                    shown.cmpge(before - room).all(),
+                    "{tone:?} {light}: {shown}, {before}"
+                );
                 assert!(shown.cmple(DVec3::ONE).all() && shown.is_finite());
                 before = shown;
             }
@@ -224,11 +240,35 @@ mod tests {
                     assert!(light.is_finite() && light.cmpge(DVec3::ZERO).all());
                     let got = code(tone.shown(light));
                     // Highlights of the neutral curve fade: it shows no bright pure colour.
-                    let is_shown = tone != Tone::Neutral || red.max(green) < 220.0;
+                    // AgX shows no pure colours.
+                    let is_shown = match tone {
+                        Tone::Neutral => red.max(green) < 220.0,
+                        Tone::Agx => [red, green].iter().all(|code| *code == 128.0),
+                        _ => true,
+                    };
                     let off = (got - DVec3::new(red, green, 90.0)).abs().max_element();
                     assert!(!is_shown || off < 0.4, "{tone:?} {red} {green}: {got}");
                 }
             }
+        }
+    }
+
+    /// Light, and what three.js shows of it.
+    const AGX_BY_THREE_JS: [([f64; 3], [f64; 3]); 6] = [
+        ([0.18, 0.18, 0.18], [0.2145486, 0.2145024, 0.2144992]),
+        ([1.0, 1.0, 1.0], [0.5902294, 0.5901361, 0.5901023]),
+        ([0.02, 0.05, 0.12], [0.0204572, 0.0706529, 0.1600676]),
+        ([4.0, 1.0, 0.2], [0.9380806, 0.6228427, 0.4209468]),
+        ([0.001, 0.001, 0.001], [0.0001058, 0.0001057, 0.0001057]),
+        ([30.0, 30.0, 60.0], [0.9969783, 0.9968787, 0.996779]),
+    ];
+
+    /// Beside the formula of three.js, evaluated in Python by its shader's constants, in the order in which that applies them.
+    #[test]
+    fn agx_shows_what_three_js_shows() {
+        for (light, shown) in AGX_BY_THREE_JS {
+            let off = Tone::Agx.shown(DVec3::from(light)) - DVec3::from(shown);
+            assert!(off.abs().max_element() < 2e-6, "{light:?}: {off}");
         }
     }
 
