@@ -23,6 +23,7 @@ mod samples;
 // Packs are built from them.
 pub mod spool;
 mod stream;
+pub mod tiff_chunks;
 pub mod tiff_gaps;
 mod tiles;
 pub mod warp;

@@ -2,7 +2,7 @@
 //!
 //! | file | where it lies | unit |
 //! |---|---|---|
-//! | GeoTIFF, BigTIFF: strips or tiles, uncompressed, LZW, deflate or PackBits | its own tags, or the sidecar | its own keys, or the sidecar |
+//! | GeoTIFF, BigTIFF: strips or tiles, compressed as [`tiff_chunks`](super::tiff_chunks) decodes | its own tags, or the sidecar | its own keys, or the sidecar |
 //! | PNG, grey, 8 or 16 bits | the sidecar | the sidecar |
 //! | NetCDF classic (CDF-1, CDF-2) | its coordinate variables, or the sidecar | its attribute `units`, or the sidecar |
 //! | SRTM's `.hgt`, also packed by gzip or in a zip file | its name, or the sidecar | metres |

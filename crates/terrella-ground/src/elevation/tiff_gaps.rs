@@ -3,11 +3,12 @@
 //! Sources: TIFF 6.0, sections 7 (`NewSubfileType`) and 8 (`PhotometricInterpretation` 4); for strips and tiles that are left out, the
 //! option `SPARSE_OK` of GDAL's driver, which writes offset 0 and length 0 for them.
 
+use super::tiff_chunks::{alone::Alone, zstd_bytes};
 use std::collections::BTreeMap;
-use std::io::{Cursor, Read, Seek, SeekFrom};
+use std::io::{Read, Seek, SeekFrom};
 use tiff::TiffError;
 use tiff::decoder::{ChunkType, Decoder, DecodingResult, IfdDecoder};
-use tiff::tags::{IfdPointer, Tag};
+use tiff::tags::{CompressionMethod, IfdPointer, Tag};
 
 /// Bits of `NewSubfileType`: a smaller copy of another image, a mask of another image.
 const REDUCED: u64 = 1;
@@ -255,8 +256,25 @@ impl TiffMask {
         if data.len() as u64 != length {
             return Err(TiffGapError::Damaged("the file ends inside its mask"));
         }
-        let mut alone = Decoder::new(Cursor::new(self.file_of(rows, &data)))?;
-        let DecodingResult::U8(mut bytes) = alone.read_chunk(0)? else {
+        let alone = Alone {
+            columns: self.chunk_columns as u32,
+            rows: rows as u32,
+            samples: 1,
+            bits: self.bits as u16,
+            format: 1,
+            compression: self.compression,
+            predictor: self.predictor,
+            is_big_endian: false,
+        };
+        let decoded = match self.compression == CompressionMethod::ZSTD.to_u16() {
+            true => {
+                let data = zstd_bytes(&data, alone.bytes())
+                    .map_err(|_| TiffGapError::Damaged("a mask of damaged ZSTD data"))?;
+                alone.uncompressed().decode(&data)?
+            }
+            false => alone.decode(&data)?,
+        };
+        let DecodingResult::U8(mut bytes) = decoded else {
             return Err(TiffGapError::Damaged("a mask of unknown numbers"));
         };
         if bytes.len() < self.row_bytes() * rows {
@@ -264,33 +282,6 @@ impl TiffMask {
         }
         bytes.resize(whole, 0);
         Ok(bytes)
-    }
-
-    /// A TIFF of grey pixels whose only strip holds these data: the decoder rejects images that are masks, but not their strips.
-    fn file_of(&self, rows: usize, data: &[u8]) -> Vec<u8> {
-        let strip_at = 8 + 2 + 12 * 10 + 4;
-        let entries: [(u16, u32); 10] = [
-            (256, self.chunk_columns as u32),
-            (257, rows as u32),
-            (258, self.bits as u32),
-            (259, u32::from(self.compression)),
-            (262, 1),
-            (273, strip_at),
-            (277, 1),
-            (278, rows as u32),
-            (279, data.len() as u32),
-            (317, u32::from(self.predictor)),
-        ];
-        let mut file = b"II*\0\x08\0\0\0\x0a\0".to_vec();
-        for (tag, value) in entries {
-            file.extend(tag.to_le_bytes());
-            // One LONG.
-            file.extend([4, 0, 1, 0, 0, 0]);
-            file.extend(value.to_le_bytes());
-        }
-        file.extend([0; 4]);
-        file.extend(data);
-        file
     }
 }
 

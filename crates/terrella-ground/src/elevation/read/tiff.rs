@@ -5,6 +5,7 @@ use super::geo_keys::{FilePlacement, HeightTags};
 use super::missing::Missing;
 use super::{Conversion, Header, HeightFileError};
 use crate::elevation::geo_tags::GeoTags;
+use crate::elevation::tiff_chunks::{TiffChunkError, TiffChunks};
 use crate::elevation::tiff_gaps::{TiffGapError, TiffMask, absent_chunks};
 use crate::elevation::warp::Warp;
 use crate::elevation::{GridError, MAX_SIDE};
@@ -23,6 +24,7 @@ const GDAL_METADATA: Tag = Tag::Unknown(42_112);
 /// A TIFF file whose header has been read.
 pub(super) struct Tiff<R: BufRead + Seek> {
     decoder: Decoder<R>,
+    chunks: TiffChunks,
     columns: usize,
     rows: usize,
     chunk_columns: usize,
@@ -133,6 +135,7 @@ impl<R: BufRead + Seek> Tiff<R> {
         limits.ifd_value_size = 64 << 20;
         limits.decoding_buffer_size = limits.ifd_value_size;
         let mut decoder = decoder.with_limits(limits.clone());
+        let chunks = TiffChunks::of(&mut decoder).map_err(|error| chunk_error(context, error))?;
         let absent = absent_chunks(&mut decoder);
         let mask = TiffMask::find(&mut decoder, (columns, rows));
         // At most `CHUNK_BYTES`. Compressed data are at most a little longer.
@@ -143,6 +146,7 @@ impl<R: BufRead + Seek> Tiff<R> {
             absent: absent.map_err(|error| gap_error(context, error))?,
             mask: mask.map_err(|error| gap_error(context, error))?,
             decoder,
+            chunks,
             columns: columns as usize,
             rows: rows as usize,
             chunk_columns: chunk_columns as usize,
@@ -159,7 +163,8 @@ impl<R: BufRead + Seek> Tiff<R> {
         let down = self.rows.div_ceil(self.chunk_rows) as u64;
         let mask = |mask: &TiffMask| mask.working_bytes(self.chunk_rows);
         let of_mask = self.mask.as_ref().map_or(0, mask);
-        2 * chunk + across * down * 17 + self.columns as u64 * 5 + (1 << 20) + of_mask
+        let of_chunks = self.chunks.working_bytes(chunk);
+        2 * chunk + across * down * 17 + self.columns as u64 * 5 + (1 << 20) + of_mask + of_chunks
     }
 
     /// Rows of a strip or tile.
@@ -240,8 +245,8 @@ impl<R: BufRead + Seek> Tiff<R> {
     ) -> Result<DecodingResult, HeightFileError> {
         // Below 2^32: chunks hold a sample at least.
         let index = number as u32;
-        let chunk = self.decoder.read_chunk(index);
-        let chunk = chunk.map_err(|error| tiff_error(context, error))?;
+        let chunk = self.chunks.read(&mut self.decoder, index);
+        let chunk = chunk.map_err(|error| chunk_error(context, error))?;
         let (width, height) = self.decoder.chunk_data_dimensions(index);
         match width as usize == columns && height as usize >= rows && columns > 0 {
             true => Ok(chunk),
@@ -308,12 +313,20 @@ fn convert_rows<T: Copy + Into<f64>, E>(
 fn unsupported(context: &FileContext, cause: String) -> HeightFileError {
     context.rejected(
         cause,
-        "one channel of whole numbers of 8 to 32 bits or of floats of 32 or 64, uncompressed or by LZW, deflate or PackBits",
+        "one channel of whole numbers of 8 to 32 bits or of floats of 32 or 64, uncompressed or by LZW, deflate, PackBits, ZSTD, LERC or JPEG",
         format!(
             "`gdal_translate -b 1 -ot Float32 -co COMPRESS=DEFLATE {} OUT.tif`",
             context.path().display()
         ),
     )
+}
+
+fn chunk_error(context: &FileContext, error: TiffChunkError) -> HeightFileError {
+    match error {
+        TiffChunkError::Tiff(error) => tiff_error(context, error),
+        TiffChunkError::Damaged(cause) => context.damaged(cause),
+        TiffChunkError::Unsupported(cause) => unsupported(context, cause),
+    }
 }
 
 fn gap_error(context: &FileContext, error: TiffGapError) -> HeightFileError {
@@ -331,7 +344,7 @@ fn gap_error(context: &FileContext, error: TiffGapError) -> HeightFileError {
 fn mask_rejected(context: &FileContext, cause: String) -> HeightFileError {
     context.rejected(
         format!("has {cause}"),
-        "a mask of 1 or 8 bits as large as the image, uncompressed or by LZW, deflate or PackBits",
+        "a mask of 1 or 8 bits as large as the image, uncompressed or by LZW, deflate, PackBits or ZSTD",
         format!(
             "write what it masks as no data: `gdalwarp -dstnodata -32768 {} OUT.tif`",
             context.path().display()

@@ -1,0 +1,491 @@
+//! Samples of the strips and tiles of a TIFF, however they are compressed: the one place that decodes them, for elevation and for
+//! imagery.
+//!
+//! | file | what |
+//! |---|---|
+//! | `alone.rs` | a strip or tile as a file of its own |
+//! | `pictures.rs` | JPEG and WebP |
+//! | `lerc.rs` | LERC |
+//!
+//! LZW, deflate and PackBits are left to the `tiff` crate, and so are predictors. Sources: TIFF 6.0; its Technical Note 2 for JPEG; the
+//! registered numbers of ZSTD and WebP (libtiff's `tiff.h`), and of LERC with its tag `LercParameters` (libtiff's `tif_lerc.c`).
+
+pub(in crate::elevation) mod alone;
+mod lerc;
+mod pictures;
+#[cfg(test)]
+mod tests;
+
+use alone::Alone;
+use lerc::{LercError, Sample};
+use pictures::PictureSize;
+use std::io::{Read, Seek, SeekFrom};
+use tiff::TiffError;
+use tiff::decoder::{ChunkType, Decoder, DecodingResult};
+use tiff::tags::{ByteOrder, PlanarConfiguration, Tag};
+
+/// Version of LERC, and how its data are compressed again.
+const LERC_PARAMETERS: Tag = Tag::Unknown(50_674);
+
+/// Samples that the data of one strip or tile may be longer than, bytes: tables and headers of the smallest.
+const MOST_EXTRA_BYTES: usize = 64 << 10;
+
+/// TIFF's `PhotometricInterpretation`.
+const WHITE_IS_ZERO: u16 = 0;
+const YCBCR: u16 = 6;
+
+/// TIFF's `Predictor` of none.
+const NO_PREDICTOR: u16 = 1;
+
+/// Why strips or tiles cannot be decoded.
+#[derive(Debug, thiserror::Error)]
+pub enum TiffChunkError {
+    /// The file cannot be read or is no good TIFF.
+    #[error(transparent)]
+    Tiff(#[from] TiffError),
+    /// A strip or tile is damaged.
+    #[error("{0}")]
+    Damaged(String),
+    /// What is not decoded, by its name, as the end of a sentence that begins with the file.
+    #[error("{0}")]
+    Unsupported(String),
+}
+
+impl From<LercError> for TiffChunkError {
+    fn from(error: LercError) -> Self {
+        match error {
+            LercError::Damaged(_) => Self::Damaged(error.to_string()),
+            LercError::Unsupported(_) => Self::Unsupported(error.to_string()),
+        }
+    }
+}
+
+/// How strips and tiles are compressed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Codec {
+    /// As the `tiff` crate decodes it.
+    OfCrate,
+    Zstd,
+    Jpeg,
+    WebP,
+    Lerc(After),
+}
+
+/// How LERC data are compressed again.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum After {
+    Nothing,
+    Deflate,
+    Zstd,
+}
+
+impl Codec {
+    /// Of TIFF's `Compression`; else what it is called.
+    fn of(compression: u16) -> Result<Self, String> {
+        Ok(match compression {
+            1 | 5 | 8 | 32_773 | 32_946 => Self::OfCrate,
+            7 => Self::Jpeg,
+            34_887 => Self::Lerc(After::Nothing),
+            50_000 => Self::Zstd,
+            50_001 => Self::WebP,
+            other => {
+                return Err(match other {
+                    2..=4 => "CCITT fax".to_string(),
+                    6 => "JPEG of TIFF 6.0 (old-style)".to_string(),
+                    33_003..=33_005 | 34_712 => "JPEG 2000".to_string(),
+                    34_661 => "JBIG".to_string(),
+                    34_676 | 34_677 => "SGI LogLuv".to_string(),
+                    34_925 => "LZMA".to_string(),
+                    50_002 | 52_546 => "JPEG XL".to_string(),
+                    other => format!("method {other}"),
+                });
+            }
+        })
+    }
+}
+
+/// Decompresses ZSTD data of at most so many bytes.
+pub(in crate::elevation) fn zstd_bytes(
+    data: &[u8],
+    most: usize,
+) -> Result<Vec<u8>, TiffChunkError> {
+    zstd::bulk::decompress(data, most)
+        .map_err(|error| TiffChunkError::Damaged(format!("ZSTD: {error}")))
+}
+
+/// Decompresses deflated data of at most so many bytes.
+fn deflated_bytes(data: &[u8], most: usize) -> Result<Vec<u8>, TiffChunkError> {
+    let mut bytes = Vec::new();
+    let stream = flate2::read::ZlibDecoder::new(data);
+    stream
+        .take(most as u64 + 1)
+        .read_to_end(&mut bytes)
+        .map_err(|error| TiffChunkError::Damaged(format!("deflate: {error}")))?;
+    match bytes.len() > most {
+        true => Err(TiffChunkError::Damaged(
+            "deflate: too many bytes".to_string(),
+        )),
+        false => Ok(bytes),
+    }
+}
+
+/// The strips or tiles of an image.
+#[derive(Clone, Debug)]
+pub struct TiffChunks {
+    codec: Codec,
+    /// Of a whole strip or tile.
+    form: Alone,
+    /// Strips or tiles of one plane.
+    per_plane: u32,
+    photometric: u16,
+    jpeg_tables: Option<Vec<u8>>,
+    /// The last of two or four samples is alpha.
+    has_alpha: bool,
+    /// Offset and length of each, where the `tiff` crate does not read them.
+    places: Vec<(u64, u64)>,
+}
+
+impl TiffChunks {
+    /// Looks at the current image of a file.
+    ///
+    /// # Errors
+    /// [`TiffChunkError`], where its strips or tiles are compressed in a way that is not decoded, or have samples of odd bits.
+    pub fn of<R: Read + Seek>(decoder: &mut Decoder<R>) -> Result<Self, TiffChunkError> {
+        let mut number = |tag, usual: u16| -> Result<u16, TiffError> {
+            let found = decoder.find_tag_unsigned_vec::<u16>(tag)?;
+            Ok(found.and_then(|all| all.first().copied()).unwrap_or(usual))
+        };
+        let compression = number(Tag::Compression, 1)?;
+        let bits = number(Tag::BitsPerSample, 1)?;
+        let of_pixel = number(Tag::SamplesPerPixel, 1)?;
+        let format = number(Tag::SampleFormat, 1)?;
+        let photometric = number(Tag::PhotometricInterpretation, 1)?;
+        let predictor = number(Tag::Predictor, NO_PREDICTOR)?;
+        let planar = number(Tag::PlanarConfiguration, 1)?;
+        let alpha = number(Tag::ExtraSamples, 0)?;
+        let after = decoder.find_tag_unsigned_vec::<u32>(LERC_PARAMETERS)?;
+        let codec = match Codec::of(compression) {
+            Ok(Codec::Lerc(_)) => Codec::Lerc(match after.and_then(|all| all.get(1).copied()) {
+                None | Some(0) => After::Nothing,
+                Some(1) => After::Deflate,
+                Some(2) => After::Zstd,
+                Some(other) => {
+                    let cause = format!("is LERC compressed again by method {other}");
+                    return Err(TiffChunkError::Unsupported(cause));
+                }
+            }),
+            Ok(codec) => codec,
+            Err(name) => {
+                let cause = format!("is compressed by {name}");
+                return Err(TiffChunkError::Unsupported(cause));
+            }
+        };
+        if !matches!(bits, 1 | 2 | 4 | 8 | 16 | 32 | 64) {
+            let cause = format!("holds samples of {bits} bits");
+            return Err(TiffChunkError::Unsupported(cause));
+        }
+        let is_picture = matches!(codec, Codec::Jpeg | Codec::WebP);
+        if is_picture && (bits, format) != (8, 1) {
+            let cause = format!("holds {bits}-bit samples as JPEG or WebP");
+            return Err(TiffChunkError::Unsupported(cause));
+        }
+        if bits < 8 && predictor != NO_PREDICTOR {
+            let cause = format!("holds samples of {bits} bits with a predictor");
+            return Err(TiffChunkError::Unsupported(cause));
+        }
+        if photometric == YCBCR && codec != Codec::Jpeg {
+            let cause = "holds YCbCr colours that are not JPEG";
+            return Err(TiffChunkError::Unsupported(cause.to_string()));
+        }
+        let is_planar = planar == PlanarConfiguration::Planar.to_u16();
+        let (width, height) = decoder.dimensions()?;
+        let (columns, rows) = decoder.chunk_dimensions();
+        if columns == 0 || rows == 0 {
+            let cause = "strips or tiles of no size".to_string();
+            return Err(TiffChunkError::Damaged(cause));
+        }
+        let form = Alone {
+            columns,
+            rows,
+            samples: if is_planar { 1 } else { of_pixel },
+            bits,
+            format,
+            compression,
+            predictor,
+            is_big_endian: decoder.byte_order() == ByteOrder::BigEndian,
+        };
+        let jpeg_tables = match codec {
+            Codec::Jpeg => decoder.find_tag(Tag::JPEGTables)?,
+            _ => None,
+        };
+        let jpeg_tables = jpeg_tables.map(|tables| tables.into_u8_vec()).transpose()?;
+        let places = match codec {
+            Codec::OfCrate => Vec::new(),
+            _ => places(decoder)?,
+        };
+        Ok(Self {
+            codec,
+            form,
+            per_plane: width
+                .div_ceil(columns)
+                .saturating_mul(height.div_ceil(rows)),
+            photometric,
+            jpeg_tables,
+            has_alpha: matches!(alpha, 1 | 2) && matches!(of_pixel, 2 | 4),
+            places,
+        })
+    }
+
+    /// Whether colours are RGB though the file says YCbCr.
+    pub fn gives_rgb(&self) -> bool {
+        self.photometric == YCBCR
+    }
+
+    /// Bits of a stored sample: those of fewer than 8 are handed over in bytes.
+    pub fn bits(&self) -> u16 {
+        self.form.bits
+    }
+
+    /// Bytes that decoding holds beside the samples of a strip or tile of so many bytes, and its data.
+    pub fn working_bytes(&self, chunk_bytes: u64) -> u64 {
+        let places = 16 * self.places.len() as u64;
+        places.saturating_add(match self.codec {
+            Codec::OfCrate => 0,
+            // What was decompressed, and a copy that is a file.
+            Codec::Zstd => chunk_bytes.saturating_mul(2),
+            // A copy of its data, and coefficients or lines of the decoder.
+            Codec::Jpeg | Codec::WebP => chunk_bytes.saturating_mul(3),
+            Codec::Lerc(_) => chunk_bytes.saturating_mul(3),
+        })
+    }
+
+    /// The samples of a strip or tile, as far as it lies in the image: pixel by pixel, of this machine's byte order. Samples of fewer
+    /// than 8 bits are bytes.
+    ///
+    /// # Errors
+    /// [`TiffChunkError`], before anything longer than a strip or tile is allocated.
+    pub fn read<R: Read + Seek>(
+        &self,
+        decoder: &mut Decoder<R>,
+        index: u32,
+    ) -> Result<DecodingResult, TiffChunkError> {
+        // The crate counts the strips or tiles of further planes on below the image.
+        let of_plane = index % self.per_plane.max(1);
+        let (columns, rows) = decoder.chunk_data_dimensions(of_plane);
+        if self.codec == Codec::OfCrate {
+            let chunk = decoder.read_chunk(index)?;
+            return match (chunk, self.form.bits) {
+                (DecodingResult::U8(packed), 1..8) => {
+                    let row = columns as usize * usize::from(self.form.samples);
+                    Ok(DecodingResult::U8(self.unpacked(&packed, row, rows)))
+                }
+                (chunk, _) => {
+                    let row = columns as usize * usize::from(self.form.samples);
+                    cropped(chunk, (row, row), rows as usize)
+                }
+            };
+        }
+        // Strips are as wide as the image, and the last may be lower than the others; tiles are whole.
+        let form = Alone {
+            rows: match decoder.get_chunk_type() {
+                ChunkType::Strip => rows,
+                ChunkType::Tile => self.form.rows,
+            },
+            ..self.form
+        };
+        let data = self.data(decoder, index, &form)?;
+        let whole = self.decoded(&data, &form)?;
+        let whole = match (whole, form.bits) {
+            (DecodingResult::U8(packed), 1..8) => {
+                let row = form.columns as usize * usize::from(form.samples);
+                DecodingResult::U8(self.unpacked(&packed, row, form.rows))
+            }
+            (whole, _) => whole,
+        };
+        let row = (form.columns as usize, columns as usize);
+        let samples = usize::from(form.samples);
+        cropped(whole, (row.0 * samples, row.1 * samples), rows as usize)
+    }
+
+    /// The data of a strip or tile.
+    fn data<R: Read + Seek>(
+        &self,
+        decoder: &mut Decoder<R>,
+        index: u32,
+        form: &Alone,
+    ) -> Result<Vec<u8>, TiffChunkError> {
+        let damaged = |cause: &str| TiffChunkError::Damaged(cause.to_string());
+        let place = self.places.get(index as usize);
+        let (offset, length) = *place.ok_or_else(|| damaged("too few strips or tiles"))?;
+        // Compressed data are at most a little longer than samples.
+        let most = form.bytes().saturating_mul(2) + MOST_EXTRA_BYTES;
+        if length > most as u64 {
+            return Err(damaged("a strip or tile of more data than samples"));
+        }
+        let file = decoder.inner();
+        let mut data = Vec::new();
+        file.seek(SeekFrom::Start(offset))
+            .and_then(|_| file.take(length).read_to_end(&mut data))
+            .map_err(TiffError::from)?;
+        match data.len() as u64 == length {
+            true => Ok(data),
+            false => Err(damaged("the file ends too early")),
+        }
+    }
+
+    fn decoded(&self, data: &[u8], form: &Alone) -> Result<DecodingResult, TiffChunkError> {
+        let size = PictureSize {
+            columns: form.columns as usize,
+            rows: form.rows as usize,
+            samples: usize::from(form.samples),
+        };
+        match self.codec {
+            Codec::OfCrate => Ok(form.decode(data)?),
+            Codec::Zstd => {
+                let plain = zstd_bytes(data, form.bytes())?;
+                if plain.len() < form.bytes() {
+                    let cause = "ZSTD: fewer bytes than samples".to_string();
+                    return Err(TiffChunkError::Damaged(cause));
+                }
+                Ok(self.counted_from_black(form.uncompressed().decode(&plain)?))
+            }
+            Codec::Jpeg => {
+                let tables = self.jpeg_tables.as_deref();
+                let samples = pictures::jpeg(data, tables, self.photometric == YCBCR, size)?;
+                Ok(self.counted_from_black(DecodingResult::U8(samples)))
+            }
+            Codec::WebP => Ok(DecodingResult::U8(pictures::webp(data, size)?)),
+            Codec::Lerc(after) => {
+                let most = form.bytes().saturating_mul(2) + MOST_EXTRA_BYTES;
+                let plain = match after {
+                    After::Nothing => None,
+                    After::Deflate => Some(deflated_bytes(data, most)?),
+                    After::Zstd => Some(zstd_bytes(data, most)?),
+                };
+                let data = plain.as_deref().unwrap_or(data);
+                Ok(self.counted_from_black(self.lerc(data, size)?))
+            }
+        }
+    }
+
+    fn lerc(&self, data: &[u8], size: PictureSize) -> Result<DecodingResult, TiffChunkError> {
+        use DecodingResult as To;
+        Ok(match (self.form.format, self.form.bits) {
+            (1, 8) => To::U8(self.raster(data, size, 0, u8::MAX)?),
+            (2, 8) => To::I8(self.raster(data, size, 0, i8::MAX)?),
+            (1, 16) => To::U16(self.raster(data, size, 0, u16::MAX)?),
+            (2, 16) => To::I16(self.raster(data, size, 0, i16::MAX)?),
+            (1, 32) => To::U32(self.raster(data, size, 0, u32::MAX)?),
+            (2, 32) => To::I32(self.raster(data, size, 0, i32::MAX)?),
+            (3, 32) => To::F32(self.raster(data, size, f32::NAN, 1.0)?),
+            (3, 64) => To::F64(self.raster(data, size, f64::NAN, 1.0)?),
+            (format, bits) => {
+                let cause = format!("holds LERC of {bits}-bit samples of format {format}");
+                return Err(TiffChunkError::Unsupported(cause));
+            }
+        })
+    }
+
+    /// Samples of LERC data: `masked` where it has nothing, and `opaque` where its mask stands for alpha that is not stored.
+    fn raster<T: Sample>(
+        &self,
+        data: &[u8],
+        size: PictureSize,
+        masked: T,
+        opaque: T,
+    ) -> Result<Vec<T>, TiffChunkError> {
+        let raster = lerc::decode::<T>(data, (size.columns, size.rows))?;
+        let (depth, samples) = (raster.depth, size.samples);
+        let is_there = |n: usize| raster.is_there.as_ref().is_none_or(|all| all[n]);
+        let is_alpha_masked = depth + 1 == samples && self.has_alpha;
+        if depth != samples && !is_alpha_masked {
+            let cause = format!("LERC data of {depth} samples in a file of {samples}");
+            return Err(TiffChunkError::Damaged(cause));
+        }
+        let mut all = Vec::with_capacity(size.columns * size.rows * samples);
+        for (n, pixel) in raster.samples.chunks_exact(depth).enumerate() {
+            match is_there(n) {
+                true => all.extend(pixel),
+                false => all.extend(std::iter::repeat_n(masked, depth)),
+            }
+            if is_alpha_masked {
+                all.push(if is_there(n) { opaque } else { masked });
+            }
+        }
+        Ok(all)
+    }
+
+    /// Turns whole numbers that count from white to black round, as the `tiff` crate does.
+    fn counted_from_black(&self, samples: DecodingResult) -> DecodingResult {
+        match samples {
+            samples if self.photometric != WHITE_IS_ZERO => samples,
+            DecodingResult::U8(all) => DecodingResult::U8(all.iter().map(|n| !n).collect()),
+            DecodingResult::U16(all) => DecodingResult::U16(all.iter().map(|n| !n).collect()),
+            samples => samples,
+        }
+    }
+
+    /// Samples of fewer than 8 bits, whose rows begin with a byte each, as bytes.
+    fn unpacked(&self, packed: &[u8], row_samples: usize, rows: u32) -> Vec<u8> {
+        let bits = usize::from(self.form.bits);
+        let row_bytes = (row_samples * bits).div_ceil(8).max(1);
+        let mask = (1_u8 << bits) - 1;
+        let mut samples = Vec::with_capacity(row_samples * rows as usize);
+        for row in packed.chunks_exact(row_bytes).take(rows as usize) {
+            for n in 0..row_samples {
+                let bit = n * bits;
+                samples.push(row[bit / 8] >> (8 - bits - bit % 8) & mask);
+            }
+        }
+        samples
+    }
+}
+
+/// Offset and length of each strip or tile.
+fn places<R: Read + Seek>(decoder: &mut Decoder<R>) -> Result<Vec<(u64, u64)>, TiffChunkError> {
+    let (offsets, lengths) = match decoder.get_chunk_type() {
+        ChunkType::Strip => (Tag::StripOffsets, Tag::StripByteCounts),
+        ChunkType::Tile => (Tag::TileOffsets, Tag::TileByteCounts),
+    };
+    let mut numbers = |tag| decoder.find_tag_unsigned_vec::<u64>(tag);
+    let (offsets, lengths) = (numbers(offsets)?, numbers(lengths)?);
+    let pairs = offsets.unwrap_or_default().into_iter();
+    Ok(pairs.zip(lengths.unwrap_or_default()).collect())
+}
+
+/// The first samples of each row.
+fn cropped(
+    whole: DecodingResult,
+    row: (usize, usize),
+    rows: usize,
+) -> Result<DecodingResult, TiffChunkError> {
+    fn crop<T: Copy>(
+        all: Vec<T>,
+        (from, to): (usize, usize),
+        rows: usize,
+    ) -> Result<Vec<T>, TiffChunkError> {
+        if to > from || from == 0 || all.len() < from * rows {
+            let cause = "a strip or tile of too few samples".to_string();
+            return Err(TiffChunkError::Damaged(cause));
+        }
+        match all.len() == to * rows {
+            true => Ok(all),
+            false => {
+                let of_rows = all.chunks_exact(from).take(rows);
+                Ok(of_rows.flat_map(|row| row[..to].iter().copied()).collect())
+            }
+        }
+    }
+    use DecodingResult as To;
+    Ok(match whole {
+        To::U8(all) => To::U8(crop(all, row, rows)?),
+        To::I8(all) => To::I8(crop(all, row, rows)?),
+        To::U16(all) => To::U16(crop(all, row, rows)?),
+        To::I16(all) => To::I16(crop(all, row, rows)?),
+        To::U32(all) => To::U32(crop(all, row, rows)?),
+        To::I32(all) => To::I32(crop(all, row, rows)?),
+        To::F32(all) => To::F32(crop(all, row, rows)?),
+        To::F64(all) => To::F64(crop(all, row, rows)?),
+        other => other,
+    })
+}
