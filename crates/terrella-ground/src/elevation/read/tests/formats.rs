@@ -1,4 +1,4 @@
-//! SRTM's `.hgt`, ASCII grids and DTED.
+//! SRTM's `.hgt`, ASCII grids, DTED, and GeoTIFF as GDAL compresses it.
 
 use super::*;
 use std::io::Write;
@@ -367,4 +367,40 @@ fn an_ascii_grid_lies_in_the_system_beside_it() {
     assert!((got - 131.0).abs() < 0.05, "{got}");
     std::fs::write(folder.path().join("g.prj"), "LOCAL_CS[\"here\"]").expect("written");
     assert!(open().is_err_and(|said| said.contains("g.prj: names the coordinate system \"here\"")));
+}
+
+#[test]
+fn heights_of_gdal_are_read_however_they_are_compressed() {
+    let folder = Path::new(concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../tests/data/gdal"
+    ));
+    let text = std::fs::read_to_string(folder.join("expected.txt")).expect("expected.txt");
+    let sidecar = Sidecar::from_toml("unit = \"metres\"", Path::new("dem.toml")).expect("good");
+    let mut files = BTreeMap::new();
+    let is_heights = |line: &&str| line.contains("16") || line.contains("_f");
+    for line in text
+        .lines()
+        .filter(|line| line.split(' ').next().is_some_and(|name| is_heights(&name)))
+    {
+        let (name, numbers) = line.split_once(' ').expect("numbers");
+        let numbers: Vec<f64> = numbers
+            .split(' ')
+            .map(|n| n.parse().expect("a number"))
+            .collect();
+        let file = files.entry(name).or_insert_with(|| {
+            let path = folder.join(name);
+            let bytes = Cursor::new(std::fs::read(&path).expect("a file"));
+            let file = read_heights(bytes, Some(&sidecar), &path, &GridLimits::default());
+            file.unwrap_or_else(|error| panic!("{error}")).grid
+        });
+        // The middle of a cell of 5 degrees.
+        let (lon, lat) = (numbers[0] * 5.0 - 177.5, 87.5 - numbers[1] * 5.0);
+        let got = file.height_m(lat.to_radians(), lon.to_radians(), 0.0);
+        assert!(
+            (got - numbers[2]).abs() < 1e-3 || numbers[2].is_nan(),
+            "{line}: {got}"
+        );
+    }
+    assert_eq!(files.len(), 11);
 }
