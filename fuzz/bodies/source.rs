@@ -34,7 +34,7 @@ pub fn run(data: &[u8]) {
 /// Good inputs to start from.
 #[allow(dead_code, reason = "the fuzzer reads its corpus from files")]
 pub fn seeds() -> Vec<Vec<u8>> {
-    let files: [&[u8]; 14] = [
+    let files: [&[u8]; 19] = [
         include_bytes!("../../tests/data/maps/baseline.jpg"),
         include_bytes!("../../tests/data/maps/progressive.jpg"),
         include_bytes!("../../tests/data/maps/grey16.png"),
@@ -49,6 +49,11 @@ pub fn seeds() -> Vec<Vec<u8>> {
         include_bytes!("../../tests/data/maps/sparse.tif"),
         include_bytes!("../../tests/data/maps/mask.tif"),
         include_bytes!("../../tests/data/maps/no_data_16.tif"),
+        include_bytes!("../../tests/data/gdal/jpeg_mask.tif"),
+        include_bytes!("../../tests/data/gdal/webp_rgba.tif"),
+        include_bytes!("../../tests/data/gdal/zstd_planar.tif"),
+        include_bytes!("../../tests/data/gdal/lerc_u8.tif"),
+        include_bytes!("../../tests/data/gdal/palette_2.tif"),
     ];
     files.map(<[u8]>::to_vec).to_vec()
 }

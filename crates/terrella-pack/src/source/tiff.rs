@@ -1,4 +1,4 @@
-//! TIFF maps: strips or tiles, uncompressed, LZW, deflate or PackBits, of one plane or several, also BigTIFF and GeoTIFF.
+//! TIFF maps: strips or tiles, compressed as [`tiff_chunks`](terrella_ground::elevation::tiff_chunks) decodes, of one plane or several, also BigTIFF and GeoTIFF.
 //!
 //! | file | what |
 //! |---|---|
@@ -7,6 +7,8 @@
 
 mod gaps;
 mod recoded;
+#[cfg(test)]
+mod tests;
 
 use super::{
     Extent, FileContext, FileKind, Opacity, RowSource, SampleKind, SourceInfo, SourceLimits,
@@ -18,6 +20,7 @@ use recoded::Recoded;
 use std::io::{BufRead, Seek};
 use terrella_files::printable;
 use terrella_ground::elevation::geo_tags::GeoTags;
+use terrella_ground::elevation::tiff_chunks::{TiffChunkError, TiffChunks};
 use terrella_imagery::colour::Said;
 use tiff::decoder::{ChunkType, Decoder, DecodingResult, Limits};
 use tiff::tags::{CompressionMethod, PlanarConfiguration, Tag};
@@ -30,6 +33,8 @@ pub(super) struct TiffRows<R: BufRead + Seek> {
     context: FileContext,
     said: Said,
     stored: Stored,
+    /// Decodes strips and tiles.
+    coded: TiffChunks,
     chunks: Chunks,
     gaps: Gaps,
     given: u32,
@@ -41,6 +46,8 @@ pub(super) struct TiffRows<R: BufRead + Seek> {
 struct Stored {
     channels: usize,
     sample: SampleKind,
+    /// Bits of a sample in the file; fewer than 8 are read as bytes.
+    bits: u8,
     /// Each channel has strips or tiles of its own.
     is_planar: bool,
     /// Colours of the numbers that are stored.
@@ -66,6 +73,7 @@ impl Stored {
     /// Reads what the header says, and rejects what is not read.
     fn of<R: BufRead + Seek>(
         decoder: &mut Decoder<Recoded<R>>,
+        coded: &TiffChunks,
         has_palette: bool,
         context: &FileContext,
     ) -> Result<Self, BuildError> {
@@ -80,6 +88,8 @@ impl Stored {
             ColorType::GrayA(bits) => (2, bits),
             ColorType::RGB(bits) => (3, bits),
             ColorType::RGBA(bits) => (4, bits),
+            // Decoded as RGB.
+            ColorType::YCbCr(bits @ 8) if coded.gives_rgb() => (3, bits),
             // 1 and 2 are alpha.
             ColorType::Multiband {
                 bit_depth,
@@ -99,7 +109,7 @@ impl Stored {
             .and_then(|formats| formats.first().copied())
             .unwrap_or(1);
         let sample = match (bits, format) {
-            (8, 1) => SampleKind::U8,
+            (1 | 2 | 4 | 8, 1) => SampleKind::U8,
             (16, 1) => SampleKind::U16,
             (16, 2) => SampleKind::I16,
             (32, 3) => SampleKind::F32,
@@ -113,13 +123,14 @@ impl Stored {
         Ok(Self {
             channels,
             sample,
+            bits,
             is_planar: channels > 1 && planar,
             palette,
         })
     }
 }
 
-/// The colours of a palette of 8-bit numbers.
+/// The colours of a palette of numbers of 1 to 8 bits.
 fn palette<R: BufRead + Seek>(
     decoder: &mut Decoder<Recoded<R>>,
     (channels, bits): (usize, u8),
@@ -128,13 +139,14 @@ fn palette<R: BufRead + Seek>(
     let map = decoder.find_tag_unsigned_vec::<u16>(Tag::ColorMap);
     let map = map.map_err(|error| decode_error(context, error))?;
     let map = map.unwrap_or_default();
-    if (channels, bits) != (1, 8) {
+    if channels != 1 || bits > 8 {
         return Err(context.rejected(
             format!("has a palette of {bits}-bit numbers"),
             "write its colours out (`gdal_translate -expand rgb IN OUT`)",
         ));
     }
-    if map.len() != 3 * 256 {
+    let count = 1 << bits;
+    if map.len() != 3 * count {
         return Err(context.damaged(format!("a palette of {} numbers", map.len())));
     }
     // Colours have 16 bits; some old writers gave 8.
@@ -144,8 +156,8 @@ fn palette<R: BufRead + Seek>(
         8
     };
     let at = |n: usize| (map[n] >> shift) as u8;
-    Ok((0..256)
-        .map(|n| [at(n), at(256 + n), at(512 + n)])
+    Ok((0..count)
+        .map(|n| [at(n), at(count + n), at(2 * count + n)])
         .collect())
 }
 
@@ -181,7 +193,8 @@ impl<R: BufRead + Seek> TiffRows<R> {
         let mut decoder = Decoder::new(reader).map_err(with_file)?;
         let (width, height) = decoder.dimensions().map_err(with_file)?;
         check_size(&context, width, height, extent)?;
-        let stored = Stored::of(&mut decoder, has_palette, &context)?;
+        let coded = TiffChunks::of(&mut decoder).map_err(|error| chunk_error(&context, error))?;
+        let stored = Stored::of(&mut decoder, &coded, has_palette, &context)?;
         if extent == Extent::WholeEarth
             && let Some(complaint) = complaint_of(&GeoTags::read(&mut decoder), width, height)
         {
@@ -199,7 +212,9 @@ impl<R: BufRead + Seek> TiffRows<R> {
             .saturating_mul(u64::from(chunks.rows))
             .saturating_mul(texel_bytes);
         let row_bytes = u64::from(width) * u64::from(chunks.rows.min(height)) * texel_bytes;
-        let needed = row_bytes.saturating_add(chunk_bytes.saturating_mul(2));
+        let needed = row_bytes
+            .saturating_add(chunk_bytes.saturating_mul(2))
+            .saturating_add(coded.working_bytes(chunk_bytes));
         let check = |needed: u64| {
             match needed > limits.buffer_bytes {
             true => Err(context.too_large(
@@ -248,6 +263,7 @@ impl<R: BufRead + Seek> TiffRows<R> {
             context,
             said,
             stored,
+            coded,
             chunks,
             gaps,
             given: 0,
@@ -284,8 +300,14 @@ impl<R: BufRead + Seek> TiffRows<R> {
         plane: usize,
         first_row: u32,
     ) -> Result<(), BuildError> {
-        let decoded = self.decoder.read_chunk(chunk);
-        let decoded = decoded.map_err(|error| decode_error(&self.context, error))?;
+        let decoded = self.coded.read(&mut self.decoder, chunk);
+        let mut decoded = decoded.map_err(|error| chunk_error(&self.context, error))?;
+        if let (DecodingResult::U8(values), 1..8, None) =
+            (&mut decoded, self.stored.bits, &self.stored.palette)
+        {
+            let step = u8::MAX / ((1 << self.stored.bits) - 1);
+            values.iter_mut().for_each(|value| *value *= step);
+        }
         let bytes: &[u8] = match &decoded {
             DecodingResult::U8(values) => values,
             DecodingResult::U16(values) => bytemuck::cast_slice(values),
@@ -405,7 +427,8 @@ fn short_chunk<R: BufRead + Seek>(
         false => Tag::TileByteCounts,
     })?;
     let samples = if stored.is_planar { 1 } else { stored.channels };
-    let row_bytes = u64::from(chunks.columns) * (samples * stored.sample.bytes()) as u64;
+    let row_bits = u64::from(chunks.columns) * samples as u64 * u64::from(stored.bits);
+    let row_bytes = row_bits.div_ceil(8);
     let is_short = |(n, length): &(u32, u64)| {
         let first_row = n % chunks.per_plane / chunks.across * chunks.rows;
         let rows = match is_strip {
@@ -447,6 +470,17 @@ fn unfit(context: &FileContext, cause: String) -> BuildError {
         cause,
         "convert it to grey or RGB of 8 or 16 bits (elevations also signed 16-bit or 32-bit float); a palette by `gdal_translate -expand rgb`",
     )
+}
+
+fn chunk_error(context: &FileContext, error: TiffChunkError) -> BuildError {
+    match error {
+        TiffChunkError::Tiff(error) => decode_error(context, error),
+        TiffChunkError::Damaged(cause) => context.damaged(cause),
+        TiffChunkError::Unsupported(cause) => context.rejected(
+            cause,
+            "write it with deflate (`gdal_translate -co COMPRESS=DEFLATE -co PREDICTOR=2 IN OUT.tif`), samples of odd bits with `-co NBITS=16`",
+        ),
+    }
 }
 
 fn decode_error(context: &FileContext, error: TiffError) -> BuildError {

@@ -1,0 +1,94 @@
+//! Maps that GDAL wrote, compared with what GDAL reads from them.
+
+use crate::source::{Opacity, SourceLimits, open_source};
+use std::collections::BTreeMap;
+use std::path::Path;
+
+const LIMITS: SourceLimits = SourceLimits {
+    buffer_bytes: 1 << 20,
+};
+
+/// Columns of the files.
+const COLUMNS: usize = 72;
+
+/// All texels of 8 bits of a file, channels of one, and what the last means.
+fn texels(name: &str) -> (Vec<u8>, usize, Option<Opacity>) {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/gdal");
+    let source = open_source(&folder.join(name), LIMITS);
+    let mut source = source.unwrap_or_else(|error| panic!("{error}"));
+    let info = source.info();
+    let mut all = Vec::new();
+    let mut row = vec![0; info.row_bytes()];
+    for _ in 0..info.height {
+        source.next_row(&mut row).expect("a row");
+        all.extend(&row);
+    }
+    (all, info.channels, info.opacity)
+}
+
+/// Number `n` of the palettes of make.py.
+fn colour(n: usize) -> [f64; 3] {
+    [n * 17 % 256, 255 - n * 15, n * 40 % 256].map(|channel| channel as f64)
+}
+
+#[test]
+fn maps_of_gdal_are_read_however_they_are_compressed() {
+    let text = include_str!("../../../../../tests/data/gdal/expected.txt");
+    let kinds = ["jpeg", "webp", "palette", "grey", "zstd_planar", "lerc_u8"];
+    let mut files = BTreeMap::new();
+    for line in text
+        .lines()
+        .filter(|line| kinds.iter().any(|kind| line.starts_with(kind)))
+    {
+        let (name, numbers) = line.split_once(' ').expect("numbers");
+        let numbers: Vec<f64> = numbers
+            .split(' ')
+            .map(|n| n.parse().expect("a number"))
+            .collect();
+        let (all, channels, opacity) = files.entry(name).or_insert_with(|| texels(name));
+        let (x, y) = (numbers[0] as usize, numbers[1] as usize);
+        let got = &all[(y * COLUMNS + x) * *channels..][..*channels];
+        let bits = name
+            .trim_end_matches(".tif")
+            .chars()
+            .last()
+            .and_then(|c| c.to_digit(10));
+        let mut right = match (name, bits) {
+            (name, Some(_)) if name.starts_with("palette") => colour(numbers[2] as usize).to_vec(),
+            (name, Some(bits)) if name.starts_with("grey") => {
+                vec![numbers[2] * 255.0 / (2_f64.powi(bits as i32) - 1.0)]
+            }
+            _ => numbers[2..].to_vec(),
+        };
+        if name == "jpeg_mask.tif" {
+            assert_eq!(*opacity, Some(Opacity::Mask));
+            // Northern rows are masked, and what they hold is not shown.
+            right = match y < 12 {
+                true => vec![0.0; 4],
+                false => [right.as_slice(), &[255.0]].concat(),
+            };
+        }
+        let most = match name {
+            "jpeg_ycbcr.tif" | "jpeg_mask.tif" => 8.0,
+            _ if name.starts_with("jpeg") => 1.0,
+            "webp_lossy.tif" => 2.0,
+            _ => 0.0,
+        };
+        assert_eq!(got.len(), right.len(), "{name}");
+        for (got, right) in got.iter().zip(right) {
+            assert!((f64::from(*got) - right).abs() <= most, "{line}: {got}");
+        }
+    }
+    assert_eq!(files.len(), 16);
+}
+
+#[test]
+fn what_decoding_takes_is_counted() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/gdal");
+    let limits = SourceLimits {
+        buffer_bytes: 3 * 32 * 16 * 3 + 72 * 16 * 3,
+    };
+    let opened = open_source(&folder.join("zstd_planar.tif"), limits);
+    let error = opened.err().expect("too large").to_string();
+    assert!(error.contains("a row of its strips or tiles"), "{error}");
+}
