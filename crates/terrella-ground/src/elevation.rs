@@ -26,6 +26,7 @@ mod stream;
 pub mod tiff_chunks;
 pub mod tiff_gaps;
 mod tiles;
+pub mod vrt;
 pub mod warp;
 pub mod wkt;
 
