@@ -33,6 +33,8 @@ def write(name, samples, colormap=None, mask=None, **options):
                    crs="EPSG:4326", transform=from_origin(-180, 90, 360 / width, 180 / height), **options)
     with rasterio.open(FOLDER / name, "w", **profile) as file:
         file.write(samples)
+        if bands == 1 and samples.dtype != "u1":
+            file.set_band_unit(1, "m")
         if colormap:
             file.write_colormap(1, colormap)
         if mask is not None:
@@ -82,9 +84,53 @@ for bits in (1, 2, 4):
           colormap={n: (n * 17 % 256, 255 - n * 15, n * 40 % 256, 255) for n in range(1 << bits)}, **tiles)
     write(f"grey_{bits}.tif", few, NBITS=bits, compress="DEFLATE", **tiles)
 
+
+def virtual(name, kind, sources, bands=1, no_data=None):
+    """A virtual raster of 72 x 36 pixels: files with the rectangle that is taken and where it goes."""
+    text = f'<VRTDataset rasterXSize="{WIDTH}" rasterYSize="{HEIGHT}">\n  <SRS>EPSG:4326</SRS>\n'
+    text += "  <GeoTransform>-180, 5, 0, 90, 0, -5</GeoTransform>\n"
+    for band in range(1, bands + 1):
+        text += f'  <VRTRasterBand dataType="{kind}" band="{band}">\n'
+        text += f"    <NoDataValue>{no_data}</NoDataValue>\n" if no_data is not None else ""
+        for file, size, source, to in sources:
+            element = "SimpleSource" if no_data is None else "ComplexSource"
+            text += f'    <{element}>\n      <SourceFilename relativeToVRT="1">{file}</SourceFilename>\n'
+            text += f"      <SourceBand>{band}</SourceBand>\n"
+            text += f'      <SourceProperties RasterXSize="{size[0]}" RasterYSize="{size[1]}" />\n'
+            for rect, numbers in (("SrcRect", source), ("DstRect", to)):
+                text += "      <{} xOff=\"{}\" yOff=\"{}\" xSize=\"{}\" ySize=\"{}\" />\n".format(rect, *numbers)
+            text += f"      <NODATA>{no_data}</NODATA>\n" if no_data is not None else ""
+            text += f"    </{element}>\n"
+        text += "  </VRTRasterBand>\n"
+    (FOLDER / name).write_text(text + "</VRTDataset>\n")
+
+
+def part(name, samples, west, north, **options):
+    """A file of cells of 5 degrees."""
+    bands, height, width = samples.shape
+    with rasterio.open(FOLDER / name, "w", driver="GTiff", width=width, height=height, count=bands, dtype=samples.dtype,
+                       crs="EPSG:4326", transform=from_origin(west, north, 5, 5), compress="DEFLATE", **options) as file:
+        file.write(samples)
+
+
+# The eastern part lies over the western and has a hole.
+hole = i16.copy()
+hole[10:14, 40:44] = -32768
+part("part_west.tif", i16[None, :, :40] + 1000, -180, 90, nodata=-32768)
+part("part_east.tif", hole[None, :, 36:], 0, 90, nodata=-32768)
+whole = (0, 0, 40, 36), (0, 0, 36, 36)
+virtual("heights.vrt", "Int16", [
+    ("part_west.tif", (40, 36), whole[0], whole[0]), ("part_east.tif", (36, 36), whole[1], (36, 0, 36, 36))], no_data=-32768)
+# Windows of one file, in another order than they lie in it.
+virtual("map.vrt", "Byte", [
+    ("webp_rgb.tif", (72, 36), (20, 0, 36, 36), (0, 0, 36, 36)), ("webp_rgb.tif", (72, 36), (0, 0, 36, 20), (36, 0, 36, 20)),
+    ("webp_rgb.tif", (72, 36), (0, 20, 36, 16), (36, 20, 36, 16))], bands=3)
+
 with open(FOLDER / "expected.txt", "w") as expected:
     print("# file column row samples: as GDAL", rasterio.__gdal_version__, "reads them, by make.py", file=expected)
-    for path in sorted(FOLDER.glob("*.tif")):
+    for path in sorted(FOLDER.iterdir()):
+        if path.suffix not in (".tif", ".vrt") or path.name.startswith("part_"):
+            continue
         with rasterio.open(path) as file:
             samples = file.read()
         for _ in range(50):

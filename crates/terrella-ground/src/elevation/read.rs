@@ -32,6 +32,7 @@ mod sidecar;
 #[cfg(test)]
 mod tests;
 mod tiff;
+mod vrt;
 mod warp;
 mod zip;
 

@@ -74,6 +74,12 @@ impl Conversion {
         (self.offset_m + self.scale_m * stored) as f32
     }
 
+    /// Whether a stored number stands for no data.
+    pub(super) fn is_missing(&self, stored: f64) -> bool {
+        let is_usual = !self.missing.is_declared() && USUAL.contains(&stored);
+        stored.is_nan() || self.missing.has(stored) || is_usual
+    }
+
     /// Samples so far that were taken for no data though nothing says so.
     pub(super) fn undeclared(&self) -> u64 {
         self.undeclared.get().0

@@ -2,6 +2,8 @@
 
 use super::HeightFileError;
 use super::error::FileContext;
+use super::vrt::vrt_files;
+use crate::elevation::vrt::is_vrt;
 use std::path::{Path, PathBuf};
 
 /// Most files of one set.
@@ -13,11 +15,11 @@ const ENDINGS: [&str; 13] = [
     ".dt2", ".grd",
 ];
 
-/// The files that a path stands for: itself, or those of a folder, or those whose names match its last part, in which `*` stands for any
-/// characters and `?` for one. In the order of their names.
+/// The files that a path stands for: itself, or those of a folder or of a virtual raster (`.vrt`), or those whose names match its last part, in which `*` stands for any
+/// characters and `?` for one. In the order of their names, or as they lie in a virtual raster, the uppermost first.
 ///
 /// # Errors
-/// [`HeightFileError`] for folders that cannot be read, and where there is no file or more than [`MAX_SET_FILES`].
+/// [`HeightFileError`] for folders and virtual rasters that cannot be read, and where there is no file or more than [`MAX_SET_FILES`].
 pub fn height_set(path: &Path) -> Result<Vec<PathBuf>, HeightFileError> {
     let name = path
         .file_name()
@@ -30,6 +32,7 @@ pub fn height_set(path: &Path) -> Result<Vec<PathBuf>, HeightFileError> {
             Some(folder) if !folder.as_os_str().is_empty() => folder,
             _ => Path::new("."),
         },
+        (false, false) if is_vrt(path) => return vrt_files(path),
         (false, false) => return Ok(vec![path.to_owned()]),
     };
     let context = FileContext::new(path);

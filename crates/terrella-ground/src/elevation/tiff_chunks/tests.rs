@@ -75,7 +75,7 @@ fn samples_are_those_that_gdal_reads() {
     let text = std::fs::read_to_string(folder().join("expected.txt")).expect("expected.txt");
     let mut images: BTreeMap<&str, Image> = BTreeMap::new();
     let mut compared: BTreeMap<&str, usize> = BTreeMap::new();
-    for line in text.lines().skip(1) {
+    for line in text.lines().skip(1).filter(|line| line.contains(".tif ")) {
         let mut words = line.split(' ');
         let name = words.next().expect("a name");
         let image = images.entry(name).or_insert_with(|| {
@@ -102,7 +102,8 @@ fn samples_are_those_that_gdal_reads() {
         .expect("a folder")
         .filter(|file| {
             let path = file.as_ref().expect("a file").path();
-            path.extension().is_some_and(|ending| ending == "tif")
+            let name = path.file_name().unwrap_or_default().to_string_lossy();
+            name.ends_with(".tif") && !name.starts_with("part_")
         });
     assert_eq!(compared.len(), tiffs.count());
     assert!(compared.values().all(|places| *places == 50));

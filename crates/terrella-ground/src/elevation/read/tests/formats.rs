@@ -378,11 +378,12 @@ fn heights_of_gdal_are_read_however_they_are_compressed() {
     let text = std::fs::read_to_string(folder.join("expected.txt")).expect("expected.txt");
     let sidecar = Sidecar::from_toml("unit = \"metres\"", Path::new("dem.toml")).expect("good");
     let mut files = BTreeMap::new();
-    let is_heights = |line: &&str| line.contains("16") || line.contains("_f");
-    for line in text
+    let is_heights =
+        |name: &str| name.ends_with(".tif") && (name.contains("16") || name.contains("_f"));
+    let lines = text
         .lines()
-        .filter(|line| line.split(' ').next().is_some_and(|name| is_heights(&name)))
-    {
+        .filter(|line| line.split(' ').next().is_some_and(is_heights));
+    for line in lines {
         let (name, numbers) = line.split_once(' ').expect("numbers");
         let numbers: Vec<f64> = numbers
             .split(' ')
@@ -403,4 +404,47 @@ fn heights_of_gdal_are_read_however_they_are_compressed() {
         );
     }
     assert_eq!(files.len(), 11);
+}
+
+#[test]
+fn the_files_of_a_virtual_raster_are_read_as_gdal_reads_it() {
+    let folder = Path::new(concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../tests/data/gdal"
+    ));
+    let text = std::fs::read_to_string(folder.join("expected.txt")).expect("expected.txt");
+    let files = crate::elevation::height_set(&folder.join("heights.vrt"));
+    let files = files.unwrap_or_else(|error| panic!("{error}"));
+    let names: Vec<_> = files.iter().filter_map(|file| file.file_name()).collect();
+    assert_eq!(names, ["part_east.tif", "part_west.tif"]);
+    let open = |path: &PathBuf| {
+        open_heights(path, &GridLimits::default())
+            .expect("heights")
+            .grid
+    };
+    let grids: Vec<_> = files.iter().map(open).collect();
+    let mut places = 0;
+    for line in text.lines().filter(|line| line.starts_with("heights.vrt")) {
+        let numbers = line
+            .split(' ')
+            .skip(1)
+            .map(|n| n.parse::<f64>().expect("a number"));
+        let [column, row, right] = numbers.collect::<Vec<_>>()[..] else {
+            panic!("{line}");
+        };
+        let (lon, lat) = (column * 5.0 - 177.5, 87.5 - row * 5.0);
+        // The hole of the uppermost file is filled there, and not by that below.
+        let file = grids
+            .iter()
+            .find(|grid| grid.bounds().contains(lat.to_radians(), lon.to_radians()));
+        let got = file
+            .expect("a file")
+            .height_m(lat.to_radians(), lon.to_radians(), 0.0);
+        assert!(
+            (got - right).abs() < 1e-3 || right == -32_768.0,
+            "{line}: {got}"
+        );
+        places += 1;
+    }
+    assert_eq!(places, 50);
 }

@@ -326,3 +326,75 @@ fn files_that_are_not_there_are_told() {
     );
     assert!(open(&data("")).contains("not a file"));
 }
+
+#[test]
+fn a_virtual_raster_that_changes_its_files_is_rejected() {
+    let gdal = Path::new(concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../tests/data/gdal"
+    ));
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name);
+    for name in ["part_west.tif", "part_east.tif", "folder.toml"] {
+        std::fs::copy(gdal.join(name), path(name)).expect("copied");
+    }
+    let whole = std::fs::read_to_string(gdal.join("heights.vrt")).expect("a file");
+    let set = |text: &str| {
+        std::fs::write(path("all.vrt"), text).expect("written");
+        crate::elevation::height_set(&path("all.vrt")).map_err(|error| error.to_string())
+    };
+    assert_eq!(set(&whole).expect("good").len(), 2);
+    for (from, to, words) in [
+        (
+            "DstRect xOff=\"36\"",
+            "DstRect xOff=\"37\"",
+            "where the file does not",
+        ),
+        (
+            "<GeoTransform>-180, 5",
+            "<GeoTransform>-180, 6",
+            "where the file does not",
+        ),
+        (
+            "SrcRect xOff=\"0\" yOff=\"0\" xSize=\"36\"",
+            "SrcRect xOff=\"1\" yOff=\"0\" xSize=\"35\"",
+            "takes a part of",
+        ),
+        (
+            "<NODATA>-32768</NODATA>",
+            "<NODATA>7</NODATA>",
+            "write nodata = 7 into its sidecar",
+        ),
+        (
+            "<NODATA>-32768</NODATA>",
+            "<ScaleRatio>2</ScaleRatio>",
+            "scales",
+        ),
+        (
+            "<NoDataValue>",
+            "<Scale>0.1</Scale><NoDataValue>",
+            "another scale or offset",
+        ),
+        (
+            "<SourceBand>1",
+            "<SourceBand>2",
+            "another band than the first",
+        ),
+        ("part_east.tif", "part_none.tif", "part_none.tif"),
+        (
+            "part_east.tif",
+            "all.vrt",
+            "another virtual raster as a source",
+        ),
+        (
+            "<VRTRasterBand",
+            "<VRTRasterBand band=\"2\"></VRTRasterBand><VRTRasterBand",
+            "has 2 bands",
+        ),
+    ] {
+        let text = whole.replace(from, to);
+        assert_ne!(text, whole, "{from}");
+        let said = set(&text).expect_err(to);
+        assert!(said.contains(words), "{to}: {said}");
+    }
+}
