@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use terrella_files as files;
 use terrella_files::first_bytes;
 use terrella_ground::elevation::read::check_metres;
+use terrella_ground::elevation::vrt::is_vrt;
 
 /// A map that has been looked at.
 pub(super) enum MapInput {
@@ -18,13 +19,14 @@ pub(super) enum MapInput {
 }
 
 impl MapInput {
-    /// A folder is a mosaic, and a file that ends in `.toml` and is no picture.
+    /// A folder is a mosaic, and a file that ends in `.toml` or `.vrt` and is no picture.
     pub(super) fn open(
         path: &Path,
         meaning: Meaning,
         limits: SourceLimits,
     ) -> Result<Self, BuildError> {
-        let is_mosaic = path.is_dir() || (is_named_toml(path) && !is_picture(path)?);
+        let is_named = is_vrt(path) || is_named_toml(path);
+        let is_mosaic = path.is_dir() || (is_named && !is_picture(path)?);
         if !is_mosaic {
             return Ok(Self::File(path.to_path_buf()));
         }

@@ -3,6 +3,7 @@
 //! | file | what |
 //! |---|---|
 //! | `description.rs` | what a mosaic is made of: a TOML file, or a folder |
+//! | `virtual_raster.rs` | GDAL's `.vrt` as such a description, and windows of files |
 //! | `place.rs`, `georeference.rs` | where a part lies, where files say it, and in which coordinate system |
 //! | `target.rs`, `axis.rs` | the grid that is made, and what its texels are made of |
 //! | `raster.rs`, `tiles.rs`, `row.rs`, `texels.rs` | rows of a file or of tiles, and their texels as numbers |
@@ -29,6 +30,7 @@ mod target;
 mod tests;
 mod texels;
 mod tiles;
+mod virtual_raster;
 
 #[cfg(feature = "fetch")]
 pub(crate) use description::syntax_complaint;
@@ -39,6 +41,7 @@ pub use place::{Bounds, Crs, MERCATOR_END_DEG, RasterPlacement};
 pub use target::Target;
 pub use texels::Encoding;
 pub use tiles::TileSet;
+pub use virtual_raster::Window;
 
 use super::error::BuildError;
 use super::source::{
@@ -207,7 +210,7 @@ impl Mosaic {
     pub(super) fn files(&self) -> impl Iterator<Item = PathBuf> + '_ {
         self.description.parts.iter().flat_map(|part| {
             let files: Box<dyn Iterator<Item = PathBuf>> = match &part.from {
-                PartSource::File(path, _) => {
+                PartSource::File(path, _) | PartSource::Placed(path, ..) => {
                     Box::new(std::iter::once(path.clone()).chain(files_beside(path)))
                 }
                 PartSource::Tiles(set, _) => Box::new(set.rows.clone().flat_map(move |row| {
@@ -223,7 +226,11 @@ impl Mosaic {
         self.pieces
             .iter()
             .filter_map(|piece| match &piece.part.from {
-                PartSource::File(path, _) if piece.part.encoding.is_none() => Some(path.as_path()),
+                PartSource::File(path, _) | PartSource::Placed(path, ..)
+                    if piece.part.encoding.is_none() =>
+                {
+                    Some(path.as_path())
+                }
                 _ => None,
             })
     }

@@ -5,11 +5,13 @@ use super::place::{Bounds, Crs, RasterPlacement};
 use super::row::AlphaMeans;
 use super::texels::Encoding;
 use super::tiles::{MAX_TILE_SIDE, TileSet};
+use super::virtual_raster::Window;
 use crate::error::BuildError;
 use crate::source::{FileContext, MAX_PIECE_SIDE};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 use terrella_files::{self as files, path_complaint, printable};
+use terrella_ground::elevation::vrt::is_vrt;
 use terrella_imagery::pack::{MAX_ATTRIBUTION_LINES, MAX_TEXT_CHARS};
 
 /// Largest description, bytes.
@@ -62,6 +64,8 @@ pub struct Part {
 pub enum PartSource {
     /// A file, and what is said of where it lies.
     File(PathBuf, Stated),
+    /// A file whose place is known, and the part of it that is used, if not all is.
+    Placed(PathBuf, RasterPlacement, Option<Window>),
     /// Tiles, and where they lie.
     Tiles(TileSet, RasterPlacement),
 }
@@ -70,7 +74,7 @@ impl PartSource {
     /// What messages call it.
     pub fn name(&self) -> &Path {
         match self {
-            Self::File(path, _) => path,
+            Self::File(path, _) | Self::Placed(path, ..) => path,
             Self::Tiles(set, _) => &set.path,
         }
     }
@@ -162,7 +166,7 @@ impl Description {
         })
     }
 
-    /// Reads the description at a path: a file, a folder with [`MOSAIC_FILE`], or a folder of maps.
+    /// Reads the description at a path: a file, a virtual raster, a folder with [`MOSAIC_FILE`], or a folder of maps.
     ///
     /// # Errors
     /// [`BuildError`] with the file.
@@ -175,6 +179,9 @@ impl Description {
                 return Self::read(&inside);
             }
             return Self::of_folder(path);
+        }
+        if is_vrt(path) {
+            return Self::of_vrt(path);
         }
         let bytes = files::read(path, MAX_DESCRIPTION_BYTES).map_err(with_path)?;
         let bytes = bytes.ok_or_else(|| {

@@ -18,7 +18,7 @@ use terrella_ground::elevation::wkt::{MAX_WKT_BYTES, TextSystem, system_of as sy
 use tiff::decoder::Decoder;
 
 /// Metres of Web Mercator for a degree of longitude: π·6 378 137 / 180.
-const METRES_PER_DEG: f64 = std::f64::consts::PI * 6_378_137.0 / 180.0;
+pub(super) const METRES_PER_DEG: f64 = std::f64::consts::PI * 6_378_137.0 / 180.0;
 
 /// Largest world file, bytes.
 const WORLD_FILE_BYTES: u64 = 4096;

@@ -10,6 +10,7 @@ use super::row::RasterRow;
 use super::target::{Span, Target};
 use super::texels::{Reader, TexelKind};
 use super::tiles::TileRows;
+use super::virtual_raster::WindowRows;
 use crate::error::BuildError;
 use crate::resample::cubic;
 use crate::source::{Extent, FileContext, SourceInfo, SourceLimits, open_extent};
@@ -41,6 +42,15 @@ impl Piece {
         let (place, turn) = match &part.from {
             PartSource::File(path, stated) => place_of(path, *stated, (info.width, info.height))?,
             PartSource::Tiles(_, place) => (*place, Turn::None),
+            PartSource::Placed(path, place, _) => {
+                match place.complaint((info.width, info.height)) {
+                    None => (*place, Turn::None),
+                    Some(complaint) => {
+                        return Err(FileContext::new(path)
+                            .rejected(complaint, "make the .vrt again (`gdalbuildvrt`)"));
+                    }
+                }
+            }
         };
         if turn != Turn::None {
             raster = open(part, turn, description, limits)?;
@@ -108,6 +118,14 @@ fn open(
                 &FileContext::new(path),
                 limits,
             )?;
+            Ok(Raster::file(rows, part.alpha))
+        }
+        PartSource::Placed(path, _, window) => {
+            let rows = open_extent(path, limits, Extent::Piece)?;
+            let rows = match window {
+                Some(window) => Box::new(WindowRows::new(rows, *window, &FileContext::new(path))?),
+                None => rows,
+            };
             Ok(Raster::file(rows, part.alpha))
         }
         PartSource::Tiles(set, _) => {

@@ -2,6 +2,7 @@
 
 mod nothing;
 mod places;
+mod virtual_rasters;
 
 use super::*;
 use std::fs;
