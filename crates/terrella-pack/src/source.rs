@@ -7,6 +7,7 @@ mod png;
 mod sample;
 mod sof;
 mod tiff;
+mod webp;
 
 use super::error::BuildError;
 pub(super) use beside::files_beside;
@@ -72,6 +73,8 @@ pub enum FileKind {
     Jpeg,
     /// TIFF, also BigTIFF and GeoTIFF.
     Tiff,
+    /// WebP, lossy or lossless.
+    WebP,
 }
 
 /// What a texel's last channel says of it.
@@ -277,9 +280,14 @@ pub(super) fn read_extent<R: BufRead + Seek + 'static>(
         [b'I', b'I', 42 | 43, 0, ..] | [b'M', b'M', 0, 42 | 43, ..] => Box::new(
             tiff::TiffRows::open(reader, context.clone(), limits, extent)?,
         ),
+        // Eight bytes are looked at: the length of a file of RIFF, and its kind behind it, are the decoder's matter.
+        [b'R', b'I', b'F', b'F', ..] => {
+            let rows = webp::WebPRows::open(reader, context.clone(), limits, extent)?;
+            Box::new(rows)
+        }
         _ => {
             return Err(context.rejected(
-                "is neither PNG nor JPEG nor TIFF",
+                "is neither PNG nor JPEG nor TIFF nor WebP",
                 "convert it to one of these",
             ));
         }

@@ -10,6 +10,8 @@ use terrella_imagery::srgb::{LINEAR_FROM_SRGB, SrgbEncoder, linear_from_encoded}
 pub enum Encoding {
     /// Metres are red × 256 + green + blue / 256 − 32 768 (Tilezen's Joerd, `docs/formats.md`). Black has no height.
     Terrarium,
+    /// Metres are (red × 65 536 + green × 256 + blue) / 10 − 10 000 (Mapbox Terrain-RGB).
+    Mapbox,
 }
 
 /// What a texel of a mosaic is.
@@ -25,7 +27,7 @@ impl TexelKind {
     /// Of a raster's texels, alpha left away.
     pub(super) fn of(info: &SourceInfo, encoding: Option<Encoding>) -> Self {
         match encoding {
-            Some(Encoding::Terrarium) => Self {
+            Some(Encoding::Terrarium | Encoding::Mapbox) => Self {
                 channels: 1,
                 sample: SampleKind::F32,
             },
@@ -127,6 +129,9 @@ impl Reader {
                 }
                 Some(Encoding::Terrarium) => {
                     texel[0] = at(0) * 256.0 + at(1) + at(2) / 256.0 - 32_768.0;
+                }
+                Some(Encoding::Mapbox) => {
+                    texel[0] = (at(0) * 65_536.0 + at(1) * 256.0 + at(2)) / 10.0 - 10_000.0;
                 }
                 None if self.to.is_colour() => {
                     for (channel, value) in texel.iter_mut().enumerate() {
