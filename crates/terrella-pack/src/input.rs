@@ -1,7 +1,7 @@
 //! A map of the whole Earth that a pack is built from: one file, or a mosaic.
 
 use super::error::BuildError;
-use super::mosaic::{Description, Mosaic, check_whole_earth};
+use super::mosaic::{Description, Mosaic, check_whole_earth, is_archive};
 use super::source::{self, FileContext, RowSource, SourceInfo, SourceLimits};
 use super::values::Meaning;
 use std::path::{Path, PathBuf};
@@ -19,13 +19,13 @@ pub(super) enum MapInput {
 }
 
 impl MapInput {
-    /// A folder is a mosaic, and a file that ends in `.toml` or `.vrt` and is no picture.
+    /// A folder is a mosaic, and a file that ends in `.toml`, `.vrt`, `.mbtiles` or `.pmtiles` and is no picture.
     pub(super) fn open(
         path: &Path,
         meaning: Meaning,
         limits: SourceLimits,
     ) -> Result<Self, BuildError> {
-        let is_named = is_vrt(path) || is_named_toml(path);
+        let is_named = is_vrt(path) || is_archive(path) || is_named_toml(path);
         let is_mosaic = path.is_dir() || (is_named && !is_picture(path)?);
         if !is_mosaic {
             return Ok(Self::File(path.to_path_buf()));
@@ -134,5 +134,6 @@ fn is_picture(path: &Path) -> Result<bool, BuildError> {
             | [0xFF, 0xD8, ..]
             | [b'I', b'I', 42 | 43, 0, ..]
             | [b'M', b'M', 0, 42 | 43, ..]
+            | [b'R', b'I', b'F', b'F', ..]
     ))
 }

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `description.rs` | what a mosaic is made of: a TOML file, or a folder |
 //! | `virtual_raster.rs` | GDAL's `.vrt` as such a description, and windows of files |
+//! | `archive.rs`, `archive_part.rs` | files that hold tiles, MBTiles and PMTiles, and such a file as a part |
 //! | `place.rs`, `georeference.rs` | where a part lies, where files say it, and in which coordinate system |
 //! | `target.rs`, `axis.rs` | the grid that is made, and what its texels are made of |
 //! | `raster.rs`, `tiles.rs`, `row.rs`, `texels.rs` | rows of a file or of tiles, and their texels as numbers |
@@ -15,6 +16,8 @@
 //! over byte for byte; all others are averaged or interpolated in linear light. Damaged parts and tiles are left out and told; parts
 //! that are not there, or do not say where they lie, are errors.
 
+mod archive;
+mod archive_part;
 mod axis;
 mod compose;
 mod description;
@@ -32,16 +35,16 @@ mod texels;
 mod tiles;
 mod virtual_raster;
 
+pub(crate) use archive::is_archive;
 #[cfg(feature = "fetch")]
 pub(crate) use description::syntax_complaint;
 pub use description::{Description, MAX_DESCRIPTION_BYTES, MOSAIC_FILE, Part, PartSource};
 pub(super) use georeference::check_whole_earth;
 pub use georeference::{Stated, world_place};
-pub use place::{Bounds, Crs, MERCATOR_END_DEG, RasterPlacement};
+pub use place::{Bounds, Crs, MERCATOR_END_DEG, RasterPlacement, Window};
 pub use target::Target;
 pub use texels::Encoding;
 pub use tiles::TileSet;
-pub use virtual_raster::Window;
 
 use super::error::BuildError;
 use super::source::{
@@ -212,6 +215,9 @@ impl Mosaic {
             let files: Box<dyn Iterator<Item = PathBuf>> = match &part.from {
                 PartSource::File(path, _) | PartSource::Placed(path, ..) => {
                     Box::new(std::iter::once(path.clone()).chain(files_beside(path)))
+                }
+                PartSource::Tiles(set, _) if set.archive_level.is_some() => {
+                    Box::new(std::iter::once(set.path.clone()))
                 }
                 PartSource::Tiles(set, _) => Box::new(set.rows.clone().flat_map(move |row| {
                     set.columns.clone().map(move |column| set.file(row, column))

@@ -1,11 +1,12 @@
 //! What a mosaic is made of: a TOML file, or a folder of maps that say where they lie.
 
+use super::archive::is_archive;
+use super::archive_part::archive_tiles;
 use super::georeference::Stated;
-use super::place::{Bounds, Crs, RasterPlacement};
+use super::place::{Bounds, Crs, RasterPlacement, Window};
 use super::row::AlphaMeans;
 use super::texels::Encoding;
 use super::tiles::{MAX_TILE_SIDE, TileSet};
-use super::virtual_raster::Window;
 use crate::error::BuildError;
 use crate::source::{FileContext, MAX_PIECE_SIDE};
 use serde::Deserialize;
@@ -57,6 +58,20 @@ pub struct Part {
     /// How heights are written as colours.
     pub encoding: Option<Encoding>,
     pub(crate) alpha: AlphaMeans,
+}
+
+impl Part {
+    /// A part that lies over others as it is.
+    pub(super) fn plain(from: PartSource) -> Self {
+        Self {
+            from,
+            feather_deg: 0.0,
+            is_matched: false,
+            no_data: None,
+            encoding: None,
+            alpha: AlphaMeans::Presence,
+        }
+    }
 }
 
 /// What a part is read from.
@@ -183,6 +198,12 @@ impl Description {
         if is_vrt(path) {
             return Self::of_vrt(path);
         }
+        if is_archive(path) {
+            return Ok(Self {
+                parts: vec![Part::plain(archive_part(path)?)],
+                ..Self::default()
+            });
+        }
         let bytes = files::read(path, MAX_DESCRIPTION_BYTES).map_err(with_path)?;
         let bytes = bytes.ok_or_else(|| {
             context.rejected(
@@ -192,7 +213,22 @@ impl Description {
         })?;
         let text = String::from_utf8(bytes)
             .map_err(|_| context.rejected("is no text", "give a description of a mosaic"))?;
-        Self::from_toml(&text, path)
+        let mut description = Self::from_toml(&text, path)?;
+        for part in &mut description.parts {
+            let PartSource::File(file, stated) = &part.from else {
+                continue;
+            };
+            if is_archive(file) {
+                if *stated != Stated::default() {
+                    return Err(FileContext::new(file).rejected(
+                        "says itself where its tiles lie, and so does its [[part]]",
+                        "leave crs and bounds_deg out",
+                    ));
+                }
+                part.from = archive_part(file)?;
+            }
+        }
+        Ok(description)
     }
 
     /// The same of cover or intensity: alpha is how much of it there is.
@@ -223,20 +259,20 @@ impl Description {
                 format!("give a folder with 1 to {MAX_PARTS} PNG, JPEG or TIFF files, or with {MOSAIC_FILE}"),
             ));
         }
-        let parts = files.into_iter().map(|file| Part {
-            from: PartSource::File(file, Stated::default()),
-            feather_deg: 0.0,
-            is_matched: false,
-            no_data: None,
-            encoding: None,
-            alpha: AlphaMeans::Presence,
-        });
+        let parts = files
+            .into_iter()
+            .map(|file| Part::plain(PartSource::File(file, Stated::default())));
         Ok(Self {
             parts: parts.collect(),
             is_unordered: true,
             ..Self::default()
         })
     }
+}
+
+/// A file that holds tiles as the source of a part.
+fn archive_part(path: &Path) -> Result<PartSource, BuildError> {
+    archive_tiles(path).map(|(set, place)| PartSource::Tiles(set, place))
 }
 
 /// Whether these can be numbers of a texel.
@@ -330,6 +366,7 @@ impl RawPart {
             grid_rows: (grid_rows - 1e-9).ceil().max(1.0) as u32,
             path: path.clone(),
             tile_size: side,
+            archive_level: None,
         };
         let place = RasterPlacement {
             crs,

@@ -61,6 +61,15 @@ impl Crs {
     }
 }
 
+/// Texels of a file that are used.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Window {
+    /// First column and first row.
+    pub first: (u32, u32),
+    /// Columns and rows.
+    pub size: (u32, u32),
+}
+
 /// Edges of a part of the Earth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {

@@ -1,5 +1,6 @@
 //! Tiles of one size that lie side by side, read as one raster: a row of tiles is decoded at a time.
 
+use super::archive::{Archive, MAX_TILE_FILE_BYTES, tile_name};
 use super::row::{AlphaMeans, RasterRow, without_alpha};
 use crate::error::BuildError;
 use crate::source::{Extent, FileContext, SampleKind, SourceInfo, SourceLimits, read_extent};
@@ -7,9 +8,6 @@ use std::io::{Cursor, ErrorKind, Read};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use terrella_files as files;
-
-/// Largest file of a tile, bytes.
-pub const MAX_TILE_FILE_BYTES: u64 = 64 << 20;
 
 /// Longest side of a tile, texels.
 pub const MAX_TILE_SIDE: u32 = 4096;
@@ -27,8 +25,10 @@ const SOUTH_ROW_WORD: &str = "{-y}";
 /// Tiles of a grid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TileSet {
-    /// Where a tile lies, with words for its row and column.
+    /// Where a tile lies, with words for its row and column; or the file that holds all of them.
     pub path: PathBuf,
+    /// The level of the tiles of a file that holds all.
+    pub archive_level: Option<u8>,
     /// Texels of a tile's side.
     pub tile_size: u32,
     /// Columns of the grid that are there, from the west.
@@ -44,6 +44,9 @@ pub struct TileSet {
 impl TileSet {
     /// The file of a tile.
     pub fn file(&self, row: u32, column: u32) -> PathBuf {
+        if let Some(level) = self.archive_level {
+            return tile_name(&self.path, level, row, column);
+        }
         let south_row = (self.grid_rows - 1).saturating_sub(row);
         let fill = |text: String, words: &[&str], number: u32| {
             let number = number.to_string();
@@ -80,14 +83,14 @@ impl TileSet {
     }
 
     /// The first tile's kind of texels; tiles that are missing or damaged are skipped.
-    fn probe(&self, limits: SourceLimits) -> Option<SourceInfo> {
+    fn probe(&self, limits: SourceLimits, archive: &mut Option<Archive>) -> Option<SourceInfo> {
         let all = self.rows.clone().flat_map(|row| {
             let columns = self.columns.clone();
             columns.map(move |column| (row, column))
         });
         all.into_iter().find_map(|(row, column)| {
             let path = self.file(row, column);
-            let bytes = read_file(&path).ok()?;
+            let bytes = tile_bytes(archive, &path, (row, column)).ok()?;
             let rows = read_extent(Cursor::new(bytes), &path, limits, Extent::Piece).ok()?;
             Some(rows.info())
         })
@@ -97,6 +100,8 @@ impl TileSet {
 /// Rows of tiles.
 pub(super) struct TileRows {
     set: TileSet,
+    /// The file that holds all tiles.
+    archive: Option<Archive>,
     alpha: AlphaMeans,
     limits: SourceLimits,
     info: SourceInfo,
@@ -148,7 +153,11 @@ impl TileRows {
         description: &Path,
     ) -> Result<Self, BuildError> {
         let context = FileContext::new(description);
-        let Some(first) = set.probe(limits) else {
+        let mut archive = match set.archive_level {
+            Some(_) => Some(Archive::open(&set.path)?),
+            None => None,
+        };
+        let Some(first) = set.probe(limits, &mut archive) else {
             return Err(context.rejected(
                 format!(
                     "none of the {} tiles {} can be read",
@@ -187,6 +196,7 @@ impl TileRows {
                 buffer_bytes: held,
             },
             set: set.clone(),
+            archive,
             alpha,
             limits,
             given: 0,
@@ -238,11 +248,12 @@ impl TileRows {
         self.cover.resize(rows * self.info.width as usize, 0);
         self.is_whole = true;
         for place in 0..self.set.columns.len() as u32 {
-            let path = self.set.file(
+            let (row, column) = (
                 self.set.rows.start + tile_row,
                 self.set.columns.start + place,
             );
-            match self.read_tile(&path, place) {
+            let path = self.set.file(row, column);
+            match self.read_tile(&path, (row, column), place) {
                 Ok(is_whole) => self.is_whole &= is_whole,
                 Err(left_out) => {
                     self.is_whole = false;
@@ -274,10 +285,10 @@ impl TileRows {
     }
 
     /// Reads a tile into its place; whether all of it is there.
-    fn read_tile(&mut self, path: &Path, place: u32) -> Result<bool, BuildError> {
+    fn read_tile(&mut self, path: &Path, at: (u32, u32), place: u32) -> Result<bool, BuildError> {
         let context = FileContext::new(path);
         let side = self.set.tile_size as usize;
-        let bytes = read_file(path).map_err(|error| context.unreadable(error))?;
+        let bytes = tile_bytes(&mut self.archive, path, at)?;
         let mut source = read_extent(Cursor::new(bytes), path, self.limits, Extent::Piece)?;
         let info = source.info();
         if (info.width, info.height) != (self.set.tile_size, self.set.tile_size) {
@@ -330,6 +341,21 @@ fn copy_channels(from: &[u8], to: &mut [u8], texel: usize, sample: usize) {
         for channel in to.chunks_exact_mut(sample) {
             channel.copy_from_slice(&from[..sample]);
         }
+    }
+}
+
+/// The file of a tile, by its row and column.
+fn tile_bytes(
+    archive: &mut Option<Archive>,
+    path: &Path,
+    (row, column): (u32, u32),
+) -> Result<Vec<u8>, BuildError> {
+    let unreadable = |error| FileContext::new(path).unreadable(error);
+    match archive {
+        None => read_file(path).map_err(unreadable),
+        Some(archive) => archive
+            .tile(row, column)?
+            .ok_or_else(|| unreadable(ErrorKind::NotFound.into())),
     }
 }
 

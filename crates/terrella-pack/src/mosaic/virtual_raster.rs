@@ -2,22 +2,12 @@
 
 use super::description::{Description, MAX_PARTS, Part, PartSource};
 use super::georeference::METRES_PER_DEG;
-use super::place::{Crs, RasterPlacement};
-use super::row::AlphaMeans;
+use super::place::{Crs, RasterPlacement, Window};
 use crate::error::BuildError;
 use crate::source::{FileContext, RowSource, SourceInfo};
 use std::path::Path;
 use terrella_ground::elevation::vrt::{Vrt, VrtBand, VrtError, VrtGrid, VrtSource};
 use terrella_ground::elevation::wkt::{TextSystem, system_of};
-
-/// Texels of a file that are used.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Window {
-    /// First column and first row.
-    pub first: (u32, u32),
-    /// Columns and rows.
-    pub size: (u32, u32),
-}
 
 impl Description {
     /// Reads a virtual raster.
@@ -103,13 +93,10 @@ fn parts_of(vrt: &Vrt) -> Result<Vec<Part>, String> {
         if no_data.len() > 1 && no_data.len() != bands.len() {
             return Err(wrong("has no-data values for some of the bands of"));
         }
+        let from = placed(source, vrt.size, &grid, (crs, unit)).map_err(|cause| wrong(&cause))?;
         Ok(Part {
-            from: placed(source, vrt.size, &grid, (crs, unit)).map_err(|cause| wrong(&cause))?,
-            feather_deg: 0.0,
-            is_matched: false,
             no_data: Some(no_data).filter(|all| !all.is_empty()),
-            encoding: None,
-            alpha: AlphaMeans::Presence,
+            ..Part::plain(from)
         })
     };
     if others
