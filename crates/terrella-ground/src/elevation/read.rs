@@ -323,10 +323,22 @@ impl<R: BufRead + Seek> HeightReader<R> {
                 (Decoder::NetCdf(file), header)
             }
             [b'C', b'D', b'F', ..] | [0x89, b'H', b'D', b'F', ..] => {
+                let is_hdf = magic[0] == 0x89;
+                let cause = match is_hdf {
+                    true => "is NetCDF-4 (HDF5)",
+                    false => "is NetCDF of 64-bit data (CDF-5)",
+                };
+                // Classic files hold variables of at most 4 GB: GEBCO and SRTM15+ are larger.
                 return Err(context.rejected(
-                    "is a NetCDF file of a later form",
-                    "NetCDF classic",
-                    format!("convert it: `nccopy -k classic {} OUT.nc`", path.display()),
+                    cause,
+                    "NetCDF classic or GeoTIFF",
+                    format!(
+                        "convert it: `gdal_translate -co COMPRESS=ZSTD -co PREDICTOR=2 -co TILED=YES {} OUT.tif`, of several variables \
+                         from `NETCDF:\"{}\":NAME`; or, up to 4 GB, `nccopy -k cdf2 {} OUT.nc`",
+                        path.display(),
+                        path.display(),
+                        path.display()
+                    ),
                 ));
             }
             [0x1F, 0x8B, ..] => {
