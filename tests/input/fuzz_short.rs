@@ -260,6 +260,7 @@ fn seeds_are_good() {
             Description::from_toml(&text(seed), path).expect("a good mosaic");
         }
         world_place(&text(&seeds[3]), None).expect("a good world file");
+        terrella_ground::elevation::vrt::Vrt::read(&text(&seeds[4]), path).expect("a good .vrt");
     }
     for seed in fetch_source::seeds() {
         terrella_pack::fetch::MapSource::from_toml(&text(&seed), path).expect("a good source");
