@@ -84,6 +84,7 @@ fn is_beyond_air(ray: Ray, from_eye: vec3f) -> bool {
 // Bits of flags.
 import rust::ON_GROUND;
 @if(lines) import rust::FROM_PREVIOUS;
+@if(lines) import rust::UNCASED;
 
 // What lies on the ground is tested against depths this part of its distance nearer, and at least so many metres, so that
 // the mesh, whose facets meet the ellipsoid at their corners, does not hide it, nor chords that lie below it, nor, where the
@@ -106,14 +107,14 @@ fn depth_of(clip: vec4f, from_eye_m: vec3f, flags: u32) -> f32 {
 @if(!fills) const CASING_PX: f32 = 1.0;
 @if(!fills) const CASING: f32 = 0.5;
 
-// A line or mark whose edge is `inside_px` away, over its casing; premultiplied. Its colour is that of a pixel it covers wholly, `half_color`
+// A line or mark whose edge is `inside_px` away, over its casing of this opacity; premultiplied. Its colour is that of a pixel it covers wholly, `half_color`
 // that of one it covers by half: a tone curve that comes later does not show the half of a light as half of it.
 @if(!fills)
-fn cased(color: vec4f, half_color: vec3f, inside_px: f32, seen: f32) -> vec4f {
+fn cased(color: vec4f, half_color: vec3f, inside_px: f32, casing: f32, seen: f32) -> vec4f {
     let core = saturate(inside_px + 0.5);
     let cover = saturate(inside_px + CASING_PX + 0.5);
     let covered = core * seen;
     // The parabola through none, half and all.
     let light = covered * (4.0 * half_color - color.rgb + covered * (2.0 * color.rgb - 4.0 * half_color));
-    return vec4f(color.a * max(light, vec3f(0.0)), color.a * seen * (core + (cover - core) * CASING));
+    return vec4f(color.a * max(light, vec3f(0.0)), color.a * seen * (core + (cover - core) * casing));
 }

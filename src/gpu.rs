@@ -84,7 +84,9 @@ pub(crate) use shader::GLARE_RADIUS_RAD;
 #[cfg(feature = "packs")]
 pub(crate) use shader::GLINT_ENDS_SIN;
 #[cfg(feature = "tracks")]
-pub(crate) use shader::{FROM_PREVIOUS as TRACK_FROM_PREVIOUS, ON_GROUND as TRACK_ON_GROUND};
+pub(crate) use shader::{
+    FROM_PREVIOUS as TRACK_FROM_PREVIOUS, ON_GROUND as TRACK_ON_GROUND, UNCASED as TRACK_UNCASED,
+};
 pub use shader::{LAMPS_OUT_SIN, VIEW_ANGLES, VIEW_AZIMUTHS};
 pub(crate) use surface::SurfaceDrawable;
 pub(crate) use surface_config::SurfaceConfig;

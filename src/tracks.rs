@@ -12,6 +12,8 @@
 //! tracks.render(&mut pass);
 //! ```
 //!
+//! [`Tracks::set_lines`] adds [`Polylines`] that stand still on the Earth: a graticule, coast lines, a host's own.
+//!
 //! Names are the host's to write: [`Tracks::labels`] says where. The command writes them with egui.
 //!
 //! # How data flows
@@ -50,6 +52,7 @@ mod buffers;
 mod curve;
 mod footprint;
 mod ink;
+mod lines;
 mod projection;
 mod satellite;
 mod style;
@@ -64,6 +67,8 @@ pub use buffers::{NEAREST_MARKER_M, TrackLabel};
 pub use footprint::{
     OUTLINE_POINTS, WIDEST_HALF_ANGLE_RAD, footprint_outline, is_beyond_air, is_hidden,
 };
+use ink::Ink;
+pub use lines::{LineStyle, MAX_LINE_POINTS, Polylines};
 use projection::EyeProjection;
 use satellite::{Axes, Satellite};
 pub use style::{Footprint, TrackSpan, TrackStyle};
@@ -155,6 +160,12 @@ pub enum TracksError {
     /// The shader file is at fault.
     #[error(transparent)]
     Shader(#[from] ShaderError),
+    /// Lines that cannot be drawn.
+    #[error("lines: {what}")]
+    Lines {
+        /// What they must be.
+        what: &'static str,
+    },
     /// An angle or span that has no meaning.
     #[error("satellite {satellite}: {what}")]
     Style {
@@ -168,6 +179,7 @@ pub enum TracksError {
 /// The tracks of some satellites.
 pub struct Tracks {
     satellites: Vec<Satellite>,
+    lines: Vec<InkedLines>,
     options: TracksOptions,
     kinds: TrackKinds,
     drawable: TracksDrawable,
@@ -176,6 +188,22 @@ pub struct Tracks {
     stats: TrackStats,
     /// False if the last view gives no picture.
     is_shown: bool,
+}
+
+/// Polylines, and their colour as the target of the pass stores it.
+#[derive(Clone)]
+struct InkedLines {
+    lines: Polylines,
+    colors: [[u16; 4]; 2],
+}
+
+impl InkedLines {
+    fn new(lines: Polylines, format: &PassFormat) -> Self {
+        let style = lines.style();
+        let is_faded = style.opacity < 1.0;
+        let colors = Ink::new(format, style.color, is_faded).at(style.opacity);
+        Self { lines, colors }
+    }
 }
 
 impl Tracks {
@@ -212,6 +240,7 @@ impl Tracks {
                 .iter()
                 .map(|style| Satellite::new(style, &format, max_points))
                 .collect(),
+            lines: Vec::new(),
             options: options.clone(),
             kinds,
             drawable: TracksDrawable::new(device, format, kinds, options.air.as_ref())?,
@@ -232,6 +261,7 @@ impl Tracks {
         let air = options.air.as_ref();
         Self {
             satellites: self.satellites.clone(),
+            lines: self.lines.clone(),
             drawable: self.drawable.for_another_view(&self.device, air),
             options,
             kinds: self.kinds,
@@ -256,6 +286,41 @@ impl Tracks {
             for satellite in &mut self.satellites {
                 satellite.ink = satellite.style.ink(&format);
             }
+            for lines in &mut self.lines {
+                *lines = InkedLines::new(lines.lines.clone(), &format);
+            }
+            self.is_shown = false;
+        }
+        Ok(())
+    }
+
+    /// Draws these polylines from the next [`Self::prepare`] on, in place of those before, beneath all of the satellites. Makes the
+    /// pipeline of lines if no style needed it.
+    ///
+    /// # Errors
+    /// More than [`MAX_LINE_POINTS`] in all. Then nothing has changed.
+    pub fn set_lines(&mut self, lines: Vec<Polylines>) -> Result<(), TracksError> {
+        if lines.iter().map(Polylines::point_count).sum::<usize>() > MAX_LINE_POINTS {
+            let what = "they have more than 1 000 000 points; leave some out";
+            return Err(TracksError::Lines { what });
+        }
+        let kinds = TrackKinds {
+            lines: self.kinds.lines || !lines.is_empty(),
+            ..self.kinds
+        };
+        self.make_pipelines(kinds)?;
+        let format = self.options.format();
+        let inked = lines.into_iter();
+        self.lines = inked.map(|lines| InkedLines::new(lines, &format)).collect();
+        Ok(())
+    }
+
+    /// Makes the pipelines of further kinds.
+    fn make_pipelines(&mut self, kinds: TrackKinds) -> Result<(), ShaderError> {
+        if kinds != self.kinds {
+            let (format, air) = (self.options.format(), self.options.air.as_ref());
+            self.drawable = TracksDrawable::new(&self.device, format, kinds, air)?;
+            self.kinds = kinds;
             self.is_shown = false;
         }
         Ok(())
@@ -305,6 +370,10 @@ impl Tracks {
             size: moment.target.size,
             ellipsoid: &ellipsoid,
         };
+        for lines in &self.lines {
+            let points = &mut self.buffers.points;
+            lines.lines.write(lines.colors, &eye, points);
+        }
         let mut axes = Axes::new(moment.epoch, moment.orientation, moment.turn);
         let mut left = budget;
         let mut is_complete = true;

@@ -32,6 +32,9 @@ fn clip_of(from_eye_m: vec3f) -> vec4f {
     return track.frame.clip_from_eye * vec4f(from_eye_m, 1.0);
 }
 
+// How far beyond its edge a line without a casing covers a part of pixels, with a tenth for rounding.
+const UNCASED_PX: f32 = 0.6;
+
 // Segments are cut at planes this often as far out as the viewport's edges: numbers stay small, and no cut is seen.
 const GUARD: f32 = 3.0;
 
@@ -95,7 +98,7 @@ fn vertex(@builtin(vertex_index) index: u32, in: Segment) -> Varying {
     var out: Varying;
     out.half_width_px = in.half_width_px;
     out.flags = in.b_flags;
-    out.across_px = side * (in.half_width_px + CASING_PX + 1.0);
+    out.across_px = side * (in.half_width_px + select(CASING_PX + 1.0, UNCASED_PX, (in.b_flags & UNCASED) != 0u));
     out.color = mix(in.a_color, in.b_color, t);
     out.half_color = mix(in.a_half_color.rgb, in.b_half_color.rgb, t);
     out.clip = NOWHERE;
@@ -115,5 +118,7 @@ fn fragment(in: Varying) -> @location(0) vec4f {
     let ray = ray_of(in.clip.xy);
     let from_eye = in.from_eye_over_w / in.one_over_w;
     let seen = in_sight(ray, from_eye, in.flags);
-    return seen_color(cased(in.color, in.half_color, in.half_width_px - abs(in.across_px), seen), ray, from_eye);
+    let casing = select(CASING, 0.0, (in.flags & UNCASED) != 0u);
+    let color = cased(in.color, in.half_color, in.half_width_px - abs(in.across_px), casing, seen);
+    return seen_color(color, ray, from_eye);
 }

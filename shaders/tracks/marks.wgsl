@@ -48,5 +48,5 @@ fn fragment(in: Varying) -> @location(0) vec4f {
     if (in.flags & ON_GROUND) != 0u {
         inside_px = max(0.9 - abs(r - in.radius_px), 1.2 - r);
     }
-    return seen_color(cased(in.color, in.half_color, inside_px, seen), ray, in.from_eye);
+    return seen_color(cased(in.color, in.half_color, inside_px, CASING, seen), ray, in.from_eye);
 }

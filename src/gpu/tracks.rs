@@ -25,7 +25,8 @@ pub struct TrackUniforms {
 pub(crate) struct LinePoint {
     /// From the eye, ITRF metres.
     pub from_eye_m: [f32; 3],
-    /// [`FROM_PREVIOUS`](super::TRACK_FROM_PREVIOUS) where a segment comes to it from the point before, [`ON_GROUND`](super::TRACK_ON_GROUND) where it lies there.
+    /// [`FROM_PREVIOUS`](super::TRACK_FROM_PREVIOUS) where a segment comes to it from the point before, [`ON_GROUND`](super::TRACK_ON_GROUND) where it lies there,
+    /// [`UNCASED`](super::TRACK_UNCASED) where that segment has no dark edge.
     pub flags: u32,
     /// As the target stores it and opacity, half floats, not premultiplied: of a pixel that is covered wholly, and of one by half.
     pub colors: [[u16; 4]; 2],

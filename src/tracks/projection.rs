@@ -19,6 +19,13 @@ impl EyeProjection<'_> {
         self.clip_from_eye * (place_itrf_m - self.itrf_m).extend(1.0)
     }
 
+    /// How many pixels an angle of one radian is long in the middle of the picture.
+    pub fn pixels_per_radian(&self) -> f64 {
+        // A rotation changes no length: the ratio is the cotangent of half the field of view, in any unit of the host.
+        let [up, depth] = [1, 3].map(|row| self.clip_from_eye.row(row).truncate().length());
+        0.5 * f64::from(self.size.1) * up / depth
+    }
+
     /// Pixels from the viewport's upper left corner; `None` outside the picture.
     pub fn pixel(&self, place_itrf_m: DVec3) -> Option<[f32; 2]> {
         let clip = self.clip(place_itrf_m);

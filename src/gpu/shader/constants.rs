@@ -33,6 +33,8 @@ pub const TRUTH_SUNLIT: u32 = 1 << 9;
 pub(crate) const FROM_PREVIOUS: u32 = 1;
 /// Flag of what of a track lies on the ground.
 pub(crate) const ON_GROUND: u32 = 2;
+/// Flag of a point of a line without a dark edge.
+pub(crate) const UNCASED: u32 = 4;
 
 /// Sine of the Sun's elevation above which city lights are out: at sunset.
 pub const LAMPS_OUT_SIN: f64 = 0.0;
@@ -213,4 +215,5 @@ const SHARED: &[(&str, Value)] = &[
     // Flags of tracks.
     ("FROM_PREVIOUS", U32(FROM_PREVIOUS)),
     ("ON_GROUND", U32(ON_GROUND)),
+    ("UNCASED", U32(UNCASED)),
 ];

@@ -66,7 +66,7 @@ pub(crate) use constants::GLARE_RADIUS_RAD;
 #[cfg(feature = "packs")]
 pub(crate) use constants::GLINT_ENDS_SIN;
 #[cfg(feature = "tracks")]
-pub(crate) use constants::{FROM_PREVIOUS, ON_GROUND};
+pub(crate) use constants::{FROM_PREVIOUS, ON_GROUND, UNCASED};
 pub use constants::{
     LAMPS_OUT_SIN, PART_CELL_WORDS, PART_INDEX_BITS, TRUTH_LAND, TRUTH_SUNLIT, VIEW_ANGLES,
     VIEW_AZIMUTHS,
