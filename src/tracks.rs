@@ -14,6 +14,8 @@
 //!
 //! [`Tracks::set_lines`] adds [`Polylines`] that stand still on the Earth: a graticule, coast lines, a host's own.
 //!
+//! [`Tracks::set_stations`] adds ground stations: marks, the ground from which a satellite is in view, and lines of access.
+//!
 //! Names are the host's to write: [`Tracks::labels`] says where. The command writes them with egui.
 //!
 //! # How data flows
@@ -55,6 +57,7 @@ mod ink;
 mod lines;
 mod projection;
 mod satellite;
+mod stations;
 mod style;
 mod turn;
 
@@ -63,7 +66,7 @@ use crate::gpu::{AirTextures, DepthBuffer, Development, PassFormat, ShaderError}
 use crate::gpu::{TrackKinds, TrackUniforms, TracksDrawable};
 use crate::plan::AirSide;
 use buffers::TrackBuffers;
-pub use buffers::{NEAREST_MARKER_M, TrackLabel};
+pub use buffers::{NEAREST_MARKER_M, StationLabel, TrackLabel};
 pub use footprint::{
     OUTLINE_POINTS, WIDEST_HALF_ANGLE_RAD, footprint_outline, is_beyond_air, is_hidden,
 };
@@ -71,6 +74,8 @@ use ink::Ink;
 pub use lines::{LineStyle, MAX_LINE_POINTS, Polylines};
 use projection::EyeProjection;
 use satellite::{Axes, Satellite};
+use stations::InkedStation;
+pub use stations::{CIRCLE_POINTS, MAX_STATIONS, Station};
 pub use style::{Footprint, TrackSpan, TrackStyle};
 use terrella_frames::{Ellipsoid, Epoch, Orientation};
 use terrella_ground::air::TOP;
@@ -143,6 +148,8 @@ pub struct TrackStats {
     pub marks: u32,
     /// States that feeds were asked for to grow curves.
     pub samples: u32,
+    /// Satellites in view of stations, each counted for every such station.
+    pub accesses: u32,
     /// Triangles.
     pub triangles: u32,
     /// Draw calls.
@@ -180,6 +187,9 @@ pub enum TracksError {
 pub struct Tracks {
     satellites: Vec<Satellite>,
     lines: Vec<InkedLines>,
+    stations: Vec<InkedStation>,
+    /// The satellite whose height the stations' circles are of.
+    followed: usize,
     options: TracksOptions,
     kinds: TrackKinds,
     drawable: TracksDrawable,
@@ -241,6 +251,8 @@ impl Tracks {
                 .map(|style| Satellite::new(style, &format, max_points))
                 .collect(),
             lines: Vec::new(),
+            stations: Vec::new(),
+            followed: 0,
             options: options.clone(),
             kinds,
             drawable: TracksDrawable::new(device, format, kinds, options.air.as_ref())?,
@@ -262,6 +274,8 @@ impl Tracks {
         Self {
             satellites: self.satellites.clone(),
             lines: self.lines.clone(),
+            stations: self.stations.clone(),
+            followed: self.followed,
             drawable: self.drawable.for_another_view(&self.device, air),
             options,
             kinds: self.kinds,
@@ -289,6 +303,9 @@ impl Tracks {
             for lines in &mut self.lines {
                 *lines = InkedLines::new(lines.lines.clone(), &format);
             }
+            for station in &mut self.stations {
+                *station = InkedStation::new(station.station, &format);
+            }
             self.is_shown = false;
         }
         Ok(())
@@ -312,6 +329,37 @@ impl Tracks {
         let format = self.options.format();
         let inked = lines.into_iter();
         self.lines = inked.map(|lines| InkedLines::new(lines, &format)).collect();
+        Ok(())
+    }
+
+    /// Draws these stations from the next [`Self::prepare`] on, in place of those before: each with a mark, the ground from which the
+    /// satellite number `followed` is in view at the height that it has, and a line to every satellite in view, those without tracks
+    /// among them.
+    ///
+    /// # Errors
+    /// A station that has no meaning, and more than [`MAX_STATIONS`]. Then nothing has changed.
+    pub fn set_stations(
+        &mut self,
+        stations: &[Station],
+        followed: usize,
+    ) -> Result<(), TracksError> {
+        if stations.len() > MAX_STATIONS {
+            let what = "there are more than 1000 stations; leave some out";
+            return Err(TracksError::Lines { what });
+        }
+        stations.iter().try_for_each(Station::check)?;
+        let kinds = TrackKinds {
+            lines: self.kinds.lines || !stations.is_empty(),
+            marks: self.kinds.marks || !stations.is_empty(),
+            ..self.kinds
+        };
+        self.make_pipelines(kinds)?;
+        let format = self.options.format();
+        let stations = stations.iter();
+        self.stations = stations
+            .map(|station| InkedStation::new(*station, &format))
+            .collect();
+        self.followed = followed;
         Ok(())
     }
 
@@ -377,10 +425,25 @@ impl Tracks {
         let mut axes = Axes::new(moment.epoch, moment.orientation, moment.turn);
         let mut left = budget;
         let mut is_complete = true;
+        let has_stations = !self.stations.is_empty();
+        let mut followed_itrf_m = None;
         for (index, (satellite, feed)) in self.satellites.iter_mut().zip(feeds).enumerate() {
-            is_complete &= satellite.follow(feed, &mut axes, &ellipsoid, &mut left);
+            is_complete &= satellite.follow(feed, &mut axes, &ellipsoid, &mut left, has_stations);
             satellite.write(index, &eye, &mut axes, &mut self.buffers);
+            if has_stations && let Some(place) = satellite.place_itrf_m(&mut axes) {
+                self.buffers.satellites.push(place);
+                if index == self.followed {
+                    followed_itrf_m = Some(place);
+                }
+            }
         }
+        let satellites = std::mem::take(&mut self.buffers.satellites);
+        let mut accesses = 0;
+        for (index, station) in self.stations.iter().enumerate() {
+            let buffers = &mut self.buffers;
+            accesses += station.write(index, &satellites, followed_itrf_m, &eye, buffers);
+        }
+        self.buffers.satellites = satellites;
         let frame = TrackUniforms {
             frame: view.uniforms(&ellipsoid),
             size_px: [
@@ -410,6 +473,7 @@ impl Tracks {
             points: buffers.points.len() as u32,
             marks: buffers.marks.len() as u32,
             samples: (budget - left) as u32,
+            accesses,
             triangles,
             draw_calls,
             uploaded_bytes,
@@ -433,6 +497,11 @@ impl Tracks {
     /// Where names belong in the picture prepared last.
     pub fn labels(&self) -> &[TrackLabel] {
         &self.buffers.labels
+    }
+
+    /// Where names of stations belong in the picture prepared last.
+    pub fn station_labels(&self) -> &[StationLabel] {
+        &self.buffers.station_labels
     }
 
     /// Names of what is drawn of some satellite: "trails" (with ground tracks and outlines), "marks", "fills".

@@ -137,8 +137,9 @@ fn prepare_allocates_nothing_of_its_own() {
 fn tracks_allocate_nothing_of_their_own() {
     let _alone = alone();
     use std::time::{Duration, Instant};
-    use terrella::frames::{Duration as Span, Orientation, utc_from_rfc3339};
+    use terrella::frames::{Duration as Span, Ellipsoid, Orientation, utc_from_rfc3339};
     use terrella::tracks::{Footprint, TrackMoment, TrackSpan, TrackStyle, Tracks, TracksOptions};
+    use terrella::tracks::{LineStyle, Polylines, Station};
     use terrella_orbit::{Feed, Sgp4Feed};
     let gpu = common::gpu();
     let options = EarthOptions::new(common::plain([90, 90, 90]));
@@ -156,6 +157,16 @@ fn tracks_allocate_nothing_of_their_own() {
     let earth = Earth::new(&gpu.device, &gpu.queue, &options).expect("an Earth");
     let mut tracks =
         Tracks::new(&gpu.device, &TracksOptions::of(&earth), &[style; 3]).expect("tracks");
+    let lines = LineStyle::thin([255; 3], 0.3);
+    let graticule = Polylines::graticule(lines, &Ellipsoid::WGS84, 10.0).expect("lines");
+    tracks.set_lines(vec![graticule]).expect("lines");
+    let station = Station {
+        place: Geodetic::from_degrees(10.0, 20.0, 100.0),
+        min_elevation_rad: 0.1,
+        color: [255; 3],
+        width_px: 2.0,
+    };
+    tracks.set_stations(&[station; 3], 0).expect("stations");
     let feeds = [(); 3].map(|()| Sgp4Feed::built_in_iss().expect("elements"));
     let start = utc_from_rfc3339("2018-01-19T00:30:00Z").expect("a date");
     let view = common::down(Geodetic::from_degrees(10.0, 20.0, 2e7), 50.0, 1.6);

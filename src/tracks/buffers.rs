@@ -18,13 +18,13 @@ const GROUND_MARKER_M: f64 = 10_000.0;
 
 /// Radii of a marker and of the ring on the ground, pixels, for lines 2 pixels wide.
 const MARKER_PX: f32 = 4.0;
-const RING_PX: f32 = 6.0;
+pub(super) const RING_PX: f32 = 6.0;
 /// Opacity of a trail's oldest point, of the first after now, and of the last.
 const OLDEST: f64 = 0.12;
 const AHEAD: f64 = 0.6;
 const LATEST: f64 = 0.15;
 /// Opacity of a footprint's outline and of its fill.
-const OUTLINE_OPACITY: f64 = 0.863;
+pub(super) const OUTLINE_OPACITY: f64 = 0.863;
 const FILL_OPACITY: f64 = 0.173;
 
 /// Where a satellite's name belongs: beside its dot, which is in the picture and not hidden.
@@ -38,6 +38,17 @@ pub struct TrackLabel {
     pub color: [u8; 3],
 }
 
+/// Where a station's name belongs: beside its mark, which is in the picture and not hidden.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StationLabel {
+    /// The station's place in the list that was set.
+    pub station: usize,
+    /// The mark's middle, pixels from the viewport's upper left corner.
+    pub at_px: [f32; 2],
+    /// Its colour, display values.
+    pub color: [u8; 3],
+}
+
 /// What is written to the GPU, kept from frame to frame for its room.
 #[derive(Default)]
 pub(super) struct TrackBuffers {
@@ -45,7 +56,10 @@ pub(super) struct TrackBuffers {
     pub marks: Vec<Mark>,
     pub fills: Vec<Fill>,
     pub labels: Vec<TrackLabel>,
+    pub station_labels: Vec<StationLabel>,
     pub outline: Vec<DVec3>,
+    /// Satellites that stations look for, ITRF metres.
+    pub satellites: Vec<DVec3>,
 }
 
 impl TrackBuffers {
@@ -54,6 +68,8 @@ impl TrackBuffers {
         self.marks.clear();
         self.fills.clear();
         self.labels.clear();
+        self.station_labels.clear();
+        self.satellites.clear();
     }
 }
 
@@ -82,14 +98,14 @@ impl Satellite {
         }
         if let (Some(curve), Some(span)) = (&self.ground, self.style.ground_track) {
             let window = reference.window(span, self.now_s);
-            let mut line = LineWriter::new(self, TRACK_ON_GROUND, eye, &mut buffers.points);
+            let mut line = self.line(TRACK_ON_GROUND, eye, &mut buffers.points);
             curve.walk(window, subpoint_itrf_m, |t_s, place| {
                 line.add(place, opacity(t_s, window));
             });
         }
         if let (Some(curve), Some(span)) = (&self.trail, self.style.trail) {
             let window = reference.window(span, self.now_s);
-            let mut line = LineWriter::new(self, 0, eye, &mut buffers.points);
+            let mut line = self.line(0, eye, &mut buffers.points);
             curve.walk(window, self.now_m, |t_s, place| {
                 line.add(itrf_from_inertial * place, opacity(t_s, window));
             });
@@ -127,6 +143,15 @@ impl Satellite {
         }
     }
 
+    fn line<'l>(
+        &'l self,
+        flags: u32,
+        eye: &EyeProjection<'_>,
+        points: &'l mut Vec<LinePoint>,
+    ) -> LineWriter<'l> {
+        LineWriter::new(&self.ink, 0.5 * self.style.width_px, flags, eye, points)
+    }
+
     fn write_footprint(
         &self,
         place_itrf_m: DVec3,
@@ -140,7 +165,7 @@ impl Satellite {
         footprint_outline(place_itrf_m, half_angle_rad, eye.ellipsoid, |point| {
             outline.push(point);
         });
-        let mut line = LineWriter::new(self, TRACK_ON_GROUND, eye, &mut buffers.points);
+        let mut line = self.line(TRACK_ON_GROUND, eye, &mut buffers.points);
         for point in outline.iter().chain(outline.first()) {
             line.add(*point, OUTLINE_OPACITY);
         }
@@ -193,7 +218,7 @@ fn opacity(t_s: f64, window: TimeWindow) -> f64 {
 }
 
 /// Writes the points of one line.
-struct LineWriter<'l> {
+pub(super) struct LineWriter<'l> {
     points: &'l mut Vec<LinePoint>,
     eye_itrf_m: DVec3,
     ink: &'l Ink,
@@ -203,8 +228,9 @@ struct LineWriter<'l> {
 }
 
 impl<'l> LineWriter<'l> {
-    fn new(
-        of: &'l Satellite,
+    pub fn new(
+        ink: &'l Ink,
+        half_width_px: f32,
         flags: u32,
         eye: &EyeProjection<'_>,
         points: &'l mut Vec<LinePoint>,
@@ -212,13 +238,13 @@ impl<'l> LineWriter<'l> {
         Self {
             points,
             eye_itrf_m: eye.itrf_m,
-            ink: &of.ink,
-            half_width_px: 0.5 * of.style.width_px,
+            ink,
+            half_width_px,
             flags,
         }
     }
 
-    fn add(&mut self, place_itrf_m: DVec3, opacity: f64) {
+    pub fn add(&mut self, place_itrf_m: DVec3, opacity: f64) {
         self.points.push(LinePoint {
             from_eye_m: (place_itrf_m - self.eye_itrf_m).as_vec3().to_array(),
             flags: self.flags,

@@ -132,16 +132,17 @@ impl Satellite {
         }
     }
 
-    /// Follows the feed to now. Answers whether its curves are whole.
+    /// Follows the feed to now; without anything to draw only if `is_looked_for`, by stations. Answers whether its curves are whole.
     pub fn follow(
         &mut self,
         feed: &dyn Feed,
         axes: &mut Axes,
         ellipsoid: &Ellipsoid,
         budget: &mut usize,
+        is_looked_for: bool,
     ) -> bool {
         self.now_m = None;
-        if self.style.is_nothing() {
+        if self.style.is_nothing() && !is_looked_for {
             return true;
         }
         let (first, last) = feed.validity();
@@ -223,6 +224,12 @@ impl Satellite {
             is_whole &= curve.follow(reference.window(span, now_s), known, budget, on_ground);
         }
         is_whole
+    }
+
+    /// Where it is, ITRF metres, if that is known.
+    pub fn place_itrf_m(&self, axes: &mut Axes) -> Option<DVec3> {
+        let (reference, now_m) = (self.reference?, self.now_m?);
+        Some(axes.itrf_from(reference.frame) * now_m)
     }
 
     fn curves(&mut self) -> impl Iterator<Item = &mut Curve> {

@@ -58,7 +58,7 @@ fn both(trail: TrackSpan, ground_track: TrackSpan) -> TrackStyle {
 fn follow(satellite: &mut Satellite, feed: &dyn Feed, at: Epoch) -> (bool, usize) {
     let mut axes = Axes::new(at, Orientation::default(), None);
     let mut budget = 100_000;
-    let is_whole = satellite.follow(feed, &mut axes, &WGS84, &mut budget);
+    let is_whole = satellite.follow(feed, &mut axes, &WGS84, &mut budget, false);
     (is_whole, 100_000 - budget)
 }
 

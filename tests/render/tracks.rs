@@ -1,5 +1,6 @@
 //! Pictures of tracks: what the globe hides, what the air lies over, where lines stand on screen, what is absent when off.
 
+mod lines;
 mod rig;
 mod views;
 
