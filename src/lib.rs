@@ -73,7 +73,7 @@
 //! | `earth` | the façade | the command |
 //! | `offscreen` | an Earth that is drawn into memory | files, the command |
 //! | `celestial` | stars, the Milky Way, Sun and Moon behind the Earth | files but the star catalogue, the command |
-//! | `tracks` | trails, ground tracks, footprints and markers of feeds, lines on the globe, ground stations | files, the command |
+//! | `tracks` | trails, ground tracks, footprints and markers of feeds, lines on the globe, ground stations | files but coast lines and borders, the command |
 //! | `pack` | packs built from large maps | GPU, orbits |
 //! | `fetch` | maps from their public sources into a cache; all of the network that there is | GPU, orbits |
 //! | `sensor` | lenses, point spread, light to electrons and raw frames | GPU, files, scenes |

@@ -60,6 +60,7 @@ mod satellite;
 mod stations;
 mod style;
 mod turn;
+mod vector_map;
 
 use crate::earth::{Earth, EarthView, EyeView, Viewport};
 use crate::gpu::{AirTextures, DepthBuffer, Development, PassFormat, ShaderError};
@@ -82,6 +83,7 @@ use terrella_ground::air::TOP;
 use terrella_ground::light::Tone;
 use terrella_orbit::Feed;
 pub use turn::EarthTurn;
+pub use vector_map::{VectorMap, VectorMapError};
 
 /// Most states that [`Tracks::prepare`] asks feeds for to grow their curves.
 pub const SAMPLES_A_FRAME: usize = 512;

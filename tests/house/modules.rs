@@ -34,7 +34,7 @@ const MODULES: &[(&str, &[&str])] = &[
     // Drawn behind the Earth.
     ("celestial", &["files", "frames", "air", "light", "imagery", "plan", "gpu", "earth"]),
     // Drawn with the Earth, for any feed: knows no scene.
-    ("tracks", &["frames", "orbit", "globe", "half", "air", "light", "plan", "gpu", "earth"]),
+    ("tracks", &["files", "frames", "orbit", "globe", "half", "air", "light", "plan", "gpu", "earth"]),
     ("pack", &["files", "durable", "elevation", "globe", "imagery"]),
     // Maps from the network, for packs.
     ("fetch", &["files", "durable", "imagery", "pack"]),
