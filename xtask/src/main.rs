@@ -19,6 +19,7 @@ mod prepare;
 mod process;
 mod starter_pack;
 mod test;
+mod vector_map;
 mod vulkan;
 mod web;
 
@@ -166,6 +167,15 @@ enum Command {
         #[arg(long, value_name = "FILE")]
         from: PathBuf,
     },
+    /// Make textures/lines.bin from the npm package world-atlas.
+    VectorMap {
+        /// Folder of the unpacked package: `npm pack world-atlas@2.0.2`, then `tar xzf world-atlas-2.0.2.tgz` makes `package`.
+        #[arg(long, value_name = "DIR")]
+        atlas: PathBuf,
+        /// Write nothing: compare what would be written with what is there.
+        #[arg(long)]
+        check: bool,
+    },
     /// Make the pictures in textures/ from the source data.
     StarterPack {
         /// Folder with the source data.
@@ -240,6 +250,7 @@ fn run(command: Command) -> anyhow::Result<()> {
         Command::Places { from } => {
             places::run(&from, &process::repository_root().join("textures"))
         }
+        Command::VectorMap { atlas, check } => vector_map::run(&atlas, check),
         Command::StarterPack { data, out, check } => {
             let out = out.unwrap_or_else(|| process::repository_root().join("textures"));
             if check {
