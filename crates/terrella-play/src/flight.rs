@@ -4,6 +4,7 @@ use super::camera::{HeadTurn, OrbitalMotion, Pose};
 use super::camera_path::CameraPath;
 use super::craft::CraftPose;
 use super::error::PlayError;
+use super::map_lines::dropped_lines;
 use super::maps::{
     DroppedLayer, check_pack, dropped_layers, earth_options, earth_options_at, uploaded_options_at,
 };
@@ -354,6 +355,7 @@ impl Flight {
     pub fn dropped_layers(&self) -> Result<Vec<DroppedLayer>, PlayError> {
         let mut dropped = dropped_layers(&self.scene)?;
         dropped.extend(dropped_parts(&self.scene)?);
+        dropped.extend(dropped_lines(&self.scene)?);
         Ok(dropped)
     }
 

@@ -90,6 +90,7 @@ mod keys;
 mod live;
 #[cfg(feature = "window")]
 mod live_status;
+mod map_lines;
 mod maps;
 mod mp4;
 mod name_table;

@@ -8,7 +8,7 @@
 //! |---|---|
 //! | `keys.rs` | its declaration: name, type, unit, range, default, meaning. **Begin here**; `table.rs` explains the form |
 //! | `choices.rs` | the words that keys choose from |
-//! | `time.rs`, `orbit.rs`, `tracks.rs`, `camera.rs`, `earth.rs`, `sky.rs`, `output.rs` | a table each: the checked value that hosts read, and its reader |
+//! | `time.rs`, `orbit.rs`, `tracks.rs`, `stations.rs`, `layers.rs`, `camera.rs`, `earth.rs`, `sky.rs`, `output.rs` | a table each: the checked value that hosts read, and its reader |
 //! | `camera_keys.rs` | `[[camera.keys]]` |
 //! | `sensor_keys.rs`, `sensor.rs` | declarations and reader of `[sensor]` |
 //! | `orbit_check.rs`, `many.rs`, `live.rs`, `basilisk.rs`, `burns.rs` | readers of `[orbit]`, which has the most keys |
@@ -37,6 +37,7 @@ mod earth;
 mod error;
 mod field;
 mod keys;
+mod layers;
 mod live;
 mod many;
 mod meaning;
@@ -56,6 +57,7 @@ mod sensor;
 mod sensor_keys;
 mod settings;
 mod sky;
+mod stations;
 mod summary;
 mod surfaces;
 mod table;
@@ -82,6 +84,7 @@ pub use error::{KeyLocation, SceneError};
 pub(crate) use keys::YEARS;
 #[cfg(feature = "window")]
 pub use keys::{DEFAULT_TOLERANCE_PX, EDGE_SAMPLES};
+pub use layers::{LayersTable, LineLook};
 pub use many::Many;
 pub use orbit::{ForceOptions, InitialState, Motion, Orbit, OrbitParameters};
 pub use output::{Output, QualityTable};
@@ -89,6 +92,7 @@ pub use relief::ReliefTable;
 pub use sensor::{KernelError, SensorTable};
 pub use settings::Setting;
 pub use sky::SkyTable;
+pub use stations::StationTable;
 pub use time::{StartSource, Time};
 pub use tracks::{Footprint, Track, TrackSpan};
 
@@ -103,6 +107,10 @@ pub struct Scene {
     pub orbits: Vec<Orbit>,
     /// `[tracks] width_px`: width of lines, pixels. What else stands in `[tracks]` is in each satellite's [`Orbit::track`].
     pub track_px: f64,
+    /// Each `[[station]]`.
+    pub stations: Vec<StationTable>,
+    /// `[layers]`
+    pub layers: LayersTable,
     /// `[camera]`
     pub camera: Camera,
     /// `[sensor]`, if the scene gives one.
@@ -123,6 +131,8 @@ pub struct Scene {
     orbit_records: Vec<Record>,
     /// For each of `orbits` the place of its table; empty where each has its own.
     orbit_tables: Vec<usize>,
+    /// The records of each `[[station]]`.
+    station_records: Vec<Record>,
     /// The text that it was made of, where that is no file's.
     text: Option<String>,
     /// Keys that were set in place of the file's.
@@ -216,6 +226,7 @@ impl Scene {
     pub fn line(&self, table: &str, key: &str) -> Option<usize> {
         match table {
             "orbit" => self.orbit_line(0, key),
+            "station" => self.station_records.first()?.line(key),
             table => self.records.get(table)?.line(key),
         }
     }

@@ -3,6 +3,7 @@
 //! Each list stands beside what reads the files. A key that names files and is missing here fails a test, and so does a file that a film opens.
 
 use super::error::PlayError;
+use super::map_lines::line_files;
 use super::maps::map_files;
 use super::relief::relief_files;
 use super::sky_parts::sky_files;
@@ -63,6 +64,7 @@ pub fn scene_files(scene: &Scene) -> Result<Vec<SceneFile>, PlayError> {
     if let Some(relief) = &earth.relief {
         add("earth.elevation", relief_files(relief)?);
     }
+    add("layers.vector_map", line_files(scene));
     if sky.is_on() {
         add("sky.folder", sky_files(scene));
     }
@@ -133,6 +135,11 @@ mod tests {
             "sensor.psf_kernel",
             "[sensor]\nsize = [64, 36]\nfocal_length_mm = 10\npixel_pitch_um = 5\nf_number = 2\nexposure_s = 0.001\nfull_well_e = 10000\npsf = \"measured\"\npsf_kernel = \"kernel.txt\"",
             &["kernel.txt"],
+        ),
+        (
+            "layers.vector_map",
+            "[layers]\nborders = true\nvector_map = \"lines.bin\"",
+            &["lines.bin"],
         ),
         (
             "sky.folder",

@@ -1,7 +1,7 @@
 //! The tracks of a scene's satellites in pictures and the window: the player draws them as any host of
 //! [`terrella::tracks`] would, and writes their names over the finished picture.
 //!
-//! A scene of which no satellite shows anything has no layer: nothing is made.
+//! Lines of `[layers]` and ground stations are drawn with them. A scene that shows nothing of all that has no layer: nothing is made.
 
 mod labels;
 mod roster;
@@ -11,13 +11,17 @@ mod swarm;
 use super::egui_pass::EguiTarget;
 use super::error::PlayError;
 use super::flight::{Flight, Moment};
+use super::map_lines::lines;
 use super::satellites::orientation_at;
+use crate::scene::{Orbit, Scene};
 use labels::Labels;
 use roster::RosterTracks;
 use style::style;
 use swarm::Swarm;
 use terrella::frames::EarthOrientation;
-use terrella::tracks::{TrackLabel, TrackMoment, TrackStats, Tracks, TracksOptions};
+use terrella::tracks::{
+    Polylines, Station, TrackLabel, TrackMoment, TrackStats, TrackStyle, Tracks, TracksOptions,
+};
 use terrella::{Earth, FrameStats, GpuContext};
 
 /// In a scene of more satellites those of a table that flies many have markers without names.
@@ -36,6 +40,9 @@ pub struct TracksLayer {
     is_complete: bool,
     /// Where a simulation says what there is.
     roster: Option<RosterTracks>,
+    lines: Vec<Polylines>,
+    stations: Vec<Station>,
+    station_names: Vec<String>,
 }
 
 /// How much of a curve is computed within a frame.
@@ -50,8 +57,11 @@ pub enum TrackDetail {
 impl TracksLayer {
     /// Whether a flight's scene asks for any.
     pub fn is_wanted(flight: &Flight) -> bool {
-        let mut orbits = flight.scene().orbits.iter();
+        let scene = flight.scene();
+        let mut orbits = scene.orbits.iter();
         orbits.any(|orbit| !orbit.track.is_off())
+            || scene.layers.is_on()
+            || !scene.stations.is_empty()
     }
 
     /// Bytes of the WGSL that the driver got.
@@ -69,24 +79,37 @@ impl TracksLayer {
         let scene = flight.scene();
         let width_px = scene.track_px as f32;
         let options = TracksOptions::of(earth);
+        let stations = stations(scene);
+        let lines = lines(scene, flight.ellipsoid())?;
         if let Some(roster) = RosterTracks::of(flight) {
+            let mut tracks = Tracks::new(&gpu.device, &options, &[])?;
+            tracks.set_lines(lines.clone())?;
             return Ok(Some(Self {
-                tracks: Tracks::new(&gpu.device, &options, &[])?,
+                tracks,
                 swarm: Swarm::default(),
                 is_named: Vec::new(),
                 orientation: flight.earth_orientation().cloned(),
                 labels: Some(Labels::new(&gpu.device, shown)),
                 is_complete: false,
                 roster: Some(roster),
+                lines,
+                stations,
+                station_names: station_names(scene),
             }));
         }
         let is_crowded = scene.orbits.len() > MAX_NAMED;
         let drawn = scene.orbits.iter().zip(flight.satellites()).enumerate();
         let mut is_named = Vec::new();
+        let mut followed = 0;
+        // Stations look for satellites of which nothing else is drawn, too.
+        let is_drawn = |orbit: &Orbit| !orbit.track.is_off() || !stations.is_empty();
         let (styles, feeds): (Vec<_>, Vec<_>) = drawn
-            .filter(|(_, (orbit, _))| !orbit.track.is_off())
+            .filter(|(_, (orbit, _))| is_drawn(orbit))
             .map(|(index, (orbit, satellite))| {
                 let is_followed = index == flight.followed();
+                if is_followed {
+                    followed = is_named.len();
+                }
                 is_named.push(!is_crowded || orbit.all.is_none() || is_followed);
                 let is_point = is_crowded && orbit.all.is_some() && !is_followed;
                 let width_px = width_px * if is_point { CROWD_WIDTH } else { 1.0 };
@@ -94,18 +117,24 @@ impl TracksLayer {
                 (style(table, orbit, width_px), satellite.shared_feed())
             })
             .unzip();
-        if styles.is_empty() {
+        if styles.is_empty() && lines.is_empty() && stations.is_empty() {
             return Ok(None);
         }
-        let has_names = styles.iter().any(|style| style.marker);
+        let has_names = styles.iter().any(|style| style.marker) || !stations.is_empty();
+        let mut tracks = Tracks::new(&gpu.device, &options, &styles)?;
+        tracks.set_lines(lines.clone())?;
+        tracks.set_stations(&stations, followed)?;
         Ok(Some(Self {
-            tracks: Tracks::new(&gpu.device, &options, &styles)?,
+            tracks,
             swarm: Swarm::of(feeds),
             is_named,
             orientation: flight.earth_orientation().cloned(),
             labels: has_names.then(|| Labels::new(&gpu.device, shown)),
             is_complete: false,
             roster: None,
+            lines,
+            stations,
+            station_names: station_names(scene),
         }))
     }
 
@@ -114,7 +143,13 @@ impl TracksLayer {
         let Some((styles, feeds)) = self.roster.as_mut().and_then(RosterTracks::changed) else {
             return;
         };
-        match Tracks::new(&gpu.device, self.tracks.options(), &styles) {
+        let made = Tracks::new(&gpu.device, self.tracks.options(), &styles);
+        let made = made.and_then(|mut tracks| {
+            tracks.set_lines(self.lines.clone())?;
+            tracks.set_stations(&self.stations, 0)?;
+            Ok(tracks)
+        });
+        match made {
             Ok(tracks) => {
                 self.tracks = tracks;
                 self.swarm = Swarm::of(feeds);
@@ -189,6 +224,17 @@ impl TracksLayer {
                 let at_px = [label.at_px[0] * x, label.at_px[1] * y];
                 Some((TrackLabel { at_px, ..*label }, name))
             });
+            let stations = self.tracks.station_labels().iter().filter_map(|label| {
+                let at_px = [label.at_px[0] * x, label.at_px[1] * y];
+                let name = self.station_names.get(label.station)?;
+                let label = TrackLabel {
+                    satellite: label.station,
+                    at_px,
+                    color: label.color,
+                };
+                Some((label, name.as_str()))
+            });
+            let names = stations.chain(names);
             let target = EguiTarget {
                 device: &gpu.device,
                 queue: &gpu.queue,
@@ -199,4 +245,29 @@ impl TracksLayer {
             labels.write(target, names);
         }
     }
+}
+
+/// A scene's ground stations, as they are drawn.
+fn stations(scene: &Scene) -> Vec<Station> {
+    let tables = scene.stations.iter().enumerate();
+    tables
+        .map(|(index, table)| Station {
+            place: table.place,
+            min_elevation_rad: table.min_elevation_deg.to_radians(),
+            // The palette goes on after the satellites' tables.
+            color: table.color.unwrap_or_else(|| {
+                let satellites = scene.orbits.len();
+                let last = satellites
+                    .checked_sub(1)
+                    .map(|last| scene.orbit_table(last));
+                TrackStyle::new(last.map_or(0, |table| table + 1) + index).color
+            }),
+            width_px: scene.track_px as f32,
+        })
+        .collect()
+}
+
+fn station_names(scene: &Scene) -> Vec<String> {
+    let tables = scene.stations.iter();
+    tables.map(|table| table.name.clone()).collect()
 }

@@ -161,7 +161,11 @@ fn every_key_is_read() {
          [output]\nsize = [16384, 1]\nsamples = 1\n\
          exposure_ev = 1.5\ntone = \"linear\"\n\
          [sky]\nstars = true\nmilky_way = false\nsun = true\nmoon = false\nglare = true\neclipses = false\nstar_gain = 7\nfolder = \"maps\"\n\
-         [quality]\ntarget_ms = 20\nscale = 0.5\nladder = \"sat.tle\"\n",
+         [quality]\ntarget_ms = 20\nscale = 0.5\nladder = \"sat.tle\"\n\
+         [station]\nname = \"A\"\nlat_deg = 1\nlon_deg = 2\nheight_m = 3\nmin_elevation_deg = 4\ncolor = \"#ffffff\"\n\
+         [layers]\ngraticule = { step_deg = 5 }\ngraticule_color = \"#ffffff\"\ngraticule_opacity = 0.5\n\
+         coast_lines = true\ncoast_lines_color = \"#ffffff\"\ncoast_lines_opacity = 0.5\n\
+         borders = true\nborders_color = \"#ffffff\"\nborders_opacity = 0.5\nwidth_px = 2\nvector_map = \"sat.tle\"\n",
     );
     let scene = scene.expect("a good scene");
     let sky = &scene.sky;
@@ -202,6 +206,9 @@ fn every_key_is_read() {
     let quality = &scene.quality;
     assert_eq!((quality.target_ms, quality.scale), (Some(20.0), 0.5));
     assert_eq!(quality.ladder, Some(folder.path("sat.tle")));
+    assert_eq!(scene.layers.vector_map, Some(folder.path("sat.tle")));
+    assert_eq!((scene.layers.width_px, scene.stations.len()), (2.0, 1));
+    assert_eq!(scene.line("station", "lat_deg"), Some(64));
     let summary = scene.summary();
     assert!(!summary.contains("default"), "{summary}");
 }

@@ -62,11 +62,15 @@ pub(super) fn check(source: SceneText<'_>, raw: RawScene) -> Result<Scene, Scene
         }
     }
     let track_px = source.tracks(&raw.tracks, !checked.is_empty())?;
+    let layers = source.layers(&raw.layers)?;
+    let raw_stations = raw.station.0;
+    let stations = source.stations(&raw_stations)?;
     let output = source.output(&raw.output, &camera, sensor.as_ref(), &earth, has_live)?;
     let quality = source.quality(&raw.quality)?;
     let records = [
         ("time", raw.time.record(source)),
         ("tracks", raw.tracks.record(source)),
+        ("layers", raw.layers.record(source)),
         ("camera", raw.camera.record(source)),
         ("sensor", raw.sensor.record(source)),
         ("earth", raw.earth.record(source)),
@@ -75,12 +79,16 @@ pub(super) fn check(source: SceneText<'_>, raw: RawScene) -> Result<Scene, Scene
         ("quality", raw.quality.record(source)),
     ];
     let orbit_records = orbits.into_iter().map(|orbit| orbit.record(source));
+    let station_records = raw_stations.into_iter();
+    let station_records = station_records.map(|station| station.record(source));
     Ok(Scene {
         path: source.path.to_owned(),
         time,
         orbits: checked,
         notices: Vec::new(),
         track_px,
+        stations,
+        layers,
         camera,
         sensor,
         earth,
@@ -90,6 +98,7 @@ pub(super) fn check(source: SceneText<'_>, raw: RawScene) -> Result<Scene, Scene
         records: records.into(),
         orbit_records: orbit_records.collect(),
         orbit_tables: Vec::new(),
+        station_records: station_records.collect(),
         text: None,
         settings: Vec::new(),
     })

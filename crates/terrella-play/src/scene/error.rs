@@ -84,6 +84,14 @@ pub enum SceneError {
         /// The nearest known name and all known names.
         remedy: String,
     },
+    /// A key that its table must have.
+    #[error("{place}: {remedy}")]
+    Missing {
+        /// On the line of the first key that the table has.
+        place: Box<KeyLocation>,
+        /// What the key is for, and how to write it.
+        remedy: String,
+    },
     /// A file that is no scene, and whose name does not say that it should be one.
     #[error(
         "{scene}; nor is it an orbit file: two-line elements, OMM, OEM, CZML, or CSV with columns epoch_utc, x_km, y_km, z_km"
@@ -109,7 +117,9 @@ impl SceneError {
             | Self::TooLarge { path }
             | Self::NotUtf8 { path, .. }
             | Self::Syntax { path, .. } => path,
-            Self::Unknown { place, .. } | Self::Value { place, .. } => &place.path,
+            Self::Unknown { place, .. }
+            | Self::Missing { place, .. }
+            | Self::Value { place, .. } => &place.path,
             Self::Neither { scene } => scene.path(),
         }
     }
@@ -119,7 +129,9 @@ impl SceneError {
         match self {
             Self::Read { .. } | Self::Folder { .. } | Self::TooLarge { .. } => None,
             Self::NotUtf8 { line, .. } | Self::Syntax { line, .. } => Some(*line),
-            Self::Unknown { place, .. } | Self::Value { place, .. } => place.line,
+            Self::Unknown { place, .. }
+            | Self::Missing { place, .. }
+            | Self::Value { place, .. } => place.line,
             Self::Neither { scene } => scene.line(),
         }
     }

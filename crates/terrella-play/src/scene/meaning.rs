@@ -154,6 +154,11 @@ const KEYS: &[(&str, &str, &[&str])] = &[
 const TABLES: &[(&str, &[&str])] = &[
     ("orbit", &["craft", "satellite", "satellites", "spacecraft"]),
     ("tracks", &["track", "trail"]),
+    (
+        "station",
+        &["ground_station", "ground_stations", "stations", "observer"],
+    ),
+    ("layers", &["layer", "lines", "overlay", "overlays"]),
     ("camera", &["eye", "view"]),
     ("earth", &["globe", "imagery", "planet", "terrain"]),
     ("sky", &["background", "stars"]),

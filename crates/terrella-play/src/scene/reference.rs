@@ -22,6 +22,9 @@ fn page() -> String {
     for table in TABLES {
         let note = match table.name {
             "orbit" => " A scene has one for each satellite: `[[orbit]]` where there are several.",
+            "station" => {
+                " A scene has one for each ground station: `[[station]]` where there are several."
+            }
             "tracks" => {
                 " What holds for all satellites; a key of `[orbit]` goes before the same key here."
             }
@@ -369,6 +372,7 @@ mod tests {
         for table in TABLES {
             let record = match table.name {
                 "orbit" => scene.orbit_records.first(),
+                "station" => scene.station_records.first(),
                 name => scene.records.get(name),
             };
             for key in table.keys {

@@ -6,9 +6,9 @@
 use super::camera_keys::{NUMBERS, OFFSET, OFFSET_M};
 use super::field::names_of;
 use super::keys::{
-    BURN_M_S2, BURN_S, CLIPMAP_LEVELS, CLIPMAP_SAMPLES, GRID_SAMPLES, MAX_BURNS, MAX_CAMERA_KEYS,
-    MAX_DATED_MAPS, MAX_ELEVATION_FILES, MAX_LEAVES, MAX_ORBITS, MAX_ORIGINS, QUADTREE_LAMBDA,
-    SAMPLES, SPAN_MIN, TABLES,
+    BURN_M_S2, BURN_S, CLIPMAP_LEVELS, CLIPMAP_SAMPLES, GRATICULE_STEP_DEG, GRID_SAMPLES,
+    MAX_BURNS, MAX_CAMERA_KEYS, MAX_DATED_MAPS, MAX_ELEVATION_FILES, MAX_LEAVES, MAX_ORBITS,
+    MAX_ORIGINS, MAX_STATIONS, QUADTREE_LAMBDA, SAMPLES, SPAN_MIN, TABLES,
 };
 use super::table::{Key, Shape, Table};
 use serde_json::{Map, Value, json};
@@ -21,22 +21,27 @@ use terrella_ground::light::Exposure;
 pub(super) fn schema() -> Value {
     let tables = TABLES.iter().map(|table| {
         let schema = match table.is_list() {
-            true => json!({ "anyOf": [
-                { "$ref": "#/$defs/orbit" },
-                { "type": "array", "maxItems": MAX_ORBITS, "items": { "$ref": "#/$defs/orbit" } },
-            ] }),
+            true => {
+                let one = json!({ "$ref": format!("#/$defs/{}", table.name) });
+                let most = match table.name {
+                    "orbit" => MAX_ORBITS,
+                    _ => MAX_STATIONS,
+                };
+                json!({ "anyOf": [one, { "type": "array", "maxItems": most, "items": one }] })
+            }
             false => table_schema(table),
         };
         (table.name.to_owned(), schema)
     });
-    let orbit = TABLES.iter().find(|table| table.is_list());
+    let lists = TABLES.iter().filter(|table| table.is_list());
+    let lists = lists.map(|table| (table.name.to_owned(), table_schema(table)));
     json!({
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": "A scene of Terrella",
         "type": "object",
         "properties": tables.collect::<Map<_, _>>(),
         "additionalProperties": false,
-        "$defs": { "orbit": orbit.map(table_schema) },
+        "$defs": lists.collect::<Map<_, _>>(),
     })
 }
 
@@ -111,7 +116,9 @@ fn own(key: &Key) -> Value {
     match key.name {
         "start" | "epoch" => json!({ "type": "string" }),
         "all" => json!({ "anyOf": [{ "type": "boolean" }, { "type": "string" }] }),
-        "trail" | "ground_track" => json!({ "anyOf": [{ "type": "boolean" }, table()] }),
+        "trail" | "ground_track" | "graticule" => {
+            json!({ "anyOf": [{ "type": "boolean" }, table()] })
+        }
         "burns" => json!({ "type": "array", "maxItems": MAX_BURNS, "items": table() }),
         "events" => {
             json!({ "type": "array", "items": { "enum": ["nodes", "apsides", "eclipses"] } })
@@ -172,6 +179,11 @@ pub(super) fn parts(key: &str) -> Vec<KeyPart> {
             part("before_min", number(&SPAN_MIN), "Minutes before now."),
             part("after_min", number(&SPAN_MIN), "Minutes after now."),
         ],
+        "graticule" => vec![part(
+            "step_deg",
+            number(&GRATICULE_STEP_DEG),
+            "Degrees from one line to the next.",
+        )],
         "burns" => vec![
             needed("start", text(), "UTC instant at which the burn begins."),
             needed("duration_s", number(&BURN_S), "Length, seconds."),

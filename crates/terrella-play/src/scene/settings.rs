@@ -159,7 +159,9 @@ enum Place {
 
 /// An error with the name of the option in place of the file's where a setting is meant, or the table of one.
 pub(super) fn of_setting(mut error: SceneError, settings: &[Setting]) -> SceneError {
-    if let SceneError::Unknown { place, .. } | SceneError::Value { place, .. } = &mut error
+    if let SceneError::Unknown { place, .. }
+    | SceneError::Missing { place, .. }
+    | SceneError::Value { place, .. } = &mut error
         && settings.iter().any(|setting| {
             setting.table == place.table && (place.key.is_empty() || setting.key == place.key)
         })

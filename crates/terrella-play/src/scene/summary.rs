@@ -7,6 +7,7 @@ use super::field::{NO_ORBIT, written};
 use super::keys::TABLES;
 use super::orbit_check::foreign;
 use super::record::Record;
+use super::stations::NO_STATION;
 use super::table::{Key, Table};
 use super::time::{StartSource, utc};
 use std::fmt::Write;
@@ -43,6 +44,7 @@ impl Scene {
             }
             let head = match table.name {
                 "orbit" if self.orbit_records.len() > 1 => "[[orbit]]".to_owned(),
+                "station" if self.station_records.len() > 1 => "[[station]]".to_owned(),
                 name => format!("[{name}]"),
             };
             line(&mut out, format_args!("\n{head}"));
@@ -77,8 +79,10 @@ impl Scene {
                     }
                 }
             }
-            if table.name == "orbit" {
-                self.other_orbits(&mut out, table);
+            match table.name {
+                "orbit" => self.other_orbits(&mut out, table),
+                "station" => self.other_stations(&mut out, table),
+                _ => {}
             }
         }
         if hidden > 0 {
@@ -153,10 +157,28 @@ impl Scene {
         }
     }
 
+    /// Stations after the first.
+    fn other_stations(&self, out: &mut String, table: &Table) {
+        for record in self.station_records.iter().skip(1) {
+            line(out, format_args!("\n[[station]]"));
+            for key in table.keys {
+                let from = match record.line(key.name) {
+                    Some(number) => format!("line {number} of the file"),
+                    None => "default".to_owned(),
+                };
+                if let Ok(value) = recorded(Some(record), key) {
+                    line(out, format_args!("  {:<18} {value:<28} {from}", key.name));
+                }
+            }
+        }
+    }
+
     /// What a key comes to.
     fn value(&self, table: &Table, key: &Key) -> Result<&str, &'static str> {
         let record = match table.name {
             "orbit" => return self.orbit_value(0, key),
+            "station" if self.station_records.is_empty() => return Err(NO_STATION),
+            "station" => self.station_records.first(),
             name => self.records.get(name),
         };
         recorded(record, key)
@@ -200,6 +222,8 @@ impl Scene {
         }));
         uses.extend(self.orbit_uses());
         uses.extend(self.track_uses());
+        uses.extend(self.station_uses());
+        uses.extend(self.line_uses());
         let camera = &self.camera;
         let eye = match camera.mode {
             CameraMode::Nadir => format!(

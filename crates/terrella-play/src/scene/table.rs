@@ -77,7 +77,7 @@ pub(super) struct Table {
 impl Table {
     /// Whether a scene may have several of it.
     pub(super) fn is_list(&self) -> bool {
-        self.name == "orbit"
+        matches!(self.name, "orbit" | "station")
     }
 }
 

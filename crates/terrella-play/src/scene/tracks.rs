@@ -121,11 +121,21 @@ impl SceneText<'_> {
         Ok(width_px)
     }
 
-    fn color(&self, field: &Field<'_, String>) -> Result<Option<[u8; 3]>, SceneError> {
+    /// A colour, or none where the next of the usual ones is taken.
+    pub(super) fn color(&self, field: &Field<'_, String>) -> Result<Option<[u8; 3]>, SceneError> {
         let Some(text) = field.given.map(Spanned::get_ref) else {
             field.note(Err("one of the usual colours, by its place in the scene"));
             return Ok(None);
         };
+        self.color_of(field, text).map(Some)
+    }
+
+    /// A colour as `text` says it: the value of the key, or its default.
+    pub(super) fn color_of(
+        &self,
+        field: &Field<'_, String>,
+        text: &str,
+    ) -> Result<[u8; 3], SceneError> {
         let digits = text.strip_prefix('#').filter(|digits| {
             digits.len() == 6 && digits.bytes().all(|digit| digit.is_ascii_hexdigit())
         });
@@ -137,7 +147,7 @@ impl SceneText<'_> {
         };
         field.note(quoted(&text.to_lowercase()));
         let [_, red, green, blue] = number.to_be_bytes();
-        Ok(Some([red, green, blue]))
+        Ok([red, green, blue])
     }
 
     fn span(&self, field: &Field<'_, toml::Value>) -> Result<Option<TrackSpan>, SceneError> {

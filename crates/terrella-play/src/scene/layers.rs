@@ -1,0 +1,195 @@
+//! `[layers]`: lines on the globe that stand still on it.
+
+use super::Scene;
+use super::error::{SceneError, printable};
+use super::field::{Field, PathKind, range_text};
+use super::keys::{GRATICULE_STEP_DEG, RawLayers};
+use super::record::number_text;
+use super::text::SceneText;
+use std::ops::RangeInclusive;
+use std::path::PathBuf;
+use toml::Spanned;
+
+/// `step_deg` of `graticule` where a scene gives none.
+const STEP_DEG: f64 = 10.0;
+/// Colours where a scene gives none.
+const GRATICULE_COLOR: &str = "#ffffff";
+const COAST_LINES_COLOR: &str = "#fff2c4";
+const BORDERS_COLOR: &str = "#ffffff";
+
+/// `[layers]`
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LayersTable {
+    /// Degrees from one line of the graticule to the next, and how it is drawn; `None` is none.
+    pub graticule: Option<(f64, LineLook)>,
+    /// How coast lines are drawn.
+    pub coast_lines: Option<LineLook>,
+    /// How borders are drawn.
+    pub borders: Option<LineLook>,
+    /// Width of these lines, pixels.
+    pub width_px: f64,
+    /// File of coast lines and borders; `None` is the starter pack's.
+    pub vector_map: Option<PathBuf>,
+}
+
+/// How lines are drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LineLook {
+    /// Display values (sRGB).
+    pub color: [u8; 3],
+    /// Above 0 to 1.
+    pub opacity: f64,
+}
+
+impl LayersTable {
+    /// Whether anything is drawn.
+    pub fn is_on(&self) -> bool {
+        self.graticule.is_some() || self.needs_vector_map()
+    }
+
+    /// Whether anything is drawn of a file.
+    pub fn needs_vector_map(&self) -> bool {
+        self.coast_lines.is_some() || self.borders.is_some()
+    }
+}
+
+/// A number with a default, as its key has it.
+type Number<'r> = Field<'r, f64, super::field::Bounds<f64>>;
+
+impl SceneText<'_> {
+    /// Checks `[layers]`.
+    pub(super) fn layers(&self, layers: &RawLayers) -> Result<LayersTable, SceneError> {
+        let step_deg = self.graticule(&layers.graticule())?;
+        let look = |is_on, color: Field<'_, String>, opacity: Number<'_>, usual, only| {
+            self.line_look(is_on, &color, &opacity, usual, only)
+        };
+        let graticule = look(
+            step_deg.is_some(),
+            layers.graticule_color(),
+            layers.graticule_opacity(),
+            GRATICULE_COLOR,
+            "only for graticule = true",
+        )?;
+        let coast_lines = look(
+            layers.coast_lines().is_on(),
+            layers.coast_lines_color(),
+            layers.coast_lines_opacity(),
+            COAST_LINES_COLOR,
+            "only for coast_lines = true",
+        )?;
+        let borders = look(
+            layers.borders().is_on(),
+            layers.borders_color(),
+            layers.borders_opacity(),
+            BORDERS_COLOR,
+            "only for borders = true",
+        )?;
+        let table = LayersTable {
+            graticule: step_deg.zip(graticule),
+            coast_lines,
+            borders,
+            ..LayersTable::default()
+        };
+        let (width, vector_map) = (layers.width_px(), layers.vector_map());
+        if !table.is_on() {
+            width.note(Err("there are no lines in [layers]"));
+        }
+        if !table.needs_vector_map() {
+            let why = "for coast_lines = true or borders = true";
+            self.idle(
+                &vector_map,
+                why,
+                "is for coast_lines = true or borders = true; set one of them, or leave vector_map out",
+            )?;
+        }
+        Ok(LayersTable {
+            width_px: self.number(&width, |_, range| {
+                format!("lines must be from {range} pixels wide")
+            })?,
+            vector_map: self.path(&vector_map, PathKind::File, "the starter pack's is taken")?,
+            ..table
+        })
+    }
+
+    fn line_look(
+        &self,
+        is_on: bool,
+        color: &Field<'_, String>,
+        opacity: &Number<'_>,
+        usual: &str,
+        only: &'static str,
+    ) -> Result<Option<LineLook>, SceneError> {
+        if !is_on {
+            let advice = format!("is {only}; write that, or leave this key out");
+            self.idle(color, only, &advice)?;
+            self.idle(opacity, only, &advice)?;
+            return Ok(None);
+        }
+        let text = color.given.map_or(usual, |given| given.get_ref());
+        Ok(Some(LineLook {
+            color: self.color_of(color, text)?,
+            opacity: self.quantity(opacity)?,
+        }))
+    }
+
+    /// Degrees from line to line, if there are lines.
+    fn graticule(&self, field: &Field<'_, toml::Value>) -> Result<Option<f64>, SceneError> {
+        let range: &RangeInclusive<f64> = &GRATICULE_STEP_DEG;
+        let advice = || {
+            format!(
+                "must be true, false, or {{ step_deg = 10 }} with degrees from {}",
+                range_text(range)
+            )
+        };
+        let step_deg = match field.given.map(Spanned::get_ref) {
+            None | Some(toml::Value::Boolean(false)) => None,
+            Some(toml::Value::Boolean(true)) => Some(STEP_DEG),
+            Some(toml::Value::Table(entries)) => {
+                let other = entries.keys().find(|key| *key != "step_deg");
+                if let Some(other) = other {
+                    let advice = format!(
+                        "a graticule has step_deg, not {}; {}",
+                        printable(other),
+                        advice()
+                    );
+                    return Err(self.reject(field, advice));
+                }
+                let step = match entries.get("step_deg") {
+                    None => Some(STEP_DEG),
+                    // Whole degrees: i64 as f64 is exact in the range that is taken.
+                    Some(toml::Value::Integer(whole)) => Some(*whole as f64),
+                    Some(toml::Value::Float(step)) => Some(*step),
+                    Some(_) => None,
+                };
+                let step = step.filter(|step| range.contains(step));
+                Some(step.ok_or_else(|| self.reject(field, advice()))?)
+            }
+            Some(_) => return Err(self.reject(field, advice())),
+        };
+        field.note(Ok(match step_deg {
+            None => "false".to_owned(),
+            Some(step) => format!("{{ step_deg = {} }}", number_text(step)),
+        }));
+        Ok(step_deg)
+    }
+}
+
+impl Scene {
+    /// What lines stand on the globe.
+    pub(super) fn line_uses(&self) -> Option<(&'static str, String)> {
+        let layers = &self.layers;
+        let graticule = layers.graticule;
+        let parts = [
+            graticule.map(|(step_deg, _)| format!("graticule of {step_deg}°")),
+            layers.coast_lines.map(|_| "coast lines".to_owned()),
+            layers.borders.map(|_| "borders".to_owned()),
+        ];
+        let parts: Vec<_> = parts.into_iter().flatten().collect();
+        let source = match (&layers.vector_map, layers.needs_vector_map()) {
+            (_, false) => String::new(),
+            (Some(file), true) => format!(" from {}", file.display()),
+            (None, true) => " from the starter pack (Natural Earth 1:50 million)".to_owned(),
+        };
+        (!parts.is_empty()).then(|| ("lines", format!("{}{source}", parts.join(", "))))
+    }
+}
