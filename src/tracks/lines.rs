@@ -17,11 +17,13 @@ const STEP_RAD: f64 = 0.5 * PI / 180.0;
 const PART_SEGMENTS: usize = 128;
 const PART_RAD: f64 = 10.0 * PI / 180.0;
 /// Greatest distance of a simplified line from the one that was given, metres, by level of detail.
-const LEVEL_ERRORS_M: [f64; 6] = [0.0, 250.0, 1000.0, 4000.0, 16_000.0, 64_000.0];
+const LEVEL_ERRORS_M: [f64; 11] = [
+    0.0, 125.0, 250.0, 500.0, 1000.0, 2000.0, 4000.0, 8000.0, 16_000.0, 32_000.0, 64_000.0,
+];
 /// The same on screen, pixels.
-const MAX_ERROR_PX: f64 = 0.4;
+const MAX_ERROR_PX: f64 = 0.9;
 /// A line that fits into a circle of this diameter, pixels, is left out: an islet seen from afar.
-const LEAST_PX: f64 = 0.7;
+const LEAST_PX: f64 = 1.5;
 
 /// How lines are drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,7 +64,7 @@ impl LineStyle {
 
 /// Polylines of one style, Earth-fixed, for [`Tracks::set_lines`](super::Tracks::set_lines). Clones share their points.
 ///
-/// Long lines are divided into parts. In each frame the parts in sight are drawn with as few of their points as keep the line within 0.4
+/// Long lines are divided into parts. In each frame the parts in sight are drawn with as few of their points as keep the line within 0.9
 /// pixels of the one that was given.
 ///
 /// ```
@@ -175,7 +177,7 @@ impl Polylines {
             (-count..=count).map(move |k| f64::from(k) * step_deg)
         };
         let place = |lat: f64, lon: f64| Geodetic::from_degrees(lat, lon, 0.0);
-        let last_parallel = multiples(90.0 - 0.5 * step_deg.min(1.0)).last();
+        let last_parallel = multiples(90.0 - 0.5 * step_deg.min(1.0)).next_back();
         let meridians = multiples(180.0).filter(|lon| *lon > -180.0).map(|lon| {
             let end = match lon.rem_euclid(90.0) < 1e-9 {
                 true => 90.0,

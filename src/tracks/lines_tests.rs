@@ -106,7 +106,7 @@ fn levels_of_detail_keep_their_error() {
             }
         }
     }
-    assert!(counts[5] * 4 < counts[1], "{counts:?}");
+    assert!(counts[10] * 4 < counts[2], "{counts:?}");
 }
 
 /// What a frame draws of a line stays within a pixel of the line, and what is out of sight is not drawn.
