@@ -57,6 +57,12 @@ impl FilmPainter {
             what,
             remedy,
         };
+        if scene.layers.is_on() || !scene.stations.is_empty() {
+            return Err(rejected(
+                "lines on the globe and ground stations",
+                "switch graticule, coast_lines and borders off, and leave [[station]] out",
+            ));
+        }
         if TracksLayer::is_wanted(flight) {
             return Err(rejected(
                 "tracks and names",
