@@ -60,6 +60,7 @@ mod satellite;
 mod stations;
 mod style;
 mod turn;
+mod twilight;
 mod vector_map;
 
 use crate::earth::{Earth, EarthView, EyeView, Viewport};
@@ -71,6 +72,7 @@ pub use buffers::{NEAREST_MARKER_M, StationLabel, TrackLabel};
 pub use footprint::{
     OUTLINE_POINTS, WIDEST_HALF_ANGLE_RAD, footprint_outline, is_beyond_air, is_hidden,
 };
+use glam::DVec3;
 use ink::Ink;
 pub use lines::{LineStyle, MAX_LINE_POINTS, Polylines};
 use projection::EyeProjection;
@@ -83,6 +85,8 @@ use terrella_ground::air::TOP;
 use terrella_ground::light::Tone;
 use terrella_orbit::Feed;
 pub use turn::EarthTurn;
+use twilight::InkedTwilight;
+pub use twilight::{TWILIGHT_DEG, TWILIGHT_POINTS, twilight_line};
 pub use vector_map::{VectorMap, VectorMapError};
 
 /// Most states that [`Tracks::prepare`] asks feeds for to grow their curves.
@@ -190,6 +194,9 @@ pub struct Tracks {
     satellites: Vec<Satellite>,
     lines: Vec<InkedLines>,
     stations: Vec<InkedStation>,
+    twilight: Option<InkedTwilight>,
+    /// Direction to the Sun, unit.
+    sun_itrf: DVec3,
     /// The satellite whose height the stations' circles are of.
     followed: usize,
     options: TracksOptions,
@@ -254,6 +261,8 @@ impl Tracks {
                 .collect(),
             lines: Vec::new(),
             stations: Vec::new(),
+            twilight: None,
+            sun_itrf: DVec3::X,
             followed: 0,
             options: options.clone(),
             kinds,
@@ -277,6 +286,8 @@ impl Tracks {
             satellites: self.satellites.clone(),
             lines: self.lines.clone(),
             stations: self.stations.clone(),
+            twilight: self.twilight.clone(),
+            sun_itrf: self.sun_itrf,
             followed: self.followed,
             drawable: self.drawable.for_another_view(&self.device, air),
             options,
@@ -304,6 +315,9 @@ impl Tracks {
             }
             for lines in &mut self.lines {
                 *lines = InkedLines::new(lines.lines.clone(), &format);
+            }
+            if let Some(twilight) = &mut self.twilight {
+                *twilight = InkedTwilight::new(twilight.style, &format);
             }
             for station in &mut self.stations {
                 *station = InkedStation::new(station.station, &format);
@@ -365,6 +379,28 @@ impl Tracks {
         Ok(())
     }
 
+    /// Draws the terminator and the ends of twilight ([`TWILIGHT_DEG`]) from the next [`Self::prepare`] on, or no longer, by the direction
+    /// to the Sun of [`Self::set_sun`].
+    ///
+    /// # Errors
+    /// A style out of range. Then nothing has changed.
+    pub fn set_twilight(&mut self, style: Option<LineStyle>) -> Result<(), TracksError> {
+        style.iter().try_for_each(LineStyle::check)?;
+        let kinds = TrackKinds {
+            lines: self.kinds.lines || style.is_some(),
+            ..self.kinds
+        };
+        self.make_pipelines(kinds)?;
+        let format = self.options.format();
+        self.twilight = style.map(|style| InkedTwilight::new(style, &format));
+        Ok(())
+    }
+
+    /// Says where the Sun is in the next frame: its direction, unit, ITRF axes, as in `Sky::sun_itrf`.
+    pub fn set_sun(&mut self, direction_itrf: DVec3) {
+        self.sun_itrf = direction_itrf.normalize_or(DVec3::X);
+    }
+
     /// Makes the pipelines of further kinds.
     fn make_pipelines(&mut self, kinds: TrackKinds) -> Result<(), ShaderError> {
         if kinds != self.kinds {
@@ -423,6 +459,9 @@ impl Tracks {
         for lines in &self.lines {
             let points = &mut self.buffers.points;
             lines.lines.write(lines.colors, &eye, points);
+        }
+        if let Some(twilight) = &self.twilight {
+            twilight.write(self.sun_itrf, &eye, &mut self.buffers.points);
         }
         let mut axes = Axes::new(moment.epoch, moment.orientation, moment.turn);
         let mut left = budget;

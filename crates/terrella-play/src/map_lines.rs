@@ -75,16 +75,25 @@ fn vector_map(scene: &Scene) -> Result<(VectorMap, Vec<DroppedLayer>), PlayError
     }
 }
 
+/// How a scene's terminator is drawn.
+pub(super) fn twilight(scene: &Scene) -> Option<LineStyle> {
+    scene.layers.terminator.map(|look| style(scene, look))
+}
+
+fn style(scene: &Scene, look: LineLook) -> LineStyle {
+    LineStyle {
+        width_px: scene.layers.width_px as f32,
+        ..LineStyle::thin(look.color, look.opacity)
+    }
+}
+
 /// The lines that a scene asks for, on this figure of the Earth. What is missing is reported where the scene is opened.
 ///
 /// # Errors
 /// A file that is missing or corrupt, in a strict scene.
 pub(super) fn lines(scene: &Scene, ellipsoid: &Ellipsoid) -> Result<Vec<Polylines>, PlayError> {
     let layers = &scene.layers;
-    let style = |look: LineLook| LineStyle {
-        width_px: layers.width_px as f32,
-        ..LineStyle::thin(look.color, look.opacity)
-    };
+    let style = |look| style(scene, look);
     let mut all = Vec::new();
     if let Some((step_deg, look)) = layers.graticule {
         all.push(Polylines::graticule(style(look), ellipsoid, step_deg)?);

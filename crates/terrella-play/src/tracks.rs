@@ -11,7 +11,7 @@ mod swarm;
 use super::egui_pass::EguiTarget;
 use super::error::PlayError;
 use super::flight::{Flight, Moment};
-use super::map_lines::lines;
+use super::map_lines::{lines, twilight};
 use super::satellites::orientation_at;
 use crate::scene::{Orbit, Scene};
 use labels::Labels;
@@ -20,7 +20,8 @@ use style::style;
 use swarm::Swarm;
 use terrella::frames::EarthOrientation;
 use terrella::tracks::{
-    Polylines, Station, TrackLabel, TrackMoment, TrackStats, TrackStyle, Tracks, TracksOptions,
+    LineStyle, Polylines, Station, TrackLabel, TrackMoment, TrackStats, TrackStyle, Tracks,
+    TracksOptions,
 };
 use terrella::{Earth, FrameStats, GpuContext};
 
@@ -41,6 +42,7 @@ pub struct TracksLayer {
     /// Where a simulation says what there is.
     roster: Option<RosterTracks>,
     lines: Vec<Polylines>,
+    twilight: Option<LineStyle>,
     stations: Vec<Station>,
     station_names: Vec<String>,
 }
@@ -81,9 +83,11 @@ impl TracksLayer {
         let options = TracksOptions::of(earth);
         let stations = stations(scene);
         let lines = lines(scene, flight.ellipsoid())?;
+        let twilight = twilight(scene);
         if let Some(roster) = RosterTracks::of(flight) {
             let mut tracks = Tracks::new(&gpu.device, &options, &[])?;
             tracks.set_lines(lines.clone())?;
+            tracks.set_twilight(twilight)?;
             return Ok(Some(Self {
                 tracks,
                 swarm: Swarm::default(),
@@ -93,6 +97,7 @@ impl TracksLayer {
                 is_complete: false,
                 roster: Some(roster),
                 lines,
+                twilight,
                 stations,
                 station_names: station_names(scene),
             }));
@@ -117,12 +122,13 @@ impl TracksLayer {
                 (style(table, orbit, width_px), satellite.shared_feed())
             })
             .unzip();
-        if styles.is_empty() && lines.is_empty() && stations.is_empty() {
+        if styles.is_empty() && !scene.layers.is_on() && stations.is_empty() {
             return Ok(None);
         }
         let has_names = styles.iter().any(|style| style.marker) || !stations.is_empty();
         let mut tracks = Tracks::new(&gpu.device, &options, &styles)?;
         tracks.set_lines(lines.clone())?;
+        tracks.set_twilight(twilight)?;
         tracks.set_stations(&stations, followed)?;
         Ok(Some(Self {
             tracks,
@@ -133,6 +139,7 @@ impl TracksLayer {
             is_complete: false,
             roster: None,
             lines,
+            twilight,
             stations,
             station_names: station_names(scene),
         }))
@@ -146,6 +153,7 @@ impl TracksLayer {
         let made = Tracks::new(&gpu.device, self.tracks.options(), &styles);
         let made = made.and_then(|mut tracks| {
             tracks.set_lines(self.lines.clone())?;
+            tracks.set_twilight(self.twilight)?;
             tracks.set_stations(&self.stations, 0)?;
             Ok(tracks)
         });
@@ -182,6 +190,7 @@ impl TracksLayer {
             view: &moment.view,
             target: size.into(),
         };
+        self.tracks.set_sun(moment.sky.sun_itrf);
         self.swarm.look_at(moment.epoch);
         let feeds = self.swarm.feeds();
         let own = match detail {

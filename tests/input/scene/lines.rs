@@ -17,6 +17,7 @@ const BAD: &[Bad] = &[
     ("[layers]\ncoast_lines = true\ncoast_lines_opacity = 0", 3, &["[layers] coast_lines_opacity = 0:", "0.01 to 1"]),
     ("[layers]\nborders = true\nborders_color = \"white\"", 3, &["[layers] borders_color", "six hexadecimal digits"]),
     ("[layers]\nborders_color = \"#ffffff\"", 2, &["[layers] borders_color", "borders = true"]),
+    ("[layers]\nterminator_opacity = 0.5", 2, &["[layers] terminator_opacity", "terminator = true"]),
     ("[layers]\nborders = 1", 2, &["[layers] borders = 1", "true or false"]),
     ("[layers]\nvector_map = \"a.bin\"", 2, &["[layers] vector_map", "coast_lines = true"]),
     ("[layers]\nborders = true\nvector_map = \"none.bin\"", 3, &["[layers] vector_map", "none.bin", "cannot be opened"]),
@@ -74,6 +75,16 @@ fn lines_have_defaults_and_what_a_scene_says() {
     };
     assert_eq!(said.layers.graticule, Some((15.0, look)));
     assert!(!said.layers.needs_vector_map());
+    let twilight = scene("[layers]\nterminator = true\n");
+    assert_eq!(
+        twilight.layers.terminator.map(|look| look.opacity),
+        Some(0.8)
+    );
+    assert!(
+        twilight
+            .summary()
+            .contains("\n  lines          terminator and twilight\n")
+    );
     let summary = said.summary();
     assert!(
         summary.contains("\n  lines          graticule of 15°\n"),

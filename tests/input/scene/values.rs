@@ -165,7 +165,8 @@ fn every_key_is_read() {
          [station]\nname = \"A\"\nlat_deg = 1\nlon_deg = 2\nheight_m = 3\nmin_elevation_deg = 4\ncolor = \"#ffffff\"\n\
          [layers]\ngraticule = { step_deg = 5 }\ngraticule_color = \"#ffffff\"\ngraticule_opacity = 0.5\n\
          coast_lines = true\ncoast_lines_color = \"#ffffff\"\ncoast_lines_opacity = 0.5\n\
-         borders = true\nborders_color = \"#ffffff\"\nborders_opacity = 0.5\nwidth_px = 2\nvector_map = \"sat.tle\"\n",
+         borders = true\nborders_color = \"#ffffff\"\nborders_opacity = 0.5\n\
+         terminator = true\nterminator_color = \"#ffffff\"\nterminator_opacity = 0.5\nwidth_px = 2\nvector_map = \"sat.tle\"\n",
     );
     let scene = scene.expect("a good scene");
     let sky = &scene.sky;

@@ -60,7 +60,7 @@ impl FilmPainter {
         if scene.layers.is_on() || !scene.stations.is_empty() {
             return Err(rejected(
                 "lines on the globe and ground stations",
-                "switch graticule, coast_lines and borders off, and leave [[station]] out",
+                "switch graticule, coast_lines, borders and terminator off, and leave [[station]] out",
             ));
         }
         if TracksLayer::is_wanted(flight) {

@@ -146,6 +146,7 @@ const PUBLISHED: &Only = &only(
 const GRATICULE: &Only = &only(&[], "only for graticule = true");
 const COAST_LINES: &Only = &only(&[], "only for coast_lines = true");
 const BORDERS: &Only = &only(&[], "only for borders = true");
+const TERMINATOR: &Only = &only(&[], "only for terminator = true");
 pub(super) const NADIR: &Only = &only(&[], "only for mode = \"nadir\"");
 pub(super) const GEODETIC: &Only = &only(&[], "only for mode = \"geodetic\"");
 pub(super) const SUNLIT: &Only = &only(&[], "only for shading = \"sunlit\"");
@@ -331,6 +332,12 @@ table!(RawLayers = "layers" {
     borders_color: String, of "a string, \"#\" and six hexadecimal digits", for BORDERS;
     /// Opacity of borders.
     borders_opacity: f64, in OPACITY, default 0.6, for BORDERS;
+    /// Whether the terminator is drawn, and where twilight ends: the Sun at 0°, −6°, −12° and −18°.
+    terminator: bool, default false;
+    /// Colour of the terminator. By default "#ffb066".
+    terminator_color: String, of "a string, \"#\" and six hexadecimal digits", for TERMINATOR;
+    /// Opacity of the terminator.
+    terminator_opacity: f64, in OPACITY, default 0.8, for TERMINATOR;
     /// Width of these lines.
     width_px: f64, of "pixels", in 0.5..=16.0, default 1.0;
     /// File of coast lines and borders. By default lines.bin of the starter pack.

@@ -16,6 +16,7 @@ const STEP_DEG: f64 = 10.0;
 const GRATICULE_COLOR: &str = "#ffffff";
 const COAST_LINES_COLOR: &str = "#fff2c4";
 const BORDERS_COLOR: &str = "#ffffff";
+const TERMINATOR_COLOR: &str = "#ffb066";
 
 /// `[layers]`
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -26,6 +27,8 @@ pub struct LayersTable {
     pub coast_lines: Option<LineLook>,
     /// How borders are drawn.
     pub borders: Option<LineLook>,
+    /// How the terminator and the ends of twilight are drawn.
+    pub terminator: Option<LineLook>,
     /// Width of these lines, pixels.
     pub width_px: f64,
     /// File of coast lines and borders; `None` is the starter pack's.
@@ -44,7 +47,7 @@ pub struct LineLook {
 impl LayersTable {
     /// Whether anything is drawn.
     pub fn is_on(&self) -> bool {
-        self.graticule.is_some() || self.needs_vector_map()
+        self.graticule.is_some() || self.terminator.is_some() || self.needs_vector_map()
     }
 
     /// Whether anything is drawn of a file.
@@ -84,7 +87,15 @@ impl SceneText<'_> {
             BORDERS_COLOR,
             "only for borders = true",
         )?;
+        let terminator = look(
+            layers.terminator().is_on(),
+            layers.terminator_color(),
+            layers.terminator_opacity(),
+            TERMINATOR_COLOR,
+            "only for terminator = true",
+        )?;
         let table = LayersTable {
+            terminator,
             graticule: step_deg.zip(graticule),
             coast_lines,
             borders,
@@ -190,6 +201,11 @@ impl Scene {
             (Some(file), true) => format!(" from {}", file.display()),
             (None, true) => " from the starter pack (Natural Earth 1:50 million)".to_owned(),
         };
-        (!parts.is_empty()).then(|| ("lines", format!("{}{source}", parts.join(", "))))
+        let twilight = layers
+            .terminator
+            .map(|_| "terminator and twilight".to_owned());
+        let mapped = (!parts.is_empty()).then(|| format!("{}{source}", parts.join(", ")));
+        let all: Vec<_> = twilight.into_iter().chain(mapped).collect();
+        (!all.is_empty()).then(|| ("lines", all.join(", ")))
     }
 }
