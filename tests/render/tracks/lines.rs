@@ -55,8 +55,10 @@ fn a_graticule_is_where_it_is_and_the_globe_hides_it() {
                 may[(y as u32 * SIZE.0 + x as u32) as usize] = true;
             }
             if !is_hidden && limb_px(&view, place) > 4.0 {
-                let off = differs(&with, &without, x as u32, y as u32);
-                assert!(off > 60, "nothing at {lat_deg}° {lon_deg}°");
+                // Simplified lines may be off by less than a pixel.
+                let near = (0..9).map(|k| (x as u32 + k % 3 - 1, y as u32 + k / 3 - 1));
+                let off = near.map(|(x, y)| differs(&with, &without, x, y)).max();
+                assert!(off > Some(60), "nothing at {lat_deg}° {lon_deg}°");
                 seen += 1;
             }
         };
