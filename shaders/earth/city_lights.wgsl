@@ -9,7 +9,7 @@ import common/displayed.wgsl;
 @if(air) import common/air.wgsl;
 @if(clouds) import earth/shading/cloud_cover.wgsl;
 
-// Mirrored by `CityLightPoint` in src/gpu/city_lights.rs.
+// Mirrored by `CityLight` in crates/terrella-imagery/src/cities/point.rs.
 struct CityLight {
     // Normal of the ellipsoid.
     @location(0) up: vec3f,

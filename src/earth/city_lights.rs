@@ -126,7 +126,7 @@ mod tests {
             (0.0, 179.0, 2e6, 10.0),
             (88.0, 30.0, 4e5, 40.0),
             (-30.0, -60.0, 3.6e7, 2.0),
-            (50.0, 10.0, 1e3, 60.0),
+            (50.0, 10.0, 1e5, 5.0),
         ] {
             let eye = Geodetic::from_degrees(lat_deg, lon_deg, height_m);
             let eye_m = ellipsoid.itrf_from_geodetic(eye);

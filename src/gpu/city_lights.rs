@@ -1,18 +1,7 @@
 //! City lights as points on the GPU: `shaders/earth/city_lights.wgsl` draws them.
 
-use bytemuck::{Pod, Zeroable};
 use std::ops::Range;
 use terrella_imagery::{CityLight, CityLights};
-
-/// `CityLight` of the shader.
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct CityLightPoint {
-    up: [f32; 3],
-    light: f32,
-    /// Linear RGB, and the spread of its lamps.
-    color: [u8; 4],
-}
 
 const ATTRIBUTES: [wgpu::VertexAttribute; 3] =
     wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32, 2 => Unorm8x4];
@@ -24,7 +13,7 @@ impl CityPoints {
     /// A point an instance.
     pub const BUFFERS: [Option<wgpu::VertexBufferLayout<'static>>; 1] =
         [Some(wgpu::VertexBufferLayout {
-            array_stride: size_of::<CityLightPoint>() as u64,
+            array_stride: size_of::<CityLight>() as u64,
             step_mode: wgpu::VertexStepMode::Instance,
             attributes: &ATTRIBUTES,
         })];
@@ -41,23 +30,8 @@ impl CityPoints {
     };
 
     pub fn upload(device: &wgpu::Device, lights: &CityLights) -> Self {
-        let byte = |part: f32| (255.0 * part).round().clamp(0.0, 255.0) as u8;
-        let points = lights.points().iter().map(|point| {
-            let [r, g, b] = point.color.map(byte);
-            CityLightPoint {
-                up: point.up.to_array(),
-                light: point.light,
-                color: [
-                    r,
-                    g,
-                    b,
-                    byte(point.radius_m / CityLight::MOST_RADIUS_M as f32),
-                ],
-            }
-        });
-        let points: Vec<_> = points.collect();
         let usage = wgpu::BufferUsages::VERTEX;
-        let bytes = bytemuck::cast_slice(&points);
+        let bytes = bytemuck::cast_slice(lights.points());
         let label = "terrella city lights";
         Self(super::filled_buffer(device, label, bytes, usage))
     }

@@ -268,6 +268,7 @@ impl SurfaceDrawable {
             match kind {
                 PassKind::Everything => features.extend(variant.conditions_met()),
                 PassKind::Eclipsed => features.push("eclipses"),
+                PassKind::CityLights => features.push(MapLayer::NightLights.name()),
                 _ => {}
             }
         }

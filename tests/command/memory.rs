@@ -73,8 +73,9 @@ fn still(more: &[&str]) -> Option<Cost> {
 }
 
 /// Most memory that a still may take, megabytes: between what it takes with maps that are uploaded while they are read (about 300, of which
-/// the driver and its compiler have a good half), and what it takes with all maps in memory until they are uploaded (430).
-const MOST_MB: f64 = 360.0;
+/// the driver and its compiler have a good half, and 10 to 40 for city lights as points), and what it takes with all maps in memory until they
+/// are uploaded (430).
+const MOST_MB: f64 = 385.0;
 
 /// Most processor time of a small still, seconds. A development build takes most of two on a slow machine.
 const MOST_PROCESSOR_S: f64 = 8.0;

@@ -48,6 +48,8 @@ pub struct CityLights {
 
 /// How finely the light is divided: points; one for each texel of the map; one for each 4 × 4 texels.
 pub const FINENESSES: usize = 3;
+/// Texels that are divided at a time.
+const PART: usize = 1024;
 /// Texels along each side of what has one point of the coarsest fineness.
 const COARSEST_TEXELS: usize = 4;
 impl CityLights {
@@ -60,24 +62,23 @@ impl CityLights {
         let (width, height) = light.size();
         let placed = light.places_by_texel(places);
         let roads = Roads::between(&light, &placed);
-        let rows = parallel::map(height, |row| {
-            let mut fine = Vec::new();
-            for column in 0..width {
+        let parts = parallel::map(light.lit().len().div_ceil(PART), |part| {
+            let mut points = Vec::new();
+            for (number, mean) in light.lit().iter().skip(PART * part).take(PART) {
+                let (row, column) = (*number as usize / width, *number as usize % width);
                 let texel = Texel {
                     row,
                     column,
-                    light: light.of(row, column),
+                    light: *mean,
                     area: light.area(row),
                 };
                 if texel.light >= LEAST_LIGHT {
-                    gather(&texel, &light, placed.of(row, column), &roads, &mut fine);
+                    gather(&texel, &light, placed.of(*number), &roads, &mut points);
                 }
             }
-            fine
+            points
         });
-        let mut points = Vec::new();
-        let mut starts: [Vec<u32>; FINENESSES] = Default::default();
-        let fine: Vec<(u32, u32, CityLight)> = rows.into_iter().flatten().collect();
+        let fine: Vec<_> = parts.into_iter().flatten().collect();
         let sums = |side: usize| {
             let columns = width.div_ceil(side) as u32;
             let group = move |texel: u32| {
@@ -86,9 +87,20 @@ impl CityLights {
             };
             summed(&fine, group)
         };
-        let finenesses = [fine.clone(), sums(1), sums(COARSEST_TEXELS)];
-        for (starts, mut list) in starts.iter_mut().zip(finenesses) {
-            list.sort_by(|a, b| a.0.cmp(&b.0).then(b.2.light.total_cmp(&a.2.light)));
+        let (texels, groups) = (sums(1), sums(COARSEST_TEXELS));
+        let mut points = Vec::with_capacity(fine.len() + texels.len() + groups.len());
+        let mut starts: [Vec<u32>; FINENESSES] = Default::default();
+        for (starts, mut list) in starts.iter_mut().zip([fine, texels, groups]) {
+            // The last two make the order one alone.
+            list.sort_unstable_by(|(cell_a, texel_a, a), (cell_b, texel_b, b)| {
+                let by_light = || b.light.total_cmp(&a.light);
+                let by_place = || a.up.x.total_cmp(&b.up.x);
+                cell_a
+                    .cmp(cell_b)
+                    .then_with(by_light)
+                    .then(texel_a.cmp(texel_b))
+                    .then_with(by_place)
+            });
             starts.extend((0..=CITY_CELLS as u32).map(|cell| {
                 let before = list.partition_point(|(of, ..)| *of < cell);
                 (points.len() + before) as u32
@@ -171,18 +183,13 @@ fn summed(
             let point = &fine[*place].2;
             light += point.light;
             up += point.light * point.up;
-            color += point.light * Vec3::from(point.color);
+            color += point.light * Vec3::from(point.color.map(f32::from)) / 255.0;
         }
         let (cell, texel, _) = fine[same[0].1];
         sums.push((
             cell,
             texel,
-            CityLight {
-                up: up.normalize_or(Vec3::Z),
-                light,
-                color: (color / light).to_array(),
-                radius_m: 0.0,
-            },
+            CityLight::new(up.normalize_or(Vec3::Z), light, color / light, 0.0),
         ));
     }
     sums
@@ -235,19 +242,24 @@ mod tests {
                     sums[row * width + column] += f64::from(point.light);
                 }
             }
-            for (texel, sum) in sums.into_iter().enumerate() {
-                let light = of_map.of(texel / width, texel % width);
-                let wanted = LIGHT_OF_MAP * light * of_map.area(texel / width);
-                let wanted = if light < LEAST_LIGHT {
+            for (texel, light) in of_map.lit() {
+                let sum = std::mem::take(&mut sums[*texel as usize]);
+                let area = of_map.area(*texel as usize / width);
+                let wanted = if *light < LEAST_LIGHT {
                     0.0
                 } else {
-                    f64::from(wanted)
+                    LIGHT_OF_MAP * light * area
                 };
+                let wanted = f64::from(wanted);
                 assert!(
                     (sum - wanted).abs() <= 1e-4 * wanted,
                     "{texel}: {sum}, {wanted}"
                 );
             }
+            assert!(
+                sums.iter().all(|sum| *sum == 0.0),
+                "light where the map has none"
+            );
         }
         let total = |fineness| -> f64 {
             let cells = (0..CITY_CELLS).flat_map(|cell| lights.of_cell(cell, fineness, 0.0));

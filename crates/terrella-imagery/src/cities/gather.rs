@@ -30,8 +30,8 @@ const MOST_RADIUS_M: f64 = 1300.0;
 const RADIUS_VARIES: f64 = 2.0;
 /// Points that a texel with light has, one for so many square metres of ground as bright as the brightest lamps, and at most so many. Where
 /// places and roads are fewer, points are made up between them: villages that the list lacks, flares, ships.
-const LIGHT_OF_POINT_M2: f64 = 1e7;
-const MOST_POINTS: f64 = 40.0;
+const LIGHT_OF_POINT_M2: f64 = 1.4e7;
+const MOST_POINTS: f64 = 32.0;
 /// Part of the lamps of a place that are of its one kind.
 const OF_ONE_KIND: f64 = 0.75;
 /// No country.
@@ -59,18 +59,18 @@ struct Part {
 pub fn gather(
     texel: &Texel,
     map: &MapLight,
-    places: &[Place],
+    places: &[(u32, Place)],
     roads: &Roads,
     points: &mut Vec<(u32, u32, CityLight)>,
 ) {
     let (width, height) = map.size();
-    let number = texel.row * width + texel.column;
-    let mut noise = Noise::new(number as u64);
+    let number = (texel.row * width + texel.column) as u32;
+    let mut noise = Noise::new(u64::from(number));
     let mut parts = Vec::new();
-    for place in places {
+    for (_, place) in places {
         districts(texel, map, place, &mut noise, &mut parts);
     }
-    let lamps = roads.of(texel.row, texel.column);
+    let lamps = roads.of(number);
     let of_places: f64 = parts.iter().map(|part| part.weight).sum();
     let of_roads = match parts.is_empty() {
         true => 1.0,
@@ -88,13 +88,10 @@ pub fn gather(
         let light = light * part.weight;
         let radius_m = EARTH_M * (light / (TAU * POINT_BRIGHTNESS)).sqrt();
         let radius_m = radius_m * RADIUS_VARIES.powf(noise.next() - 0.5);
-        let point = CityLight {
-            up: up_at(u, v).as_vec3(),
-            light: light as f32,
-            color: part.color,
-            radius_m: radius_m.clamp(LEAST_RADIUS_M, MOST_RADIUS_M) as f32,
-        };
-        (cell_of(u, v), number as u32, point)
+        let radius_m = radius_m.clamp(LEAST_RADIUS_M, MOST_RADIUS_M);
+        let up = up_at(u, v).as_vec3();
+        let point = CityLight::new(up, light as f32, part.color.into(), radius_m);
+        (cell_of(u, v), number, point)
     }));
 }
 
@@ -161,7 +158,7 @@ fn within((row, column): (f64, f64), texel: &Texel) -> (f64, f64) {
 /// The lamps of roads in a texel, which share `weight` evenly; of many every so manyth.
 fn road_lamps(
     map: &MapLight,
-    lamps: &[RoadLamp],
+    lamps: &[(u32, RoadLamp)],
     weight: f64,
     noise: &mut Noise,
     parts: &mut Vec<Part>,
@@ -169,7 +166,7 @@ fn road_lamps(
     let (width, height) = map.size();
     let step = lamps.len().div_ceil(MOST_ROAD_LAMPS).max(1);
     let count = lamps.len().div_ceil(step);
-    for lamp in lamps.iter().step_by(step) {
+    for (_, lamp) in lamps.iter().step_by(step) {
         let column = (lamp.lon_deg / 360.0 + 0.5).rem_euclid(1.0);
         parts.push(Part {
             at: (

@@ -16,7 +16,8 @@ const NODES: [(f32, f32); 3] = [
 pub struct MapLight {
     width: usize,
     height: usize,
-    light: Vec<f32>,
+    /// The numbers of texels that have any, row by row, with their light.
+    lit: Vec<(u32, f32)>,
 }
 
 impl MapLight {
@@ -25,30 +26,35 @@ impl MapLight {
         let (width, height) = (map.width as usize, map.height as usize);
         let texels = map.levels.first().map_or(&[][..], Vec::as_slice);
         let row_of = |row: usize| texels.get(row * width..(row + 1) * width).unwrap_or(&[]);
-        let rows = parallel::map(height, |row| {
-            let rows = [row.saturating_sub(1), row, (row + 1).min(height - 1)].map(row_of);
+        let rows = parallel::map(height, |middle| {
+            let (above, below) = (middle.saturating_sub(1), (middle + 1).min(height - 1));
+            let rows = [above, middle, below].map(row_of);
             let column_of = |column: usize| rows.map(|row| row.get(column).copied().unwrap_or(0));
+            let first = middle * width;
             let columns = (0..width).map(|column| {
                 let beside = [(column + width - 1) % width, column, (column + 1) % width];
-                mean_fourth_power(beside.map(column_of))
+                let light = mean_fourth_power(beside.map(column_of));
+                ((first + column) as u32, light)
             });
-            columns.collect::<Vec<_>>()
+            columns
+                .filter(|(_, light)| *light > 0.0)
+                .collect::<Vec<_>>()
         });
         Self {
             width,
             height,
-            light: rows.concat(),
+            lit: rows.concat(),
         }
+    }
+
+    /// The texels that have light, by number, with its mean of 0…1.
+    pub fn lit(&self) -> &[(u32, f32)] {
+        &self.lit
     }
 
     /// Columns and rows.
     pub fn size(&self) -> (usize, usize) {
         (self.width, self.height)
-    }
-
-    /// Mean light of a texel, 0…1.
-    pub fn of(&self, row: usize, column: usize) -> f32 {
-        self.light[row * self.width + column]
     }
 
     /// Area of a texel in a row, square equatorial radii.
@@ -72,46 +78,35 @@ impl MapLight {
         )
     }
 
+    /// The number of the texel that a place lies in.
+    pub fn number_at(&self, lat_deg: f64, lon_deg: f64) -> u32 {
+        let (row, column) = self.texel_at(lat_deg, lon_deg);
+        (row * self.width + column) as u32
+    }
+
     /// Places by the texels that they lie in.
     pub fn places_by_texel(&self, places: &[Place]) -> ByTexel<Place> {
-        let located = places.iter().map(|place| {
-            let (row, column) = self.texel_at(place.lat_deg, place.lon_deg);
-            ((row * self.width + column) as u32, *place)
-        });
-        ByTexel::new(self.size(), located.collect())
+        let located = places.iter();
+        let located = located.map(|place| (self.number_at(place.lat_deg, place.lon_deg), *place));
+        ByTexel::new(located.collect())
     }
 }
 
 /// Things by the texels of a map that they lie in.
-pub struct ByTexel<T> {
-    width: usize,
-    starts: Vec<u32>,
-    things: Vec<T>,
-}
+pub struct ByTexel<T>(Vec<(u32, T)>);
 
 impl<T> ByTexel<T> {
     /// Of things with the numbers of their texels; those of one texel stay in order.
-    pub fn new((width, height): (usize, usize), mut located: Vec<(u32, T)>) -> Self {
+    pub fn new(mut located: Vec<(u32, T)>) -> Self {
         located.sort_by_key(|(texel, _)| *texel);
-        let mut starts = vec![0; width * height + 1];
-        for (texel, _) in &located {
-            starts[*texel as usize + 1] += 1;
-        }
-        for texel in 0..width * height {
-            starts[texel + 1] += starts[texel];
-        }
-        let things = located.into_iter().map(|(_, thing)| thing).collect();
-        Self {
-            width,
-            starts,
-            things,
-        }
+        Self(located)
     }
 
-    /// Those in a texel.
-    pub fn of(&self, row: usize, column: usize) -> &[T] {
-        let texel = row * self.width + column;
-        &self.things[self.starts[texel] as usize..self.starts[texel + 1] as usize]
+    /// Those in a texel, each with its number.
+    pub fn of(&self, texel: u32) -> &[(u32, T)] {
+        let first = self.0.partition_point(|(of, _)| *of < texel);
+        let rest = self.0.get(first..).unwrap_or(&[]);
+        &rest[..rest.partition_point(|(of, _)| *of == texel)]
     }
 }
 
@@ -148,10 +143,18 @@ mod tests {
         let map = LayerImage::from_r8(8, 4, texels).expect("a map");
         let light = MapLight::new(&map);
         // ∫ (1 − |x|)⁴ is 2/5 over both texels beside, in both directions.
-        let total: f32 = light.light.iter().sum();
+        let total: f32 = light.lit().iter().map(|(_, light)| light).sum();
         assert!((total - 0.16).abs() < 1e-6, "{total}");
-        assert!(light.of(1, 3) > 10.0 * light.of(1, 2));
-        assert_eq!(light.of(1, 2), light.of(1, 4));
+        let of = |row: u32, column: u32| {
+            let lit = light
+                .lit()
+                .iter()
+                .find(|(texel, _)| *texel == 8 * row + column);
+            lit.expect("it is lit").1
+        };
+        assert!(of(1, 3) > 10.0 * of(1, 2));
+        assert_eq!(of(1, 2), of(1, 4));
+        assert_eq!(light.lit().len(), 9);
         let areas: f32 = (0..4).map(|row| 8.0 * light.area(row)).sum();
         assert!((f64::from(areas) - 2.0 * TAU).abs() < 1e-5, "{areas}");
     }

@@ -1,29 +1,42 @@
 //! Points of light, and the cells that they are sorted into.
 
+use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec3};
 use std::f64::consts::{PI, TAU};
 
 /// The Earth's radius for distances within towns and texels, metres.
 pub const EARTH_M: f64 = 6.371e6;
-/// Mean light of a texel below which it has no point: three ten-thousandths of the starter pack's light are in such texels.
-pub const LEAST_LIGHT: f32 = 1e-4;
+/// Mean light of a texel below which it has no point: six ten-thousandths of the starter pack's light are in such texels.
+pub const LEAST_LIGHT: f32 = 2e-4;
 
-/// A point that shines: a place, a district, a stretch of road, or the sum of all that is in one or more texels.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// A point that shines: a place, a district, a stretch of road, or the sum of all that is in one or more texels. GPUs read it as it is.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct CityLight {
     /// Normal of the ellipsoid there, unit, ITRF axes.
     pub up: Vec3,
     /// Square equatorial radii of ground that sends as much light up if it is as bright as the brightest lamps and of this colour.
     pub light: f32,
-    /// Linear RGB of its lamps, 0…1, all of the luminance ½.
-    pub color: [f32; 3],
-    /// How far its lamps are spread, metres, 0…[`Self::MOST_RADIUS_M`].
-    pub radius_m: f32,
+    /// Linear RGB of its lamps, 0…255, all of the luminance ½.
+    pub color: [u8; 3],
+    /// How far its lamps are spread, 0…255 meaning 0…[`Self::MOST_RADIUS_M`].
+    pub radius: u8,
 }
 
 impl CityLight {
     /// Most that lamps of a point are spread, metres.
     pub const MOST_RADIUS_M: f64 = 2550.0;
+
+    /// A point with these lamps, linear RGB of 0…1, spread so far.
+    pub fn new(up: Vec3, light: f32, color: Vec3, radius_m: f64) -> Self {
+        let byte = |part: f32| (255.0 * part).round().clamp(0.0, 255.0) as u8;
+        Self {
+            up,
+            light,
+            color: color.to_array().map(byte),
+            radius: byte((radius_m / Self::MOST_RADIUS_M) as f32),
+        }
+    }
 }
 
 /// Columns and rows of cells.

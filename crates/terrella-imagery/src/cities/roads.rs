@@ -32,12 +32,12 @@ pub struct Roads(ByTexel<RoadLamp>);
 impl Roads {
     /// Between places, by their texels, where those have light.
     pub fn between(light: &MapLight, placed: &ByTexel<Place>) -> Self {
-        let (width, height) = light.size();
-        let lit: Vec<Place> = (0..width * height)
-            .filter(|texel| light.of(texel / width, texel % width) >= LEAST_LIGHT)
-            .flat_map(|texel| placed.of(texel / width, texel % width))
-            .copied()
-            .collect();
+        let lit = light
+            .lit()
+            .iter()
+            .filter(|(_, light)| *light >= LEAST_LIGHT);
+        let lit = lit.flat_map(|(texel, _)| placed.of(*texel));
+        let lit: Vec<Place> = lit.map(|(_, place)| *place).collect();
         let neighbours = Neighbours::new(&lit);
         let ways = parallel::map(lit.len().div_ceil(1024), |part| {
             let mut lamps = Vec::new();
@@ -48,16 +48,14 @@ impl Roads {
             }
             lamps
         });
-        let lamps = ways.into_iter().flatten().map(|lamp: RoadLamp| {
-            let (row, column) = light.texel_at(lamp.lat_deg, lamp.lon_deg);
-            ((row * width + column) as u32, lamp)
-        });
-        Self(ByTexel::new((width, height), lamps.collect()))
+        let lamps = ways.into_iter().flatten();
+        let lamps = lamps.map(|lamp: RoadLamp| (light.number_at(lamp.lat_deg, lamp.lon_deg), lamp));
+        Self(ByTexel::new(lamps.collect()))
     }
 
-    /// The lamps in a texel.
-    pub fn of(&self, row: usize, column: usize) -> &[RoadLamp] {
-        self.0.of(row, column)
+    /// The lamps in a texel, each with its number.
+    pub fn of(&self, texel: u32) -> &[(u32, RoadLamp)] {
+        self.0.of(texel)
     }
 }
 
