@@ -21,7 +21,7 @@ mod roads;
 use super::error::ImageryError;
 use super::layer::LayerImage;
 use super::map_folder::MapFolder;
-use gather::{Texel, gather};
+use gather::{Texel, gather, light_of_point_m2};
 use glam::Vec3;
 use map_light::MapLight;
 pub use places::{MAX_PLACES, PLACES_FILE, Place, PlacesError, read_places};
@@ -62,6 +62,7 @@ impl CityLights {
         let (width, height) = light.size();
         let placed = light.places_by_texel(places);
         let roads = Roads::between(&light, &placed);
+        let light_of_point_m2 = light_of_point_m2(&light);
         let parts = parallel::map(light.lit().len().div_ceil(PART), |part| {
             let mut points = Vec::new();
             for (number, mean) in light.lit().iter().skip(PART * part).take(PART) {
@@ -73,7 +74,15 @@ impl CityLights {
                     area: light.area(row),
                 };
                 if texel.light >= LEAST_LIGHT {
-                    gather(&texel, &light, placed.of(*number), &roads, &mut points);
+                    let places = placed.of(*number);
+                    gather(
+                        &texel,
+                        &light,
+                        places,
+                        &roads,
+                        light_of_point_m2,
+                        &mut points,
+                    );
                 }
             }
             points
@@ -296,6 +305,26 @@ mod tests {
         }
         assert!(lights.of_cell(CITY_CELLS, 0, 0.0).is_empty());
         assert!(lights.of_cell(0, FINENESSES, 0.0).is_empty());
+    }
+
+    /// All of the Earth as bright as a map can be, and as many places as a file may have in one spot.
+    #[test]
+    fn hostile_files_make_no_more_points_than_fit() {
+        let map = LayerImage::from_r8(512, 256, vec![255; 512 * 256]).expect("a map");
+        let places: Vec<Place> = (0..MAX_PLACES)
+            .map(|n| Place {
+                lat_deg: 10.0,
+                lon_deg: 10.0,
+                population: 1e3 + n as f64,
+                country: *b"AA",
+            })
+            .collect();
+        let lights = CityLights::new(&map, &places);
+        assert!(
+            lights.points().len() < 2_000_000,
+            "{}",
+            lights.points().len()
+        );
     }
 
     #[test]

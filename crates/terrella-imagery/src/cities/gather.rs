@@ -32,6 +32,10 @@ const RADIUS_VARIES: f64 = 2.0;
 /// places and roads are fewer, points are made up between them: villages that the list lacks, flares, ships.
 const LIGHT_OF_POINT_M2: f64 = 1.4e7;
 const MOST_POINTS: f64 = 32.0;
+/// Most points of a map that are made for its light: of a brighter map each has more.
+const MOST_POINTS_OF_MAP: f64 = 1e6;
+/// Most districts of all places of a texel; each place has one.
+const MOST_DISTRICTS_OF_TEXEL: usize = 4096;
 /// Part of the lamps of a place that are of its one kind.
 const OF_ONE_KIND: f64 = 0.75;
 /// No country.
@@ -55,20 +59,28 @@ struct Part {
     color: [f32; 3],
 }
 
+/// Light that each point of a map has about, square metres as above.
+pub fn light_of_point_m2(map: &MapLight) -> f64 {
+    let total_m2 = f64::from(LIGHT_OF_MAP) * map.total() * EARTH_M * EARTH_M;
+    LIGHT_OF_POINT_M2.max(total_m2 / MOST_POINTS_OF_MAP)
+}
+
 /// Divides the light of a texel and appends its points, each with its cell and its texel.
 pub fn gather(
     texel: &Texel,
     map: &MapLight,
     places: &[(u32, Place)],
     roads: &Roads,
+    light_of_point_m2: f64,
     points: &mut Vec<(u32, u32, CityLight)>,
 ) {
     let (width, height) = map.size();
     let number = (texel.row * width + texel.column) as u32;
     let mut noise = Noise::new(u64::from(number));
     let mut parts = Vec::new();
+    let most = (MOST_DISTRICTS_OF_TEXEL / places.len().max(1)).max(1);
     for (_, place) in places {
-        districts(texel, map, place, &mut noise, &mut parts);
+        districts(texel, map, (place, most), &mut noise, &mut parts);
     }
     let lamps = roads.of(number);
     let of_places: f64 = parts.iter().map(|part| part.weight).sum();
@@ -78,7 +90,7 @@ pub fn gather(
     };
     road_lamps(map, lamps, of_roads, &mut noise, &mut parts);
     let texel_light = f64::from(LIGHT_OF_MAP * texel.light * texel.area);
-    let wanted = texel_light * EARTH_M * EARTH_M / LIGHT_OF_POINT_M2;
+    let wanted = texel_light * EARTH_M * EARTH_M / light_of_point_m2;
     made_up(texel, wanted, &mut noise, &mut parts);
     let total: f64 = parts.iter().map(|part| part.weight).sum();
     let light = texel_light / total;
@@ -95,11 +107,11 @@ pub fn gather(
     }));
 }
 
-/// A place as one point or as its districts, as far as they lie in the texel.
+/// A place as one point or as its districts, so many at most, as far as they lie in the texel.
 fn districts(
     texel: &Texel,
     map: &MapLight,
-    place: &Place,
+    (place, most): (&Place, usize),
     noise: &mut Noise,
     parts: &mut Vec<Part>,
 ) {
@@ -108,6 +120,7 @@ fn districts(
     let count = (place.population / DISTRICT_POPULATION)
         .powf(DISTRICTS_BY_POPULATION)
         .clamp(1.0, MOST_DISTRICTS) as usize;
+    let count = count.min(most);
     let own = lamp_of(place.country, noise.next() as f32);
     let middle = (
         (0.5 - place.lat_deg / 180.0) * height as f64,

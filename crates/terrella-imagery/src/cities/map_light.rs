@@ -20,41 +20,60 @@ pub struct MapLight {
     lit: Vec<(u32, f32)>,
 }
 
+/// Most columns that light is kept in: finer maps are averaged.
+const MOST_COLUMNS: usize = 2048;
+
 impl MapLight {
     /// The mean over each texel of the fourth power of the map's value, which is linear between the middles of texels.
     pub fn new(map: &LayerImage) -> Self {
         let (width, height) = (map.width as usize, map.height as usize);
         let texels = map.levels.first().map_or(&[][..], Vec::as_slice);
         let row_of = |row: usize| texels.get(row * width..(row + 1) * width).unwrap_or(&[]);
-        let rows = parallel::map(height, |middle| {
-            let (above, below) = (middle.saturating_sub(1), (middle + 1).min(height - 1));
-            let rows = [above, middle, below].map(row_of);
-            let column_of = |column: usize| rows.map(|row| row.get(column).copied().unwrap_or(0));
-            let first = middle * width;
-            let columns = (0..width).map(|column| {
-                let beside = [(column + width - 1) % width, column, (column + 1) % width];
-                let light = mean_fourth_power(beside.map(column_of));
-                ((first + column) as u32, light)
-            });
-            columns
-                .filter(|(_, light)| *light > 0.0)
+        // Texels along each side of what becomes one.
+        let divides = |side: &usize| width.is_multiple_of(*side) && height.is_multiple_of(*side);
+        let side = (width.div_ceil(MOST_COLUMNS)..=height).find(divides);
+        let side = side.unwrap_or(1).max(1);
+        let columns = width / side;
+        let rows = parallel::map(height / side, |group| {
+            let mut sums = vec![0.0; columns];
+            for row in group * side..(group + 1) * side {
+                let (above, below) = (row.saturating_sub(1), (row + 1).min(height - 1));
+                let rows = [above, row, below].map(row_of);
+                let column_of =
+                    |column: usize| rows.map(|row| row.get(column).copied().unwrap_or(0));
+                for column in 0..width {
+                    let beside = [(column + width - 1) % width, column, (column + 1) % width];
+                    sums[column / side] += mean_fourth_power(beside.map(column_of));
+                }
+            }
+            let first = (group * columns) as u32;
+            let lit = (first..).zip(sums).filter(|(_, sum)| *sum > 0.0);
+            let texels = (side * side) as f32;
+            lit.map(|(texel, sum)| (texel, sum / texels))
                 .collect::<Vec<_>>()
         });
         Self {
-            width,
-            height,
+            width: columns,
+            height: height / side,
             lit: rows.concat(),
         }
     }
 
-    /// The texels that have light, by number, with its mean of 0…1.
-    pub fn lit(&self) -> &[(u32, f32)] {
-        &self.lit
+    /// Light of all texels, square equatorial radii of ground as bright as the brightest.
+    pub fn total(&self) -> f64 {
+        let lit = self.lit.iter();
+        let of = |(texel, light): &(u32, f32)| light * self.area(*texel as usize / self.width);
+        lit.map(|lit| f64::from(of(lit))).sum()
     }
 
     /// Columns and rows.
     pub fn size(&self) -> (usize, usize) {
         (self.width, self.height)
+    }
+
+    /// The texels that have light, by number, with its mean of 0…1.
+    pub fn lit(&self) -> &[(u32, f32)] {
+        &self.lit
     }
 
     /// Area of a texel in a row, square equatorial radii.
@@ -157,6 +176,25 @@ mod tests {
         assert_eq!(light.lit().len(), 9);
         let areas: f32 = (0..4).map(|row| 8.0 * light.area(row)).sum();
         assert!((f64::from(areas) - 2.0 * TAU).abs() < 1e-5, "{areas}");
+    }
+
+    #[test]
+    fn a_fine_map_is_averaged_and_keeps_its_light() {
+        let (width, height) = (6 * 1024, 3 * 1024);
+        let mut texels = vec![51; width * height];
+        texels[width / 2..width].fill(0);
+        let map = LayerImage::from_r8(width as u32, height as u32, texels).expect("a map");
+        let light = MapLight::new(&map);
+        assert_eq!(light.size(), (2048, 1024));
+        // A fifth to the fourth power, and in the east of the first row two thirds of it and a little of what lies between.
+        let of = |texel: usize| light.lit()[texel].1;
+        assert!((of(2048 * 500) - 0.0016).abs() < 1e-6);
+        assert!(
+            (of(1500) / 0.0016 - (2.0 / 3.0 - 0.8 * 0.5 / 3.0)).abs() < 0.1,
+            "{}",
+            of(1500)
+        );
+        assert!((light.total() / (0.0016 * 2.0 * TAU) - 1.0).abs() < 1e-3);
     }
 
     #[test]

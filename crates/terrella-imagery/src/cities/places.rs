@@ -5,8 +5,8 @@ pub const PLACES_FILE: &str = "places.bin";
 /// First bytes of it.
 const MAGIC: &[u8; 8] = b"TRPLACE1";
 const RECORD: usize = 8;
-/// Most places of a file.
-pub const MAX_PLACES: usize = 1_000_000;
+/// Most places of a file: twice as many as GeoNames has with 1000 people or more.
+pub const MAX_PLACES: usize = 300_000;
 /// Steps of latitude and of longitude in a record: 2²⁴ for 180° and 360°.
 const STEPS: f64 = (1 << 24) as f64;
 /// Population of the code 0, and codes until it is twice as large.

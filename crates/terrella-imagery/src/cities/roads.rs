@@ -15,6 +15,8 @@ const SPACING_M: f64 = 5_000.0;
 const WINDING_M: f64 = 500.0;
 /// Metres of a degree of latitude.
 const DEGREE_M: f64 = 111_195.0;
+/// Most places of a cell that are looked at.
+const MOST_LOOKED_AT: usize = 256;
 /// Side of the cells in which neighbours are looked for, degrees.
 const CELL_DEG: f64 = 0.2;
 
@@ -117,7 +119,12 @@ impl<'p> Neighbours<'p> {
                 )
             })
             .collect();
-        cells.sort_by_key(|(cell, _)| *cell);
+        // From large to small: of a crowded cell the largest are looked at.
+        cells.sort_by(|(cell_a, a), (cell_b, b)| {
+            cell_a
+                .cmp(cell_b)
+                .then(b.population.total_cmp(&a.population))
+        });
         let mut starts = vec![0; (rows * columns) as usize + 1];
         for (cell, _) in &cells {
             starts[cell + 1] += 1;
@@ -153,10 +160,8 @@ impl<'p> Neighbours<'p> {
                 let column = (column + i64::from(east)).rem_euclid(self.columns);
                 let cell = (row * self.columns + column) as usize;
                 let cell = self.starts[cell] as usize..self.starts[cell + 1] as usize;
-                for other in &self.places[cell] {
-                    if other.population <= place.population {
-                        continue;
-                    }
+                let largest = self.places[cell].iter().take(MOST_LOOKED_AT);
+                for other in largest.take_while(|other| other.population > place.population) {
                     let (east_m, north_m) = offset_m(place, other);
                     let distance_m = (east_m * east_m + north_m * north_m).sqrt();
                     if distance_m < nearest_m {
