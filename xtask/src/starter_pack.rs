@@ -14,6 +14,7 @@ mod poles;
 mod sky;
 mod water;
 
+use crate::files::write_bytes;
 use anyhow::{Context, Result, bail, ensure};
 use std::path::Path;
 
@@ -39,13 +40,7 @@ pub fn run(data: &Path, out: &Path) -> Result<()> {
     let pack = make(data)?;
     for product in &pack {
         let path = out.join(product.name);
-        if let Some(folder) = path.parent() {
-            std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
-        }
-        // Under its final name a file is never half-written.
-        let partial = out.join(format!("{}.partial", product.name));
-        std::fs::write(&partial, &product.bytes).with_context(|| partial.display().to_string())?;
-        std::fs::rename(&partial, &path).with_context(|| path.display().to_string())?;
+        write_bytes(&path, &product.bytes)?;
         println!("{} ({} bytes)", path.display(), product.bytes.len());
     }
     Ok(())

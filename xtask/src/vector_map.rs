@@ -2,6 +2,7 @@
 //!
 //! `textures/SOURCES.md` describes source and form.
 
+use crate::files::write_bytes;
 use crate::process::repository_root;
 use anyhow::{Context, Result, bail, ensure};
 use serde_json::Value;
@@ -42,7 +43,7 @@ pub fn run(atlas: &Path, check: bool) -> Result<()> {
         }
         return Ok(());
     }
-    std::fs::write(&path, &bytes).with_context(|| path.display().to_string())?;
+    write_bytes(&path, &bytes)?;
     println!(
         "{} ({} bytes, {} coast lines, {} borders)",
         path.display(),
