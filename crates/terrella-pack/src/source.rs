@@ -173,6 +173,22 @@ impl FileContext {
         }
     }
 
+    /// What a decoder met while it read: a file that ends too early is damaged.
+    fn failed_read(&self, error: std::io::Error) -> BuildError {
+        match error.kind() {
+            std::io::ErrorKind::UnexpectedEof => self.damaged("the file ends too early"),
+            _ => self.unreadable(error),
+        }
+    }
+
+    /// Takes the next row of a picture that was decoded as a whole, `given` rows of which are taken.
+    fn take_row(&self, whole: &[u8], given: u32, row: &mut [u8]) -> Result<(), BuildError> {
+        let start = given as usize * row.len();
+        let texels = whole.get(start..start + row.len());
+        row.copy_from_slice(texels.ok_or_else(|| self.damaged("too few rows"))?);
+        Ok(())
+    }
+
     pub(super) fn damaged(&self, cause: impl fmt::Display) -> BuildError {
         BuildError::Damaged {
             path: self.0.clone(),

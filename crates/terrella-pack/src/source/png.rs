@@ -106,9 +106,7 @@ impl<R: BufRead + Seek> RowSource for PngRows<R> {
 
     fn next_row(&mut self, row: &mut [u8]) -> Result<(), BuildError> {
         if let Some(whole) = &self.whole {
-            let start = self.given as usize * row.len();
-            let texels = whole.get(start..start + row.len());
-            row.copy_from_slice(texels.ok_or_else(|| self.context.damaged("too few rows"))?);
+            self.context.take_row(whole, self.given, row)?;
         } else {
             let read = self.reader.read_row(row);
             if read
@@ -136,10 +134,7 @@ impl<R: BufRead + Seek> RowSource for PngRows<R> {
 
 fn decode_error(context: &FileContext, error: DecodingError) -> BuildError {
     match error {
-        DecodingError::IoError(error) if error.kind() == std::io::ErrorKind::UnexpectedEof => {
-            context.damaged("the file ends too early")
-        }
-        DecodingError::IoError(error) => context.unreadable(error),
+        DecodingError::IoError(error) => context.failed_read(error),
         DecodingError::LimitsExceeded => context.rejected(
             "has chunks beyond all measure",
             "strip it of everything but the picture",

@@ -14,7 +14,7 @@ pub(super) struct WebPRows {
     info: SourceInfo,
     context: FileContext,
     texels: Vec<u8>,
-    given: usize,
+    given: u32,
 }
 
 impl WebPRows {
@@ -71,9 +71,7 @@ impl RowSource for WebPRows {
     }
 
     fn next_row(&mut self, row: &mut [u8]) -> Result<(), BuildError> {
-        let start = self.given * row.len();
-        let texels = self.texels.get(start..start + row.len());
-        row.copy_from_slice(texels.ok_or_else(|| self.context.damaged("too few rows"))?);
+        self.context.take_row(&self.texels, self.given, row)?;
         self.given += 1;
         Ok(())
     }
@@ -81,10 +79,7 @@ impl RowSource for WebPRows {
 
 fn decode_error(context: &FileContext, error: DecodingError) -> BuildError {
     match error {
-        DecodingError::IoError(error) if error.kind() == std::io::ErrorKind::UnexpectedEof => {
-            context.damaged("the file ends too early")
-        }
-        DecodingError::IoError(error) => context.unreadable(error),
+        DecodingError::IoError(error) => context.failed_read(error),
         DecodingError::MemoryLimitExceeded => context.rejected(
             "has chunks beyond all measure",
             "convert it (`magick IN.webp OUT.png`)",
