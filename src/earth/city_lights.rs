@@ -21,6 +21,8 @@ const LEAST_FACING: f64 = 0.02;
 #[derive(Clone)]
 pub(super) struct CityLightDriver {
     lights: Arc<CityLights>,
+    /// Where they are: the same in all frames.
+    cells: Arc<[CityCell]>,
     /// Exposed light of a pixel that nothing is shown of; 0 where all light counts.
     least_shown: f64,
 }
@@ -31,6 +33,7 @@ impl CityLightDriver {
         let shown = DVec3::splat(LEAST_SHOWN);
         Some(Self {
             lights: options.city_lights.clone()?,
+            cells: CityCell::all().collect(),
             least_shown: match options.pass_format().target_color() {
                 TargetColor::Radiance => 0.0,
                 _ => options.tone.light_shown_as(shown).min_element(),
@@ -54,12 +57,12 @@ impl CityLightDriver {
         }
         let ellipsoid = plan.ellipsoid;
         let radius_m = ellipsoid.equatorial_radius_m;
-        for cell in CityCell::all() {
+        for cell in self.cells.iter() {
             let from_sun_rad = cell.up.angle_between(sky.sun_itrf) + cell.radius_rad + ROOM_RAD;
             if from_sun_rad < FRAC_PI_2 - LAMPS_OUT_SIN.asin() {
                 continue;
             }
-            let Some(seen) = Seen::of(&cell, view, &ellipsoid) else {
+            let Some(seen) = Seen::of(cell, view, &ellipsoid) else {
                 continue;
             };
             let pixel_m = seen.distance_m * view.pixel_rad();
