@@ -110,7 +110,7 @@ impl VectorMap {
         let (counts, lines) = rest
             .split_first_chunk::<{ HEADER_BYTES - 12 }>()
             .ok_or(VectorMapError::Kind)?;
-        if crc32(rest) != u32::from_le_bytes(*checksum) {
+        if crc32fast::hash(rest) != u32::from_le_bytes(*checksum) {
             return Err(VectorMapError::Checksum);
         }
         let count = |k: usize| {
@@ -204,17 +204,6 @@ impl Reader<'_> {
     }
 }
 
-/// CRC-32 of ISO 3309: that of zip and PNG.
-fn crc32(bytes: &[u8]) -> u32 {
-    const POLYNOMIAL: u32 = 0xedb8_8320;
-    let step = |crc: u32| (crc >> 1) ^ (POLYNOMIAL & (crc & 1).wrapping_neg());
-    let table: [u32; 256] = std::array::from_fn(|k| (0..8).fold(k as u32, |crc, _| step(crc)));
-    let crc = bytes.iter().fold(!0_u32, |crc, byte| {
-        (crc >> 8) ^ table[usize::from(crc.to_le_bytes()[0] ^ byte)]
-    });
-    !crc
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -256,7 +245,12 @@ mod tests {
     fn with_header(lines: &[u8], counts: [u32; 3]) -> Vec<u8> {
         let mut rest = counts.map(u32::to_le_bytes).concat();
         rest.extend(lines);
-        [&b"TRLINES1"[..], &crc32(&rest).to_le_bytes(), &rest].concat()
+        [
+            &b"TRLINES1"[..],
+            &crc32fast::hash(&rest).to_le_bytes(),
+            &rest,
+        ]
+        .concat()
     }
 
     #[test]
@@ -282,7 +276,7 @@ mod tests {
     /// The check value of the catalogue of CRCs (Greg Cook), CRC-32/ISO-HDLC.
     #[test]
     fn the_checksum_is_that_of_zip() {
-        assert_eq!(crc32(b"123456789"), 0xcbf4_3926);
+        assert_eq!(crc32fast::hash(b"123456789"), 0xcbf4_3926);
     }
 
     #[test]
