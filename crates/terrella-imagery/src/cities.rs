@@ -23,6 +23,7 @@ use super::layer::LayerImage;
 use super::map_folder::MapFolder;
 use gather::{Texel, gather, light_of_point_m2};
 use glam::Vec3;
+pub use lamps::LAMP_COLOR;
 use map_light::MapLight;
 pub use places::{MAX_PLACES, PLACES_FILE, Place, PlacesError, read_places};
 use point::EARTH_M;

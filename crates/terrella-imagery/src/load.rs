@@ -9,6 +9,7 @@ use super::map_folder::MapFolder;
 use super::map_rows::{KeptInMemory, MapBuilder, MapSink};
 use super::sea::{SeaFloor, grow_land};
 use super::slopes::{ELEVATION_OFFSET_M, SLOPE_EXAGGERATION, slopes_from_elevation};
+use super::srgb::luminance;
 use super::texel::TexelFormat;
 use super::tile::MapLayer;
 use std::path::{Path, PathBuf};
@@ -445,7 +446,7 @@ fn grey_map(
                     row,
                     &mut row_amounts,
                     |[red, green, blue, alpha]: &[u8; 4]| {
-                        (luminance([*red, *green, *blue]), *alpha)
+                        (luminance([*red, *green, *blue].map(f32::from)), *alpha)
                     },
                 );
                 &row_amounts
@@ -470,11 +471,6 @@ fn amounts<const N: usize>(texels: &[u8], to: &mut Vec<u8>, parts: impl Fn(&[u8;
         let (shown, alpha) = parts(texel);
         (shown * f32::from(alpha) / 255.0).round() as u8
     }));
-}
-
-/// Of values as they are stored, by the weights of ITU-R BT.709: as packs take it.
-fn luminance([red, green, blue]: [u8; 3]) -> f32 {
-    0.2126 * f32::from(red) + 0.7152 * f32::from(green) + 0.0722 * f32::from(blue)
 }
 
 /// What elevations and the water map give.

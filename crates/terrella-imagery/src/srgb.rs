@@ -6,6 +6,11 @@ use std::sync::LazyLock;
 pub static LINEAR_FROM_SRGB: LazyLock<[f32; 256]> =
     LazyLock::new(|| std::array::from_fn(|code| linear_from_encoded(code as f64 / 255.0) as f32));
 
+/// Luminance of an RGB colour by the weights of ITU-R BT.709.
+pub const fn luminance([red, green, blue]: [f32; 3]) -> f32 {
+    0.2126 * red + 0.7152 * green + 0.0722 * blue
+}
+
 /// C = E/12.92 for E ≤ 0.04045, else ((E + 0.055)/1.055)^2.4.
 pub fn linear_from_encoded(encoded: f64) -> f64 {
     if encoded <= 0.04045 {

@@ -1,10 +1,8 @@
 // City lights of a map. Its values are brightness in a published picture whose tone curve is not known and
 // shows hamlets beside cities; their fourth power spans the hundredfold range that radiometers find between these.
-import rust::NIGHT_LIGHTS;
+import rust::{LAMP_COLOR, NIGHT_LIGHTS};
 import earth/shading/lamps.wgsl;
 @if(detail) import earth/shading/detail.wgsl;
-
-const LAMP_COLOR: vec3f = vec3f(1.0, 0.72, 0.38);
 
 fn city_light(at: SurfacePoint, mu_s: f32) -> vec3f {
     let is_on = lamps_on(mu_s);

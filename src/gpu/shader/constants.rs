@@ -15,7 +15,7 @@ use terrella_ground::globe::{BLOCK_COUNT, COLUMNS, ROWS};
 use terrella_ground::light::{self, Bloom, agx};
 use terrella_imagery::tile::{MAP_LAYERS, MapLayer, TILE_BORDER};
 use terrella_imagery::{
-    CLOUD_ALBEDO, CityLight, DETAIL_MEAN, DETAIL_STEP, FLOOR_SEEN_M, NEIGHBOURHOODS,
+    CLOUD_ALBEDO, CityLight, DETAIL_MEAN, DETAIL_STEP, FLOOR_SEEN_M, LAMP_COLOR, NEIGHBOURHOODS,
 };
 
 /// Words of four numbers that cells of blocks with parts may take, each with eight of them: with all else that says where tiles lie a
@@ -43,6 +43,12 @@ const LAMPS_FULL_SIN: f64 = -0.104_528_463;
 /// Sine of the Sun's elevation below which the sea mirrors no Sun.
 #[cfg(feature = "packs")]
 pub(crate) const GLINT_ENDS_SIN: f64 = -0.01;
+
+/// Colour that maps of city lights are drawn in.
+const LAMP_COLOR_RGB: DVec3 = {
+    let [red, green, blue] = LAMP_COLOR;
+    DVec3::new(red as f64, green as f64, blue as f64)
+};
 
 /// Refractive index of sea water in the middle of visible light: 1.3408 at 550 nm, 35 ‰ and 20 °C by Quan and Fry 1995 (Appl. Opt. 34,
 /// 3477).
@@ -110,6 +116,7 @@ const SHARED: &[(&str, Value)] = &[
     ("LUMINANCE", Vec3(air::LUMINANCE)),
     ("LAMPS_OUT_SIN", F32(LAMPS_OUT_SIN)),
     ("LAMPS_FULL_SIN", F32(LAMPS_FULL_SIN)),
+    ("LAMP_COLOR", Vec3(LAMP_COLOR_RGB)),
     ("CITY_LIGHT_RADIUS_M", F32(CityLight::MOST_RADIUS_M)),
     ("FLOOR_SEEN_M", F32(FLOOR_SEEN_M)),
     ("DETAIL_STEP", F32(DETAIL_STEP as f64)),

@@ -1,14 +1,14 @@
 //! The colours of lamps.
 
-/// Rec. 709 luminance of linear RGB.
-const LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
+use crate::srgb::luminance;
+
+/// Colour that maps of lights are drawn in, linear RGB.
+pub const LAMP_COLOR: [f32; 3] = [1.0, 0.72, 0.38];
 
 /// Luminance of every lamp's colour; no channel of any is above 1 then.
 const LAMP_LUMINANCE: f32 = 0.5;
-/// Luminance of the colour that maps of lights are drawn in.
-const MAP_LUMINANCE: f32 = 0.755;
 /// How many times more light a lamp of these colours has where it takes the place of a map's.
-pub const LIGHT_OF_MAP: f32 = MAP_LUMINANCE / LAMP_LUMINANCE;
+pub const LIGHT_OF_MAP: f32 = luminance(LAMP_COLOR) / LAMP_LUMINANCE;
 
 /// A kind of lamp.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,7 +39,7 @@ impl Lamp {
             Self::NeutralWhite => [1.0, 0.82, 0.62],
             Self::CoolWhite => [0.80, 1.0, 1.02],
         };
-        let luminance: f32 = rgb.iter().zip(LUMINANCE).map(|(c, l)| c * l).sum();
+        let luminance = luminance(rgb);
         rgb.map(|channel| channel * LAMP_LUMINANCE / luminance)
     }
 }
@@ -101,7 +101,7 @@ mod tests {
         assert!(BY_COUNTRY.is_sorted_by_key(|(code, _)| **code));
         for lamp in Lamp::ALL {
             let color = lamp.color();
-            let luminance: f32 = color.iter().zip(LUMINANCE).map(|(c, l)| c * l).sum();
+            let luminance = luminance(color);
             assert!((luminance - LAMP_LUMINANCE).abs() < 1e-6, "{lamp:?}");
             assert!(color.iter().all(|channel| *channel <= 1.0), "{color:?}");
         }
