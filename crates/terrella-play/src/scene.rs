@@ -9,6 +9,7 @@
 //! | `keys.rs` | its declaration: name, type, unit, range, default, meaning. **Begin here**; `table.rs` explains the form |
 //! | `choices.rs` | the words that keys choose from |
 //! | `time.rs`, `orbit.rs`, `tracks.rs`, `stations.rs`, `layers.rs`, `camera.rs`, `earth.rs`, `sky.rs`, `output.rs` | a table each: the checked value that hosts read, and its reader |
+//! | `globe_keys.rs` | declarations of `[layers]` and `[[station]]` |
 //! | `camera_keys.rs` | `[[camera.keys]]` |
 //! | `sensor_keys.rs`, `sensor.rs` | declarations and reader of `[sensor]` |
 //! | `orbit_check.rs`, `many.rs`, `live.rs`, `basilisk.rs`, `burns.rs` | readers of `[orbit]`, which has the most keys |
@@ -36,6 +37,7 @@ mod dates;
 mod earth;
 mod error;
 mod field;
+mod globe_keys;
 mod keys;
 mod layers;
 mod live;

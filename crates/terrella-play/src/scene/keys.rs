@@ -5,6 +5,7 @@
 use super::choices::{AirModel, CameraMode, CameraUp, FrameName, Look, Method, StorageChoice};
 use super::choices::{OrbitSource, OrbitSource::*};
 use super::field::{Bounds, Choice, Field, RawCameraKey, RawDatedMaps, RawPath};
+use super::globe_keys::{RawLayers, RawStation};
 use super::record::{Notes, Record};
 use super::sensor_keys::RawSensor;
 #[cfg(test)]
@@ -42,8 +43,6 @@ pub(super) const MAX_BURNS: usize = 1000;
 pub(super) const BURN_S: RangeInclusive<f64> = 1e-3..=3.2e7;
 /// Each part of a burn's acceleration, m/s².
 pub(super) const BURN_M_S2: RangeInclusive<f64> = -1e3..=1e3;
-/// Most ground stations, `[[station]]` tables, in one scene: a frame computes a circle for each.
-pub(super) const MAX_STATIONS: usize = 200;
 /// Most maps of a layer that change with the date.
 pub(super) const MAX_DATED_MAPS: usize = 1000;
 /// Most keys of a camera.
@@ -64,10 +63,6 @@ pub const DEFAULT_TOLERANCE_PX: f64 = 1.0;
 
 /// `before_min` and `after_min` of a trail or ground track, minutes: at most a week.
 pub(super) const SPAN_MIN: RangeInclusive<f64> = 0.0..=10_080.0;
-/// `step_deg` of `graticule`, degrees.
-pub(super) const GRATICULE_STEP_DEG: RangeInclusive<f64> = 1.0..=90.0;
-/// Opacity of lines.
-const OPACITY: RangeInclusive<f64> = 0.01..=1.0;
 /// `samples` of `[earth.clipmap]`: along an edge of a level.
 pub(super) const CLIPMAP_SAMPLES: [i64; 3] = [65, 129, 257];
 /// `levels` of `[earth.clipmap]`, besides the globe's.
@@ -143,10 +138,6 @@ const PUBLISHED: &Only = &only(
     &[Basilisk],
     "is for source = \"basilisk\", simulations that publish their steps",
 );
-const GRATICULE: &Only = &only(&[], "only for graticule = true");
-const COAST_LINES: &Only = &only(&[], "only for coast_lines = true");
-const BORDERS: &Only = &only(&[], "only for borders = true");
-const TERMINATOR: &Only = &only(&[], "only for terminator = true");
 pub(super) const NADIR: &Only = &only(&[], "only for mode = \"nadir\"");
 pub(super) const GEODETIC: &Only = &only(&[], "only for mode = \"geodetic\"");
 pub(super) const SUNLIT: &Only = &only(&[], "only for shading = \"sunlit\"");
@@ -310,53 +301,6 @@ fn usual_live() -> LiveOptions {
 table_with_tracks!(RawTracks = "tracks" {} {
     /// Width of all lines.
     width_px: f64, of "pixels", in 0.5..=16.0, default 2.0;
-});
-
-table!(RawLayers = "layers" {
-    // True or a table, checked by layers.rs.
-    /// The graticule: meridians and parallels, by default 10° apart. By default false.
-    graticule: toml::Value, of "true, false or { step_deg = 10 }";
-    /// Colour of the graticule. By default "#ffffff".
-    graticule_color: String, of "a string, \"#\" and six hexadecimal digits", for GRATICULE;
-    /// Opacity of the graticule.
-    graticule_opacity: f64, in OPACITY, default 0.3, for GRATICULE;
-    /// Whether coast lines are drawn.
-    coast_lines: bool, default false;
-    /// Colour of coast lines. By default "#fff2c4".
-    coast_lines_color: String, of "a string, \"#\" and six hexadecimal digits", for COAST_LINES;
-    /// Opacity of coast lines.
-    coast_lines_opacity: f64, in OPACITY, default 0.8, for COAST_LINES;
-    /// Whether national borders are drawn.
-    borders: bool, default false;
-    /// Colour of borders. By default "#ffffff".
-    borders_color: String, of "a string, \"#\" and six hexadecimal digits", for BORDERS;
-    /// Opacity of borders.
-    borders_opacity: f64, in OPACITY, default 0.6, for BORDERS;
-    /// Whether the terminator is drawn, and where twilight ends: the Sun at 0°, −6°, −12° and −18°.
-    terminator: bool, default false;
-    /// Colour of the terminator. By default "#ffb066".
-    terminator_color: String, of "a string, \"#\" and six hexadecimal digits", for TERMINATOR;
-    /// Opacity of the terminator.
-    terminator_opacity: f64, in OPACITY, default 0.8, for TERMINATOR;
-    /// Width of these lines.
-    width_px: f64, of "pixels", in 0.5..=16.0, default 1.0;
-    /// File of coast lines and borders. By default lines.bin of the starter pack.
-    vector_map: RawPath, of "a file of coast lines and borders";
-});
-
-table!(RawStation = "station" {
-    /// What the station is called.
-    name: String, of "a string, the station's name";
-    /// Geodetic latitude, south negative.
-    lat_deg: f64, of "degrees", in LAT_DEG;
-    /// Longitude, west negative.
-    lon_deg: f64, of "degrees", in LON_DEG;
-    /// Height above the ellipsoid.
-    height_m: f64, of "metres", in -1000.0..=10_000.0, default 0.0;
-    /// Elevation mask: how high above the station's horizon a satellite has to stand.
-    min_elevation_deg: f64, of "degrees", in 0.0..=89.0, default 5.0;
-    /// Colour of all that is drawn of the station. By default one of a palette, after those of the satellites.
-    color: String, of "a string, \"#\" and six hexadecimal digits";
 });
 
 /// A table, or the same as a list: `[orbit]`, or `[[orbit]]` as often as there are satellites.

@@ -3,7 +3,7 @@
 use super::Scene;
 use super::error::{SceneError, printable};
 use super::field::{Field, PathKind, range_text};
-use super::keys::{GRATICULE_STEP_DEG, RawLayers};
+use super::globe_keys::{GRATICULE_STEP_DEG, RawLayers};
 use super::record::number_text;
 use super::text::SceneText;
 use std::ops::RangeInclusive;

@@ -3,7 +3,7 @@
 use super::Scene;
 use super::error::{KeyLocation, SceneError, printable};
 use super::field::{Field, range_text};
-use super::keys::{MAX_STATIONS, RawStation};
+use super::globe_keys::{MAX_STATIONS, RawStation};
 use super::record::{number_text, quoted};
 use super::text::SceneText;
 use std::ops::RangeInclusive;

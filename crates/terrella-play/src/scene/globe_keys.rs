@@ -1,0 +1,77 @@
+//! Declares the keys of `[layers]` and `[[station]]`, what is drawn on the globe, as [`keys`](super::keys) does those of the
+//! other tables.
+
+use super::field::{Bounds, Field, RawPath};
+use super::keys::{LAT_DEG, LON_DEG};
+use super::record::{Notes, Record};
+#[cfg(test)]
+use super::table::About;
+use super::table::{Key, Only, Table, Value, given_or, method, table};
+use super::text::SceneText;
+use serde::Deserialize;
+#[cfg(test)]
+use serde_json::json;
+use std::ops::{Range, RangeInclusive};
+use toml::Spanned;
+
+/// Most ground stations, `[[station]]` tables, in one scene: a frame computes a circle for each.
+pub(super) const MAX_STATIONS: usize = 200;
+/// `step_deg` of `graticule`, degrees.
+pub(super) const GRATICULE_STEP_DEG: RangeInclusive<f64> = 1.0..=90.0;
+/// Opacity of lines.
+const OPACITY: RangeInclusive<f64> = 0.01..=1.0;
+
+const fn only(why: &'static str) -> Only {
+    Only { why, sources: &[] }
+}
+const GRATICULE: &Only = &only("only for graticule = true");
+const COAST_LINES: &Only = &only("only for coast_lines = true");
+const BORDERS: &Only = &only("only for borders = true");
+const TERMINATOR: &Only = &only("only for terminator = true");
+
+table!(RawLayers = "layers" {
+    // True or a table, checked by layers.rs.
+    /// The graticule: meridians and parallels, by default 10° apart. By default false.
+    graticule: toml::Value, of "true, false or { step_deg = 10 }";
+    /// Colour of the graticule. By default "#ffffff".
+    graticule_color: String, of "a string, \"#\" and six hexadecimal digits", for GRATICULE;
+    /// Opacity of the graticule.
+    graticule_opacity: f64, in OPACITY, default 0.3, for GRATICULE;
+    /// Whether coast lines are drawn.
+    coast_lines: bool, default false;
+    /// Colour of coast lines. By default "#fff2c4".
+    coast_lines_color: String, of "a string, \"#\" and six hexadecimal digits", for COAST_LINES;
+    /// Opacity of coast lines.
+    coast_lines_opacity: f64, in OPACITY, default 0.8, for COAST_LINES;
+    /// Whether national borders are drawn.
+    borders: bool, default false;
+    /// Colour of borders. By default "#ffffff".
+    borders_color: String, of "a string, \"#\" and six hexadecimal digits", for BORDERS;
+    /// Opacity of borders.
+    borders_opacity: f64, in OPACITY, default 0.6, for BORDERS;
+    /// Whether the terminator is drawn, and where twilight ends: the Sun at 0°, −6°, −12° and −18°.
+    terminator: bool, default false;
+    /// Colour of the terminator. By default "#ffb066".
+    terminator_color: String, of "a string, \"#\" and six hexadecimal digits", for TERMINATOR;
+    /// Opacity of the terminator.
+    terminator_opacity: f64, in OPACITY, default 0.8, for TERMINATOR;
+    /// Width of these lines.
+    width_px: f64, of "pixels", in 0.5..=16.0, default 1.0;
+    /// File of coast lines and borders. By default lines.bin of the starter pack.
+    vector_map: RawPath, of "a file of coast lines and borders";
+});
+
+table!(RawStation = "station" {
+    /// What the station is called.
+    name: String, of "a string, the station's name";
+    /// Geodetic latitude, south negative.
+    lat_deg: f64, of "degrees", in LAT_DEG;
+    /// Longitude, west negative.
+    lon_deg: f64, of "degrees", in LON_DEG;
+    /// Height above the ellipsoid.
+    height_m: f64, of "metres", in -1000.0..=10_000.0, default 0.0;
+    /// Elevation mask: how high above the station's horizon a satellite has to stand.
+    min_elevation_deg: f64, of "degrees", in 0.0..=89.0, default 5.0;
+    /// Colour of all that is drawn of the station. By default one of a palette, after those of the satellites.
+    color: String, of "a string, \"#\" and six hexadecimal digits";
+});
