@@ -13,6 +13,7 @@ enum Only {
     Land,
     Clouds,
     Lamps,
+    Sea,
 }
 
 fn options(only: Only, detail: bool) -> EarthOptions {
@@ -29,6 +30,7 @@ fn options(only: Only, detail: bool) -> EarthOptions {
         Only::Land => {}
         Only::Clouds => layers.clouds = even(90),
         Only::Lamps => layers.night_lights = even(200),
+        Only::Sea => layers.water = even(255),
     }
     EarthOptions {
         atmosphere: Atmosphere::None,
@@ -113,4 +115,47 @@ fn detail_is_fixed_to_the_ground_and_fades_in() {
         }
     }
     assert!(off < 0.15 * same, "{off} of {same}");
+}
+
+#[test]
+fn the_wind_makes_the_glint_uneven() {
+    let view = from(4e5, 40.0);
+    let even = light(Only::Sea, false, &view);
+    let made = light(Only::Sea, true, &view);
+    let brightest = even.iter().copied().fold(0.0, f64::max);
+    let middle: Vec<f64> = even
+        .iter()
+        .zip(&made)
+        .filter(|(even, _)| **even > 0.5 * brightest)
+        .map(|(even, made)| made / even)
+        .collect();
+    assert!(middle.len() > 300, "{} pixels of glint", middle.len());
+    assert!(spread(&middle) > 0.2, "{}", spread(&middle));
+    // Of Gaussian slopes the mean grows with the variance of the wind.
+    let ratio = mean(&made) / mean(&even);
+    assert!((0.95..1.15).contains(&ratio), "{ratio}");
+}
+
+/// The Sun 20° high over clouds of even thickness on the map. Light inside of a cloud is spread: flanks of single clouds are soft.
+#[test]
+fn tops_of_clouds_are_soft() {
+    let view = down(Geodetic::from_degrees(0.0, 70.0, 5e4), 40.0, 1.0);
+    let drawn = |relief_m: f64| {
+        let mut options = options(Only::Clouds, true);
+        options.layers.day = plain([0; 3]).day;
+        options.light.cloud_relief_m = relief_m;
+        let light = Rig::of_light(&options, SIZE).draw_light(&view, DVec3::X);
+        light.iter().map(|l| f64::from(l[0])).collect::<Vec<_>>()
+    };
+    let shading: Vec<f64> = drawn(4000.0)
+        .iter()
+        .zip(drawn(0.0))
+        .map(|(high, flat)| high / flat)
+        .collect();
+    assert!(
+        (0.1..0.4).contains(&spread(&shading)),
+        "{}",
+        spread(&shading)
+    );
+    assert!((mean(&shading) - 1.0).abs() < 0.1, "{}", mean(&shading));
 }

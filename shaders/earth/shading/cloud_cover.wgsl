@@ -10,19 +10,24 @@ fn lifted_before(at: SurfacePoint) -> Lifted {
 
 fn cover_at(at: SurfacePoint, lift: Lifted) -> f32 {
     @if(!detail) return mapped_cover(at, lift);
-    @if(detail) return uneven_cover(at, lift, structure(lift.up, cloud_texel_radii(at), pixel_radii(at)));
+    @if(detail) return cover_with_detail(at, lift, mapped_cover(at, lift));
+}
+
+@if(detail)
+fn cover_with_detail(at: SurfacePoint, lift: Lifted, mapped: f32) -> f32 {
+    return uneven_cover(mapped, structure(lift.up, cloud_texel_radii(at), pixel_radii(at)));
 }
 
 // For shadows, whose edges are soft: with the larger of the detail alone.
 @if(cloud_shadows)
 fn soft_cover_at(at: SurfacePoint, lift: Lifted) -> f32 {
     @if(!detail) return mapped_cover(at, lift);
-    @if(detail) return uneven_cover(at, lift, soft_structure(lift.up, cloud_texel_radii(at), pixel_radii(at)));
+    @if(detail) return uneven_cover(mapped_cover(at, lift), soft_structure(lift.up, cloud_texel_radii(at), pixel_radii(at)));
 }
 
 @if(detail)
-fn uneven_cover(at: SurfacePoint, lift: Lifted, made: Detail) -> f32 {
-    return uneven_share(mapped_cover(at, lift), CLOUD_CONTRAST, made);
+fn uneven_cover(mapped: f32, made: Detail) -> f32 {
+    return uneven_share(mapped, CLOUD_CONTRAST, made);
 }
 
 fn mapped_cover(at: SurfacePoint, lift: Lifted) -> f32 {

@@ -22,6 +22,8 @@ fn sunlit_albedo(albedo: f32, mu: f32) -> f32 {
 // Of the clouds before a place of the ground.
 struct CloudsBefore {
     cover: f32,
+    // What of it the map says.
+    @if(detail) mapped: f32,
     // What they throw back of diffuse light.
     albedo: f32,
     lift: Lifted,
@@ -29,8 +31,10 @@ struct CloudsBefore {
 
 fn clouds_before(at: SurfacePoint) -> CloudsBefore {
     let lift = lifted_before(at);
-    let cover = cover_at(at, lift);
-    return CloudsBefore(cover, CLOUD_ALBEDO * cover, lift);
+    let mapped = mapped_cover(at, lift);
+    @if(!detail) return CloudsBefore(mapped, CLOUD_ALBEDO * mapped, lift);
+    @if(detail) let cover = cover_with_detail(at, lift, mapped);
+    @if(detail) return CloudsBefore(cover, mapped, CLOUD_ALBEDO * cover, lift);
 }
 
 // What they throw back of the light of a Sun, which falls on them at this cosine, and of its sky.
@@ -90,18 +94,36 @@ fn air_of_clouds(at: SurfacePoint, clouds: CloudsBefore, sun: vec3f) -> AirOfClo
 const STEEPEST: f32 = 0.7;
 // How far towards the Sun a cloud's top is looked at again, equatorial radii: 1 km where there is detail.
 @if(detail) const CLOUD_STEP: f32 = 1.6e-4;
+// How high the tops of single clouds stand, of what the weather's systems do.
+@if(detail) const SINGLE_CLOUDS: f32 = 0.35;
 
 // Cosine at which sunlight falls on a cloud's top, thick clouds being higher than thin ones: from how much higher clouds are some way
 // towards the Sun. Where those reach above the ray to the Sun they shade it.
 fn sun_on_top(at: SurfacePoint, clouds: CloudsBefore, sun: vec3f) -> f32 {
     let upward = dot(clouds.lift.up, sun);
     let level = sun - upward * clouds.lift.up;
-    let flat_ = length(level);
-    @if(detail) let step = max(CLOUD_STEP, 1.5 * pixel_radii(at));
+    let flat_ = max(length(level), 1e-3);
+    let ahead = level / flat_;
+    @if(detail) let step = max(CLOUD_STEP, 2.25 * pixel_radii(at));
     @else let step = max(cloud_texel_radii(at), 1.5 * pixel_radii(at));
-    let ahead = cover_at(at, moved(at, clouds.lift, level * (step / max(flat_, 1e-3))));
-    let slope = clamp(surface_light.cloud_relief * (ahead - clouds.cover) / step, -STEEPEST, STEEPEST);
+    @if(detail) let here = top_with_detail(at, clouds.mapped, clouds.lift.up);
+    @else let here = surface_light.cloud_relief * clouds.cover;
+    let rise = top_at(at, moved(at, clouds.lift, ahead * step)) - here;
+    let slope = clamp(rise / step, -STEEPEST, STEEPEST);
     return max((upward - slope * flat_) * inverseSqrt(1.0 + slope * slope), CLOUD_SIDES);
+}
+
+// How far a cloud's top rises over those of thin clouds, equatorial radii.
+fn top_at(at: SurfacePoint, lift: Lifted) -> f32 {
+    @if(!detail) return surface_light.cloud_relief * mapped_cover(at, lift);
+    @if(detail) return top_with_detail(at, mapped_cover(at, lift), lift.up);
+}
+
+// Softer than the cover, as light is spread inside of a cloud: hard flanks look like crumpled foil.
+@if(detail)
+fn top_with_detail(at: SurfacePoint, mapped: f32, up: vec3f) -> f32 {
+    let cover = uneven_cover(mapped, soft_structure(up, cloud_texel_radii(at), 0.75 * pixel_radii(at)));
+    return surface_light.cloud_relief * mix(mapped, cover, SINGLE_CLOUDS);
 }
 
 // A Sun lower than this casts shadows longer than clouds are far apart.

@@ -2,6 +2,7 @@
 // Sun in space being 1.
 import rust::{FLOOR_SEEN_M, PI, SEA_REFLECTANCE, SEA_WATER_INDEX};
 @if(!open_sea) import earth/shading/open_water.wgsl;
+@if(detail) import earth/shading/detail_tile.wgsl;
 
 // Part of the light that falls on clear ocean that comes out of it: π times the remote-sensing reflectance of Case 1 water with
 // 0.1 mg of chlorophyll a in a cubic metre, by Morel 1988 (J. Geophys. Res. 93, 10749) over the absorption of pure water of Pope
@@ -36,11 +37,30 @@ fn glint(at: SurfacePoint, to_eye: vec3f, cos_eye: f32, sun: vec3f, mu_s: f32) -
     let cos_beta = max(dot(half_way, at.up), 1e-3);
     let cos_squared = cos_beta * cos_beta;
     let tan_squared = (1.0 - cos_squared) / cos_squared;
-    let waves = surface_light.wave_slope_squared;
+    @if(!detail) let waves = surface_light.wave_slope_squared;
+    @if(detail) let waves = uneven_waves(at, tan_squared);
     let slopes = exp(-tan_squared / waves) / (PI * waves);
     let unhidden = 1.0 / (1.0 + hidden(cos_eye) + hidden(max(mu_s, 1e-3)));
     // A white sheet that faces the Sun is L = E/π.
     return PI * fresnel(dot(half_way, to_eye)) * slopes * unhidden / (4.0 * cos_eye * cos_squared * cos_squared);
+}
+
+// The wind is uneven: gusts, currents and slicks make streaks in the glint, a few to some 50 km long. Tiles along an edge of the cube, and
+// the standard deviation of the mean square slope's logarithm: the middle of the glint varies by a third.
+@if(detail) const WIND_TILES: f32 = 6.0;
+@if(detail) const WIND_CONTRAST: f32 = 0.45;
+// The clouds' own structures lie elsewhere: their axes turned about.
+@if(detail) const WIND_AXES: vec3f = vec3f(-1.0, -1.0, 1.0);
+
+// Mean square slope of the waves at a place that would mirror the Sun at this slope.
+@if(detail)
+fn uneven_waves(at: SurfacePoint, tan_squared: f32) -> f32 {
+    let waves = surface_light.wave_slope_squared;
+    let in_glint = 1.0 - smoothstep(6.0, 16.0, tan_squared / waves);
+    if in_glint == 0.0 { return waves; }
+    // No map has the wind: all sizes are shown.
+    let made = structure_of_size(WIND_AXES * at.up.zxy, WIND_TILES, 1.0, 2.0 * pixel_radii(at));
+    return waves * uneven_factor(in_glint * WIND_CONTRAST, made);
 }
 
 // Smith's Λ for light that goes up at this cosine.
