@@ -255,7 +255,7 @@ fn a_change_of_home_changes_nothing() {
     // Just this and just that side of every border, near corners and far from them.
     let n = 1 << 20;
     for diamond in 0..DIAMONDS {
-        for part in [0.0, 1e-4, 0.03, 0.5, 0.97] {
+        for part in [0.0, 1e-4, 0.5] {
             let t = (part * n as f64) as i64;
             for (i, j) in [(0, t), (t, 0), (n, t), (t, n)] {
                 let on = icosahedron.direction(LatticeIndex { diamond, i, j }, n);
