@@ -228,3 +228,26 @@ fn land_keeps_its_light_and_the_sea_is_its_own() {
     let [r, g, b, _] = sea.get_pixel(x, y).0;
     assert!(b > g && g > r && b < 90, "blue and dark: {r} {g} {b}");
 }
+
+#[test]
+fn shelves_are_turquoise_in_the_tropics_and_green_beyond() {
+    // 8 m of water. The Sun stands in the zenith of each place, and its glint beside the picture.
+    let color_at = |lat_deg: f64| {
+        let mut options = options([0; 3], ocean());
+        let day = LayerImage::from_rgba8(64, 32, [0, 0, 0, 51].repeat(64 * 32));
+        options.layers.day = day.expect("a sound map");
+        options.tone = terrella::Tone::Linear;
+        options.exposure = terrella::Exposure::Ev(2.0);
+        let place = Geodetic::from_degrees(lat_deg, 0.0, 5e5);
+        let view = tilted(place, 0.0, -40.0, 10.0, 16.0 / 9.0);
+        let sun = Ellipsoid::normal(place.lat_rad, 0.0);
+        let (picture, _) = Rig::new(&options, SIZE).draw(&view, sun);
+        picture.get_pixel(160, 90).0.map(f64::from)
+    };
+    let [_, green, blue, _] = color_at(5.0);
+    assert!((0.6..1.2).contains(&(green / blue)), "{green} {blue}");
+    for lat_deg in [48.0, -48.0] {
+        let [red, green, blue, _] = color_at(lat_deg);
+        assert!(green > 1.4 * blue && red > blue, "{red} {green} {blue}");
+    }
+}

@@ -95,7 +95,7 @@ const STEEPEST: f32 = 0.7;
 // How far towards the Sun a cloud's top is looked at again, equatorial radii: 1 km where there is detail.
 @if(detail) const CLOUD_STEP: f32 = 1.6e-4;
 // How high the tops of single clouds stand, of what the weather's systems do.
-@if(detail) const SINGLE_CLOUDS: f32 = 0.35;
+@if(detail) const SINGLE_CLOUDS: f32 = 0.5;
 
 // Cosine at which sunlight falls on a cloud's top, thick clouds being higher than thin ones: from how much higher clouds are some way
 // towards the Sun. Where those reach above the ray to the Sun they shade it.
@@ -104,7 +104,7 @@ fn sun_on_top(at: SurfacePoint, clouds: CloudsBefore, sun: vec3f) -> f32 {
     let level = sun - upward * clouds.lift.up;
     let flat_ = max(length(level), 1e-3);
     let ahead = level / flat_;
-    @if(detail) let step = max(CLOUD_STEP, 2.25 * pixel_radii(at));
+    @if(detail) let step = max(CLOUD_STEP, 2.3 * pixel_radii(at));
     @else let step = max(cloud_texel_radii(at), 1.5 * pixel_radii(at));
     @if(detail) let here = top_with_detail(at, clouds.mapped, clouds.lift.up);
     @else let here = surface_light.cloud_relief * clouds.cover;

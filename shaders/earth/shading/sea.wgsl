@@ -14,13 +14,27 @@ const FLOOR_REFLECTANCE: f32 = 0.16;
 // Down to the floor and up again, twice the diffuse attenuation of that water for the display's primaries, per metre.
 const FLOOR_ATTENUATION: vec3f = vec3f(0.68, 0.124, 0.056);
 
+// The same of shelf water with 3 mg of chlorophyll a and 3 g of mineral particles in a cubic metre, and coloured dissolved matter that
+// absorbs 0.2 a metre at 443 nm: absorption by Pope and Fry 1997, Bricaud and others 1998 and Babin and others 2003 (J. Geophys. Res. 108,
+// 3211), 1.8 % of 0.51 m² a gram scattered back, reflectance by Lee, Carder and Arnone 2002 (Appl. Opt. 41, 5755). It is green and brown.
+const SHELF_LEAVING: vec3f = vec3f(0.0139, 0.0327, 0.0117);
+// Sines of the latitudes between which shelves become turbid, 25° and 40°: rivers, tides and winter storms stir them. Coral seas are clear.
+const CLEAR_SHELVES: f32 = 0.423;
+const TURBID_SHELVES: f32 = 0.643;
+
+// How much of the water at a place is shelf water: all where its floor is half as deep as any is seen.
+fn shelf_water(at: SurfacePoint, depth: f32) -> f32 {
+    return smoothstep(CLEAR_SHELVES, TURBID_SHELVES, abs(at.up.z)) * smoothstep(0.0, 0.5, 1.0 - depth);
+}
+
 // `sun`: towards what lights it. `depth`: alpha of the day map, the floor's depth in FLOOR_SEEN_M.
 fn sea(at: SurfacePoint, light: Light, sun: vec3f, mu_s: f32, depth: f32) -> vec3f {
     let to_eye = normalize(at.to_eye);
     let cos_eye = max(dot(to_eye, at.up), 1e-3);
     let through = exp(-FLOOR_SEEN_M * depth * FLOOR_ATTENUATION);
     let seen = (1.0 - depth) * (1.0 - depth);
-    let leaving = WATER_LEAVING * (1.0 - through) + FLOOR_REFLECTANCE * seen * through;
+    let clear = WATER_LEAVING * (1.0 - through) + FLOOR_REFLECTANCE * seen * through;
+    let leaving = mix(clear, SHELF_LEAVING, shelf_water(at, depth));
     let falls = light.sun * max(mu_s, 0.0) + light.sky;
     // The sky mirrored by waves, the Fresnel term's mean over their slopes: Bruneton, Neyret and Holzschuch 2010, equation 18.
     let grazing = pow(1.0 - cos_eye, surface_light.mirror_power) * surface_light.mirror_scale;

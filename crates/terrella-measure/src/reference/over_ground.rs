@@ -1,6 +1,6 @@
 //! The sea's light and the clouds', from their definitions.
 
-use super::light::{Light, without_air};
+use super::light::{Light, smooth_step, without_air};
 use super::shading_point::ShadingPoint;
 use glam::DVec3;
 use std::f64::consts::PI;
@@ -11,6 +11,11 @@ use terrella_imagery::FLOOR_SEEN_M;
 /// Part of the light that falls on clear ocean that comes out of it: π times the remote-sensing reflectance of Case 1 water
 /// with 0.1 mg/m³ of chlorophyll a, by Morel and Maritorena 2001, in linear sRGB with the Sun as white.
 const WATER_LEAVING: DVec3 = DVec3::new(0.0, 0.0042, 0.0194);
+/// The same of turbid shelf water: 3 mg/m³ of chlorophyll a, 3 g/m³ of mineral particles, coloured matter of 0.2 /m at 443 nm, by
+/// Lee, Carder and Arnone 2002.
+const SHELF_LEAVING: DVec3 = DVec3::new(0.0139, 0.0327, 0.0117);
+/// Latitudes between which shelves become turbid, degrees.
+const TURBID_FROM_DEG: [f64; 2] = [25.0, 40.0];
 /// The floor's reflectance, 0.3 for pale sand, times what of its light leaves the water.
 const FLOOR_REFLECTANCE: f64 = 0.16;
 /// Down to the floor and up again: twice the attenuation of light in that water, per metre.
@@ -49,7 +54,10 @@ impl Sea {
     ) -> DVec3 {
         let through = (FLOOR_ATTENUATION * (-FLOOR_SEEN_M * depth)).exp();
         let floor = FLOOR_REFLECTANCE * (1.0 - depth).powi(2);
-        let leaving = WATER_LEAVING * (DVec3::ONE - through) + through * floor;
+        let clear = WATER_LEAVING * (DVec3::ONE - through) + through * floor;
+        let [from, to] = TURBID_FROM_DEG.map(|deg| deg.to_radians().sin());
+        let turbid = smooth_step(from, to, point.up.z.abs()) * smooth_step(0.0, 0.5, 1.0 - depth);
+        let leaving = clear.lerp(SHELF_LEAVING, turbid);
         let falls = light.sun * mu.max(0.0) + light.sky;
         let cos_eye = point.to_eye.dot(point.up).max(1e-3);
         // The mean of Fresnel's reflectance over the waves: Bruneton, Neyret and Holzschuch 2010, eq. 18.
