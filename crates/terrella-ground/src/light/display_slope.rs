@@ -32,6 +32,12 @@ impl DisplaySlope {
         };
         let steps = 0..(BELOW + ABOVE) * STEPS;
         let slopes = steps.map(|step| {
+            if let Tone::Measured(response) = tone {
+                // Its brightness is encoded, and straight between samples.
+                let light = |step: f64| (step / STEPS as f64 - BELOW as f64).exp2();
+                let within = light(step as f64 - 0.5)..=light(step as f64 + 1.5);
+                return response.steepest(&within).as_vec3();
+            }
             // With the neighbours: a slope between two lights is a mean.
             let parts = (step * PARTS).saturating_sub(1)..=(step + 1) * PARTS;
             let largest = parts.map(slope).fold(DVec3::ZERO, DVec3::max);
@@ -57,20 +63,31 @@ impl DisplaySlope {
 }
 
 /// The sRGB transfer function (IEC 61966-2-1).
-fn encoded(linear: f64) -> f64 {
+pub(super) fn encoded(linear: f64) -> f64 {
     match linear <= 0.003_130_8 {
         true => 12.92 * linear,
         false => 1.055 * linear.powf(1.0 / 2.4) - 0.055,
     }
 }
 
+/// Its inverse.
+pub(super) fn linear_from_encoded(encoded: f64) -> f64 {
+    match encoded <= 0.040_45 {
+        true => encoded / 12.92,
+        false => ((encoded + 0.055) / 1.055).powf(2.4),
+    }
+}
+
 #[cfg(test)]
 mod tests {
+    use super::super::Response;
     use super::*;
 
     #[test]
     fn no_channel_rises_more_steeply() {
-        for tone in Tone::ALL {
+        let wavy = "wavy\ntype\nI = 0 0.1 0.11 0.8 0.9 1\nB = 0 0.02 0.4 0.45 0.9 1";
+        let measured = Response::read(wavy, None).expect("a response");
+        for tone in Tone::ALL.into_iter().chain([Tone::Measured(measured)]) {
             let slopes = DisplaySlope::of(tone);
             let mut closest = 0.0_f64;
             for tint in [

@@ -12,18 +12,24 @@
 //! | `bloom.rs` | light that a lens scatters before that |
 //! | `tone.rs` | tone curves, the shaders' twins |
 //! | `agx.rs` | one of them |
+//! | `response.rs` | measured camera responses |
+//! | `response_text.rs` | their files |
 
 pub mod agx;
 mod bloom;
 mod display_slope;
 mod exposure;
 mod meter;
+mod response;
+mod response_text;
 mod tone;
 
 pub use bloom::Bloom;
 pub use display_slope::DisplaySlope;
 pub use exposure::{Adaptation, Exposure, exposure_factor};
 pub use meter::{Meter, MeterView, VIEW_RAYS, view_rays};
+pub use response::Response;
+pub use response_text::{MAX_RESPONSE_BYTES, ResponseError};
 pub use tone::Tone;
 pub use tone::{
     CAMERA_HALF_RAISED, CAMERA_SATURATION, CAMERA_STRAIGHT, CAMERA_TOE, CAMERA_TOE_LEAST,

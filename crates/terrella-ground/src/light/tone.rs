@@ -1,6 +1,7 @@
 //! Tone curves: how exposed light becomes display light, 0…1. The shaders' twins stand in `shaders/common/displayed.wgsl`.
 
 use super::agx::{agx, light_by_agx};
+use super::response::Response;
 use crate::air::LUMINANCE;
 use glam::DVec3;
 
@@ -47,10 +48,13 @@ pub enum Tone {
     Filmic,
     /// AgX, as Blender, three.js and Filament have it: 16.5 stops, and bright colours that fade to white.
     Agx,
+    /// A measured response of a film or camera, channel by channel. For light that is developed after the pass.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    Measured(Response),
 }
 
 impl Tone {
-    /// All of them.
+    /// All that need no file.
     pub const ALL: [Self; 5] = [
         Self::Camera,
         Self::Neutral,
@@ -72,6 +76,7 @@ impl Tone {
                 x * (a * x + b) / (x * (c * x + d) + e)
             }
             Self::Agx => agx(light),
+            Self::Measured(response) => response.shown(light),
         };
         shown.clamp(DVec3::ZERO, DVec3::ONE)
     }
@@ -96,6 +101,15 @@ impl Tone {
                 positive_root(a - y * c, b - y * d, y * e) / FILMIC_SCALE
             }),
             Self::Agx => light_by_agx(shown),
+            Self::Measured(response) => response.light_shown_as(shown),
+        }
+    }
+
+    /// The response, of a measured one.
+    pub fn response(self) -> Option<Response> {
+        match self {
+            Self::Measured(response) => Some(response),
+            _ => None,
         }
     }
 }
