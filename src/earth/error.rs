@@ -19,6 +19,12 @@ pub enum EarthError {
     /// Exposure outside [`Exposure::RANGE_EV`](terrella_ground::light::Exposure::RANGE_EV) or not finite.
     #[error("exposure is {0} EV; it must be a number from −20 to 20")]
     Exposure(f64),
+    /// A measured response without development after the pass.
+    #[error(
+        "the tone is the measured response {0:?}, which is applied after the pass; give Development::AfterPass and a float colour \
+         format (EarthOptions::develop_after_pass), or another tone"
+    )]
+    Response(&'static str),
     /// Bloom outside [`Bloom::STRENGTH`](terrella_ground::light::Bloom::STRENGTH) or not a number.
     #[error("the lens's bloom is {0}; it must be from 0 to 0.5")]
     Bloom(f64),

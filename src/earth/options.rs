@@ -66,7 +66,7 @@ pub struct EarthOptions {
     pub exposure: Exposure,
     /// Where exposed light becomes what is shown: in the host's pass, or after it by a [`crate::Developer`] with the same `tone`.
     pub development: Development,
-    /// By which curve exposed light is shown.
+    /// By which curve exposed light is shown. A measured response needs [`Development::AfterPass`].
     pub tone: Tone,
     /// What a lens does to light that is developed after the pass.
     pub bloom: Bloom,
@@ -234,6 +234,11 @@ impl EarthOptions {
                 format: self.color_format,
                 shading: self.shading,
             });
+        }
+        // In passes of light itself the curve is the host's.
+        let is_shown = !stores_light(self.color_format);
+        if let Some(response) = self.tone.response().filter(|_| is_shown) {
+            return Err(EarthError::Response(response.name()));
         }
         if !Bloom::STRENGTH.contains(&self.bloom.strength) {
             return Err(EarthError::Bloom(self.bloom.strength));

@@ -1,7 +1,10 @@
 //! The development of a picture: exposed light becomes what is shown of it, once, when all layers have added theirs.
 
 use super::full_pass::FullPass;
-use super::{DevelopVariant, PassFormat, ShaderError};
+use super::{DevelopVariant, PassFormat, ShaderError, filled_buffer};
+
+/// Binding of a measured response.
+const RESPONSE_BINDING: u32 = 2;
 
 /// Draws what is shown of exposed light over all of a target: the last pass of a picture whose layers are drawn with
 /// [`Development::AfterPass`](super::Development::AfterPass).
@@ -44,16 +47,22 @@ pub(super) fn developing_pass(
     format: PassFormat,
     is_enlarging: bool,
 ) -> Result<FullPass, ShaderError> {
-    let variant = DevelopVariant {
-        target: format.target_color(),
-        sampled: is_enlarging,
-    };
-    FullPass::new(
+    let variant = DevelopVariant::new(format.target_color(), is_enlarging);
+    let response = format.tone.response().map(|response| {
+        let samples = bytemuck::cast_slice(response.samples());
+        let usage = wgpu::BufferUsages::UNIFORM;
+        (
+            RESPONSE_BINDING,
+            filled_buffer(device, "terrella response", samples, usage),
+        )
+    });
+    FullPass::with_uniforms(
         device,
         "terrella development",
         &variant,
         format,
         None,
         is_enlarging,
+        response.into_iter().collect(),
     )
 }

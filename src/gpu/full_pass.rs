@@ -9,6 +9,8 @@ pub(super) struct FullPass {
     pipeline: wgpu::RenderPipeline,
     layout: wgpu::BindGroupLayout,
     sampler: Option<wgpu::Sampler>,
+    /// Uniforms of its own, with their bindings.
+    uniforms: Vec<(u32, wgpu::Buffer)>,
 }
 
 impl FullPass {
@@ -24,6 +26,23 @@ impl FullPass {
         format: PassFormat,
         blend: Option<wgpu::BlendState>,
         is_sampled: bool,
+    ) -> Result<Self, ShaderError> {
+        let none = Vec::new();
+        Self::with_uniforms(device, label, variant, format, blend, is_sampled, none)
+    }
+
+    /// The same for a variant that also reads these uniforms, at these bindings.
+    ///
+    /// # Errors
+    /// A shader file that is at fault.
+    pub fn with_uniforms(
+        device: &wgpu::Device,
+        label: &'static str,
+        variant: &impl ShaderVariant,
+        format: PassFormat,
+        blend: Option<wgpu::BlendState>,
+        is_sampled: bool,
+        uniforms: Vec<(u32, wgpu::Buffer)>,
     ) -> Result<Self, ShaderError> {
         let shader = ShaderModule::new(device, variant)?;
         let entry = |binding, ty| wgpu::BindGroupLayoutEntry {
@@ -44,6 +63,12 @@ impl FullPass {
             let filtering = wgpu::SamplerBindingType::Filtering;
             entries.push(entry(1, wgpu::BindingType::Sampler(filtering)));
         }
+        let uniform = wgpu::BindingType::Buffer {
+            ty: wgpu::BufferBindingType::Uniform,
+            has_dynamic_offset: false,
+            min_binding_size: None,
+        };
+        entries.extend(uniforms.iter().map(|(binding, _)| entry(*binding, uniform)));
         let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
             label: Some(label),
             entries: &entries,
@@ -71,6 +96,7 @@ impl FullPass {
             pipeline: pipeline.create(device),
             layout,
             sampler,
+            uniforms,
         })
     }
 
@@ -81,6 +107,9 @@ impl FullPass {
         if let Some(sampler) = &self.sampler {
             entries.push(bound(1, wgpu::BindingResource::Sampler(sampler)));
         }
+        let uniforms = self.uniforms.iter();
+        entries
+            .extend(uniforms.map(|(binding, buffer)| bound(*binding, buffer.as_entire_binding())));
         device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some(self.label),
             layout: &self.layout,

@@ -1,6 +1,6 @@
 //! Pictures of films that are made of light: formats, alpha, many pixels for one, motion blur.
 
-use crate::{Place, SMALL, names};
+use crate::{Place, REPOSITORY, SMALL, names};
 use image::DynamicImage;
 use std::path::Path;
 
@@ -97,6 +97,46 @@ fn bloom_of_a_film_is_that_of_a_picture() {
     );
     let [a, b] = ["a.exr", "b.exr"].map(|name| std::fs::read(place.path(name)).expect("reads"));
     assert!(a == b, "EXR is light before the lens");
+}
+
+/// The processor develops light as the adapter does, and light itself is not developed.
+#[test]
+fn development_of_a_film_is_that_of_a_picture() {
+    let place = Place::new();
+    let responses = Path::new(REPOSITORY).join("tests/data/responses.txt");
+    let responses = responses.to_str().expect("unicode");
+    let gamma = format!("output.tone={{ file = {responses:?}, name = \"gamma 2.2\" }}");
+    let slide = format!("output.tone={{ file = {responses:?}, name = \"slide\" }}");
+    let frame = |name: &str, more: &[&str]| {
+        place.succeed(&[&["frame", "small.toml", "-o", name], more].concat());
+        open(&place.path(name)).to_rgb8()
+    };
+    let plain = frame("plain.png", &[]);
+    let farthest = |a: &image::RgbImage, b: &image::RgbImage| {
+        let pairs = a.as_raw().iter().zip(b.as_raw());
+        pairs.map(|(a, b)| a.abs_diff(*b)).max().unwrap_or_default()
+    };
+    let exr = |name: &str, more: &[&str]| {
+        let float = ["frame", "small.toml", "-o", name, "--format", "exr"];
+        place.succeed(&[&float, more].concat());
+        std::fs::read(place.path(name)).expect("reads")
+    };
+    let light = exr("light.exr", &[]);
+    let open_shutter = ["--shutter", "1e-9", "--subframes", "1"];
+    for set in [gamma, slide] {
+        let set = ["--set", set.as_str()];
+        let adapter = frame("adapter.png", &set);
+        let processor = frame("processor.png", &[&set[..], &open_shutter].concat());
+        let seen = farthest(&plain, &adapter);
+        assert!(seen > 8, "{set:?} is seen: {seen} codes");
+        let apart = farthest(&adapter, &processor);
+        println!("{set:?}: {apart} codes apart, {seen} from the default");
+        assert!(apart <= 1, "{set:?}: {apart} codes");
+        assert!(
+            exr("set.exr", &set) == light,
+            "{set:?}: EXR is light itself"
+        );
+    }
 }
 
 /// N × N pixels for one are the mean of the light of a picture N times as large.

@@ -24,6 +24,8 @@ mod omm;
 mod opm;
 #[path = "../../fuzz/bodies/pack_heights.rs"]
 mod pack_heights;
+#[path = "../../fuzz/bodies/response.rs"]
+mod response;
 #[path = "../../fuzz/bodies/scene.rs"]
 mod scene;
 #[path = "../../fuzz/bodies/sidecar.rs"]
@@ -52,6 +54,7 @@ pub const TARGETS: &[Target] = &[
     ("omm", omm::seeds, omm::run, 30_000),
     ("opm", opm::seeds, opm::run, 30_000),
     ("ephemeris", ephemeris::seeds, ephemeris::run, 30_000),
+    ("response", response::seeds, response::run, 30_000),
     ("live", live::seeds, live::run, 200_000),
     ("basilisk", basilisk::seeds, basilisk::run, 30_000),
     (

@@ -7,7 +7,7 @@ use std::time::Duration;
 use terrella::frames::{Ellipsoid, Geodetic};
 use terrella::{
     Development, EarthError, EarthOptions, Exposure, EyeView, FrameTargets, OffscreenEarth,
-    ScaledTarget, Shading, Sky, Tone, exposure_factor,
+    Response, ScaledTarget, Shading, Sky, Tone, exposure_factor,
 };
 
 const SIZE: (u32, u32) = (96, 54);
@@ -87,7 +87,12 @@ fn furthest(picture: &RgbaImage, codes: &[DVec3]) -> f64 {
 
 #[test]
 fn a_picture_is_the_development_of_the_sum_of_its_layers() {
-    for tone in Tone::ALL {
+    let responses = include_str!("../data/responses.txt");
+    let measured = ["gamma 2.2", "slide"].map(|name| {
+        let response = Response::read(responses, Some(name)).expect("a response");
+        Tone::Measured(response)
+    });
+    for tone in Tone::ALL.into_iter().chain(measured) {
         for (view, ev) in [(twilight(), TWILIGHT_EV), (day(), DAY_EV)] {
             let options = EarthOptions {
                 tone,
@@ -156,7 +161,16 @@ fn light_that_is_developed_later_wants_a_float_target_and_sunlight() {
     create(float.clone()).expect("a float target");
     let paper = EarthOptions {
         shading: Shading::Paper,
-        ..float
+        ..float.clone()
     };
     create(paper).expect_err("the paper's display values are no light");
+    let responses = include_str!("../data/responses.txt");
+    let response = Response::read(responses, Some("slide")).expect("a response");
+    let measured = |options| EarthOptions {
+        tone: Tone::Measured(response),
+        ..options
+    };
+    create(measured(float)).expect("applied after the pass");
+    let error = create(measured(options(DAY_EV))).expect_err("no pass applies it");
+    assert!(matches!(error, EarthError::Response("slide")), "{error}");
 }

@@ -2,7 +2,7 @@
 
 use super::film::FilmError;
 use super::output::OutputError;
-use crate::scene::{KernelError, SceneError};
+use crate::scene::{KernelError, SceneError, ToneError};
 use std::path::PathBuf;
 use terrella::EarthError;
 use terrella::OffscreenError;
@@ -28,6 +28,9 @@ pub enum PlayError {
     /// The measured point spread of a scene's sensor.
     #[error(transparent)]
     Kernel(#[from] KernelError),
+    /// The measured response of a scene's tone.
+    #[error(transparent)]
+    Tone(#[from] ToneError),
     /// The orbit's elements, or SGP4 at some instant.
     #[error(transparent)]
     Orbit(#[from] OrbitError),

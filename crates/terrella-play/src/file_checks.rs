@@ -6,9 +6,10 @@ use super::quality_control::ladder_of;
 use super::relief::check_ground;
 
 impl Flight {
-    /// Looks at them: the ladder of quality, the kernel of a sensor, and the headers and sidecars of heights.
+    /// Looks at them: the ladder of quality, the measured response of the tone, the kernel of a sensor, and the headers and sidecars of heights.
     pub fn check_files(&self) -> Result<(), PlayError> {
         ladder_of(self.scene())?;
+        self.scene().output.tone.open()?;
         if let Some(sensor) = &self.scene().sensor {
             sensor.open()?;
         }

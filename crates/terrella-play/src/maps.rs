@@ -72,7 +72,7 @@ fn options_of(
     }
     options.samples = scene.output.samples;
     options.exposure = scene.output.exposure;
-    options.tone = scene.output.tone;
+    options.tone = scene.output.tone.open()?;
     options.bloom = scene.output.bloom;
     options.ground = match &table.relief {
         Some(relief) => Some(ground_options(relief, table.pack.as_ref())?),

@@ -14,6 +14,7 @@
 //! | `sensor_keys.rs`, `sensor.rs` | declarations and reader of `[sensor]` |
 //! | `orbit_check.rs`, `many.rs`, `live.rs`, `basilisk.rs`, `burns.rs` | readers of `[orbit]`, which has the most keys |
 //! | `relief.rs`, `surfaces.rs` | readers of the keys of `[earth]` that are about terrain |
+//! | `tone.rs` | the reader of `[output] tone` |
 //! | `dated_maps.rs` | readers of the keys of `[earth]` that are about maps that change with the date |
 //! | `built_in.rs` | no key: the scene that comes with the program, and files of orbits in place of a scene |
 //! | `config/iss.toml` | its explanation for users: a test holds that every key stands there |
@@ -65,6 +66,7 @@ mod surfaces;
 mod table;
 mod text;
 mod time;
+mod tone;
 mod tracks;
 
 use error::MAX_FILE_BYTES;
@@ -96,6 +98,7 @@ pub use settings::Setting;
 pub use sky::SkyTable;
 pub use stations::StationTable;
 pub use time::{StartSource, Time};
+pub use tone::{ToneError, ToneTable};
 pub use tracks::{Footprint, Track, TrackSpan};
 
 /// A checked scene: every value is in range and every default filled in.
@@ -270,8 +273,8 @@ impl Scene {
 pub(crate) fn path_keys() -> impl Iterator<Item = (&'static str, &'static str)> {
     keys::TABLES.iter().flat_map(|table| {
         let paths = table.keys.iter().filter(|key| {
-            use table::Shape::{DatedMaps, Path, Paths};
-            matches!((key.about.shape)(), Path | Paths | DatedMaps)
+            use table::Shape::{DatedMaps, Path, Paths, Tone};
+            matches!((key.about.shape)(), Path | Paths | DatedMaps | Tone)
         });
         paths.map(move |key| (table.name, key.name))
     })

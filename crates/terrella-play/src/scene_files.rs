@@ -69,6 +69,16 @@ pub fn scene_files(scene: &Scene) -> Result<Vec<SceneFile>, PlayError> {
         add("sky.folder", sky_files(scene));
     }
     add(
+        "output.tone",
+        scene
+            .output
+            .tone
+            .file()
+            .map(PathBuf::from)
+            .into_iter()
+            .collect(),
+    );
+    add(
         "quality.ladder",
         scene.quality.ladder.iter().cloned().collect(),
     );
@@ -145,6 +155,11 @@ mod tests {
             "sky.folder",
             "[sky]\nmilky_way = true\nfolder = \"sky\"",
             &["sky/stars.bin", "sky/milky_way.jpg", "sky/moon.jpg"],
+        ),
+        (
+            "output.tone",
+            "[output]\ntone = { file = \"film.txt\" }",
+            &["film.txt"],
         ),
         (
             "quality.ladder",

@@ -127,6 +127,7 @@ const SHARED: &[(&str, Value)] = &[
     ("BRIGHTEST_SCATTERED", F32(Bloom::BRIGHTEST_SCATTERED)),
     // What is shown: the largest value of eight bits, and tone curves.
     ("LAST_CODE", F32(u8::MAX as f64)),
+    ("RESPONSE_SAMPLES", U32(light::Response::SAMPLES as u32)),
     ("TONE_CAMERA_TOE", Vec3(light::CAMERA_TOE)),
     ("TONE_CAMERA_TOE_LEAST", F32(light::CAMERA_TOE_LEAST)),
     ("TONE_CAMERA_STRAIGHT", F32(light::CAMERA_STRAIGHT)),

@@ -61,6 +61,12 @@ const BAD: &[Bad] = &[
     ("[output]\nexposure_ev = \"bright\"", 2, &["[output] exposure_ev = \"bright\":", "from −20 to 20", "\"auto\""]),
     ("[output]\nexposure_ev = true", 2, &["[output] exposure_ev = true:", "must be a number of exposure values"]),
     ("[output]\ntone = \"aces\"", 2, &["[output] tone = \"aces\":", "\"neutral\", \"linear\", \"filmic\""]),
+    ("[output]\ntone = 3", 2, &["[output] tone = 3:", "\"agx\"", "file = "]),
+    ("[output]\ntone = { name = \"a\" }", 2, &["[output] tone =", "file = "]),
+    ("[output]\ntone = { file = 1 }", 2, &["[output] tone =", "file must be a string"]),
+    ("[output]\ntone = { file = \"nowhere.txt\" }", 2, &["[output] tone =", "nowhere.txt cannot be opened"]),
+    ("[output]\ntone = { file = \"a.txt\", curve = \"b\" }", 2, &["[output] tone =", "a tone has file and name, not curve"]),
+    ("[earth]\nlook = \"paper\"\n[output]\ntone = { file = \"a.txt\" }", 4, &["[output] tone =", "the paper's shading has no measured response"]),
     ("[earth]\nlook = \"fulll\"", 2, &["[earth] look = \"fulll\":", "did you mean \"full\"?"]),
     ("[earth]\nstrict = 1", 2, &["[earth] strict = 1", "must be true or false"]),
     // Not finite.

@@ -1,11 +1,15 @@
 //! What a scene comes to: defaults, and what follows from the keys that are given.
 
 use super::{Folder, scene, utc};
+use glam::DVec3;
+use std::path::Path;
 use terrella::internals::earth::Shading;
 use terrella::{Exposure, Tone};
 use terrella_ground::air::Atmosphere;
 use terrella_ground::globe::{Figure, LevelRule, Subdivision, Visibility};
-use terrella_play::scene::{CameraKey, CameraMode, EarthTable, Look, Scene, StorageChoice};
+use terrella_play::scene::{
+    CameraKey, CameraMode, EarthTable, Look, Scene, StorageChoice, ToneTable,
+};
 
 #[test]
 fn edges_that_are_seen_are_smoothed() {
@@ -32,10 +36,42 @@ fn light_is_shown_as_the_scene_says() {
     assert_eq!(output("exposure_ev = -20").exposure, Exposure::Ev(-20.0));
     assert_eq!(output("exposure_ev = 1.25").exposure, Exposure::Ev(1.25));
     assert_eq!(output("exposure_ev = \"auto\"").exposure, Exposure::Auto);
-    assert_eq!(output("").tone, Tone::Camera);
-    assert_eq!(output("tone = \"neutral\"").tone, Tone::Neutral);
-    assert_eq!(output("tone = \"filmic\"").tone, Tone::Filmic);
-    assert_eq!(output("tone = \"linear\"").tone, Tone::Linear);
+    let named = |text: &str| match output(text).tone {
+        ToneTable::Named(tone) => tone,
+        measured => panic!("{measured:?}"),
+    };
+    assert_eq!(named(""), Tone::Camera);
+    assert_eq!(named("tone = \"neutral\""), Tone::Neutral);
+    assert_eq!(named("tone = \"filmic\""), Tone::Filmic);
+    assert_eq!(named("tone = \"linear\""), Tone::Linear);
+}
+
+#[test]
+fn a_measured_tone_is_read_when_it_is_needed() {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/responses.txt");
+    let table = |name: &str| {
+        scene(&format!("[output]\ntone = {{ file = {file:?}{name} }}"))
+            .output
+            .tone
+    };
+    let gamma = table(", name = \"gamma 2.2\"").open().expect("a response");
+    let shown = gamma.shown(DVec3::splat(0.5)).x;
+    assert!((shown - 0.5).abs() < 0.01, "{shown}: nearly sRGB");
+    let slide = table(", name = \"slide\"").open().expect("three curves");
+    assert_ne!(gamma, slide);
+    let error = table("").open().expect_err("which?").to_string();
+    for words in [
+        "responses.txt: ",
+        "\"slide\", \"gamma 2.2\"",
+        "tone in [output]",
+    ] {
+        assert!(error.contains(words), "{error}");
+    }
+    let error = table(", name = \"none\"").open().expect_err("not there");
+    assert!(
+        error.to_string().contains("no response is called \"none\""),
+        "{error}"
+    );
 }
 
 #[test]

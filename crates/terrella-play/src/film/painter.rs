@@ -124,7 +124,7 @@ impl FilmPainter {
             settings,
             size,
             pixels_a_side,
-            tone: scene.output.tone,
+            tone: scene.output.tone.open()?,
             bloom: scene.output.bloom,
             wait: scene.output.wait(),
         })

@@ -10,6 +10,7 @@ use std::fmt::Display;
 use std::marker::PhantomData;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
+use terrella_ground::light::Tone;
 use toml::Spanned;
 
 /// A key with its value, if the file gives one, and its rule as [`keys`](super::keys) declares it: [`Bounds`] of a number with
@@ -162,9 +163,10 @@ impl SceneText<'_> {
         Ok(value)
     }
 
-    fn named<T: for<'de> Deserialize<'de>, R>(
+    /// One of the names of an enum.
+    pub(super) fn named<T: for<'de> Deserialize<'de>, F, R>(
         &self,
-        field: &Field<'_, Choice<T>, R>,
+        field: &Field<'_, F, R>,
         word: &str,
     ) -> Result<T, SceneError> {
         named(word).map_err(|UnknownName(known)| {
@@ -201,9 +203,9 @@ impl SceneText<'_> {
     }
 
     /// A path relative to the scene's folder, of something that is there.
-    pub(super) fn existing(
+    pub(super) fn existing<F>(
         &self,
-        field: &Field<'_, RawPath>,
+        field: &Field<'_, F>,
         RawPath(given): &RawPath,
         kind: PathKind,
     ) -> Result<PathBuf, SceneError> {
@@ -306,6 +308,21 @@ pub(super) struct Choice<T> {
 #[derive(Debug, Deserialize)]
 #[serde(transparent)]
 pub(super) struct RawDatedMaps(pub(super) toml::Value);
+
+/// A tone curve by name, or a measured one with its file; checked by tone.rs.
+#[derive(Debug, Deserialize)]
+#[serde(transparent)]
+pub(super) struct RawTone(pub(super) toml::Value);
+
+/// What a tone must be.
+pub(super) fn tone_forms() -> String {
+    let names = names_of::<Tone>().iter().map(|name| format!("\"{name}\""));
+    let names: Vec<_> = names.collect();
+    format!(
+        "one of {}, or {{ file = \"responses.txt\", name = \"NAME\" }}",
+        names.join(", ")
+    )
+}
 
 /// One of `[[camera.keys]]`, checked by camera_keys.rs.
 pub(super) type RawCameraKey = BTreeMap<String, Spanned<toml::Value>>;

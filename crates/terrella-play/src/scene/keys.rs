@@ -4,7 +4,7 @@
 
 use super::choices::{AirModel, CameraMode, CameraUp, FrameName, Look, Method, StorageChoice};
 use super::choices::{OrbitSource, OrbitSource::*};
-use super::field::{Bounds, Choice, Field, RawCameraKey, RawDatedMaps, RawPath};
+use super::field::{Bounds, Choice, Field, RawCameraKey, RawDatedMaps, RawPath, RawTone};
 use super::globe_keys::{RawLayers, RawStation};
 use super::record::{Notes, Record};
 use super::sensor_keys::RawSensor;
@@ -22,7 +22,7 @@ use std::ops::{Range, RangeInclusive};
 use terrella::SurfaceLight;
 use terrella_ground::air::{AirOptions, Atmosphere};
 use terrella_ground::globe::{Figure, LevelRule, Shading, SurfaceKind, Visibility};
-use terrella_ground::light::{Bloom, Tone};
+use terrella_ground::light::Bloom;
 use terrella_orbit::live::{Extrapolation, LiveOptions, Pacing, Transport};
 use terrella_orbit::numerical::Spacecraft;
 use toml::Spanned;
@@ -490,8 +490,9 @@ table!(RawOutput = "output" {
     // Any value: a number or a word.
     /// Exposure: light is multiplied by 2 to the power of it before it is shown; "auto" meters each picture. By default 0.5.
     exposure_ev: toml::Value, of "a number of exposure values from −20 to 20 or \"auto\"";
-    /// The curve by which exposed light is shown. By default "camera"; "neutral" with look = "paper".
-    tone: Choice<Tone>;
+    /// The curve by which exposed light is shown: one by name, or the measured response of a film or camera, which is for shading = "sunlit". By
+    /// default "camera"; "neutral" with look = "paper".
+    tone: RawTone;
     /// The part of all light that the lens scatters about what is bright. By default 0.03 with look = "full", else 0.
     bloom: f64, in Bloom::STRENGTH, for SUNLIT;
     /// How long a picture that is kept waits for its tiles and its simulator.

@@ -9,6 +9,7 @@ use super::keys::{DEFAULT_SIZE_PX, EDGE_SAMPLES, RawOutput, RawQuality, SAMPLES,
 use super::record::{number_text, quoted};
 use super::sensor::SensorTable;
 use super::text::SceneText;
+use super::tone::ToneTable;
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use terrella_ground::air::Atmosphere;
@@ -19,7 +20,7 @@ use toml::Spanned;
 const FULL_BLOOM: f64 = 0.03;
 
 /// `[output]`
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Output {
     /// Width and height, pixels.
     pub size: [u32; 2],
@@ -28,7 +29,7 @@ pub struct Output {
     /// How bright light is shown.
     pub exposure: Exposure,
     /// By which curve exposed light is shown.
-    pub tone: Tone,
+    pub tone: ToneTable,
     /// What the lens does to light before that.
     pub bloom: Bloom,
     /// How long a picture that is kept waits for the tiles of its pack, and for its satellite's simulator, seconds.
@@ -117,7 +118,7 @@ impl SceneText<'_> {
             size,
             samples,
             exposure: self.exposure(&output.exposure_ev())?,
-            tone: self.choice_or(&output.tone(), usual_tone)?,
+            tone: self.tone(&output.tone(), usual_tone, earth)?,
             bloom: self.bloom(&output.bloom(), earth)?,
             wait_s,
         })

@@ -16,7 +16,7 @@ use serde_json::{Map, Value, json};
 use std::ops::RangeInclusive;
 use terrella_ground::globe::ContourDrawing;
 use terrella_ground::globe::clipmap::Trim;
-use terrella_ground::light::Exposure;
+use terrella_ground::light::{Exposure, Tone};
 
 /// The schema of scenes.
 pub(super) fn schema() -> Value {
@@ -107,6 +107,10 @@ pub(super) fn value_schema(key: &Key) -> Value {
             "maxItems": MAX_DATED_MAPS,
             "items": { "anyOf": [path, table_within(key.name)] },
         }),
+        Shape::Tone => json!({ "anyOf": [
+            { "enum": names_of::<Tone>() },
+            table_within(key.name),
+        ] }),
         Shape::Own => own(key),
     }
 }
@@ -215,6 +219,18 @@ pub(super) fn parts(key: &str) -> Vec<KeyPart> {
             );
             numbers.chain([offset]).collect()
         }
+        "tone" => vec![
+            needed(
+                "file",
+                text(),
+                "Path of a file of camera responses in the format of the database DoRF.",
+            ),
+            part(
+                "name",
+                text(),
+                "Name of the response in the file; three curves whose names end in Red, Green and Blue by what is before that.",
+            ),
+        ],
         "clipmap" => vec![
             part(
                 "samples",

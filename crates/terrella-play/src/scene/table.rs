@@ -9,7 +9,7 @@
 //! - `for` is where the key has a meaning, everywhere if it is left out.
 
 use super::choices::OrbitSource;
-use super::field::{Choice, RawCameraKey, RawDatedMaps, RawPath, names_of};
+use super::field::{Choice, RawCameraKey, RawDatedMaps, RawPath, RawTone, names_of, tone_forms};
 use serde::Deserialize;
 use toml::Spanned;
 
@@ -63,6 +63,8 @@ pub(super) enum Shape {
     /// Two whole numbers.
     Pair,
     DatedMaps,
+    /// A word, or a table with a path.
+    Tone,
     /// What the key alone has.
     Own,
 }
@@ -127,6 +129,17 @@ impl Value for RawPath {
 
     fn expected(what: &str) -> String {
         format!("a string, the path of {what}")
+    }
+}
+
+impl Value for RawTone {
+    type Number = ();
+    type Default = ();
+    #[cfg(test)]
+    const SHAPE: fn() -> Shape = || Shape::Tone;
+
+    fn expected(_: &str) -> String {
+        tone_forms()
     }
 }
 
