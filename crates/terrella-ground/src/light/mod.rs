@@ -12,6 +12,7 @@
 //! | `bloom.rs` | light that a lens scatters before that |
 //! | `tone.rs` | tone curves, the shaders' twins |
 //! | `agx.rs` | one of them |
+//! | `grade.rs`, `white_balance.rs`, `grain.rs` | what a camera does to light before the curve, and after it |
 //! | `response.rs` | measured camera responses |
 //! | `response_text.rs` | their files |
 
@@ -19,14 +20,19 @@ pub mod agx;
 mod bloom;
 mod display_slope;
 mod exposure;
+mod grade;
+mod grain;
 mod meter;
 mod response;
 mod response_text;
 mod tone;
+mod white_balance;
 
 pub use bloom::Bloom;
 pub use display_slope::DisplaySlope;
 pub use exposure::{Adaptation, Exposure, exposure_factor};
+pub use grade::Grade;
+pub use grain::{GRAIN_BITS, GRAIN_INCREMENT, GRAIN_MULTIPLIER, GRAIN_SCALE, GRAIN_SHIFT, Grain};
 pub use meter::{Meter, MeterView, VIEW_RAYS, view_rays};
 pub use response::Response;
 pub use response_text::{MAX_RESPONSE_BYTES, ResponseError};
@@ -36,3 +42,4 @@ pub use tone::{
     CAMERA_WHITE,
 };
 pub use tone::{FILMIC, FILMIC_SCALE, NEUTRAL_DESATURATION, NEUTRAL_START};
+pub use white_balance::WhiteBalance;

@@ -1,0 +1,60 @@
+//! What a camera does to exposed light besides its tone curve: white balance before it, grain after it.
+
+use super::grain::Grain;
+use super::white_balance::WhiteBalance;
+use glam::{DMat3, DVec3};
+
+/// White balance and grain of light that is developed after the pass.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Grade {
+    /// The light that is shown white. `None` leaves colours as they are and costs nothing.
+    pub white_balance: Option<WhiteBalance>,
+    /// The grain of the film; with a strength of 0 there is none and it costs nothing.
+    pub grain: Grain,
+}
+
+impl Grade {
+    /// Nothing is done to light.
+    pub const NONE: Self = Self {
+        white_balance: None,
+        grain: Grain::NONE,
+    };
+
+    /// Exposed light after the white balance; `None` where light stays as it is. It is applied before the tone curve, and what it makes of
+    /// light may be negative, which is shown as black.
+    pub fn balance(&self) -> Option<DMat3> {
+        self.white_balance.map(|balance| balance.matrix())
+    }
+
+    /// Exposed light that the white balance makes this light.
+    pub fn before_balance(&self, light: DVec3) -> DVec3 {
+        match self.balance() {
+            Some(matrix) => matrix.inverse() * light,
+            None => light,
+        }
+    }
+
+    /// The key that is out of its range, with its value and that range.
+    pub fn fault(&self) -> Option<(&'static str, f64, [f64; 2])> {
+        let grain = &self.grain;
+        let of_balance = self.white_balance.map(|balance| {
+            [
+                (
+                    "white_balance_k",
+                    balance.temperature_k,
+                    &WhiteBalance::TEMPERATURES_K,
+                ),
+                ("tint", balance.tint, &WhiteBalance::TINTS),
+            ]
+        });
+        let of_grain = [
+            ("grain", grain.strength, &Grain::STRENGTHS),
+            ("grain_size_px", grain.size_px, &Grain::SIZES_PX),
+        ];
+        let all = of_balance.into_iter().flatten().chain(of_grain);
+        let mut faults = all.filter(|(_, value, range)| !range.contains(value));
+        faults
+            .next()
+            .map(|(key, value, range)| (key, value, [*range.start(), *range.end()]))
+    }
+}
