@@ -47,7 +47,7 @@ pub use bloom::BloomPass;
 pub use celestial::{CelestialUniforms, Disc};
 pub(crate) use context::device_limits;
 pub use context::{AdapterReport, BcSupport, ContextError, GpuContext, adapter_reports};
-pub use develop::{Developer, UndevelopedPicture};
+pub use develop::{Developer, GradeUniforms, UndevelopedPicture};
 pub use faults::GpuFault;
 pub use map::{GpuMap, MapError, MapFade};
 pub use scaled::ScaledTarget;
@@ -97,7 +97,7 @@ pub(crate) use tracks::{Fill, LinePoint, Mark, TrackKinds, TracksDrawable};
 
 #[cfg(feature = "tracks")]
 use glam::DVec3;
-use terrella_ground::light::{Bloom, Tone};
+use terrella_ground::light::{Bloom, Grade, Tone};
 #[cfg(feature = "tracks")]
 use terrella_imagery::srgb::linear_from_encoded;
 
@@ -176,6 +176,8 @@ pub struct PassFormat {
     pub tone: Tone,
     /// What a lens does to light that is developed after the pass.
     pub bloom: Bloom,
+    /// White balance and grain of light that is developed after the pass.
+    pub grade: Grade,
 }
 
 impl PassFormat {
@@ -222,7 +224,10 @@ impl PassFormat {
         let stored = match self.target_color() {
             TargetColor::Display(_) => DVec3::from_array(display),
             TargetColor::Linear(_) | TargetColor::Radiance => linear,
-            TargetColor::Exposed => self.tone.light_shown_as(opacity * linear) / opacity,
+            TargetColor::Exposed => {
+                let light = self.tone.light_shown_as(opacity * linear) / opacity;
+                self.grade.before_balance(light)
+            }
         };
         stored.as_vec3().to_array()
     }

@@ -165,7 +165,9 @@ pub use terrella_ground::globe::{
     contours::PageOptions, projected_grid::GridOptions, quadtree::QuadtreeOptions,
 };
 pub use terrella_ground::height::HeightTileStats;
-pub use terrella_ground::light::{Adaptation, Bloom, Exposure, Response, Tone, exposure_factor};
+pub use terrella_ground::light::{
+    Adaptation, Bloom, Exposure, Grade, Grain, Response, Tone, WhiteBalance, exposure_factor,
+};
 #[cfg(all(feature = "packs", feature = "terrain"))]
 pub use terrella_imagery::pack::PackHeights;
 pub use terrella_imagery::{

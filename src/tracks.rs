@@ -82,7 +82,7 @@ pub use stations::{CIRCLE_POINTS, MAX_STATIONS, Station};
 pub use style::{Footprint, TrackSpan, TrackStyle};
 use terrella_frames::{Ellipsoid, Epoch, Orientation};
 use terrella_ground::air::TOP;
-use terrella_ground::light::Tone;
+use terrella_ground::light::{Grade, Tone};
 use terrella_orbit::Feed;
 pub use turn::EarthTurn;
 use twilight::InkedTwilight;
@@ -111,6 +111,8 @@ pub struct TracksOptions {
     pub development: Development,
     /// By which curve.
     pub tone: Tone,
+    /// After which white balance.
+    pub grade: Grade,
     air: Option<AirTextures>,
 }
 
@@ -125,6 +127,7 @@ impl TracksOptions {
             depth: format.depth,
             development: format.development,
             tone: format.tone,
+            grade: format.grade,
             air: earth.air_textures().cloned(),
         }
     }
@@ -575,6 +578,7 @@ impl TracksOptions {
             development: self.development,
             tone: self.tone,
             bloom: Default::default(),
+            grade: self.grade,
         }
     }
 }

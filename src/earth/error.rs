@@ -25,6 +25,24 @@ pub enum EarthError {
          format (EarthOptions::develop_after_pass), or another tone"
     )]
     Response(&'static str),
+    /// White balance or grain out of its range, or not a number.
+    #[error("{name} is {value}; it must be from {low} to {high}")]
+    Grade {
+        /// The option's name.
+        name: &'static str,
+        /// What it was given.
+        value: f64,
+        /// The least that it may be.
+        low: f64,
+        /// The most.
+        high: f64,
+    },
+    /// White balance or grain without development after the pass.
+    #[error(
+        "white balance and grain are applied after the pass; give Development::AfterPass and a float colour format \
+         (EarthOptions::develop_after_pass), or leave them out"
+    )]
+    GradeInPass,
     /// Bloom outside [`Bloom::STRENGTH`](terrella_ground::light::Bloom::STRENGTH) or not a number.
     #[error("the lens's bloom is {0}; it must be from 0 to 0.5")]
     Bloom(f64),

@@ -10,7 +10,7 @@ use crate::gpu::{
 use std::sync::Arc;
 use terrella_ground::air::{AirOptions, Atmosphere};
 use terrella_ground::globe::{Figure, Shading, Subdivision, Visibility};
-use terrella_ground::light::{Bloom, Exposure, Tone};
+use terrella_ground::light::{Bloom, Exposure, Grade, Tone};
 use terrella_imagery::tile::MapLayer;
 use terrella_imagery::{CityLights, EarthLayers, GroundKinds, MapAlbedo, MapGroundKinds};
 
@@ -70,6 +70,8 @@ pub struct EarthOptions {
     pub tone: Tone,
     /// What a lens does to light that is developed after the pass.
     pub bloom: Bloom,
+    /// White balance and grain. Either needs [`Development::AfterPass`].
+    pub grade: Grade,
     /// When pipelines are made.
     pub pipelines: Pipelines,
     /// What is drawn for measuring and for looking at meshes, in place of pictures.
@@ -111,6 +113,7 @@ impl EarthOptions {
             development: Development::default(),
             tone: Tone::default(),
             bloom: Bloom::default(),
+            grade: Grade::NONE,
             pipelines: Pipelines::default(),
             diagnostics: DiagnosticOptions::default(),
         }
@@ -135,6 +138,7 @@ impl EarthOptions {
             development: self.development,
             tone: self.tone,
             bloom: self.bloom,
+            grade: self.grade,
         }
     }
 
@@ -239,6 +243,17 @@ impl EarthOptions {
         let is_shown = !stores_light(self.color_format);
         if let Some(response) = self.tone.response().filter(|_| is_shown) {
             return Err(EarthError::Response(response.name()));
+        }
+        if let Some((name, value, [low, high])) = self.grade.fault() {
+            return Err(EarthError::Grade {
+                name,
+                value,
+                low,
+                high,
+            });
+        }
+        if is_shown && (self.grade.white_balance.is_some() || self.grade.grain.strength > 0.0) {
+            return Err(EarthError::GradeInPass);
         }
         if !Bloom::STRENGTH.contains(&self.bloom.strength) {
             return Err(EarthError::Bloom(self.bloom.strength));

@@ -149,6 +149,7 @@ fn pass(device: &wgpu::Device, variant: BloomVariant) -> Result<FullPass, Shader
         development: Development::AfterPass,
         tone: Default::default(),
         bloom: Bloom::default(),
+        grade: Default::default(),
     };
     let mixed = wgpu::BlendState {
         color: wgpu::BlendComponent {

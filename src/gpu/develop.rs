@@ -2,16 +2,22 @@
 
 use super::full_pass::FullPass;
 use super::{DevelopVariant, PassFormat, ShaderError, filled_buffer};
+use bytemuck::{Pod, Zeroable};
+use terrella_ground::light::Grade;
 
-/// Binding of a measured response.
+/// Bindings of a measured response, and of white balance and grain.
 const RESPONSE_BINDING: u32 = 2;
+const GRADE_BINDING: u32 = 3;
 
 /// Draws what is shown of exposed light over all of a target: the last pass of a picture whose layers are drawn with
 /// [`Development::AfterPass`](super::Development::AfterPass).
 ///
 /// [`ScaledTarget::developing`](super::ScaledTarget::developing) has one, with the texture that is drawn to before it. A host that has such a
 /// texture of its own, and passes over its light, calls this in any pass of its own that has drawn nothing yet.
-pub struct Developer(FullPass);
+pub struct Developer {
+    pass: FullPass,
+    grade: Grade,
+}
 
 /// Exposed light that a [`Developer`] reads.
 pub struct UndevelopedPicture(wgpu::BindGroup);
@@ -27,17 +33,53 @@ impl Developer {
         format: PassFormat,
         is_enlarging: bool,
     ) -> Result<Self, ShaderError> {
-        developing_pass(device, format, is_enlarging).map(Self)
+        Ok(Self {
+            pass: developing_pass(device, format, is_enlarging)?,
+            grade: format.grade,
+        })
+    }
+
+    /// Has passes that are submitted from now on show the grain of a frame of a film, whatever its first number is. Without grain it does nothing.
+    pub fn set_frame(&self, queue: &wgpu::Queue, frame: u32) {
+        set_frame(&self.pass, queue, &self.grade, frame);
     }
 
     /// Exposed light to be developed: a float texture without samples, which shaders can read.
     pub fn picture(&self, device: &wgpu::Device, light: &wgpu::TextureView) -> UndevelopedPicture {
-        UndevelopedPicture(self.0.bind(device, light))
+        UndevelopedPicture(self.pass.bind(device, light))
     }
 
     /// Draws what is shown of the light over all of the pass's target. Its alpha stays.
     pub fn render(&self, pass: &mut wgpu::RenderPass<'_>, picture: &UndevelopedPicture) {
-        self.0.render(pass, &picture.0);
+        self.pass.render(pass, &picture.0);
+    }
+}
+
+/// White balance and grain of a frame, as `shaders/develop.wgsl` reads them.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct GradeUniforms {
+    pub balance_x: [f32; 3],
+    pub grain: f32,
+    pub balance_y: [f32; 3],
+    pub grain_size_px: f32,
+    pub balance_z: [f32; 3],
+    pub grain_seed: u32,
+}
+
+impl GradeUniforms {
+    fn new(grade: &Grade, frame: u32) -> Self {
+        let columns = grade.balance().unwrap_or_default().to_cols_array_2d();
+        let [balance_x, balance_y, balance_z] = columns.map(|column| column.map(|n| n as f32));
+        let grain = &grade.grain;
+        Self {
+            balance_x,
+            grain: 4.0 * grain.strength as f32,
+            balance_y,
+            grain_size_px: grain.size_px as f32,
+            balance_z,
+            grain_seed: grain.frame_seed(frame),
+        }
     }
 }
 
@@ -47,15 +89,20 @@ pub(super) fn developing_pass(
     format: PassFormat,
     is_enlarging: bool,
 ) -> Result<FullPass, ShaderError> {
-    let variant = DevelopVariant::new(format.target_color(), is_enlarging);
-    let response = format.tone.response().map(|response| {
+    let variant = DevelopVariant::new(format.target_color(), is_enlarging, &format.grade);
+    let mut uniforms = Vec::new();
+    if let Some(response) = format.tone.response() {
         let samples = bytemuck::cast_slice(response.samples());
         let usage = wgpu::BufferUsages::UNIFORM;
-        (
-            RESPONSE_BINDING,
-            filled_buffer(device, "terrella response", samples, usage),
-        )
-    });
+        let buffer = filled_buffer(device, "terrella response", samples, usage);
+        uniforms.push((RESPONSE_BINDING, buffer));
+    }
+    if variant.is_graded() {
+        let grade = GradeUniforms::new(&format.grade, 0);
+        let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
+        let buffer = filled_buffer(device, "terrella grade", bytemuck::bytes_of(&grade), usage);
+        uniforms.push((GRADE_BINDING, buffer));
+    }
     FullPass::with_uniforms(
         device,
         "terrella development",
@@ -63,6 +110,16 @@ pub(super) fn developing_pass(
         format,
         None,
         is_enlarging,
-        response.into_iter().collect(),
+        uniforms,
     )
+}
+
+/// Has a developing pass of this grade draw the grain of a frame.
+pub(super) fn set_frame(pass: &FullPass, queue: &wgpu::Queue, grade: &Grade, frame: u32) {
+    if grade.grain.strength > 0.0
+        && let Some(buffer) = pass.uniform(GRADE_BINDING)
+    {
+        let uniforms = GradeUniforms::new(grade, frame);
+        queue.write_buffer(buffer, 0, bytemuck::bytes_of(&uniforms));
+    }
 }

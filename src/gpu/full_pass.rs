@@ -100,6 +100,12 @@ impl FullPass {
         })
     }
 
+    /// The uniform at a binding.
+    pub fn uniform(&self, binding: u32) -> Option<&wgpu::Buffer> {
+        let mut uniforms = self.uniforms.iter();
+        uniforms.find_map(|(at, buffer)| (*at == binding).then_some(buffer))
+    }
+
     /// A texture to draw from.
     pub fn bind(&self, device: &wgpu::Device, view: &wgpu::TextureView) -> wgpu::BindGroup {
         let bound = |binding, resource| wgpu::BindGroupEntry { binding, resource };

@@ -282,6 +282,7 @@ impl MapFade {
                 development: Default::default(),
                 tone: Tone::default(),
                 bloom: Default::default(),
+                grade: Default::default(),
             },
             writes_depth: false,
             blend: None,

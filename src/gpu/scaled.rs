@@ -1,13 +1,13 @@
 //! A picture that is drawn to a texture of its own before it is shown: at a lower resolution, as light that is developed, or both.
 
 use super::bloom::BloomPass;
-use super::develop::developing_pass;
+use super::develop::{developing_pass, set_frame};
 use super::full_pass::FullPass;
 use super::{
     Attachments, DepthBuffer, Development, PassFormat, PassPart, ShaderError, TargetColor,
     UpscaleVariant, color_texture,
 };
-use terrella_ground::light::{Bloom, Tone};
+use terrella_ground::light::{Bloom, Grade, Tone};
 
 /// Draws a picture at one size and shows it at another, for [`Quality::scale`](crate::Quality::scale): what a pass needs, the
 /// texture that is drawn to in between, and the pass that enlarges it, bilinear in light.
@@ -24,12 +24,18 @@ pub struct ScaledTarget {
     size: (u32, u32),
     drawn_size: (u32, u32),
     samples: u32,
-    /// By which curve light is developed; `None` where layers do that themselves.
-    tone: Option<Tone>,
-    /// What is done to light before that.
-    bloom: Bloom,
+    /// How light is developed; `None` where layers do that themselves.
+    look: Option<Look>,
     attachments: Attachments,
     between: Option<Between>,
+}
+
+/// How light is developed.
+#[derive(Clone, Copy)]
+struct Look {
+    tone: Tone,
+    bloom: Bloom,
+    grade: Grade,
 }
 
 /// The texture that is drawn to before the picture, and what draws the picture of it.
@@ -58,15 +64,7 @@ impl ScaledTarget {
         drawn_size: (u32, u32),
         samples: u32,
     ) -> Result<Self, ShaderError> {
-        Self::with_tone(
-            device,
-            format,
-            size,
-            drawn_size,
-            samples,
-            None,
-            Bloom::default(),
-        )
+        Self::with_look(device, format, size, drawn_size, samples, None)
     }
 
     /// The same for layers that are drawn with [`Development::AfterPass`]: the pass has the colour format [`Self::LIGHT`], and `finish` shows
@@ -83,28 +81,32 @@ impl ScaledTarget {
         tone: Tone,
         bloom: Bloom,
     ) -> Result<Self, ShaderError> {
-        Self::with_tone(device, format, size, drawn_size, samples, Some(tone), bloom)
+        let look = Look {
+            tone,
+            bloom,
+            grade: Grade::NONE,
+        };
+        Self::with_look(device, format, size, drawn_size, samples, Some(look))
     }
 
-    fn with_tone(
+    fn with_look(
         device: &wgpu::Device,
         format: wgpu::TextureFormat,
         size: (u32, u32),
         drawn_size: (u32, u32),
         samples: u32,
-        tone: Option<Tone>,
-        bloom: Bloom,
+        look: Option<Look>,
     ) -> Result<Self, ShaderError> {
-        let drawn_format = drawn_format(format, tone);
-        let last = last_pass(device, format, tone, size != drawn_size)?;
+        let drawn_format = drawn_format(format, look.as_ref());
+        let last = last_pass(device, format, look.as_ref(), size != drawn_size)?;
+        let bloom = look.map(|look| look.bloom).unwrap_or_default();
         let between = last.map(|last| Between::new(device, drawn_format, drawn_size, last, &bloom));
         Ok(Self {
             format,
             size,
             drawn_size,
             samples,
-            tone,
-            bloom,
+            look,
             attachments: Attachments::new(device, drawn_size, drawn_format, samples),
             between: between.transpose()?,
         })
@@ -124,8 +126,12 @@ impl ScaledTarget {
         match pass.development {
             Development::InPass => Self::new(device, format, size, drawn_size, pass.samples),
             Development::AfterPass => {
-                let (samples, tone, bloom) = (pass.samples, pass.tone, pass.bloom);
-                Self::developing(device, format, size, drawn_size, samples, tone, bloom)
+                let look = Look {
+                    tone: pass.tone,
+                    bloom: pass.bloom,
+                    grade: pass.grade,
+                };
+                Self::with_look(device, format, size, drawn_size, pass.samples, Some(look))
             }
         }
     }
@@ -137,7 +143,7 @@ impl ScaledTarget {
 
     /// Colour format of the pass that all is drawn in.
     pub fn drawn_format(&self) -> wgpu::TextureFormat {
-        drawn_format(self.format, self.tone)
+        drawn_format(self.format, self.look.as_ref())
     }
 
     /// Clears passes from now on to space that hides nothing: alpha is how much of what is behind is hidden.
@@ -178,7 +184,7 @@ impl ScaledTarget {
         let is_enlarging = size != drawn_size;
         let is_other = is_enlarging != (self.size != self.drawn_size);
         let last = match is_other {
-            true => last_pass(device, self.format, self.tone, is_enlarging)?,
+            true => last_pass(device, self.format, self.look.as_ref(), is_enlarging)?,
             false => None,
         };
         match &mut self.between {
@@ -186,7 +192,8 @@ impl ScaledTarget {
                 between.set(device, format, drawn_size, last);
             }
             _ => {
-                let made = |last| Between::new(device, format, drawn_size, last, &self.bloom);
+                let bloom = self.look.map(|look| look.bloom).unwrap_or_default();
+                let made = |last| Between::new(device, format, drawn_size, last, &bloom);
                 self.between = last.map(made).transpose()?;
             }
         }
@@ -215,6 +222,13 @@ impl ScaledTarget {
         let between = self.between.as_ref().map(|between| &between.view);
         self.attachments
             .begin_part(encoder, between.unwrap_or(target), part, times)
+    }
+
+    /// Has what [`Self::finish`] draws from now on show the grain of a frame of a film. Without grain it does nothing.
+    pub fn set_frame(&self, queue: &wgpu::Queue, frame: u32) {
+        if let (Some(between), Some(look)) = (&self.between, &self.look) {
+            set_frame(&between.last, queue, &look.grade, frame);
+        }
     }
 
     /// Draws what that pass drew over all of `target`.
@@ -308,8 +322,8 @@ fn drawn_view(
 }
 
 /// Colour format of the pass that all is drawn in, for a picture of this format.
-fn drawn_format(format: wgpu::TextureFormat, tone: Option<Tone>) -> wgpu::TextureFormat {
-    match tone {
+fn drawn_format(format: wgpu::TextureFormat, look: Option<&Look>) -> wgpu::TextureFormat {
+    match look {
         Some(_) => ScaledTarget::LIGHT,
         None => format,
     }
@@ -319,7 +333,7 @@ fn drawn_format(format: wgpu::TextureFormat, tone: Option<Tone>) -> wgpu::Textur
 fn last_pass(
     device: &wgpu::Device,
     format: wgpu::TextureFormat,
-    tone: Option<Tone>,
+    look: Option<&Look>,
     is_enlarging: bool,
 ) -> Result<Option<FullPass>, ShaderError> {
     let pass = PassFormat {
@@ -328,10 +342,11 @@ fn last_pass(
         samples: 1,
         depth: DepthBuffer::None,
         development: Development::InPass,
-        tone: tone.unwrap_or_default(),
+        tone: look.map(|look| look.tone).unwrap_or_default(),
         bloom: Bloom::default(),
+        grade: look.map(|look| look.grade).unwrap_or_default(),
     };
-    if tone.is_some() {
+    if look.is_some() {
         return developing_pass(device, pass, is_enlarging).map(Some);
     }
     if !is_enlarging {

@@ -150,6 +150,7 @@ mod tests {
                 development: Development::InPass,
                 tone: Default::default(),
                 bloom: Default::default(),
+                grade: Default::default(),
             };
             check_memory(size, &pass)
         };

@@ -85,6 +85,13 @@ impl PictureTextures {
         self.between.is_some()
     }
 
+    /// Has the pictures made from now on show the grain of a frame of a film.
+    pub fn set_frame(&self, queue: &wgpu::Queue, frame: u32) {
+        if let Some(between) = &self.between {
+            between.set_frame(queue, frame);
+        }
+    }
+
     /// Makes the picture of what that pass drew.
     pub fn finish(
         &self,

@@ -61,6 +61,7 @@ mod tests {
             development: Development::AfterPass,
             tone: Tone::Camera,
             bloom: Default::default(),
+            grade: Default::default(),
         }
     }
 

@@ -14,6 +14,7 @@ const PASS: PassFormat = PassFormat {
     development: crate::gpu::Development::InPass,
     tone: terrella_ground::light::Tone::Camera,
     bloom: terrella_ground::light::Bloom { strength: 0.0 },
+    grade: terrella_ground::light::Grade::NONE,
 };
 
 fn utc(text: &str) -> Epoch {

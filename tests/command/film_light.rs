@@ -123,7 +123,9 @@ fn development_of_a_film_is_that_of_a_picture() {
     };
     let light = exr("light.exr", &[]);
     let open_shutter = ["--shutter", "1e-9", "--subframes", "1"];
-    for set in [gamma, slide] {
+    let grained = "output.grain=0.07".to_owned();
+    let balanced = "output.white_balance_k=3200".to_owned();
+    for set in [gamma, slide, grained, balanced] {
         let set = ["--set", set.as_str()];
         let adapter = frame("adapter.png", &set);
         let processor = frame("processor.png", &[&set[..], &open_shutter].concat());

@@ -158,6 +158,7 @@ pub(super) fn moment(view: &EyeView, sky: &Sky) -> Moment {
     Moment {
         // Nothing that is drawn without a craft asks for it.
         epoch: Epoch::from_gregorian_utc(2000, 1, 1, 12, 0, 0, 0),
+        frame: 0,
         view: *view,
         sky: *sky,
         satellite: None,

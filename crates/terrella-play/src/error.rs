@@ -273,6 +273,7 @@ impl PlayError {
             self,
             Self::Scene(_)
                 | Self::Kernel(_)
+                | Self::Tone(_)
                 | Self::NoSatellite
                 | Self::NoSensor { .. }
                 | Self::SensorTooWide { .. }

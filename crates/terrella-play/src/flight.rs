@@ -50,6 +50,8 @@ pub struct ViewRequest {
 pub struct Moment {
     /// Epoch of the picture.
     pub epoch: Epoch,
+    /// The number of the scene's frame that is nearest to it, by which grain differs from frame to frame.
+    pub frame: u32,
     /// Where the eye is and what it sees.
     pub view: EyeView,
     /// What lights the Earth.
@@ -325,6 +327,7 @@ impl Flight {
         };
         Moment {
             epoch,
+            frame: self.scene.time.nearest_frame(epoch),
             view: pose.turned(&request.look).view(fov_rad, request.aspect),
             sky,
             craft,

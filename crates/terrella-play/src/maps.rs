@@ -74,6 +74,7 @@ fn options_of(
     options.exposure = scene.output.exposure;
     options.tone = scene.output.tone.open()?;
     options.bloom = scene.output.bloom;
+    options.grade = scene.output.grade;
     options.ground = match &table.relief {
         Some(relief) => Some(ground_options(relief, table.pack.as_ref())?),
         None => None,

@@ -34,6 +34,10 @@ impl PictureTarget for PictureTextures {
         self.begin_pass(encoder)
     }
 
+    fn set_frame(&self, queue: &wgpu::Queue, frame: u32) {
+        self.set_frame(queue, frame);
+    }
+
     fn finish(&self, encoder: &mut wgpu::CommandEncoder) {
         self.finish(encoder, None);
     }

@@ -140,6 +140,7 @@ impl ScenePictures {
             None => self.flight.at(shot.epoch, self.aspect())?,
             Some(view) => Moment {
                 epoch: shot.epoch,
+                frame: self.flight.scene().time.nearest_frame(shot.epoch),
                 view,
                 sky: self.flight.sky_at(shot.epoch),
                 satellite: None,

@@ -5,7 +5,6 @@ use super::flight::{Flight, Moment};
 use super::offscreen::OffscreenRenderer;
 use super::raw_manifest::{RawManifest, RawParts};
 use super::sensor_bands::SensorView;
-use hifitime::Unit;
 use std::path::Path;
 use terrella::{EarthOptions, GpuContext};
 use terrella_imagery::tile::TileKey;
@@ -46,7 +45,7 @@ impl RawPicture {
             let picture = PinholePicture::new(band.frame, &pixels)?;
             light.extend(seen.sensor.expose(band.rows.clone(), &picture)?);
         }
-        let number = frame_number(flight, moment);
+        let number = moment.frame;
         let sun_distance_au = moment.sky.sun_distance_m / ASTRONOMICAL_UNIT_M;
         let (raw, wells) = seen.sensor.read_out(&light, sun_distance_au, number)?;
         missing.sort();
@@ -81,12 +80,4 @@ impl RawPicture {
             },
         )
     }
-}
-
-/// The number of the scene's frame that is nearest to a moment; it wraps where that is beyond 2³².
-fn frame_number(flight: &Flight, moment: &Moment) -> u32 {
-    let time = &flight.scene().time;
-    let frame_s = time.speed / time.frame_rate_hz;
-    let after_s = (moment.epoch - time.start).to_unit(Unit::Second);
-    (after_s / frame_s).round() as i64 as u32
 }

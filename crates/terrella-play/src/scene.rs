@@ -14,7 +14,7 @@
 //! | `sensor_keys.rs`, `sensor.rs` | declarations and reader of `[sensor]` |
 //! | `orbit_check.rs`, `many.rs`, `live.rs`, `basilisk.rs`, `burns.rs` | readers of `[orbit]`, which has the most keys |
 //! | `relief.rs`, `surfaces.rs` | readers of the keys of `[earth]` that are about terrain |
-//! | `tone.rs` | the reader of `[output] tone` |
+//! | `tone.rs`, `grade.rs` | readers of the keys of `[output]` that are about tone, white balance and grain |
 //! | `dated_maps.rs` | readers of the keys of `[earth]` that are about maps that change with the date |
 //! | `built_in.rs` | no key: the scene that comes with the program, and files of orbits in place of a scene |
 //! | `config/iss.toml` | its explanation for users: a test holds that every key stands there |
@@ -39,6 +39,7 @@ mod earth;
 mod error;
 mod field;
 mod globe_keys;
+mod grade;
 mod keys;
 mod layers;
 mod live;

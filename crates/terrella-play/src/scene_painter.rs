@@ -28,6 +28,8 @@ pub struct ScenePainter {
     hidden: HiddenLayers,
     /// Follows the exposure that views ask for, where it is metered.
     adaptation: Option<Adaptation>,
+    /// Number of the frame that was prepared last, of the scene's film.
+    frame: u32,
 }
 
 /// Layers that are kept and not drawn.
@@ -49,6 +51,9 @@ pub trait PictureTarget {
 
     /// Begins the pass that draws it: black space, depth infinitely far.
     fn begin_pass<'e>(&self, encoder: &'e mut wgpu::CommandEncoder) -> wgpu::RenderPass<'e>;
+
+    /// Has the pictures made from now on show the grain of a frame of a film.
+    fn set_frame(&self, queue: &wgpu::Queue, frame: u32);
 
     /// Makes the picture of what that pass drew, where that is no picture yet.
     fn finish(&self, encoder: &mut wgpu::CommandEncoder);
@@ -85,6 +90,7 @@ impl ScenePainter {
             shown,
             hidden: HiddenLayers::default(),
             adaptation: (options.exposure == Exposure::Auto).then(Adaptation::default),
+            frame: 0,
         })
     }
 
@@ -215,6 +221,7 @@ impl ScenePainter {
         patience: Patience,
     ) -> (FrameStats, Vec<TileKey>) {
         self.expose(moment);
+        self.frame = moment.frame;
         let (wait, detail) = match patience {
             Patience::Live => (None, TrackDetail::Live),
             Patience::WholeTracks => (None, TrackDetail::Complete),
@@ -264,6 +271,7 @@ impl ScenePainter {
         self.render_air(&mut pass);
         self.render_beyond(&mut pass);
         drop(pass);
+        target.set_frame(&self.gpu.queue, self.frame);
         target.finish(encoder);
         if let Some(tracks) = self.tracks.as_mut().filter(|_| !self.hidden.tracks) {
             let (size, drawn_size) = (target.size(), target.drawn_size());

@@ -144,6 +144,11 @@ impl WindowSurface {
         self.target.begin_pass(encoder, view)
     }
 
+    /// Has what is shown from now on have the grain of a frame of a film.
+    pub fn set_frame(&self, queue: &wgpu::Queue, frame: u32) {
+        self.target.set_frame(queue, frame);
+    }
+
     /// Draws what is shown of what that pass drew, over all of the view.
     pub fn finish(&self, encoder: &mut wgpu::CommandEncoder, view: &wgpu::TextureView) {
         self.target.finish(encoder, view, None);

@@ -81,6 +81,10 @@ impl PictureTarget for SurfaceView<'_> {
         self.surface.begin_pass(encoder, self.view)
     }
 
+    fn set_frame(&self, queue: &wgpu::Queue, frame: u32) {
+        self.surface.set_frame(queue, frame);
+    }
+
     fn finish(&self, encoder: &mut wgpu::CommandEncoder) {
         self.surface.finish(encoder, self.view);
     }

@@ -127,6 +127,11 @@ const SHARED: &[(&str, Value)] = &[
     ("BRIGHTEST_SCATTERED", F32(Bloom::BRIGHTEST_SCATTERED)),
     // What is shown: the largest value of eight bits, and tone curves.
     ("LAST_CODE", F32(u8::MAX as f64)),
+    ("GRAIN_BITS", U32(light::GRAIN_BITS)),
+    ("GRAIN_INCREMENT", U32(light::GRAIN_INCREMENT)),
+    ("GRAIN_MULTIPLIER", U32(light::GRAIN_MULTIPLIER)),
+    ("GRAIN_SCALE", F32(light::GRAIN_SCALE)),
+    ("GRAIN_SHIFT", U32(light::GRAIN_SHIFT)),
     ("RESPONSE_SAMPLES", U32(light::Response::SAMPLES as u32)),
     ("TONE_CAMERA_TOE", Vec3(light::CAMERA_TOE)),
     ("TONE_CAMERA_TOE_LEAST", F32(light::CAMERA_TOE_LEAST)),

@@ -4,7 +4,7 @@ use super::{Folder, scene, utc};
 use glam::DVec3;
 use std::path::Path;
 use terrella::internals::earth::Shading;
-use terrella::{Exposure, Tone};
+use terrella::{Exposure, Grade, Tone};
 use terrella_ground::air::Atmosphere;
 use terrella_ground::globe::{Figure, LevelRule, Subdivision, Visibility};
 use terrella_play::scene::{
@@ -44,6 +44,23 @@ fn light_is_shown_as_the_scene_says() {
     assert_eq!(named("tone = \"neutral\""), Tone::Neutral);
     assert_eq!(named("tone = \"filmic\""), Tone::Filmic);
     assert_eq!(named("tone = \"linear\""), Tone::Linear);
+}
+
+#[test]
+fn white_balance_and_grain_are_off_unless_they_are_given() {
+    let grade = |text: &str| scene(&format!("[output]\n{text}")).output.grade;
+    assert_eq!(grade(""), Grade::NONE);
+    assert_eq!(grade("").balance(), None);
+    let balanced = grade("white_balance_k = 5000")
+        .white_balance
+        .expect("given");
+    assert_eq!((balanced.temperature_k, balanced.tint), (5000.0, 0.0));
+    let tinted = grade("white_balance_k = 5000\ntint = -10").white_balance;
+    assert_eq!(tinted.map(|balance| balance.tint), Some(-10.0));
+    let grain = grade("grain = 0.02").grain;
+    assert_eq!((grain.strength, grain.size_px, grain.seed), (0.02, 1.5, 0));
+    let grain = grade("grain = 0.02\ngrain_size_px = 3\ngrain_seed = 4294967295").grain;
+    assert_eq!((grain.size_px, grain.seed), (3.0, u32::MAX));
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use super::all_shaders;
 use naga::TypeInner;
 use std::mem::offset_of;
-use terrella::internals::gpu::{CelestialUniforms, Disc, TrackUniforms};
+use terrella::internals::gpu::{CelestialUniforms, Disc, GradeUniforms, TrackUniforms};
 use terrella::internals::plan::{
     AirUniforms, AuroraUniforms, FrameUniforms, GlowUniforms, MoonShadowUniforms,
     SurfaceLightUniforms,
@@ -78,6 +78,18 @@ fn structs_match_the_shaders() {
             cloud_dip,
             lamp_light,
             padding
+        ]
+    );
+    check!(
+        "GradeUniforms",
+        GradeUniforms,
+        [
+            balance_x,
+            grain,
+            balance_y,
+            grain_size_px,
+            balance_z,
+            grain_seed
         ]
     );
     check!("TrackUniforms", TrackUniforms, [frame, size_px, air_top]);

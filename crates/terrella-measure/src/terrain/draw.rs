@@ -55,6 +55,7 @@ impl Canvas {
                 development: Default::default(),
                 tone: Default::default(),
                 bloom: Default::default(),
+                grade: Default::default(),
             },
             writes_depth: true,
             blend: None,

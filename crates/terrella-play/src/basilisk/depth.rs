@@ -90,6 +90,7 @@ mod tests {
         };
         let moment = Moment {
             epoch: Default::default(),
+            frame: 0,
             view: pose.view(35_f64.to_radians(), 1.5),
             sky: Sky::new(DVec3::X),
             satellite: None,

@@ -3,11 +3,11 @@
 //! What a screen gets is decided as in `shaders/common/displayed.wgsl`; here light of many pixels and instants is averaged before.
 
 use super::bloom::scatter;
-use glam::{DVec3, DVec4};
+use glam::{DMat3, DVec3, DVec4};
 use image::RgbaImage;
 use rayon::prelude::*;
 use std::borrow::Cow;
-use terrella::{Bloom, Tone};
+use terrella::{Bloom, Grade, Tone};
 
 /// Light of a picture that is gathered from many pixels and instants.
 ///
@@ -28,12 +28,23 @@ pub struct LightPicture {
     pub size: (u32, u32),
     /// Red, green and blue, and how much of what is behind is hidden, 0…1; the light is that before it alone (premultiplied).
     pub pixels: Vec<[f32; 4]>,
+    /// How it is shown.
+    pub look: PictureLook,
+}
+
+/// How light is shown.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PictureLook {
     /// What light is multiplied by.
     pub factor: f64,
     /// The curve of highlights.
     pub tone: Tone,
     /// What a lens does to exposed light before that.
     pub bloom: Bloom,
+    /// White balance before the curve, and grain after it.
+    pub grade: Grade,
+    /// The number of the frame, by which grain differs.
+    pub frame: u32,
 }
 
 impl GatheredLight {
@@ -65,7 +76,7 @@ impl GatheredLight {
     }
 
     /// The mean of what was added.
-    pub fn picture(&self, factor: f64, tone: Tone, bloom: Bloom) -> LightPicture {
+    pub fn picture(&self, look: PictureLook) -> LightPicture {
         let count = f64::from(self.pixels_a_side).powi(2) * f64::from(self.instants.max(1));
         let pixels = self.sums.par_iter().map(|sum| {
             let mean = *sum / count;
@@ -74,9 +85,7 @@ impl GatheredLight {
         LightPicture {
             size: self.size,
             pixels: pixels.collect(),
-            factor,
-            tone,
-            bloom,
+            look,
         }
     }
 }
@@ -87,13 +96,15 @@ impl LightPicture {
         let width = self.size.0.max(1) as usize;
         let mut bytes = vec![0; self.pixels.len() * 4];
         let scattered = self.scattered();
+        let developer = self.developer();
         let pixels = scattered.par_iter().zip(bytes.par_chunks_exact_mut(4));
         pixels.enumerate().for_each(|(n, (light, bytes))| {
-            let (shown, opacity) = self.shown(light, alpha);
+            let (shown, opacity) = developer.shown(light, alpha);
             let noise = dither((n % width) as f32 + 0.5, (n / width) as f32 + 0.5);
+            let grained = developer.grained((n % width, n / width));
             let code = |linear: f64| {
-                let code = encoded(linear + f64::from(noise) * linear_per_code(linear));
-                (code * 255.0).round() as u8
+                let value = encoded(linear + f64::from(noise) * linear_per_code(linear));
+                (grained(value) * 255.0).round() as u8
             };
             bytes.copy_from_slice(&[
                 code(shown.x),
@@ -112,17 +123,17 @@ impl LightPicture {
         let channels = if alpha { 4 } else { 3 };
         let mut bytes = vec![0; self.pixels.len() * channels * 2];
         let scattered = self.scattered();
+        let developer = self.developer();
+        let width = self.size.0.max(1) as usize;
         let pixels = scattered.par_iter();
         pixels
             .zip(bytes.par_chunks_exact_mut(channels * 2))
-            .for_each(|(light, bytes)| {
-                let (shown, opacity) = self.shown(light, alpha);
-                let values = [
-                    encoded(shown.x),
-                    encoded(shown.y),
-                    encoded(shown.z),
-                    opacity,
-                ];
+            .enumerate()
+            .for_each(|(n, (light, bytes))| {
+                let (shown, opacity) = developer.shown(light, alpha);
+                let grained = developer.grained((n % width, n / width));
+                let [red, green, blue] = shown.to_array().map(|linear| grained(encoded(linear)));
+                let values = [red, green, blue, opacity];
                 for (value, bytes) in values.iter().zip(bytes.as_chunks_mut::<2>().0) {
                     *bytes = ((value * 65_535.0).round() as u16).to_be_bytes();
                 }
@@ -133,10 +144,38 @@ impl LightPicture {
     /// The light that a lens lets through, before it is exposed.
     fn scattered(&self) -> Cow<'_, [[f32; 4]]> {
         let mut pixels = Cow::from(&self.pixels);
-        if self.bloom.strength > 0.0 {
-            scatter(&self.bloom, self.size, pixels.to_mut(), self.factor);
+        let look = &self.look;
+        if look.bloom.strength > 0.0 {
+            scatter(&look.bloom, self.size, pixels.to_mut(), look.factor);
         }
         pixels
+    }
+
+    fn developer(&self) -> PixelDeveloper<'_> {
+        PixelDeveloper {
+            look: &self.look,
+            balance: self.look.grade.balance(),
+            frame_seed: self.look.grade.grain.frame_seed(self.look.frame),
+        }
+    }
+}
+
+/// What makes a pixel of light: what all pixels share.
+struct PixelDeveloper<'l> {
+    look: &'l PictureLook,
+    /// The matrix of the white balance.
+    balance: Option<DMat3>,
+    /// What grains of the frame are hashed with.
+    frame_seed: u32,
+}
+
+impl PixelDeveloper<'_> {
+    /// Adds the grain of a pixel to encoded values.
+    fn grained(&self, (x, y): (usize, usize)) -> impl Fn(f64) -> f64 {
+        let grain = self.look.grade.grain;
+        let is_grained = grain.strength > 0.0;
+        let noise = is_grained.then(|| grain.noise((x as u32, y as u32), self.frame_seed));
+        move |value| noise.map_or(value, |noise| grain.grained(value, noise))
     }
 
     /// Linear display light of a pixel, 0…1, and its opacity.
@@ -145,8 +184,9 @@ impl LightPicture {
     /// over black, in linear light, the pixel is what it is without alpha.
     fn shown(&self, light: &[f32; 4], alpha: bool) -> (DVec3, f64) {
         let [red, green, blue, hides] = light.map(f64::from);
-        let exposed = DVec3::new(red, green, blue).max(DVec3::ZERO) * self.factor;
-        let shown = self.tone.shown(exposed);
+        let exposed = DVec3::new(red, green, blue).max(DVec3::ZERO) * self.look.factor;
+        let balanced = self.balance.map_or(exposed, |balance| balance * exposed);
+        let shown = self.look.tone.shown(balanced);
         if !alpha {
             return (shown, 1.0);
         }
@@ -183,13 +223,19 @@ fn linear_per_code(linear: f64) -> f64 {
 mod tests {
     use super::*;
 
+    const LINEAR: PictureLook = PictureLook {
+        factor: 1.0,
+        tone: Tone::Linear,
+        bloom: Bloom { strength: 0.0 },
+        grade: Grade::NONE,
+        frame: 0,
+    };
+
     fn picture(pixels: Vec<[f32; 4]>) -> LightPicture {
         LightPicture {
             size: (pixels.len() as u32, 1),
             pixels,
-            factor: 1.0,
-            tone: Tone::Linear,
-            bloom: Bloom::default(),
+            look: LINEAR,
         }
     }
 
@@ -200,14 +246,11 @@ mod tests {
         // 8 × 4: the first three columns lit with light that a screen would cut off.
         let row = [8.0, 8.0, 8.0, 0.0, 0.0, 0.0, 0.0, 0.0].map(|v: f32| [v, 0.5 * v, 0.0, 1.0]);
         gathered.add(&[row; 4].concat());
-        let mean = gathered.picture(1.0, Tone::Linear, Bloom::default()).pixels;
+        let mean = gathered.picture(LINEAR).pixels;
         assert_eq!(mean, [[6.0, 3.0, 0.0, 1.0], [0.0, 0.0, 0.0, 1.0]]);
         // An instant without light halves it.
         gathered.add(&[[0.0, 0.0, 0.0, 1.0]; 32]);
-        assert_eq!(
-            gathered.picture(1.0, Tone::Linear, Bloom::default()).pixels[0],
-            [3.0, 1.5, 0.0, 1.0]
-        );
+        assert_eq!(gathered.picture(LINEAR).pixels[0], [3.0, 1.5, 0.0, 1.0]);
     }
 
     #[test]
@@ -219,10 +262,7 @@ mod tests {
         for count in [1, 3, 16, 255] {
             let mut gathered = GatheredLight::new((2, 1), 1);
             (0..count).for_each(|_| gathered.add(&light));
-            assert_eq!(
-                gathered.picture(1.0, Tone::Linear, Bloom::default()).pixels,
-                light
-            );
+            assert_eq!(gathered.picture(LINEAR).pixels, light);
         }
     }
 
@@ -253,9 +293,7 @@ mod tests {
         let light = LightPicture {
             size: (64, 64),
             pixels: vec![[0.1, 0.1, 0.1, 1.0]; 64 * 64],
-            factor: 1.0,
-            tone: Tone::Linear,
-            bloom: Bloom::default(),
+            look: LINEAR,
         };
         let shown = light.shown_8(false);
         let mean = shown.pixels().map(|p| f64::from(p[0])).sum::<f64>() / 4096.0;
@@ -273,13 +311,13 @@ mod tests {
         ];
         let shown = picture(light.to_vec());
         for pixel in &light {
-            let (opaque, one) = shown.shown(pixel, false);
-            let (straight, opacity) = shown.shown(pixel, true);
+            let (opaque, one) = shown.developer().shown(pixel, false);
+            let (straight, opacity) = shown.developer().shown(pixel, true);
             assert_eq!(one, 1.0);
             assert!((straight * opacity - opaque).length() < 1e-12);
             assert!(straight.max_element() <= 1.0 && opacity >= f64::from(pixel[3]));
         }
-        assert_eq!(shown.shown(&light[3], true), (DVec3::ZERO, 0.0));
+        assert_eq!(shown.developer().shown(&light[3], true), (DVec3::ZERO, 0.0));
         assert_eq!(shown.shown_16(true).len(), 4 * 8);
         assert_eq!(shown.shown_8(true).get_pixel(1, 0)[3], 128);
     }

@@ -1,6 +1,6 @@
 //! Draws the pictures of a film.
 
-use super::develop::GatheredLight;
+use super::develop::{GatheredLight, PictureLook};
 use super::error::FilmError;
 use super::picture::FilmPicture;
 use super::settings::PictureSettings;
@@ -19,8 +19,8 @@ pub struct FilmPainter {
     settings: PictureSettings,
     size: (u32, u32),
     pixels_a_side: u32,
-    tone: terrella::Tone,
-    bloom: terrella::Bloom,
+    /// How light is shown, but for factor and frame.
+    look: PictureLook,
     wait: Duration,
 }
 
@@ -124,8 +124,13 @@ impl FilmPainter {
             settings,
             size,
             pixels_a_side,
-            tone: scene.output.tone.open()?,
-            bloom: scene.output.bloom,
+            look: PictureLook {
+                factor: 1.0,
+                tone: scene.output.tone.open()?,
+                bloom: scene.output.bloom,
+                grade: scene.output.grade,
+                frame: 0,
+            },
             wait: scene.output.wait(),
         })
     }
@@ -172,9 +177,13 @@ impl FilmPainter {
             exposure_ev = exposure_ev.or(Some(stats.exposure_ev));
         }
         let exposure_ev = exposure_ev.unwrap_or_default();
-        let factor = exposure_factor(exposure_ev);
+        let look = PictureLook {
+            factor: exposure_factor(exposure_ev),
+            frame: moment.frame,
+            ..self.look
+        };
         Ok(Painted {
-            picture: FilmPicture::Light(gathered.picture(factor, self.tone, self.bloom)),
+            picture: FilmPicture::Light(gathered.picture(look)),
             exposure_ev,
             missing: all_missing,
         })

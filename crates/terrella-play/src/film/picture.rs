@@ -95,6 +95,7 @@ fn exr(light: &LightPicture, alpha: bool) -> io::Result<Vec<u8>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::film::develop::PictureLook;
     use terrella::Tone;
 
     #[test]
@@ -102,9 +103,13 @@ mod tests {
         let light = LightPicture {
             size: (2, 1),
             pixels: vec![[1.0, 0.5, 0.25, 0.5], [2.0, 4.0, 8.0, 1.0]],
-            factor: 1.0,
-            tone: Tone::Linear,
-            bloom: Default::default(),
+            look: PictureLook {
+                factor: 1.0,
+                tone: Tone::Linear,
+                bloom: Default::default(),
+                grade: Default::default(),
+                frame: 0,
+            },
         };
         let picture = FilmPicture::Light(light);
         let file = |format, alpha| {

@@ -22,7 +22,7 @@ use std::ops::{Range, RangeInclusive};
 use terrella::SurfaceLight;
 use terrella_ground::air::{AirOptions, Atmosphere};
 use terrella_ground::globe::{Figure, LevelRule, Shading, SurfaceKind, Visibility};
-use terrella_ground::light::Bloom;
+use terrella_ground::light::{Bloom, Grain, WhiteBalance};
 use terrella_orbit::live::{Extrapolation, LiveOptions, Pacing, Transport};
 use terrella_orbit::numerical::Spacecraft;
 use toml::Spanned;
@@ -141,6 +141,8 @@ const PUBLISHED: &Only = &only(
 pub(super) const NADIR: &Only = &only(&[], "only for mode = \"nadir\"");
 pub(super) const GEODETIC: &Only = &only(&[], "only for mode = \"geodetic\"");
 pub(super) const SUNLIT: &Only = &only(&[], "only for shading = \"sunlit\"");
+const BALANCED: &Only = &only(&[], "only with white_balance_k");
+const GRAINED: &Only = &only(&[], "only with grain");
 pub(super) const PACK: &Only = &only(&[], "only for scenes with a pack");
 pub(super) const SCREEN: &Only = &only(&[], "only for levels = \"screen\"");
 pub(super) const RELIEF: &Only = &only(&[], "only for terrain");
@@ -495,6 +497,17 @@ table!(RawOutput = "output" {
     tone: RawTone;
     /// The part of all light that the lens scatters about what is bright. By default 0.03 with look = "full", else 0.
     bloom: f64, in Bloom::STRENGTH, for SUNLIT;
+    /// Colour temperature of the light that is shown white. By default colours are as they are; sunlight in space is close to 6000.
+    white_balance_k: f64, of "kelvins", in WhiteBalance::TEMPERATURES_K, for SUNLIT;
+    /// How much greener than a black body of white_balance_k that light is, in 1/3000 of the CIE 1960 UCS diagram; positive numbers make
+    /// pictures more magenta.
+    tint: f64, in WhiteBalance::TINTS, default 0.0, for BALANCED;
+    /// Film grain: standard deviation of pixel values in the middle of the scale, as a part of the scale.
+    grain: f64, in Grain::STRENGTHS, default 0.0, for SUNLIT;
+    /// Distance of grains.
+    grain_size_px: f64, of "pixels", in Grain::SIZES_PX, default Grain::USUAL_SIZE_PX, for GRAINED;
+    /// Seed of the pattern of grains.
+    grain_seed: i64, of "a whole number from 0 to 4294967295", in 0..=4_294_967_295, default 0, for GRAINED;
     /// How long a picture that is kept waits for its tiles and its simulator.
     wait_s: f64, of "seconds", in 0.0..=3600.0, default 30.0;
 });

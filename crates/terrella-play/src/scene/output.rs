@@ -13,7 +13,7 @@ use super::tone::ToneTable;
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use terrella_ground::air::Atmosphere;
-use terrella_ground::light::{Bloom, Exposure, Tone};
+use terrella_ground::light::{Bloom, Exposure, Grade, Tone};
 use toml::Spanned;
 
 /// Bloom with look = "full".
@@ -32,6 +32,8 @@ pub struct Output {
     pub tone: ToneTable,
     /// What the lens does to light before that.
     pub bloom: Bloom,
+    /// White balance and grain.
+    pub grade: Grade,
     /// How long a picture that is kept waits for the tiles of its pack, and for its satellite's simulator, seconds.
     pub wait_s: f64,
 }
@@ -120,6 +122,7 @@ impl SceneText<'_> {
             exposure: self.exposure(&output.exposure_ev())?,
             tone: self.tone(&output.tone(), usual_tone, earth)?,
             bloom: self.bloom(&output.bloom(), earth)?,
+            grade: self.grade(output, earth)?,
             wait_s,
         })
     }

@@ -55,6 +55,13 @@ impl Time {
         self.duration_s * self.frame_rate_hz / self.speed.abs()
     }
 
+    /// The number of the frame that is nearest to an instant; it wraps where that is before the first, or beyond 2³².
+    pub fn nearest_frame(&self, epoch: Epoch) -> u32 {
+        let frame_s = self.speed / self.frame_rate_hz;
+        let after_s = (epoch - self.start).to_unit(Unit::Second);
+        (after_s / frame_s).round() as i64 as u32
+    }
+
     /// The year in which it would begin or end that no scene may reach.
     pub(super) fn bad_year(&self) -> Option<i32> {
         let years = [self.start, self.end()].map(|epoch| epoch.to_gregorian_utc().0);
