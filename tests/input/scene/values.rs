@@ -65,7 +65,7 @@ fn white_balance_and_grain_are_off_unless_they_are_given() {
 
 #[test]
 fn a_measured_tone_is_read_when_it_is_needed() {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/responses.txt");
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/responses.txt");
     let table = |name: &str| {
         scene(&format!("[output]\ntone = {{ file = {file:?}{name} }}"))
             .output
