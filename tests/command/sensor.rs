@@ -341,6 +341,62 @@ fn a_rolling_shutter_shears_the_ground_by_the_motion() {
     assert!((found / wanted - 1.0).abs() < 0.02, "{found} {wanted}");
 }
 
+/// The raw frames of a film are those that are drawn one by one.
+#[test]
+fn a_film_has_the_raw_frames_of_its_instants() {
+    let place = Place::new();
+    let noisy = "read_noise_e = 5\nseed = 3\n";
+    place.scene(
+        "film.toml",
+        &format!(
+            "[time]\nduration_s = 120\nspeed = 60\nframe_rate_hz = 1.5\n{SHEET}{noisy}{PLAIN}"
+        ),
+    );
+    let play = ["play", "film.toml", "--raw", "raw", "--range", "1..3"];
+    place.succeed(&play);
+    let names = crate::names(&place.path("raw"));
+    let wanted = [
+        "frame_00001.json",
+        "frame_00001.tiff",
+        "frame_00002.json",
+        "frame_00002.tiff",
+    ];
+    assert_eq!(names, wanted);
+    // 40 s of the scene from frame to frame.
+    place.succeed(&[
+        "frame",
+        "film.toml",
+        "-o",
+        "a.png",
+        "--at",
+        "2018-01-15T12:01:20Z",
+        "--raw",
+        "one.tiff",
+    ]);
+    let read = |name: &str| std::fs::read(place.path(name)).expect("reads");
+    assert!(read("one.tiff") == read("raw/frame_00002.tiff"));
+    assert!(read("raw/frame_00001.tiff") != read("raw/frame_00002.tiff"));
+    let mut one = page(&place.path("one.json"));
+    one["file"] = "frame_00002.tiff".into();
+    assert_eq!(one, page(&place.path("raw/frame_00002.json")));
+    // A folder that holds frames is not written to unless that is wanted.
+    let rejection = place.fail(1, &play);
+    assert!(rejection.contains("--overwrite"), "{rejection}");
+    place.succeed(&[&play[..], &["--overwrite"]].concat());
+    for (bad, words) in [
+        (&["--raw", "other", "--video", "a.mp4"][..], "--video"),
+        (&["--raw", "other", "--supersample", "2"], "--supersample"),
+        (&["--raw-format", "png"], "--raw"),
+        (&["--overwrite"], "--overwrite needs --frames or --raw"),
+    ] {
+        let rejection = place.fail(2, &[&["play", "film.toml"], bad].concat());
+        assert!(rejection.contains(words), "{rejection}");
+    }
+    let rejection = place.fail(2, &["play", "small.toml", "--raw", "other"]);
+    assert!(rejection.contains("[sensor]"), "{rejection}");
+    assert!(!place.path("other").exists());
+}
+
 #[test]
 fn raw_frames_that_cannot_be_are_rejected() {
     let place = Place::new();

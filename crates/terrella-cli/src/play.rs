@@ -14,8 +14,8 @@ use terrella::frames::Epoch;
 use terrella_orbit::basilisk::Endpoint;
 use terrella_play::scene::Setting;
 use terrella_play::{
-    EncoderChoice, Existing, ExportRequest, Flight, FrameRange, VideoCodec, VideoCoding,
-    WindowRequest, export, play_in_window,
+    EncoderChoice, Existing, ExportRequest, Flight, FrameRange, RawFilmRequest, RawFormat,
+    VideoCodec, VideoCoding, WindowRequest, export, play_in_window, write_raw_film,
 };
 
 /// Arguments of `terrella play`.
@@ -37,8 +37,14 @@ pub struct PlayArgs {
     /// Write every frame as an image into this folder instead of opening a window
     #[arg(long, value_name = "FOLDER")]
     frames: Option<PathBuf>,
-    /// With --frames: accept a folder that is not empty, and replace frames in it
-    #[arg(long, requires = "frames")]
+    /// Write the raw frame of the scene's [sensor] for every frame into this folder instead of opening a window, each with its parameters as JSON
+    #[arg(long, value_name = "FOLDER", conflicts_with_all = ["frames", "video", "size"])]
+    raw: Option<PathBuf>,
+    /// With --raw: the format of raw frames
+    #[arg(long, value_enum, default_value_t = Raw::Tiff, requires = "raw")]
+    raw_format: Raw,
+    /// With --frames or --raw: accept a folder that is not empty, and replace frames in it
+    #[arg(long)]
     overwrite: bool,
     /// With --frames: resume the film in this folder: keep complete frames and render the missing ones
     #[arg(long, requires = "frames", conflicts_with_all = ["overwrite", "video"])]
@@ -64,7 +70,7 @@ pub struct PlayArgs {
     #[arg(long, value_name = "WxH", value_parser = values::size)]
     size: Option<(u32, u32)>,
     /// Close the window after this many seconds
-    #[arg(long, value_name = "N", value_parser = values::seconds, conflicts_with_all = ["frames", "video"])]
+    #[arg(long, value_name = "N", value_parser = values::seconds, conflicts_with_all = ["frames", "raw", "video"])]
     for_seconds: Option<f64>,
 }
 
@@ -76,6 +82,16 @@ enum Encoder {
     Ffmpeg,
     /// Built-in OpenH264, up to 3840x2160
     Builtin,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum Raw {
+    /// 16-bit greyscale TIFF
+    Tiff,
+    /// 16-bit greyscale PNG
+    Png,
+    /// NumPy array
+    Npy,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -130,6 +146,20 @@ pub fn run(args: &PlayArgs, common: &Common) -> anyhow::Result<()> {
     stop_by_itself();
     let bars = Bars::new(common.quiet);
     let adapter = common.adapter.as_deref();
+    if let Some(folder) = &args.raw {
+        let request = RawFilmRequest {
+            folder,
+            overwrite: args.overwrite,
+            format: match args.raw_format {
+                Raw::Tiff => RawFormat::Tiff,
+                Raw::Png => RawFormat::Png,
+                Raw::Npy => RawFormat::Npy,
+            },
+            range: args.range.unwrap_or_default(),
+            adapter,
+        };
+        return Ok(write_raw_film(&flight, &request, &bars)?);
+    }
     if args.frames.is_none() && args.video.is_none() {
         let request = WindowRequest {
             adapter,
@@ -167,12 +197,24 @@ pub fn run(args: &PlayArgs, common: &Common) -> anyhow::Result<()> {
 fn reject_conflicts(args: &PlayArgs) {
     let reject = |kind, message: String| -> ! { Cli::command().error(kind, message).exit() };
     let pictures = &args.pictures;
-    let range = args.range.map(|_| "--range");
+    if args.overwrite && args.frames.is_none() && args.raw.is_none() {
+        let message = "--overwrite needs --frames or --raw".to_owned();
+        reject(ErrorKind::MissingRequiredArgument, message);
+    }
+    if let (Some(name), Some(_)) = (pictures.first_given(), &args.raw) {
+        let message = format!("{name} conflicts with --raw, whose frames the [sensor] describes");
+        reject(ErrorKind::ArgumentConflict, message);
+    }
+    let range = args.range.filter(|_| args.raw.is_none());
+    let range = range.map(|_| "--range");
     if let Some(name) = range.or(pictures.first_given())
         && args.frames.is_none()
         && args.video.is_none()
     {
-        let message = format!("{name} needs --frames or --video");
+        let message = match name {
+            "--range" => "--range needs --frames, --raw or --video".to_owned(),
+            name => format!("{name} needs --frames or --video"),
+        };
         reject(ErrorKind::MissingRequiredArgument, message);
     }
     let codec = args.codec.codec();

@@ -34,7 +34,7 @@
 //! | `file_checks` | files that are read later, looked at before |
 //! | `radiance` | a picture's light as a file |
 //! | `sensor_bands`, `raw_picture` | what a sensor sees, row by row; its raw frame |
-//! | `raw`, `raw_manifest` | the frame as a file, and the page of all its parameters |
+//! | `raw`, `raw_manifest`, `raw_film` | the frame as a file, the page of all its parameters, and those of a film |
 //! | `truth`, `truth_manifest` | what is where its pixels look, as files |
 //! | `float_files` | arrays and pictures of floats |
 //! | `mp4` | whether a film is complete |
@@ -121,8 +121,10 @@ mod radiance;
 #[cfg(feature = "window")]
 mod raw;
 #[cfg(feature = "window")]
+mod raw_film;
+#[cfg_attr(not(feature = "window"), allow(dead_code))]
 mod raw_manifest;
-#[cfg(feature = "window")]
+#[cfg_attr(not(feature = "window"), allow(dead_code))]
 mod raw_picture;
 mod relief;
 mod satellites;
@@ -130,7 +132,7 @@ pub mod scene;
 mod scene_files;
 #[cfg_attr(not(feature = "window"), allow(dead_code))]
 mod scene_painter;
-#[cfg(feature = "window")]
+#[cfg_attr(not(feature = "window"), allow(dead_code))]
 mod sensor_bands;
 #[cfg(feature = "window")]
 mod shader_watch;
@@ -173,7 +175,7 @@ pub use export::{ExportRequest, export};
 pub use film::{
     CameraRecord, DrawnFrame, Existing, FilmError, FilmFrames, FilmInput, FilmKey, FilmPainter,
     FilmPicture, FilmRequest, FrameRange, FrameRecord, LightPicture, Painted, PictureFormat,
-    PictureSettings, SharedFolder, Shutter, checksum,
+    PictureLook, PictureSettings, SharedFolder, Shutter, checksum,
 };
 pub use flight::{Flight, Moment, SatelliteState, ViewRequest};
 pub use maps::{DroppedLayer, earth_options};
@@ -189,6 +191,10 @@ pub use pictures::{ScenePictures, Shot, take_starter_files};
 pub use place_text::GroundPlace;
 pub use progress::Progress;
 pub use quality_control::{HeldQuality, QualityControl, scene_quality};
+#[cfg(feature = "window")]
+pub use raw::RawFormat;
+#[cfg(feature = "window")]
+pub use raw_film::{RawFilmRequest, write_raw_film};
 pub use relief::read_ground;
 pub use satellites::{FileRemark, Satellite};
 pub use scene_files::{SceneFile, scene_files};

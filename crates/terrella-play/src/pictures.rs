@@ -4,6 +4,8 @@ use super::error::PlayError;
 use super::flight::{Flight, Moment};
 use super::offscreen::OffscreenRenderer;
 use super::quality_control::scene_quality;
+use super::raw_picture::RawPainter;
+use super::sensor_bands::{SensorBands, SensorView};
 use crate::scene::{BetweenMaps, Scene};
 use std::path::Path;
 use std::time::Duration;
@@ -12,6 +14,7 @@ use terrella::{
     Drawing, EarthOptions, Exposure, EyeView, FrameStats, GpuContext, OffscreenEarth, TruthPicture,
 };
 use terrella_imagery::tile::TileKey;
+use terrella_sensor::{RawFrame, Sensor};
 
 /// Has a scene take what it names no file for (maps, stars, heights) from this folder, in place of the starter pack that is looked for:
 /// for programs that bring one along.
@@ -68,6 +71,7 @@ pub struct ScenePictures {
     shown: Option<OffscreenRenderer>,
     light: Option<OffscreenRenderer>,
     truth: Option<(OffscreenEarth, Vec<BetweenMaps>)>,
+    raw: Option<(Sensor, RawPainter)>,
 }
 
 impl ScenePictures {
@@ -112,6 +116,7 @@ impl ScenePictures {
             shown: None,
             light: None,
             truth: None,
+            raw: None,
         })
     }
 
@@ -243,6 +248,38 @@ impl ScenePictures {
         };
         let (earth, _) = self.truth.insert((earth, maps));
         Ok(earth.draw_truth(&moment.view, &moment.sky, wait)?)
+    }
+
+    /// Draws the raw frame of the scene's sensor at an instant, by the scene's camera: the frame of `terrella frame --raw`. Its size is the
+    /// sensor's.
+    ///
+    /// # Errors
+    /// A scene without a sensor; an instant at which the satellite is not known, maps that cannot be read, a device without room.
+    pub fn draw_raw(&mut self, epoch: Epoch) -> Result<RawFrame, PlayError> {
+        let scene = self.flight.scene();
+        let aspect = f64::from(scene.output.size[0]) / f64::from(scene.output.size[1]);
+        let moment = self.flight.at(epoch, aspect)?;
+        let made = match self.raw.take() {
+            Some(made) => made,
+            None => {
+                let Some(table) = &scene.sensor else {
+                    let scene = scene.path.clone();
+                    return Err(PlayError::NoSensor { scene });
+                };
+                let sensor = table.open()?;
+                let mut options = self.options()?.clone();
+                // What is measured is what is known.
+                options.light.detail = false;
+                let painter = RawPainter::new(&self.flight, self.gpu.clone(), options)?;
+                (sensor, painter)
+            }
+        };
+        let (sensor, painter) = self.raw.insert(made);
+        let seen = SensorView {
+            bands: SensorBands::new(&self.flight, sensor, &moment, aspect, &self.gpu)?,
+            sensor: sensor.clone(),
+        };
+        Ok(painter.draw(&self.flight, &seen, &moment)?.raw)
     }
 
     fn options(&mut self) -> Result<&EarthOptions, PlayError> {

@@ -16,23 +16,38 @@ use terrella_sensor::RawFrame;
 #[derive(Debug)]
 pub struct RawFile {
     file: PendingFile,
-    kind: RawKind,
+    kind: RawFormat,
     manifest: PendingFile,
 }
 
+/// The format of a raw frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum RawKind {
+pub enum RawFormat {
+    /// Greyscale PNG of 16 bits.
     Png,
+    /// Greyscale TIFF of 16 bits.
     Tiff,
+    /// A NumPy array.
     Npy,
 }
 
+impl RawFormat {
+    /// The ending of its files.
+    pub fn ending(self) -> &'static str {
+        match self {
+            Self::Png => "png",
+            Self::Tiff => "tiff",
+            Self::Npy => "npy",
+        }
+    }
+}
+
 /// Endings of names, in small letters, and what they say.
-const ENDINGS: [(&str, RawKind); 4] = [
-    ("png", RawKind::Png),
-    ("tiff", RawKind::Tiff),
-    ("tif", RawKind::Tiff),
-    ("npy", RawKind::Npy),
+const ENDINGS: [(&str, RawFormat); 4] = [
+    ("png", RawFormat::Png),
+    ("tiff", RawFormat::Tiff),
+    ("tif", RawFormat::Tiff),
+    ("npy", RawFormat::Npy),
 ];
 
 impl RawFile {
@@ -71,10 +86,10 @@ impl RawFile {
     }
 }
 
-fn encoded(frame: &RawFrame, kind: RawKind) -> io::Result<Vec<u8>> {
+fn encoded(frame: &RawFrame, kind: RawFormat) -> io::Result<Vec<u8>> {
     let mut file = Vec::new();
     match kind {
-        RawKind::Png => {
+        RawFormat::Png => {
             let mut encoder = png::Encoder::new(&mut file, frame.width, frame.height);
             encoder.set_color(png::ColorType::Grayscale);
             encoder.set_depth(png::BitDepth::Sixteen);
@@ -87,7 +102,7 @@ fn encoded(frame: &RawFrame, kind: RawKind) -> io::Result<Vec<u8>> {
             writer.write_image_data(&bytes)?;
             writer.finish()?;
         }
-        RawKind::Tiff => {
+        RawFormat::Tiff => {
             let mut out = io::Cursor::new(&mut file);
             let mut encoder =
                 tiff::encoder::TiffEncoder::new(&mut out).map_err(io::Error::other)?;
@@ -99,7 +114,7 @@ fn encoded(frame: &RawFrame, kind: RawKind) -> io::Result<Vec<u8>> {
                 )
                 .map_err(io::Error::other)?;
         }
-        RawKind::Npy => {
+        RawFormat::Npy => {
             write_npy_header(&mut file, "<u2", &[frame.height, frame.width])?;
             for number in &frame.data {
                 file.write_all(&number.to_le_bytes())?;
@@ -125,7 +140,7 @@ mod tests {
 
     #[test]
     fn files_hold_the_numbers() {
-        let png = encoded(&frame(), RawKind::Png).expect("encodes");
+        let png = encoded(&frame(), RawFormat::Png).expect("encodes");
         let read = image::load_from_memory(&png).expect("a PNG");
         let image::DynamicImage::ImageLuma16(read) = read else {
             panic!("{:?}", read.color());
@@ -134,11 +149,11 @@ mod tests {
             (read.width(), read.height(), read.into_raw()),
             (3, 2, frame().data)
         );
-        let npy = encoded(&frame(), RawKind::Npy).expect("encodes");
+        let npy = encoded(&frame(), RawFormat::Npy).expect("encodes");
         let text = std::str::from_utf8(&npy[10..NPY_HEADER]).expect("text");
         assert!(text.contains("'<u2'") && text.contains("(2, 3)"), "{text}");
         assert_eq!(npy[NPY_HEADER..], [0, 0, 1, 0, 0, 1, 255, 15, 0, 8, 7, 0]);
-        let bytes = encoded(&frame(), RawKind::Tiff).expect("encodes");
+        let bytes = encoded(&frame(), RawFormat::Tiff).expect("encodes");
         let mut decoder = tiff::decoder::Decoder::new(io::Cursor::new(bytes)).expect("a TIFF");
         assert_eq!(decoder.dimensions().expect("a size"), (3, 2));
         let tiff::decoder::DecodingResult::U16(read) = decoder.read_image().expect("numbers")

@@ -21,22 +21,37 @@ pub struct RawPicture {
     pub missing: Vec<TileKey>,
 }
 
-impl RawPicture {
-    /// Draws the light of a moment as the sensor sees it, and reads the sensor out. `options` are those of light.
-    pub fn draw(
-        flight: &Flight,
-        gpu: GpuContext,
-        options: EarthOptions,
-        seen: &SensorView,
-        moment: &Moment,
-    ) -> Result<Self, PlayError> {
-        let bands = &seen.bands.bands;
-        let size = bands.first().map_or((1, 1), |band| band.size());
-        let mut renderer = OffscreenRenderer::open_for_light(gpu, options, size)?;
+/// Draws raw frames, one after the other.
+pub struct RawPainter {
+    renderer: OffscreenRenderer,
+}
+
+impl RawPainter {
+    /// For a flight's scene. `options` are those of light.
+    ///
+    /// # Errors
+    /// Maps that cannot be read, a device without room.
+    pub fn new(flight: &Flight, gpu: GpuContext, options: EarthOptions) -> Result<Self, PlayError> {
+        // Each band has a size of its own.
+        let mut renderer = OffscreenRenderer::open_for_light(gpu, options, (1, 1))?;
         renderer.show_dated_maps(flight)?;
         renderer.show_sky(flight)?;
+        Ok(Self { renderer })
+    }
+
+    /// Draws the light of a moment as the sensor sees it, and reads the sensor out.
+    ///
+    /// # Errors
+    /// A lost device, a device without room.
+    pub fn draw(
+        &mut self,
+        flight: &Flight,
+        seen: &SensorView,
+        moment: &Moment,
+    ) -> Result<RawPicture, PlayError> {
+        let renderer = &mut self.renderer;
         let (mut light, mut missing) = (Vec::new(), Vec::new());
-        for band in bands {
+        for band in &seen.bands.bands {
             renderer.resize(band.size())?;
             let wait = flight.scene().output.wait();
             let (_, lacks) = renderer.draw_complete(&band.pinhole(), wait);
@@ -50,14 +65,16 @@ impl RawPicture {
         let (raw, wells) = seen.sensor.read_out(&light, sun_distance_au, number)?;
         missing.sort();
         missing.dedup();
-        Ok(Self {
+        Ok(RawPicture {
             raw,
             wells,
             number,
             missing,
         })
     }
+}
 
+impl RawPicture {
     /// The page of the frame, whose file this is.
     pub fn manifest(
         &self,

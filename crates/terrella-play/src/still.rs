@@ -9,7 +9,7 @@ use super::progress::Progress;
 use super::quality_control::{HeldQuality, scene_quality};
 use super::radiance::{Radiance, RadianceFile};
 use super::raw::RawFile;
-use super::raw_picture::RawPicture;
+use super::raw_picture::RawPainter;
 use super::sensor_bands::{SensorBands, SensorView};
 use super::stats::PictureStats;
 use super::truth::TruthFolder;
@@ -180,7 +180,7 @@ pub fn write_still(
     };
     let raw = match (raw, &seen, for_light) {
         (Some(file), Some(seen), Some((gpu, options))) => {
-            let frame = RawPicture::draw(flight, gpu, options, seen, &moment)?;
+            let frame = RawPainter::new(flight, gpu, options)?.draw(flight, seen, &moment)?;
             warn_of_missing(&frame.missing);
             Some((file, frame))
         }
@@ -246,7 +246,7 @@ fn draw_light(
 const MAX_NAMED: usize = 8;
 
 /// Warns of tiles that a picture lacks.
-fn warn_of_missing(missing: &[TileKey]) {
+pub(super) fn warn_of_missing(missing: &[TileKey]) {
     if missing.is_empty() {
         return;
     }

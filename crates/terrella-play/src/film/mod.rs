@@ -36,7 +36,7 @@ mod record;
 mod settings;
 mod shared_folder;
 
-pub use develop::LightPicture;
+pub use develop::{LightPicture, PictureLook};
 pub use error::FilmError;
 pub use folder::{Existing, FrameFolder};
 pub use frames::{DrawnFrame, FilmFrames};
