@@ -68,6 +68,77 @@ fn passes_are_where_the_satellite_is_and_the_same_in_every_layout() {
     );
 }
 
+/// Vienna in the days of the elements, as in the tests of the library.
+#[test]
+fn visible_times_are_printed_in_every_layout() {
+    let place = Place::new();
+    place.scene("iss.toml", "[time]\nstart = \"2018-01-25T00:00:00Z\"\n");
+    let ask = |more: &[&str]| {
+        let asked = [
+            "orbit",
+            "iss.toml",
+            "--passes",
+            "48.2,16.4,200",
+            "--days",
+            "1",
+        ];
+        place.printed(&[&asked[..], more].concat())
+    };
+    let bright = ["--standard-magnitude", "-1.8"];
+    let json = ask(&[&bright[..], &["--json"]].concat());
+    let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
+    let listed = json["passes"].as_array().expect("an array");
+    let seen: Vec<_> = listed
+        .iter()
+        .flat_map(|one| one["visible"].as_array().expect("an array"))
+        .collect();
+    let [visible] = seen[..] else {
+        panic!("{seen:?}");
+    };
+    let time = |key: &str| visible[key].as_str().expect("a time");
+    assert!(
+        time("begin_utc").starts_with("2018-01-25T17:12:4"),
+        "{visible}"
+    );
+    assert!(
+        time("end_utc").starts_with("2018-01-25T17:13:4"),
+        "{visible}"
+    );
+    let magnitude = visible["magnitude"].as_f64().expect("a magnitude");
+    assert!((magnitude + 1.573).abs() < 0.02, "{visible}");
+    let csv = ask(&[&bright[..], &["--csv"]].concat());
+    let rows: Vec<Vec<_>> = csv.lines().map(|row| row.split(',').collect()).collect();
+    assert!(rows.iter().all(|row| row.len() == 16), "{csv}");
+    assert_eq!(rows.len(), listed.len() + 1);
+    for (row, one) in rows.iter().skip(1).zip(listed) {
+        let duration: f64 = row[11].parse().expect("seconds");
+        assert!((duration - one["duration_s"].as_f64().expect("seconds")).abs() < 0.001);
+    }
+    let found = rows.iter().skip(1).find(|row| !row[12].is_empty());
+    let found = found.expect("the visible one");
+    assert_eq!(
+        found[12..15],
+        ["begin_utc", "end_utc", "brightest_utc"].map(time)
+    );
+    assert_eq!(found[15], format!("{magnitude:.2}"));
+    // An hour later by the clocks of Vienna.
+    let text = ask(&[&bright[..], &["--time-zone", "+01:00"]].concat());
+    let there = time("begin_utc")
+        .replace("T17", "T18")
+        .replace('Z', "+01:00");
+    let line = format!("  visible {there} to 2018-01-25T18:13:4");
+    assert!(
+        text.contains(&line) && text.contains("magnitude -1.6"),
+        "{text}"
+    );
+    assert!(!text.contains("00Z"), "{text}");
+    let text = ask(&[]);
+    assert!(
+        text.contains("  visible ") && !text.contains("magnitude"),
+        "{text}"
+    );
+}
+
 #[test]
 fn what_is_no_place_or_no_time_is_rejected() {
     let place = Place::new();
@@ -79,6 +150,10 @@ fn what_is_no_place_or_no_time_is_rejected() {
         &["--passes", "48.2,16.4", "--days", "0"],
         &["--passes", "48.2,16.4", "--oem", "a.oem"],
         &["--min-elevation", "5"],
+        &["--standard-magnitude", "-1.8"],
+        &["--passes", "48.2,16.4", "--standard-magnitude", "bright"],
+        &["--passes", "48.2,16.4", "--time-zone", "CET"],
+        &["--passes", "48.2,16.4", "--time-zone", "+01:00", "--csv"],
     ] {
         let rejection = place.fail(2, &[&["orbit", "iss.toml"][..], bad].concat());
         assert!(rejection.contains("--"), "{rejection}");

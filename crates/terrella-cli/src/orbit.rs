@@ -5,7 +5,7 @@ use super::{Common, print, values};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use terrella::frames::{Duration, Epoch, Geodetic, rfc3339};
-use terrella_orbit::{Frame, Header};
+use terrella_orbit::{Frame, Header, VisibilityRule};
 use terrella_play::{
     Axes, Ephemeris, EphemerisRequest, EventTable, Flight, Layout, OutputError, PassRequest,
     PassTable, PendingFile, Selection, Span, names, omm, select,
@@ -37,7 +37,7 @@ pub struct OrbitArgs {
     /// Write an orbit mean-elements message (CCSDS OMM) instead of printing: of the satellites that --satellite names, or of all
     #[arg(long, value_name = "FILE", conflicts_with_all = ["at", "csv", "json"])]
     omm: Option<PathBuf>,
-    /// Print the passes over a place, from the scene's start to its end: latitude and longitude in degrees, south and west negative, and
+    /// Print the passes over a place, and when the satellite is visible, from the scene's start to its end: latitude and longitude in degrees, south and west negative, and
     /// height in metres above the ellipsoid
     #[arg(
         long, value_name = "LAT,LON[,HEIGHT]", value_parser = values::place, allow_hyphen_values = true,
@@ -50,6 +50,15 @@ pub struct OrbitArgs {
     /// With --passes: number of days from the scene's start, as far as the orbit is valid
     #[arg(long, value_name = "N", value_parser = values::days, requires = "passes")]
     days: Option<f64>,
+    /// With --passes: standard magnitude of the satellite, at 1000 km and half lit; prints how bright it is where it is visible
+    #[arg(long, value_name = "MAGNITUDE", value_parser = values::magnitude, allow_hyphen_values = true, requires = "passes")]
+    standard_magnitude: Option<f64>,
+    /// With --passes: time zone of the printed times, as an offset from UTC
+    #[arg(
+        long, value_name = "±HH:MM", value_parser = values::time_zone_min, allow_hyphen_values = true, requires = "passes",
+        conflicts_with_all = ["csv", "json"]
+    )]
+    time_zone: Option<i32>,
     /// Print the events of numerical propagation: those that `events` under [orbit] names, and impacts
     #[arg(long, conflicts_with_all = ["every", "at", "frame", "oem", "omm", "passes"])]
     events: bool,
@@ -128,6 +137,11 @@ pub fn run(args: &OrbitArgs, common: &Common) -> anyhow::Result<()> {
             place,
             min_elevation_rad: args.min_elevation.to_radians(),
             length: args.days.map(Duration::from_days),
+            visibility: VisibilityRule {
+                standard_magnitude: args.standard_magnitude,
+                ..VisibilityRule::default()
+            },
+            time_zone_min: args.time_zone.unwrap_or_default(),
         };
         let tables = satellites
             .into_iter()

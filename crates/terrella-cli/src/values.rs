@@ -117,6 +117,37 @@ pub fn elevation_deg(text: &str) -> Result<f64, String> {
     }
 }
 
+/// A standard magnitude.
+pub fn magnitude(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(magnitude) if (-30.0..=30.0).contains(&magnitude) => Ok(magnitude),
+        _ => Err("must be a magnitude from -30 to 30".into()),
+    }
+}
+
+/// A time zone as minutes east of UTC: `+05:30`, `-3`, `Z`.
+pub fn time_zone_min(text: &str) -> Result<i32, String> {
+    if ["Z", "UTC"].contains(&text) {
+        return Ok(0);
+    }
+    let (sign, rest) = match text.split_at_checked(1) {
+        Some(("+", rest)) => (1, rest),
+        Some(("-", rest)) => (-1, rest),
+        _ => (0, ""),
+    };
+    let (hours, minutes) = rest.split_once(':').unwrap_or((rest, "00"));
+    let number = |digits: &str, most: i32| {
+        let is_whole =
+            (1..=2).contains(&digits.len()) && digits.bytes().all(|b| b.is_ascii_digit());
+        let number = digits.parse::<i32>().ok().filter(|_| is_whole);
+        number.filter(|number| *number <= most)
+    };
+    match (sign, number(hours, 14), number(minutes, 59)) {
+        (1 | -1, Some(hours), Some(minutes)) => Ok(sign * (60 * hours + minutes)),
+        _ => Err("must be an offset from UTC, for example +01:00, -03:30 or Z".into()),
+    }
+}
+
 /// Days, more than none and at most ten years.
 pub fn days(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
@@ -182,6 +213,23 @@ mod tests {
         for bad in ["-1", "90", "nan", ""] {
             assert!(elevation_deg(bad).is_err(), "{bad}");
         }
+        for (zone, minutes) in [
+            ("+01:00", 60),
+            ("-3", -180),
+            ("+05:45", 345),
+            ("Z", 0),
+            ("UTC", 0),
+            ("-00:30", -30),
+        ] {
+            assert_eq!(time_zone_min(zone), Ok(minutes), "{zone}");
+        }
+        for bad in [
+            "1", "", "+", "+15", "+1:60", "CET", "+1:2:3", "+ 1", "+1:+5",
+        ] {
+            assert!(time_zone_min(bad).is_err(), "{bad}");
+        }
+        assert_eq!(magnitude("-1.8"), Ok(-1.8));
+        assert!(magnitude("nan").is_err() && magnitude("31").is_err());
         for bad in ["0", "1e9", "inf", "-3"] {
             assert!(days(bad).is_err(), "{bad}");
         }

@@ -214,27 +214,42 @@ impl Reading {
 ///
 /// Years outside 0…9999 get a sign and as many digits as they need.
 pub fn rfc3339(epoch: Epoch) -> String {
+    rfc3339_with_offset(epoch, 0)
+}
+
+/// The same in a time zone so many minutes east of UTC: `2018-01-15T13:00:00.000+01:00`; with 0 as [`rfc3339`].
+pub fn rfc3339_with_offset(epoch: Epoch, offset_min: i32) -> String {
     const NS_PER_MS: i128 = 1_000_000;
     let tai_ns = epoch.to_tai_duration().total_nanoseconds();
     // Rounded before the split, so that a carry runs through second, day and leap second.
     let rounded_ns = (tai_ns + NS_PER_MS / 2).div_euclid(NS_PER_MS) * NS_PER_MS;
     let (mjd, ns_of_day) = utc_day_from_tai_ns(rounded_ns);
-    let date = Calendar::from_mjd(mjd);
     let ms_of_day = ns_of_day / 1_000_000;
     let second_of_day = ms_of_day / 1000;
     // The leap second belongs to the last minute of its day.
     let minute_of_day = (second_of_day / 60).min(1439);
+    let second = second_of_day - minute_of_day * 60;
+    // Minutes of all zones begin together, and leap seconds end them.
+    let minute = minute_of_day + i64::from(offset_min);
+    let date = Calendar::from_mjd(mjd + minute.div_euclid(1440));
+    let minute_of_day = minute.rem_euclid(1440);
     let year = match date.year {
         0..=9999 => format!("{:04}", date.year),
         _ => format!("{:+05}", date.year),
     };
+    let zone = match (offset_min, offset_min.unsigned_abs()) {
+        (0, _) => "Z".to_owned(),
+        (east, minutes) => {
+            let sign = if east > 0 { '+' } else { '-' };
+            format!("{sign}{:02}:{:02}", minutes / 60, minutes % 60)
+        }
+    };
     format!(
-        "{year}-{:02}-{:02}T{:02}:{:02}:{:02}.{:03}Z",
+        "{year}-{:02}-{:02}T{:02}:{:02}:{second:02}.{:03}{zone}",
         date.month,
         date.day,
         minute_of_day / 60,
         minute_of_day % 60,
-        second_of_day - minute_of_day * 60,
         ms_of_day % 1000
     )
 }
@@ -400,6 +415,34 @@ mod tests {
             let sofa = sofars::ts::dat(c.year as i32, c.month as i32, c.day as i32, 0.5).unwrap();
             assert_eq!(tai_minus_utc_s(mjd) as f64, sofa, "{c:?}");
         }
+    }
+
+    #[test]
+    fn an_offset_moves_the_calendar_and_no_leap_second() {
+        let at = |text: &str, offset_min| {
+            rfc3339_with_offset(utc_from_rfc3339(text).expect("a date"), offset_min)
+        };
+        assert_eq!(
+            at("2018-01-15T12:00:00Z", 60),
+            "2018-01-15T13:00:00.000+01:00"
+        );
+        assert_eq!(
+            at("2018-01-01T01:15:30.5Z", -210),
+            "2017-12-31T21:45:30.500-03:30"
+        );
+        assert_eq!(
+            at("2016-02-28T20:00:00Z", 345),
+            "2016-02-29T01:45:00.000+05:45"
+        );
+        assert_eq!(
+            at("2016-12-31T23:59:60Z", 60),
+            "2017-01-01T00:59:60.000+01:00"
+        );
+        assert_eq!(
+            at("2016-12-31T23:30:00Z", 60),
+            "2017-01-01T00:30:00.000+01:00"
+        );
+        assert_eq!(at("2018-01-15T12:00:00Z", 0), "2018-01-15T12:00:00.000Z");
     }
 
     #[test]

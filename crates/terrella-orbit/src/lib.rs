@@ -64,6 +64,7 @@ mod text;
 mod tle_fields;
 mod tle_text;
 mod validity;
+mod visible;
 mod write_ccsds;
 mod write_csv;
 
@@ -84,6 +85,7 @@ pub use passes::{LookAngles, Observer, Pass, next_pass, passes};
 pub use sgp4_feed::{Sgp4Feed, TleFeed};
 pub use start_error::StartError;
 pub use state::{Frame, OrbitState};
+pub use visible::{VisibilityRule, VisibleInterval, visible_intervals};
 pub use write_ccsds::Header;
 pub use write_csv::{csv_field, csv_header, csv_row};
 

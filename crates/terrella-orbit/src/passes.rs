@@ -31,6 +31,7 @@ pub struct Observer<'o> {
     up: DVec3,
     east: DVec3,
     sin_least: f64,
+    ellipsoid: Ellipsoid,
     orientation: &'o dyn Fn(Epoch) -> Orientation,
 }
 
@@ -78,8 +79,29 @@ impl<'o> Observer<'o> {
             sin_least: least_elevation_rad
                 .clamp(0.0, std::f64::consts::FRAC_PI_2)
                 .sin(),
+            ellipsoid: *ellipsoid,
             orientation,
         }
+    }
+
+    /// Where it is, ITRF metres.
+    pub(super) fn place_itrf_m(&self) -> DVec3 {
+        self.place_itrf_m
+    }
+
+    /// Its unit vector away from the ground, ITRF.
+    pub(super) fn up(&self) -> DVec3 {
+        self.up
+    }
+
+    /// The Earth's figure.
+    pub(super) fn ellipsoid(&self) -> &Ellipsoid {
+        &self.ellipsoid
+    }
+
+    /// How the Earth stands.
+    pub(super) fn orientation(&self, epoch: Epoch) -> Orientation {
+        (self.orientation)(epoch)
     }
 
     /// Where a satellite stands.

@@ -3,14 +3,17 @@
 use super::ephemeris::Layout;
 use super::{Flight, PlayError, Satellite};
 use std::fmt::Write;
-use terrella::frames::{Duration, Epoch, Geodetic, rfc3339};
-use terrella_orbit::{LookAngles, Observer, Pass, csv_field, passes};
+use terrella::frames::{Duration, Epoch, Geodetic, rfc3339, rfc3339_with_offset};
+use terrella_orbit::{
+    LookAngles, Observer, Pass, VisibilityRule, VisibleInterval, csv_field, passes,
+    visible_intervals,
+};
 
 /// Most passes of one table.
 const MAX_PASSES: usize = 100_000;
 
 /// The columns of a table of passes.
-const CSV_HEADER: &str = "name,begin_utc,begin_azimuth_deg,rises,highest_utc,highest_azimuth_deg,elevation_deg,distance_km,end_utc,end_azimuth_deg,sets\n";
+const CSV_HEADER: &str = "name,begin_utc,begin_azimuth_deg,rises,highest_utc,highest_azimuth_deg,elevation_deg,distance_km,end_utc,end_azimuth_deg,sets,duration_s,visible_begin_utc,visible_end_utc,brightest_utc,magnitude\n";
 
 /// Which passes are wanted.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,6 +24,10 @@ pub struct PassRequest {
     pub min_elevation_rad: f64,
     /// For how long from the scene's first instant on; `None` is to its last.
     pub length: Option<Duration>,
+    /// When the satellite counts as visible in a pass.
+    pub visibility: VisibilityRule,
+    /// The time zone of texts, minutes east of UTC.
+    pub time_zone_min: i32,
 }
 
 /// The passes of one satellite.
@@ -29,7 +36,27 @@ pub struct PassTable<'f> {
     place: Geodetic,
     min_elevation_rad: f64,
     span: (Epoch, Epoch),
-    rows: Vec<(Pass, [LookAngles; 3])>,
+    rows: Vec<Row>,
+    time_zone_min: i32,
+}
+
+/// A pass, with what is seen of it.
+struct Row {
+    pass: Pass,
+    /// Where the satellite stands when the pass begins, when it is highest and when it ends.
+    stands: [LookAngles; 3],
+    visible: Vec<VisibleInterval>,
+}
+
+impl Row {
+    fn duration_s(&self) -> f64 {
+        (self.pass.end - self.pass.begin).to_seconds()
+    }
+
+    /// The longest time that the satellite is visible.
+    fn longest(&self) -> Option<&VisibleInterval> {
+        self.visible.iter().max_by_key(|one| one.end - one.begin)
+    }
 }
 
 impl<'f> PassTable<'f> {
@@ -71,7 +98,16 @@ impl<'f> PassTable<'f> {
                 let pass = pass?;
                 let at = [pass.begin, pass.highest, pass.end];
                 let [begin, highest, end] = at.map(bearing);
-                Ok((pass, [begin?, highest?, end?]))
+                Ok(Row {
+                    pass,
+                    stands: [begin?, highest?, end?],
+                    visible: visible_intervals(
+                        satellite.feed(),
+                        &observer,
+                        &pass,
+                        &request.visibility,
+                    )?,
+                })
             })
             .collect::<Result<Vec<_>, PlayError>>()?;
         Ok(Self {
@@ -80,12 +116,13 @@ impl<'f> PassTable<'f> {
             min_elevation_rad,
             span,
             rows,
+            time_zone_min: request.time_zone_min,
         })
     }
 
     /// The passes, in order of time.
     pub fn passes(&self) -> impl Iterator<Item = &Pass> {
-        self.rows.iter().map(|(pass, _)| pass)
+        self.rows.iter().map(|row| &row.pass)
     }
 
     /// Tables as one text, in one of the layouts: one after the other, rows under one header, or an object for one and an
@@ -96,14 +133,16 @@ impl<'f> PassTable<'f> {
 
     // Writing to a string cannot fail.
     fn text(&self) -> String {
+        let time = |epoch| rfc3339_with_offset(epoch, self.time_zone_min);
+        let width = time(self.span.0).len();
         let mut text = format!(
             "{} over {:.5}, {:.5}, more than {}° above the horizon, {} to {}\n",
             self.satellite.name(),
             self.place.lat_rad.to_degrees(),
             self.place.lon_rad.to_degrees(),
             rounded(self.min_elevation_rad.to_degrees()),
-            rfc3339(self.span.0),
-            rfc3339(self.span.1)
+            time(self.span.0),
+            time(self.span.1)
         );
         if self.rows.is_empty() {
             text += "none\n";
@@ -111,10 +150,19 @@ impl<'f> PassTable<'f> {
         }
         let _ = writeln!(
             text,
-            "{:24} {:>7}  {:24} {:>7} {:>9} {:>9}  {:24} {:>7}",
-            "begins", "azimuth", "highest", "azimuth", "elevation", "km away", "ends", "azimuth"
+            "{:width$} {:>7}  {:width$} {:>7} {:>9} {:>9}  {:width$} {:>7} {:>9}",
+            "begins",
+            "azimuth",
+            "highest",
+            "azimuth",
+            "elevation",
+            "km away",
+            "ends",
+            "azimuth",
+            "duration"
         );
-        for (pass, [begin, highest, end]) in &self.rows {
+        for row in &self.rows {
+            let (pass, [begin, highest, end]) = (&row.pass, &row.stands);
             let cut = match (pass.rises, pass.sets) {
                 (true, true) => "",
                 (false, true) => "  above at the beginning",
@@ -123,16 +171,29 @@ impl<'f> PassTable<'f> {
             };
             let _ = writeln!(
                 text,
-                "{:24} {:>6.1}°  {:24} {:>6.1}° {:>8.2}° {:>9.1}  {:24} {:>6.1}°{cut}",
-                rfc3339(pass.begin),
+                "{} {:>6.1}°  {} {:>6.1}° {:>8.2}° {:>9.1}  {} {:>6.1}° {:>7.1} s{cut}",
+                time(pass.begin),
                 begin.azimuth_rad.to_degrees(),
-                rfc3339(pass.highest),
+                time(pass.highest),
                 highest.azimuth_rad.to_degrees(),
                 pass.elevation_rad.to_degrees(),
                 highest.distance_m / 1e3,
-                rfc3339(pass.end),
-                end.azimuth_rad.to_degrees()
+                time(pass.end),
+                end.azimuth_rad.to_degrees(),
+                row.duration_s()
             );
+            for one in &row.visible {
+                let brightest = one.brightest.map(|(at, magnitude)| {
+                    format!(", brightest at {}: magnitude {magnitude:.1}", time(at))
+                });
+                let _ = writeln!(
+                    text,
+                    "  visible {} to {}{}",
+                    time(one.begin),
+                    time(one.end),
+                    brightest.unwrap_or_default()
+                );
+            }
         }
         text
     }
@@ -140,10 +201,11 @@ impl<'f> PassTable<'f> {
     fn csv_rows(&self) -> String {
         let name = csv_field(self.satellite.name());
         let mut text = String::new();
-        for (pass, [begin, highest, end]) in &self.rows {
-            let _ = writeln!(
+        for row in &self.rows {
+            let (pass, [begin, highest, end]) = (&row.pass, &row.stands);
+            let _ = write!(
                 text,
-                "{name},{},{:.4},{},{},{:.4},{:.4},{:.4},{},{:.4},{}",
+                "{name},{},{:.4},{},{},{:.4},{:.4},{:.4},{},{:.4},{},{:.3},",
                 rfc3339(pass.begin),
                 begin.azimuth_rad.to_degrees(),
                 pass.rises,
@@ -153,14 +215,31 @@ impl<'f> PassTable<'f> {
                 highest.distance_m / 1e3,
                 rfc3339(pass.end),
                 end.azimuth_rad.to_degrees(),
-                pass.sets
+                pass.sets,
+                row.duration_s()
             );
+            let visible = row.longest();
+            let times = visible.map(|one| [one.begin, one.end].map(rfc3339).join(","));
+            let brightest = visible.and_then(|one| one.brightest);
+            let brightest =
+                brightest.map(|(at, magnitude)| format!("{},{magnitude:.2}", rfc3339(at)));
+            let [times, brightest] = [times, brightest].map(|two| two.unwrap_or(",".to_owned()));
+            let _ = writeln!(text, "{times},{brightest}");
         }
         text
     }
 
     fn json(&self) -> serde_json::Value {
-        let rows = self.rows.iter().map(|(pass, [begin, highest, end])| {
+        let rows = self.rows.iter().map(|row| {
+            let (pass, [begin, highest, end]) = (&row.pass, &row.stands);
+            let visible = row.visible.iter().map(|one| {
+                serde_json::json!({
+                    "begin_utc": rfc3339(one.begin),
+                    "end_utc": rfc3339(one.end),
+                    "brightest_utc": one.brightest.map(|(at, _)| rfc3339(at)),
+                    "magnitude": one.brightest.map(|(_, magnitude)| magnitude),
+                })
+            });
             serde_json::json!({
                 "begin_utc": rfc3339(pass.begin),
                 "begin_azimuth_deg": begin.azimuth_rad.to_degrees(),
@@ -172,6 +251,8 @@ impl<'f> PassTable<'f> {
                 "end_utc": rfc3339(pass.end),
                 "end_azimuth_deg": end.azimuth_rad.to_degrees(),
                 "sets": pass.sets,
+                "duration_s": row.duration_s(),
+                "visible": visible.collect::<Vec<_>>(),
             })
         });
         serde_json::json!({
