@@ -1,14 +1,17 @@
 //! Satellites of files: where they are at any instants, as arrays.
 
 use crate::errors::of_orbit;
-use crate::times::{PyEpoch, epochs};
+use crate::passes::PassSearch;
+use crate::times::{PyEpoch, epoch, epochs};
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::PyClass;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 use std::path::PathBuf;
+use std::sync::Arc;
 use terrella::frames::{Epoch, Orientation};
-use terrella_orbit::{Catalogue, Ephemerides, Feed, Frame, OrbitError};
+use terrella_orbit::{Catalogue, Ephemerides, Feed, Frame, OrbitError, ParameterMessages};
 
 /// Most states that one call gives.
 const MAX_STATES: usize = 1 << 27;
@@ -161,6 +164,38 @@ impl PySatellites {
         let feeds: Vec<_> = self.feeds.iter().map(AsRef::as_ref).collect();
         states_of(py, &feeds, times, frame, outside)
     }
+
+    /// Passes over a place of WGS84 from `first` to `last`, as far as each satellite is known: for each satellite a list of dicts with begin, highest
+    /// and end (Epoch), their azimuths and the greatest elevation in degrees, the distance then in metres, duration_s, and whether the satellite
+    /// rises at the beginning and sets at the end. `visible` lists the times in which it is outside the umbra and the Sun's centre lies below
+    /// `sun_below_deg`: begin, end, and with a standard magnitude (at 1000 km, half lit) the brightest instant and its magnitude.
+    #[pyo3(signature = (
+        lat_deg, lon_deg, height_m = 0.0, *, first, last, min_elevation_deg = 10.0, sun_below_deg = -6.0, standard_magnitude = None
+    ))]
+    // One keyword each.
+    #[expect(clippy::too_many_arguments)]
+    fn passes<'py>(
+        &self,
+        py: Python<'py>,
+        lat_deg: f64,
+        lon_deg: f64,
+        height_m: f64,
+        first: &Bound<'py, PyAny>,
+        last: &Bound<'py, PyAny>,
+        min_elevation_deg: f64,
+        sun_below_deg: f64,
+        standard_magnitude: Option<f64>,
+    ) -> PyResult<Vec<Vec<Bound<'py, PyDict>>>> {
+        let search = PassSearch::new(
+            [lat_deg, lon_deg, height_m],
+            (epoch(first, "first")?, epoch(last, "last")?),
+            min_elevation_deg,
+            sun_below_deg,
+            standard_magnitude,
+        )?;
+        let feeds: Vec<_> = self.feeds.iter().map(AsRef::as_ref).collect();
+        search.all(py, &feeds)
+    }
 }
 
 /// Satellites of a file of mean elements (TLE, or OMM in KVN, XML, JSON or CSV), flown by SGP4.
@@ -204,5 +239,43 @@ impl PyEphemerides {
         let read = read.map_err(|error| of_orbit(&error))?;
         let faults = read.faults.iter().map(ToString::to_string).collect();
         Ok(PySatellites::new(read.feeds).told_by(Self { faults }))
+    }
+}
+
+/// Satellites of a file of orbit parameter messages (CCSDS OPM, KVN or XML): each state is integrated with the message's spacecraft and manoeuvres from
+/// `first`, by default the state's own instant, to `last`.
+///
+/// Messages that are corrupt are listed in `faults`; with strict=True they are rejected.
+#[pyclass(frozen, extends = PySatellites, name = "ParameterMessages", module = "terrella")]
+pub struct PyParameterMessages {
+    /// What is wrong with other messages of the file: the first thousand.
+    #[pyo3(get)]
+    faults: Vec<String>,
+}
+
+#[pymethods]
+impl PyParameterMessages {
+    #[new]
+    #[pyo3(signature = (path, *, last, first = None, strict = false))]
+    fn new(
+        py: Python<'_>,
+        path: PathBuf,
+        last: &Bound<'_, PyAny>,
+        first: Option<&Bound<'_, PyAny>>,
+        strict: bool,
+    ) -> PyResult<PyClassInitializer<Self>> {
+        let first = first.map(|first| epoch(first, "first")).transpose()?;
+        let last = epoch(last, "last")?;
+        let read = py.detach(|| {
+            let read = ParameterMessages::from_file(&path, strict)?;
+            let faults: Vec<_> = read.faults.iter().map(ToString::to_string).collect();
+            let feeds = read.messages.into_iter().map(|message| {
+                let from = first.unwrap_or(message.state.epoch);
+                Arc::new(message).propagated(from, last, &Orientation::default())
+            });
+            Ok((feeds.collect::<Result<Vec<_>, OrbitError>>()?, faults))
+        });
+        let (feeds, faults) = read.map_err(|error: OrbitError| of_orbit(&error))?;
+        Ok(PySatellites::new(feeds).told_by(Self { faults }))
     }
 }

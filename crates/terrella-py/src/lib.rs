@@ -15,6 +15,7 @@ mod frames;
 mod motions;
 mod owned;
 mod packs;
+mod passes;
 mod pictures;
 mod scene;
 mod times;
@@ -31,6 +32,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<feeds::PySatellites>()?;
     module.add_class::<feeds::PyCatalogue>()?;
     module.add_class::<feeds::PyEphemerides>()?;
+    module.add_class::<feeds::PyParameterMessages>()?;
     module.add_class::<motions::PyKeplerOrbit>()?;
     module.add_class::<motions::PyIntegratedOrbit>()?;
     film::add(module)?;

@@ -64,6 +64,18 @@ pub fn depth(
         .into_pyarray(py))
 }
 
+/// Numbers of a converter, rows from the top.
+pub fn numbers(
+    py: Python<'_>,
+    (width, height): (u32, u32),
+    numbers: Vec<u16>,
+) -> PyResult<Bound<'_, PyArray2<u16>>> {
+    let shape = (height as usize, width as usize);
+    Ok(Array2::from_shape_vec(shape, numbers)
+        .map_err(of_any)?
+        .into_pyarray(py))
+}
+
 /// Truth layers that were asked for.
 pub struct Layers(Vec<&'static TruthLayer>);
 

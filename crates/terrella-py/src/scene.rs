@@ -183,6 +183,23 @@ impl PyScene {
         layers.arrays(py, size, values)
     }
 
+    /// The raw frame of the scene's sensor at an instant: height × width (uint16), the numbers of its converter. The scene needs a [sensor] table;
+    /// the frame is that of `terrella frame --raw`.
+    ///
+    /// `time` is an instant (see `Epoch`), or a `datetime.timedelta` after the start; without it the start.
+    #[pyo3(signature = (time = None))]
+    fn raw<'py>(
+        &self,
+        py: Python<'py>,
+        time: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyArray2<u16>>> {
+        let epoch = self.instant(time)?;
+        let frame = self
+            .pictures
+            .with(py, |pictures| pictures.draw_raw(epoch).map_err(of_play))?;
+        pictures::numbers(py, (frame.width, frame.height), frame.data)
+    }
+
     /// Positions and velocities of the satellites, metres and metres a second: satellites × instants × 3 each. `frame` is itrf, teme, gcrf,
     /// eme2000 or pef, and velocities are those seen in it. Instants at which a satellite is not known raise, or are NaN with outside="nan".
     #[pyo3(signature = (times, frame = "itrf", *, outside = "raise"))]

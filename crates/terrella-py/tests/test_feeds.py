@@ -113,3 +113,58 @@ def test_scenes_have_states(scene):
         scene.propagate(scene.start, outside="ignore")
     with pytest.raises(ValueError, match="frame"):
         scene.propagate(scene.start, "j2000")
+
+
+def test_passes_have_what_is_seen_of_them(root):
+    catalogue = terrella.Catalogue(root / ISS)
+    options = {"first": "2018-01-25T00:00:00Z", "last": "2018-01-26T00:00:00Z"}
+    (passes,) = catalogue.passes(48.2, 16.4, 200.0, standard_magnitude=-1.8, **options)
+    seen = [one for one in passes if one["visible"]]
+    assert len(passes) > len(seen) == 1
+    (visible,) = seen[0]["visible"]
+    # Skyfield 1.55 with DE421, as in crates/terrella-orbit/src/visible_tests.rs.
+    assert abs(visible["begin"].seconds_since("2018-01-25T17:12:40.917Z")) < 1
+    assert abs(visible["end"].seconds_since("2018-01-25T17:13:47.782Z")) < 1
+    assert abs(visible["magnitude"] + 1.573) < 0.01
+    for one in passes:
+        assert one["elevation_deg"] > 10 and one["rises"] and one["sets"]
+        assert 0 < one["duration_s"] < 600
+    (plain,) = catalogue.passes(48.2, 16.4, 200.0, **options)
+    assert [one["magnitude"] for each in plain for one in each["visible"]] == [None]
+    with pytest.raises(ValueError, match="lat_deg"):
+        catalogue.passes(91, 0, **options)
+    with pytest.raises(ValueError, match="min_elevation_deg"):
+        catalogue.passes(0, 0, min_elevation_deg=90, **options)
+
+
+OPM = """CCSDS_OPM_VERS = 2.0
+CREATION_DATE = 2018-01-01T00:00:00
+ORIGINATOR = TEST
+OBJECT_NAME = SAT
+OBJECT_ID = 2018-001A
+CENTER_NAME = EARTH
+REF_FRAME = EME2000
+TIME_SYSTEM = UTC
+EPOCH = 2018-01-01T00:00:00
+X = 6778.137
+Y = 0
+Z = 0
+X_DOT = 0
+Y_DOT = 4.7
+Z_DOT = 6.05
+"""
+
+
+def test_parameter_messages_are_integrated(tmp_path):
+    path = tmp_path / "sat.opm"
+    path.write_text(OPM)
+    first = "2018-01-01T00:00:00Z"
+    messages = terrella.ParameterMessages(path, last="2018-01-01T02:00:00Z")
+    assert messages.names == ["SAT"] and messages.faults == []
+    positions, velocities = messages.propagate([first], "eme2000")
+    np.testing.assert_allclose(positions[0, 0], [6_778_137, 0, 0], atol=1e-3)
+    np.testing.assert_allclose(velocities[0, 0], [0, 4_700, 6_050], atol=1e-6)
+    with pytest.raises(terrella.OrbitError):
+        messages.propagate(["2018-01-02T00:00:00Z"])
+    with pytest.raises(terrella.OrbitError, match="missing.opm"):
+        terrella.ParameterMessages(tmp_path / "missing.opm", last=first)

@@ -144,3 +144,22 @@ def test_threads_share_a_renderer(earth):
 
 def test_the_same_picture_twice(earth):
     assert np.array_equal(earth.color(CAMERA, NOON), earth.color(CAMERA, NOON))
+
+
+def test_a_scene_gives_raw_frames(tmp_path):
+    path = tmp_path / "raw.toml"
+    path.write_text(
+        "[sensor]\nsize = [48, 32]\nfocal_length_mm = 0.6\npixel_pitch_um = 10\nf_number = 4\nexposure_s = 2e-5\n"
+        "full_well_e = 20000\noversampling = 1\nbits = 12\nread_noise_e = 5\n"
+    )
+    scene = terrella.Scene(path)
+    frame = scene.raw()
+    assert frame.shape == (32, 48) and frame.dtype == np.uint16
+    assert 0 < frame.max() < 4096 and frame.std() > 0
+    np.testing.assert_array_equal(frame, scene.raw(scene.start))
+    later = scene.raw(datetime.timedelta(seconds=60))
+    assert (frame != later).any()
+    plain = tmp_path / "plain.toml"
+    plain.write_text("")
+    with pytest.raises(terrella.SceneError, match="sensor"):
+        terrella.Scene(plain).raw()

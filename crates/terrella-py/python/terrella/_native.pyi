@@ -5,7 +5,7 @@ from __future__ import annotations
 import datetime
 import os
 from collections.abc import Iterable
-from typing import Literal, Union
+from typing import Any, Literal, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -95,6 +95,7 @@ class Scene:
     def truth(
         self, time: Time | datetime.timedelta | None = None, layers: list[str] | None = None, *, camera: Camera | None = None
     ) -> dict[str, NDArray[np.float32] | NDArray[np.float64]]: ...
+    def raw(self, time: Time | datetime.timedelta | None = None) -> NDArray[np.uint16]: ...
     def propagate(
         self, times: Times, frame: FrameName = "itrf", *, outside: Literal["raise", "nan"] = "raise"
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
@@ -192,6 +193,18 @@ class Satellites:
     def propagate(
         self, times: Times, frame: FrameName = "itrf", *, outside: Literal["raise", "nan"] = "raise"
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
+    def passes(
+        self,
+        lat_deg: float,
+        lon_deg: float,
+        height_m: float = 0.0,
+        *,
+        first: Time,
+        last: Time,
+        min_elevation_deg: float = 10.0,
+        sun_below_deg: float = -6.0,
+        standard_magnitude: float | None = None,
+    ) -> list[list[dict[str, Any]]]: ...
 
 class Catalogue(Satellites):
     def __init__(self, path: str | os.PathLike[str], *, strict: bool = False) -> None: ...
@@ -200,6 +213,13 @@ class Catalogue(Satellites):
 
 class Ephemerides(Satellites):
     def __init__(self, path: str | os.PathLike[str], *, strict: bool = False) -> None: ...
+    @property
+    def faults(self) -> list[str]: ...
+
+class ParameterMessages(Satellites):
+    def __init__(
+        self, path: str | os.PathLike[str], *, last: Time, first: Time | None = None, strict: bool = False
+    ) -> None: ...
     @property
     def faults(self) -> list[str]: ...
 
