@@ -36,7 +36,10 @@ impl CityLightDriver {
             cells: CityCell::all().collect(),
             least_shown: match options.pass_format().target_color() {
                 TargetColor::Radiance => 0.0,
-                _ => options.tone.light_shown_as(shown).min_element(),
+                _ => {
+                    let least = options.tone.light_shown_as(shown).min_element();
+                    least / options.grade.largest_gain()
+                }
             },
         })
     }

@@ -25,7 +25,7 @@ use terrella_ground::globe::{
     BLOCK_COUNT, Block, BlockGrid, BlockSet, COLUMNS, Meshes, Subdivision, SubdivisionError,
     Surface, Visibility, sagitta, select_blocks, texels_per_pixel,
 };
-use terrella_ground::light::{Tone, exposure_factor};
+use terrella_ground::light::{Grade, Tone, exposure_factor};
 use terrella_imagery::{GroundKinds, MOST_PIXEL_M};
 
 /// Turns the views of one eye into plans.
@@ -37,6 +37,7 @@ pub(super) struct Planner {
     /// Whether pictures take the air's light from vertices where that suffices.
     interpolates: bool,
     tone: Tone,
+    grade: Grade,
     air: AirOptions,
     has_clouds: bool,
     /// Where that is, once it is asked for.
@@ -69,6 +70,7 @@ impl Planner {
             has_air: quality.atmosphere == Atmosphere::Billboard,
             interpolates: options.interpolates_air(),
             tone: options.tone,
+            grade: options.grade,
             air: options.air,
             has_clouds: options.layers.clouds.is_some(),
             cells: None,
@@ -268,7 +270,7 @@ impl Planner {
                     let clouds = self
                         .has_clouds
                         .then(|| AirAboveClouds::shared(&self.air, height_m));
-                    CellLights::new(AirTables::shared(&self.air), clouds, self.tone)
+                    CellLights::new(AirTables::shared(&self.air), clouds, self.tone, &self.grade)
                 });
                 let light = CellLight {
                     sun_itrf: plan.uniforms.sun_itrf,

@@ -7,7 +7,7 @@ use glam::Vec3;
 use std::sync::Arc;
 use terrella_ground::air::{AirAboveClouds, AirTables, InterpolationLimits};
 use terrella_ground::globe::{Block, BlockGrid};
-use terrella_ground::light::{DisplaySlope, Tone};
+use terrella_ground::light::{DisplaySlope, Grade, Tone};
 use terrella_imagery::{GroundKind, GroundKinds};
 
 /// Cells a block edge that most of the air's light can be interpolated in, for an eye above the air: more where they look large, and no
@@ -67,15 +67,20 @@ impl CellLight {
 }
 
 impl CellLights {
-    /// For light through this air, and that above clouds where there are some, which is shown by this curve.
-    pub fn new(tables: Arc<AirTables>, clouds: Option<Arc<AirAboveClouds>>, tone: Tone) -> Self {
+    /// For light through this air, and that above clouds where there are some, which is shown by this curve after this grade.
+    pub fn new(
+        tables: Arc<AirTables>,
+        clouds: Option<Arc<AirAboveClouds>>,
+        tone: Tone,
+        grade: &Grade,
+    ) -> Self {
         Self {
             limits: tables.interpolation().limits(),
             clouds: clouds.map(|above| {
                 let limits = above.interpolation().limits();
                 (above, limits)
             }),
-            display_slope: DisplaySlope::of(tone),
+            display_slope: DisplaySlope::of(tone, grade),
             tables,
             enough: Vec::with_capacity(49 * 49),
             drawn: Vec::with_capacity(48 * 48),

@@ -50,7 +50,7 @@ mod tests {
     use crate::gpu::{Development, FrameTargets, ScaledTarget};
     use glam::DVec3;
     use terrella_ground::half::float_of_half;
-    use terrella_ground::light::Tone;
+    use terrella_ground::light::{Tone, WhiteBalance};
 
     fn format(color: wgpu::TextureFormat) -> PassFormat {
         PassFormat {
@@ -63,6 +63,28 @@ mod tests {
             bloom: Default::default(),
             grade: Default::default(),
         }
+    }
+
+    #[test]
+    fn a_white_balance_leaves_the_colours_of_lines() {
+        let balance = WhiteBalance {
+            temperature_k: 3200.0,
+            tint: 20.0,
+        };
+        let mut balanced = format(ScaledTarget::LIGHT);
+        balanced.grade.white_balance = Some(balance);
+        let light = |format: &PassFormat| {
+            let [red, green, blue, _] = Ink::new(format, [244, 114, 160], true).at(1.0)[0];
+            DVec3::from_array([red, green, blue].map(float_of_half).map(f64::from))
+        };
+        let plain = Tone::Camera.shown(light(&format(ScaledTarget::LIGHT)));
+        let shown = Tone::Camera.shown(balance.matrix() * light(&balanced));
+        assert!(
+            (shown - plain).abs().max_element() < 2e-3,
+            "{shown} {plain}"
+        );
+        let unbalanced = Tone::Camera.shown(light(&balanced));
+        assert!((unbalanced - plain).abs().max_element() > 0.05);
     }
 
     /// Over black space a faded line has the hue of a full one, though the tone curve has contrast.

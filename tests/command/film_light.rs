@@ -141,6 +141,82 @@ fn development_of_a_film_is_that_of_a_picture() {
     }
 }
 
+const GRADED: [&str; 4] = [
+    "--set",
+    "output.grain=0.07",
+    "--set",
+    "output.white_balance_k=3200",
+];
+
+#[test]
+fn radiance_and_truth_have_no_white_balance_and_no_grain() {
+    let place = Place::new();
+    let draw = |folder: &str, more: &[&str]| {
+        let (npy, png) = (format!("{folder}.npy"), format!("{folder}.png"));
+        let ask = [
+            "frame",
+            "small.toml",
+            "-o",
+            &png,
+            "--radiance",
+            &npy,
+            "--truth",
+            folder,
+        ];
+        place.succeed(&[&ask[..], more].concat());
+    };
+    draw("plain", &[]);
+    draw("graded", &GRADED);
+    let read = |name: String| std::fs::read(place.path(&name)).expect("reads");
+    assert!(read("plain.npy".into()) == read("graded.npy".into()));
+    assert!(read("plain.png".into()) != read("graded.png".into()));
+    let layers = names(&place.path("plain"));
+    let arrays: Vec<_> = layers
+        .iter()
+        .filter(|name| name.ends_with(".npy"))
+        .collect();
+    assert!(arrays.len() > 4, "{layers:?}");
+    for name in arrays {
+        assert!(
+            read(format!("plain/{name}")) == read(format!("graded/{name}")),
+            "{name}"
+        );
+    }
+}
+
+/// The same in each run, another in each frame, and that of the film in a picture of its instant.
+#[test]
+fn grain_is_that_of_the_frame() {
+    let place = Place::new();
+    let film = |folder: &str, more: &[&str]| {
+        let ask = ["play", "small.toml", "--frames", folder, "--range", "0..2"];
+        place.succeed(&[&ask[..], more].concat());
+        [0, 1].map(|n| open(&place.path(&format!("{folder}/frame_0000{n}.png"))).to_rgb8())
+    };
+    let grain = [
+        "--set",
+        "output.grain=0.07",
+        "--set",
+        "output.grain_size_px=2",
+    ];
+    let (plain, first, again) = (
+        film("plain", &[]),
+        film("first", &grain),
+        film("again", &grain),
+    );
+    assert!(first == again, "a function of pixel, seed and frame");
+    let differences = |a: &image::RgbImage, b: &image::RgbImage| {
+        let pairs = a.as_raw().iter().zip(b.as_raw());
+        pairs.filter(|(a, b)| a.abs_diff(**b) > 5).count()
+    };
+    let [moved, regrained] = [&plain, &first].map(|[a, b]| differences(a, b));
+    assert!(regrained > 10 * moved + 100, "{regrained} {moved}");
+    place.succeed(&[&["frame", "small.toml", "-o", "one.png"], &grain[..]].concat());
+    assert!(open(&place.path("one.png")).to_rgb8() == first[0]);
+    let seeded = [&grain[..], &["--set", "output.grain_seed=1"]].concat();
+    assert!(differences(&film("seeded", &seeded)[0], &first[0]) > 100);
+}
+
 /// N × N pixels for one are the mean of the light of a picture N times as large.
 #[test]
 fn many_pixels_for_one_are_the_mean_of_their_light() {

@@ -478,6 +478,23 @@ fn a_target_of_light_is_not_exposed() {
     }
 }
 
+/// The last pass has what is on, and nothing of the rest.
+#[test]
+fn development_has_what_is_on_alone() {
+    for variant in DevelopVariant::all() {
+        let text = variant.source().unwrap().text;
+        for (word, is_on) in [
+            ("fn responded", variant.measured),
+            ("ResponseSamples", variant.measured),
+            ("mat3x3f(grade", variant.balanced),
+            ("fn grain_noise", variant.grained),
+            ("GradeUniforms", variant.is_graded()),
+        ] {
+            assert_eq!(text.contains(word), is_on, "{}: {word}", variant.name());
+        }
+    }
+}
+
 /// From outside the air tables are read, from inside what was drawn of it; neither knows the other's.
 #[test]
 fn an_eye_on_one_side_of_the_air_has_nothing_of_the_other() {

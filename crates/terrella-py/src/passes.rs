@@ -75,7 +75,9 @@ impl PassSearch {
         let found = passes(feed, &observer, self.span.0, self.span.1);
         let found = found.take(MAX_PASSES).map(|pass| {
             let pass = pass?;
-            let stands = |epoch| Ok(observer.look_angles(&feed.state_at(epoch)?));
+            let stands = |epoch| -> Result<LookAngles, OrbitError> {
+                Ok(observer.look_angles(&feed.state_at(epoch)?))
+            };
             let [begin, highest, end] = [pass.begin, pass.highest, pass.end].map(stands);
             let visible = visible_intervals(feed, &observer, &pass, &self.rule)?;
             Ok((pass, [begin?, highest?, end?], visible))

@@ -14,8 +14,9 @@ use terrella_pack::{BuildOptions, Relief, build};
 #[derive(Debug, Args)]
 #[command(
     after_help = "Maps are equirectangular PNG, JPEG or (Geo)TIFF files of the whole Earth, twice as wide as high, north up, left edge \
-    at 180° W; or mosaics of georeferenced files: a TOML file, or a folder of GeoTIFFs, maps with world files or NASA's eight parts \
-    (docs/packs.md). Run the same command again to resume an interrupted build."
+    at 180° W; or mosaics of georeferenced files: a TOML file, a virtual raster (.vrt), a file of tiles (MBTiles, PMTiles), or a folder of \
+    GeoTIFFs, maps with world files or NASA's eight parts (docs/packs.md). TIFF may be compressed by LZW, deflate, PackBits, ZSTD, JPEG, \
+    WebP or LERC. Run the same command again to resume an interrupted build."
 )]
 pub struct BuildArgs {
     /// Surface colour by day, sRGB
@@ -27,7 +28,8 @@ pub struct BuildArgs {
     /// Normal map in tangent space: red east, green north, blue up, middle 128
     #[arg(long, value_name = "MAP", conflicts_with = "elevation")]
     normals: Option<PathBuf>,
-    /// Elevation in metres, from which slopes are computed: 16-bit PNG, or TIFF of 16-bit or float samples
+    /// Elevation in metres, from which slopes are computed: 16-bit PNG, TIFF of 16-bit or float samples, or a mosaic, also of
+    /// Terrain-RGB or Terrarium tiles
     #[arg(long, value_name = "MAP")]
     elevation: Option<PathBuf>,
     /// City lights: grey, or the luminance of colour
@@ -36,7 +38,8 @@ pub struct BuildArgs {
     /// Open water: white
     #[arg(long, value_name = "MAP")]
     water: Option<PathBuf>,
-    /// Elevation data for streamed terrain: GeoTIFF, PNG or NetCDF classic as scenes read them, of the whole Earth or parts of it; finer
+    /// Elevation data for streamed terrain, of the whole Earth or parts of it: GeoTIFF, PNG, NetCDF classic, SRTM (.hgt), ASCII grids, DTED
+    /// and virtual rasters (.vrt) as scenes read them; finer
     /// files cover coarser ones, and those that do not fit into --memory are read in parts through a scratch file in the pack's folder
     #[arg(long, value_name = "FILE", num_args = 1..)]
     heights: Vec<PathBuf>,

@@ -1,13 +1,16 @@
 //! How steeply display values rise with light: what an error of light is worth in a picture.
 
-use super::Tone;
+use super::srgb::encoded;
 use super::tone::CAMERA_SATURATION;
-use glam::{DVec3, Vec3};
+use super::{Grade, Tone};
+use glam::{DVec3, Mat3, Vec3};
 
 /// How steeply sRGB display values, 0…1, rise with exposed light by a tone curve.
 pub struct DisplaySlope {
     /// The largest of each step of exposure, channel by channel.
     slopes: Vec<Vec3>,
+    /// The white balance before the curve, and how much an error of all channels grows at most in each.
+    balance: Option<(Mat3, Vec3)>,
 }
 
 /// Steps of an exposure value.
@@ -19,8 +22,8 @@ const ABOVE: usize = 4;
 const PARTS: usize = 2;
 
 impl DisplaySlope {
-    /// Of this curve.
-    pub fn of(tone: Tone) -> Self {
+    /// Of this curve after the white balance of a grade.
+    pub fn of(tone: Tone, grade: &Grade) -> Self {
         let shown = |part: usize| {
             let light = (part as f64 / (STEPS * PARTS) as f64 - BELOW as f64).exp2();
             // Channel by channel, as their curves differ.
@@ -49,11 +52,24 @@ impl DisplaySlope {
         });
         Self {
             slopes: slopes.collect(),
+            balance: grade
+                .balance()
+                .map(|matrix| (matrix.as_mat3(), Grade::gains(&matrix).as_vec3())),
         }
     }
 
     /// At so much exposed light; at least what it is in truth.
     pub fn at(&self, light: Vec3) -> Vec3 {
+        let Some((matrix, gains)) = self.balance else {
+            return self.of_balanced(light);
+        };
+        // Each channel shows errors of all others, together at most by its gain.
+        let slopes = self.of_balanced((matrix * light).max(Vec3::ZERO));
+        Vec3::splat((slopes * gains).max_element())
+    }
+
+    /// At so much light after the white balance.
+    fn of_balanced(&self, light: Vec3) -> Vec3 {
         let at = |channel: usize| {
             let step = (light[channel].max(1e-9).log2() + BELOW as f32) * STEPS as f32;
             self.slopes[(step.max(0.0) as usize).min(self.slopes.len() - 1)][channel]
@@ -62,25 +78,9 @@ impl DisplaySlope {
     }
 }
 
-/// The sRGB transfer function (IEC 61966-2-1).
-pub(super) fn encoded(linear: f64) -> f64 {
-    match linear <= 0.003_130_8 {
-        true => 12.92 * linear,
-        false => 1.055 * linear.powf(1.0 / 2.4) - 0.055,
-    }
-}
-
-/// Its inverse.
-pub(super) fn linear_from_encoded(encoded: f64) -> f64 {
-    match encoded <= 0.040_45 {
-        true => encoded / 12.92,
-        false => ((encoded + 0.055) / 1.055).powf(2.4),
-    }
-}
-
 #[cfg(test)]
 mod tests {
-    use super::super::Response;
+    use super::super::{Response, WhiteBalance};
     use super::*;
 
     #[test]
@@ -88,7 +88,7 @@ mod tests {
         let wavy = "wavy\ntype\nI = 0 0.1 0.11 0.8 0.9 1\nB = 0 0.02 0.4 0.45 0.9 1";
         let measured = Response::read(wavy, None).expect("a response");
         for tone in Tone::ALL.into_iter().chain([Tone::Measured(measured)]) {
-            let slopes = DisplaySlope::of(tone);
+            let slopes = DisplaySlope::of(tone, &Grade::NONE);
             let mut closest = 0.0_f64;
             for tint in [
                 DVec3::ONE,
@@ -116,5 +116,32 @@ mod tests {
             }
             assert!(closest > 0.7, "{tone:?}: {closest}");
         }
+    }
+
+    /// An error of any channels, each as large as the slope allows for a code, is a code at most.
+    #[test]
+    fn a_white_balance_makes_errors_no_larger_than_the_slope_says() {
+        let grade = Grade {
+            white_balance: Some(WhiteBalance {
+                temperature_k: 2500.0,
+                tint: 30.0,
+            }),
+            ..Grade::NONE
+        };
+        let matrix = grade.balance().expect("a balance");
+        let slopes = DisplaySlope::of(Tone::Neutral, &grade);
+        let shown = |light: DVec3| Tone::Neutral.shown(matrix * light).map(encoded);
+        let mut worst = 0.0_f64;
+        for n in 0..800 {
+            let light = DVec3::new(1.0, 0.8, 0.6) * (f64::from(n) * 0.01 - 8.0).exp2();
+            let slope = slopes.at(light.as_vec3()).as_dvec3();
+            for signs in 0..8 {
+                let sign = |bit: u32| if signs & bit == 0 { 1.0 } else { -1.0 };
+                let error = 1e-4 / slope * DVec3::new(sign(1), sign(2), sign(4));
+                let off = (shown(light + error) - shown(light)).abs().max_element();
+                worst = worst.max(off / 1e-4);
+            }
+        }
+        assert!((0.5..1.05).contains(&worst), "{worst}");
     }
 }

@@ -26,6 +26,18 @@ impl Grade {
         self.white_balance.map(|balance| balance.matrix())
     }
 
+    /// How much an error of light, as large in all channels, grows at most in each by a white balance.
+    pub(super) fn gains(balance: &DMat3) -> DVec3 {
+        let [x, y, z] = [balance.x_axis, balance.y_axis, balance.z_axis].map(DVec3::abs);
+        x + y + z
+    }
+
+    /// How much brighter the white balance makes a channel at most; 1 without one.
+    pub fn largest_gain(&self) -> f64 {
+        let balance = self.balance();
+        balance.map_or(1.0, |matrix| Self::gains(&matrix).max_element())
+    }
+
     /// Exposed light that the white balance makes this light.
     pub fn before_balance(&self, light: DVec3) -> DVec3 {
         match self.balance() {

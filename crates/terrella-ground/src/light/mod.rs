@@ -10,6 +10,7 @@
 //! | `meter.rs` | the exposure that a view asks for |
 //! | `display_slope.rs` | how steeply those curves rise |
 //! | `bloom.rs` | light that a lens scatters before that |
+//! | `srgb.rs` | encoding of display values |
 //! | `tone.rs` | tone curves, the shaders' twins |
 //! | `agx.rs` | one of them |
 //! | `grade.rs`, `white_balance.rs`, `grain.rs` | what a camera does to light before the curve, and after it |
@@ -25,6 +26,7 @@ mod grain;
 mod meter;
 mod response;
 mod response_text;
+mod srgb;
 mod tone;
 mod white_balance;
 

@@ -1,6 +1,6 @@
 //! Measured camera responses: what brightness a film or a detector gives irradiance.
 
-use super::display_slope::{encoded, linear_from_encoded};
+use super::srgb::{encoded, linear_from_encoded};
 use glam::DVec3;
 use std::cmp::Ordering;
 use std::hash::{Hash, Hasher};

@@ -75,6 +75,9 @@ pub(super) const QUADTREE_LAMBDA: RangeInclusive<f64> = 1.0..=1e6;
 /// `max_leaves` of `[earth.quadtree]`: up to 1 GB of them.
 pub(super) const MAX_LEAVES: RangeInclusive<i64> = 512..=1_000_000;
 
+/// Seeds of noise.
+pub(super) const SEED: RangeInclusive<i64> = 0..=u32::MAX as i64;
+
 /// Sizes of orbits, positions and their parts, kilometres: a thousand times the distance of the Sun.
 const ORBIT_KM: RangeInclusive<f64> = -1e11..=1e11;
 /// Angles that may be given as any turn, degrees.
@@ -507,7 +510,7 @@ table!(RawOutput = "output" {
     /// Distance of grains.
     grain_size_px: f64, of "pixels", in Grain::SIZES_PX, default Grain::USUAL_SIZE_PX, for GRAINED;
     /// Seed of the pattern of grains.
-    grain_seed: i64, of "a whole number from 0 to 4294967295", in 0..=4_294_967_295, default 0, for GRAINED;
+    grain_seed: i64, of "a whole number from 0 to 4294967295", in SEED, default 0, for GRAINED;
     /// How long a picture that is kept waits for its tiles and its simulator.
     wait_s: f64, of "seconds", in 0.0..=3600.0, default 30.0;
 });

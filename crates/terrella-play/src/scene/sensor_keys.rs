@@ -2,7 +2,7 @@
 
 use super::choices::{DistortionModel, MosaicName, PsfName, ShutterName};
 use super::field::{Bounds, Choice, Field, RawPath};
-use super::keys::SIDE_PX;
+use super::keys::{SEED, SIDE_PX};
 use super::record::{Notes, Record};
 #[cfg(test)]
 use super::table::About;
@@ -36,8 +36,6 @@ const ROLLING: &Only = &Only {
 pub(super) const BANDS_NM: [[f64; 2]; 3] = [[600.0, 700.0], [500.0, 600.0], [400.0, 500.0]];
 /// Quantum efficiency where a scene gives none.
 pub(super) const QUANTUM_EFFICIENCY: [f64; 3] = [0.5; 3];
-/// Seeds of random numbers.
-pub(super) const SEED: RangeInclusive<i64> = 0..=u32::MAX as i64;
 
 table!(RawSensor = "sensor" {
     /// Width and height of the sensor. Required.
