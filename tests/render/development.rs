@@ -6,8 +6,8 @@ use image::RgbaImage;
 use std::time::Duration;
 use terrella::frames::{Ellipsoid, Geodetic};
 use terrella::{
-    Development, EarthError, EarthOptions, Exposure, EyeView, FrameTargets, OffscreenEarth,
-    Response, ScaledTarget, Shading, Sky, Tone, exposure_factor,
+    Development, EarthError, EarthOptions, Exposure, EyeView, FrameTargets, Grade, Grain,
+    OffscreenEarth, Response, ScaledTarget, Shading, Sky, Tone, exposure_factor,
 };
 
 const SIZE: (u32, u32) = (96, 54);
@@ -170,7 +170,22 @@ fn light_that_is_developed_later_wants_a_float_target_and_sunlight() {
         tone: Tone::Measured(response),
         ..options
     };
-    create(measured(float)).expect("applied after the pass");
+    create(measured(float.clone())).expect("applied after the pass");
     let error = create(measured(options(DAY_EV))).expect_err("no pass applies it");
     assert!(matches!(error, EarthError::Response("slide")), "{error}");
+    let graded = |options, strength| EarthOptions {
+        grade: Grade {
+            white_balance: None,
+            grain: Grain {
+                strength,
+                ..Grain::NONE
+            },
+        },
+        ..options
+    };
+    create(graded(float.clone(), 0.02)).expect("applied after the pass");
+    let error = create(graded(options(DAY_EV), 0.02)).expect_err("no pass applies it");
+    assert!(matches!(error, EarthError::GradeInPass), "{error}");
+    let error = create(graded(float, 0.08)).expect_err("out of range");
+    assert!(error.to_string().contains("grain is 0.08"), "{error}");
 }
