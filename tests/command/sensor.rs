@@ -381,7 +381,10 @@ fn a_film_has_the_raw_frames_of_its_instants() {
     assert_eq!(one, page(&place.path("raw/frame_00002.json")));
     // A folder that holds frames is not written to unless that is wanted.
     let rejection = place.fail(1, &play);
-    assert!(rejection.contains("--overwrite"), "{rejection}");
+    assert!(
+        rejection.contains("--overwrite") && !rejection.contains("--resume"),
+        "{rejection}"
+    );
     place.succeed(&[&play[..], &["--overwrite"]].concat());
     for (bad, words) in [
         (&["--raw", "other", "--video", "a.mp4"][..], "--video"),

@@ -2,7 +2,7 @@
 
 use super::clock::frame_epoch;
 use super::error::PlayError;
-use super::film::{Existing, FrameFolder, FrameRange};
+use super::film::{Existing, FilmError, FrameFolder, FrameRange};
 use super::flight::Flight;
 use super::progress::Progress;
 use super::raw::{RawFile, RawFormat};
@@ -62,7 +62,12 @@ pub fn write_raw_film(
         false => Existing::Reject,
     };
     let ending = request.format.ending();
-    let folder = FrameFolder::open(request.folder, frame_count, ending, existing)?;
+    let folder = FrameFolder::open(request.folder, frame_count, ending, existing);
+    let folder = folder.map_err(|error| match error {
+        // Raw frames are not resumed.
+        PlayError::Film(FilmError::NotEmpty { path }) => FilmError::RawNotEmpty { path }.into(),
+        other => other,
+    })?;
 
     let features = GpuContext::FLOAT_TARGET;
     let gpu = pollster::block_on(GpuContext::open_with(request.adapter, features))?;
