@@ -3,7 +3,7 @@
 use super::view::ItrfView;
 use super::{EarthOptions, Sky, SurfaceLight};
 use crate::gpu::{LAMPS_OUT_SIN, TargetColor};
-use crate::plan::FramePlan;
+use crate::plan::{CityDraw, FramePlan};
 use glam::DVec3;
 use std::f64::consts::FRAC_PI_2;
 use std::sync::Arc;
@@ -73,10 +73,13 @@ impl CityLightDriver {
             // Of a pixel's ground, square radii.
             let ground = (pixel_m / radius_m).powi(2) / seen.facing;
             let least_light = self.least_shown / full * ground;
-            let lights = self
+            let points = self
                 .lights
                 .of_cell(cell.index, fineness, least_light as f32);
-            plan.add_city_lights(lights);
+            plan.add_city_lights(CityDraw {
+                cell: cell.index,
+                points,
+            });
         }
     }
 }

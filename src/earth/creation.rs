@@ -110,7 +110,7 @@ impl Earth {
         let maps = (&options.layers, &options.uploaded);
         let mut surface = SurfaceDrawable::new(device, queue, maps, pools, &config, &mut view);
         if let Some(lights) = &options.city_lights {
-            surface.set_city_lights(device, lights);
+            surface.set_city_lights(lights.clone());
         }
         if options.pipelines == Pipelines::AtOnce {
             surface.make_all(device, &config, &view)?;

@@ -27,7 +27,8 @@ pub struct EarthOptions {
     /// nothing is to be seen of block edges at grazing views.
     pub tiles: Option<TileOptions>,
     /// City lights as points, which take the place of the map of night lights where [`SurfaceLight::detail`] is on and the block sphere is
-    /// drawn with whole maps: [`CityLights::load`]. `None` draws the map and costs nothing.
+    /// drawn with whole maps: [`CityLights::load`]. `None` draws the map and costs nothing. With [`Pipelines::WhenNeeded`] they are made when
+    /// a view first has places in the dark.
     pub city_lights: Option<Arc<CityLights>>,
     /// Terrain; `None` draws the smooth ellipsoid and costs nothing.
     pub ground: Option<GroundOptions>,

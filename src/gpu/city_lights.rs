@@ -1,13 +1,26 @@
 //! City lights as points on the GPU: `shaders/earth/city_lights.wgsl` draws them.
 
-use std::ops::Range;
-use terrella_imagery::{CityLight, CityLights};
+use crate::plan::CityDraw;
+use std::sync::Arc;
+use terrella_imagery::{CITY_CELLS, CityLight, CityLights};
 
 const ATTRIBUTES: [wgpu::VertexAttribute; 3] =
     wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32, 2 => Unorm8x4];
 
-/// All points of all finenesses, in one buffer.
-pub(super) struct CityPoints(wgpu::Buffer);
+/// Points of all finenesses, uploaded by cells when a view first draws some of a cell.
+pub(super) struct CityPoints {
+    lights: Arc<CityLights>,
+    buffers: Vec<wgpu::Buffer>,
+    /// Where the points of each cell are.
+    cells: Box<[Option<Place>]>,
+}
+
+#[derive(Clone, Copy)]
+struct Place {
+    buffer: usize,
+    /// Points before them.
+    first: u32,
+}
 
 impl CityPoints {
     /// A point an instance.
@@ -29,18 +42,67 @@ impl CityPoints {
         conservative: false,
     };
 
-    pub fn upload(device: &wgpu::Device, lights: &CityLights) -> Self {
-        let usage = wgpu::BufferUsages::VERTEX;
-        let bytes = bytemuck::cast_slice(lights.points());
-        let label = "terrella city lights";
-        Self(super::filled_buffer(device, label, bytes, usage))
+    pub fn new(lights: Arc<CityLights>) -> Self {
+        Self {
+            lights,
+            buffers: Vec::new(),
+            cells: vec![None; CITY_CELLS].into(),
+        }
+    }
+
+    fn place(&self, cell: usize) -> Option<Place> {
+        *self.cells.get(cell)?
+    }
+
+    /// Whether all of these are uploaded.
+    pub fn are_ready(&self, draws: &[CityDraw]) -> bool {
+        draws.iter().all(|draw| self.place(draw.cell).is_some())
+    }
+
+    /// Uploads those of them that are not there yet.
+    pub fn make_ready(&mut self, device: &wgpu::Device, draws: &[CityDraw]) {
+        self.upload(device, draws.iter().map(|draw| draw.cell));
+    }
+
+    /// Uploads all.
+    pub fn make_all(&mut self, device: &wgpu::Device) {
+        self.lights.make_all();
+        self.upload(device, 0..CITY_CELLS);
+    }
+
+    fn upload(&mut self, device: &wgpu::Device, cells: impl Iterator<Item = usize>) {
+        let mut points = Vec::new();
+        for cell in cells {
+            if let Some(place @ None) = self.cells.get_mut(cell) {
+                *place = Some(Place {
+                    buffer: self.buffers.len(),
+                    first: points.len() as u32,
+                });
+                points.extend_from_slice(self.lights.points(cell));
+            }
+        }
+        if !points.is_empty() {
+            let (label, usage) = ("terrella city lights", wgpu::BufferUsages::VERTEX);
+            let bytes = bytemuck::cast_slice(&points);
+            self.buffers
+                .push(super::filled_buffer(device, label, bytes, usage));
+        }
     }
 
     /// Draws these with the pipeline that is set.
-    pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>, ranges: &[Range<u32>]) {
-        pass.set_vertex_buffer(0, self.0.slice(..));
-        for range in ranges {
-            pass.draw(0..4, range.clone());
+    pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>, draws: &[CityDraw]) {
+        let mut bound = None;
+        for CityDraw { cell, points } in draws {
+            let place = self.place(*cell);
+            let Some((place, buffer)) = place.zip(place.and_then(|at| self.buffers.get(at.buffer)))
+            else {
+                continue;
+            };
+            if bound != Some(place.buffer) {
+                pass.set_vertex_buffer(0, buffer.slice(..));
+                bound = Some(place.buffer);
+            }
+            pass.draw(0..4, place.first + points.start..place.first + points.end);
         }
     }
 }

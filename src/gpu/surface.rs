@@ -16,6 +16,7 @@ use super::surface_view::SurfaceView;
 use super::tiles::TileTextures;
 use super::{Binding, GpuMap, MapError, ShaderError, UploadedMaps};
 use crate::plan::{ChosenTiles, DrawLight, FramePlan, SurfaceLightUniforms};
+use std::sync::Arc;
 use terrella_ground::globe::{BlockSet, Shading};
 use terrella_imagery::residency::{Pool, Upload};
 use terrella_imagery::tile::MapLayer;
@@ -113,8 +114,8 @@ impl SurfaceDrawable {
     }
 
     /// Has these city lights from now on, for pipelines that draw them.
-    pub fn set_city_lights(&mut self, device: &wgpu::Device, lights: &CityLights) {
-        self.city_lights = Some(CityPoints::upload(device, lights));
+    pub fn set_city_lights(&mut self, lights: Arc<CityLights>) {
+        self.city_lights = Some(CityPoints::new(lights));
     }
 
     /// Bytes of all its textures.
@@ -206,6 +207,9 @@ impl SurfaceDrawable {
         config: &SurfaceConfig<'_>,
         view: &SurfaceView,
     ) -> Result<(), ShaderError> {
+        if let Some(lights) = &mut self.city_lights {
+            lights.make_all(device);
+        }
         let maker = self.maker(view);
         self.pipelines.make_all(&maker, device, config)
     }
@@ -215,7 +219,12 @@ impl SurfaceDrawable {
         let side = side_of(plan);
         let lights = plan.draws.iter().map(|draw| draw.light);
         let kinds = lights.map(|light| self.pipelines.kind_of(side, light, plan.has_moon_shadow));
-        let mut kinds = kinds.chain(self.city_lights_of(plan));
+        let city_lights = self.city_lights_of(plan);
+        let points = self.city_lights.as_ref().filter(|_| city_lights.is_some());
+        if !points.is_none_or(|points| points.are_ready(&plan.city_lights)) {
+            return false;
+        }
+        let mut kinds = kinds.chain(city_lights);
         kinds.all(|kind| {
             self.pipelines.pass(side, kind).is_some() && view.group(side, kind).is_some()
         })
@@ -244,7 +253,11 @@ impl SurfaceDrawable {
             draws.any(|draw| draw.light == *light)
         });
         let kinds = kinds.map(|light| self.pipelines.kind_of(side, light, plan.has_moon_shadow));
-        let wanted: Vec<_> = kinds.chain(self.city_lights_of(plan)).collect();
+        let city_lights = self.city_lights_of(plan);
+        if let Some(points) = self.city_lights.as_mut().filter(|_| city_lights.is_some()) {
+            points.make_ready(device, &plan.city_lights);
+        }
+        let wanted: Vec<_> = kinds.chain(city_lights).collect();
         let maker = self.maker(view);
         let missing = wanted.iter().map(|kind| (side, *kind));
         self.pipelines

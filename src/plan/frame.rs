@@ -58,14 +58,23 @@ pub(crate) struct FramePlan {
     pub cells: Vec<u16>,
     /// The draws of the surface, in their order.
     pub draws: Vec<SurfaceDraw>,
-    /// The city lights that may be lit and in sight, by their numbers among all.
-    pub city_lights: Vec<Range<u32>>,
+    /// The city lights that may be lit and in sight.
+    pub city_lights: Vec<CityDraw>,
     /// The blocks on which the Sun stands above the horizon everywhere: no lamp is lit there.
     pub daylit: BlockSet,
     /// Whether the Moon's shadow may be in view.
     pub has_moon_shadow: bool,
     /// The ring that carries the air's halo; `None` without air.
     pub air: Option<AirPlan>,
+}
+
+/// City lights of a cell.
+#[derive(Clone, Debug)]
+pub struct CityDraw {
+    /// Number of the cell.
+    pub cell: usize,
+    /// Which of its points.
+    pub points: Range<u32>,
 }
 
 impl FramePlan {
@@ -105,7 +114,7 @@ impl FramePlan {
         let glow = self.air.as_ref().and_then(|air| air.glow.as_ref());
         let glow = glow.map(|_| GLOW_TRIANGLES);
         let city_lights = self.city_lights.iter();
-        let city_lights = city_lights.map(|points| POINT_TRIANGLES * points.len() as u32);
+        let city_lights = city_lights.map(|draw| POINT_TRIANGLES * draw.points.len() as u32);
         DrawCosts {
             draw_calls: (self.draws.len()
                 + self.city_lights.len()
@@ -115,12 +124,10 @@ impl FramePlan {
         }
     }
 
-    /// Adds city lights; those of neighbours are drawn in one call.
-    pub fn add_city_lights(&mut self, lights: Range<u32>) {
-        match self.city_lights.last_mut() {
-            _ if lights.is_empty() => {}
-            Some(last) if last.end == lights.start => last.end = lights.end,
-            _ => self.city_lights.push(lights),
+    /// Adds city lights, if there are any.
+    pub fn add_city_lights(&mut self, draw: CityDraw) {
+        if !draw.points.is_empty() {
+            self.city_lights.push(draw);
         }
     }
 

@@ -5,7 +5,8 @@ use glam::DVec3;
 use std::sync::Arc;
 use terrella::frames::Geodetic;
 use terrella::{
-    Atmosphere, EarthLayers, EarthOptions, EyeView, GpuMap, LayerImage, MapLayer, SurfaceLight,
+    Atmosphere, EarthLayers, EarthOptions, EyeView, GpuMap, LayerImage, MapLayer, Pipelines,
+    SurfaceLight,
 };
 use terrella_imagery::{CityLights, Place};
 
@@ -139,4 +140,24 @@ fn another_map_of_lights_is_rejected_while_they_are_points() {
     );
     let mut drawn_as_map = Rig::new(&options(Atmosphere::None, None, false), SIZE).earth;
     drawn_as_map.set_map(&gpu.queue, &map).expect("a map");
+}
+
+/// Views one after the other, each over other cells.
+#[test]
+fn points_that_are_made_when_needed_are_drawn_as_those_made_at_once() {
+    let at_once = options(Atmosphere::None, None, true);
+    let when_needed = EarthOptions {
+        pipelines: Pipelines::WhenNeeded,
+        city_lights: options(Atmosphere::None, None, true).city_lights,
+        ..at_once.clone()
+    };
+    let [mut at_once, mut when_needed] =
+        [at_once, when_needed].map(|options| Rig::of_light(&options, SIZE));
+    for lon_deg in [7.0, 12.0, -60.0, 7.0] {
+        let view = down(Geodetic::from_degrees(4.0, lon_deg, 4e5), 60.0, 1.0);
+        let [first, second] =
+            [&mut at_once, &mut when_needed].map(|rig| rig.draw_light(&view, DVec3::NEG_X));
+        assert!(first.iter().any(|[red, ..]| *red > 0.0), "{lon_deg}");
+        assert_eq!(first, second, "{lon_deg}");
+    }
 }

@@ -10,6 +10,7 @@
 //! | `detail_tile.rs` | detail smaller than texels |
 //! | `cities.rs`, `cities/` | city lights as points |
 //! | `load.rs` | a folder of maps read from disk |
+//! | `grey.rs` | maps of one byte a texel |
 //! | `map_file.rs` | one map file, opened with limits before every allocation |
 //! | `map_rows.rs` | maps given to a host row by row as they are read |
 //! | `decode.rs` | PNG and JPEG files |
@@ -37,6 +38,7 @@ mod decode;
 mod detail_tile;
 mod error;
 mod find;
+mod grey;
 mod ground_kinds;
 pub mod jpeg;
 mod layer;
@@ -65,11 +67,12 @@ pub use cities::{
 pub use detail_tile::{DETAIL_MEAN, DETAIL_STEP, detail_tile};
 pub use error::ImageryError;
 pub use find::{TEXTURES_VARIABLE, find_textures};
+pub use grey::load_grey_map;
 pub use ground_kinds::{CELLS_AROUND, GroundKind, GroundKinds, MOST_PIXEL_M, MapGroundKinds};
 pub use layer::{EarthLayers, LayerImage};
 pub use load::{
-    DamagedLayer, LayerSelection, load_color_map, load_day_map, load_grey_map, load_layers,
-    load_layers_to, load_whole_layers,
+    DamagedLayer, LayerSelection, load_color_map, load_day_map, load_layers, load_layers_to,
+    load_whole_layers,
 };
 pub use load::{colour_note, day_file};
 pub use map_file::MAX_FILE_BYTES;

@@ -3,13 +3,13 @@
 use super::colour::Said;
 use super::decode::{FileKind, TexelKind};
 use super::error::ImageryError;
+use super::grey::GreyFile;
 use super::layer::{EarthLayers, LayerImage};
 use super::map_file::{MapFile, read_file};
 use super::map_folder::MapFolder;
 use super::map_rows::{KeptInMemory, MapBuilder, MapSink};
 use super::sea::{SeaFloor, grow_land};
 use super::slopes::{ELEVATION_OFFSET_M, SLOPE_EXAGGERATION, slopes_from_elevation};
-use super::srgb::luminance;
 use super::texel::TexelFormat;
 use super::tile::MapLayer;
 use std::path::{Path, PathBuf};
@@ -45,7 +45,7 @@ const OPTIONAL_FILES: [(MapLayer, &[&str]); 4] = [
 ];
 
 /// The file of the map of night lights.
-const NIGHT_LIGHTS_NAME: &str = "night_lights.png";
+pub(super) const NIGHT_LIGHTS_NAME: &str = "night_lights.png";
 
 /// The file of the elevation map.
 const ELEVATION_NAME: &str = "elevation.png";
@@ -383,94 +383,21 @@ pub fn load_day_map(
 
 fn load_clouds(folder: MapFolder<'_>, sink: &dyn MapSink) -> Result<LayerImage, ImageryError> {
     let name = folder.first(&CLOUD_NAMES).unwrap_or(CLOUD_NAMES[0]);
-    load_grey(folder, (name, "clouds"), (MapLayer::Clouds, sink))
+    let file = GreyFile::read(folder, name, "clouds")?;
+    Ok(file.map((MapLayer::Clouds, sink), None)?.0)
 }
 
 fn load_night_lights(
     folder: MapFolder<'_>,
     sink: &dyn MapSink,
 ) -> Result<LayerImage, ImageryError> {
-    let file = (NIGHT_LIGHTS_NAME, "night lights");
-    load_grey(folder, file, (MapLayer::NightLights, sink))
+    let file = night_file(folder)?;
+    Ok(file.map((MapLayer::NightLights, sink), None)?.0)
 }
 
-fn load_grey(
-    folder: MapFolder<'_>,
-    (name, layer): (&str, &'static str),
-    to: (MapLayer, &dyn MapSink),
-) -> Result<LayerImage, ImageryError> {
-    let contents = folder.read(name, layer)?;
-    Ok(grey_map((&folder.path(name), &contents, layer), to, None)?.0)
-}
-
-/// Loads a map of cover or intensity (8-bit grey) of a whole round; `layer` is what messages call it. Of a map with alpha it is what
-/// the map shows times its alpha: white with the cover in alpha, as most maps of clouds have it, or grey.
-///
-/// # Errors
-/// A map that fails, with its path, the cause and what to do.
-pub fn load_grey_map(path: &Path, layer: &'static str) -> Result<LayerImage, ImageryError> {
-    let contents = read_file(path, layer)?;
-    let file = (path, contents.as_slice(), layer);
-    Ok(grey_map(file, (MapLayer::Clouds, &KeptInMemory), None)?.0)
-}
-
-/// The map of night lights of a folder, in memory; `None` where there is none.
-pub(super) fn night_map(folder: MapFolder<'_>) -> Result<Option<LayerImage>, ImageryError> {
-    let is_there = folder.has(NIGHT_LIGHTS_NAME);
-    is_there
-        .then(|| load_night_lights(folder, &KeptInMemory))
-        .transpose()
-}
-
-/// The same of a file's contents, for a sink. Answers beside the map its levels of at least a width that are kept in memory ([`MapBuilder::finish`]).
-fn grey_map(
-    (path, contents, name): (&Path, &[u8], &'static str),
-    (layer, sink): (MapLayer, &dyn MapSink),
-    kept_width: Option<usize>,
-) -> Result<(LayerImage, LayerImage), ImageryError> {
-    let needed = "8-bit grey, or 8-bit grey or colour with alpha";
-    let file = MapFile::open(path, contents, name, needed, |texels| {
-        texels.bits == 8 && texels.channels != 3
-    })?;
-    let channels = file.texel_kind().channels;
-    let mut map = MapBuilder::new(sink, layer, file.size(), TexelFormat::R8Unorm);
-    if let Some(width) = kept_width {
-        map.keep(width);
-    }
-    let mut row_amounts = Vec::with_capacity(file.size().0 as usize);
-    file.rows(|row| {
-        row_amounts.clear();
-        let row = match channels {
-            4 => {
-                amounts(
-                    row,
-                    &mut row_amounts,
-                    |[red, green, blue, alpha]: &[u8; 4]| {
-                        (luminance([*red, *green, *blue].map(f32::from)), *alpha)
-                    },
-                );
-                &row_amounts
-            }
-            2 => {
-                amounts(row, &mut row_amounts, |[grey, alpha]: &[u8; 2]| {
-                    (f32::from(*grey), *alpha)
-                });
-                &row_amounts
-            }
-            _ => row,
-        };
-        map.push(row);
-    })?;
-    Ok(map.finish())
-}
-
-/// Adds what is shown, 0…255, times alpha.
-fn amounts<const N: usize>(texels: &[u8], to: &mut Vec<u8>, parts: impl Fn(&[u8; N]) -> (f32, u8)) {
-    let (texels, _) = texels.as_chunks::<N>();
-    to.extend(texels.iter().map(|texel| {
-        let (shown, alpha) = parts(texel);
-        (shown * f32::from(alpha) / 255.0).round() as u8
-    }));
+/// The file of the map of night lights of a folder.
+pub(super) fn night_file(folder: MapFolder<'_>) -> Result<GreyFile<'_>, ImageryError> {
+    GreyFile::read(folder, NIGHT_LIGHTS_NAME, "night lights")
 }
 
 /// What elevations and the water map give.
@@ -526,20 +453,17 @@ fn load_water(folder: MapFolder<'_>, sink: &dyn MapSink) -> Result<Option<Water>
     let widths = day.chain([ELEVATION_NAME]);
     let widths = widths.filter_map(|name| folder.width(name));
     let widest = widths.max().unwrap_or(0) as usize;
-    let (name, layer) = ("water.png", "water");
-    let path = folder.path(name);
-    let contents = match folder.read(name, layer) {
-        Err(ImageryError::Missing { .. }) => {
+    let file = match GreyFile::read(folder, "water.png", "water") {
+        Err(ImageryError::Missing { path, .. }) => {
             tracing::info!(
                 "{} is missing: the sea has the day map's colours",
                 path.display()
             );
             return Ok(None);
         }
-        contents => contents?,
+        file => file?,
     };
-    let file = (path.as_path(), &*contents, layer);
-    let (map, shares) = grey_map(file, (MapLayer::Water, sink), Some(widest))?;
+    let (map, shares) = file.map((MapLayer::Water, sink), Some(widest))?;
     Ok(Some(Water { map, shares }))
 }
 

@@ -5,7 +5,7 @@ use super::map_light::MapLight;
 use super::noise::Noise;
 use super::places::Place;
 use super::point::{CityLight, EARTH_M, cell_of, up_at};
-use super::roads::{RoadLamp, Roads};
+use super::roads::RoadLamp;
 use std::f64::consts::{PI, TAU};
 
 /// Part of the light of a texel with places that its roads have.
@@ -70,7 +70,7 @@ pub fn gather(
     texel: &Texel,
     map: &MapLight,
     places: &[(u32, Place)],
-    roads: &Roads,
+    lamps: &[(u32, RoadLamp)],
     light_of_point_m2: f64,
     points: &mut Vec<(u32, u32, CityLight)>,
 ) {
@@ -82,7 +82,6 @@ pub fn gather(
     for (_, place) in places {
         districts(texel, map, (place, most), &mut noise, &mut parts);
     }
-    let lamps = roads.of(number);
     let of_places: f64 = parts.iter().map(|part| part.weight).sum();
     let of_roads = match parts.is_empty() {
         true => 1.0,

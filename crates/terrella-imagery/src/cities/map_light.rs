@@ -1,8 +1,10 @@
 //! The light of each texel of a map of night lights.
 
 use super::places::Place;
+use super::point::LEAST_LIGHT;
 use crate::layer::LayerImage;
 use std::f64::consts::{PI, TAU};
+use std::ops::Range;
 use terrella_files::parallel;
 
 /// Nodes and weights of Gauss and Legendre on 0…½, of half a texel: exact for the fourth power of what is linear between texels.
@@ -12,7 +14,15 @@ const NODES: [(f32, f32); 3] = [
     (0.443_649_17, 0.138_888_9),
 ];
 
+/// Some texels of a map.
+#[derive(Clone, Debug)]
+pub struct TexelRegion {
+    pub rows: Range<usize>,
+    pub columns: Range<usize>,
+}
+
 /// Light of a map, texel by texel.
+#[derive(Debug, Default)]
 pub struct MapLight {
     width: usize,
     height: usize,
@@ -28,7 +38,19 @@ impl MapLight {
     pub fn new(map: &LayerImage) -> Self {
         let (width, height) = (map.width as usize, map.height as usize);
         let texels = map.levels.first().map_or(&[][..], Vec::as_slice);
-        let row_of = |row: usize| texels.get(row * width..(row + 1) * width).unwrap_or(&[]);
+        // With the last column before the first and the first after the last.
+        let row_of = |row: usize| {
+            let row = texels.get(row * width..(row + 1) * width).unwrap_or(&[]);
+            let [first, last] = [row.first(), row.last()].map(|end| end.copied().unwrap_or(0));
+            let mut around = vec![0; width + 2];
+            around[0] = last;
+            around[1..]
+                .iter_mut()
+                .zip(row)
+                .for_each(|(to, from)| *to = *from);
+            around[width + 1] = first;
+            around
+        };
         // Texels along each side of what becomes one.
         let divides = |side: &usize| width.is_multiple_of(*side) && height.is_multiple_of(*side);
         let side = (width.div_ceil(MOST_COLUMNS)..=height).find(divides);
@@ -38,12 +60,15 @@ impl MapLight {
             let mut sums = vec![0.0; columns];
             for row in group * side..(group + 1) * side {
                 let (above, below) = (row.saturating_sub(1), (row + 1).min(height - 1));
-                let rows = [above, row, below].map(row_of);
-                let column_of =
-                    |column: usize| rows.map(|row| row.get(column).copied().unwrap_or(0));
-                for column in 0..width {
-                    let beside = [(column + width - 1) % width, column, (column + 1) % width];
-                    sums[column / side] += mean_fourth_power(beside.map(column_of));
+                let [above, row, below] = [above, row, below].map(row_of);
+                let any = above.iter().zip(&row).zip(&below);
+                let any: Vec<u8> = any.map(|((a, b), c)| a | b | c).collect();
+                for (column, near) in any.windows(3).enumerate() {
+                    if near != [0; 3] {
+                        let around = [column, column + 1, column + 2];
+                        let around = around.map(|x| [above[x], row[x], below[x]]);
+                        sums[column / side] += mean_fourth_power(around);
+                    }
                 }
             }
             let first = (group * columns) as u32;
@@ -72,8 +97,30 @@ impl MapLight {
     }
 
     /// The texels that have light, by number, with its mean of 0…1.
+    #[cfg(test)]
     pub fn lit(&self) -> &[(u32, f32)] {
         &self.lit
+    }
+
+    /// The texels of a row that have light, in some columns, by number with its mean of 0…1.
+    pub fn lit_of_row(&self, row: usize, columns: &Range<usize>) -> &[(u32, f32)] {
+        let [first, end] = [columns.start, columns.end].map(|column| {
+            let number = (row * self.width + column) as u32;
+            self.lit.partition_point(|(texel, _)| *texel < number)
+        });
+        &self.lit[first..end.max(first)]
+    }
+
+    /// Places in texels with light of some account, by texels.
+    pub fn lit_places(&self, placed: &ByTexel<Place>) -> Vec<Place> {
+        let mut lit = self.lit.iter().peekable();
+        let is_lit = |(number, _): &&(u32, Place)| {
+            while lit.next_if(|(texel, _)| texel < number).is_some() {}
+            let here = lit.peek().filter(|(texel, _)| texel == number);
+            here.is_some_and(|(_, light)| *light >= LEAST_LIGHT)
+        };
+        let places = placed.0.iter().filter(is_lit);
+        places.map(|(_, place)| *place).collect()
     }
 
     /// Area of a texel in a row, square equatorial radii.
@@ -107,18 +154,24 @@ impl MapLight {
     pub fn places_by_texel(&self, places: &[Place]) -> ByTexel<Place> {
         let located = places.iter();
         let located = located.map(|place| (self.number_at(place.lat_deg, place.lon_deg), *place));
-        ByTexel::new(located.collect())
+        ByTexel::new(&located.collect::<Vec<_>>())
     }
 }
 
 /// Things by the texels of a map that they lie in.
+#[derive(Debug)]
 pub struct ByTexel<T>(Vec<(u32, T)>);
 
-impl<T> ByTexel<T> {
+impl<T: Copy> ByTexel<T> {
     /// Of things with the numbers of their texels; those of one texel stay in order.
-    pub fn new(mut located: Vec<(u32, T)>) -> Self {
-        located.sort_by_key(|(texel, _)| *texel);
-        Self(located)
+    pub fn new(located: &[(u32, T)]) -> Self {
+        // Numbers move faster than what they are of.
+        let keys = (0_u64..).zip(located);
+        let keys = keys.map(|(number, (texel, _))| u64::from(*texel) << 32 | number);
+        let mut keys: Vec<u64> = keys.collect();
+        keys.sort_unstable();
+        let sorted = keys.iter().map(|key| located[*key as u32 as usize]);
+        Self(sorted.collect())
     }
 
     /// Those in a texel, each with its number.
@@ -131,24 +184,24 @@ impl<T> ByTexel<T> {
 
 /// Over a texel, given it and the eight about it, three columns of three.
 fn mean_fourth_power(around: [[u8; 3]; 3]) -> f32 {
-    if around == [[0; 3]; 3] {
-        return 0.0;
-    }
     let around = around.map(|column| column.map(|value| f32::from(value) / 255.0));
-    let mut sum = 0.0;
-    for x in [0, 2] {
-        for y in [0, 2] {
-            for (a, weight_x) in NODES {
-                for (b, weight_y) in NODES {
-                    let near = (1.0 - a) * around[1][1] + a * around[x][1];
-                    let far = (1.0 - a) * around[1][y] + a * around[x][y];
-                    let value = (1.0 - b) * near + b * far;
-                    sum += weight_x * weight_y * value.powi(4);
-                }
+    // Of the four quarters, all at a time.
+    let here = around[1][1];
+    let beside = [0, 0, 2, 2].map(|x: usize| around[x][1]);
+    let over = [0, 2, 0, 2].map(|y: usize| around[1][y]);
+    let corner = [around[0][0], around[0][2], around[2][0], around[2][2]];
+    let mut sums = [0.0; 4];
+    for (a, weight_x) in NODES {
+        for (b, weight_y) in NODES {
+            for quarter in 0..4 {
+                let near = (1.0 - a) * here + a * beside[quarter];
+                let far = (1.0 - a) * over[quarter] + a * corner[quarter];
+                let square = ((1.0 - b) * near + b * far) * ((1.0 - b) * near + b * far);
+                sums[quarter] += weight_x * weight_y * square * square;
             }
         }
     }
-    sum
+    sums.iter().sum()
 }
 
 #[cfg(test)]

@@ -40,10 +40,10 @@ impl CityLight {
 }
 
 /// Columns and rows of cells.
-const COLUMNS: usize = 64;
-const ROWS: usize = 32;
+pub const CELL_COLUMNS: usize = 64;
+pub const CELL_ROWS: usize = 32;
 /// How many cells there are.
-pub const CITY_CELLS: usize = COLUMNS * ROWS;
+pub const CITY_CELLS: usize = CELL_COLUMNS * CELL_ROWS;
 
 /// Where the points of a cell are.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,15 +60,15 @@ impl CityCell {
     /// All cells.
     pub fn all() -> impl Iterator<Item = Self> {
         (0..CITY_CELLS).map(|index| {
-            let (row, column) = (index / COLUMNS, index % COLUMNS);
-            let (height_rad, width_rad) = (PI / ROWS as f64, TAU / COLUMNS as f64);
+            let (row, column) = (index / CELL_COLUMNS, index % CELL_COLUMNS);
+            let (height_rad, width_rad) = (PI / CELL_ROWS as f64, TAU / CELL_COLUMNS as f64);
             let lat_rad = 0.5 * PI - (row as f64 + 0.5) * height_rad;
             let nearest_equator = (lat_rad.abs() - 0.5 * height_rad).cos();
             Self {
                 index,
                 up: up_at(
-                    (column as f64 + 0.5) / COLUMNS as f64,
-                    (row as f64 + 0.5) / ROWS as f64,
+                    (column as f64 + 0.5) / CELL_COLUMNS as f64,
+                    (row as f64 + 0.5) / CELL_ROWS as f64,
                 ),
                 radius_rad: 0.5 * height_rad.hypot(width_rad * nearest_equator),
             }
@@ -78,8 +78,11 @@ impl CityCell {
 
 /// The cell of a place on a map, by the parts of its width from the west and of its height from the north.
 pub fn cell_of(u: f64, v: f64) -> u32 {
-    let (row, column) = ((v * ROWS as f64) as usize, (u * COLUMNS as f64) as usize);
-    (row.min(ROWS - 1) * COLUMNS + column.min(COLUMNS - 1)) as u32
+    let (row, column) = (
+        (v * CELL_ROWS as f64) as usize,
+        (u * CELL_COLUMNS as f64) as usize,
+    );
+    (row.min(CELL_ROWS - 1) * CELL_COLUMNS + column.min(CELL_COLUMNS - 1)) as u32
 }
 
 /// The normal of the ellipsoid there.

@@ -1,11 +1,9 @@
 //! Roads between places: lamps along the way from each place to the nearest larger one. Ways that lead to something larger never close to
 //! a loop.
 
-use super::map_light::{ByTexel, MapLight};
+use super::map_light::{ByTexel, MapLight, TexelRegion};
 use super::noise::Noise;
 use super::places::Place;
-use super::point::LEAST_LIGHT;
-use terrella_files::parallel;
 
 /// Longest way, metres.
 const LONGEST_M: f64 = 40_000.0;
@@ -28,36 +26,40 @@ pub struct RoadLamp {
     pub country: [u8; 2],
 }
 
-/// All roads.
-pub struct Roads(ByTexel<RoadLamp>);
+/// All roads: those of an area are found when its lamps are asked for.
+#[derive(Debug)]
+pub struct Roads(Neighbours);
 
 impl Roads {
-    /// Between places, by their texels, where those have light.
-    pub fn between(light: &MapLight, placed: &ByTexel<Place>) -> Self {
-        let lit = light
-            .lit()
-            .iter()
-            .filter(|(_, light)| *light >= LEAST_LIGHT);
-        let lit = lit.flat_map(|(texel, _)| placed.of(*texel));
-        let lit: Vec<Place> = lit.map(|(_, place)| *place).collect();
-        let neighbours = Neighbours::new(&lit);
-        let ways = parallel::map(lit.len().div_ceil(1024), |part| {
-            let mut lamps = Vec::new();
-            for (number, place) in lit.iter().enumerate().skip(1024 * part).take(1024) {
-                if let Some(larger) = neighbours.nearest_larger(place) {
-                    line(place, larger, number as u64, &mut lamps);
-                }
-            }
-            lamps
-        });
-        let lamps = ways.into_iter().flatten();
-        let lamps = lamps.map(|lamp: RoadLamp| (light.number_at(lamp.lat_deg, lamp.lon_deg), lamp));
-        Self(ByTexel::new(lamps.collect()))
+    /// Between places.
+    pub fn between(places: Vec<Place>) -> Self {
+        Self(Neighbours::new(places))
     }
 
-    /// The lamps in a texel, each with its number.
-    pub fn of(&self, texel: u32) -> &[(u32, RoadLamp)] {
-        self.0.of(texel)
+    /// The lamps in some texels of a map, by texels.
+    pub fn lamps_in(&self, light: &MapLight, region: &TexelRegion) -> ByTexel<RoadLamp> {
+        let (width, height) = light.size();
+        let lat_deg = |row: usize| 90.0 - 180.0 * row as f64 / height as f64;
+        let lon_deg = |column: usize| 360.0 * column as f64 / width as f64 - 180.0;
+        let from_deg = (lat_deg(region.rows.end), lon_deg(region.columns.start));
+        let to_deg = (lat_deg(region.rows.start), lon_deg(region.columns.end));
+        let reach_deg = (LONGEST_M + WINDING_M) / DEGREE_M;
+        let mut numbers = self.0.numbers_about(from_deg, to_deg, reach_deg);
+        numbers.sort_unstable();
+        let (mut lamps, mut located) = (Vec::new(), Vec::new());
+        for number in numbers {
+            let place = self.0.place(number);
+            if let Some(larger) = self.0.nearest_larger(place) {
+                lamps.clear();
+                line(place, larger, u64::from(number), &mut lamps);
+                located.extend(lamps.iter().filter_map(|lamp| {
+                    let (row, column) = light.texel_at(lamp.lat_deg, lamp.lon_deg);
+                    let is_in = region.rows.contains(&row) && region.columns.contains(&column);
+                    is_in.then_some(((row * width + column) as u32, *lamp))
+                }));
+            }
+        }
+        ByTexel::new(&located)
     }
 }
 
@@ -76,14 +78,14 @@ fn line(from: &Place, to: &Place, seed: u64, lamps: &mut Vec<RoadLamp>) {
         );
         lamps.push(RoadLamp {
             lat_deg: from.lat_deg + north / DEGREE_M,
-            lon_deg: from.lon_deg + east / (DEGREE_M * cos_lat(from)),
+            lon_deg: from.lon_deg + east / (DEGREE_M * cos_lat(from.lat_deg)),
             country: from.country,
         });
     }
 }
 
-fn cos_lat(place: &Place) -> f64 {
-    place.lat_deg.to_radians().cos().max(0.05)
+fn cos_lat(lat_deg: f64) -> f64 {
+    lat_deg.to_radians().cos().max(0.05)
 }
 
 /// From one place to another near it, metres east and north.
@@ -93,58 +95,95 @@ fn offset_m(from: &Place, to: &Place) -> (f64, f64) {
         east_deg -= 360.0_f64.copysign(east_deg);
     }
     (
-        east_deg * cos_lat(from) * DEGREE_M,
+        east_deg * cos_lat(from.lat_deg) * DEGREE_M,
         (to.lat_deg - from.lat_deg) * DEGREE_M,
     )
 }
 
 /// Places by cells of a grid.
-struct Neighbours<'p> {
+#[derive(Debug)]
+struct Neighbours {
     columns: i64,
     rows: i64,
     starts: Vec<u32>,
-    places: Vec<&'p Place>,
+    places: Vec<Place>,
+    /// Numbers of places, by cells.
+    numbers: Vec<u32>,
 }
 
-impl<'p> Neighbours<'p> {
-    fn new(places: &'p [Place]) -> Self {
+impl Neighbours {
+    fn new(places: Vec<Place>) -> Self {
         let (columns, rows) = ((360.0 / CELL_DEG) as i64, (180.0 / CELL_DEG) as i64);
-        let mut cells: Vec<(usize, &Place)> = places
+        let cells: Vec<usize> = places
             .iter()
             .map(|place| {
                 let (row, column) = cell_of(place);
-                (
-                    (row.clamp(0, rows - 1) * columns + column.rem_euclid(columns)) as usize,
-                    place,
-                )
+                (row.clamp(0, rows - 1) * columns + column.rem_euclid(columns)) as usize
             })
             .collect();
-        // From large to small: of a crowded cell the largest are looked at.
-        cells.sort_by(|(cell_a, a), (cell_b, b)| {
-            cell_a
-                .cmp(cell_b)
-                .then(b.population.total_cmp(&a.population))
-        });
         let mut starts = vec![0; (rows * columns) as usize + 1];
-        for (cell, _) in &cells {
+        for cell in &cells {
             starts[cell + 1] += 1;
         }
         for cell in 1..starts.len() {
             starts[cell] += starts[cell - 1];
         }
+        // Each start is moved on to the end of its cell, where the next begins.
+        let mut numbers = vec![0; places.len()];
+        for (number, cell) in (0..).zip(&cells) {
+            numbers[starts[*cell] as usize] = number;
+            starts[*cell] += 1;
+        }
+        starts.rotate_right(1);
+        starts[0] = 0;
+        // From large to small: of a crowded cell the largest are looked at.
+        let population = |number: &u32| places[*number as usize].population;
+        let mut first = 0;
+        while first < numbers.len() {
+            let cell = cells[numbers[first] as usize];
+            let end = starts[cell + 1] as usize;
+            let cell = &mut numbers[first..end];
+            cell.sort_by(|a, b| population(b).total_cmp(&population(a)));
+            first = end;
+        }
         Self {
             columns,
             rows,
             starts,
-            places: cells.into_iter().map(|(_, place)| place).collect(),
+            places,
+            numbers,
         }
     }
 
+    fn place(&self, number: u32) -> &Place {
+        &self.places[number as usize]
+    }
+
+    /// Numbers of the places of a cell, from large to small.
+    fn of_cell(&self, cell: usize) -> &[u32] {
+        &self.numbers[self.starts[cell] as usize..self.starts[cell + 1] as usize]
+    }
+
+    /// Numbers of all places between two corners, latitude and longitude in degrees, or less than `reach_deg` of a great circle away.
+    fn numbers_about(&self, from_deg: (f64, f64), to_deg: (f64, f64), reach_deg: f64) -> Vec<u32> {
+        let rows = [to_deg.0 + reach_deg, from_deg.0 - reach_deg].map(row_of);
+        let rows = rows[0].max(0)..=rows[1].min(self.rows - 1);
+        // A degree of longitude is shortest where it is nearest to a pole.
+        let farthest_deg = from_deg.0.abs().max(to_deg.0.abs()) + reach_deg;
+        let reach_deg = reach_deg / cos_lat(farthest_deg.min(90.0));
+        let [west, east] = [from_deg.1 - reach_deg, to_deg.1 + reach_deg].map(column_of);
+        let columns = west..(east + 1).min(west + self.columns);
+        let cells = rows.flat_map(|row| columns.clone().map(move |column| (row, column)));
+        let cells = cells
+            .map(|(row, column)| (row * self.columns + column.rem_euclid(self.columns)) as usize);
+        cells.flat_map(|cell| self.of_cell(cell)).copied().collect()
+    }
+
     /// The nearest place with more people, no farther than [`LONGEST_M`].
-    fn nearest_larger(&self, place: &Place) -> Option<&'p Place> {
+    fn nearest_larger(&self, place: &Place) -> Option<&Place> {
         let (row, column) = cell_of(place);
         // Metres of a cell from west to east, the shorter side.
-        let cell_m = DEGREE_M * CELL_DEG * cos_lat(place);
+        let cell_m = DEGREE_M * CELL_DEG * cos_lat(place.lat_deg);
         let mut nearest = None;
         let mut nearest_m = LONGEST_M;
         // Cells farther and farther away, until none can hold a nearer one.
@@ -159,13 +198,13 @@ impl<'p> Neighbours<'p> {
                 }
                 let column = (column + i64::from(east)).rem_euclid(self.columns);
                 let cell = (row * self.columns + column) as usize;
-                let cell = self.starts[cell] as usize..self.starts[cell + 1] as usize;
-                let largest = self.places[cell].iter().take(MOST_LOOKED_AT);
+                let all = self.of_cell(cell).iter().map(|number| self.place(*number));
+                let largest = all.take(MOST_LOOKED_AT);
                 for other in largest.take_while(|other| other.population > place.population) {
                     let (east_m, north_m) = offset_m(place, other);
                     let distance_m = (east_m * east_m + north_m * north_m).sqrt();
                     if distance_m < nearest_m {
-                        (nearest, nearest_m) = (Some(*other), distance_m);
+                        (nearest, nearest_m) = (Some(other), distance_m);
                     }
                 }
             }
@@ -186,10 +225,16 @@ fn ring(away: i32) -> impl Iterator<Item = (i32, i32)> {
 }
 
 fn cell_of(place: &Place) -> (i64, i64) {
-    (
-        ((90.0 - place.lat_deg) / CELL_DEG) as i64,
-        ((place.lon_deg + 180.0) / CELL_DEG) as i64,
-    )
+    (row_of(place.lat_deg), column_of(place.lon_deg))
+}
+
+fn row_of(lat_deg: f64) -> i64 {
+    ((90.0 - lat_deg) / CELL_DEG) as i64
+}
+
+/// Beyond 180° W and 180° E it goes on.
+fn column_of(lon_deg: f64) -> i64 {
+    ((lon_deg + 180.0) / CELL_DEG).floor() as i64
 }
 
 #[cfg(test)]
@@ -226,7 +271,7 @@ mod tests {
             let (y, x) = place.lon_deg.to_radians().sin_cos();
             glam::DVec3::new(cos * x, cos * y, sin)
         };
-        let neighbours = Neighbours::new(&places);
+        let neighbours = Neighbours::new(places.clone());
         let (mut found, mut over) = (0, 0);
         for place in &places {
             let angle = |other: &&Place| direction(place).distance(direction(other));
