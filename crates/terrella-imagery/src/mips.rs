@@ -96,16 +96,26 @@ impl<const CHANNELS: usize> Rows<CHANNELS> {
     }
 
     fn push(&mut self, row: &[u8], done: &mut dyn FnMut(usize, &[u8])) {
-        decode_row(row, self.format, &mut self.values);
-        push_row(
-            &mut self.levels,
-            1,
-            &self.values,
-            &mut |level, row, bytes| {
-                encode(row, self.format, bytes);
-                done(level, bytes);
-            },
-        );
+        let (format, Some(first)) = (self.format, self.levels.first_mut()) else {
+            return;
+        };
+        let linear: &[f32; 256] = &LINEAR_FROM_SRGB;
+        match format {
+            _ if !first.width.is_multiple_of(2) => {
+                decode_row(row, format, &mut self.values);
+                halve_row::<CHANNELS>(&self.values, first.width, &mut first.line);
+            }
+            // Without the row's values in memory in between, which take longer than the sums.
+            TexelFormat::Rgba8Srgb => {
+                halve_texels(row, &mut first.line, |texel| color_of(linear, texel));
+            }
+            TexelFormat::R8Unorm => halve_texels(row, &mut first.line, amount_of),
+            TexelFormat::Rg8Snorm => halve_texels(row, &mut first.line, slopes_of),
+        }
+        take_line(&mut self.levels, 1, &mut |level, row, bytes| {
+            encode(row, format, bytes);
+            done(level, bytes);
+        });
     }
 }
 
@@ -116,6 +126,8 @@ struct Halved<const CHANNELS: usize> {
     height: usize,
     /// Rows of the level above that went in.
     taken: usize,
+    /// The last of them, halved in length.
+    line: Vec<f32>,
     row: Vec<f32>,
     /// The same row, rounded.
     bytes: Vec<u8>,
@@ -129,6 +141,7 @@ impl<const CHANNELS: usize> Halved<CHANNELS> {
             height,
             taken: 0,
             bytes: Vec::with_capacity(row.len()),
+            line: row.clone(),
             row,
         }
     }
@@ -142,11 +155,10 @@ impl<const CHANNELS: usize> Halved<CHANNELS> {
 /// Gets a level, an unrounded row of it, and where the row's bytes go.
 type RowDone<'a> = dyn FnMut(usize, &[f32], &mut Vec<u8>) + 'a;
 
-/// Gives a row to the first of these levels, which is the `number`th, and what it completes to the next ones.
-fn push_row<const CHANNELS: usize>(
+/// Adds the line of the first of these levels, which is the `number`th, to its row, and gives what that completes to the next ones.
+fn take_line<const CHANNELS: usize>(
     levels: &mut [Halved<CHANNELS>],
     number: usize,
-    row: &[f32],
     done: &mut RowDone<'_>,
 ) {
     let Some((level, smaller)) = levels.split_first_mut() else {
@@ -162,39 +174,52 @@ fn push_row<const CHANNELS: usize>(
         if !is_own || weights[offset] == 0.0 {
             continue;
         }
-        add_row::<CHANNELS>(row, level.width, weights[offset], &mut level.row);
+        let weight = weights[offset];
+        let pairs = level.row.iter_mut().zip(&level.line);
+        match offset {
+            0 => pairs.for_each(|(sum, value)| *sum = weight * value),
+            _ => pairs.for_each(|(sum, value)| *sum += weight * value),
+        }
         if weights[offset + 1..].iter().all(|weight| *weight == 0.0) {
             level.bytes.clear();
             done(number, &level.row, &mut level.bytes);
-            push_row(smaller, number + 1, &level.row, done);
-            level.row.fill(0.0);
+            if let Some(next) = smaller.first_mut() {
+                halve_row::<CHANNELS>(&level.row, next.width, &mut next.line);
+            }
+            take_line(smaller, number + 1, done);
         }
     }
 }
 
 /// What the bytes of texels mean.
 pub(super) fn decode_row(bytes: &[u8], format: TexelFormat, values: &mut [f32]) {
-    match format {
-        TexelFormat::Rgba8Srgb => {
-            let linear: &[f32; 256] = &LINEAR_FROM_SRGB;
-            let (texels, _) = bytes.as_chunks::<4>();
-            let (values, _) = values.as_chunks_mut::<4>();
-            for (value, [red, green, blue, alpha]) in values.iter_mut().zip(texels) {
-                let [red, green, blue] = [red, green, blue].map(|code| linear[*code as usize]);
-                *value = [red, green, blue, f32::from(*alpha) / 255.0];
-            }
-        }
-        TexelFormat::R8Unorm => {
-            for (value, code) in values.iter_mut().zip(bytes) {
-                *value = f32::from(*code) / 255.0;
-            }
-        }
-        TexelFormat::Rg8Snorm => {
-            for (value, code) in values.iter_mut().zip(bytes) {
-                *value = (f32::from(*code as i8) / 127.0).max(-1.0);
-            }
+    fn decode<const N: usize>(bytes: &[u8], values: &mut [f32], of: impl Fn([u8; N]) -> [f32; N]) {
+        let (texels, _) = bytes.as_chunks();
+        let (values, _) = values.as_chunks_mut();
+        for (value, texel) in values.iter_mut().zip(texels) {
+            *value = of(*texel);
         }
     }
+    let linear: &[f32; 256] = &LINEAR_FROM_SRGB;
+    match format {
+        TexelFormat::Rgba8Srgb => decode(bytes, values, |texel| color_of(linear, texel)),
+        TexelFormat::R8Unorm => decode(bytes, values, amount_of),
+        TexelFormat::Rg8Snorm => decode(bytes, values, slopes_of),
+    }
+}
+
+fn color_of(linear: &[f32; 256], [red, green, blue, alpha]: [u8; 4]) -> [f32; 4] {
+    let [red, green, blue] = [red, green, blue].map(|code| linear[usize::from(code)]);
+    [red, green, blue, f32::from(alpha) / 255.0]
+}
+
+fn amount_of([code]: [u8; 1]) -> [f32; 1] {
+    [f32::from(code) / 255.0]
+}
+
+fn slopes_of(codes: [u8; 2]) -> [f32; 2] {
+    // −128 and −127 both mean −1.
+    codes.map(|code| (f32::from(code as i8) / 127.0).max(-1.0))
 }
 
 /// Adds the bytes of values that [`decode_row`] gave, rounded.
@@ -244,28 +269,39 @@ fn taps(size: usize, target: usize) -> (usize, [f32; 3]) {
     )
 }
 
-/// Adds `weight` times the row, halved in length, to `out`.
-fn add_row<const CHANNELS: usize>(row: &[f32], width: usize, weight: f32, out: &mut [f32]) {
-    if width > 1 && width.is_multiple_of(2) {
-        let weight = weight * 0.5;
-        for (out, pair) in out
-            .chunks_exact_mut(CHANNELS)
-            .zip(row.chunks_exact(2 * CHANNELS))
-        {
-            for channel in 0..CHANNELS {
-                out[channel] += weight * (pair[channel] + pair[CHANNELS + channel]);
-            }
+/// Means of pairs of texels of an even number.
+fn halve_texels<const N: usize>(
+    bytes: &[u8],
+    line: &mut [f32],
+    value_of: impl Fn([u8; N]) -> [f32; N],
+) {
+    let (texels, _) = bytes.as_chunks::<N>();
+    let (pairs, _) = texels.as_chunks::<2>();
+    let (line, _) = line.as_chunks_mut::<N>();
+    for (out, pair) in line.iter_mut().zip(pairs) {
+        let [west, east] = pair.map(&value_of);
+        *out = std::array::from_fn(|channel| 0.5 * (west[channel] + east[channel]));
+    }
+}
+
+/// A row of `width` texels, halved in length.
+fn halve_row<const CHANNELS: usize>(row: &[f32], width: usize, line: &mut [f32]) {
+    let (texels, _) = row.as_chunks::<CHANNELS>();
+    let (line, _) = line.as_chunks_mut::<CHANNELS>();
+    if width.is_multiple_of(2) {
+        let (pairs, _) = texels.as_chunks::<2>();
+        for (out, [west, east]) in line.iter_mut().zip(pairs) {
+            *out = std::array::from_fn(|channel| 0.5 * (west[channel] + east[channel]));
         }
         return;
     }
-    for (x, out) in out.chunks_exact_mut(CHANNELS).enumerate() {
+    for (x, out) in line.iter_mut().enumerate() {
         let (first, weights) = taps(width, x);
-        for (offset, weight_x) in weights.into_iter().enumerate() {
-            if weight_x != 0.0 {
-                let texel = &row[(first + offset) * CHANNELS..];
-                for channel in 0..CHANNELS {
-                    out[channel] += weight * weight_x * texel[channel];
-                }
+        *out = [0.0; CHANNELS];
+        // Of one texel the others are beyond its row.
+        for (texel, weight) in texels[first..].iter().zip(weights) {
+            for (out, value) in out.iter_mut().zip(texel) {
+                *out += weight * value;
             }
         }
     }

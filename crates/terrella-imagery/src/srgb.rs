@@ -22,26 +22,32 @@ pub fn linear_from_encoded(encoded: f64) -> f64 {
 
 const BUCKETS: usize = 4096;
 
-struct Encoder {
-    /// `bounds[n]` is the linear value from which n + 1 is the nearest code.
-    bounds: [f32; 255],
-    /// The code of each bucket's darkest value. A bucket spans at most one bound where the curve is steepest
-    /// (12.92 · 255/4096 = 0.8 codes), so at most one step remains.
-    first: [u8; BUCKETS],
+/// Linear values of one part in [`BUCKETS`].
+#[derive(Clone, Copy)]
+struct Bucket {
+    /// From this value on the code is one more: a bucket spans at most one such bound where the curve is steepest (12.92 · 255/4096 = 0.8
+    /// codes). NaN, which nothing reaches, where it spans none.
+    bound: f32,
+    /// The code of its darkest value.
+    first: u8,
 }
 
-static ENCODER: LazyLock<Encoder> = LazyLock::new(|| {
-    let bounds =
+static ENCODER: LazyLock<[Bucket; BUCKETS]> = LazyLock::new(|| {
+    // From the nth on n + 1 is the nearest code.
+    let bounds: [f32; 255] =
         std::array::from_fn(|code| linear_from_encoded((code as f64 + 0.5) / 255.0) as f32);
-    let first = std::array::from_fn(|bucket| {
+    std::array::from_fn(|bucket| {
         let darkest = bucket as f32 / BUCKETS as f32;
-        bounds.partition_point(|bound| *bound <= darkest) as u8
-    });
-    Encoder { bounds, first }
+        let first = bounds.partition_point(|bound| *bound <= darkest);
+        Bucket {
+            bound: bounds.get(first).copied().unwrap_or(f32::NAN),
+            first: first as u8,
+        }
+    })
 });
 
 /// The nearest 8-bit sRGB value, nearest in encoded space. Takes 0…1, saturates outside, 0 for NaN.
-pub struct SrgbEncoder(&'static Encoder);
+pub struct SrgbEncoder(&'static [Bucket; BUCKETS]);
 
 impl Default for SrgbEncoder {
     fn default() -> Self {
@@ -57,13 +63,10 @@ impl SrgbEncoder {
 
     /// The code, 0…255, of a linear value of 0…1.
     pub fn code(&self, linear: f32) -> u8 {
-        // `as` saturates and takes NaN to 0.
-        let bucket = ((linear * BUCKETS as f32) as usize).min(BUCKETS - 1);
-        let mut code = self.0.first[bucket];
-        while code < 255 && linear >= self.0.bounds[code as usize] {
-            code += 1;
-        }
-        code
+        // `as` saturates and takes NaN to 0; by way of i32, which processors have an instruction for.
+        let bucket = ((linear * BUCKETS as f32) as i32).clamp(0, BUCKETS as i32 - 1);
+        let Bucket { bound, first } = self.0[bucket as usize];
+        first + u8::from(linear >= bound)
     }
 }
 
@@ -94,6 +97,8 @@ mod tests {
         }
         assert_eq!(encoder.code(-1.0), 0);
         assert_eq!(encoder.code(7.0), 255);
+        assert_eq!(encoder.code(f32::INFINITY), 255);
+        assert_eq!(encoder.code(f32::NEG_INFINITY), 0);
         assert_eq!(encoder.code(f32::NAN), 0);
     }
 }
