@@ -34,6 +34,18 @@ impl<R: Read> Bytes<R> {
         Ok(byte)
     }
 
+    /// The next eight bytes as a number, where none of them is FF and so all are data; `None` where that is not known.
+    #[inline]
+    fn word(&self) -> Option<u64> {
+        const ONES: u64 = u64::from_ne_bytes([0x01; 8]);
+        const TOPS: u64 = u64::from_ne_bytes([0x80; 8]);
+        let next = self.buffer[..self.end].get(self.at..)?.first_chunk()?;
+        let word = u64::from_be_bytes(*next);
+        // A byte of zeros in the complement borrows into its top bit, which it has not itself.
+        let has_ff = (!word).wrapping_sub(ONES) & word & TOPS != 0;
+        (!has_ff).then_some(word)
+    }
+
     #[cold]
     fn fill(&mut self) -> Result<(), Fault> {
         (self.at, self.end) = (0, 0);
@@ -101,6 +113,18 @@ impl<'a, R: Read> Bits<'a, R> {
     /// Reads on until more than 56 bits are at hand, or the data are over.
     #[inline]
     fn fill(&mut self) -> Result<(), Fault> {
+        if let Some(word) = self.bytes.word()
+            && self.marker.is_none()
+            && self.count <= 56
+        {
+            let bytes = (64 - self.count) / 8;
+            self.count += 8 * bytes;
+            // Nothing is left of the bytes that have no room.
+            let rest = u64::MAX.checked_shr(self.count).unwrap_or(0);
+            self.window |= word >> (self.count - 8 * bytes) & !rest;
+            self.bytes.at += bytes as usize;
+            return Ok(());
+        }
         while self.count <= 56 && self.marker.is_none() && !self.is_at_end {
             match self.bytes.next()? {
                 Some(0xFF) => self.fill_marked()?,
@@ -141,7 +165,16 @@ impl<'a, R: Read> Bits<'a, R> {
         Ok((self.window >> 48) as u16)
     }
 
-    /// Skips at most 16 bits. False if there are not as many.
+    /// The next 32 bits at the top, zeros beyond the last.
+    #[inline]
+    pub fn peek_32(&mut self) -> Result<u64, Fault> {
+        if self.count < 32 {
+            self.fill()?;
+        }
+        Ok(self.window)
+    }
+
+    /// Skips at most 32 bits. False if there are not as many.
     #[inline]
     #[must_use]
     pub fn skip(&mut self, count: u32) -> bool {

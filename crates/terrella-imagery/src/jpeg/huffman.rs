@@ -92,6 +92,16 @@ impl Table {
         }
     }
 
+    /// A short code of an AC coefficient, whose low bits count the bits that follow it: both are skipped. `None`, and nothing is skipped,
+    /// where the code is longer, or the data may end first.
+    #[inline]
+    pub fn coefficient<R: Read>(&self, bits: &mut Bits<'_, R>) -> Result<Option<u8>, Fault> {
+        let window = bits.peek_32()?;
+        let (length, symbol) = self.fast[(window >> (64 - FAST_BITS)) as usize];
+        let all = u32::from(length) + u32::from(symbol & 15);
+        Ok((length > 0 && bits.skip(all)).then_some(symbol))
+    }
+
     /// The next symbol; `None` where the data end first.
     #[inline]
     pub fn symbol<R: Read>(&self, bits: &mut Bits<'_, R>) -> Result<Option<u8>, Fault> {

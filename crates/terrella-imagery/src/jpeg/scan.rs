@@ -257,21 +257,29 @@ impl<R: Read> Cursor<'_, '_, R> {
         if self.dc()?.is_none() {
             return Ok(None);
         }
+        let Some(table) = self.tables.ac else {
+            return Ok(None);
+        };
         let mut at = 1;
         while at < 64 {
-            let Some((zeros, size)) = self.ac_symbol()? else {
-                return Ok(None);
+            let coefficient = table.coefficient(&mut self.bits)?;
+            let symbol = match coefficient {
+                Some(symbol) => symbol,
+                None => match table.symbol(&mut self.bits)? {
+                    Some(symbol) => symbol,
+                    None => return Ok(None),
+                },
             };
-            match (zeros, size) {
+            match (symbol >> 4, symbol & 15) {
                 (15, 0) => at += 16,
                 // End of block.
                 (_, 0) => break,
-                _ => {
+                (zeros, size) => {
                     at += zeros + 1;
                     if at > 64 {
                         return Err(beyond());
                     }
-                    if self.take(size)?.is_none() {
+                    if coefficient.is_none() && self.take(size)?.is_none() {
                         return Ok(None);
                     }
                 }
