@@ -42,6 +42,9 @@ fn water_at(water: &LayerImage, width: usize, height: usize) -> Cow<'_, [u8]> {
         .collect()
 }
 
+/// Texels of a row that are looked at together.
+const RUN: usize = 16;
+
 /// What is known of a texel while land grows.
 const IS_LAND: u8 = 1;
 const IS_QUEUED: u8 = 2;
@@ -60,16 +63,24 @@ pub(super) fn grow_land(rgba: &mut [u8], width: usize, water: &LayerImage) {
     let (mut ring, mut islands) = (Vec::new(), Vec::new());
     let mut first = 0;
     each_row_near(&known, width, |here, land_near| {
-        for (x, (here, land_near)) in here.iter().zip(land_near).enumerate() {
-            let n = first + x;
-            if *here == IS_LAND {
+        let wet = &water[first..first + here.len()];
+        for part in (0..here.len()).step_by(RUN) {
+            let end = (part + RUN).min(here.len());
+            let all = |row: &[u8], value: u8| row[part..end].iter().all(|at| *at == value);
+            // Most of a map: land alone, or open sea.
+            if all(here, IS_LAND) || all(land_near, 0) && all(wet, u8::MAX) {
                 continue;
             }
-            if *land_near > 0 {
-                ring.push(n);
-            }
-            if water[n] < MOSTLY_WET {
-                islands.push(n);
+            for x in part..end {
+                if here[x] == IS_LAND {
+                    continue;
+                }
+                if land_near[x] > 0 {
+                    ring.push(first + x);
+                }
+                if wet[x] < MOSTLY_WET {
+                    islands.push(first + x);
+                }
             }
         }
         first += here.len();
@@ -87,32 +98,31 @@ pub(super) fn grow_land(rgba: &mut [u8], width: usize, water: &LayerImage) {
                 rgba[4 * n..4 * n + 3].copy_from_slice(&color);
                 known[*n] |= IS_LAND;
             }
-            for n in islands.iter().flat_map(|n| near(*n)) {
-                if known[n] & IS_QUEUED == 0 {
-                    known[n] |= IS_QUEUED;
-                    ring.push(n);
+            for island in &islands {
+                for n in near(*island).as_slice() {
+                    if known[*n] & IS_QUEUED == 0 {
+                        known[*n] |= IS_QUEUED;
+                        ring.push(*n);
+                    }
                 }
             }
             ring.retain(|n| known[*n] & IS_LAND == 0);
         }
         let grown: Vec<_> = ring
             .iter()
-            .filter_map(|n| {
-                Some((
-                    *n,
-                    mean_color(rgba, near(*n).filter(|n| known[*n] & IS_LAND > 0))?,
-                ))
-            })
+            .filter_map(|n| Some((*n, mean_land(rgba, &known, near(*n).as_slice())?)))
             .collect();
         for (n, color) in &grown {
             rgba[4 * n..4 * n + 3].copy_from_slice(color);
             known[*n] |= IS_LAND;
         }
         ring.clear();
-        for n in grown.iter().flat_map(|(n, _)| near(*n)) {
-            if known[n] == 0 {
-                known[n] = IS_QUEUED;
-                ring.push(n);
+        for (n, _) in &grown {
+            for n in near(*n).as_slice() {
+                if known[*n] == 0 {
+                    known[*n] = IS_QUEUED;
+                    ring.push(*n);
+                }
             }
         }
     }
@@ -162,6 +172,23 @@ fn each_row_near(map: &[u8], width: usize, mut take: impl FnMut(&[u8], &[u8])) {
     }
 }
 
+/// The mean colour of those of some texels that are land; `None` of none.
+fn mean_land(rgba: &[u8], known: &[u8], texels: &[usize]) -> Option<[u8; 3]> {
+    let (rgba, _) = rgba.as_chunks::<4>();
+    // Sums of up to 257 bytes in three lanes of 16 bits.
+    let (mut sums, mut count) = (0_u64, 0_u64);
+    for n in texels {
+        let texel = u64::from(u32::from_le_bytes(rgba[*n]));
+        let lanes = texel & 0xFF | (texel & 0xFF00) << 8 | (texel & 0xFF_0000) << 16;
+        let is_land = u64::from(known[*n] & IS_LAND);
+        sums += lanes * is_land;
+        count += is_land;
+    }
+    let count = count as u32;
+    let mean = |lane: u32| (((sums >> (16 * lane)) as u16 as u32 + count / 2) / count) as u8;
+    (count > 0).then(|| [mean(0), mean(1), mean(2)])
+}
+
 /// The mean colour of texels; `None` of none.
 fn mean_color(rgba: &[u8], texels: impl Iterator<Item = usize>) -> Option<[u8; 3]> {
     let (rgba, _) = rgba.as_chunks::<4>();
@@ -199,20 +226,50 @@ fn without_sea(rgba: &[u8], n: usize, water: &[u8], width: usize) -> [u8; 3] {
 }
 
 /// The texels around one: eight, fewer at a pole.
-fn neighbours(n: usize, width: usize, height: usize) -> impl Iterator<Item = usize> {
-    let y = n / width;
-    let row = y * width;
-    let west = if n == row { row + width - 1 } else { n - 1 };
-    let east = if n + 1 == row + width { row } else { n + 1 };
-    // Beyond a pole there are none.
-    let [north_west, north, north_east] = [west, n, east].map(|n| n.wrapping_sub(width));
-    let [south_west, south, south_east] = [west, n, east].map(|n| n + width);
-    let texels = width * height;
-    [
-        north_west, north, north_east, west, east, south_west, south, south_east,
-    ]
-    .into_iter()
-    .filter(move |n| *n < texels)
+struct Near {
+    texels: [usize; 8],
+    count: usize,
+}
+
+impl Near {
+    fn as_slice(&self) -> &[usize] {
+        &self.texels[..self.count]
+    }
+}
+
+fn neighbours(n: usize, width: usize, height: usize) -> Near {
+    // Maps have at most 2²⁹ texels, and short numbers are divided faster.
+    let (x, y) = (
+        (n as u32 % width as u32) as usize,
+        (n as u32 / width as u32) as usize,
+    );
+    let west = if x == 0 { n + width - 1 } else { n - 1 };
+    let east = if x + 1 == width { n + 1 - width } else { n + 1 };
+    if y > 0 && y + 1 < height {
+        let [north, south] = [
+            [west, n, east].map(|n| n - width),
+            [west, n, east].map(|n| n + width),
+        ];
+        return Near {
+            texels: [
+                north[0], north[1], north[2], west, east, south[0], south[1], south[2],
+            ],
+            count: 8,
+        };
+    }
+    let (mut texels, mut count) = ([0; 8], 0);
+    let mut add = |n: usize| {
+        texels[count] = n;
+        count += 1;
+    };
+    if y > 0 {
+        [west, n, east].into_iter().for_each(|n| add(n - width));
+    }
+    [west, east].into_iter().for_each(&mut add);
+    if y + 1 < height {
+        [west, n, east].into_iter().for_each(|n| add(n + width));
+    }
+    Near { texels, count }
 }
 
 /// Latitude to which the sea is taken to be clear, and from which on to hide its floor, degrees. Shelf seas of higher
@@ -261,7 +318,8 @@ impl SeaFloor {
         for _ in 0..FLOOR_RINGS {
             let mut found = Vec::new();
             waiting.retain(|n| {
-                let near = neighbours(*n, width, height).map(|n| depths_m[n]);
+                let near = neighbours(*n, width, height);
+                let near = near.as_slice().iter().map(|n| depths_m[*n]);
                 let known = near.filter(|depth_m| !depth_m.is_nan());
                 let (sum, count) = known.fold((0.0, 0.0), |(sum, count), d| (sum + d, count + 1.0));
                 if count > 0.0 {
@@ -353,14 +411,25 @@ impl SeaFloor {
                 (wrap(first), wrap(first + 1), weight)
             })
             .collect();
+        let lines = self.light.chunks_exact(self.width.max(1));
+        let are_dark: Vec<bool> = lines
+            .map(|line| line.iter().all(|light| *light == 0))
+            .collect();
         for (y, row) in rgba.chunks_exact_mut(4 * width).enumerate() {
             let (first, down) = place(y, self.height, height);
+            let is_dark = |y: isize| are_dark[y.clamp(0, self.height as isize - 1) as usize];
+            if is_dark(first) && is_dark(first + 1) {
+                let (texels, _) = row.as_chunks_mut::<4>();
+                texels.iter_mut().for_each(|texel| texel[3] = depth_of[0]);
+                continue;
+            }
             let line = |y: isize| {
                 let y = y.clamp(0, self.height as isize - 1) as usize;
                 &self.light[y * self.width..(y + 1) * self.width]
             };
             let (north, south) = (line(first), line(first + 1));
-            for (texel, (west, east, right)) in row.chunks_exact_mut(4).zip(&columns) {
+            let (texels, _) = row.as_chunks_mut::<4>();
+            for (texel, (west, east, right)) in texels.iter_mut().zip(&columns) {
                 let mix = |line: &[u8]| {
                     u32::from(line[*west]) * (256 - right) + u32::from(line[*east]) * right
                 };
@@ -405,7 +474,8 @@ mod tests {
             each_row_near(&map, width, |_, near| greatest.extend_from_slice(near));
             assert_eq!(greatest.len(), map.len());
             for (n, found) in greatest.iter().enumerate() {
-                let near = neighbours(n, width, height).map(|n| map[n]);
+                let near = neighbours(n, width, height);
+                let near = near.as_slice().iter().map(|n| map[*n]);
                 assert_eq!(near.max(), Some(*found), "{width} × {height}: {n}");
             }
         }
