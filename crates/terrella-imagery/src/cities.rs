@@ -30,6 +30,7 @@ pub use places::{MAX_PLACES, PLACES_FILE, Place, PlacesError, read_places};
 use point::EARTH_M;
 pub use point::{CITY_CELLS, CityCell, CityLight, LEAST_LIGHT};
 use std::f64::consts::PI;
+use std::fmt;
 use std::ops::Range;
 use std::sync::{Arc, LazyLock, OnceLock};
 use terrella_files::parallel;
@@ -40,10 +41,18 @@ use terrella_files::parallel;
 /// have, and those of sums lie in the middle of that light.
 ///
 /// The points of a cell are made when they are first asked for: a view by night has some per cent of all, one by day none.
-#[derive(Debug)]
 pub struct CityLights {
     source: LazyLock<LightSource, Box<dyn FnOnce() -> LightSource + Send>>,
     cells: Box<[OnceLock<CellPoints>]>,
+}
+
+impl fmt::Debug for CityLights {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let made = self.cells.iter().filter(|cell| cell.get().is_some());
+        f.debug_struct("CityLights")
+            .field("cells_made", &made.count())
+            .finish_non_exhaustive()
+    }
 }
 
 /// How finely the light is divided: points; one for each texel of the map; one for each 4 × 4 texels.
@@ -55,7 +64,8 @@ impl CityLights {
     ///
     /// The map's values are a picture's, their fourth power is light. The same map and places give the same points.
     pub fn new(map: &LayerImage, places: &[Place]) -> Self {
-        let source = LightSource::new(MapLight::new(map), places);
+        let places = places.to_vec();
+        let source = LightSource::new(MapLight::new(map), Box::new(move || places.clone()));
         Self::of(Box::new(move || source))
     }
 
@@ -81,21 +91,21 @@ impl CityLights {
         if !folder.has(PLACES_FILE) {
             return Ok(None);
         }
-        let contents = folder.read(PLACES_FILE, "places")?;
-        let places = read_places(&contents).map_err(|error| ImageryError::Places {
+        let contents = folder.read(PLACES_FILE, "places")?.into_owned();
+        read_places(&contents).map_err(|error| ImageryError::Places {
             path: folder.path(PLACES_FILE),
             error,
         })?;
         let night = night.into_owned();
         let make = move || {
-            match night.level_0() {
-                Ok(map) => LightSource::new(MapLight::new(&map), &places),
-                // The same bytes were found good above.
-                Err(error) => {
-                    tracing::error!("{error}; no city lights are drawn");
-                    LightSource::new(MapLight::default(), &[])
-                }
-            }
+            // The same bytes were found good above.
+            let map = night.level_0().map(|map| MapLight::new(&map));
+            let light = map.unwrap_or_else(|error| {
+                tracing::error!("{error}; no city lights are drawn");
+                MapLight::default()
+            });
+            let places = move || read_places(&contents).unwrap_or_default();
+            LightSource::new(light, Box::new(places))
         };
         Ok(Some(Arc::new(Self::of(Box::new(make)))))
     }

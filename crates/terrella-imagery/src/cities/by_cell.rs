@@ -8,18 +8,28 @@ use super::point::{CELL_COLUMNS, CELL_ROWS, CityLight, LEAST_LIGHT};
 use super::roads::Roads;
 use glam::Vec3;
 use std::ops::Range;
+use std::sync::OnceLock;
 
 /// What the points of all cells are made from.
-#[derive(Debug)]
 pub struct LightSource {
     light: MapLight,
+    light_of_point_m2: f64,
+    places: Places,
+    /// Of these places, when a cell first has light to divide.
+    inhabited: OnceLock<Inhabited>,
+}
+
+/// Where places come from when they are needed: a list of them is five times as large as its file.
+pub type Places = Box<dyn Fn() -> Vec<Place> + Send + Sync>;
+
+/// Where people live in the light of a map.
+struct Inhabited {
     placed: ByTexel<Place>,
     roads: Roads,
-    light_of_point_m2: f64,
 }
 
 /// The points of a cell, the finest first, each fineness from bright to faint.
-#[derive(Debug, Default)]
+#[derive(Default)]
 pub struct CellPoints {
     points: Box<[CityLight]>,
     /// Where each fineness ends.
@@ -33,16 +43,21 @@ pub const COARSEST_TEXELS: usize = 4;
 type InTexel = (u32, u32, CityLight);
 
 impl LightSource {
-    pub fn new(light: MapLight, places: &[Place]) -> Self {
-        let placed = light.places_by_texel(places);
-        let roads = Roads::between(light.lit_places(&placed));
-        let light_of_point_m2 = light_of_point_m2(&light);
+    pub fn new(light: MapLight, places: Places) -> Self {
         Self {
+            light_of_point_m2: light_of_point_m2(&light),
             light,
-            placed,
-            roads,
-            light_of_point_m2,
+            places,
+            inhabited: OnceLock::new(),
         }
+    }
+
+    fn inhabited(&self) -> &Inhabited {
+        self.inhabited.get_or_init(|| {
+            let placed = self.light.places_by_texel(&(self.places)());
+            let roads = Roads::between(self.light.lit_places(&placed));
+            Inhabited { placed, roads }
+        })
     }
 
     /// Rows of the map's texels.
@@ -110,7 +125,8 @@ impl LightSource {
         if lit.peek().is_none() {
             return points;
         }
-        let lamps = self.roads.lamps_in(&self.light, region);
+        let Inhabited { placed, roads } = self.inhabited();
+        let lamps = roads.lamps_in(&self.light, region);
         for (row, (number, mean)) in lit {
             let texel = Texel {
                 row,
@@ -121,7 +137,7 @@ impl LightSource {
             gather(
                 &texel,
                 &self.light,
-                self.placed.of(*number),
+                placed.of(*number),
                 lamps.of(*number),
                 self.light_of_point_m2,
                 &mut points,

@@ -15,14 +15,13 @@ const NODES: [(f32, f32); 3] = [
 ];
 
 /// Some texels of a map.
-#[derive(Clone, Debug)]
 pub struct TexelRegion {
     pub rows: Range<usize>,
     pub columns: Range<usize>,
 }
 
 /// Light of a map, texel by texel.
-#[derive(Debug, Default)]
+#[derive(Default)]
 pub struct MapLight {
     width: usize,
     height: usize,
@@ -159,7 +158,6 @@ impl MapLight {
 }
 
 /// Things by the texels of a map that they lie in.
-#[derive(Debug)]
 pub struct ByTexel<T>(Vec<(u32, T)>);
 
 impl<T: Copy> ByTexel<T> {

@@ -27,7 +27,6 @@ pub struct RoadLamp {
 }
 
 /// All roads: those of an area are found when its lamps are asked for.
-#[derive(Debug)]
 pub struct Roads(Neighbours);
 
 impl Roads {
@@ -101,7 +100,6 @@ fn offset_m(from: &Place, to: &Place) -> (f64, f64) {
 }
 
 /// Places by cells of a grid.
-#[derive(Debug)]
 struct Neighbours {
     columns: i64,
     rows: i64,
