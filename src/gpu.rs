@@ -49,6 +49,7 @@ pub(crate) use context::device_limits;
 pub use context::{AdapterReport, BcSupport, ContextError, GpuContext, adapter_reports};
 pub use develop::{Developer, GradeUniforms, UndevelopedPicture};
 pub use faults::GpuFault;
+pub(crate) use map::check_size;
 pub use map::{GpuMap, MapError, MapFade};
 pub use scaled::ScaledTarget;
 #[cfg(not(target_family = "wasm"))]

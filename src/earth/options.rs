@@ -4,8 +4,8 @@ use super::{
     Appearance, DiagnosticOptions, EarthError, GroundOptions, Quality, SurfaceLight, TileOptions,
 };
 use crate::gpu::{
-    DepthBuffer, Development, ErrorScope, GpuMap, MapError, PassFormat, SurfaceOutput, TargetColor,
-    UploadedMaps, stores_light,
+    DepthBuffer, Development, MapError, MapUploader, PassFormat, SurfaceOutput, TargetColor,
+    UploadedMaps, check_size, stores_light,
 };
 use std::sync::Arc;
 use terrella_ground::air::{AirOptions, Atmosphere};
@@ -155,15 +155,12 @@ impl EarthOptions {
             let Some(image) = image.filter(|image| image.has_texels()) else {
                 continue;
             };
-            let memory = ErrorScope::open(device, wgpu::ErrorFilter::OutOfMemory);
-            let map = GpuMap::upload(device, queue, layer, image, self.shading);
-            let full = memory.error();
-            let map = map?;
-            if let Some(error) = full {
-                return Err(MapError::Rejected(error.to_string()));
-            }
-            self.uploaded.set(map);
-            *image = image.without_texels();
+            image.check()?;
+            check_size(device, layer, image)?;
+            let uploader = MapUploader::new(device, queue, self.shading);
+            let described = image.clone().given_to(&uploader, layer);
+            self.uploaded.add(uploader.finish()?);
+            *image = described;
         }
         Ok(())
     }

@@ -45,6 +45,21 @@ pub enum MapError {
     Rejected(String),
 }
 
+/// Rejects a map that is too large for the device.
+pub(crate) fn check_size(
+    device: &wgpu::Device,
+    layer: MapLayer,
+    image: &LayerImage,
+) -> Result<(), MapError> {
+    let limit = device.limits().max_texture_dimension_2d;
+    let (width, height) = (image.width, image.height);
+    if width.max(height) <= limit {
+        return Ok(());
+    }
+    let what = format!("it is {width} × {height}; this device takes {limit} texels a side");
+    Err(unfit(layer, what))
+}
+
 /// A whole map on the GPU, for [`Earth::set_map`](crate::Earth::set_map). A clone is the same texture.
 ///
 /// The map goes once round the Earth: its left edge is 180° W, its upper edge the north pole, in plate carrée.
@@ -75,12 +90,7 @@ impl GpuMap {
         shading: Shading,
     ) -> Result<Self, MapError> {
         image.check()?;
-        let limit = device.limits().max_texture_dimension_2d;
-        if image.width.max(image.height) > limit {
-            let (width, height) = (image.width, image.height);
-            let what = format!("it is {width} × {height}; this device takes {limit} texels a side");
-            return Err(unfit(layer, what));
-        }
+        check_size(device, layer, image)?;
         let held = GpuLayer::upload(device, queue, &label(layer), image, is_stored(shading));
         let summary = MapSummary::of(layer, image);
         Ok(Self::of_summary(layer, held, summary, shading))

@@ -20,8 +20,12 @@ impl UploadedMaps {
         self.0[layer.index()].as_ref()
     }
 
-    /// Puts a map in the place of that of its kind.
-    pub(crate) fn set(&mut self, map: GpuMap) {
+    /// Puts maps in the place of those of their kinds.
+    pub(crate) fn add(&mut self, others: Self) {
+        others.0.into_iter().flatten().for_each(|map| self.set(map));
+    }
+
+    fn set(&mut self, map: GpuMap) {
         let index = map.layer().index();
         self.0[index] = Some(map);
     }
