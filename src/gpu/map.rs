@@ -112,6 +112,11 @@ impl GpuMap {
         }
     }
 
+    /// The whole map with all its mip levels.
+    pub fn view(&self) -> &wgpu::TextureView {
+        &self.held.view
+    }
+
     /// A texture that the host holds, writes and draws to as it likes; what it holds when the frame is submitted is drawn.
     ///
     /// It needs two dimensions, one layer, one sample, the usage `TEXTURE_BINDING`, and a format that is filtered. Of colours (day) red,

@@ -179,7 +179,8 @@ pub fn run_bench(
     let open = GpuContext::open_with(request.adapter, GpuTimer::FEATURES);
     let gpu = pollster::block_on(open).map_err(PlayError::from)?;
     progress.begin("loading maps", None);
-    let options = flight.earth_options(gpu.bc_support())?;
+    // Every feature is measured with Earths of its own, and the floor with the same maps.
+    let options = flight.uploaded_options(&gpu)?;
     let mut timer = FrameTimer::new(&gpu, &options, size)?;
     progress.end();
     let info = timer.picture().adapter_info();

@@ -142,7 +142,10 @@ impl Samples {
         let views = textures.clone().filter_map(|texture| match texture {
             Texture::Map(layer) => {
                 let (image, label) = (options.layers.get(layer)?, "terrella floor map");
-                Some(GpuLayer::upload(device, &gpu.queue, label, image, false).view)
+                match options.uploaded.get(layer).filter(|_| !image.has_texels()) {
+                    Some(map) => Some(map.view().clone()),
+                    None => Some(GpuLayer::upload(device, &gpu.queue, label, image, false).view),
+                }
             }
             Texture::Table(size) => Some(table(gpu, size)),
         });
