@@ -198,6 +198,7 @@ pub struct Tracks {
     lines: Vec<InkedLines>,
     stations: Vec<InkedStation>,
     twilight: Option<InkedTwilight>,
+    hides_satellites: bool,
     /// Direction to the Sun, unit.
     sun_itrf: DVec3,
     /// The satellite whose height the stations' circles are of.
@@ -265,6 +266,7 @@ impl Tracks {
             lines: Vec::new(),
             stations: Vec::new(),
             twilight: None,
+            hides_satellites: false,
             sun_itrf: DVec3::X,
             followed: 0,
             options: options.clone(),
@@ -290,6 +292,7 @@ impl Tracks {
             lines: self.lines.clone(),
             stations: self.stations.clone(),
             twilight: self.twilight.clone(),
+            hides_satellites: self.hides_satellites,
             sun_itrf: self.sun_itrf,
             followed: self.followed,
             drawable: self.drawable.for_another_view(&self.device, air),
@@ -399,6 +402,12 @@ impl Tracks {
         Ok(())
     }
 
+    /// Hides the satellites' tracks and markers from the next [`Self::prepare`] on, or shows them again. Their curves grow no further meanwhile;
+    /// stations go on looking for them.
+    pub fn hide_satellites(&mut self, hides: bool) {
+        self.hides_satellites = hides;
+    }
+
     /// Says where the Sun is in the next frame: its direction, unit, ITRF axes, as in `Sky::sun_itrf`.
     pub fn set_sun(&mut self, direction_itrf: DVec3) {
         self.sun_itrf = direction_itrf.normalize_or(DVec3::X);
@@ -472,8 +481,13 @@ impl Tracks {
         let has_stations = !self.stations.is_empty();
         let mut followed_itrf_m = None;
         for (index, (satellite, feed)) in self.satellites.iter_mut().zip(feeds).enumerate() {
-            is_complete &= satellite.follow(feed, &mut axes, &ellipsoid, &mut left, has_stations);
-            satellite.write(index, &eye, &mut axes, &mut self.buffers);
+            if self.hides_satellites {
+                let _ = satellite.follow(feed, &mut axes, &ellipsoid, &mut 0, has_stations);
+            } else {
+                is_complete &=
+                    satellite.follow(feed, &mut axes, &ellipsoid, &mut left, has_stations);
+                satellite.write(index, &eye, &mut axes, &mut self.buffers);
+            }
             if has_stations && let Some(place) = satellite.place_itrf_m(&mut axes) {
                 self.buffers.satellites.push(place);
                 if index == self.followed {
