@@ -286,6 +286,39 @@ clouds = false
 size = [300, 200]
 "#;
 
+/// The scene is without clouds and lines: what its keys switch on is loaded or made first.
+#[test]
+fn layers_that_are_off_are_made_by_their_keys_and_hidden_again() {
+    let Some(mut session) = Session::open(GLOBE) else {
+        return;
+    };
+    let bare = session.picture();
+    let differing = |one: &image::RgbImage, other: &image::RgbImage| {
+        let pairs = one.pixels().zip(other.pixels());
+        pairs.filter(|(one, other)| one != other).count()
+    };
+    // So often pressed it is as before: there are five tone curves.
+    for (key, least, presses) in [
+        (b'g', 1500, 2),
+        (b'm', 500, 2),
+        (b'd', 8000, 2),
+        (b'v', 8000, 5),
+        (b'k', 8000, 2),
+    ] {
+        session.hand.press(key);
+        pause();
+        let changed = session.picture();
+        let count = differing(&bare, &changed);
+        assert!(count > least, "{}: {count} pixels", char::from(key));
+        for _ in 1..presses {
+            session.hand.press(key);
+            pause();
+        }
+        let again = session.picture();
+        assert_eq!(differing(&bare, &again), 0, "{}", char::from(key));
+    }
+}
+
 #[test]
 fn a_drag_turns_the_globe_with_the_place_under_the_pointer() {
     let Some(mut session) = Session::open(GLOBE) else {

@@ -7,8 +7,10 @@ use super::hand::{FreeEye, Hand};
 use super::keys::Action;
 use super::live_status::LiveStatus;
 use super::picking::{Picked, ReadOut};
+use super::switches::Switches;
 use super::timeline::TimeLine;
 use crate::scene::CameraMode;
+use terrella::Exposure;
 use terrella::frames::{Epoch, Geodetic};
 
 /// Most that one event magnifies, as a power of two: more comes from a faulty device.
@@ -32,8 +34,8 @@ pub struct Controls {
     pub picked: Option<Picked>,
     /// What is said of it.
     pub read_out: Option<ReadOut>,
-    /// What is drawn beside the Earth.
-    pub layers: Layers,
+    /// What is drawn, and how it is exposed.
+    pub switches: Switches,
     /// Whether the panel is shown.
     pub panel: bool,
     /// Whether the help is shown.
@@ -49,15 +51,8 @@ pub struct Controls {
     /// The satellite that the scene's cameras fly with.
     own_satellite: usize,
     scene_fov_rad: f64,
-}
-
-/// Layers of the picture that are switched while it is drawn.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Layers {
-    /// Stars, Milky Way, Sun and Moon.
-    pub sky: bool,
-    /// Trails, ground tracks, footprints and markers.
-    pub tracks: bool,
+    scene_exposure: Exposure,
+    scene_switches: Switches,
 }
 
 /// What the window itself must do for an action.
@@ -90,10 +85,7 @@ impl Controls {
             hand: Hand::default(),
             picked: None,
             read_out: None,
-            layers: Layers {
-                sky: true,
-                tracks: true,
-            },
+            switches: Switches::of(scene),
             panel: true,
             help: false,
             asks_to_close: false,
@@ -103,6 +95,8 @@ impl Controls {
             modes: flight.camera_modes(),
             own_satellite: flight.followed(),
             scene_fov_rad: scene.camera.fov_deg.to_radians(),
+            scene_exposure: scene.output.exposure,
+            scene_switches: Switches::of(scene),
         }
     }
 
@@ -132,6 +126,16 @@ impl Controls {
     /// Lets time pass.
     pub fn advance(&mut self, wall_dt_s: f64) {
         self.clock.advance(wall_dt_s.min(MAX_STEP_S));
+    }
+
+    /// Whether layers, exposure or tone curve are not the scene's.
+    pub fn is_switched(&self) -> bool {
+        self.switches != self.scene_switches
+    }
+
+    /// Whether the exposure follows the view.
+    pub fn meters_exposure(&self) -> bool {
+        self.switches.exposure.unwrap_or(self.scene_exposure) == Exposure::Auto
     }
 
     /// Whether the time line is on screen.
@@ -194,8 +198,11 @@ impl Controls {
             Action::Drag(right_px, down_px) => self.drag(right_px, down_px, height_px),
             Action::ResetView => self.leave_free_eye(),
             Action::NorthUp => return Some(WindowTask::NorthUp),
-            Action::Sky => self.layers.sky = !self.layers.sky,
-            Action::Tracks => self.layers.tracks = !self.layers.tracks,
+            Action::Layer(layer) => self.switches.toggle(layer),
+            Action::Expose(exposure) => self.switches.exposure = exposure,
+            Action::Tone(tone) => self.switches.tone = tone,
+            Action::NextTone => self.switches.next_tone(),
+            Action::SceneLook => self.switches = self.scene_switches,
             Action::Help => self.help = !self.help,
             Action::Panel => self.panel = !self.panel,
             Action::TimeLine if self.panel => self.line.shown = !self.line.shown,

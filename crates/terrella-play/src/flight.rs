@@ -393,6 +393,16 @@ impl Flight {
     ) -> Result<EarthOptions, PlayError> {
         uploaded_options_at(&self.scene, epoch, gpu)
     }
+
+    /// As [`Self::uploaded_options`] for another scene of the same flight.
+    #[cfg(feature = "window")]
+    pub(super) fn uploaded_options_of(
+        &self,
+        scene: &Scene,
+        gpu: &GpuContext,
+    ) -> Result<EarthOptions, PlayError> {
+        uploaded_options_at(scene, self.scene.time.start, gpu)
+    }
 }
 
 fn impact(

@@ -1,6 +1,8 @@
 //! What each key does in the window. One table serves the keyboard and the help.
 
+use super::switches::Layer;
 use terrella::frames::Epoch;
+use terrella::{Exposure, Tone};
 use winit::keyboard::{Key, NamedKey};
 
 /// What a user can ask of the window.
@@ -32,10 +34,16 @@ pub enum Action {
     ResetView,
     /// North upwards on screen.
     NorthUp,
-    /// Shows or hides stars, Milky Way, Sun and Moon.
-    Sky,
-    /// Shows or hides the tracks of satellites.
-    Tracks,
+    /// Shows or hides a layer.
+    Layer(Layer),
+    /// Exposes so; `None` as the scene does.
+    Expose(Option<Exposure>),
+    /// Shows light by this curve.
+    Tone(Tone),
+    /// Shows light by the next curve.
+    NextTone,
+    /// Layers, exposure and tone curve as the scene has them.
+    SceneLook,
     /// Writes the picture without the panel.
     Screenshot,
     /// To full screen or back.
@@ -222,6 +230,42 @@ pub const BINDINGS: &[Binding] = &[
         does: "back to the scene's flight",
         patterns: &[Char("b")],
         action: Action::SceneSpan,
+    },
+    Binding {
+        keys: "G",
+        does: "hide or show the graticule",
+        patterns: &[Char("g")],
+        action: Action::Layer(Layer::Graticule),
+    },
+    Binding {
+        keys: "M",
+        does: "hide or show coast lines",
+        patterns: &[Char("m")],
+        action: Action::Layer(Layer::CoastLines),
+    },
+    Binding {
+        keys: "K",
+        does: "hide or show clouds",
+        patterns: &[Char("k")],
+        action: Action::Layer(Layer::Clouds),
+    },
+    Binding {
+        keys: "D",
+        does: "hide or show the atmosphere",
+        patterns: &[Char("d")],
+        action: Action::Layer(Layer::Atmosphere),
+    },
+    Binding {
+        keys: "V",
+        does: "next tone curve",
+        patterns: &[Char("v")],
+        action: Action::NextTone,
+    },
+    Binding {
+        keys: "E",
+        does: "automatic exposure",
+        patterns: &[Char("e")],
+        action: Action::Expose(Some(Exposure::Auto)),
     },
     Binding {
         keys: "H or F1",

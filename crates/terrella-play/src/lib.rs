@@ -106,6 +106,8 @@ mod output;
 mod overlay;
 #[cfg(feature = "window")]
 mod panel;
+#[cfg(feature = "window")]
+mod panel_layers;
 mod pass_table;
 #[cfg(feature = "window")]
 mod picking;
@@ -147,6 +149,8 @@ mod still;
 mod stretches;
 #[cfg(feature = "window")]
 mod surface;
+#[cfg(feature = "window")]
+mod switches;
 #[cfg(feature = "window")]
 mod timeline;
 #[cfg_attr(not(feature = "window"), allow(dead_code))]

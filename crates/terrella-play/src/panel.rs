@@ -4,6 +4,7 @@ use super::controls::Controls;
 use super::flight::Moment;
 use super::hand::FreeEye;
 use super::keys::{Action, BINDINGS, MOUSE};
+use super::panel_layers;
 use super::picking::{ReadOut, altitude_text};
 use super::place_text::place_text;
 use super::timeline;
@@ -44,8 +45,6 @@ pub struct PanelData<'p> {
     pub stats: FrameStats,
     /// Whether the tiles of a pack are drawn.
     pub has_tiles: bool,
-    /// Whether there is a sky to be switched, and tracks.
-    pub has_layers: (bool, bool),
     /// Adapts the quality, if a frame time is to be held.
     pub adaptive: Option<&'p AdaptiveQuality>,
     /// Milliseconds between frames, smoothed; `None` before there are two.
@@ -187,8 +186,12 @@ fn panel(
     height: f32,
     actions: &mut Vec<Action>,
 ) {
-    scrolled(ui, height, |ui| numbers(ui, controls, data));
-    buttons(ui, controls, data, actions);
+    scrolled(ui, height, |ui| {
+        numbers(ui, controls, data);
+        panel_layers::show(ui, controls, data.stats.exposure_ev, actions);
+        details(ui, data);
+    });
+    buttons(ui, controls, actions);
 }
 
 /// What is higher than `height` points is scrolled, with a bar that shows it.
@@ -199,6 +202,9 @@ fn scrolled(ui: &mut Ui, height: f32, add: impl FnOnce(&mut Ui)) {
 
 fn numbers(ui: &mut Ui, controls: &Controls, data: &PanelData<'_>) {
     rows(ui, "numbers", &scene_rows(controls, data));
+}
+
+fn details(ui: &mut Ui, data: &PanelData<'_>) {
     let details = CollapsingHeader::new("Details").show_unindented(ui, |ui| {
         rows(ui, "details", &detail_rows(data));
     });
@@ -298,7 +304,7 @@ fn detail_rows(data: &PanelData<'_>) -> Vec<(&'static str, String)> {
     rows
 }
 
-fn buttons(ui: &mut Ui, controls: &Controls, data: &PanelData<'_>, actions: &mut Vec<Action>) {
+fn buttons(ui: &mut Ui, controls: &Controls, actions: &mut Vec<Action>) {
     let clock = &controls.clock;
     ui.horizontal_wrapped(|ui| {
         let pause = if clock.is_paused() { "play" } else { "pause" };
@@ -318,17 +324,6 @@ fn buttons(ui: &mut Ui, controls: &Controls, data: &PanelData<'_>, actions: &mut
         }
         if controls.live.is_none() {
             rates(ui, clock.speed(), actions);
-        }
-        let (has_sky, has_tracks) = data.has_layers;
-        let layers = [
-            ("sky", has_sky, controls.layers.sky, Action::Sky),
-            ("tracks", has_tracks, controls.layers.tracks, Action::Tracks),
-        ];
-        for (text, _, mut is_on, action) in layers.into_iter().filter(|(_, is_there, ..)| *is_there)
-        {
-            if ui.checkbox(&mut is_on, text).clicked() {
-                actions.push(action);
-            }
         }
     });
 }

@@ -2,12 +2,15 @@ use super::*;
 use crate::flight::{Flight, SatelliteState};
 use crate::live_status::LiveStatus;
 use crate::scene::Scene;
+use crate::switches::Layer;
 use egui::{RawInput, Rect, Shape};
 use std::path::Path;
 use terrella::frames::{Epoch, Geodetic};
 
 /// The smallest window in which nothing may be cut off, points.
 const SMALLEST: Vec2 = Vec2::new(640.0, 360.0);
+/// A window in which the switches are unfolded at first; they stay so when it becomes smaller.
+const LARGE: Vec2 = Vec2::new(1920.0, 1080.0);
 
 fn adaptive() -> AdaptiveQuality {
     let day = terrella::LayerImage::from_rgba8(1, 1, vec![0; 4]).expect("a map");
@@ -55,7 +58,11 @@ struct Longest {
 
 impl Longest {
     fn new() -> Self {
-        let scene = Scene::from_toml("", Path::new("test.toml")).expect("a good scene");
+        Self::of("")
+    }
+
+    fn of(scene: &str) -> Self {
+        let scene = Scene::from_toml(scene, Path::new("test.toml")).expect("a good scene");
         let mut adaptive = adaptive();
         for _ in 0..1000 {
             adaptive.observe(50.0);
@@ -73,6 +80,17 @@ impl Longest {
         size: Vec2,
         change: impl Fn(&mut Controls),
     ) -> (Vec<(Rect, Rect, String)>, Vec<Rect>) {
+        let (texts, areas, _) = self.lay_out_and_click(size, None, change);
+        (texts, areas)
+    }
+
+    /// The same with a click in the middle of the first text that reads so; returns also what it asks for.
+    fn lay_out_and_click(
+        &self,
+        size: Vec2,
+        clicked: Option<&str>,
+        change: impl Fn(&mut Controls),
+    ) -> (Vec<(Rect, Rect, String)>, Vec<Rect>, Vec<Action>) {
         let mut controls = Controls::new(&self.flight);
         change(&mut controls);
         let request = controls.request(1.0);
@@ -91,39 +109,61 @@ impl Longest {
             moment: &moment,
             stats,
             has_tiles: true,
-            has_layers: (true, true),
             adaptive: Some(&self.adaptive),
             interval_ms: Some(123.4),
             work_ms: 100.0,
             adapter: "llvmpipe (LLVM 15.0.6, 256 bits), Vulkan, a software renderer of Mesa 22.3.6",
         };
         let context = Context::default();
-        let mut shapes = Vec::new();
-        for _ in 0..4 {
+        let mut texts = Vec::new();
+        let mut actions = Vec::new();
+        let sizes = [LARGE, LARGE, size, size, size, size, size];
+        for (frame, size) in sizes.into_iter().enumerate() {
+            let at = clicked.filter(|_| frame > 3).map(|clicked| {
+                let is_wanted = |(_, _, text): &&(Rect, Rect, String)| text == clicked;
+                let found: &(Rect, Rect, String) =
+                    texts.iter().find(is_wanted).expect("it is laid out");
+                found.1.center()
+            });
+            let press = |pos, pressed| egui::Event::PointerButton {
+                pos,
+                button: egui::PointerButton::Primary,
+                pressed,
+                modifiers: egui::Modifiers::NONE,
+            };
+            let events = at.map_or_else(Vec::new, |pos| match frame {
+                4 => vec![egui::Event::PointerMoved(pos)],
+                5 => vec![press(pos, true)],
+                _ => vec![press(pos, false)],
+            });
             let input = RawInput {
                 screen_rect: Some(Rect::from_min_size(egui::Pos2::ZERO, size)),
+                events,
                 ..RawInput::default()
             };
+            let mut asked = Vec::new();
             let mut output = context.run_ui(input, |ui| {
-                show(ui.ctx(), &controls, &data);
+                asked = show(ui.ctx(), &controls, &data);
             });
+            actions.extend(asked);
             output.textures_delta.clear();
-            shapes = output.shapes;
+            let shapes = output.shapes.into_iter();
+            let found = shapes.filter_map(|shape| match shape.shape {
+                Shape::Text(text) => Some((
+                    shape.clip_rect,
+                    text.visual_bounding_rect(),
+                    text.galley.text().to_owned(),
+                )),
+                _ => None,
+            });
+            texts = found.collect();
         }
-        let texts = shapes.into_iter().filter_map(|shape| match shape.shape {
-            Shape::Text(text) => Some((
-                shape.clip_rect,
-                text.visual_bounding_rect(),
-                text.galley.text().to_owned(),
-            )),
-            _ => None,
-        });
         let areas = context.memory(|memory| {
             let layers: Vec<_> = memory.areas().visible_layer_ids().into_iter().collect();
             let rects = layers.iter().map(|layer| memory.area_rect(layer.id));
             rects.flatten().collect()
         });
-        (texts.collect(), areas)
+        (texts, areas, actions)
     }
 
     fn assert_nothing_is_cut_off(&self, what: &str, change: impl Fn(&mut Controls)) {
@@ -206,6 +246,42 @@ fn what_is_selected_is_said_beside_the_panel() {
 }
 
 #[test]
+fn every_layer_is_switched_by_a_click_on_its_name() {
+    let scene = "[[station]]\nname = \"Kiruna\"\nlat_deg = 67.9\nlon_deg = 21\n";
+    let longest = Longest::of(scene);
+    for layer in Layer::ALL {
+        let (_, _, actions) = longest.lay_out_and_click(LARGE, Some(layer.name()), nothing);
+        assert_eq!(actions, [Action::Layer(layer)]);
+    }
+    // A scene without stations has no box for them.
+    let (texts, _) = Longest::new().lay_out(LARGE, nothing);
+    let is_there = |name: &str| texts.iter().any(|(_, _, text)| text == name);
+    assert!(is_there("tracks") && !is_there("stations"));
+}
+
+#[test]
+fn exposure_is_metered_by_a_click_and_then_held() {
+    let longest = Longest::of("[output]\nexposure_ev = 1.5\n");
+    let click = |change: fn(&mut Controls)| {
+        let (_, _, actions) = longest.lay_out_and_click(LARGE, Some("automatic"), change);
+        actions
+    };
+    use terrella::Exposure;
+    assert_eq!(click(nothing), [Action::Expose(Some(Exposure::Auto))]);
+    // What was metered last, which the test has at 0.
+    let is_metered = |controls: &mut Controls| {
+        controls.apply(Action::Expose(Some(Exposure::Auto)), 720.0);
+    };
+    assert_eq!(click(is_metered), [Action::Expose(Some(Exposure::Ev(0.0)))]);
+    let reset = |change: fn(&mut Controls)| {
+        let (_, _, actions) = longest.lay_out_and_click(LARGE, Some("as in the scene"), change);
+        actions
+    };
+    assert_eq!(reset(nothing), []);
+    assert_eq!(reset(is_metered), [Action::SceneLook]);
+}
+
+#[test]
 fn performance_is_said_under_details_alone() {
     let longest = Longest::new();
     let (texts, _) = longest.lay_out(Vec2::new(1920.0, 1080.0), nothing);
@@ -230,7 +306,6 @@ fn performance_is_said_under_details_alone() {
         moment: &moment,
         stats: FrameStats::default(),
         has_tiles: true,
-        has_layers: (true, true),
         adaptive: Some(&longest.adaptive),
         interval_ms: None,
         work_ms: 1.0,

@@ -5,7 +5,8 @@ use super::dated_maps::DatedMapsLayer;
 use super::error::PlayError;
 use super::flight::{Flight, Moment};
 use super::sky::SkyLayer;
-use super::tracks::{TrackDetail, TracksLayer};
+use super::tracks::{ShownTracks, TrackDetail, TracksLayer};
+use crate::scene::Scene;
 use std::time::Duration;
 use terrella::celestial::CelestialOptions;
 use terrella::{
@@ -24,21 +25,14 @@ pub struct ScenePainter {
     tracks: Option<TracksLayer>,
     /// Format of the finished picture.
     shown: wgpu::TextureFormat,
-    /// Layers that are there and not drawn at present.
-    hidden: HiddenLayers,
+    /// Whether the sky is kept and not drawn.
+    hides_sky: bool,
     /// Follows the exposure that views ask for, where it is metered.
     adaptation: Option<Adaptation>,
     /// Number of the frame that was prepared last, of the scene's film.
     frame: u32,
-}
-
-/// Layers that are kept and not drawn.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct HiddenLayers {
-    /// What is beyond the Earth.
-    pub sky: bool,
-    /// Tracks and their names.
-    pub tracks: bool,
+    /// Whether moments with an exposure of their own are exposed as all others.
+    has_user_exposure: bool,
 }
 
 /// Textures that a picture is drawn to.
@@ -88,9 +82,10 @@ impl ScenePainter {
             sky: None,
             tracks: None,
             shown,
-            hidden: HiddenLayers::default(),
+            hides_sky: false,
             adaptation: (options.exposure == Exposure::Auto).then(Adaptation::default),
             frame: 0,
+            has_user_exposure: false,
         })
     }
 
@@ -101,10 +96,22 @@ impl ScenePainter {
         options: &EarthOptions,
         shown: wgpu::TextureFormat,
     ) -> Result<Self, PlayError> {
+        Self::of_scene(flight.scene(), flight, gpu, options, shown)
+    }
+
+    /// The same of another scene with the same flight and the same dated maps.
+    pub fn of_scene(
+        scene: &Scene,
+        flight: &Flight,
+        gpu: GpuContext,
+        options: &EarthOptions,
+        shown: wgpu::TextureFormat,
+    ) -> Result<Self, PlayError> {
         let mut painter = Self::new(gpu, options, shown)?;
         painter.show_dated_maps(flight)?;
-        painter.show_sky(flight)?;
-        painter.show_tracks(flight)?;
+        let (gpu, earth) = (&painter.gpu, &painter.earth);
+        painter.sky = SkyLayer::of_scene(scene, flight, gpu, earth)?;
+        painter.tracks = TracksLayer::of_scene(scene, flight, gpu, earth, shown)?;
         Ok(painter)
     }
 
@@ -143,14 +150,31 @@ impl ScenePainter {
         Ok(())
     }
 
-    /// Leaves layers out of the pictures from now on, or draws them again. They stay loaded.
-    pub fn hide(&mut self, hidden: HiddenLayers) {
-        self.hidden = hidden;
-    }
-
-    /// Whether there is a layer beyond the Earth, and one of tracks.
-    pub fn has_layers(&self) -> (bool, bool) {
-        (self.sky.is_some(), self.tracks.is_some())
+    /// Draws the layers of a scene of the same flight beside the Earth from now on, those alone that are to be shown. What is missing is
+    /// made; what is hidden stays loaded.
+    ///
+    /// # Errors
+    /// As [`Self::of`]; the layers made before the error stay.
+    pub(crate) fn show_layers(
+        &mut self,
+        scene: &Scene,
+        flight: &Flight,
+        shows_sky: bool,
+        tracks: ShownTracks,
+    ) -> Result<(), PlayError> {
+        let (gpu, earth) = (&self.gpu, &self.earth);
+        self.hides_sky = !shows_sky;
+        if shows_sky && self.sky.is_none() {
+            self.sky = SkyLayer::of_scene(scene, flight, gpu, earth)?;
+        }
+        let has_tracks = |layer: &TracksLayer| layer.has_tracks_of(scene);
+        if !self.tracks.as_ref().is_some_and(has_tracks) {
+            self.tracks = TracksLayer::of_scene(scene, flight, gpu, earth, self.shown)?;
+        }
+        if let Some(layer) = &mut self.tracks {
+            layer.show(scene, flight, tracks)?;
+        }
+        Ok(())
     }
 
     /// Draws the Earth better or worse from now on. The other layers follow by [`Self::follow_quality`].
@@ -188,6 +212,25 @@ impl ScenePainter {
     /// An exposure value out of [`Exposure::RANGE_EV`].
     pub fn set_exposure(&mut self, exposure: Exposure) -> Result<(), EarthError> {
         self.earth.set_exposure(exposure)
+    }
+
+    /// Exposes all pictures so from now on, those that have an exposure of their own among them; `None` as the scene of `usual` does.
+    ///
+    /// # Errors
+    /// As [`Self::set_exposure`].
+    pub fn choose_exposure(
+        &mut self,
+        chosen: Option<Exposure>,
+        usual: Exposure,
+    ) -> Result<(), EarthError> {
+        let exposure = chosen.unwrap_or(usual);
+        self.earth.set_exposure(exposure)?;
+        self.has_user_exposure = chosen.is_some();
+        self.adaptation = match exposure {
+            Exposure::Auto => Some(self.adaptation.take().unwrap_or_default()),
+            Exposure::Ev(_) => None,
+        };
+        Ok(())
     }
 
     /// Where exposure is metered, exposes the next picture as its view asks for, followed in the time since the last, seconds,
@@ -245,10 +288,10 @@ impl ScenePainter {
         };
         let craft = moment.craft.as_ref();
         self.craft.prepare(&self.gpu, craft, view, sky, &mut stats);
-        if let Some(sky) = self.sky.as_mut().filter(|_| !self.hidden.sky) {
+        if let Some(sky) = self.sky.as_mut().filter(|_| !self.hides_sky) {
             sky.prepare(&self.gpu, &self.earth, moment, drawn_size, &mut stats);
         }
-        if let Some(tracks) = self.tracks.as_mut().filter(|_| !self.hidden.tracks) {
+        if let Some(tracks) = self.tracks.as_mut().filter(|tracks| tracks.is_shown()) {
             tracks.prepare(&self.gpu, moment, drawn_size, detail, &mut stats);
         }
         (stats, missing)
@@ -256,7 +299,7 @@ impl ScenePainter {
 
     /// Takes the exposure that the moment has of its own.
     fn expose(&mut self, moment: &Moment) {
-        if let Some(ev) = moment.exposure_ev
+        if let Some(ev) = moment.exposure_ev.filter(|_| !self.has_user_exposure)
             // Keys lie in the range, and what is between them too.
             && let Err(error) = self.earth.set_exposure(Exposure::Ev(ev))
         {
@@ -273,7 +316,7 @@ impl ScenePainter {
         drop(pass);
         target.set_frame(&self.gpu.queue, self.frame);
         target.finish(encoder);
-        if let Some(tracks) = self.tracks.as_mut().filter(|_| !self.hidden.tracks) {
+        if let Some(tracks) = self.tracks.as_mut().filter(|tracks| tracks.is_shown()) {
             let (size, drawn_size) = (target.size(), target.drawn_size());
             tracks.write_names(&self.gpu, encoder, target.view(), size, drawn_size);
         }
@@ -292,10 +335,10 @@ impl ScenePainter {
 
     /// Draws what is beyond the Earth, and tracks, which come last.
     pub fn render_beyond(&self, pass: &mut wgpu::RenderPass<'_>) {
-        if let Some(sky) = self.sky.as_ref().filter(|_| !self.hidden.sky) {
+        if let Some(sky) = self.sky.as_ref().filter(|_| !self.hides_sky) {
             sky.render(pass);
         }
-        if let Some(tracks) = self.tracks.as_ref().filter(|_| !self.hidden.tracks) {
+        if let Some(tracks) = self.tracks.as_ref().filter(|tracks| tracks.is_shown()) {
             tracks.render(pass);
         }
     }
@@ -304,7 +347,7 @@ impl ScenePainter {
     #[cfg(feature = "window")]
     pub fn is_loading(&self) -> bool {
         let is_growing = |tracks: &TracksLayer| !tracks.is_complete();
-        let tracks = self.tracks.as_ref().filter(|_| !self.hidden.tracks);
+        let tracks = self.tracks.as_ref().filter(|tracks| tracks.is_shown());
         tracks.is_some_and(is_growing)
             || self
                 .dated_maps

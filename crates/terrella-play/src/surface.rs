@@ -80,6 +80,21 @@ impl WindowSurface {
         self.set_target(device, quality.drawn_size(self.size()), quality.samples);
     }
 
+    /// Shows passes of these options from now on, of the same formats.
+    ///
+    /// # Errors
+    /// A shader file that is at fault; it is then as it was.
+    pub fn set_pass(
+        &mut self,
+        device: &wgpu::Device,
+        options: &EarthOptions,
+    ) -> Result<(), PlayError> {
+        let (size, drawn_size, pass) = (self.size(), self.drawn_size(), options.pass_format());
+        let target = ScaledTarget::of_pass(device, &pass, self.format, size, drawn_size);
+        self.target = target.map_err(EarthError::from)?;
+        Ok(())
+    }
+
     fn set_target(&mut self, device: &wgpu::Device, drawn_size: (u32, u32), samples: u32) {
         let set = self.target.set(device, self.size(), drawn_size, samples);
         if let Err(error) = set {

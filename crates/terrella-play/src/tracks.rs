@@ -45,6 +45,28 @@ pub struct TracksLayer {
     twilight: Option<LineStyle>,
     stations: Vec<Station>,
     station_names: Vec<String>,
+    /// The satellite whose height the stations' circles are of.
+    followed: usize,
+    /// Whether satellites have tracks.
+    has_tracks: bool,
+    shown: ShownTracks,
+}
+
+/// What of the tracks that are there is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct ShownTracks {
+    /// Those of satellites.
+    pub satellites: bool,
+    pub stations: bool,
+}
+
+impl Default for ShownTracks {
+    fn default() -> Self {
+        Self {
+            satellites: true,
+            stations: true,
+        }
+    }
 }
 
 /// How much of a curve is computed within a frame.
@@ -60,10 +82,7 @@ impl TracksLayer {
     /// Whether a flight's scene asks for any.
     pub fn is_wanted(flight: &Flight) -> bool {
         let scene = flight.scene();
-        let mut orbits = scene.orbits.iter();
-        orbits.any(|orbit| !orbit.track.is_off())
-            || scene.layers.is_on()
-            || !scene.stations.is_empty()
+        has_tracks(scene) || scene.layers.is_on() || !scene.stations.is_empty()
     }
 
     /// Bytes of the WGSL that the driver got.
@@ -78,7 +97,17 @@ impl TracksLayer {
         earth: &Earth,
         shown: wgpu::TextureFormat,
     ) -> Result<Option<Self>, PlayError> {
-        let scene = flight.scene();
+        Self::of_scene(flight.scene(), flight, gpu, earth, shown)
+    }
+
+    /// The same of another scene with the same flight.
+    pub fn of_scene(
+        scene: &Scene,
+        flight: &Flight,
+        gpu: &GpuContext,
+        earth: &Earth,
+        shown: wgpu::TextureFormat,
+    ) -> Result<Option<Self>, PlayError> {
         let width_px = scene.track_px as f32;
         let options = TracksOptions::of(earth);
         let stations = stations(scene);
@@ -100,6 +129,9 @@ impl TracksLayer {
                 twilight,
                 stations,
                 station_names: station_names(scene),
+                followed: 0,
+                has_tracks: true,
+                shown: ShownTracks::default(),
             }));
         }
         let is_crowded = scene.orbits.len() > MAX_NAMED;
@@ -142,7 +174,43 @@ impl TracksLayer {
             twilight,
             stations,
             station_names: station_names(scene),
+            followed,
+            has_tracks: has_tracks(scene),
+            shown: ShownTracks::default(),
         }))
+    }
+
+    /// Whether it has what a scene of the same flight shows of satellites; lines can be changed.
+    pub fn has_tracks_of(&self, scene: &Scene) -> bool {
+        self.has_tracks || !has_tracks(scene)
+    }
+
+    /// Draws the lines of a scene from the next picture on, and of all else what is to be shown.
+    ///
+    /// # Errors
+    /// As [`Self::of`]; what was drawn then stays.
+    pub(crate) fn show(
+        &mut self,
+        scene: &Scene,
+        flight: &Flight,
+        shown: ShownTracks,
+    ) -> Result<(), PlayError> {
+        let lines = lines(scene, flight.ellipsoid())?;
+        self.tracks.set_lines(lines.clone())?;
+        (self.lines, self.twilight) = (lines, twilight(scene));
+        self.tracks.set_twilight(self.twilight)?;
+        self.shown = shown;
+        self.tracks.hide_satellites(!shown.satellites);
+        let stations = shown_stations(&self.stations, shown);
+        Ok(self.tracks.set_stations(stations, self.followed)?)
+    }
+
+    /// Whether anything of it is drawn.
+    pub fn is_shown(&self) -> bool {
+        (self.has_tracks && self.shown.satellites)
+            || !shown_stations(&self.stations, self.shown).is_empty()
+            || !self.lines.is_empty()
+            || self.twilight.is_some()
     }
 
     /// Makes the tracks again where a simulation has other craft or places than before.
@@ -154,7 +222,8 @@ impl TracksLayer {
         let made = made.and_then(|mut tracks| {
             tracks.set_lines(self.lines.clone())?;
             tracks.set_twilight(self.twilight)?;
-            tracks.set_stations(&self.stations, 0)?;
+            tracks.hide_satellites(!self.shown.satellites);
+            tracks.set_stations(shown_stations(&self.stations, self.shown), 0)?;
             Ok(tracks)
         });
         match made {
@@ -254,6 +323,17 @@ impl TracksLayer {
             labels.write(target, names);
         }
     }
+}
+
+fn shown_stations(stations: &[Station], shown: ShownTracks) -> &[Station] {
+    match shown.stations {
+        true => stations,
+        false => &[],
+    }
+}
+
+fn has_tracks(scene: &Scene) -> bool {
+    scene.orbits.iter().any(|orbit| !orbit.track.is_off())
 }
 
 /// A scene's ground stations, as they are drawn.

@@ -357,8 +357,15 @@ impl<'a> App<'a> {
             window.set_fullscreen(None);
             return;
         }
+        let before = self.controls.switches;
         match self.controls.apply(action, height_px) {
-            None => {}
+            None if self.controls.switches == before => {}
+            None => {
+                if let Err(error) = renderer.switch(self.flight, &self.controls.switches) {
+                    self.controls.switches = before;
+                    self.show_message(error.to_string());
+                }
+            }
             Some(WindowTask::Quit) => event_loop.exit(),
             Some(WindowTask::NorthUp) => self.turn_north_up(),
             Some(WindowTask::GoTo(epoch)) => {

@@ -12,15 +12,17 @@ use super::overlay::{EventResponse, Overlay};
 use super::panel::{self, PanelData};
 use super::progress::Progress;
 use super::quality_control::{QualityControl, scene_quality};
-use super::scene_painter::{HiddenLayers, Patience, PictureTarget, ScenePainter};
+use super::scene_painter::{Patience, PictureTarget, ScenePainter};
 use super::surface::WindowSurface;
-use crate::scene::EDGE_SAMPLES;
+use super::switches::{Layer, Switches};
+use super::tracks::ShownTracks;
+use crate::scene::{EDGE_SAMPLES, Scene};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use terrella::frames::rfc3339;
 use terrella::internals::gpu::{GpuContext, GpuFault, read_texture};
-use terrella::{EarthError, EyeView, FrameStats, Quality};
+use terrella::{EarthError, EarthOptions, EyeView, FrameStats, Quality};
 use terrella_ground::elevation::Elevation;
 use wgpu::CurrentSurfaceTexture;
 use winit::dpi::PhysicalSize;
@@ -44,6 +46,11 @@ pub struct WindowRenderer {
     relief: Option<Arc<dyn Elevation>>,
     quality_control: Option<TimedQuality>,
     samples: SamplesByView,
+    /// What the Earth was made with; its maps are on the GPU alone.
+    options: EarthOptions,
+    /// The Earth's quality with all layers.
+    full: Quality,
+    switches: Switches,
     last: Option<(Moment, FrameStats)>,
     interval_ms: Option<f64>,
     work_ms: f64,
@@ -164,9 +171,12 @@ impl WindowRenderer {
             adapter: format!("{} ({})", info.name, info.backend),
             satellite: flight.feed().map(|feed| feed.name().to_owned()),
             has_tiles: options.tiles.is_some(),
-            relief: options.ground.map(|ground| ground.elevation),
+            relief: (options.ground.as_ref()).map(|ground| Arc::clone(&ground.elevation)),
             quality_control,
             samples,
+            options,
+            full,
+            switches: Switches::of(flight.scene()),
             last: None,
             interval_ms: None,
             work_ms: 0.0,
@@ -180,20 +190,87 @@ impl WindowRenderer {
     /// # Errors
     /// A file that cannot be read, compiled or drawn with. What was drawn then stays as it was.
     pub fn reload_shaders(&mut self, flight: &Flight) -> Result<(), PlayError> {
+        let scene = self.switches.scene(flight.scene())?;
+        self.make_again(flight, &scene, self.options.clone())?;
+        self.show(flight, &scene, self.switches)
+    }
+
+    /// Draws with these layers, this exposure and this tone curve from now on. What has not been drawn yet is loaded or made in the call.
+    ///
+    /// # Errors
+    /// A layer whose file is missing, and what cannot be drawn; what was drawn then stays as it was.
+    pub fn switch(&mut self, flight: &Flight, switches: &Switches) -> Result<(), PlayError> {
+        let scene = switches.scene(flight.scene())?;
+        let needs_maps = switches.needs_maps(flight.scene(), &self.full);
+        if needs_maps || switches.tone != self.options.tone {
+            let options = match needs_maps {
+                true => {
+                    let gpu = self.painter.gpu();
+                    let mut options = flight.uploaded_options_of(&scene, gpu)?;
+                    options.develop_after_pass(self.surface.format());
+                    options
+                }
+                false => EarthOptions {
+                    tone: switches.tone,
+                    ..self.options.clone()
+                },
+            };
+            self.make_again(flight, &scene, options)?;
+        }
+        self.show(flight, &scene, *switches)
+    }
+
+    /// Makes all that is drawn again with these options.
+    fn make_again(
+        &mut self,
+        flight: &Flight,
+        scene: &Scene,
+        mut options: EarthOptions,
+    ) -> Result<(), PlayError> {
         let gpu = self.painter.gpu().clone();
-        let mut options = flight.uploaded_options(&gpu)?;
-        options.develop_after_pass(self.surface.format());
         options.samples = self.samples.without;
         let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
-        let painter = ScenePainter::of(flight, gpu, &options, self.surface.format());
+        let painter = ScenePainter::of_scene(scene, flight, gpu, &options, self.surface.format());
         let rejected = pollster::block_on(scope.pop());
         let painter = painter?;
         if let Some(error) = rejected {
             return Err(EarthError::Rejected(error.to_string()).into());
         }
-        let quality = *self.painter.earth().quality();
+        self.surface.set_pass(&painter.gpu().device, &options)?;
         self.painter = painter;
-        self.set_quality(&quality);
+        self.full = scene_quality(&scene.quality, *self.painter.earth().quality());
+        self.options = options;
+        // The surface has the samples of the options; layers follow by this.
+        self.set_quality(&self.full.clone());
+        Ok(())
+    }
+
+    fn show(
+        &mut self,
+        flight: &Flight,
+        scene: &Scene,
+        switches: Switches,
+    ) -> Result<(), PlayError> {
+        let tracks = ShownTracks {
+            satellites: switches.is_on(Layer::Tracks),
+            stations: switches.is_on(Layer::Stations),
+        };
+        let sky = switches.is_on(Layer::Sky);
+        self.painter.show_layers(scene, flight, sky, tracks)?;
+        self.painter
+            .choose_exposure(switches.exposure, scene.output.exposure)?;
+        let full = switches.quality(self.full);
+        let samples = self.painter.earth().quality().samples;
+        if let Some(timed) = &mut self.quality_control {
+            let has_tiles = self.painter.earth().has_tiles();
+            if let Some(control) = QualityControl::of(scene, full, has_tiles)? {
+                timed.control = control;
+            }
+        }
+        if !self.set_quality(&Quality { samples, ..full }) {
+            return Err(EarthError::Rejected("the layers cannot be drawn".into()).into());
+        }
+        self.switches = switches;
         Ok(())
     }
 
@@ -310,10 +387,6 @@ impl WindowRenderer {
             None => self.follow_craft(moment),
         }
         self.follow_light(moment, interval);
-        self.painter.hide(HiddenLayers {
-            sky: !controls.layers.sky,
-            tracks: !controls.layers.tracks,
-        });
         let view = self.surface.view_of(&frame.texture);
         let mut encoder = self.encoder();
         let stats = self.draw_scene(moment, &mut encoder, &view);
@@ -443,7 +516,6 @@ impl WindowRenderer {
             moment,
             stats,
             has_tiles: self.has_tiles,
-            has_layers: self.painter.has_layers(),
             adaptive: self
                 .quality_control
                 .as_ref()

@@ -1,0 +1,345 @@
+//! What the user switches in the picture while it is drawn: layers, exposure and tone curve.
+
+use super::error::PlayError;
+use super::map_lines::dropped_lines;
+use super::maps::dropped_layers;
+use crate::scene::{Orbit, Scene, Track};
+use std::path::Path;
+use terrella::{Exposure, Quality, Tone};
+use terrella_ground::air::Atmosphere;
+use terrella_imagery::tile::MapLayer;
+
+/// All that is off in most scenes, as it is drawn where a scene says no more than that it is on.
+const USUAL: &str = "[tracks]\ntrail = true\nground_track = true\nmarker = true\n\
+                     [layers]\ngraticule = true\ncoast_lines = true\nborders = true\nterminator = true\n";
+
+/// A layer that is switched.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Layer {
+    Clouds,
+    CityLights,
+    Atmosphere,
+    /// Stars, Milky Way, Sun and Moon.
+    Sky,
+    Graticule,
+    CoastLines,
+    Borders,
+    Terminator,
+    /// Trails, ground tracks, footprints and markers.
+    Tracks,
+    Stations,
+}
+
+impl Layer {
+    /// All of them, in the panel's order.
+    pub const ALL: [Self; 10] = [
+        Self::Clouds,
+        Self::CityLights,
+        Self::Atmosphere,
+        Self::Sky,
+        Self::Graticule,
+        Self::CoastLines,
+        Self::Borders,
+        Self::Terminator,
+        Self::Tracks,
+        Self::Stations,
+    ];
+
+    /// Its name in the panel.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Clouds => "clouds",
+            Self::CityLights => "city lights",
+            Self::Atmosphere => "atmosphere",
+            Self::Sky => "stars, Sun, Moon",
+            Self::Graticule => "graticule",
+            Self::CoastLines => "coast lines",
+            Self::Borders => "borders",
+            Self::Terminator => "terminator",
+            Self::Tracks => "tracks",
+            Self::Stations => "stations",
+        }
+    }
+
+    /// The key of a scene whose file it is drawn from, with its table.
+    fn key(self) -> Option<(&'static str, &'static str)> {
+        match self {
+            Self::Clouds => Some(("earth", "clouds")),
+            Self::CityLights => Some(("earth", "night_lights")),
+            Self::CoastLines => Some(("layers", "coast_lines")),
+            Self::Borders => Some(("layers", "borders")),
+            _ => None,
+        }
+    }
+}
+
+/// What is drawn, as the user has set it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Switches {
+    is_on: [bool; Layer::ALL.len()],
+    is_offered: [bool; Layer::ALL.len()],
+    /// `None` is the scene's.
+    pub exposure: Option<Exposure>,
+    pub tone: Tone,
+}
+
+impl Switches {
+    /// As a scene has it.
+    pub fn of(scene: &Scene) -> Self {
+        let (earth, layers) = (&scene.earth, &scene.layers);
+        let has_satellites = !scene.orbits.is_empty();
+        // Tracks of a simulation need no key.
+        let has_tracks = |orbit: &Orbit| !orbit.track.is_off() || orbit.basilisk.is_some();
+        let is_on = Layer::ALL.map(|layer| match layer {
+            Layer::Clouds => earth.clouds,
+            Layer::CityLights => earth.night_lights,
+            Layer::Atmosphere => earth.atmosphere != Atmosphere::None,
+            Layer::Sky => scene.sky.is_on(),
+            Layer::Graticule => layers.graticule.is_some(),
+            Layer::CoastLines => layers.coast_lines.is_some(),
+            Layer::Borders => layers.borders.is_some(),
+            Layer::Terminator => layers.terminator.is_some(),
+            Layer::Tracks => scene.orbits.iter().any(has_tracks),
+            Layer::Stations => !scene.stations.is_empty(),
+        });
+        let is_offered = Layer::ALL.map(|layer| match layer {
+            Layer::CityLights => !earth.is_paper(),
+            Layer::Tracks => has_satellites,
+            Layer::Stations => !scene.stations.is_empty(),
+            _ => true,
+        });
+        Self {
+            is_on,
+            is_offered,
+            exposure: None,
+            tone: scene.output.tone,
+        }
+    }
+
+    pub fn is_on(&self, layer: Layer) -> bool {
+        self.is_on[layer as usize]
+    }
+
+    /// Whether there is anything of it in the scene.
+    pub fn is_offered(&self, layer: Layer) -> bool {
+        self.is_offered[layer as usize]
+    }
+
+    /// Switches a layer that is offered.
+    pub fn toggle(&mut self, layer: Layer) {
+        self.is_on[layer as usize] ^= self.is_offered(layer);
+    }
+
+    pub fn next_tone(&mut self) {
+        let present = Tone::ALL.iter().position(|tone| *tone == self.tone);
+        let next = present.map_or(0, |index| (index + 1) % Tone::ALL.len());
+        self.tone = Tone::ALL[next];
+    }
+
+    /// The scene with all that is to be loaded or made: what is on and off in `base` is as it would be where the key was `true`. Lines of
+    /// `[layers]` that are off are taken out; other layers that are off stay, since they are loaded and only hidden.
+    ///
+    /// # Errors
+    /// A layer whose file is missing, as in a strict scene.
+    pub fn scene(&self, base: &Scene) -> Result<Scene, PlayError> {
+        let usual = Scene::from_toml(USUAL, Path::new("switched on"))?;
+        let mut scene = base.clone();
+        let lines = &mut scene.layers;
+        for (layer, line, usual) in [
+            (
+                Layer::CoastLines,
+                &mut lines.coast_lines,
+                usual.layers.coast_lines,
+            ),
+            (Layer::Borders, &mut lines.borders, usual.layers.borders),
+            (
+                Layer::Terminator,
+                &mut lines.terminator,
+                usual.layers.terminator,
+            ),
+        ] {
+            *line = line.or(usual).filter(|_| self.is_on(layer));
+        }
+        let graticule = lines.graticule.or(usual.layers.graticule);
+        lines.graticule = graticule.filter(|_| self.is_on(Layer::Graticule));
+        if self.is_on(Layer::Sky) && !scene.sky.is_on() {
+            let [stars, milky_way, sun, moon, glare] = usual.sky.parts().map(|(_, is_on)| is_on);
+            let sky = &mut scene.sky;
+            (sky.stars, sky.milky_way, sky.sun) = (stars, milky_way, sun);
+            (sky.moon, sky.glare) = (moon, glare);
+        }
+        let has_tracks = scene.orbits.iter().any(|orbit| !orbit.track.is_off());
+        if let Some(usual) = usual.orbits.first()
+            && self.is_on(Layer::Tracks)
+            && !has_tracks
+        {
+            for orbit in &mut scene.orbits {
+                let color = orbit.track.color;
+                orbit.track = Track {
+                    color,
+                    ..usual.track
+                };
+            }
+        }
+        scene.earth.clouds |= self.is_on(Layer::Clouds);
+        scene.earth.night_lights |= self.is_on(Layer::CityLights);
+        scene.output.tone = self.tone;
+        self.check(base, &scene)?;
+        Ok(scene)
+    }
+
+    /// Rejects what is switched on and has no file.
+    fn check(&self, base: &Scene, scene: &Scene) -> Result<(), PlayError> {
+        let before = Self::of(base);
+        let is_new = |layer: &Layer| self.is_on(*layer) && !before.is_on(*layer);
+        let wanted: Vec<_> = Layer::ALL
+            .into_iter()
+            .filter(is_new)
+            .filter_map(Layer::key)
+            .collect();
+        if wanted.is_empty() {
+            return Ok(());
+        }
+        let maps = dropped_layers(scene)?.into_iter();
+        let maps = maps.map(|dropped| ("earth", dropped, " is missing"));
+        let lines = dropped_lines(scene)?.into_iter();
+        let lines = lines.map(|dropped| ("layers", dropped, ""));
+        for (table, dropped, verb) in maps.chain(lines) {
+            if wanted.contains(&(table, dropped.layer)) {
+                return Err(PlayError::MissingLayer {
+                    scene: base.path.clone(),
+                    table,
+                    layer: dropped.layer,
+                    missing: format!("{}{verb}", dropped.missing),
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether a map has to be loaded that a scene is without. What the scene asks for and has no file of is not looked for again.
+    pub fn needs_maps(&self, base: &Scene, loaded: &Quality) -> bool {
+        let lacks = |layer: Layer, map: MapLayer, is_loaded: bool| {
+            self.is_on(layer) && !is_loaded && !loaded.maps[map.index()]
+        };
+        let earth = &base.earth;
+        lacks(Layer::Clouds, MapLayer::Clouds, earth.clouds)
+            || lacks(Layer::CityLights, MapLayer::NightLights, earth.night_lights)
+    }
+
+    /// A quality without the layers that are off, and with the air that is on.
+    pub fn quality(&self, mut quality: Quality) -> Quality {
+        quality.maps[MapLayer::Clouds.index()] &= self.is_on(Layer::Clouds);
+        quality.maps[MapLayer::NightLights.index()] &= self.is_on(Layer::CityLights);
+        quality.atmosphere = match self.is_on(Layer::Atmosphere) {
+            true => Atmosphere::Billboard,
+            false => Atmosphere::None,
+        };
+        quality
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn scene(text: &str) -> Scene {
+        let path = Path::new("test.toml");
+        Scene::from_toml(text, path).unwrap_or_else(|error| panic!("{error}"))
+    }
+
+    #[test]
+    fn what_is_switched_on_is_as_its_key_alone_draws_it() {
+        let base =
+            scene("[sky]\nstars = false\nsun = false\nmoon = false\n[earth]\nclouds = false\n");
+        let mut switches = Switches::of(&base);
+        for layer in Layer::ALL {
+            if !switches.is_on(layer) {
+                switches.toggle(layer);
+            }
+        }
+        assert!(!switches.is_on(Layer::Stations), "there are none");
+        let all = switches.scene(&base).expect("the starter pack has all");
+        let written = scene(USUAL);
+        assert_eq!(all.layers, written.layers);
+        assert_eq!(all.orbits[0].track, written.orbits[0].track);
+        assert_eq!(all.sky.parts(), scene("").sky.parts());
+        assert!(all.earth.clouds && !base.earth.clouds);
+        // All off again: lines are out, what is loaded stays.
+        for layer in Layer::ALL {
+            switches.toggle(layer);
+        }
+        let none = switches.scene(&base).expect("nothing to load");
+        assert!(!none.layers.is_on());
+        assert!(!none.earth.clouds, "it was not loaded for this scene");
+    }
+
+    #[test]
+    fn lines_of_the_scene_keep_their_look() {
+        let base = scene(
+            "[layers]\ngraticule = { step_deg = 30 }\nborders = true\nborders_opacity = 0.25\n",
+        );
+        let mut switches = Switches::of(&base);
+        let again = switches.scene(&base).expect("the same");
+        assert_eq!(again.layers, base.layers);
+        switches.toggle(Layer::Graticule);
+        switches.toggle(Layer::Borders);
+        assert!(!switches.scene(&base).expect("less").layers.is_on());
+        switches.toggle(Layer::Graticule);
+        switches.toggle(Layer::Borders);
+        assert_eq!(
+            switches.scene(&base).expect("as before").layers,
+            base.layers
+        );
+    }
+
+    #[test]
+    fn a_layer_without_its_file_is_named() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let text = "[earth]\nclouds = false\nnight_lights = false\nwater = false\nnormals = false\ntextures = \".\"\n";
+        let path = folder.path().join("a.toml");
+        let base = Scene::from_toml(text, &path).expect("a good scene");
+        for (layer, key) in [
+            (Layer::Clouds, "clouds"),
+            (Layer::CityLights, "night_lights"),
+        ] {
+            let mut switches = Switches::of(&base);
+            switches.toggle(layer);
+            let error = switches.scene(&base).expect_err("there is no file");
+            let said = error.to_string();
+            assert!(said.contains(&format!("[earth] {key}: ")), "{said}");
+            assert!(said.contains("is missing"), "{said}");
+        }
+    }
+
+    #[test]
+    fn a_map_is_loaded_once() {
+        let base = scene("[earth]\nclouds = false\n");
+        let mut quality = Quality {
+            subdivision: Default::default(),
+            anisotropy: 1,
+            samples: 1,
+            texel_px: 1.0,
+            maps: [true; terrella_imagery::tile::MAP_LAYERS],
+            atmosphere: Atmosphere::Billboard,
+            scale: 1.0,
+        };
+        quality.maps[MapLayer::Clouds.index()] = false;
+        let mut switches = Switches::of(&base);
+        assert!(!switches.needs_maps(&base, &quality));
+        switches.toggle(Layer::Clouds);
+        assert!(switches.needs_maps(&base, &quality));
+        quality.maps[MapLayer::Clouds.index()] = true;
+        assert!(!switches.needs_maps(&base, &quality));
+        assert!(switches.quality(quality).maps[MapLayer::Clouds.index()]);
+        switches.toggle(Layer::Clouds);
+        switches.toggle(Layer::Atmosphere);
+        let less = switches.quality(quality);
+        assert!(!less.maps[MapLayer::Clouds.index()]);
+        assert_eq!(less.atmosphere, Atmosphere::None);
+        // What the scene asks for and has no file of.
+        let default = scene("");
+        quality.maps[MapLayer::Clouds.index()] = false;
+        assert!(!Switches::of(&default).needs_maps(&default, &quality));
+    }
+}
