@@ -5,8 +5,7 @@ use super::map_lines::dropped_lines;
 use super::maps::dropped_layers;
 use crate::scene::{Orbit, Scene, Track};
 use std::path::Path;
-use terrella::{Exposure, Quality, Tone};
-use terrella_ground::air::Atmosphere;
+use terrella::{Exposure, Quality, QualityReduction, Tone};
 use terrella_imagery::tile::MapLayer;
 
 /// All that is off in most scenes, as it is drawn where a scene says no more than that it is on.
@@ -93,7 +92,7 @@ impl Switches {
         let is_on = Layer::ALL.map(|layer| match layer {
             Layer::Clouds => earth.clouds,
             Layer::CityLights => earth.night_lights,
-            Layer::Atmosphere => earth.atmosphere != Atmosphere::None,
+            Layer::Atmosphere => earth.has_air(),
             Layer::Sky => scene.sky.is_on(),
             Layer::Graticule => layers.graticule.is_some(),
             Layer::CoastLines => layers.coast_lines.is_some(),
@@ -229,12 +228,17 @@ impl Switches {
 
     /// A quality without the layers that are off, and with the air that is on.
     pub fn quality(&self, mut quality: Quality) -> Quality {
-        quality.maps[MapLayer::Clouds.index()] &= self.is_on(Layer::Clouds);
-        quality.maps[MapLayer::NightLights.index()] &= self.is_on(Layer::CityLights);
-        quality.atmosphere = match self.is_on(Layer::Atmosphere) {
-            true => Atmosphere::Billboard,
-            false => Atmosphere::None,
-        };
+        // The one kind of air that there is.
+        quality.atmosphere = Default::default();
+        for (layer, reduction) in [
+            (Layer::Clouds, QualityReduction::Clouds),
+            (Layer::CityLights, QualityReduction::Lights),
+            (Layer::Atmosphere, QualityReduction::Air),
+        ] {
+            if !self.is_on(layer) {
+                quality = reduction.apply(quality, false);
+            }
+        }
         quality
     }
 }
@@ -321,7 +325,7 @@ mod tests {
             samples: 1,
             texel_px: 1.0,
             maps: [true; terrella_imagery::tile::MAP_LAYERS],
-            atmosphere: Atmosphere::Billboard,
+            atmosphere: Default::default(),
             scale: 1.0,
         };
         quality.maps[MapLayer::Clouds.index()] = false;
@@ -336,7 +340,7 @@ mod tests {
         switches.toggle(Layer::Atmosphere);
         let less = switches.quality(quality);
         assert!(!less.maps[MapLayer::Clouds.index()]);
-        assert_eq!(less.atmosphere, Atmosphere::None);
+        assert_ne!(less.atmosphere, quality.atmosphere);
         // What the scene asks for and has no file of.
         let default = scene("");
         quality.maps[MapLayer::Clouds.index()] = false;

@@ -59,6 +59,11 @@ pub struct EarthTable {
 }
 
 impl EarthTable {
+    /// Whether air is drawn.
+    pub fn has_air(&self) -> bool {
+        self.atmosphere != Atmosphere::None
+    }
+
     /// Whether the surface is shaded as printed in the paper.
     pub fn is_paper(&self) -> bool {
         self.shading == Shading::Paper
