@@ -1,6 +1,7 @@
 //! Scene files: what is rejected and in which words, what is taken, what the defaults are.
 
 mod any_text;
+mod captions;
 mod lines;
 mod orbits;
 mod rejections;

@@ -11,6 +11,7 @@
 //! | `time.rs`, `orbit.rs`, `tracks.rs`, `stations.rs`, `layers.rs`, `camera.rs`, `earth.rs`, `sky.rs`, `output.rs` | a table each: the checked value that hosts read, and its reader |
 //! | `globe_keys.rs` | declarations of `[layers]` and `[[station]]` |
 //! | `camera_keys.rs` | `[[camera.keys]]` |
+//! | `caption_keys.rs`, `captions.rs` | declarations and reader of `[[caption]]` |
 //! | `sensor_keys.rs`, `sensor.rs` | declarations and reader of `[sensor]` |
 //! | `orbit_check.rs`, `many.rs`, `live.rs`, `basilisk.rs`, `burns.rs` | readers of `[orbit]`, which has the most keys |
 //! | `relief.rs`, `surfaces.rs` | readers of the keys of `[earth]` that are about terrain |
@@ -31,6 +32,8 @@ mod built_in;
 mod burns;
 mod camera;
 mod camera_keys;
+mod caption_keys;
+mod captions;
 mod check;
 mod choices;
 mod dated_maps;
@@ -81,7 +84,8 @@ use text::SceneText;
 
 pub use camera::Camera;
 pub use camera_keys::CameraKey;
-pub use choices::{CameraMode, CameraUp, Look, OrbitSource, StorageChoice};
+pub use captions::{CaptionContent, CaptionPart, CaptionTable, CaptionValue};
+pub use choices::{CameraMode, CameraUp, CaptionPlace, Look, OrbitSource, StorageChoice};
 pub use dated_maps::{BetweenMaps, DatedLayer, DatedMaps, MapTimes};
 pub use dates::Ending;
 pub use earth::{EarthTable, PackTable};
@@ -125,6 +129,8 @@ pub struct Scene {
     pub earth: EarthTable,
     /// `[sky]`
     pub sky: SkyTable,
+    /// Each `[[caption]]`.
+    pub captions: Vec<CaptionTable>,
     /// `[output]`
     pub output: Output,
     /// `[quality]`
@@ -137,8 +143,8 @@ pub struct Scene {
     orbit_records: Vec<Record>,
     /// For each of `orbits` the place of its table; empty where each has its own.
     orbit_tables: Vec<usize>,
-    /// The records of each `[[station]]`.
-    station_records: Vec<Record>,
+    /// The records of each `[[station]]` and of each other table of a list but `[[orbit]]`.
+    lists: BTreeMap<&'static str, Vec<Record>>,
     /// The text that it was made of, where that is no file's.
     text: Option<String>,
     /// Keys that were set in place of the file's.
@@ -232,8 +238,10 @@ impl Scene {
     pub fn line(&self, table: &str, key: &str) -> Option<usize> {
         match table {
             "orbit" => self.orbit_line(0, key),
-            "station" => self.station_records.first()?.line(key),
-            table => self.records.get(table)?.line(key),
+            table => match self.lists.get(table) {
+                Some(records) => records.first()?.line(key),
+                None => self.records.get(table)?.line(key),
+            },
         }
     }
 

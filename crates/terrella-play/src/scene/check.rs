@@ -65,6 +65,8 @@ pub(super) fn check(source: SceneText<'_>, raw: RawScene) -> Result<Scene, Scene
     let layers = source.layers(&raw.layers)?;
     let raw_stations = raw.station.0;
     let stations = source.stations(&raw_stations)?;
+    let raw_captions = raw.caption.0;
+    let captions = source.captions(&raw_captions, !checked.is_empty())?;
     let output = source.output(&raw.output, &camera, sensor.as_ref(), &earth, has_live)?;
     let quality = source.quality(&raw.quality)?;
     let records = [
@@ -79,8 +81,18 @@ pub(super) fn check(source: SceneText<'_>, raw: RawScene) -> Result<Scene, Scene
         ("quality", raw.quality.record(source)),
     ];
     let orbit_records = orbits.into_iter().map(|orbit| orbit.record(source));
-    let station_records = raw_stations.into_iter();
-    let station_records = station_records.map(|station| station.record(source));
+    let stations_read = raw_stations.into_iter();
+    let captions_read = raw_captions.into_iter();
+    let lists: [(_, Vec<_>); _] = [
+        (
+            "station",
+            stations_read.map(|one| one.record(source)).collect(),
+        ),
+        (
+            "caption",
+            captions_read.map(|one| one.record(source)).collect(),
+        ),
+    ];
     Ok(Scene {
         path: source.path.to_owned(),
         time,
@@ -93,12 +105,13 @@ pub(super) fn check(source: SceneText<'_>, raw: RawScene) -> Result<Scene, Scene
         sensor,
         earth,
         sky,
+        captions,
         output,
         quality,
         records: records.into(),
         orbit_records: orbit_records.collect(),
         orbit_tables: Vec::new(),
-        station_records: station_records.collect(),
+        lists: lists.into(),
         text: None,
         settings: Vec::new(),
     })

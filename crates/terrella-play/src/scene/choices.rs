@@ -88,6 +88,28 @@ impl OrbitSource {
     }
 }
 
+/// Where a caption stands in pictures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum CaptionPlace {
+    /// In the corner.
+    TopLeft,
+    /// In the middle of the upper edge.
+    Top,
+    /// In the corner.
+    TopRight,
+    /// In the middle of the left edge.
+    Left,
+    /// In the middle of the right edge.
+    Right,
+    /// In the corner.
+    BottomLeft,
+    /// In the middle of the lower edge.
+    Bottom,
+    /// In the corner.
+    BottomRight,
+}
+
 /// Models of lens distortion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]

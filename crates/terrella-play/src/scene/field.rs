@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt::Display;
 use std::marker::PhantomData;
-use std::ops::RangeInclusive;
+use std::ops::{Range, RangeInclusive};
 use std::path::{Path, PathBuf};
 use terrella_ground::light::Tone;
 use toml::Spanned;
@@ -251,12 +251,31 @@ impl SceneText<'_> {
         Ok(())
     }
 
+    /// Rejects a table without a key that it must have; `given` are the keys that it has.
+    pub(super) fn missing<T, R, K>(
+        &self,
+        field: &Field<'_, T, R>,
+        given: impl Iterator<Item = (K, Range<usize>)>,
+        remedy: impl Display,
+    ) -> SceneError {
+        let lines = given.map(|(_, span)| self.line(span.start));
+        SceneError::Missing {
+            place: Box::new(KeyLocation {
+                path: self.path.to_owned(),
+                line: lines.min(),
+                table: field.table.to_owned(),
+                key: field.key.to_owned(),
+            }),
+            remedy: remedy.to_string(),
+        }
+    }
+
     /// Rejects a key that the file gives, by the span of its value.
     pub(super) fn reject_at(
         &self,
         table: &str,
         key: &str,
-        span: std::ops::Range<usize>,
+        span: Range<usize>,
         remedy: impl Display,
     ) -> SceneError {
         SceneError::Value {

@@ -2,6 +2,7 @@
 //! leaves it out, where it has a meaning and what that is. [`table`](super::table) explains the form. The sentences
 //! above the keys are those of `docs/scene-reference.md`.
 
+use super::caption_keys::RawCaption;
 use super::choices::{AirModel, CameraMode, CameraUp, FrameName, Look, Method, StorageChoice};
 use super::choices::{OrbitSource, OrbitSource::*};
 use super::field::{Bounds, Choice, Field, RawCameraKey, RawDatedMaps, RawPath, RawTone};
@@ -537,6 +538,7 @@ pub(super) struct RawScene {
     pub(super) sensor: RawSensor,
     pub(super) earth: RawEarth,
     pub(super) sky: RawSky,
+    pub(super) caption: OneOrMore<RawCaption>,
     pub(super) output: RawOutput,
     pub(super) quality: RawQuality,
 }
@@ -552,6 +554,7 @@ pub(super) const TABLES: &[Table] = &[
     RawSensor::TABLE,
     RawEarth::TABLE,
     RawSky::TABLE,
+    RawCaption::TABLE,
     RawOutput::TABLE,
     RawQuality::TABLE,
 ];

@@ -158,6 +158,12 @@ const TABLES: &[(&str, &[&str])] = &[
         "station",
         &["ground_station", "ground_stations", "stations", "observer"],
     ),
+    (
+        "caption",
+        &[
+            "captions", "label", "labels", "logo", "text", "texts", "title", "titles",
+        ],
+    ),
     ("layers", &["layer", "lines", "overlay", "overlays"]),
     ("camera", &["eye", "view"]),
     ("earth", &["globe", "imagery", "planet", "terrain"]),

@@ -25,6 +25,9 @@ fn page() -> String {
             "station" => {
                 " A scene has one for each ground station: `[[station]]` where there are several."
             }
+            "caption" => {
+                " A scene has one for each caption: `[[caption]]` where there are several."
+            }
             "tracks" => {
                 " What holds for all satellites; a key of `[orbit]` goes before the same key here."
             }
@@ -372,8 +375,10 @@ mod tests {
         for table in TABLES {
             let record = match table.name {
                 "orbit" => scene.orbit_records.first(),
-                "station" => scene.station_records.first(),
-                name => scene.records.get(name),
+                name => match scene.lists.get(name) {
+                    Some(records) => records.first(),
+                    None => scene.records.get(name),
+                },
             };
             for key in table.keys {
                 let value = record.and_then(|record| record.value(key.name));

@@ -4,6 +4,7 @@
 //! the variable the same test compares.
 
 use super::camera_keys::{NUMBERS, OFFSET, OFFSET_M};
+use super::caption_keys::MAX_CAPTIONS;
 use super::field::names_of;
 use super::globe_keys::{GRATICULE_STEP_DEG, MAX_STATIONS};
 use super::keys::{
@@ -26,6 +27,7 @@ pub(super) fn schema() -> Value {
                 let one = json!({ "$ref": format!("#/$defs/{}", table.name) });
                 let most = match table.name {
                     "orbit" => MAX_ORBITS,
+                    "caption" => MAX_CAPTIONS,
                     _ => MAX_STATIONS,
                 };
                 json!({ "anyOf": [one, { "type": "array", "maxItems": most, "items": one }] })

@@ -1,7 +1,7 @@
 //! `[[station]]`: ground stations.
 
 use super::Scene;
-use super::error::{KeyLocation, SceneError, printable};
+use super::error::{SceneError, printable};
 use super::field::{Field, range_text};
 use super::globe_keys::{MAX_STATIONS, RawStation};
 use super::record::{number_text, quoted};
@@ -46,7 +46,7 @@ impl SceneText<'_> {
         let name = match field.given.map(|name| name.get_ref().trim()) {
             None => {
                 let remedy = "a ground station needs a name, which is written beside its mark; add name = \"…\"";
-                return Err(self.missing(station, field.key, remedy.to_owned()));
+                return Err(self.missing(&field, station.given(), remedy));
             }
             Some("") => {
                 let advice = "must not be empty: it is written beside the station's mark";
@@ -72,20 +72,6 @@ impl SceneText<'_> {
         })
     }
 
-    /// Rejects a station without a key that it must have.
-    fn missing(&self, station: &RawStation, key: &str, remedy: String) -> SceneError {
-        let given = station.given().map(|(_, span)| self.line(span.start));
-        SceneError::Missing {
-            place: Box::new(KeyLocation {
-                path: self.path.to_owned(),
-                line: given.min(),
-                table: RawStation::TABLE.name.to_owned(),
-                key: key.to_owned(),
-            }),
-            remedy,
-        }
-    }
-
     /// An angle that a station must have.
     fn angle(
         &self,
@@ -98,7 +84,7 @@ impl SceneText<'_> {
                 "a ground station needs its {what}; add {} = … in degrees",
                 field.key
             );
-            return Err(self.missing(station, field.key, remedy));
+            return Err(self.missing(field, station.given(), remedy));
         };
         let degrees = self.in_range(field, degrees, &field.rule, |_| {
             format!("must be from {} degrees", range_text(&field.rule))

@@ -1,6 +1,7 @@
 //! What a scene comes to: every value and where it is from, what will be used and what is left out.
 
 use super::Scene;
+use super::captions::NO_CAPTION;
 use super::choices::CameraMode;
 use super::error::printable;
 use super::field::{NO_ORBIT, written};
@@ -44,7 +45,7 @@ impl Scene {
             }
             let head = match table.name {
                 "orbit" if self.orbit_records.len() > 1 => "[[orbit]]".to_owned(),
-                "station" if self.station_records.len() > 1 => "[[station]]".to_owned(),
+                name if self.list(name).len() > 1 => format!("[[{name}]]"),
                 name => format!("[{name}]"),
             };
             line(&mut out, format_args!("\n{head}"));
@@ -81,8 +82,7 @@ impl Scene {
             }
             match table.name {
                 "orbit" => self.other_orbits(&mut out, table),
-                "station" => self.other_stations(&mut out, table),
-                _ => {}
+                _ => self.others(&mut out, table),
             }
         }
         if hidden > 0 {
@@ -157,10 +157,15 @@ impl Scene {
         }
     }
 
-    /// Stations after the first.
-    fn other_stations(&self, out: &mut String, table: &Table) {
-        for record in self.station_records.iter().skip(1) {
-            line(out, format_args!("\n[[station]]"));
+    /// The records of a list but that of satellites.
+    fn list(&self, table: &str) -> &[Record] {
+        self.lists.get(table).map_or(&[], Vec::as_slice)
+    }
+
+    /// Tables of a list after the first.
+    fn others(&self, out: &mut String, table: &Table) {
+        for record in self.list(table.name).iter().skip(1) {
+            line(out, format_args!("\n[[{}]]", table.name));
             for key in table.keys {
                 let from = match record.line(key.name) {
                     Some(number) => format!("line {number} of the file"),
@@ -177,9 +182,10 @@ impl Scene {
     fn value(&self, table: &Table, key: &Key) -> Result<&str, &'static str> {
         let record = match table.name {
             "orbit" => return self.orbit_value(0, key),
-            "station" if self.station_records.is_empty() => return Err(NO_STATION),
-            "station" => self.station_records.first(),
-            name => self.records.get(name),
+            name => match self.lists.get(name) {
+                Some(records) => Some(records.first().ok_or(none_of(name))?),
+                None => self.records.get(name),
+            },
         };
         recorded(record, key)
     }
@@ -305,6 +311,7 @@ impl Scene {
                 },
             ));
         }
+        uses.extend(self.caption_uses());
         if self.earth.atmosphere != Atmosphere::None {
             uses.push(("air", written(&self.earth.atmosphere)));
         }
@@ -333,6 +340,14 @@ impl Scene {
             names.push("atmosphere");
         }
         names
+    }
+}
+
+/// Why no key has a value of a list that is empty.
+fn none_of(list: &str) -> &'static str {
+    match list {
+        "caption" => NO_CAPTION,
+        _ => NO_STATION,
     }
 }
 
