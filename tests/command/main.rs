@@ -5,6 +5,7 @@
 mod bad_input;
 mod basilisk;
 mod bench;
+mod captions;
 mod dated_maps;
 mod film_inputs;
 mod film_light;

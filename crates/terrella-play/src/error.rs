@@ -92,6 +92,12 @@ pub enum PlayError {
         layer: &'static str,
         missing: String,
     },
+    /// An image of a caption that cannot be shown.
+    #[error(
+        "[caption] image: {}: {why}; give a PNG file of at most 4096 × 4096 pixels and 16 MiB",
+        file.display()
+    )]
+    CaptionImage { file: PathBuf, why: String },
     /// The scene asks for a storage that its pack has not.
     #[error(
         "the pack {} stores its tiles only as {kept}; write storage = \"auto\" in [earth], or build the pack with the other",
@@ -280,6 +286,7 @@ impl PlayError {
                 | Self::NoLayer { .. }
                 | Self::NoPackHeights { .. }
                 | Self::MissingLayer { .. }
+                | Self::CaptionImage { .. }
                 | Self::NoStorage { .. }
                 | Self::UnknownSatellite { .. }
                 | Self::TooManyRows { .. }

@@ -2,6 +2,7 @@
 
 use super::camera::{HeadTurn, OrbitalMotion, Pose};
 use super::camera_path::CameraPath;
+use super::caption_image::check_images;
 use super::craft::CraftPose;
 use super::error::PlayError;
 use super::map_lines::dropped_lines;
@@ -102,6 +103,7 @@ impl Flight {
 
     fn open_with(mut scene: Scene, listener: Listener) -> Result<Self, PlayError> {
         check_pack(&scene)?;
+        check_images(&scene)?;
         let orientation = match &scene.time.orientation {
             Some(file) => Some(EarthOrientation::from_file(file)?),
             None => None,

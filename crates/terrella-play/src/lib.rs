@@ -57,6 +57,10 @@
 mod basilisk;
 pub mod camera;
 mod camera_path;
+#[cfg_attr(not(feature = "window"), allow(dead_code))]
+mod caption_image;
+#[cfg_attr(not(feature = "window"), allow(dead_code))]
+mod captions;
 pub mod clock;
 #[cfg(feature = "window")]
 mod colours;
@@ -151,6 +155,8 @@ mod stretches;
 mod surface;
 #[cfg(feature = "window")]
 mod switches;
+#[cfg_attr(not(feature = "window"), allow(dead_code))]
+mod text_overlay;
 #[cfg(feature = "window")]
 mod timeline;
 #[cfg_attr(not(feature = "window"), allow(dead_code))]

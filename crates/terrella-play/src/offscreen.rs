@@ -191,6 +191,11 @@ impl OffscreenRenderer {
         self.painter.show_tracks(flight)
     }
 
+    /// Writes the captions of a flight's scene over pictures from now on, where it has any. Not for renderers of light.
+    pub fn show_captions(&mut self, flight: &Flight) -> Result<(), PlayError> {
+        self.painter.show_captions(flight)
+    }
+
     /// Width and height, pixels.
     pub fn size(&self) -> (u32, u32) {
         self.textures.size()

@@ -300,6 +300,7 @@ impl ScenePictures {
                 made.show_dated_maps(flight)?;
                 made.show_sky(flight)?;
                 made.show_tracks(flight)?;
+                made.show_captions(flight)?;
                 let quality = scene_quality(&flight.scene().quality, *made.earth().quality());
                 made.set_quality(&quality)?;
                 made

@@ -2,6 +2,7 @@
 //!
 //! Each list stands beside what reads the files. A key that names files and is missing here fails a test, and so does a file that a film opens.
 
+use super::caption_image::caption_files;
 use super::error::PlayError;
 use super::map_lines::line_files;
 use super::maps::map_files;
@@ -68,6 +69,7 @@ pub fn scene_files(scene: &Scene) -> Result<Vec<SceneFile>, PlayError> {
     if sky.is_on() {
         add("sky.folder", sky_files(scene));
     }
+    add("caption.image", caption_files(scene));
     add(
         "output.tone",
         scene
@@ -160,6 +162,11 @@ mod tests {
             "output.tone",
             "[output]\ntone = { file = \"film.txt\" }",
             &["film.txt"],
+        ),
+        (
+            "caption.image",
+            "[[caption]]\nimage = \"logo.png\"\n[[caption]]\nimage = \"patch.png\"",
+            &["logo.png", "patch.png"],
         ),
         (
             "quality.ladder",

@@ -1,7 +1,9 @@
 //! What pictures of a scene hold, and the order in which it is prepared and drawn: of a window's pictures and of those without one.
 
+use super::captions::CaptionLayer;
 use super::craft::CraftLayer;
 use super::dated_maps::DatedMapsLayer;
+use super::egui_pass::EguiTarget;
 use super::error::PlayError;
 use super::flight::{Flight, Moment};
 use super::sky::SkyLayer;
@@ -23,6 +25,7 @@ pub struct ScenePainter {
     dated_maps: Option<DatedMapsLayer>,
     sky: Option<SkyLayer>,
     tracks: Option<TracksLayer>,
+    captions: Option<CaptionLayer>,
     /// Format of the finished picture.
     shown: wgpu::TextureFormat,
     /// Whether the sky is kept and not drawn.
@@ -81,6 +84,7 @@ impl ScenePainter {
             dated_maps: None,
             sky: None,
             tracks: None,
+            captions: None,
             shown,
             hides_sky: false,
             adaptation: (options.exposure == Exposure::Auto).then(Adaptation::default),
@@ -112,6 +116,7 @@ impl ScenePainter {
         let (gpu, earth) = (&painter.gpu, &painter.earth);
         painter.sky = SkyLayer::of_scene(scene, flight, gpu, earth)?;
         painter.tracks = TracksLayer::of_scene(scene, flight, gpu, earth, shown)?;
+        painter.show_captions(flight)?;
         Ok(painter)
     }
 
@@ -147,6 +152,12 @@ impl ScenePainter {
     /// Draws the tracks of a flight's satellites from now on, where its scene asks for any.
     pub fn show_tracks(&mut self, flight: &Flight) -> Result<(), PlayError> {
         self.tracks = TracksLayer::of(flight, &self.gpu, &self.earth, self.shown)?;
+        Ok(())
+    }
+
+    /// Writes the captions of a flight's scene over pictures from now on, where it has any.
+    pub fn show_captions(&mut self, flight: &Flight) -> Result<(), PlayError> {
+        self.captions = CaptionLayer::of(flight, &self.gpu, self.shown)?;
         Ok(())
     }
 
@@ -294,6 +305,9 @@ impl ScenePainter {
         if let Some(tracks) = self.tracks.as_mut().filter(|tracks| tracks.is_shown()) {
             tracks.prepare(&self.gpu, moment, drawn_size, detail, &mut stats);
         }
+        if let Some(captions) = &mut self.captions {
+            captions.prepare(moment, &stats);
+        }
         (stats, missing)
     }
 
@@ -307,7 +321,7 @@ impl ScenePainter {
         }
     }
 
-    /// Draws what was prepared, with the names of tracks over the finished picture.
+    /// Draws what was prepared, with the names of tracks and captions over the finished picture.
     pub fn paint(&mut self, encoder: &mut wgpu::CommandEncoder, target: &impl PictureTarget) {
         let mut pass = target.begin_pass(encoder);
         self.render_surface(&mut pass);
@@ -319,6 +333,15 @@ impl ScenePainter {
         if let Some(tracks) = self.tracks.as_mut().filter(|tracks| tracks.is_shown()) {
             let (size, drawn_size) = (target.size(), target.drawn_size());
             tracks.write_names(&self.gpu, encoder, target.view(), size, drawn_size);
+        }
+        if let Some(captions) = &mut self.captions {
+            captions.draw(EguiTarget {
+                device: &self.gpu.device,
+                queue: &self.gpu.queue,
+                encoder,
+                view: target.view(),
+                size: target.size(),
+            });
         }
     }
 

@@ -126,6 +126,7 @@ pub fn write_still(
     renderer.show_dated_maps(flight)?;
     renderer.show_sky(flight)?;
     renderer.show_tracks(flight)?;
+    renderer.show_captions(flight)?;
     renderer.set_quality(&scene_quality(&scene.quality, *renderer.earth().quality()))?;
     let (moment, asked) = match known {
         Some(moment) => (moment, None),

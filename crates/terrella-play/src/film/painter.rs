@@ -69,6 +69,9 @@ impl FilmPainter {
                 "switch trail, ground_track, subpoint, marker and footprint off",
             ));
         }
+        if !scene.captions.is_empty() {
+            return Err(rejected("captions", "leave [[caption]] out"));
+        }
         if scene.earth.light.is_none() {
             return Err(rejected(
                 "the paper's shading",
@@ -116,6 +119,7 @@ impl FilmPainter {
         }
         if !settings.need_light() {
             renderer.show_tracks(flight)?;
+            renderer.show_captions(flight)?;
         }
         let quality = scene_quality(&scene.quality, *renderer.earth().quality());
         renderer.set_quality(&quality)?;

@@ -1,8 +1,8 @@
 //! Names beside markers, in egui's fonts, on the finished picture.
 
-use crate::egui_pass::{self, EguiTarget};
-use egui::{Align2, Color32, FontId, LayerId, Pos2, RawInput, Rect, Vec2};
-use egui_wgpu::{Renderer, RendererOptions};
+use crate::egui_pass::EguiTarget;
+use crate::text_overlay::TextOverlay;
+use egui::{Align2, Color32, FontId, Pos2, Rect, Vec2};
 use terrella::tracks::TrackLabel;
 
 /// Height of letters as a fraction of the picture's.
@@ -14,20 +14,13 @@ const MARKER_DISTANCE: f32 = 0.7;
 /// Characters after which a name is cut.
 const MAX_NAME_CHARS: usize = 48;
 
-/// egui's fonts and the pipeline that draws them.
-pub struct Labels {
-    context: egui::Context,
-    renderer: Renderer,
-}
+/// Draws names.
+pub struct Labels(TextOverlay);
 
 impl Labels {
     /// For pictures of this format.
     pub fn new(device: &wgpu::Device, format: wgpu::TextureFormat) -> Self {
-        Self {
-            context: egui::Context::default(),
-            // Without dithering: the same picture every time.
-            renderer: Renderer::new(device, format, RendererOptions::PREDICTABLE),
-        }
+        Self(TextOverlay::new(device, format))
     }
 
     /// Writes names over a picture.
@@ -37,23 +30,10 @@ impl Labels {
         names: impl Iterator<Item = (TrackLabel, &'n str)>,
     ) {
         let names: Vec<_> = names.map(|(label, name)| (label, one_line(name))).collect();
-        if names.is_empty() {
-            return;
+        if !names.is_empty() {
+            let paint = |painter: &egui::Painter, screen| paint(painter, screen, &names);
+            self.0.draw(target, paint);
         }
-        let (width, height) = target.size;
-        let screen = Rect::from_min_size(Pos2::ZERO, Vec2::new(width as f32, height as f32));
-        let input = RawInput {
-            screen_rect: Some(screen),
-            ..Default::default()
-        };
-        let output = self.context.run_ui(input, |ui| {
-            let painter = ui.ctx().layer_painter(LayerId::background());
-            paint(&painter, screen, &names);
-        });
-        let renderer = &mut self.renderer;
-        let callbacks = egui_pass::draw(renderer, &self.context, output, target);
-        // Command buffers come of paint callbacks alone; there are none.
-        debug_assert!(callbacks.is_empty());
     }
 }
 
