@@ -14,6 +14,8 @@
 //!
 //! [`Tracks::set_lines`] adds [`Polylines`] that stand still on the Earth: a graticule, coast lines, a host's own.
 //!
+//! [`Tracks::set_places`] marks places on the ground.
+//!
 //! [`Tracks::set_stations`] adds ground stations: marks, the ground from which a satellite is in view, and lines of access.
 //!
 //! Names are the host's to write: [`Tracks::labels`] says where. The command writes them with egui.
@@ -55,9 +57,11 @@ mod curve;
 mod footprint;
 mod ink;
 mod lines;
+mod places;
 mod projection;
 mod satellite;
 mod stations;
+mod still;
 mod style;
 mod turn;
 mod twilight;
@@ -68,17 +72,19 @@ use crate::gpu::{AirTextures, DepthBuffer, Development, PassFormat, ShaderError}
 use crate::gpu::{TrackKinds, TrackUniforms, TracksDrawable};
 use crate::plan::AirSide;
 use buffers::TrackBuffers;
-pub use buffers::{NEAREST_MARKER_M, StationLabel, TrackLabel};
+pub use buffers::{NEAREST_MARKER_M, PlaceLabel, StationLabel, TrackLabel};
 pub use footprint::{
     OUTLINE_POINTS, WIDEST_HALF_ANGLE_RAD, footprint_outline, is_beyond_air, is_hidden,
 };
 use glam::DVec3;
-use ink::Ink;
 pub use lines::{LineStyle, MAX_LINE_POINTS, Polylines};
+use places::InkedPlace;
+pub use places::{GroundMark, MAX_PLACES};
 use projection::EyeProjection;
 use satellite::{Axes, Satellite};
 use stations::InkedStation;
 pub use stations::{CIRCLE_POINTS, MAX_STATIONS, Station};
+use still::InkedLines;
 pub use style::{Footprint, TrackSpan, TrackStyle};
 use terrella_frames::{Ellipsoid, Epoch, Orientation};
 use terrella_ground::air::TOP;
@@ -197,6 +203,7 @@ pub struct Tracks {
     satellites: Vec<Satellite>,
     lines: Vec<InkedLines>,
     stations: Vec<InkedStation>,
+    places: Vec<InkedPlace>,
     twilight: Option<InkedTwilight>,
     hides_satellites: bool,
     /// Direction to the Sun, unit.
@@ -211,22 +218,6 @@ pub struct Tracks {
     stats: TrackStats,
     /// False if the last view gives no picture.
     is_shown: bool,
-}
-
-/// Polylines, and their colour as the target of the pass stores it.
-#[derive(Clone)]
-struct InkedLines {
-    lines: Polylines,
-    colors: [[u16; 4]; 2],
-}
-
-impl InkedLines {
-    fn new(lines: Polylines, format: &PassFormat) -> Self {
-        let style = lines.style();
-        let is_faded = style.opacity < 1.0;
-        let colors = Ink::new(format, style.color, is_faded).at(style.opacity);
-        Self { lines, colors }
-    }
 }
 
 impl Tracks {
@@ -265,6 +256,7 @@ impl Tracks {
                 .collect(),
             lines: Vec::new(),
             stations: Vec::new(),
+            places: Vec::new(),
             twilight: None,
             hides_satellites: false,
             sun_itrf: DVec3::X,
@@ -291,6 +283,7 @@ impl Tracks {
             satellites: self.satellites.clone(),
             lines: self.lines.clone(),
             stations: self.stations.clone(),
+            places: self.places.clone(),
             twilight: self.twilight.clone(),
             hides_satellites: self.hides_satellites,
             sun_itrf: self.sun_itrf,
@@ -328,77 +321,11 @@ impl Tracks {
             for station in &mut self.stations {
                 *station = InkedStation::new(station.station, &format);
             }
+            for place in &mut self.places {
+                *place = InkedPlace::new(place.mark, &self.options.ellipsoid, &format);
+            }
             self.is_shown = false;
         }
-        Ok(())
-    }
-
-    /// Draws these polylines from the next [`Self::prepare`] on, in place of those before, beneath all of the satellites. Makes the
-    /// pipeline of lines if no style needed it.
-    ///
-    /// # Errors
-    /// More than [`MAX_LINE_POINTS`] in all. Then nothing has changed.
-    pub fn set_lines(&mut self, lines: Vec<Polylines>) -> Result<(), TracksError> {
-        if lines.iter().map(Polylines::point_count).sum::<usize>() > MAX_LINE_POINTS {
-            let what = "they have more than 1 000 000 points; leave some out";
-            return Err(TracksError::Lines { what });
-        }
-        let kinds = TrackKinds {
-            lines: self.kinds.lines || !lines.is_empty(),
-            ..self.kinds
-        };
-        self.make_pipelines(kinds)?;
-        let format = self.options.format();
-        let inked = lines.into_iter();
-        self.lines = inked.map(|lines| InkedLines::new(lines, &format)).collect();
-        Ok(())
-    }
-
-    /// Draws these stations from the next [`Self::prepare`] on, in place of those before: each with a mark, the ground from which the
-    /// satellite number `followed` is in view at the height that it has, and a line to every satellite in view, those without tracks
-    /// among them.
-    ///
-    /// # Errors
-    /// A station that has no meaning, and more than [`MAX_STATIONS`]. Then nothing has changed.
-    pub fn set_stations(
-        &mut self,
-        stations: &[Station],
-        followed: usize,
-    ) -> Result<(), TracksError> {
-        if stations.len() > MAX_STATIONS {
-            let what = "there are more than 1000 stations; leave some out";
-            return Err(TracksError::Lines { what });
-        }
-        stations.iter().try_for_each(Station::check)?;
-        let kinds = TrackKinds {
-            lines: self.kinds.lines || !stations.is_empty(),
-            marks: self.kinds.marks || !stations.is_empty(),
-            ..self.kinds
-        };
-        self.make_pipelines(kinds)?;
-        let format = self.options.format();
-        let stations = stations.iter();
-        self.stations = stations
-            .map(|station| InkedStation::new(*station, &format))
-            .collect();
-        self.followed = followed;
-        Ok(())
-    }
-
-    /// Draws the terminator and the ends of twilight ([`TWILIGHT_DEG`]) from the next [`Self::prepare`] on, or no longer, by the direction
-    /// to the Sun of [`Self::set_sun`].
-    ///
-    /// # Errors
-    /// A style out of range. Then nothing has changed.
-    pub fn set_twilight(&mut self, style: Option<LineStyle>) -> Result<(), TracksError> {
-        style.iter().try_for_each(LineStyle::check)?;
-        let kinds = TrackKinds {
-            lines: self.kinds.lines || style.is_some(),
-            ..self.kinds
-        };
-        self.make_pipelines(kinds)?;
-        let format = self.options.format();
-        self.twilight = style.map(|style| InkedTwilight::new(style, &format));
         Ok(())
     }
 
@@ -474,6 +401,9 @@ impl Tracks {
         }
         if let Some(twilight) = &self.twilight {
             twilight.write(self.sun_itrf, &eye, &mut self.buffers.points);
+        }
+        for (index, place) in self.places.iter().enumerate() {
+            place.write(index, &eye, &mut self.buffers);
         }
         let mut axes = Axes::new(moment.epoch, moment.orientation, moment.turn);
         let mut left = budget;
@@ -560,6 +490,11 @@ impl Tracks {
     /// Where names of stations belong in the picture prepared last.
     pub fn station_labels(&self) -> &[StationLabel] {
         &self.buffers.station_labels
+    }
+
+    /// Where names of marked places belong in the picture prepared last.
+    pub fn place_labels(&self) -> &[PlaceLabel] {
+        &self.buffers.place_labels
     }
 
     /// Names of what is drawn of some satellite: "trails" (with ground tracks and outlines), "marks", "fills".

@@ -49,6 +49,17 @@ pub struct StationLabel {
     pub color: [u8; 3],
 }
 
+/// Where the name of a marked place belongs, which is in the picture and not hidden.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlaceLabel {
+    /// The place's index in the list that was set.
+    pub place: usize,
+    /// Its middle, pixels from the viewport's upper left corner.
+    pub at_px: [f32; 2],
+    /// Its colour, display values.
+    pub color: [u8; 3],
+}
+
 /// What is written to the GPU, kept from frame to frame for its room.
 #[derive(Default)]
 pub(super) struct TrackBuffers {
@@ -57,6 +68,7 @@ pub(super) struct TrackBuffers {
     pub fills: Vec<Fill>,
     pub labels: Vec<TrackLabel>,
     pub station_labels: Vec<StationLabel>,
+    pub place_labels: Vec<PlaceLabel>,
     pub outline: Vec<DVec3>,
     /// Satellites that stations look for, ITRF metres.
     pub satellites: Vec<DVec3>,
@@ -69,6 +81,7 @@ impl TrackBuffers {
         self.fills.clear();
         self.labels.clear();
         self.station_labels.clear();
+        self.place_labels.clear();
         self.satellites.clear();
     }
 }

@@ -6,7 +6,7 @@ use super::rig::{
 use crate::common;
 use glam::DVec3;
 use terrella::frames::Geodetic;
-use terrella::tracks::{LineStyle, Polylines, Station, is_hidden};
+use terrella::tracks::{GroundMark, LineStyle, Polylines, Station, is_hidden};
 use terrella_ground::air::Atmosphere;
 
 const LINES: LineStyle = LineStyle {
@@ -105,6 +105,46 @@ fn lines_that_are_off_cost_nothing() {
     rig.tracks.set_lines(Vec::new()).expect("lines");
     let (with, without, stats) = rig.draw(&view, &circle());
     assert!(with == without && stats.draw_calls == 0);
+}
+
+/// A marked place in sight has a ring and a place for its name, one on the far side has neither, and a place that is only named has no
+/// ring.
+#[test]
+fn marked_places_are_drawn_on_the_side_that_is_seen() {
+    let mut rig = Rig::new(options(Atmosphere::None), style(|_| {}));
+    let view = common::down(Geodetic::from_degrees(20.0, 30.0, 5e6), 40.0, aspect());
+    let mark = |lat_deg, lon_deg, is_marked| GroundMark {
+        place: Geodetic::from_degrees(lat_deg, lon_deg, 0.0),
+        color: MAGENTA,
+        opacity: 1.0,
+        width_px: 3.0,
+        is_marked,
+        is_named: true,
+    };
+    let (_, _, stats) = rig.draw(&view, &circle());
+    assert_eq!((stats.marks, stats.draw_calls), (0, 0));
+    let places = [
+        mark(-20.0, -150.0, true),
+        mark(20.0, 30.0, true),
+        mark(22.0, 30.0, false),
+    ];
+    rig.tracks.set_places(&places).expect("places");
+    let (with, without, stats) = rig.draw(&view, &circle());
+    assert_eq!((stats.marks, stats.draw_calls), (1, 1));
+    assert!(with != without);
+    let labels = rig.tracks.place_labels();
+    let named: Vec<_> = labels.iter().map(|label| label.place).collect();
+    assert_eq!(named, [1, 2]);
+    // Straight below the eye is the middle of the picture; north is up.
+    let [x, y] = labels[0].at_px;
+    let off = (x - 0.5 * SIZE.0 as f32).abs() + (y - 0.5 * SIZE.1 as f32).abs();
+    assert!(off < 0.5, "{x} {y}");
+    assert!(labels[1].at_px[1] < y - 1.0);
+    let wrong = mark(91.0, 0.0, true);
+    assert!(rig.tracks.set_places(&[wrong]).is_err());
+    rig.tracks.set_places(&[]).expect("none");
+    let (with, without, stats) = rig.draw(&view, &circle());
+    assert!(with == without && stats.marks == 0);
 }
 
 /// A station under the satellite has a line to it, a circle and a place for its name; one on the far side has none of them.

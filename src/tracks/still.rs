@@ -1,0 +1,119 @@
+//! What stands still on the globe and is set by the host: lines, stations, marked places, twilight.
+
+use super::ink::Ink;
+use super::lines::{LineStyle, MAX_LINE_POINTS, Polylines};
+use super::places::{GroundMark, InkedPlace, MAX_PLACES};
+use super::stations::{InkedStation, MAX_STATIONS, Station};
+use super::twilight::InkedTwilight;
+use super::{Tracks, TracksError};
+use crate::gpu::{PassFormat, TrackKinds};
+
+/// Polylines, and their colour as the target of the pass stores it.
+#[derive(Clone)]
+pub(super) struct InkedLines {
+    pub lines: Polylines,
+    pub colors: [[u16; 4]; 2],
+}
+
+impl InkedLines {
+    pub fn new(lines: Polylines, format: &PassFormat) -> Self {
+        let style = lines.style();
+        let is_faded = style.opacity < 1.0;
+        let colors = Ink::new(format, style.color, is_faded).at(style.opacity);
+        Self { lines, colors }
+    }
+}
+
+impl Tracks {
+    /// Draws these polylines from the next [`Self::prepare`] on, in place of those before, beneath all of the satellites. Makes the
+    /// pipeline of lines if no style needed it.
+    ///
+    /// # Errors
+    /// More than [`MAX_LINE_POINTS`] in all. Then nothing has changed.
+    pub fn set_lines(&mut self, lines: Vec<Polylines>) -> Result<(), TracksError> {
+        if lines.iter().map(Polylines::point_count).sum::<usize>() > MAX_LINE_POINTS {
+            let what = "they have more than 1 000 000 points; leave some out";
+            return Err(TracksError::Lines { what });
+        }
+        let kinds = TrackKinds {
+            lines: self.kinds.lines || !lines.is_empty(),
+            ..self.kinds
+        };
+        self.make_pipelines(kinds)?;
+        let format = self.options.format();
+        let inked = lines.into_iter();
+        self.lines = inked.map(|lines| InkedLines::new(lines, &format)).collect();
+        Ok(())
+    }
+
+    /// Draws these stations from the next [`Self::prepare`] on, in place of those before: each with a mark, the ground from which the
+    /// satellite number `followed` is in view at the height that it has, and a line to every satellite in view, those without tracks
+    /// among them.
+    ///
+    /// # Errors
+    /// A station that has no meaning, and more than [`MAX_STATIONS`]. Then nothing has changed.
+    pub fn set_stations(
+        &mut self,
+        stations: &[Station],
+        followed: usize,
+    ) -> Result<(), TracksError> {
+        if stations.len() > MAX_STATIONS {
+            let what = "there are more than 1000 stations; leave some out";
+            return Err(TracksError::Lines { what });
+        }
+        stations.iter().try_for_each(Station::check)?;
+        let kinds = TrackKinds {
+            lines: self.kinds.lines || !stations.is_empty(),
+            marks: self.kinds.marks || !stations.is_empty(),
+            ..self.kinds
+        };
+        self.make_pipelines(kinds)?;
+        let format = self.options.format();
+        let stations = stations.iter();
+        self.stations = stations
+            .map(|station| InkedStation::new(*station, &format))
+            .collect();
+        self.followed = followed;
+        Ok(())
+    }
+
+    /// Marks these places from the next [`Self::prepare`] on, in place of those before.
+    ///
+    /// # Errors
+    /// A place that has no meaning, and more than [`MAX_PLACES`]. Then nothing has changed.
+    pub fn set_places(&mut self, places: &[GroundMark]) -> Result<(), TracksError> {
+        if places.len() > MAX_PLACES {
+            let what = "there are more than 20 000 marked places; leave some out";
+            return Err(TracksError::Lines { what });
+        }
+        places.iter().try_for_each(GroundMark::check)?;
+        let kinds = TrackKinds {
+            marks: self.kinds.marks || places.iter().any(|place| place.is_marked),
+            ..self.kinds
+        };
+        self.make_pipelines(kinds)?;
+        let (format, ellipsoid) = (self.options.format(), self.options.ellipsoid);
+        let places = places.iter();
+        self.places = places
+            .map(|place| InkedPlace::new(*place, &ellipsoid, &format))
+            .collect();
+        Ok(())
+    }
+
+    /// Draws the terminator and the ends of twilight ([`TWILIGHT_DEG`]) from the next [`Self::prepare`] on, or no longer, by the direction
+    /// to the Sun of [`Self::set_sun`].
+    ///
+    /// # Errors
+    /// A style out of range. Then nothing has changed.
+    pub fn set_twilight(&mut self, style: Option<LineStyle>) -> Result<(), TracksError> {
+        style.iter().try_for_each(LineStyle::check)?;
+        let kinds = TrackKinds {
+            lines: self.kinds.lines || style.is_some(),
+            ..self.kinds
+        };
+        self.make_pipelines(kinds)?;
+        let format = self.options.format();
+        self.twilight = style.map(|style| InkedTwilight::new(style, &format));
+        Ok(())
+    }
+}
