@@ -2,6 +2,7 @@
 
 mod any_text;
 mod captions;
+mod geojson;
 mod lines;
 mod orbits;
 mod rejections;

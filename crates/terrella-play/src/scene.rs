@@ -9,7 +9,8 @@
 //! | `keys.rs` | its declaration: name, type, unit, range, default, meaning. **Begin here**; `table.rs` explains the form |
 //! | `choices.rs` | the words that keys choose from |
 //! | `time.rs`, `orbit.rs`, `tracks.rs`, `stations.rs`, `layers.rs`, `camera.rs`, `earth.rs`, `sky.rs`, `output.rs` | a table each: the checked value that hosts read, and its reader |
-//! | `globe_keys.rs` | declarations of `[layers]` and `[[station]]` |
+//! | `globe_keys.rs` | declarations of `[layers]`, `[[geojson]]` and `[[station]]` |
+//! | `geojson.rs` | reader of `[[geojson]]` |
 //! | `camera_keys.rs` | `[[camera.keys]]` |
 //! | `caption_keys.rs`, `captions.rs` | declarations and reader of `[[caption]]` |
 //! | `sensor_keys.rs`, `sensor.rs` | declarations and reader of `[sensor]` |
@@ -41,6 +42,7 @@ mod dates;
 mod earth;
 mod error;
 mod field;
+mod geojson;
 mod globe_keys;
 mod grade;
 mod keys;
@@ -90,6 +92,7 @@ pub use dated_maps::{BetweenMaps, DatedLayer, DatedMaps, MapTimes};
 pub use dates::Ending;
 pub use earth::{EarthTable, PackTable};
 pub use error::{KeyLocation, SceneError};
+pub use geojson::GeojsonTable;
 pub(crate) use keys::YEARS;
 #[cfg(feature = "window")]
 pub use keys::{DEFAULT_TOLERANCE_PX, EDGE_SAMPLES};
@@ -119,6 +122,8 @@ pub struct Scene {
     pub track_px: f64,
     /// Each `[[station]]`.
     pub stations: Vec<StationTable>,
+    /// Each `[[geojson]]`.
+    pub geojson: Vec<GeojsonTable>,
     /// `[layers]`
     pub layers: LayersTable,
     /// `[camera]`

@@ -65,6 +65,8 @@ pub(super) fn check(source: SceneText<'_>, raw: RawScene) -> Result<Scene, Scene
     let layers = source.layers(&raw.layers)?;
     let raw_stations = raw.station.0;
     let stations = source.stations(&raw_stations)?;
+    let raw_geojson = raw.geojson.0;
+    let geojson = source.geojson(&raw_geojson)?;
     let raw_captions = raw.caption.0;
     let captions = source.captions(&raw_captions, !checked.is_empty())?;
     let output = source.output(&raw.output, &camera, sensor.as_ref(), &earth, has_live)?;
@@ -82,11 +84,16 @@ pub(super) fn check(source: SceneText<'_>, raw: RawScene) -> Result<Scene, Scene
     ];
     let orbit_records = orbits.into_iter().map(|orbit| orbit.record(source));
     let stations_read = raw_stations.into_iter();
+    let geojson_read = raw_geojson.into_iter();
     let captions_read = raw_captions.into_iter();
     let lists: [(_, Vec<_>); _] = [
         (
             "station",
             stations_read.map(|one| one.record(source)).collect(),
+        ),
+        (
+            "geojson",
+            geojson_read.map(|one| one.record(source)).collect(),
         ),
         (
             "caption",
@@ -101,6 +108,7 @@ pub(super) fn check(source: SceneText<'_>, raw: RawScene) -> Result<Scene, Scene
         track_px,
         stations,
         layers,
+        geojson,
         camera,
         sensor,
         earth,

@@ -1,4 +1,4 @@
-//! Declares the keys of `[layers]` and `[[station]]`, what is drawn on the globe, as [`keys`](super::keys) does those of the
+//! Declares the keys of `[layers]`, `[[geojson]]` and `[[station]]`, what is drawn on the globe, as [`keys`](super::keys) does those of the
 //! other tables.
 
 use super::field::{Bounds, Field, RawPath};
@@ -16,6 +16,8 @@ use toml::Spanned;
 
 /// Most ground stations, `[[station]]` tables, in one scene: a frame computes a circle for each.
 pub(super) const MAX_STATIONS: usize = 200;
+/// Most files of GeoJSON, `[[geojson]]` tables, in one scene.
+pub(super) const MAX_GEOJSON: usize = 32;
 /// `step_deg` of `graticule`, degrees.
 pub(super) const GRATICULE_STEP_DEG: RangeInclusive<f64> = 1.0..=90.0;
 /// Opacity of lines.
@@ -59,6 +61,19 @@ table!(RawLayers = "layers" {
     width_px: f64, of "pixels", in 0.5..=16.0, default 1.0;
     /// File of coast lines and borders. By default lines.bin of the starter pack.
     vector_map: RawPath, of "a file of coast lines and borders";
+});
+
+table!(RawGeojson = "geojson" {
+    /// A file of GeoJSON (RFC 7946). Its lines, the outlines of its polygons and its points are drawn, with the properties stroke, stroke-width, stroke-opacity, marker-color and title of simplestyle-spec.
+    file: RawPath, of "a GeoJSON file";
+    /// Colour of features that have none of their own. By default "#ffd166".
+    color: String, of "a string, \"#\" and six hexadecimal digits";
+    /// Width of lines that have none of their own.
+    width_px: f64, of "pixels", in 0.5..=16.0, default 1.5;
+    /// Opacity of lines that have none of their own, and of points.
+    opacity: f64, in OPACITY, default 0.9;
+    /// The property of features with the name that is written beside them. By default "title".
+    name_key: String, of "a string, the name of a property";
 });
 
 table!(RawStation = "station" {

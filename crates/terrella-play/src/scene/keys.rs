@@ -6,7 +6,7 @@ use super::caption_keys::RawCaption;
 use super::choices::{AirModel, CameraMode, CameraUp, FrameName, Look, Method, StorageChoice};
 use super::choices::{OrbitSource, OrbitSource::*};
 use super::field::{Bounds, Choice, Field, RawCameraKey, RawDatedMaps, RawPath, RawTone};
-use super::globe_keys::{RawLayers, RawStation};
+use super::globe_keys::{RawGeojson, RawLayers, RawStation};
 use super::record::{Notes, Record};
 use super::sensor_keys::RawSensor;
 #[cfg(test)]
@@ -534,6 +534,7 @@ pub(super) struct RawScene {
     pub(super) tracks: RawTracks,
     pub(super) station: OneOrMore<RawStation>,
     pub(super) layers: RawLayers,
+    pub(super) geojson: OneOrMore<RawGeojson>,
     pub(super) camera: RawCamera,
     pub(super) sensor: RawSensor,
     pub(super) earth: RawEarth,
@@ -550,6 +551,7 @@ pub(super) const TABLES: &[Table] = &[
     RawTracks::TABLE,
     RawStation::TABLE,
     RawLayers::TABLE,
+    RawGeojson::TABLE,
     RawCamera::TABLE,
     RawSensor::TABLE,
     RawEarth::TABLE,

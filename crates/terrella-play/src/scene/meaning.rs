@@ -164,6 +164,10 @@ const TABLES: &[(&str, &[&str])] = &[
             "captions", "label", "labels", "logo", "text", "texts", "title", "titles",
         ],
     ),
+    (
+        "geojson",
+        &["area", "areas", "geo_json", "json", "polygons", "vector"],
+    ),
     ("layers", &["layer", "lines", "overlay", "overlays"]),
     ("camera", &["eye", "view"]),
     ("earth", &["globe", "imagery", "planet", "terrain"]),

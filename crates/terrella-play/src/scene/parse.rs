@@ -9,6 +9,13 @@ use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeString, DeTable, DeValue};
 
+/// Table, key, and why there is no such thing: what other programs draw.
+const NOT_DRAWN: &[(&str, &str, &str)] = &[(
+    "geojson",
+    "fill",
+    "polygons are drawn as outlines, without a fill; leave it out",
+)];
+
 impl SceneText<'_> {
     /// The file's text as tables and keys, or what is wrong with it.
     pub(super) fn parse(&self) -> Result<RawScene, SceneError> {
@@ -183,7 +190,13 @@ impl SceneText<'_> {
         };
         SceneError::Unknown {
             place: self.place(name.span().start, table.name, word),
-            remedy: format!("{hint} [{}] has {all}", table.name),
+            remedy: match NOT_DRAWN
+                .iter()
+                .find(|not| (not.0, not.1) == (table.name, word))
+            {
+                Some((.., why)) => (*why).to_owned(),
+                None => format!("{hint} [{}] has {all}", table.name),
+            },
         }
     }
 

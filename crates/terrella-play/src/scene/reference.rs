@@ -25,6 +25,7 @@ fn page() -> String {
             "station" => {
                 " A scene has one for each ground station: `[[station]]` where there are several."
             }
+            "geojson" => " A scene has one for each file: `[[geojson]]` where there are several.",
             "caption" => {
                 " A scene has one for each caption: `[[caption]]` where there are several."
             }

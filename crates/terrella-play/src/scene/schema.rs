@@ -6,7 +6,7 @@
 use super::camera_keys::{NUMBERS, OFFSET, OFFSET_M};
 use super::caption_keys::MAX_CAPTIONS;
 use super::field::names_of;
-use super::globe_keys::{GRATICULE_STEP_DEG, MAX_STATIONS};
+use super::globe_keys::{GRATICULE_STEP_DEG, MAX_GEOJSON, MAX_STATIONS};
 use super::keys::{
     BURN_M_S2, BURN_S, CLIPMAP_LEVELS, CLIPMAP_SAMPLES, GRID_SAMPLES, MAX_BURNS, MAX_CAMERA_KEYS,
     MAX_DATED_MAPS, MAX_ELEVATION_FILES, MAX_LEAVES, MAX_ORBITS, MAX_ORIGINS, QUADTREE_LAMBDA,
@@ -28,6 +28,7 @@ pub(super) fn schema() -> Value {
                 let most = match table.name {
                     "orbit" => MAX_ORBITS,
                     "caption" => MAX_CAPTIONS,
+                    "geojson" => MAX_GEOJSON,
                     _ => MAX_STATIONS,
                 };
                 json!({ "anyOf": [one, { "type": "array", "maxItems": most, "items": one }] })

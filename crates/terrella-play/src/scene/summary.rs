@@ -5,6 +5,7 @@ use super::captions::NO_CAPTION;
 use super::choices::CameraMode;
 use super::error::printable;
 use super::field::{NO_ORBIT, written};
+use super::geojson::NO_GEOJSON;
 use super::keys::TABLES;
 use super::orbit_check::foreign;
 use super::record::Record;
@@ -230,6 +231,7 @@ impl Scene {
         uses.extend(self.track_uses());
         uses.extend(self.station_uses());
         uses.extend(self.line_uses());
+        uses.extend(self.geojson_uses());
         let camera = &self.camera;
         let eye = match camera.mode {
             CameraMode::Nadir => format!(
@@ -347,6 +349,7 @@ impl Scene {
 fn none_of(list: &str) -> &'static str {
     match list {
         "caption" => NO_CAPTION,
+        "geojson" => NO_GEOJSON,
         _ => NO_STATION,
     }
 }

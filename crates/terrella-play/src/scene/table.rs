@@ -79,7 +79,7 @@ pub(super) struct Table {
 impl Table {
     /// Whether a scene may have several of it.
     pub(super) fn is_list(&self) -> bool {
-        matches!(self.name, "orbit" | "station" | "caption")
+        matches!(self.name, "orbit" | "station" | "geojson" | "caption")
     }
 }
 
