@@ -10,6 +10,7 @@ mod dated_maps;
 mod film_inputs;
 mod film_light;
 mod films;
+mod geojson;
 mod goldens;
 /// The repository's root.
 const REPOSITORY: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");

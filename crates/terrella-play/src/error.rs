@@ -92,6 +92,16 @@ pub enum PlayError {
         layer: &'static str,
         missing: String,
     },
+    /// A strict scene, and a file of GeoJSON with something wrong in it.
+    #[error(
+        "{}: [geojson] file: {}: {what}; correct the file, or leave out strict = true",
+        scene.display(), file.display()
+    )]
+    GeoJson {
+        scene: PathBuf,
+        file: PathBuf,
+        what: String,
+    },
     /// An image of a caption that cannot be shown.
     #[error(
         "[caption] image: {}: {why}; give a PNG file of at most 4096 × 4096 pixels and 16 MiB",
@@ -287,6 +297,7 @@ impl PlayError {
                 | Self::NoPackHeights { .. }
                 | Self::MissingLayer { .. }
                 | Self::CaptionImage { .. }
+                | Self::GeoJson { .. }
                 | Self::NoStorage { .. }
                 | Self::UnknownSatellite { .. }
                 | Self::TooManyRows { .. }

@@ -5,6 +5,7 @@ use super::camera_path::CameraPath;
 use super::caption_image::check_images;
 use super::craft::CraftPose;
 use super::error::PlayError;
+use super::geo_layers::geo_layers;
 use super::map_lines::dropped_lines;
 use super::maps::{
     DroppedLayer, check_pack, dropped_layers, earth_options, earth_options_at, uploaded_options_at,
@@ -361,6 +362,7 @@ impl Flight {
         let mut dropped = dropped_layers(&self.scene)?;
         dropped.extend(dropped_parts(&self.scene)?);
         dropped.extend(dropped_lines(&self.scene)?);
+        dropped.extend(geo_layers(&self.scene, &self.ellipsoid, 0)?.dropped);
         Ok(dropped)
     }
 

@@ -86,6 +86,8 @@ mod float_files;
 mod frame_cost;
 #[cfg(feature = "window")]
 mod gap_words;
+mod geo_layers;
+mod geojson;
 #[cfg(feature = "window")]
 mod hand;
 #[cfg(feature = "window")]

@@ -248,7 +248,14 @@ fn what_is_selected_is_said_beside_the_panel() {
 #[test]
 fn every_layer_is_switched_by_a_click_on_its_name() {
     let scene = "[[station]]\nname = \"Kiruna\"\nlat_deg = 67.9\nlon_deg = 21\n";
-    let longest = Longest::of(scene);
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("a.geojson");
+    std::fs::write(&file, "{}").expect("written");
+    let scene = format!(
+        "{scene}[[geojson]]\nfile = {:?}\n",
+        file.display().to_string()
+    );
+    let longest = Longest::of(&scene);
     for layer in Layer::ALL {
         let (_, _, actions) = longest.lay_out_and_click(LARGE, Some(layer.name()), nothing);
         assert_eq!(actions, [Action::Layer(layer)]);

@@ -4,6 +4,7 @@
 
 use super::caption_image::caption_files;
 use super::error::PlayError;
+use super::geo_layers::geo_files;
 use super::map_lines::line_files;
 use super::maps::map_files;
 use super::relief::relief_files;
@@ -65,6 +66,7 @@ pub fn scene_files(scene: &Scene) -> Result<Vec<SceneFile>, PlayError> {
     if let Some(relief) = &earth.relief {
         add("earth.elevation", relief_files(relief)?);
     }
+    add("geojson.file", geo_files(scene));
     add("layers.vector_map", line_files(scene));
     if sky.is_on() {
         add("sky.folder", sky_files(scene));
@@ -147,6 +149,11 @@ mod tests {
             "sensor.psf_kernel",
             "[sensor]\nsize = [64, 36]\nfocal_length_mm = 10\npixel_pitch_um = 5\nf_number = 2\nexposure_s = 0.001\nfull_well_e = 10000\npsf = \"measured\"\npsf_kernel = \"kernel.txt\"",
             &["kernel.txt"],
+        ),
+        (
+            "geojson.file",
+            "[[geojson]]\nfile = \"areas.geojson\"\n[[geojson]]\nfile = \"sites.json\"",
+            &["areas.geojson", "sites.json"],
         ),
         (
             "layers.vector_map",

@@ -27,11 +27,13 @@ pub enum Layer {
     /// Trails, ground tracks, footprints and markers.
     Tracks,
     Stations,
+    /// Files of GeoJSON.
+    Files,
 }
 
 impl Layer {
     /// All of them, in the panel's order.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Clouds,
         Self::CityLights,
         Self::Atmosphere,
@@ -42,6 +44,7 @@ impl Layer {
         Self::Terminator,
         Self::Tracks,
         Self::Stations,
+        Self::Files,
     ];
 
     /// Its name in the panel.
@@ -57,6 +60,7 @@ impl Layer {
             Self::Terminator => "terminator",
             Self::Tracks => "tracks",
             Self::Stations => "stations",
+            Self::Files => "GeoJSON",
         }
     }
 
@@ -100,11 +104,13 @@ impl Switches {
             Layer::Terminator => layers.terminator.is_some(),
             Layer::Tracks => scene.orbits.iter().any(has_tracks),
             Layer::Stations => !scene.stations.is_empty(),
+            Layer::Files => !scene.geojson.is_empty(),
         });
         let is_offered = Layer::ALL.map(|layer| match layer {
             Layer::CityLights => !earth.is_paper(),
             Layer::Tracks => has_satellites,
             Layer::Stations => !scene.stations.is_empty(),
+            Layer::Files => !scene.geojson.is_empty(),
             _ => true,
         });
         Self {
@@ -179,6 +185,9 @@ impl Switches {
                     ..usual.track
                 };
             }
+        }
+        if !self.is_on(Layer::Files) {
+            scene.geojson.clear();
         }
         scene.earth.clouds |= self.is_on(Layer::Clouds);
         scene.earth.night_lights |= self.is_on(Layer::CityLights);

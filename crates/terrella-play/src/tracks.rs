@@ -11,17 +11,18 @@ mod swarm;
 use super::egui_pass::EguiTarget;
 use super::error::PlayError;
 use super::flight::{Flight, Moment};
+use super::geo_layers::geo_layers;
 use super::map_lines::{lines, twilight};
 use super::satellites::orientation_at;
 use crate::scene::{Orbit, Scene};
-use labels::Labels;
+use labels::{Labels, NamePlace};
 use roster::RosterTracks;
 use style::style;
 use swarm::Swarm;
 use terrella::frames::EarthOrientation;
 use terrella::tracks::{
-    LineStyle, Polylines, Station, TrackLabel, TrackMoment, TrackStats, TrackStyle, Tracks,
-    TracksOptions,
+    GroundMark, LineStyle, Polylines, Station, TrackLabel, TrackMoment, TrackStats, TrackStyle,
+    Tracks, TracksOptions,
 };
 use terrella::{Earth, FrameStats, GpuContext};
 
@@ -45,6 +46,8 @@ pub struct TracksLayer {
     twilight: Option<LineStyle>,
     stations: Vec<Station>,
     station_names: Vec<String>,
+    places: Vec<GroundMark>,
+    place_names: Vec<String>,
     /// The satellite whose height the stations' circles are of.
     followed: usize,
     /// Whether satellites have tracks.
@@ -82,7 +85,10 @@ impl TracksLayer {
     /// Whether a flight's scene asks for any.
     pub fn is_wanted(flight: &Flight) -> bool {
         let scene = flight.scene();
-        has_tracks(scene) || scene.layers.is_on() || !scene.stations.is_empty()
+        has_tracks(scene)
+            || scene.layers.is_on()
+            || !scene.stations.is_empty()
+            || !scene.geojson.is_empty()
     }
 
     /// Bytes of the WGSL that the driver got.
@@ -111,11 +117,12 @@ impl TracksLayer {
         let width_px = scene.track_px as f32;
         let options = TracksOptions::of(earth);
         let stations = stations(scene);
-        let lines = lines(scene, flight.ellipsoid())?;
+        let (lines, places, place_names) = still(scene, flight)?;
         let twilight = twilight(scene);
         if let Some(roster) = RosterTracks::of(flight) {
             let mut tracks = Tracks::new(&gpu.device, &options, &[])?;
             tracks.set_lines(lines.clone())?;
+            tracks.set_places(&places)?;
             tracks.set_twilight(twilight)?;
             return Ok(Some(Self {
                 tracks,
@@ -129,6 +136,8 @@ impl TracksLayer {
                 twilight,
                 stations,
                 station_names: station_names(scene),
+                places,
+                place_names,
                 followed: 0,
                 has_tracks: true,
                 shown: ShownTracks::default(),
@@ -154,12 +163,20 @@ impl TracksLayer {
                 (style(table, orbit, width_px), satellite.shared_feed())
             })
             .unzip();
-        if styles.is_empty() && !scene.layers.is_on() && stations.is_empty() {
+        if styles.is_empty()
+            && !scene.layers.is_on()
+            && stations.is_empty()
+            && flight.scene().geojson.is_empty()
+        {
             return Ok(None);
         }
-        let has_names = styles.iter().any(|style| style.marker) || !stations.is_empty();
+        // Files of GeoJSON may be switched off at present.
+        let has_names = styles.iter().any(|style| style.marker)
+            || !stations.is_empty()
+            || !flight.scene().geojson.is_empty();
         let mut tracks = Tracks::new(&gpu.device, &options, &styles)?;
         tracks.set_lines(lines.clone())?;
+        tracks.set_places(&places)?;
         tracks.set_twilight(twilight)?;
         tracks.set_stations(&stations, followed)?;
         Ok(Some(Self {
@@ -174,6 +191,8 @@ impl TracksLayer {
             twilight,
             stations,
             station_names: station_names(scene),
+            places,
+            place_names,
             followed,
             has_tracks: has_tracks(scene),
             shown: ShownTracks::default(),
@@ -195,8 +214,10 @@ impl TracksLayer {
         flight: &Flight,
         shown: ShownTracks,
     ) -> Result<(), PlayError> {
-        let lines = lines(scene, flight.ellipsoid())?;
+        let (lines, places, place_names) = still(scene, flight)?;
         self.tracks.set_lines(lines.clone())?;
+        self.tracks.set_places(&places)?;
+        (self.places, self.place_names) = (places, place_names);
         (self.lines, self.twilight) = (lines, twilight(scene));
         self.tracks.set_twilight(self.twilight)?;
         self.shown = shown;
@@ -210,6 +231,7 @@ impl TracksLayer {
         (self.has_tracks && self.shown.satellites)
             || !shown_stations(&self.stations, self.shown).is_empty()
             || !self.lines.is_empty()
+            || !self.places.is_empty()
             || self.twilight.is_some()
     }
 
@@ -221,6 +243,7 @@ impl TracksLayer {
         let made = Tracks::new(&gpu.device, self.tracks.options(), &styles);
         let made = made.and_then(|mut tracks| {
             tracks.set_lines(self.lines.clone())?;
+            tracks.set_places(&self.places)?;
             tracks.set_twilight(self.twilight)?;
             tracks.hide_satellites(!self.shown.satellites);
             tracks.set_stations(shown_stations(&self.stations, self.shown), 0)?;
@@ -300,7 +323,7 @@ impl TracksLayer {
                 let is_named = self.is_named.get(label.satellite).copied().unwrap_or(true);
                 let name = self.swarm.name(label.satellite).filter(|_| is_named)?;
                 let at_px = [label.at_px[0] * x, label.at_px[1] * y];
-                Some((TrackLabel { at_px, ..*label }, name))
+                Some((TrackLabel { at_px, ..*label }, name, NamePlace::Beside))
             });
             let stations = self.tracks.station_labels().iter().filter_map(|label| {
                 let at_px = [label.at_px[0] * x, label.at_px[1] * y];
@@ -310,9 +333,22 @@ impl TracksLayer {
                     at_px,
                     color: label.color,
                 };
-                Some((label, name.as_str()))
+                Some((label, name.as_str(), NamePlace::Beside))
             });
-            let names = stations.chain(names);
+            let places = self.tracks.place_labels().iter().filter_map(|label| {
+                let name = self.place_names.get(label.place)?;
+                let label = TrackLabel {
+                    satellite: label.place,
+                    at_px: [label.at_px[0] * x, label.at_px[1] * y],
+                    color: label.color,
+                };
+                let place = match self.places.get(label.satellite)?.is_marked {
+                    true => NamePlace::BesideIfRoom,
+                    false => NamePlace::MiddleIfRoom,
+                };
+                Some((label, name.as_str(), place))
+            });
+            let names = stations.chain(names).chain(places);
             let target = EguiTarget {
                 device: &gpu.device,
                 queue: &gpu.queue,
@@ -334,6 +370,25 @@ fn shown_stations(stations: &[Station], shown: ShownTracks) -> &[Station] {
 
 fn has_tracks(scene: &Scene) -> bool {
     scene.orbits.iter().any(|orbit| !orbit.track.is_off())
+}
+
+/// A scene's lines, and the places that it marks with their names. Says what of its files is left out.
+fn still(
+    scene: &Scene,
+    flight: &Flight,
+) -> Result<(Vec<Polylines>, Vec<GroundMark>, Vec<String>), PlayError> {
+    let ellipsoid = flight.ellipsoid();
+    let mut lines = lines(scene, ellipsoid)?;
+    let taken = lines.iter().map(Polylines::point_count).sum();
+    let geo = geo_layers(scene, ellipsoid, taken)?;
+    for dropped in &geo.dropped {
+        tracing::warn!("{}; left out", dropped.missing);
+    }
+    for note in &geo.notes {
+        tracing::warn!("{note}");
+    }
+    lines.extend(geo.lines);
+    Ok((lines, geo.marks, geo.names))
 }
 
 /// A scene's ground stations, as they are drawn.

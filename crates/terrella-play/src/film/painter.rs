@@ -57,10 +57,10 @@ impl FilmPainter {
             what,
             remedy,
         };
-        if scene.layers.is_on() || !scene.stations.is_empty() {
+        if scene.layers.is_on() || !scene.stations.is_empty() || !scene.geojson.is_empty() {
             return Err(rejected(
                 "lines on the globe and ground stations",
-                "switch graticule, coast_lines, borders and terminator off, and leave [[station]] out",
+                "switch graticule, coast_lines, borders and terminator off, and leave [[station]] and [[geojson]] out",
             ));
         }
         if TracksLayer::is_wanted(flight) {

@@ -14,6 +14,17 @@ const MARKER_DISTANCE: f32 = 0.7;
 /// Characters after which a name is cut.
 const MAX_NAME_CHARS: usize = 48;
 
+/// Where a name is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NamePlace {
+    /// Beside a mark.
+    Beside,
+    /// The same, where no other name stands: a file may have more names than a picture has room for.
+    BesideIfRoom,
+    /// In the middle of an area or a line, where no other name stands.
+    MiddleIfRoom,
+}
+
 /// Draws names.
 pub struct Labels(TextOverlay);
 
@@ -27,9 +38,10 @@ impl Labels {
     pub fn write<'n>(
         &mut self,
         target: EguiTarget<'_>,
-        names: impl Iterator<Item = (TrackLabel, &'n str)>,
+        names: impl Iterator<Item = (TrackLabel, &'n str, NamePlace)>,
     ) {
-        let names: Vec<_> = names.map(|(label, name)| (label, one_line(name))).collect();
+        let names = names.map(|(label, name, place)| (label, one_line(name), place));
+        let names: Vec<_> = names.collect();
         if !names.is_empty() {
             let paint = |painter: &egui::Painter, screen| paint(painter, screen, &names);
             self.0.draw(target, paint);
@@ -53,16 +65,29 @@ fn one_line(name: &str) -> String {
     text
 }
 
-fn paint(painter: &egui::Painter, screen: Rect, names: &[(TrackLabel, String)]) {
+fn paint(painter: &egui::Painter, screen: Rect, names: &[(TrackLabel, String, NamePlace)]) {
     let letter = (LETTER_FRACTION * screen.height()).clamp(*LETTER_PX.start(), *LETTER_PX.end());
     let font = FontId::proportional(letter);
     let mut taken: Vec<Rect> = Vec::with_capacity(names.len());
-    for (label, name) in names {
+    for (label, name, kind) in names {
         let [red, green, blue] = label.color;
         let color = Color32::from_rgb(red, green, blue);
         let galley = painter.layout_no_wrap(name.clone(), font.clone(), color);
         let at = Pos2::from(label.at_px);
-        let place = place(at, galley.size(), MARKER_DISTANCE * letter, screen, &taken);
+        let size = galley.size();
+        let place = match kind {
+            NamePlace::Beside | NamePlace::BesideIfRoom => {
+                place(at, size, MARKER_DISTANCE * letter, screen, &taken)
+            }
+            NamePlace::MiddleIfRoom => Rect::from_center_size(at, size),
+        };
+        let is_free = || {
+            let is_taken = taken.iter().any(|other| other.intersects(place));
+            screen.contains_rect(place) && !is_taken
+        };
+        if *kind != NamePlace::Beside && !is_free() {
+            continue;
+        }
         taken.push(place);
         // A dark edge, for names over clouds.
         let edge = 0.06 * letter;
