@@ -19,6 +19,7 @@ const REPOSITORY: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
 mod interruptions;
 mod live;
 mod memory;
+mod new;
 #[cfg(unix)]
 mod openers;
 mod opm;

@@ -2,6 +2,7 @@
 
 use super::interruption::stop_by_itself;
 use super::progress::Bars;
+use super::scene_args::SettingArgs;
 use super::values;
 use super::{BAD_SCENE, Common, print};
 use clap::Args;
@@ -31,6 +32,8 @@ const SLOWER: u8 = 3;
 pub struct BenchArgs {
     /// Scene file
     scene: PathBuf,
+    #[command(flatten)]
+    settings: SettingArgs,
     /// Write the whole report to this file, for --baseline and other programs
     #[arg(long, value_name = "FILE.json")]
     json: Option<PathBuf>,
@@ -64,7 +67,8 @@ const SMALLEST_EFFECT: f64 = 0.05;
 
 /// Benchmarks the scene, prints the tables and fails where a row is slower than the baseline.
 pub fn run(args: &BenchArgs, common: &Common) -> anyhow::Result<()> {
-    let flight = Flight::open_without_listening(Scene::load(&args.scene)?)?;
+    let flight =
+        Flight::open_without_listening(Scene::load_with(&args.scene, &args.settings.set)?)?;
     flight.reject_live(
         "frames are timed at times of the scene",
         "use a scene with another source",

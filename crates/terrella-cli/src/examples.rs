@@ -86,6 +86,13 @@ const EXAMPLES: &[(&str, &[Example])] = &[
         ],
     ),
     (
+        "new",
+        &[
+            ("terrella new mission", "write mission.toml"),
+            ("terrella new films/pass.toml", "in a folder that is there"),
+        ],
+    ),
+    (
         "check",
         &[
             ("terrella check a.toml", "what the scene uses and ignores"),

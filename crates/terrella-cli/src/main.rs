@@ -9,6 +9,7 @@ mod examples;
 mod frame;
 mod interruption;
 mod man;
+mod new;
 mod orbit;
 #[cfg(feature = "pack")]
 mod pack;
@@ -79,6 +80,8 @@ enum Command {
     /// Benchmark frames of a scene at twelve altitudes, each against its floor: the lower bound of its cost
     #[cfg(feature = "measure")]
     Bench(bench::BenchArgs),
+    /// Write a new scene file that explains every key
+    New(new::NewArgs),
     /// Validate a scene and list what it uses and ignores
     Check(check::CheckArgs),
     /// Print positions of a scene's satellites, or write their ephemerides and elements
@@ -104,7 +107,8 @@ impl Command {
     /// Whether it looks for graphics adapters.
     fn draws(&self) -> bool {
         match self {
-            Self::Check(_) | Self::Orbit(_) | Self::Completions(_) | Self::Man(_) => false,
+            Self::New(_) | Self::Check(_) | Self::Orbit(_) => false,
+            Self::Completions(_) | Self::Man(_) => false,
             #[cfg(feature = "pack")]
             Self::Pack(_) => false,
             Self::Play(_) | Self::Serve(_) | Self::Frame(_) | Self::Doctor => true,
@@ -129,6 +133,7 @@ fn main() -> ExitCode {
         Command::Frame(args) => frame::run(args, common),
         #[cfg(feature = "measure")]
         Command::Bench(args) => bench::run(args, common),
+        Command::New(args) => new::run(args, common),
         Command::Check(args) => check::run(args, common),
         Command::Orbit(args) => orbit::run(args, common),
         Command::Doctor => doctor::run(common),

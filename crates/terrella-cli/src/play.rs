@@ -124,7 +124,12 @@ pub fn run(args: &PlayArgs, common: &Common) -> anyhow::Result<()> {
     let mut scene = match &args.listen {
         Some(listen) => {
             let path = args.scene.path.as_deref();
-            simulation_scene(path, Some(listen), args.scene.strict, &args.scene.set)?
+            simulation_scene(
+                path,
+                Some(listen),
+                args.scene.strict,
+                &args.scene.settings.set,
+            )?
         }
         None => args.scene.load_with(names, duration.as_slice())?,
     };

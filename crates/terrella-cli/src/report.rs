@@ -2,6 +2,7 @@
 
 use super::interruption::stop_by_itself;
 use super::progress::Bars;
+use super::scene_args::SettingArgs;
 use super::{Common, print, values};
 use clap::Args;
 use std::path::PathBuf;
@@ -19,6 +20,8 @@ use terrella_play::scene::Scene;
 pub struct ReportArgs {
     /// Scene file
     scene: PathBuf,
+    #[command(flatten)]
+    settings: SettingArgs,
     /// Folder to write to: index.html, tables, charts, images
     #[arg(short, long, value_name = "FOLDER")]
     output: PathBuf,
@@ -71,7 +74,8 @@ pub struct ReportArgs {
 
 /// Measures the scene, or compares surfaces, and prints a summary and the page's path.
 pub fn run(args: &ReportArgs, common: &Common) -> anyhow::Result<()> {
-    let flight = Flight::open_without_listening(Scene::load(&args.scene)?)?;
+    let flight =
+        Flight::open_without_listening(Scene::load_with(&args.scene, &args.settings.set)?)?;
     flight.reject_live(
         "images are compared at times of the scene",
         "use a scene with another source",

@@ -17,6 +17,13 @@ pub struct SceneArgs {
     /// Reject an orbit file that contains any invalid record; by default invalid records are skipped and listed
     #[arg(long)]
     pub strict: bool,
+    #[command(flatten)]
+    pub settings: SettingArgs,
+}
+
+/// Keys that are set in place of the scene's.
+#[derive(Debug, Args)]
+pub struct SettingArgs {
     /// Override a key of the scene, for example earth.look=full; repeatable. Paths are relative to the scene's folder
     #[arg(long, value_name = "TABLE.KEY=VALUE")]
     pub set: Vec<Setting>,
@@ -55,7 +62,7 @@ impl SceneArgs {
 
     /// The same with more keys set, which count before those of `--set`.
     pub fn load_with(&self, satellites: &[String], more: &[Setting]) -> Result<Scene, SceneError> {
-        let settings = [&self.set[..], more].concat();
+        let settings = [&self.settings.set[..], more].concat();
         load(self.path.as_deref(), satellites, self.strict, &settings)
     }
 }

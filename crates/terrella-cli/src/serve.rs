@@ -3,7 +3,7 @@
 use super::Common;
 use super::interruption::{do_first, stop_by_itself};
 use super::progress::Bars;
-use super::scene_args::load;
+use super::scene_args::{SettingArgs, load};
 use super::values;
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -16,6 +16,8 @@ use terrella_play::{Flight, ServeRequest, serve};
 pub struct ServeArgs {
     /// Scene file, with source = "basilisk" in [orbit] [default: the built-in scene, config/basilisk.toml]
     scene: Option<PathBuf>,
+    #[command(flatten)]
+    settings: SettingArgs,
     /// Address that simulations connect to [default: the scene's]
     #[arg(long, value_name = "tcp://ADDRESS:PORT")]
     listen: Option<Endpoint>,
@@ -56,7 +58,8 @@ pub fn simulation_scene(
 
 /// Answers simulations until it is stopped.
 pub fn run(args: &ServeArgs, common: &Common) -> anyhow::Result<()> {
-    let scene = simulation_scene(args.scene.as_deref(), args.listen.as_ref(), false, &[])?;
+    let settings = &args.settings.set;
+    let scene = simulation_scene(args.scene.as_deref(), args.listen.as_ref(), false, settings)?;
     let flight = Flight::open(scene)?;
     // Whoever waits is answered before the program ends.
     if let Some(simulation) = flight.simulation() {
