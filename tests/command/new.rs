@@ -55,5 +55,9 @@ fn keys_are_set_for_bench_report_and_serve() {
     let bench = ["bench", "small.toml", "--frames", "1", "--json", "a.json"];
     let output = place.succeed(&[&bench[..], &["--set", "camera.fov_deg=33"]].concat());
     let json = std::fs::read_to_string(place.path("a.json")).expect("written");
-    assert!(json.contains("\"fov_deg\": \"33\""), "{}{json}", words(&output));
+    assert!(
+        json.contains("\"fov_deg\": \"33\""),
+        "{}{json}",
+        words(&output)
+    );
 }

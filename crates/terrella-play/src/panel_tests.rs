@@ -12,6 +12,9 @@ const SMALLEST: Vec2 = Vec2::new(640.0, 360.0);
 /// A window in which the switches are unfolded at first; they stay so when it becomes smaller.
 const LARGE: Vec2 = Vec2::new(1920.0, 1080.0);
 
+/// A text with where it may be seen, and where it is.
+type LaidText = (Rect, Rect, String);
+
 fn adaptive() -> AdaptiveQuality {
     let day = terrella::LayerImage::from_rgba8(1, 1, vec![0; 4]).expect("a map");
     let layers = terrella::EarthLayers {
@@ -75,11 +78,7 @@ impl Longest {
 
     /// Lays out a few frames, as sizes settle, and returns the last one's text with where it may be seen, and the rectangles
     /// of all windows.
-    fn lay_out(
-        &self,
-        size: Vec2,
-        change: impl Fn(&mut Controls),
-    ) -> (Vec<(Rect, Rect, String)>, Vec<Rect>) {
+    fn lay_out(&self, size: Vec2, change: impl Fn(&mut Controls)) -> (Vec<LaidText>, Vec<Rect>) {
         let (texts, areas, _) = self.lay_out_and_click(size, None, change);
         (texts, areas)
     }
@@ -90,7 +89,7 @@ impl Longest {
         size: Vec2,
         clicked: Option<&str>,
         change: impl Fn(&mut Controls),
-    ) -> (Vec<(Rect, Rect, String)>, Vec<Rect>, Vec<Action>) {
+    ) -> (Vec<LaidText>, Vec<Rect>, Vec<Action>) {
         let mut controls = Controls::new(&self.flight);
         change(&mut controls);
         let request = controls.request(1.0);
@@ -120,9 +119,8 @@ impl Longest {
         let sizes = [LARGE, LARGE, size, size, size, size, size];
         for (frame, size) in sizes.into_iter().enumerate() {
             let at = clicked.filter(|_| frame > 3).map(|clicked| {
-                let is_wanted = |(_, _, text): &&(Rect, Rect, String)| text == clicked;
-                let found: &(Rect, Rect, String) =
-                    texts.iter().find(is_wanted).expect("it is laid out");
+                let is_wanted = |(_, _, text): &&LaidText| text == clicked;
+                let found: &LaidText = texts.iter().find(is_wanted).expect("it is laid out");
                 found.1.center()
             });
             let press = |pos, pressed| egui::Event::PointerButton {

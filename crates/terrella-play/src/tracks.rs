@@ -11,7 +11,7 @@ mod swarm;
 use super::egui_pass::EguiTarget;
 use super::error::PlayError;
 use super::flight::{Flight, Moment};
-use super::geo_layers::geo_layers;
+use super::geo_layers::{GeoLayers, geo_layers};
 use super::map_lines::{lines, twilight};
 use super::satellites::orientation_at;
 use crate::scene::{Orbit, Scene};
@@ -117,7 +117,12 @@ impl TracksLayer {
         let width_px = scene.track_px as f32;
         let options = TracksOptions::of(earth);
         let stations = stations(scene);
-        let (lines, places, place_names) = still(scene, flight)?;
+        let GeoLayers {
+            lines,
+            marks: places,
+            names: place_names,
+            ..
+        } = still(scene, flight)?;
         let twilight = twilight(scene);
         if let Some(roster) = RosterTracks::of(flight) {
             let mut tracks = Tracks::new(&gpu.device, &options, &[])?;
@@ -214,7 +219,12 @@ impl TracksLayer {
         flight: &Flight,
         shown: ShownTracks,
     ) -> Result<(), PlayError> {
-        let (lines, places, place_names) = still(scene, flight)?;
+        let GeoLayers {
+            lines,
+            marks: places,
+            names: place_names,
+            ..
+        } = still(scene, flight)?;
         self.tracks.set_lines(lines.clone())?;
         self.tracks.set_places(&places)?;
         (self.places, self.place_names) = (places, place_names);
@@ -373,22 +383,19 @@ fn has_tracks(scene: &Scene) -> bool {
 }
 
 /// A scene's lines, and the places that it marks with their names. Says what of its files is left out.
-fn still(
-    scene: &Scene,
-    flight: &Flight,
-) -> Result<(Vec<Polylines>, Vec<GroundMark>, Vec<String>), PlayError> {
+fn still(scene: &Scene, flight: &Flight) -> Result<GeoLayers, PlayError> {
     let ellipsoid = flight.ellipsoid();
     let mut lines = lines(scene, ellipsoid)?;
     let taken = lines.iter().map(Polylines::point_count).sum();
-    let geo = geo_layers(scene, ellipsoid, taken)?;
+    let mut geo = geo_layers(scene, ellipsoid, taken)?;
     for dropped in &geo.dropped {
         tracing::warn!("{}; left out", dropped.missing);
     }
     for note in &geo.notes {
         tracing::warn!("{note}");
     }
-    lines.extend(geo.lines);
-    Ok((lines, geo.marks, geo.names))
+    lines.append(&mut geo.lines);
+    Ok(GeoLayers { lines, ..geo })
 }
 
 /// A scene's ground stations, as they are drawn.

@@ -313,7 +313,7 @@ fn simplestyle_is_drawn_or_listed() {
         .iter()
         .map(|(style, lines)| (*style, lines.len()))
         .collect();
-    styles.sort_by(|one, other| one.0.color.cmp(&other.0.color));
+    styles.sort_by_key(|(style, _)| style.color);
     assert_eq!(
         styles,
         [
