@@ -14,6 +14,7 @@
 //! | `map_file.rs` | one map file, opened with limits before every allocation |
 //! | `map_rows.rs` | maps given to a host row by row as they are read |
 //! | `decode.rs` | PNG and JPEG files |
+//! | `picture.rs` | pictures that are no maps |
 //! | `jpeg/` | whether a JPEG is whole |
 //! | `colour.rs` | what files say of their colours and of how they are turned |
 //! | `find.rs` | where the starter pack is |
@@ -49,6 +50,7 @@ mod map_rows;
 mod mips;
 #[cfg(feature = "packs")]
 pub mod pack;
+mod picture;
 pub mod residency;
 mod sea;
 pub mod slopes;
@@ -78,6 +80,7 @@ pub use load::{colour_note, day_file};
 pub use map_file::MAX_FILE_BYTES;
 pub use map_folder::MapFolder;
 pub use map_rows::{KeptInMemory, MapRows, MapSink};
+pub use picture::{RgbaPicture, decode_rgba};
 pub use sea::FLOOR_SEEN_M;
 pub use slopes::{
     ELEVATION_OFFSET_M, POLE_FADE_DEG, SLOPE_EXAGGERATION, SlopeMap, slopes_from_clouds,
