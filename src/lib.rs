@@ -40,6 +40,7 @@
 //! | `terrella-orbit` | satellites, here as `orbit` with the feature `tracks` |
 //! | `terrella-ground` | elevation, globe, air and light as numbers |
 //! | `terrella-imagery` | maps and packs of tiles |
+//! | `terrella-model` | spacecraft models: glTF files |
 //! | `terrella` | this crate: what is drawn with a GPU |
 //! | `terrella-pack` | packs made from large maps, and fetched maps |
 //! | `terrella-sensor` | camera sensors: lenses, point spread, electrons, noise |
@@ -67,6 +68,7 @@
 //! | `air` | density, scattering tables, the billboard | GPU, files |
 //! | `light` | exposure, tone curves, metering | GPU, files |
 //! | `imagery` | maps and packs on disk, checks, mip levels, slopes, streaming | GPU, orbits |
+//! | `model` | spacecraft models: glTF files as triangles, materials and pictures | GPU, orbits |
 //! | `shipped` | scenes that come with every program | |
 //! | `plan` | what a frame draws, as plain values | GPU, files, orbits |
 //! | `gpu` | adapter, targets, shaders, one file per drawable | files, orbits |

@@ -24,6 +24,8 @@ const MODULES: &[(&str, &[&str])] = &[
     ("light", &["frames", "air"]),
     // Maps and drawables know nothing of satellites.
     ("imagery", &["files", "clock", "parallel", "loaders", "elevation", "globe"]),
+    // Triangles and materials of spacecraft; knows no scene.
+    ("model", &["files", "imagery"]),
     ("shipped", &[]),
     // What a frame draws knows nothing of what draws it.
     ("plan", &["frames", "globe", "air", "light", "imagery"]),
@@ -64,6 +66,7 @@ const CRATES: &[Crate] = &[
     Crate { name: "terrella_orbit", folder: "crates/terrella-orbit/src/", first: Some("orbit"), modules: &["basilisk"] },
     Crate { name: "terrella_ground", folder: "crates/terrella-ground/src/", first: None, modules: &["height", "elevation", "globe", "half", "air", "light"] },
     Crate { name: "terrella_imagery", folder: "crates/terrella-imagery/src/", first: Some("imagery"), modules: &[] },
+    Crate { name: "terrella_model", folder: "crates/terrella-model/src/", first: Some("model"), modules: &[] },
     Crate { name: "terrella", folder: "src/", first: None, modules: &["shipped", "plan", "gpu", "earth", "offscreen", "celestial", "tracks"] },
     Crate { name: "terrella_pack", folder: "crates/terrella-pack/src/", first: Some("pack"), modules: &["fetch"] },
     Crate { name: "terrella_sensor", folder: "crates/terrella-sensor/src/", first: Some("sensor"), modules: &[] },

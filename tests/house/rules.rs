@@ -16,6 +16,7 @@ const WITHOUT_GPU: &[&str] = &[
     "air",
     "light",
     "imagery",
+    "model",
     "plan",
     "pack",
     "fetch",
