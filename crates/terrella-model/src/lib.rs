@@ -4,6 +4,8 @@
 //! |---|---|
 //! | `json` | the objects of a glTF document |
 //! | `container` | GLB chunks, data URIs, files beside the model |
+//! | `accessor` | numbers in buffers |
+//! | `nodes` | the node hierarchy |
 //! | `error` | what is wrong with a file, with its JSON pointer |
 //!
 //! The reader is our own: limits before allocation, files opened in one way, normals and flattening would be ours with the crate
@@ -11,10 +13,12 @@
 //!
 //! Source: Khronos, glTF 2.0 Specification (ISO/IEC 12113:2022).
 
+mod accessor;
 mod base64;
 mod container;
 mod error;
 mod json;
+mod nodes;
 
 pub use container::model_files;
 pub use error::{ModelError, ModelFault};
