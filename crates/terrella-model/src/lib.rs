@@ -1,11 +1,17 @@
 //! Models of spacecraft: glTF 2.0 files (`.glb`, and `.gltf` with its data inside or beside it) as triangles, materials and pictures.
 //!
+//! [`Model::load`] reads a file whole and flattens its node hierarchy: all vertices are in the axes of the model, metres. What is
+//! read is what a spacecraft in sunlight needs: positions, normals, texture coordinates, metallic-roughness materials. All else is
+//! named in [`Model::ignored`]; an extension that the file requires and that is not read rejects the file.
+//!
 //! | file | what |
 //! |---|---|
 //! | `json` | the objects of a glTF document |
 //! | `container` | GLB chunks, data URIs, files beside the model |
 //! | `accessor` | numbers in buffers |
 //! | `nodes` | the node hierarchy |
+//! | `mesh` | triangles and normals |
+//! | `materials` | materials, textures, pictures |
 //! | `error` | what is wrong with a file, with its JSON pointer |
 //!
 //! The reader is our own: limits before allocation, files opened in one way, normals and flattening would be ours with the crate
@@ -18,10 +24,19 @@ mod base64;
 mod container;
 mod error;
 mod json;
+mod materials;
+mod mesh;
 mod nodes;
 
 pub use container::model_files;
 pub use error::{ModelError, ModelFault};
+pub use materials::{Material, ModelImage, TextureUse, Wrap};
+
+use container::Container;
+use glam::{Vec2, Vec3};
+use std::collections::BTreeSet;
+use std::ops::Range;
+use std::path::Path;
 
 /// Most bytes of a model's file, and of all its buffers together.
 pub const MAX_BYTES: u64 = 256 << 20;
@@ -35,3 +50,90 @@ pub const MAX_DEPTH: usize = 128;
 pub const MAX_SIDE: u32 = 8192;
 /// Most texels of all pictures of a model.
 pub const MAX_TEXELS: u64 = 1 << 26;
+
+/// A vertex, in the axes of the model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Vertex {
+    /// Metres.
+    pub position_m: Vec3,
+    /// Unit, outwards.
+    pub normal: Vec3,
+    /// Texture coordinates, (0, 0) at the upper left of a picture.
+    pub uv: Vec2,
+}
+
+/// Triangles of one material.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Part {
+    /// Its place in [`Model::materials`].
+    pub material: usize,
+    /// Its range of [`Model::indices`].
+    pub indices: Range<u32>,
+}
+
+/// A model as it is drawn.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Model {
+    /// All vertices.
+    pub vertices: Vec<Vertex>,
+    /// Three for each triangle, counter-clockwise as seen from outside.
+    pub indices: Vec<u32>,
+    /// The triangles by their materials.
+    pub parts: Vec<Part>,
+    /// The materials that parts name.
+    pub materials: Vec<Material>,
+    /// The pictures that materials name.
+    pub images: Vec<ModelImage>,
+    /// Lower and upper corner of the box around all vertices, metres.
+    pub bounds_m: [Vec3; 2],
+    /// What the file has and the model has not, each once, by the names of glTF.
+    pub ignored: BTreeSet<String>,
+}
+
+impl Model {
+    /// Reads a file with all that it names.
+    ///
+    /// # Errors
+    /// A file that is no glTF 2.0, leaves its own bounds, the limits of this crate or its folder, or needs an extension that is
+    /// not read. Names the file and the JSON pointer.
+    pub fn load(path: &Path) -> Result<Self, ModelError> {
+        Self::of_container(&Container::open(path)?)
+    }
+
+    /// Reads the bytes of a file; what it names is looked for beside `path`.
+    ///
+    /// # Errors
+    /// As [`Self::load`].
+    pub fn of_bytes(bytes: Vec<u8>, path: &Path) -> Result<Self, ModelError> {
+        Self::of_container(&Container::of_bytes(bytes, path)?)
+    }
+
+    fn of_container(container: &Container) -> Result<Self, ModelError> {
+        let mut ignored = BTreeSet::new();
+        container.note_ignored(&mut ignored);
+        let placed = nodes::placed_meshes(container)?;
+        let drawn = mesh::triangles(container, &placed, &mut ignored)?;
+        let looks = materials::read(container, &drawn.materials, &mut ignored)?;
+        Ok(Self {
+            bounds_m: mesh::bounds_m(&drawn.vertices),
+            vertices: drawn.vertices,
+            indices: drawn.indices,
+            parts: drawn.parts,
+            materials: looks.materials,
+            images: looks.images,
+            ignored,
+        })
+    }
+
+    /// Longest side of the box around it, metres.
+    pub fn length_m(&self) -> f32 {
+        let [low, high] = self.bounds_m;
+        (high - low).max_element()
+    }
+
+    /// Radius about the origin of the model that holds all of it, metres.
+    pub fn radius_m(&self) -> f32 {
+        let [low, high] = self.bounds_m;
+        low.abs().max(high.abs()).length()
+    }
+}
