@@ -137,3 +137,6 @@ impl Model {
         low.abs().max(high.abs()).length()
     }
 }
+
+#[cfg(test)]
+mod tests;
