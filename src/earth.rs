@@ -87,11 +87,13 @@ pub use sky::Sky;
 #[cfg(feature = "celestial")]
 pub(crate) use sky::{moonlight, moonlight_of_phase};
 pub use stats::FrameStats;
+use std::sync::Arc;
 use std::time::Duration;
 use surface_config::{SurfaceStyle, surface_config};
 use terrella_files::clock::Instant;
 pub use terrella_ground::globe::Shading;
 use terrella_ground::globe::{BlockSet, Figure};
+use terrella_imagery::NeighbourhoodAlbedo;
 use terrella_imagery::tile::TileKey;
 use tiles::TileDriver;
 pub use tiles::TileOptions;
@@ -405,6 +407,11 @@ impl Earth {
     /// What others draw through this air with.
     pub(crate) fn air_textures(&self) -> Option<&AirTextures> {
         self.first.air_textures()
+    }
+
+    /// What neighbourhoods of the ground reflect, with their clouds: for hosts whose own things the Earth lights.
+    pub fn neighbourhood_albedo(&self) -> &Arc<NeighbourhoodAlbedo> {
+        self.first.planner.exposure.albedo()
     }
 
     /// The pass that it is drawn in.

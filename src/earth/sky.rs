@@ -66,7 +66,7 @@ impl Sky {
     }
 
     /// Direction to the Moon and its light, as a part of the Sun's; none where it is not said or not finite.
-    pub(super) fn moonlight(&self) -> (DVec3, f64) {
+    pub fn moonlight(&self) -> (DVec3, f64) {
         let moon = self.moon_itrf_m.unwrap_or(DVec3::ZERO);
         let (direction, distance_m) = (moon.normalize_or_zero(), moon.length());
         if direction == DVec3::ZERO || !distance_m.is_finite() {
