@@ -134,6 +134,7 @@ files![
     "common/ray.wgsl",
     "common/whole_target.wgsl",
     "craft.wgsl",
+    "craft_model.wgsl",
     "develop.wgsl",
     "earth.wgsl",
     "earth/bindings.wgsl",
