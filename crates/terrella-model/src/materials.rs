@@ -59,7 +59,7 @@ pub struct TextureUse {
 }
 
 /// What is beyond the side of a picture.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Wrap {
     /// The picture again.
     #[default]

@@ -13,6 +13,7 @@ use terrella::tracks::TracksError;
 use terrella_ground::elevation::{HeightFileError, StreamedGroundError};
 use terrella_imagery::ImageryError;
 use terrella_imagery::pack::PackError;
+use terrella_model::ModelError;
 use terrella_orbit::OrbitError;
 use terrella_orbit::basilisk::RecordingError;
 use terrella_sensor::SensorError;
@@ -34,6 +35,9 @@ pub enum PlayError {
     /// The orbit's elements, or SGP4 at some instant.
     #[error(transparent)]
     Orbit(#[from] OrbitError),
+    /// The model of a satellite.
+    #[error(transparent)]
+    Model(#[from] ModelError),
     /// The tracks of the scene's satellites.
     #[error(transparent)]
     Tracks(#[from] TracksError),

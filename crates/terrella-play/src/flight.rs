@@ -4,6 +4,7 @@ use super::camera::{HeadTurn, OrbitalMotion, Pose};
 use super::camera_path::CameraPath;
 use super::caption_image::check_images;
 use super::craft::CraftPose;
+use super::craft_models::CraftModels;
 use super::error::PlayError;
 use super::geo_layers::geo_layers;
 use super::map_lines::dropped_lines;
@@ -30,6 +31,7 @@ pub struct Flight {
     satellites: Vec<Satellite>,
     /// The one of `satellites` that cameras fly with.
     followed: usize,
+    models: CraftModels,
     orientation: Option<EarthOrientation>,
     ellipsoid: Ellipsoid,
     /// What the scene's camera does in the course of time.
@@ -110,6 +112,7 @@ impl Flight {
             None => None,
         };
         let satellites = open_all(&mut scene, orientation.as_ref(), listener)?;
+        let models = CraftModels::open(&scene)?;
         let names: Vec<_> = satellites.iter().map(Satellite::name).collect();
         let followed = scene.followed(&names)?;
         if let Some(satellite) = satellites.get(followed)
@@ -135,6 +138,7 @@ impl Flight {
             scene,
             satellites,
             followed,
+            models,
             orientation,
         })
     }
@@ -157,6 +161,11 @@ impl Flight {
     /// The place in [`Self::satellites`] of the one that cameras fly with.
     pub fn followed(&self) -> usize {
         self.followed
+    }
+
+    /// The models of the satellites.
+    pub(super) fn craft_models(&self) -> &CraftModels {
+        &self.models
     }
 
     /// Every satellite's name and its state at an instant, in the scene's order. Those that are not followed need not be
@@ -447,7 +456,7 @@ fn decay(feed: &dyn Feed) -> Option<Ending> {
     before.or(after).map(|_| Ending::Decay)
 }
 
-fn motion(state: &OrbitState, orientation: &Orientation) -> OrbitalMotion {
+pub(super) fn motion(state: &OrbitState, orientation: &Orientation) -> OrbitalMotion {
     let (position_itrf_m, velocity_m_s) = state.inertial_in_itrf_axes(orientation);
     OrbitalMotion {
         position_itrf_m,

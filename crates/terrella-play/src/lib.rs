@@ -23,6 +23,7 @@
 //! | `dated_maps/` | those of them that change with the date |
 //! | `relief` | its heights |
 //! | `craft/` | the spacecraft that the chase camera follows |
+//! | `craft_models`, `model_layer/` | models of its satellites: the files, and how they are drawn |
 //! | `tracks/` | trails, ground tracks, footprints and names of its satellites |
 //! | `sky`, `sky_parts` | what is beyond the Earth |
 //! | `scene_files` | every file that its pictures come from |
@@ -67,6 +68,7 @@ mod colours;
 #[cfg(feature = "window")]
 mod controls;
 mod craft;
+mod craft_models;
 mod dated_maps;
 mod egui_pass;
 mod ephemeris;

@@ -14,7 +14,7 @@
 //! | `camera_keys.rs` | `[[camera.keys]]` |
 //! | `caption_keys.rs`, `captions.rs` | declarations and reader of `[[caption]]` |
 //! | `sensor_keys.rs`, `sensor.rs` | declarations and reader of `[sensor]` |
-//! | `orbit_check.rs`, `many.rs`, `live.rs`, `basilisk.rs`, `burns.rs` | readers of `[orbit]`, which has the most keys |
+//! | `orbit_check.rs`, `craft.rs`, `many.rs`, `live.rs`, `basilisk.rs`, `burns.rs` | readers of `[orbit]`, which has the most keys |
 //! | `relief.rs`, `surfaces.rs` | readers of the keys of `[earth]` that are about terrain |
 //! | `tone.rs`, `grade.rs` | readers of the keys of `[output]` that are about tone, white balance and grain |
 //! | `dated_maps.rs` | readers of the keys of `[earth]` that are about maps that change with the date |
@@ -37,6 +37,7 @@ mod caption_keys;
 mod captions;
 mod check;
 mod choices;
+mod craft;
 mod dated_maps;
 mod dates;
 mod earth;
@@ -88,6 +89,7 @@ pub use camera::Camera;
 pub use camera_keys::CameraKey;
 pub use captions::{CaptionContent, CaptionPart, CaptionTable, CaptionValue};
 pub use choices::{CameraMode, CameraUp, CaptionPlace, Look, OrbitSource, StorageChoice};
+pub use craft::{CraftModel, CraftOptions, ModelAxes};
 pub use dated_maps::{BetweenMaps, DatedLayer, DatedMaps, MapTimes};
 pub use dates::Ending;
 pub use earth::{EarthTable, PackTable};

@@ -3,6 +3,7 @@
 //! Each list stands beside what reads the files. A key that names files and is missing here fails a test, and so does a file that a film opens.
 
 use super::caption_image::caption_files;
+use super::craft_models::model_files;
 use super::error::PlayError;
 use super::geo_layers::geo_files;
 use super::map_lines::line_files;
@@ -47,6 +48,7 @@ pub fn scene_files(scene: &Scene) -> Result<Vec<SceneFile>, PlayError> {
         "orbit.file",
         orbits.filter_map(|(_, orbit)| orbit.file.clone()).collect(),
     );
+    add("orbit.model", model_files(scene));
     let maps_key = match earth.pack {
         Some(_) => "earth.pack",
         None => "earth.textures",
@@ -108,6 +110,11 @@ mod tests {
             "orbit.file",
             "[[orbit]]\nfile = \"a.tle\"\n[[orbit]]\nsource = \"oem\"\nfile = \"b.oem\"",
             &["a.tle", "b.oem"],
+        ),
+        (
+            "orbit.model",
+            "[[orbit]]\nmodel = \"a.gltf\"\n[[orbit]]\nmodel = \"b.glb\"\n[[orbit]]\nmodel = \"a.gltf\"",
+            &["a.gltf", "b.glb"],
         ),
         (
             "earth.textures",

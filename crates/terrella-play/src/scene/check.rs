@@ -39,8 +39,7 @@ pub(super) fn check(source: SceneText<'_>, raw: RawScene) -> Result<Scene, Scene
         .collect::<Result<Vec<_>, _>>()?;
     source.live_together(&orbits, &checked)?;
     source.basilisk_alone(&orbits, &checked)?;
-    let is_met = |orbit: &Orbit| orbit.live.is_some() || orbit.basilisk.is_some();
-    let has_live = checked.iter().any(is_met);
+    let has_live = checked.iter().any(Orbit::is_simulated);
     if let Some(keys) = raw_keys {
         if sensor.is_some() && camera.keys.iter().any(|key| key.fov_deg.is_some()) {
             let advice = "keys that set fov_deg have no meaning with [sensor], whose focal length gives the field of view; leave the one or the other out";
@@ -69,7 +68,7 @@ pub(super) fn check(source: SceneText<'_>, raw: RawScene) -> Result<Scene, Scene
     let geojson = source.geojson(&raw_geojson)?;
     let raw_captions = raw.caption.0;
     let captions = source.captions(&raw_captions, !checked.is_empty())?;
-    let output = source.output(&raw.output, &camera, sensor.as_ref(), &earth, has_live)?;
+    let output = source.output(&raw.output, &camera, sensor.as_ref(), &earth, &checked)?;
     let quality = source.quality(&raw.quality)?;
     let records = [
         ("time", raw.time.record(source)),

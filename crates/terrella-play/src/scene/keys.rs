@@ -5,6 +5,7 @@
 use super::caption_keys::RawCaption;
 use super::choices::{AirModel, CameraMode, CameraUp, FrameName, Look, Method, StorageChoice};
 use super::choices::{OrbitSource, OrbitSource::*};
+use super::craft::ModelAxes;
 use super::field::{Bounds, Choice, Field, RawCameraKey, RawDatedMaps, RawPath, RawTone};
 use super::globe_keys::{RawGeojson, RawLayers, RawStation};
 use super::record::{Notes, Record};
@@ -297,6 +298,15 @@ table_with_tracks!(RawOrbit = "orbit" {
     packets_per_s: i64, of "a whole number of packets per second", in LiveOptions::PACKET_RATES_PER_S, default i64::from(usual_live().max_packets_per_s), for LIVE;
     /// Colour of all that is drawn of the satellite. By default one of a palette, by the satellite's place in the scene.
     color: String, of "a string, \"#\" and six hexadecimal digits";
+    /// Model of the spacecraft: glTF 2.0. By default the chase camera shows the built-in spacecraft, and other cameras none.
+    model: RawPath, of "a glTF file (.glb or .gltf)";
+    /// Factor from the lengths in the model's file, metres, to those that are drawn.
+    model_scale: f64, in 1e-6..=1e9, default 1.0;
+    /// Least length of the model on screen: from afar it is enlarged to that. 0 keeps its true scale.
+    model_length_px: f64, of "pixels", in 0.0..=4096.0, default 0.0;
+    /// How the model's axes lie in the spacecraft's, which are x along flight, y to the right and z down: "gltf" for +Z forward and +Y up,
+    /// "body" where they are the same.
+    model_axes: Choice<ModelAxes>, default ModelAxes::default();
 } {});
 
 /// The settings that a live feed has where a scene says nothing; the transport is always said.
@@ -491,7 +501,7 @@ table!(RawOutput = "output" {
     // A list of any length, so that a wrong length gets our own message.
     /// Width and height of pictures. By default [1280, 720]; with a sensor, its size.
     size: Vec<i64>, of "[width, height], two whole numbers of pixels", in SIDE_PX;
-    /// Samples per pixel. By default 4 with mode = "chase" or without air, else 1.
+    /// Samples per pixel. By default 4 with mode = "chase", with a model or without air, else 1.
     samples: i64, of "1 or 4";
     // Any value: a number or a word.
     /// Exposure: light is multiplied by 2 to the power of it before it is shown; "auto" meters each picture. By default 0.5.

@@ -1,6 +1,7 @@
 //! `[orbit]`, checked: a satellite and where its motion is from.
 
 use super::choices::OrbitSource;
+use super::craft::CraftOptions;
 use super::many::Many;
 use super::tracks::Track;
 use glam::DVec3;
@@ -35,6 +36,8 @@ pub struct Orbit {
     pub basilisk: Option<SimulationOptions>,
     /// What is drawn of its path: trail, ground track, footprint, marker.
     pub track: Track,
+    /// What is drawn of the spacecraft itself.
+    pub craft: CraftOptions,
 }
 
 impl Orbit {
@@ -50,7 +53,13 @@ impl Orbit {
             live: None,
             basilisk: None,
             track: Track::default(),
+            craft: CraftOptions::default(),
         }
+    }
+
+    /// Whether a simulator that runs meanwhile says where it is.
+    pub fn is_simulated(&self) -> bool {
+        self.live.is_some() || self.basilisk.is_some()
     }
 
     /// Whether it flies by the elements of the space station that are built in.

@@ -151,6 +151,7 @@ impl SceneText<'_> {
             strict: strict.is_on(),
             motion,
             track: self.track(orbit, tracks)?,
+            craft: self.craft(orbit)?,
         })
     }
 

@@ -6,6 +6,7 @@ use super::earth::EarthTable;
 use super::error::SceneError;
 use super::field::{Field, PathKind, range_text, whole};
 use super::keys::{DEFAULT_SIZE_PX, EDGE_SAMPLES, RawOutput, RawQuality, SAMPLES, SIDE_PX};
+use super::orbit::Orbit;
 use super::record::{number_text, quoted};
 use super::sensor::SensorTable;
 use super::text::SceneText;
@@ -69,7 +70,7 @@ impl SceneText<'_> {
         camera: &Camera,
         sensor: Option<&SensorTable>,
         earth: &EarthTable,
-        has_live: bool,
+        orbits: &[Orbit],
     ) -> Result<Output, SceneError> {
         let size_field = output.size();
         let range = &size_field.rule;
@@ -91,10 +92,13 @@ impl SceneText<'_> {
             }
         };
         size_field.note(Ok(format!("[{}, {}]", size[0], size[1])));
+        let has_live = orbits.iter().any(Orbit::is_simulated);
+        let has_model = orbits.iter().any(|orbit| orbit.craft.model.is_some());
+        let has_craft = camera.mode == CameraMode::Chase || has_model;
         let samples_field = output.samples();
         let samples = match samples_field.value() {
             // The air hides the limb's edge; a craft's edges and a bare limb are seen.
-            None if camera.mode == CameraMode::Chase || earth.atmosphere == Atmosphere::None => {
+            None if has_craft || earth.atmosphere == Atmosphere::None => {
                 EDGE_SAMPLES
             }
             None => 1,

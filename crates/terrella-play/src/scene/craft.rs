@@ -1,0 +1,71 @@
+//! Keys of `[orbit]` about the spacecraft itself: its model.
+
+use super::error::SceneError;
+use super::field::PathKind;
+use super::keys::RawOrbit;
+use super::text::SceneText;
+use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+
+/// Why keys of a model have no value.
+const NO_MODEL: &str = "only for a model";
+
+/// What is drawn of a spacecraft.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CraftOptions {
+    /// Its model; `None` draws the built-in one before the chase camera, and nothing before others.
+    pub model: Option<CraftModel>,
+}
+
+/// A model and how it is drawn.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CraftModel {
+    /// A glTF file, absolute or relative to the working directory.
+    pub file: PathBuf,
+    /// Factor on all its lengths.
+    pub scale: f64,
+    /// Least length on screen, pixels; 0 keeps the true scale.
+    pub least_length_px: f64,
+    /// How its axes lie in those of the craft.
+    pub axes: ModelAxes,
+}
+
+/// How the axes of a model lie in those of its craft: x along flight, y to the right, z down.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum ModelAxes {
+    /// As glTF has them: +Z forward, +Y up, −X to the right.
+    #[default]
+    Gltf,
+    /// They are the same.
+    Body,
+}
+
+impl SceneText<'_> {
+    /// Checks what is drawn of a spacecraft.
+    pub(super) fn craft(&self, orbit: &RawOrbit) -> Result<CraftOptions, SceneError> {
+        let without = "no model: the built-in spacecraft before the chase camera";
+        let file = self.path(&orbit.model(), PathKind::File, without)?;
+        let (scale, length, axes) = (
+            orbit.model_scale(),
+            orbit.model_length_px(),
+            orbit.model_axes(),
+        );
+        let Some(file) = file else {
+            let advice =
+                |key: &str| format!("{key} is for a model; add model = \"…\", or leave it out");
+            self.idle(&scale, NO_MODEL, advice("model_scale"))?;
+            self.idle(&length, NO_MODEL, advice("model_length_px"))?;
+            self.idle(&axes, NO_MODEL, advice("model_axes"))?;
+            return Ok(CraftOptions::default());
+        };
+        Ok(CraftOptions {
+            model: Some(CraftModel {
+                file,
+                scale: self.quantity(&scale)?,
+                least_length_px: self.quantity(&length)?,
+                axes: self.choice(&axes)?,
+            }),
+        })
+    }
+}
