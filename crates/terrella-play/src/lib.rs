@@ -100,6 +100,7 @@ mod live;
 mod live_status;
 mod map_lines;
 mod maps;
+mod model_layer;
 mod mp4;
 mod name_table;
 #[cfg_attr(not(feature = "window"), allow(dead_code))]

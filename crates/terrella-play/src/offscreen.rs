@@ -171,6 +171,11 @@ impl OffscreenRenderer {
         self.painter.show_dated_maps(flight)
     }
 
+    /// Draws the models of a flight's satellites from now on, where its scene names any.
+    pub fn show_models(&mut self, flight: &Flight) -> Result<(), PlayError> {
+        self.painter.show_models(flight)
+    }
+
     /// Draws what is beyond the Earth from now on, where a flight's scene asks for any of it.
     pub fn show_sky(&mut self, flight: &Flight) -> Result<(), PlayError> {
         self.painter.show_sky(flight)

@@ -211,6 +211,7 @@ impl ScenePictures {
                 let gpu = self.gpu.clone();
                 let mut made = OffscreenRenderer::open_for_light(gpu, options, self.size)?;
                 made.show_dated_maps(&self.flight)?;
+                made.show_models(&self.flight)?;
                 made.show_sky(&self.flight)?;
                 made
             }
@@ -298,6 +299,7 @@ impl ScenePictures {
                 let flight = &self.flight;
                 let mut made = OffscreenRenderer::open(self.gpu.clone(), options, self.size)?;
                 made.show_dated_maps(flight)?;
+                made.show_models(flight)?;
                 made.show_sky(flight)?;
                 made.show_tracks(flight)?;
                 made.show_captions(flight)?;

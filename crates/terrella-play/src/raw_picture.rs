@@ -35,6 +35,7 @@ impl RawPainter {
         // Each band has a size of its own.
         let mut renderer = OffscreenRenderer::open_for_light(gpu, options, (1, 1))?;
         renderer.show_dated_maps(flight)?;
+        renderer.show_models(flight)?;
         renderer.show_sky(flight)?;
         Ok(Self { renderer })
     }

@@ -6,6 +6,7 @@ use super::dated_maps::DatedMapsLayer;
 use super::egui_pass::EguiTarget;
 use super::error::PlayError;
 use super::flight::{Flight, Moment};
+use super::model_layer::ModelLayer;
 use super::sky::SkyLayer;
 use super::tracks::{ShownTracks, TrackDetail, TracksLayer};
 use crate::scene::Scene;
@@ -22,6 +23,7 @@ pub struct ScenePainter {
     gpu: GpuContext,
     earth: Earth,
     craft: CraftLayer,
+    models: Option<ModelLayer>,
     dated_maps: Option<DatedMapsLayer>,
     sky: Option<SkyLayer>,
     tracks: Option<TracksLayer>,
@@ -81,6 +83,7 @@ impl ScenePainter {
             earth: Earth::new(&gpu.device, &gpu.queue, options)?,
             craft: CraftLayer::new(&gpu, options)?,
             gpu,
+            models: None,
             dated_maps: None,
             sky: None,
             tracks: None,
@@ -113,6 +116,7 @@ impl ScenePainter {
     ) -> Result<Self, PlayError> {
         let mut painter = Self::new(gpu, options, shown)?;
         painter.show_dated_maps(flight)?;
+        painter.show_models(flight)?;
         let (gpu, earth) = (&painter.gpu, &painter.earth);
         painter.sky = SkyLayer::of_scene(scene, flight, gpu, earth)?;
         painter.tracks = TracksLayer::of_scene(scene, flight, gpu, earth, shown)?;
@@ -132,6 +136,12 @@ impl ScenePainter {
     /// Draws the maps of each picture's date from now on, where they change with it; without, those that it was opened with.
     pub fn show_dated_maps(&mut self, flight: &Flight) -> Result<(), PlayError> {
         self.dated_maps = DatedMapsLayer::of(flight, &self.gpu)?;
+        Ok(())
+    }
+
+    /// Draws the models of a flight's satellites from now on, where its scene names any.
+    pub fn show_models(&mut self, flight: &Flight) -> Result<(), PlayError> {
+        self.models = ModelLayer::of(flight, &self.gpu, &self.earth)?;
         Ok(())
     }
 
@@ -159,6 +169,12 @@ impl ScenePainter {
     pub fn show_captions(&mut self, flight: &Flight) -> Result<(), PlayError> {
         self.captions = CaptionLayer::of(flight, &self.gpu, self.shown)?;
         Ok(())
+    }
+
+    /// Whether models of satellites are drawn.
+    #[cfg(feature = "window")]
+    pub fn has_models(&self) -> bool {
+        self.models.is_some()
     }
 
     /// Draws the layers of a scene of the same flight beside the Earth from now on, those alone that are to be shown. What is missing is
@@ -196,6 +212,9 @@ impl ScenePainter {
     /// Draws all else with the samples of the Earth. What cannot is drawn no longer, and is answered: what it is, with its verb, and why.
     pub fn follow_quality(&mut self) -> Vec<(&'static str, PlayError)> {
         self.craft.set_samples(self.earth.quality().samples);
+        if let Some(models) = &mut self.models {
+            models.set_samples(self.earth.quality().samples);
+        }
         let mut lost = Vec::new();
         if let Some(sky) = &mut self.sky
             && let Err(error) = sky.follow(&self.gpu, &self.earth)
@@ -297,8 +316,12 @@ impl ScenePainter {
                     .prepare_complete(queue, FrameRequest::new(view, sky, drawn_size), wait)
             }
         };
-        let craft = moment.craft.as_ref();
+        let has_own = self.models.as_ref().is_some_and(ModelLayer::has_followed);
+        let craft = moment.craft.as_ref().filter(|_| !has_own);
         self.craft.prepare(&self.gpu, craft, view, sky, &mut stats);
+        if let Some(models) = &mut self.models {
+            models.prepare(&self.gpu, &self.earth, moment, drawn_size, &mut stats);
+        }
         if let Some(sky) = self.sky.as_mut().filter(|_| !self.hides_sky) {
             sky.prepare(&self.gpu, &self.earth, moment, drawn_size, &mut stats);
         }
@@ -348,6 +371,9 @@ impl ScenePainter {
     /// Draws the craft and the ground: the first part of a picture, so that the air lies behind the craft.
     pub fn render_surface(&self, pass: &mut wgpu::RenderPass<'_>) {
         self.craft.render(pass);
+        if let Some(models) = &self.models {
+            models.render(pass);
+        }
         self.earth.render_surface(pass);
     }
 
@@ -383,7 +409,8 @@ impl ScenePainter {
         let tracks = self.tracks.as_ref().map_or(0, TracksLayer::shader_bytes);
         let sky = self.sky.as_ref();
         let sky = sky.map_or(0, |sky| sky.celestial().shader_bytes());
-        self.earth.diagnostics().shader_bytes + sky + tracks
+        let models = self.models.as_ref().map_or(0, ModelLayer::shader_bytes);
+        self.earth.diagnostics().shader_bytes + sky + tracks + models
     }
 
     /// Names of what is drawn beyond the Earth, and of what is not.

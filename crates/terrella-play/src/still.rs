@@ -124,6 +124,7 @@ pub fn write_still(
     };
     let mut renderer = OffscreenRenderer::open(gpu, options, size)?;
     renderer.show_dated_maps(flight)?;
+    renderer.show_models(flight)?;
     renderer.show_sky(flight)?;
     renderer.show_tracks(flight)?;
     renderer.show_captions(flight)?;
@@ -238,6 +239,7 @@ fn draw_light(
 ) -> Result<Vec<[f32; 4]>, PlayError> {
     let mut renderer = OffscreenRenderer::open_for_light(gpu, options, size)?;
     renderer.show_dated_maps(flight)?;
+    renderer.show_models(flight)?;
     renderer.show_sky(flight)?;
     renderer.draw_complete(moment, flight.scene().output.wait());
     renderer.read_light()

@@ -439,9 +439,9 @@ impl WindowRenderer {
 
     /// Smooths edges where there is a craft to be seen.
     fn follow_craft(&mut self, moment: &Moment) {
-        let samples = match moment.craft {
-            Some(_) => self.samples.with_craft,
-            None => self.samples.without,
+        let samples = match moment.craft.is_some() || self.painter.has_models() {
+            true => self.samples.with_craft,
+            false => self.samples.without,
         };
         let quality = *self.painter.earth().quality();
         if quality.samples != samples {

@@ -86,6 +86,7 @@ impl<'f> CameraService<'f> {
         let options = flight.uploaded_options(&gpu)?;
         let mut renderer = OffscreenRenderer::open(gpu, options, FIRST_SIZE)?;
         renderer.show_dated_maps(flight)?;
+        renderer.show_models(flight)?;
         renderer.show_sky(flight)?;
         let quality = scene_quality(&flight.scene().quality, *renderer.earth().quality());
         renderer.set_quality(&quality)?;

@@ -113,6 +113,7 @@ impl FilmPainter {
             }
         };
         renderer.show_dated_maps(flight)?;
+        renderer.show_models(flight)?;
         // What is beyond the Earth is space.
         if !settings.alpha {
             renderer.show_sky(flight)?;
