@@ -341,3 +341,7 @@ pub fn shader(format: PassFormat) -> Result<ShaderText, EarthError> {
     let conditions = format.target_color().conditions();
     Ok(ShaderText::assemble("craft_model.wgsl", &conditions)?)
 }
+
+#[cfg(test)]
+#[path = "model_layer/tests.rs"]
+mod tests;
