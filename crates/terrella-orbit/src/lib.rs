@@ -7,6 +7,7 @@
 //! | integrate under forces; eclipses, nodes, apsides and impact on the way | [`numerical`] |
 //! | propagate the state of an OPM over its manoeuvres | [`ParameterMessages`], `opm/` |
 //! | interpolate an ephemeris (Lagrange, Hermite) | [`interpolated`]; read one: `oem/`, `czml.rs`, `ephemeris_csv.rs`, `sp3.rs`, `stk.rs`, `runs.rs`, `ephemerides.rs`, `found.rs` |
+//! | read attitudes (AEM, CSV of quaternions) | [`AttitudeHistory`], `attitude/` |
 //! | take many satellites from a file | [`OrbitFiles`], `orbit_files.rs` |
 //! | notice a file that was cut off | `cut.rs` |
 //! | read dates in any form of ISO 8601 | `iso8601.rs` |
@@ -22,6 +23,7 @@
 // docs.rs says of each item which feature it needs.
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
+mod attitude;
 #[cfg(feature = "basilisk")]
 pub mod basilisk;
 mod catalogue;
@@ -70,6 +72,7 @@ mod write_csv;
 
 use terrella_frames::Epoch;
 
+pub use attitude::{AttitudeError, AttitudeHistory};
 pub use catalogue::Catalogue;
 pub use cut::CutOff;
 pub use entry::{RecordError, RecordFault};
