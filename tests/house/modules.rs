@@ -43,7 +43,7 @@ const MODULES: &[(&str, &[&str])] = &[
     // Light that others drew; knows no scene.
     ("sensor", &[]),
     ("scene", &["shipped", "files", "frames", "orbit", "basilisk", "globe", "air", "light", "sensor", "plan"]),
-    ("play", &["files", "frames", "durable", "orbit", "basilisk", "elevation", "light", "imagery", "sensor", "plan", "scene", "gpu", "earth", "offscreen", "celestial", "tracks"]),
+    ("play", &["files", "frames", "durable", "orbit", "basilisk", "elevation", "light", "imagery", "model", "sensor", "plan", "scene", "gpu", "earth", "offscreen", "celestial", "tracks"]),
     ("measure", &["files", "frames", "orbit", "elevation", "globe", "air", "light", "imagery", "plan", "scene", "gpu", "earth", "offscreen", "play"]),
     ("cli", &["files", "frames", "orbit", "basilisk", "globe", "imagery", "pack", "fetch", "scene", "gpu", "play", "measure"]),
 ];

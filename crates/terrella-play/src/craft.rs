@@ -36,7 +36,7 @@ const EARTH_ALBEDO: f64 = 0.3;
 pub struct CraftPose {
     /// Where its middle is, ITRF metres.
     pub position_itrf_m: DVec3,
-    /// Its axes in ITRF: x along flight, z straight down.
+    /// Its axes in ITRF; where it flies level x is along flight, y to the right, z straight down.
     pub itrf_from_craft: DMat3,
     /// How much of the Sun's disc Earth and Moon leave in sight, 0…1.
     pub sunlight: f64,
@@ -57,6 +57,14 @@ impl CraftPose {
             itrf_from_craft: motion.itrf_from_level(ellipsoid),
             sunlight: past_earth * past_moon,
             earthshine: earthshine(position_itrf_m, ellipsoid, sky.sun_itrf),
+        }
+    }
+
+    /// The same with other axes.
+    pub(super) fn turned(self, itrf_from_craft: DMat3) -> Self {
+        Self {
+            itrf_from_craft,
+            ..self
         }
     }
 

@@ -1,11 +1,14 @@
-//! The models of a scene's satellites, read once however many satellites have the same.
+//! The models and attitudes of a scene's satellites, each file read once however many satellites have it.
 
+use super::attitude::Attitude;
 use super::error::PlayError;
-use crate::scene::Scene;
+use crate::scene::{AttitudeName, AttitudeSource, Scene};
 use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::Arc;
+use terrella::frames::Epoch;
 use terrella_model::Model;
+use terrella_orbit::AttitudeError;
 
 /// The models of a scene, and which satellite has which.
 #[derive(Default)]
@@ -13,6 +16,8 @@ pub struct CraftModels {
     models: Vec<Arc<Model>>,
     /// For each satellite of the scene.
     places: Vec<Option<usize>>,
+    /// For each satellite, too.
+    attitudes: Vec<Attitude>,
 }
 
 impl CraftModels {
@@ -20,7 +25,17 @@ impl CraftModels {
     pub fn open(scene: &Scene) -> Result<Self, PlayError> {
         let mut all = Self::default();
         let mut by_file: HashMap<PathBuf, usize> = HashMap::new();
+        let mut read: HashMap<&AttitudeSource, Attitude> = HashMap::new();
         for orbit in &scene.orbits {
+            let source = &orbit.craft.attitude;
+            let attitude = match read.get(source) {
+                Some(attitude) => attitude.clone(),
+                None => read
+                    .entry(source)
+                    .or_insert(Attitude::open(source)?)
+                    .clone(),
+            };
+            all.attitudes.push(attitude);
             let Some(wanted) = &orbit.craft.model else {
                 all.places.push(None);
                 continue;
@@ -44,6 +59,21 @@ impl CraftModels {
         Ok(all)
     }
 
+    /// How a satellite is turned.
+    pub fn attitude(&self, satellite: usize) -> Attitude {
+        let attitude = self.attitudes.get(satellite).cloned();
+        attitude.unwrap_or(Attitude::Rule(AttitudeName::default()))
+    }
+
+    /// Whether all attitudes are known from one epoch to another.
+    ///
+    /// # Errors
+    /// The first epoch at which one is not, and the time of its file.
+    pub fn check_span(&self, first: Epoch, last: Epoch) -> Result<(), AttitudeError> {
+        let mut attitudes = self.attitudes.iter();
+        attitudes.try_for_each(|attitude| attitude.check_span(first, last))
+    }
+
     /// All models.
     pub fn models(&self) -> &[Arc<Model>] {
         &self.models
@@ -53,6 +83,19 @@ impl CraftModels {
     pub fn of_satellite(&self, satellite: usize) -> Option<usize> {
         self.places.get(satellite).copied().flatten()
     }
+}
+
+/// The files that attitudes come from, in the scene's order.
+pub fn attitude_files(scene: &Scene) -> Vec<PathBuf> {
+    let mut files: Vec<PathBuf> = Vec::new();
+    for orbit in &scene.orbits {
+        if let AttitudeSource::File(file) = &orbit.craft.attitude
+            && !files.contains(file)
+        {
+            files.push(file.clone());
+        }
+    }
+    files
 }
 
 /// The files that models come from, in the scene's order.

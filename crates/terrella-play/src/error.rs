@@ -14,8 +14,8 @@ use terrella_ground::elevation::{HeightFileError, StreamedGroundError};
 use terrella_imagery::ImageryError;
 use terrella_imagery::pack::PackError;
 use terrella_model::ModelError;
-use terrella_orbit::OrbitError;
 use terrella_orbit::basilisk::RecordingError;
+use terrella_orbit::{AttitudeError, OrbitError};
 use terrella_sensor::SensorError;
 
 /// What can go wrong between a scene and a picture. The messages are those of the modules they come from.
@@ -35,6 +35,9 @@ pub enum PlayError {
     /// The orbit's elements, or SGP4 at some instant.
     #[error(transparent)]
     Orbit(#[from] OrbitError),
+    /// The attitude of a satellite.
+    #[error(transparent)]
+    Attitude(#[from] AttitudeError),
     /// The model of a satellite.
     #[error(transparent)]
     Model(#[from] ModelError),

@@ -1,5 +1,6 @@
 //! A scene made ready to be played: where the eye is and what lights it at any instant.
 
+use super::attitude::AttitudeMoment;
 use super::camera::{HeadTurn, OrbitalMotion, Pose};
 use super::camera_path::CameraPath;
 use super::caption_image::check_images;
@@ -128,6 +129,8 @@ impl Flight {
                 .or_else(|| decay(satellite.feed()));
             scene.shorten(validity, ending.as_ref());
             scene.check_dates(validity, ending.as_ref())?;
+            let (start, end) = (scene.time.start, scene.time.end());
+            models.check_span(start.min(end), start.max(end))?;
         }
         for notice in &scene.notices {
             tracing::warn!("{}: {notice}", scene.path.display());
@@ -242,6 +245,9 @@ impl Flight {
             let latest = simulation.latest().ok_or(PlayError::NoSatellite)?;
             return self.simulated(&latest, request);
         }
+        if !self.scene.is_live() {
+            self.models.check_span(epoch, epoch)?;
+        }
         if let Some(moment) = self.recorded(epoch, request) {
             return moment;
         }
@@ -334,7 +340,7 @@ impl Flight {
     ) -> Moment {
         let fov_rad = request.look.fov_rad(self.path.fov_rad(epoch));
         let craft = match (request.mode, &state) {
-            (CameraMode::Chase, Some(state)) => Some(CraftPose::new(state, &self.ellipsoid, &sky)),
+            (CameraMode::Chase, Some(state)) => self.craft_pose(epoch, state, &sky),
             _ => None,
         };
         Moment {
@@ -361,6 +367,19 @@ impl Flight {
             is_starless: false,
             exposure_ev: self.path.exposure_ev(epoch),
         }
+    }
+
+    /// The followed craft; none where a simulation's time is outside of its file of attitudes.
+    fn craft_pose(&self, epoch: Epoch, motion: &OrbitalMotion, sky: &Sky) -> Option<CraftPose> {
+        let attitude = self.models.attitude(self.followed);
+        let axes = attitude.itrf_from_craft(&AttitudeMoment {
+            epoch,
+            motion,
+            ellipsoid: &self.ellipsoid,
+            sky,
+            orientation: &self.orientation_at(epoch),
+        });
+        Some(CraftPose::new(motion, &self.ellipsoid, sky).turned(axes.ok()?))
     }
 
     /// The maps that the scene wants by default and is drawn without, because they are not there. Reads no map.

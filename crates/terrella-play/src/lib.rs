@@ -23,6 +23,7 @@
 //! | `dated_maps/` | those of them that change with the date |
 //! | `relief` | its heights |
 //! | `craft/` | the spacecraft that the chase camera follows |
+//! | `attitude` | how spacecraft are turned |
 //! | `craft_models`, `model_layer/` | models of its satellites: the files, and how they are drawn |
 //! | `tracks/` | trails, ground tracks, footprints and names of its satellites |
 //! | `sky`, `sky_parts` | what is beyond the Earth |
@@ -54,6 +55,7 @@
 // docs.rs says of each item which feature it needs.
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
+mod attitude;
 // Where a file is built without the command, what only that needs of it is left unused.
 mod basilisk;
 pub mod camera;

@@ -7,6 +7,7 @@ mod gpu_model;
 mod textures;
 mod uniforms;
 
+use super::attitude::{Attitude, AttitudeMoment};
 use super::camera::OrbitalMotion;
 use super::craft::CraftPose;
 use super::error::PlayError;
@@ -46,6 +47,7 @@ pub struct ModelLayer {
 struct ModelledCraft {
     feed: Arc<dyn Feed>,
     is_followed: bool,
+    attitude: Attitude,
     model: usize,
     body_from_model: DMat3,
     scale: f64,
@@ -120,6 +122,7 @@ impl ModelLayer {
             Some(ModelledCraft {
                 feed: satellite.shared_feed(),
                 is_followed: index == flight.followed(),
+                attitude: models.attitude(index),
                 model,
                 body_from_model: body_from_model(wanted.axes),
                 scale: wanted.scale,
@@ -170,7 +173,7 @@ impl ModelLayer {
     }
 
     /// Writes the models of an instant, exposed as their Earth is, and counts them. A satellite that is not known then has none, nor one
-    /// that the eye is in.
+    /// whose attitude is not, nor one that the eye is in.
     pub fn prepare(
         &mut self,
         gpu: &GpuContext,
@@ -194,7 +197,14 @@ impl ModelLayer {
             let pose = known.or_else(|| {
                 let state = craft.feed.state_at(moment.epoch).ok()?;
                 let motion: OrbitalMotion = motion(&state, &orientation);
-                Some(CraftPose::new(&motion, ellipsoid, sky))
+                let axes = craft.attitude.itrf_from_craft(&AttitudeMoment {
+                    epoch: moment.epoch,
+                    motion: &motion,
+                    ellipsoid,
+                    sky,
+                    orientation: &orientation,
+                });
+                Some(CraftPose::new(&motion, ellipsoid, sky).turned(axes.ok()?))
             });
             craft.is_shown = false;
             let Some(pose) = pose else { continue };

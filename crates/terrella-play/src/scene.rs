@@ -89,7 +89,7 @@ pub use camera::Camera;
 pub use camera_keys::CameraKey;
 pub use captions::{CaptionContent, CaptionPart, CaptionTable, CaptionValue};
 pub use choices::{CameraMode, CameraUp, CaptionPlace, Look, OrbitSource, StorageChoice};
-pub use craft::{CraftModel, CraftOptions, ModelAxes};
+pub use craft::{AttitudeName, AttitudeSource, CraftModel, CraftOptions, ModelAxes};
 pub use dated_maps::{BetweenMaps, DatedLayer, DatedMaps, MapTimes};
 pub use dates::Ending;
 pub use earth::{EarthTable, PackTable};

@@ -3,7 +3,7 @@
 //! Each list stands beside what reads the files. A key that names files and is missing here fails a test, and so does a file that a film opens.
 
 use super::caption_image::caption_files;
-use super::craft_models::model_files;
+use super::craft_models::{attitude_files, model_files};
 use super::error::PlayError;
 use super::geo_layers::geo_files;
 use super::map_lines::line_files;
@@ -49,6 +49,7 @@ pub fn scene_files(scene: &Scene) -> Result<Vec<SceneFile>, PlayError> {
         orbits.filter_map(|(_, orbit)| orbit.file.clone()).collect(),
     );
     add("orbit.model", model_files(scene));
+    add("orbit.attitude_file", attitude_files(scene));
     let maps_key = match earth.pack {
         Some(_) => "earth.pack",
         None => "earth.textures",
@@ -115,6 +116,11 @@ mod tests {
             "orbit.model",
             "[[orbit]]\nmodel = \"a.gltf\"\n[[orbit]]\nmodel = \"b.glb\"\n[[orbit]]\nmodel = \"a.gltf\"",
             &["a.gltf", "b.glb"],
+        ),
+        (
+            "orbit.attitude_file",
+            "[[orbit]]\nattitude_file = \"a.aem\"\n[[orbit]]\nattitude_file = \"b.csv\"\n[[orbit]]\nattitude_file = \"a.aem\"",
+            &["a.aem", "b.csv"],
         ),
         (
             "earth.textures",

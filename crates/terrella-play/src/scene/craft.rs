@@ -1,4 +1,4 @@
-//! Keys of `[orbit]` about the spacecraft itself: its model.
+//! Keys of `[orbit]` about the spacecraft itself: its model and its attitude.
 
 use super::error::SceneError;
 use super::field::PathKind;
@@ -15,6 +15,36 @@ const NO_MODEL: &str = "only for a model";
 pub struct CraftOptions {
     /// Its model; `None` draws the built-in one before the chase camera, and nothing before others.
     pub model: Option<CraftModel>,
+    /// How it is turned.
+    pub attitude: AttitudeSource,
+}
+
+/// What says how a spacecraft is turned.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub enum AttitudeSource {
+    /// A rule.
+    Rule(AttitudeName),
+    /// A file, absolute or relative to the working directory.
+    File(PathBuf),
+}
+
+impl Default for AttitudeSource {
+    fn default() -> Self {
+        Self::Rule(AttitudeName::default())
+    }
+}
+
+/// Rules of attitude. The axes are x along flight, y to the right and z down where the craft flies level.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Deserialize, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum AttitudeName {
+    /// Level: z along the ellipsoid's vertical, x along flight.
+    #[default]
+    Nadir,
+    /// −z to the Sun, x as near to the direction of flight as it can be.
+    Sun,
+    /// The axes of GCRF.
+    Inertial,
 }
 
 /// A model and how it is drawn.
@@ -44,6 +74,7 @@ pub enum ModelAxes {
 impl SceneText<'_> {
     /// Checks what is drawn of a spacecraft.
     pub(super) fn craft(&self, orbit: &RawOrbit) -> Result<CraftOptions, SceneError> {
+        let attitude = self.attitude(orbit)?;
         let without = "no model: the built-in spacecraft before the chase camera";
         let file = self.path(&orbit.model(), PathKind::File, without)?;
         let (scale, length, axes) = (
@@ -57,7 +88,10 @@ impl SceneText<'_> {
             self.idle(&scale, NO_MODEL, advice("model_scale"))?;
             self.idle(&length, NO_MODEL, advice("model_length_px"))?;
             self.idle(&axes, NO_MODEL, advice("model_axes"))?;
-            return Ok(CraftOptions::default());
+            return Ok(CraftOptions {
+                model: None,
+                attitude,
+            });
         };
         Ok(CraftOptions {
             model: Some(CraftModel {
@@ -66,6 +100,20 @@ impl SceneText<'_> {
                 least_length_px: self.quantity(&length)?,
                 axes: self.choice(&axes)?,
             }),
+            attitude,
         })
+    }
+
+    fn attitude(&self, orbit: &RawOrbit) -> Result<AttitudeSource, SceneError> {
+        let rule = orbit.attitude();
+        let file = self.path(&orbit.attitude_file(), PathKind::File, "attitude is a rule")?;
+        match file {
+            None => Ok(AttitudeSource::Rule(self.choice(&rule)?)),
+            Some(file) => {
+                let advice = "attitude has no meaning with attitude_file; leave one of them out";
+                self.idle(&rule, "attitude_file says it", advice)?;
+                Ok(AttitudeSource::File(file))
+            }
+        }
     }
 }

@@ -5,7 +5,7 @@
 use super::caption_keys::RawCaption;
 use super::choices::{AirModel, CameraMode, CameraUp, FrameName, Look, Method, StorageChoice};
 use super::choices::{OrbitSource, OrbitSource::*};
-use super::craft::ModelAxes;
+use super::craft::{AttitudeName, ModelAxes};
 use super::field::{Bounds, Choice, Field, RawCameraKey, RawDatedMaps, RawPath, RawTone};
 use super::globe_keys::{RawGeojson, RawLayers, RawStation};
 use super::record::{Notes, Record};
@@ -307,6 +307,12 @@ table_with_tracks!(RawOrbit = "orbit" {
     /// How the model's axes lie in the spacecraft's, which are x along flight, y to the right and z down: "gltf" for +Z forward and +Y up,
     /// "body" where they are the same.
     model_axes: Choice<ModelAxes>, default ModelAxes::default();
+    /// Attitude of the spacecraft, built-in or model: "nadir" flies level with z down; "sun" turns −z to the Sun and x as near to flight as it
+    /// can; "inertial" has the axes of GCRF.
+    attitude: Choice<AttitudeName>, default AttitudeName::default();
+    /// File of attitudes, in place of attitude: an AEM (CCSDS 504.0, KVN, quaternions), or CSV with the columns epoch_utc, qx, qy, qz, qw.
+    /// By default none.
+    attitude_file: RawPath, of "a file of attitudes";
 } {});
 
 /// The settings that a live feed has where a scene says nothing; the transport is always said.

@@ -1,0 +1,127 @@
+//! How spacecraft are turned: by rules, or by files.
+
+use super::camera::OrbitalMotion;
+use crate::scene::{AttitudeName, AttitudeSource};
+use glam::{DMat3, DVec3};
+use std::sync::Arc;
+use terrella::Sky;
+use terrella::frames::{Ellipsoid, Epoch, Orientation};
+use terrella_orbit::{AttitudeError, AttitudeHistory, Frame};
+
+/// What turns a spacecraft, ready to be asked.
+#[derive(Clone)]
+pub enum Attitude {
+    Rule(AttitudeName),
+    File(Arc<AttitudeHistory>),
+}
+
+/// What attitudes depend on.
+pub struct AttitudeMoment<'m> {
+    pub epoch: Epoch,
+    pub motion: &'m OrbitalMotion,
+    pub ellipsoid: &'m Ellipsoid,
+    pub sky: &'m Sky,
+    pub orientation: &'m Orientation,
+}
+
+impl Attitude {
+    /// Reads the file, where there is one.
+    pub fn open(source: &AttitudeSource) -> Result<Self, AttitudeError> {
+        Ok(match source {
+            AttitudeSource::Rule(rule) => Self::Rule(*rule),
+            AttitudeSource::File(path) => Self::File(Arc::new(AttitudeHistory::open(path)?)),
+        })
+    }
+
+    /// Whether it is known from one epoch to another.
+    ///
+    /// # Errors
+    /// The first epoch at which it is not, and the time of the file.
+    pub fn check_span(&self, first: Epoch, last: Epoch) -> Result<(), AttitudeError> {
+        match self {
+            Self::Rule(_) => Ok(()),
+            Self::File(history) => history.check_span(first, last),
+        }
+    }
+
+    /// Rotation from the axes of the craft to ITRF.
+    ///
+    /// # Errors
+    /// An epoch at which a file does not know it.
+    pub fn itrf_from_craft(&self, moment: &AttitudeMoment<'_>) -> Result<DMat3, AttitudeError> {
+        let level = || moment.motion.itrf_from_level(moment.ellipsoid);
+        match self {
+            Self::Rule(AttitudeName::Nadir) => Ok(level()),
+            Self::Rule(AttitudeName::Sun) => Ok(facing(moment.sky.sun_itrf, &level())),
+            Self::Rule(AttitudeName::Inertial) => {
+                let of_date = || Frame::Gcrf.itrf_from(moment.epoch, moment.orientation);
+                // A simulation says how its Earth stands.
+                Ok(moment.sky.itrf_from_gcrf.unwrap_or_else(of_date))
+            }
+            Self::File(history) => history.itrf_from_body(moment.epoch, moment.orientation),
+        }
+    }
+}
+
+/// Axes with −z to the Sun and x as near to that of level flight as it can be, or to its y where the Sun is straight ahead.
+fn facing(sun_itrf: DVec3, level: &DMat3) -> DMat3 {
+    let down = -sun_itrf.normalize_or(-level.z_axis);
+    let ahead = level.x_axis.reject_from_normalized(down);
+    let ahead = match ahead.length() > 1e-6 {
+        true => ahead.normalize(),
+        false => level.y_axis.reject_from_normalized(down).normalize(),
+    };
+    DMat3::from_cols(ahead, down.cross(ahead), down)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn moment<'m>(motion: &'m OrbitalMotion, sky: &'m Sky) -> AttitudeMoment<'m> {
+        AttitudeMoment {
+            epoch: Epoch::default(),
+            motion,
+            ellipsoid: &Ellipsoid::WGS84,
+            sky,
+            orientation: &Orientation {
+                ut1_minus_utc_s: 0.0,
+                x_pole_rad: 0.0,
+                y_pole_rad: 0.0,
+            },
+        }
+    }
+
+    #[test]
+    fn rules_turn_as_their_words_say() {
+        // Over the equator at 0° E, flying east.
+        let motion = OrbitalMotion {
+            position_itrf_m: DVec3::X * 7e6,
+            velocity_m_s: DVec3::Y * 7_500.0,
+        };
+        let sun = DVec3::new(0.6, 0.48, 0.64);
+        let mut sky = Sky::new(sun);
+        sky.itrf_from_gcrf = Some(DMat3::from_rotation_z(1.0));
+        let of = |rule, sky: &Sky| {
+            let attitude = Attitude::Rule(rule);
+            attitude.itrf_from_craft(&moment(&motion, sky)).unwrap()
+        };
+        let level = of(AttitudeName::Nadir, &sky);
+        assert!(
+            level.x_axis.distance(DVec3::Y) < 1e-12 && level.z_axis.distance(DVec3::NEG_X) < 1e-12
+        );
+        let sunward = of(AttitudeName::Sun, &sky);
+        assert!(sunward.z_axis.distance(-sun) < 1e-12);
+        // The part of the flight direction across the Sun: √(1 − 0.48²).
+        assert!((sunward.x_axis.y - (1.0_f64 - 0.48 * 0.48).sqrt()).abs() < 1e-12);
+        assert!((sunward.determinant() - 1.0).abs() < 1e-12);
+        assert_eq!(
+            of(AttitudeName::Inertial, &sky),
+            DMat3::from_rotation_z(1.0)
+        );
+        for ahead in [DVec3::Y, DVec3::NEG_Y] {
+            let turned = of(AttitudeName::Sun, &Sky::new(ahead));
+            assert!((turned.determinant() - 1.0).abs() < 1e-12, "{turned}");
+        }
+    }
+}
