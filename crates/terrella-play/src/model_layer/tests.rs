@@ -225,7 +225,10 @@ fn from_afar_a_model_is_as_long_as_its_key_says() {
     };
     assert_eq!(count(""), 0);
     let side_px = (count("model_length_px = 20") as f64).sqrt();
-    assert!((side_px - 20.0).abs() < 1.0, "{side_px}");
+    // 20 pixels at its middle; of its near side, half a length before that, more.
+    let half_m = 10.0 / (0.5 * f64::from(SIZE.1) / (0.5 * FOV_RAD).tan()) * -eye_m.x;
+    let near_px = 20.0 * -eye_m.x / (-eye_m.x - half_m);
+    assert!((side_px - near_px).abs() < 1.0, "{side_px} {near_px}");
 }
 
 /// Appendix B of the glTF specification in its own notation, with G = 1/(1 + Λ(V) + Λ(L)) (Heitz 2014, equation 99); light of a white
@@ -285,6 +288,59 @@ fn each_face_has_the_light_of_the_formulas() {
         }
     }
     assert!(lit > 300 && dark > 100, "{lit} {dark}");
+}
+
+/// With its −z to the Sun a cube shows that side fully lit: N·L is one.
+#[test]
+fn a_model_is_turned_as_its_attitude_says() {
+    let white = json!({"pbrMetallicRoughness": {"metallicFactor": 0, "baseColorFactor": [0.5, 0.5, 0.5, 1]}});
+    let eye_m = DVec3::new(1.0, -0.5, -12.0);
+    let keys = "attitude = \"sun\"\nmodel_axes = \"body\"";
+    let seen = seen(white, keys, 10, eye_m);
+    assert!((seen.pose.itrf_from_craft.z_axis + seen.sun).length() < 1e-9);
+    let (mut count, n) = (0, DVec3::NEG_Z);
+    for (at, hit) in seen.inner(HALF_M) {
+        let Some((place, normal)) = hit.filter(|(_, normal)| *normal == n) else {
+            continue;
+        };
+        assert_eq!(normal, n);
+        let expected = sunlit(0.5, 1.0, n, (eye_m - place).normalize(), n);
+        let got = f64::from(seen.light[at][0]);
+        assert!((got - expected).abs() < 0.1, "{at}: {got} {expected}");
+        count += 1;
+    }
+    assert!(count > 200, "{count}");
+}
+
+#[test]
+fn an_attitude_that_a_file_does_not_have_is_an_error() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let table = "# frame = GCRF\nepoch_utc,qx,qy,qz,qw\n2018-03-20T10:00:00Z,0,0,0,1\n2018-03-20T10:01:00Z,0,0,1,0\n";
+    fs::write(folder.path().join("a.csv"), table).expect("writes");
+    let open = |start: &str| {
+        let text = format!(
+            "[time]\nstart = \"2018-03-20T{start}Z\"\nduration_s = 30\n[orbit]\nsource = \"kepler\"\nsemi_major_axis_km = 7000\n\
+             attitude_file = \"a.csv\"\n[camera]\nmode = \"chase\"\n"
+        );
+        let scene = Scene::from_toml(&text, &folder.path().join("a.toml")).expect("a scene");
+        Flight::open(scene)
+    };
+    let flight = open("10:00:20").expect("known");
+    let epoch = flight.scene().time.start;
+    let pose = flight.at(epoch, 1.5).expect("known").craft.expect("chased");
+    // A third of half a turn about the pole of GCRF.
+    let gcrf = Sky::at(epoch).itrf_from_gcrf.expect("a date");
+    let expected = gcrf * DMat3::from_rotation_z(PI / 3.0);
+    assert!((pose.itrf_from_craft * DVec3::X - expected * DVec3::X).length() < 1e-9);
+    for start in ["10:00:50", "09:59:00"] {
+        let error = open(start).err().expect("unknown").to_string();
+        assert!(
+            error.contains("a.csv: the attitude is not known at"),
+            "{error}"
+        );
+    }
+    let late = epoch + terrella::frames::Duration::from_seconds(100.0);
+    assert!(flight.at(late, 1.5).is_err());
 }
 
 /// Over midnight the Earth hides the Sun, and its own side is dark.
