@@ -17,6 +17,9 @@ const MAX_VALUES: usize = 2_000_000;
 /// Extensions that are read, so that files may require them.
 const READ_EXTENSIONS: [&str; 2] = ["KHR_mesh_quantization", "KHR_materials_emissive_strength"];
 
+/// Extensions that files may require and that change nothing of what is read: lights, which a scene has of its own.
+const HARMLESS_EXTENSIONS: [&str; 1] = ["KHR_lights_punctual"];
+
 /// A document with its buffers.
 pub struct Container {
     pub path: PathBuf,
@@ -244,7 +247,10 @@ fn check_version(document: &Document) -> Result<(), ModelFault> {
 
 fn check_extensions(document: &Document) -> Result<(), (usize, ModelFault)> {
     let required = document.extensions_required.iter().enumerate();
-    let mut unread = required.filter(|(_, name)| !READ_EXTENSIONS.contains(&name.as_str()));
+    let mut unread = required.filter(|(_, name)| {
+        let name = name.as_str();
+        !READ_EXTENSIONS.contains(&name) && !HARMLESS_EXTENSIONS.contains(&name)
+    });
     let Some((at, name)) = unread.next() else {
         return Ok(());
     };

@@ -410,6 +410,15 @@ fn hostile_documents_are_errors_that_say_where() {
 }
 
 #[test]
+fn lights_that_a_file_requires_are_left_out() {
+    let (buffer, mut document) = square();
+    document["extensionsRequired"] = json!(["KHR_lights_punctual"]);
+    document["extensionsUsed"] = json!(["KHR_lights_punctual"]);
+    let model = read(&document, &buffer).expect("good");
+    assert!(model.ignored.contains("KHR_lights_punctual"));
+}
+
+#[test]
 fn bad_numbers_in_buffers_are_errors() {
     let (mut buffer, document) = square();
     buffer[4..8].copy_from_slice(&f32::NAN.to_le_bytes());

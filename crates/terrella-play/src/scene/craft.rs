@@ -117,3 +117,62 @@ impl SceneText<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Scene;
+    use std::path::Path;
+
+    fn craft(keys: &str) -> Result<CraftOptions, String> {
+        // Any file of the folder will do: a scene does not read it.
+        let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("a.toml");
+        let text = format!("[orbit]\n{keys}");
+        let scene = Scene::from_toml(&text, &scene).map_err(|error| error.to_string())?;
+        Ok(scene.orbits[0].craft.clone())
+    }
+
+    #[test]
+    fn a_model_and_an_attitude_are_as_the_keys_say() {
+        assert_eq!(craft(""), Ok(CraftOptions::default()));
+        let given = craft(
+            "model = \"Cargo.toml\"\nmodel_scale = 0.5\nmodel_length_px = 24\nmodel_axes = \"body\"\nattitude = \"sun\"",
+        );
+        let given = given.expect("good");
+        assert_eq!(given.attitude, AttitudeSource::Rule(AttitudeName::Sun));
+        let model = given.model.expect("a model");
+        assert!(model.file.ends_with("Cargo.toml"));
+        assert_eq!((model.scale, model.least_length_px), (0.5, 24.0));
+        assert_eq!(model.axes, ModelAxes::Body);
+        let file = craft("attitude_file = \"Cargo.toml\"").expect("good");
+        assert!(
+            matches!(file.attitude, AttitudeSource::File(path) if path.ends_with("Cargo.toml"))
+        );
+    }
+
+    #[test]
+    fn keys_without_a_meaning_are_rejected() {
+        for (keys, said) in [
+            ("model = \"none.glb\"", "none.glb cannot be opened"),
+            ("model_scale = 2", "model_scale is for a model"),
+            ("model_length_px = 2", "model_length_px is for a model"),
+            ("model_axes = \"gltf\"", "model_axes is for a model"),
+            ("model = \"Cargo.toml\"\nmodel_scale = 0", "model_scale"),
+            (
+                "model = \"Cargo.toml\"\nmodel_length_px = 1e9",
+                "model_length_px",
+            ),
+            ("attitude = \"spin\"", "attitude"),
+            (
+                "attitude = \"sun\"\nattitude_file = \"Cargo.toml\"",
+                "leave one of them out",
+            ),
+        ] {
+            let error = craft(keys).expect_err(keys);
+            assert!(
+                error.contains("a.toml:") && error.contains(said),
+                "{keys}: {error}"
+            );
+        }
+    }
+}
