@@ -12,7 +12,7 @@ pub struct ModelError {
     /// JSON pointer (RFC 6901) to the object that is wrong; empty where it is the whole file.
     pub pointer: String,
     /// What is wrong with it, and what to do.
-    pub fault: ModelFault,
+    pub fault: Box<ModelFault>,
 }
 
 /// ` at /pointer`, or nothing.
@@ -107,7 +107,7 @@ impl ModelFault {
         ModelError {
             path: path.to_owned(),
             pointer: pointer.into(),
-            fault: self,
+            fault: Box::new(self),
         }
     }
 }

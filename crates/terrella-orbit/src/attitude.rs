@@ -45,7 +45,7 @@ struct Segment {
 pub enum AttitudeError {
     /// The file cannot be read.
     #[error(transparent)]
-    Read(#[from] OrbitError),
+    Read(#[from] Box<OrbitError>),
     /// What the file says is wrong.
     #[error(transparent)]
     Record(#[from] RecordError),
@@ -73,7 +73,7 @@ impl AttitudeHistory {
     /// # Errors
     /// A file that cannot be read, and what is wrong with it, by line and column.
     pub fn open(path: &Path) -> Result<Self, AttitudeError> {
-        let text = file::read_text(path, MAX_BYTES)?;
+        let text = file::read_text(path, MAX_BYTES).map_err(Box::new)?;
         Ok(Self::of_text(&text, path)?)
     }
 

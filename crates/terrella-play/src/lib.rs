@@ -56,6 +56,9 @@
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
 mod attitude;
+#[cfg(test)]
+#[path = "../../../tests/common/backends.rs"]
+mod backends;
 // Where a file is built without the command, what only that needs of it is left unused.
 mod basilisk;
 pub mod camera;

@@ -204,6 +204,7 @@ fn every_key_is_read() {
          [orbit]\nsource = \"tle\"\nfile = \"sat.tle\"\nname = \"A\"\nstrict = true\n\
          color = \"#ffffff\"\ntrail = true\nground_track = true\nmarker = true\nsubpoint = true\n\
          footprint = true\nsensor_half_angle_deg = 30\nfootprint_fill = true\n\
+         model = \"sat.tle\"\nmodel_scale = 2\nmodel_length_px = 3\nmodel_axes = \"body\"\nattitude = \"inertial\"\n\
          [tracks]\nwidth_px = 4\n\
          [camera]\nmode = \"geodetic\"\nfov_deg = 179.999\nlat_deg = -90\nlon_deg = 350\n\
          height_km = 0.001\nheading_deg = -360\npitch_deg = 90\n\
@@ -256,13 +257,13 @@ fn every_key_is_read() {
     assert_eq!(scene.earth.textures, Some(folder.path("maps")));
     assert_eq!(scene.output.size, [16384, 1]);
     assert_eq!(scene.output.samples, 1);
-    assert_eq!(scene.line("output", "samples"), Some(46));
+    assert_eq!(scene.line("output", "samples"), Some(51));
     let quality = &scene.quality;
     assert_eq!((quality.target_ms, quality.scale), (Some(20.0), 0.5));
     assert_eq!(quality.ladder, Some(folder.path("sat.tle")));
     assert_eq!(scene.layers.vector_map, Some(folder.path("sat.tle")));
     assert_eq!((scene.layers.width_px, scene.stations.len()), (2.0, 1));
-    assert_eq!(scene.line("station", "lat_deg"), Some(64));
+    assert_eq!(scene.line("station", "lat_deg"), Some(69));
     let summary = scene.summary();
     assert!(!summary.contains("default"), "{summary}");
 }

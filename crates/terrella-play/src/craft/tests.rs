@@ -1,11 +1,8 @@
 //! Light, attitude and size of the craft, and its shader.
 
-#[path = "../../../../tests/common/backends.rs"]
-mod backends;
-
 use super::*;
+use crate::backends::compile_for_every_backend;
 use crate::camera::Pose;
-use backends::compile_for_every_backend;
 use glam::DVec4;
 use std::mem::offset_of;
 use terrella::frames::Geodetic;

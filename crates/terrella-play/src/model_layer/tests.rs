@@ -1,12 +1,9 @@
 //! Pixels of a cube where a projection and formulas of their own say that they are, and the shader.
 
-#[path = "../../../../tests/common/backends.rs"]
-mod backends;
-
 use super::*;
+use crate::backends::compile_for_every_backend;
 use crate::offscreen::OffscreenRenderer;
 use crate::scene::Scene;
-use backends::compile_for_every_backend;
 use serde_json::{Value, json};
 use std::f64::consts::PI;
 use std::fs;
