@@ -200,7 +200,7 @@ impl Controls {
             Action::NorthUp => return Some(WindowTask::NorthUp),
             Action::Layer(layer) => self.switches.toggle(layer),
             Action::Expose(exposure) => self.switches.exposure = exposure,
-            Action::Tone(tone) => self.switches.tone = tone,
+            Action::Tone(tone) => self.switches.tone = Some(tone),
             Action::NextTone => self.switches.next_tone(),
             Action::SceneLook => self.switches = self.scene_switches,
             Action::Help => self.help = !self.help,

@@ -10,6 +10,8 @@ use terrella::{Exposure, Tone};
 const COLUMNS: usize = 3;
 /// Step of the exposure's slider, EV.
 const EXPOSURE_STEP_EV: f64 = 0.1;
+/// The scene's own response, which no other can be chosen in place of.
+const MEASURED: &str = "measured";
 /// In a window at least as high the switches are unfolded at first, points.
 const UNFOLDED_FROM: f32 = 600.0;
 
@@ -68,10 +70,10 @@ fn look(ui: &mut Ui, controls: &Controls, actions: &mut Vec<Action>) {
     ui.horizontal(|ui| {
         ui.label("tone curve");
         let tone = controls.switches.tone;
-        let list = ComboBox::from_id_salt("tone").selected_text(name(tone));
+        let list = ComboBox::from_id_salt("tone").selected_text(tone.map_or(MEASURED, name));
         list.show_ui(ui, |ui| {
             for one in Tone::ALL {
-                if ui.selectable_label(one == tone, name(one)).clicked() {
+                if ui.selectable_label(Some(one) == tone, name(one)).clicked() {
                     actions.push(Action::Tone(one));
                 }
             }
@@ -91,5 +93,6 @@ fn name(tone: Tone) -> &'static str {
         Tone::Linear => "linear",
         Tone::Filmic => "filmic",
         Tone::Agx => "agx",
+        Tone::Measured(_) => MEASURED,
     }
 }

@@ -3,7 +3,7 @@
 use super::error::PlayError;
 use super::map_lines::dropped_lines;
 use super::maps::dropped_layers;
-use crate::scene::{Orbit, Scene, Track};
+use crate::scene::{Orbit, Scene, ToneTable, Track};
 use std::path::Path;
 use terrella::{Exposure, Quality, QualityReduction, Tone};
 use terrella_imagery::tile::MapLayer;
@@ -83,7 +83,7 @@ pub struct Switches {
     is_offered: [bool; Layer::ALL.len()],
     /// `None` is the scene's.
     pub exposure: Option<Exposure>,
-    pub tone: Tone,
+    pub tone: Option<Tone>,
 }
 
 impl Switches {
@@ -117,7 +117,10 @@ impl Switches {
             is_on,
             is_offered,
             exposure: None,
-            tone: scene.output.tone,
+            tone: match scene.output.tone {
+                ToneTable::Named(tone) => Some(tone),
+                ToneTable::Measured { .. } => None,
+            },
         }
     }
 
@@ -136,9 +139,9 @@ impl Switches {
     }
 
     pub fn next_tone(&mut self) {
-        let present = Tone::ALL.iter().position(|tone| *tone == self.tone);
+        let present = Tone::ALL.iter().position(|tone| Some(*tone) == self.tone);
         let next = present.map_or(0, |index| (index + 1) % Tone::ALL.len());
-        self.tone = Tone::ALL[next];
+        self.tone = Some(Tone::ALL[next]);
     }
 
     /// The scene with all that is to be loaded or made: what is on and off in `base` is as it would be where the key was `true`. Lines of
@@ -191,7 +194,9 @@ impl Switches {
         }
         scene.earth.clouds |= self.is_on(Layer::Clouds);
         scene.earth.night_lights |= self.is_on(Layer::CityLights);
-        scene.output.tone = self.tone;
+        if let Some(tone) = self.tone {
+            scene.output.tone = ToneTable::Named(tone);
+        }
         self.check(base, &scene)?;
         Ok(scene)
     }

@@ -202,7 +202,8 @@ impl WindowRenderer {
     pub fn switch(&mut self, flight: &Flight, switches: &Switches) -> Result<(), PlayError> {
         let scene = switches.scene(flight.scene())?;
         let needs_maps = switches.needs_maps(flight.scene(), &self.full);
-        if needs_maps || switches.tone != self.options.tone {
+        let tone = scene.output.tone.open()?;
+        if needs_maps || tone != self.options.tone {
             let options = match needs_maps {
                 true => {
                     let gpu = self.painter.gpu();
@@ -211,7 +212,7 @@ impl WindowRenderer {
                     options
                 }
                 false => EarthOptions {
-                    tone: switches.tone,
+                    tone,
                     ..self.options.clone()
                 },
             };
