@@ -284,15 +284,13 @@ impl Reader<'_> {
             self.found.points.push(named);
         }
         for shape in read.shapes {
-            match shape {
-                Shape::Point(place) => {
-                    let marked = point(place, style.marker_color, true);
-                    self.found.points.push(marked);
-                }
-                Shape::Line(line) | Shape::Ring(line) if style.line.is_drawn() => {
+            if let Shape::Point(place) = shape {
+                let marked = point(place, style.marker_color, true);
+                self.found.points.push(marked);
+            } else if style.line.is_drawn() {
+                for line in shape.into_lines() {
                     self.line(index, line, style.line);
                 }
-                Shape::Line(_) | Shape::Ring(_) => {}
             }
         }
     }

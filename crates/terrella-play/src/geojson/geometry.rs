@@ -5,7 +5,7 @@ use serde::Deserialize;
 use serde::de::{DeserializeOwned, IgnoredAny, SeqAccess, Visitor};
 use serde_json::value::RawValue;
 use std::borrow::Cow;
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 use std::fmt;
 use terrella::frames::Geodetic;
 
@@ -17,6 +17,9 @@ const MAX_LON_DEG: f64 = 540.0;
 const POLE_ROUNDING_DEG: f64 = 1e-6;
 /// Rounding of a whole turn, degrees.
 const TURN_ROUNDING_DEG: f64 = 1e-6;
+
+/// Rounding of longitudes of the date line, radians.
+const DATE_LINE_ROUNDING_RAD: f64 = 1e-9;
 
 /// A part of a geometry.
 pub(super) enum Shape {
@@ -32,6 +35,28 @@ impl Shape {
             Self::Point(_) => 1,
             Self::Line(line) | Self::Ring(line) => line.len(),
         }
+    }
+
+    /// What is drawn of it as lines. A ring's edges along the date line are where RFC 7946, 3.1.9, has it cut, and no part of its outline.
+    pub(super) fn into_lines(self) -> Vec<Vec<Geodetic>> {
+        let line = match self {
+            Self::Point(_) => return Vec::new(),
+            Self::Line(line) => return vec![line],
+            Self::Ring(line) => line,
+        };
+        let is_cut = |edge: &[Geodetic]| edge.iter().all(is_on_date_line);
+        if !line.windows(2).any(is_cut) {
+            return vec![line];
+        }
+        // The place that follows a cut begins a line, so that none is broken where the ring begins.
+        let first = line.windows(2).position(is_cut).map_or(0, |edge| edge + 1);
+        let count = line.len() - 1;
+        let round: Vec<Geodetic> = (0..=count).map(|k| line[(first + k) % count]).collect();
+        let lines = round.chunk_by(|from, to| !(is_on_date_line(from) && is_on_date_line(to)));
+        lines
+            .filter(|line| line.len() > 1)
+            .map(<[_]>::to_vec)
+            .collect()
     }
 
     /// Where its name stands: in the middle of a line, and of the ground that a ring encloses.
@@ -65,6 +90,10 @@ impl Shape {
             }
         }
     }
+}
+
+fn is_on_date_line(place: &Geodetic) -> bool {
+    (place.lon_rad.abs() - PI).abs() < DATE_LINE_ROUNDING_RAD
 }
 
 /// What a geometry is made of.

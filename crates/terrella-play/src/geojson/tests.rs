@@ -287,6 +287,26 @@ fn segments_over_half_a_turn_go_the_shorter_way_and_whole_turns_go_round() {
 }
 
 #[test]
+fn edges_along_the_date_line_are_no_outline() {
+    // The cut begins the ring, ends it, and lies within it.
+    for ring in [
+        "[[180,0],[180,10],[170,10],[170,0],[180,0]]",
+        "[[180,10],[170,10],[170,0],[180,0],[180,10]]",
+        "[[170,0],[180,0],[180,5],[180,10],[170,10],[170,0]]",
+    ] {
+        let found = geometry("Polygon", &format!("[{ring}]"));
+        assert_eq!(
+            lines(&found),
+            [[[180.0, 10.0], [170.0, 10.0], [170.0, 0.0], [180.0, 0.0]]],
+            "{ring}"
+        );
+    }
+    let two = "[[180,0],[180,2],[170,5],[180,8],[180,9],[160,5],[180,0]]";
+    let found = geometry("Polygon", &format!("[{two}]"));
+    assert_eq!(lines(&found).len(), 2);
+}
+
+#[test]
 fn simplestyle_is_drawn_or_listed() {
     let line = "\"geometry\":{\"type\":\"LineString\",\"coordinates\":[[1,2],[3,4]]}";
     let point = "\"geometry\":{\"type\":\"Point\",\"coordinates\":[1,2]}";
