@@ -189,7 +189,7 @@ fn expected(name: &str, view: &EyeView, height_m: f64) -> Vec<Expected> {
 #[test]
 fn level_ground_is_where_the_exact_ray_meets_it() {
     let mut wrong = Vec::new();
-    for height_m in [0.0, 8000.0, -8000.0] {
+    for height_m in [8000.0, -8000.0] {
         let ground: Arc<dyn Elevation> = Arc::new(Level(height_m));
         let rig = |surface| {
             let options = options(position_layers(), Some((surface, ground.clone())));

@@ -10,7 +10,7 @@ use terrella::tracks::{GroundMark, LineStyle, MAX_LINE_POINTS, MAX_PLACES, Polyl
 
 /// The word of these files in lists of what is left out.
 const LAYER: &str = "geojson";
-/// Least width that marks are drawn for, pixels: smaller rings are not to be told from dots.
+/// Least width that marks are drawn for, pixels: smaller rings look like dots.
 const LEAST_MARK_PX: f64 = 1.5;
 
 /// What is drawn of a scene's files.

@@ -25,7 +25,7 @@ pub struct GeoStyle {
     pub width_px: f64,
 }
 
-/// What tells styles apart.
+/// All of a style as one value: lines of the same style are drawn together.
 pub(super) type StyleKey = ([u8; 3], u64, u64);
 
 impl GeoStyle {
