@@ -100,7 +100,7 @@ impl Tracks {
         Ok(())
     }
 
-    /// Draws the terminator and the ends of twilight ([`TWILIGHT_DEG`]) from the next [`Self::prepare`] on, or no longer, by the direction
+    /// Draws the terminator and the ends of twilight ([`TWILIGHT_DEG`](super::TWILIGHT_DEG)) from the next [`Self::prepare`] on, or no longer, by the direction
     /// to the Sun of [`Self::set_sun`].
     ///
     /// # Errors
