@@ -22,12 +22,22 @@ fn scenes() -> Vec<PathBuf> {
     scenes
 }
 
+/// Whether `goldens.rs` draws a scene of `config/`: its picture there has no scene of its own beside it.
+fn has_golden(scene: &Path) -> bool {
+    let name = Path::new(scene.file_name().expect("a file"));
+    let goldens = Path::new(crate::REPOSITORY).join("tests/goldens");
+    goldens.join(name.with_extension("png")).exists() && !goldens.join(name).exists()
+}
+
 #[test]
 fn every_scene_is_checked_and_drawn_with_something_in_its_picture() {
     let place = Place::new();
-    for scene in scenes() {
-        let scene = scene.to_str().expect("UTF-8");
+    for path in scenes() {
+        let scene = path.to_str().expect("UTF-8");
         place.succeed(&["-q", "check", scene]);
+        if has_golden(&path) {
+            continue;
+        }
         place.succeed(&["-q", "frame", scene, "-o", "a.png", "--size", "32x18"]);
         let picture = image::open(place.path("a.png"))
             .expect("a picture")
