@@ -1,6 +1,7 @@
 //! Ephemerides as CSV with a header that says what the columns are.
 
 use super::Frame;
+use super::csv_row::CsvRow;
 use super::cut::{CutOff, LastLine};
 use super::entry::{
     Entry, Fields, Keys, RecordError, RecordFault, TextPosition, printable, scaled_number,
@@ -371,33 +372,14 @@ fn sample(
     line: usize,
     origin: &Path,
 ) -> Result<StateSample, RecordError> {
-    if row.len() != columns.count {
-        let fault = RecordFault::Unexpected {
-            text: format!("{} fields", row.len()),
-            expected: "as many as the header has",
-        };
-        return Err(TextPosition { line, column: 1 }.error(origin, fault));
-    }
-    let entry = |index: usize, key: &'static str| Entry {
-        key: Cow::Borrowed(key),
-        value: Cow::Borrowed(row.get(index).map_or("", |field| &field.text)),
-        unit: None,
-        place: TextPosition {
-            line,
-            column: row.get(index).map_or(1, |field| field.column),
-        },
-    };
+    let row = CsvRow::new(row, columns.count, line, origin)?;
     let vector = |at: [usize; 3], names: [&'static str; 3]| {
-        let mut vector = [0.0; 3];
-        for ((slot, index), name) in vector.iter_mut().zip(at).zip(names) {
-            let entry = entry(index, name);
-            *slot = scaled_number(&entry.value, columns.power)
-                .ok_or_else(|| entry.wrong(origin, "a number"))?;
-        }
-        Ok(DVec3::from_array(vector))
+        row.numbers(at, names, columns.power).map(DVec3::from_array)
     };
     Ok(StateSample {
-        epoch: entry(columns.epoch, "the epoch").epoch(origin, columns.scale)?,
+        epoch: row
+            .entry(columns.epoch, "the epoch")
+            .epoch(origin, columns.scale)?,
         position_m: vector(columns.position, ["x", "y", "z"])?,
         velocity_m_s: match columns.velocity {
             Some(at) => Some(vector(at, ["vx", "vy", "vz"])?),

@@ -31,6 +31,7 @@ mod choose;
 #[cfg(any(feature = "basilisk", feature = "live"))]
 pub(crate) mod connections;
 pub mod constants;
+mod csv_row;
 mod cut;
 mod czml;
 mod decay;

@@ -217,13 +217,7 @@ fn meaning(meta: &Fields, version: u32, origin: &Path) -> Result<Meaning, Record
             return Err(kind.unsupported(origin, remedy));
         }
     };
-    let system = must("TIME_SYSTEM")?;
-    let system = TimeSystem::from_name(&system.value).ok_or_else(|| {
-        system.unsupported(
-            origin,
-            "known time systems are UTC, TAI, TT, TDB and GPS; none is guessed",
-        )
-    })?;
+    let system = TimeSystem::of(must("TIME_SYSTEM")?, origin)?;
     let epoch = |key| match meta.get(key) {
         Some(entry) => system.epoch(entry, origin).map(Some),
         None => Ok(None),

@@ -3,9 +3,8 @@
 //! The quaternion takes vectors from the axes of the body to those of the frame, v_frame = q v_body q*; `qw` is its scalar.
 
 use super::super::Frame;
-use super::super::entry::{
-    Entry, Fields, Keys, RecordError, RecordFault, TextPosition, scaled_number,
-};
+use super::super::csv_row::CsvRow;
+use super::super::entry::{Entry, Fields, Keys, RecordError, RecordFault, TextPosition};
 use super::super::text::{csv, offset};
 use super::{Segment, push};
 use glam::DVec4;
@@ -118,29 +117,16 @@ fn sample(
     samples: &mut Vec<(terrella_frames::Epoch, glam::DQuat)>,
     origin: &Path,
 ) -> Result<(), RecordError> {
-    let place = TextPosition { line, column: 1 };
-    if row.len() != columns.count {
-        let fault = RecordFault::Unexpected {
-            text: format!("{} fields", row.len()),
-            expected: "as many as the header has",
-        };
-        return Err(place.error(origin, fault));
-    }
-    let entry = |index: usize, key: &'static str| Entry {
-        key: Cow::Borrowed(key),
-        value: Cow::Borrowed(row.get(index).map_or("", |field| &field.text)),
-        unit: None,
-        place: TextPosition {
-            line,
-            column: row.get(index).map_or(1, |field| field.column),
-        },
-    };
-    let mut quaternion = [0.0; 4];
-    let names = ["qx", "qy", "qz", "qw"];
-    for ((slot, index), name) in quaternion.iter_mut().zip(columns.quaternion).zip(names) {
-        let entry = entry(index, name);
-        *slot = scaled_number(&entry.value, 0).ok_or_else(|| entry.wrong(origin, "a number"))?;
-    }
-    let epoch = entry(columns.epoch, "the epoch").epoch(origin, columns.scale)?;
-    push(samples, epoch, DVec4::from_array(quaternion), place, origin)
+    let row = CsvRow::new(row, columns.count, line, origin)?;
+    let quaternion = row.numbers(columns.quaternion, ["qx", "qy", "qz", "qw"], 0)?;
+    let epoch = row
+        .entry(columns.epoch, "the epoch")
+        .epoch(origin, columns.scale)?;
+    push(
+        samples,
+        epoch,
+        DVec4::from_array(quaternion),
+        row.place(),
+        origin,
+    )
 }

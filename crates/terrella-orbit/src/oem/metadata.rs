@@ -78,7 +78,20 @@ pub(crate) enum TimeSystem {
 }
 
 impl TimeSystem {
-    pub fn from_name(name: &str) -> Option<Self> {
+    /// The system that an entry names.
+    ///
+    /// # Errors
+    /// A name that is not known.
+    pub fn of(entry: &Entry<'_>, origin: &Path) -> Result<Self, RecordError> {
+        Self::from_name(&entry.value).ok_or_else(|| {
+            entry.unsupported(
+                origin,
+                "known time systems are UTC, TAI, TT, TDB and GPS; none is guessed",
+            )
+        })
+    }
+
+    fn from_name(name: &str) -> Option<Self> {
         match name.eq_ignore_ascii_case("TDB") {
             true => Some(Self::Tdb),
             false => TimeScale::from_name(name).map(Self::Scale),
@@ -119,14 +132,7 @@ pub fn axes_and_time(meta: &Fields, origin: &Path) -> Result<(Axes, TimeSystem),
             "axes of a fixed date are not known; only of the state's own",
         ));
     }
-    let system = must("TIME_SYSTEM")?;
-    let system = TimeSystem::from_name(&system.value).ok_or_else(|| {
-        system.unsupported(
-            origin,
-            "known time systems are UTC, TAI, TT, TDB and GPS; none is guessed",
-        )
-    })?;
-    Ok((axes, system))
+    Ok((axes, TimeSystem::of(must("TIME_SYSTEM")?, origin)?))
 }
 
 /// How it goes from state to state, if that is said.

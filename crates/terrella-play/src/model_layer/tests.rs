@@ -325,7 +325,7 @@ fn an_attitude_that_a_file_does_not_have_is_an_error() {
     let flight = open("10:00:20").expect("known");
     let epoch = flight.scene().time.start;
     let pose = flight.at(epoch, 1.5).expect("known").craft.expect("chased");
-    // A third of half a turn about the pole of GCRF.
+    // 60° about the pole of GCRF.
     let gcrf = Sky::at(epoch).itrf_from_gcrf.expect("a date");
     let expected = gcrf * DMat3::from_rotation_z(PI / 3.0);
     assert!((pose.itrf_from_craft * DVec3::X - expected * DVec3::X).length() < 1e-9);
