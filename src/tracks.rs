@@ -56,6 +56,7 @@ mod buffers;
 mod curve;
 mod footprint;
 mod ink;
+mod limits;
 mod lines;
 mod places;
 mod projection;

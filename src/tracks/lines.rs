@@ -1,6 +1,7 @@
 //! Polylines that stand still on the turning Earth: a graticule, coast lines, borders, and those of a host.
 
 use super::TracksError;
+use super::limits::is_width;
 use super::projection::EyeProjection;
 use crate::gpu::{LinePoint, TRACK_FROM_PREVIOUS, TRACK_ON_GROUND, TRACK_UNCASED};
 use glam::DVec3;
@@ -54,7 +55,7 @@ impl LineStyle {
             let what = "the opacity must be above 0 and at most 1";
             return Err(TracksError::Lines { what });
         }
-        if !(self.width_px > 0.0 && self.width_px <= 64.0) {
+        if !is_width(self.width_px) {
             let what = "the width must be above 0 and at most 64 pixels";
             return Err(TracksError::Lines { what });
         }

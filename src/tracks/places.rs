@@ -4,10 +4,10 @@ use super::TracksError;
 use super::buffers::{PlaceLabel, RING_PX, TrackBuffers};
 use super::footprint::is_hidden;
 use super::ink::Ink;
+use super::limits::{is_place, is_width};
 use super::projection::EyeProjection;
 use crate::gpu::{Mark, PassFormat, TRACK_ON_GROUND};
 use glam::DVec3;
-use std::f64::consts::FRAC_PI_2;
 use terrella_frames::{Ellipsoid, Geodetic};
 
 /// Most marked places.
@@ -32,15 +32,11 @@ pub struct GroundMark {
 
 impl GroundMark {
     pub(super) fn check(&self) -> Result<(), TracksError> {
-        let place = &self.place;
-        let is_place = place.lat_rad.abs() <= FRAC_PI_2
-            && place.lon_rad.is_finite()
-            && place.height_m.is_finite();
-        let what = if !is_place {
+        let what = if !is_place(&self.place) {
             "a marked place must be finite, its latitude from −π/2 to π/2"
         } else if !(self.opacity > 0.0 && self.opacity <= 1.0) {
             "the opacity of a mark must be above 0 and at most 1"
-        } else if !(self.width_px > 0.0 && self.width_px <= 64.0) {
+        } else if !is_width(self.width_px) {
             "the width of a mark's line must be above 0 and at most 64 pixels"
         } else {
             return Ok(());

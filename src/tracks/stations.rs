@@ -4,6 +4,7 @@ use super::TracksError;
 use super::buffers::{LineWriter, OUTLINE_OPACITY, RING_PX, StationLabel, TrackBuffers};
 use super::footprint::is_hidden;
 use super::ink::Ink;
+use super::limits::{is_place, is_width};
 use super::projection::EyeProjection;
 use super::satellite::subpoint;
 use crate::gpu::{Mark, PassFormat, TRACK_ON_GROUND};
@@ -34,15 +35,11 @@ pub struct Station {
 
 impl Station {
     pub(super) fn check(&self) -> Result<(), TracksError> {
-        let place = &self.place;
-        let is_place = place.lat_rad.abs() <= FRAC_PI_2
-            && place.lon_rad.is_finite()
-            && place.height_m.is_finite();
-        let what = if !is_place {
+        let what = if !is_place(&self.place) {
             "a station's place must be finite, its latitude from −π/2 to π/2"
         } else if !(0.0..FRAC_PI_2).contains(&self.min_elevation_rad) {
             "a station's elevation mask must be from 0 to below π/2"
-        } else if !(self.width_px > 0.0 && self.width_px <= 64.0) {
+        } else if !is_width(self.width_px) {
             "the width of a station's lines must be above 0 and at most 64 pixels"
         } else {
             return Ok(());

@@ -1,6 +1,7 @@
 //! What is drawn of a satellite, and how: spans of curves, the footprint, colours and widths.
 
 use super::ink::Ink;
+use super::limits::is_width;
 use crate::gpu::{PassFormat, TrackKinds};
 
 /// Time before and after now that a curve is drawn over.
@@ -131,7 +132,7 @@ impl TrackStyle {
         if half_angle.is_some_and(|angle| !(angle > 0.0 && angle <= std::f64::consts::FRAC_PI_2)) {
             return Err("the half angle of a sensor must be above 0 and at most π/2");
         }
-        if !(self.width_px > 0.0 && self.width_px <= 64.0) {
+        if !is_width(self.width_px) {
             return Err("the width of lines must be above 0 and at most 64 pixels");
         }
         Ok(())
