@@ -250,7 +250,7 @@ impl PyEarth {
             let drawn = earth.draw_truth(&view, &sky, wait);
             Ok(drawn.map_err(of_offscreen)?.0.depth_m())
         })?;
-        pictures::depth(py, size, depth)
+        pictures::plane(py, size, depth)
     }
 
     /// Arrays by name of what is where each pixel looks: all truth layers, or those named. `terrella.truth_layers()` says what they are; NaN

@@ -2,7 +2,7 @@
 
 use crate::errors::of_any;
 use numpy::ndarray::{Array2, Array3};
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray3};
+use numpy::{Element, IntoPyArray, PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray3};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PySlice};
@@ -52,26 +52,14 @@ pub fn light(
     all.get_item((py.Ellipsis(), PySlice::new(py, 0, 3, 1)))
 }
 
-/// Height × width floats.
-pub fn depth(
+/// Height × width values of one kind, such as depths or a converter's numbers, rows from the top.
+pub fn plane<T: Element>(
     py: Python<'_>,
     (width, height): (u32, u32),
-    depth_m: Vec<f32>,
-) -> PyResult<Bound<'_, PyArray2<f32>>> {
+    values: Vec<T>,
+) -> PyResult<Bound<'_, PyArray2<T>>> {
     let shape = (height as usize, width as usize);
-    Ok(Array2::from_shape_vec(shape, depth_m)
-        .map_err(of_any)?
-        .into_pyarray(py))
-}
-
-/// Numbers of a converter, rows from the top.
-pub fn numbers(
-    py: Python<'_>,
-    (width, height): (u32, u32),
-    numbers: Vec<u16>,
-) -> PyResult<Bound<'_, PyArray2<u16>>> {
-    let shape = (height as usize, width as usize);
-    Ok(Array2::from_shape_vec(shape, numbers)
+    Ok(Array2::from_shape_vec(shape, values)
         .map_err(of_any)?
         .into_pyarray(py))
 }

@@ -160,7 +160,7 @@ impl PyScene {
         let depth = self.pictures.with(py, |pictures| {
             Ok(pictures.draw_truth(shot).map_err(of_play)?.0.depth_m())
         })?;
-        pictures::depth(py, size, depth)
+        pictures::plane(py, size, depth)
     }
 
     /// Arrays by name of what is where each pixel looks, without craft: all truth layers, or those named.
@@ -197,7 +197,7 @@ impl PyScene {
         let frame = self
             .pictures
             .with(py, |pictures| pictures.draw_raw(epoch).map_err(of_play))?;
-        pictures::numbers(py, (frame.width, frame.height), frame.data)
+        pictures::plane(py, (frame.width, frame.height), frame.data)
     }
 
     /// Positions and velocities of the satellites, metres and metres a second: satellites × instants × 3 each. `frame` is itrf, teme, gcrf,
