@@ -137,6 +137,8 @@ fn a_pack_is_reported_by_its_tiles() {
         "1",
         "--heights",
         "3000",
+        "--sweeps",
+        "tile_level",
     ]);
     let rows = rows(&place.path("out"));
     assert!(rows.iter().all(|row| row[1] != "texture_level"));
@@ -226,6 +228,11 @@ fn what_cannot_be_reported_is_told_before_drawing() {
             2,
             &["report", "small.toml", "-o", "out", "--size", "0x9"],
             "width",
+        ),
+        (
+            2,
+            &["report", "small.toml", "-o", "out", "--sweeps", "colour"],
+            "must be one of subdivision",
         ),
         (
             2,
@@ -419,9 +426,15 @@ fn relief_is_left_out_with_a_word() {
         "1",
         "--heights",
         "1000",
+        "--sweeps",
+        "shading",
     ]);
     assert!(words(&output).contains("--surfaces"), "{}", words(&output));
     let page = read(&place.path("out/index.html"));
     assert!(page.contains("relief is left out"));
-    assert!(!rows(&place.path("out")).is_empty());
+    let rows = rows(&place.path("out"));
+    let settings: Vec<_> = rows.iter().map(|row| row[1].as_str()).collect();
+    assert_eq!(settings, ["scene", "shading", "shading"]);
+    // Formulas and extreme views are no settings of the scene.
+    assert_eq!(read(&place.path("out/methods.csv")).lines().count(), 1);
 }

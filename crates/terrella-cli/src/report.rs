@@ -8,7 +8,7 @@ use clap::Args;
 use std::path::PathBuf;
 use terrella::SurfaceKind;
 use terrella_measure::quality::{QualityError, QualityRequest, study_quality};
-use terrella_measure::report::{ReportError, ReportRequest, report};
+use terrella_measure::report::{PARAMETERS, ReportError, ReportRequest, report};
 use terrella_measure::surfaces::{
     SettingsWanted, SurfacePath, SurfacesError, SurfacesPart, SurfacesRequest, compare_surfaces,
 };
@@ -28,6 +28,9 @@ pub struct ReportArgs {
     /// Three altitudes and fewer values: minutes instead of an hour
     #[arg(long)]
     quick: bool,
+    /// Change only these settings, for example subdivision,shading; no formulas, propagators and extreme views
+    #[arg(long, value_name = "NAME,…", conflicts_with_all = ["surfaces", "quality"], value_delimiter = ',', value_parser = sweep)]
+    sweeps: Vec<&'static str>,
     /// Compare terrain surfaces instead: errors, holes, popping and cost on four flights at 60 frames a second
     #[arg(long, conflicts_with_all = ["repeats", "samples", "heights"])]
     surfaces: bool,
@@ -92,6 +95,7 @@ pub fn run(args: &ReportArgs, common: &Common) -> anyhow::Result<()> {
     let request = ReportRequest {
         folder: &args.output,
         quick: args.quick,
+        sweeps: args.sweeps.clone(),
         size: args.size.unwrap_or((640, 360)),
         repeats: pick(args.repeats, 9, 5),
         samples: pick(args.samples, 4, 3),
@@ -172,6 +176,12 @@ fn surfaces(args: &ReportArgs, common: &Common, flight: &Flight) -> anyhow::Resu
     }
     let page = args.output.join("surfaces.html");
     print(&format!("{}{}\n", study.summary(), page.display()))
+}
+
+/// A setting that reports change.
+fn sweep(text: &str) -> Result<&'static str, String> {
+    let found = PARAMETERS.into_iter().find(|name| *name == text);
+    found.ok_or_else(|| format!("unknown setting; must be one of {}", PARAMETERS.join(", ")))
 }
 
 /// A part of the comparison of surfaces.

@@ -28,7 +28,7 @@ mod standalone;
 mod text;
 mod truth;
 
-pub use change::{SettingChange, SweepPlan, UnavailableSweep};
+pub use change::{PARAMETERS, SettingChange, SweepPlan, UnavailableSweep};
 pub use method_plots::method_plots;
 pub use plots::{Plot, plots};
 pub use rows::{CSV_COLUMNS, MAX_GEOLOCATION_PX, MAX_SILHOUETTE_PX, SweepRow, csv, spread_csv};
@@ -50,6 +50,8 @@ pub struct ReportRequest<'r> {
     pub folder: &'r Path,
     /// Fewer heights and values.
     pub quick: bool,
+    /// Those of [`PARAMETERS`] that are swept, beside the scene as it is and without [`StandaloneStudy`]; none sweeps all.
+    pub sweeps: Vec<&'static str>,
     /// Width and height of the pictures, pixels.
     pub size: (u32, u32),
     /// How often each frame is timed, from 1.

@@ -34,7 +34,7 @@ pub enum SettingChange {
 }
 
 /// Names of everything that is swept, as in the tables.
-pub(super) const PARAMETERS: [&str; 9] = [
+pub const PARAMETERS: [&str; 9] = [
     "subdivision",
     "visibility",
     "texture_level",
@@ -247,6 +247,15 @@ impl SweepPlan {
             changes,
             unavailable,
         }
+    }
+
+    /// Leaves out every setting but the scene's own and those of `parameters`.
+    pub fn keep(&mut self, parameters: &[&str]) {
+        self.changes.retain(|change| {
+            *change == SettingChange::Scene || parameters.contains(&change.parameter())
+        });
+        self.unavailable
+            .retain(|sweep| parameters.contains(&sweep.parameter));
     }
 
     /// Heights that a change is measured from: pictures larger than the scene's take long, and are drawn from few.

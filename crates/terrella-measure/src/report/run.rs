@@ -49,7 +49,11 @@ pub(super) fn run(
         notes.push(note.to_owned());
     }
     let heights_km = request.heights_km.as_deref();
-    let plan = SweepPlan::new(&gpu, &options, request.size, request.quick, heights_km);
+    let mut plan = SweepPlan::new(&gpu, &options, request.size, request.quick, heights_km);
+    let sweeps_all = request.sweeps.is_empty();
+    if !sweeps_all {
+        plan.keep(&request.sweeps);
+    }
     let wanted = |change: &SettingChange| plan.heights_of(change, request.size).len();
     let info = gpu.adapter.get_info();
     let mut study = Study {
@@ -127,7 +131,7 @@ pub(super) fn run(
     }
     progress.end();
     study.notes.append(&mut truths.notes);
-    if study.is_complete() {
+    if study.is_complete() && sweeps_all {
         study.standalone = StandaloneStudy::gather(&gpu, request.quick, request.repeats, progress)?;
     }
     study.is_stopped = progress.cancelled();
