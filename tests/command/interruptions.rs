@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 const SIGNALS: [(&str, i32); 3] = [("-INT", 130), ("-TERM", 143), ("-HUP", 129)];
 
 /// From before there is a scene to amid the work, milliseconds after the start.
-const MOMENTS_MS: [u64; 5] = [10, 60, 200, 600, 1300];
+const MOMENTS_MS: [u64; 3] = [10, 200, 1000];
 
 /// A command that goes on for longer with success has ignored the signal; each takes longer from most of the moments on.
 const FINISHING: Duration = Duration::from_millis(500);
@@ -109,7 +109,7 @@ fn interrupt(arguments: &[&str]) {
         assert_eq!(unfinished(place.folder.path()), [""; 0], "{told}");
     }
     assert!(
-        interrupted >= 3,
+        interrupted >= 2,
         "{arguments:?}: it is too fast for this test: {interrupted}"
     );
 }

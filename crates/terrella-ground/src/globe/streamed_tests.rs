@@ -207,7 +207,7 @@ fn fly(settings: SurfaceSettings, view: &GroundView) {
         } else if quiet == 0 && !flight.stream.is_settled() {
             flight.stream.wait(Duration::from_millis(2));
         }
-        if has_changed && arrivals % 8 == 3 {
+        if has_changed && arrivals % 16 == 3 {
             assert_closed(surface.as_ref(), &format!("after {arrivals} arrivals"));
             assert!(stats.patches > 0);
         }
@@ -349,7 +349,7 @@ fn a_picture_that_is_kept_is_the_same_whatever_was_before() {
             let mut flight = Flight::new();
             let mut surface = settings.make(Figure::Wgs84).expect("sound");
             for view in before {
-                for _ in 0..25 {
+                for _ in 0..12 {
                     flight.tiles.allow(2);
                     flight.frame(surface.as_mut(), view);
                 }

@@ -4,13 +4,12 @@ use super::*;
 
 #[test]
 fn the_drawn_ground_is_closed_everywhere() {
-    for trim in [Trim::Diamond, Trim::Hexagon] {
-        for (lat_deg, lon_deg) in odd_places() {
-            let mut map = clipmap(at_once(5, trim));
-            map.prepare(&over(lat_deg, lon_deg, 3000.0), &HILLS);
-            assert_eq!(map.counts.finest, 5);
-            assert_closed(&map, &format!("{trim:?} {lat_deg}° {lon_deg}°"));
-        }
+    for (nth, (lat_deg, lon_deg)) in odd_places().into_iter().enumerate() {
+        let trim = [Trim::Diamond, Trim::Hexagon][nth % 2];
+        let mut map = clipmap(at_once(5, trim));
+        map.prepare(&over(lat_deg, lon_deg, 3000.0), &HILLS);
+        assert_eq!(map.counts.finest, 5);
+        assert_closed(&map, &format!("{trim:?} {lat_deg}° {lon_deg}°"));
     }
 }
 
