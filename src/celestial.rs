@@ -7,8 +7,10 @@
 //! // once a frame, after Earth::prepare with the same view
 //! celestial.prepare(&queue, &earth, &moment);
 //! // in the pass, after all that is opaque
-//! earth.render(&mut pass);
+//! earth.render_surface(&mut pass);
+//! earth.render_air(&mut pass);
 //! celestial.render(&mut pass);
+//! earth.render_clouds_overhead(&mut pass);
 //! ```
 //!
 //! # How it works

@@ -358,14 +358,17 @@ impl Earth {
         surface_config(&self.device, style, format, &self.quality, air, ground)
     }
 
-    /// Draws what [`Self::prepare`] chose into the host's pass: the surface, seen through the air, then the halo beside it.
-    /// Draw opaque things before, so that the halo lies over those behind the Earth.
+    /// Draws what [`Self::prepare`] chose into the host's pass: the surface, seen through the air, then the halo beside it, and clouds over
+    /// an eye below them. Draw opaque things before, so that the halo lies over those behind the Earth.
+    ///
+    /// A host that draws Sun and stars calls the three parts, and draws those before the third: clouds hide them.
     pub fn render(&self, pass: &mut wgpu::RenderPass<'_>) {
         self.render_surface(pass);
         self.render_air(pass);
+        self.render_clouds_overhead(pass);
     }
 
-    /// The first part of [`Self::render`], for a host that measures them apart.
+    /// The first part of [`Self::render`].
     pub fn render_surface(&self, pass: &mut wgpu::RenderPass<'_>) {
         self.render_surface_of(&self.first, pass);
     }
@@ -373,6 +376,18 @@ impl Earth {
     /// The second part.
     pub fn render_air(&self, pass: &mut wgpu::RenderPass<'_>) {
         self.render_air_of(&self.first, pass);
+    }
+
+    /// The third part: nothing where the eye is above the clouds.
+    pub fn render_clouds_overhead(&self, pass: &mut wgpu::RenderPass<'_>) {
+        self.render_clouds_overhead_of(&self.first, pass);
+    }
+
+    fn render_clouds_overhead_of(&self, view: &EarthView, pass: &mut wgpu::RenderPass<'_>) {
+        if view.drawn.is_some() && view.version == self.first.version {
+            self.surface
+                .render_clouds_overhead(pass, &view.surface, &view.plan);
+        }
     }
 
     fn render_surface_of(&self, view: &EarthView, pass: &mut wgpu::RenderPass<'_>) {

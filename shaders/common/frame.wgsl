@@ -24,6 +24,7 @@ struct FrameUniforms {
     moon_light: f32,
     // Unit vector to the Moon, ITRF axes.
     moon_itrf: vec3f,
-    padding: f32,
+    // How much of the clouds an eye sees before the ground: 1 above them, 0 below.
+    clouds_before: f32,
     shadow: MoonShadow,
 }

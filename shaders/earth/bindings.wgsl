@@ -24,7 +24,7 @@
 @if(sunlit && air) @group(0) @binding(11) var sunlight_table: texture_2d<f32>;
 
 @if(tiles) import rust::{BLOCK_COUNT, MAP_LAYERS};
-@if(parts) import rust::PART_CELL_WORDS;
+@if(parts && tiles) import rust::PART_CELL_WORDS;
 
 // Where each block's texels lie. Mirrored by the buffer of src/gpu/tiles.rs.
 @if(tiles)

@@ -127,7 +127,7 @@ fn left_to_eye(place: SurfacePoint) -> vec3f {
     at.uv = vec2f(0.5 * atan2(at.up.y, at.up.x), -asin(clamp(at.up.z, -1.0, 1.0))) / PI;
     at.center_uv = vec2f(0.5);
     var left = vec3f(1.0);
-    @if(clouds) left -= CLOUD_ALBEDO * cover_at(at, lifted_before(at));
+    @if(clouds) left -= frame.clouds_before * CLOUD_ALBEDO * cover_at(at, lifted_before(at));
     @if(air) left *= through_air_to(at);
     return left;
 }

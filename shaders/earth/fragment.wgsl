@@ -83,7 +83,7 @@ fn fragment(in: Varying) -> Drawn {
     let slope = -vec2f(dot(normal, at.east), dot(normal, at.north)) / dot(normal, at.up);
     @if(water) let land = 1.0 - open_water(at);
     @else let land = 1.0;
-    @if(clouds) let cover = cover_at(at, lifted_before(at));
+    @if(clouds) let cover = frame.clouds_before * cover_at(at, lifted_before(at));
     @else let cover = 0.0;
     var out: Drawn;
     out.place = vec4f(uv, at.range_m, height_m);

@@ -5,7 +5,7 @@
 import rust::PI;
 @if(tiles) import rust::{MAP_LAYERS, TILE_BORDER};
 @if(tiles && relief) import rust::WHOLE_MAP;
-@if(parts) import rust::{BLOCK_COLUMNS, BLOCK_ROWS, PART_INDEX_BITS};
+@if(parts && tiles) import rust::{BLOCK_COLUMNS, BLOCK_ROWS, PART_INDEX_BITS};
 
 @if(tiles && !parts)
 fn map_placement(layer: u32, at: SurfacePoint) -> vec4f {
@@ -20,7 +20,12 @@ struct MapPlacement {
     array_layer: u32,
 }
 
-@if(parts)
+@if(parts && !tiles)
+fn map_placement(layer: u32, at: SurfacePoint) -> MapPlacement {
+    return MapPlacement(vec4f(at.center_uv, 1.0, 1.0), 0u);
+}
+
+@if(parts && tiles)
 fn map_placement(layer: u32, at: SurfacePoint) -> MapPlacement {
     @if(relief) if at.block >= WHOLE_MAP { return MapPlacement(vec4f(at.center_uv, 1.0, 1.0), 0u); }
     let of_block = tiles.placements[at.block * MAP_LAYERS + layer];

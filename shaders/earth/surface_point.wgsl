@@ -59,7 +59,7 @@ fn pixel_ray(pixel: vec2f) -> vec3f {
 }
 
 // What follows from a point's normal `up` and its distance, `radii` equatorial radii times the ray's length.
-@if(!points)
+@if(!points && !overhead)
 fn point_on_ray(in: Varying, ray: vec3f, radii: f32, up: vec3f) -> SurfacePoint {
     var out = seen_along(ray, radii, up);
     let angles = longitude_latitude(in, up, max(length(up.xy), 1e-7));
@@ -80,7 +80,8 @@ fn seen_along(ray: vec3f, radii: f32, up: vec3f) -> SurfacePoint {
     out.north = cross(up, out.east);
 
     // The neighbour pixel's ray on the tangent plane: r − ray·(up·r)/(up·ray), times the distance in radii.
-    let facing = min(dot(up, ray), -0.02 * length(ray));
+    @if(overhead) let facing = max(dot(up, ray), 0.02 * length(ray));
+    @else let facing = min(dot(up, ray), -0.02 * length(ray));
     let dx = radii * (frame.pixel_right - ray * (dot(up, frame.pixel_right) / facing));
     let dy = radii * (frame.pixel_down - ray * (dot(up, frame.pixel_down) / facing));
     let to_uv = vec2f(0.5, -1.0) / PI;

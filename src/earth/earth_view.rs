@@ -238,5 +238,6 @@ impl Earth {
     pub fn render_view(&self, view: &EarthView, pass: &mut wgpu::RenderPass<'_>) {
         self.render_surface_of(view, pass);
         self.render_air_of(view, pass);
+        self.render_clouds_overhead_of(view, pass);
     }
 }

@@ -352,9 +352,9 @@ fn uniforms(plan: &AirPlan, frame: &FrameUniforms, textures: &AirTextures) -> Ai
     let (limb_sin, limb_cos) = ring.limb();
     let coefficients = textures.model().rgb();
     let clouds = textures.above_clouds();
-    let above_clouds = clouds.map_or(DVec3::ONE, |clouds| {
+    let before_clouds = clouds.map_or(DVec3::ONE, |clouds| {
         let eye_m = (ring.eye_distance - 1.0) * terrella_ground::air::RADIUS_M;
-        textures.model().part_above(clouds.height_m, eye_m)
+        textures.model().part_before(clouds.height_m, eye_m)
     });
     let per_radius = |per_m: DVec3| (per_m * terrella_ground::air::RADIUS_M).as_vec3();
     AirUniforms {
@@ -382,7 +382,7 @@ fn uniforms(plan: &AirPlan, frame: &FrameUniforms, textures: &AirTextures) -> Ai
         padding_a: 0.0,
         moon_level,
         padding_b: 0.0,
-        above_clouds: above_clouds.as_vec3(),
+        before_clouds: before_clouds.as_vec3(),
         padding_c: 0.0,
         sky_albedo_of_clouds: clouds.map_or(Vec3::ZERO, |clouds| clouds.sky_albedo),
         padding_d: 0.0,

@@ -19,10 +19,12 @@ pub(super) enum PassKind {
     Eclipsed,
     /// City lights as points, over all of it.
     CityLights,
+    /// Clouds in the sky over an eye below them.
+    CloudsOverhead,
 }
 
 impl PassKind {
-    pub const COUNT: usize = 7;
+    pub const COUNT: usize = 8;
     pub const ALL: [Self; Self::COUNT] = [
         Self::Everything,
         Self::Daylit,
@@ -31,6 +33,7 @@ impl PassKind {
         Self::OpenSea,
         Self::Eclipsed,
         Self::CityLights,
+        Self::CloudsOverhead,
     ];
 
     /// What a draw of a frame is drawn by.
@@ -48,7 +51,7 @@ impl PassKind {
     /// What draws the same where that is not to be had.
     pub fn instead(self) -> Option<Self> {
         match self {
-            Self::Everything | Self::CityLights => None,
+            Self::Everything | Self::CityLights | Self::CloudsOverhead => None,
             Self::Daylit | Self::Eclipsed => Some(Self::Everything),
             Self::Interpolated => Some(Self::Daylit),
             Self::Land | Self::OpenSea => Some(Self::Interpolated),

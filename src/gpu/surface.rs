@@ -224,7 +224,8 @@ impl SurfaceDrawable {
         if !points.is_none_or(|points| points.are_ready(&plan.city_lights)) {
             return false;
         }
-        let mut kinds = kinds.chain(city_lights);
+        let overhead = self.clouds_overhead_of(plan);
+        let mut kinds = kinds.chain(city_lights).chain(overhead);
         kinds.all(|kind| {
             self.pipelines.pass(side, kind).is_some() && view.group(side, kind).is_some()
         })
@@ -236,6 +237,13 @@ impl SurfaceDrawable {
         let is_drawn = !plan.city_lights.is_empty()
             && self.city_lights.is_some()
             && self.pipelines.has(side_of(plan), kind);
+        is_drawn.then_some(kind)
+    }
+
+    /// What draws clouds over the eye of a plan, if there are any.
+    fn clouds_overhead_of(&self, plan: &FramePlan) -> Option<PassKind> {
+        let kind = PassKind::CloudsOverhead;
+        let is_drawn = plan.is_below_clouds && self.pipelines.has(side_of(plan), kind);
         is_drawn.then_some(kind)
     }
 
@@ -257,7 +265,8 @@ impl SurfaceDrawable {
         if let Some(points) = self.city_lights.as_mut().filter(|_| city_lights.is_some()) {
             points.make_ready(device, &plan.city_lights);
         }
-        let wanted: Vec<_> = kinds.chain(city_lights).collect();
+        let kinds = kinds.chain(city_lights);
+        let wanted: Vec<_> = kinds.chain(self.clouds_overhead_of(plan)).collect();
         let maker = self.maker(view);
         let missing = wanted.iter().map(|kind| (side, *kind));
         self.pipelines
@@ -353,6 +362,27 @@ impl SurfaceDrawable {
                 let maps = draw.block.map_or(whole, |block| tiles.bind_group(block));
                 pass.set_bind_group(1, maps, &[]);
             }),
+        }
+    }
+
+    /// Draws the clouds over the eye of the plan that was written to a view last, over the sky.
+    pub fn render_clouds_overhead(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        view: &SurfaceView,
+        plan: &FramePlan,
+    ) {
+        let side = side_of(plan);
+        let drawn = self.clouds_overhead_of(plan).and_then(|kind| {
+            let pass = self.pipelines.pass(side, kind)?;
+            Some((pass, view.group(side, kind)?))
+        });
+        if let Some((drawn, group)) = drawn {
+            let (Imagery::Whole(maps) | Imagery::Tiles { whole: maps, .. }) = &self.imagery;
+            pass.set_pipeline(&drawn.pipeline);
+            pass.set_bind_group(0, group, &[]);
+            pass.set_bind_group(1, maps, &[]);
+            pass.draw(0..3, 0..1);
         }
     }
 

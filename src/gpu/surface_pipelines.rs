@@ -229,6 +229,7 @@ impl SurfaceMaker {
                     PassKind::OpenSea => of_one_kind.map(|(_, open_sea)| open_sea),
                     PassKind::Eclipsed => all.eclipsed().filter(|_| config.light.eclipses),
                     PassKind::CityLights => city_lights,
+                    PassKind::CloudsOverhead => all.clouds_overhead(config.light.eclipses),
                 },
                 pass: None,
             })
@@ -273,6 +274,12 @@ impl SurfaceMaker {
         if variant.form == VertexForm::CityPoints {
             description.buffers = &CityPoints::BUFFERS;
             description.primitive = CityPoints::PRIMITIVE;
+            description.writes_depth = false;
+            description.blend = Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING);
+        }
+        if variant.form == VertexForm::Sky {
+            description.buffers = &[];
+            description.primitive = wgpu::PrimitiveState::default();
             description.writes_depth = false;
             description.blend = Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING);
         }

@@ -64,6 +64,8 @@ pub(crate) struct FramePlan {
     pub daylit: BlockSet,
     /// Whether the Moon's shadow may be in view.
     pub has_moon_shadow: bool,
+    /// Whether the eye is below the clouds, or so near above that they are seen from below too.
+    pub is_below_clouds: bool,
     /// The ring that carries the air's halo; `None` without air.
     pub air: Option<AirPlan>,
 }
@@ -92,6 +94,7 @@ impl FramePlan {
             city_lights: Vec::with_capacity(CITY_CELLS),
             daylit: BlockSet::default(),
             has_moon_shadow: false,
+            is_below_clouds: false,
             air: None,
         }
     }
@@ -105,6 +108,7 @@ impl FramePlan {
         self.city_lights.clear();
         self.daylit = BlockSet::default();
         self.has_moon_shadow = false;
+        self.is_below_clouds = false;
         self.air = None;
     }
 
@@ -118,9 +122,15 @@ impl FramePlan {
         DrawCosts {
             draw_calls: (self.draws.len()
                 + self.city_lights.len()
+                + usize::from(self.is_below_clouds)
                 + usize::from(air.is_some())
                 + usize::from(glow.is_some())) as u32,
-            triangles: surface.chain(city_lights).chain(air).chain(glow).sum(),
+            triangles: surface
+                .chain(city_lights)
+                .chain(air)
+                .chain(glow)
+                .chain(self.is_below_clouds.then_some(1))
+                .sum(),
         }
     }
 

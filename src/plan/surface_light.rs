@@ -143,6 +143,9 @@ impl LightEffects {
 
 /// Radiance of the brightest texels of the night map, a white sheet that faces the Sun in space being 1.
 ///
+/// How far above and below the clouds an eye still sees them from both sides, metres, at most.
+const CLOUD_FADE_M: f64 = 200.0;
+
 /// The Day/Night Band of VIIRS (0.5 to 0.9 µm) finds 50 to 150 nW/(cm² sr) over the hearts of large cities at the scale of
 /// some kilometres (Miller et al. 2013, Remote Sens. 5, 6717; Elvidge et al. 2017, Int. J. Remote Sens. 38, 5860), here 80,
 /// that is 8e-4 W/(m² sr). In that band the Sun gives some 620 W/m², and a white sheet 620/π = 197 W/(m² sr).
@@ -228,6 +231,15 @@ impl SurfaceLight {
     /// Radiance of the brightest city lights.
     pub(crate) fn lamp_light(&self) -> f64 {
         CITY_RADIANCE * self.night_gain
+    }
+
+    /// How much of the clouds an eye at a height sees before the ground: 1 above them, 0 below. It changes within a part of their height, as
+    /// they have no thickness to fly through.
+    pub(crate) fn clouds_before(&self, eye_height_m: f64) -> f64 {
+        let within_m = CLOUD_FADE_M.min(0.1 * self.cloud_height_m);
+        let x = 0.5 + 0.5 * (eye_height_m - self.cloud_height_m) / within_m;
+        let x = x.clamp(0.0, 1.0);
+        x * x * (3.0 - 2.0 * x)
     }
 
     /// As the shader takes it.

@@ -32,8 +32,8 @@ pub struct FrameUniforms {
     pub moon_light: f32,
     /// Unit vector to the Moon, ITRF axes.
     pub moon_itrf: Vec3,
-    /// Fills the row.
-    pub padding: f32,
+    /// How much of the clouds the eye sees before the ground: 1 above them, 0 below.
+    pub clouds_before: f32,
     /// Of the Moon; read where it reaches what is in view.
     pub shadow: MoonShadowUniforms,
 }
@@ -119,8 +119,9 @@ pub struct AirUniforms {
     pub moon_level: Vec3,
     /// Fills the row.
     pub padding_b: f32,
-    /// Of the optical depth between an eye in the air and the ground, the part that lies above the clouds.
-    pub above_clouds: Vec3,
+    /// Of the optical depth between an eye in the air and the ground, the part that is before the clouds; between an eye below them and
+    /// space likewise.
+    pub before_clouds: Vec3,
     /// Fills the row.
     pub padding_c: f32,
     /// The part of light going up from the clouds that the air above them sends back.

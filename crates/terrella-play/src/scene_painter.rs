@@ -382,11 +382,12 @@ impl ScenePainter {
         self.earth.render_air(pass);
     }
 
-    /// Draws what is beyond the Earth, and tracks, which come last.
+    /// Draws what is beyond the Earth, clouds before it, and tracks, which come last.
     pub fn render_beyond(&self, pass: &mut wgpu::RenderPass<'_>) {
         if let Some(sky) = self.sky.as_ref().filter(|_| !self.hides_sky) {
             sky.render(pass);
         }
+        self.earth.render_clouds_overhead(pass);
         if let Some(tracks) = self.tracks.as_ref().filter(|tracks| tracks.is_shown()) {
             tracks.render(pass);
         }

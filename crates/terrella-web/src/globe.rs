@@ -304,8 +304,10 @@ impl Globe {
         }
         let (earth, celestial, tracks) = (&self.earth, &self.celestial, &self.tracks);
         let drawn = self.canvas.draw(|pass| {
-            earth.render(pass);
+            earth.render_surface(pass);
+            earth.render_air(pass);
             celestial.render(pass);
+            earth.render_clouds_overhead(pass);
             if let Some(tracks) = tracks {
                 tracks.render(pass);
             }

@@ -41,8 +41,9 @@ struct AirUniforms {
     // Horizontally towards the Moon at the eye, as for the Sun.
     moon_level: vec3f,
     padding_b: f32,
-    // Of the optical depth between an eye in the air and the ground, the part that lies above the clouds.
-    above_clouds: vec3f,
+    // Of the optical depth between an eye in the air and the ground, the part that is before the clouds; between an eye below them and
+    // space likewise.
+    before_clouds: vec3f,
     padding_c: f32,
     // The part of light going up from the clouds that the air above them sends back.
     sky_albedo_of_clouds: vec3f,

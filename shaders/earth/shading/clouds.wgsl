@@ -32,9 +32,9 @@ struct CloudsBefore {
 fn clouds_before(at: SurfacePoint) -> CloudsBefore {
     let lift = lifted_before(at);
     let mapped = mapped_cover(at, lift);
-    @if(!detail) return CloudsBefore(mapped, CLOUD_ALBEDO * mapped, lift);
+    @if(!detail) return CloudsBefore(mapped, frame.clouds_before * CLOUD_ALBEDO * mapped, lift);
     @if(detail) let cover = cover_with_detail(at, lift, mapped);
-    @if(detail) return CloudsBefore(cover, mapped, CLOUD_ALBEDO * cover, lift);
+    @if(detail) return CloudsBefore(cover, mapped, frame.clouds_before * CLOUD_ALBEDO * cover, lift);
 }
 
 // What they throw back of the light of a Sun, which falls on them at this cosine, and of its sky.
@@ -71,7 +71,7 @@ fn clouds_seen(at: SurfacePoint, clouds: CloudsBefore, ground: AirBefore) -> vec
     @if(moonlight) color += frame.moon_light * moonlit_clouds(clouds, of_moon, about);
     @if(moonlight) added += frame.moon_light * added_above_clouds(of_moon, about);
     var before = AirBefore(air_.through, added);
-    @if(inside) before = thinned(ground, air.above_clouds);
+    @if(inside) before = thinned(ground, air.before_clouds);
     @if(eclipse) color *= sun_left_to_clouds(clouds);
     @if(eclipse) before.light *= sun_on_air_before(at);
     return before.through * color + clouds.albedo * before.light;

@@ -32,6 +32,8 @@ pub enum VertexForm {
     },
     /// City lights, points that are drawn over the block sphere.
     CityPoints,
+    /// No mesh: all of the sky, for clouds in it.
+    Sky,
     /// Prisms behind which rays are cast at pages of contours. Each lies in one block.
     ContourPrisms {
         /// Whether blocks have tiles.
@@ -198,6 +200,30 @@ impl EarthVariant {
         }
     }
 
+    /// The clouds of what is drawn so in the sky, seen from below; `None` where there are none, or no eye is below them.
+    pub fn clouds_overhead(self, eclipse: bool) -> Option<Self> {
+        match self.output {
+            EarthOutput::Picture(ShadingVariant::Sunlit(layers), target)
+                if layers.clouds && layers.air != Some(AirSide::Outside) =>
+            {
+                let shown = LightEffects::of(&[LightEffect::Detail, LightEffect::Moonlight]);
+                let layers = SunlitLayers {
+                    clouds: true,
+                    effects: layers.effects.and(shown),
+                    eclipse,
+                    air: layers.air,
+                    ..SunlitLayers::default()
+                };
+                Some(Self {
+                    form: VertexForm::Sky,
+                    output: EarthOutput::Picture(ShadingVariant::Sunlit(layers), target),
+                    ..self
+                })
+            }
+            _ => None,
+        }
+    }
+
     /// The same without the map of city lights.
     pub fn without_night_map(self) -> Self {
         let without = self.with_sunlit(|layers| {
@@ -264,7 +290,7 @@ impl VertexForm {
             Self::BlockLattice { tiles } | Self::ProjectedGrid { tiles } => tiles,
             Self::ContourPrisms { tiles, .. } => tiles,
             Self::ReliefPatches(tiles) => tiles != PatchTiles::None,
-            Self::CityPoints => false,
+            Self::CityPoints | Self::Sky => false,
         }
     }
 
@@ -414,8 +440,15 @@ impl ShaderVariant for EarthVariant {
         open_sea.sort_unstable();
         open_sea.dedup();
         let city_lights = outputs_of_city_lights().map(Self::of_city_lights);
+        let mut overhead: Vec<_> = SWITCH
+            .into_iter()
+            .flat_map(|eclipse| all.iter().filter_map(move |v| v.clouds_overhead(eclipse)))
+            .collect();
+        overhead.sort_unstable();
+        overhead.dedup();
         let all = all.into_iter().chain(interpolated);
-        all.chain(open_sea).chain(city_lights).collect()
+        let all = all.chain(open_sea).chain(city_lights);
+        all.chain(overhead).collect()
     }
 
     fn needs(&self) -> Vec<ShaderCapability> {
@@ -458,9 +491,13 @@ impl ShaderVariant for EarthVariant {
             ("grid", matches!(form, Form::ProjectedGrid { .. })),
             ("cast", matches!(form, Form::ContourPrisms { .. })),
             ("points", form == Form::CityPoints),
+            ("overhead", form == Form::Sky),
             (
                 "relief",
-                !matches!(form, Form::BlockLattice { .. } | Form::CityPoints),
+                !matches!(
+                    form,
+                    Form::BlockLattice { .. } | Form::CityPoints | Form::Sky
+                ),
             ),
             (
                 "depth",

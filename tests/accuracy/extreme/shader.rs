@@ -92,7 +92,7 @@ fn on_the_adapter(pixels: &[PixelRay]) -> Vec<Placed> {
             pixel_down: Vec3::ZERO,
             moon_light: 0.0,
             moon_itrf: Vec3::X,
-            padding: 0.0,
+            clouds_before: 1.0,
             shadow: bytemuck::Zeroable::zeroed(),
         };
         queue.write_buffer(&frame, 0, bytemuck::bytes_of(&values));

@@ -61,6 +61,7 @@ fn structs_match_the_shaders() {
             pixel_down,
             moon_light,
             moon_itrf,
+            clouds_before,
             shadow
         ]
     );
@@ -152,7 +153,7 @@ fn structs_match_the_shaders() {
             moon_light,
             moon,
             moon_level,
-            above_clouds,
+            before_clouds,
             sky_albedo_of_clouds,
             shadow
         ]

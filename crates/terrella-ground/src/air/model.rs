@@ -152,12 +152,9 @@ impl AirModel {
         &self.rgb
     }
 
-    /// The part of the vertical optical depth between an eye and the ground that lies above a layer, heights in metres; 1 where the eye
-    /// is not above it.
-    pub fn part_above(&self, layer_m: f64, eye_m: f64) -> DVec3 {
-        if eye_m <= layer_m {
-            return DVec3::ONE;
-        }
+    /// The part of a vertical optical depth that is before a layer, heights in metres: between an eye above it and the ground, and between
+    /// an eye below it and space.
+    pub fn part_before(&self, layer_m: f64, eye_m: f64) -> DVec3 {
         let between = |low_m: f64, high_m: f64| {
             let column_m =
                 |density: fn(f64) -> f64| profile::column_between_m(density, low_m, high_m);
@@ -165,8 +162,14 @@ impl AirModel {
                 + self.rgb.ozone * column_m(profile::ozone)
                 + self.rgb.aerosol_extinction * column_m(profile::aerosol)
         };
-        let above = between(layer_m, eye_m);
-        above / (above + between(0.0, layer_m))
+        let (before, beyond) = match eye_m > layer_m {
+            true => (between(layer_m, eye_m), between(0.0, layer_m)),
+            false => (
+                between(eye_m, layer_m),
+                between(layer_m, profile::THICKNESS_M),
+            ),
+        };
+        before / (before + beyond)
     }
 
     /// Scattering by molecules and aerosol at radius `r` as shaders have it, per equatorial radius, RGB.

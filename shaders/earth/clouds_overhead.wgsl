@@ -1,0 +1,119 @@
+// Clouds as an eye below them sees them in the sky: the same layer from beneath, over everything behind it.
+//
+// Of sunlight at the cosine μ a layer throws back ρ(μ), lets exp(−1.85 x/μ) through as it is (delta-Eddington, see shading/clouds.wgsl), and
+// scatters the rest downwards, thin clouds most of it forwards. Light of the ground below comes back from its underside.
+import common/displayed.wgsl;
+import earth/shading/clouds.wgsl;
+import earth/shading/light.wgsl;
+@if(air) import rust::DAY;
+
+struct Varying {
+    @builtin(position) clip: vec4f,
+}
+
+// At the farthest depth: all that stands before the sky hides it.
+@vertex
+fn vertex(@builtin(vertex_index) index: u32) -> Varying {
+    return Varying(vec4f(f32(index & 1u) * 4.0 - 1.0, f32(index >> 1u) * 4.0 - 1.0, 0.0, 1.0));
+}
+
+// Lowest angle at which the layer is looked through, sine: it is not as flat as a sheet.
+const LOWEST_SIGHT: f32 = 0.03;
+// Asymmetry of what delta-Eddington leaves of the scattering, g/(1 + g) with g = 0.85.
+const SCALED_ASYMMETRY: f32 = 0.459;
+// How much thicker a layer is for that than for two streams, (1 − g²)/(1 − g).
+const SCALED_DEPTH: f32 = 1.85;
+// Sines of the Sun's height between which it comes to light the upper side instead of the underside.
+const UNDERSIDE_LIT: vec2f = vec2f(-0.03, 0.06);
+
+@fragment
+fn fragment(in: Varying) -> @location(0) vec4f {
+    let ray = pixel_ray(in.clip.xy);
+    let stretch = vec3f(1.0, 1.0, frame.polar_stretch);
+    let stretched = ray * stretch;
+    let direction = normalize(stretched);
+    let rise = dot(frame.eye_scaled, direction);
+    // (1 + h)² − L² without cancellation.
+    let top = surface_light.cloud_height * (2.0 + surface_light.cloud_height);
+    let between = max(top - frame.above, 0.0);
+    let meets_ground = rise < 0.0 && rise * rise >= frame.above;
+    let root = sqrt(rise * rise + between);
+    let distance = select(root - rise, between / max(root + rise, 1e-9), rise > 0.0);
+    let place = frame.eye_scaled + distance * direction;
+    let up = normalize(place * stretch);
+
+    var at = seen_along(ray, distance / length(stretched), up);
+    at.uv = vec2f(0.5 * atan2(up.y, up.x), -asin(clamp(up.z, -1.0, 1.0))) / PI;
+    at.center_uv = vec2f(0.5);
+    let lift = Lifted(up, vec2f(0.0));
+    let mapped = mapped_cover(at, lift);
+    @if(detail) let cover = cover_with_detail(at, lift, mapped);
+    @else let cover = mapped;
+    let albedo = CLOUD_ALBEDO * cover * (1.0 - frame.clouds_before);
+    @if(detail) let clouds = CloudsBefore(cover, mapped, albedo, lift);
+    @else let clouds = CloudsBefore(cover, albedo, lift);
+    if meets_ground || albedo <= 0.0 {
+        discard;
+    }
+
+    let thickness = SCALED_DEPTH * 4.0 / 3.0 * albedo / (1.0 - albedo);
+    let through = exp(-thickness / max(dot(normalize(ray), up), LOWEST_SIGHT));
+    var color = light_from_below(at, clouds, thickness, through, frame.sun_itrf);
+    @if(moonlight) color += frame.moon_light * light_from_below(at, clouds, thickness, through, frame.moon_itrf);
+    // Without a shadow in view there is no Moon.
+    @if(eclipse) if frame.shadow.radius > 0.0 { color *= sun_left_to_clouds(clouds); }
+    @if(air) color = behind_air(color, direction, at.center_uv + at.uv, 1.0 - through);
+    return vec4f(displayed(color, frame.exposure, in.clip.xy), 1.0 - through);
+}
+
+// What the layer sends down to the eye of the light of a Sun in this direction, its sky and the ground; `through` is the part of what is
+// behind that shows as it is.
+fn light_from_below(at: SurfacePoint, clouds: CloudsBefore, thickness: f32, through: f32, sun: vec3f) -> vec3f {
+    let mu = dot(clouds.lift.up, sun);
+    let above = max(mu, CLOUD_SIDES);
+    let light = light_on_layer(at, mu);
+    let back = sunlit_albedo(clouds.albedo, above);
+    let down = max(1.0 - back - exp(-thickness / above), 0.0);
+    let cosine = dot(-normalize(at.to_eye), sun);
+    let g = SCALED_ASYMMETRY;
+    let forward = (1.0 - g * g) / pow(1.0 + g * g - 2.0 * g * cosine, 1.5);
+    // Scattered more than once, it comes alike from everywhere.
+    let spread = mix(1.0, forward, exp(-thickness));
+    // A Sun at the horizon lights what hangs down of the underside.
+    let lit_above = smoothstep(UNDERSIDE_LIT.x, UNDERSIDE_LIT.y, mu);
+    var color = light.sun * mix(back * CLOUD_SIDES, down * above * spread, lit_above);
+    // What of the sky's light is not seen in its own direction.
+    color += light.sky * max(1.0 - clouds.albedo - through, 0.0);
+    let on_ground = (1.0 - back) * above * lit_above * light.sun + light.sky;
+    @if(air) color += clouds.albedo * sent_up_by(ground_below(at), vec3f(clouds.albedo)) * on_ground;
+    return color;
+}
+
+// Of the Earth's circumference, 300 km: as far about a place as its ground lights the clouds.
+@if(air) const GROUND_ABOUT: f32 = 0.0075;
+
+// Mean colour of the ground.
+@if(air)
+fn ground_below(at: SurfacePoint) -> vec3f {
+    var about = at;
+    about.uv_dx = vec2f(GROUND_ABOUT, 0.0);
+    about.uv_dy = vec2f(0.0, 2.0 * GROUND_ABOUT);
+    return sample_map(day_map, day_sampler, DAY, about).rgb;
+}
+
+@if(air)
+fn light_on_layer(at: SurfacePoint, mu: f32) -> Light {
+    return Light(sunlight(mu, OF_CLOUDS), sunlight(mu, OF_SKY_ON_CLOUDS));
+}
+@else
+fn light_on_layer(at: SurfacePoint, mu: f32) -> Light {
+    return light_on_clouds(mu);
+}
+
+// Behind the air that is before the layer, which hides this part of the air beyond it.
+@if(air)
+fn behind_air(color: vec3f, direction: vec3f, uv: vec2f, hidden: f32) -> vec3f {
+    let column = view_column(direction);
+    let before = thinned(AirBefore(through_seen(column), seen(column, direction, uv).rgb), air.before_clouds);
+    return before.through * color + hidden * before.light;
+}
