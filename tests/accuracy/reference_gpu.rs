@@ -10,7 +10,7 @@ use terrella_measure::reference::{Reference, ReferenceOptions};
 use terrella_play::scene::Scene;
 use terrella_play::{Flight, Moment, OffscreenRenderer};
 
-const SIZE: (u32, u32) = (160, 90);
+const SIZE: (u32, u32) = (112, 63);
 
 /// An adapter as the other picture tests choose it; `None`, said loudly, where there is none at all.
 fn adapter() -> Option<GpuContext> {
@@ -53,12 +53,13 @@ fn flight(text: &str) -> Flight {
     Flight::open(Scene::from_toml(text, &path).expect("a scene")).expect("opens")
 }
 
-/// Most mean FLIP and root mean square, of 255, by name: a tenth above what was measured, 0.0278 and 2.76, 0.0136 and 3.57,
-/// 0.0234 and 3.64. Of the disc it is how maps are filtered: its mean is right to 0.1 of 255.
-const BOUNDS: [(&str, f32, f64); 3] = [
-    ("space station", 0.0306, 3.04),
-    ("whole disc", 0.0150, 3.93),
-    ("limb at night", 0.0258, 4.0),
+/// Most mean FLIP and root mean square, of 255, by name: a tenth above what was measured. Of the disc it is how maps are filtered: its mean is
+/// right to 0.1 of 255. Grey clouds show a difference in colour more than anything: theirs is 4 of 255.
+const BOUNDS: [(&str, f32, f64); 4] = [
+    ("space station", 0.0371, 3.82),
+    ("whole disc", 0.0171, 4.2),
+    ("limb at night", 0.042, 5.97),
+    ("below clouds", 0.107, 3.27),
 ];
 
 /// Options, and moments by name.
@@ -74,7 +75,8 @@ fn scenes() -> Vec<(&'static str, EarthOptions, Moment)> {
             .expect("a moment");
         (name, options, moment)
     };
-    let iss = std::fs::read_to_string(Path::new(crate::REPOSITORY).join("config/iss.toml"));
+    let read = |name: &str| std::fs::read_to_string(Path::new(crate::REPOSITORY).join(name));
+    let (iss, below_clouds) = (read("config/iss.toml"), read("config/below_clouds.toml"));
     let disc = "[time]\nstart = \"2018-01-15T09:00:00Z\"\n[camera]\nlat_deg = 20\nlon_deg = 30\nheight_km = 20000\n";
     let (_, options, mut night) = of("", disc);
     // Over Europe's cities, the limb towards a Sun that is 25° below the horizon.
@@ -90,6 +92,7 @@ fn scenes() -> Vec<(&'static str, EarthOptions, Moment)> {
         of("space station", &iss.expect("a scene")),
         of("whole disc", disc),
         ("limb at night", options, night),
+        of("below clouds", &below_clouds.expect("a scene")),
     ]
 }
 

@@ -36,6 +36,7 @@ mod air;
 #[cfg(test)]
 mod air_tests;
 mod all_orders;
+mod clouds_from_below;
 mod field;
 mod geometry;
 mod grid;

@@ -1,6 +1,6 @@
 //! One picture of a reference: rays, and how finely each looks at the maps.
 
-use super::geometry::{Rays, ScaledRay};
+use super::geometry::{Rays, ScaledRay, half_chord};
 use super::path::Path;
 use super::relief::{relief_distance_m, slope};
 use super::shading::{AirFactors, CloudFactors, GroundShader};
@@ -33,6 +33,8 @@ pub(super) struct RayCaster<'r> {
     /// The eye in scaled space, and as the air sees it: lifted to the ground if it lies below.
     eye: DVec3,
     eye_in_air: DVec3,
+    /// Height of the clouds over the eye, equatorial radii; `None` where it is above them or there are none.
+    clouds_overhead: Option<f64>,
     sun: DVec3,
     sun_scaled: DVec3,
     /// Texels of the finest map per radian of longitude and of latitude.
@@ -105,6 +107,9 @@ impl<'r> RayCaster<'r> {
             scale,
             eye,
             eye_in_air,
+            clouds_overhead: ground
+                .cloud_height()
+                .filter(|height| eye.length() < 1.0 + height),
             sun: sky.sun_itrf,
             sun_scaled,
             texels_per_rad: (f64::from(width) / (2.0 * PI), f64::from(height) / PI),
@@ -123,7 +128,10 @@ impl<'r> RayCaster<'r> {
         let hit = self.hit(&line, direction);
         let in_air = ScaledRay::new(self.eye_in_air, scaled);
         let mut light = DVec3::ZERO;
-        let mut factors = AirFactors::NONE;
+        let mut factors = AirFactors {
+            sees_clouds: self.clouds_overhead.is_none(),
+            ..AirFactors::NONE
+        };
         let until = match &hit {
             Some(hit) if hit.is_relief => hit.distance,
             _ => f64::INFINITY,
@@ -148,11 +156,36 @@ impl<'r> RayCaster<'r> {
         }
         if let Some(hit) = &hit {
             light += self.ground_light(part, direction, &line, hit, &factors);
+        } else if let Some(height) = self.clouds_overhead {
+            light = self.behind_clouds(light, height, &in_air, direction);
         }
         RaySample {
             light,
             is_ground: hit.is_some(),
         }
+    }
+
+    /// The sky's light in a direction with the clouds before a part of it.
+    fn behind_clouds(&self, sky: DVec3, height: f64, ray: &ScaledRay, direction: DVec3) -> DVec3 {
+        let top = 1.0 + height;
+        let distance = ray.along + half_chord(top, ray.nearest);
+        let up = (ray.point(distance) / self.scale).normalize();
+        let albedo = self.ground.albedo_about(up);
+        let direction = direction.normalize();
+        let Some(cloud) = self.ground.clouds_from_below(up, direction, self.sun) else {
+            return sky;
+        };
+        let mut before = (DVec3::ONE, DVec3::ZERO);
+        if let Some(earth) = self.ground.air()
+            && let Some(path) = Path::until(ray, earth.air.top, distance)
+        {
+            let sight = earth.air.sight_along(&path, self.sun_scaled);
+            let added = earth.light(&sight, albedo) * self.exposure;
+            let factors = earth.factors(up.dot(self.sun), &sight.transmittance, albedo);
+            before = (factors.own, added);
+        }
+        let (left, added) = before;
+        added + left * cloud.light * self.exposure + cloud.through * (sky - added)
     }
 
     /// What the air makes of the light of clouds in a direction of scaled space, where that before the ground adds `added` and clouds and

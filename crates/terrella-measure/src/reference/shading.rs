@@ -1,5 +1,6 @@
 //! The light that a place of the ground sends to the eye: the light model of the picture, from its definitions.
 
+use super::clouds_from_below::CloudSeenFromBelow;
 use super::light::{ByZenith, EarthAir, Light, smooth_step, without_air};
 use super::maps::{Decode, FullMaps, linear_from_srgb};
 use super::over_ground::{CloudLayer, Sea};
@@ -30,8 +31,10 @@ struct AirAboveClouds {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct AirFactors {
     pub ground: Light,
-    /// `None` without air and from an eye under them.
+    /// `None` without air.
     pub clouds: Option<CloudFactors>,
+    /// Whether the eye has clouds between itself and the ground.
+    pub sees_clouds: bool,
 }
 
 impl AirFactors {
@@ -39,6 +42,7 @@ impl AirFactors {
     pub const NONE: Self = Self {
         ground: Light::WHOLE,
         clouds: None,
+        sees_clouds: true,
     };
 }
 
@@ -115,7 +119,7 @@ impl GroundShader {
         let (u, v) = map_coordinates(up);
         self.surroundings
             .as_ref()
-            .map_or(DVec3::ZERO, |around| around.at(u, v))
+            .map_or(DVec3::ZERO, |around| around.all.at(u, v))
     }
 
     /// What the light of [`Self::shade`] is multiplied by: the paper's display values have no exposure.
@@ -200,7 +204,9 @@ impl GroundShader {
             color += light.own * LAMP_COLOR * (brightest * on * glow.powi(4));
         }
         let over = self.clouds.above(up, point.to_eye);
-        if let Some(albedo) = self.cloud_albedo(over) {
+        if air.sees_clouds
+            && let Some(albedo) = self.cloud_albedo(over)
+        {
             let mu_above = over.dot(sun);
             let reflected = self.clouds.reflected(albedo, mu_above);
             let light = match (&self.above_clouds, &air.clouds) {
@@ -209,15 +215,46 @@ impl GroundShader {
                     let skylight = clouds.air.at(mu_above).sky * before.factors.sky;
                     sunlight * reflected + albedo * (skylight + before.more)
                 }
-                // From an eye under them what comes from there comes as from the ground.
-                (Some(clouds), None) => {
-                    factors.own * clouds.sun.at(mu_above) * reflected + above.sky * albedo
-                }
-                (None, _) => self.clouds.sunlight_without_air(mu_above) * reflected,
+                _ => self.clouds.sunlight_without_air(mu_above) * reflected,
             };
             color = light + color * (1.0 - albedo);
         }
         color
+    }
+
+    /// Height of the clouds, equatorial radii; `None` without.
+    pub fn cloud_height(&self) -> Option<f64> {
+        let map = self.maps.get(MapLayer::Clouds);
+        map.filter(|_| self.shading == Shading::Sunlit)
+            .map(|_| self.clouds.height)
+    }
+
+    /// Clouds with this outward normal as an eye below them sees them along a ray; `None` of a clear sky.
+    pub fn clouds_from_below(
+        &self,
+        up: DVec3,
+        ray: DVec3,
+        sun: DVec3,
+    ) -> Option<CloudSeenFromBelow> {
+        let albedo = self.cloud_albedo(up).filter(|albedo| *albedo > 0.0)?;
+        let mu = up.dot(sun);
+        let light = match &self.above_clouds {
+            Some(clouds) => Light {
+                sun: clouds.sun.at(mu),
+                sky: clouds.air.at(mu).sky,
+                ..Light::WHOLE
+            },
+            None => Light {
+                sun: self.clouds.sunlight_without_air(mu),
+                sky: DVec3::ZERO,
+                ..Light::WHOLE
+            },
+        };
+        let (u, v) = map_coordinates(up);
+        let around = self.surroundings.as_ref();
+        let ground = around.map_or(DVec3::ZERO, |around| around.ground.at(u, v));
+        let cosines = (up.dot(ray), mu, ray.dot(sun));
+        Some(CloudSeenFromBelow::new(albedo, cosines, &light, ground))
     }
 
     /// What clouds at a place throw back of diffuse light, 0…1.

@@ -13,11 +13,18 @@ const ROWS: usize = 64;
 /// Places along each side of a cell that it is the mean of.
 const PLACES: usize = 12;
 
-/// Mean reflectance of ground and clouds in cells of latitude and longitude, linear light.
+/// Mean reflectance in cells of latitude and longitude, linear light.
 #[derive(Debug)]
 pub(super) struct Surroundings {
-    cells: Vec<DVec3>,
+    /// Of ground and clouds.
+    pub all: Cells,
+    /// Of the ground without clouds.
+    pub ground: Cells,
 }
+
+/// Of each cell its mean.
+#[derive(Debug)]
+pub(super) struct Cells(Vec<DVec3>);
 
 impl Surroundings {
     /// Of maps, clouds being of this albedo.
@@ -34,25 +41,31 @@ impl Surroundings {
                 let [cover] = map.at(u, v, &decode.unorm);
                 cover
             });
-            day.unwrap_or(DVec3::ZERO)
-                .lerp(DVec3::splat(SEA_ALBEDO), water)
-                .lerp(DVec3::splat(cloud_albedo), cover)
+            let ground = day.unwrap_or(DVec3::ZERO);
+            let ground = ground.lerp(DVec3::splat(SEA_ALBEDO), water);
+            [ground.lerp(DVec3::splat(cloud_albedo), cover), ground]
         };
         let cell = |at: usize| {
             let (column, row) = ((at % COLUMNS) as f64, (at / COLUMNS) as f64);
-            let mut sum = DVec3::ZERO;
+            let mut sums = [DVec3::ZERO; 2];
             for place in 0..PLACES * PLACES {
                 let [x, y] =
                     [place % PLACES, place / PLACES].map(|i| (i as f64 + 0.5) / PLACES as f64);
-                sum += reflectance((column + x) / COLUMNS as f64, (row + y) / ROWS as f64);
+                let of = reflectance((column + x) / COLUMNS as f64, (row + y) / ROWS as f64);
+                sums[0] += of[0];
+                sums[1] += of[1];
             }
-            sum / (PLACES * PLACES) as f64
+            sums.map(|sum| sum / (PLACES * PLACES) as f64)
         };
+        let (all, ground) = (0..COLUMNS * ROWS).map(cell).map(<(_, _)>::from).unzip();
         Self {
-            cells: (0..COLUMNS * ROWS).map(cell).collect(),
+            all: Cells(all),
+            ground: Cells(ground),
         }
     }
+}
 
+impl Cells {
     /// The reflectance about a place, between the means of the cells about it: `u` 0…1 from 180° W eastwards, `v` 0…1 from the
     /// north pole.
     pub fn at(&self, u: f64, v: f64) -> DVec3 {
@@ -60,7 +73,7 @@ impl Surroundings {
         let cell = |dx: f64, dy: f64| {
             let column = (x.floor() + dx).rem_euclid(COLUMNS as f64) as usize % COLUMNS;
             let row = (y.floor() + dy).clamp(0.0, (ROWS - 1) as f64) as usize;
-            self.cells[row * COLUMNS + column]
+            self.0[row * COLUMNS + column]
         };
         let (right, down) = (x - x.floor(), y - y.floor());
         cell(0.0, 0.0)
