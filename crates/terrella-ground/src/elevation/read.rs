@@ -4,7 +4,7 @@
 //! |---|---|---|
 //! | GeoTIFF, BigTIFF: strips or tiles, compressed as [`tiff_chunks`](super::tiff_chunks) decodes | its own tags, or the sidecar | its own keys, or the sidecar |
 //! | PNG, grey, 8 or 16 bits | the sidecar | the sidecar |
-//! | NetCDF classic (CDF-1, CDF-2) | its coordinate variables, or the sidecar | its attribute `units`, or the sidecar |
+//! | NetCDF: classic (CDF-1, CDF-2, CDF-5), NetCDF-4 (HDF5) | its coordinate variables, or the sidecar | its attribute `units`, or the sidecar |
 //! | SRTM's `.hgt`, also packed by gzip or in a zip file | its name, or the sidecar | metres |
 //! | ASCII grid (`.asc`) | its header, in degrees or in metres of a `.prj` file beside it | the sidecar |
 //! | DTED, levels 0 to 2 | its header | metres |
@@ -120,6 +120,7 @@ impl<R: BufRead + Seek> Decoder<R> {
     fn chunk_rows(&self) -> usize {
         match self {
             Self::Tiff(tiff) => tiff.chunk_rows(),
+            Self::NetCdf(file) => file.chunk_rows(),
             _ => 1,
         }
     }
@@ -301,7 +302,7 @@ impl<R: BufRead + Seek> HeightReader<R> {
         let magic =
             terrella_files::first_bytes(&mut reader).map_err(|error| context.unreadable(error))?;
         let formats =
-            "a GeoTIFF, a PNG, a NetCDF classic file, an ASCII grid, an .hgt file of SRTM or DTED";
+            "a GeoTIFF, a PNG, a NetCDF file, an ASCII grid, an .hgt file of SRTM or DTED";
         let said = sidecar.cloned().unwrap_or_default();
         let (decoder, header) = match magic.as_slice() {
             // It has no marks: any number may come first.
@@ -317,29 +318,10 @@ impl<R: BufRead + Seek> HeightReader<R> {
                 let (tiff, header) = tiff::Tiff::open(reader, &context)?;
                 (Decoder::Tiff(Box::new(tiff)), header)
             }
-            [b'C', b'D', b'F', 1 | 2, ..] => {
+            [b'C', b'D', b'F', 1 | 2 | 5, ..] | [0x89, b'H', b'D', b'F', ..] => {
                 let (file, header) =
-                    netcdf::NetCdf::open(reader, &context, said.variable.as_deref())?;
+                    netcdf::NetCdf::open(reader, &magic, &context, said.variable.as_deref())?;
                 (Decoder::NetCdf(file), header)
-            }
-            [b'C', b'D', b'F', ..] | [0x89, b'H', b'D', b'F', ..] => {
-                let is_hdf = magic[0] == 0x89;
-                let cause = match is_hdf {
-                    true => "is NetCDF-4 (HDF5)",
-                    false => "is NetCDF of 64-bit data (CDF-5)",
-                };
-                // Classic files hold variables of at most 4 GB: GEBCO and SRTM15+ are larger.
-                return Err(context.rejected(
-                    cause,
-                    "NetCDF classic or GeoTIFF",
-                    format!(
-                        "convert it: `gdal_translate -co COMPRESS=ZSTD -co PREDICTOR=2 -co TILED=YES {} OUT.tif`, of several variables \
-                         from `NETCDF:\"{}\":NAME`; or, up to 4 GB, `nccopy -k cdf2 {} OUT.nc`",
-                        path.display(),
-                        path.display(),
-                        path.display()
-                    ),
-                ));
             }
             [0x1F, 0x8B, ..] => {
                 let (file, header) = hgt::Hgt::gzip(reader, &context)?;

@@ -1,7 +1,7 @@
 //! Types of numbers.
 
-/// Number type of the file: its code and bytes.
-#[derive(Clone, Copy, PartialEq, Eq)]
+/// Type of numbers of the file. All containers hand them over with the highest byte first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum NumberType {
     Byte,
     Char,
@@ -9,30 +9,51 @@ pub(super) enum NumberType {
     Int,
     Float,
     Double,
+    UnsignedByte,
+    UnsignedShort,
+    UnsignedInt,
+    Long,
+    UnsignedLong,
 }
 
 impl NumberType {
-    pub(super) fn from_code(code: u32) -> Option<Self> {
-        use NumberType::{Byte, Char, Double, Float, Int, Short};
-        let all = [Byte, Char, Short, Int, Float, Double];
-        all.get((code as usize).checked_sub(1)?).copied()
+    /// By the code of the classic container; those of 64-bit data (CDF-5) have all of them, others the first six.
+    pub(super) fn from_code(code: u32, version: u8) -> Option<Self> {
+        use NumberType::{Byte, Char, Double, Float, Int, Long, Short};
+        use NumberType::{UnsignedByte, UnsignedInt, UnsignedLong, UnsignedShort};
+        let all = [
+            Byte,
+            Char,
+            Short,
+            Int,
+            Float,
+            Double,
+            UnsignedByte,
+            UnsignedShort,
+            UnsignedInt,
+            Long,
+            UnsignedLong,
+        ];
+        let known = if version == 5 { &all[..] } else { &all[..6] };
+        known.get((code as usize).checked_sub(1)?).copied()
     }
 
-    /// Its place in the order of width.
-    pub(super) fn rank(self) -> u32 {
-        self as u32
+    /// Its place in the order of width: floats lie above whole numbers of the same bytes.
+    pub(super) fn rank(self) -> usize {
+        2 * self.bytes() + usize::from(matches!(self, Self::Float | Self::Double))
     }
 
     pub(super) fn bytes(self) -> usize {
         match self {
-            Self::Byte | Self::Char => 1,
-            Self::Short => 2,
-            Self::Int | Self::Float => 4,
-            Self::Double => 8,
+            Self::Byte | Self::Char | Self::UnsignedByte => 1,
+            Self::Short | Self::UnsignedShort => 2,
+            Self::Int | Self::Float | Self::UnsignedInt => 4,
+            Self::Double | Self::Long | Self::UnsignedLong => 8,
         }
     }
 
     /// The first number of some bytes that hold one at least.
+    #[inline]
     pub(super) fn number(self, bytes: &[u8]) -> Option<f64> {
         Some(match self {
             Self::Byte => f64::from(*bytes.first()? as i8),
@@ -41,13 +62,19 @@ impl NumberType {
             Self::Int => f64::from(i32::from_be_bytes(*bytes.first_chunk()?)),
             Self::Float => f64::from(f32::from_be_bytes(*bytes.first_chunk()?)),
             Self::Double => f64::from_be_bytes(*bytes.first_chunk()?),
+            Self::UnsignedByte => f64::from(*bytes.first()?),
+            Self::UnsignedShort => f64::from(u16::from_be_bytes(*bytes.first_chunk()?)),
+            Self::UnsignedInt => f64::from(u32::from_be_bytes(*bytes.first_chunk()?)),
+            Self::Long => i64::from_be_bytes(*bytes.first_chunk()?) as f64,
+            Self::UnsignedLong => u64::from_be_bytes(*bytes.first_chunk()?) as f64,
         })
     }
 
     /// Numbers of whole, signed kinds that are meant as unsigned, and no others: what a negative one stands for.
+    #[inline]
     pub(super) fn unsigned(self, number: f64) -> f64 {
         match self {
-            Self::Byte | Self::Short | Self::Int if number < 0.0 => {
+            Self::Byte | Self::Short | Self::Int | Self::Long if number < 0.0 => {
                 number + (8.0 * self.bytes() as f64).exp2()
             }
             _ => number,
@@ -57,10 +84,14 @@ impl NumberType {
     /// What the library fills unwritten values with.
     pub(super) fn default_fill(self) -> Option<f64> {
         match self {
-            Self::Byte | Self::Char => None,
+            Self::Byte | Self::Char | Self::UnsignedByte => None,
             Self::Short => Some(-32_767.0),
             Self::Int => Some(-2_147_483_647.0),
             Self::Float | Self::Double => Some(9.969_209_968_386_869e36),
+            Self::UnsignedShort => Some(65_535.0),
+            Self::UnsignedInt => Some(4_294_967_295.0),
+            Self::Long => Some(-9_223_372_036_854_775_806_i64 as f64),
+            Self::UnsignedLong => Some(18_446_744_073_709_551_614_u64 as f64),
         }
     }
 }

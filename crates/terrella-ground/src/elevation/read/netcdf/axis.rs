@@ -1,0 +1,93 @@
+//! Coordinates of rows and columns.
+
+use super::stored::Shape;
+use super::variable::{Variable, text};
+use crate::elevation::read::HeightFileError;
+use crate::elevation::read::error::FileContext;
+use std::io::{BufRead, Seek};
+
+/// How far coordinates may lie from equal steps, in steps: those of single precision stray that far.
+const UNEVEN: f64 = 0.05;
+
+/// What an axis is called.
+pub(super) struct Axis {
+    name: &'static str,
+    units: [&'static str; 3],
+}
+
+pub(super) const LATITUDE: Axis = Axis {
+    name: "lat",
+    units: ["degrees_north", "degree_north", "degrees_n"],
+};
+pub(super) const LONGITUDE: Axis = Axis {
+    name: "lon",
+    units: ["degrees_east", "degree_east", "degrees_e"],
+};
+
+impl Axis {
+    /// First coordinate and step, degrees.
+    pub(super) fn read<R: BufRead + Seek>(
+        &self,
+        reader: &mut R,
+        variable: &Variable,
+        count: u32,
+        context: &FileContext,
+    ) -> Result<(f64, f64), HeightFileError> {
+        let name = &variable.name;
+        let is_named = name.to_ascii_lowercase().starts_with(self.name);
+        let has_unit = text(&variable.attributes, "units").map(|unit| {
+            self.units
+                .contains(&unit.trim().to_ascii_lowercase().as_str())
+        });
+        if !has_unit.unwrap_or(is_named) {
+            return Err(context.other_coordinates(format!("the coordinates {name:?}")));
+        }
+        let shape = Shape {
+            rows: 1,
+            columns: count as usize,
+            bytes: variable.kind.bytes(),
+        };
+        let values = variable.values.found(reader, &shape, context)?;
+        // At most 8 × `MAX_SIDE` bytes.
+        let mut degrees = vec![f64::NAN; count as usize];
+        values.read(reader, &shape, context, &mut |_, first, bytes| {
+            for (degree, value) in degrees[first..]
+                .iter_mut()
+                .zip(bytes.chunks_exact(shape.bytes))
+            {
+                *degree = variable.kind.number(value).unwrap_or(f64::NAN);
+            }
+            Ok::<_, HeightFileError>(())
+        })?;
+        if self.name == "lon" {
+            // 179, −180 is a step to the east.
+            let mut turns = 0.0;
+            let mut before = f64::NEG_INFINITY;
+            for value in &mut degrees {
+                if *value < before - 180.0 {
+                    turns += 360.0;
+                }
+                before = *value;
+                *value += turns;
+            }
+        }
+        let first = degrees[0];
+        let last = degrees[degrees.len() - 1];
+        let step = (last - first) / f64::from(count - 1);
+        let even = |(n, value): (usize, &f64)| {
+            (value - (first + n as f64 * step)).abs() <= UNEVEN * step.abs()
+        };
+        let is_good = step.is_finite() && step != 0.0 && degrees.iter().enumerate().all(even);
+        if !is_good || self.name == "lon" && step < 0.0 {
+            return Err(context.rejected(
+                format!("has coordinates {name:?} at unequal steps, or only one"),
+                "equal steps, longitudes to the east",
+                format!(
+                    "`gdalwarp -t_srs EPSG:4326 {} OUT.tif`",
+                    context.path().display()
+                ),
+            ));
+        }
+        Ok((first, step))
+    }
+}
