@@ -2,6 +2,7 @@
 
 mod files;
 mod formats;
+mod netcdf;
 mod nothing;
 mod rejections;
 

@@ -1,0 +1,165 @@
+//! NetCDF-4, by files of the library's own writers (HDF5 2.0 of h5py 3.16, 2.2 of netCDF4 1.7.5).
+//!
+//! All hold the plane of the other files, south first and over the date line, 0.25° apart. `netcdf4_i16.nc`: netCDF4, packed by 0.5
+//! and 3000, chunks of 10 × 12 by shuffle, deflate and Fletcher's checksum, more attributes than a header holds, sample (16, 16)
+//! missing. The others: h5py, `create_dataset(name, z.shape, kind, …)` with scales attached to both dimensions:
+//!
+//! | file | `libver` | chunks | |
+//! |---|---|---|---|
+//! | `hdf5_early_f32.nc` | earliest | 3 × 6 | gzip, shuffle: two levels of the B-tree |
+//! | `hdf5_pages_i16.nc` | v110 | 1 × 1 | fixed array of two pages |
+//! | `hdf5_layouts_i16.nc` | v110 | none, 4 × 4 (allocated early), 2 × 3, 1 × 1 (no limit of columns), 2 × 8 (no limits, gzip), 9 × 8 (gzip) | a variable each |
+
+use super::*;
+
+/// Latitude of the southernmost row, and longitude of the first column.
+const SOUTH_WEST: (f64, f64) = (36.25, 178.0);
+const STEP: f64 = 0.25;
+
+/// Compares rows and columns from the south west with the plane.
+#[track_caller]
+fn holds_plane(file: &HeightFile, (columns, rows): (u32, u32)) {
+    let north = SOUTH_WEST.0 + f64::from(rows - 1) * STEP;
+    holds(file, (north, SOUTH_WEST.1), STEP, (columns, rows), plane);
+}
+
+#[test]
+fn netcdf_4_is_read() {
+    let file = open("netcdf4_i16.nc");
+    // Filled from around it: the mean of a plane.
+    assert_eq!(file.undeclared, 0);
+    let (lat, lon) = (40.25_f64, 182.0_f64);
+    let filled = file.grid.height_m(lat.to_radians(), lon.to_radians(), 0.0);
+    assert!((filled - plane(lat, lon)).abs() < 30.0, "{filled}");
+    holds_plane(&file, (32, 16));
+    for name in ["hdf5_early_f32.nc", "hdf5_pages_i16.nc"] {
+        holds_plane(&open(name), (32, 33));
+    }
+}
+
+#[test]
+fn every_layout_of_hdf5_is_read() {
+    let bytes = std::fs::read(data("hdf5_layouts_i16.nc")).expect("a file");
+    let names = [
+        "contiguous",
+        "implicit",
+        "fixed",
+        "extensible",
+        "tree",
+        "single",
+    ];
+    for name in names {
+        let file = read(bytes.clone(), &format!("variable = {name:?}"));
+        holds_plane(
+            &file.unwrap_or_else(|error| panic!("{name}: {error}")),
+            (8, 9),
+        );
+    }
+    let several = said(bytes, "");
+    assert!(
+        several.contains("has several variables over two dimensions"),
+        "{several}"
+    );
+}
+
+#[test]
+fn damaged_netcdf_4_is_reported_with_its_place() {
+    let good = std::fs::read(data("hdf5_pages_i16.nc")).expect("a file");
+    let after = |signature: &[u8; 4], more: usize| {
+        let at = good.windows(4).position(|bytes| bytes == signature);
+        let at = at.expect("there");
+        let mut bytes = good.clone();
+        bytes[at + more] ^= 0x10;
+        (at, said(bytes, ""))
+    };
+    // The root group, the header of the array, its first element.
+    for (signature, more) in [(b"OHDR", 10), (b"FAHD", 9), (b"FADB", 23)] {
+        let (at, said) = after(signature, more);
+        assert!(
+            said.contains("truncated or damaged: a block with a wrong checksum at byte "),
+            "{said}"
+        );
+        let said_at = said
+            .split("at byte ")
+            .nth(1)
+            .and_then(|rest| rest.split(';').next());
+        let said_at: usize = said_at.and_then(|at| at.parse().ok()).expect("a byte");
+        assert!((at..at + 64).contains(&said_at), "{said_at} for {at}");
+    }
+    let cut = said(good[..good.len() - 100].to_vec(), "");
+    assert!(cut.contains("a block that ends beyond the file"), "{cut}");
+    let none = said(b"\x89HDF\r\n\x1a\n\x09\0\0\0\0\0\0\0".to_vec(), "");
+    assert!(none.contains("truncated or damaged"), "{none}");
+}
+
+#[test]
+fn filters_that_are_not_read_are_named() {
+    // Deflate, which version 1 of the message names, becomes another filter.
+    let mut bytes = std::fs::read(data("hdf5_early_f32.nc")).expect("a file");
+    let deflate = [
+        1, 0, 8, 0, 1, 0, 1, 0, b'd', b'e', b'f', b'l', b'a', b't', b'e', 0,
+    ];
+    let at = bytes.windows(16).position(|bytes| bytes == deflate);
+    let at = at.expect("a filter");
+    bytes[at] = 6;
+    let said = said(bytes, "");
+    assert!(
+        said.contains("is compressed by the HDF5 filter 6 (scaleoffset)"),
+        "{said}"
+    );
+    assert!(said.contains("h5repack -f GZIP=1"), "{said}");
+}
+
+#[test]
+fn netcdf_of_64_bit_data_is_read() {
+    // Two rows of two 64-bit numbers, as the specification of CDF-5 lays them out.
+    let mut file = b"CDF\x05".to_vec();
+    let text = |file: &mut Vec<u8>, text: &str| {
+        file.extend((text.len() as u64).to_be_bytes());
+        file.extend(text.bytes());
+        file.resize(file.len().next_multiple_of(4), 0);
+    };
+    let list = |file: &mut Vec<u8>, tag: u32, count: u64| {
+        file.extend(tag.to_be_bytes());
+        file.extend(count.to_be_bytes());
+    };
+    file.extend([0; 8]);
+    list(&mut file, 10, 2);
+    for name in ["lat", "lon"] {
+        text(&mut file, name);
+        file.extend(2_u64.to_be_bytes());
+    }
+    list(&mut file, 0, 0);
+    list(&mut file, 11, 3);
+    let mut begins = Vec::new();
+    for (name, dimensions, units) in [
+        ("lat", &[0_u64][..], "degrees_north"),
+        ("lon", &[1], "degrees_east"),
+        ("z", &[0, 1], "m"),
+    ] {
+        text(&mut file, name);
+        file.extend((dimensions.len() as u64).to_be_bytes());
+        dimensions.iter().for_each(|n| file.extend(n.to_be_bytes()));
+        list(&mut file, 12, 1);
+        text(&mut file, "units");
+        file.extend(2_u32.to_be_bytes());
+        text(&mut file, units);
+        // Signed numbers of 64 bits.
+        file.extend(10_u32.to_be_bytes());
+        file.extend([0; 8]);
+        begins.push(file.len());
+        file.extend([0; 8]);
+    }
+    for (begin, values) in begins
+        .into_iter()
+        .zip([&[1_i64, 2][..], &[3, 4], &[121, 128, 221, 228]])
+    {
+        let at = file.len() as u64;
+        file[begin..begin + 8].copy_from_slice(&at.to_be_bytes());
+        values
+            .iter()
+            .for_each(|value| file.extend(value.to_be_bytes()));
+    }
+    let file = read(file, "").unwrap_or_else(|error| panic!("{error}"));
+    holds(&file, (2.0, 3.0), 1.0, (2, 2), plane);
+}
