@@ -1,4 +1,4 @@
-//! Files of heights: GeoTIFF, PNG and NetCDF classic.
+//! Files of heights: GeoTIFF, PNG and NetCDF.
 
 use std::io::Cursor;
 use std::path::Path;
@@ -51,7 +51,7 @@ pub fn run(data: &[u8]) {
 /// Good inputs to start from.
 #[allow(dead_code, reason = "the fuzzer reads its corpus from files")]
 pub fn seeds() -> Vec<Vec<u8>> {
-    let files: [&[u8]; 12] = [
+    let files: [&[u8]; 15] = [
         include_bytes!("../../tests/data/heights/strips_i16_lzw.tif"),
         include_bytes!("../../tests/data/heights/tiles_f32_deflate_be.tif"),
         include_bytes!("../../tests/data/heights/points_big_i32.tif"),
@@ -60,6 +60,9 @@ pub fn seeds() -> Vec<Vec<u8>> {
         include_bytes!("../../tests/data/heights/globe_u16.png"),
         include_bytes!("../../tests/data/heights/south_first_f32.nc"),
         include_bytes!("../../tests/data/heights/packed_i16.nc"),
+        include_bytes!("../../tests/data/heights/netcdf4_i16.nc"),
+        include_bytes!("../../tests/data/heights/hdf5_early_f32.nc"),
+        include_bytes!("../../tests/data/heights/hdf5_layouts_i16.nc"),
         include_bytes!("../../tests/data/gdal/zstd_i16_predictor_2.tif"),
         include_bytes!("../../tests/data/gdal/lerc_f32_holes.tif"),
         include_bytes!("../../tests/data/gdal/lerc_f64_zstd.tif"),

@@ -10,7 +10,7 @@ use terrella_measure::terrain::{SyntheticGround, TerrainRequest, measure_terrain
 #[derive(Debug, Args)]
 #[command(
     after_help = "Tables are printed to standard output as Markdown, or with --csv as CSV. Elevation files are those that scenes read: \
-    GeoTIFF (LZW, deflate, PackBits, ZSTD, LERC or JPEG), NetCDF classic, SRTM (.hgt), ASCII grids (.asc), DTED, or PNG with a TOML sidecar."
+    GeoTIFF (LZW, deflate, PackBits, ZSTD, LERC or JPEG), NetCDF, SRTM (.hgt), ASCII grids (.asc), DTED, or PNG with a TOML sidecar."
 )]
 pub struct TerrainArgs {
     /// Elevation files

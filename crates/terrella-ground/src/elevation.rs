@@ -4,7 +4,7 @@
 //! stands on the ellipsoid by these heights: the geoid lies within 107 m of WGS84, and no surface here distinguishes the two.
 //!
 //! [`Ground`] is what scenes use: any number of [`HeightGrid`]s over a sea at height 0. Grids are made from heights in
-//! memory or read from files (GeoTIFF, PNG with a sidecar, NetCDF classic). In place of the sea it may lie over tiles of a
+//! memory or read from files (GeoTIFF, PNG with a sidecar, NetCDF). In place of the sea it may lie over tiles of a
 //! [`HeightTileSource`], which may be larger than memory: [`StreamedGround`].
 
 pub mod aux_xml;

@@ -38,7 +38,7 @@ pub struct BuildArgs {
     /// Open water: white
     #[arg(long, value_name = "MAP")]
     water: Option<PathBuf>,
-    /// Elevation data for streamed terrain, of the whole Earth or parts of it: GeoTIFF, PNG, NetCDF classic, SRTM (.hgt), ASCII grids, DTED
+    /// Elevation data for streamed terrain, of the whole Earth or parts of it: GeoTIFF, PNG, NetCDF, SRTM (.hgt), ASCII grids, DTED
     /// and virtual rasters (.vrt) as scenes read them; finer
     /// files cover coarser ones, and those that do not fit into --memory are read in parts through a scratch file in the pack's folder
     #[arg(long, value_name = "FILE", num_args = 1..)]

@@ -10,8 +10,8 @@ use std::path::{Path, PathBuf};
 pub const MAX_SET_FILES: usize = 65_536;
 
 /// What the names of files of heights end in.
-const ENDINGS: [&str; 13] = [
-    ".tif", ".tiff", ".png", ".nc", ".hgt", ".hgt.gz", ".hgt.zip", ".zip", ".asc", ".dt0", ".dt1",
+const ENDINGS: [&str; 14] = [
+    ".tif", ".tiff", ".png", ".nc", ".nc4", ".hgt", ".hgt.gz", ".hgt.zip", ".zip", ".asc", ".dt0", ".dt1",
     ".dt2", ".grd",
 ];
 
