@@ -148,9 +148,18 @@ impl HeightFiles {
                 Heights::Held(grid) => HeightPart::Held(grid),
                 Heights::Spooled(spool) => HeightPart::Window(spool.window(bounds)?),
             };
-            parts.push((heights, joins));
+            let reach = file.placement().reach();
+            parts.push(Part {
+                heights,
+                joins,
+                latitudes_rad: (reach.south_rad, reach.north_rad),
+            });
         }
-        Ok(View(parts))
+        Ok(View {
+            of_row: Vec::new(),
+            lat_rad: f64::NAN,
+            parts,
+        })
     }
 
     /// Levels fine enough for the finest file, and how samples are kept. Index and number of tiles are not known yet.
@@ -309,7 +318,20 @@ impl SpoolHost for Host<'_> {
 }
 
 /// The files about a tile, from the top down, over a sea at height 0.
-pub(super) struct View<'a>(Vec<(HeightPart<'a>, &'a Joins)>);
+pub(super) struct View<'a> {
+    parts: Vec<Part<'a>>,
+    /// The latitude that was asked for last, and the parts that reach it: samples come row by row, and over a coarse tile
+    /// lie thousands of parts.
+    lat_rad: f64,
+    of_row: Vec<usize>,
+}
+
+struct Part<'a> {
+    heights: HeightPart<'a>,
+    joins: &'a Joins,
+    /// Beyond these its weight is 0.
+    latitudes_rad: (f64, f64),
+}
 
 enum HeightPart<'a> {
     Held(&'a HeightGrid),
@@ -318,10 +340,22 @@ enum HeightPart<'a> {
 
 impl View<'_> {
     /// The height of a place inside the bounds, metres, from the files' own samples.
-    pub(super) fn height_m(&self, lat_rad: f64, lon_rad: f64) -> f64 {
+    pub(super) fn height_m(&mut self, lat_rad: f64, lon_rad: f64) -> f64 {
+        if self.lat_rad != lat_rad {
+            let reaches = |part: &Part<'_>| {
+                let (south_rad, north_rad) = part.latitudes_rad;
+                (south_rad..=north_rad).contains(&lat_rad)
+            };
+            let parts = self.parts.iter().enumerate();
+            let of_row = parts.filter(|(_, part)| reaches(part)).map(|(n, _)| n);
+            self.of_row.clear();
+            self.of_row.extend(of_row);
+            self.lat_rad = lat_rad;
+        }
         let (mut height_m, mut beneath) = (0.0, 1.0);
-        for (part, joins) in &self.0 {
-            let weighted = match part {
+        for n in &self.of_row {
+            let Part { heights, joins, .. } = &self.parts[*n];
+            let weighted = match heights {
                 HeightPart::Held(grid) => grid.weighted(lat_rad, lon_rad, 0.0, joins),
                 HeightPart::Window(window) => window.weighted(lat_rad, lon_rad, joins),
             };

@@ -119,13 +119,13 @@ impl<'a> TileMaker<'a> {
         let spacing_rad = TAU / f64::from(self.entry.round(place.level));
         let lat_rad = FRAC_PI_2 - (f64::from(row) + 0.5) * spacing_rad;
         let lon_rad = -PI + (f64::from(column) + 0.5) * spacing_rad;
-        let view = match &source.view {
+        let view = match &mut source.view {
             Some((of_turn, view)) if *of_turn == turn => view,
             _ => {
                 // One at a time in memory.
                 source.view = None;
                 let view = self.files.view(&self.bounds(place, turn), spacing_rad)?;
-                &source.view.insert((turn, view)).1
+                &mut source.view.insert((turn, view)).1
             }
         };
         Ok(view.height_m(lat_rad, lon_rad))

@@ -77,8 +77,9 @@ impl Joins {
 }
 
 impl Placement {
-    /// What lies so near that a grid of like spacing touches: its bounds and a little more than a sample of such a grid.
-    fn reach(&self) -> Bounds {
+    /// What lies so near that a grid of like spacing touches: its bounds and a little more than a sample of such a grid. Beyond that no
+    /// place takes a height of this grid.
+    pub fn reach(&self) -> Bounds {
         let more = |step_rad: f64| 2.0 * LIKE * TOUCH * step_rad;
         // Steps along parallels may differ more than those on the ground.
         let (tall, wide) = (

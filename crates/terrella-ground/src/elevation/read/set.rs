@@ -11,8 +11,8 @@ pub const MAX_SET_FILES: usize = 65_536;
 
 /// What the names of files of heights end in.
 const ENDINGS: [&str; 14] = [
-    ".tif", ".tiff", ".png", ".nc", ".nc4", ".hgt", ".hgt.gz", ".hgt.zip", ".zip", ".asc", ".dt0", ".dt1",
-    ".dt2", ".grd",
+    ".tif", ".tiff", ".png", ".nc", ".nc4", ".hgt", ".hgt.gz", ".hgt.zip", ".zip", ".asc", ".dt0",
+    ".dt1", ".dt2", ".grd",
 ];
 
 /// The files that a path stands for: itself, or those of a folder or of a virtual raster (`.vrt`), or those whose names match its last part, in which `*` stands for any
