@@ -17,9 +17,16 @@ pub fn frame_epoch(time: &Time, index: u64) -> Epoch {
     epoch_after(time, index as f64)
 }
 
-/// The instant after so many frames, which need not be whole.
+/// The instant after so many frames, which need not be whole. Between two frames it stays on this side of a time that is left out.
 pub(super) fn epoch_after(time: &Time, frames: f64) -> Epoch {
-    time.start + (frames * time.speed / time.frame_rate_hz) * Unit::Second
+    let after = |frames: f64| time.epoch_after(frames * time.speed / time.frame_rate_hz);
+    let (begin, epoch) = (after(frames.floor()), after(frames));
+    let mut left_out = time.left_out.iter();
+    let edge = left_out.find_map(|(from, to)| match time.speed < 0.0 {
+        true => (begin >= *to && epoch < *to).then_some(*to),
+        false => (begin <= *from && epoch > *from).then_some(*from),
+    });
+    edge.unwrap_or(epoch)
 }
 
 /// Shortest range that is played by itself, as a fraction of the span.
@@ -51,6 +58,8 @@ pub struct Clock {
     range_s: (Option<f64>, Option<f64>),
     /// Earliest instant and length of the scene's own span.
     scene_span: (Epoch, f64),
+    /// Times that are jumped over.
+    left_out: Vec<(Epoch, Epoch)>,
 }
 
 impl Clock {
@@ -71,12 +80,23 @@ impl Clock {
             at_end,
             range_s: (None, None),
             scene_span: (first, time.duration_s),
+            left_out: time.left_out.clone(),
         }
     }
 
     /// The instant that is shown.
     pub fn now(&self) -> Epoch {
         self.first + self.now_s * Unit::Second
+    }
+
+    /// Jumps ahead over a time that is left out.
+    fn jump(&mut self) {
+        let now = self.now();
+        let mut left_out = self.left_out.iter();
+        if let Some((from, to)) = left_out.find(|(from, to)| *from < now && now < *to) {
+            let edge = if self.speed < 0.0 { *from } else { *to };
+            self.now_s = (edge - self.first).to_seconds().clamp(0.0, self.duration_s);
+        }
     }
 
     /// First and last instant that it can show.
@@ -203,6 +223,7 @@ impl Clock {
         let beyond_s = (next_s - end_s) * self.speed.signum();
         if beyond_s <= 0.0 {
             self.now_s = next_s;
+            self.jump();
             return;
         }
         match self.at_end {
@@ -212,6 +233,7 @@ impl Clock {
                     true => to_s - into_s,
                     false => from_s + into_s,
                 };
+                self.jump();
             }
             AtEnd::Stop => {
                 self.now_s = end_s;
@@ -279,6 +301,7 @@ impl Clock {
     pub fn seek(&mut self, progress: f64) {
         if progress.is_finite() {
             self.now_s = progress.clamp(0.0, 1.0) * self.duration_s;
+            self.jump();
         }
     }
 
@@ -287,6 +310,7 @@ impl Clock {
         self.now_s = (epoch - self.first)
             .to_seconds()
             .clamp(0.0, self.duration_s);
+        self.jump();
     }
 
     /// Moves the clock by simulated seconds, as far as the span reaches.
@@ -308,6 +332,7 @@ mod tests {
             speed,
             frame_rate_hz: 30.0,
             orientation: None,
+            left_out: Vec::new(),
         }
     }
 
@@ -334,6 +359,48 @@ mod tests {
             5,
         );
         assert_eq!((back - time.start).total_nanoseconds(), -1_000_000_000);
+    }
+
+    #[test]
+    fn frames_and_the_clock_jump_over_what_is_left_out() {
+        let start = time(1.0).start;
+        let at = |seconds: f64| start + seconds * Unit::Second;
+        let with = |speed: f64, left_out: &[(f64, f64)]| Time {
+            frame_rate_hz: 1.0,
+            left_out: left_out
+                .iter()
+                .map(|(from, to)| (at(*from), at(*to)))
+                .collect(),
+            ..time(speed)
+        };
+        let ahead = with(10.0, &[(25.0, 47.0), (60.0, 70.0)]);
+        let frames = |time: &Time| {
+            let frames = (0..time.frame_count()).map(|n| frame_epoch(time, n));
+            frames
+                .map(|epoch| (epoch - start).to_seconds())
+                .collect::<Vec<_>>()
+        };
+        // 68 s are known: seven frames, the last one at 92 s of 100.
+        assert_eq!(frames(&ahead), [0.0, 10.0, 20.0, 52.0, 72.0, 82.0, 92.0]);
+        let back = with(-10.0, &[(-47.0, -25.0)]);
+        assert_eq!(frames(&back)[1..5], [-10.0, -20.0, -52.0, -62.0]);
+        for time in [&ahead, &back] {
+            for n in 0..time.frame_count() {
+                assert_eq!(time.nearest_frame(frame_epoch(time, n)), n as u32);
+            }
+        }
+        // The shutter of the frame before a gap closes at its edge.
+        assert_eq!(epoch_after(&ahead, 2.4), at(24.0));
+        assert_eq!(epoch_after(&ahead, 2.9), at(25.0));
+        assert_eq!(epoch_after(&back, 2.9), at(-25.0));
+        let mut clock = Clock::new(&ahead, AtEnd::Loop);
+        clock.advance(2.6);
+        assert_eq!(seconds(&clock), 47.0);
+        clock.seek(0.65);
+        assert_eq!(seconds(&clock), 70.0);
+        let mut clock = Clock::new(&back, AtEnd::Loop);
+        clock.advance(2.6);
+        assert_eq!((clock.now() - start).to_seconds(), -47.0);
     }
 
     #[test]

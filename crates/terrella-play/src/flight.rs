@@ -16,7 +16,7 @@ use super::opening::open_all;
 use super::place_text::GroundPlace;
 use super::satellites::{Listener, Satellite, orientation_at};
 use super::sky_parts::dropped_parts;
-use crate::scene::{CameraMode, Ending, Scene};
+use crate::scene::{CameraMode, Ending, Scene, Time};
 use glam::DVec3;
 use terrella::frames::{
     EarthOrientation, Ellipsoid, Epoch, Geodetic, Illumination, Orientation, illumination,
@@ -121,7 +121,7 @@ impl Flight {
         {
             let ellipsoid = scene.earth.figure.ellipsoid();
             let impact = impact(satellite.feed(), orientation.as_ref(), &ellipsoid);
-            let (validity, gap) = known_around(satellite.feed(), scene.time.start);
+            let (validity, gap) = known_around(satellite.feed(), &scene.time);
             let ending = impact
                 .map(|(_, place)| Ending::Impact(place.to_string()))
                 .filter(|_| gap.is_none())
@@ -129,6 +129,7 @@ impl Flight {
                 .or_else(|| decay(satellite.feed()));
             scene.shorten(validity, ending.as_ref());
             scene.check_dates(validity, ending.as_ref())?;
+            scene.leave_out(&satellite.feed().gaps());
             let (start, end) = (scene.time.start, scene.time.end());
             models.check_span(start.min(end), start.max(end))?;
         }
@@ -454,20 +455,24 @@ fn impact(
     Some((epoch, place))
 }
 
-/// The time about `start` in which a satellite is known without a gap, and whether gaps bound it. That behind the gap if
-/// `start` lies in one.
-fn known_around(feed: &dyn Feed, start: Epoch) -> ((Epoch, Epoch), Option<Ending>) {
+/// The time in which a satellite is known, and whether a gap bounds it: one in which the scene would end. Of a scene that would start
+/// in a gap, the time behind it up to the next.
+fn known_around(feed: &dyn Feed, time: &Time) -> ((Epoch, Epoch), Option<Ending>) {
     let (mut first, mut last) = feed.validity();
-    let mut ending = None;
-    for (from, to) in feed.gaps() {
-        ending = Some(Ending::Gap);
-        if start <= from {
-            last = from;
-            break;
-        }
-        first = to;
+    let (start, end) = (time.start, time.end());
+    let gaps = feed.gaps();
+    let is_in = |epoch: Epoch| move |(from, to): &&(Epoch, Epoch)| *from < epoch && epoch < *to;
+    if let Some((_, to)) = gaps.iter().find(is_in(start)) {
+        first = *to;
+        let next = gaps.iter().map(|(from, _)| *from);
+        last = next.filter(|from| from >= to).min().unwrap_or(last);
+        return ((first, last), Some(Ending::Gap));
     }
-    ((first, last), ending)
+    match gaps.iter().find(is_in(end)) {
+        Some((_, to)) if time.speed < 0.0 => ((*to, last), Some(Ending::Gap)),
+        Some((from, _)) => ((first, *from), Some(Ending::Gap)),
+        None => ((first, last), None),
+    }
 }
 
 fn decay(feed: &dyn Feed) -> Option<Ending> {

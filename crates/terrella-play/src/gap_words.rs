@@ -8,18 +8,33 @@ use terrella_orbit::Feed;
 /// How many sentences are said.
 const MOST: usize = 10;
 
-/// A sentence for each time of a film at which a satellite is not known of which something is drawn. Cameras fly with a satellite that
-/// is known for all of it, or the film is not made.
+/// A sentence for each time of a film at which a satellite is not known of which something is drawn. Times at which the satellite that
+/// cameras fly with is not known are left out of the film.
 pub(super) fn gap_words(flight: &Flight, film: (Epoch, Epoch)) -> Vec<String> {
     let (first, last) = (film.0.min(film.1), film.0.max(film.1));
     let scene = flight.scene();
     if scene.is_live() {
         return Vec::new();
     }
-    let orbits = scene.orbits.iter().zip(flight.satellites()).enumerate();
+    let satellites = flight.satellites();
+    let followed = satellites.get(flight.followed()).into_iter();
+    let left_out = scene.time.left_out.iter();
+    let left_out = left_out.filter(|(from, to)| first <= *from && *to <= last);
+    let of_followed = followed.flat_map(|satellite| {
+        let words = |(from, to): &(Epoch, Epoch)| {
+            format!(
+                "{} is not known from {} to {}: that time is left out, and the film goes on behind it",
+                satellite.name(),
+                rfc3339(*from),
+                rfc3339(*to)
+            )
+        };
+        left_out.clone().map(words)
+    });
+    let orbits = scene.orbits.iter().zip(satellites).enumerate();
     let others = orbits.filter(|(index, _)| *index != flight.followed());
     let drawn = others.filter(|(_, (orbit, _))| !Track::is_off(&orbit.track));
-    let mut all = drawn.flat_map(|(_, (_, satellite))| {
+    let of_others = drawn.flat_map(|(_, (_, satellite))| {
         let times = unknown(satellite.feed(), (first, last)).into_iter();
         times.map(move |(from, to)| {
             format!(
@@ -30,6 +45,7 @@ pub(super) fn gap_words(flight: &Flight, film: (Epoch, Epoch)) -> Vec<String> {
             )
         })
     });
+    let mut all = of_followed.chain(of_others);
     let mut lines: Vec<_> = all.by_ref().take(MOST).collect();
     match all.count() {
         0 => {}
@@ -105,5 +121,45 @@ mod tests {
         assert_eq!(words("00:05:00", "00:10:00"), Vec::<String>::new());
         assert_eq!(words("00:19:00", "00:13:00"), Vec::<String>::new());
         assert_eq!(words("00:11:00", "00:13:00").len(), 1);
+    }
+
+    #[test]
+    fn a_film_goes_on_behind_a_gap_of_the_followed_satellite() {
+        let folder = tempfile::tempdir().expect("a folder");
+        std::fs::write(folder.path().join("gap.oem"), with_gap()).expect("written");
+        let open = |minute: u32, duration_s: u32, speed: i32| {
+            let text = format!(
+                "[time]\nstart = \"2026-03-01T00:{minute:02}:00Z\"\nduration_s = {duration_s}\nspeed = {speed}\nframe_rate_hz = 1\n\
+                [[orbit]]\nsource = \"oem\"\nfile = \"gap.oem\"\n"
+            );
+            let scene =
+                Scene::from_toml(&text, &folder.path().join("s.toml")).expect("a good scene");
+            Flight::open(scene)
+        };
+        for (minute, speed) in [(5, 30), (18, -30)] {
+            let flight = open(minute, 780, speed).expect("opens");
+            let time = &flight.scene().time;
+            // 11 of 13 minutes.
+            assert_eq!(time.frame_count(), 22);
+            for n in 0..time.frame_count() {
+                let moment = flight.at(crate::clock::frame_epoch(time, n), 1.5);
+                assert!(moment.is_ok(), "frame {n} of a speed of {speed}");
+            }
+            let ends = (time.start, crate::clock::frame_epoch(time, 21));
+            assert_eq!(
+                gap_words(&flight, ends),
+                [
+                    "GAPPY is not known from 2026-03-01T00:10:00.000Z to 2026-03-01T00:12:00.000Z: that time is left out, and the film goes on behind it"
+                ]
+            );
+        }
+        // It neither starts nor ends in the gap.
+        for (minute, duration_s) in [(11, 60), (5, 360)] {
+            let error = open(minute, duration_s, 30)
+                .map(drop)
+                .expect_err("rejected")
+                .to_string();
+            assert!(error.contains("the ephemeris has a gap"), "{error}");
+        }
     }
 }

@@ -81,6 +81,14 @@ impl Scene {
         Ok(())
     }
 
+    /// Leaves the gaps of the satellite that cameras fly with out of playback.
+    pub fn leave_out(&mut self, gaps: &[(Epoch, Epoch)]) {
+        let (first, last) = (self.time.start, self.time.end());
+        let (first, last) = (first.min(last), first.max(last));
+        let within = |(from, to): &&(Epoch, Epoch)| first <= *from && *to <= last;
+        self.time.left_out = gaps.iter().filter(within).copied().collect();
+    }
+
     /// Shortens a duration that the scene does not give to what the orbit answers for, with a notice.
     pub fn shorten(&mut self, validity: (Epoch, Epoch), ending: Option<&Ending>) {
         let (start, end) = (self.time.start, self.time.end());

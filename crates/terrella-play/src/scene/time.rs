@@ -5,7 +5,7 @@ use super::field::{Field, PathKind, range_text};
 use super::keys::{DEFAULT_START, MAX_FRAMES, RawTime, YEARS};
 use super::record::quoted;
 use super::text::SceneText;
-use hifitime::Unit;
+use hifitime::{Duration, Unit};
 use std::path::PathBuf;
 use terrella::frames::{Epoch, rfc3339, utc_from_rfc3339, utc_now};
 use toml::Spanned;
@@ -26,6 +26,9 @@ pub struct Time {
     pub frame_rate_hz: f64,
     /// Table of the Earth's orientation by date; `None` takes UT1 as UTC and leaves polar motion out.
     pub orientation: Option<PathBuf>,
+    /// Times between start and end that playback leaves out, ascending: the satellite that cameras fly with is not known in them. Empty
+    /// before the satellites are opened.
+    pub left_out: Vec<(Epoch, Epoch)>,
 }
 
 /// Where the first instant of a scene is from.
@@ -50,16 +53,53 @@ impl Time {
         self.start + self.duration_s.copysign(self.speed) * Unit::Second
     }
 
-    /// duration_s · frame_rate_hz / |speed|, before it is made a whole number.
+    /// (duration_s − what is left out) · frame_rate_hz / |speed|, before it is made a whole number.
     pub(super) fn frames_exact(&self) -> f64 {
-        self.duration_s * self.frame_rate_hz / self.speed.abs()
+        let left_out = self.left_out.iter().map(|(from, to)| *to - *from);
+        let left_out_s: f64 = left_out.map(|time| time.to_seconds()).sum();
+        (self.duration_s - left_out_s) * self.frame_rate_hz / self.speed.abs()
+    }
+
+    /// The instant after so many simulated seconds of playback, before the start where the speed is negative.
+    pub(crate) fn epoch_after(&self, played_s: f64) -> Epoch {
+        let mut epoch = self.start + played_s * Unit::Second;
+        if self.speed < 0.0 {
+            for (from, to) in self.left_out.iter().rev() {
+                epoch = if epoch < *to {
+                    epoch - (*to - *from)
+                } else {
+                    epoch
+                };
+            }
+        } else {
+            for (from, to) in &self.left_out {
+                epoch = if epoch > *from {
+                    epoch + (*to - *from)
+                } else {
+                    epoch
+                };
+            }
+        }
+        epoch
     }
 
     /// The number of the frame that is nearest to an instant; it wraps where that is before the first, or beyond 2³².
     pub fn nearest_frame(&self, epoch: Epoch) -> u32 {
         let frame_s = self.speed / self.frame_rate_hz;
-        let after_s = (epoch - self.start).to_unit(Unit::Second);
-        (after_s / frame_s).round() as i64 as u32
+        let mut after = epoch - self.start;
+        for (from, to) in &self.left_out {
+            // What of it lies between the start and the instant.
+            let (first, last) = (self.start.min(epoch), self.start.max(epoch));
+            let length = (*to).min(last) - (*from).max(first);
+            if length > Duration::ZERO {
+                after = if epoch > self.start {
+                    after - length
+                } else {
+                    after + length
+                };
+            }
+        }
+        (after.to_unit(Unit::Second) / frame_s).round() as i64 as u32
     }
 
     /// The year in which it would begin or end that no scene may reach.
@@ -121,6 +161,7 @@ impl SceneText<'_> {
                 PathKind::File,
                 "UT1 is taken as UTC and polar motion as none",
             )?,
+            left_out: Vec::new(),
         };
         if time.frames_exact() > MAX_FRAMES {
             let advice = format!(
