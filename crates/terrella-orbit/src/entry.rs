@@ -3,6 +3,7 @@
 
 use super::cut::CutOff;
 use super::interpolated::{Doubt, InterpolationError, SegmentError};
+use super::iso8601;
 use super::kepler::KeplerError;
 use super::numerical::NumericalError;
 use std::borrow::Cow;
@@ -227,9 +228,18 @@ impl Entry<'_> {
         }
     }
 
-    /// A date as the CCSDS writes it.
+    /// A date as the CCSDS writes it, or with a blank in place of the `T`; in UTC with a zone other than `Z`, too.
     pub fn epoch(&self, origin: &Path, scale: TimeScale) -> Result<Epoch, RecordError> {
-        epoch_from_ccsds(self.value.trim(), scale).map_err(|cause| {
+        let text = match self.value.trim().split_once(' ') {
+            Some((date, time)) => Cow::Owned(format!("{date}T{}", time.trim_start())),
+            None => Cow::Borrowed(self.value.trim()),
+        };
+        let time = text.split_once('T').map_or("", |(_, time)| time);
+        let read = match scale == TimeScale::Utc && time.contains(['+', '-']) {
+            true => iso8601::epoch(&text),
+            false => epoch_from_ccsds(&text, scale),
+        };
+        read.map_err(|cause| {
             let key = excerpt(&self.key);
             self.place.error(origin, RecordFault::Time { key, cause })
         })

@@ -203,9 +203,14 @@ impl<'o> Message<'o> {
 
     /// Epoch, three kilometres, three kilometres per second, and perhaps three accelerations, which are not used.
     fn state(&mut self, text: &str, place: TextPosition) -> Result<(), RecordError> {
-        let words: Vec<_> = text.split_whitespace().take(11).collect();
+        let words: Vec<_> = text.split_whitespace().take(12).collect();
+        // A blank may part the day from the time.
+        let of_date = match words.get(1) {
+            Some(second) if second.contains(':') => 2,
+            _ => 1,
+        };
         let Some((date, values)) = words
-            .split_first()
+            .split_at_checked(of_date)
             .filter(|(_, values)| matches!(values.len(), 6 | 9))
         else {
             let expected =
@@ -232,7 +237,7 @@ impl<'o> Message<'o> {
         }
         let date = Entry {
             key: Cow::Borrowed("the epoch"),
-            value: Cow::Borrowed(date),
+            value: Cow::Owned(date.join(" ")),
             unit: None,
             place,
         };
@@ -289,5 +294,53 @@ impl<'o> Message<'o> {
             }
             Block::None => self.draft.finish(each),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{Ephemerides, Feed};
+    use std::path::Path;
+
+    /// Three states of a minute's distance; `date` writes minute n of 2026-03-01 UTC.
+    fn message(date: impl Fn(u32) -> String) -> String {
+        let states = (0..3).map(|n| format!("{} 7000 {n} 0 0 7.5 0\n", date(n)));
+        format!(
+            "CCSDS_OEM_VERS = 2.0\nCREATION_DATE = 2026-01-01T00:00:00\nORIGINATOR = X\nMETA_START\nOBJECT_NAME = A\nOBJECT_ID = 2099-001A\n\
+             CENTER_NAME = EARTH\nREF_FRAME = EME2000\nTIME_SYSTEM = UTC\nSTART_TIME = {}\nSTOP_TIME = {}\nMETA_STOP\n{}",
+            date(0),
+            date(2),
+            states.collect::<String>()
+        )
+    }
+
+    #[test]
+    fn dates_have_a_blank_or_a_zone() {
+        let validity = |text: &str| {
+            let read = Ephemerides::from_text(text, Path::new("a.oem"), true);
+            let mut feeds = read.map_err(|error| error.to_string())?.feeds;
+            Ok::<_, String>(feeds.remove(0).validity())
+        };
+        let plain = validity(&message(|n| format!("2026-03-01T12:0{n}:00")));
+        assert!(plain.is_ok(), "{plain:?}");
+        assert_eq!(
+            validity(&message(|n| format!("2026-03-01 12:0{n}:00"))),
+            plain
+        );
+        assert_eq!(
+            validity(&message(|n| format!("2026-03-01T14:0{n}:00+02:00"))),
+            plain
+        );
+        assert_eq!(
+            validity(&message(|n| format!("2026-060T07:3{n}:00-04:30"))),
+            plain
+        );
+        // Only UTC has zones.
+        let tai = message(|n| format!("2026-03-01T14:0{n}:00+02:00")).replace("= UTC", "= TAI");
+        let error = validity(&tai).expect_err("rejected");
+        assert!(
+            error.contains("START_TIME") && error.contains("is not a date"),
+            "{error}"
+        );
     }
 }
