@@ -56,12 +56,25 @@ impl<R: BufRead + Seek> NetCdf<R> {
         if !sides.contains(&columns) || !sides.contains(&rows) {
             return Err(context.grid(GridError::Size { columns, rows }));
         }
+        let coordinates = |dimension: usize| {
+            let of_name =
+                |v: &&Variable| v.name == dimensions[dimension].0 && v.dimensions == [dimension];
+            variables.iter().find(of_name)
+        };
+        if coordinates(lat).is_some_and(|variable| LONGITUDE.is_of(variable)) {
+            let (path, name) = (context.path().display(), &chosen.name);
+            return Err(context.rejected(
+                format!("has the variable {name:?} over longitude and latitude"),
+                "rows from west to east: latitude, then longitude",
+                format!(
+                    "`ncpdq -a {},{} {path} OUT.nc`",
+                    dimensions[lon].0, dimensions[lat].0
+                ),
+            ));
+        }
         let mut axis = |dimension: usize, axis: &axis::Axis| {
-            let (name, _) = &dimensions[dimension];
             let count = if dimension == lat { rows } else { columns };
-            let of_name = |v: &&Variable| v.name == *name && v.dimensions == [dimension];
-            let variable = variables.iter().find(of_name);
-            variable
+            coordinates(dimension)
                 .map(|variable| axis.read(&mut reader, variable, count, context))
                 .transpose()
         };
@@ -110,8 +123,19 @@ impl<R: BufRead + Seek> NetCdf<R> {
             warp: None,
             is_south_first: place.is_some_and(|((_, lat_step), _)| lat_step > 0.0),
             unit,
-            scale: number(&chosen.attributes, "scale_factor"),
-            offset: number(&chosen.attributes, "add_offset"),
+            scale: match (
+                chosen.is_depth(),
+                number(&chosen.attributes, "scale_factor"),
+            ) {
+                (true, scale) => Some(-scale.unwrap_or(1.0)),
+                (false, scale) => scale,
+            },
+            offset: number(&chosen.attributes, "add_offset").map(|offset| {
+                match chosen.is_depth() {
+                    true => -offset,
+                    false => offset,
+                }
+            }),
             above: None,
             missing: chosen.missing().ok_or_else(|| {
                 context.rejected(

@@ -12,19 +12,44 @@ const UNEVEN: f64 = 0.05;
 /// What an axis is called.
 pub(super) struct Axis {
     name: &'static str,
-    units: [&'static str; 3],
+    /// Its units (CF Conventions 1.11, 4.1 and 4.2), in lower case.
+    units: [&'static str; 6],
 }
 
 pub(super) const LATITUDE: Axis = Axis {
     name: "lat",
-    units: ["degrees_north", "degree_north", "degrees_n"],
+    units: [
+        "degrees_north",
+        "degree_north",
+        "degrees_n",
+        "degree_n",
+        "degreesn",
+        "degreen",
+    ],
 };
 pub(super) const LONGITUDE: Axis = Axis {
     name: "lon",
-    units: ["degrees_east", "degree_east", "degrees_e"],
+    units: [
+        "degrees_east",
+        "degree_east",
+        "degrees_e",
+        "degree_e",
+        "degreese",
+        "degreee",
+    ],
 };
 
 impl Axis {
+    /// Whether a variable of coordinates is of this axis.
+    pub(super) fn is_of(&self, variable: &Variable) -> bool {
+        let name = variable.name.to_ascii_lowercase();
+        let unit = text(&variable.attributes, "units").map(|unit| unit.trim().to_ascii_lowercase());
+        match unit.as_deref() {
+            None | Some("degrees" | "degree" | "deg") => name.starts_with(self.name),
+            Some(unit) => self.units.contains(&unit),
+        }
+    }
+
     /// First coordinate and step, degrees.
     pub(super) fn read<R: BufRead + Seek>(
         &self,
@@ -34,12 +59,7 @@ impl Axis {
         context: &FileContext,
     ) -> Result<(f64, f64), HeightFileError> {
         let name = &variable.name;
-        let is_named = name.to_ascii_lowercase().starts_with(self.name);
-        let has_unit = text(&variable.attributes, "units").map(|unit| {
-            self.units
-                .contains(&unit.trim().to_ascii_lowercase().as_str())
-        });
-        if !has_unit.unwrap_or(is_named) {
+        if !self.is_of(variable) {
             return Err(context.other_coordinates(format!("the coordinates {name:?}")));
         }
         let shape = Shape {

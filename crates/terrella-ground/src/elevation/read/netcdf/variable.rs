@@ -62,6 +62,14 @@ impl Variable {
         text(&self.attributes, "_Unsigned").is_some_and(|word| word.eq_ignore_ascii_case("true"))
     }
 
+    /// Whether its numbers grow downwards (CF Conventions 1.11, 4.3 and the table of standard names).
+    pub(super) fn is_depth(&self) -> bool {
+        let positive = text(&self.attributes, "positive");
+        let name = text(&self.attributes, "standard_name");
+        positive.is_some_and(|word| word.eq_ignore_ascii_case("down"))
+            || name.is_some_and(|name| name.starts_with("sea_floor_depth_below"))
+    }
+
     /// Numbers of an attribute as those of the variable are read.
     fn as_stored(&self, kind: NumberType, number: f64) -> f64 {
         match self.is_unsigned() && kind == self.kind {

@@ -110,56 +110,103 @@ fn filters_that_are_not_read_are_named() {
     assert!(said.contains("h5repack -f GZIP=1"), "{said}");
 }
 
-#[test]
-fn netcdf_of_64_bit_data_is_read() {
-    // Two rows of two 64-bit numbers, as the specification of CDF-5 lays them out.
+/// Two rows of two 64-bit numbers, as the specification of CDF-5 lays them out: names and units of both dimensions, attributes of the
+/// variable.
+fn cdf5(dimensions: [(&str, &str); 2], of_variable: &[(&str, &str)]) -> Vec<u8> {
     let mut file = b"CDF\x05".to_vec();
     let text = |file: &mut Vec<u8>, text: &str| {
         file.extend((text.len() as u64).to_be_bytes());
         file.extend(text.bytes());
         file.resize(file.len().next_multiple_of(4), 0);
     };
-    let list = |file: &mut Vec<u8>, tag: u32, count: u64| {
+    let list = |file: &mut Vec<u8>, tag: u32, count: usize| {
         file.extend(tag.to_be_bytes());
-        file.extend(count.to_be_bytes());
+        file.extend((count as u64).to_be_bytes());
     };
     file.extend([0; 8]);
     list(&mut file, 10, 2);
-    for name in ["lat", "lon"] {
+    for (name, _) in dimensions {
         text(&mut file, name);
         file.extend(2_u64.to_be_bytes());
     }
     list(&mut file, 0, 0);
     list(&mut file, 11, 3);
     let mut begins = Vec::new();
-    for (name, dimensions, units) in [
-        ("lat", &[0_u64][..], "degrees_north"),
-        ("lon", &[1], "degrees_east"),
-        ("z", &[0, 1], "m"),
+    let [(first, of_first), (second, of_second)] = dimensions;
+    for (name, dimensions, attributes) in [
+        (first, &[0_u64][..], &[("units", of_first)][..]),
+        (second, &[1], &[("units", of_second)]),
+        ("z", &[0, 1], of_variable),
     ] {
         text(&mut file, name);
         file.extend((dimensions.len() as u64).to_be_bytes());
         dimensions.iter().for_each(|n| file.extend(n.to_be_bytes()));
-        list(&mut file, 12, 1);
-        text(&mut file, "units");
-        file.extend(2_u32.to_be_bytes());
-        text(&mut file, units);
+        list(&mut file, 12, attributes.len());
+        for (name, value) in attributes {
+            text(&mut file, name);
+            file.extend(2_u32.to_be_bytes());
+            text(&mut file, value);
+        }
         // Signed numbers of 64 bits.
         file.extend(10_u32.to_be_bytes());
         file.extend([0; 8]);
         begins.push(file.len());
         file.extend([0; 8]);
     }
-    for (begin, values) in begins
-        .into_iter()
-        .zip([&[1_i64, 2][..], &[3, 4], &[121, 128, 221, 228]])
-    {
+    let values = [&[1_i64, 2][..], &[3, 4], &[121, 128, 221, 228]];
+    for (begin, values) in begins.into_iter().zip(values) {
         let at = file.len() as u64;
         file[begin..begin + 8].copy_from_slice(&at.to_be_bytes());
         values
             .iter()
             .for_each(|value| file.extend(value.to_be_bytes()));
     }
-    let file = read(file, "").unwrap_or_else(|error| panic!("{error}"));
-    holds(&file, (2.0, 3.0), 1.0, (2, 2), plane);
+    file
+}
+
+const METRES: (&str, &str) = ("units", "m");
+
+#[test]
+fn netcdf_of_64_bit_data_is_read() {
+    // All units that the CF Conventions have for degrees, and degrees that the name says more of.
+    for (lat, lon) in [
+        ("degrees_north", "degrees_east"),
+        ("degree_N", "degreesE"),
+        ("degrees", "degree"),
+    ] {
+        let file = read(cdf5([("lat", lat), ("lon", lon)], &[METRES]), "");
+        holds(
+            &file.unwrap_or_else(|error| panic!("{lat}: {error}")),
+            (2.0, 3.0),
+            1.0,
+            (2, 2),
+            plane,
+        );
+    }
+}
+
+#[test]
+fn depths_are_below_the_sea() {
+    let depth = |lat: f64, lon: f64| -plane(lat, lon);
+    for attribute in [
+        ("positive", "down"),
+        ("standard_name", "sea_floor_depth_below_geoid"),
+    ] {
+        let file = cdf5(
+            [("lat", "degrees_north"), ("lon", "degrees_east")],
+            &[METRES, attribute],
+        );
+        let file = read(file, "").unwrap_or_else(|error| panic!("{error}"));
+        holds(&file, (2.0, 3.0), 1.0, (2, 2), depth);
+    }
+}
+
+#[test]
+fn columns_in_place_of_rows_are_named() {
+    let file = cdf5([("x", "degrees_east"), ("y", "degrees_north")], &[METRES]);
+    let said = said(file, "");
+    assert!(
+        said.contains("over longitude and latitude") && said.contains("ncpdq -a y,x"),
+        "{said}"
+    );
 }
