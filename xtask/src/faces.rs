@@ -116,10 +116,13 @@ fn lay_out(root: &Path, built: &[PathBuf], prefix: &Path, libraries: &str) -> an
         ["include", "lib", "lib/pkgconfig", "lib/cmake/terrella"].map(|folder| prefix.join(folder));
     layout::put_maps(root, prefix)?;
     layout::put_documents(root, prefix)?;
-    let header = "include/terrella.h";
-    copy_whole(&package.join(header), &include.join("terrella.h"), false)?;
+    for header in ["terrella.h", "terrella.hpp"] {
+        let from = package.join("include").join(header);
+        copy_whole(&from, &include.join(header), false)?;
+    }
     let archive = "libterrella_c.a";
     copy_whole(library(archive)?, &lib.join(archive), false)?;
+    strip_debug_lines(&lib.join(archive))?;
     let named = lib.join("libterrella_c.so.0");
     copy_whole(library("libterrella_c.so")?, &named, true)?;
     #[cfg(unix)]
@@ -146,6 +149,18 @@ fn lay_out(root: &Path, built: &[PathBuf], prefix: &Path, libraries: &str) -> an
         write_bytes(&to, filled(&text, libraries, &list).as_bytes())?;
     }
     Ok(())
+}
+
+/// Takes what only debuggers read out of a static library, Rust's own included: no profile does that. It comes with the C compiler.
+fn strip_debug_lines(archive: &Path) -> anyhow::Result<()> {
+    let mut command = Command::new("strip");
+    command.arg("--strip-debug").arg(archive);
+    let status = command.status();
+    let status = status.context("cannot start `strip`; install binutils")?;
+    match status.success() {
+        true => Ok(()),
+        false => Err(process::ChildFailed::new(process::shown(&command), status).into()),
+    }
 }
 
 fn filled(template: &str, libraries: &str, list: &str) -> String {

@@ -202,6 +202,21 @@ fn misuse_is_a_status_under_the_sanitizer() {
 }
 
 #[test]
+fn classes_of_cpp_throw_and_free() {
+    if !has("g++") {
+        return;
+    }
+    let out = tempfile::tempdir().expect("a folder");
+    let program = Build {
+        source: "tests/c/raii.cpp",
+        arguments: &["-O0"],
+        libraries: &[],
+        name: "raii",
+    };
+    run(&build(&program, out.path()), out.path(), &[]);
+}
+
+#[test]
 fn examples_are_clean_under_the_sanitizer() {
     if !has("gcc") || !has("g++") {
         return;
@@ -235,4 +250,5 @@ fn the_page_shows_the_example() {
     };
     let page = read("../../docs/embedding/c.md");
     assert!(page.contains(&format!("```c\n{}```", read("examples/still.c"))));
+    assert!(page.contains(&format!("```cpp\n{}```", read("examples/scene.cpp"))));
 }

@@ -1,0 +1,251 @@
+// The C++ interface of Terrella, a realistic Earth: classes over terrella.h that free what they hold and throw terrella::Error. C++17, header only.
+//
+// Units, axes and threads are those of terrella.h. Objects can be moved and not copied; one that was moved from can only be assigned to or
+// destroyed.
+
+#ifndef TERRELLA_HPP
+#define TERRELLA_HPP
+
+#include "terrella.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace terrella {
+
+// A call that failed: its status, and the message of the library.
+class Error : public std::runtime_error {
+public:
+    Error(TerrellaStatus status, const char *message) : std::runtime_error(message), status_(status) {}
+    TerrellaStatus status() const noexcept { return status_; }
+
+private:
+    TerrellaStatus status_;
+};
+
+// Throws unless a call succeeded; for calls of terrella.h that have no method here.
+inline void check(TerrellaStatus status) {
+    if (status != TERRELLA_OK) throw Error(status, terrella_message());
+}
+
+// An instant, exact to the nanosecond, leap seconds included.
+class Time {
+public:
+    // From a text like "2018-01-15T12:00:00Z" (RFC 3339).
+    explicit Time(const std::string &utc) { check(terrella_time_utc(utc.c_str(), &time_)); }
+    Time(TerrellaTime time) noexcept : time_(time) {}
+    // From seconds since 1970-01-01T00:00:00Z as POSIX counts them.
+    static Time from_unix(double unix_s) {
+        TerrellaTime time;
+        check(terrella_time_unix(unix_s, &time));
+        return time;
+    }
+    Time operator+(double elapsed_s) const {
+        TerrellaTime later;
+        check(terrella_time_add(time_, elapsed_s, &later));
+        return later;
+    }
+    Time operator-(double elapsed_s) const { return *this + -elapsed_s; }
+    // Elapsed seconds from another instant to this.
+    double operator-(const Time &other) const noexcept {
+        return double(time_.tai_s - other.time_.tai_s) + (double(time_.tai_ns) - double(other.time_.tai_ns)) * 1e-9;
+    }
+    bool operator==(const Time &other) const noexcept { return time_.tai_s == other.time_.tai_s && time_.tai_ns == other.time_.tai_ns; }
+    bool operator!=(const Time &other) const noexcept { return !(*this == other); }
+    bool operator<(const Time &other) const noexcept {
+        return time_.tai_s != other.time_.tai_s ? time_.tai_s < other.time_.tai_s : time_.tai_ns < other.time_.tai_ns;
+    }
+    // In UTC, like "2018-01-15T12:00:00.000Z".
+    std::string utc() const {
+        char text[40];
+        check(terrella_time_text(time_, text, sizeof text));
+        return text;
+    }
+    operator TerrellaTime() const noexcept { return time_; }
+
+private:
+    TerrellaTime time_;
+};
+
+// A camera above a place; see terrella_camera_geodetic.
+inline TerrellaCamera camera_geodetic(double lat_deg, double lon_deg, double height_m, double heading_deg, double pitch_deg, double fov_deg,
+                                      double aspect) {
+    TerrellaCamera camera;
+    check(terrella_camera_geodetic(lat_deg, lon_deg, height_m, heading_deg, pitch_deg, fov_deg, aspect, &camera));
+    return camera;
+}
+
+// A camera at a point that looks along a direction; see terrella_camera_look.
+inline TerrellaCamera camera_look(const std::array<double, 3> &eye_itrf_m, const std::array<double, 3> &forward, const std::array<double, 3> &up,
+                                  double fov_deg, double aspect) {
+    TerrellaCamera camera;
+    check(terrella_camera_look(eye_itrf_m.data(), forward.data(), up.data(), fov_deg, aspect, &camera));
+    return camera;
+}
+
+// Default options of an Earth, to be changed.
+inline TerrellaOptions default_options() {
+    TerrellaOptions options;
+    check(terrella_options_default(&options));
+    return options;
+}
+
+// A displayed image: four bytes a pixel (red, green, blue in sRGB, opacity), rows from the top.
+struct Image {
+    std::uint32_t width = 0;
+    std::uint32_t height = 0;
+    std::vector<std::uint8_t> rgba;
+
+    // Writes a PNG file, without opacity.
+    void save(const std::string &path) const { check(terrella_write_png(path.c_str(), rgba.data(), width, height)); }
+};
+
+// A truth layer by its name: `T` is double or float as the layer has it (terrella_layer), NaN where there is no value.
+template <typename T>
+struct Layer {
+    std::string name;
+    std::vector<T> values;
+};
+
+// A handle that is freed with its owner.
+template <typename H, TerrellaStatus (*free_handle)(H *)>
+class Handle {
+public:
+    Handle() noexcept = default;
+    explicit Handle(H *handle) noexcept : handle_(handle) {}
+    Handle(Handle &&other) noexcept : handle_(std::exchange(other.handle_, nullptr)) {}
+    Handle &operator=(Handle &&other) noexcept {
+        std::swap(handle_, other.handle_);
+        return *this;
+    }
+    Handle(const Handle &) = delete;
+    Handle &operator=(const Handle &) = delete;
+    ~Handle() {
+        if (handle_) free_handle(handle_);
+    }
+    // For calls of terrella.h. It stays the owner's.
+    H *get() const noexcept { return handle_; }
+
+private:
+    H *handle_ = nullptr;
+};
+
+// An Earth on a device of its own.
+class Earth {
+public:
+    explicit Earth(const TerrellaOptions &options = default_options()) : width_(options.width), height_(options.height) {
+        TerrellaEarth *earth = nullptr;
+        check(terrella_earth_new(&options, &earth));
+        handle_ = Handle<TerrellaEarth, terrella_earth_free>(earth);
+    }
+    std::uint32_t width() const noexcept { return width_; }
+    std::uint32_t height() const noexcept { return height_; }
+    double aspect() const noexcept { return double(width_) / double(height_); }
+    void resize(std::uint32_t width, std::uint32_t height) {
+        check(terrella_earth_resize(get(), width, height));
+        width_ = width;
+        height_ = height;
+    }
+    // The Earth as it is displayed. Waits for tiles of a pack, at most `wait_s` seconds.
+    Image image(const TerrellaCamera &camera, const Time &time, double wait_s = 30, TerrellaDrawn *drawn = nullptr) const {
+        Image image{width_, height_, std::vector<std::uint8_t>(pixels() * 4)};
+        check(terrella_earth_draw(get(), &camera, time, wait_s, TERRELLA_RGBA8, image.rgba.data(), image.rgba.size(), drawn));
+        return image;
+    }
+    // Linear light: red, green, blue and a fourth number that is no light.
+    std::vector<float> radiance(const TerrellaCamera &camera, const Time &time, double wait_s = 30) const {
+        std::vector<float> light(pixels() * 4);
+        check(terrella_earth_draw(get(), &camera, time, wait_s, TERRELLA_RGBA32F, light.data(), light.size() * sizeof(float), nullptr));
+        return light;
+    }
+    // Distance of the ground along the camera's axis, metres; infinite where none is seen.
+    std::vector<float> depth_m(const TerrellaCamera &camera, const Time &time, double wait_s = 30) const {
+        std::vector<float> depth(pixels());
+        check(terrella_earth_depth(get(), &camera, time, wait_s, depth.data(), depth.size()));
+        return depth;
+    }
+    // A truth layer of one number a pixel.
+    template <typename T>
+    Layer<T> truth(const TerrellaCamera &camera, const Time &time, const std::string &name, double wait_s = 30) const {
+        Layer<T> layer{name, std::vector<T>(pixels())};
+        TerrellaLayerBuffer buffer{layer.name.c_str(), layer.values.data(), layer.values.size() * sizeof(T)};
+        check(terrella_earth_truth(get(), &camera, time, wait_s, &buffer, 1, nullptr));
+        return layer;
+    }
+    TerrellaEarth *get() const noexcept { return handle_.get(); }
+
+private:
+    std::size_t pixels() const noexcept { return std::size_t(width_) * height_; }
+
+    Handle<TerrellaEarth, terrella_earth_free> handle_;
+    std::uint32_t width_;
+    std::uint32_t height_;
+};
+
+// Position and velocity of a satellite: Earth-fixed axes (ITRF), metres and metres a second.
+struct State {
+    std::array<double, 3> position_m;
+    std::array<double, 3> velocity_m_s;
+};
+
+// A scene file with a device of its own.
+class Scene {
+public:
+    // Width and height 0 take the scene's; empty texts take the default maps and the best adapter.
+    explicit Scene(const std::string &path, std::uint32_t width = 0, std::uint32_t height = 0, const std::string &textures = "",
+                   const std::string &adapter = "") {
+        TerrellaScene *scene = nullptr;
+        check(terrella_scene_open(path.c_str(), width, height, textures.empty() ? nullptr : textures.c_str(),
+                                  adapter.empty() ? nullptr : adapter.c_str(), &scene));
+        handle_ = Handle<TerrellaScene, terrella_scene_free>(scene);
+        check(terrella_scene_info(get(), &info_));
+    }
+    const TerrellaSceneInfo &info() const noexcept { return info_; }
+    Time start() const noexcept { return info_.start; }
+    Time end() const noexcept { return info_.end; }
+    // The scene at an instant as the command displays it.
+    Image image(const Time &time, TerrellaDrawn *drawn = nullptr) const {
+        Image image{info_.width, info_.height, std::vector<std::uint8_t>(pixels() * 4)};
+        check(terrella_scene_draw(get(), time, TERRELLA_RGBA8, image.rgba.data(), image.rgba.size(), drawn));
+        return image;
+    }
+    // Distance of the ground along the camera's axis, metres; infinite where none is seen.
+    std::vector<float> depth_m(const Time &time) const {
+        std::vector<float> depth(pixels());
+        check(terrella_scene_depth(get(), time, depth.data(), depth.size()));
+        return depth;
+    }
+    // A truth layer of one number a pixel.
+    template <typename T>
+    Layer<T> truth(const Time &time, const std::string &name) const {
+        Layer<T> layer{name, std::vector<T>(pixels())};
+        TerrellaLayerBuffer buffer{layer.name.c_str(), layer.values.data(), layer.values.size() * sizeof(T)};
+        check(terrella_scene_truth(get(), time, &buffer, 1, nullptr));
+        return layer;
+    }
+    // The state of the satellite at this place in the scene, from 0.
+    State satellite(std::size_t index, const Time &time) const {
+        State state;
+        check(terrella_scene_satellite(get(), index, time, state.position_m.data(), state.velocity_m_s.data()));
+        return state;
+    }
+    TerrellaScene *get() const noexcept { return handle_.get(); }
+
+private:
+    std::size_t pixels() const noexcept { return std::size_t(info_.width) * info_.height; }
+
+    Handle<TerrellaScene, terrella_scene_free> handle_;
+    TerrellaSceneInfo info_{};
+};
+
+// The version of the library that is loaded, as in "0.1.0".
+inline std::string version() { return terrella_version(); }
+
+}  // namespace terrella
+
+#endif  // TERRELLA_HPP
