@@ -107,7 +107,7 @@ pub use view::{EyeView, PixelRays, Viewport, infinite_reversed_z};
 /// Bytes of tiles uploaded at once where a picture waits for them.
 const WAITING_UPLOAD_BYTES: u64 = 64_000_000;
 
-/// How long a picture waits for heights before it looks at what else there is to do: surfaces become finer meanwhile.
+/// How long a picture waits for elevation data before it refines surfaces again.
 const HEIGHTS_WAIT: Duration = Duration::from_millis(2);
 
 /// The Earth.
@@ -135,10 +135,10 @@ pub struct Earth {
 }
 
 impl Earth {
-    /// Whether all pipelines could be made that frames needed so far.
+    /// Checks that every pipeline that frames have needed so far was created.
     ///
     /// # Errors
-    /// What went wrong with one of them: what it draws is missing from such frames. With [`Pipelines::AtOnce`] all are made by then.
+    /// The first pipeline that failed; what it draws is missing from those frames. [`Pipelines::AtOnce`] creates all of them in advance.
     pub fn check_pipelines(&self) -> Result<(), EarthError> {
         match &self.error {
             None => Ok(()),
@@ -146,11 +146,11 @@ impl Earth {
         }
     }
 
-    /// Chooses what the eye sees and writes it to the GPU. Call once a frame, before the pass. Never waits.
+    /// Selects what the eye sees and uploads it to the GPU. Call it once per frame, before the pass. It never waits.
     ///
-    /// Nothing is drawn where no picture is defined: of a view or sky that is not finite, a Sun without direction, a
-    /// projection that has no inverse, and an eye beyond 1e24 m. A view of another Earth is not drawn, and a warning is
-    /// given once. The answer is of the first picture; bytes of tiles are counted there.
+    /// Nothing is drawn if the picture is undefined: the view or the sky is not finite, the Sun has no direction, the
+    /// projection has no inverse, or the eye is beyond 1e24 m. A view of another Earth is not drawn; a warning is
+    /// logged once. The returned statistics are those of the first picture and include the uploaded bytes of all tiles.
     pub fn prepare(
         &mut self,
         queue: &wgpu::Queue,
@@ -159,13 +159,12 @@ impl Earth {
         self.prepare_within(queue, &mut request, None)
     }
 
-    /// As [`Self::prepare`], but waits until every tile that the pictures request is on the GPU, and terrain is as fine
-    /// as it will be, at most `timeout`: for
-    /// pictures that are kept. Answers what is missing; such blocks are drawn with something coarser. A tile that cannot
-    /// be read is not waited for. What is missing of heights, `missing_heights` says. The levels of tiles, and the triangles of the ground,
-    /// hang on this view alone and not, as else, on those of the frame before: the same view gives the same picture.
+    /// Like [`Self::prepare`], but waits until every requested tile is on the GPU and the terrain is fully refined, for at most
+    /// `timeout`. Use it for pictures that are kept. It returns the missing tiles; their blocks are drawn with coarser ones. It does
+    /// not wait for a tile that cannot be read. `missing_heights` lists the missing elevation tiles. Tile levels and
+    /// terrain triangles depend on this view only, not on earlier frames: the same view gives the same picture.
     ///
-    /// Submits to `queue` what it uploads on the way.
+    /// It submits its uploads to `queue`.
     pub fn prepare_complete(
         &mut self,
         queue: &wgpu::Queue,
@@ -191,7 +190,7 @@ impl Earth {
                 queue.submit([]);
                 continue;
             }
-            // What was made while heights came hangs on the order in which they came.
+            // Surfaces that were refined while elevation data arrived depend on its order of arrival.
             let mut is_begun_anew = false;
             if is_settled && is_in_time {
                 is_begun_anew = self.first.forget_views_again();
@@ -213,13 +212,13 @@ impl Earth {
             if self.uploaded_tiles == 0 {
                 tiles.wait(left);
             }
-            // Lets go of the copies that the uploads are made from.
+            // Frees the staging copies of the uploads.
             queue.submit([]);
         }
     }
 
-    /// Tiles of heights that the ground of the last [`Self::prepare`] would have been drawn finer with: those on their way, those
-    /// that the budget has no room for, and those that cannot be read.
+    /// Elevation tiles that would have refined the terrain of the last [`Self::prepare`]: tiles still loading, tiles that exceed the
+    /// budget, and tiles that cannot be read.
     #[cfg(feature = "terrain")]
     pub fn missing_heights(&self) -> Vec<terrella_ground::elevation::HeightTileKey> {
         let ground = self.first.planner.ground_driver();
@@ -358,10 +357,10 @@ impl Earth {
         surface_config(&self.device, style, format, &self.quality, air, ground)
     }
 
-    /// Draws what [`Self::prepare`] chose into the host's pass: the surface, seen through the air, then the halo beside it, and clouds over
-    /// an eye below them. Draw opaque things before, so that the halo lies over those behind the Earth.
+    /// Draws what [`Self::prepare`] selected into the host's pass: the surface through the atmosphere, then the halo at the limb, and clouds
+    /// over an eye below them. Draw opaque objects first: the halo then covers those behind the Earth.
     ///
-    /// A host that draws Sun and stars calls the three parts, and draws those before the third: clouds hide them.
+    /// A host that draws Sun and stars calls the three parts instead, with the sky before the third: clouds hide it.
     pub fn render(&self, pass: &mut wgpu::RenderPass<'_>) {
         self.render_surface(pass);
         self.render_air(pass);
@@ -445,7 +444,7 @@ impl Earth {
         &self.first
     }
 
-    /// The figure that it has.
+    /// Its figure.
     #[cfg(feature = "tracks")]
     pub(crate) fn ellipsoid(&self) -> terrella_frames::Ellipsoid {
         self.first.planner.ellipsoid()

@@ -28,7 +28,7 @@
 //! | [`Quality`], [`ScaledTarget`] | what may be changed while the Earth is drawn; a picture drawn smaller than it is shown |
 //! | [`GroundOptions`], [`SurfaceSettings`] | terrain, and the surface that draws it |
 //! | [`TileOptions`] | imagery larger than memory, streamed |
-//! | [`OffscreenEarth`] | an Earth with a device of its own, drawn into memory: for programs without wgpu |
+//! | [`OffscreenEarth`] | an Earth that owns its device and renders into memory, for programs without wgpu |
 //! | `orbit::Feed` | where a satellite is, for `tracks::Tracks` and for your camera |
 //!
 //! # Crates and modules
@@ -61,8 +61,8 @@
 //! | [`frames`] | ellipsoid, time scales, Earth rotation, Sun; f64 | anything below |
 //! | `orbit` | readers and propagators: a state at an epoch | GPU |
 //! | `basilisk` | simulations of Basilisk: their sockets, messages and files, what is kept of them | GPU |
-//! | `height` | ranges of heights, and numbers of those that are streamed | GPU, files |
-//! | `elevation` | heights of the ground: grids, their pyramids, readers of elevation data | GPU |
+//! | `height` | ranges of heights, and statistics of streamed ones | GPU, files |
+//! | `elevation` | elevation data: grids, their pyramids, readers | GPU |
 //! | `globe` | the block sphere, and surfaces with relief: vertices, culling, level of detail | GPU, files |
 //! | `half` | half floats | GPU, files |
 //! | `air` | density, scattering tables, the billboard | GPU, files |

@@ -1,4 +1,4 @@
-//! An Earth with a device and textures of its own, and its pictures read back into memory: for programs without wgpu.
+//! An Earth that owns its device and textures and returns pictures in memory, for programs without wgpu.
 //!
 //! | file | what |
 //! |---|---|
@@ -33,13 +33,13 @@ use crate::{
 use std::time::Duration;
 use terrella_imagery::tile::TileKey;
 
-/// An Earth that is drawn into memory, by a device of its own or one that is shared by clones of its [`GpuContext`].
+/// An Earth that renders into memory, on its own device or on one that clones of its [`GpuContext`] share.
 ///
-/// It draws three kinds of pictures, each by an [`Earth`] with textures that are made when the first of its kind is asked for: a
-/// program that asks for one kind pays for that one. All kinds share the maps, which leave memory for the GPU with the first picture.
+/// It renders three kinds of pictures: colour, light and truth. The first request for a kind creates its [`Earth`] and textures, so a
+/// program pays only for the kinds that it uses. All kinds share the maps, which the first picture moves from memory to the GPU.
 ///
-/// Every picture is complete when the call returns: the device is waited for. One picture is drawn at a time (`&mut self`); it may
-/// be moved to other threads.
+/// Each call waits for the device and returns a complete picture. It renders one picture at a time (`&mut self`) and can be moved to other
+/// threads.
 pub struct OffscreenEarth {
     gpu: GpuContext,
     options: EarthOptions,
@@ -55,12 +55,12 @@ struct Drawn<T> {
     targets: T,
 }
 
-/// What was drawn, and what is missing in it.
+/// Statistics of a picture, and the tiles missing from it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Drawing {
     /// What was drawn.
     pub stats: FrameStats,
-    /// Tiles that did not come in the time that was given: drawn with something coarser.
+    /// Tiles that did not arrive in time; coarser ones are drawn instead.
     pub missing: Vec<TileKey>,
 }
 
@@ -108,7 +108,7 @@ impl OffscreenEarth {
         self.size
     }
 
-    /// Draws pictures of another size from now on. Textures are made again, maps stay where they are.
+    /// Changes the size of later pictures. It recreates textures and keeps maps.
     ///
     /// # Errors
     /// As [`Self::new`]; the size is then as it was.
@@ -129,7 +129,7 @@ impl OffscreenEarth {
         &self.gpu
     }
 
-    /// What the Earth is made of. Its maps have no texels after the first picture.
+    /// Options of the Earth. Its maps have no texels after the first picture.
     pub fn options(&self) -> &EarthOptions {
         &self.options
     }

@@ -1,5 +1,5 @@
-//! Tracks: what a person wants to see of satellites over the globe. Orbit trails, ground tracks, footprints of sensors,
-//! sub-satellite points and markers, for any [`Feed`], drawn into a host's pass with the Earth.
+//! Tracks of satellites over the globe: orbit trails, ground tracks, sensor footprints, sub-satellite points and markers, for any
+//! [`Feed`], drawn into a host's pass with the Earth.
 //!
 //! # Use
 //!
@@ -12,13 +12,13 @@
 //! tracks.render(&mut pass);
 //! ```
 //!
-//! [`Tracks::set_lines`] adds [`Polylines`] that stand still on the Earth: a graticule, coast lines, a host's own.
+//! [`Tracks::set_lines`] adds [`Polylines`] that are fixed to the Earth: a graticule, coast lines, or the host's own.
 //!
 //! [`Tracks::set_places`] marks places on the ground.
 //!
-//! [`Tracks::set_stations`] adds ground stations: marks, the ground from which a satellite is in view, and lines of access.
+//! [`Tracks::set_stations`] adds ground stations: markers, visibility areas, and access lines.
 //!
-//! Names are the host's to write: [`Tracks::labels`] says where. The command writes them with egui.
+//! The host draws names at the positions that [`Tracks::labels`] returns. The command does so with egui.
 //!
 //! # How data flows
 //!
@@ -103,7 +103,7 @@ pub const MAX_POINTS: usize = 16_384;
 /// Most points of all curves.
 pub const MAX_POINTS_IN_ALL: usize = 262_144;
 
-/// The pass that tracks are drawn in, the figure that they lie on, and the air that they are seen through: the Earth's.
+/// The Earth's pass, figure and atmosphere, which tracks are drawn with.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TracksOptions {
     /// The figure of the Earth.
@@ -162,9 +162,9 @@ pub struct TrackStats {
     pub points: u32,
     /// Dots and rings.
     pub marks: u32,
-    /// States that feeds were asked for to grow curves.
+    /// States requested from feeds to extend curves.
     pub samples: u32,
-    /// Satellites in view of stations, each counted for every such station.
+    /// Pairs of a station and a satellite in its view.
     pub accesses: u32,
     /// Triangles.
     pub triangles: u32,

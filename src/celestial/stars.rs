@@ -31,10 +31,10 @@ pub enum StarError {
         cause: String,
     },
     /// It does not begin as such a file does.
-    #[error("it is no star file: it does not begin with TRSTARS1")]
+    #[error("it is not a star file: it does not begin with TRSTARS1")]
     Kind,
     /// Its length is not what its number of stars needs.
-    #[error("it says {count} stars and holds {bytes} bytes for them; {RECORD} a star are needed")]
+    #[error("it announces {count} stars but has {bytes} bytes for them; each star needs {RECORD}")]
     Length {
         count: usize,
         /// Bytes after that number.
@@ -50,7 +50,7 @@ pub enum StarError {
     #[error("{count} stars are more than {MAX_STARS}")]
     TooMany { count: usize },
     /// A value that no star has.
-    #[error("star {star} of it (HIP {hip}): {what} {value} is impossible")]
+    #[error("star {star} (HIP {hip}): {what} {value} is impossible")]
     Value {
         /// Which record, from 1.
         star: usize,

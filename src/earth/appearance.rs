@@ -4,7 +4,7 @@ use super::{EarthError, GroundOptions, SurfaceLight};
 use terrella_ground::air::AirOptions;
 
 /// What an Earth is drawn as, besides its maps and its quality: what [`Earth::change_maker`](crate::Earth::change_maker) changes
-/// while it is drawn. What is meant is said at the same fields of [`EarthOptions`](crate::EarthOptions).
+/// while it is drawn. The same fields of [`EarthOptions`](crate::EarthOptions) explain them.
 #[derive(Clone, Debug, Default)]
 pub struct Appearance {
     /// Terrain; `None` is the smooth ellipsoid.

@@ -83,7 +83,7 @@ pub enum EarthError {
     Layer(#[from] ImageryError),
     /// What was made for another quality does not belong to the Earth as it is now.
     #[error(
-        "this quality was made ready for another Earth, or before this one was given another quality; make it again"
+        "this quality was prepared for another Earth, or before the quality of this one changed; prepare it again"
     )]
     OutOfDate,
     /// A map cannot be drawn with.
@@ -99,19 +99,19 @@ pub enum EarthError {
     NoWholeMap(&'static str),
     /// Tiles are compressed and the device does not read them.
     #[error(
-        "the tiles are BC-compressed and the device was opened without TEXTURE_COMPRESSION_BC; \
+        "the tiles are BC-compressed, but the device was opened without TEXTURE_COMPRESSION_BC; \
          open it with that feature, or have the tiles decoded (PackTiles::new with decode = true)"
     )]
     NoBc,
     /// Triangles' edges are wanted and the device does not draw lines.
     #[error(
-        "edges of triangles are wanted and the device was opened without POLYGON_MODE_LINE; \
-         open it with that feature, or on another adapter (terrella doctor lists them) if this one has it not"
+        "the wireframe needs POLYGON_MODE_LINE, which the device was opened without; \
+         open it with that feature, or on another adapter (terrella doctor lists them) if this one does not have it"
     )]
     NoLines,
     /// Edges of triangles are wanted of ground that has none.
     #[error(
-        "contours that rays are cast at have no triangles whose edges could be drawn; leave out the wireframe, or draw \
+        "ray-cast contours have no triangles whose edges could be drawn; leave out the wireframe, or draw \
          contours as patches (drawn = \"patches\" under [earth.contours] in a scene)"
     )]
     NoEdges,
@@ -129,7 +129,7 @@ pub enum EarthError {
     },
     /// Light is to be developed after the pass, and the pass does not hold it.
     #[error(
-        "light that is developed after the pass wants a float colour format (Rgba16Float, Rgba32Float) and sunlit shading; \
+        "light that is developed after the pass needs a float colour format (Rgba16Float, Rgba32Float) and sunlit shading; \
          color_format is {format:?} and the shading {shading:?}: give such a format, or Development::InPass"
     )]
     Development {

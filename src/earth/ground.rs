@@ -1,4 +1,4 @@
-//! Terrain: the surface that a scene chose, and the heights that it is made from.
+//! Terrain: the surface that a scene selects, and its elevation data.
 
 use super::view::ItrfView;
 use crate::gpu::{GridMesh, PageMesh};
@@ -21,11 +21,11 @@ use terrella_ground::globe::{
 /// Terrain in place of the smooth ellipsoid.
 #[derive(Clone)]
 pub struct GroundOptions {
-    /// Where heights come from: in memory as a whole, or streamed ([`StreamedGround`]).
+    /// The elevation data: entirely in memory, or streamed ([`StreamedGround`]).
     pub elevation: Arc<dyn Elevation>,
-    /// The surface that draws the ground, with its settings.
+    /// The surface that draws the terrain, with its settings.
     pub surface: SurfaceSettings,
-    /// Most pixels by which the drawn ground may differ from its data, for surfaces that know; 0 asks for all there is.
+    /// Largest difference of the drawn terrain from its data, pixels, for surfaces that bound it; 0 requests full detail.
     pub tolerance_px: f64,
 }
 

@@ -17,7 +17,7 @@ use terrella_imagery::{CityLights, EarthLayers, GroundKinds, MapAlbedo, MapGroun
 /// What is fixed when an Earth is made.
 #[derive(Clone, Debug)]
 pub struct EarthOptions {
-    /// The maps. A layer that is `None` costs nothing.
+    /// The maps. A layer that is `None` has no cost.
     pub layers: EarthLayers,
     /// Maps that are on the GPU already: drawn for those of `layers` that have no texels ([`Self::upload`]). Earths that are made with
     /// clones of these options share them.
@@ -30,21 +30,21 @@ pub struct EarthOptions {
     /// drawn with whole maps: [`CityLights::load`]. `None` draws the map and costs nothing. With [`Pipelines::WhenNeeded`] they are made when
     /// a view first has places in the dark.
     pub city_lights: Option<Arc<CityLights>>,
-    /// Terrain; `None` draws the smooth ellipsoid and costs nothing.
+    /// Terrain; `None` draws the smooth ellipsoid at no cost.
     pub ground: Option<GroundOptions>,
     /// Figure of the Earth: WGS84 or the paper's sphere.
     pub figure: Figure,
-    /// Cells per block edge; by default as many as the limb needs in each picture.
+    /// Cells per block edge; by default as many as the limb needs in each frame.
     pub subdivision: Subdivision,
-    /// The rule by which blocks are culled.
+    /// How blocks are culled.
     pub visibility: Visibility,
-    /// The light on the ground: real sunlight, or as printed in the paper.
+    /// Shading of the ground: physical sunlight, or as printed in the paper.
     pub shading: Shading,
-    /// What of the light on the surface can be chosen.
+    /// Options of the light on the surface.
     pub light: SurfaceLight,
-    /// The air, or none of it.
+    /// The atmosphere, or none.
     pub atmosphere: Atmosphere,
-    /// What the air holds.
+    /// Contents of the atmosphere.
     pub air: AirOptions,
     /// Texture format of the host's colour target.
     ///
@@ -63,30 +63,30 @@ pub struct EarthOptions {
     /// filters trilinearly: each sample costs it time, and Mesa's returns wrong texels at the limb. So the default, 8, is
     /// not measured by the pages in `docs/`, which are of software adapters; `terrella bench` measures it on others.
     pub anisotropy: u16,
-    /// How bright light is shown. The paper's shading works in display values and is not touched by it, the air is.
+    /// Exposure. The paper's shading uses display values, which it does not affect; it does affect the atmosphere.
     pub exposure: Exposure,
-    /// Where exposed light becomes what is shown: in the host's pass, or after it by a [`crate::Developer`] with the same `tone`.
+    /// Where exposed light is developed for display: in the host's pass, or after it by a [`crate::Developer`] with the same `tone`.
     pub development: Development,
-    /// By which curve exposed light is shown. A measured response needs [`Development::AfterPass`].
+    /// Tone curve of exposed light. A measured response needs [`Development::AfterPass`].
     pub tone: Tone,
-    /// What a lens does to light that is developed after the pass.
+    /// Bloom of light that is developed after the pass.
     pub bloom: Bloom,
     /// White balance and grain. Either needs [`Development::AfterPass`].
     pub grade: Grade,
-    /// When pipelines are made.
+    /// When pipelines are created.
     pub pipelines: Pipelines,
-    /// What is drawn for measuring and for looking at meshes, in place of pictures.
+    /// Diagnostic output for measurements and for inspecting meshes.
     pub diagnostics: DiagnosticOptions,
 }
 
-/// When an Earth makes its pipelines: some ten, of which a picture needs two or three.
+/// When an Earth creates its pipelines: about ten, of which a picture needs two or three.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Pipelines {
-    /// When it is made, so that no frame waits for one.
+    /// At creation: no frame waits for one.
     #[default]
     AtOnce,
-    /// When a frame first needs them, in [`Earth::prepare`](super::Earth::prepare): for programs that draw few pictures. What goes wrong
-    /// with them [`Earth::check_pipelines`](super::Earth::check_pipelines) answers.
+    /// When a frame first needs them, in [`Earth::prepare`](super::Earth::prepare), for programs that render few pictures.
+    /// [`Earth::check_pipelines`](super::Earth::check_pipelines) returns their errors.
     WhenNeeded,
 }
 

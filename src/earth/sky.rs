@@ -15,15 +15,15 @@ pub(super) const ROOM_SIN: f64 = 0.01;
 /// of arc between them moves the Moon's shadow by 50 km.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sky {
-    /// Vector to the Sun in ITRF axes, of length 1; of any other finite length it is made a unit vector.
+    /// Direction to the Sun in ITRF axes. Any other finite length is normalised to 1.
     pub sun_itrf: DVec3,
-    /// The Sun's distance, metres: how large its disc is for the Moon's shadow, and nothing else.
+    /// Distance of the Sun, metres. It sets the size of the disc in eclipses, and nothing else.
     pub sun_distance_m: f64,
     /// The Moon's centre from the Earth's in ITRF axes, metres; `None` for a night without a Moon.
     pub moon_itrf_m: Option<DVec3>,
-    /// Rotation from the axes of the stars, GCRF, to ITRF; `None` where no date is known. Nothing of the Earth is drawn by it.
+    /// Rotation from the inertial frame of the stars, GCRF, to ITRF; `None` without a date. It does not affect the Earth.
     pub itrf_from_gcrf: Option<DMat3>,
-    /// The time, for what moves by itself: the curtains of the aurora. Where none is known they stand still.
+    /// The time, which moves the curtains of the aurora. They are static without it.
     pub epoch: Option<Epoch>,
 }
 
@@ -39,12 +39,12 @@ impl Sky {
         }
     }
 
-    /// The sky of a date, UT1 taken as UTC and polar motion left out: the Sun is up to 13.5″ off.
+    /// The sky at a time, with UT1 = UTC and without polar motion: the error of the Sun is up to 13.5″.
     pub fn at(epoch: Epoch) -> Self {
         Self::with_orientation(epoch, &Orientation::default())
     }
 
-    /// The sky of a date over an Earth of that orientation.
+    /// The sky at a time, for this orientation of the Earth.
     pub fn with_orientation(epoch: Epoch, orientation: &Orientation) -> Self {
         let center = Observer::moving(epoch, orientation, DVec3::ZERO, DVec3::ZERO);
         let sun_m = center.sun_m();
@@ -57,7 +57,7 @@ impl Sky {
         }
     }
 
-    /// The Moon's shadow; `None` where no Moon is said, or Sun or Moon are nowhere.
+    /// The Moon's shadow; `None` without a Moon, or if either position is not finite.
     pub fn moon_shadow(&self) -> Option<MoonShadow> {
         let sun_m = self.with_unit_sun()?.sun_itrf * self.sun_distance_m;
         let moon_m = self.moon_itrf_m?;
@@ -65,7 +65,7 @@ impl Sky {
         (is_somewhere && sun_m != moon_m).then(|| MoonShadow::new(sun_m, moon_m))
     }
 
-    /// Direction to the Moon and its light, as a part of the Sun's; none where it is not said or not finite.
+    /// Direction to the Moon, and its light as a fraction of the Sun's; zero without a Moon or if its position is not finite.
     pub fn moonlight(&self) -> (DVec3, f64) {
         let moon = self.moon_itrf_m.unwrap_or(DVec3::ZERO);
         let (direction, distance_m) = (moon.normalize_or_zero(), moon.length());

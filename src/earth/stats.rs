@@ -18,9 +18,9 @@ pub struct FrameStats {
     pub subdivision: u32,
     /// The ground's patches, all zero without relief.
     pub ground: SurfaceStats,
-    /// Tiles of the ground's heights, all zero unless they are streamed.
+    /// Elevation tiles, all zero unless elevation data is streamed.
     pub height_tiles: HeightTileStats,
-    /// Bytes of the ground's vertices, triangles and heights on the GPU; 0 without relief.
+    /// Bytes of the terrain's vertices, triangles and elevation data on the GPU; 0 without terrain.
     pub ground_bytes: u64,
     /// Triangles drawn, air included.
     pub triangles: u32,

@@ -25,7 +25,7 @@ pub enum ContextError {
         present: Vec<String>,
     },
     /// The adapter rejected a device.
-    #[error("the adapter {adapter} gave no device: {source}")]
+    #[error("cannot open a device on the adapter {adapter}: {source}")]
     NoDevice {
         /// The adapter's name.
         adapter: String,

@@ -24,7 +24,7 @@ pub enum MapError {
     Image(#[from] ImageryError),
     /// The Earth was made without this map.
     #[error(
-        "the Earth was made without the {0} map, so its shaders read none; give it one when it is made"
+        "the Earth was made without the {0} map, so its shaders read none; provide one when you create it"
     )]
     NotDrawn(&'static str),
     /// The map is drawn by tiles.

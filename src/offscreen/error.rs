@@ -21,7 +21,7 @@ pub enum OffscreenError {
     Picture(#[from] PictureError),
     /// The picture is larger than the adapter draws.
     #[error(
-        "a picture of {width} × {height} pixels is larger than {adapter} draws, at most {limit} pixels a side; \
+        "a picture of {width} × {height} pixels exceeds the limit of {adapter}, {limit} pixels a side; \
          take a smaller size"
     )]
     TooLarge {
@@ -60,7 +60,7 @@ pub enum OffscreenError {
     },
     /// A view of which there is no picture.
     #[error(
-        "there is no picture of this view: its eye, projection or sky is not finite, its projection has no inverse, or its eye is \
+        "this view cannot be rendered: its eye, projection or sky is not finite, its projection has no inverse, or its eye is \
          beyond 1e24 m"
     )]
     NoPicture,

@@ -168,7 +168,7 @@ impl TruthLayer {
         }
     }
 
-    /// The channels that it has in a picture of 32-bit floats.
+    /// Its channels in an image of 32-bit floats.
     pub fn channels(&self) -> Vec<String> {
         let name = self.name;
         match (self.value, self.dtype) {
@@ -178,7 +178,7 @@ impl TruthLayer {
         }
     }
 
-    /// Its values at a pixel; where it has one, that is the first. NaN where there is none.
+    /// Its values at a pixel; a layer of one component uses the first. NaN without a value.
     pub fn values(&self, pixel: &TruthPixel) -> [f64; 3] {
         let one = |value| [value, f64::NAN, f64::NAN];
         match self.value {

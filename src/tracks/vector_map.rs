@@ -30,7 +30,7 @@ pub enum VectorMapError {
         cause: String,
     },
     /// It does not begin as such a file does.
-    #[error("it is no file of lines: it does not begin with TRLINES1 and {HEADER_BYTES} bytes")]
+    #[error("it is not a file of lines: it does not begin with TRLINES1 and {HEADER_BYTES} bytes")]
     Kind,
     /// A file larger than any that is read.
     #[error("it has more than {MAX_FILE_BYTES} bytes")]
@@ -46,16 +46,16 @@ pub enum VectorMapError {
         bytes: usize,
     },
     /// Bytes are other ones than those that were written.
-    #[error("it is corrupt or cut off: its checksum is not that of its bytes")]
+    #[error("it is corrupt or truncated: its checksum does not match")]
     Checksum,
     /// The bytes end within a line, or go on after the last.
-    #[error("line {line} of it has another length than it says")]
+    #[error("line {line} has a different length than it declares")]
     Length {
         /// Which line, from 1.
         line: usize,
     },
     /// A latitude beyond a pole, or a number out of range.
-    #[error("line {line} of it leaves the globe")]
+    #[error("line {line} leaves the globe")]
     Place {
         /// Which line, from 1.
         line: usize,

@@ -105,7 +105,7 @@ fn a_bad_star_file_is_named_and_left_out_unless_strict() {
     let told = place.succeed(&["check", "sky.toml"]);
     let told = String::from_utf8_lossy(&told.stdout);
     for words in [
-        "stars.bin: it says 2 stars and holds 5 bytes",
+        "stars.bin: it announces 2 stars but has 5 bytes",
         "moon.jpg is missing",
     ] {
         assert!(told.contains(words), "{told}");

@@ -11,7 +11,7 @@ fn states_come_over_tcp_in_both_forms_mixed() {
     assert_eq!(feed.freshness(), Freshness::Waiting);
     let error = feed.state_at(at(0.0)).unwrap_err().to_string();
     assert!(
-        error.contains(&format!("no state has come yet on tcp://{address}")),
+        error.contains(&format!("no state has arrived on tcp://{address}")),
         "{error}"
     );
     let stream = connect(address);

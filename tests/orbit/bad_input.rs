@@ -202,7 +202,7 @@ fn corrupt_lines_are_named() {
     rejected(
         &format!("{}\n{two}", one.replacen("0  9992", "0\u{a0} 9992", 1)),
         ":1:64",
-        "cannot stand here",
+        "is not allowed here",
     );
     rejected(
         &format!(
@@ -210,7 +210,7 @@ fn corrupt_lines_are_named() {
             one.replacen(' ', "\t", 1).replacen('\t', " \t", 1)
         ),
         ":1:3",
-        "'\\t' cannot stand here",
+        "'\\t' is not allowed here",
     );
     rejected(
         &format!("{name}\u{0}\n{one}\n{two}"),
@@ -369,14 +369,14 @@ fn files_that_are_no_element_files_are_named() {
         let text = error(path).to_string();
         assert!(text.contains(says), "{text}");
     };
-    contains(&write("empty.tle", b""), "no element set in it");
+    contains(&write("empty.tle", b""), "contains no element set");
     contains(
         &write("comments.tle", b"# nothing\n\n\r\n"),
-        "no element set in it",
+        "contains no element set",
     );
     contains(
         &write("binary.tle", &[0x7f, b'E', b'L', b'F', 2, 1, 1, 0, 0, 0]),
-        "cannot stand here",
+        "is not allowed here",
     );
     contains(
         &write("picture.tle", b"name\n\n\x89PNG\r\n"),
@@ -403,7 +403,7 @@ fn files_that_are_no_element_files_are_named() {
         .unwrap()
         .set_len(TleFeed::MAX_FILE_BYTES)
         .unwrap();
-    contains(&huge, ":1:1: '\\0' cannot stand here");
+    contains(&huge, ":1:1: '\\0' is not allowed here");
     // A device that claims to be empty.
     #[cfg(unix)]
     contains(Path::new("/dev/zero"), "it is a device, not a file");

@@ -300,12 +300,12 @@ fn wrong_documents_are_named() {
             "5:5",
             "a coordinate is \"\\\"x\\\"\"; expected a number of metres",
         ),
-        ("[0,7e6", "[0,7e66", "4:94", "not finite or farther than"),
+        ("[0,7e6", "[0,7e66", "4:94", "not finite, is farther than"),
         (
             "60,\n",
             "",
             "4:93",
-            "\"7 numbers\" cannot stand here; expected groups of four",
+            "\"7 numbers\" is not allowed here; expected groups of four",
         ),
         (
             "\"cartesian\"",

@@ -123,7 +123,7 @@ fn nothing_is_answered_after_a_decay() {
     assert!(matches!(error, OrbitError::Lost { .. }), "{text}");
     assert!(
         text.starts_with("sets.tle:1: 91001 is not known at 2026-05-09T12:00:00.000Z: ")
-            && text.contains("no orbit for it after 2026-04-11T05:19:21."),
+            && text.contains("no valid orbit for it after 2026-04-11T05:19:21."),
         "{text}"
     );
 }

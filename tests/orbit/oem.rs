@@ -268,7 +268,7 @@ fn usable_intervals_and_gaps() {
     }
     assert_eq!(
         feed.state_at(epoch(700.0)).unwrap_err().to_string(),
-        "TEST SAT is not known at 2017-01-01T00:01:39.000Z: its ephemeris tells of it until 2016-12-31T23:58:00.000Z and again from 2017-01-01T00:04:59.000Z; change the date or take an ephemeris of that time"
+        "TEST SAT is not known at 2017-01-01T00:01:39.000Z: its ephemeris has states until 2016-12-31T23:58:00.000Z and again from 2017-01-01T00:04:59.000Z; change the date or take an ephemeris of that time"
     );
     // Inside the usable interval the states outside it still serve.
     let whole = one(&kvn(

@@ -64,13 +64,13 @@ fn wrong_messages_are_named() {
             "META_STOP\n",
             "",
             "16:1",
-            "cannot stand here; expected KEY = value, or META_STOP",
+            "is not allowed here; expected KEY = value, or META_STOP",
         ),
         (
             "META_START\n",
             "",
             "14:1",
-            "cannot stand here; expected an epoch and six numbers",
+            "is not allowed here; expected an epoch and six numbers",
         ),
         (
             "2016-12-31T23:51:00.000 ",
@@ -112,7 +112,7 @@ fn wrong_messages_are_named() {
             "2016-12-31T23:53:00.000 ",
             "2016-12-31T23:53:00.000 0 0 1e12 ",
             "20:1",
-            "not finite or farther than",
+            "not finite, is farther than",
         ),
         (
             "2016-12-31T23:53:00.000 ",
@@ -150,7 +150,7 @@ fn wrong_messages_are_named() {
             "COVARIANCE_STOP\n",
             "",
             "1:18",
-            "without COVARIANCE_STOP; it has been cut off",
+            "without COVARIANCE_STOP; the file is truncated",
         ),
     ] {
         let text = good.replacen(from, to, 1);
@@ -212,7 +212,7 @@ fn wrong_xml_is_named() {
             "<X units=\"km\">",
             "<X units=\"m\">",
             "15:14",
-            "X is in \"m\"; the format has it in km",
+            "X is in \"m\"; the format requires km",
         ),
         (
             "<Z units=\"km\">",

@@ -303,7 +303,7 @@ fn wrong_messages_are_named() {
             "[rev/day]",
             "[rad/s]",
             "13:15",
-            "MEAN_MOTION is in \"rad/s\"; the format has it in rev/day",
+            "MEAN_MOTION is in \"rad/s\"; the format requires rev/day",
         ),
         (
             "51.6424 [deg]",
@@ -338,13 +338,13 @@ fn wrong_messages_are_named() {
             "INCLINATION = 51.6424 [deg]",
             "INCLINATION = 51.6424 [deg]\nINCLINATION = 52",
             "16:15",
-            "INCLINATION a second time; the first is in line 15",
+            "duplicate INCLINATION; the first is in line 15",
         ),
         (
             "ECCENTRICITY = .0003646",
             "ECCENTRICITY .0003646",
             "14:1",
-            "cannot stand here; expected KEY = value",
+            "is not allowed here; expected KEY = value",
         ),
     ] {
         assert!(KVN.contains(from), "{from}");
@@ -441,7 +441,7 @@ fn wrong_xml_json_and_csv_are_named() {
             "{\n",
             "7, {\n",
             "2:3",
-            "\"7\" cannot stand here; expected an object",
+            "\"7\" is not allowed here; expected an object",
         ),
         (
             &json,
@@ -456,7 +456,7 @@ fn wrong_xml_json_and_csv_are_named() {
             "51.6424",
             "51.6424,1",
             "2:1",
-            "\"23 fields\" cannot stand here; expected as many as the header has",
+            "\"23 fields\" is not allowed here; expected as many as the header has",
         ),
         (
             &csv,

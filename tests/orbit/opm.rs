@@ -233,7 +233,7 @@ fn what_is_not_followed_is_named() {
     let open = low("").trim_end().to_owned();
     let cut = read(&open, false).unwrap();
     assert!(
-        cut.faults[0].to_string().contains("cut off"),
+        cut.faults[0].to_string().contains("truncated"),
         "{}",
         cut.faults[0]
     );
@@ -282,7 +282,7 @@ fn errors_name_line_key_and_remedy() {
         ),
         (
             with("X = 6655.9942 [km]", "X = 6655994.2 [m]"),
-            "X is in \"m\"; the format has it in km",
+            "X is in \"m\"; the format requires km",
         ),
         (
             without(&["X", "Y", "Z", "SEMI"]),
@@ -294,11 +294,11 @@ fn errors_name_line_key_and_remedy() {
         ),
         (
             elements.replace("TOD", "ITRF"),
-            "do not turn with the Earth",
+            "do not rotate with the Earth",
         ),
         (
             elements.replace("0.020842611", "1.5"),
-            "does not go with eccentricity",
+            "is inconsistent with eccentricity",
         ),
         (
             with("MAN_REF_FRAME = RTN", "MAN_REF_FRAME = LVLH"),
@@ -319,16 +319,16 @@ fn errors_name_line_key_and_remedy() {
         ),
         (
             with("MASS = ", "MASS = 2\nMASS = "),
-            "MASS a second time; the first is in line 24",
+            "duplicate MASS; the first is in line 24",
         ),
         (
             with("ORIGINATOR = GSOC", "GSOC"),
-            "w4.opm:4:1: \"GSOC\" cannot stand here; expected KEY = value",
+            "w4.opm:4:1: \"GSOC\" is not allowed here; expected KEY = value",
         ),
         (with("2006-06-03T00", "2006-13-03T00"), "w4.opm:10:9: EPOCH"),
         (
             "CREATION_DATE = 2006-06-03\n".to_owned(),
-            "no orbit parameter message in it",
+            "contains no orbit parameter message",
         ),
         (
             "CCSDS_OCM_VERS = 3.0\n".to_owned(),

@@ -181,7 +181,7 @@ fn wrong_tables_are_named() {
             "degree = 3",
             "frame = ITRF",
             "2:11",
-            "frame a second time; the first is in line 1",
+            "duplicate frame; the first is in line 1",
         ),
         (
             "degree = 3",
@@ -213,7 +213,7 @@ fn wrong_tables_are_named() {
             "3:1",
             "the header without columns of position; expected x_km,y_km,z_km or x_m,y_m,z_m",
         ),
-        ("y_km", "x_km", "3:16", "column \"x_km\" a second time"),
+        ("y_km", "x_km", "3:16", "duplicate column \"x_km\""),
         (
             "7000,400",
             "7000,4oo",
@@ -224,7 +224,7 @@ fn wrong_tables_are_named() {
             "7000,400",
             "7000",
             "5:1",
-            "\"3 fields\" cannot stand here; expected as many as the header has",
+            "\"3 fields\" is not allowed here; expected as many as the header has",
         ),
         (
             "7000,400",

@@ -38,10 +38,10 @@ fn what_is_wrong_is_named() {
     assert!(error(b"").contains("TRSTARS1"));
     assert!(error(b"TRSTARS1").contains("TRSTARS1"));
     assert!(error(b"\x89PNG and so on").contains("TRSTARS1"));
-    assert!(error(&file(2, &[good])).contains("says 2 stars and holds 24 bytes"));
+    assert!(error(&file(2, &[good])).contains("announces 2 stars but has 24 bytes"));
     let mut cut = file(1, &[good]);
     cut.pop();
-    assert!(error(&cut).contains("says 1 stars and holds 23 bytes"));
+    assert!(error(&cut).contains("announces 1 stars but has 23 bytes"));
     assert!(error(&file(u32::MAX, &[good])).contains("more than 1000000"));
     for (at, bytes, what) in [
         (8, i32::MAX.to_le_bytes().to_vec(), "declination"),
@@ -52,7 +52,7 @@ fn what_is_wrong_is_named() {
     ] {
         let error = error(&file(2, &[good, record(at, &bytes)]));
         assert!(
-            error.contains("star 2 of it (HIP 32349)") && error.contains(what),
+            error.contains("star 2 (HIP 32349)") && error.contains(what),
             "{error}"
         );
     }

@@ -114,14 +114,14 @@ impl Bounds {
         self.south_rad <= other.north_rad && other.south_rad <= self.north_rad && (along || at_pole)
     }
 
-    /// Whether a place lies inside or on the edge.
+    /// Whether a place is inside or on the edge.
     pub fn contains(&self, lat_rad: f64, lon_rad: f64) -> bool {
         (self.south_rad..=self.north_rad).contains(&lat_rad)
             && (lon_rad - self.west_rad).rem_euclid(TAU) <= self.width_rad
     }
 }
 
-/// A source of heights. Every answer is finite: where there are no data, a source says what it takes in their place.
+/// A source of elevation data. Every height is finite: each source documents its substitute where there are no data.
 pub trait Elevation: Send + Sync {
     /// Height at a geodetic place, metres, averaged over about `spacing_rad` of ground to each side (an angle at the Earth's
     /// centre); 0 asks for the finest there is. Continuous in the place. Longitude may be of any turn, and a latitude

@@ -16,11 +16,11 @@ pub struct HeightTileStats {
     pub tiles: u32,
     /// Bytes of all heights in memory, the coarsest level's among them.
     pub bytes: u64,
-    /// Tiles that are asked for and on their way.
+    /// Requested tiles that are loading.
     pub wanted: u32,
-    /// Tiles that are asked for and that the budget has no room for: the ground stays coarser there.
+    /// Requested tiles that exceed the budget: the terrain stays coarser there.
     pub rejected: u32,
-    /// Tiles that were asked for and could not be read.
+    /// Requested tiles that could not be read.
     pub unreadable: u32,
     /// How often a tile has come or gone since the start.
     pub changes: u64,

@@ -27,7 +27,7 @@ pub enum ImageryError {
         path: PathBuf,
     },
     /// A map that was asked for is not in the folder.
-    #[error("the {layer} map {} is missing; put it there or, unless it is the day map, switch the layer off", path.display())]
+    #[error("the {layer} map {} is missing; add it or, unless it is the day map, turn the layer off", path.display())]
     Missing {
         /// The file looked for.
         path: PathBuf,
@@ -97,7 +97,7 @@ pub enum ImageryError {
     },
     /// Its texels do not lie as they are drawn.
     #[error(
-        "{} is stored {how} (orientation {orientation}); turn its texels (`magick IN -auto-orient OUT`)",
+        "{} is stored {how} (orientation {orientation}); rotate it (`magick IN -auto-orient OUT`)",
         path.display()
     )]
     Turned {

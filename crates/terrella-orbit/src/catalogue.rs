@@ -179,7 +179,7 @@ impl Catalogue {
     /// The satellite of that name, letter case aside, or catalogue number; `None` takes the only one there is.
     ///
     /// # Errors
-    /// If none or more than one answers: says which there are, or why the one that is meant cannot be flown.
+    /// None or several match: it lists them, or states why the matching one cannot be propagated.
     pub fn into_one(self, origin: &Path, name: Option<&str>) -> Result<Sgp4Feed, OrbitError> {
         self.one(origin, name)
     }

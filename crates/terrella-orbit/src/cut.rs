@@ -4,28 +4,28 @@
 //! one. Many programs leave the line feed out of whole files, too. So the last line is used where it is written as finely as
 //! those before it, and otherwise left out; either way the user is reported.
 
-/// How a file shows that it has been cut off, or may have been.
+/// Signs that a file is truncated, or may be.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CutOff {
     /// Its last line is not whole, or cannot be shown to be.
     #[error(
-        "the file has been cut off within this line, which is left out: there is no line feed behind it; fetch or write the file again, or end the line with a line feed if it is whole"
+        "the file is truncated in this line, which is skipped: it has no line feed; fetch or write the file again, or end the line with a line feed if it is complete"
     )]
     Line,
     /// Its last line seems to be whole.
     #[error(
-        "the file may have been cut off here: there is no line feed behind its last line, which is used as it is written as finely as the others; end it with a line feed if it is whole"
+        "the file may be truncated here: its last line has no line feed, but is used because it is as precise as the others; end it with a line feed if it is complete"
     )]
     LineFeed,
     /// Its last line may have lost digits, and nothing shows whether it has.
     #[error(
-        "the file may have been cut off here: there is no line feed behind its last line, which is used; compare it with its source, and end it with a line feed if it is whole"
+        "the file may be truncated here: its last line has no line feed, but is used; compare it with its source, and end it with a line feed if it is complete"
     )]
     Unended,
     /// States are missing at the end.
     #[error(
-        "the file has been cut off, or states are missing: the last one is of {last}, before {key} = {stop}; fetch or write the file again"
+        "the file is truncated or states are missing: the last state is at {last}, before {key} = {stop}; fetch or write the file again"
     )]
     Stop {
         /// Instant of the last state, UTC.
@@ -36,7 +36,7 @@ pub enum CutOff {
         stop: String,
     },
     /// Something has begun and does not end.
-    #[error("the file has been cut off: {what} is not closed; fetch or write it again")]
+    #[error("the file is truncated: {what} is not closed; fetch or write it again")]
     Unclosed {
         /// What has begun.
         what: String,

@@ -69,7 +69,7 @@ pub enum RecordFault {
         cause: String,
     },
     /// Something else belongs here.
-    #[error("{text:?} cannot stand here; expected {expected}")]
+    #[error("{text:?} is not allowed here; expected {expected}")]
     Unexpected {
         /// What stands here.
         text: String,
@@ -104,7 +104,7 @@ pub enum RecordFault {
         remedy: &'static str,
     },
     /// A unit other than the one that the format prescribes.
-    #[error("{key} is in {unit:?}; the format has it in {expected}")]
+    #[error("{key} is in {unit:?}; the format requires {expected}")]
     Unit {
         /// The field's name.
         key: String,
@@ -123,7 +123,7 @@ pub enum RecordFault {
         remedy: &'static str,
     },
     /// Something comes twice that may come once.
-    #[error("{key} a second time; the first is in line {first}")]
+    #[error("duplicate {key}; the first is in line {first}")]
     Repeated {
         /// The field's name.
         key: String,

@@ -38,9 +38,9 @@ impl Ephemerides {
     ///   TOD, MOD, ITRF… or GTOD, times in UTC, TAI, TT, TDB or GPS; others are rejected. Where it names no interpolation,
     ///   [`Interpolation::WITH_VELOCITIES`](super::interpolated::Interpolation::WITH_VELOCITIES) is taken.
     /// - CZML begins with `[`. Every `id` with a sampled `position`, in one packet or several, is an object; `INERTIAL` is taken
-    ///   as GCRF, `FIXED` as ITRF. Points that stand still are skipped; objects whose position refers to another's, as those of
+    ///   as GCRF, `FIXED` as ITRF. Fixed points are skipped; objects whose position refers to another's, as those of
     ///   sensors do, are not among [`Self::feeds`], but [`Self::one`] finds them by name.
-    /// - CSV has a header that names `epoch_utc,x_km,y_km,z_km`, and if it likes `vx_km_s,vy_km_s,vz_km_s`, in any order,
+    /// - CSV has a header that names `epoch_utc,x_km,y_km,z_km`, and optionally `vx_km_s,vy_km_s,vz_km_s`, in any order,
     ///   others being skipped (`epoch_tai`, `…_tt`, `…_gps`; `x_m` with `vx_m_s`). A column `error_m` says how far a state may be
     ///   off, one standard deviation, and may be empty. Columns `name` and `frame` say of
     ///   which satellite a row is and in which frame; or a comment before the header says it of all rows, and what else
@@ -144,7 +144,7 @@ impl Ephemerides {
     /// The object of that name, letter case aside, international designator or `id` of CZML; `None` takes the only one there is.
     ///
     /// # Errors
-    /// If none or more than one answers: says which there are. Without a name also if an object is faulty, as that leaves
+    /// None or several match: it lists them. Without a name also if an object is faulty, as that leaves
     /// open which is the only one.
     pub fn into_one(self, origin: &Path, name: Option<&str>) -> Result<EphemerisFeed, OrbitError> {
         self.one(origin, name)

@@ -40,7 +40,7 @@ pub enum OrbitError {
         encoding: String,
     },
     /// No element set in the file.
-    #[error("{}: no element set in it; two-line elements are a line that begins with \"1 \" and one that begins with \"2 \", an OMM is KVN, XML, JSON or CSV", path.display())]
+    #[error("{}: contains no element set; two-line elements are a line that begins with \"1 \" and one that begins with \"2 \", an OMM is KVN, XML, JSON or CSV", path.display())]
     NoElements { path: PathBuf },
     /// A line of the file is wrong.
     #[error("{}:{line}{}: {fault}", path.display(), At(*column))]
@@ -126,7 +126,7 @@ pub enum OrbitError {
         depth_km: f64,
     },
     /// SGP4 has failed, or put the satellite below the ground, nearer to the epoch of the elements: what it computes here is no orbit.
-    #[error("{}:{line}: {satellite} is not known at {epoch}: SGP4 has no orbit for it {side} {lost}; what its series gives beyond is not one. Take a date nearer to the elements' epoch, or elements of that time", path.display())]
+    #[error("{}:{line}: {satellite} is not known at {epoch}: SGP4 has no valid orbit for it {side} {lost}. Take a date nearer to the elements' epoch, or elements of that time", path.display())]
     Lost {
         path: PathBuf,
         /// Line of the set's line 1, from 1.
@@ -143,7 +143,7 @@ pub enum OrbitError {
     #[error(transparent)]
     Record(#[from] RecordError),
     /// The file has no ephemeris in it.
-    #[error("{}: no ephemeris in it; expected an OEM (CCSDS 502.0, KVN or XML), CZML, CSV whose header names epoch_utc,x_km,y_km,z_km, SP3, or an ephemeris of STK", path.display())]
+    #[error("{}: contains no ephemeris; expected an OEM (CCSDS 502.0, KVN or XML), CZML, CSV whose header names epoch_utc,x_km,y_km,z_km, SP3, or an ephemeris of STK", path.display())]
     NoEphemeris { path: PathBuf },
     /// A message of another kind.
     #[error("{}: {kind} {remedy}", path.display())]
@@ -154,12 +154,12 @@ pub enum OrbitError {
         /// Why it is not read, and what to do.
         remedy: &'static str,
     },
-    /// The file has no orbit parameter message in it.
-    #[error("{}: no orbit parameter message in it; expected an OPM (CCSDS 502.0, KVN or XML)", path.display())]
+    /// The file has contains no orbit parameter message.
+    #[error("{}: contains no orbit parameter message; expected an OPM (CCSDS 502.0, KVN or XML)", path.display())]
     NoParameters { path: PathBuf },
     /// The epoch is outside an ephemeris or in one of its gaps.
     #[error(
-        "{satellite} is not known at {epoch}: its ephemeris tells of it {known}; change the date or take an ephemeris of that time"
+        "{satellite} is not known at {epoch}: its ephemeris has states {known}; change the date or take an ephemeris of that time"
     )]
     NotCovered {
         satellite: String,
@@ -169,9 +169,7 @@ pub enum OrbitError {
         known: String,
     },
     /// The orbit meets the ground: asked for on the far side of that.
-    #[error(
-        "{satellite} meets the ground at {impact}, {place}; {asked} is on the far side of that"
-    )]
+    #[error("{satellite} meets the ground at {impact}, {place}; {asked} is beyond that")]
     Impact {
         satellite: String,
         /// When it meets the ground, UTC.
@@ -224,7 +222,7 @@ pub enum LineFault {
     )]
     Indented,
     /// Something that is not printable ASCII.
-    #[error("{character:?} cannot stand here; {expected}")]
+    #[error("{character:?} is not allowed here; {expected}")]
     Character {
         character: char,
         /// What can stand there.

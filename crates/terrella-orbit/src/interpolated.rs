@@ -140,7 +140,7 @@ pub enum InterpolationError {
         after: String,
     },
     /// A number that is none, or is too large for any orbit about the Earth.
-    #[error("the sample is not finite or farther than 1e13 m or faster than the light")]
+    #[error("the sample is not finite, is farther than 1e13 m, or is faster than light")]
     NotAState {
         /// Which sample, from 0.
         index: usize,
@@ -280,7 +280,7 @@ impl InterpolatedStates {
         (self.first, self.first + nanoseconds(last_ns))
     }
 
-    /// First and last instant that it answers for: those of the samples, and beyond them what is extrapolated.
+    /// First and last time of validity: those of the samples, extended by the extrapolation.
     pub fn reach(&self) -> (Epoch, Epoch) {
         let (first, last) = self.span();
         let (before, after) = self.beyond_ns;

@@ -61,9 +61,9 @@ pub struct KeplerFeed {
 pub struct KeplerOptions {
     /// What is taken of the Earth's flattening.
     pub drift: Drift,
-    /// First epoch to answer for.
+    /// First epoch of validity.
     pub first: Epoch,
-    /// Last epoch to answer for.
+    /// Last epoch of validity.
     pub last: Epoch,
 }
 

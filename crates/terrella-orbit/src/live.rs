@@ -125,7 +125,7 @@ impl LiveFeed {
         Ok(Self::of(shared, Some(address), Some(thread)))
     }
 
-    /// From any stream, a pipe or a child's output, in place of the options' transport; answers go to `write`.
+    /// Reads any stream, such as a pipe or a child's output, instead of the options' transport; replies go to `write`.
     ///
     /// The thread ends with the stream, or with the next bytes after the feed is dropped.
     ///
@@ -209,7 +209,7 @@ impl LiveFeed {
     }
 
     /// The instant that a picture of now shows, broadcast: as far behind the simulator as the delay says, and not beyond the
-    /// limit of extrapolation, where it stands until new states come. `None` before the first state.
+    /// limit of extrapolation, where it remains until new states arrive. `None` before the first state.
     ///
     /// It steps back when a simulator went on after a pause, and jumps where the simulator does.
     pub fn playback_epoch(&self) -> Option<Epoch> {

@@ -6,7 +6,7 @@ use terrella_frames::{Calendar, Epoch, utc_day};
 /// One satellite's mean elements for SGP4 (WGS72, TEME): what a two-line set or an OMM holds.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeanElements {
-    /// The satellite's name; its catalogue number as written where it has none.
+    /// The satellite's name, or its catalogue number as in the file if it has none.
     pub name: String,
     /// The international designator, `1998-067A`.
     pub object_id: Option<String>,

@@ -31,9 +31,9 @@ use trajectory::Trajectory;
 /// Settings of an integration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NumericalOptions {
-    /// First epoch to answer for; the state's epoch or before.
+    /// First epoch of validity: the state's epoch or earlier.
     pub first: Epoch,
-    /// Last epoch to answer for; the state's or after.
+    /// Last epoch of validity: the state's epoch or later.
     pub last: Epoch,
     /// Error allowed in a step, relative to distance and speed: 1e-14…1e-3. Errors of steps add up: docs/orbits.md.
     pub relative_tolerance: f64,

@@ -20,7 +20,7 @@ pub struct OrbitFiles {
 pub struct OrbitFile<T> {
     /// What is in it.
     pub content: Arc<T>,
-    /// Whether it has been read now: its faults are news.
+    /// Whether it has just been read, so that its faults have not been reported.
     pub is_new: bool,
 }
 

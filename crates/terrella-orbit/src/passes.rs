@@ -46,14 +46,14 @@ pub struct LookAngles {
     pub distance_m: f64,
 }
 
-/// A pass, from acquisition to loss of signal: a time all through which a satellite stands high enough.
+/// A pass, from acquisition to loss of signal: an interval in which a satellite is above the minimum elevation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pass {
     /// Its first instant: acquisition of signal.
     pub begin: Epoch,
     /// Whether it rises at `begin`; else the search, the feed or what it knows begins there.
     pub rises: bool,
-    /// When it stands highest.
+    /// Time of the greatest elevation.
     pub highest: Epoch,
     /// How high it then stands, radians.
     pub elevation_rad: f64,

@@ -16,11 +16,11 @@ use terrella_frames::{Duration, Epoch, rfc3339};
 /// Time runs in elapsed seconds: the satellite flies on through a leap second. Code that counts days of UTC instead
 /// lets it wait for that second.
 ///
-/// It answers for 30 days before and after the epoch, and no farther than to the first instant, on either side, at which
-/// SGP4 fails or puts the satellite below the ground: what its series gives beyond that is no orbit, though it may look like one.
+/// It is valid for 30 days before and after the epoch, but not beyond the first time, on either side, at which
+/// SGP4 fails or puts the satellite below the ground. Beyond that its series is no orbit, even if it looks like one.
 /// That instant is found when it is first needed, in some tens of states.
 ///
-/// Where a file has sets of several epochs of one satellite, each answers for the instants to which its epoch is the nearest.
+/// If a file has sets of several epochs for one satellite, each applies to the times to which its epoch is nearest.
 #[derive(Clone, Debug)]
 pub struct Sgp4Feed {
     /// In order of time, all before the newest.
@@ -35,7 +35,7 @@ pub type TleFeed = Sgp4Feed;
 const BUILT_IN_ISS: &str = include_str!("../data/iss.tle");
 
 impl Sgp4Feed {
-    /// How far from the epoch of the elements a feed answers, both ways: 30 days. By then a low satellite is tens of
+    /// Validity of elements before and after their epoch: 30 days. By then a low satellite is tens of
     /// kilometres, or hundreds in a restless atmosphere, from where SGP4 says.
     pub const VALIDITY: Duration = sgp4_set::VALIDITY;
 

@@ -175,7 +175,7 @@ impl Sgp4Set {
         }
     }
 
-    /// First and last epoch that it answers for.
+    /// First and last epoch of validity.
     pub fn validity(&self) -> (Epoch, Epoch) {
         let (epoch, reach) = (self.elements.epoch, self.reach());
         (

@@ -140,7 +140,7 @@ impl OrbitState {
 
     /// Velocity as seen from the stars, its components along the ITRF axes of this instant, metres per second.
     ///
-    /// The direction of flight for cameras: it lies in the orbit's plane.
+    /// The direction of flight for cameras, in the orbital plane.
     pub fn inertial_velocity_itrf_axes_m_s(&self) -> DVec3 {
         self.inertial_in_itrf_axes(&Orientation::default()).1
     }

@@ -4,7 +4,7 @@ use super::OrbitState;
 use super::write_ccsds::{one_line, real, shifted};
 use terrella_frames::{Geodetic, TimeScale, ccsds_time};
 
-/// The first line of a table of [`csv_row`]: the names of the columns, ended. All that is said of a state stands in its row.
+/// The header line of a table of [`csv_row`]: the column names with a line feed. Each row is complete in itself.
 pub fn csv_header() -> &'static str {
     "name,frame,epoch_utc,x_km,y_km,z_km,vx_km_s,vy_km_s,vz_km_s,lat_deg,lon_deg,height_km,error_m\n"
 }

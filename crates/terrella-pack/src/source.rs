@@ -217,7 +217,7 @@ impl FileContext {
                     "is stored {how} (orientation {})",
                     said.orientation.unwrap_or_default()
                 ),
-                "turn its texels (`magick IN -auto-orient OUT`)",
+                "rotate it (`magick IN -auto-orient OUT`)",
             )),
         }
     }

@@ -189,7 +189,7 @@ mod tests {
         assert_eq!(names, ["coast_lines", "borders"]);
         let said = &dropped[0].missing;
         assert!(
-            said.contains("half.bin: it is corrupt or cut off"),
+            said.contains("half.bin: it is corrupt or truncated"),
             "{said}"
         );
         // The graticule is drawn.

@@ -41,7 +41,7 @@ const BAD: &[Bad] = &[
     ("[orbit]\nsource = \"kepler\"\nperiapsis_km = 7000\ninclination_deg = 181", 4, &["[orbit] inclination_deg = 181:", "from 0 to 180 degrees"]),
     ("[orbit]\nsource = \"kepler\"\nperiapsis_km = nan", 3, &["[orbit] periapsis_km = nan:", "finite number"]),
     ("[orbit]\nsource = \"kepler\"\nperiapsis_km = 7000\ntrue_anomaly_deg = 1\nmean_anomaly_deg = 1", 5, &["[orbit] mean_anomaly_deg = 1:", "leave one out"]),
-    ("[orbit]\nsource = \"kepler\"\nperiapsis_km = 7000\nframe = \"itrf\"", 4, &["[orbit] frame = \"itrf\":", "do not turn with the Earth"]),
+    ("[orbit]\nsource = \"kepler\"\nperiapsis_km = 7000\nframe = \"itrf\"", 4, &["[orbit] frame = \"itrf\":", "do not rotate with the Earth"]),
     ("[orbit]\nsource = \"kepler\"\nposition_km = [7000, 0, 0]", 3, &["[orbit] position_km", "velocity_km_s"]),
     ("[orbit]\nsource = \"kepler\"\nposition_km = [7000, 0]\nvelocity_km_s = [0, 7, 0]", 3, &["[orbit] position_km = [7000, 0]:", "three numbers"]),
     ("[orbit]\nsource = \"kepler\"\nposition_km = [7000, 0, inf]\nvelocity_km_s = [0, 7, 0]", 3, &["[orbit] position_km", "each number must be from"]),

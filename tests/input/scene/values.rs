@@ -86,7 +86,9 @@ fn a_measured_tone_is_read_when_it_is_needed() {
     }
     let error = table(", name = \"none\"").open().expect_err("not there");
     assert!(
-        error.to_string().contains("no response is called \"none\""),
+        error
+            .to_string()
+            .contains("there is no response named \"none\""),
         "{error}"
     );
 }

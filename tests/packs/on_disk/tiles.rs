@@ -140,7 +140,7 @@ fn a_file_that_is_not_as_listed_gives_no_tile() {
         write(&path, &bad);
         assert_eq!(
             corrupt(read(), &path),
-            "its checksum is not that of the manifest"
+            "its checksum does not match the manifest"
         );
     }
     // Another good tile in its place.

@@ -79,7 +79,7 @@ fn every_bad_tile_is_named_and_nothing_else() {
         causes[..3],
         [
             "it is missing",
-            "its checksum is not that of the manifest",
+            "its checksum does not match the manifest",
             "it is missing"
         ]
     );

@@ -14,7 +14,7 @@ const GRID: &[u8] = include_bytes!("geoid/egm96_1deg.bin");
 const ROWS: i64 = 181;
 const COLUMNS: i64 = 360;
 
-/// What heights stand above.
+/// Vertical datum of heights.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum VerticalDatum {

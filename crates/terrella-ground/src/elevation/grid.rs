@@ -47,7 +47,7 @@ pub enum GridError {
         rows: u32,
     },
     /// No such place on Earth.
-    #[error("cannot lie where it is said to: {what}; correct bounds, spacing or registration")]
+    #[error("has impossible bounds: {what}; correct bounds, spacing or registration")]
     Place {
         /// Which rule the georeference breaks.
         what: &'static str,

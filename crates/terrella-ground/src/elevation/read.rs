@@ -59,7 +59,7 @@ pub struct HeightFile {
     pub grid: HeightGrid,
     /// Whom to name for them, from the sidecar.
     pub attribution: Option<String>,
-    /// What the heights of the file stand above, where it or its sidecar says so. Those of the grid stand above the sea.
+    /// Vertical datum of the file's heights, if it or its sidecar states one. The grid's heights are above mean sea level.
     pub above: Option<VerticalDatum>,
     /// Samples that were taken for no data though no file says so: they hold a number that is usual for that.
     pub undeclared: u64,
@@ -394,7 +394,7 @@ impl<R: BufRead + Seek> HeightReader<R> {
         match (self.header.above, self.said.above) {
             (Some(own), Some(other)) if own != other => Err(self.context.rejected(
                 format!(
-                    "says that its heights stand above {}, and its sidecar says above {}",
+                    "has heights above {}, but its sidecar says above {}",
                     own.name(),
                     other.name()
                 ),
@@ -416,7 +416,7 @@ impl<R: BufRead + Seek> HeightReader<R> {
         move |error| context.grid(error)
     }
 
-    /// Bytes that reading holds at most, beside what becomes of the heights.
+    /// Peak memory of reading, bytes, beside what becomes of the heights.
     pub fn working_bytes(&self) -> u64 {
         let mask = self.mask.as_ref();
         let of_mask = mask.map_or(0, |mask| mask.working_bytes(self.decoder.chunk_rows()));
@@ -548,7 +548,7 @@ fn georeference(
 ) -> Result<Georeference, HeightFileError> {
     match (&header.georeference, &said.georeference) {
         (Some(_), Some(_)) => Err(context.rejected(
-            "says itself where it lies, and so does its sidecar",
+            "contains bounds, and so does its sidecar",
             "one place",
             "take bounds, centre, spacing and registration out of the sidecar",
         )),

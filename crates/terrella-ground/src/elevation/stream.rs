@@ -73,7 +73,7 @@ impl Default for HeightStreamOptions {
 #[non_exhaustive]
 pub enum StreamedGroundError {
     /// A tile of the coarsest level, which must be there.
-    #[error("the coarsest heights must all be there: {0}")]
+    #[error("the coarsest level of elevation data is incomplete: {0}")]
     Tile(#[from] HeightTileError),
     /// The coarsest level as a whole.
     #[error("the coarsest level of heights {0}")]
@@ -82,7 +82,7 @@ pub enum StreamedGroundError {
 
 /// Heights of a source of tiles, under any number of [`HeightGrid`](super::HeightGrid)s. Give it to `GroundOptions`.
 ///
-/// As an [`Elevation`] it answers by the tiles that are in memory when it is asked; surfaces use [`Self::now`].
+/// As an [`Elevation`] it uses the tiles in memory at the time of the call; surfaces use [`Self::now`].
 pub struct StreamedGround {
     cache: Mutex<HeightCache>,
     loader: HeightLoader,
@@ -205,12 +205,12 @@ impl StreamedGround {
         *lock(&self.counters)
     }
 
-    /// Tiles that were asked for and are not there: on their way, without room, or unreadable.
+    /// Requested tiles that are missing: loading, over budget, or unreadable.
     pub fn missing(&self) -> Vec<HeightTileKey> {
         self.cache().missing()
     }
 
-    /// Whether there is nothing left to wait for: no height that was asked for will be finer.
+    /// Whether all requested heights are final: none will be refined.
     pub fn is_settled(&self) -> bool {
         let cache = self.cache();
         cache.queue().is_empty()
@@ -219,7 +219,7 @@ impl StreamedGround {
             && self.loader.is_idle()
     }
 
-    /// Waits until a tile has come, or for so long.
+    /// Waits until a tile has arrived, or until the timeout.
     pub fn wait(&self, timeout: Duration) {
         self.loader.wait(timeout);
     }

@@ -20,7 +20,7 @@ const MOST_DIRECTORIES: usize = 4096;
 /// Largest strip or tile of a mask, bytes.
 const CHUNK_BYTES: usize = 256 << 20;
 
-/// Why it could not be told which pixels hold nothing.
+/// Why the pixels without data could not be determined.
 #[derive(Debug, thiserror::Error)]
 pub enum TiffGapError {
     /// The file cannot be read or is no good TIFF.
@@ -34,7 +34,7 @@ pub enum TiffGapError {
     Mask(String),
 }
 
-/// Which strips or tiles of the current image the file leaves out; nothing where it has all.
+/// The strips or tiles of the current image that the file omits; empty if it has all.
 ///
 /// # Errors
 /// [`TiffGapError`] where one is said to begin at the file's header.

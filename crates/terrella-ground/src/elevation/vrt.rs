@@ -512,7 +512,7 @@ impl Walk<'_> {
         }
         let is_drive = matches!(path.components().next(), Some(Component::Prefix(_)));
         if text.contains(':') && !is_drive || text.starts_with('<') {
-            let cause = format!("has a source that is no file: {:?}", excerpt(text));
+            let cause = format!("has a source that is not a file: {:?}", excerpt(text));
             return Err(self.unsupported(cause));
         }
         if let Some(complaint) = path_complaint(path) {

@@ -17,7 +17,7 @@ const FINEST: u32 = 48;
 /// Longitude and latitude span of a block: 22.5°, radians.
 pub(super) const SPAN_RAD: f64 = FRAC_PI_8;
 
-/// The subdivision asked for is outside 1…48.
+/// The requested subdivision is outside 1…48.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("subdivision is {0}; it must be from 1 to 48")]
 pub struct SubdivisionError(pub u32);
@@ -230,7 +230,7 @@ impl BlockGrid {
         }
     }
 
-    /// Figure that the blocks lie on.
+    /// Figure of the blocks.
     pub fn ellipsoid(&self) -> Ellipsoid {
         self.ellipsoid
     }

@@ -80,7 +80,7 @@ pub struct ClipmapOptions {
     pub fade_prepares: u32,
     /// The outline of a level.
     pub trim: Trim,
-    /// The ellipsoid that heights stand on.
+    /// The ellipsoid that heights refer to.
     pub ellipsoid: Ellipsoid,
 }
 

@@ -9,7 +9,7 @@ use glam::{DMat3, DVec3};
 pub struct Grade {
     /// The light that is shown white. `None` leaves colours as they are and costs nothing.
     pub white_balance: Option<WhiteBalance>,
-    /// The grain of the film; with a strength of 0 there is none and it costs nothing.
+    /// Film grain; a strength of 0 disables it at no cost.
     pub grain: Grain,
 }
 

@@ -27,7 +27,7 @@ pub enum ResponseError {
     )]
     Line { line: usize, problem: String },
     /// The curve of a name is not there.
-    #[error("no response is called {name:?}; the file has {known}")]
+    #[error("there is no response named {name:?}; the file has {known}")]
     Unknown { name: String, known: String },
     /// Several curves, and no name.
     #[error("the file has several responses; give the name of one: {known}")]
@@ -272,7 +272,11 @@ mod tests {
             ["gamma", "someFilmRed", "someFilmGreen", "someFilmBlue"]
         );
         let error = Response::read(&text, Some("Film")).expect_err("none");
-        assert!(error.to_string().contains("no response is called \"Film\""));
+        assert!(
+            error
+                .to_string()
+                .contains("there is no response named \"Film\"")
+        );
         // Alone, none needs a name.
         let alone = curve("gamma", |x| x);
         Response::read(&alone, None).expect("the only one");

@@ -32,7 +32,7 @@ pub struct Place {
 #[allow(missing_docs, reason = "the messages say what fields are")]
 pub enum PlacesError {
     /// It does not begin as such a file does.
-    #[error("it is not a file of places: it does not begin with TRPLACE1")]
+    #[error("it is not a places file: it does not begin with TRPLACE1")]
     Kind,
     /// More places than are drawn.
     #[error("{count} places are more than {MAX_PLACES}")]
@@ -48,7 +48,7 @@ pub enum PlacesError {
         bytes: usize,
     },
     /// A country that is not two letters.
-    #[error("country {number} of it is not two capital letters")]
+    #[error("country {number} is not two capital letters")]
     Country {
         /// Which, from 1.
         number: usize,

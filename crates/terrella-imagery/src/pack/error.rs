@@ -50,7 +50,7 @@ pub enum PackError {
         path: PathBuf,
     },
     /// The building of the pack was broken off.
-    #[error("{}: is a pack that is not finished; run the same `terrella pack build` again to finish it", path.display())]
+    #[error("{}: the pack is incomplete; run the same `terrella pack build` again to finish it", path.display())]
     Unfinished { path: PathBuf },
     /// A folder without a manifest.
     #[error("{}: is not a pack: there is no pack.toml in it; give the folder of a pack, made by `terrella pack build`", path.display())]
@@ -82,7 +82,7 @@ pub enum PackError {
         line: usize,
     },
     /// The manifest is not TOML.
-    #[error("{}:{line}: is not TOML: {message}, at {found}; build the pack again or mend the line", path.display())]
+    #[error("{}:{line}: is not TOML: {message}, at {found}; build the pack again or correct the line", path.display())]
     Syntax {
         /// The manifest.
         path: PathBuf,

@@ -77,7 +77,7 @@ pub(super) fn read_whole(
     }
     unless(cancelled)?;
     if TileFile::of(&bytes) != file {
-        return Err(corrupt("its checksum is not that of the manifest".into()));
+        return Err(corrupt("its checksum does not match the manifest".into()));
     }
     Ok(bytes)
 }

@@ -25,7 +25,7 @@ pub enum LoadError {
     Source(#[from] TileError),
     /// The source gave something else than its layout says.
     #[error(
-        "the source gave {got} where {expected} was due; run `terrella pack verify` and build the pack again"
+        "the source returned {got} instead of {expected}; run `terrella pack verify` and build the pack again"
     )]
     Unexpected {
         /// What its layout says.

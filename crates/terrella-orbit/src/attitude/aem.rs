@@ -154,9 +154,9 @@ pub fn segments(text: &str, origin: &Path) -> Result<Vec<Segment>, RecordError> 
         Err(place.error(origin, RecordFault::Missing { what, key, remedy }))
     };
     match block {
-        Block::Metadata(meta) => missing(meta.place(), "META_STOP", "; it has been cut off"),
-        Block::Begun(meaning) => missing(meaning.place, "DATA_START", "; it has been cut off"),
-        Block::Data(meaning, _) => missing(meaning.place, "DATA_STOP", "; it has been cut off"),
+        Block::Metadata(meta) => missing(meta.place(), "META_STOP", "; the file is truncated"),
+        Block::Begun(meaning) => missing(meaning.place, "DATA_START", "; the file is truncated"),
+        Block::Data(meaning, _) => missing(meaning.place, "DATA_STOP", "; the file is truncated"),
         Block::Header if segments.is_empty() => missing(start, "META_START", "; it has no segment"),
         Block::Header => Ok(segments),
     }

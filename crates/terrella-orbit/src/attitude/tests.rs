@@ -230,7 +230,7 @@ fn wrong_files_are_errors_by_line_and_column() {
         (aem("2.0", &[], &[]), "without attitudes"),
         (
             aem("2.0", &[], &[&good]).replace("DATA_STOP\n", ""),
-            "without DATA_STOP; it has been cut off",
+            "without DATA_STOP; the file is truncated",
         ),
         ("<aem/>".to_owned(), "attitude messages in XML are not read"),
         ("CCSDS_AEM_VERS = 2.0\n".to_owned(), "without META_START"),

@@ -27,7 +27,7 @@ pub enum Endpoint {
 /// Text that is no endpoint.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "{text:?} is no place to meet a simulator; write \"tcp://127.0.0.1:5556\" with an IP address or localhost and a port, or \"ipc:///path\""
+    "{text:?} is not a valid endpoint; write \"tcp://127.0.0.1:5556\" with an IP address or localhost and a port, or \"ipc:///path\""
 )]
 pub struct BadEndpoint {
     /// The text.

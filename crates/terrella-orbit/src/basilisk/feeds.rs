@@ -88,7 +88,7 @@ impl Feed for CraftFeed {
     }
 }
 
-/// A place on the ground, where the Earth stands at the newest instant.
+/// A place on the ground, with the Earth's rotation at the newest time.
 pub struct PlaceFeed {
     pub(super) shared: Arc<SharedSimulation>,
     /// What it is called.

@@ -56,7 +56,7 @@ pub struct Body {
     pub position_m: DVec3,
     /// Metres a second.
     pub velocity_m_s: DVec3,
-    /// Rotation from inertial axes to those fixed in the body; `None` where none is said.
+    /// Rotation from inertial axes to those fixed in the body; `None` if absent.
     pub fixed_from_inertial: Option<DMat3>,
 }
 
@@ -86,9 +86,9 @@ pub struct Camera {
     pub size: Option<[i64; 2]>,
     /// Its place on the craft, metres, body axes.
     pub position_b_m: DVec3,
-    /// Its attitude as it is written (`cameraDir_B`): modified Rodrigues parameters.
+    /// Its attitude as in the message (`cameraDir_B`): modified Rodrigues parameters.
     pub mrp: DVec3,
-    /// Whether a depth map is asked for in place of a picture.
+    /// Whether the request is for a depth map instead of a picture.
     pub is_depth: bool,
     /// Distances at which depth begins and ends, metres.
     pub clip_m: Option<[f64; 2]>,
@@ -97,7 +97,7 @@ pub struct Camera {
 }
 
 impl Camera {
-    /// Whether its pictures have no stars: by its own sky, or where it has none by that of the settings.
+    /// Whether its pictures have no stars: by its own sky, otherwise by that of the settings.
     pub fn is_sky_black(&self, of_settings: bool) -> bool {
         match self.skybox.is_empty() {
             true => of_settings,
@@ -111,13 +111,13 @@ impl Camera {
 pub struct Location {
     /// Its name; a later one of the same name takes its place.
     pub name: String,
-    /// What is written beside it, where that is another text.
+    /// Its label, if that differs.
     pub label: String,
-    /// The body that it stands on.
+    /// The body that it is on.
     pub body: String,
     /// Metres from the body's centre, axes fixed in it.
     pub position_fixed_m: DVec3,
-    /// Upwards there, axes fixed in the body; zero where none is said.
+    /// The vertical there, in body-fixed axes; zero if absent.
     pub up: DVec3,
     /// Red, green, blue.
     pub color: Option<[u8; 3]>,
@@ -408,7 +408,7 @@ pub fn is_black(skybox: &str) -> bool {
     skybox.trim().eq_ignore_ascii_case("black")
 }
 
-/// What the viewer answers to a request for input: the frame that it has, and the keys that were pressed.
+/// The viewer's reply to a request for input: its current frame, and the pressed keys.
 pub fn viewer_input(frame_number: i64, keys: &str) -> Vec<u8> {
     let mut bytes = vec![0x08];
     put_varint(&mut bytes, frame_number.cast_unsigned());

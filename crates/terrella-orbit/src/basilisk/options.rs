@@ -99,7 +99,7 @@ pub enum SimulationError {
     Remote { endpoint: Endpoint },
     /// The endpoint cannot be bound.
     #[error(
-        "{endpoint} cannot be listened on: {source}; close the other viewer that does, or take another port here and in the simulation"
+        "cannot listen on {endpoint}: {source}; close the other viewer that does, or use another port here and in the simulation"
     )]
     Bind {
         endpoint: Endpoint,
@@ -107,7 +107,7 @@ pub enum SimulationError {
         source: std::io::Error,
     },
     /// No thread for it.
-    #[error("no thread for the simulation: {source}; close other programs")]
+    #[error("cannot start a thread for the simulation: {source}; close other programs")]
     Thread {
         /// Error of the operating system.
         source: std::io::Error,

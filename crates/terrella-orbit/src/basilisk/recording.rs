@@ -165,7 +165,7 @@ impl Recording {
         self.index.messages
     }
 
-    /// The name of the craft that cameras fly with, where one is asked for.
+    /// The requested name of the spacecraft that cameras follow.
     pub fn craft(&self) -> Option<&str> {
         self.craft.as_deref()
     }
@@ -324,7 +324,7 @@ impl Feed for RecordedCraft {
     }
 }
 
-/// A place on the ground of a saved simulation, where the Earth stands at each instant.
+/// A place on the ground of a saved simulation, with the Earth's rotation at each time.
 pub struct RecordedPlace {
     recording: Arc<Recording>,
     name: Arc<str>,
@@ -332,7 +332,7 @@ pub struct RecordedPlace {
 }
 
 impl RecordedPlace {
-    /// One that stands at `position_itrf_m`, metres.
+    /// One at `position_itrf_m`, metres.
     pub fn new(recording: Arc<Recording>, name: Arc<str>, position_itrf_m: DVec3) -> Self {
         Self {
             recording,

@@ -13,7 +13,7 @@ use std::thread::{Builder, JoinHandle};
 use std::time::Duration;
 use terrella_frames::Epoch;
 
-/// A simulation that is met: answers it, keeps what it says, hands out what it waits for.
+/// A connection to a simulation: it replies, stores the state, and returns what the simulation waits for.
 ///
 /// Dropping it answers whoever waits, closes each connection right after an answer (or after a second in which nothing was asked),
 /// and ends its threads.
@@ -33,7 +33,7 @@ pub struct StepRequest<'s> {
     ticket: u64,
 }
 
-/// A picture that a simulator waits for. Dropping it answers with none.
+/// A picture that a simulator waits for. Dropping it replies with an empty one.
 #[derive(Debug)]
 pub struct PictureRequest<'s> {
     /// What to draw.
@@ -148,7 +148,7 @@ impl Simulation {
         &self.endpoint
     }
 
-    /// Says whether simulators wait for their steps to be drawn; until this is said they wait.
+    /// Sets whether simulators wait until their steps are drawn. By default they do.
     pub fn set_pace(&self, pace: StepPace) {
         self.shared.set_pace(pace);
     }
@@ -228,7 +228,7 @@ impl Simulation {
         self.shared.tell(&[note]);
     }
 
-    /// Answers whoever waits, and lets go of all, from any thread: for a program that is interrupted while it is busy.
+    /// Replies to every pending request and closes all connections, from any thread: for a program that is interrupted while it is busy.
     pub fn stopper(&self) -> impl Fn() + Send + 'static {
         let shared = Arc::clone(&self.shared);
         move || shared.stop()
@@ -244,7 +244,7 @@ impl Simulation {
         self.shared.is_over()
     }
 
-    /// Spacecraft and places that are drawn beside the Earth, and a number that changes with them.
+    /// Spacecraft and places, and a number that changes when they do.
     pub fn roster(&self) -> (Arc<Roster>, u64) {
         self.shared.roster()
     }
@@ -258,7 +258,7 @@ impl Simulation {
         }
     }
 
-    /// A place on the ground that stands at `position_itrf_m`, metres, as a feed.
+    /// A place on the ground at `position_itrf_m`, metres, as a feed.
     pub fn place_feed(&self, name: Arc<str>, position_itrf_m: DVec3) -> PlaceFeed {
         PlaceFeed {
             shared: Arc::clone(&self.shared),

@@ -17,14 +17,14 @@ pub enum WireFault {
     #[error("holds a number of more than 64 bits")]
     LongNumber,
     /// Field 0, or a field of a kind that proto3 has not.
-    #[error("holds a field of number {number} and kind {kind}, which proto3 has not")]
+    #[error("holds a field of number {number} and kind {kind}, which proto3 does not have")]
     Field {
         number: u64,
         /// Its wire type.
         kind: u8,
     },
     /// A known field of another kind than it has.
-    #[error("field {number} is of another kind than Basilisk writes")]
+    #[error("field {number} has a different type than Basilisk writes")]
     Kind {
         /// The field's number.
         number: u32,

@@ -69,7 +69,7 @@ pub struct CraftState {
 /// A ground location on the Earth.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Place {
-    /// What is written beside it.
+    /// Its label.
     pub name: Arc<str>,
     /// Metres from the Earth's centre, ITRF, as sent: Basilisk puts sites on a sphere.
     pub position_itrf_m: DVec3,
@@ -79,7 +79,7 @@ pub struct Place {
     pub color: Option<[u8; 3]>,
 }
 
-/// Names of what is drawn of a simulation beside the Earth.
+/// Names of the spacecraft and places of a simulation.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Roster {
     /// Spacecraft, in the order of the messages.
@@ -164,7 +164,7 @@ pub enum UpdateFault {
     #[error("its simulated time is not from 0 s to 3e9 s")]
     Time,
     /// Its date lies outside the years that can be drawn.
-    #[error("its date lies outside the years 1900 to 2099")]
+    #[error("its date is outside the years 1900 to 2099")]
     Date,
     /// There are celestial bodies, and none of them is the Earth.
     #[error("there is no Earth among its celestial bodies; the Earth is what is drawn here")]

@@ -239,7 +239,7 @@ impl<'t> Sampled<'t> {
     }
 }
 
-/// A point that stands still for a time.
+/// A point that is fixed for a time.
 pub fn at_rest(
     frame: Frame,
     position_m: DVec3,

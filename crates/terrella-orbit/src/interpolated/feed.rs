@@ -62,7 +62,7 @@ pub struct EphemerisFeed {
 }
 
 impl EphemerisFeed {
-    /// Of segments in order of time that do not overlap; where two meet, the later one answers. Usable intervals are cut
+    /// Creates a feed from segments in order of time that do not overlap; where two meet, the later one applies. Usable intervals are cut
     /// to the reach of the samples.
     ///
     /// # Errors

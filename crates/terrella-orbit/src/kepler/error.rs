@@ -12,7 +12,7 @@ pub enum KeplerError {
     Start(#[from] StartError),
     /// Size and eccentricity belong to different conics.
     #[error(
-        "a semi-major axis of {axis_m:e} m does not go with eccentricity {eccentricity}: it is above 0 for ellipses (e < 1), below 0 for hyperbolas (e > 1), and a parabola has none; give the periapsis radius instead"
+        "a semi-major axis of {axis_m:e} m is inconsistent with eccentricity {eccentricity}: it is above 0 for ellipses (e < 1), below 0 for hyperbolas (e > 1), and a parabola has none; give the periapsis radius instead"
     )]
     Contradiction {
         /// The semi-major axis, metres.
@@ -34,12 +34,12 @@ pub enum KeplerError {
     NoMeanAnomaly,
     /// Secular drift is defined for ellipses.
     #[error(
-        "J2 drift is an average over turns and needs an ellipse; eccentricity {eccentricity} is none"
+        "J2 drift is an average over revolutions and needs an ellipse; eccentricity {eccentricity} is not one"
     )]
     DriftNeedsEllipse { eccentricity: f64 },
     /// The frame turns with the Earth.
     #[error(
-        "a conic needs axes that do not turn with the Earth: TEME, GCRF or EME2000, not {frame}"
+        "a conic needs axes that do not rotate with the Earth: TEME, GCRF or EME2000, not {frame}"
     )]
     TurningFrame {
         /// The frame's name.

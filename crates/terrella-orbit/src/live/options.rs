@@ -135,7 +135,7 @@ pub struct LiveOptions {
     pub playback_delay_s: f64,
     /// The feed is stale when the last state came longer ago, seconds, above 0.
     pub stale_after_s: f64,
-    /// How far a state is asked for beyond the last one, simulated seconds, 0…1e6; farther is an error.
+    /// Maximum extrapolation beyond the last state, simulated seconds, 0…1e6; later times are an error.
     pub extrapolation_limit_s: f64,
     /// How the satellite goes on there.
     pub extrapolation: Extrapolation,
@@ -242,7 +242,7 @@ pub enum LiveError {
     },
     /// No such way in.
     #[error(
-        "{given:?} is nothing to listen on; expected \"stdin\", or \"tcp://\", \"udp://\" or \"ws://\" with an IP address and a port, such as \"tcp://127.0.0.1:5005\""
+        "cannot listen on {given:?}; expected \"stdin\", or \"tcp://\", \"udp://\" or \"ws://\" with an IP address and a port, such as \"tcp://127.0.0.1:5005\""
     )]
     Listen {
         /// As it was given.
@@ -250,7 +250,7 @@ pub enum LiveError {
     },
     /// An address that other machines may reach.
     #[error(
-        "{address} can be reached from other machines, and whoever reaches it can steer the picture; take 127.0.0.1 or ::1, or allow remote simulators"
+        "{address} can be reached from other machines, and anyone who reaches it can control the image; use 127.0.0.1 or ::1, or allow remote simulators"
     )]
     NotLoopback { address: SocketAddr },
     /// The port cannot be had.
@@ -267,7 +267,9 @@ pub enum LiveError {
         source: std::io::Error,
     },
     /// No state has come yet.
-    #[error("{name}: no state has come yet on {from}; start the simulator and have it send there")]
+    #[error(
+        "{name}: no state has arrived on {from} yet; start the simulator, or correct where it sends"
+    )]
     NoState {
         /// The satellite.
         name: String,
@@ -276,7 +278,7 @@ pub enum LiveError {
     },
     /// Before the states that are kept.
     #[error(
-        "{name} is not known at {epoch}: its oldest state kept is of {oldest}; a live feed keeps 256"
+        "{name} is not known at {epoch}: the oldest state it has kept is at {oldest}; a live feed keeps 256"
     )]
     TooOld {
         /// The satellite.
@@ -288,7 +290,7 @@ pub enum LiveError {
     },
     /// Too far beyond the last state.
     #[error(
-        "{name} is not known at {epoch}: its last state is of {newest} and came {age_s:.1} s ago, and it is carried on for {limit_s} s only; see whether the simulator still sends, or raise extrapolation_limit_s"
+        "{name} is not known at {epoch}: its last state is at {newest} and arrived {age_s:.1} s ago; it is extrapolated for {limit_s} s only: check that the simulator still sends, or raise extrapolation_limit_s"
     )]
     TooFar {
         /// The satellite.

@@ -47,7 +47,7 @@ pub struct Packet {
     pub name: Option<String>,
 }
 
-/// How a packet is written; replies are written as what they answer.
+/// Encoding of a packet; a reply uses that of its request.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PacketFormat {
     /// A line of JSON.

@@ -11,7 +11,7 @@ pub enum NumericalError {
     #[error(transparent)]
     Start(#[from] StartError),
     /// The epoch is not in the span, or the span is empty.
-    #[error("the span from {first} to {last} does not hold the state's epoch {epoch}")]
+    #[error("the span from {first} to {last} does not contain the state's epoch {epoch}")]
     Span {
         /// First epoch, UTC.
         first: String,
@@ -22,7 +22,7 @@ pub enum NumericalError {
     },
     /// The steps have become too short to advance the time.
     #[error(
-        "the integration of {satellite} cannot pass {epoch}: its steps shrink to nothing, {height_km:.1} km above the ground; a force jumps or grows without bound there"
+        "the integration of {satellite} cannot pass {epoch}: its step size falls to zero, {height_km:.1} km above the ground; a force jumps or grows without bound there"
     )]
     Underflow {
         satellite: String,

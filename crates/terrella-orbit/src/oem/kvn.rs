@@ -282,7 +282,7 @@ impl<'o> Message<'o> {
             let fault = RecordFault::Missing {
                 what: "the message",
                 key,
-                remedy: "; it has been cut off",
+                remedy: "; the file is truncated",
             };
             Err(place.error(self.origin, fault))
         };

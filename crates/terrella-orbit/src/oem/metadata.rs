@@ -135,7 +135,7 @@ pub fn axes_and_time(meta: &Fields, origin: &Path) -> Result<(Axes, TimeSystem),
     Ok((axes, TimeSystem::of(must("TIME_SYSTEM")?, origin)?))
 }
 
-/// How it goes from state to state, if that is said.
+/// Its interpolation, if stated.
 pub fn interpolation(meta: &Fields, origin: &Path) -> Result<Option<Interpolation>, RecordError> {
     let Some(method) = meta.get("INTERPOLATION") else {
         return Ok(None);

@@ -218,7 +218,7 @@ fn unpushed(state: &OrbitState, impulse: &Maneuver) -> DVec3 {
 }
 
 impl OpmFeed {
-    /// The message that it has been propagated from.
+    /// The message that it is propagated from.
     pub fn message(&self) -> &ParameterMessage {
         &self.message
     }

@@ -52,7 +52,7 @@ const ELEMENTS_AGREE_M: f64 = 1_000.0;
 /// A satellite's state as a message gives it, with what acts on it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ParameterMessage {
-    /// The satellite's name; its designator where it has none.
+    /// The satellite's name, or its designator if it has none.
     pub name: String,
     /// The international designator, `1998-067A`.
     pub object_id: Option<String>,
@@ -148,11 +148,11 @@ fn state(
     let axis = fields.get("SEMI_MAJOR_AXIS");
     let of_elements = match axis {
         Some(axis) if axes.frame().is_earth_fixed() => {
-            let why = "elements are of axes that do not turn with the Earth";
+            let why = "elements are of axes that do not rotate with the Earth";
             match vector {
                 Some(_) => remark(not_followed("SEMI_MAJOR_AXIS", axis, origin, why))?,
                 None => {
-                    let remedy = "elements are of axes that do not turn with the Earth; give X, Y, Z, X_DOT, Y_DOT, Z_DOT, or another REF_FRAME";
+                    let remedy = "elements are of axes that do not rotate with the Earth; give X, Y, Z, X_DOT, Y_DOT, Z_DOT, or another REF_FRAME";
                     return Err(axis.unsupported(origin, remedy));
                 }
             }

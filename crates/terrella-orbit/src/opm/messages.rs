@@ -104,7 +104,7 @@ impl ParameterMessages {
     /// is.
     ///
     /// # Errors
-    /// If none or more than one answers: says which there are, or why the one that is meant cannot be used. Without a name also if
+    /// None or several match: it lists them, or states why the matching one cannot be used. Without a name also if
     /// a message is faulty, as that leaves open which is the only one.
     pub fn one(&self, origin: &Path, name: Option<&str>) -> Result<&ParameterMessage, OrbitError> {
         if let (None, Some(error)) = (name, &self.faulty) {

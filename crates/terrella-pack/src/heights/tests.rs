@@ -359,7 +359,7 @@ fn what_cannot_be_built_is_rejected_with_what_to_do() {
     let none = options(folder.path(), &[folder.path().join("none.tif")], "none");
     rejected(&none, &["none.tif"]);
     let day = options(folder.path(), &[folder.path().join("day.png")], "day");
-    rejected(&day, &["day.png", "does not say where it lies"]);
+    rejected(&day, &["day.png", "has no bounds"]);
     // Less than the program itself takes, and what reading a file part by part takes beside that.
     let globe = "bounds = { south_deg = -90, north_deg = 90, west_deg = -180, east_deg = 180 }\nregistration = \"cells\"";
     let large = write_heights(folder.path(), "large", (2048, 1024), globe);
@@ -406,5 +406,5 @@ fn a_folder_of_tiles_is_its_files() {
     }
     let none = options(folder.path(), &[tiles.join("*.hgt")], "none");
     let said = build(&none, &()).expect_err("none").to_string();
-    assert!(said.contains("stands for no file of heights"), "{said}");
+    assert!(said.contains("matches no elevation file"), "{said}");
 }

@@ -50,7 +50,7 @@ pub(super) fn place_of(
     };
     let Some((place, turn)) = found else {
         return Err(context.rejected(
-            "does not say where it lies (no GeoTIFF tags, no world file, no name of NASA's like NAME.A1.jpg)",
+            "has no georeference (no GeoTIFF tags, no world file, no name of NASA's like NAME.A1.jpg)",
             "describe the mosaic in a TOML file and give its bounds_deg = [west, south, east, north]",
         ));
     };

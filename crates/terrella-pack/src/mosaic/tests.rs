@@ -328,7 +328,7 @@ fn what_cannot_be_a_mosaic_is_named() {
     for (text, words) in [
         (
             "[[part]]\nfile = \"a.png\"\n".to_string(),
-            "does not say where it lies",
+            "has no georeference",
         ),
         (part("gone.png", EARTH, ""), "gone.png"),
         (

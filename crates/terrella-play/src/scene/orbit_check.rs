@@ -171,7 +171,7 @@ impl SceneText<'_> {
                 position.note(Err(BY_ELEMENTS));
                 velocity.note(Err(BY_ELEMENTS));
                 if frame.is_earth_fixed() {
-                    let advice = "elements are of axes that do not turn with the Earth: \"teme\", \"gcrf\" or \"eme2000\"; or give position_km and velocity_km_s";
+                    let advice = "elements are of axes that do not rotate with the Earth: \"teme\", \"gcrf\" or \"eme2000\"; or give position_km and velocity_km_s";
                     return Err(self.reject(&frame_field, advice));
                 }
                 OrbitParameters::Elements(self.elements(orbit)?)

@@ -105,7 +105,7 @@ impl Header {
             (Some(own), Some(other)) if own != other => {
                 return Err(context.rejected(
                     format!(
-                        "says that its heights are {}, and the .aux.xml beside it says {}",
+                        "has heights in {}, but its .aux.xml says {}",
                         own.name(),
                         other.name()
                     ),

@@ -47,19 +47,19 @@ pub enum HeightFileError {
     Rotated { path: PathBuf },
     /// Neither file nor sidecar say where the heights lie.
     #[error(
-        "{}: does not say where it lies; expected that in {}: write bounds = {{ south_deg = …, north_deg = …, west_deg = …, \
+        "{}: has no bounds; define them in {}: write bounds = {{ south_deg = …, north_deg = …, west_deg = …, \
          east_deg = … }} and registration = \"cells\" or \"posts\" there", path.display(), sidecar.display()
     )]
     NoPlace { path: PathBuf, sidecar: PathBuf },
     /// Neither file nor sidecar say the unit of heights.
     #[error(
-        "{}: does not say whether its heights are metres or feet; expected that in {}: write unit = \"metres\", \"feet\" or \
+        "{}: does not state the unit of its elevations; define it in {}: write unit = \"metres\", \"feet\" or \
          \"us-survey-feet\" there", path.display(), sidecar.display()
     )]
     NoUnit { path: PathBuf, sidecar: PathBuf },
     /// File and sidecar contradict each other.
     #[error(
-        "{}: says that its heights are {of_file}, and its sidecar says {of_sidecar}; expected one unit: correct the sidecar",
+        "{}: has elevations in {of_file}, but its sidecar says {of_sidecar}; correct the sidecar",
         path.display()
     )]
     TwoUnits {

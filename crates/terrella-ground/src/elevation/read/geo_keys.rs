@@ -151,7 +151,7 @@ impl HeightTags {
             }
             Err(crs) => Err(context.other_coordinates(crs)),
             Ok(None) => Err(context.rejected(
-                "does not say what coordinates it lies in",
+                "does not state its coordinate system",
                 "GeoTIFF keys of latitude and longitude",
                 format!(
                     "if it is so, `gdal_translate -a_srs EPSG:4326 {} OUT.tif`",

@@ -124,7 +124,7 @@ impl<R: BufRead + Seek> Hgt<R> {
         Ok((hgt, header))
     }
 
-    /// Bytes that reading holds at most: a row as it is stored and as metres, and what unpacking takes.
+    /// Peak memory of reading, bytes: a row as it is stored and as metres, and what unpacking takes.
     pub fn working_bytes(&self) -> u64 {
         self.columns as u64 * 6 + (1 << 20)
     }

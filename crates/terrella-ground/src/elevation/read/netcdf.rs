@@ -169,7 +169,7 @@ impl<R: BufRead + Seek> NetCdf<R> {
         self.values.chunk_rows()
     }
 
-    /// Bytes that reading holds at most: what the values need, and a row as metres.
+    /// Peak memory of reading, bytes: what the values need, and a row as metres.
     pub fn working_bytes(&self) -> u64 {
         self.values.working_bytes(&self.shape) + self.shape.columns as u64 * 4
     }

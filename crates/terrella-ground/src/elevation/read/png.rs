@@ -84,7 +84,7 @@ impl<R: BufRead + Seek> Png<R> {
         Ok((png, header))
     }
 
-    /// Bytes that reading holds at most: a row as it is stored twice, and as metres.
+    /// Peak memory of reading, bytes: a row as it is stored twice, and as metres.
     pub fn working_bytes(&self) -> u64 {
         self.columns as u64 * (2 * 2 + 4) + (1 << 20)
     }

@@ -59,7 +59,7 @@ pub fn height_set(path: &Path) -> Result<Vec<PathBuf>, HeightFileError> {
     }
     if files.is_empty() {
         return Err(context.rejected(
-            "stands for no file of heights",
+            "matches no elevation file",
             format!("files whose names end in {}", ENDINGS.join(", ")),
             "correct the path, or give the files by their names",
         ));
@@ -166,7 +166,7 @@ mod tests {
         assert!(
             set("*.asc")
                 .expect_err("none")
-                .contains("stands for no file of heights")
+                .contains("matches no elevation file")
         );
         assert!(set("none/*.asc").expect_err("none").contains("none"));
     }

@@ -65,7 +65,7 @@ pub enum ByteOrder {
     Little,
 }
 
-/// Where a file lies that does not say it itself.
+/// Bounds of a file that does not contain them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SidecarGeoreference {
     /// By its edges; size and spacing follow from the file's samples.
@@ -123,7 +123,7 @@ impl SidecarGeoreference {
 /// nodata = 65535              # stored values without data
 /// byte_order = "big"          # PNG only; "little" for files whose writer mistook it
 /// variable = "data"           # NetCDF only; needed if there are several
-/// above = "egm96"             # what heights stand above: "egm96", "egm2008", "sea" or "ellipsoid"
+/// above = "egm96"             # vertical datum: "egm96", "egm2008", "sea" or "ellipsoid"
 /// attribution = "NOAA"        # whom to name for the data, at most 1000 characters
 /// ```
 ///
@@ -143,7 +143,7 @@ pub struct Sidecar {
     pub byte_order: Option<ByteOrder>,
     /// Variable of a NetCDF file.
     pub variable: Option<String>,
-    /// What heights stand above.
+    /// Vertical datum of heights.
     pub above: Option<VerticalDatum>,
     /// Whom to name for the data.
     pub attribution: Option<String>,

@@ -21,6 +21,6 @@ pub enum HeightTileError {
         cause: Arc<dyn Error + Send + Sync>,
     },
     /// It was read and is none.
-    #[error("{key} is not a tile of heights: {what}; make the pack again")]
+    #[error("{key} is not an elevation tile: {what}; build the pack again")]
     Unsound { key: HeightTileKey, what: String },
 }

@@ -68,7 +68,7 @@ impl fmt::Display for HeightTileKey {
 /// Why there is no such layout.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "tiles of heights cannot lie so: {levels} levels, {coarsest_columns} columns at the coarsest, {side} samples a side, border \
+    "the layout of the elevation tiles is invalid: {levels} levels, {coarsest_columns} columns at the coarsest, {side} samples a side, border \
      {border}; expected at least one level, 16, 32 or 64 columns, sides of an even number of samples from 16 to 1024 and a border of 1 to 16, and no \
      more than 2^30 samples round the Earth"
 )]

@@ -104,7 +104,7 @@ fn what_is_not_read_is_named_with_its_line() {
         (
             "/data/east.tif",
             "NETCDF:a.nc:z",
-            "has a source that is no file",
+            "has a source that is not a file",
         ),
         (
             "/data/east.tif",

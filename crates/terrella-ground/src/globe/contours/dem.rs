@@ -34,7 +34,7 @@ pub enum DemError {
     },
     /// Steps of a flat grid are not positive, or bounds wider than a quarter turn, or empty.
     #[error(
-        "the DEM's place is not usable: steps must be positive and bounds less than a quarter turn each way"
+        "the DEM's bounds are invalid: steps must be positive and bounds less than a quarter turn each way"
     )]
     Place,
 }

@@ -36,7 +36,7 @@ use terrella_frames::Ellipsoid;
 /// How much the surface may take.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PageOptions {
-    /// Figure of the Earth that heights stand on.
+    /// Figure of the Earth that heights refer to.
     pub ellipsoid: Ellipsoid,
     /// Most pages that are kept, 144…2048. One takes up to 44 kB in memory and as much on the GPU.
     pub max_pages: u32,

@@ -41,7 +41,7 @@ use terrella_frames::Ellipsoid;
 /// How much the surface may take.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContourOptions {
-    /// Figure of the Earth that heights stand on.
+    /// Figure of the Earth that heights refer to.
     pub ellipsoid: Ellipsoid,
     /// Most cells that are cut for a view; patches are up to three times as many, and balancing adds to them. 16…900.
     pub max_cuts: u32,

@@ -141,7 +141,7 @@ impl Horizon {
         self.eye
     }
 
-    /// Whether the eye stands on the occluder or over it: else nothing is hidden.
+    /// Whether the eye is on or above the occluder; otherwise nothing is hidden.
     pub fn is_eye_above(&self) -> bool {
         self.distance >= self.shell.lowest
     }

@@ -148,7 +148,7 @@ impl Forest {
         (own, page)
     }
 
-    /// Figure of the Earth that heights stand on.
+    /// Figure of the Earth that heights refer to.
     pub fn ellipsoid(&self) -> &Ellipsoid {
         &self.ellipsoid
     }

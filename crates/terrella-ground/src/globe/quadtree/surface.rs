@@ -15,7 +15,7 @@ use terrella_frames::Ellipsoid;
 /// What a [`Quadtree`] may take, and by which rule it divides.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct QuadtreeOptions {
-    /// Figure of the Earth that heights stand on.
+    /// Figure of the Earth that heights refer to.
     pub ellipsoid: Ellipsoid,
     /// When a leaf is divided.
     pub split_rule: SplitRule,

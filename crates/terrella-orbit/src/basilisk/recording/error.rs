@@ -16,7 +16,7 @@ pub enum RecordingError {
         source: io::Error,
     },
     /// Not one message.
-    #[error("{}: no message of Basilisk in it ({cause}); it is what saveFile writes that is played", path.display())]
+    #[error("{}: contains no Basilisk message ({cause}); expected a file that saveFile wrote", path.display())]
     Empty {
         path: PathBuf,
         /// What is wrong with its beginning.

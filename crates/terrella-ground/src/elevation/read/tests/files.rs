@@ -181,12 +181,12 @@ fn units_are_told_or_rejected() {
     );
     assert_eq!(
         said(unit(&[]), ""),
-        "dem.tif: does not say whether its heights are metres or feet; expected that in dem.toml: write unit = \
+        "dem.tif: does not state the unit of its elevations; define it in dem.toml: write unit = \
          \"metres\", \"feet\" or \"us-survey-feet\" there"
     );
     assert_eq!(
         said(unit(&[(4099, 9001)]), "unit = \"feet\""),
-        "dem.tif: says that its heights are metres, and its sidecar says feet; expected one unit: correct the sidecar"
+        "dem.tif: has elevations in metres, but its sidecar says feet; correct the sidecar"
     );
     assert!(
         said(unit(&[(4099, 9036)]), "")
@@ -370,7 +370,7 @@ fn heights_above_the_ellipsoid_are_brought_to_the_sea() {
     let said = with(&[(2048, 4326), (4096, 5773)], "above = \"ellipsoid\"").expect_err("two");
     assert!(
         said.to_string()
-            .contains("stand above egm96, and its sidecar says above ellipsoid")
+            .contains("heights above egm96, but its sidecar says above ellipsoid")
     );
     let said = with(&[(2048, 4326)], "above = \"moon\"")
         .expect_err("none")

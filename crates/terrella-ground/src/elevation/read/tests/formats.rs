@@ -128,8 +128,8 @@ fn hgt_lies_where_its_name_says() {
 
 #[test]
 fn hgt_that_is_none_is_rejected() {
-    rejected("tile.hgt", hgt(), "does not say where it lies");
-    rejected("N90E000.hgt", hgt(), "does not say where it lies");
+    rejected("tile.hgt", hgt(), "has no bounds");
+    rejected("N90E000.hgt", hgt(), "has no bounds");
     rejected(
         "N45E006.hgt",
         hgt()[2..].to_vec(),
@@ -248,7 +248,7 @@ fn ascii_grids_are_read() {
     rejected(
         "g.asc",
         with("", ""),
-        "does not say whether its heights are metres or feet",
+        "does not state the unit of its elevations",
     );
     let said = |bytes| {
         read_as("g.asc", bytes, "unit = \"metres\"")

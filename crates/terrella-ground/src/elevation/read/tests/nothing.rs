@@ -70,7 +70,7 @@ fn the_text_beside_a_file_counts() {
     };
     rejected(
         b"<PAMRasterBand><UnitType>ft</UnitType></PAMRasterBand>",
-        "says that its heights are metres, and the .aux.xml beside it says feet",
+        "has heights in metres, but its .aux.xml says feet",
     );
     rejected(
         b"<PAMRasterBand><UnitType>fathom</UnitType></PAMRasterBand>",

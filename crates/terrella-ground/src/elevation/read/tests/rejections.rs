@@ -16,7 +16,7 @@ fn other_coordinates_are_named_with_the_command() {
     assert!(of(&[(1024, 3)]).contains("geocentric"));
     assert!(of(&[(1024, 9)]).contains("unknown model 9"));
     assert!(of(&[(1024, 2), (2048, 4326), (2054, 9105)]).contains("angles of the unit EPSG:9105"));
-    assert!(of(&[(1025, 1)]).contains("does not say what coordinates it lies in"));
+    assert!(of(&[(1025, 1)]).contains("does not state its coordinate system"));
     assert!(of(&[(1024, 2), (2048, 4326), (1025, 7)]).contains("raster type 7"));
 
     let matrix = doubles(&[
@@ -46,13 +46,12 @@ fn a_place_stands_in_one_of_both() {
     };
     assert_eq!(
         said(bare(), "unit = \"metres\""),
-        "dem.tif: does not say where it lies; expected that in dem.toml: write bounds = { south_deg = …, north_deg = …, \
+        "dem.tif: has no bounds; define them in dem.toml: write bounds = { south_deg = …, north_deg = …, \
          west_deg = …, east_deg = … } and registration = \"cells\" or \"posts\" there"
     );
     let bounds = "bounds = { south_deg = 1, north_deg = 2, west_deg = 3, east_deg = 4 }\nregistration = \"cells\"";
     assert!(
-        said(Plain::new().bytes(), bounds)
-            .contains("says itself where it lies, and so does its sidecar")
+        said(Plain::new().bytes(), bounds).contains("contains bounds, and so does its sidecar")
     );
     assert!(
         said(Plain::new().bytes(), "byte_order = \"big\"")
@@ -215,9 +214,9 @@ fn png_of_other_kinds_and_orders() {
     // Read in the wrong order, hardly a height is one of the Earth.
     let little = format!("{sidecar}byte_order = \"little\"");
     assert!(said(globe.clone(), &little).contains("byte order"));
-    assert!(said(globe.clone(), "").contains("does not say where it lies"));
+    assert!(said(globe.clone(), "").contains("has no bounds"));
     let no_unit = sidecar.replace("unit = \"metres\"\n", "");
-    assert!(said(globe, &no_unit).contains("does not say whether its heights are metres or feet"));
+    assert!(said(globe, &no_unit).contains("does not state the unit of its elevations"));
     let encode = |colour, depth, bytes: &[u8]| {
         let mut file = Vec::new();
         let mut encoder = ::png::Encoder::new(&mut file, 2, 1);
@@ -270,7 +269,7 @@ fn netcdf_of_other_kinds() {
         said(good.clone(), "variable = \"w\"")
             .contains("has no variable \"w\" over two dimensions; expected one of: z")
     );
-    assert!(said(good.clone(), "unit = \"feet\"").contains("says that its heights are metres"));
+    assert!(said(good.clone(), "unit = \"feet\"").contains("has elevations in metres"));
     let replace = |from: &[u8], to: &[u8]| {
         let at = good
             .windows(from.len())
