@@ -2,8 +2,7 @@
 
 use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::prelude::*;
-use bevy_terrella::terrella::frames::{Epoch, Geodetic};
-use bevy_terrella::{Earth, EarthCamera, EarthClock, EarthEpoch, EarthFrame, TerrellaPlugin};
+use bevy_terrella::prelude::*;
 
 fn main() {
     App::new()
@@ -24,7 +23,7 @@ fn spawn(mut commands: Commands) {
         EarthClock { rate: 60.0 },
     ));
     commands.spawn((
-        Camera3d::default(),
+        // With a `Camera3d`.
         EarthCamera::default(),
         // Of what Bevy draws itself; Bevy's default needs its feature `tonemapping_luts`.
         Tonemapping::None,

@@ -1,7 +1,11 @@
 //! What the Earth of a world is made of, and the cameras that see it.
 
 use crate::{EarthEpoch, EarthFault, EarthFrame, EarthSky};
+use bevy::camera::Camera3d;
 use bevy::ecs::component::Component;
+use bevy::ecs::reflect::ReflectComponent;
+use bevy::reflect::Reflect;
+use bevy::reflect::std_traits::ReflectDefault;
 use bevy::render::render_resource::TextureFormat;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -15,7 +19,9 @@ use terrella::{
 ///
 /// It is made on a thread of [`AsyncComputeTaskPool`](bevy::tasks::AsyncComputeTaskPool), once for each pair of format and sample count that
 /// cameras have, and drawn when it is ready. After a change it is made again, and drawn as it was until then.
-#[derive(Component, Clone, Debug, Default)]
+#[derive(Component, Clone, Debug, Default, Reflect)]
+#[reflect(opaque)]
+#[reflect(Component, Clone, Debug, Default)]
 #[require(EarthFrame, EarthEpoch, EarthSky)]
 pub struct Earth {
     /// Its maps.
@@ -36,9 +42,9 @@ pub struct Earth {
     pub anisotropy: Option<u16>,
     /// The curve by which cameras without `Hdr` show light; those with it are shown by Bevy's `Tonemapping`.
     pub tone: Tone,
-    /// Tiles of a pack in place of whole maps (feature `packs` of the crate `terrella`).
+    /// Tiles of a pack in place of whole maps (feature `packs`).
     pub tiles: Option<TileOptions>,
-    /// Terrain (feature `terrain` of the crate `terrella`).
+    /// Terrain (feature `terrain`).
     pub ground: Option<GroundOptions>,
 }
 
@@ -104,19 +110,23 @@ impl Earth {
     }
 }
 
-/// A `Camera3d` that sees the Earth.
+/// A `Camera3d` that sees the Earth; it is added where an entity has none.
 ///
 /// With `Hdr` the target gets light itself: a white sheet that faces the Sun is 1, and exposing and tone are Bevy's (`ColorGrading`,
 /// `Tonemapping`), for the Earth and the app's things alike.
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
-#[require(EarthCameraStatus)]
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
+#[reflect(opaque)]
+#[reflect(Component, Clone, Debug, Default, PartialEq)]
+#[require(Camera3d, EarthCameraStatus)]
 pub struct EarthCamera {
     /// How bright cameras without `Hdr` show the Earth; those with it are exposed by Bevy.
     pub exposure: Exposure,
 }
 
 /// Whether a camera sees the Earth: what was prepared in the frame before.
-#[derive(Component, Clone, Debug, Default)]
+#[derive(Component, Clone, Debug, Default, Reflect)]
+#[reflect(opaque)]
+#[reflect(Component, Clone, Debug, Default, PartialEq)]
 pub enum EarthCameraStatus {
     /// There is no Earth, or the camera draws nothing.
     #[default]

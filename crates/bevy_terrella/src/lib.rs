@@ -2,14 +2,13 @@
 //!
 //! ```no_run
 //! use bevy::prelude::*;
-//! use bevy_terrella::{Earth, EarthCamera, EarthClock, EarthFrame, TerrellaPlugin};
-//! use terrella::frames::Geodetic;
+//! use bevy_terrella::prelude::*;
 //!
 //! fn add(app: &mut App) {
 //!     app.add_plugins(TerrellaPlugin).add_systems(Startup, |mut commands: Commands| {
 //!         let place = Geodetic::from_degrees(28.0, 30.0, 420_000.0);
 //!         commands.spawn((Earth::default(), EarthFrame::local(place), EarthClock::default()));
-//!         commands.spawn((Camera3d::default(), EarthCamera::default()));
+//!         commands.spawn(EarthCamera::default());
 //!     });
 //! }
 //! ```
@@ -56,6 +55,15 @@ pub use sun::EarthSun;
 pub use terrella;
 pub use time::{EarthClock, EarthEpoch, EarthSky};
 
+/// What apps use of the plugin, with the types of places and times that its components take.
+pub mod prelude {
+    pub use crate::{
+        Earth, EarthCamera, EarthCameraStatus, EarthClock, EarthEpoch, EarthFault, EarthFrame,
+        EarthMaps, EarthSky, EarthSun, TerrellaPlugin, TerrellaSystems,
+    };
+    pub use terrella::frames::{Epoch, Geodetic};
+}
+
 use bevy::app::{App, Plugin, PostUpdate, PreUpdate};
 use bevy::ecs::schedule::{IntoScheduleConfigs, SystemSet};
 use bevy::transform::TransformSystems;
@@ -79,7 +87,12 @@ impl Plugin for TerrellaPlugin {
     fn build(&self, app: &mut App) {
         let (sky, sun) = (TerrellaSystems::Sky, TerrellaSystems::Sun);
         let order = (sky, sun).chain().before(TransformSystems::Propagate);
-        app.register_type::<EarthFrame>()
+        app.register_type::<Earth>()
+            .register_type::<EarthCamera>()
+            .register_type::<EarthCameraStatus>()
+            .register_type::<EarthEpoch>()
+            .register_type::<EarthSky>()
+            .register_type::<EarthFrame>()
             .register_type::<EarthClock>()
             .register_type::<EarthSun>()
             .configure_sets(PostUpdate, order)
@@ -92,5 +105,37 @@ impl Plugin for TerrellaPlugin {
                 (time::compute_skies.in_set(sky), sun::aim_suns.in_set(sun)),
             );
         render::build(app);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::prelude::*;
+    use bevy::camera::Camera3d;
+    use bevy::ecs::reflect::{AppTypeRegistry, ReflectComponent};
+    use bevy::prelude::App;
+    use std::any::TypeId;
+
+    #[test]
+    fn components_are_reflected_and_bring_what_they_need() {
+        let mut app = App::new();
+        app.add_plugins(TerrellaPlugin);
+        let registry = app.world().resource::<AppTypeRegistry>().read();
+        for id in [
+            TypeId::of::<Earth>(),
+            TypeId::of::<EarthCamera>(),
+            TypeId::of::<EarthCameraStatus>(),
+            TypeId::of::<EarthClock>(),
+            TypeId::of::<EarthEpoch>(),
+            TypeId::of::<EarthFrame>(),
+            TypeId::of::<EarthSky>(),
+            TypeId::of::<EarthSun>(),
+        ] {
+            let registration = registry.get(id).expect("a registered component");
+            assert!(registration.data::<ReflectComponent>().is_some());
+        }
+        drop(registry);
+        let camera = app.world_mut().spawn(EarthCamera::default());
+        assert!(camera.contains::<Camera3d>() && camera.contains::<EarthCameraStatus>());
     }
 }

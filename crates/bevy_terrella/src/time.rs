@@ -6,6 +6,7 @@ use bevy::ecs::reflect::ReflectComponent;
 use bevy::ecs::system::{Query, Res};
 use bevy::ecs::world::Ref;
 use bevy::reflect::Reflect;
+use bevy::reflect::std_traits::ReflectDefault;
 use bevy::time::Time;
 use std::ops::RangeInclusive;
 use std::time::SystemTime;
@@ -13,7 +14,9 @@ use terrella::Sky;
 use terrella::frames::{Duration, Epoch};
 
 /// The instant that is shown, in the years 1 to 9999: exact to the nanosecond, leap seconds included. By default the present.
-#[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
+#[reflect(opaque)]
+#[reflect(Component, Clone, Debug, Default, PartialEq)]
 pub struct EarthEpoch(pub Epoch);
 
 impl Default for EarthEpoch {
@@ -41,7 +44,9 @@ impl Default for EarthClock {
 
 /// What lights the Earth: computed of [`EarthEpoch`] whenever that changes. An app with an ephemeris of its own writes it after
 /// [`TerrellaSystems::Sky`](crate::TerrellaSystems::Sky).
-#[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
+#[reflect(opaque)]
+#[reflect(Component, Clone, Debug, Default, PartialEq)]
 pub struct EarthSky(pub Sky);
 
 impl Default for EarthSky {
