@@ -205,7 +205,7 @@ pub use name_table::names;
 pub use offscreen::rgba_image;
 pub use offscreen::{OffscreenRenderer, TimedFrame};
 pub use outlook::{LightOutlook, LightTimes, night_note};
-pub use output::{OutputError, PendingFile};
+pub use output::{OutputError, PendingFile, png_bytes};
 pub use pass_table::{PassRequest, PassTable};
 pub use pictures::{ScenePictures, Shot, take_starter_files};
 pub use place_text::GroundPlace;

@@ -237,16 +237,26 @@ impl PendingFile {
 /// A picture as the bytes of a PNG, without its alpha channel. In memory: an encoder that writes to a file may lose what the disk
 /// rejects at its end.
 pub(super) fn png_of(picture: &RgbaImage) -> Result<Vec<u8>, image::ImageError> {
-    let (width, height) = picture.dimensions();
-    let rgb: Vec<u8> = picture.pixels().flat_map(|p| [p[0], p[1], p[2]]).collect();
-    let mut png = Vec::new();
-    image::codecs::png::PngEncoder::new(&mut png).write_image(
-        &rgb,
-        width,
-        height,
-        image::ExtendedColorType::Rgb8,
-    )?;
-    Ok(png)
+    png_bytes(picture.dimensions(), picture.as_raw())
+}
+
+/// The bytes of the PNG that the command writes of a picture: width and height in pixels, and four bytes a pixel (red, green and blue in
+/// sRGB, and an opacity that is left out), rows from the top.
+///
+/// # Errors
+/// Pixels that are more or fewer than the size says, or a size that PNG does not hold.
+pub fn png_bytes((width, height): (u32, u32), rgba: &[u8]) -> Result<Vec<u8>, image::ImageError> {
+    let (pixels, rest) = rgba.as_chunks::<4>();
+    if rest.is_empty() && pixels.len() as u64 == u64::from(width) * u64::from(height) {
+        let rgb: Vec<u8> = pixels.iter().flat_map(|p| [p[0], p[1], p[2]]).collect();
+        let mut png = Vec::new();
+        let encoder = image::codecs::png::PngEncoder::new(&mut png);
+        encoder.write_image(&rgb, width, height, image::ExtendedColorType::Rgb8)?;
+        return Ok(png);
+    }
+    let kind = image::error::ParameterErrorKind::DimensionMismatch;
+    let error = image::error::ParameterError::from_kind(kind);
+    Err(image::ImageError::Parameter(error))
 }
 
 /// Makes a folder and those above it, where they are not there.

@@ -1,5 +1,6 @@
 //! Arguments as they come from Python: checked, and named where they are wrong.
 
+use crate::units::in_unit_of;
 use glam::{DMat3, DMat4, DVec3};
 use numpy::{PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyTypeError, PyValueError};
@@ -15,11 +16,14 @@ pub fn numpy<'py>(py: Python<'py>) -> PyResult<Bound<'py, PyModule>> {
     Ok(module.bind(py).clone())
 }
 
-/// Whole and other numbers as an array of 64-bit floats: its axes and its numbers, row by row.
+/// Whole and other numbers as an array of 64-bit floats: its axes and its numbers, row by row. Quantities with a unit are converted to the
+/// unit in which `name` ends.
 pub fn numbers(value: &Bound<'_, PyAny>, name: &str) -> PyResult<(Vec<usize>, Vec<f64>)> {
     let np = numpy(value.py())?;
     let wrong =
         |error: PyErr| PyTypeError::new_err(format!("{name}: no array of numbers: {error}"));
+    let plain = in_unit_of(value, name)?;
+    let value = plain.as_ref().unwrap_or(value);
     let array = np.call_method1("asarray", (value,)).map_err(wrong)?;
     let kind: String = array.getattr("dtype")?.getattr("kind")?.extract()?;
     if !matches!(kind.as_str(), "i" | "u" | "f") {

@@ -1,137 +1,23 @@
 //! The Earth on a device of its own, seen by a camera.
 
-use crate::arguments::{matrix_3, matrix_4, vector, wait, within};
-use crate::errors::{of_any, of_offscreen};
+use crate::arguments::wait;
+use crate::camera::PyCamera;
+use crate::errors::{of_any, of_offscreen, of_play};
 use crate::owned::Owned;
 use crate::pictures::{self, Layers};
+use crate::scene::read_scene;
 use crate::times::epoch;
-use glam::{DAffine3, DMat4, DQuat, DVec3};
 use numpy::{PyArray2, PyArray3};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::PathBuf;
 use terrella::LayerSelection;
-use terrella::frames::{Ellipsoid, Geodetic};
-use terrella::{Atmosphere, EarthOptions, Exposure, EyeView, OffscreenEarth, Sky, load_layers};
-use terrella_play::camera::Pose;
+use terrella::{Atmosphere, EarthOptions, Exposure, OffscreenEarth, Sky, load_layers};
+use terrella_play::earth_options;
 
-/// Where the eye stands and how it looks, for pictures of any size: an eye (Earth-fixed axes, metres), the direction it looks in, and the one
-/// that is upwards on screen, of any length. `fov_deg` is the vertical field of view.
-#[pyclass(frozen, from_py_object, name = "Camera", module = "terrella")]
-#[derive(Clone, Copy, Debug)]
-pub struct PyCamera(Lens);
-
-#[derive(Clone, Copy, Debug)]
-enum Lens {
-    /// A vertical field of view; the picture's size says how wide it is.
-    Looking { pose: Pose, fov_rad: f64 },
-    /// A projection of the caller's.
-    Matrices(EyeView),
-}
-
-#[pymethods]
-impl PyCamera {
-    #[new]
-    #[pyo3(signature = (eye_itrf_m, forward, up, *, fov_deg = 45.0))]
-    fn new(
-        eye_itrf_m: &Bound<'_, PyAny>,
-        forward: &Bound<'_, PyAny>,
-        up: &Bound<'_, PyAny>,
-        fov_deg: f64,
-    ) -> PyResult<Self> {
-        let direction = |value, name| -> PyResult<DVec3> {
-            let vector = vector(value, name)?;
-            vector
-                .try_normalize()
-                .ok_or_else(|| PyValueError::new_err(format!("{name}: no direction")))
-        };
-        let pose = Pose {
-            eye_itrf_m: vector(eye_itrf_m, "eye_itrf_m")?,
-            forward: direction(forward, "forward")?,
-            up: direction(up, "up")?,
-        };
-        let fov_rad = fov(fov_deg)?;
-        Ok(Self(Lens::Looking { pose, fov_rad }))
-    }
-
-    /// A camera above a place (geodetic, WGS84). With heading 0 and pitch -90 it looks straight down, north upwards; heading turns it clockwise
-    /// from north, pitch raises it, 0 is level. `fov_deg` is the vertical field of view.
-    #[staticmethod]
-    #[pyo3(signature = (lat_deg, lon_deg, height_m, *, heading_deg = 0.0, pitch_deg = -90.0, fov_deg = 45.0))]
-    fn geodetic(
-        lat_deg: f64,
-        lon_deg: f64,
-        height_m: f64,
-        heading_deg: f64,
-        pitch_deg: f64,
-        fov_deg: f64,
-    ) -> PyResult<Self> {
-        let place = Geodetic::from_degrees(
-            within(lat_deg, "lat_deg", -90.0, 90.0)?,
-            within(lon_deg, "lon_deg", -360.0, 360.0)?,
-            within(height_m, "height_m", -1e4, 1e12)?,
-        );
-        let heading_rad = within(heading_deg, "heading_deg", -360.0, 360.0)?.to_radians();
-        let pitch_rad = within(pitch_deg, "pitch_deg", -90.0, 90.0)?.to_radians();
-        let pose = Pose::geodetic(place, &Ellipsoid::WGS84).facing(heading_rad, pitch_rad);
-        let fov_rad = fov(fov_deg)?;
-        Ok(Self(Lens::Looking { pose, fov_rad }))
-    }
-
-    /// A camera of a position, a rotation (3 × 3, from Earth-fixed axes to those of the view: x right, y up, -z forward) and a projection
-    /// (4 × 4, to clip space with z from 0 to 1, nearer larger, y upwards).
-    #[staticmethod]
-    fn matrices(
-        eye_itrf_m: &Bound<'_, PyAny>,
-        view_from_itrf: &Bound<'_, PyAny>,
-        clip_from_view: &Bound<'_, PyAny>,
-    ) -> PyResult<Self> {
-        let rotation = matrix_3(view_from_itrf, "view_from_itrf")?;
-        let product = rotation * rotation.transpose();
-        let off = (product - glam::DMat3::IDENTITY).to_cols_array();
-        if off.iter().any(|off| off.abs() > 1e-6) || rotation.determinant() < 0.0 {
-            return Err(PyValueError::new_err(
-                "view_from_itrf: no rotation: its rows must be unit vectors at right angles, right-handed",
-            ));
-        }
-        let clip_from_view: DMat4 = matrix_4(clip_from_view, "clip_from_view")?;
-        if clip_from_view.determinant() == 0.0 {
-            return Err(PyValueError::new_err("clip_from_view: it has no inverse"));
-        }
-        Ok(Self(Lens::Matrices(EyeView {
-            eye_world: vector(eye_itrf_m, "eye_itrf_m")?,
-            view_from_world: DQuat::from_mat3(&rotation),
-            clip_from_view,
-            itrf_from_world: DAffine3::IDENTITY,
-        })))
-    }
-
-    /// The eye, Earth-fixed axes, metres.
-    #[getter]
-    fn eye_itrf_m<'py>(&self, py: Python<'py>) -> Bound<'py, numpy::PyArray1<f64>> {
-        let eye = match &self.0 {
-            Lens::Looking { pose, .. } => pose.eye_itrf_m,
-            Lens::Matrices(view) => view.eye_world,
-        };
-        numpy::PyArray1::from_slice(py, &eye.to_array())
-    }
-}
-
-fn fov(fov_deg: f64) -> PyResult<f64> {
-    Ok(within(fov_deg, "fov_deg", 1e-3, 179.0)?.to_radians())
-}
-
-impl PyCamera {
-    pub fn view(&self, aspect: f64) -> EyeView {
-        match &self.0 {
-            Lens::Looking { pose, fov_rad } => pose.view(*fov_rad, aspect),
-            Lens::Matrices(view) => *view,
-        }
-    }
-}
-
-/// The Earth on a device of its own.
+/// The Earth on a device of its own: of a folder of maps, or as the tables of a scene's text describe it (`scene`: the path that messages
+/// name, and the text).
 #[pyclass(frozen, subclass, name = "Earth", module = "terrella")]
 pub struct PyEarth {
     earth: Owned<OffscreenEarth>,
@@ -144,7 +30,9 @@ pub struct PyEarth {
 #[pymethods]
 impl PyEarth {
     #[new]
-    #[pyo3(signature = (size, textures, *, adapter = None, samples = 1, air = true, clouds = true, night_lights = true, exposure_ev = None))]
+    #[pyo3(signature = (
+        size, textures, *, adapter = None, samples = 1, air = true, clouds = true, night_lights = true, exposure_ev = None, scene = None
+    ))]
     #[expect(clippy::too_many_arguments, reason = "Python's are named")]
     fn new(
         py: Python<'_>,
@@ -156,6 +44,7 @@ impl PyEarth {
         clouds: bool,
         night_lights: bool,
         exposure_ev: Option<f64>,
+        scene: Option<(PathBuf, String)>,
     ) -> PyResult<Self> {
         let size = pictures::size(size)?;
         if !matches!(samples, 1 | 4) {
@@ -164,20 +53,29 @@ impl PyEarth {
             )));
         }
         let exposure = exposure_ev.map_or(Exposure::default(), Exposure::Ev);
-        let earth = py.detach(|| {
-            let gpu = OffscreenEarth::open_gpu(adapter.as_deref()).map_err(of_offscreen)?;
+        let plain = || {
             let wanted = LayerSelection {
                 clouds,
                 night_lights,
                 ..LayerSelection::default()
             };
-            let layers = load_layers(&textures, wanted).map_err(of_any)?;
-            let mut options = EarthOptions::new(layers);
+            let mut options = EarthOptions::new(load_layers(&textures, wanted).map_err(of_any)?);
             options.samples = samples;
             options.exposure = exposure;
             if !air {
                 options.atmosphere = Atmosphere::None;
             }
+            Ok::<_, PyErr>(options)
+        };
+        let earth = py.detach(|| {
+            let gpu = OffscreenEarth::open_gpu(adapter.as_deref()).map_err(of_offscreen)?;
+            let options = match scene {
+                Some((path, text)) => {
+                    let scene = read_scene(&path, Some(&text), &textures)?;
+                    earth_options(&scene, gpu.bc_support()).map_err(of_play)?
+                }
+                None => plain()?,
+            };
             OffscreenEarth::new(gpu, options, size).map_err(of_offscreen)
         })?;
         let adapter = earth.gpu().adapter.get_info().name;
@@ -188,9 +86,9 @@ impl PyEarth {
         })
     }
 
-    /// The Earth as it is shown: height × width × 4 bytes (uint8), red, green, blue in sRGB and opacity.
+    /// The displayed image: height × width × 4 bytes (uint8), red, green, blue in sRGB and opacity.
     ///
-    /// `time` is an instant (see `Epoch`); tiles of a pack are waited for at most `wait_s` seconds.
+    /// `time` is a time (see `Epoch`). The call waits for tiles of a pack for at most `wait_s` seconds.
     #[pyo3(signature = (camera, time, *, wait_s = 30.0))]
     fn color<'py>(
         &self,
@@ -213,7 +111,7 @@ impl PyEarth {
     /// The light of the Earth, scene-referred and linear: height × width × 3 (float32); a white sheet that faces the Sun in space is 1.
     /// No exposure, no tone curve; the light along the ray through each pixel's middle.
     ///
-    /// `time` is an instant (see `Epoch`); tiles of a pack are waited for at most `wait_s` seconds.
+    /// `time` is a time (see `Epoch`). The call waits for tiles of a pack for at most `wait_s` seconds.
     #[pyo3(signature = (camera, time, *, wait_s = 30.0))]
     fn radiance<'py>(
         &self,
@@ -233,9 +131,9 @@ impl PyEarth {
         pictures::light(py, size, light)
     }
 
-    /// The distance of the ground along the camera's axis, metres: height × width (float32), infinite where no ground is seen.
+    /// Distance of the ground along the camera's axis, metres: height × width (float32), infinite where no ground is visible.
     ///
-    /// `time` is an instant (see `Epoch`); tiles of a pack are waited for at most `wait_s` seconds.
+    /// `time` is a time (see `Epoch`). The call waits for tiles of a pack for at most `wait_s` seconds.
     #[pyo3(signature = (camera, time, *, wait_s = 30.0))]
     fn depth_m<'py>(
         &self,
@@ -253,10 +151,9 @@ impl PyEarth {
         pictures::plane(py, size, depth)
     }
 
-    /// Arrays by name of what is where each pixel looks: all truth layers, or those named. `terrella.truth_layers()` says what they are; NaN
-    /// where there is none.
+    /// Truth layers by name, all or those named: arrays of what each pixel shows, NaN without a value. `terrella.truth_layers()` explains them.
     ///
-    /// `time` is an instant (see `Epoch`); tiles of a pack are waited for at most `wait_s` seconds.
+    /// `time` is a time (see `Epoch`). The call waits for tiles of a pack for at most `wait_s` seconds.
     #[pyo3(signature = (camera, time, layers = None, *, wait_s = 30.0))]
     fn truth<'py>(
         &self,

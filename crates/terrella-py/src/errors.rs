@@ -7,29 +7,24 @@ use terrella::{EarthError, OffscreenError};
 use terrella_orbit as orbit;
 use terrella_play::PlayError;
 
-create_exception!(
-    terrella,
-    Error,
-    PyException,
-    "What the library rejects or cannot do."
-);
+create_exception!(terrella, Error, PyException, "An error of the library.");
 create_exception!(
     terrella,
     SceneError,
     Error,
-    "A scene, or an instant asked of it, is at fault."
+    "An invalid scene, or a time that it does not cover."
 );
 create_exception!(
     terrella,
     OrbitError,
     Error,
-    "A file of orbits, or an instant at which a satellite is not known."
+    "An invalid orbit file, or a time outside the validity of a satellite."
 );
 create_exception!(
     terrella,
     DeviceError,
     Error,
-    "No adapter, or one that has no room or was lost."
+    "No graphics adapter, out of device memory, or a lost device."
 );
 
 pub fn add(module: &Bound<'_, PyModule>) -> PyResult<()> {

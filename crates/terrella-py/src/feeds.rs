@@ -1,6 +1,7 @@
 //! Satellites of files: where they are at any instants, as arrays.
 
-use crate::errors::of_orbit;
+use crate::arguments::vectors;
+use crate::errors::{of_orbit, of_start};
 use crate::passes::PassSearch;
 use crate::times::{PyEpoch, epoch, epochs};
 use numpy::{PyArray1, PyArrayMethods};
@@ -8,11 +9,18 @@ use pyo3::PyClass;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use terrella::frames::{Epoch, Orientation};
-use terrella_orbit::{Catalogue, Ephemerides, Feed, Frame, OrbitError, ParameterMessages};
+use terrella_orbit::interpolated::{
+    EphemerisSegment, InterpolatedStates, Interpolation, StateSample,
+};
+use terrella_orbit::{
+    Catalogue, Ephemerides, EphemerisFeed, Feed, Frame, OrbitError, ParameterMessages,
+};
 
+/// What messages name where a text is no file.
+const TEXT: &str = "<text>";
 /// Most states that one call gives.
 const MAX_STATES: usize = 1 << 27;
 const FRAMES: [Frame; 5] = [
@@ -108,7 +116,7 @@ fn computed(
     Ok((positions, velocities))
 }
 
-/// Satellites whose places are known over a time: what every kind of them can be asked.
+/// Satellites with known positions over a time span: the methods that every kind of them has.
 #[pyclass(frozen, subclass, name = "Satellites", module = "terrella")]
 pub struct PySatellites {
     feeds: Vec<Box<dyn Feed>>,
@@ -124,7 +132,7 @@ impl PySatellites {
     }
 
     /// As a kind of its own, with what that kind knows beside.
-    pub fn told_by<T: PyClass<BaseType = Self>>(self, kind: T) -> PyClassInitializer<T> {
+    pub fn with_kind<T: PyClass<BaseType = Self>>(self, kind: T) -> PyClassInitializer<T> {
         PyClassInitializer::from(self).add_subclass(kind)
     }
 }
@@ -138,7 +146,7 @@ impl PySatellites {
         names.collect()
     }
 
-    /// First and last instant at which each is known.
+    /// First and last time of validity of each.
     #[getter]
     fn validity(&self) -> Vec<(PyEpoch, PyEpoch)> {
         let spans = self.feeds.iter().map(|feed| feed.validity());
@@ -152,7 +160,7 @@ impl PySatellites {
     }
 
     /// Positions and velocities, metres and metres a second: satellites × instants × 3 each. `frame` is itrf, teme, gcrf, eme2000 or pef,
-    /// and velocities are those seen in it. Instants at which a satellite is not known raise, or are NaN with outside="nan".
+    /// and velocities are those seen in it. Times outside a satellite's validity raise, or give NaN with outside="nan".
     #[pyo3(signature = (times, frame = "itrf", *, outside = "raise"))]
     fn propagate<'py>(
         &self,
@@ -169,9 +177,13 @@ impl PySatellites {
     /// and end (Epoch), their azimuths and the greatest elevation in degrees, the distance then in metres, duration_s, and whether the satellite
     /// rises at the beginning and sets at the end. `visible` lists the times in which it is outside the umbra and the Sun's centre lies below
     /// `sun_below_deg`: begin, end, and with a standard magnitude (at 1000 km, half lit) the brightest instant and its magnitude.
-    #[pyo3(signature = (
-        lat_deg, lon_deg, height_m = 0.0, *, first, last, min_elevation_deg = 10.0, sun_below_deg = -6.0, standard_magnitude = None
-    ))]
+    #[pyo3(
+        signature = (
+            lat_deg, lon_deg, height_m = 0.0, *, first, last, min_elevation_deg = 10.0, sun_below_deg = -6.0, standard_magnitude = None
+        ),
+        // Of a number below zero pyo3 writes none.
+        text_signature = "($self, lat_deg, lon_deg, height_m=0.0, *, first, last, min_elevation_deg=10.0, sun_below_deg=-6.0, standard_magnitude=None)"
+    )]
     // One keyword each.
     #[expect(clippy::too_many_arguments)]
     fn passes<'py>(
@@ -198,14 +210,21 @@ impl PySatellites {
     }
 }
 
-/// Satellites of a file of mean elements (TLE, or OMM in KVN, XML, JSON or CSV), flown by SGP4.
+/// Satellites of a file of mean elements (TLE, or OMM in KVN, XML, JSON or CSV), propagated by SGP4.
 ///
-/// Sets that are corrupt are listed in `faults`; with strict=True they are rejected.
+/// Corrupt sets are listed in `faults`, or rejected with strict=True.
 #[pyclass(frozen, extends = PySatellites, name = "Catalogue", module = "terrella")]
 pub struct PyCatalogue {
-    /// What is wrong with other records of the file: the first thousand.
+    /// Faults of skipped records of the file, at most a thousand.
     #[pyo3(get)]
     faults: Vec<String>,
+}
+
+impl PyCatalogue {
+    fn of(read: Catalogue) -> PyClassInitializer<Self> {
+        let faults = read.faults.iter().map(ToString::to_string).collect();
+        PySatellites::new(read.feeds).with_kind(Self { faults })
+    }
 }
 
 #[pymethods]
@@ -214,20 +233,33 @@ impl PyCatalogue {
     #[pyo3(signature = (path, *, strict = false))]
     fn new(py: Python<'_>, path: PathBuf, strict: bool) -> PyResult<PyClassInitializer<Self>> {
         let read = py.detach(|| Catalogue::from_file(&path, strict));
-        let read = read.map_err(|error| of_orbit(&error))?;
-        let faults = read.faults.iter().map(ToString::to_string).collect();
-        Ok(PySatellites::new(read.feeds).told_by(Self { faults }))
+        Ok(Self::of(read.map_err(|error| of_orbit(&error))?))
+    }
+
+    /// Of the text of such a file.
+    #[staticmethod]
+    #[pyo3(signature = (text, *, strict = false))]
+    fn from_text<'py>(py: Python<'py>, text: &str, strict: bool) -> PyResult<Bound<'py, Self>> {
+        let read = py.detach(|| Catalogue::from_text(text, Path::new(TEXT), strict));
+        Bound::new(py, Self::of(read.map_err(|error| of_orbit(&error))?))
     }
 }
 
-/// Objects of a file of states (OEM, CZML, CSV, SP3, STK), interpolated as the file says.
+/// Objects of a file of states (OEM, CZML, CSV, SP3, STK), with the file's interpolation.
 ///
-/// What is corrupt is listed in `faults`; with strict=True it is rejected.
+/// Corrupt records are listed in `faults`, or rejected with strict=True.
 #[pyclass(frozen, extends = PySatellites, name = "Ephemerides", module = "terrella")]
 pub struct PyEphemerides {
-    /// What is wrong with other records of the file: the first thousand.
+    /// Faults of skipped records of the file, at most a thousand.
     #[pyo3(get)]
     faults: Vec<String>,
+}
+
+impl PyEphemerides {
+    fn of(read: Ephemerides) -> PyClassInitializer<Self> {
+        let faults = read.faults.iter().map(ToString::to_string).collect();
+        PySatellites::new(read.feeds).with_kind(Self { faults })
+    }
 }
 
 #[pymethods]
@@ -236,19 +268,89 @@ impl PyEphemerides {
     #[pyo3(signature = (path, *, strict = false))]
     fn new(py: Python<'_>, path: PathBuf, strict: bool) -> PyResult<PyClassInitializer<Self>> {
         let read = py.detach(|| Ephemerides::from_file(&path, strict));
-        let read = read.map_err(|error| of_orbit(&error))?;
-        let faults = read.faults.iter().map(ToString::to_string).collect();
-        Ok(PySatellites::new(read.feeds).told_by(Self { faults }))
+        Ok(Self::of(read.map_err(|error| of_orbit(&error))?))
+    }
+
+    /// Of the text of such a file.
+    #[staticmethod]
+    #[pyo3(signature = (text, *, strict = false))]
+    fn from_text<'py>(py: Python<'py>, text: &str, strict: bool) -> PyResult<Bound<'py, Self>> {
+        let read = py.detach(|| Ephemerides::from_text(text, Path::new(TEXT), strict));
+        Bound::new(py, Self::of(read.map_err(|error| of_orbit(&error))?))
+    }
+
+    /// One object from arrays: positions (instants × 3, metres) and velocities (the same, metres a second, or None) in the axes of `frame`: itrf,
+    /// teme, gcrf, eme2000 or pef. Between the instants it is interpolated by polynomials of degree 7, or of the highest that the number of states
+    /// allows.
+    #[staticmethod]
+    #[pyo3(signature = (times, positions_m, velocities_m_s = None, *, frame = "gcrf", name = "satellite"))]
+    fn from_states<'py>(
+        py: Python<'py>,
+        times: &Bound<'py, PyAny>,
+        positions_m: &Bound<'py, PyAny>,
+        velocities_m_s: Option<&Bound<'py, PyAny>>,
+        frame: &str,
+        name: &str,
+    ) -> PyResult<Bound<'py, Self>> {
+        let frame = frame_named(frame, "frame")?;
+        let epochs = epochs(times, "times")?;
+        let rows = |value, argument| {
+            let (shape, rows) = vectors(value, argument)?;
+            match shape == [epochs.len()] {
+                true => Ok(rows),
+                false => Err(PyValueError::new_err(format!(
+                    "{argument}: an array of shape ({}, 3) is needed, one row for each of times",
+                    epochs.len()
+                ))),
+            }
+        };
+        let positions = rows(positions_m, "positions_m")?;
+        let velocities = velocities_m_s
+            .map(|value| rows(value, "velocities_m_s"))
+            .transpose()?;
+        let samples = (0..epochs.len()).map(|n| StateSample {
+            epoch: epochs[n],
+            position_m: positions[n],
+            velocity_m_s: velocities.as_ref().map(|rows| rows[n]),
+        });
+        let samples: Vec<_> = samples.collect();
+        let feed = py.detach(|| {
+            let states = InterpolatedStates::new(
+                frame,
+                &samples,
+                interpolation(velocities.is_some(), epochs.len()),
+            );
+            let segment = EphemerisSegment::whole(states.map_err(of_start)?);
+            EphemerisFeed::new(name.to_owned(), None, vec![segment]).map_err(of_start)
+        });
+        let faults = Vec::new();
+        Bound::new(py, PySatellites::new([feed?]).with_kind(Self { faults }))
+    }
+}
+
+/// The usual interpolation, of a degree that so many states allow.
+fn interpolation(has_velocities: bool, count: usize) -> Interpolation {
+    match has_velocities {
+        true => Interpolation::Hermite {
+            degree: (2 * count)
+                .saturating_sub(1)
+                .clamp(3, Interpolation::WITH_VELOCITIES.degree()),
+        },
+        false => Interpolation::Lagrange {
+            degree: count
+                .saturating_sub(1)
+                .clamp(1, Interpolation::WITHOUT_VELOCITIES.degree()),
+        },
     }
 }
 
 /// Satellites of a file of orbit parameter messages (CCSDS OPM, KVN or XML): each state is integrated with the message's spacecraft and manoeuvres from
 /// `first`, by default the state's own instant, to `last`.
 ///
-/// Messages that are corrupt are listed in `faults`; with strict=True they are rejected.
+/// Corrupt messages are listed in `faults`, or rejected with strict=True.
 #[pyclass(frozen, extends = PySatellites, name = "ParameterMessages", module = "terrella")]
 pub struct PyParameterMessages {
-    /// What is wrong with other messages of the file: the first thousand.
+    /// Faults of skipped messages of the file, at most a thousand.
     #[pyo3(get)]
     faults: Vec<String>,
 }
@@ -276,6 +378,6 @@ impl PyParameterMessages {
             Ok((feeds.collect::<Result<Vec<_>, OrbitError>>()?, faults))
         });
         let (feeds, faults) = read.map_err(|error: OrbitError| of_orbit(&error))?;
-        Ok(PySatellites::new(feeds).told_by(Self { faults }))
+        Ok(PySatellites::new(feeds).with_kind(Self { faults }))
     }
 }

@@ -3,6 +3,7 @@
 use crate::errors::{SceneError, of_any, of_play};
 use crate::owned::Owned;
 use crate::pictures;
+use crate::scene::read_scene;
 use crate::times::PyEpoch;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -10,11 +11,11 @@ use pyo3::types::PyBytes;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use terrella::GpuContext;
-use terrella::SurfaceKind;
+use terrella::{Pack, SurfaceKind};
 use terrella_play::scene::{Scene, StartSource};
 use terrella_play::{
     Existing, FilmFrames, FilmKey, FilmPainter, FilmRequest, Flight, FrameRange, FrameRecord,
-    PictureFormat, PictureSettings, PlayError, SharedFolder, Shutter, checksum, take_starter_files,
+    PictureFormat, PictureSettings, PlayError, SharedFolder, Shutter, checksum,
 };
 
 /// How the pictures of a film are made and kept, as the command's options say.
@@ -61,14 +62,13 @@ impl PyPictures {
 
 /// A scene that several processes draw, each of which reads it for itself, with the maps that came along.
 fn load(path: &Path, textures: &Path) -> PyResult<Scene> {
-    let mut scene = Scene::load(path).map_err(|error| SceneError::new_err(error.to_string()))?;
+    let scene = read_scene(path, None, textures)?;
     if scene.time.start_from == StartSource::Clock {
         return Err(SceneError::new_err(format!(
             "{}: [time] start = \"now\": each process would begin at another instant; write the instant",
             path.display()
         )));
     }
-    take_starter_files(&mut scene, textures);
     Ok(scene)
 }
 
@@ -319,6 +319,18 @@ fn scene_key(py: Python<'_>, path: PathBuf, textures: PathBuf) -> PyResult<Strin
     })
 }
 
+/// Whom to name for the maps of a scene's pack, in the words of its manifest; empty without a pack.
+#[pyfunction]
+fn scene_attribution(py: Python<'_>, path: PathBuf, textures: PathBuf) -> PyResult<Vec<String>> {
+    py.detach(|| match load(&path, &textures)?.earth.pack {
+        Some(pack) => {
+            let pack = Pack::open(&pack.folder).map_err(of_any)?;
+            Ok(pack.manifest().attribution.clone())
+        }
+        None => Ok(Vec::new()),
+    })
+}
+
 /// The first instant of a scene's playback, and its end.
 #[pyfunction]
 fn scene_dates(py: Python<'_>, path: PathBuf, textures: PathBuf) -> PyResult<(PyEpoch, PyEpoch)> {
@@ -339,5 +351,6 @@ pub fn add(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<PyFilmFolder>()?;
     module.add_function(wrap_pyfunction!(mp4_problem, module)?)?;
     module.add_function(wrap_pyfunction!(scene_dates, module)?)?;
+    module.add_function(wrap_pyfunction!(scene_attribution, module)?)?;
     module.add_function(wrap_pyfunction!(scene_key, module)?)
 }

@@ -33,8 +33,8 @@ fn fitting(epochs: Vec<Epoch>, count: usize) -> PyResult<Vec<Epoch>> {
 }
 
 /// Positions (… × 3, metres) and velocities (the same, metres a second, or None) in other axes: from `source` to `target`, each of itrf, teme,
-/// gcrf, eme2000 and pef, at one instant for all or as many as there are. A velocity is the one that is seen from its axes. UT1 is taken as UTC,
-/// polar motion is left out.
+/// gcrf, eme2000 and pef, at one time for all or one for each. Velocities are relative to the axes. UT1 = UTC, without polar
+/// motion.
 #[pyfunction]
 #[pyo3(signature = (positions_m, velocities_m_s, times, *, source, target))]
 fn transform<'py>(
@@ -132,7 +132,7 @@ fn itrf_from_geodetic<'py>(
     array(py, shape, positions)
 }
 
-/// The Sun's position at instants, Earth-fixed axes, metres: instants × 3.
+/// The Sun's position, Earth-fixed axes, metres: times × 3.
 #[pyfunction]
 fn sun_itrf_m<'py>(py: Python<'py>, times: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
     let epochs = epochs(times, "times")?;

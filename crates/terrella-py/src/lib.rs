@@ -7,11 +7,14 @@
 #![allow(unnameable_types)]
 
 mod arguments;
+mod camera;
 mod earth;
 mod errors;
 mod feeds;
 mod film;
+mod foreign;
 mod frames;
+mod logging;
 mod motions;
 mod owned;
 mod packs;
@@ -19,14 +22,16 @@ mod passes;
 mod pictures;
 mod scene;
 mod times;
+mod units;
 
 use pyo3::prelude::*;
 
 #[pymodule]
 fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    logging::begin();
     errors::add(module)?;
     module.add_class::<times::PyEpoch>()?;
-    module.add_class::<earth::PyCamera>()?;
+    module.add_class::<camera::PyCamera>()?;
     module.add_class::<earth::PyEarth>()?;
     module.add_class::<scene::PyScene>()?;
     module.add_class::<feeds::PySatellites>()?;

@@ -54,7 +54,7 @@ fn state(
 
 /// A satellite on a conic about the Earth's centre, from Keplerian elements at an instant, in the axes of `frame` (gcrf, teme or eme2000). With
 /// j2=True node, periapsis and mean anomaly drift as the Earth's flattening makes them on average. It is known from `first`, by default
-/// the instant of the elements, to `last`, or until it meets the ground: `impact`.
+/// the epoch of the elements, to `last`, or until it hits the ground: `impact`.
 #[pyclass(frozen, extends = PySatellites, name = "KeplerOrbit", module = "terrella")]
 pub struct PyKeplerOrbit {
     impact: Option<Epoch>,
@@ -63,7 +63,7 @@ pub struct PyKeplerOrbit {
 impl PyKeplerOrbit {
     fn of(feed: KeplerFeed) -> PyClassInitializer<Self> {
         let impact = feed.impact();
-        PySatellites::new([feed]).told_by(Self { impact })
+        PySatellites::new([feed]).with_kind(Self { impact })
     }
 }
 
@@ -124,7 +124,7 @@ impl PyKeplerOrbit {
             .map_err(of_start)
     }
 
-    /// The conic that touches a state: metres and metres a second.
+    /// The conic through a state: metres and metres a second.
     #[staticmethod]
     #[pyo3(signature = (
         time, position_m, velocity_m_s, *, last, frame = "gcrf", j2 = false, first = None, name = "satellite"
@@ -148,22 +148,22 @@ impl PyKeplerOrbit {
         Bound::new(py, Self::of(feed))
     }
 
-    /// When it meets the ground, if it does so within its span.
+    /// When it hits the ground, if it does within its span.
     #[getter]
     fn impact(&self) -> Option<PyEpoch> {
         self.impact.map(PyEpoch)
     }
 }
 
-/// A satellite whose motion under forces is integrated, once, when this is made: from a state (metres, metres a second) over the span from
-/// `first`, by default its instant, to `last`. It ends where it meets the ground: `impact`.
+/// A satellite whose motion under forces is integrated once, at creation: from a state (metres, metres a second) over the span from
+/// `first`, by default the state's epoch, to `last`. It ends where it hits the ground: `impact`.
 ///
 /// `gravity_degree` is 0 for a point mass, else 2 to 20 of EGM96, with orders up to `gravity_order` (by default all). `air` is None,
-/// "us1976" or "exponential". Thrusts and other shadows are for scenes.
+/// "us1976" or "exponential". Manoeuvres and other shadow models are available in scenes.
 #[pyclass(frozen, extends = PySatellites, name = "IntegratedOrbit", module = "terrella")]
 pub struct PyIntegratedOrbit {
     impact: Option<Epoch>,
-    /// Steps that the integration kept.
+    /// Number of accepted integration steps.
     #[pyo3(get)]
     steps: usize,
 }
@@ -226,10 +226,10 @@ impl PyIntegratedOrbit {
         let feed = py.detach(|| NumericalFeed::new(name, &state, &model, &craft, &options));
         let feed = feed.map_err(of_start)?;
         let (impact, steps) = (feed.impact(), feed.steps());
-        Ok(PySatellites::new([feed]).told_by(Self { impact, steps }))
+        Ok(PySatellites::new([feed]).with_kind(Self { impact, steps }))
     }
 
-    /// When it meets the ground, if it does so within its span.
+    /// When it hits the ground, if it does within its span.
     #[getter]
     fn impact(&self) -> Option<PyEpoch> {
         self.impact.map(PyEpoch)

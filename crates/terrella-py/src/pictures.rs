@@ -7,6 +7,7 @@ use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PySlice};
 use terrella::{LayerValues, TRUTH_LAYERS, TruthLayer, TruthPicture};
+use terrella_play::png_bytes;
 
 /// Longest side that is asked of any device.
 const LONGEST_SIDE_PX: i64 = 65_536;
@@ -138,29 +139,12 @@ fn png_of<'py>(py: Python<'py>, color: &Bound<'py, PyAny>) -> PyResult<Bound<'py
     };
     let rgba = array.as_standard_layout();
     let bytes = match rgba.as_slice() {
-        Some(rgba) => py.detach(|| encoded((wide, high), rgba)).map_err(of_any)?,
+        Some(rgba) => py
+            .detach(|| png_bytes((wide, high), rgba))
+            .map_err(of_any)?,
         None => return Err(PyValueError::new_err("color: the array has no order")),
     };
     Ok(PyBytes::new(py, &bytes))
-}
-
-fn encoded((width, height): (u32, u32), rgba: &[u8]) -> Result<Vec<u8>, ::png::EncodingError> {
-    let mut bytes = Vec::new();
-    let mut encoder = ::png::Encoder::new(&mut bytes, width, height);
-    encoder.set_color(::png::ColorType::Rgb);
-    encoder.set_depth(::png::BitDepth::Eight);
-    encoder.set_source_srgb(::png::SrgbRenderingIntent::RelativeColorimetric);
-    let mut writer = encoder.write_header()?;
-    // Space is not to be seen through: what shows is the picture.
-    let rgb: Vec<u8> = rgba
-        .as_chunks::<4>()
-        .0
-        .iter()
-        .flat_map(|p| [p[0], p[1], p[2]])
-        .collect();
-    writer.write_image_data(&rgb)?;
-    writer.finish()?;
-    Ok(bytes)
 }
 
 pub fn add(module: &Bound<'_, PyModule>) -> PyResult<()> {

@@ -1,6 +1,6 @@
 //! A scene file, drawn into arrays at any instant.
 
-use crate::earth::PyCamera;
+use crate::camera::PyCamera;
 use crate::errors::{SceneError, of_play};
 use crate::feeds::states_of;
 use crate::owned::Owned;
@@ -9,13 +9,24 @@ use crate::times::{PyEpoch, elapsed_of, epoch};
 use numpy::{PyArray2, PyArray3};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use terrella::frames::Epoch;
 use terrella_orbit::Feed;
 use terrella_play::clock::frame_epoch;
 use terrella_play::scene::Scene;
 use terrella_play::{ScenePictures, Shot, take_starter_files};
+
+/// A scene of a file, or of a text in place of what `path` holds. What it names no file for comes from `textures`.
+pub fn read_scene(path: &Path, text: Option<&str>, textures: &Path) -> PyResult<Scene> {
+    let read = match text {
+        Some(text) => Scene::from_toml(text, path),
+        None => Scene::load(path),
+    };
+    let mut scene = read.map_err(|error| SceneError::new_err(error.to_string()))?;
+    take_starter_files(&mut scene, textures);
+    Ok(scene)
+}
 
 /// A scene with a device of its own.
 #[pyclass(frozen, subclass, name = "Scene", module = "terrella")]
@@ -32,19 +43,18 @@ pub struct PyScene {
 #[pymethods]
 impl PyScene {
     #[new]
-    #[pyo3(signature = (path, textures, *, size = None, adapter = None))]
+    #[pyo3(signature = (path, textures, *, text = None, size = None, adapter = None))]
     fn new(
         py: Python<'_>,
         path: PathBuf,
         textures: PathBuf,
+        text: Option<&str>,
         size: Option<(i64, i64)>,
         adapter: Option<String>,
     ) -> PyResult<Self> {
         let size = size.map(pictures::size).transpose()?;
         let pictures = py.detach(|| {
-            let mut scene =
-                Scene::load(&path).map_err(|error| SceneError::new_err(error.to_string()))?;
-            take_starter_files(&mut scene, &textures);
+            let scene = read_scene(&path, text, &textures)?;
             ScenePictures::of_scene(scene, adapter.as_deref(), size).map_err(of_play)
         })?;
         let flight = pictures.flight();
@@ -61,13 +71,13 @@ impl PyScene {
         })
     }
 
-    /// The scene's first instant.
+    /// Start of its playback.
     #[getter]
     fn start(&self) -> PyEpoch {
         PyEpoch(self.scene.time.start)
     }
 
-    /// Where its playback ends.
+    /// End of its playback.
     #[getter]
     fn end(&self) -> PyEpoch {
         PyEpoch(self.scene.time.end())
@@ -79,7 +89,7 @@ impl PyScene {
         self.scene.time.frame_rate_hz
     }
 
-    /// What is flown otherwise than the scene says, in sentences.
+    /// Where the scene is not followed exactly, as sentences.
     #[getter]
     fn notices(&self) -> Vec<String> {
         self.scene.notices.clone()
@@ -94,7 +104,7 @@ impl PyScene {
             .collect()
     }
 
-    /// The instants of all frames of its playback.
+    /// The times of all frames of its playback.
     fn times(&self) -> Vec<PyEpoch> {
         let time = &self.scene.time;
         (0..time.frame_count())
@@ -102,11 +112,10 @@ impl PyScene {
             .collect()
     }
 
-    /// An instant as it is shown: height × width × 4 bytes (uint8).
+    /// The displayed image at a time: height × width × 4 bytes (uint8).
     ///
-    /// `time` is an instant (see `Epoch`), or a `datetime.timedelta` after the start; without it the start.
-    /// `camera` stands in place of the scene's, without the craft and at any date, `exposure_ev` in
-    /// place of its exposure.
+    /// `time` is a time (see `Epoch`) or a `datetime.timedelta` after the start, which is the default.
+    /// `camera` replaces the scene's camera: the spacecraft is then not drawn, and any date is allowed. `exposure_ev` replaces its exposure.
     #[pyo3(signature = (time = None, *, camera = None, exposure_ev = None))]
     fn color<'py>(
         &self,
@@ -127,8 +136,8 @@ impl PyScene {
 
     /// The light of an instant: height × width × 3 (float32), scene-referred and linear. Tracks are no light and are not in it.
     ///
-    /// `time` is an instant (see `Epoch`), or a `datetime.timedelta` after the start; without it the start.
-    /// `camera` stands in place of the scene's, without the craft and at any date.
+    /// `time` is a time (see `Epoch`) or a `datetime.timedelta` after the start, which is the default.
+    /// `camera` replaces the scene's camera: the spacecraft is then not drawn, and any date is allowed.
     #[pyo3(signature = (time = None, *, camera = None))]
     fn radiance<'py>(
         &self,
@@ -145,10 +154,10 @@ impl PyScene {
         pictures::light(py, size, light)
     }
 
-    /// The distance of the ground along the camera's axis, metres: height × width (float32), infinite where no ground is seen; without craft.
+    /// Distance of the ground along the camera's axis, metres: height × width (float32), infinite where no ground is visible; without spacecraft.
     ///
-    /// `time` is an instant (see `Epoch`), or a `datetime.timedelta` after the start; without it the start.
-    /// `camera` stands in place of the scene's, without the craft and at any date.
+    /// `time` is a time (see `Epoch`) or a `datetime.timedelta` after the start, which is the default.
+    /// `camera` replaces the scene's camera: the spacecraft is then not drawn, and any date is allowed.
     #[pyo3(signature = (time = None, *, camera = None))]
     fn depth_m<'py>(
         &self,
@@ -163,10 +172,10 @@ impl PyScene {
         pictures::plane(py, size, depth)
     }
 
-    /// Arrays by name of what is where each pixel looks, without craft: all truth layers, or those named.
+    /// Truth layers by name, all or those named, without spacecraft: arrays of what each pixel shows.
     ///
-    /// `time` is an instant (see `Epoch`), or a `datetime.timedelta` after the start; without it the start.
-    /// `camera` stands in place of the scene's, without the craft and at any date.
+    /// `time` is a time (see `Epoch`) or a `datetime.timedelta` after the start, which is the default.
+    /// `camera` replaces the scene's camera: the spacecraft is then not drawn, and any date is allowed.
     #[pyo3(signature = (time = None, layers = None, *, camera = None))]
     fn truth<'py>(
         &self,
@@ -183,10 +192,10 @@ impl PyScene {
         layers.arrays(py, size, values)
     }
 
-    /// The raw frame of the scene's sensor at an instant: height × width (uint16), the numbers of its converter. The scene needs a [sensor] table;
-    /// the frame is that of `terrella frame --raw`.
+    /// The raw frame of the scene's sensor: height × width (uint16), in digital numbers, as `terrella frame --raw` writes it. The scene needs a
+    /// [sensor] table.
     ///
-    /// `time` is an instant (see `Epoch`), or a `datetime.timedelta` after the start; without it the start.
+    /// `time` is a time (see `Epoch`) or a `datetime.timedelta` after the start, which is the default.
     #[pyo3(signature = (time = None))]
     fn raw<'py>(
         &self,
@@ -201,7 +210,7 @@ impl PyScene {
     }
 
     /// Positions and velocities of the satellites, metres and metres a second: satellites × instants × 3 each. `frame` is itrf, teme, gcrf,
-    /// eme2000 or pef, and velocities are those seen in it. Instants at which a satellite is not known raise, or are NaN with outside="nan".
+    /// eme2000 or pef, and velocities are those seen in it. Times outside a satellite's validity raise, or give NaN with outside="nan".
     #[pyo3(signature = (times, frame = "itrf", *, outside = "raise"))]
     fn propagate<'py>(
         &self,

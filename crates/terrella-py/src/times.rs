@@ -2,19 +2,23 @@
 
 use crate::arguments::numpy;
 use crate::errors::of_any;
+use crate::foreign::{astropy_time, epochs_of, is_astropy_time};
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
+use pyo3::types::PyType;
 use std::collections::hash_map::DefaultHasher;
 use std::hash::{Hash, Hasher};
-use terrella::frames::{Duration, Epoch, TimeScale, ccsds_time, rfc3339, utc_from_rfc3339};
+use terrella::frames::{Duration, Epoch, TimeScale, ccsds_time, utc_from_rfc3339};
 
 /// Most instants that one call takes.
 const MAX_TIMES: usize = 1 << 24;
 const NS_PER_S: i128 = 1_000_000_000;
 
-/// An instant, exact to the nanosecond, leap seconds included: of a text like "2018-01-15T12:00:00Z" (UTC, or with an offset), a datetime with a
-/// time zone, a numpy.datetime64 (UTC), or another Epoch. Adding seconds or a timedelta adds elapsed time.
+/// An instant from 1900 to 2099, exact to the nanosecond, leap seconds included: of a text like "2018-01-15T12:00:00Z" (UTC, or with an
+/// offset), a datetime with a time zone, a numpy.datetime64 (UTC), a Time of astropy or skyfield, or another Epoch.
+///
+/// Adding and subtracting seconds or a timedelta moves it by elapsed time; the difference of two instants is elapsed seconds.
 #[pyclass(frozen, name = "Epoch", module = "terrella", eq, ord)]
 #[derive(Clone, Copy, PartialEq, PartialOrd)]
 pub struct PyEpoch(pub Epoch);
@@ -22,14 +26,15 @@ pub struct PyEpoch(pub Epoch);
 #[pymethods]
 impl PyEpoch {
     #[new]
+    #[pyo3(signature = (time))]
     fn new(time: &Bound<'_, PyAny>) -> PyResult<Self> {
         epoch(time, "time").map(Self)
     }
 
-    /// The instant in UTC, like 2018-01-15T12:00:00Z.
+    /// The instant in UTC with all its digits, at least milliseconds, like 2018-01-15T12:00:00.000Z.
     #[getter]
     fn utc(&self) -> String {
-        rfc3339(self.0)
+        format!("{}Z", ccsds_time(self.0, TimeScale::Utc))
     }
 
     /// The reading of the clocks of UTC, TAI, TT or GPS, as CCSDS writes it.
@@ -38,13 +43,61 @@ impl PyEpoch {
         Ok(ccsds_time(self.0, time_scale(scale)?))
     }
 
+    /// A datetime in UTC, later digits than microseconds cut off. Raises ValueError in a leap second, which datetime cannot hold.
+    fn to_datetime<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        const DIGITS: usize = "2018-01-15T12:00:00.000000".len();
+        let text = self.digits("datetime")?;
+        let microseconds = text.get(..DIGITS).unwrap_or(&text);
+        py.import("datetime")?
+            .getattr("datetime")?
+            .call_method1("fromisoformat", (format!("{microseconds}+00:00"),))
+    }
+
+    /// A numpy.datetime64 of nanoseconds in UTC. Raises ValueError in a leap second, which datetime64 cannot hold.
+    fn to_datetime64<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let text = self.digits("datetime64")?;
+        numpy(py)?.call_method1("datetime64", (text, "ns"))
+    }
+
+    /// An astropy.time.Time on the scale TAI, exact to the nanosecond. Needs astropy.
+    fn to_astropy<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        astropy_time(py, self.0)
+    }
+
     /// Elapsed seconds from another instant to this, through leap seconds.
+    #[pyo3(signature = (other))]
     fn seconds_since(&self, other: &Bound<'_, PyAny>) -> PyResult<f64> {
         Ok((self.0 - epoch(other, "other")?).to_seconds())
     }
 
+    /// The same in nanoseconds, exact.
+    #[pyo3(signature = (other))]
+    fn nanoseconds_since(&self, other: &Bound<'_, PyAny>) -> PyResult<i128> {
+        Ok((self.0 - epoch(other, "other")?).total_nanoseconds())
+    }
+
     fn __add__(&self, elapsed: &Bound<'_, PyAny>) -> PyResult<Self> {
-        Ok(Self(self.0 + elapsed_of(elapsed, "elapsed")?))
+        self.moved(elapsed_of(elapsed, "elapsed")?)
+    }
+
+    fn __radd__(&self, elapsed: &Bound<'_, PyAny>) -> PyResult<Self> {
+        self.__add__(elapsed)
+    }
+
+    fn __sub__<'py>(
+        &self,
+        py: Python<'py>,
+        other: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        if let Some(elapsed) = elapsed(other, "elapsed")? {
+            return Ok(self.moved(-elapsed)?.into_pyobject(py)?.into_any());
+        }
+        let seconds = self.seconds_since(other)?;
+        Ok(seconds.into_pyobject(py)?.into_any())
+    }
+
+    fn __rsub__(&self, other: &Bound<'_, PyAny>) -> PyResult<f64> {
+        Ok((epoch(other, "other")? - self.0).to_seconds())
     }
 
     fn __hash__(&self) -> u64 {
@@ -56,35 +109,92 @@ impl PyEpoch {
         hasher.finish()
     }
 
+    fn __reduce__<'py>(&self, py: Python<'py>) -> (Bound<'py, PyType>, (String,)) {
+        (py.get_type::<Self>(), (self.utc(),))
+    }
+
     fn __repr__(&self) -> String {
-        format!("Epoch('{}')", rfc3339(self.0))
+        format!("Epoch('{}')", self.utc())
     }
 
     fn __str__(&self) -> String {
-        rfc3339(self.0)
+        self.utc()
     }
 }
 
-/// A duration from a `timedelta`, or seconds.
+impl PyEpoch {
+    /// So much later; rejects years that no feed and no table of the Sun knows.
+    fn moved(&self, elapsed: Duration) -> PyResult<Self> {
+        // 2100-01-01T00:00:00 UTC with the leap seconds up to 2017, from 1900 in TAI.
+        const END_S: i128 = 6_311_433_637;
+        let moved = self.0 + elapsed;
+        let ns = moved.to_tai_duration().total_nanoseconds();
+        match (0..END_S * NS_PER_S).contains(&ns) {
+            true => Ok(Self(moved)),
+            false => Err(PyValueError::new_err(format!(
+                "elapsed: {} s from {} is not in the years 1900 to 2099",
+                elapsed.to_seconds(),
+                self.utc()
+            ))),
+        }
+    }
+
+    /// UTC without its zone, with nanoseconds where there are any, for a type that has no leap seconds.
+    fn digits(&self, kind: &str) -> PyResult<String> {
+        let text = ccsds_time(self.0, TimeScale::Utc);
+        let fraction = text.split_once('.').map_or(0, |(_, digits)| digits.len());
+        match text.get(17..19) {
+            Some("60") => Err(PyValueError::new_err(format!(
+                "{text}Z is in a leap second, which {kind} cannot hold; take Epoch.utc, Epoch.text or Epoch.to_astropy"
+            ))),
+            _ => Ok(format!(
+                "{text}{}",
+                "0".repeat(9usize.saturating_sub(fraction))
+            )),
+        }
+    }
+}
+
+/// A duration from a `timedelta`, a numpy.timedelta64, or seconds.
 pub fn elapsed_of(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Duration> {
+    elapsed(value, name)?.ok_or_else(|| {
+        PyTypeError::new_err(format!(
+            "{name}: a datetime.timedelta, a numpy.timedelta64 or seconds are needed"
+        ))
+    })
+}
+
+/// The same; `None` of what is no elapsed time.
+fn elapsed(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Option<Duration>> {
+    let wrong = || PyValueError::new_err(format!("{name}: {value} s is no elapsed time"));
+    if kind_of(value).as_deref() == Some("m") {
+        let ns = value.call_method1("astype", ("timedelta64[ns]",))?;
+        let ns: i64 = ns.call_method1("astype", ("int64",))?.extract()?;
+        return match ns {
+            // NaT.
+            i64::MIN => Err(wrong()),
+            ns => Ok(Some(Duration::from_total_nanoseconds(ns.into()))),
+        };
+    }
+    // Quantities and time differences of astropy.
+    let has_unit = value.hasattr("to_value")? && !is_astropy_time(value)?;
     let seconds = match value.call_method0("total_seconds") {
         Ok(seconds) => seconds.extract::<f64>(),
+        Err(_) if has_unit => value
+            .call_method1("to_value", ("s",))
+            .and_then(|seconds| seconds.extract()),
         Err(_) => value.extract::<f64>(),
     };
-    let seconds = seconds.map_err(|_| {
-        PyTypeError::new_err(format!(
-            "{name}: a datetime.timedelta or seconds are needed"
-        ))
-    })?;
-    if !seconds.is_finite() || seconds.abs() >= 1e10 {
-        return Err(PyValueError::new_err(format!(
-            "{name}: {seconds} s is no elapsed time"
-        )));
+    match seconds {
+        Ok(seconds) if seconds.is_finite() && seconds.abs() < 1e10 => {
+            Ok(Some(Duration::from_seconds(seconds)))
+        }
+        Ok(_) => Err(wrong()),
+        Err(_) => Ok(None),
     }
-    Ok(Duration::from_seconds(seconds))
 }
 
-/// An instant from an Epoch, a text like 2018-01-15T12:00:00Z, a datetime with a time zone, or a numpy.datetime64 (UTC).
+/// An instant from what [`PyEpoch`] is made of.
 pub fn epoch(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Epoch> {
     if let Ok(epoch) = value.cast::<PyEpoch>() {
         return Ok(epoch.get().0);
@@ -110,9 +220,18 @@ pub fn epoch(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Epoch> {
             .copied()
             .ok_or_else(|| PyValueError::new_err(format!("{name}: empty")));
     }
+    if let Some(epochs) = epochs_of(value, name)? {
+        return match epochs.as_slice() {
+            [epoch] => Ok(*epoch),
+            epochs => Err(PyValueError::new_err(format!(
+                "{name}: {} instants where one is needed",
+                epochs.len()
+            ))),
+        };
+    }
     Err(PyTypeError::new_err(format!(
-        "{name}: an instant is a terrella.Epoch, a text like \"2018-01-15T12:00:00Z\", a datetime with a time zone, or a \
-         numpy.datetime64 (UTC), not {}",
+        "{name}: an instant is a terrella.Epoch, a text like \"2018-01-15T12:00:00Z\", a datetime with a time zone, a \
+         numpy.datetime64 (UTC), or a Time of astropy or skyfield, not {}",
         value.get_type()
     )))
 }
@@ -125,6 +244,12 @@ pub fn epochs(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<Epoch>> {
     }
     if value.extract::<String>().is_ok() || value.is_instance_of::<PyEpoch>() {
         return Ok(vec![epoch(value, name)?]);
+    }
+    if let Some(epochs) = epochs_of(value, name)? {
+        return match epochs.len() > MAX_TIMES {
+            true => Err(too_many(name)),
+            false => Ok(epochs),
+        };
     }
     let items = match value.try_iter() {
         Ok(items) => items,
@@ -198,7 +323,6 @@ fn time_scale(name: &str) -> PyResult<TimeScale> {
     })
 }
 
-/// The reading of clocks of a scale that runs evenly, as datetime64[ns].
 /// The readings of clocks of TAI, TT or GPS at instants, as datetime64[ns].
 #[pyfunction]
 fn readings<'py>(

@@ -1,49 +1,61 @@
-"""The native part. See the package for what these are."""
+"""The native part; the package documents it."""
 
 from __future__ import annotations
 
 import datetime
 import os
-from collections.abc import Iterable
-from typing import Any, Literal, Union
+from collections.abc import Sequence
+from typing import Any, Literal, final, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from typing_extensions import Self
 
-Time = Union["Epoch", str, datetime.datetime, np.datetime64]
-Times = Union[Time, Iterable[Time], NDArray[np.datetime64]]
-FrameName = Literal["itrf", "teme", "gcrf", "eme2000", "pef"]
-Elapsed = Union[datetime.timedelta, float]
+from ._types import Elapsed, FrameName, Time, Times, Vectors
 
 __version__: str
 
 class Error(Exception):
-    """What the library rejects or cannot do."""
+    """An error of the library."""
 
 class SceneError(Error):
-    """A scene, or an instant asked of it, is at fault."""
+    """An invalid scene, or a time that it does not cover."""
 
 class OrbitError(Error):
-    """A file of orbits, or an instant at which a satellite is not known."""
+    """An invalid orbit file, or a time outside the validity of a satellite."""
 
 class DeviceError(Error):
-    """No adapter, or one that has no room or was lost."""
+    """No graphics adapter, out of device memory, or a lost device."""
 
+@final
 class Epoch:
-    def __init__(self, time: Time) -> None: ...
+    def __new__(cls, time: Time) -> Self: ...
     @property
     def utc(self) -> str: ...
     def text(self, scale: Literal["UTC", "TAI", "TT", "GPS"]) -> str: ...
+    def to_datetime(self) -> datetime.datetime: ...
+    def to_datetime64(self) -> np.datetime64: ...
+    def to_astropy(self) -> Any: ...
     def seconds_since(self, other: Time) -> float: ...
-    def __add__(self, elapsed: Elapsed) -> Epoch: ...
-    def __lt__(self, other: Epoch) -> bool: ...
-    def __le__(self, other: Epoch) -> bool: ...
-    def __gt__(self, other: Epoch) -> bool: ...
-    def __ge__(self, other: Epoch) -> bool: ...
+    def nanoseconds_since(self, other: Time) -> int: ...
+    def __add__(self, elapsed: Elapsed, /) -> Epoch: ...
+    def __radd__(self, elapsed: Elapsed, /) -> Epoch: ...
+    @overload
+    def __sub__(self, other: Time, /) -> float: ...
+    @overload
+    def __sub__(self, other: Elapsed, /) -> Epoch: ...
+    def __rsub__(self, other: Time, /) -> float: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    def __ne__(self, other: object, /) -> bool: ...
+    def __lt__(self, other: Epoch, /) -> bool: ...
+    def __le__(self, other: Epoch, /) -> bool: ...
+    def __gt__(self, other: Epoch, /) -> bool: ...
+    def __ge__(self, other: Epoch, /) -> bool: ...
     def __hash__(self) -> int: ...
 
+@final
 class Camera:
-    def __init__(self, eye_itrf_m: ArrayLike, forward: ArrayLike, up: ArrayLike, *, fov_deg: float = 45.0) -> None: ...
+    def __new__(cls, eye_itrf_m: Vectors, forward: ArrayLike, up: ArrayLike, *, fov_deg: float = 45.0) -> Self: ...
     @staticmethod
     def geodetic(
         lat_deg: float,
@@ -55,11 +67,29 @@ class Camera:
         fov_deg: float = 45.0,
     ) -> Camera: ...
     @staticmethod
-    def matrices(eye_itrf_m: ArrayLike, view_from_itrf: ArrayLike, clip_from_view: ArrayLike) -> Camera: ...
+    def matrices(eye_itrf_m: Vectors, view_from_itrf: ArrayLike, clip_from_view: ArrayLike) -> Camera: ...
     @property
     def eye_itrf_m(self) -> NDArray[np.float64]: ...
+    @property
+    def forward(self) -> NDArray[np.float64]: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    def __ne__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
 
 class Earth:
+    def __new__(
+        cls,
+        size: tuple[int, int],
+        textures: str | os.PathLike[str],
+        *,
+        adapter: str | None = None,
+        samples: int = 1,
+        air: bool = True,
+        clouds: bool = True,
+        night_lights: bool = True,
+        exposure_ev: float | None = None,
+        scene: tuple[str | os.PathLike[str], str] | None = None,
+    ) -> Self: ...
     @property
     def adapter(self) -> str: ...
     @property
@@ -68,10 +98,19 @@ class Earth:
     def radiance(self, camera: Camera, time: Time, *, wait_s: float = 30.0) -> NDArray[np.float32]: ...
     def depth_m(self, camera: Camera, time: Time, *, wait_s: float = 30.0) -> NDArray[np.float32]: ...
     def truth(
-        self, camera: Camera, time: Time, layers: list[str] | None = None, *, wait_s: float = 30.0
+        self, camera: Camera, time: Time, layers: Sequence[str] | None = None, *, wait_s: float = 30.0
     ) -> dict[str, NDArray[np.float32] | NDArray[np.float64]]: ...
 
 class Scene:
+    def __new__(
+        cls,
+        path: str | os.PathLike[str],
+        textures: str | os.PathLike[str],
+        *,
+        text: str | None = None,
+        size: tuple[int, int] | None = None,
+        adapter: str | None = None,
+    ) -> Self: ...
     @property
     def adapter(self) -> str: ...
     @property
@@ -93,43 +132,46 @@ class Scene:
     def radiance(self, time: Time | datetime.timedelta | None = None, *, camera: Camera | None = None) -> NDArray[np.float32]: ...
     def depth_m(self, time: Time | datetime.timedelta | None = None, *, camera: Camera | None = None) -> NDArray[np.float32]: ...
     def truth(
-        self, time: Time | datetime.timedelta | None = None, layers: list[str] | None = None, *, camera: Camera | None = None
+        self, time: Time | datetime.timedelta | None = None, layers: Sequence[str] | None = None, *, camera: Camera | None = None
     ) -> dict[str, NDArray[np.float32] | NDArray[np.float64]]: ...
     def raw(self, time: Time | datetime.timedelta | None = None) -> NDArray[np.uint16]: ...
     def propagate(
         self, times: Times, frame: FrameName = "itrf", *, outside: Literal["raise", "nan"] = "raise"
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
 
+@final
 class Pictures:
-    def __init__(
-        self,
+    def __new__(
+        cls,
         *,
         format: Literal["png", "png16", "exr"] = "png",
         alpha: bool = False,
         supersample: int | None = None,
         shutter: float | None = None,
         subframes: int = 16,
-    ) -> None: ...
+    ) -> Self: ...
 
+@final
 class FilmFrames:
-    def __init__(
-        self,
+    def __new__(
+        cls,
         path: str | os.PathLike[str],
         textures: str | os.PathLike[str],
         pictures: Pictures,
         *,
         size: tuple[int, int] | None = None,
         adapter: str | None = None,
-    ) -> None: ...
+    ) -> Self: ...
     @property
     def adapter(self) -> str: ...
     @property
     def driver(self) -> str: ...
     def draw(self, index: int, file: str) -> tuple[bytes, str, list[str]]: ...
 
+@final
 class FilmFolder:
-    def __init__(
-        self,
+    def __new__(
+        cls,
         path: str | os.PathLike[str],
         textures: str | os.PathLike[str],
         folder: str | os.PathLike[str],
@@ -139,7 +181,7 @@ class FilmFolder:
         first: int = 0,
         end: int | None = None,
         existing: Literal["reject", "resume", "overwrite"] = "reject",
-    ) -> None: ...
+    ) -> Self: ...
     @property
     def frame_count(self) -> int: ...
     @property
@@ -159,9 +201,10 @@ class FilmFolder:
     def finish(self) -> None: ...
     def close(self) -> None: ...
 
+@final
 class PackBuild:
-    def __init__(
-        self,
+    def __new__(
+        cls,
         out: str | os.PathLike[str],
         day: str | os.PathLike[str],
         *,
@@ -179,7 +222,7 @@ class PackBuild:
         memory_mb: float = 512.0,
         threads: int | None = None,
         restart: bool = False,
-    ) -> None: ...
+    ) -> Self: ...
     def begin(self, workers: int) -> tuple[list[tuple[str, int, int, int, int]], int]: ...
     def make(self, map: str, first: int, end: int) -> int: ...
     def finish(self) -> None: ...
@@ -206,26 +249,43 @@ class Satellites:
         standard_magnitude: float | None = None,
     ) -> list[list[dict[str, Any]]]: ...
 
+@final
 class Catalogue(Satellites):
-    def __init__(self, path: str | os.PathLike[str], *, strict: bool = False) -> None: ...
+    def __new__(cls, path: str | os.PathLike[str], *, strict: bool = False) -> Self: ...
+    @staticmethod
+    def from_text(text: str, *, strict: bool = False) -> Catalogue: ...
     @property
     def faults(self) -> list[str]: ...
 
+@final
 class Ephemerides(Satellites):
-    def __init__(self, path: str | os.PathLike[str], *, strict: bool = False) -> None: ...
+    def __new__(cls, path: str | os.PathLike[str], *, strict: bool = False) -> Self: ...
+    @staticmethod
+    def from_text(text: str, *, strict: bool = False) -> Ephemerides: ...
+    @staticmethod
+    def from_states(
+        times: Times,
+        positions_m: Vectors,
+        velocities_m_s: Vectors | None = None,
+        *,
+        frame: FrameName = "gcrf",
+        name: str = "satellite",
+    ) -> Ephemerides: ...
     @property
     def faults(self) -> list[str]: ...
 
+@final
 class ParameterMessages(Satellites):
-    def __init__(
-        self, path: str | os.PathLike[str], *, last: Time, first: Time | None = None, strict: bool = False
-    ) -> None: ...
+    def __new__(
+        cls, path: str | os.PathLike[str], *, last: Time, first: Time | None = None, strict: bool = False
+    ) -> Self: ...
     @property
     def faults(self) -> list[str]: ...
 
+@final
 class KeplerOrbit(Satellites):
-    def __init__(
-        self,
+    def __new__(
+        cls,
         time: Time,
         *,
         last: Time,
@@ -241,12 +301,12 @@ class KeplerOrbit(Satellites):
         j2: bool = False,
         first: Time | None = None,
         name: str = "satellite",
-    ) -> None: ...
+    ) -> Self: ...
     @staticmethod
     def from_state(
         time: Time,
-        position_m: ArrayLike,
-        velocity_m_s: ArrayLike,
+        position_m: Vectors,
+        velocity_m_s: Vectors,
         *,
         last: Time,
         frame: Literal["gcrf", "teme", "eme2000"] = "gcrf",
@@ -257,12 +317,13 @@ class KeplerOrbit(Satellites):
     @property
     def impact(self) -> Epoch | None: ...
 
+@final
 class IntegratedOrbit(Satellites):
-    def __init__(
-        self,
+    def __new__(
+        cls,
         time: Time,
-        position_m: ArrayLike,
-        velocity_m_s: ArrayLike,
+        position_m: Vectors,
+        velocity_m_s: Vectors,
         *,
         last: Time,
         first: Time | None = None,
@@ -280,26 +341,27 @@ class IntegratedOrbit(Satellites):
         reflectivity: float = 1.3,
         relative_tolerance: float = 1e-10,
         name: str = "satellite",
-    ) -> None: ...
+    ) -> Self: ...
     @property
     def impact(self) -> Epoch | None: ...
     @property
     def steps(self) -> int: ...
 
 def transform(
-    positions_m: ArrayLike,
-    velocities_m_s: ArrayLike | None,
+    positions_m: Vectors,
+    velocities_m_s: Vectors | None,
     times: Times,
     *,
     source: FrameName,
     target: FrameName,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64] | None]: ...
-def geodetic_from_itrf(positions_m: ArrayLike) -> NDArray[np.float64]: ...
+def geodetic_from_itrf(positions_m: Vectors) -> NDArray[np.float64]: ...
 def itrf_from_geodetic(places: ArrayLike) -> NDArray[np.float64]: ...
 def sun_itrf_m(times: Times) -> NDArray[np.float64]: ...
 def readings(times: Times, scale: Literal["TAI", "TT", "GPS"]) -> NDArray[np.datetime64]: ...
 def truth_layers() -> list[tuple[str, str, str, str]]: ...
 def scene_key(path: str | os.PathLike[str], textures: str | os.PathLike[str]) -> str: ...
+def scene_attribution(path: str | os.PathLike[str], textures: str | os.PathLike[str]) -> list[str]: ...
 def scene_dates(path: str | os.PathLike[str], textures: str | os.PathLike[str]) -> tuple[Epoch, Epoch]: ...
 def mp4_problem(path: str | os.PathLike[str], frames: int) -> str | None: ...
 def png(color: NDArray[np.uint8]) -> bytes: ...
