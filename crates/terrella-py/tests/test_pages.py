@@ -88,6 +88,8 @@ def lacking(program):
             return f"{name} is not installed"
         if files := KERNELS.get(name):
             return f"the kernels {' and '.join(files)} are not here"
+    if "_dataset(" in program and importlib.util.find_spec("xarray") is None:
+        return "xarray is not installed"
     if ("Film(" in program or "video=" in program) and shutil.which("ffmpeg") is None:
         return "ffmpeg is not installed"
     return None

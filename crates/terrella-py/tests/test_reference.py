@@ -20,8 +20,9 @@ HEAD = f"""# Python
      {UPDATE} -->
 
 All classes and functions of the modules `terrella` and `terrella.farm`. [embedding/python.md](../embedding/python.md) shows them at work, and
-[farm.md](../farm.md) the workers. A `Time` is an `Epoch`, an ISO 8601 string, a `datetime` with a time zone or a `numpy.datetime64`; `Times`
-are one or several. A `FrameName` is `"itrf"`, `"teme"`, `"gcrf"`, `"eme2000"` or `"pef"`.
+[farm.md](../farm.md) the workers. A `Time` is an `Epoch`, an ISO 8601 string, a `datetime` with a time zone, a `numpy.datetime64` (UTC) or a `Time` of astropy or skyfield; `Times`
+are one or several. `Elapsed` is a `timedelta`, a `numpy.timedelta64` or seconds. `Vectors` are an array, a `Quantity` of astropy, or a `Distance` or
+`Velocity` of skyfield. A `FrameName` is `"itrf"`, `"teme"`, `"gcrf"`, `"eme2000"` or `"pef"`.
 """
 # What every exception has.
 INHERITED = (Exception,)

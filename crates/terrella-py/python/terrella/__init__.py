@@ -9,6 +9,7 @@
 on the equator, z to the north pole). Pictures have their first row at the top.
 """
 
+from ._datasets import states_dataset, truth_dataset
 from ._earth import Earth, Frame, Scene
 from ._film import Film
 from ._native import (
@@ -54,7 +55,9 @@ __all__ = [
     "geodetic_from_itrf",
     "itrf_from_geodetic",
     "readings",
+    "states_dataset",
     "sun_itrf_m",
     "transform",
+    "truth_dataset",
     "truth_layers",
 ]

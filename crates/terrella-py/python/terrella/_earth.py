@@ -1,12 +1,29 @@
 """The Earth and scenes, drawn into arrays."""
 
+from __future__ import annotations
+
 import os
+from collections.abc import Iterator, Mapping
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
-from . import _native, _whole
+from . import _native, _toml, _whole
+
+if TYPE_CHECKING:
+    import datetime
+
+    import numpy as np
+    from numpy.typing import DTypeLike, NDArray
+    from typing_extensions import Self
+
+    from ._native import Camera
+    from ._types import Time
+
+# The tables of a scene that an Earth without satellites and sky has.
+_EARTH_TABLES = ("earth", "output")
 
 
-def _textures(folder):
+def _textures(folder: str | os.PathLike[str] | None) -> Path:
     """The folder of maps: the one given, that of TERRELLA_TEXTURES, or the one that came with this package."""
     if folder is not None:
         return Path(folder)
@@ -24,21 +41,24 @@ class Frame:
 
     __slots__ = ("color", "time")
 
-    def __init__(self, color, time):
+    color: NDArray[np.uint8]
+    time: Time | datetime.timedelta
+
+    def __init__(self, color: NDArray[np.uint8], time: Time | datetime.timedelta) -> None:
         self.color = color
         self.time = time
 
     @property
-    def size(self):
+    def size(self) -> tuple[int, int]:
         """Width and height, pixels."""
         height, width, _ = self.color.shape
         return width, height
 
-    def png(self):
-        """The bytes of a PNG file."""
+    def png(self) -> bytes:
+        """The bytes of a PNG file, those that the command writes."""
         return _native.png(self.color)
 
-    def save(self, path):
+    def save(self, path: str | os.PathLike[str]) -> None:
         """Writes a PNG file. It is complete or not there."""
         path = Path(path)
         if path.suffix.lower() != ".png":
@@ -51,18 +71,18 @@ class Frame:
         finally:
             unfinished.unlink(missing_ok=True)
 
-    def _repr_png_(self):
+    def _repr_png_(self) -> bytes:
         return self.png()
 
-    def __array__(self, dtype=None, copy=None):
+    def __array__(self, dtype: DTypeLike | None = None, copy: bool | None = None) -> NDArray[Any]:
         import numpy
 
         if copy is False and dtype is not None and numpy.dtype(dtype) != self.color.dtype:
             raise ValueError("dtype: a picture of bytes becomes another type by a copy alone")
-        color = self.color if dtype is None else self.color.astype(dtype, copy=False)
+        color: NDArray[Any] = self.color if dtype is None else self.color.astype(dtype, copy=False)
         return color.copy() if copy else color
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         width, height = self.size
         return f"<terrella.Frame {width} × {height}, {self.time}>"
 
@@ -71,40 +91,106 @@ class Earth(_native.Earth):
     """The Earth on a device of its own, for a ``Camera`` at an instant.
 
     ``size`` is width and height in pixels; ``textures`` a folder of maps (by default that of TERRELLA_TEXTURES, else the maps that came with
-    the package); ``adapter`` a part of the name of the graphics adapter (by default the best); ``samples`` 1 or 4 a pixel; ``exposure_ev``
-    how bright light is shown (by default a fixed exposure).
+    the package); ``adapter`` a part of the name of the graphics adapter (by default the best); ``samples`` 1 or 4 a pixel; ``air``, ``clouds``
+    and ``night_lights`` draw the atmosphere, clouds and city lights; ``exposure_ev`` sets the exposure (fixed by default).
+    ``Earth.from_dict`` has terrain, packs, open water and all other settings.
 
-    What draws a kind of picture (colour, light, truth) is made when the first of that kind is asked for. Any thread may call it, one picture is
-    drawn at a time, and other Python threads run meanwhile. After ``fork`` a child must make its own.
+    The first image of each kind (colour, light, truth) creates its renderer. Any thread may call it; it renders one image at a time, and other
+    Python threads run meanwhile. After ``fork`` a child must create its own.
     """
 
-    def __new__(cls, size=(800, 450), textures=None, **options):
-        return super().__new__(cls, size, _textures(textures), **options)
+    def __new__(
+        cls,
+        size: tuple[int, int] = (800, 450),
+        textures: str | os.PathLike[str] | None = None,
+        *,
+        adapter: str | None = None,
+        samples: int = 1,
+        air: bool = True,
+        clouds: bool = True,
+        night_lights: bool = True,
+        exposure_ev: float | None = None,
+    ) -> Self:
+        return super().__new__(cls, size, _textures(textures), adapter=adapter, samples=samples, air=air, clouds=clouds,
+                               night_lights=night_lights, exposure_ev=exposure_ev)
 
-    def frame(self, camera, time, **options):
-        """The Earth as it is shown, a ``Frame``."""
-        return Frame(self.color(camera, time, **options), time)
+    @classmethod
+    def from_dict(
+        cls,
+        tables: Mapping[str, Any],
+        size: tuple[int, int] = (800, 450),
+        textures: str | os.PathLike[str] | None = None,
+        *,
+        folder: str | os.PathLike[str] = ".",
+        adapter: str | None = None,
+    ) -> Self:
+        """An Earth that the tables ``earth`` and ``output`` of a scene describe, with packs, terrain, open water, tone and all else of them:
+        ``Earth.from_dict({"earth": {"pack": "europe", "surface": "quadtree"}})``. ``folder`` is the one that paths in them are relative to."""
+        for name in tables:
+            if name not in _EARTH_TABLES:
+                raise ValueError(f"tables: an Earth has no table {name!r}, only {' and '.join(_EARTH_TABLES)}; Scene.from_dict takes all tables")
+        scene = (Path(folder) / "<dict>", _toml.text(tables))
+        return super().__new__(cls, size, _textures(textures), adapter=adapter, scene=scene)
+
+    def frame(self, camera: Camera, time: Time, *, wait_s: float = 30.0) -> Frame:
+        """The displayed image, a ``Frame``. The call waits for tiles of a pack for at most ``wait_s`` seconds."""
+        return Frame(self.color(camera, time, wait_s=wait_s), time)
 
 
 class Scene(_native.Scene):
-    """A scene file (TOML), drawn at any instant as the command ``terrella`` draws it.
+    """A scene file (TOML), drawn at any instant as the command ``terrella`` draws it. ``Scene.from_text`` and ``Scene.from_dict`` need no file.
 
-    ``size`` is width and height in pixels (by default the scene's). Instants are a ``terrella.Epoch``, a text like
-    "2018-01-15T12:00:00Z", a datetime with a time zone, a numpy.datetime64 (UTC), or a datetime.timedelta after the scene's start; without
-    one the start is drawn.
+    ``size`` is width and height in pixels (by default the scene's); ``textures`` a folder of maps (by default that of TERRELLA_TEXTURES, else the
+    maps that came with the package); ``adapter`` a part of the name of the graphics adapter (by default the best). A time is a
+    ``terrella.Epoch``, or anything that one can be created from, or a datetime.timedelta after the scene's start, which is the default.
 
-    Where exposure is metered each picture is metered by itself.
+    With automatic exposure, each image is metered separately.
     """
 
-    def __new__(cls, path, *, textures=None, **options):
-        return super().__new__(cls, path, _textures(textures), **options)
+    def __new__(
+        cls,
+        path: str | os.PathLike[str],
+        *,
+        textures: str | os.PathLike[str] | None = None,
+        size: tuple[int, int] | None = None,
+        adapter: str | None = None,
+    ) -> Self:
+        return super().__new__(cls, path, _textures(textures), size=size, adapter=adapter)
 
-    def frame(self, time=None, *, camera=None, exposure_ev=None):
-        """An instant as it is shown, a ``Frame``; by a ``Camera`` and an exposure other than the scene's where they are given."""
+    @classmethod
+    def from_text(
+        cls,
+        text: str,
+        *,
+        folder: str | os.PathLike[str] = ".",
+        textures: str | os.PathLike[str] | None = None,
+        size: tuple[int, int] | None = None,
+        adapter: str | None = None,
+    ) -> Self:
+        """A scene of the text of such a file; ``folder`` is the one that paths in it are relative to."""
+        return super().__new__(cls, Path(folder) / "<text>", _textures(textures), text=text, size=size, adapter=adapter)
+
+    @classmethod
+    def from_dict(
+        cls,
+        tables: Mapping[str, Any],
+        *,
+        folder: str | os.PathLike[str] = ".",
+        textures: str | os.PathLike[str] | None = None,
+        size: tuple[int, int] | None = None,
+        adapter: str | None = None,
+    ) -> Self:
+        """A scene of its tables by name, each with its keys by name: ``Scene.from_dict({"camera": {"mode": "nadir"}})``. Times may be an ``Epoch`` or
+        a datetime with a time zone, paths a ``Path``. ``folder`` is the one that paths are relative to."""
+        path, text = Path(folder) / "<dict>", _toml.text(tables)
+        return super().__new__(cls, path, _textures(textures), text=text, size=size, adapter=adapter)
+
+    def frame(self, time: Time | datetime.timedelta | None = None, *, camera: Camera | None = None, exposure_ev: float | None = None) -> Frame:
+        """The displayed image at a time, a ``Frame``. ``camera`` and ``exposure_ev`` replace those of the scene."""
         return Frame(self.color(time, camera=camera, exposure_ev=exposure_ev), self.start if time is None else time)
 
-    def frames(self, first=0, end=None):
-        """The frames of the scene in their order, each drawn when it is asked for: all, or those from ``first`` on, without ``end``."""
+    def frames(self, first: int = 0, end: int | None = None) -> Iterator[Frame]:
+        """The frames of the scene in order, each rendered on demand: all, or from ``first`` up to but not including ``end``."""
         times = self.times()
         end = len(times) if end is None else end
         if not 0 <= first < end <= len(times):

@@ -1,16 +1,27 @@
 """Films, by the program ffmpeg."""
 
+from __future__ import annotations
+
 import os
 import shutil
 import struct
 import subprocess
 import tempfile
 from pathlib import Path
+from types import TracebackType
+from typing import TYPE_CHECKING, NoReturn
 
 from . import _whole
 
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+    from typing_extensions import Self
 
-def _checked(path, size, frame_rate_hz, crf):
+    from ._earth import Frame
+
+
+def _checked(path: str | os.PathLike[str], size: tuple[int, int], frame_rate_hz: float, crf: int) -> str:
     """The program ffmpeg; rejects what it would not make a film of."""
     from . import _native
 
@@ -30,7 +41,7 @@ def _checked(path, size, frame_rate_hz, crf):
     return program
 
 
-def _coding(crf):
+def _coding(crf: int) -> list[str]:
     """Arguments for ffmpeg: H.264 that players show in the right colours."""
     # Convert with BT.709 and say so: without the filter ffmpeg would convert with BT.601.
     return ["-vf", "scale=out_color_matrix=bt709:out_range=tv,format=yuv420p",
@@ -38,7 +49,9 @@ def _coding(crf):
             "-color_trc", "bt709", "-color_range", "tv", "-movflags", "+faststart"]
 
 
-def encode_frames(path, folder, first, count, frame_rate_hz, *, crf=18):
+def encode_frames(
+    path: str | os.PathLike[str], folder: str | os.PathLike[str], first: str, count: int, frame_rate_hz: float, *, crf: int = 18
+) -> None:
     """An H.264 film (MP4) of numbered pictures in a folder: of ``count`` from the one named ``first`` on, ``frame_00000.png`` for example."""
     from . import _native
 
@@ -73,7 +86,7 @@ class Film:
     ``crf`` is x264's quality, 0 to 51, 18 by default. Colours are BT.709, of limited range, and tagged so. Needs ``ffmpeg`` with libx264 on the search path.
     """
 
-    def __init__(self, path, size, frame_rate_hz, *, crf=18):
+    def __init__(self, path: str | os.PathLike[str], size: tuple[int, int], frame_rate_hz: float, *, crf: int = 18) -> None:
         width, height = size
         program = _checked(path, size, frame_rate_hz, crf)
         self._path = Path(path)
@@ -81,13 +94,13 @@ class Film:
         self._size = (width, height)
         self._frames = 0
         self._errors = tempfile.TemporaryFile()
-        self._ffmpeg = subprocess.Popen(
+        self._ffmpeg: subprocess.Popen[bytes] | None = subprocess.Popen(
             [program, "-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgba", "-s", f"{width}x{height}",
              "-r", str(frame_rate_hz), "-i", "-",
              *_coding(crf), os.fspath(self._unfinished)],
             stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=self._errors)
 
-    def write(self, frame):
+    def write(self, frame: Frame | NDArray[np.uint8]) -> None:
         """Writes the next frame: a ``Frame``, or an array of height × width × 4 bytes."""
         import numpy
 
@@ -95,7 +108,7 @@ class Film:
         width, height = self._size
         if color.shape != (height, width, 4) or color.dtype != numpy.uint8:
             raise ValueError(f"frame: an array of shape {(height, width, 4)} and dtype uint8 is needed, not of {color.shape} and {color.dtype}")
-        if self._ffmpeg is None:
+        if self._ffmpeg is None or self._ffmpeg.stdin is None:
             raise ValueError("frame: the film is finished")
         try:
             self._ffmpeg.stdin.write(color.data)
@@ -103,11 +116,11 @@ class Film:
             self._fail()
         self._frames += 1
 
-    def close(self):
+    def close(self) -> None:
         """Finishes the film and gives the file its name."""
         from . import _native
 
-        if self._ffmpeg is None:
+        if self._ffmpeg is None or self._ffmpeg.stdin is None:
             return
         try:
             self._ffmpeg.stdin.close()
@@ -121,31 +134,32 @@ class Film:
         self._errors.close()
         _whole.replace(self._unfinished, self._path)
 
-    def _fail(self, why=None):
+    def _fail(self, why: str | None = None) -> NoReturn:
         from . import _native
 
-        status = why or self._ffmpeg.wait()
+        status = why or (self._ffmpeg and self._ffmpeg.wait())
         self._errors.seek(0)
         words = self._errors.read().decode(errors="replace").strip()[-500:]
         self._discard()
         raise _native.Error(f"{self._path}: ffmpeg failed ({status}): {words}")
 
-    def _discard(self):
+    def _discard(self) -> None:
         if self._ffmpeg is not None:
             self._ffmpeg.kill()
             self._ffmpeg.wait()
             try:
-                self._ffmpeg.stdin.close()
+                if self._ffmpeg.stdin is not None:
+                    self._ffmpeg.stdin.close()
             except OSError:
                 pass
             self._ffmpeg = None
         self._errors.close()
         self._unfinished.unlink(missing_ok=True)
 
-    def __enter__(self):
+    def __enter__(self) -> Self:
         return self
 
-    def __exit__(self, kind, value, traceback):
+    def __exit__(self, kind: type[BaseException] | None, value: BaseException | None, traceback: TracebackType | None) -> None:
         if kind is None:
             self.close()
         else:

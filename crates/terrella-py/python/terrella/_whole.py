@@ -1,20 +1,22 @@
 """Files that are complete or not there, also after a power failure."""
 
+from __future__ import annotations
+
 import errno
 import os
 from pathlib import Path
 
 
-def replace(unfinished, path):
+def replace(unfinished: Path, path: Path) -> None:
     """Gives a complete file its final name. Its data are synced before, its folder after it."""
     # Windows syncs only what may be written to.
     with open(unfinished, "r+b") as file:
         os.fsync(file.fileno())
     os.replace(unfinished, path)
-    sync_folder(Path(path).parent)
+    sync_folder(path.parent)
 
 
-def sync_folder(folder):
+def sync_folder(folder: Path) -> None:
     """Syncs the names in a folder, where the system can."""
     if os.name != "posix":
         return

@@ -5,52 +5,64 @@
 >>> View(terrella.Earth((640, 360)), "2018-06-21T08:00:00Z")
 """
 
+from __future__ import annotations
+
 import asyncio
 import math
 import threading
+from typing import TYPE_CHECKING, Any
 
 from jupyter_rfb import RemoteFrameBuffer
 
 from ._native import Camera
 
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
-class View(RemoteFrameBuffer):
+    from ._earth import Earth
+    from ._types import Time
+
+
+class View(RemoteFrameBuffer):  # type: ignore[misc, unused-ignore]  # jupyter_rfb has no types.
     """The Earth seen from above a place: drag to fly, turn the wheel to climb. The kernel is free while a picture is drawn."""
 
     LOWEST_M = 2e5
     HIGHEST_M = 1e8
 
-    def __init__(self, earth, time, *, lat_deg=20.0, lon_deg=10.0, height_m=1.2e7, fov_deg=45.0):
+    def __init__(
+        self, earth: Earth, time: Time, *, lat_deg: float = 20.0, lon_deg: float = 10.0, height_m: float = 1.2e7, fov_deg: float = 45.0
+    ) -> None:
         # Before the widget begins: it may ask for a frame at once.
         self._earth = earth
         self._time = time
         self.place = [float(lat_deg), float(lon_deg), float(height_m)]
         self._fov_deg = fov_deg
-        self._dragged = None
+        self._dragged: tuple[float, float] | None = None
         self._wanted = threading.Event()
         self._lock = threading.Lock()
-        self._drawn = None
+        self._drawn: NDArray[np.uint8] | None = None
         # What cannot be drawn is said here and not in a thread.
         self._draw()
         super().__init__()
         width, height = earth.size
         self.css_width, self.css_height = f"{width}px", f"{height}px"
 
-    def camera(self):
+    def camera(self) -> Camera:
         """Where the eye is now."""
         lat_deg, lon_deg, height_m = self.place
         return Camera.geodetic(lat_deg, lon_deg, height_m, fov_deg=self._fov_deg)
 
-    def set_time(self, time):
+    def set_time(self, time: Time) -> None:
         """Shows another instant."""
         self._time = time
         self._draw()
         self.request_draw()
 
-    def _draw(self):
+    def _draw(self) -> None:
         self._drawn = self._earth.color(self.camera(), self._time)[:, :, :3]
 
-    def _draw_in_thread(self, loop):
+    def _draw_in_thread(self, loop: asyncio.AbstractEventLoop) -> None:
         try:
             while self._wanted.is_set():
                 self._wanted.clear()
@@ -60,17 +72,17 @@ class View(RemoteFrameBuffer):
         finally:
             self._lock.release()
 
-    def _moved(self):
+    def _moved(self) -> None:
         self._wanted.set()
         if self._lock.acquire(blocking=False):
             loop = asyncio.get_running_loop()
             threading.Thread(target=self._draw_in_thread, args=[loop], daemon=True).start()
 
-    def get_frame(self):
+    def get_frame(self) -> NDArray[np.uint8] | None:
         """Called by the widget: the picture drawn last."""
         return self._drawn
 
-    def handle_event(self, event):
+    def handle_event(self, event: dict[str, Any]) -> None:
         """Called by the widget: what the mouse does."""
         kind = event["event_type"]
         if kind == "pointer_down":
