@@ -47,4 +47,8 @@ def test_a_film_on_two_workers(root, tmp_path):
 def test_a_labelled_data_set(root, tmp_path):
     told = run(root, tmp_path, "farm_sweep.py", root / "config/full_disc.toml", "swept", "70")
     assert "70 of 70 samples: 70 drawn" in told, told
-    assert sorted(path.name for path in (tmp_path / "swept").iterdir()) == ["manifest.json", "shard-000000.tar", "shard-000001.tar"]
+    assert sorted(path.name for path in (tmp_path / "swept").iterdir()) == ["README.md", "manifest.json", "shard-000000.tar", "shard-000001.tar"]
+    pytest.importorskip("torch", reason="torch is not installed")
+    pytest.importorskip("PIL", reason="Pillow is not installed")
+    read = run(root, tmp_path, "pytorch_loader.py", "swept")
+    assert read.count("range_m (4, 256, 256)") == 17 and "(4, 3, 256, 256)" in read, read

@@ -87,7 +87,7 @@ def test_the_manifest_says_what_is_in_it(swept):
     assert [layer["name"] for layer in manifest["layers"]] == list(LAYERS) and manifest["layers"][0]["unit"]
     assert manifest["drawn"]["height_m"] == "LogUniform(least=400000.0, most=4000000.0)"
     assert [shard["samples"] for shard in manifest["shards"]] == [4, 4, 4, 4, 4, 1]
-    assert sorted(os.listdir(swept / "one")) == sorted(["manifest.json", *(shard["file"] for shard in manifest["shards"])])
+    assert sorted(os.listdir(swept / "one")) == sorted(["README.md", "manifest.json", *(shard["file"] for shard in manifest["shards"])])
 
 
 def test_a_sample_hangs_on_seed_and_number_alone(swept, tmp_path):

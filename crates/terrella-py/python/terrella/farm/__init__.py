@@ -7,6 +7,7 @@ Workers are processes of this machine, or those of a Dask cluster by its address
 with names. A file gets its name only when it is complete; the same call resumes an interrupted run.
 """
 
+from ._dataset import DataSet, coco
 from ._film import film
 from ._pack import pack
 from ._report import FarmError, Failure, Report
@@ -16,6 +17,7 @@ from .distributions import Choice, Constant, Dates, LogUniform, Normal, OnSphere
 __all__ = [
     "Choice",
     "Constant",
+    "DataSet",
     "Dates",
     "FarmError",
     "Failure",
@@ -24,6 +26,7 @@ __all__ = [
     "OnSphere",
     "Report",
     "Uniform",
+    "coco",
     "film",
     "pack",
     "sweep",

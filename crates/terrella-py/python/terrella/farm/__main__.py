@@ -6,6 +6,7 @@ import argparse
 import importlib
 import re
 import sys
+import warnings
 from collections.abc import Sequence
 from typing import Any
 
@@ -82,15 +83,15 @@ def _levels(text: str) -> tuple[str, list[int]]:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser("python -m terrella.farm", description="Many pictures on many workers. A run that was ended goes on when it is started again.")
+    parser = argparse.ArgumentParser("python -m terrella.farm", description="Renders films, labelled data sets and imagery packs on many workers. The same command resumes an interrupted run.")
     commands = parser.add_subparsers(required=True, metavar="film|sweep|pack")
     common = argparse.ArgumentParser(add_help=False)
     group = common.add_argument_group("workers")
     group.add_argument("--workers", type=int, metavar="N", help="processes of this machine [2]")
     group.add_argument("--address", metavar="tcp://HOST:PORT", help="a Dask cluster instead; local: one of this machine")
-    group.add_argument("--retries", type=int, default=2, metavar="N", help="attempts beyond the first, where one may go well [2]")
-    group.add_argument("--overwrite", action="store_true", help="make all again, also what is there")
-    group.add_argument("--quiet", action="store_true", help="no bar and no report")
+    group.add_argument("--retries", type=int, default=2, metavar="N", help="retries of a part whose failure may be temporary [2]")
+    group.add_argument("--overwrite", action="store_true", help="replace existing output")
+    group.add_argument("--quiet", action="store_true", help="print no progress bar and no report")
     scene = argparse.ArgumentParser(add_help=False)
     scene.add_argument("scene", metavar="SCENE", help="the scene file")
     scene.add_argument("-o", "--out", required=True, metavar="FOLDER", help="the folder to write to")
@@ -100,25 +101,25 @@ def _parser() -> argparse.ArgumentParser:
 
     of_film = commands.add_parser("film", parents=[scene, common], help="the frames of a scene's film")
     of_film.set_defaults(call=_film)
-    of_film.add_argument("--video", metavar="FILE.mp4", help="put the frames together by ffmpeg")
-    of_film.add_argument("--frames", type=_frames, metavar="FIRST..END", help="only these frames, without the last")
+    of_film.add_argument("--video", metavar="FILE.mp4", help="encode the frames with ffmpeg")
+    of_film.add_argument("--frames", type=_frames, metavar="FIRST..END", help="only these frames, END excluded")
     of_film.add_argument("--format", choices=["png", "png16", "exr"], default="png")
-    of_film.add_argument("--alpha", action="store_true", help="space is transparent")
-    of_film.add_argument("--supersample", type=int, metavar="N", help="draw N × N pixels for each: 1, 2 or 4")
-    of_film.add_argument("--shutter", type=float, metavar="PART", help="average the light of this part of the time to the next frame")
-    of_film.add_argument("--subframes", type=int, default=16, metavar="N", help="with --shutter: how many instants [16]")
-    of_film.add_argument("--crf", type=int, default=18, metavar="N", help="quality of the video, 0 (best) to 51 [18]")
+    of_film.add_argument("--alpha", action="store_true", help="transparent space")
+    of_film.add_argument("--supersample", type=int, metavar="N", help="render N × N samples per pixel: 1, 2 or 4")
+    of_film.add_argument("--shutter", type=float, metavar="PART", help="average light over this fraction of the frame interval")
+    of_film.add_argument("--subframes", type=int, default=16, metavar="N", help="with --shutter: number of subframes [16]")
+    of_film.add_argument("--crf", type=int, default=18, metavar="N", help="video quality, 0 (best) to 51 [18]")
 
     of_sweep = commands.add_parser("sweep", parents=[scene, common], help="a labelled data set", epilog=_DRAWN)
     of_sweep.set_defaults(call=_sweep)
     of_sweep.add_argument("--count", type=int, required=True, metavar="N", help="samples")
     of_sweep.add_argument("--seed", type=int, default=0, metavar="N")
     of_sweep.add_argument("--layers", default=",".join(DEFAULT_LAYERS), metavar="A,B", help="truth layers [%(default)s]")
-    of_sweep.add_argument("--region", type=_box, dest="place", metavar="W,S,E,N", help="places over this part of the Earth, degrees")
-    for name in ("height-m", "heading-deg", "pitch-deg", "fov-deg", "exposure-ev"):
+    of_sweep.add_argument("--region", type=_box, dest="place", metavar="W,S,E,N", help="places within these bounds, degrees")
+    for name in ("height-m", "heading-deg", "pitch-deg", "fov-deg", "exposure-ev", "sun-elevation-deg"):
         of_sweep.add_argument(f"--{name}", type=_drawn, metavar="DRAWN")
-    of_sweep.add_argument("--time", type=_dates, metavar="FIRST..LAST", help="instants, UTC [the scene's]")
-    of_sweep.add_argument("--draw", type=_function, metavar="MODULE.FUNCTION", help="gives quantities of a sample: of a Generator and its number")
+    of_sweep.add_argument("--time", type=_dates, metavar="FIRST..LAST", help="range of times, UTC [the scene's]")
+    of_sweep.add_argument("--draw", type=_function, metavar="MODULE.FUNCTION", help="function of a Generator and a sample number that returns quantities by name")
     of_sweep.add_argument("--format", choices=["webdataset", "zarr"], default="webdataset")
     of_sweep.add_argument("--samples-a-shard", type=int, default=64, metavar="N", help="[64]")
 
@@ -138,17 +139,17 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
-def _film(scene: str, out: str, options: dict) -> Any:
+def _film(scene: str, out: str, options: dict[str, Any]) -> Any:
     return film(scene, out, **options)
 
 
-def _sweep(scene: str, out: str, options: dict) -> Any:
+def _sweep(scene: str, out: str, options: dict[str, Any]) -> Any:
     options["layers"] = [name for name in options["layers"].split(",") if name]
     count = options.pop("count")
     return sweep(scene, out, count, **{name: value for name, value in options.items() if value is not None})
 
 
-def _pack(scene: None, out: str, options: dict) -> Any:
+def _pack(scene: None, out: str, options: dict[str, Any]) -> Any:
     options["pixels"] = dict(options["pixels"])
     return pack(out, options.pop("day"), **options)
 
@@ -158,6 +159,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = vars(_parser().parse_args(arguments))
     call, quiet = options.pop("call"), options.pop("quiet")
     options["progress"] = False if quiet else None
+    # As a person reads them, without the line of our source.
+    warnings.showwarning = lambda message, *_: print(f"warning: {message}", file=sys.stderr)
     try:
         report = call(options.pop("scene", None), options.pop("out"), options)
     except KeyboardInterrupt:

@@ -40,7 +40,7 @@ class Dask(Engine):
             else:
                 self._client = _connect(address)
             self._open = self._answered = 0
-            self._answers: queue.Queue = queue.Queue()
+            self._answers: queue.Queue[Any] = queue.Queue()
             self._count()
         except BaseException:
             self.close()
@@ -150,7 +150,7 @@ class LocalCluster:
         self._workers = workers
 
     @property
-    def scheduler(self) -> subprocess.Popen:
+    def scheduler(self) -> subprocess.Popen[bytes]:
         return self._programs[0]
 
     def connect(self) -> Any:

@@ -104,7 +104,7 @@ class Journal:
         self.path = own / name
         self._file = open(self.path, "ab", buffering=0)
 
-    def note(self, record: dict) -> None:
+    def note(self, record: dict[str, Any]) -> None:
         """Adds a line."""
         self._file.write(json.dumps(record).encode() + b"\n")
 
@@ -112,7 +112,7 @@ class Journal:
         self._file.close()
 
 
-def journals(folder: Path) -> Iterator[dict]:
+def journals(folder: Path) -> Iterator[dict[str, Any]]:
     """What all processes have noted."""
     for path in sorted((folder / OWN).glob("journal-*.jsonl")):
         for line in path.read_bytes().splitlines():

@@ -25,10 +25,10 @@ _MOST_A_TASK = 16
 
 
 def film(
-    scene: str | os.PathLike,
-    out: str | os.PathLike,
+    scene: str | os.PathLike[str],
+    out: str | os.PathLike[str],
     *,
-    video: str | os.PathLike | None = None,
+    video: str | os.PathLike[str] | None = None,
     size: tuple[int, int] | None = None,
     frames: range | None = None,
     workers: int | None = None,
@@ -40,7 +40,7 @@ def film(
     subframes: int = 16,
     crf: int = 18,
     overwrite: bool = False,
-    textures: str | os.PathLike | None = None,
+    textures: str | os.PathLike[str] | None = None,
     adapter: str | None = None,
     frames_a_task: int | None = None,
     retries: int = 2,
@@ -111,7 +111,7 @@ def film(
     return report
 
 
-def _calls(common: dict, folder: Any, lacking: list[int], workers: int, most: int | None) -> Iterator[Call]:
+def _calls(common: dict[str, Any], folder: Any, lacking: list[int], workers: int, most: int | None) -> Iterator[Call]:
     # Small enough that the last ones end at about the same time.
     most = most or max(1, min(_MOST_A_TASK, len(lacking) // (8 * workers)))
     for n in range(0, len(lacking), most):
@@ -128,7 +128,7 @@ class _Taking:
         self._folder, self._report, self._begun = folder, report, begun
         self._lacks: list[str] = []
 
-    def __call__(self, call: Call, value: dict) -> None:
+    def __call__(self, call: Call, value: dict[str, Any]) -> None:
         report = self._report
         drawn_by = f"{value['adapter']} ({value['driver']})"
         if not report.adapters:
@@ -159,7 +159,7 @@ class _Taking:
             self._folder.begin(adapter)
 
 
-def draw_part(part: dict) -> dict:
+def draw_part(part: dict[str, Any]) -> dict[str, Any]:
     """Draws some frames and writes them: runs in a worker."""
     begin = time.monotonic()
     out = Path(part["out"])

@@ -13,11 +13,11 @@ from typing import Any
 from .. import _native
 from . import _files
 
-Samples = Iterator[tuple[int, dict, Any, dict]]
-Note = Callable[[dict], None]
+Samples = Iterator[tuple[int, dict[str, Any], Any, dict[str, Any]]]
+Note = Callable[[dict[str, Any]], None]
 
 
-def _json(value: dict) -> bytes:
+def _json(value: dict[str, Any]) -> bytes:
     return json.dumps(value, ensure_ascii=False).encode()
 
 
@@ -44,20 +44,20 @@ class WebDataset:
     def path(self, out: Path, shard: int) -> Path:
         return out / self.name(shard)
 
-    def begin(self, out: Path, definition: dict) -> None:
+    def begin(self, out: Path, definition: dict[str, Any]) -> None:
         pass
 
     def remove(self, out: Path) -> None:
         for path in out.glob("shard-*.tar"):
             path.unlink()
 
-    def is_whole(self, out: Path, shard: dict) -> bool:
+    def is_whole(self, out: Path, shard: dict[str, Any]) -> bool:
         path = self.path(out, shard["shard"])
         return path.is_file() and path.stat().st_size == shard["bytes"] and _files.checksum(path) == shard["sha256"]
 
-    def write(self, out: Path, part: dict, adapter: str, samples: Samples, note: Note) -> dict:
+    def write(self, out: Path, part: dict[str, Any], adapter: str, samples: Samples, note: Note) -> dict[str, Any]:
         number = part["shard"]
-        shard: dict = {}
+        shard: dict[str, Any] = {}
         with _files.pending(self.path(out, number)) as (file, before):
             with tarfile.open(fileobj=file, mode="w|", format=tarfile.USTAR_FORMAT) as tar:
                 for index, known, color, layers in samples:
@@ -94,7 +94,7 @@ class Zarr:
     def path(self, out: Path, shard: int) -> Path:
         return out / self.name(shard)
 
-    def begin(self, out: Path, definition: dict) -> None:
+    def begin(self, out: Path, definition: dict[str, Any]) -> None:
         width, height = definition["size"]
         count = definition["count"]
         arrays = {"color": ("|u1", (3,), 0)}
@@ -120,7 +120,7 @@ class Zarr:
             if (path / ".zarray").is_file() or path.name == "samples":
                 shutil.rmtree(path)
 
-    def is_whole(self, out: Path, shard: dict) -> bool:
+    def is_whole(self, out: Path, shard: dict[str, Any]) -> bool:
         path = self.path(out, shard["shard"])
         if not path.is_file() or _files.checksum(path) != shard["sha256"]:
             return False
@@ -131,11 +131,11 @@ class Zarr:
                     return False
         return True
 
-    def write(self, out: Path, part: dict, adapter: str, samples: Samples, note: Note) -> dict:
+    def write(self, out: Path, part: dict[str, Any], adapter: str, samples: Samples, note: Note) -> dict[str, Any]:
         import numpy as np
 
         number = part["shard"]
-        shard: dict = {}
+        shard: dict[str, Any] = {}
         total = 0
         with _files.pending(self.path(out, number)) as (page, before):
             for index, known, color, layers in samples:

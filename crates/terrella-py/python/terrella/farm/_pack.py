@@ -16,14 +16,14 @@ from ._report import FarmError, Report
 
 
 def pack(
-    out: str | os.PathLike,
-    day: str | os.PathLike,
+    out: str | os.PathLike[str],
+    day: str | os.PathLike[str],
     *,
-    clouds: str | os.PathLike | None = None,
-    normals: str | os.PathLike | None = None,
-    elevation: str | os.PathLike | None = None,
-    night_lights: str | os.PathLike | None = None,
-    water: str | os.PathLike | None = None,
+    clouds: str | os.PathLike[str] | None = None,
+    normals: str | os.PathLike[str] | None = None,
+    elevation: str | os.PathLike[str] | None = None,
+    night_lights: str | os.PathLike[str] | None = None,
+    water: str | os.PathLike[str] | None = None,
     name: str | None = None,
     attribution: Sequence[str] = (),
     storage: Literal["plain", "bc", "both"] = "both",
@@ -62,7 +62,7 @@ def pack(
                  for layer, first, end, _, missing in parts)
         before = _bytes(out)
 
-        def take(call: Call, value: dict) -> None:
+        def take(call: Call, value: dict[str, Any]) -> None:
             report.done += call.count
             report.by_worker[value["worker"]] = report.by_worker.get(value["worker"], 0) + call.count
             report.drawing_seconds += value["seconds"]
@@ -85,7 +85,7 @@ def _bytes(folder: Path) -> int:
     return sum(path.stat().st_size for path in folder.rglob("*") if path.is_file())
 
 
-def build_part(part: dict) -> dict:
+def build_part(part: dict[str, Any]) -> dict[str, Any]:
     """Makes some columns of a map: runs in a worker."""
     begin, begin_processor = time.monotonic(), time.process_time()
     if part["version"] != _native.__version__:

@@ -11,7 +11,7 @@ import subprocess
 import sys
 import threading
 from collections import deque
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 from ._engine import Answer, Call, Engine
 
@@ -39,7 +39,7 @@ def receive(pipe: BinaryIO) -> bytes | None:
 
 
 class _Worker:
-    def __init__(self, number: int, cores: list[int], answers: queue.Queue):
+    def __init__(self, number: int, cores: list[int], answers: queue.Queue[Any]):
         self.number = number
         self.cores = cores
         self.call: Call | None = None
@@ -53,7 +53,7 @@ class _Worker:
         self.process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=environment)
         threading.Thread(target=self._read, args=(answers,), daemon=True).start()
 
-    def _read(self, answers: queue.Queue) -> None:
+    def _read(self, answers: queue.Queue[Any]) -> None:
         while (message := receive(self.process.stdout)) is not None:
             answers.put((self, message))
         answers.put((self, None))
@@ -74,7 +74,7 @@ class Pool(Engine):
 
     def __init__(self, workers: int):
         self.workers = workers
-        self._answers: queue.Queue = queue.Queue()
+        self._answers: queue.Queue[Any] = queue.Queue()
         self._waiting: deque[Call] = deque()
         self._all: list[_Worker] = []
         cores = sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else []

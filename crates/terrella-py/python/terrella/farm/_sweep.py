@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import time
+import warnings
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, Literal
@@ -12,6 +13,7 @@ from typing import Any, Literal
 from .. import _native
 from .._earth import _textures
 from . import _files, _run, _worker
+from ._card import CARD, attribution, card
 from ._engine import Call
 from ._formats import FORMATS
 from ._open_engine import open_engine
@@ -24,11 +26,14 @@ MANIFEST = "manifest.json"
 # Layers of a sweep that names none.
 DEFAULT_LAYERS = ("lat_deg", "lon_deg", "range_m", "land", "cloud_cover")
 _MOST_SAMPLES = 1_000_000_000
+# How many samples are looked at before a sweep, and the share of them by night from which it warns.
+_LOOKED_AT = 256
+_MUCH_NIGHT = 0.4
 
 
 def sweep(
-    scene: str | os.PathLike,
-    out: str | os.PathLike,
+    scene: str | os.PathLike[str],
+    out: str | os.PathLike[str],
     count: int,
     *,
     seed: int = 0,
@@ -41,13 +46,14 @@ def sweep(
     fov_deg: Drawn = 45.0,
     time: Drawn | None = None,
     exposure_ev: Drawn | None = None,
-    draw: Callable[[Any, int], dict] | None = None,
+    sun_elevation_deg: Drawn | None = None,
+    draw: Callable[[Any, int], dict[str, Any]] | None = None,
     format: Literal["webdataset", "zarr"] = "webdataset",
     samples_a_shard: int = 64,
     workers: int | None = None,
     address: Any = None,
     overwrite: bool = False,
-    textures: str | os.PathLike | None = None,
+    textures: str | os.PathLike[str] | None = None,
     adapter: str | None = None,
     retries: int = 2,
     progress: bool | _run.Progress | None = None,
@@ -57,12 +63,15 @@ def sweep(
 
     `place` gives a latitude and a longitude, `height_m` metres above the ellipsoid, `heading_deg` degrees clockwise from north, `pitch_deg`
     degrees above the horizontal, `fov_deg` the vertical field of view, `time` a time (by default any of the scene's), `exposure_ev` exposure
-    values (by default the scene's exposure). Each is a distribution of `terrella.farm`, a value, or a function of a
+    values (by default the scene's exposure). `sun_elevation_deg` moves each time, by half a day at most, to when the Sun stands so high over the
+    ground in the middle of the image. Each is a distribution of `terrella.farm`, a value, or a function of a
     `numpy.random.Generator`; `draw` is a function of a generator and the sample's number that returns several of them by name. Functions
     must be defined in a module that workers can import. `layers` are names of `terrella.truth_layers()`.
 
+    Where many samples look at ground by night a warning says so, before anything is rendered.
+
     A sample depends only on `seed` and its number. `format` "webdataset" writes tar shards of `samples_a_shard` samples, "zarr" a Zarr
-    group. `manifest.json` describes it. `workers`, `address`, `overwrite`, `textures`, `adapter` and `retries` as for `film`.
+    group. `manifest.json` describes it, with the licences of the maps; `README.md` is its card. `DataSet` reads it, `coco` writes masks of it. `workers`, `address`, `overwrite`, `textures`, `adapter` and `retries` as for `film`.
 
     Raises `FarmError` if anything fails; complete output is kept, and the same call resumes.
     """
@@ -85,7 +94,7 @@ def sweep(
     maps = _textures(textures)
     key = json.loads(_native.scene_key(scene, maps))
     given = {"place": place, "height_m": height_m, "heading_deg": heading_deg, "pitch_deg": pitch_deg, "fov_deg": fov_deg, "time": time,
-             "exposure_ev": exposure_ev}
+             "exposure_ev": exposure_ev, "sun_elevation_deg": sun_elevation_deg}
     distributions = {name: as_distribution(value, name) for name, value in given.items() if value is not None}
     if time is None:
         distributions["time"] = _dates_of(scene, maps)
@@ -103,14 +112,24 @@ def sweep(
         "kind": format,
         "drawn": {name: told(distributions[name]) for name in ORDER if name in distributions},
         "draw": None if draw is None else told(as_distribution(draw, "draw")),
+        "attribution": attribution(maps, _files_of(key), _native.scene_attribution(scene, maps)),
     }
     plan = Plan(seed, distributions, draw)
     # What is wrong with all samples is said before any worker is started.
-    plan.sample(0).camera()
+    looked_at = [plan.sample(index) for index in range(min(count, _LOOKED_AT))]
+    night = sum(chosen.sun_elevation_deg() < 0 for chosen in looked_at) / len(looked_at)
+    if night >= _MUCH_NIGHT:
+        warnings.warn(f"{night:.0%} of the samples look at ground where the Sun is below the horizon; "
+                      "sun_elevation_deg=farm.Uniform(10, 80) moves their times to daylight", stacklevel=2)
     part = {"scene": str(scene), "textures": None if textures is None else str(maps), "out": str(out), "size": tuple(size),
             "layers": list(layers), "adapter": adapter, "expected": expected, "plan": plan, "kind": format,
             "scene_blake3": key["scene_blake3"]}
     return _fill(out, definition, part, FORMATS[format], workers, address, overwrite, retries, progress)
+
+
+def _files_of(key: dict[str, Any]) -> list[str]:
+    """Names of the files of maps and stars that a scene's pictures come from."""
+    return [Path(file["file"]).name for file in key["inputs"] if file["key"].startswith(("earth.", "sky."))]
 
 
 def _dates_of(scene: Path, maps: Path) -> Any:
@@ -118,7 +137,7 @@ def _dates_of(scene: Path, maps: Path) -> Any:
     return Constant(first) if first == last else Dates(first, last)
 
 
-def _fill(out: Path, definition: dict, part: dict, kind: Any, workers: int | None, address: Any, overwrite: bool, retries: int,
+def _fill(out: Path, definition: dict[str, Any], part: dict[str, Any], kind: Any, workers: int | None, address: Any, overwrite: bool, retries: int,
           progress: Any) -> Report:
     """Makes the shards that lack."""
     _check_folder(out, definition, overwrite)
@@ -139,7 +158,7 @@ def _fill(out: Path, definition: dict, part: dict, kind: Any, workers: int | Non
         _write_manifest(out, definition, shards, complete=False)
         kind.begin(out, definition)
 
-        def take(call: Call, value: dict) -> None:
+        def take(call: Call, value: dict[str, Any]) -> None:
             shards[value["shard"]["shard"]] = value["shard"]
             report.done += call.count
             report.bytes_written += value["shard"]["bytes"]
@@ -161,6 +180,7 @@ def _fill(out: Path, definition: dict, part: dict, kind: Any, workers: int | Non
                 _keep(out, definition, shards)
         _run.reject_failures(report)
         _write_manifest(out, definition, shards, complete=True)
+        _files.write_whole(out / CARD, card({**definition, "name": out.name}).encode())
         _files.forget(out)
         if len(report.adapters) > 1:
             report.notes.append(f"drawn by several adapters ({', '.join(sorted(report.adapters))}): their pictures may differ a little")
@@ -169,7 +189,7 @@ def _fill(out: Path, definition: dict, part: dict, kind: Any, workers: int | Non
         lock.release()
 
 
-def _keep(out: Path, definition: dict, shards: dict) -> None:
+def _keep(out: Path, definition: dict[str, Any], shards: dict[int, dict[str, Any]]) -> None:
     """What is done comes into the manifest, if there is room; else the journals have it."""
     try:
         _write_manifest(out, definition, shards, complete=False)
@@ -177,7 +197,7 @@ def _keep(out: Path, definition: dict, shards: dict) -> None:
         pass
 
 
-def _check_folder(out: Path, definition: dict, overwrite: bool) -> None:
+def _check_folder(out: Path, definition: dict[str, Any], overwrite: bool) -> None:
     """Rejects a folder that holds something else."""
     out.mkdir(parents=True, exist_ok=True)
     manifest = out / MANIFEST
@@ -214,9 +234,9 @@ def _difference(name: str, found: Any, wanted: Any) -> str:
     return f"{name} was {found} and is {wanted}"
 
 
-def _kept(out: Path, definition: dict, kind: Any) -> dict[int, dict]:
+def _kept(out: Path, definition: dict[str, Any], kind: Any) -> dict[int, dict[str, Any]]:
     """The shards of earlier runs that are whole, by their numbers."""
-    known: dict[int, dict] = {}
+    known: dict[int, dict[str, Any]] = {}
     manifest = out / MANIFEST
     noted = list(_files.journals(out))
     if manifest.exists():
@@ -228,12 +248,12 @@ def _kept(out: Path, definition: dict, kind: Any) -> dict[int, dict]:
     return known
 
 
-def _is_of(shard: dict, definition: dict, kind: Any) -> bool:
+def _is_of(shard: dict[str, Any], definition: dict[str, Any], kind: Any) -> bool:
     first = shard["shard"] * definition["samples_a_shard"]
     return (shard.get("first"), shard.get("file")) == (first, kind.name(shard["shard"])) and first < definition["count"]
 
 
-def _calls(definition: dict, part: dict, kept: set[int]) -> Iterator[Call]:
+def _calls(definition: dict[str, Any], part: dict[str, Any], kept: set[int]) -> Iterator[Call]:
     count, each = definition["count"], definition["samples_a_shard"]
     for number, first in enumerate(range(0, count, each)):
         if number not in kept:
@@ -241,13 +261,13 @@ def _calls(definition: dict, part: dict, kept: set[int]) -> Iterator[Call]:
             yield Call(f"shard {number}", draw_part, {**part, "shard": number, "first": first, "samples": samples}, samples)
 
 
-def _write_manifest(out: Path, definition: dict, shards: dict, *, complete: bool) -> None:
+def _write_manifest(out: Path, definition: dict[str, Any], shards: dict[int, dict[str, Any]], *, complete: bool) -> None:
     ordered = [shards[number] for number in sorted(shards)]
     text = json.dumps({**definition, "complete": complete, "shards": ordered}, indent=1, ensure_ascii=False)
     _files.write_whole(out / MANIFEST, text.encode() + b"\n")
 
 
-def draw_part(part: dict) -> dict:
+def draw_part(part: dict[str, Any]) -> dict[str, Any]:
     """Draws a shard and writes it: runs in a worker."""
     begin = time.monotonic()
     out = Path(part["out"])
@@ -269,18 +289,18 @@ def draw_part(part: dict) -> dict:
             "processor_seconds": time.process_time() - begin_processor, "notes": []}
 
 
-def _written(out: Path, part: dict, kind: Any) -> dict | None:
+def _written(out: Path, part: dict[str, Any], kind: Any) -> dict[str, Any] | None:
     if not kind.path(out, part["shard"]).exists():
         return None
     noted = (shard for shard in _files.journals(out) if shard.get("shard") == part["shard"])
     return next((shard for shard in noted if kind.is_whole(out, shard)), None)
 
 
-def _scene(part: dict, textures: Path) -> Any:
+def _scene(part: dict[str, Any], textures: Path) -> Any:
     return _native.Scene(part["scene"], textures, size=part["size"], adapter=part["adapter"])
 
 
-def _sample(scene: Any, part: dict, index: int) -> tuple[int, dict, Any, dict]:
+def _sample(scene: Any, part: dict[str, Any], index: int) -> tuple[int, dict[str, Any], Any, dict[str, Any]]:
     """A sample: its number, what is known of it, its picture, its layers."""
     chosen = part["plan"].sample(index)
     camera, time = chosen.camera(), chosen.values["time"]

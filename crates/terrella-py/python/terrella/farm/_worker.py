@@ -60,7 +60,7 @@ def name() -> str:
     return f"{socket.gethostname()}:{os.getpid()}"
 
 
-def check_inputs(argument: dict) -> Path:
+def check_inputs(argument: dict[str, Any]) -> Path:
     """The folder of maps that this worker draws with. Does not draw another scene, or with other maps or another version, than was meant."""
     from .._earth import _textures
 
@@ -74,7 +74,7 @@ def check_inputs(argument: dict) -> Path:
     return textures
 
 
-def expected_inputs(scene: Path, textures: Path) -> dict:
+def expected_inputs(scene: Path, textures: Path) -> dict[str, Any]:
     """The same of the process that begins a run. Maps are all files that pictures come from but those of satellites and tables."""
     files = json.loads(_native.scene_key(scene, textures))["inputs"]
     is_map = [file["key"].startswith(("earth.", "sky.")) for file in files]
@@ -87,12 +87,12 @@ def expected_inputs(scene: Path, textures: Path) -> dict:
 
 
 @functools.lru_cache(maxsize=4)
-def _inputs_of_run(scene: str, textures: str, _expected_json: str) -> dict:
+def _inputs_of_run(scene: str, textures: str, _expected_json: str) -> dict[str, Any]:
     """Read once for each run: files may be large, and a worker may live longer than a run."""
     return expected_inputs(Path(scene), Path(textures))
 
 
-def _digest(files: list[dict]) -> str:
+def _digest(files: list[dict[str, Any]]) -> str:
     return hashlib.sha256(json.dumps(files, sort_keys=True).encode()).hexdigest()
 
 
@@ -100,7 +100,7 @@ def _file_digest(path: Any) -> str:
     return hashlib.sha256(Path(path).read_bytes()).hexdigest()
 
 
-def guarded(function: Callable[[Any], Any], argument: Any) -> dict:
+def guarded(function: Callable[[Any], Any], argument: Any) -> dict[str, Any]:
     """Calls a function. An error comes back as words, and whether another attempt may go well."""
     try:
         return {"value": function(argument)}
@@ -133,7 +133,7 @@ def main() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     answers = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)
-    calls: queue.Queue = queue.Queue()
+    calls: queue.Queue[Any] = queue.Queue()
 
     def listen() -> None:
         while (message := _pool.receive(sys.stdin.buffer)) is not None:

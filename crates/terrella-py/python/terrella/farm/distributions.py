@@ -159,7 +159,7 @@ class Dates:
         return first + random.random() * _native.Epoch(self.last).seconds_since(first)
 
 
-Drawn = Union[Distribution, Callable[["np.random.Generator"], Any], float, int, str, tuple]
+Drawn = Union[Distribution, Callable[["np.random.Generator"], Any], float, int, str, tuple[Any, ...]]
 
 
 def _check_range(least: float, most: float) -> None:

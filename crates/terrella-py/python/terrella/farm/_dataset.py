@@ -1,0 +1,175 @@
+"""Data sets of `sweep`, read again: samples as arrays, and masks as COCO has them."""
+
+from __future__ import annotations
+
+import bisect
+import io
+import json
+import os
+import tarfile
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from . import _files
+from ._report import FarmError
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+# Which pixels a category has, by the one truth layer that says so. NaN is in none.
+_CATEGORIES: dict[str, tuple[str, Callable[[Any], Any]]] = {
+    "land": ("land", lambda land: land >= 0.5),
+    "water": ("land", lambda land: land < 0.5),
+    "cloud": ("cloud_cover", lambda cover: cover >= 0.5),
+    "night": ("sun_elevation_deg", lambda elevation_deg: elevation_deg < 0),
+    "earth": ("range_m", lambda range_m: range_m > 0),
+}
+
+
+class DataSet:
+    """A complete data set that ``sweep`` wrote, of either format: ``len``, and samples by their numbers.
+
+    >>> data = farm.DataSet("data")
+    >>> sample = data[0]
+    >>> sample["color"].shape, sample["range_m"].dtype, data.known(0)["time_utc"]
+
+    A sample is a dict of arrays: ``color``, height × width × 3 bytes, and each layer. PyTorch's ``DataLoader`` takes it as it is, with any number of
+    workers. Pictures of WebDataset shards need Pillow.
+    """
+
+    def __init__(self, folder: str | os.PathLike[str]) -> None:
+        self.folder = Path(folder)
+        path = self.folder / "manifest.json"
+        try:
+            self.manifest: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+        except ValueError as error:
+            raise FarmError(f"{path}: is no manifest of a sweep: {error}") from error
+        if not self.manifest.get("complete"):
+            raise FarmError(f"{path}: the data set is not complete; run the same sweep again")
+        self.layers: list[str] = [layer["name"] for layer in self.manifest["layers"]]
+        self._firsts = [shard["first"] for shard in self.manifest["shards"]]
+        # Of a tar its members' places, of a page of Zarr its lines; read when a sample of the shard is.
+        self._read: dict[int, Any] = {}
+
+    def __len__(self) -> int:
+        count: int = self.manifest["count"]
+        return count
+
+    def __getitem__(self, index: int) -> dict[str, NDArray[Any]]:
+        color = self._chunk("color", index) if self._is_zarr() else _decoded(self._member(index, "png"))
+        return {"color": color, **self.truth(index)}
+
+    def truth(self, index: int) -> dict[str, NDArray[Any]]:
+        """The layers of a sample without its picture."""
+        import numpy as np
+
+        if self._is_zarr():
+            return {name: self._chunk(name, index) for name in self.layers}
+        return {name: np.load(io.BytesIO(self._member(index, f"{name}.npy"))) for name in self.layers}
+
+    def known(self, index: int) -> dict[str, Any]:
+        """What is known of a sample besides its arrays: time, camera, exposure, the Sun."""
+        if not self._is_zarr():
+            known: dict[str, Any] = json.loads(self._member(index, "json"))
+            return known
+        shard = self._shard(index)
+        if shard not in self._read:
+            lines = (self.folder / self.manifest["shards"][shard]["file"]).read_text(encoding="utf-8").splitlines()
+            self._read[shard] = [json.loads(line) for line in lines]
+        known = dict(self._read[shard][index - self._firsts[shard]])
+        del known["chunks"]
+        return known
+
+    def _is_zarr(self) -> bool:
+        return bool(self.manifest["kind"] == "zarr")
+
+    def _shard(self, index: int) -> int:
+        if not 0 <= index < len(self):
+            raise IndexError(f"index: {index} is not from 0 to {len(self) - 1}")
+        return bisect.bisect_right(self._firsts, index) - 1
+
+    def _member(self, index: int, ending: str) -> bytes:
+        shard = self._shard(index)
+        path = self.folder / self.manifest["shards"][shard]["file"]
+        if shard not in self._read:
+            with tarfile.open(path) as tar:
+                self._read[shard] = {entry.name: (entry.offset_data, entry.size) for entry in tar}
+        offset, size = self._read[shard][f"{index:09}.{ending}"]
+        with open(path, "rb") as file:
+            file.seek(offset)
+            return file.read(size)
+
+    def _chunk(self, name: str, index: int) -> NDArray[Any]:
+        import numpy as np
+
+        self._shard(index)
+        array = json.loads((self.folder / name / ".zarray").read_text(encoding="utf-8"))
+        shape = array["chunks"][1:]
+        chunk = self.folder / name / ".".join([str(index), *("0" for _ in shape)])
+        return np.fromfile(chunk, array["dtype"]).reshape(shape)
+
+
+def coco(
+    folder: str | os.PathLike[str], categories: Sequence[str] = ("land", "cloud"), out: str | os.PathLike[str] | None = None
+) -> Path:
+    """Writes masks of a complete data set in COCO's format and returns the path of the file: `annotations.json` in the folder, or `out`.
+
+    `categories` are any of "land", "water", "cloud", "night" and "earth", from the truth layers `land`, `cloud_cover`, `sun_elevation_deg` and
+    `range_m`, which the data set must have. Each is one mask of an image (`iscrowd` 1, uncompressed run lengths), left out where it is empty. A
+    `file_name` is the image's shard and its name in it.
+    """
+    data = DataSet(folder)
+    for name in categories:
+        if name not in _CATEGORIES:
+            raise ValueError(f"categories: {name!r} is none of {', '.join(_CATEGORIES)}")
+        if (layer := _CATEGORIES[name][0]) not in data.layers:
+            raise ValueError(f"categories: {name!r} needs the layer {layer}; the data set has {', '.join(data.layers)}")
+    width, height = data.manifest["size"]
+    images, annotations = [], []
+    for index in range(len(data)):
+        layers = data.truth(index)
+        shard = data.manifest["shards"][data._shard(index)]["file"]
+        images.append({"id": index, "width": width, "height": height, "file_name": f"{shard}/{index:09}.png",
+                       "date_captured": data.known(index)["time_utc"], "license": 1})
+        for number, name in enumerate(categories, 1):
+            layer, is_in = _CATEGORIES[name]
+            if (mask := is_in(layers[layer])).any():
+                annotations.append({"id": len(annotations) + 1, "image_id": index, "category_id": number, "iscrowd": 1, **_run_lengths(mask)})
+    licence = "; ".join(dict.fromkeys(source["licence"] for source in data.manifest["attribution"]))
+    page = {
+        "info": {"description": f"Terrella sweep of {data.manifest['scene']['file']}", "version": data.manifest["program"]},
+        "licenses": [{"id": 1, "name": licence}],
+        "categories": [{"id": number, "name": name} for number, name in enumerate(categories, 1)],
+        "images": images,
+        "annotations": annotations,
+    }
+    path = data.folder / "annotations.json" if out is None else Path(out)
+    _files.write_whole(path, json.dumps(page, ensure_ascii=False).encode() + b"\n")
+    return path
+
+
+def _run_lengths(mask: NDArray[np.bool_]) -> dict[str, Any]:
+    """A mask's run lengths down its columns, beginning with what is outside, its area, and the box around it."""
+    import numpy as np
+
+    pixels = mask.ravel(order="F")
+    edges = np.flatnonzero(pixels[1:] != pixels[:-1]) + 1
+    counts = np.diff([0, *edges, pixels.size]).tolist()
+    rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
+    return {
+        "segmentation": {"size": list(mask.shape), "counts": [0, *counts] if pixels[0] else counts},
+        "area": int(mask.sum()),
+        "bbox": [int(columns[0]), int(rows[0]), int(columns[-1] - columns[0] + 1), int(rows[-1] - rows[0] + 1)],
+    }
+
+
+def _decoded(png: bytes) -> NDArray[np.uint8]:
+    import numpy as np
+
+    try:
+        from PIL import Image
+    except ImportError as error:
+        raise FarmError("pictures of a WebDataset are PNG, which Pillow reads; pip install pillow") from error
+    return np.array(Image.open(io.BytesIO(png)))
