@@ -2,6 +2,7 @@
 
 mod gallery;
 mod sheet;
+mod simulated;
 mod tutorials;
 
 use crate::cargo;

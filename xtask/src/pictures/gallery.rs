@@ -1,5 +1,6 @@
 //! The page of all scenes in config/, from the table in config/README.md, with a picture of each.
 
+use super::simulated::{self, WAITING};
 use super::{frame, sheet};
 use crate::process::repository_root;
 use anyhow::{Context, Result, ensure};
@@ -7,9 +8,6 @@ use std::fmt::Write;
 use std::path::Path;
 
 const SIZE_PX: (u32, u32) = (320, 180);
-
-/// Those that draw what a simulator sends: they have no picture without one.
-const WAITING: [&str; 2] = ["basilisk", "live"];
 
 /// Those that start in the dark, with a time by day.
 const BY_DAY: [(&str, &str); 4] = [
@@ -24,7 +22,7 @@ const HEAD: &str = "# Gallery
 <!-- Made from config/README.md and the scenes: cargo xtask pictures gallery -->
 
 The scenes that come with the program, at the start of each or at the time in its command. Run a command in the checkout, or in `share/terrella` of an installed
-program. `terrella play` instead of `terrella frame` opens a scene in a window. [config/README.md](../config/README.md) says what scenes are, and
+program. `terrella play` instead of `terrella frame` opens a scene in a window. Scenes with `terrella play` wait for a simulator. [config/README.md](../config/README.md) says what scenes are, and
 [the first still](start/first-still.md) how to install the program.
 
 | | |
@@ -41,10 +39,14 @@ pub fn draw(terrella: &Path) -> Result<()> {
         !scenes.is_empty(),
         "config/README.md has no table of scenes"
     );
-    for (name, _) in scenes.iter().filter(|(name, _)| !WAITING.contains(name)) {
+    for (name, _) in &scenes {
         let picture = folder.path().join("scene.png");
-        let scene = format!("config/{name}.toml");
-        frame(terrella, &root, &scene, SIZE_PX, &at(name), &picture)?;
+        if WAITING.contains(name) {
+            simulated::draw(terrella, &root.join("config"), name, SIZE_PX, &picture)?;
+        } else {
+            let scene = format!("config/{name}.toml");
+            frame(terrella, &root, &scene, SIZE_PX, &at(name), &picture)?;
+        }
         let out = root.join(format!("docs/gallery/{name}.jpg"));
         sheet::write(&sheet::read(&picture)?, &out)?;
     }
@@ -71,10 +73,6 @@ fn at(scene: &str) -> Vec<&'static str> {
 /// Two scenes a row.
 fn page(scenes: &[(&str, &str)]) -> String {
     let cell = |(name, description): &(&str, &str)| {
-        let picture = match WAITING.contains(name) {
-            true => "*waits for a simulator*".to_owned(),
-            false => format!("![{description}](gallery/{name}.jpg)"),
-        };
         let command = match WAITING.contains(name) {
             true => format!("terrella play config/{name}.toml"),
             false => {
@@ -84,7 +82,9 @@ fn page(scenes: &[(&str, &str)]) -> String {
                 words.concat().join(" ")
             }
         };
-        format!("{picture}<br>[{name}](../config/{name}.toml): {description}<br>`{command}`")
+        format!(
+            "![{description}](gallery/{name}.jpg)<br>[{name}](../config/{name}.toml): {description}<br>`{command}`"
+        )
     };
     let mut page = HEAD.to_owned();
     for row in scenes.chunks(2) {
@@ -123,7 +123,7 @@ mod tests {
             "docs/gallery.md is not made from config/README.md; run `cargo xtask pictures gallery`"
         );
         let mut sum = 0;
-        for name in names.iter().filter(|name| !WAITING.contains(name)) {
+        for name in &names {
             let picture = root.join(format!("docs/gallery/{name}.jpg"));
             assert_eq!(
                 sheet::read(&picture).unwrap().dimensions(),
@@ -139,6 +139,6 @@ mod tests {
     fn rows_of_the_table_are_scenes() {
         let table = "| scene | shows |\n|---|---|\n| [a.toml](a.toml) | an a |\n| b | c |\n";
         assert_eq!(scenes(table), [("a", "an a")]);
-        assert!(page(&[("live", "x")]).contains("| *waits for a simulator*<br>"));
+        assert!(page(&[("live", "x")]).contains("`terrella play config/live.toml`"));
     }
 }
