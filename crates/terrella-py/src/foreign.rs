@@ -9,8 +9,16 @@ use terrella::frames::{Duration, Epoch};
 const NS_PER_DAY: i128 = 86_400_000_000_000;
 /// 1900-01-01T00:00 as a Julian date, from which [`Epoch`] counts TAI.
 const JULIAN_1900: f64 = 2_415_020.5;
-/// Julian dates beyond these are in no year that an [`Epoch`] holds.
-const JULIAN_DATES: std::ops::Range<f64> = JULIAN_1900..2_488_071.0;
+/// 2100-01-01T00:00:00 UTC with the leap seconds up to 2017, from 1900 in TAI.
+const END_NS: i128 = 6_311_433_637_000_000_000;
+
+/// The instant so many nanoseconds of TAI after 1900; `None` beyond the years 1900 to 2099, which every feed and the Sun are known for.
+pub fn epoch_of_tai_ns(ns: i128) -> Option<Epoch> {
+    let elapsed = Duration::from_total_nanoseconds(ns);
+    (0..END_NS)
+        .contains(&ns)
+        .then(|| Epoch::from_tai_duration(elapsed))
+}
 
 /// The instants of an astropy `Time` or a skyfield `Time`, one or an array of them; `None` of other objects.
 pub fn epochs_of(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Option<Vec<Epoch>>> {
@@ -49,19 +57,18 @@ pub fn is_astropy_time(value: &Bound<'_, PyAny>) -> PyResult<bool> {
 /// An instant of a Julian date in TAI, in two parts of which the first is the larger: exact to the nanosecond where it has at most the
 /// digits of a day or half a day.
 fn epoch_of_julian(day: f64, fraction: f64, name: &str) -> PyResult<Epoch> {
-    if !JULIAN_DATES.contains(&(day + fraction)) {
-        return Err(PyValueError::new_err(format!(
-            "{name}: Julian date {} is not in the years 1900 to 2099",
-            day + fraction
-        )));
-    }
     let since_1900 = day - JULIAN_1900;
     let whole = since_1900.floor();
     let of_day_ns = (since_1900 - whole + fraction) * NS_PER_DAY as f64;
-    let ns = whole as i128 * NS_PER_DAY + of_day_ns.round() as i128;
-    Ok(Epoch::from_tai_duration(Duration::from_total_nanoseconds(
-        ns,
-    )))
+    // A million days are some millennia; NaN is not below them.
+    let is_near = whole.abs() < 1e6 && of_day_ns.abs() < 1e20;
+    let ns = is_near.then(|| whole as i128 * NS_PER_DAY + of_day_ns.round() as i128);
+    ns.and_then(epoch_of_tai_ns).ok_or_else(|| {
+        PyValueError::new_err(format!(
+            "{name}: Julian date {} is not in the years 1900 to 2099",
+            day + fraction
+        ))
+    })
 }
 
 /// An astropy `Time` on the scale TAI.

@@ -2,7 +2,7 @@
 
 use crate::arguments::numpy;
 use crate::errors::of_any;
-use crate::foreign::{astropy_time, epochs_of, is_astropy_time};
+use crate::foreign::{astropy_time, epoch_of_tai_ns, epochs_of, is_astropy_time};
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
@@ -64,13 +64,13 @@ impl PyEpoch {
         astropy_time(py, self.0)
     }
 
-    /// Elapsed seconds from another instant to this, through leap seconds.
+    /// Elapsed seconds from another time to this, leap seconds included.
     #[pyo3(signature = (other))]
     fn seconds_since(&self, other: &Bound<'_, PyAny>) -> PyResult<f64> {
         Ok((self.0 - epoch(other, "other")?).to_seconds())
     }
 
-    /// The same in nanoseconds, exact.
+    /// Elapsed nanoseconds from another time to this, exact.
     #[pyo3(signature = (other))]
     fn nanoseconds_since(&self, other: &Bound<'_, PyAny>) -> PyResult<i128> {
         Ok((self.0 - epoch(other, "other")?).total_nanoseconds())
@@ -123,20 +123,17 @@ impl PyEpoch {
 }
 
 impl PyEpoch {
-    /// So much later; rejects years that no feed and no table of the Sun knows.
+    /// So much later; rejects times beyond the years 1900 to 2099.
     fn moved(&self, elapsed: Duration) -> PyResult<Self> {
-        // 2100-01-01T00:00:00 UTC with the leap seconds up to 2017, from 1900 in TAI.
-        const END_S: i128 = 6_311_433_637;
-        let moved = self.0 + elapsed;
-        let ns = moved.to_tai_duration().total_nanoseconds();
-        match (0..END_S * NS_PER_S).contains(&ns) {
-            true => Ok(Self(moved)),
-            false => Err(PyValueError::new_err(format!(
+        let since_1900 = self.0.to_tai_duration() + elapsed;
+        let moved = epoch_of_tai_ns(since_1900.total_nanoseconds());
+        moved.map(Self).ok_or_else(|| {
+            PyValueError::new_err(format!(
                 "elapsed: {} s from {} is not in the years 1900 to 2099",
                 elapsed.to_seconds(),
                 self.utc()
-            ))),
-        }
+            ))
+        })
     }
 
     /// UTC without its zone, with nanoseconds where there are any, for a type that has no leap seconds.
@@ -187,7 +184,9 @@ fn elapsed(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Option<Duration>> {
     };
     match seconds {
         Ok(seconds) if seconds.is_finite() && seconds.abs() < 1e10 => {
-            Ok(Some(Duration::from_seconds(seconds)))
+            // To the nearest nanosecond: differences of Julian dates are a little short of whole ones.
+            let ns = (seconds * NS_PER_S as f64).round() as i128;
+            Ok(Some(Duration::from_total_nanoseconds(ns)))
         }
         Ok(_) => Err(wrong()),
         Err(_) => Ok(None),

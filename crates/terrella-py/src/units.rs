@@ -20,7 +20,7 @@ pub fn in_unit_of<'py>(
             .map(Some)
             .map_err(|error| PyValueError::new_err(format!("{name}: {error}")));
     }
-    if !attribute.is_empty() && value.hasattr("au_per_d")? | value.hasattr("au")? {
+    if !attribute.is_empty() && (value.hasattr("au_per_d")? || value.hasattr("au")?) {
         let rows = value
             .getattr(attribute)
             .map_err(|_| PyValueError::new_err(format!("{name}: {value} is not in {unit}")))?;
