@@ -14,6 +14,7 @@
 //! | `tone.rs` | tone curves, the shaders' twins |
 //! | `agx.rs` | one of them |
 //! | `grade.rs`, `white_balance.rs`, `grain.rs` | what a camera does to light before the curve, and after it |
+//! | `hdr.rs` | the same for displays of high dynamic range |
 //! | `response.rs` | measured camera responses |
 //! | `response_text.rs` | their files |
 
@@ -23,6 +24,7 @@ mod display_slope;
 mod exposure;
 mod grade;
 mod grain;
+mod hdr;
 mod meter;
 mod response;
 mod response_text;
@@ -35,6 +37,7 @@ pub use display_slope::DisplaySlope;
 pub use exposure::{Adaptation, Exposure, exposure_factor};
 pub use grade::Grade;
 pub use grain::{GRAIN_BITS, GRAIN_INCREMENT, GRAIN_MULTIPLIER, GRAIN_SCALE, GRAIN_SHIFT, Grain};
+pub use hdr::{Hdr, HdrTransfer};
 pub use meter::{Meter, MeterView, VIEW_RAYS, view_rays};
 pub use response::Response;
 pub use response_text::{MAX_RESPONSE_BYTES, ResponseError};
