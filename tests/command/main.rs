@@ -12,6 +12,7 @@ mod film_light;
 mod films;
 mod geojson;
 mod goldens;
+mod hdr;
 /// The repository's root.
 const REPOSITORY: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
 

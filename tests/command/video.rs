@@ -192,6 +192,26 @@ fn other_codecs_and_qualities_are_written_by_ffmpeg() {
     if let [best, worst, ..] = sizes[..] {
         assert!(best > 2 * worst, "quality is bytes: {best} {worst}");
     }
+    let hdr = place.run(&[
+        "-q",
+        "play",
+        "small.toml",
+        "--video",
+        "hdr.mp4",
+        "--codec",
+        "h265",
+        "--format",
+        "pq",
+    ]);
+    match hdr.status.code() {
+        Some(0) => {
+            let bytes = std::fs::read(place.path("hdr.mp4")).expect("there");
+            // Primaries and matrix of BT.2020, transfer of SMPTE ST 2084, limited range (ISO/IEC 14496-12, ColourInformationBox).
+            let tag = b"colrnclx\0\x09\0\x10\0\x09\0";
+            assert!(bytes.windows(tag.len()).any(|found| found == tag));
+        }
+        _ => assert!(words(&hdr).contains("install"), "{}", words(&hdr)),
+    }
     for arguments in [["--codec", "h265"], ["--crf", "20"]] {
         let video = [
             "play",

@@ -29,6 +29,9 @@ pub struct PictureArgs {
         1..=i64::from(PictureSettings::MAX_SUBFRAMES)
     ))]
     pub subframes: Option<u32>,
+    /// With --format pq: luminance that the brightest highlights approach, 400 to 10000 cd/m² [default: 1000]
+    #[arg(long, value_name = "CD_M2")]
+    pub peak: Option<f64>,
 }
 
 /// The image format.
@@ -40,6 +43,10 @@ pub enum Format {
     Png16,
     /// OpenEXR, 32-bit floats: linear light before exposure and tone mapping; a white surface that faces the Sun in space is 1
     Exr,
+    /// High dynamic range: PNG, 16 bits per channel, BT.2020 with PQ (SMPTE ST 2084); reference white is 203 cd/m². Videos have 10 bits
+    Pq,
+    /// The same with HLG
+    Hlg,
 }
 
 impl PictureArgs {
@@ -50,6 +57,8 @@ impl PictureArgs {
                 None | Some(Format::Png) => PictureFormat::Png,
                 Some(Format::Png16) => PictureFormat::Png16,
                 Some(Format::Exr) => PictureFormat::Exr,
+                Some(Format::Pq) => PictureFormat::Pq,
+                Some(Format::Hlg) => PictureFormat::Hlg,
             },
             alpha: self.alpha,
             supersample: self.supersample,
@@ -57,6 +66,7 @@ impl PictureArgs {
                 open,
                 subframes: self.subframes.unwrap_or(DEFAULT_SUBFRAMES),
             }),
+            peak_cd_m2: self.peak,
         }
     }
 
@@ -67,6 +77,7 @@ impl PictureArgs {
             ("--alpha", self.alpha),
             ("--supersample", self.supersample.is_some()),
             ("--shutter", self.shutter.is_some()),
+            ("--peak", self.peak.is_some()),
         ]
         .into_iter()
         .find_map(|(name, is_given)| is_given.then_some(name))

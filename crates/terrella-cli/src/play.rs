@@ -231,8 +231,10 @@ fn reject_conflicts(args: &PlayArgs) {
         );
         reject(ErrorKind::ValueValidation, message);
     }
-    if pictures.format.is_some() && args.frames.is_none() {
-        let message = "--format needs --frames".to_owned();
+    // Of other formats a video has the same picture.
+    let is_hdr = pictures.settings().hdr().is_some();
+    if pictures.format.is_some() && !is_hdr && args.frames.is_none() {
+        let message = "--format needs --frames, except pq and hlg".to_owned();
         reject(ErrorKind::MissingRequiredArgument, message);
     }
     if pictures.alpha && args.video.is_some() {

@@ -288,7 +288,13 @@ impl PlayError {
     pub fn is_bad_scene(&self) -> bool {
         if matches!(
             self,
-            Self::Film(FilmError::NoSuchFrames { .. } | FilmError::NoLight { .. })
+            Self::Film(
+                FilmError::NoSuchFrames { .. }
+                    | FilmError::NoLight { .. }
+                    | FilmError::PeakWithoutPq
+                    | FilmError::Peak { .. }
+                    | FilmError::HdrAlpha,
+            )
         ) {
             return true;
         }
@@ -406,6 +412,11 @@ pub enum VideoError {
         "the built-in encoder writes H.264 of one quality; leave --codec and --crf out, or choose --encoder ffmpeg"
     )]
     BuiltinCoding,
+    /// High dynamic range in H.264.
+    #[error(
+        "--format pq and hlg need 10 bits, and H.264 is played with 8; choose --codec h265 or av1, or write frames with --frames"
+    )]
+    HdrCodec,
     /// `ffmpeg` stopped.
     #[error("{}: ffmpeg failed ({status}): {words}", path.display())]
     Ffmpeg {

@@ -98,6 +98,7 @@ pub fn export(
             size,
             frame_rate_hz: scene.time.frame_rate_hz,
             coding: request.coding,
+            hdr: request.pictures.hdr(),
         };
         let (sink, name) = open_video(file, format, request.encoder)?;
         sinks.push(sink);

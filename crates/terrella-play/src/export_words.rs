@@ -67,5 +67,7 @@ fn format_name(format: PictureFormat) -> &'static str {
         PictureFormat::Png => "PNG",
         PictureFormat::Png16 => "PNG of 16 bits",
         PictureFormat::Exr => "EXR",
+        PictureFormat::Pq => "PNG of 16 bits, BT.2020 and PQ",
+        PictureFormat::Hlg => "PNG of 16 bits, BT.2020 and HLG",
     }
 }

@@ -194,8 +194,8 @@ pub use event_table::EventTable;
 pub use export::{ExportRequest, export};
 pub use film::{
     CameraRecord, DrawnFrame, Existing, FilmError, FilmFrames, FilmInput, FilmKey, FilmPainter,
-    FilmPicture, FilmRequest, FrameRange, FrameRecord, LightPicture, Painted, PictureFormat,
-    PictureLook, PictureSettings, SharedFolder, Shutter, checksum,
+    FilmPicture, FilmRequest, FrameRange, FrameRecord, HdrPicture, LightPicture, Painted,
+    PictureFormat, PictureLook, PictureSettings, SharedFolder, Shutter, checksum,
 };
 pub use flight::{Flight, Moment, SatelliteState, ViewRequest};
 pub use maps::{DroppedLayer, earth_options};

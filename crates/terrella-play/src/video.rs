@@ -1,7 +1,7 @@
 //! Video in MP4: H.264, H.265 or AV1 by `ffmpeg` where it is installed, else H.264 by the built-in encoder.
 //!
-//! Both write 4:2:0 in BT.709, limited range, tagged as such, with the index before the data so that a browser can
-//! begin to play at once. Half-size colour needs an even width and height.
+//! Both write 4:2:0 in BT.709, limited range, tagged as such; of high dynamic range ffmpeg alone writes 10 bits in BT.2020. All come with the
+//! index before the data, so that a browser can begin to play at once. Half-size colour needs an even width and height.
 
 mod builtin;
 mod ffmpeg;
@@ -11,6 +11,7 @@ use super::error::{PlayError, VideoError};
 use super::film::{FilmPicture, FrameRecord};
 use super::output::{OutputError, PendingFile};
 use super::written::Written;
+use terrella::Hdr;
 
 /// A frame of a film, drawn.
 pub struct FilmFrame {
@@ -115,6 +116,8 @@ pub struct VideoFormat {
     pub frame_rate_hz: f64,
     /// Codec and quality.
     pub coding: VideoCoding,
+    /// How light of high dynamic range is coded; `None` is a picture that any screen shows.
+    pub hdr: Option<Hdr>,
 }
 
 /// Rejects sizes that no video can have.
@@ -151,6 +154,10 @@ pub fn open_video(
 ) -> Result<(Box<dyn FrameSink>, String), PlayError> {
     check_size(format.size)?;
     check_codec_size(format)?;
+    // Players of H.264 decode 8 bits.
+    if format.hdr.is_some() && format.coding.codec == VideoCodec::H264 {
+        return Err(VideoError::HdrCodec.into());
+    }
     let encoder = format.coding.codec.encoder();
     let found = match choice {
         EncoderChoice::Builtin => ffmpeg::FfmpegInstalled::No,
@@ -203,6 +210,7 @@ mod tests {
                 size,
                 frame_rate_hz: 30.0,
                 coding: VideoCoding { codec, crf: None },
+                hdr: None,
             })
         };
         of(VideoCodec::H264, (32, 16)).expect("small");

@@ -26,20 +26,27 @@ pub struct PyPictures(PictureSettings);
 #[pymethods]
 impl PyPictures {
     #[new]
-    #[pyo3(signature = (*, format = "png", alpha = false, supersample = None, shutter = None, subframes = 16))]
+    #[pyo3(signature = (*, format = "png", alpha = false, supersample = None, shutter = None, subframes = 16, peak_cd_m2 = None))]
     fn new(
         format: &str,
         alpha: bool,
         supersample: Option<u32>,
         shutter: Option<f64>,
         subframes: u32,
+        peak_cd_m2: Option<f64>,
     ) -> PyResult<Self> {
         let rejected = |words: String| Err(PyValueError::new_err(words));
         let format = match format {
             "png" => PictureFormat::Png,
             "png16" => PictureFormat::Png16,
             "exr" => PictureFormat::Exr,
-            other => return rejected(format!("format: {other:?} is none of png, png16, exr")),
+            "pq" => PictureFormat::Pq,
+            "hlg" => PictureFormat::Hlg,
+            other => {
+                return rejected(format!(
+                    "format: {other:?} is none of png, png16, exr, pq, hlg"
+                ));
+            }
         };
         if let Some(n) = supersample.filter(|n| !PictureSettings::SUPERSAMPLES.contains(n)) {
             return rejected(format!("supersample: {n} is none of 1, 2, 4"));
@@ -56,6 +63,7 @@ impl PyPictures {
             alpha,
             supersample,
             shutter: shutter.map(|open| Shutter { open, subframes }),
+            peak_cd_m2,
         }))
     }
 }

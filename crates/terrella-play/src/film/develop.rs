@@ -3,6 +3,7 @@
 //! What a screen gets is decided as in `shaders/common/displayed.wgsl`; here light of many pixels and instants is averaged before.
 
 use super::bloom::scatter;
+use super::over_light::covered;
 use glam::{DMat3, DVec3, DVec4};
 use image::RgbaImage;
 use rayon::prelude::*;
@@ -30,6 +31,8 @@ pub struct LightPicture {
     pub pixels: Vec<[f32; 4]>,
     /// How it is shown.
     pub look: PictureLook,
+    /// What stands over it at the white of display: 8 bits a channel, sRGB, premultiplied. Neither lens nor grain change it.
+    pub over: Option<RgbaImage>,
 }
 
 /// How light is shown.
@@ -86,6 +89,7 @@ impl GatheredLight {
             size: self.size,
             pixels: pixels.collect(),
             look,
+            over: None,
         }
     }
 }
@@ -100,8 +104,9 @@ impl LightPicture {
         let pixels = scattered.par_iter().zip(bytes.par_chunks_exact_mut(4));
         pixels.enumerate().for_each(|(n, (light, bytes))| {
             let (shown, opacity) = developer.shown(light, alpha);
+            let (shown, bare) = covered(self.over.as_ref(), n, shown);
             let noise = dither((n % width) as f32 + 0.5, (n / width) as f32 + 0.5);
-            let grained = developer.grained((n % width, n / width));
+            let grained = developer.grained((n % width, n / width), bare);
             let code = |linear: f64| {
                 let value = encoded(linear + f64::from(noise) * linear_per_code(linear));
                 (grained(value) * 255.0).round() as u8
@@ -131,7 +136,8 @@ impl LightPicture {
             .enumerate()
             .for_each(|(n, (light, bytes))| {
                 let (shown, opacity) = developer.shown(light, alpha);
-                let grained = developer.grained((n % width, n / width));
+                let (shown, bare) = covered(self.over.as_ref(), n, shown);
+                let grained = developer.grained((n % width, n / width), bare);
                 let [red, green, blue] = shown.to_array().map(|linear| grained(encoded(linear)));
                 let values = [red, green, blue, opacity];
                 for (value, bytes) in values.iter().zip(bytes.as_chunks_mut::<2>().0) {
@@ -142,7 +148,7 @@ impl LightPicture {
     }
 
     /// The light that a lens lets through, before it is exposed.
-    fn scattered(&self) -> Cow<'_, [[f32; 4]]> {
+    pub(super) fn scattered(&self) -> Cow<'_, [[f32; 4]]> {
         let mut pixels = Cow::from(&self.pixels);
         let look = &self.look;
         if look.bloom.strength > 0.0 {
@@ -151,7 +157,7 @@ impl LightPicture {
         pixels
     }
 
-    fn developer(&self) -> PixelDeveloper<'_> {
+    pub(super) fn developer(&self) -> PixelDeveloper<'_> {
         PixelDeveloper {
             look: &self.look,
             balance: self.look.grade.balance(),
@@ -161,7 +167,7 @@ impl LightPicture {
 }
 
 /// What makes a pixel of light: what all pixels share.
-struct PixelDeveloper<'l> {
+pub(super) struct PixelDeveloper<'l> {
     look: &'l PictureLook,
     /// The matrix of the white balance.
     balance: Option<DMat3>,
@@ -170,12 +176,19 @@ struct PixelDeveloper<'l> {
 }
 
 impl PixelDeveloper<'_> {
-    /// Adds the grain of a pixel to encoded values.
-    fn grained(&self, (x, y): (usize, usize)) -> impl Fn(f64) -> f64 {
+    /// Adds the grain of a pixel to encoded values; `bare` is the part of it that nothing stands over, 0…1.
+    pub fn grained(&self, (x, y): (usize, usize), bare: f32) -> impl Fn(f64) -> f64 {
         let grain = self.look.grade.grain;
         let is_grained = grain.strength > 0.0;
         let noise = is_grained.then(|| grain.noise((x as u32, y as u32), self.frame_seed));
-        move |value| noise.map_or(value, |noise| grain.grained(value, noise))
+        move |value| noise.map_or(value, |noise| grain.grained(value, bare * noise))
+    }
+
+    /// Exposed light of a pixel, after the white balance.
+    pub fn balanced(&self, light: &[f32; 4]) -> DVec3 {
+        let [red, green, blue, _] = light.map(f64::from);
+        let exposed = DVec3::new(red, green, blue).max(DVec3::ZERO) * self.look.factor;
+        self.balance.map_or(exposed, |balance| balance * exposed)
     }
 
     /// Linear display light of a pixel, 0…1, and its opacity.
@@ -183,10 +196,8 @@ impl PixelDeveloper<'_> {
     /// Where light is shown brighter than its opacity has room for (the halo hides little and shines), the opacity is raised to it:
     /// over black, in linear light, the pixel is what it is without alpha.
     fn shown(&self, light: &[f32; 4], alpha: bool) -> (DVec3, f64) {
-        let [red, green, blue, hides] = light.map(f64::from);
-        let exposed = DVec3::new(red, green, blue).max(DVec3::ZERO) * self.look.factor;
-        let balanced = self.balance.map_or(exposed, |balance| balance * exposed);
-        let shown = self.look.tone.shown(balanced);
+        let shown = self.look.tone.shown(self.balanced(light));
+        let hides = f64::from(light[3]);
         if !alpha {
             return (shown, 1.0);
         }
@@ -236,6 +247,7 @@ mod tests {
             size: (pixels.len() as u32, 1),
             pixels,
             look: LINEAR,
+            over: None,
         }
     }
 
@@ -294,6 +306,7 @@ mod tests {
             size: (64, 64),
             pixels: vec![[0.1, 0.1, 0.1, 1.0]; 64 * 64],
             look: LINEAR,
+            over: None,
         };
         let shown = light.shown_8(false);
         let mean = shown.pixels().map(|p| f64::from(p[0])).sum::<f64>() / 4096.0;

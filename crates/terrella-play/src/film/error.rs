@@ -1,6 +1,7 @@
 //! Why a folder of frames is rejected.
 
 use std::path::PathBuf;
+use terrella::Hdr;
 
 /// Why frames cannot be written to a folder, or not these.
 #[derive(Debug, thiserror::Error)]
@@ -37,13 +38,26 @@ pub enum FilmError {
         frame_count: u64,
     },
     /// A scene that is drawn in display colours, and settings that average light.
-    #[error("{}: --format png16 and exr, --alpha, --supersample and --shutter write linear light, and {what} have none; {remedy}, or omit those options", scene.display())]
+    #[error("{}: --format png16, exr, pq and hlg, --alpha, --supersample and --shutter write linear light, and {what} have none; {remedy}, or omit those options", scene.display())]
     NoLight {
         scene: PathBuf,
         what: &'static str,
         /// What the user can do about it.
         remedy: &'static str,
     },
+    /// A peak luminance for a format that has none.
+    #[error(
+        "--peak is for --format pq: other formats have the peak of their display, and HLG always 1000 cd/m²; omit it, or choose --format pq"
+    )]
+    PeakWithoutPq,
+    /// A peak luminance that is no number of the range.
+    #[error("--peak: {peak_cd_m2} cd/m² is not from {} to {}; most displays have 1000", Hdr::PEAKS_CD_M2.start(), Hdr::PEAKS_CD_M2.end())]
+    Peak { peak_cd_m2: f64 },
+    /// Transparent space and high dynamic range.
+    #[error(
+        "--alpha has no meaning for light that is brighter than white; omit it, or choose --format exr, which keeps alpha and all light"
+    )]
+    HdrAlpha,
     /// A file that makes the film what it is cannot be read.
     #[error("{}: {source}; the film depends on this file, so it must be readable", path.display())]
     Input {

@@ -18,7 +18,9 @@
 //! | `painter` | draws them: as a screen shows them, or as light of many pixels and instants |
 //! | `bloom` | light that a lens scatters, on the processor |
 //! | `develop` | from light to a picture, on the processor |
-//! | `picture` | a picture and its file: PNG, PNG with 16 bits, OpenEXR |
+//! | `hdr` | the same for displays of high dynamic range |
+//! | `over_light` | captions that stand over such pictures |
+//! | `picture` | a picture and its file: PNG, PNG with 16 bits or of high dynamic range, OpenEXR |
 //! | `error` | why a folder is rejected |
 
 mod bloom;
@@ -26,7 +28,9 @@ mod develop;
 mod error;
 mod folder;
 mod frames;
+mod hdr;
 mod key;
+mod over_light;
 mod page;
 mod page_text;
 mod painter;
@@ -40,6 +44,7 @@ pub use develop::{LightPicture, PictureLook};
 pub use error::FilmError;
 pub use folder::{Existing, FrameFolder};
 pub use frames::{DrawnFrame, FilmFrames};
+pub use hdr::HdrPicture;
 pub use key::{FilmInput, FilmKey, checksum};
 pub use page::{FilmPage, KeptFrames, PageHead};
 pub use painter::{FilmPainter, Painted};

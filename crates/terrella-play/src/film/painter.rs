@@ -1,16 +1,17 @@
 //! Draws the pictures of a film.
 
-use super::develop::{GatheredLight, PictureLook};
+use super::develop::{GatheredLight, LightPicture, PictureLook};
 use super::error::FilmError;
+use super::over_light::OverLight;
 use super::picture::FilmPicture;
-use super::settings::PictureSettings;
+use super::settings::{PictureFormat, PictureSettings};
 use crate::error::PlayError;
 use crate::flight::{Flight, Moment};
 use crate::offscreen::OffscreenRenderer;
 use crate::quality_control::scene_quality;
 use crate::tracks::TracksLayer;
 use std::time::Duration;
-use terrella::{EarthOptions, GpuContext, exposure_factor};
+use terrella::{EarthOptions, GpuContext, Hdr, exposure_factor};
 use terrella_imagery::tile::TileKey;
 
 /// Draws the pictures of a film, as its settings ask for.
@@ -21,6 +22,7 @@ pub struct FilmPainter {
     pixels_a_side: u32,
     /// How light is shown, but for factor and frame.
     look: PictureLook,
+    captions: Option<OverLight>,
     wait: Duration,
 }
 
@@ -46,8 +48,19 @@ impl FilmPainter {
     /// Rejects settings that a scene cannot be drawn with.
     ///
     /// # Errors
-    /// Tracks and the paper's shading where pictures are made of light.
+    /// Tracks and the paper's shading where pictures are made of light; a peak luminance without PQ or out of range.
     pub fn check(flight: &Flight, settings: &PictureSettings) -> Result<(), FilmError> {
+        if let Some(peak_cd_m2) = settings.peak_cd_m2 {
+            if settings.format != PictureFormat::Pq {
+                return Err(FilmError::PeakWithoutPq);
+            }
+            if !Hdr::PEAKS_CD_M2.contains(&peak_cd_m2) {
+                return Err(FilmError::Peak { peak_cd_m2 });
+            }
+        }
+        if settings.alpha && settings.hdr().is_some() {
+            return Err(FilmError::HdrAlpha);
+        }
         if !settings.need_light() {
             return Ok(());
         }
@@ -69,8 +82,11 @@ impl FilmPainter {
                 "switch trail, ground_track, subpoint, marker and footprint off",
             ));
         }
-        if !scene.captions.is_empty() {
-            return Err(rejected("captions", "leave [[caption]] out"));
+        if !scene.captions.is_empty() && !settings.take_captions() {
+            return Err(rejected(
+                "captions in EXR and with --alpha",
+                "leave [[caption]] out",
+            ));
         }
         if scene.earth.light.is_none() {
             return Err(rejected(
@@ -112,6 +128,7 @@ impl FilmPainter {
                 (renderer, side)
             }
         };
+        let mut captions = None;
         renderer.show_dated_maps(flight)?;
         renderer.show_models(flight)?;
         // What is beyond the Earth is space.
@@ -121,6 +138,8 @@ impl FilmPainter {
         if !settings.need_light() {
             renderer.show_tracks(flight)?;
             renderer.show_captions(flight)?;
+        } else if settings.take_captions() {
+            captions = OverLight::of(flight, renderer.gpu(), size)?;
         }
         let quality = scene_quality(&scene.quality, *renderer.earth().quality());
         renderer.set_quality(&quality)?;
@@ -136,6 +155,7 @@ impl FilmPainter {
                 grade: scene.output.grade,
                 frame: 0,
             },
+            captions,
             wait: scene.output.wait(),
         })
     }
@@ -170,6 +190,7 @@ impl FilmPainter {
         let mut gathered = GatheredLight::new(self.size, self.pixels_a_side);
         let mut all_missing: Vec<TileKey> = Vec::new();
         let mut exposure_ev = moment.exposure_ev;
+        let mut over = None;
         for part in self.settings.instants() {
             let moment = match self.settings.shutter {
                 None => *moment,
@@ -180,6 +201,9 @@ impl FilmPainter {
             all_missing.extend(missing);
             // That of the first, which a metered one has for all.
             exposure_ev = exposure_ev.or(Some(stats.exposure_ev));
+            if let Some(captions) = self.captions.as_mut().filter(|_| over.is_none()) {
+                over = Some(captions.draw(&moment, &stats)?);
+            }
         }
         let exposure_ev = exposure_ev.unwrap_or_default();
         let look = PictureLook {
@@ -188,7 +212,10 @@ impl FilmPainter {
             ..self.look
         };
         Ok(Painted {
-            picture: FilmPicture::Light(gathered.picture(look)),
+            picture: FilmPicture::Light(LightPicture {
+                over,
+                ..gathered.picture(look)
+            }),
             exposure_ev,
             missing: all_missing,
         })

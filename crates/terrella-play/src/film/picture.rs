@@ -1,12 +1,14 @@
 //! A picture of a film, drawn, and its file.
 
 use super::develop::LightPicture;
+use super::hdr::HdrPicture;
 use super::settings::{PictureFormat, PictureSettings};
 use crate::float_files::{write_exr_header, write_exr_line};
 use crate::output::png_of;
 use image::RgbaImage;
 use std::borrow::Cow;
 use std::io;
+use terrella::{Hdr, HdrTransfer};
 
 /// A picture, as it was drawn.
 #[derive(Clone, Debug)]
@@ -26,6 +28,14 @@ impl FilmPicture {
         }
     }
 
+    /// For a display of high dynamic range; `None` of a picture that is no light.
+    pub fn shown_hdr(&self, hdr: &Hdr) -> Option<HdrPicture> {
+        match self {
+            Self::Shown(_) => None,
+            Self::Light(light) => Some(light.shown_hdr(hdr)),
+        }
+    }
+
     /// The bytes of its file, in memory: they are written in one go.
     ///
     /// # Errors
@@ -36,6 +46,9 @@ impl FilmPicture {
             Self::Light(light) => light,
         };
         let alpha = settings.alpha;
+        if let Some(hdr) = settings.hdr() {
+            return hdr_png(light.size, &hdr, &light.shown_hdr(&hdr));
+        }
         match settings.format {
             PictureFormat::Png if alpha => png(
                 light.size,
@@ -43,14 +56,17 @@ impl FilmPicture {
                 png::BitDepth::Eight,
                 light.shown_8(true).as_raw(),
             ),
-            PictureFormat::Png => png_of(&light.shown_8(false)).map_err(io::Error::other),
+            PictureFormat::Exr => exr(light, alpha),
             PictureFormat::Png16 => png(
                 light.size,
                 alpha,
                 png::BitDepth::Sixteen,
                 &light.shown_16(alpha),
             ),
-            PictureFormat::Exr => exr(light, alpha),
+            // Those of high dynamic range are written above.
+            PictureFormat::Png | PictureFormat::Pq | PictureFormat::Hlg => {
+                png_of(&light.shown_8(false)).map_err(io::Error::other)
+            }
         }
     }
 }
@@ -71,6 +87,30 @@ fn png(
     encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
     let mut writer = encoder.write_header()?;
     writer.write_image_data(pixels)?;
+    writer.finish()?;
+    Ok(file)
+}
+
+/// With the chunks of the PNG specification's third edition that say how codes are to be read. There is no mDCV, as no display mastered it.
+fn hdr_png((width, height): (u32, u32), hdr: &Hdr, picture: &HdrPicture) -> io::Result<Vec<u8>> {
+    let mut file = Vec::new();
+    let mut encoder = png::Encoder::new(&mut file, width, height);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Sixteen);
+    let mut writer = encoder.write_header()?;
+    let transfer = match hdr.transfer {
+        HdrTransfer::Pq => 16,
+        HdrTransfer::Hlg => 18,
+    };
+    // ITU-T H.273: primaries of BT.2020, the transfer, no matrix, full range.
+    writer.write_chunk(png::chunk::cICP, &[9, transfer, 0, 1])?;
+    if hdr.transfer == HdrTransfer::Pq {
+        // In units of 0.0001 cd/m².
+        let levels = picture.light_levels_cd_m2;
+        let levels = levels.map(|level| ((level * 1e4).round() as u32).to_be_bytes());
+        writer.write_chunk(png::chunk::cLLI, levels.as_flattened())?;
+    }
+    writer.write_image_data(&picture.codes)?;
     writer.finish()?;
     Ok(file)
 }
@@ -110,6 +150,7 @@ mod tests {
                 grade: Default::default(),
                 frame: 0,
             },
+            over: None,
         };
         let picture = FilmPicture::Light(light);
         let file = |format, alpha| {

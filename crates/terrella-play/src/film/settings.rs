@@ -1,6 +1,7 @@
 //! How the pictures of a film are made and kept.
 
 use serde::{Deserialize, Serialize};
+use terrella::{Hdr, HdrTransfer};
 
 /// As what a picture is kept.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -13,14 +14,27 @@ pub enum PictureFormat {
     Png16,
     /// OpenEXR with 32-bit floats: light, before exposure and tone curve.
     Exr,
+    /// PNG with 16 bits a channel, of high dynamic range: BT.2020's primaries, codes of PQ.
+    Pq,
+    /// The same with codes of HLG.
+    Hlg,
 }
 
 impl PictureFormat {
     /// The ending of its files.
     pub fn ending(self) -> &'static str {
         match self {
-            Self::Png | Self::Png16 => "png",
+            Self::Png | Self::Png16 | Self::Pq | Self::Hlg => "png",
             Self::Exr => "exr",
+        }
+    }
+
+    /// How it codes light of high dynamic range; `None` for the others.
+    pub fn hdr_transfer(self) -> Option<HdrTransfer> {
+        match self {
+            Self::Pq => Some(HdrTransfer::Pq),
+            Self::Hlg => Some(HdrTransfer::Hlg),
+            Self::Png | Self::Png16 | Self::Exr => None,
         }
     }
 }
@@ -47,6 +61,8 @@ pub struct PictureSettings {
     pub supersample: Option<u32>,
     /// How long light is gathered; `None` for an instant.
     pub shutter: Option<Shutter>,
+    /// Luminance that highlights approach with [`PictureFormat::Pq`], cd/m², from [`Hdr::PEAKS_CD_M2`]; `None` is [`Hdr::USUAL_PEAK_CD_M2`].
+    pub peak_cd_m2: Option<f64>,
 }
 
 impl PictureSettings {
@@ -63,6 +79,21 @@ impl PictureSettings {
             || self.supersample.is_some_and(|n| n > 1)
     }
 
+    /// How pictures of high dynamic range are coded; `None` for other formats.
+    pub fn hdr(&self) -> Option<Hdr> {
+        let transfer = self.format.hdr_transfer()?;
+        let peak_cd_m2 = self.peak_cd_m2.unwrap_or(Hdr::USUAL_PEAK_CD_M2);
+        Some(Hdr {
+            transfer,
+            peak_cd_m2,
+        })
+    }
+
+    /// Whether captions, which have display colours, stand over developed light.
+    pub(super) fn take_captions(&self) -> bool {
+        self.format != PictureFormat::Exr && !self.alpha
+    }
+
     /// The options by which others differ.
     pub fn differences(&self, other: &Self) -> impl Iterator<Item = &'static str> {
         let options = [
@@ -70,6 +101,7 @@ impl PictureSettings {
             ("--alpha", self.alpha != other.alpha),
             ("--supersample", self.supersample != other.supersample),
             ("--shutter or --subframes", self.shutter != other.shutter),
+            ("--peak", self.peak_cd_m2 != other.peak_cd_m2),
         ];
         let differing = options.into_iter().filter(|(_, differs)| *differs);
         differing.map(|(name, _)| name)

@@ -8,6 +8,7 @@ use crate::written::Written;
 use std::io::{Read, Write};
 use std::process::{Child, ChildStdin, Command, Stdio};
 use std::thread::JoinHandle;
+use terrella::{Hdr, HdrTransfer};
 
 /// Bytes of ffmpeg's standard error that are kept for a message.
 const MAX_STDERR_BYTES: usize = 2_000;
@@ -50,6 +51,49 @@ pub struct Ffmpeg {
     file: PendingFile,
     /// Frames that it was given.
     frames: u64,
+    hdr: Option<Hdr>,
+}
+
+/// Colours of a video, in ffmpeg's words.
+struct Colors {
+    /// Format of the frames that ffmpeg is given, and of those that the encoder gets.
+    formats: [&'static str; 2],
+    /// The matrix, as the filter that converts calls it and as streams do.
+    matrix: [&'static str; 2],
+    primaries: &'static str,
+    transfer: &'static str,
+}
+
+impl Colors {
+    fn of(hdr: Option<Hdr>) -> Self {
+        let Some(hdr) = hdr else {
+            return Self {
+                formats: ["rgba", "yuv420p"],
+                matrix: ["bt709", "bt709"],
+                primaries: "bt709",
+                transfer: "bt709",
+            };
+        };
+        Self {
+            formats: ["rgb48be", "yuv420p10le"],
+            matrix: ["bt2020", "bt2020nc"],
+            primaries: "bt2020",
+            transfer: match hdr.transfer {
+                HdrTransfer::Pq => "smpte2084",
+                HdrTransfer::Hlg => "arib-std-b67",
+            },
+        }
+    }
+
+    /// Converts with the matrix and tags frames: without it ffmpeg would convert with BT.601, and since version 8 it ignores the tags among its
+    /// options.
+    fn filter(&self) -> String {
+        let ([_, format], [converted, matrix]) = (self.formats, self.matrix);
+        let (primaries, transfer) = (self.primaries, self.transfer);
+        format!(
+            "scale=out_color_matrix={converted}:out_range=tv,format={format},setparams=colorspace={matrix}:color_primaries={primaries}:color_trc={transfer}:range=tv"
+        )
+    }
 }
 
 /// A running ffmpeg; it is stopped when this is dropped.
@@ -79,22 +123,20 @@ impl Ffmpeg {
             ],
             VideoCodec::Av1 => &["-preset", "6"],
         };
+        let colors = Colors::of(format.hdr);
         let mut child = Command::new("ffmpeg")
             .args(["-hide_banner", "-loglevel", "error", "-y"])
-            .args(["-f", "rawvideo", "-pix_fmt", "rgba"])
+            .args(["-f", "rawvideo", "-pix_fmt", colors.formats[0]])
             .args(["-s", &format!("{width}x{height}")])
             .args(["-r", &format.frame_rate_hz.to_string()])
             .args(["-i", "pipe:0", "-an"])
-            // Convert with BT.709 and say so: without the filter ffmpeg would convert with BT.601.
-            .args([
-                "-vf",
-                "scale=out_color_matrix=bt709:out_range=tv,format=yuv420p",
-            ])
+            .args(["-vf", &colors.filter()])
             .args(["-c:v", codec.encoder()])
             .args(own)
             .args(["-crf", &crf])
-            .args(["-colorspace", "bt709", "-color_primaries", "bt709"])
-            .args(["-color_trc", "bt709", "-color_range", "tv"])
+            .args(["-colorspace", colors.matrix[1]])
+            .args(["-color_primaries", colors.primaries])
+            .args(["-color_trc", colors.transfer, "-color_range", "tv"])
             .args(["-movflags", "+faststart", "-f", "mp4"])
             .arg(file.temporary())
             // SVT-AV1 speaks past ffmpeg.
@@ -121,6 +163,7 @@ impl Ffmpeg {
             process,
             file,
             frames: 0,
+            hdr: format.hdr,
         })
     }
 
@@ -169,7 +212,13 @@ impl Ffmpeg {
 impl FrameSink for Ffmpeg {
     fn push(&mut self, frame: &FilmFrame) -> Result<(), PlayError> {
         let written = match &mut self.process.input {
-            Some(input) => input.write_all(frame.picture.shown().as_raw()),
+            Some(input) => {
+                let hdr = self.hdr.and_then(|hdr| frame.picture.shown_hdr(&hdr));
+                match hdr {
+                    Some(hdr) => input.write_all(&hdr.codes),
+                    None => input.write_all(frame.picture.shown().as_raw()),
+                }
+            }
             None => Ok(()),
         };
         match written {

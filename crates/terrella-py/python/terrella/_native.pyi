@@ -144,11 +144,12 @@ class Pictures:
     def __new__(
         cls,
         *,
-        format: Literal["png", "png16", "exr"] = "png",
+        format: Literal["png", "png16", "exr", "pq", "hlg"] = "png",
         alpha: bool = False,
         supersample: int | None = None,
         shutter: float | None = None,
         subframes: int = 16,
+        peak_cd_m2: float | None = None,
     ) -> Self: ...
 
 @final

@@ -103,7 +103,7 @@ def _parser() -> argparse.ArgumentParser:
     of_film.set_defaults(call=_film)
     of_film.add_argument("--video", metavar="FILE.mp4", help="encode the frames with ffmpeg")
     of_film.add_argument("--frames", type=_frames, metavar="FIRST..END", help="only these frames, END excluded")
-    of_film.add_argument("--format", choices=["png", "png16", "exr"], default="png")
+    of_film.add_argument("--format", choices=["png", "png16", "exr", "pq", "hlg"], default="png")
     of_film.add_argument("--alpha", action="store_true", help="transparent space")
     of_film.add_argument("--supersample", type=int, metavar="N", help="render N × N samples per pixel: 1, 2 or 4")
     of_film.add_argument("--shutter", type=float, metavar="PART", help="average light over this fraction of the frame interval")

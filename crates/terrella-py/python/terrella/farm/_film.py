@@ -33,11 +33,12 @@ def film(
     frames: range | None = None,
     workers: int | None = None,
     address: Any = None,
-    format: Literal["png", "png16", "exr"] = "png",
+    format: Literal["png", "png16", "exr", "pq", "hlg"] = "png",
     alpha: bool = False,
     supersample: int | None = None,
     shutter: float | None = None,
     subframes: int = 16,
+    peak_cd_m2: float | None = None,
     crf: int = 18,
     overwrite: bool = False,
     textures: str | os.PathLike[str] | None = None,
@@ -53,20 +54,20 @@ def film(
     an MP4 that ffmpeg encodes from them with the quality `crf`. `workers` processes of this machine render, 2 by default; with
     `address` the workers of a Dask cluster ("tcp://host:8786", a `distributed.Client`, or "local"), which must see `scene` and `out` under
     the same paths. `overwrite` renders all frames again. `adapter` is a part of the name of the graphics adapter. `format`, `alpha`,
-    `supersample`, `shutter` and `subframes` are those of the command.
+    `supersample`, `shutter` and `subframes` are those of the command, `peak_cd_m2` its option `--peak`.
 
     Raises `FarmError` if anything fails; complete output is kept, and the same call resumes.
     """
     scene, out = Path(scene).absolute(), Path(out).absolute()
-    options = {"format": format, "alpha": alpha, "supersample": supersample, "shutter": shutter, "subframes": subframes}
+    options = {"format": format, "alpha": alpha, "supersample": supersample, "shutter": shutter, "subframes": subframes, "peak_cd_m2": peak_cd_m2}
     pictures = _native.Pictures(**options)
     if frames is not None and (frames.step != 1 or len(frames) == 0 or frames.start < 0):
         raise ValueError(f"frames: {frames} is no range of frames in steps of 1")
     if frames_a_task is not None and not 1 <= frames_a_task <= 10_000:
         raise ValueError(f"frames_a_task: {frames_a_task} is not from 1 to 10000")
     _run.checked_retries(retries)
-    if video is not None and (format == "exr" or alpha):
-        raise ValueError("video: is made of opaque PNG; leave format=\"exr\" and alpha out, or make it from the frames yourself")
+    if video is not None and (format in ("exr", "pq", "hlg") or alpha):
+        raise ValueError("video: is made of opaque PNG of 8 bits; leave format and alpha out, or make it from the frames yourself")
     maps = _textures(textures)
     span = {} if frames is None else {"first": frames.start, "end": frames.stop}
     existing = "overwrite" if overwrite else "resume"
