@@ -1,7 +1,7 @@
 //! `terrella frame --raw`, and truth behind the same lens.
 
-use crate::Place;
 use crate::truth::numpy;
+use crate::{Place, words};
 use serde_json::Value;
 use std::path::Path;
 
@@ -360,6 +360,7 @@ fn a_film_has_the_raw_frames_of_its_instants() {
         "frame_00001.tiff",
         "frame_00002.json",
         "frame_00002.tiff",
+        "frames.json",
     ];
     assert_eq!(names, wanted);
     // 40 s of the scene from frame to frame.
@@ -382,9 +383,23 @@ fn a_film_has_the_raw_frames_of_its_instants() {
     // A folder that holds frames is not written to unless that is wanted.
     let rejection = place.fail(1, &play);
     assert!(
-        rejection.contains("--overwrite") && !rejection.contains("--resume"),
+        rejection.contains("--overwrite") && rejection.contains("--resume"),
         "{rejection}"
     );
+    // A frame that is lost, or whose page is, is drawn again, and no other.
+    let resume = [&play[..], &["--resume"]].concat();
+    let said = |arguments: &[&str]| words(&place.succeed(arguments));
+    let loud = [&["-v"], &resume[..]].concat();
+    assert!(said(&loud).contains("already there"));
+    let before = read("raw/frame_00001.tiff");
+    std::fs::remove_file(place.path("raw/frame_00001.tiff")).expect("removes");
+    std::fs::remove_file(place.path("raw/frame_00002.json")).expect("removes");
+    let drawn = said(&loud);
+    assert!(drawn.contains("2 raw frames"), "{drawn}");
+    assert!(read("raw/frame_00001.tiff") == before);
+    assert_eq!(one, page(&place.path("raw/frame_00002.json")));
+    let other = place.fail(1, &[&resume[..], &["--raw-format", "npy"]].concat());
+    assert!(other.contains("another --raw-format"), "{other}");
     place.succeed(&[&play[..], &["--overwrite"]].concat());
     for (bad, words) in [
         (&["--raw", "other", "--video", "a.mp4"][..], "--video"),

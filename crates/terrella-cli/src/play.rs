@@ -46,8 +46,8 @@ pub struct PlayArgs {
     /// With --frames or --raw: accept a folder that is not empty, and replace frames in it
     #[arg(long)]
     overwrite: bool,
-    /// With --frames: resume the film in this folder: keep complete frames and render the missing ones
-    #[arg(long, requires = "frames", conflicts_with_all = ["overwrite", "video"])]
+    /// With --frames or --raw: resume the film in this folder: keep complete frames and render the missing ones
+    #[arg(long, conflicts_with_all = ["overwrite", "video"])]
     resume: bool,
     /// Render only these frames: FIRST..END excludes END, FIRST..=LAST includes LAST; either number may be omitted
     #[arg(long, value_name = "RANGE", value_parser = values::frame_range)]
@@ -151,10 +151,15 @@ pub fn run(args: &PlayArgs, common: &Common) -> anyhow::Result<()> {
     stop_by_itself();
     let bars = Bars::new(common.quiet);
     let adapter = common.adapter.as_deref();
+    let existing = match (args.overwrite, args.resume) {
+        (true, _) => Existing::Overwrite,
+        (_, true) => Existing::Resume,
+        _ => Existing::Reject,
+    };
     if let Some(folder) = &args.raw {
         let request = RawFilmRequest {
             folder,
-            overwrite: args.overwrite,
+            existing,
             format: match args.raw_format {
                 Raw::Tiff => RawFormat::Tiff,
                 Raw::Png => RawFormat::Png,
@@ -175,11 +180,7 @@ pub fn run(args: &PlayArgs, common: &Common) -> anyhow::Result<()> {
     }
     let request = ExportRequest {
         frames: args.frames.as_deref(),
-        existing: match (args.overwrite, args.resume) {
-            (true, _) => Existing::Overwrite,
-            (_, true) => Existing::Resume,
-            _ => Existing::Reject,
-        },
+        existing,
         pictures: args.pictures.settings(),
         range: args.range.unwrap_or_default(),
         video: args.video.as_deref(),
@@ -202,8 +203,10 @@ pub fn run(args: &PlayArgs, common: &Common) -> anyhow::Result<()> {
 fn reject_conflicts(args: &PlayArgs) {
     let reject = |kind, message: String| -> ! { Cli::command().error(kind, message).exit() };
     let pictures = &args.pictures;
-    if args.overwrite && args.frames.is_none() && args.raw.is_none() {
-        let message = "--overwrite needs --frames or --raw".to_owned();
+    let existing = [("--overwrite", args.overwrite), ("--resume", args.resume)];
+    let existing = existing.into_iter().find(|(_, is_given)| *is_given);
+    if let Some((name, _)) = existing.filter(|_| args.frames.is_none() && args.raw.is_none()) {
+        let message = format!("{name} needs --frames or --raw");
         reject(ErrorKind::MissingRequiredArgument, message);
     }
     if let (Some(name), Some(_)) = (pictures.first_given(), &args.raw) {

@@ -21,7 +21,8 @@ pub struct RawFile {
 }
 
 /// The format of a raw frame.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
 pub enum RawFormat {
     /// Greyscale PNG of 16 bits.
     Png,
@@ -69,8 +70,8 @@ impl RawFile {
         self.file.target()
     }
 
-    /// Writes both and gives them their names, the page last.
-    pub fn write(self, frame: &RawFrame, manifest: &RawManifest) -> Result<(), OutputError> {
+    /// Writes both and gives them their names, the page last. Answers the bytes of the frame's file.
+    pub fn write(self, frame: &RawFrame, manifest: &RawManifest) -> Result<Vec<u8>, OutputError> {
         let path = self.file.target().to_owned();
         let bytes = encoded(frame, self.kind);
         let bytes = bytes.map_err(|source| OutputError::NotEncoded { path, source })?;
@@ -82,7 +83,8 @@ impl RawFile {
             _ => {}
         }
         self.file.write_whole(&bytes)?;
-        self.manifest.write_whole(manifest.to_json().as_bytes())
+        self.manifest.write_whole(manifest.to_json().as_bytes())?;
+        Ok(bytes)
     }
 }
 

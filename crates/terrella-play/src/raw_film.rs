@@ -2,7 +2,10 @@
 
 use super::clock::frame_epoch;
 use super::error::PlayError;
-use super::film::{Existing, FilmError, FrameFolder, FrameRange};
+use super::film::{
+    Existing, FilmKey, FilmPage, FrameFolder, FrameRange, FrameRecord, KeptFrames, PageHead,
+    PictureSettings, checksum,
+};
 use super::flight::Flight;
 use super::progress::Progress;
 use super::raw::{RawFile, RawFormat};
@@ -13,14 +16,15 @@ use super::written::counted;
 use std::path::Path;
 use std::time::Instant;
 use terrella::GpuContext;
+use terrella_files::printable;
 
 /// Which raw frames are wanted, and where they go.
 #[derive(Clone, Debug)]
 pub struct RawFilmRequest<'r> {
     /// The folder for frames and their pages.
     pub folder: &'r Path,
-    /// Whether a folder that is not empty is accepted and frames of the same number are replaced.
-    pub overwrite: bool,
+    /// What becomes of what that folder holds already.
+    pub existing: Existing,
     /// The format of the frames.
     pub format: RawFormat,
     /// The frames that are wanted.
@@ -30,7 +34,7 @@ pub struct RawFilmRequest<'r> {
 }
 
 /// Draws the raw frame of the scene's sensor for each frame of its film, and writes it with its page: `frame_00000.tiff` and
-/// `frame_00000.json`. Each is the frame that [`write_still`](super::write_still) writes at its instant.
+/// `frame_00000.json`. The folder's page, `frames.json`, lists them as it does the pictures of a film. Each is the frame that [`write_still`](super::write_still) writes at its instant.
 ///
 /// # Errors
 /// A scene without a sensor or with a simulator's time, instants at which the satellite is not known, a folder that cannot be written to.
@@ -57,17 +61,27 @@ pub fn write_raw_film(
     // Whether the satellite is known is found before the maps are loaded.
     at(wanted.start)?;
     at(wanted.end - 1)?;
-    let existing = match request.overwrite {
-        true => Existing::Overwrite,
-        false => Existing::Reject,
-    };
     let ending = request.format.ending();
-    let folder = FrameFolder::open(request.folder, frame_count, ending, existing);
-    let folder = folder.map_err(|error| match error {
-        // Raw frames are not resumed.
-        PlayError::Film(FilmError::NotEmpty { path }) => FilmError::RawNotEmpty { path }.into(),
-        other => other,
-    })?;
+    let folder = FrameFolder::open(request.folder, frame_count, ending, request.existing)?;
+    let [width, height] = table.size();
+    let film = FilmKey {
+        raw: Some(request.format),
+        ..FilmKey::new(scene, (width, height), PictureSettings::default())?
+    };
+    let mut kept = match request.existing {
+        Existing::Resume => FilmPage::read_kept(&folder, &film, frame_count, &wanted)?,
+        Existing::Reject | Existing::Overwrite => KeptFrames::default(),
+    };
+    // A frame is whole with its parameters.
+    let has_manifest = |index: &u64| folder.path(*index).with_extension("json").is_file();
+    kept.entries.retain(|index, _| has_manifest(index));
+    let lacking: Vec<u64> = wanted
+        .filter(|index| !kept.entries.contains_key(index))
+        .collect();
+    if lacking.is_empty() && !kept.is_cut {
+        progress.say("all raw frames are already there");
+        return Ok(());
+    }
 
     let features = GpuContext::FLOAT_TARGET;
     let gpu = pollster::block_on(GpuContext::open_with(request.adapter, features))?;
@@ -77,10 +91,20 @@ pub fn write_raw_film(
     options.light.detail = false;
     let mut painter = RawPainter::new(flight, gpu.clone(), options)?;
     progress.end();
-    let count = wanted.end - wanted.start;
+    let adapter = gpu.adapter.get_info().name;
+    if let Some(before) = kept.adapter.as_ref().filter(|name| **name != adapter) {
+        tracing::warn!(
+            "the raw frames that are kept were rendered by {}, the others will be rendered by {adapter}: they may differ slightly; --overwrite renders all again",
+            printable(before)
+        );
+    }
+    let start = scene.time.start;
+    let head = PageHead::new(scene, frame_epoch(&scene.time, 0), film, adapter);
+    let mut page = FilmPage::begin(&folder, &head, kept.entries)?;
+    let count = lacking.len() as u64;
     progress.begin("raw frames", Some(count));
     let mut missing = Vec::new();
-    for (done, index) in (0..).zip(wanted) {
+    for (done, index) in (0..).zip(lacking) {
         if progress.cancelled() {
             let wanted = Some(count);
             return Err(PlayError::Interrupted { done, wanted });
@@ -93,15 +117,22 @@ pub fn write_raw_film(
         let frame = painter.draw(flight, &seen, &moment)?;
         let file = RawFile::create(&folder.path(index))?;
         let manifest = frame.manifest(flight, &seen, &moment, file.target());
-        file.write(&frame.raw, &manifest)?;
+        let written = file.write(&frame.raw, &manifest)?;
+        // Raw frames have the exposure time of their sensor.
+        page.add(&FrameRecord {
+            file: folder.name(index),
+            bytes: written.len() as u64,
+            blake3: checksum(&written),
+            ..FrameRecord::new(index, start, moment.epoch, &moment.view, 0.0)
+        })?;
         missing.extend(frame.missing);
         progress.step();
     }
     progress.end();
+    page.finish()?;
     missing.sort();
     missing.dedup();
     warn_of_missing(&missing);
-    let [width, height] = table.size();
     progress.say(&format!(
         "{}: {} of {width} × {height} pixels, {:.1} s",
         request.folder.display(),

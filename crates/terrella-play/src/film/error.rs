@@ -11,9 +11,6 @@ pub enum FilmError {
     /// The folder holds something already.
     #[error("{}: is not empty; choose another folder, give --resume to resume the film in it, or --overwrite to replace frames in it", path.display())]
     NotEmpty { path: PathBuf },
-    /// A folder for raw frames that holds something already.
-    #[error("{}: is not empty; choose another folder, or give --overwrite to replace raw frames in it", path.display())]
-    RawNotEmpty { path: PathBuf },
     /// The folder holds something, and no film.
     #[error("{}: there is no film to resume: it contains files but no frames.json; choose another folder, or give --overwrite to replace frames in it", path.display())]
     NoFilm { path: PathBuf },

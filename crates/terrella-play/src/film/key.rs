@@ -3,6 +3,7 @@
 use super::error::FilmError;
 use super::settings::PictureSettings;
 use crate::error::PlayError;
+use crate::raw::RawFormat;
 use crate::scene::Scene;
 use crate::scene_files::{SceneFile, scene_files};
 use rayon::prelude::*;
@@ -35,6 +36,9 @@ pub struct FilmKey {
     pub size: [u32; 2],
     /// How they are made and kept.
     pub pictures: PictureSettings,
+    /// The format of raw frames; `None` of pictures.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub raw: Option<RawFormat>,
 }
 
 /// A file that pictures come from.
@@ -75,6 +79,7 @@ impl FilmKey {
             inputs,
             size: size.into(),
             pictures,
+            raw: None,
         })
     }
 
@@ -98,6 +103,11 @@ impl FilmKey {
                 "its images have {old_w} × {old_h} pixels, these {w} × {h}"
             ));
         }
+        words.extend(match (self.raw, found.raw) {
+            (Some(_), None) => Some("it has pictures and no raw frames".to_owned()),
+            (None, Some(_)) => Some("it has raw frames and no pictures".to_owned()),
+            (now, before) => (now != before).then(|| "it has another --raw-format".to_owned()),
+        });
         let options = self.pictures.differences(&found.pictures);
         words.extend(options.map(|name| format!("it was rendered with another {name}")));
         (!words.is_empty()).then(|| words.join("; "))
