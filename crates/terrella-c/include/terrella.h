@@ -124,6 +124,46 @@ typedef struct {
   size_t bytes;
 } TerrellaLayerBuffer;
 
+// Over which place passes are looked for, and when.
+typedef struct {
+  // Geodetic latitude (WGS84), degrees, −90 to 90.
+  double lat_deg;
+  // Longitude east, degrees, −360 to 360.
+  double lon_deg;
+  // Height above the ellipsoid, metres, −12 000 to 100 000.
+  double height_m;
+  // Elevation mask: how high above the horizon a pass begins and ends, degrees, 0 to 89.999.
+  double min_elevation_deg;
+  // Passes that are in progress at this instant or begin later.
+  TerrellaTime from;
+  // And that begin before this one.
+  TerrellaTime until;
+} TerrellaPassSearch;
+
+// A pass of a satellite. Azimuths count from north to east, degrees.
+typedef struct {
+  // When it rises above the mask; `from` where it stands above it then.
+  TerrellaTime begin;
+  // Azimuth then.
+  double begin_azimuth_deg;
+  // When it is highest.
+  TerrellaTime highest;
+  // Azimuth then.
+  double highest_azimuth_deg;
+  // Elevation then, degrees.
+  double elevation_deg;
+  // Distance then, metres.
+  double distance_m;
+  // When it sets; the end of what is known where it stands above the mask then.
+  TerrellaTime end;
+  // Azimuth then.
+  double end_azimuth_deg;
+  // Whether it rises at `begin`.
+  bool rises;
+  // Whether it sets at `end`.
+  bool sets;
+} TerrellaPass;
+
 // What a scene says of its pictures.
 typedef struct {
   // Width of pictures, pixels.
@@ -305,6 +345,18 @@ const char *terrella_status_name(uint32_t status);
 // # Safety
 // `options` has room.
 TerrellaStatus terrella_options_default(TerrellaOptions *options);
+
+// The passes of a satellite of a scene over a place, in their order, at most `capacity` of them; `count` gets how many were written. Where that is
+// `capacity` there may be more: search again from the last one's end. `index` counts from 0 in the scene's order.
+//
+// # Safety
+// `passes` has room for `capacity` passes, and `count` for a number.
+TerrellaStatus terrella_scene_passes(TerrellaScene *scene,
+                                     size_t index,
+                                     const TerrellaPassSearch *search,
+                                     TerrellaPass *passes,
+                                     size_t capacity,
+                                     size_t *count);
 
 // Writes a picture of `TERRELLA_RGBA8` to a PNG file, without its opacity. The file is complete or not there; one of that name is replaced.
 //

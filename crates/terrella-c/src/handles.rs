@@ -79,12 +79,12 @@ fn check<'t>(
 }
 
 /// Does something with what a handle stands for. Other threads that want the same wait.
-pub fn with<H, T: Send + 'static>(
+pub fn with<H, T: Send + 'static, R>(
     handle: *const H,
     kind: &'static str,
     name: &str,
-    work: impl FnOnce(&mut T) -> Result<(), Failure>,
-) -> Result<(), Failure> {
+    work: impl FnOnce(&mut T) -> Result<R, Failure>,
+) -> Result<R, Failure> {
     let value = {
         let table = table();
         let entry = check(&table, handle.addr(), kind, name)?;

@@ -11,6 +11,7 @@ use std::ffi::{c_char, c_void};
 use std::path::Path;
 use terrella::Drawing;
 use terrella::frames::Epoch;
+use terrella_orbit::{Feed, OrbitError};
 use terrella_play::scene::Scene;
 use terrella_play::{ScenePictures, take_starter_files};
 
@@ -126,29 +127,36 @@ pub unsafe extern "C" fn terrella_scene_satellite(
 ) -> TerrellaStatus {
     answer(|| {
         let epoch = time.epoch("time")?;
-        handles::with(scene, KIND, "scene", |pictures: &mut ScenePictures| {
-            let satellites = pictures.flight().satellites();
-            let satellite = satellites.get(index).ok_or_else(|| {
-                Failure::argument(format!("index: {index} is not below {}", satellites.len()))
-            })?;
-            let state = satellite.feed().state_at(epoch);
-            let state = state
-                .map_err(|error| Failure::new(TerrellaStatus::TERRELLA_SCENE, error.to_string()))?;
-            let itrf = state.in_itrf();
-            // SAFETY: the caller's promise: room for three numbers.
-            unsafe { write(position_m.cast(), "position_m", itrf.position_m.to_array()) }?;
-            if velocity_m_s.is_null() {
-                return Ok(());
-            }
-            // SAFETY: the same.
-            unsafe {
-                write(
-                    velocity_m_s.cast(),
-                    "velocity_m_s",
-                    itrf.velocity_m_s.to_array(),
-                )
-            }
-        })
+        let itrf = with_satellite(scene, index, |feed| Ok(feed.state_at(epoch)?.in_itrf()))?;
+        // SAFETY: the caller's promise: room for three numbers.
+        unsafe { write(position_m.cast(), "position_m", itrf.position_m.to_array()) }?;
+        if velocity_m_s.is_null() {
+            return Ok(());
+        }
+        // SAFETY: the same.
+        unsafe {
+            write(
+                velocity_m_s.cast(),
+                "velocity_m_s",
+                itrf.velocity_m_s.to_array(),
+            )
+        }
+    })
+}
+
+/// Asks a satellite of a scene.
+pub(crate) fn with_satellite<T>(
+    scene: *mut TerrellaScene,
+    index: usize,
+    work: impl FnOnce(&dyn Feed) -> Result<T, OrbitError>,
+) -> Result<T, Failure> {
+    handles::with(scene, KIND, "scene", |pictures: &mut ScenePictures| {
+        let satellites = pictures.flight().satellites();
+        let satellite = satellites.get(index).ok_or_else(|| {
+            Failure::argument(format!("index: {index} is not below {}", satellites.len()))
+        })?;
+        let answer = work(satellite.feed());
+        answer.map_err(|error| Failure::new(TerrellaStatus::TERRELLA_SCENE, error.to_string()))
     })
 }
 

@@ -195,6 +195,34 @@ int main(int argc, char **argv) {
     EXPECT(terrella_scene_satellite(scene, 0, info.start, position, NULL), TERRELLA_OK, "");
     EXPECT(terrella_scene_satellite(scene, info.satellites, info.start, position, NULL), TERRELLA_ARGUMENT, "index");
     EXPECT(terrella_scene_satellite(scene, 0, info.start, NULL, NULL), TERRELLA_NULL, "position_m");
+    TerrellaPassSearch search = {.lat_deg = 48.1, .lon_deg = 11.6, .height_m = 520, .min_elevation_deg = 10, .from = info.start, .until = info.start};
+    search.until.tai_s += 86400;
+    TerrellaPass passes[8];
+    size_t found = 0;
+    EXPECT(terrella_scene_passes(scene, 0, &search, passes, 8, &found), TERRELLA_OK, "");
+    /* A space station passes over Munich four to seven times a day. */
+    if (found < 4 || found > 7) {
+        fprintf(stderr, "%zu passes\n", found);
+        return 1;
+    }
+    for (size_t n = 0; n < found; n++) {
+        const TerrellaPass *pass = &passes[n];
+        int64_t rising_s = pass->highest.tai_s - pass->begin.tai_s, setting_s = pass->end.tai_s - pass->highest.tai_s;
+        if (rising_s < 0 || setting_s < 0 || rising_s + setting_s > 600 || !pass->rises || !pass->sets || pass->elevation_deg < 10 ||
+            pass->distance_m < 400e3 || pass->distance_m > 1800e3) {
+            fprintf(stderr, "pass %zu\n", n);
+            return 1;
+        }
+    }
+    EXPECT(terrella_scene_passes(scene, 0, &search, passes, 2, &found), TERRELLA_OK, "");
+    if (found != 2) {
+        return 1;
+    }
+    EXPECT(terrella_scene_passes(scene, 9, &search, passes, 8, &found), TERRELLA_ARGUMENT, "index");
+    EXPECT(terrella_scene_passes(scene, 0, &search, NULL, 8, &found), TERRELLA_NULL, "passes");
+    EXPECT(terrella_scene_passes(scene, 0, &search, passes, 8, NULL), TERRELLA_NULL, "count");
+    search.lat_deg = 91;
+    EXPECT(terrella_scene_passes(scene, 0, &search, passes, 8, &found), TERRELLA_ARGUMENT, "search.lat_deg");
     EXPECT(terrella_scene_free(scene), TERRELLA_OK, "");
     EXPECT(terrella_scene_free(scene), TERRELLA_HANDLE, "freed already");
 

@@ -1,0 +1,129 @@
+//! Passes of a scene's satellites over a place.
+
+use crate::failure::{Failure, TerrellaStatus, answer};
+use crate::pointers::{check_out, read, write};
+use crate::scene::{TerrellaScene, with_satellite};
+use crate::time::TerrellaTime;
+use terrella::frames::{Ellipsoid, Geodetic, Orientation};
+use terrella_orbit::{Feed, Observer, OrbitError, Pass, passes};
+
+/// Over which place passes are looked for, and when.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TerrellaPassSearch {
+    /// Geodetic latitude (WGS84), degrees, −90 to 90.
+    pub lat_deg: f64,
+    /// Longitude east, degrees, −360 to 360.
+    pub lon_deg: f64,
+    /// Height above the ellipsoid, metres, −12 000 to 100 000.
+    pub height_m: f64,
+    /// Elevation mask: how high above the horizon a pass begins and ends, degrees, 0 to 89.999.
+    pub min_elevation_deg: f64,
+    /// Passes that are in progress at this instant or begin later.
+    pub from: TerrellaTime,
+    /// And that begin before this one.
+    pub until: TerrellaTime,
+}
+
+/// A pass of a satellite. Azimuths count from north to east, degrees.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TerrellaPass {
+    /// When it rises above the mask; `from` where it stands above it then.
+    pub begin: TerrellaTime,
+    /// Azimuth then.
+    pub begin_azimuth_deg: f64,
+    /// When it is highest.
+    pub highest: TerrellaTime,
+    /// Azimuth then.
+    pub highest_azimuth_deg: f64,
+    /// Elevation then, degrees.
+    pub elevation_deg: f64,
+    /// Distance then, metres.
+    pub distance_m: f64,
+    /// When it sets; the end of what is known where it stands above the mask then.
+    pub end: TerrellaTime,
+    /// Azimuth then.
+    pub end_azimuth_deg: f64,
+    /// Whether it rises at `begin`.
+    pub rises: bool,
+    /// Whether it sets at `end`.
+    pub sets: bool,
+}
+
+/// The passes of a satellite of a scene over a place, in their order, at most `capacity` of them; `count` gets how many were written. Where that is
+/// `capacity` there may be more: search again from the last one's end. `index` counts from 0 in the scene's order.
+///
+/// # Safety
+/// `passes` has room for `capacity` passes, and `count` for a number.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn terrella_scene_passes(
+    scene: *mut TerrellaScene,
+    index: usize,
+    search: *const TerrellaPassSearch,
+    passes: *mut TerrellaPass,
+    capacity: usize,
+    count: *mut usize,
+) -> TerrellaStatus {
+    answer(|| {
+        check_out(count, "count")?;
+        // SAFETY: the caller's promise about its pointers, here and below.
+        let search = unsafe { read(search, "search") }?;
+        check_out(passes, "passes")?;
+        let (observer_place, mask_rad) = place(search)?;
+        let span = (
+            search.from.epoch("search.from")?,
+            search.until.epoch("search.until")?,
+        );
+        let written = with_satellite(scene, index, |feed| {
+            let still = |_| Orientation::default();
+            let observer = Observer::new(observer_place, &Ellipsoid::WGS84, mask_rad, &still);
+            let found = self::passes(feed, &observer, span.0, span.1);
+            let mut written = 0;
+            for pass in found.take(capacity) {
+                let pass = told(feed, &observer, &pass?)?;
+                // SAFETY: not null and aligned; there is room for `capacity` passes, of which this is none beyond the last.
+                unsafe { passes.add(written).write(pass) };
+                written += 1;
+            }
+            Ok(written)
+        })?;
+        // SAFETY: the same.
+        unsafe { write(count, "count", written) }
+    })
+}
+
+/// The place of a search, and its mask in radians.
+fn place(search: &TerrellaPassSearch) -> Result<(Geodetic, f64), Failure> {
+    for (name, value, least, most) in [
+        ("lat_deg", search.lat_deg, -90.0, 90.0),
+        ("lon_deg", search.lon_deg, -360.0, 360.0),
+        ("height_m", search.height_m, -12_000.0, 100_000.0),
+        ("min_elevation_deg", search.min_elevation_deg, 0.0, 89.999),
+    ] {
+        if !(least..=most).contains(&value) {
+            return Err(Failure::argument(format!(
+                "search.{name}: {value} is not from {least} to {most}"
+            )));
+        }
+    }
+    let place = Geodetic::from_degrees(search.lat_deg, search.lon_deg, search.height_m);
+    Ok((place, search.min_elevation_deg.to_radians()))
+}
+
+fn told(feed: &dyn Feed, observer: &Observer<'_>, pass: &Pass) -> Result<TerrellaPass, OrbitError> {
+    let angles = |epoch| Ok::<_, OrbitError>(observer.look_angles(&feed.state_at(epoch)?));
+    let highest = angles(pass.highest)?;
+    Ok(TerrellaPass {
+        begin: TerrellaTime::of(pass.begin),
+        begin_azimuth_deg: angles(pass.begin)?.azimuth_rad.to_degrees(),
+        highest: TerrellaTime::of(pass.highest),
+        highest_azimuth_deg: highest.azimuth_rad.to_degrees(),
+        elevation_deg: pass.elevation_rad.to_degrees(),
+        distance_m: highest.distance_m,
+        end: TerrellaTime::of(pass.end),
+        end_azimuth_deg: angles(pass.end)?.azimuth_rad.to_degrees(),
+        rises: pass.rises,
+        sets: pass.sets,
+    })
+}
