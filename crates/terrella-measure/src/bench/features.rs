@@ -6,7 +6,7 @@ use crate::frame_timer::milliseconds;
 use crate::{FrameTimer, median};
 use terrella::internals::gpu::{BcSupport, GpuContext};
 use terrella::internals::offscreen::target_bytes;
-use terrella::{Atmosphere, Bloom, EarthOptions, LightEffect, Shading};
+use terrella::{Atmosphere, Bloom, EarthOptions, Grain, LightEffect, Shading};
 use terrella_imagery::tile::MapLayer;
 use terrella_play::clock::frame_epoch;
 use terrella_play::scene::Scene;
@@ -28,6 +28,8 @@ pub(super) enum FeatureKind {
     Multisampling,
     Anisotropy,
     Bloom,
+    WhiteBalance,
+    Grain,
     /// A part of `[sky]`, by its key.
     Sky(&'static str),
     Tracks,
@@ -63,6 +65,8 @@ impl FeatureKind {
                 options.anisotropy > 1 && !gpu.is_software(),
             ),
             (Self::Bloom, options.bloom.strength > 0.0),
+            (Self::WhiteBalance, options.grade.white_balance.is_some()),
+            (Self::Grain, options.grade.grain.strength > 0.0),
         ] {
             if is_on {
                 kinds.push(kind);
@@ -94,6 +98,8 @@ impl FeatureKind {
             Self::Multisampling => "multisampling",
             Self::Anisotropy => "anisotropy",
             Self::Bloom => "bloom",
+            Self::WhiteBalance => "white_balance",
+            Self::Grain => "grain",
             Self::Sky(key) => key,
             Self::Tracks => "tracks",
         }
@@ -115,6 +121,8 @@ impl FeatureKind {
             Self::Multisampling => less.samples = 1,
             Self::Anisotropy => less.anisotropy = 1,
             Self::Bloom => less.bloom.strength = 0.0,
+            Self::WhiteBalance => less.grade.white_balance = None,
+            Self::Grain => less.grade.grain = Grain::NONE,
             // A pack is opened again: its tiles go with the map.
             Self::Map(layer) if less.tiles.is_some() => {
                 let mut scene = scene.clone();
