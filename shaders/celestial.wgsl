@@ -1,7 +1,7 @@
 // What is beyond the Earth: stars, the Milky Way, Sun and Moon, each pixel through the air before it.
 //
-// `CelestialVariant` in src/gpu/shader/celestial.rs says which conditions hold together: stars, milky_way, sun, moon or glare; air,
-// inside (of it); and those of common/displayed.wgsl.
+// `CelestialVariant` in src/gpu/shader/celestial.rs says which conditions hold together: stars, milky_way, sun, moon or glare; aperture
+// (in glare), map; air, inside (of it); and those of common/displayed.wgsl.
 //
 // Drawn after all of the Earth, at the farthest depth: what stands before the sky hides it, and its light is added to the air's. On
 // 8-bit targets what is shown of both is added, and not their light.
@@ -19,8 +19,8 @@ import common/displayed.wgsl;
 // |-------|---------|--------------------------|------------------|
 // | 0     | 0       | this                     | always           |
 // | 0     | 1 …     | common/air.wgsl          | air              |
-// | 1     | 0       | map                      | milky_way, moon  |
-// | 1     | 1       | its sampler              | milky_way, moon  |
+// | 1     | 0       | map, or pattern          | map              |
+// | 1     | 1       | its sampler              | map              |
 
 // Mirrored by `CelestialUniforms` in src/gpu/celestial.rs. Matrices stand by columns.
 struct CelestialUniforms {
@@ -62,8 +62,10 @@ struct CelestialUniforms {
     glare_bounds: vec4f,
     // Least depth of all.
     near_depth: f32,
-    padding_a: f32,
-    padding_b: vec2f,
+    // Part of the Sun's light that the aperture leaves in its disc.
+    sun_kept: f32,
+    // In sides of the diffraction pattern: a pixel, and the Sun's radius.
+    aperture: vec2f,
 }
 
 // A ball far away, seen from the eye. Its axes: z from the eye to its centre, x and y across.

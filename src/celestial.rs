@@ -41,7 +41,7 @@ use crate::gpu::{
     StarPoint,
 };
 use crate::plan::AirSide;
-use glam::{DVec3, Vec3, Vec4};
+use glam::{DVec3, Vec2, Vec3, Vec4};
 use projection::Projection;
 use seen::Seen;
 pub use stars::{Star, StarCatalogue, StarError};
@@ -49,6 +49,7 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 use terrella_frames::{Ellipsoid, Epoch, MOON_RADIUS_M, Observer, Orientation, SUN_RADIUS_M};
 use terrella_ground::air::TOP;
+use terrella_ground::light::DiffractionPattern;
 use terrella_imagery::LayerImage;
 
 /// A disc of a smaller radius is drawn as a point, pixels: its edge would be most of it.
@@ -70,6 +71,8 @@ pub struct CelestialOptions {
     pub moon: Option<Arc<LayerImage>>,
     /// Light of the Sun that lens and eye scatter about it.
     pub glare: bool,
+    /// With glare: the Sun's light that the lens's aperture diffracts, as spikes. That much less is in its disc.
+    pub aperture: Option<Arc<DiffractionPattern>>,
     /// How many times brighter than in truth stars and Milky Way are drawn, so that they show beside daylight.
     pub star_gain: f64,
     /// Whether that gain falls to 1, the truth, where the picture shows sunlit ground or air, as a camera exposed for it shows no stars.
@@ -87,6 +90,7 @@ impl CelestialOptions {
         sun: false,
         moon: None,
         glare: false,
+        aperture: None,
         star_gain: Self::STAR_GAIN,
         stars_fade_by_day: true,
     };
@@ -230,6 +234,7 @@ impl Pass {
             sun: options.sun,
             moon: options.moon.as_deref(),
             glare: options.glare,
+            aperture: options.aperture.as_deref(),
         };
         let air = self.air.as_ref();
         let mut drawable = CelestialDrawable::new(device, queue, self.format, &parts, air)?;
@@ -345,8 +350,9 @@ impl Celestial {
             seen.stars(shown, &projection, &ellipsoid, &mut self.points);
         }
         let stars = self.points.len() as u32;
+        let (aperture, sun_kept) = self.diffracted(moment.target, sun.radius_px);
         if self.options.sun && sun.radius_px < POINT_PX {
-            let light = Vec3::splat((PI * seen.sun_seen) as f32);
+            let light = Vec3::splat((PI * seen.sun_seen * sun_kept) as f32);
             self.points
                 .extend(projection.point(seen.sun_m.normalize_or_zero(), light));
         }
@@ -361,6 +367,8 @@ impl Celestial {
             frame: earth.exposed(view.uniforms(&ellipsoid)),
             glare_bounds: glare_bounds.map_or(Vec4::ZERO, Vec4::from),
             near_depth: near,
+            sun_kept: sun_kept as f32,
+            aperture,
             star_gain: gain as f32,
             milky_way_level: level(&self.options.milky_way, view.pixel_rad()),
             moon_level: level(&self.options.moon, moon.radius_px.max(1e-9).recip()),
@@ -390,6 +398,20 @@ impl Celestial {
             triangles: 2 * (self.points.len() as u32 + draw_calls),
             uploaded_bytes,
         }
+    }
+
+    /// A pixel and the Sun's radius in sides of the aperture's pattern, and the part of the Sun's light that it leaves in the disc.
+    fn diffracted(&self, target: Viewport, sun_radius_px: f64) -> (Vec2, f64) {
+        let pattern = self.options.aperture.as_ref();
+        let Some(pattern) = pattern.filter(|_| self.options.glare) else {
+            return (Vec2::ZERO, 1.0);
+        };
+        let height_px = f64::from(target.size.1);
+        let pixel = pattern.aperture().pattern_sides_a_pixel(height_px);
+        let radius = pixel * sun_radius_px;
+        let radius_px = radius * f64::from(DiffractionPattern::SIDE_PX);
+        let sides = Vec2::new(pixel as f32, radius as f32);
+        (sides, 1.0 - pattern.diffracted(radius_px))
     }
 
     /// How many times brighter than in truth stars are drawn in a view.

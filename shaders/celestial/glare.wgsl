@@ -1,5 +1,6 @@
 // Light of the Sun that lens and eye scatter about it, over all that is in the picture.
 import rust::{GLARE_RADIUS_RAD, PI};
+@if(aperture) import rust::{APERTURE_FADING, APERTURE_SCALES, SUN_PLACE, SUN_PLACES, SUN_RADIUS_RAD};
 
 // Light about a source at an angle θ in degrees is 10/θ² for its light on the eye, in a young eye (Stiles and Holladay; CIE 112): so
 // much of it a good lens has. Nearer than the core it does not mount.
@@ -28,7 +29,41 @@ fn fragment(in: Varying) -> @location(0) vec4f {
     let edge = degrees(GLARE_RADIUS_RAD) * degrees(GLARE_RADIUS_RAD);
     // Nothing at the edge, without a step.
     let shape = select(0.0, 1.0 / (squared + core) - 1.0 / (edge + core), ray.z > 0.0);
-    return added(PI * GLARE * max(shape, 0.0) * in.light, 0.0);
+    var light = PI * GLARE * max(shape, 0.0) * in.light;
+    @if(aperture) light += PI * diffracted(in.clip.xy - sun_px(), radians(radians(squared))) * in.light;
+    return added(light, 0.0);
+}
+
+// Light that the aperture sends into a solid angle at this distance from the Sun, and this squared angle, of its light on the eye.
+// `DiffractionPattern` in crates/terrella-ground/src/light/aperture.rs is the pattern.
+@if(aperture)
+fn diffracted(off_px: vec2f, squared_rad: f32) -> vec3f {
+    let at = sky.aperture.x * off_px;
+    // Spikes have faded there, to exp(-8).
+    if dot(at, at) > 0.3 {
+        return vec3f(0.0);
+    }
+    let radius = SUN_PLACE * sky.aperture.y;
+    let side = f32(textureDimensions(body_map).x);
+    let level = log2(max(side * radius, 1.0));
+    var sum = vec3f(0.0);
+    for (var n = 0u; n < SUN_PLACES; n++) {
+        let turn = (f32(n) + 0.5) * 2.0 * PI / f32(SUN_PLACES);
+        let place = at + radius * vec2f(cos(turn), sin(turn));
+        sum.r += pattern(place * APERTURE_SCALES.r, side, level);
+        sum.g += pattern(place * APERTURE_SCALES.g, side, level);
+        sum.b += pattern(place * APERTURE_SCALES.b, side, level);
+    }
+    // On the disc as much as at its edge.
+    return exp(-APERTURE_FADING * dot(at, at)) * sum / f32(SUN_PLACES) / max(squared_rad, SUN_RADIUS_RAD * SUN_RADIUS_RAD);
+}
+
+// The pattern at a distance from its core, which is in the middle of a texel.
+@if(aperture)
+fn pattern(off: vec2f, side: f32, level: f32) -> f32 {
+    let at = 0.5 + 0.5 / side + off;
+    let value = textureSampleLevel(body_map, body_sampler, at, level).r;
+    return select(0.0, value, all(abs(off) < vec2f(0.5)));
 }
 
 // The pixel of the Sun's centre: there the rays across are 0.

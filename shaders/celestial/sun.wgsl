@@ -20,5 +20,5 @@ fn fragment(@builtin(position) clip: vec4f) -> @location(0) vec4f {
     // A white sheet that faces it is 1: π over the solid angle of its disc.
     let light = sky.sun.distance * sky.sun.distance * shape * covered(sky.sun, met);
     let moon = 1.0 - covered(sky.moon, meet(sky.moon, clip.xy));
-    return added(light * moon * through_all(clip.xy), 0.0);
+    return added(sky.sun_kept * light * moon * through_all(clip.xy), 0.0);
 }

@@ -7,6 +7,8 @@ use super::{
 use crate::plan::{AirSide, FrameUniforms};
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3, Vec4};
+use terrella_ground::half::half_bits;
+use terrella_ground::light::DiffractionPattern;
 use terrella_imagery::LayerImage;
 
 /// `Disc` of `shaders/celestial.wgsl`.
@@ -76,10 +78,10 @@ pub struct CelestialUniforms {
     pub glare_bounds: Vec4,
     /// Least depth of all.
     pub near_depth: f32,
-    /// Fills the row.
-    pub padding_a: f32,
-    /// Fills the struct to its size.
-    pub padding_b: Vec2,
+    /// The part of the Sun's light that the aperture leaves in its disc.
+    pub sun_kept: f32,
+    /// In sides of the diffraction pattern: a pixel, and the Sun's radius.
+    pub aperture: Vec2,
 }
 
 /// A star on screen.
@@ -103,6 +105,8 @@ pub(crate) struct CelestialParts<'m> {
     pub sun: bool,
     pub moon: Option<&'m LayerImage>,
     pub glare: bool,
+    /// What the lens's aperture adds to that.
+    pub aperture: Option<&'m DiffractionPattern>,
 }
 
 /// Pipelines, maps and buffers.
@@ -172,15 +176,21 @@ impl CelestialDrawable {
             if !is_wanted {
                 continue;
             }
-            let map = map.map(|image| {
-                let label = format!("terrella {}", kind.name());
-                let texture = GpuLayer::upload(device, queue, &label, image, false);
+            let label = format!("terrella {}", kind.name());
+            let pattern = parts.aperture.filter(|_| kind == CelestialKind::Glare);
+            let texture = match (map, pattern) {
+                (Some(image), _) => Some(GpuLayer::upload(device, queue, &label, image, false)),
+                (None, Some(pattern)) => Some(upload_pattern(device, queue, &label, pattern)),
+                (None, None) => None,
+            };
+            let map = texture.map(|texture| {
                 texture_bytes += texture.bytes;
                 bind_map(device, &label, &texture)
             });
             for air in sides.iter().copied() {
                 let target = format.target_color();
-                let source = CelestialVariant { kind, target, air }.source()?;
+                let has_map = map.is_some();
+                let source = CelestialVariant::new(kind, has_map, target, air).source()?;
                 shader_bytes += source.text.len() as u64;
             }
             layers.push(Layer {
@@ -224,11 +234,9 @@ impl CelestialDrawable {
         if layer.pipelines[side].is_some() {
             return Ok(());
         }
-        let variant = CelestialVariant {
-            kind: layer.kind,
-            target: self.format.target_color(),
-            air: AirSide::of_air(self.layouts.len() > 1)[side],
-        };
+        let target = self.format.target_color();
+        let air = AirSide::of_air(self.layouts.len() > 1)[side];
+        let variant = CelestialVariant::new(layer.kind, layer.map.is_some(), target, air);
         let shader = ShaderModule::new(&self.device, &variant)?;
         let map_layout = layer.map.as_ref().map(|(layout, _)| Some(layout));
         let groups: Vec<_> = std::iter::once(Some(layout)).chain(map_layout).collect();
@@ -383,6 +391,54 @@ fn bindings<'a>(
         bindings.extend(air.bindings(side));
     }
     bindings
+}
+
+/// The pattern of an aperture with its mip levels, in half floats.
+fn upload_pattern(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    label: &str,
+    pattern: &DiffractionPattern,
+) -> GpuLayer {
+    let extent = |side| wgpu::Extent3d {
+        width: side,
+        height: side,
+        depth_or_array_layers: 1,
+    };
+    let levels = pattern.levels();
+    let texture = device.create_texture(&wgpu::TextureDescriptor {
+        label: Some(label),
+        size: extent(DiffractionPattern::SIDE_PX),
+        mip_level_count: levels.len() as u32,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::R16Float,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+        view_formats: &[],
+    });
+    let mut bytes = 0;
+    for (mip_level, level) in (0..).zip(levels) {
+        let side = DiffractionPattern::SIDE_PX >> mip_level;
+        let texels: Vec<u16> = level.iter().map(|value| half_bits(*value)).collect();
+        let texels: &[u8] = bytemuck::cast_slice(&texels);
+        bytes += texels.len() as u64;
+        let target = wgpu::TexelCopyTextureInfo {
+            texture: &texture,
+            mip_level,
+            origin: wgpu::Origin3d::ZERO,
+            aspect: wgpu::TextureAspect::All,
+        };
+        let layout = wgpu::TexelCopyBufferLayout {
+            offset: 0,
+            bytes_per_row: Some(2 * side),
+            rows_per_image: None,
+        };
+        queue.write_texture(target, texels, layout, extent(side));
+    }
+    GpuLayer {
+        view: super::view(&texture),
+        bytes,
+    }
 }
 
 /// Group 1, its layout first: a map that goes round.

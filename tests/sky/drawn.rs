@@ -7,7 +7,9 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 use terrella::celestial::{Celestial, CelestialMoment, CelestialOptions, StarCatalogue};
 use terrella::frames::{Ellipsoid, Epoch, Geodetic, Observer, Orientation};
-use terrella::{Atmosphere, Earth, EarthOptions, EyeView, LayerImage, Pipelines};
+use terrella::{
+    Aperture, Atmosphere, DiffractionPattern, Earth, EarthOptions, EyeView, LayerImage, Pipelines,
+};
 
 const DATE: &str = "2018-01-20T21:00:00Z";
 
@@ -195,6 +197,57 @@ fn sun_and_moon_give_the_light_that_they_give() {
     println!("Moon: full {full:e} for {expected:e}, eclipsed {eclipsed:e}");
     assert!((0.8..1.3).contains(&(full / expected)), "{full}");
     assert!(eclipsed < 1e-3 * full, "{eclipsed}");
+}
+
+/// What the aperture sends to spikes is lacking in the disc, and arrives outside of it.
+#[test]
+fn an_aperture_moves_light_from_the_disc_to_spikes() {
+    let size = (256, 256);
+    let mut rig = Rig::of_light(&bare_earth(), size);
+    let eye = above(0.0, 75.0, 35_786e3);
+    let epoch = utc(DATE);
+    let observer = Observer::at_rest(epoch, &Orientation::default(), eye);
+    let view = EyeView::itrf(eye, observer.sun_m(), DVec3::Z, 12_f64.to_radians(), 1.0);
+    let mut light = |aperture: Option<Aperture>| {
+        let sun = CelestialOptions {
+            sun: true,
+            glare: true,
+            aperture: aperture.map(|aperture| Arc::new(DiffractionPattern::new(aperture))),
+            ..CelestialOptions::NOTHING
+        };
+        drawn(&mut rig, &sun, &view, epoch, size)
+    };
+    let round = light(None);
+    let spiked = light(Some(Aperture {
+        blades: 6,
+        f_number: 16.0,
+        dust: 0.0,
+    }));
+    let power = |light: &[[f32; 4]]| measured(light, &view, size).1;
+    let lost: f64 = {
+        let disc = |light: &[[f32; 4]]| {
+            let bright = light.iter().zip(&round).filter(|(_, round)| round[1] > 1e3);
+            bright.map(|(texel, _)| f64::from(texel[1])).sum::<f64>()
+        };
+        1.0 - disc(&spiked) / disc(&round)
+    };
+    let gained = power(&spiked) / power(&round) - 1.0;
+    println!("lost by the disc {lost:.5}, gained by the picture {gained:.5}");
+    // Within the disc's edge some of it comes back.
+    assert!((0.0005..0.02).contains(&lost), "{lost}");
+    assert!(gained.abs() < 0.2 * lost, "{gained} of {lost}");
+    // Spikes leave the Sun six ways: along a circle there are light and dark.
+    let along = |light: &[[f32; 4]]| {
+        let ring = (0..360).map(|degrees| {
+            let (sin, cos) = f64::from(degrees).to_radians().sin_cos();
+            let place = |part: f64| (128.0 + 40.0 * part) as usize;
+            light[place(sin) * 256 + place(cos)][1]
+        });
+        let (least, most) = ring.fold((f32::MAX, 0.0_f32), |(a, b), v| (a.min(v), b.max(v)));
+        most / least
+    };
+    let (with, without) = (along(&spiked), along(&round));
+    assert!(with > 3.0 && without < 1.2, "{with} {without}");
 }
 
 #[test]

@@ -16,6 +16,7 @@ fn all() -> CelestialOptions {
         sun: true,
         moon: grey_moon(),
         glare: true,
+        aperture: None,
         star_gain: 1e5,
         stars_fade_by_day: false,
     }

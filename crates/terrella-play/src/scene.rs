@@ -48,6 +48,7 @@ mod globe_keys;
 mod grade;
 mod keys;
 mod layers;
+mod lens;
 mod live;
 mod many;
 mod meaning;
@@ -80,6 +81,7 @@ use error::MAX_FILE_BYTES;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use terrella_files as files;
+use terrella_ground::light::Aperture;
 
 use record::{KeyText, Record};
 use settings::SetText;
@@ -136,6 +138,8 @@ pub struct Scene {
     pub earth: EarthTable,
     /// `[sky]`
     pub sky: SkyTable,
+    /// `[lens]`: the aperture, where its diffraction is drawn.
+    pub aperture: Option<Aperture>,
     /// Each `[[caption]]`.
     pub captions: Vec<CaptionTable>,
     /// `[output]`

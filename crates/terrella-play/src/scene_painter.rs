@@ -151,10 +151,13 @@ impl ScenePainter {
         Ok(())
     }
 
-    /// The same without one part of it, by its key.
+    /// The same without one part of it, by its key; without "aperture" the Sun has no spikes.
     pub fn show_sky_without(&mut self, flight: &Flight, part: &str) -> Result<(), PlayError> {
         let mut scene = flight.scene().clone();
-        scene.sky.switch_off(part);
+        match part {
+            "aperture" => scene.aperture = None,
+            part => scene.sky.switch_off(part),
+        }
         self.sky = SkyLayer::of_scene(&scene, flight, &self.gpu, &self.earth)?;
         Ok(())
     }

@@ -5,6 +5,7 @@ use super::maps::DroppedLayer;
 use crate::scene::Scene;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use terrella::DiffractionPattern;
 use terrella::celestial::{CelestialOptions, StarCatalogue};
 use terrella_imagery::{LayerImage, find_textures, load_color_map};
 
@@ -88,9 +89,12 @@ pub(super) fn read(
         dropped.push(DroppedLayer { layer, missing });
         Ok(())
     };
+    let aperture = scene.aperture.filter(|_| depth == Reading::Whole);
+    let aperture = aperture.map(|aperture| Arc::new(DiffractionPattern::new(aperture)));
     let mut options = CelestialOptions {
         sun: sky.sun,
         glare: sky.glare,
+        aperture,
         star_gain: sky.star_gain,
         stars_fade_by_day: sky.stars_fade_by_day,
         ..CelestialOptions::NOTHING

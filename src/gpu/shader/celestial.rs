@@ -1,6 +1,6 @@
 //! Variants of the shader of what is beyond the Earth.
 
-use super::variant::{ShaderVariant, TargetColor};
+use super::variant::{SWITCH, ShaderVariant, TargetColor};
 use crate::plan::AirSide;
 
 /// What a shader of stars, Sun and Moon is made of.
@@ -12,6 +12,25 @@ pub struct CelestialVariant {
     pub target: TargetColor,
     /// The air before it, and where the eye is.
     pub air: Option<AirSide>,
+    /// Of glare: with the diffraction pattern of an aperture.
+    pub aperture: bool,
+}
+
+impl CelestialVariant {
+    /// `has_map` where a texture is bound: of glare it is the pattern of an aperture.
+    pub fn new(
+        kind: CelestialKind,
+        has_map: bool,
+        target: TargetColor,
+        air: Option<AirSide>,
+    ) -> Self {
+        Self {
+            kind,
+            target,
+            air,
+            aperture: has_map && kind == CelestialKind::Glare,
+        }
+    }
 }
 
 /// What is beyond the Earth, each with a shader of its own.
@@ -57,7 +76,13 @@ impl ShaderVariant for CelestialVariant {
         let mut all = Vec::new();
         for kind in CelestialKind::ALL {
             for air in AirSide::OR_NONE {
-                all.extend(TargetColor::USUAL.map(|target| Self { kind, target, air }));
+                for has_map in SWITCH {
+                    let variants = TargetColor::USUAL.into_iter();
+                    let variants = variants.map(|target| Self::new(kind, has_map, target, air));
+                    // Others have a map always or never.
+                    let is_own = !has_map || kind == CelestialKind::Glare;
+                    all.extend(variants.filter(|_| is_own));
+                }
             }
         }
         all
@@ -67,8 +92,9 @@ impl ShaderVariant for CelestialVariant {
         let mut conditions = vec![
             (
                 "map",
-                matches!(self.kind, CelestialKind::MilkyWay | CelestialKind::Moon),
+                matches!(self.kind, CelestialKind::MilkyWay | CelestialKind::Moon) || self.aperture,
             ),
+            ("aperture", self.aperture),
             ("air", self.air.is_some()),
             ("inside", self.air == Some(AirSide::Inside)),
             // Of light through the air, not of light in it.

@@ -12,7 +12,7 @@ use std::f64::consts::PI;
 use terrella_frames::{MOON_RADIUS_M, SUN_RADIUS_M, SUN_RADIUS_RAD};
 use terrella_ground::air::{self, TableSize};
 use terrella_ground::globe::{BLOCK_COUNT, COLUMNS, ROWS};
-use terrella_ground::light::{self, Bloom, agx};
+use terrella_ground::light::{self, Bloom, DiffractionPattern, agx};
 use terrella_imagery::tile::{MAP_LAYERS, MapLayer, TILE_BORDER};
 use terrella_imagery::{
     CLOUD_ALBEDO, CityLight, DETAIL_MEAN, DETAIL_STEP, FLOOR_SEEN_M, LAMP_COLOR, NEIGHBOURHOODS,
@@ -61,6 +61,9 @@ const SEA_REFLECTANCE: f64 = {
 
 /// Angle from the Sun within which its glare is drawn, radians.
 pub(crate) const GLARE_RADIUS_RAD: f64 = 0.25;
+/// Of the diffraction pattern, by channel.
+const APERTURE_SCALES: DVec3 = DVec3::from_array(DiffractionPattern::SCALES);
+const APERTURE_FADING: DVec3 = DVec3::from_array(DiffractionPattern::FADING);
 /// Radiance of the Milky Way's map where it is 1, and of the sky where it is 0 (23.5 magnitudes a square arc second), a white sheet that
 /// faces the Sun in space being 1; see `textures/SOURCES.md`.
 const MILKY_WAY_LIGHT: f64 = 3.097e-8;
@@ -111,6 +114,10 @@ const SHARED: &[(&str, Value)] = &[
     ("SUN_RADIUS_RAD", F32(SUN_RADIUS_RAD)),
     ("MOON_PER_SUN", F32(MOON_RADIUS_M / SUN_RADIUS_M)),
     ("GLARE_RADIUS_RAD", F32(GLARE_RADIUS_RAD)),
+    ("APERTURE_SCALES", Vec3(APERTURE_SCALES)),
+    ("SUN_PLACES", U32(light::SUN_PLACES)),
+    ("SUN_PLACE", F32(light::SUN_PLACE)),
+    ("APERTURE_FADING", Vec3(APERTURE_FADING)),
     ("MILKY_WAY_LIGHT", F32(MILKY_WAY_LIGHT)),
     ("MILKY_WAY_FLOOR", F32(MILKY_WAY_FLOOR)),
     ("LUMINANCE", Vec3(air::LUMINANCE)),

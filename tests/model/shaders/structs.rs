@@ -125,7 +125,9 @@ fn structs_match_the_shaders() {
             moon_to_earth,
             earth_radius,
             glare_bounds,
-            near_depth
+            near_depth,
+            sun_kept,
+            aperture
         ]
     );
     check!(

@@ -10,6 +10,7 @@
 //! | `meter.rs` | the exposure that a view asks for |
 //! | `display_slope.rs` | how steeply those curves rise |
 //! | `bloom.rs` | light that a lens scatters before that |
+//! | `aperture.rs` | light that its aperture diffracts |
 //! | `srgb.rs` | encoding of display values |
 //! | `tone.rs` | tone curves, the shaders' twins |
 //! | `agx.rs` | one of them |
@@ -19,6 +20,7 @@
 //! | `response_text.rs` | their files |
 
 pub mod agx;
+mod aperture;
 mod bloom;
 mod display_slope;
 mod exposure;
@@ -32,6 +34,7 @@ mod srgb;
 mod tone;
 mod white_balance;
 
+pub use aperture::{Aperture, DiffractionPattern, SUN_PLACE, SUN_PLACES};
 pub use bloom::Bloom;
 pub use display_slope::DisplaySlope;
 pub use exposure::{Adaptation, Exposure, exposure_factor};

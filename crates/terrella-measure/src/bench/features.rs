@@ -30,7 +30,7 @@ pub(super) enum FeatureKind {
     Bloom,
     WhiteBalance,
     Grain,
-    /// A part of `[sky]`, by its key.
+    /// A part of `[sky]`, by its key, or the aperture of `[lens]`.
     Sky(&'static str),
     Tracks,
 }
@@ -77,6 +77,9 @@ impl FeatureKind {
             sky.filter(|(_, is_on)| *is_on)
                 .map(|(key, _)| Self::Sky(key)),
         );
+        if flight.scene().aperture.is_some() {
+            kinds.push(Self::Sky("aperture"));
+        }
         if TracksLayer::is_wanted(flight) {
             kinds.push(Self::Tracks);
         }

@@ -28,6 +28,7 @@ pub(super) fn check(source: SceneText<'_>, raw: RawScene) -> Result<Scene, Scene
     let camera = source.camera(&raw.camera, !orbits.is_empty(), sensor.as_ref())?;
     let earth = source.earth(&raw.earth)?;
     let sky = source.sky(&raw.sky, &earth)?;
+    let aperture = source.aperture(&raw.lens, &sky)?;
     let time = source.time(&raw.time)?;
     if orbits.is_empty() && camera.mode != CameraMode::Geodetic {
         // The space station, whose elements are built in.
@@ -78,6 +79,7 @@ pub(super) fn check(source: SceneText<'_>, raw: RawScene) -> Result<Scene, Scene
         ("sensor", raw.sensor.record(source)),
         ("earth", raw.earth.record(source)),
         ("sky", raw.sky.record(source)),
+        ("lens", raw.lens.record(source)),
         ("output", raw.output.record(source)),
         ("quality", raw.quality.record(source)),
     ];
@@ -112,6 +114,7 @@ pub(super) fn check(source: SceneText<'_>, raw: RawScene) -> Result<Scene, Scene
         sensor,
         earth,
         sky,
+        aperture,
         captions,
         output,
         quality,

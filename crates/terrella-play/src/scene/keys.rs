@@ -8,6 +8,7 @@ use super::choices::{OrbitSource, OrbitSource::*};
 use super::craft::{AttitudeName, ModelAxes};
 use super::field::{Bounds, Choice, Field, RawCameraKey, RawDatedMaps, RawPath, RawTone};
 use super::globe_keys::{RawGeojson, RawLayers, RawStation};
+use super::lens::RawLens;
 use super::record::{Notes, Record};
 use super::sensor_keys::RawSensor;
 #[cfg(test)]
@@ -555,6 +556,7 @@ pub(super) struct RawScene {
     pub(super) sensor: RawSensor,
     pub(super) earth: RawEarth,
     pub(super) sky: RawSky,
+    pub(super) lens: RawLens,
     pub(super) caption: OneOrMore<RawCaption>,
     pub(super) output: RawOutput,
     pub(super) quality: RawQuality,
@@ -572,6 +574,7 @@ pub(super) const TABLES: &[Table] = &[
     RawSensor::TABLE,
     RawEarth::TABLE,
     RawSky::TABLE,
+    RawLens::TABLE,
     RawCaption::TABLE,
     RawOutput::TABLE,
     RawQuality::TABLE,

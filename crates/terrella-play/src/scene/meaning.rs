@@ -131,6 +131,11 @@ const KEYS: &[(&str, &str, &[&str])] = &[
     ("sky", "milky_way", &["galaxy"]),
     ("sky", "glare", &["bloom", "flare", "lens_flare"]),
     (
+        "lens",
+        "blades",
+        &["aperture_blades", "spikes", "starburst"],
+    ),
+    (
         "output",
         "size",
         &["dimensions", "height", "resolution", "width"],
@@ -172,6 +177,7 @@ const TABLES: &[(&str, &[&str])] = &[
     ("camera", &["eye", "view"]),
     ("earth", &["globe", "imagery", "planet", "terrain"]),
     ("sky", &["background", "stars"]),
+    ("lens", &["aperture", "optics"]),
     ("output", &["image", "picture", "render", "video", "window"]),
     ("quality", &["performance"]),
 ];

@@ -1,0 +1,390 @@
+//! The diffraction of a lens's aperture: the spikes about the Sun.
+//!
+//! The Fraunhofer pattern of an aperture is the Fourier transform of its autocorrelation, the optical transfer function (Goodman, Introduction
+//! to Fourier Optics, 6.3). Far from the core only small lags count, so that these are transformed alone, and finely: the result is the pattern
+//! averaged over a few widths of its speckle, out to a thousand of them. Lengths on the sensor are in λN, wavelength times f-number, and
+//! lags in diameters of the aperture, the circle through its corners.
+
+use std::f64::consts::{PI, TAU};
+use std::ops::RangeInclusive;
+
+/// Pixels of the pattern along a side, and λN along a pixel.
+const SIDE: usize = 512;
+const PIXEL: f64 = 4.0;
+/// Standard deviation of the window on lags: it averages the pattern over 1.4 pixels.
+const WINDOW: f64 = 1.0 / 36.0;
+/// Within this many pixels the pattern is the core's, blurred by that: there it is taken to go on as at this distance.
+const CORE_PX: f64 = 6.0;
+/// The Sun's light is taken from so many places on its disc, at this part of its radius.
+pub const SUN_PLACES: u32 = 6;
+pub const SUN_PLACE: f64 = 0.7;
+/// Diameter of a speck of dust, in diameters of the aperture.
+const SPECK: f64 = 1.0 / 100.0;
+/// Step of lags. The aperture's edges are blurred by as much, standard deviation, so that at a distance of ρ of the pattern's sides spikes fade
+/// by exp(−2π²ρ²) and none is folded back from beyond.
+const LAG: f64 = 1.0 / (SIDE as f64 * PIXEL);
+
+/// The aperture of a lens.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Aperture {
+    /// Blades, which make a regular polygon.
+    pub blades: u32,
+    /// Focal length over diameter.
+    pub f_number: f64,
+    /// Part of it that specks of dust cover. What they diffract is a corona about the source.
+    pub dust: f64,
+}
+
+/// Its diffraction pattern.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DiffractionPattern {
+    aperture: Aperture,
+    /// Mip levels: energy in a unit of area times the square of the distance from the core, which no unit of length changes.
+    levels: Vec<Vec<f32>>,
+    /// The mean of the first level about the core, by pixels from it.
+    profile: Vec<f64>,
+}
+
+impl Aperture {
+    /// Of [`Self::blades`].
+    pub const BLADES: RangeInclusive<i64> = 3..=18;
+    /// Of [`Self::f_number`].
+    pub const F_NUMBERS: RangeInclusive<f64> = 1.0..=64.0;
+    /// Of [`Self::dust`]: more would be a veil that no lens has.
+    pub const DUSTS: RangeInclusive<f64> = 0.0..=0.005;
+    /// Wavelengths of red, green and blue, nanometres.
+    pub const WAVELENGTHS_NM: [f64; 3] = [610.0, 550.0, 455.0];
+    /// Height of the sensor, of which the picture's is the image, millimetres: that of 35 mm film.
+    pub const SENSOR_HEIGHT_MM: f64 = 24.0;
+
+    /// The part of the pattern's side that a pixel of a picture this high is, in green light.
+    pub fn pattern_sides_a_pixel(&self, height_px: f64) -> f64 {
+        let side_mm = Self::WAVELENGTHS_NM[1] * 1e-6 * self.f_number * PIXEL * SIDE as f64;
+        Self::SENSOR_HEIGHT_MM / (height_px * side_mm)
+    }
+
+    /// The optical transfer function at a lag: the part that the aperture has in common with itself, moved so far.
+    fn transfer(&self, x: f64, y: f64) -> f64 {
+        let count = f64::from(self.blades);
+        let turn = TAU / count;
+        let (apothem, (sin, cos)) = (0.5 * (PI / count).cos(), turn.sin_cos());
+        // Each edge is moved inwards by what its copy is.
+        let moved = |edge: u32| {
+            let (sin, cos) = (turn * (f64::from(edge) + 0.5)).sin_cos();
+            blurred_ramp(x * cos + y * sin)
+        };
+        let length = 2.0 * 0.5 * (PI / count).sin();
+        let areas = (0..self.blades).map(|edge| {
+            let own = moved(edge);
+            let beside = moved(edge + 1) + moved(edge + self.blades - 1);
+            (length - (beside - 2.0 * own * cos) / sin).max(0.0) * (apothem - own).max(0.0)
+        });
+        let overlap = areas.sum::<f64>() / (count * length * apothem);
+        // Specks lie anywhere: they dim the aperture's own pattern and add theirs, that of discs.
+        let apart = (x.hypot(y) / SPECK).min(1.0);
+        let disc = (apart.acos() - apart * (1.0 - apart * apart).sqrt()) * 2.0 / PI;
+        (1.0 - self.dust) * overlap + self.dust * disc
+    }
+}
+
+impl DiffractionPattern {
+    /// Computes it, once for all pictures of a lens.
+    pub fn new(aperture: Aperture) -> Self {
+        // Places on both sides of 0, which comes first.
+        let place = |n: usize| match n < SIDE / 2 {
+            true => n as f64,
+            false => n as f64 - SIDE as f64,
+        };
+        let mut grid: Vec<[f64; 2]> = Vec::with_capacity(SIDE * SIDE);
+        for y in 0..SIDE {
+            for x in 0..SIDE {
+                let (x, y) = (place(x) * LAG, place(y) * LAG);
+                let window = (-0.5 * (x * x + y * y) / (WINDOW * WINDOW)).exp();
+                grid.push([aperture.transfer(x, y) * window, 0.0]);
+            }
+        }
+        transform_rows(&mut grid);
+        transpose(&mut grid);
+        transform_rows(&mut grid);
+        // The core is moved to the middle, on a corner of four pixels as far as one can tell.
+        let mut first = vec![0.0; SIDE * SIDE];
+        for (index, [energy, _]) in grid.iter().enumerate() {
+            let (x, y) = (place(index % SIDE), place(index / SIDE));
+            // Of a real aperture's autocorrelation the transform is real and not negative, but for rounding.
+            let flat = energy.max(0.0) * LAG * LAG * (x.hypot(y) * PIXEL).powi(2);
+            let column = (x + (SIDE / 2) as f64) as usize;
+            let row = (y + (SIDE / 2) as f64) as usize;
+            first[row * SIDE + column] = flat as f32;
+        }
+        without_core(&mut first);
+        let profile = profile(&first);
+        let mut levels = vec![first];
+        while let Some(finer) = levels.last().filter(|level| level.len() > 64) {
+            levels.push(halved(finer));
+        }
+        Self {
+            aperture,
+            levels,
+            profile,
+        }
+    }
+
+    /// What it is of.
+    pub fn aperture(&self) -> &Aperture {
+        &self.aperture
+    }
+
+    /// Pixels along a side of the first level.
+    pub const SIDE_PX: u32 = SIDE as u32;
+    /// Sizes of green light's pattern in those of red, green and blue light's.
+    pub const SCALES: [f64; 3] = {
+        let [red, green, blue] = Aperture::WAVELENGTHS_NM;
+        [green / red, 1.0, green / blue]
+    };
+    /// What the light of each band is to be faded by besides, so that spikes have no coloured ends: exp(−this·ρ²), at a distance of ρ sides of
+    /// green light's pattern.
+    pub const FADING: [f64; 3] = {
+        let [red, green, blue] = Self::SCALES;
+        let most = blue * blue;
+        let factor = 2.0 * PI * PI;
+        [
+            factor * (most - red * red),
+            factor * (most - green * green),
+            0.0,
+        ]
+    };
+
+    /// Mip levels, rows from the top: the energy in a unit of area, of light of 1, times the square of the distance from the core, which is the
+    /// upper left corner of the pixel right below the middle, plus half a pixel.
+    pub fn levels(&self) -> &[Vec<f32>] {
+        &self.levels
+    }
+
+    /// The part of its light that the Sun gives up, where its radius is so many pixels of the pattern: of green light all that
+    /// `shaders/celestial/glare.wgsl` draws.
+    pub fn diffracted(&self, radius_px: f64) -> f64 {
+        let about = SUN_PLACE * radius_px;
+        let last = self.profile.len() - 1;
+        let at = |distance: f64| self.profile.get(distance.round() as usize).unwrap_or(&0.0);
+        // ∫ 2πr W/max(r, R)² dr, W being the mean over places on the disc.
+        let rings = (0..last).map(|ring| {
+            let r = ring as f64 + 0.5;
+            let turns = (0..SUN_PLACES).map(|n| (f64::from(n) + 0.5) * PI / f64::from(SUN_PLACES));
+            let places =
+                turns.map(|turn| at((r * r + about * about + 2.0 * r * about * turn.cos()).sqrt()));
+            let mean = places.sum::<f64>() / f64::from(SUN_PLACES);
+            let sides = r / SIDE as f64;
+            let fading = (-Self::FADING[1] * sides * sides).exp();
+            TAU * r * fading * mean / r.max(radius_px).powi(2)
+        });
+        rings.sum()
+    }
+}
+
+/// Has pixels near the core as those in the same direction at [`CORE_PX`].
+fn without_core(first: &mut [f32]) {
+    let middle = (SIDE / 2) as i32;
+    let reach = CORE_PX as i32;
+    for y in -reach..=reach {
+        for x in -reach..=reach {
+            let distance = f64::from(x).hypot(f64::from(y));
+            if distance >= CORE_PX {
+                continue;
+            }
+            let scale = CORE_PX / distance.max(1e-9);
+            let moved = |place: i32| middle + (f64::from(place) * scale).round() as i32;
+            let index = |x: i32, y: i32| y as usize * SIDE + x as usize;
+            // Of the core itself no direction is known.
+            let from = match (x, y) {
+                (0, 0) => index(middle, middle + reach),
+                _ => index(moved(x), moved(y)),
+            };
+            first[index(middle + x, middle + y)] = first[from];
+        }
+    }
+}
+
+/// The mean at each whole number of pixels from the core.
+fn profile(first: &[f32]) -> Vec<f64> {
+    let middle = (SIDE / 2) as f64;
+    let mut sums = vec![(0.0, 0.0); SIDE / 2];
+    for (index, value) in first.iter().enumerate() {
+        let (x, y) = ((index % SIDE) as f64, (index / SIDE) as f64);
+        let distance = (x - middle).hypot(y - middle).round() as usize;
+        if let Some((sum, count)) = sums.get_mut(distance) {
+            *sum += f64::from(*value);
+            *count += 1.0;
+        }
+    }
+    sums.into_iter().map(|(sum, count)| sum / count).collect()
+}
+
+/// max(0, u) blurred by a Gaussian of [`LAG`]: u Φ(u/σ) + σ φ(u/σ).
+fn blurred_ramp(u: f64) -> f64 {
+    let z = (u / LAG).abs();
+    // 1 − Φ, within 1e-7 (Abramowitz and Stegun 26.2.17).
+    let t = 1.0 / (1.0 + 0.231_641_9 * z);
+    let series = t
+        * (0.319_381_53
+            + t * (-0.356_563_782
+                + t * (1.781_477_937 + t * (-1.821_255_978 + t * 1.330_274_429))));
+    let density = (-0.5 * z * z).exp() / TAU.sqrt();
+    u.max(0.0) + LAG * density * (1.0 - z * series)
+}
+
+/// A level of half the side.
+fn halved(finer: &[f32]) -> Vec<f32> {
+    let side = finer.len().isqrt();
+    let half = side / 2;
+    let at = |x: usize, y: usize| finer[y * side + x];
+    let mean = |index: usize| {
+        let (x, y) = (2 * (index % half), 2 * (index / half));
+        0.25 * (at(x, y) + at(x + 1, y) + at(x, y + 1) + at(x + 1, y + 1))
+    };
+    (0..half * half).map(mean).collect()
+}
+
+fn transpose(grid: &mut [[f64; 2]]) {
+    for y in 0..SIDE {
+        for x in 0..y {
+            grid.swap(y * SIDE + x, x * SIDE + y);
+        }
+    }
+}
+
+/// The discrete Fourier transform of each row: Cooley and Tukey 1965, in place.
+fn transform_rows(grid: &mut [[f64; 2]]) {
+    let bits = SIDE.trailing_zeros();
+    let turns: Vec<_> = (0..SIDE / 2)
+        .map(|n| (-TAU * n as f64 / SIDE as f64).sin_cos())
+        .collect();
+    for row in grid.chunks_exact_mut(SIDE) {
+        for n in 0..SIDE {
+            let reversed = n.reverse_bits() >> (usize::BITS - bits);
+            if n < reversed {
+                row.swap(n, reversed);
+            }
+        }
+        let mut half = 1;
+        while half < SIDE {
+            for block in row.chunks_exact_mut(2 * half) {
+                let (low, high) = block.split_at_mut(half);
+                for (n, (a, b)) in low.iter_mut().zip(high).enumerate() {
+                    let (sin, cos) = turns[n * (SIDE / 2 / half)];
+                    let turned = [b[0] * cos - b[1] * sin, b[0] * sin + b[1] * cos];
+                    *b = [a[0] - turned[0], a[1] - turned[1]];
+                    *a = [a[0] + turned[0], a[1] + turned[1]];
+                }
+            }
+            half *= 2;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn pattern(blades: u32, dust: f64) -> DiffractionPattern {
+        DiffractionPattern::new(Aperture {
+            blades,
+            f_number: 16.0,
+            dust,
+        })
+    }
+
+    /// Energy of pixels, by their places from the core in λN.
+    fn energies(pattern: &DiffractionPattern) -> impl Iterator<Item = (f64, f64, f64)> {
+        let flat = pattern.levels[0].iter().enumerate();
+        flat.filter_map(|(index, flat)| {
+            let place = |n: usize| (n as f64 - (SIDE / 2) as f64) * PIXEL;
+            let (x, y) = (place(index % SIDE), place(index / SIDE));
+            let squared = x * x + y * y;
+            let energy = f64::from(*flat) / squared * PIXEL * PIXEL;
+            (squared > 0.0).then_some((x, y, energy))
+        })
+    }
+
+    /// Of a square with the side a the pattern is a² sinc²(ax) sinc²(ay): beyond |x| lies 1/(π² a |x|) of the light, on the mean.
+    #[test]
+    fn a_square_diffracts_by_its_formula() {
+        let square = pattern(4, 0.0);
+        let side = 0.5_f64.sqrt();
+        for (near, far) in [(40.0, 80.0), (100.0, 400.0), (300.0, 600.0)] {
+            // Its corners are on the axes, its spikes between them.
+            let between = energies(&square).filter(|(x, y, _)| {
+                let along = (x + y).abs() * side;
+                (near..far).contains(&along) && (x - y).abs() * side < 200.0
+            });
+            let found: f64 = between.map(|(_, _, energy)| energy).sum();
+            // ∫ exp(−2π²σ²x²)/x² dx by the midpoint rule, σ being a step of lags.
+            let steps = 2000;
+            let step = (far - near) / f64::from(steps);
+            let parts = (0..steps).map(|n| {
+                let x = near + (f64::from(n) + 0.5) * step;
+                (-2.0 * (PI * LAG * x).powi(2)).exp() / (x * x) * step
+            });
+            let formula = parts.sum::<f64>() / (PI * PI * side);
+            // What lies beyond |y| = 200 is lacking.
+            let formula = formula * (1.0 - 1.0 / (PI * PI * side * 200.0));
+            let off = found / formula - 1.0;
+            assert!(off.abs() < 0.02, "{near} to {far}: {found} {formula}");
+        }
+    }
+
+    #[test]
+    fn even_blades_have_as_many_spikes_and_odd_ones_twice_as_many() {
+        for (blades, spikes) in [(4, 4), (6, 6), (5, 10), (7, 14), (8, 8)] {
+            let pattern = pattern(blades, 0.0);
+            // The lowest number of waves round the core that the light has.
+            let waves = |count: u32| {
+                let ring =
+                    energies(&pattern).filter(|(x, y, _)| (400.0..700.0).contains(&x.hypot(*y)));
+                let sum = ring.fold([0.0, 0.0], |[a, b], (x, y, energy)| {
+                    let (sin, cos) = (f64::from(count) * y.atan2(x)).sin_cos();
+                    let flat = energy * (x * x + y * y);
+                    [a + cos * flat, b + sin * flat]
+                });
+                sum[0].hypot(sum[1])
+            };
+            let waves: Vec<_> = (1..=16).map(waves).collect();
+            let most = waves.iter().copied().fold(0.0, f64::max);
+            let lowest = waves.iter().position(|wave| *wave > 0.5 * most);
+            assert_eq!(lowest.map(|n| n + 1), Some(spikes), "{blades} blades");
+        }
+    }
+
+    #[test]
+    fn all_light_arrives() {
+        let clean = pattern(6, 0.0);
+        let dusty = pattern(6, 0.005);
+        for pattern in [&clean, &dusty] {
+            // All that the shader draws, pixel by pixel.
+            let (radius, middle) = (20.0_f64, (SIDE / 2) as f64);
+            let value = |x: f64, y: f64| {
+                let [x, y] =
+                    [x, y].map(|place| (place + middle).round().clamp(0.0, 511.0) as usize);
+                f64::from(pattern.levels[0][y * SIDE + x])
+            };
+            let drawn = (0..SIDE * SIDE).map(|index| {
+                let [x, y] = [index % SIDE, index / SIDE].map(|place| place as f64 - middle);
+                let places = (0..SUN_PLACES).map(|n| {
+                    let turn = (f64::from(n) + 0.5) * TAU / f64::from(SUN_PLACES);
+                    let (sin, cos) = turn.sin_cos();
+                    value(x + SUN_PLACE * radius * cos, y + SUN_PLACE * radius * sin)
+                });
+                let squared = x * x + y * y;
+                let sides = squared / (SIDE * SIDE) as f64;
+                let fading = (-DiffractionPattern::FADING[1] * sides).exp();
+                fading * places.sum::<f64>() / f64::from(SUN_PLACES) / squared.max(radius * radius)
+            });
+            let (drawn, told) = (drawn.sum::<f64>(), pattern.diffracted(radius));
+            assert!((told / drawn - 1.0).abs() < 0.05, "{told} {drawn}");
+        }
+        // A circle of this diameter has 2/(π² · 80) beyond, of a point.
+        assert!((0.5..3.0).contains(&(clean.diffracted(20.0) * PI * PI * 40.0)));
+        // Dust adds no more than it covers, and less than half a percent of veil.
+        let more = dusty.diffracted(20.0) - clean.diffracted(20.0);
+        assert!((0.001..0.005).contains(&more), "{more}");
+    }
+}
