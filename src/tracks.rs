@@ -14,7 +14,7 @@
 //!
 //! [`Tracks::set_lines`] adds [`Polylines`] that are fixed to the Earth: a graticule, coast lines, or the host's own.
 //!
-//! [`Tracks::set_places`] marks places on the ground.
+//! [`Tracks::set_places`] marks places on the ground; [`read_place_names`] reads the names of cities.
 //!
 //! [`Tracks::set_stations`] adds ground stations: markers, visibility areas, and access lines.
 //!
@@ -58,6 +58,8 @@ mod footprint;
 mod ink;
 mod limits;
 mod lines;
+mod moon_shadow;
+mod place_names;
 mod places;
 mod projection;
 mod satellite;
@@ -79,6 +81,9 @@ pub use footprint::{
 };
 use glam::DVec3;
 pub use lines::{LineStyle, MAX_LINE_POINTS, Polylines};
+use moon_shadow::InkedShadow;
+pub use moon_shadow::{SHADOW_POINTS, ShadowPart, shadow_outline};
+pub use place_names::{NamedPlace, PlaceNamesError, read_place_names};
 use places::InkedPlace;
 pub use places::{GroundMark, MAX_PLACES};
 use projection::EyeProjection;
@@ -87,7 +92,7 @@ use stations::InkedStation;
 pub use stations::{CIRCLE_POINTS, MAX_STATIONS, Station};
 use still::InkedLines;
 pub use style::{Footprint, TrackSpan, TrackStyle};
-use terrella_frames::{Ellipsoid, Epoch, Orientation};
+use terrella_frames::{Ellipsoid, Epoch, MoonShadow, Orientation};
 use terrella_ground::air::TOP;
 use terrella_ground::light::{Grade, Tone};
 use terrella_orbit::Feed;
@@ -206,9 +211,11 @@ pub struct Tracks {
     stations: Vec<InkedStation>,
     places: Vec<InkedPlace>,
     twilight: Option<InkedTwilight>,
+    shadow_lines: Option<InkedShadow>,
     hides_satellites: bool,
     /// Direction to the Sun, unit.
     sun_itrf: DVec3,
+    moon_shadow: Option<MoonShadow>,
     /// The satellite whose height the stations' circles are of.
     followed: usize,
     options: TracksOptions,
@@ -259,8 +266,10 @@ impl Tracks {
             stations: Vec::new(),
             places: Vec::new(),
             twilight: None,
+            shadow_lines: None,
             hides_satellites: false,
             sun_itrf: DVec3::X,
+            moon_shadow: None,
             followed: 0,
             options: options.clone(),
             kinds,
@@ -286,8 +295,10 @@ impl Tracks {
             stations: self.stations.clone(),
             places: self.places.clone(),
             twilight: self.twilight.clone(),
+            shadow_lines: self.shadow_lines.clone(),
             hides_satellites: self.hides_satellites,
             sun_itrf: self.sun_itrf,
+            moon_shadow: self.moon_shadow,
             followed: self.followed,
             drawable: self.drawable.for_another_view(&self.device, air),
             options,
@@ -319,6 +330,9 @@ impl Tracks {
             if let Some(twilight) = &mut self.twilight {
                 *twilight = InkedTwilight::new(twilight.style, &format);
             }
+            if let Some(lines) = &mut self.shadow_lines {
+                *lines = InkedShadow::new(lines.style, &format);
+            }
             for station in &mut self.stations {
                 *station = InkedStation::new(station.station, &format);
             }
@@ -339,6 +353,11 @@ impl Tracks {
     /// Says where the Sun is in the next frame: its direction, unit, ITRF axes, as in `Sky::sun_itrf`.
     pub fn set_sun(&mut self, direction_itrf: DVec3) {
         self.sun_itrf = direction_itrf.normalize_or(DVec3::X);
+    }
+
+    /// Says where the Moon's shadow is in the next frame, as `Sky::moon_shadow` has it.
+    pub fn set_moon_shadow(&mut self, shadow: Option<MoonShadow>) {
+        self.moon_shadow = shadow;
     }
 
     /// Makes the pipelines of further kinds.
@@ -403,8 +422,12 @@ impl Tracks {
         if let Some(twilight) = &self.twilight {
             twilight.write(self.sun_itrf, &eye, &mut self.buffers.points);
         }
+        if let (Some(lines), Some(shadow)) = (&self.shadow_lines, &self.moon_shadow) {
+            lines.write(shadow, &eye, &mut self.buffers.points);
+        }
+        let pixels_per_radian = eye.pixels_per_radian();
         for (index, place) in self.places.iter().enumerate() {
-            place.write(index, &eye, &mut self.buffers);
+            place.write(index, pixels_per_radian, &eye, &mut self.buffers);
         }
         let mut axes = Axes::new(moment.epoch, moment.orientation, moment.turn);
         let mut left = budget;

@@ -58,6 +58,8 @@ pub struct PlaceLabel {
     pub at_px: [f32; 2],
     /// Its colour, display values.
     pub color: [u8; 3],
+    /// How many pixels a metre across the line of sight is long at its distance.
+    pub pixels_per_m: f32,
 }
 
 /// What is written to the GPU, kept from frame to frame for its room.
@@ -255,6 +257,11 @@ impl<'l> LineWriter<'l> {
             half_width_px,
             flags,
         }
+    }
+
+    /// The next point is joined to none before it.
+    pub fn begin(&mut self) {
+        self.flags &= !TRACK_FROM_PREVIOUS;
     }
 
     pub fn add(&mut self, place_itrf_m: DVec3, opacity: f64) {

@@ -222,14 +222,8 @@ impl Polylines {
         }
         let half_width_px = 0.5 * self.style.width_px;
         let px_per_rad = eye.pixels_per_radian();
-        let scale = eye.ellipsoid.scaled_from_itrf();
-        let eye_scaled = scale * eye.itrf_m;
-        let scaled_per_m = 1.0 / eye.ellipsoid.polar_radius_m;
         for part in self.parts.iter() {
-            // On the ground p·e < 1 faces away, in scaled space.
-            let facing = (scale * part.center_itrf_m).dot(eye_scaled);
-            let reach = part.radius_m * scaled_per_m * eye_scaled.length();
-            if self.lies_on_ground && facing + reach < 1.0 {
+            if self.lies_on_ground && eye.faces_away(part.center_itrf_m, part.radius_m) {
                 continue;
             }
             let distance_m = part.center_itrf_m.distance(eye.itrf_m) - part.radius_m;

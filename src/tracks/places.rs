@@ -68,7 +68,13 @@ impl InkedPlace {
     }
 
     /// Adds what is drawn of it.
-    pub fn write(&self, index: usize, eye: &EyeProjection<'_>, buffers: &mut TrackBuffers) {
+    pub fn write(
+        &self,
+        index: usize,
+        pixels_per_radian: f64,
+        eye: &EyeProjection<'_>,
+        buffers: &mut TrackBuffers,
+    ) {
         if is_hidden(eye.itrf_m, self.itrf_m, eye.ellipsoid) {
             return;
         }
@@ -88,6 +94,8 @@ impl InkedPlace {
                 place: index,
                 at_px,
                 color: mark.color,
+                pixels_per_m: (pixels_per_radian / self.itrf_m.distance(eye.itrf_m).max(1.0))
+                    as f32,
             });
         }
     }

@@ -26,6 +26,15 @@ impl EyeProjection<'_> {
         0.5 * f64::from(self.size.1) * up / depth
     }
 
+    /// Whether all of a ball lies on ground that faces away: p·e < 1 in scaled space.
+    pub fn faces_away(&self, center_itrf_m: DVec3, radius_m: f64) -> bool {
+        let scale = self.ellipsoid.scaled_from_itrf();
+        let eye_scaled = scale * self.itrf_m;
+        let facing = (scale * center_itrf_m).dot(eye_scaled);
+        let reach = radius_m / self.ellipsoid.polar_radius_m * eye_scaled.length();
+        facing + reach < 1.0
+    }
+
     /// Pixels from the viewport's upper left corner; `None` outside the picture.
     pub fn pixel(&self, place_itrf_m: DVec3) -> Option<[f32; 2]> {
         let clip = self.clip(place_itrf_m);

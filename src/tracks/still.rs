@@ -2,6 +2,7 @@
 
 use super::ink::Ink;
 use super::lines::{LineStyle, MAX_LINE_POINTS, Polylines};
+use super::moon_shadow::InkedShadow;
 use super::places::{GroundMark, InkedPlace, MAX_PLACES};
 use super::stations::{InkedStation, MAX_STATIONS, Station};
 use super::twilight::InkedTwilight;
@@ -114,6 +115,23 @@ impl Tracks {
         self.make_pipelines(kinds)?;
         let format = self.options.format();
         self.twilight = style.map(|style| InkedTwilight::new(style, &format));
+        Ok(())
+    }
+
+    /// Draws the outlines of the Moon's umbra and penumbra on the ground ([`shadow_outline`](super::shadow_outline)) from the next
+    /// [`Self::prepare`] on, or no longer, by the shadow of [`Self::set_moon_shadow`].
+    ///
+    /// # Errors
+    /// A style out of range. Then nothing has changed.
+    pub fn set_shadow_lines(&mut self, style: Option<LineStyle>) -> Result<(), TracksError> {
+        style.iter().try_for_each(LineStyle::check)?;
+        let kinds = TrackKinds {
+            lines: self.kinds.lines || style.is_some(),
+            ..self.kinds
+        };
+        self.make_pipelines(kinds)?;
+        let format = self.options.format();
+        self.shadow_lines = style.map(|style| InkedShadow::new(style, &format));
         Ok(())
     }
 }
