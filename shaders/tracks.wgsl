@@ -1,6 +1,6 @@
-// Tracks of satellites: lines of constant width on screen, marks of constant size, and the ground that a sensor sees.
+// Tracks of satellites: lines of constant width on screen, marks of constant size, polygons, and the ground that a sensor sees.
 //
-// `TracksVariant` in src/gpu/shader/tracks.rs says which conditions hold together: lines, marks or fills; air, inside (of it);
+// `TracksVariant` in src/gpu/shader/tracks.rs says which conditions hold together: lines, marks, polygons or fills; air, inside (of it);
 // those of common/displayed.wgsl.
 //
 // Drawn after all of the Earth, each pixel through the air before it. The globe hides by each pixel's own ray, not by the mesh.
@@ -8,6 +8,7 @@
 import common/ray.wgsl;
 @if(lines) import tracks/lines.wgsl;
 @if(marks) import tracks/marks.wgsl;
+@if(polygons) import tracks/polygons.wgsl;
 @if(fills) import tracks/fills.wgsl;
 @if(air) import common/air.wgsl;
 @if(air) import common/displayed.wgsl;
@@ -93,23 +94,30 @@ import rust::ON_GROUND;
 @else const LIFT: f32 = 0.1;
 const LIFT_M: f32 = 500.0;
 
-// Depth of a clip position, lifted where it lies on the ground.
-fn depth_of(clip: vec4f, from_eye_m: vec3f, flags: u32) -> f32 {
+// A clip position, moved towards the eye where it lies on the ground: its place on screen stays.
+@if(!fills)
+fn lifted(clip: vec4f, from_eye_m: vec3f, flags: u32) -> vec4f {
     let on_ground = clamp(LIFT_M / max(length(from_eye_m), 1.0), LIFT, 0.9);
     let lift = select(0.0, on_ground, (flags & ON_GROUND) != 0u);
-    let at = clip * (1.0 - lift) + track.frame.clip_from_eye[3] * lift;
+    return clip * (1.0 - lift) + track.frame.clip_from_eye[3] * lift;
+}
+
+// The depth of that.
+@if(!fills && !polygons)
+fn depth_of(clip: vec4f, from_eye_m: vec3f, flags: u32) -> f32 {
+    let at = lifted(clip, from_eye_m, flags);
     return at.z / at.w;
 }
 
 // Outside of every viewport: nothing is drawn.
-@if(!fills) const NOWHERE: vec4f = vec4f(2.0, 2.0, 2.0, 1.0);
+@if(!fills && !polygons) const NOWHERE: vec4f = vec4f(2.0, 2.0, 2.0, 1.0);
 // Width of the dark edge that sets a line off from bright ground, pixels, and its opacity.
-@if(!fills) const CASING_PX: f32 = 1.0;
-@if(!fills) const CASING: f32 = 0.5;
+@if(!fills && !polygons) const CASING_PX: f32 = 1.0;
+@if(!fills && !polygons) const CASING: f32 = 0.5;
 
 // A line or mark whose edge is `inside_px` away, over its casing of this opacity; premultiplied. Its colour is that of a pixel it covers wholly, `half_color`
 // that of one it covers by half: a tone curve that comes later does not show the half of a light as half of it.
-@if(!fills)
+@if(!fills && !polygons)
 fn cased(color: vec4f, half_color: vec3f, inside_px: f32, casing: f32, seen: f32) -> vec4f {
     let core = saturate(inside_px + 0.5);
     let cover = saturate(inside_px + CASING_PX + 0.5);

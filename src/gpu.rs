@@ -94,7 +94,7 @@ pub(crate) use surface_config::SurfaceConfig;
 pub(crate) use surface_pipelines::{SurfaceMaker, SurfacePipelines};
 pub(crate) use surface_view::SurfaceView;
 #[cfg(feature = "tracks")]
-pub(crate) use tracks::{Fill, LinePoint, Mark, TrackKinds, TracksDrawable};
+pub(crate) use tracks::{DrawnTracks, Fill, LinePoint, Mark, TrackKinds, TracksDrawable, Triangle};
 
 #[cfg(feature = "tracks")]
 use glam::DVec3;

@@ -14,6 +14,8 @@
 //!
 //! [`Tracks::set_lines`] adds [`Polylines`] that are fixed to the Earth: a graticule, coast lines, or the host's own.
 //!
+//! [`Tracks::set_polygons`] fills [`Polygons`] on the ground.
+//!
 //! [`Tracks::set_places`] marks places on the ground; [`read_place_names`] reads the names of cities.
 //!
 //! [`Tracks::set_stations`] adds ground stations: markers, visibility areas, and access lines.
@@ -45,6 +47,9 @@
 //! **Lines.** One instance a segment, cut against the plane before the eye and against three times the picture, widened on
 //! screen, neighbours joined at their bisector, edges smoothed by distance. A dark edge sets them off from bright ground.
 //!
+//! **Polygons.** One instance a triangle, small enough to follow the ellipsoid, on corners that neighbours share: nothing shows through, and
+//! nothing is covered twice. Edges are smoothed by distance.
+//!
 //! **Hiding.** Whether the globe hides a point is decided by the ray to it ([`is_hidden`]), in scaled space, where the
 //! ellipsoid is the unit sphere: exact at the limb, whatever the mesh. What else the host has drawn hides by depth; what lies on the ground is tested a
 //! tenth of its distance nearer (marks half), 500 m at least, so that the inscribed mesh does not hide it. Depth is not written.
@@ -61,6 +66,7 @@ mod lines;
 mod moon_shadow;
 mod place_names;
 mod places;
+mod polygons;
 mod projection;
 mod satellite;
 mod stations;
@@ -72,7 +78,7 @@ mod vector_map;
 
 use crate::earth::{Earth, EarthView, EyeView, Viewport};
 use crate::gpu::{AirTextures, DepthBuffer, Development, PassFormat, ShaderError};
-use crate::gpu::{TrackKinds, TrackUniforms, TracksDrawable};
+use crate::gpu::{DrawnTracks, TrackKinds, TrackUniforms, TracksDrawable};
 use crate::plan::AirSide;
 use buffers::TrackBuffers;
 pub use buffers::{NEAREST_MARKER_M, PlaceLabel, StationLabel, TrackLabel};
@@ -86,6 +92,8 @@ pub use moon_shadow::{SHADOW_POINTS, ShadowPart, shadow_outline};
 pub use place_names::{NamedPlace, PlaceNamesError, read_place_names};
 use places::InkedPlace;
 pub use places::{GroundMark, MAX_PLACES};
+use polygons::InkedPolygons;
+pub use polygons::{FillStyle, MAX_TRIANGLES, Polygons};
 use projection::EyeProjection;
 use satellite::{Axes, Satellite};
 use stations::InkedStation;
@@ -208,6 +216,7 @@ pub enum TracksError {
 pub struct Tracks {
     satellites: Vec<Satellite>,
     lines: Vec<InkedLines>,
+    polygons: Vec<InkedPolygons>,
     stations: Vec<InkedStation>,
     places: Vec<InkedPlace>,
     twilight: Option<InkedTwilight>,
@@ -263,6 +272,7 @@ impl Tracks {
                 .map(|style| Satellite::new(style, &format, max_points))
                 .collect(),
             lines: Vec::new(),
+            polygons: Vec::new(),
             stations: Vec::new(),
             places: Vec::new(),
             twilight: None,
@@ -292,6 +302,7 @@ impl Tracks {
         Self {
             satellites: self.satellites.clone(),
             lines: self.lines.clone(),
+            polygons: self.polygons.clone(),
             stations: self.stations.clone(),
             places: self.places.clone(),
             twilight: self.twilight.clone(),
@@ -326,6 +337,9 @@ impl Tracks {
             }
             for lines in &mut self.lines {
                 *lines = InkedLines::new(lines.lines.clone(), &format);
+            }
+            for polygons in &mut self.polygons {
+                *polygons = InkedPolygons::new(polygons.polygons.clone(), &format);
             }
             if let Some(twilight) = &mut self.twilight {
                 *twilight = InkedTwilight::new(twilight.style, &format);
@@ -415,6 +429,9 @@ impl Tracks {
             size: moment.target.size,
             ellipsoid: &ellipsoid,
         };
+        for polygons in &self.polygons {
+            polygons.write(&eye, &mut self.buffers.triangles);
+        }
         for lines in &self.lines {
             let points = &mut self.buffers.points;
             lines.lines.write(lines.colors, &eye, points);
@@ -472,14 +489,13 @@ impl Tracks {
         };
         let buffers = &mut self.buffers;
         self.drawable.set_side(side);
-        let uploaded_bytes = self.drawable.write(
-            &self.device,
-            queue,
-            &frame,
-            &mut buffers.points,
-            &buffers.marks,
-            &buffers.fills,
-        );
+        let drawn = DrawnTracks {
+            points: &mut buffers.points,
+            marks: &buffers.marks,
+            fills: &buffers.fills,
+            triangles: &buffers.triangles,
+        };
+        let uploaded_bytes = self.drawable.write(&self.device, queue, &frame, drawn);
         let (draw_calls, triangles) = self.drawable.calls();
         self.stats = TrackStats {
             points: buffers.points.len() as u32,
@@ -521,13 +537,14 @@ impl Tracks {
         &self.buffers.place_labels
     }
 
-    /// Names of what is drawn of some satellite: "trails" (with ground tracks and outlines), "marks", "fills".
+    /// Names of what is drawn: "trails" (with all other lines), "marks", "fills", "polygons".
     pub fn features_on(&self) -> Vec<&'static str> {
         let kinds = &self.kinds;
         [
             ("trails", kinds.lines),
             ("marks", kinds.marks),
             ("fills", kinds.fills),
+            ("polygons", kinds.polygons),
         ]
         .into_iter()
         .filter(|(_, is_on)| *is_on)

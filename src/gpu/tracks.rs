@@ -1,4 +1,4 @@
-//! The drawable of satellites' tracks: lines, marks and fills of plain values. `crate::tracks` makes them of satellites.
+//! The drawable of satellites' tracks: lines, marks, fills and polygons of plain values. `crate::tracks` makes them of satellites.
 
 use super::shader::ShaderModule;
 use super::{AirTextures, Binding, PassFormat};
@@ -66,6 +66,21 @@ pub(crate) struct Fill {
     pub color: [u16; 4],
 }
 
+/// A triangle of a polygon.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub(crate) struct Triangle {
+    /// The first corner from the eye, ITRF metres.
+    pub a_m: [f32; 3],
+    /// Bit i: the edge opposite to corner i is an edge of the polygon, which is smoothed.
+    pub edges: u32,
+    /// The other corners, as the first.
+    pub b_m: [f32; 3],
+    pub c_m: [f32; 3],
+    /// As the target stores it, and opacity: half floats, not premultiplied.
+    pub color: [u16; 4],
+}
+
 const LINE_BEFORE: [wgpu::VertexAttribute; 1] = wgpu::vertex_attr_array![0 => Float32x3];
 const LINE_A: [wgpu::VertexAttribute; 4] =
     wgpu::vertex_attr_array![1 => Float32x3, 2 => Uint32, 3 => Float16x4, 10 => Float16x4];
@@ -76,6 +91,9 @@ const MARK: [wgpu::VertexAttribute; 5] = wgpu::vertex_attr_array![0 => Float32x3
 const FILL: [wgpu::VertexAttribute; 6] = wgpu::vertex_attr_array![
     0 => Float32x4, 1 => Float32x3, 2 => Float32, 3 => Float32x3, 4 => Float32, 5 => Float16x4
 ];
+const TRIANGLE: [wgpu::VertexAttribute; 5] = wgpu::vertex_attr_array![
+    0 => Float32x3, 1 => Uint32, 2 => Float32x3, 3 => Float32x3, 4 => Float16x4
+];
 
 /// Which kinds of thing there are to draw; pipelines are made for no others.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -83,6 +101,15 @@ pub(crate) struct TrackKinds {
     pub lines: bool,
     pub marks: bool,
     pub fills: bool,
+    pub polygons: bool,
+}
+
+/// What a frame draws.
+pub(crate) struct DrawnTracks<'d> {
+    pub points: &'d mut Vec<LinePoint>,
+    pub marks: &'d [Mark],
+    pub fills: &'d [Fill],
+    pub triangles: &'d [Triangle],
 }
 
 /// Pipelines and buffers.
@@ -90,6 +117,7 @@ pub(crate) struct TracksDrawable {
     lines: Option<Batch>,
     marks: Option<Batch>,
     fills: Option<Batch>,
+    polygons: Option<Batch>,
     frame: wgpu::Buffer,
     /// One without air; else that of an eye outside of it, and that of an eye inside.
     bind_groups: Vec<wgpu::BindGroup>,
@@ -168,6 +196,7 @@ impl TracksDrawable {
         ];
         let marks = [instances(size_of::<Mark>(), &MARK)];
         let fills = [instances(size_of::<Fill>(), &FILL)];
+        let polygons = [instances(size_of::<Triangle>(), &TRIANGLE)];
         Ok(Self {
             lines: batch(
                 kinds.lines,
@@ -186,6 +215,12 @@ impl TracksDrawable {
                 TrackKind::Fills,
                 "terrella track fills",
                 &fills,
+            )?,
+            polygons: batch(
+                kinds.polygons,
+                TrackKind::Polygons,
+                "terrella track polygons",
+                &polygons,
             )?,
             frame,
             bind_groups,
@@ -208,6 +243,7 @@ impl TracksDrawable {
             lines: batch(&self.lines),
             marks: batch(&self.marks),
             fills: batch(&self.fills),
+            polygons: batch(&self.polygons),
             bind_groups: bind_groups.collect(),
             frame,
             layouts: self.layouts.clone(),
@@ -224,16 +260,20 @@ impl TracksDrawable {
         };
     }
 
-    /// Writes what is drawn from now on; `points` is used to write from and left as it was. Answers the bytes written.
+    /// Writes what is drawn from now on; the points are used to write from and left as they were. Answers the bytes written.
     pub fn write(
         &mut self,
         device: &wgpu::Device,
         queue: &wgpu::Queue,
         frame: &TrackUniforms,
-        points: &mut Vec<LinePoint>,
-        marks: &[Mark],
-        fills: &[Fill],
+        drawn: DrawnTracks<'_>,
     ) -> u64 {
+        let DrawnTracks {
+            points,
+            marks,
+            fills,
+            triangles,
+        } = drawn;
         queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(frame));
         let mut bytes = size_of::<TrackUniforms>() as u64;
         if let Some(batch) = &mut self.lines {
@@ -256,6 +296,9 @@ impl TracksDrawable {
         if let Some(batch) = &mut self.fills {
             bytes += batch.write(device, queue, fills, fills.len());
         }
+        if let Some(batch) = &mut self.polygons {
+            bytes += batch.write(device, queue, triangles, triangles.len());
+        }
         bytes
     }
 
@@ -264,7 +307,7 @@ impl TracksDrawable {
         let Some(bind_group) = self.bind_groups.get(self.side) else {
             return;
         };
-        if let Some(batch) = &self.fills {
+        for batch in [&self.polygons, &self.fills].into_iter().flatten() {
             batch.render(pass, self.side, bind_group);
         }
         if let Some(batch) = &self.lines
@@ -285,7 +328,7 @@ impl TracksDrawable {
 
     /// Draw calls and triangles of a frame.
     pub fn calls(&self) -> (u32, u32) {
-        let batches = [&self.fills, &self.lines, &self.marks];
+        let batches = [&self.polygons, &self.fills, &self.lines, &self.marks];
         let batches = batches.into_iter().flatten();
         batches.fold((0, 0), |(calls, triangles), batch| {
             (

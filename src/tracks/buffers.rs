@@ -5,7 +5,7 @@ use super::footprint::{WIDEST_HALF_ANGLE_RAD, footprint_outline, is_hidden};
 use super::ink::Ink;
 use super::projection::EyeProjection;
 use super::satellite::{Axes, Satellite, subpoint};
-use crate::gpu::{Fill, LinePoint, Mark};
+use crate::gpu::{Fill, LinePoint, Mark, Triangle};
 use crate::gpu::{TRACK_FROM_PREVIOUS, TRACK_ON_GROUND};
 use glam::DVec3;
 use terrella_frames::Ellipsoid;
@@ -68,6 +68,7 @@ pub(super) struct TrackBuffers {
     pub points: Vec<LinePoint>,
     pub marks: Vec<Mark>,
     pub fills: Vec<Fill>,
+    pub triangles: Vec<Triangle>,
     pub labels: Vec<TrackLabel>,
     pub station_labels: Vec<StationLabel>,
     pub place_labels: Vec<PlaceLabel>,
@@ -81,6 +82,7 @@ impl TrackBuffers {
         self.points.clear();
         self.marks.clear();
         self.fills.clear();
+        self.triangles.clear();
         self.labels.clear();
         self.station_labels.clear();
         self.place_labels.clear();

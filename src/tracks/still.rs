@@ -1,9 +1,10 @@
-//! What stands still on the globe and is set by the host: lines, stations, marked places, twilight.
+//! What stands still on the globe and is set by the host: lines, polygons, stations, marked places, twilight.
 
 use super::ink::Ink;
 use super::lines::{LineStyle, MAX_LINE_POINTS, Polylines};
 use super::moon_shadow::InkedShadow;
 use super::places::{GroundMark, InkedPlace, MAX_PLACES};
+use super::polygons::{InkedPolygons, MAX_TRIANGLES, Polygons};
 use super::stations::{InkedStation, MAX_STATIONS, Station};
 use super::twilight::InkedTwilight;
 use super::{Tracks, TracksError};
@@ -44,6 +45,30 @@ impl Tracks {
         let format = self.options.format();
         let inked = lines.into_iter();
         self.lines = inked.map(|lines| InkedLines::new(lines, &format)).collect();
+        Ok(())
+    }
+
+    /// Fills these polygons from the next [`Self::prepare`] on, in place of those before, beneath all else. Makes the pipeline of polygons if
+    /// there was none.
+    ///
+    /// # Errors
+    /// More than [`MAX_TRIANGLES`] in all. Then nothing has changed.
+    pub fn set_polygons(&mut self, polygons: Vec<Polygons>) -> Result<(), TracksError> {
+        let triangles = polygons.iter().map(Polygons::triangle_count);
+        if triangles.sum::<usize>() > MAX_TRIANGLES {
+            let what = "polygons have more than 300 000 triangles; leave some out";
+            return Err(TracksError::Lines { what });
+        }
+        let kinds = TrackKinds {
+            polygons: self.kinds.polygons || !polygons.is_empty(),
+            ..self.kinds
+        };
+        self.make_pipelines(kinds)?;
+        let format = self.options.format();
+        let inked = polygons.into_iter();
+        self.polygons = inked
+            .map(|polygons| InkedPolygons::new(polygons, &format))
+            .collect();
         Ok(())
     }
 

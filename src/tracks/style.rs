@@ -102,6 +102,7 @@ impl TrackStyle {
             lines: self.trail.or(self.ground_track).is_some() || footprint.is_some(),
             marks: self.marker || self.subpoint,
             fills: footprint.is_some_and(|footprint| footprint.is_filled),
+            polygons: false,
         }
     }
 

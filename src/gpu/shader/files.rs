@@ -174,5 +174,6 @@ files![
     "tracks/fills.wgsl",
     "tracks/lines.wgsl",
     "tracks/marks.wgsl",
+    "tracks/polygons.wgsl",
     "upscale.wgsl",
 ];

@@ -6,7 +6,7 @@ use crate::plan::AirSide;
 /// What a shader of tracks is made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct TracksVariant {
-    /// Lines, marks or fills.
+    /// Lines, marks, fills or polygons.
     pub kind: TrackKind,
     /// What the target stores.
     pub target: TargetColor,
@@ -23,11 +23,13 @@ pub enum TrackKind {
     Marks,
     /// Footprints.
     Fills,
+    /// Polygons on the ground.
+    Polygons,
 }
 
 impl TrackKind {
     /// All of them.
-    pub const ALL: [Self; 3] = [Self::Lines, Self::Marks, Self::Fills];
+    pub const ALL: [Self; 4] = [Self::Lines, Self::Marks, Self::Fills, Self::Polygons];
 }
 
 impl ShaderVariant for TracksVariant {
@@ -48,6 +50,7 @@ impl ShaderVariant for TracksVariant {
             ("lines", self.kind == TrackKind::Lines),
             ("marks", self.kind == TrackKind::Marks),
             ("fills", self.kind == TrackKind::Fills),
+            ("polygons", self.kind == TrackKind::Polygons),
             ("air", self.air.is_some()),
             ("inside", self.air == Some(AirSide::Inside)),
             // Craft in moonlit air are drawn as by a night without a Moon.

@@ -1,0 +1,46 @@
+// Triangles of polygons on the ground. `Triangle` in src/gpu/tracks.rs.
+
+struct TriangleInstance {
+    // Corners from the eye, ITRF metres: subtracted in f64.
+    @location(0) a_m: vec3f,
+    // Bit i: the edge opposite to corner i is an edge of the polygon.
+    @location(1) edges: u32,
+    @location(2) b_m: vec3f,
+    @location(3) c_m: vec3f,
+    @location(4) color: vec4f,
+}
+
+struct Varying {
+    @builtin(position) clip: vec4f,
+    @location(0) from_eye: vec3f,
+    // Barycentric coordinates.
+    @location(1) weights: vec3f,
+    @location(2) @interpolate(flat) edges: u32,
+    @location(3) @interpolate(flat) color: vec4f,
+}
+
+@vertex
+fn vertex(@builtin(vertex_index) index: u32, in: TriangleInstance) -> Varying {
+    // The strip's second triangle is degenerate.
+    let corner = min(index, 2u);
+    let from_eye_m = select(select(in.c_m, in.b_m, corner == 1u), in.a_m, corner == 0u);
+    var out: Varying;
+    out.clip = lifted(track.frame.clip_from_eye * vec4f(from_eye_m, 1.0), from_eye_m, ON_GROUND);
+    out.from_eye = scaled(from_eye_m);
+    out.weights = vec3f(f32(corner == 0u), f32(corner == 1u), f32(corner == 2u));
+    out.edges = in.edges;
+    out.color = in.color;
+    return out;
+}
+
+@fragment
+fn fragment(in: Varying) -> @location(0) vec4f {
+    let ray = ray_of(in.clip.xy);
+    // Pixels to each edge. A neighbour across an edge of the polygon draws nothing, so the edge is smoothed inwards.
+    let px = in.weights / max(fwidth(in.weights), vec3f(1e-12));
+    let is_edge = (vec3u(in.edges) & vec3u(1u, 2u, 4u)) != vec3u(0u);
+    let inside = saturate(select(vec3f(1.0), px, is_edge));
+    let seen = in_sight(ray, in.from_eye, ON_GROUND);
+    let alpha = in.color.a * min(inside.x, min(inside.y, inside.z)) * seen;
+    return seen_color(vec4f(in.color.rgb * alpha, alpha), ray, in.from_eye);
+}

@@ -1,0 +1,178 @@
+//! Polygons on the ground, filled: areas of a map, footprints, forecasts.
+
+mod plane;
+mod triangulation;
+
+use super::TracksError;
+use super::ink::Ink;
+use super::projection::EyeProjection;
+use crate::gpu::{PassFormat, Triangle};
+use glam::DVec3;
+use std::sync::Arc;
+use terrella_frames::{Ellipsoid, Geodetic};
+use triangulation::{CutPolygon, GroundTriangle, step_rad};
+
+/// Most triangles of all polygons that one [`Tracks`](super::Tracks) draws, after the subdivision of large ones.
+pub const MAX_TRIANGLES: usize = 300_000;
+/// Triangles that are culled as a whole.
+const PART_TRIANGLES: usize = 128;
+
+/// How polygons are filled.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FillStyle {
+    /// Display values (sRGB).
+    pub color: [u8; 3],
+    /// Above 0 to 1.
+    pub opacity: f64,
+}
+
+/// Polygons of one style, Earth-fixed, for [`Tracks::set_polygons`](super::Tracks::set_polygons). Clones share their triangles.
+///
+/// Each is divided into triangles in the plane of longitude and latitude, where its edges are straight, and these into ones small enough to
+/// follow the ellipsoid. So its edge is as sharp near the ground as from afar, whatever its size.
+///
+/// ```
+/// use terrella::frames::{Ellipsoid, Geodetic};
+/// use terrella::tracks::{FillStyle, Polygons};
+///
+/// let style = FillStyle { color: [255, 122, 89], opacity: 0.4 };
+/// let ring = |corners: [(f64, f64); 4]| corners.map(|(lat, lon)| Geodetic::from_degrees(lat, lon, 0.0)).to_vec();
+/// let area = ring([(8.0, 168.0), (8.0, -170.0), (22.0, -170.0), (22.0, 168.0)]);
+/// let hole = ring([(12.0, 178.0), (12.0, -178.0), (16.0, -178.0), (16.0, 178.0)]);
+/// let polygons = Polygons::on_ground(style, &Ellipsoid::WGS84, [vec![area, hole]])?;
+/// // tracks.set_polygons(vec![polygons])?;
+/// # Ok::<(), terrella::tracks::TracksError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Polygons {
+    style: FillStyle,
+    triangles: Arc<[GroundTriangle]>,
+    parts: Arc<[Part]>,
+    crossing: usize,
+}
+
+/// Successive triangles.
+#[derive(Clone, Debug)]
+struct Part {
+    center_itrf_m: DVec3,
+    radius_m: f64,
+    first: usize,
+    end: usize,
+}
+
+impl Polygons {
+    /// Polygons on the ellipsoid. Each is an outer ring and the holes in it, of places whose heights are not read; the last place of a ring
+    /// may repeat the first. Edges are straight in latitude and longitude, as in GeoJSON (RFC 7946, 3.1.1), and go the shorter way around the
+    /// Earth. Rings may be wound either way. A ring about a pole encloses that of the hemisphere that most of its corners lie in.
+    ///
+    /// # Errors
+    /// A style out of range, a place that is not finite, and more than [`MAX_TRIANGLES`].
+    pub fn on_ground(
+        style: FillStyle,
+        ellipsoid: &Ellipsoid,
+        polygons: impl IntoIterator<Item = Vec<Vec<Geodetic>>>,
+    ) -> Result<Self, TracksError> {
+        if !(style.opacity > 0.0 && style.opacity <= 1.0) {
+            let what = "the opacity of a fill must be above 0 and at most 1";
+            return Err(TracksError::Lines { what });
+        }
+        let mut cut = Vec::new();
+        for rings in polygons {
+            let is_place =
+                |place: &Geodetic| place.lat_rad.is_finite() && place.lon_rad.is_finite();
+            if !rings.iter().flatten().all(is_place) {
+                let what = "a latitude or longitude is not finite";
+                return Err(TracksError::Lines { what });
+            }
+            cut.push(CutPolygon::new(&plane::flatten(&rings)));
+        }
+        let step_rad = step_rad(&cut);
+        let mut triangles = Vec::new();
+        for polygon in &cut {
+            polygon.subdivide(step_rad, ellipsoid, MAX_TRIANGLES, &mut triangles);
+            if triangles.len() > MAX_TRIANGLES {
+                let what = "polygons have more than 300 000 triangles; leave some out";
+                return Err(TracksError::Lines { what });
+            }
+        }
+        let parts = triangles.chunks(PART_TRIANGLES).enumerate();
+        let parts = parts.map(|(index, part)| Part::new(index * PART_TRIANGLES, part));
+        Ok(Self {
+            style,
+            parts: parts.collect(),
+            triangles: triangles.into(),
+            crossing: cut.iter().filter(|polygon| !polygon.is_sound).count(),
+        })
+    }
+
+    /// How they are filled.
+    pub fn style(&self) -> FillStyle {
+        self.style
+    }
+
+    /// Triangles that they are divided into.
+    pub fn triangle_count(&self) -> usize {
+        self.triangles.len()
+    }
+
+    /// How many of them have rings that cross themselves or each other: parts of these are not filled, or filled twice.
+    pub fn crossing_count(&self) -> usize {
+        self.crossing
+    }
+}
+
+impl Part {
+    fn new(first: usize, triangles: &[GroundTriangle]) -> Self {
+        let corners = || triangles.iter().flat_map(|triangle| triangle.itrf_m);
+        let center_itrf_m = corners().sum::<DVec3>() / (3 * triangles.len()).max(1) as f64;
+        let reach = corners().map(|corner| corner.distance_squared(center_itrf_m));
+        Self {
+            center_itrf_m,
+            radius_m: reach.fold(0.0, f64::max).sqrt(),
+            first,
+            end: first + triangles.len(),
+        }
+    }
+}
+
+/// Polygons, and their colour as the target of the pass stores it.
+#[derive(Clone)]
+pub(super) struct InkedPolygons {
+    pub polygons: Polygons,
+    color: [u16; 4],
+}
+
+impl InkedPolygons {
+    pub fn new(polygons: Polygons, format: &PassFormat) -> Self {
+        let FillStyle { color, opacity } = polygons.style;
+        let [color, _] = Ink::new(format, color, opacity < 1.0).at(opacity);
+        Self { polygons, color }
+    }
+
+    /// Adds the triangles of a frame: those of parts that are in sight.
+    pub fn write(&self, eye: &EyeProjection<'_>, out: &mut Vec<Triangle>) {
+        for part in self.polygons.parts.iter() {
+            if eye.faces_away(part.center_itrf_m, part.radius_m)
+                || eye.bounds(part.center_itrf_m, part.radius_m).is_none()
+            {
+                continue;
+            }
+            out.extend(
+                self.polygons.triangles[part.first..part.end]
+                    .iter()
+                    .map(|triangle| {
+                        let [a_m, b_m, c_m] = triangle
+                            .itrf_m
+                            .map(|corner| (corner - eye.itrf_m).as_vec3().to_array());
+                        Triangle {
+                            a_m,
+                            edges: triangle.edges,
+                            b_m,
+                            c_m,
+                            color: self.color,
+                        }
+                    }),
+            );
+        }
+    }
+}
