@@ -4,7 +4,7 @@ use crate::{Place, SMALL, words};
 
 /// A square around the middle of the picture, a point, and a feature that is at fault.
 const AREAS: &str = r##"{"type":"FeatureCollection","features":[
-  {"type":"Feature","properties":{"stroke":"#ff00ff","stroke-width":3,"stroke-opacity":1,"fill":"#ffffff"},
+  {"type":"Feature","properties":{"stroke":"#ff00ff","stroke-width":3,"stroke-opacity":1,"fill":"#004000","fill-opacity":1,"marker-symbol":"x"},
    "geometry":{"type":"Polygon","coordinates":[[[0,0],[30,0],[30,40],[0,40],[0,0]]]}},
   {"type":"Feature","properties":{"title":"Nowhere"},"geometry":{"type":"Point","coordinates":[15,NaN]}},
   {"type":"Feature","properties":{"marker-color":"#00ff00"},"geometry":{"type":"Point","coordinates":[15,20]}}
@@ -23,7 +23,7 @@ fn a_file_is_drawn_and_what_is_wrong_in_it_is_named() {
     let said = words(&output);
     for expected in [
         "areas.geojson: feature 1: a coordinate is not a finite number; left out",
-        "areas.geojson: these properties are not drawn: fill",
+        "areas.geojson: these properties are not drawn: marker-symbol",
     ] {
         assert!(said.contains(expected), "{said}");
     }
@@ -45,9 +45,11 @@ fn a_file_is_drawn_and_what_is_wrong_in_it_is_named() {
         };
         pixels().filter(|(_, pixel)| near(pixel)).count()
     };
-    let (magenta, green) = (is_of([255, 0, 255]), is_of([0, 255, 0]));
+    let colors = [[255, 0, 255], [0, 255, 0], [0, 64, 0]];
+    let [magenta, green, filled] = colors.map(is_of);
     // The square is about 17 by 22 pixels, the ring of the point 9 wide.
     assert!(magenta > 40 && green > 5, "{magenta} {green}");
+    assert!((100..300).contains(&filled), "{filled}");
     let middle = drawn.get_pixel(32, 18);
     assert!(pixels().count() < 500, "{middle:?}");
     let check = place.succeed(&["check", "areas.toml"]);

@@ -1,12 +1,15 @@
-//! `[[geojson]]` of a scene: its files as lines, marks and names on the globe, and what of them is not drawn.
+//! `[[geojson]]` of a scene: its files as lines, polygons, marks and names on the globe, and what of them is not drawn.
 
 use super::error::PlayError;
-use super::geojson::{GeoJson, GeoStyle};
+use super::geojson::{GeoJson, GeoPolygon, GeoStyle, UsualStyle};
 use super::maps::DroppedLayer;
 use crate::scene::{GeojsonTable, Scene};
 use std::path::PathBuf;
 use terrella::frames::{Ellipsoid, Geodetic};
-use terrella::tracks::{GroundMark, LineStyle, MAX_LINE_POINTS, MAX_PLACES, Polylines};
+use terrella::tracks::{
+    FillStyle, GroundMark, LineStyle, MAX_LINE_POINTS, MAX_PLACES, MAX_TRIANGLES, Polygons,
+    Polylines,
+};
 
 /// The word of these files in lists of what is left out.
 const LAYER: &str = "geojson";
@@ -17,6 +20,7 @@ const LEAST_MARK_PX: f64 = 1.5;
 #[derive(Default)]
 pub(super) struct GeoLayers {
     pub lines: Vec<Polylines>,
+    pub polygons: Vec<Polygons>,
     pub marks: Vec<GroundMark>,
     /// Of each mark, empty where it has none.
     pub names: Vec<String>,
@@ -60,10 +64,13 @@ impl GeoLayers {
         ellipsoid: &Ellipsoid,
         points_left: &mut usize,
     ) -> Result<(), PlayError> {
-        let usual = GeoStyle {
-            color: table.color,
-            opacity: table.opacity,
-            width_px: table.width_px,
+        let usual = UsualStyle {
+            line: GeoStyle {
+                color: table.color,
+                opacity: table.opacity,
+                width_px: table.width_px,
+            },
+            fill_opacity: table.fill_opacity,
         };
         let read = match GeoJson::read(&table.file, usual, table.name_key.as_deref()) {
             Ok(read) => read,
@@ -111,6 +118,9 @@ impl GeoLayers {
                 }
             }
         }
+        for (style, polygons) in read.fills {
+            self.fill(scene, table, ellipsoid, style, polygons)?;
+        }
         let room = MAX_PLACES - self.marks.len();
         if read.points.len() > room {
             let what = format!("it has more than {room} points and names; the rest is left out");
@@ -134,6 +144,38 @@ impl GeoLayers {
             self.names.push(point.name.unwrap_or_default());
         }
         Ok(())
+    }
+
+    /// Adds filled polygons of one style.
+    fn fill(
+        &mut self,
+        scene: &Scene,
+        table: &GeojsonTable,
+        ellipsoid: &Ellipsoid,
+        style: FillStyle,
+        polygons: Vec<GeoPolygon>,
+    ) -> Result<(), PlayError> {
+        let taken: usize = self.polygons.iter().map(Polygons::triangle_count).sum();
+        // Polygons have a limit of their own, at which they cease to be divided.
+        let polygons = Polygons::on_ground(style, ellipsoid, polygons).ok();
+        let Some(polygons) = polygons.filter(|new| taken + new.triangle_count() <= MAX_TRIANGLES)
+        else {
+            let what = format!(
+                "some polygons are not filled: the scene's polygons have more than {MAX_TRIANGLES} triangles"
+            );
+            return self.fault(scene, table, what, false);
+        };
+        let crossing = polygons.crossing_count();
+        self.polygons.push(polygons);
+        match crossing {
+            0 => Ok(()),
+            _ => {
+                let what = format!(
+                    "{crossing} polygons have rings that cross; their filling has gaps or covers twice"
+                );
+                self.fault(scene, table, what, true)
+            }
+        }
     }
 
     /// Notes a fault, or rejects it in a strict scene.

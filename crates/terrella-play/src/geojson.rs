@@ -17,9 +17,10 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::fmt;
 use std::path::Path;
-pub use style::GeoStyle;
 use style::{FeatureStyle, Properties};
+pub use style::{GeoStyle, UsualStyle};
 use terrella::frames::Geodetic;
+use terrella::tracks::FillStyle;
 use terrella_files as files;
 
 /// Largest file, bytes.
@@ -39,6 +40,8 @@ const MAX_NAME_CHARS: usize = 100;
 pub struct GeoJson {
     /// Lines and rings by their style.
     pub lines: Vec<(GeoStyle, Vec<Vec<Geodetic>>)>,
+    /// Polygons that are filled, by their style: each is its rings, the outer one first.
+    pub fills: Vec<(FillStyle, Vec<GeoPolygon>)>,
     pub points: Vec<GeoPoint>,
     /// What is wrong with features, by their order.
     pub remarks: Vec<Remark>,
@@ -49,6 +52,9 @@ pub struct GeoJson {
     /// Properties of simplestyle-spec that are there and not drawn.
     pub ignored: Vec<&'static str>,
 }
+
+/// The rings of a polygon, the outer one first.
+pub type GeoPolygon = Vec<Vec<Geodetic>>;
 
 /// A point of a file, or where the name of a line or a polygon is written.
 #[derive(Clone, Debug, PartialEq)]
@@ -95,13 +101,13 @@ pub enum GeoJsonError {
 }
 
 impl GeoJson {
-    /// Reads a file. Lines and points without a style of their own have `usual`; `name_key` is the property with names, by default `title`.
+    /// Reads a file. Features without a style of their own have `usual`; `name_key` is the property with names, by default `title`.
     ///
     /// # Errors
     /// A file that cannot be read, has more than [`MAX_BYTES`], or is no GeoJSON.
     pub fn read(
         path: &Path,
-        usual: GeoStyle,
+        usual: UsualStyle,
         name_key: Option<&str>,
     ) -> Result<Self, GeoJsonError> {
         let bytes = files::read(path, MAX_BYTES)?.ok_or(GeoJsonError::TooLarge)?;
@@ -113,7 +119,7 @@ impl GeoJson {
     /// The same of a text.
     pub fn parse(
         text: &str,
-        usual: GeoStyle,
+        usual: UsualStyle,
         name_key: Option<&str>,
     ) -> Result<Self, GeoJsonError> {
         let text = without_nan(text);
@@ -207,7 +213,7 @@ impl<'de: 'a, 'a> Deserialize<'de> for Features<'a> {
 }
 
 struct Reader<'r> {
-    usual: GeoStyle,
+    usual: UsualStyle,
     name_key: Option<&'r str>,
     found: GeoJson,
     groups: BTreeMap<style::StyleKey, (GeoStyle, Vec<Vec<Geodetic>>)>,
@@ -279,9 +285,13 @@ impl Reader<'_> {
             color,
             is_marked,
         };
-        if let Some(place) = anchor.filter(|_| name.is_some() && style.line.is_drawn()) {
+        let is_drawn = style.line.is_drawn() || style.fill.is_some();
+        if let Some(place) = anchor.filter(|_| name.is_some() && is_drawn) {
             let named = point(place, style.line.color, false);
             self.found.points.push(named);
+        }
+        if let Some(fill) = style.fill.filter(|_| !read.polygons.is_empty()) {
+            self.fill(index, fill, read.polygons);
         }
         for shape in read.shapes {
             if let Shape::Point(place) = shape {
@@ -295,6 +305,21 @@ impl Reader<'_> {
         }
     }
 
+    /// Polygons of one style are drawn together, in the order of the first of them.
+    fn fill(&mut self, index: usize, style: FillStyle, polygons: Vec<GeoPolygon>) {
+        let fills = &mut self.found.fills;
+        match fills.iter().position(|(other, _)| *other == style) {
+            Some(at) => fills[at].1.extend(polygons),
+            None if fills.len() < MAX_STYLES => fills.push((style, polygons)),
+            None => {
+                let what = format!(
+                    "it is not filled: the file has more than {MAX_STYLES} styles of filling"
+                );
+                self.remark(Some(index), what, true);
+            }
+        }
+    }
+
     fn line(&mut self, index: usize, line: Vec<Geodetic>, style: GeoStyle) {
         let is_new = !self.groups.contains_key(&style.key());
         let style = match is_new && self.groups.len() >= MAX_STYLES {
@@ -303,7 +328,7 @@ impl Reader<'_> {
                     "it is drawn in the usual style: the file has more than {MAX_STYLES} styles"
                 );
                 self.remark(Some(index), what, true);
-                self.usual
+                self.usual.line
             }
             false => style,
         };

@@ -126,6 +126,7 @@ mod pass_table;
 #[cfg(feature = "window")]
 mod picking;
 mod pictures;
+mod place_names;
 mod place_text;
 #[cfg(feature = "window")]
 mod pointer;

@@ -2,6 +2,7 @@
 
 use super::error::PlayError;
 use super::maps::DroppedLayer;
+use super::place_names::place_names;
 use crate::scene::{LineLook, Scene};
 use std::path::PathBuf;
 use terrella::frames::Ellipsoid;
@@ -11,12 +12,14 @@ use terrella_imagery::find_textures;
 /// Its file in the starter pack.
 const VECTOR_MAP: &str = "lines.bin";
 
-/// What a scene's lines are drawn without.
+/// What a scene's `[layers]` is drawn without.
 ///
 /// # Errors
 /// The first of it in a strict scene.
 pub(super) fn dropped_lines(scene: &Scene) -> Result<Vec<DroppedLayer>, PlayError> {
-    Ok(vector_map(scene)?.1)
+    let (_, mut dropped) = vector_map(scene)?;
+    dropped.extend(place_names(scene)?.1);
+    Ok(dropped)
 }
 
 /// The file that [`lines`] reads, if it is there.
@@ -78,6 +81,11 @@ fn vector_map(scene: &Scene) -> Result<(VectorMap, Vec<DroppedLayer>), PlayError
 /// How a scene's terminator is drawn.
 pub(super) fn twilight(scene: &Scene) -> Option<LineStyle> {
     scene.layers.terminator.map(|look| style(scene, look))
+}
+
+/// How the outlines of the Moon's shadow are drawn.
+pub(super) fn shadow_lines(scene: &Scene) -> Option<LineStyle> {
+    scene.layers.moon_shadow.map(|look| style(scene, look))
 }
 
 fn style(scene: &Scene, look: LineLook) -> LineStyle {

@@ -8,6 +8,7 @@ use super::error::PlayError;
 use super::geo_layers::geo_files;
 use super::map_lines::line_files;
 use super::maps::map_files;
+use super::place_names::place_name_files;
 use super::relief::relief_files;
 use super::sky_parts::sky_files;
 use crate::scene::Scene;
@@ -71,6 +72,7 @@ pub fn scene_files(scene: &Scene) -> Result<Vec<SceneFile>, PlayError> {
     }
     add("geojson.file", geo_files(scene));
     add("layers.vector_map", line_files(scene));
+    add("layers.place_names", place_name_files(scene));
     if sky.is_on() {
         add("sky.folder", sky_files(scene));
     }

@@ -10,7 +10,7 @@ use terrella_imagery::tile::MapLayer;
 
 /// All that is off in most scenes, as it is drawn where a scene says no more than that it is on.
 const USUAL: &str = "[tracks]\ntrail = true\nground_track = true\nmarker = true\n\
-                     [layers]\ngraticule = true\ncoast_lines = true\nborders = true\nterminator = true\n";
+                     [layers]\ngraticule = true\ncoast_lines = true\nborders = true\nterminator = true\nmoon_shadow = true\nplace_names = true\n";
 
 /// A layer that is switched.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,6 +24,10 @@ pub enum Layer {
     CoastLines,
     Borders,
     Terminator,
+    /// Outlines of umbra and penumbra.
+    MoonShadow,
+    /// Names of cities.
+    PlaceNames,
     /// Trails, ground tracks, footprints and markers.
     Tracks,
     Stations,
@@ -33,7 +37,7 @@ pub enum Layer {
 
 impl Layer {
     /// All of them, in the panel's order.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 13] = [
         Self::Clouds,
         Self::CityLights,
         Self::Atmosphere,
@@ -42,6 +46,8 @@ impl Layer {
         Self::CoastLines,
         Self::Borders,
         Self::Terminator,
+        Self::MoonShadow,
+        Self::PlaceNames,
         Self::Tracks,
         Self::Stations,
         Self::Files,
@@ -58,6 +64,8 @@ impl Layer {
             Self::CoastLines => "coast lines",
             Self::Borders => "borders",
             Self::Terminator => "terminator",
+            Self::MoonShadow => "Moon's shadow",
+            Self::PlaceNames => "place names",
             Self::Tracks => "tracks",
             Self::Stations => "stations",
             Self::Files => "GeoJSON",
@@ -71,6 +79,7 @@ impl Layer {
             Self::CityLights => Some(("earth", "night_lights")),
             Self::CoastLines => Some(("layers", "coast_lines")),
             Self::Borders => Some(("layers", "borders")),
+            Self::PlaceNames => Some(("layers", "place_names")),
             _ => None,
         }
     }
@@ -102,6 +111,8 @@ impl Switches {
             Layer::CoastLines => layers.coast_lines.is_some(),
             Layer::Borders => layers.borders.is_some(),
             Layer::Terminator => layers.terminator.is_some(),
+            Layer::MoonShadow => layers.moon_shadow.is_some(),
+            Layer::PlaceNames => layers.place_names.is_some(),
             Layer::Tracks => scene.orbits.iter().any(has_tracks),
             Layer::Stations => !scene.stations.is_empty(),
             Layer::Files => !scene.geojson.is_empty(),
@@ -144,8 +155,8 @@ impl Switches {
         self.tone = Some(Tone::ALL[next]);
     }
 
-    /// The scene with all that is to be loaded or made: what is on and off in `base` is as it would be where the key was `true`. Lines of
-    /// `[layers]` that are off are taken out; other layers that are off stay, since they are loaded and only hidden.
+    /// The scene with all that is to be loaded or made: what is on and off in `base` is as it would be where the key was `true`. What of
+    /// `[layers]` is off is taken out; other layers that are off stay, since they are loaded and only hidden.
     ///
     /// # Errors
     /// A layer whose file is missing, as in a strict scene.
@@ -165,9 +176,16 @@ impl Switches {
                 &mut lines.terminator,
                 usual.layers.terminator,
             ),
+            (
+                Layer::MoonShadow,
+                &mut lines.moon_shadow,
+                usual.layers.moon_shadow,
+            ),
         ] {
             *line = line.or(usual).filter(|_| self.is_on(layer));
         }
+        let names = lines.place_names.or(usual.layers.place_names);
+        lines.place_names = names.filter(|_| self.is_on(Layer::PlaceNames));
         let graticule = lines.graticule.or(usual.layers.graticule);
         lines.graticule = graticule.filter(|_| self.is_on(Layer::Graticule));
         if self.is_on(Layer::Sky) && !scene.sky.is_on() {

@@ -5,24 +5,23 @@
 
 mod labels;
 mod roster;
+mod still;
 mod style;
 mod swarm;
 
 use super::egui_pass::EguiTarget;
 use super::error::PlayError;
 use super::flight::{Flight, Moment};
-use super::geo_layers::{GeoLayers, geo_layers};
-use super::map_lines::{lines, twilight};
 use super::satellites::orientation_at;
 use crate::scene::{Orbit, Scene};
 use labels::{Labels, NamePlace};
 use roster::RosterTracks;
+use still::Still;
 use style::style;
 use swarm::Swarm;
 use terrella::frames::EarthOrientation;
 use terrella::tracks::{
-    GroundMark, LineStyle, Polylines, Station, TrackLabel, TrackMoment, TrackStats, TrackStyle,
-    Tracks, TracksOptions,
+    Station, TrackLabel, TrackMoment, TrackStats, TrackStyle, Tracks, TracksOptions,
 };
 use terrella::{Earth, FrameStats, GpuContext};
 
@@ -38,16 +37,16 @@ pub struct TracksLayer {
     /// Whether each has its name written; all have where this is empty.
     is_named: Vec<bool>,
     orientation: Option<EarthOrientation>,
+    /// Made for the first name.
     labels: Option<Labels>,
+    /// Of the pictures that names are written on.
+    format: wgpu::TextureFormat,
     is_complete: bool,
     /// Where a simulation says what there is.
     roster: Option<RosterTracks>,
-    lines: Vec<Polylines>,
-    twilight: Option<LineStyle>,
+    still: Still,
     stations: Vec<Station>,
     station_names: Vec<String>,
-    places: Vec<GroundMark>,
-    place_names: Vec<String>,
     /// The satellite whose height the stations' circles are of.
     followed: usize,
     /// Whether satellites have tracks.
@@ -117,32 +116,22 @@ impl TracksLayer {
         let width_px = scene.track_px as f32;
         let options = TracksOptions::of(earth);
         let stations = stations(scene);
-        let GeoLayers {
-            lines,
-            marks: places,
-            names: place_names,
-            ..
-        } = still(scene, flight)?;
-        let twilight = twilight(scene);
+        let still = Still::of(scene, flight)?;
         if let Some(roster) = RosterTracks::of(flight) {
             let mut tracks = Tracks::new(&gpu.device, &options, &[])?;
-            tracks.set_lines(lines.clone())?;
-            tracks.set_places(&places)?;
-            tracks.set_twilight(twilight)?;
+            still.show(&mut tracks)?;
             return Ok(Some(Self {
                 tracks,
                 swarm: Swarm::default(),
                 is_named: Vec::new(),
                 orientation: flight.earth_orientation().cloned(),
-                labels: Some(Labels::new(&gpu.device, shown)),
+                labels: None,
+                format: shown,
                 is_complete: false,
                 roster: Some(roster),
-                lines,
-                twilight,
+                still,
                 stations,
                 station_names: station_names(scene),
-                places,
-                place_names,
                 followed: 0,
                 has_tracks: true,
                 shown: ShownTracks::default(),
@@ -175,29 +164,21 @@ impl TracksLayer {
         {
             return Ok(None);
         }
-        // Files of GeoJSON may be switched off at present.
-        let has_names = styles.iter().any(|style| style.marker)
-            || !stations.is_empty()
-            || !flight.scene().geojson.is_empty();
         let mut tracks = Tracks::new(&gpu.device, &options, &styles)?;
-        tracks.set_lines(lines.clone())?;
-        tracks.set_places(&places)?;
-        tracks.set_twilight(twilight)?;
+        still.show(&mut tracks)?;
         tracks.set_stations(&stations, followed)?;
         Ok(Some(Self {
             tracks,
             swarm: Swarm::of(feeds),
             is_named,
             orientation: flight.earth_orientation().cloned(),
-            labels: has_names.then(|| Labels::new(&gpu.device, shown)),
+            labels: None,
+            format: shown,
             is_complete: false,
             roster: None,
-            lines,
-            twilight,
+            still,
             stations,
             station_names: station_names(scene),
-            places,
-            place_names,
             followed,
             has_tracks: has_tracks(scene),
             shown: ShownTracks::default(),
@@ -219,17 +200,9 @@ impl TracksLayer {
         flight: &Flight,
         shown: ShownTracks,
     ) -> Result<(), PlayError> {
-        let GeoLayers {
-            lines,
-            marks: places,
-            names: place_names,
-            ..
-        } = still(scene, flight)?;
-        self.tracks.set_lines(lines.clone())?;
-        self.tracks.set_places(&places)?;
-        (self.places, self.place_names) = (places, place_names);
-        (self.lines, self.twilight) = (lines, twilight(scene));
-        self.tracks.set_twilight(self.twilight)?;
+        let still = Still::of(scene, flight)?;
+        still.show(&mut self.tracks)?;
+        self.still = still;
         self.shown = shown;
         self.tracks.hide_satellites(!shown.satellites);
         let stations = shown_stations(&self.stations, shown);
@@ -240,9 +213,7 @@ impl TracksLayer {
     pub fn is_shown(&self) -> bool {
         (self.has_tracks && self.shown.satellites)
             || !shown_stations(&self.stations, self.shown).is_empty()
-            || !self.lines.is_empty()
-            || !self.places.is_empty()
-            || self.twilight.is_some()
+            || !self.still.is_empty()
     }
 
     /// Makes the tracks again where a simulation has other craft or places than before.
@@ -252,9 +223,7 @@ impl TracksLayer {
         };
         let made = Tracks::new(&gpu.device, self.tracks.options(), &styles);
         let made = made.and_then(|mut tracks| {
-            tracks.set_lines(self.lines.clone())?;
-            tracks.set_places(&self.places)?;
-            tracks.set_twilight(self.twilight)?;
+            self.still.show(&mut tracks)?;
             tracks.hide_satellites(!self.shown.satellites);
             tracks.set_stations(shown_stations(&self.stations, self.shown), 0)?;
             Ok(tracks)
@@ -293,6 +262,7 @@ impl TracksLayer {
             target: size.into(),
         };
         self.tracks.set_sun(moment.sky.sun_itrf);
+        self.tracks.set_moon_shadow(moment.sky.moon_shadow());
         self.swarm.look_at(moment.epoch);
         let feeds = self.swarm.feeds();
         let own = match detail {
@@ -328,46 +298,47 @@ impl TracksLayer {
     ) {
         let larger = |shown: u32, drawn: u32| shown as f32 / drawn.max(1) as f32;
         let [x, y] = [larger(size.0, drawn_size.0), larger(size.1, drawn_size.1)];
-        if let Some(labels) = &mut self.labels {
-            let names = self.tracks.labels().iter().filter_map(|label| {
-                let is_named = self.is_named.get(label.satellite).copied().unwrap_or(true);
-                let name = self.swarm.name(label.satellite).filter(|_| is_named)?;
-                let at_px = [label.at_px[0] * x, label.at_px[1] * y];
-                Some((TrackLabel { at_px, ..*label }, name, NamePlace::Beside))
-            });
-            let stations = self.tracks.station_labels().iter().filter_map(|label| {
-                let at_px = [label.at_px[0] * x, label.at_px[1] * y];
-                let name = self.station_names.get(label.station)?;
-                let label = TrackLabel {
-                    satellite: label.station,
-                    at_px,
-                    color: label.color,
-                };
-                Some((label, name.as_str(), NamePlace::Beside))
-            });
-            let places = self.tracks.place_labels().iter().filter_map(|label| {
-                let name = self.place_names.get(label.place)?;
-                let label = TrackLabel {
-                    satellite: label.place,
-                    at_px: [label.at_px[0] * x, label.at_px[1] * y],
-                    color: label.color,
-                };
-                let place = match self.places.get(label.satellite)?.is_marked {
-                    true => NamePlace::BesideIfRoom,
-                    false => NamePlace::MiddleIfRoom,
-                };
-                Some((label, name.as_str(), place))
-            });
-            let names = stations.chain(names).chain(places);
-            let target = EguiTarget {
-                device: &gpu.device,
-                queue: &gpu.queue,
-                encoder,
-                view,
-                size,
+        let scaled = |at_px: [f32; 2]| [at_px[0] * x, at_px[1] * y];
+        let names = self.tracks.labels().iter().filter_map(|label| {
+            let is_named = self.is_named.get(label.satellite).copied().unwrap_or(true);
+            let name = self.swarm.name(label.satellite).filter(|_| is_named)?;
+            let at_px = scaled(label.at_px);
+            Some((TrackLabel { at_px, ..*label }, name, NamePlace::Beside))
+        });
+        let stations = self.tracks.station_labels().iter().filter_map(|label| {
+            let name = self.station_names.get(label.station)?;
+            let label = TrackLabel {
+                satellite: label.station,
+                at_px: scaled(label.at_px),
+                color: label.color,
             };
-            labels.write(target, names);
+            Some((label, name.as_str(), NamePlace::Beside))
+        });
+        let places = self.tracks.place_labels().iter().filter_map(|label| {
+            let (name, place) = self.still.name(label, y)?;
+            let label = TrackLabel {
+                satellite: label.place,
+                at_px: scaled(label.at_px),
+                color: label.color,
+            };
+            Some((label, name, place))
+        });
+        let mut names = stations.chain(names).chain(places).peekable();
+        if names.peek().is_none() {
+            return;
         }
+        let format = self.format;
+        let labels = self
+            .labels
+            .get_or_insert_with(|| Labels::new(&gpu.device, format));
+        let target = EguiTarget {
+            device: &gpu.device,
+            queue: &gpu.queue,
+            encoder,
+            view,
+            size,
+        };
+        labels.write(target, self.still.most_cities, names);
     }
 }
 
@@ -380,22 +351,6 @@ fn shown_stations(stations: &[Station], shown: ShownTracks) -> &[Station] {
 
 fn has_tracks(scene: &Scene) -> bool {
     scene.orbits.iter().any(|orbit| !orbit.track.is_off())
-}
-
-/// A scene's lines, and the places that it marks with their names. Says what of its files is left out.
-fn still(scene: &Scene, flight: &Flight) -> Result<GeoLayers, PlayError> {
-    let ellipsoid = flight.ellipsoid();
-    let mut lines = lines(scene, ellipsoid)?;
-    let taken = lines.iter().map(Polylines::point_count).sum();
-    let mut geo = geo_layers(scene, ellipsoid, taken)?;
-    for dropped in &geo.dropped {
-        tracing::warn!("{}; left out", dropped.missing);
-    }
-    for note in &geo.notes {
-        tracing::warn!("{note}");
-    }
-    lines.append(&mut geo.lines);
-    Ok(GeoLayers { lines, ..geo })
 }
 
 /// A scene's ground stations, as they are drawn.

@@ -43,7 +43,7 @@ fn a_file_has_defaults_and_what_a_scene_says() {
     let summary = scene.summary();
     assert_eq!(summary.matches("\n[[geojson]]\n").count(), 2, "{summary}");
     assert!(
-        summary.contains("\n  geojson        lines, outlines and points of "),
+        summary.contains("\n  geojson        lines, polygons and points of "),
         "{summary}"
     );
 }

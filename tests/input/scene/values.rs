@@ -222,7 +222,8 @@ fn every_key_is_read() {
          [layers]\ngraticule = { step_deg = 5 }\ngraticule_color = \"#ffffff\"\ngraticule_opacity = 0.5\n\
          coast_lines = true\ncoast_lines_color = \"#ffffff\"\ncoast_lines_opacity = 0.5\n\
          borders = true\nborders_color = \"#ffffff\"\nborders_opacity = 0.5\n\
-         terminator = true\nterminator_color = \"#ffffff\"\nterminator_opacity = 0.5\nwidth_px = 2\nvector_map = \"sat.tle\"\n",
+         terminator = true\nterminator_color = \"#ffffff\"\nterminator_opacity = 0.5\n\
+         moon_shadow = true\nmoon_shadow_color = \"#ffffff\"\nmoon_shadow_opacity = 0.5\nplace_names = 9\nwidth_px = 2\nvector_map = \"sat.tle\"\n",
     );
     let scene = scene.expect("a good scene");
     let sky = &scene.sky;

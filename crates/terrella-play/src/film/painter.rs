@@ -72,8 +72,8 @@ impl FilmPainter {
         };
         if scene.layers.is_on() || !scene.stations.is_empty() || !scene.geojson.is_empty() {
             return Err(rejected(
-                "lines on the globe and ground stations",
-                "switch graticule, coast_lines, borders and terminator off, and leave [[station]] and [[geojson]] out",
+                "lines and names on the globe and ground stations",
+                "switch graticule, coast_lines, borders, terminator, moon_shadow and place_names off, and leave [[station]] and [[geojson]] out",
             ));
         }
         if TracksLayer::is_wanted(flight) {

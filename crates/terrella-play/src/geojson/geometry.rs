@@ -100,6 +100,8 @@ fn is_on_date_line(place: &Geodetic) -> bool {
 #[derive(Default)]
 pub(super) struct Shapes {
     pub shapes: Vec<Shape>,
+    /// The rings of each polygon, which are among the shapes too.
+    pub polygons: Vec<Vec<Vec<Geodetic>>>,
     /// Positions that were read.
     pub positions: usize,
     /// What is wrong and drawn all the same.
@@ -242,6 +244,7 @@ impl Shapes {
     }
 
     fn polygon(&mut self, rings: &[Vec<Position>]) -> Result<(), String> {
+        let mut polygon = Vec::with_capacity(rings.len());
         for (index, ring) in rings.iter().enumerate() {
             let is_closed = match (ring.first(), ring.last()) {
                 (Some(first), Some(last)) => first.0 == last.0,
@@ -258,8 +261,10 @@ impl Shapes {
             }
             self.is_wound_clockwise |= index == 0 && is_clockwise(&closed);
             let places = self.places(&closed)?;
+            polygon.push(places.clone());
             self.shapes.push(Shape::Ring(places));
         }
+        self.polygons.push(polygon);
         Ok(())
     }
 

@@ -2,17 +2,14 @@
 
 use serde_json::{Map, Value};
 use std::ops::RangeInclusive;
+use terrella::tracks::FillStyle;
 
 /// Widths that are drawn, pixels; wider lines are as wide as the widest.
 const WIDTH_PX: RangeInclusive<f64> = 0.1..=64.0;
-/// Properties of the specification that are not drawn: polygons are outlines, marks are rings.
-const NOT_DRAWN: [&str; 5] = [
-    "fill",
-    "fill-opacity",
-    "marker-size",
-    "marker-symbol",
-    "description",
-];
+/// Properties of the specification that are not drawn: marks are rings.
+const NOT_DRAWN: [&str; 3] = ["marker-size", "marker-symbol", "description"];
+/// Opacity of a filling whose feature has a colour for it alone, as the specification has it.
+const FILL_OPACITY: f64 = 0.6;
 
 /// How a line is drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,6 +20,14 @@ pub struct GeoStyle {
     pub opacity: f64,
     /// Pixels; 0 is not drawn.
     pub width_px: f64,
+}
+
+/// How features without a style of their own are drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct UsualStyle {
+    pub line: GeoStyle,
+    /// Of the filling of polygons, 0…1; 0 is not drawn.
+    pub fill_opacity: f64,
 }
 
 /// All of a style as one value: lines of the same style are drawn together.
@@ -42,13 +47,17 @@ impl GeoStyle {
 /// How a feature is drawn.
 pub(super) struct FeatureStyle {
     pub line: GeoStyle,
+    /// `None` where a polygon's outline is drawn alone.
+    pub fill: Option<FillStyle>,
     pub marker_color: [u8; 3],
 }
 
 impl FeatureStyle {
-    pub(super) fn usual(line: GeoStyle) -> Self {
+    pub(super) fn usual(usual: UsualStyle) -> Self {
+        let UsualStyle { line, fill_opacity } = usual;
         Self {
             line,
+            fill: fill(line.color, fill_opacity),
             marker_color: line.color,
         }
     }
@@ -64,7 +73,11 @@ impl Properties {
     }
 
     /// The style, and what of it is not understood.
-    pub(super) fn style(&self, usual: GeoStyle) -> (FeatureStyle, Vec<String>) {
+    pub(super) fn style(&self, usual: UsualStyle) -> (FeatureStyle, Vec<String>) {
+        let UsualStyle {
+            line: usual,
+            fill_opacity: usual_fill_opacity,
+        } = usual;
         let mut faults = Vec::new();
         let stroke = self.color("stroke", &mut faults);
         let marker = self.color("marker-color", &mut faults);
@@ -75,7 +88,15 @@ impl Properties {
             Some(0.0) => 0.0,
             Some(width) => width.clamp(*WIDTH_PX.start(), *WIDTH_PX.end()),
         };
+        let fill_color = self.color("fill", &mut faults);
+        let fill_opacity = self.number("fill-opacity", &mut faults);
+        let fill_opacity = match (fill_color, fill_opacity) {
+            (_, Some(opacity)) => opacity.min(1.0),
+            (Some(_), None) => FILL_OPACITY,
+            (None, None) => usual_fill_opacity,
+        };
         let style = FeatureStyle {
+            fill: fill(fill_color.or(stroke).unwrap_or(usual.color), fill_opacity),
             line: GeoStyle {
                 color: stroke.unwrap_or(usual.color),
                 opacity: opacity.map_or(usual.opacity, |opacity| opacity.min(1.0)),
@@ -124,6 +145,10 @@ impl Properties {
         }
         color
     }
+}
+
+fn fill(color: [u8; 3], opacity: f64) -> Option<FillStyle> {
+    (opacity > 0.0).then_some(FillStyle { color, opacity })
 }
 
 fn color(text: &str) -> Option<[u8; 3]> {

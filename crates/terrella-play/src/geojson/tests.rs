@@ -1,9 +1,12 @@
 use super::*;
 
-const USUAL: GeoStyle = GeoStyle {
-    color: [1, 2, 3],
-    opacity: 0.5,
-    width_px: 2.0,
+const USUAL: UsualStyle = UsualStyle {
+    line: GeoStyle {
+        color: [1, 2, 3],
+        opacity: 0.5,
+        width_px: 2.0,
+    },
+    fill_opacity: 0.0,
 };
 
 fn parse(text: &str) -> GeoJson {
@@ -306,6 +309,47 @@ fn edges_along_the_date_line_are_no_outline() {
     assert_eq!(lines(&found).len(), 2);
 }
 
+/// simplestyle-spec 1.1.0: a filling has an opacity of 0.6 where none is given.
+#[test]
+fn polygons_are_filled_as_they_say() {
+    let area = |properties: &str| {
+        let rings = "[[[0,0],[9,0],[9,9],[0,0]],[[3,1],[4,1],[4,2],[3,1]]]";
+        format!(
+            "\"properties\":{{{properties}}},\"geometry\":{{\"type\":\"Polygon\",\"coordinates\":{rings}}}"
+        )
+    };
+    let members = [
+        area("\"fill\":\"#0f0\""),
+        area("\"stroke\":\"#ff0000\",\"fill-opacity\":0.25"),
+        area("\"fill\":\"#00ff00\",\"stroke-width\":0,\"title\":\"Zone\""),
+        area("\"fill\":\"#00f\",\"fill-opacity\":0"),
+        area(""),
+    ];
+    let members: Vec<&str> = members.iter().map(String::as_str).collect();
+    let fills = |found: &GeoJson| -> Vec<_> {
+        let fills = found.fills.iter();
+        fills
+            .map(|(style, polygons)| (style.color, style.opacity, polygons.len()))
+            .collect()
+    };
+    let found = features(&members);
+    assert_eq!(
+        fills(&found),
+        [([0, 255, 0], 0.6, 2), ([255, 0, 0], 0.25, 1)]
+    );
+    let rings = &found.fills[0].1[0];
+    assert_eq!(rings.iter().map(Vec::len).collect::<Vec<_>>(), [4, 4]);
+    assert_eq!(found.points.len(), 1, "named by its filling alone");
+    // The table's own opacity is for what says nothing.
+    let usual = UsualStyle {
+        fill_opacity: 0.5,
+        ..USUAL
+    };
+    let text = r#"{"type":"Polygon","coordinates":[[[0,0],[9,0],[9,9],[0,0]]]}"#;
+    let bare = GeoJson::parse(text, usual, None).expect("good");
+    assert_eq!(fills(&bare), [([1, 2, 3], 0.5, 1)]);
+}
+
 #[test]
 fn simplestyle_is_drawn_or_listed() {
     let line = "\"geometry\":{\"type\":\"LineString\",\"coordinates\":[[1,2],[3,4]]}";
@@ -354,7 +398,8 @@ fn simplestyle_is_drawn_or_listed() {
             (Some("Kourou"), true, [0, 255, 0]),
         ]
     );
-    assert_eq!(found.ignored, ["fill", "marker-symbol"]);
+    assert_eq!(found.ignored, ["marker-symbol"]);
+    assert!(found.fills.is_empty(), "lines have none");
     assert_eq!(
         said(&found),
         [

@@ -26,6 +26,8 @@ pub struct GeojsonTable {
     pub width_px: f64,
     /// Above 0 to 1.
     pub opacity: f64,
+    /// Of the filling of polygons, 0 to 1.
+    pub fill_opacity: f64,
     /// The property with names; `None` is the title.
     pub name_key: Option<String>,
 }
@@ -65,6 +67,7 @@ impl SceneText<'_> {
             color: self.color_of(&color, written)?,
             width_px: self.quantity(&raw.width_px())?,
             opacity: self.quantity(&raw.opacity())?,
+            fill_opacity: self.quantity(&raw.fill_opacity())?,
             name_key: name_key.map(str::to_owned),
         })
     }
@@ -75,7 +78,7 @@ impl Scene {
     pub(super) fn geojson_uses(&self) -> impl Iterator<Item = (&'static str, String)> {
         self.geojson.iter().map(|table| {
             let file = printable(&table.file.display().to_string());
-            ("geojson", format!("lines, outlines and points of {file}"))
+            ("geojson", format!("lines, polygons and points of {file}"))
         })
     }
 }

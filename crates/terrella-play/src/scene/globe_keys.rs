@@ -20,6 +20,8 @@ pub(super) const MAX_STATIONS: usize = 200;
 pub(super) const MAX_GEOJSON: usize = 32;
 /// `step_deg` of `graticule`, degrees.
 pub(super) const GRATICULE_STEP_DEG: RangeInclusive<f64> = 1.0..=90.0;
+/// Greatest number of `place_names`.
+pub(super) const PLACE_NAMES: RangeInclusive<i64> = 1..=500;
 /// Opacity of lines.
 const OPACITY: RangeInclusive<f64> = 0.01..=1.0;
 
@@ -30,6 +32,7 @@ const GRATICULE: &Only = &only("only for graticule = true");
 const COAST_LINES: &Only = &only("only for coast_lines = true");
 const BORDERS: &Only = &only("only for borders = true");
 const TERMINATOR: &Only = &only("only for terminator = true");
+const MOON_SHADOW: &Only = &only("only for moon_shadow = true");
 
 table!(RawLayers = "layers" {
     // True or a table, checked by layers.rs.
@@ -57,6 +60,15 @@ table!(RawLayers = "layers" {
     terminator_color: String, of "a string, \"#\" and six hexadecimal digits", for TERMINATOR;
     /// Opacity of the terminator.
     terminator_opacity: f64, in OPACITY, default 0.8, for TERMINATOR;
+    /// Whether the outlines of the Moon's umbra and penumbra on the ground are drawn at an eclipse of the Sun.
+    moon_shadow: bool, default false;
+    /// Colour of these outlines. By default "#d0b8ff".
+    moon_shadow_color: String, of "a string, \"#\" and six hexadecimal digits", for MOON_SHADOW;
+    /// Opacity of these outlines.
+    moon_shadow_opacity: f64, in OPACITY, default 0.9, for MOON_SHADOW;
+    // True or a number, checked by layers.rs.
+    /// Names of cities and towns, the most important first where there is room: true, which is at most 60 in a picture, or their greatest number, 1 to 500. By default false.
+    place_names: toml::Value, of "true, false or a number";
     /// Width of these lines.
     width_px: f64, of "pixels", in 0.5..=16.0, default 1.0;
     /// File of coast lines and borders. By default lines.bin of the starter pack.
@@ -64,7 +76,7 @@ table!(RawLayers = "layers" {
 });
 
 table!(RawGeojson = "geojson" {
-    /// A file of GeoJSON (RFC 7946). Its lines, the outlines of its polygons and its points are drawn, with the properties stroke, stroke-width, stroke-opacity, marker-color and title of simplestyle-spec.
+    /// A file of GeoJSON (RFC 7946). Its lines, the outlines of its polygons and its points are drawn, with the properties stroke, stroke-width, stroke-opacity, fill, fill-opacity, marker-color and title of simplestyle-spec.
     file: RawPath, of "a GeoJSON file";
     /// Colour of features that have none of their own. By default "#ffd166".
     color: String, of "a string, \"#\" and six hexadecimal digits";
@@ -72,6 +84,8 @@ table!(RawGeojson = "geojson" {
     width_px: f64, of "pixels", in 0.5..=16.0, default 1.5;
     /// Opacity of lines that have none of their own, and of points.
     opacity: f64, in OPACITY, default 0.9;
+    /// Opacity of the filling of polygons that have neither fill nor fill-opacity. 0 draws their outlines alone.
+    fill_opacity: f64, in 0.0..=1.0, default 0.0;
     /// The property of features with the name that is written beside them. By default "title".
     name_key: String, of "a string, the name of a property";
 });

@@ -1,9 +1,9 @@
-//! `[layers]`: lines on the globe that stand still on it.
+//! `[layers]`: lines and names on the globe that stand still on it.
 
 use super::Scene;
 use super::error::{SceneError, printable};
 use super::field::{Field, PathKind, range_text};
-use super::globe_keys::{GRATICULE_STEP_DEG, RawLayers};
+use super::globe_keys::{GRATICULE_STEP_DEG, PLACE_NAMES, RawLayers};
 use super::record::number_text;
 use super::text::SceneText;
 use std::ops::RangeInclusive;
@@ -12,11 +12,14 @@ use toml::Spanned;
 
 /// `step_deg` of `graticule` where a scene gives none.
 const STEP_DEG: f64 = 10.0;
+/// Most names in a picture where a scene gives no number.
+const NAMES: u32 = 60;
 /// Colours where a scene gives none.
 const GRATICULE_COLOR: &str = "#ffffff";
 const COAST_LINES_COLOR: &str = "#fff2c4";
 const BORDERS_COLOR: &str = "#ffffff";
 const TERMINATOR_COLOR: &str = "#ffb066";
+const MOON_SHADOW_COLOR: &str = "#d0b8ff";
 
 /// `[layers]`
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -29,6 +32,10 @@ pub struct LayersTable {
     pub borders: Option<LineLook>,
     /// How the terminator and the ends of twilight are drawn.
     pub terminator: Option<LineLook>,
+    /// How the outlines of the Moon's shadow are drawn.
+    pub moon_shadow: Option<LineLook>,
+    /// Most names of cities in a picture; `None` is none.
+    pub place_names: Option<u32>,
     /// Width of these lines, pixels.
     pub width_px: f64,
     /// File of coast lines and borders; `None` is the starter pack's.
@@ -47,7 +54,13 @@ pub struct LineLook {
 impl LayersTable {
     /// Whether anything is drawn.
     pub fn is_on(&self) -> bool {
-        self.graticule.is_some() || self.terminator.is_some() || self.needs_vector_map()
+        self.has_lines() || self.place_names.is_some()
+    }
+
+    /// Whether lines are drawn.
+    fn has_lines(&self) -> bool {
+        let own = [self.terminator, self.moon_shadow];
+        self.graticule.is_some() || own.iter().any(Option::is_some) || self.needs_vector_map()
     }
 
     /// Whether anything is drawn of a file.
@@ -94,15 +107,24 @@ impl SceneText<'_> {
             TERMINATOR_COLOR,
             "only for terminator = true",
         )?;
+        let moon_shadow = look(
+            layers.moon_shadow().is_on(),
+            layers.moon_shadow_color(),
+            layers.moon_shadow_opacity(),
+            MOON_SHADOW_COLOR,
+            "only for moon_shadow = true",
+        )?;
         let table = LayersTable {
             terminator,
+            moon_shadow,
             graticule: step_deg.zip(graticule),
             coast_lines,
             borders,
+            place_names: self.place_names(&layers.place_names())?,
             ..LayersTable::default()
         };
         let (width, vector_map) = (layers.width_px(), layers.vector_map());
-        if !table.is_on() {
+        if !table.has_lines() {
             width.note(Err("there are no lines in [layers]"));
         }
         if !table.needs_vector_map() {
@@ -141,6 +163,24 @@ impl SceneText<'_> {
             color: self.color_of(color, text)?,
             opacity: self.quantity(opacity)?,
         }))
+    }
+
+    /// Most names in a picture, if there are names.
+    fn place_names(&self, field: &Field<'_, toml::Value>) -> Result<Option<u32>, SceneError> {
+        let names = match field.given.map(Spanned::get_ref) {
+            None | Some(toml::Value::Boolean(false)) => None,
+            Some(toml::Value::Boolean(true)) => Some(NAMES),
+            Some(toml::Value::Integer(most)) if PLACE_NAMES.contains(most) => Some(*most as u32),
+            Some(_) => {
+                let range = range_text(&PLACE_NAMES);
+                let advice = format!(
+                    "must be true, false, or the greatest number of names in a picture, {range}"
+                );
+                return Err(self.reject(field, advice));
+            }
+        };
+        field.note(Ok(names.map_or("false".to_owned(), |most| most.to_string())));
+        Ok(names)
     }
 
     /// Degrees from line to line, if there are lines.
@@ -204,8 +244,14 @@ impl Scene {
         let twilight = layers
             .terminator
             .map(|_| "terminator and twilight".to_owned());
+        let shadow = layers.moon_shadow.map(|_| "the Moon's shadow".to_owned());
         let mapped = (!parts.is_empty()).then(|| format!("{}{source}", parts.join(", ")));
-        let all: Vec<_> = twilight.into_iter().chain(mapped).collect();
+        let names = layers.place_names;
+        let names = names.map(|most| format!("at most {most} place names (GeoNames)"));
+        let all: Vec<_> = [twilight, shadow, mapped, names]
+            .into_iter()
+            .flatten()
+            .collect();
         (!all.is_empty()).then(|| ("lines", all.join(", ")))
     }
 }

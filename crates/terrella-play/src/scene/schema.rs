@@ -6,7 +6,7 @@
 use super::camera_keys::{NUMBERS, OFFSET, OFFSET_M};
 use super::caption_keys::MAX_CAPTIONS;
 use super::field::names_of;
-use super::globe_keys::{GRATICULE_STEP_DEG, MAX_GEOJSON, MAX_STATIONS};
+use super::globe_keys::{GRATICULE_STEP_DEG, MAX_GEOJSON, MAX_STATIONS, PLACE_NAMES};
 use super::keys::{
     BURN_M_S2, BURN_S, CLIPMAP_LEVELS, CLIPMAP_SAMPLES, GRID_SAMPLES, MAX_BURNS, MAX_CAMERA_KEYS,
     MAX_DATED_MAPS, MAX_ELEVATION_FILES, MAX_LEAVES, MAX_ORBITS, MAX_ORIGINS, QUADTREE_LAMBDA,
@@ -127,6 +127,10 @@ fn own(key: &Key) -> Value {
         "trail" | "ground_track" | "graticule" => {
             json!({ "anyOf": [{ "type": "boolean" }, table()] })
         }
+        "place_names" => json!({ "anyOf": [
+            { "type": "boolean" },
+            { "type": "integer", "minimum": PLACE_NAMES.start(), "maximum": PLACE_NAMES.end() },
+        ] }),
         "burns" => json!({ "type": "array", "maxItems": MAX_BURNS, "items": table() }),
         "events" => {
             json!({ "type": "array", "items": { "enum": ["nodes", "apsides", "eclipses"] } })

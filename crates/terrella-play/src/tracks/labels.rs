@@ -11,11 +11,19 @@ const LETTER_FRACTION: f32 = 0.02;
 const LETTER_PX: std::ops::RangeInclusive<f32> = 12.0..=48.0;
 /// Distance of a name from its marker's middle, in heights of letters.
 const MARKER_DISTANCE: f32 = 0.7;
+/// Room at which a city's name begins to be seen and is seen wholly, heights of letters.
+const CITY_ROOM: [f32; 2] = [4.0, 5.5];
+/// Height of a city's letters in that of others.
+const CITY_LETTER: f32 = 0.8;
+/// Radius of a city's dot, heights of its letters.
+const DOT: f32 = 0.2;
+/// Opacity of the plate below a city's name, of 255.
+const PLATE: f32 = 120.0;
 /// Characters after which a name is cut.
 const MAX_NAME_CHARS: usize = 48;
 
 /// Where a name is written.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum NamePlace {
     /// Beside a mark.
     Beside,
@@ -23,6 +31,25 @@ pub enum NamePlace {
     BesideIfRoom,
     /// In the middle of an area or a line, where no other name stands.
     MiddleIfRoom,
+    /// A city's, beside a dot, on a dark plate.
+    City(CityName),
+}
+
+/// How a city's name is written.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CityName {
+    /// Whether its dot is a square, as atlases mark capitals.
+    pub is_capital: bool,
+    /// Distance to the nearest more important city on screen, pixels.
+    pub room_px: f32,
+}
+
+impl CityName {
+    /// How much of the name is seen, 0…1, between letters of this height: names appear as their distance grows.
+    fn opacity(&self, letter: f32) -> f32 {
+        let [least, full] = CITY_ROOM.map(|letters| letters * letter);
+        ((self.room_px - least) / (full - least)).clamp(0.0, 1.0)
+    }
 }
 
 /// Draws names.
@@ -34,16 +61,18 @@ impl Labels {
         Self(TextOverlay::new(device, format))
     }
 
-    /// Writes names over a picture.
+    /// Writes names over a picture, of cities at most `most_cities`.
     pub fn write<'n>(
         &mut self,
         target: EguiTarget<'_>,
+        most_cities: usize,
         names: impl Iterator<Item = (TrackLabel, &'n str, NamePlace)>,
     ) {
         let names = names.map(|(label, name, place)| (label, one_line(name), place));
         let names: Vec<_> = names.collect();
         if !names.is_empty() {
-            let paint = |painter: &egui::Painter, screen| paint(painter, screen, &names);
+            let paint =
+                |painter: &egui::Painter, screen| paint(painter, screen, most_cities, &names);
             self.0.draw(target, paint);
         }
     }
@@ -65,11 +94,33 @@ fn one_line(name: &str) -> String {
     text
 }
 
-fn paint(painter: &egui::Painter, screen: Rect, names: &[(TrackLabel, String, NamePlace)]) {
+fn paint(
+    painter: &egui::Painter,
+    screen: Rect,
+    most_cities: usize,
+    names: &[(TrackLabel, String, NamePlace)],
+) {
+    let mut cities_left = most_cities;
     let letter = (LETTER_FRACTION * screen.height()).clamp(*LETTER_PX.start(), *LETTER_PX.end());
     let font = FontId::proportional(letter);
     let mut taken: Vec<Rect> = Vec::with_capacity(names.len());
     for (label, name, kind) in names {
+        if let NamePlace::City(city) = kind {
+            let opacity = city.opacity(CITY_LETTER * letter);
+            if cities_left > 0 && opacity > 0.0 {
+                let is_written = paint_city(
+                    painter,
+                    screen,
+                    label,
+                    name,
+                    (city, opacity),
+                    letter,
+                    &mut taken,
+                );
+                cities_left -= usize::from(is_written);
+            }
+            continue;
+        }
         let [red, green, blue] = label.color;
         let color = Color32::from_rgb(red, green, blue);
         let galley = painter.layout_no_wrap(name.clone(), font.clone(), color);
@@ -79,13 +130,9 @@ fn paint(painter: &egui::Painter, screen: Rect, names: &[(TrackLabel, String, Na
             NamePlace::Beside | NamePlace::BesideIfRoom => {
                 place(at, size, MARKER_DISTANCE * letter, screen, &taken)
             }
-            NamePlace::MiddleIfRoom => Rect::from_center_size(at, size),
+            _ => Rect::from_center_size(at, size),
         };
-        let is_free = || {
-            let is_taken = taken.iter().any(|other| other.intersects(place));
-            screen.contains_rect(place) && !is_taken
-        };
-        if *kind != NamePlace::Beside && !is_free() {
+        if *kind != NamePlace::Beside && !is_free(place, screen, &taken) {
             continue;
         }
         taken.push(place);
@@ -108,6 +155,49 @@ fn paint(painter: &egui::Painter, screen: Rect, names: &[(TrackLabel, String, Na
         }
         painter.galley(place.min, galley, color);
     }
+}
+
+fn is_free(place: Rect, screen: Rect, taken: &[Rect]) -> bool {
+    screen.contains_rect(place) && !taken.iter().any(|other| other.intersects(place))
+}
+
+/// Marks a city and writes its name in this opacity beside it, if there is room for both; says whether there was.
+fn paint_city(
+    painter: &egui::Painter,
+    screen: Rect,
+    label: &TrackLabel,
+    name: &str,
+    (city, opacity): (&CityName, f32),
+    letter: f32,
+    taken: &mut Vec<Rect>,
+) -> bool {
+    let letter = CITY_LETTER * letter;
+    let [red, green, blue] = label.color;
+    let color = Color32::from_rgb(red, green, blue).gamma_multiply(opacity);
+    let galley = painter.layout_no_wrap(name.to_owned(), FontId::proportional(letter), color);
+    let at = Pos2::from(label.at_px);
+    let margin = Vec2::new(0.35, 0.1) * letter;
+    let size = galley.size() + 2.0 * margin;
+    let plate = place(at, size, MARKER_DISTANCE * letter, screen, taken);
+    let dot = Rect::from_center_size(at, Vec2::splat(2.0 * DOT * letter));
+    if !(is_free(plate, screen, taken) && is_free(dot, screen, taken)) {
+        return false;
+    }
+    taken.extend([plate, dot]);
+    let dark = Color32::from_black_alpha((PLATE * opacity) as u8);
+    painter.rect_filled(plate, 0.3 * letter, dark);
+    let edge = dot.expand(0.08 * letter);
+    let corner = |rect: Rect| {
+        if city.is_capital {
+            0.0
+        } else {
+            0.5 * rect.width()
+        }
+    };
+    painter.rect_filled(edge, corner(edge), dark);
+    painter.rect_filled(dot, corner(dot), color);
+    painter.galley(plate.min + margin, galley, color);
+    true
 }
 
 /// Where a name of this size goes: right of its marker, left, above or below, the first of them that lies in the picture and
@@ -166,6 +256,21 @@ mod tests {
             &[],
         );
         assert_eq!(wide.min.x, 0.0);
+    }
+
+    #[test]
+    fn names_of_cities_appear_with_room() {
+        let opacity = |room_px| {
+            let city = CityName {
+                is_capital: false,
+                room_px,
+            };
+            city.opacity(20.0)
+        };
+        assert_eq!(
+            [0.0, 80.0, 95.0, 110.0, 1e9].map(opacity),
+            [0.0, 0.0, 0.5, 1.0, 1.0]
+        );
     }
 
     #[test]
