@@ -328,6 +328,11 @@ pub fn action_of(key: &Key) -> Option<Action> {
     binding.map(|binding| binding.action)
 }
 
+/// The first binding that does this.
+pub fn binding_of(action: &Action) -> Option<&'static Binding> {
+    BINDINGS.iter().find(|binding| binding.action == *action)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

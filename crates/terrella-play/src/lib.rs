@@ -169,6 +169,8 @@ mod switches;
 #[cfg_attr(not(feature = "window"), allow(dead_code))]
 mod text_overlay;
 #[cfg(feature = "window")]
+mod theme;
+#[cfg(feature = "window")]
 mod timeline;
 #[cfg_attr(not(feature = "window"), allow(dead_code))]
 mod tracks;

@@ -1,6 +1,7 @@
 //! egui on the window's surface.
 
 use super::egui_pass::{self, EguiTarget};
+use super::theme;
 use egui_wgpu::{Renderer, RendererOptions};
 use std::time::Duration;
 use winit::event::WindowEvent;
@@ -25,7 +26,7 @@ impl Overlay {
     /// For a window with a surface of this format.
     pub fn new(window: &Window, device: &wgpu::Device, format: wgpu::TextureFormat) -> Self {
         let context = egui::Context::default();
-        context.set_visuals(egui::Visuals::dark());
+        theme::apply(&context);
         // Keys belong to the window: egui would walk its buttons with them.
         context.options_mut(|options| options.zoom_with_keyboard = false);
         let side = device.limits().max_texture_dimension_2d as usize;

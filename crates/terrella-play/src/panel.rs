@@ -3,7 +3,7 @@
 use super::controls::Controls;
 use super::flight::Moment;
 use super::hand::FreeEye;
-use super::keys::{Action, BINDINGS, MOUSE};
+use super::keys::{Action, BINDINGS, MOUSE, binding_of};
 use super::panel_layers;
 use super::picking::{ReadOut, altitude_text};
 use super::place_text::place_text;
@@ -32,6 +32,15 @@ const PANEL_FRACTION: f32 = 0.55;
 const NAMES_WIDTH: f32 = 150.0;
 /// The rates of time that the panel offers, simulated seconds per second.
 const RATES: [f64; 6] = [1.0, 10.0, 60.0, 300.0, 1000.0, 3600.0];
+/// The panel's buttons after that of play and pause.
+const BUTTONS_BESIDE: [(&str, Action); 6] = [
+    ("slower", Action::Slower),
+    ("faster", Action::Faster),
+    ("reverse", Action::Reverse),
+    ("camera", Action::NextCamera),
+    ("time line", Action::TimeLine),
+    ("help", Action::Help),
+];
 /// Radius of the ring around what is selected, points.
 const RING_RADIUS: f32 = 9.0;
 
@@ -308,17 +317,9 @@ fn buttons(ui: &mut Ui, controls: &Controls, actions: &mut Vec<Action>) {
     let clock = &controls.clock;
     ui.horizontal_wrapped(|ui| {
         let pause = if clock.is_paused() { "play" } else { "pause" };
-        let buttons = [
-            (pause, Action::Pause),
-            ("slower", Action::Slower),
-            ("faster", Action::Faster),
-            ("reverse", Action::Reverse),
-            ("camera", Action::NextCamera),
-            ("time line", Action::TimeLine),
-            ("help", Action::Help),
-        ];
-        for (text, action) in buttons {
-            if ui.button(text).clicked() {
+        for (text, action) in [(pause, Action::Pause)].into_iter().chain(BUTTONS_BESIDE) {
+            let button = ui.button(text).on_hover_text(tooltip(&action));
+            if button.clicked() {
                 actions.push(action);
             }
         }
@@ -326,6 +327,13 @@ fn buttons(ui: &mut Ui, controls: &Controls, actions: &mut Vec<Action>) {
             rates(ui, clock.speed(), actions);
         }
     });
+}
+
+/// What a button does and its key, as the help has them.
+fn tooltip(action: &Action) -> String {
+    binding_of(action).map_or(String::new(), |binding| {
+        format!("{} ({})", binding.does, binding.keys)
+    })
 }
 
 /// The usual rates of time.

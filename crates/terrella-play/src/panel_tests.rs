@@ -114,6 +114,7 @@ impl Longest {
             adapter: "llvmpipe (LLVM 15.0.6, 256 bits), Vulkan, a software renderer of Mesa 22.3.6",
         };
         let context = Context::default();
+        crate::theme::apply(&context);
         let mut texts = Vec::new();
         let mut actions = Vec::new();
         let sizes = [LARGE, LARGE, size, size, size, size, size];
@@ -180,6 +181,14 @@ impl Longest {
 }
 
 fn nothing(_: &mut Controls) {}
+
+#[test]
+fn buttons_have_tooltips_with_their_keys() {
+    for (text, action) in BUTTONS_BESIDE {
+        assert!(tooltip(&action).ends_with(')'), "{text}");
+    }
+    assert_eq!(tooltip(&Action::Pause), "pause (Space)");
+}
 
 #[test]
 fn nothing_is_cut_off_in_a_small_window() {
