@@ -141,7 +141,7 @@ pub fn labels_gpu_objects(file: &File) -> Vec<String> {
 /// The one file that reaches the network on its own account.
 const HTTP_FILE: &str = "crates/terrella-pack/src/fetch/http.rs";
 
-/// Only one file asks servers for anything: nothing reaches the network unless `pack fetch` is run.
+/// Only one file asks servers for anything: nothing reaches the network unless `pack fetch` or `elements fetch` is run.
 pub fn asks_no_server(file: &File) -> Vec<String> {
     if file.path == HTTP_FILE {
         return Vec::new();

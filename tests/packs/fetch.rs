@@ -2,6 +2,7 @@
 
 mod bad_servers;
 mod command;
+mod elements;
 mod good_servers;
 mod server;
 

@@ -107,6 +107,26 @@ const EXAMPLES: &[(&str, &[Example])] = &[
         ],
     ),
     (
+        "elements",
+        &[(
+            "terrella elements fetch 25544",
+            "the space station's present elements, in 25544.tle",
+        )],
+    ),
+    (
+        "elements fetch",
+        &[
+            (
+                "terrella elements fetch 25544",
+                "the space station's present elements, in 25544.tle",
+            ),
+            (
+                "terrella elements fetch --group gps-ops -o gps.tle",
+                "the satellites of GPS",
+            ),
+        ],
+    ),
+    (
         "orbit",
         &[
             (

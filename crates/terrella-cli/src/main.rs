@@ -5,6 +5,8 @@ mod bench;
 mod check;
 mod completions;
 mod doctor;
+#[cfg(feature = "pack")]
+mod elements;
 mod examples;
 mod frame;
 mod interruption;
@@ -97,6 +99,9 @@ enum Command {
     /// Build, inspect and verify imagery packs: maps larger than memory, cut into tiles
     #[cfg(feature = "pack")]
     Pack(pack::PackArgs),
+    /// Download orbital elements of satellites by catalogue number or group
+    #[cfg(feature = "pack")]
+    Elements(elements::ElementsArgs),
     /// Print a completion script for a shell
     Completions(completions::CompletionsArgs),
     /// Print a man page
@@ -110,7 +115,7 @@ impl Command {
             Self::New(_) | Self::Check(_) | Self::Orbit(_) => false,
             Self::Completions(_) | Self::Man(_) => false,
             #[cfg(feature = "pack")]
-            Self::Pack(_) => false,
+            Self::Pack(_) | Self::Elements(_) => false,
             Self::Play(_) | Self::Serve(_) | Self::Frame(_) | Self::Doctor => true,
             #[cfg(feature = "measure")]
             Self::Bench(_) | Self::Report(_) | Self::Terrain(_) => true,
@@ -143,6 +148,8 @@ fn main() -> ExitCode {
         Command::Terrain(args) => terrain::run(args, common),
         #[cfg(feature = "pack")]
         Command::Pack(args) => pack::run(args, common),
+        #[cfg(feature = "pack")]
+        Command::Elements(args) => elements::run(args, common),
         Command::Completions(args) => completions::run(args),
         Command::Man(args) => man::run(args),
     };

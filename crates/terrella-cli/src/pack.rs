@@ -24,7 +24,7 @@ pub struct PackArgs {
 enum PackCommand {
     /// Build a pack from maps of the whole Earth
     Build(Box<build::BuildArgs>),
-    /// Download maps from public servers and build a pack from them; no other command uses the network
+    /// Download maps from public servers and build a pack from them; beside `elements fetch` no other command uses the network
     Fetch(Box<fetch::FetchArgs>),
     /// List the contents of a pack: maps, levels, sizes, attribution
     Info(info::InfoArgs),

@@ -1,4 +1,4 @@
-//! Maps fetched from their public sources into a cache that `pack build` reads. Nothing else of the program reaches the network.
+//! Maps fetched from their public sources into a cache that `pack build` reads, and elements of satellites. Nothing else of the program reaches the network.
 //!
 //! | file | what |
 //! |---|---|
@@ -10,12 +10,14 @@
 //! | `pace.rs`, `download.rs` | how fast, by how many threads, and what is asked for again |
 //! | `check.rs`, `cache.rs` | what a picture must be before it is kept; what is kept, with checksums |
 //! | `layer.rs` | all of it for one map, and the mosaic that `pack build` reads |
+//! | `elements.rs`, `element_sources/` | elements of satellites from servers that answer queries |
 //! | `heights.rs` | heights written as a GeoTIFF |
 
 mod address;
 mod cache;
 mod check;
 mod download;
+mod elements;
 mod error;
 mod heights;
 mod http;
@@ -26,6 +28,7 @@ mod plan;
 mod source;
 
 pub use download::Fetched;
+pub use elements::{ElementMedia, ElementQuery, ElementSource, ElementsError, FetchedElements};
 pub use error::FetchError;
 pub use heights::write_heights;
 pub use http::ClientOptions;
