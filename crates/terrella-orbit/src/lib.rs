@@ -23,6 +23,7 @@
 // docs.rs says of each item which feature it needs.
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
+mod access;
 mod attitude;
 #[cfg(feature = "basilisk")]
 pub mod basilisk;
@@ -31,6 +32,7 @@ mod choose;
 #[cfg(any(feature = "basilisk", feature = "live"))]
 pub(crate) mod connections;
 pub mod constants;
+mod coverage;
 mod csv_row;
 mod cut;
 mod czml;
@@ -73,8 +75,10 @@ mod write_csv;
 
 use terrella_frames::Epoch;
 
+pub use access::{Access, AccessFrom, AccessRule, MAX_ACCESSES, accesses};
 pub use attitude::{AttitudeError, AttitudeHistory};
 pub use catalogue::Catalogue;
+pub use coverage::{Cell, CellCoverage, MAX_CELLS, NadirSensor, coverage, coverage_grid};
 pub use cut::CutOff;
 pub use entry::{RecordError, RecordFault};
 pub use ephemerides::Ephemerides;

@@ -94,6 +94,12 @@ impl<'o> Observer<'o> {
         self.up
     }
 
+    /// The sine of the elevation of a position, ITRF metres, above that of the mask.
+    pub(super) fn sine_above_mask(&self, position_itrf_m: DVec3) -> f64 {
+        let line = position_itrf_m - self.place_itrf_m;
+        line.normalize_or_zero().dot(self.up) - self.sin_least
+    }
+
     /// The Earth's figure.
     pub(super) fn ellipsoid(&self) -> &Ellipsoid {
         &self.ellipsoid
