@@ -2,6 +2,7 @@
 //!
 //! Tests that draw need an adapter and the maps of the starter pack, which a checkout has.
 
+mod access;
 mod bad_input;
 mod basilisk;
 mod bench;

@@ -107,6 +107,32 @@ const EXAMPLES: &[(&str, &[Example])] = &[
         ],
     ),
     (
+        "access",
+        &[
+            (
+                "terrella access config/stations.toml --days 1",
+                "when stations have a satellite in view",
+            ),
+            (
+                "terrella access a.toml --crosslinks --max-range 5000 --csv",
+                "a table that includes accesses between satellites",
+            ),
+        ],
+    ),
+    (
+        "coverage",
+        &[
+            (
+                "terrella coverage my.tle --days 1 --half-angle 30",
+                "how often a sensor sees each latitude in a day",
+            ),
+            (
+                "terrella coverage a.toml --region 5,44,12,48 --step 0.5 --csv",
+                "a row for each cell of a region",
+            ),
+        ],
+    ),
+    (
         "elements",
         &[(
             "terrella elements fetch 25544",

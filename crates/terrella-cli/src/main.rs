@@ -1,9 +1,11 @@
 //! The `terrella` command: arguments, logs, error messages, exit codes. Everything else is the libraries'.
 
+mod access;
 #[cfg(feature = "measure")]
 mod bench;
 mod check;
 mod completions;
+mod coverage;
 mod doctor;
 #[cfg(feature = "pack")]
 mod elements;
@@ -88,6 +90,10 @@ enum Command {
     Check(check::CheckArgs),
     /// Print positions of a scene's satellites, or write their ephemerides and elements
     Orbit(orbit::OrbitArgs),
+    /// Print when ground stations and satellites have access to each other
+    Access(access::AccessArgs),
+    /// Print how the sensors of satellites cover the ground: share, revisit times and gaps, as a table or a map
+    Coverage(coverage::CoverageArgs),
     /// List graphics adapters, their capabilities, and the features that each cannot run
     Doctor,
     /// Measure error against run time and write a page with tables, charts and images
@@ -113,6 +119,7 @@ impl Command {
     fn draws(&self) -> bool {
         match self {
             Self::New(_) | Self::Check(_) | Self::Orbit(_) => false,
+            Self::Access(_) | Self::Coverage(_) => false,
             Self::Completions(_) | Self::Man(_) => false,
             #[cfg(feature = "pack")]
             Self::Pack(_) | Self::Elements(_) => false,
@@ -141,6 +148,8 @@ fn main() -> ExitCode {
         Command::New(args) => new::run(args, common),
         Command::Check(args) => check::run(args, common),
         Command::Orbit(args) => orbit::run(args, common),
+        Command::Access(args) => access::run(args, common),
+        Command::Coverage(args) => coverage::run(args, common),
         Command::Doctor => doctor::run(common),
         #[cfg(feature = "measure")]
         Command::Report(args) => report::run(args, common),

@@ -113,11 +113,7 @@ pub fn run(args: &OrbitArgs, common: &Common) -> anyhow::Result<()> {
         scene.take_all();
     }
     let flight = open_flight(scene, Flight::open_without_listening)?;
-    let layout = match (args.csv, args.json) {
-        (true, _) => Layout::Csv,
-        (_, true) => Layout::Json,
-        _ => Layout::Text,
-    };
+    let layout = Layout::of(args.csv, args.json);
     if args.names {
         return print(&names(&flight, layout));
     }

@@ -117,6 +117,58 @@ pub fn elevation_deg(text: &str) -> Result<f64, String> {
     }
 }
 
+/// A height that a line of sight must keep above the ellipsoid.
+pub fn grazing_height_km(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(height) if (0.0..=10_000.0).contains(&height) => Ok(height),
+        _ => Err("must be a number of kilometres from 0 to 10000".into()),
+    }
+}
+
+/// A range.
+pub fn range_km(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(range) if range > 0.0 && range <= 1e7 => Ok(range),
+        _ => Err("must be a number of kilometres, greater than 0 and at most 1e7".into()),
+    }
+}
+
+/// Half angle of a sensor's cone.
+pub fn half_angle_deg(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(degrees) if degrees > 0.0 && degrees <= 90.0 => Ok(degrees),
+        _ => Err("must be a number of degrees, greater than 0 and at most 90".into()),
+    }
+}
+
+/// Side of a cell of the ground.
+pub fn cell_deg(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(degrees) if (0.01..=45.0).contains(&degrees) => Ok(degrees),
+        _ => Err("must be a number of degrees from 0.01 to 45".into()),
+    }
+}
+
+/// `5,44,12,48`: west, south, east and north in degrees; a west beyond the east goes across the date line.
+pub fn region_deg(text: &str) -> Result<[f64; 4], String> {
+    let numbers: Result<Vec<f64>, _> = text.split(',').map(|n| n.trim().parse()).collect();
+    let edges = numbers
+        .ok()
+        .and_then(|numbers| <[f64; 4]>::try_from(numbers).ok());
+    let edges = edges.filter(|[west, south, east, north]| {
+        let is_lon = |lon: &f64| lon.abs() <= 360.0;
+        is_lon(west)
+            && is_lon(east)
+            && west != east
+            && *south >= -90.0
+            && south < north
+            && *north <= 90.0
+    });
+    edges.ok_or_else(|| {
+        "must be west, south, east and north in degrees, for example 5,44,12,48".into()
+    })
+}
+
 /// A standard magnitude.
 pub fn magnitude(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {

@@ -56,6 +56,15 @@ pub enum Layout {
 }
 
 impl Layout {
+    /// That of the options --csv and --json.
+    pub fn of(csv: bool, json: bool) -> Self {
+        match (csv, json) {
+            (true, _) => Self::Csv,
+            (_, true) => Self::Json,
+            _ => Self::Text,
+        }
+    }
+
     /// Tables of several satellites as one text: one after the other, rows under one header, or an object for one and an array
     /// for more.
     pub(super) fn print<T>(

@@ -239,6 +239,20 @@ pub enum PlayError {
     /// A camera at a satellite, and no satellite.
     #[error("the scene has no satellite; add an [orbit] table")]
     NoSatellite,
+    /// No accesses to look for, or too many.
+    #[error(
+        "{}: it has {found} pairs of stations and satellites; there must be 1 to {most}. Add [[station]] tables, give --crosslinks, or choose satellites by --satellite",
+        scene.display()
+    )]
+    Accesses {
+        scene: PathBuf,
+        /// Pairs of a station and a satellite, and of two satellites.
+        found: usize,
+        most: usize,
+    },
+    /// A map of coverage with too many cells.
+    #[error("the region has more than {most} cells; choose a larger --step or a smaller --region")]
+    CoverageCells { most: usize },
     /// A view of which there is no picture.
     #[error("there are no truth layers of this view: its eye or projection is not finite")]
     NoTruth,
@@ -304,6 +318,7 @@ impl PlayError {
                 | Self::Kernel(_)
                 | Self::Tone(_)
                 | Self::NoSatellite
+                | Self::Accesses { .. }
                 | Self::NoSensor { .. }
                 | Self::SensorTooWide { .. }
                 | Self::NoLayer { .. }

@@ -16,6 +16,8 @@
 //! | `basilisk/` | the same of simulations of Basilisk, and the pictures of their cameras |
 //! | `simulator_time` | the window's time by either of them |
 //! | `ephemeris` | where its satellites are, as tables and messages |
+//! | `access_table` | when stations and satellites have access to each other |
+//! | `coverage_map` | how the sensors of satellites cover the ground |
 //! | `pass_table` | when they pass over a place |
 //! | `event_table` | what was found along integrated motions |
 //! | `maps` | the scene's maps: a folder or a pack |
@@ -55,6 +57,7 @@
 // docs.rs says of each item which feature it needs.
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
+mod access_table;
 mod attitude;
 #[cfg(test)]
 #[path = "../../../tests/common/backends.rs"]
@@ -72,6 +75,7 @@ pub mod clock;
 mod colours;
 #[cfg(feature = "window")]
 mod controls;
+mod coverage_map;
 mod craft;
 mod craft_models;
 mod dated_maps;
@@ -187,8 +191,10 @@ mod window_renderer;
 #[cfg(feature = "window")]
 mod written;
 
+pub use access_table::{AccessRequest, AccessTable};
 #[cfg(feature = "window")]
 pub use basilisk::{ServeRequest, serve};
+pub use coverage_map::{CoverageMap, CoverageRequest};
 pub use craft::CraftPose;
 pub use ephemeris::{Axes, Ephemeris, EphemerisRequest, Layout, Selection, Span, omm, select};
 pub use error::{PlayError, VideoError, WindowError};

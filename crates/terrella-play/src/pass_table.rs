@@ -69,12 +69,7 @@ impl<'f> PassTable<'f> {
         satellite: &'f Satellite,
         request: &PassRequest,
     ) -> Result<Self, PlayError> {
-        let time = &flight.scene().time;
-        let first = time.start.min(time.end());
-        let last = match request.length {
-            Some(length) => first + length,
-            None => time.start.max(time.end()),
-        };
+        let (first, last) = flight.scene().time.span(request.length);
         let known = satellite.feed().validity();
         let span = (first.max(known.0), last.min(known.1));
         if span.0 > span.1 {

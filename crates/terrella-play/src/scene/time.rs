@@ -5,9 +5,9 @@ use super::field::{Field, PathKind, range_text};
 use super::keys::{DEFAULT_START, MAX_FRAMES, RawTime, YEARS};
 use super::record::quoted;
 use super::text::SceneText;
-use hifitime::{Duration, Unit};
+use hifitime::Unit;
 use std::path::PathBuf;
-use terrella::frames::{Epoch, rfc3339, utc_from_rfc3339, utc_now};
+use terrella::frames::{Duration, Epoch, rfc3339, utc_from_rfc3339, utc_now};
 use toml::Spanned;
 
 /// `[time]`: when the flight starts and how it is played.
@@ -51,6 +51,13 @@ impl Time {
     /// UTC instant at which playback ends: before `start` where the speed is negative.
     pub fn end(&self) -> Epoch {
         self.start + self.duration_s.copysign(self.speed) * Unit::Second
+    }
+
+    /// The first instant that is played, and the one `length` later or the last.
+    pub fn span(&self, length: Option<Duration>) -> (Epoch, Epoch) {
+        let first = self.start.min(self.end());
+        let last = self.start.max(self.end());
+        (first, length.map_or(last, |length| first + length))
     }
 
     /// (duration_s − what is left out) · frame_rate_hz / |speed|, before it is made a whole number.

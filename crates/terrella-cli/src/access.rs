@@ -1,0 +1,65 @@
+//! `terrella access`
+
+use super::scene_args::{SceneArgs, open_flight};
+use super::{Common, print, values};
+use clap::Args;
+use terrella::frames::Duration;
+use terrella_orbit::AccessRule;
+use terrella_play::{AccessRequest, AccessTable, Flight, Layout, Selection, select};
+
+/// Arguments of `terrella access`.
+#[derive(Debug, Args)]
+pub struct AccessArgs {
+    #[command(flatten)]
+    scene: SceneArgs,
+    /// Name of a satellite; repeatable [default: all of the scene or orbit file]
+    #[arg(long, value_name = "NAME")]
+    satellite: Vec<String>,
+    /// Also print when satellites have access to each other: when the line between them does not meet the Earth
+    #[arg(long)]
+    crosslinks: bool,
+    /// With --crosslinks: minimum height of that line above the ellipsoid, km
+    #[arg(long, value_name = "KM", value_parser = values::grazing_height_km, default_value = "0", requires = "crosslinks")]
+    grazing_height: f64,
+    /// Maximum range, km
+    #[arg(long, value_name = "KM", value_parser = values::range_km)]
+    max_range: Option<f64>,
+    /// Only while the satellite, of two the second, is outside the Earth's umbra
+    #[arg(long)]
+    sunlit: bool,
+    /// Number of days from the scene's start, as far as the orbits are valid [default: to the scene's end]
+    #[arg(long, value_name = "N", value_parser = values::days)]
+    days: Option<f64>,
+    /// Print CSV
+    #[arg(long, conflicts_with = "json")]
+    csv: bool,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// Prints the accesses of a scene.
+pub fn run(args: &AccessArgs, _: &Common) -> anyhow::Result<()> {
+    let mut scene = args.scene.load(&args.satellite)?;
+    if args.satellite.is_empty() {
+        scene.take_all();
+    }
+    let flight = open_flight(scene, Flight::open_without_listening)?;
+    let selection = match args.satellite.as_slice() {
+        [] => Selection::All,
+        names => Selection::Named(names),
+    };
+    let satellites = select(&flight, selection)?;
+    let request = AccessRequest {
+        rule: AccessRule {
+            max_range_m: args.max_range.map_or(f64::INFINITY, |km| 1e3 * km),
+            min_height_m: 1e3 * args.grazing_height,
+            needs_sunlight: args.sunlit,
+        },
+        has_crosslinks: args.crosslinks,
+        length: args.days.map(Duration::from_days),
+    };
+    let layout = Layout::of(args.csv, args.json);
+    let tables = AccessTable::all(&flight, &satellites, &request)?;
+    print(&AccessTable::print(&tables, layout))
+}

@@ -1,0 +1,78 @@
+//! `terrella coverage`
+
+use super::scene_args::{SceneArgs, open_flight};
+use super::{Common, print, values};
+use clap::Args;
+use std::f64::consts::FRAC_PI_2;
+use std::path::PathBuf;
+use terrella::frames::Duration;
+use terrella_orbit::NadirSensor;
+use terrella_play::{CoverageMap, CoverageRequest, Flight, PendingFile, Selection, select};
+
+/// Arguments of `terrella coverage`.
+#[derive(Debug, Args)]
+pub struct CoverageArgs {
+    #[command(flatten)]
+    scene: SceneArgs,
+    /// Name of a satellite; repeatable [default: all of the scene or orbit file]
+    #[arg(long, value_name = "NAME")]
+    satellite: Vec<String>,
+    /// Half angle of the sensors' cone about nadir, degrees [default: all ground in sight]
+    #[arg(long, value_name = "DEGREES", value_parser = values::half_angle_deg)]
+    half_angle: Option<f64>,
+    /// Minimum elevation of the satellite above the ground's horizon, degrees
+    #[arg(long, value_name = "DEGREES", value_parser = values::elevation_deg, default_value = "5")]
+    min_elevation: f64,
+    /// Side of a cell of the ground, degrees
+    #[arg(long, value_name = "DEGREES", value_parser = values::cell_deg, default_value = "5")]
+    step: f64,
+    /// Region: west, south, east and north in degrees
+    #[arg(long, value_name = "W,S,E,N", value_parser = values::region_deg, allow_hyphen_values = true, default_value = "-180,-90,180,90")]
+    region: [f64; 4],
+    /// Number of days from the scene's start [default: to the scene's end]
+    #[arg(long, value_name = "N", value_parser = values::days)]
+    days: Option<f64>,
+    /// Print a row of CSV for each cell
+    #[arg(long)]
+    csv: bool,
+    /// Write a map of the longest gaps, which a scene draws with [[geojson]]
+    #[arg(long, value_name = "FILE")]
+    geojson: Option<PathBuf>,
+}
+
+/// Prints the coverage of a region and writes the map.
+pub fn run(args: &CoverageArgs, _: &Common) -> anyhow::Result<()> {
+    // Before anything is computed: a file that cannot be written is found at once.
+    let map_file = args
+        .geojson
+        .as_ref()
+        .map(|path| PendingFile::create(path, "maps of coverage", "geojson"))
+        .transpose()?;
+    let mut scene = args.scene.load(&args.satellite)?;
+    if args.satellite.is_empty() {
+        scene.take_all();
+    }
+    let flight = open_flight(scene, Flight::open_without_listening)?;
+    let selection = match args.satellite.as_slice() {
+        [] => Selection::All,
+        names => Selection::Named(names),
+    };
+    let satellites = select(&flight, selection)?;
+    let request = CoverageRequest {
+        sensor: NadirSensor {
+            half_angle_rad: args.half_angle.map_or(FRAC_PI_2, f64::to_radians),
+            min_elevation_rad: args.min_elevation.to_radians(),
+        },
+        step_deg: args.step,
+        region_deg: args.region,
+        length: args.days.map(Duration::from_days),
+    };
+    let map = CoverageMap::new(&flight, &satellites, &request)?;
+    if let Some(file) = map_file {
+        file.write_whole(map.geojson().as_bytes())?;
+    }
+    print(&match args.csv {
+        true => map.csv(),
+        false => map.text(),
+    })
+}
