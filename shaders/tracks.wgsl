@@ -91,8 +91,8 @@ import rust::ON_GROUND;
 // the mesh, whose facets meet the ellipsoid at their corners, does not hide it, nor chords that lie below it, nor, where the
 // eye looks along the ground, the nearer half of its width. Marks are wider than lines.
 @if(marks) const LIFT: f32 = 0.5;
-@else const LIFT: f32 = 0.1;
-const LIFT_M: f32 = 500.0;
+@if(!marks && !fills) const LIFT: f32 = 0.1;
+@if(!fills) const LIFT_M: f32 = 500.0;
 
 // A clip position, moved towards the eye where it lies on the ground: its place on screen stays.
 @if(!fills)

@@ -532,6 +532,7 @@ fn a_kind_of_track_brings_no_other() {
         "struct Segment",
         "struct MarkInstance",
         "struct FillInstance",
+        "struct TriangleInstance",
     ];
     for variant in TracksVariant::all() {
         let text = variant.source().unwrap().text;

@@ -136,7 +136,7 @@ const EXAMPLES: &[(&str, &[Example])] = &[
         "elements",
         &[(
             "terrella elements fetch 25544",
-            "the space station's present elements, in 25544.tle",
+            "the space station's elements, in 25544.tle",
         )],
     ),
     (
@@ -144,7 +144,7 @@ const EXAMPLES: &[(&str, &[Example])] = &[
         &[
             (
                 "terrella elements fetch 25544",
-                "the space station's present elements, in 25544.tle",
+                "the space station's elements, in 25544.tle",
             ),
             (
                 "terrella elements fetch --group gps-ops -o gps.tle",
