@@ -44,7 +44,8 @@ impl PyEpoch {
     }
 
     /// A datetime in UTC, later digits than microseconds cut off. Raises ValueError in a leap second, which datetime cannot hold.
-    fn to_datetime<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+    #[pyo3(name = "to_datetime")]
+    fn as_datetime<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         const DIGITS: usize = "2018-01-15T12:00:00.000000".len();
         let text = self.digits("datetime")?;
         let microseconds = text.get(..DIGITS).unwrap_or(&text);
@@ -54,13 +55,15 @@ impl PyEpoch {
     }
 
     /// A numpy.datetime64 of nanoseconds in UTC. Raises ValueError in a leap second, which datetime64 cannot hold.
-    fn to_datetime64<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+    #[pyo3(name = "to_datetime64")]
+    fn as_datetime64<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let text = self.digits("datetime64")?;
         numpy(py)?.call_method1("datetime64", (text, "ns"))
     }
 
     /// An astropy.time.Time on the scale TAI, exact to the nanosecond. Needs astropy.
-    fn to_astropy<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+    #[pyo3(name = "to_astropy")]
+    fn as_astropy<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         astropy_time(py, self.0)
     }
 
