@@ -18,8 +18,9 @@ const OUTLIER: f32 = 0.15;
 const MOST_OUTLIERS: f32 = 0.001;
 
 /// Scenes of `config/`, drawn smaller.
-const OF_CONFIG: [&str; 12] = [
+const OF_CONFIG: [&str; 13] = [
     "aurora",
+    "below_clouds",
     "crescent",
     "eclipse",
     "eclipse_low",
