@@ -18,8 +18,10 @@ fn a_file_is_drawn_and_what_is_wrong_in_it_is_named() {
     place.scene("areas.toml", &format!("{SMALL}{table}"));
     let strict = SMALL.replace("[earth]", "[earth]\nstrict = true");
     place.scene("strict.toml", &format!("{strict}{table}"));
-    place.succeed(&["frame", "small.toml", "-o", "small.png"]);
-    let output = place.succeed(&["frame", "areas.toml", "-o", "areas.png"]);
+    let draw =
+        |scene, picture| place.succeed(&["frame", scene, "-o", picture, "--size", "192x108"]);
+    draw("small.toml", "small.png");
+    let output = draw("areas.toml", "areas.png");
     let said = words(&output);
     for expected in [
         "areas.geojson: feature 1: a coordinate is not a finite number; left out",
@@ -41,17 +43,17 @@ fn a_file_is_drawn_and_what_is_wrong_in_it_is_named() {
             channels
                 .map(|(one, other)| (i32::from(*one) - other).abs())
                 .max()
-                < Some(90)
+                < Some(60)
         };
         pixels().filter(|(_, pixel)| near(pixel)).count()
     };
-    let colors = [[255, 0, 255], [0, 255, 0], [0, 64, 0]];
+    // Through the air.
+    let colors = [[255, 80, 255], [80, 240, 100], [60, 100, 105]];
     let [magenta, green, filled] = colors.map(is_of);
-    // The square is about 17 by 22 pixels, the ring of the point 9 wide.
-    assert!(magenta > 40 && green > 5, "{magenta} {green}");
-    assert!((100..300).contains(&filled), "{filled}");
-    let middle = drawn.get_pixel(32, 18);
-    assert!(pixels().count() < 500, "{middle:?}");
+    // The square is about 36 by 52 pixels, its outline 3 wide and the ring of the point 9 across.
+    assert!(magenta > 300 && green > 20, "{magenta} {green}");
+    assert!((800..2000).contains(&filled), "{filled}");
+    assert!(pixels().count() < 3000);
     let check = place.succeed(&["check", "areas.toml"]);
     let check = String::from_utf8_lossy(&check.stdout).into_owned();
     assert!(
