@@ -51,7 +51,7 @@ pub fn run(data: &[u8]) {
 /// Good inputs to start from.
 #[allow(dead_code, reason = "the fuzzer reads its corpus from files")]
 pub fn seeds() -> Vec<Vec<u8>> {
-    let files: [&[u8]; 15] = [
+    let files: [&[u8]; 14] = [
         include_bytes!("../../tests/data/heights/strips_i16_lzw.tif"),
         include_bytes!("../../tests/data/heights/tiles_f32_deflate_be.tif"),
         include_bytes!("../../tests/data/heights/points_big_i32.tif"),
@@ -62,7 +62,6 @@ pub fn seeds() -> Vec<Vec<u8>> {
         include_bytes!("../../tests/data/heights/packed_i16.nc"),
         include_bytes!("../../tests/data/heights/netcdf4_i16.nc"),
         include_bytes!("../../tests/data/heights/hdf5_early_f32.nc"),
-        include_bytes!("../../tests/data/heights/hdf5_layouts_i16.nc"),
         include_bytes!("../../tests/data/gdal/zstd_i16_predictor_2.tif"),
         include_bytes!("../../tests/data/gdal/lerc_f32_holes.tif"),
         include_bytes!("../../tests/data/gdal/lerc_f64_zstd.tif"),

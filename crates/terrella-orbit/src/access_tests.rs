@@ -42,6 +42,9 @@ fn seconds(access: &Access) -> (f64, f64) {
     (since(access.begin), since(access.end))
 }
 
+/// Points of the longest line are 230 km apart: between them it may pass 1 km below the limb, for half a second.
+const MISSED_S: f64 = 0.6;
+
 /// Every second: whether 200 points of the line lie outside of the ellipsoid, in range, and not all of the Sun is hidden.
 fn brute_force(a: &dyn Feed, b: &dyn Feed, rule: &AccessRule, end_s: u32) -> Vec<(f64, f64)> {
     let mut found: Vec<(f64, f64)> = Vec::new();
@@ -117,10 +120,10 @@ fn satellites_see_each_other_as_at_every_second() {
         for (access, (first, last)) in found.iter().zip(expected) {
             let (begin, end) = seconds(access);
             assert!(
-                begin <= first + 1e-3 && begin > first - 1.01,
+                begin < first + MISSED_S && begin > first - 1.01,
                 "{begin} {first}"
             );
-            assert!(end >= last - 1e-3 && end < last + 1.01, "{end} {last}");
+            assert!(end > last - MISSED_S && end < last + 1.01, "{end} {last}");
             assert!(
                 access.range_m.0 <= access.range_m.1
                     && access.range_m.1 <= rule.max_range_m * (1.0 + 1e-6)
