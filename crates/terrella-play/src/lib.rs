@@ -38,7 +38,7 @@
 //! | `file_checks` | files that are read later, looked at before |
 //! | `radiance` | a picture's light as a file |
 //! | `sensor_bands`, `raw_picture` | what a sensor sees, row by row; its raw frame |
-//! | `raw`, `raw_manifest`, `raw_film` | the frame as a file, the page of all its parameters, and those of a film |
+//! | `raw`, `raw_format`, `raw_manifest`, `raw_film` | the frame as a file, its format, the page of all its parameters, and those of a film |
 //! | `truth`, `truth_manifest` | what is where its pixels look, as files |
 //! | `float_files` | arrays and pictures of floats |
 //! | `mp4` | whether a film is complete |
@@ -144,6 +144,8 @@ mod raw;
 #[cfg(feature = "window")]
 mod raw_film;
 #[cfg_attr(not(feature = "window"), allow(dead_code))]
+mod raw_format;
+#[cfg_attr(not(feature = "window"), allow(dead_code))]
 mod raw_manifest;
 #[cfg_attr(not(feature = "window"), allow(dead_code))]
 mod raw_picture;
@@ -221,9 +223,8 @@ pub use place_text::GroundPlace;
 pub use progress::Progress;
 pub use quality_control::{HeldQuality, QualityControl, scene_quality};
 #[cfg(feature = "window")]
-pub use raw::RawFormat;
-#[cfg(feature = "window")]
 pub use raw_film::{RawFilmRequest, write_raw_film};
+pub use raw_format::RawFormat;
 pub use relief::read_ground;
 pub use satellites::{FileRemark, Satellite};
 pub use scene_files::{SceneFile, scene_files};

@@ -7,6 +7,7 @@
 
 use super::float_files::write_npy_header;
 use super::output::{OutputError, PendingFile};
+use super::raw_format::RawFormat;
 use super::raw_manifest::RawManifest;
 use std::io::{self, Write};
 use std::path::Path;
@@ -18,29 +19,6 @@ pub struct RawFile {
     file: PendingFile,
     kind: RawFormat,
     manifest: PendingFile,
-}
-
-/// The format of a raw frame.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum RawFormat {
-    /// Greyscale PNG of 16 bits.
-    Png,
-    /// Greyscale TIFF of 16 bits.
-    Tiff,
-    /// A NumPy array.
-    Npy,
-}
-
-impl RawFormat {
-    /// The ending of its files.
-    pub fn ending(self) -> &'static str {
-        match self {
-            Self::Png => "png",
-            Self::Tiff => "tiff",
-            Self::Npy => "npy",
-        }
-    }
 }
 
 /// Endings of names, in small letters, and what they say.

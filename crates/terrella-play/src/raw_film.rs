@@ -8,7 +8,8 @@ use super::film::{
 };
 use super::flight::Flight;
 use super::progress::Progress;
-use super::raw::{RawFile, RawFormat};
+use super::raw::RawFile;
+use super::raw_format::RawFormat;
 use super::raw_picture::RawPainter;
 use super::sensor_bands::{SensorBands, SensorView};
 use super::still::warn_of_missing;

@@ -3,7 +3,7 @@
 use super::error::FilmError;
 use super::settings::PictureSettings;
 use crate::error::PlayError;
-use crate::raw::RawFormat;
+use crate::raw_format::RawFormat;
 use crate::scene::Scene;
 use crate::scene_files::{SceneFile, scene_files};
 use rayon::prelude::*;
