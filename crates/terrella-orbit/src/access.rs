@@ -1,5 +1,6 @@
 //! Access: when one satellite can see another, or a ground station a satellite, within range and in sunlight.
 
+use super::one_dimension::{bisect, greatest};
 use super::passes::Observer;
 use super::{Feed, OrbitError};
 use glam::DVec3;
@@ -207,17 +208,10 @@ impl AccessSearch<'_> {
         if has(self.sight(high)?) == open.is_some() {
             return Ok(());
         }
-        let (mut low, mut high) = (low, high);
-        while high - low > EXACT_S {
-            let middle = 0.5 * (low + high);
-            if middle <= low || middle >= high {
-                break;
-            }
-            match has(self.sight(middle)?) == open.is_some() {
-                true => low = middle,
-                false => high = middle,
-            }
-        }
+        let was_open = open.is_some();
+        let (low, high) = bisect(low, high, EXACT_S, |t| {
+            Ok::<_, OrbitError>(has(self.sight(t)?) != was_open)
+        })?;
         match open.take() {
             None => {
                 let starts = self.sight(low)?.is_some();
@@ -243,31 +237,15 @@ impl AccessSearch<'_> {
     }
 
     /// Where the margin is greatest (`sign` 1) or least (−1) between two times, by golden section.
-    fn extreme(&self, mut low: f64, mut high: f64, sign: f64) -> Result<f64, OrbitError> {
-        const GOLDEN: f64 = 0.618_033_988_749_894_9;
-
+    fn extreme(&self, low: f64, high: f64, sign: f64) -> Result<f64, OrbitError> {
         let value = |t: f64| -> Result<f64, OrbitError> {
             let sight = self.sight(t)?;
             Ok(sight.map_or(f64::NEG_INFINITY, |sight| sign * sight.margin))
         };
-        let (mut left, mut right) = (high - GOLDEN * (high - low), low + GOLDEN * (high - low));
-        let (mut at_left, mut at_right) = (value(left)?, value(right)?);
-        while high - low > EXACT_S {
-            // One such instant is enough.
-            if at_left.max(at_right) >= 0.0 && sign > 0.0 {
-                break;
-            }
-            if at_left > at_right {
-                (high, right, at_right) = (right, left, at_left);
-                left = high - GOLDEN * (high - low);
-                at_left = value(left)?;
-            } else {
-                (low, left, at_left) = (left, right, at_right);
-                right = low + GOLDEN * (high - low);
-                at_right = value(right)?;
-            }
-        }
-        Ok(if at_left > at_right { left } else { right })
+        // One instant of access is enough.
+        let is_enough = |margin: f64| margin >= 0.0 && sign > 0.0;
+        let (time, _) = greatest(low, high, EXACT_S, value, is_enough)?;
+        Ok(time)
     }
 
     /// `None` in a gap of a feed.

@@ -53,6 +53,7 @@ mod mean_elements;
 pub mod numerical;
 mod oem;
 mod omm;
+mod one_dimension;
 mod opm;
 mod orbit_files;
 mod passes;

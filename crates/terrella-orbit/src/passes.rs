@@ -1,6 +1,7 @@
 //! Passes: when a satellite stands above an observer's horizon, and its azimuth and elevation.
 
 use super::constants::EARTH_GM_M3_S2;
+use super::one_dimension::{bisect, greatest};
 use super::{Feed, Frame, OrbitError, OrbitState};
 use glam::DVec3;
 use terrella_frames::{
@@ -305,30 +306,12 @@ impl Search<'_> {
 
     /// The highest elevation between two times, and its sine, by golden section: velocities of SGP4 are no
     /// derivatives to the last digits and would miss it by seconds in high orbits.
-    fn summit(&self, mut low: f64, mut high: f64) -> Result<(f64, f64), OrbitError> {
-        const GOLDEN: f64 = 0.618_033_988_749_894_9;
-
+    fn summit(&self, low: f64, high: f64) -> Result<(f64, f64), OrbitError> {
         let sine = |t: f64| -> Result<f64, OrbitError> {
             let sight = self.elevation_state(t)?;
             Ok(sight.map_or(f64::NEG_INFINITY, |sight| sight.sin_elevation))
         };
-        let (mut left, mut right) = (high - GOLDEN * (high - low), low + GOLDEN * (high - low));
-        let (mut at_left, mut at_right) = (sine(left)?, sine(right)?);
-        while high - low > EXACT_S && low < left && right < high {
-            if at_left > at_right {
-                (high, right, at_right) = (right, left, at_left);
-                left = high - GOLDEN * (high - low);
-                at_left = sine(left)?;
-            } else {
-                (low, left, at_left) = (left, right, at_right);
-                right = low + GOLDEN * (high - low);
-                at_right = sine(right)?;
-            }
-        }
-        Ok(match at_left > at_right {
-            true => (left, at_left),
-            false => (right, at_right),
-        })
+        greatest(low, high, EXACT_S, sine, |_| false)
     }
 
     /// As [`Self::bisect`], of known states.
@@ -344,21 +327,13 @@ impl Search<'_> {
     /// Two times at most [`EXACT_S`] apart, between which something turns that has not at `low` and has at `high`.
     fn bisect(
         &self,
-        mut low: f64,
-        mut high: f64,
+        low: f64,
+        high: f64,
         has_turned: impl Fn(Option<ElevationState>) -> bool,
     ) -> Result<(f64, f64), OrbitError> {
-        while high - low > EXACT_S {
-            let middle = 0.5 * (low + high);
-            if middle <= low || middle >= high {
-                break;
-            }
-            match has_turned(self.elevation_state(middle)?) {
-                true => high = middle,
-                false => low = middle,
-            }
-        }
-        Ok((low, high))
+        bisect(low, high, EXACT_S, |t| {
+            Ok(has_turned(self.elevation_state(t)?))
+        })
     }
 }
 

@@ -1,5 +1,6 @@
 //! Visible passes: when a sunlit satellite stands in a dark sky, and how bright it is.
 
+use super::one_dimension::bisect;
 use super::{Feed, Frame, Observer, OrbitError, Pass};
 use glam::DVec3;
 use terrella_frames::{Duration, Epoch, illumination, sun_position_itrf_m};
@@ -171,15 +172,9 @@ impl Search<'_> {
 
     /// Two times at most [`EXACT_S`] apart, between which it becomes visible, or no longer is.
     fn change(&self, low: f64, high: f64, becomes: bool) -> Result<(f64, f64), OrbitError> {
-        let (mut low, mut high) = (low, high);
-        while high - low > EXACT_S {
-            let middle = 0.5 * (low + high);
-            match self.look(middle)?.is_visible() == becomes {
-                true => high = middle,
-                false => low = middle,
-            }
-        }
-        Ok((low, high))
+        bisect(low, high, EXACT_S, |t| {
+            Ok(self.look(t)?.is_visible() == becomes)
+        })
     }
 
     fn interval(&self, begin: f64, end: f64) -> Result<VisibleInterval, OrbitError> {
