@@ -1,11 +1,10 @@
 //! Orbital elements of catalogued satellites, fetched from a server that answers queries, and kept in a folder until they may be outdated.
 
 use super::address::url_complaint;
+use super::description;
 use super::error::FetchError;
 use super::http::{Client, ClientOptions, GetError};
 use super::pace::Pace;
-use super::source::MAX_SOURCE_BYTES;
-use crate::mosaic::syntax_complaint;
 use serde::Deserialize;
 use std::fs::File;
 use std::io::Write;
@@ -139,14 +138,7 @@ impl ElementSource {
                 known: known.join(", "),
             });
         }
-        let wrong = |cause: String| FetchError::Description {
-            path: path.to_path_buf(),
-            cause,
-        };
-        let text =
-            files::read_text(path, MAX_SOURCE_BYTES).map_err(|error| wrong(error.to_string()))?;
-        let text = text.ok_or_else(|| wrong(format!("has more than {MAX_SOURCE_BYTES} bytes")))?;
-        Self::from_toml(&text, path)
+        Self::from_toml(&description::read(path)?, path)
     }
 
     /// A source from the text of its description; `path` is named in errors.
@@ -154,16 +146,7 @@ impl ElementSource {
     /// # Errors
     /// [`FetchError::Description`] with the line, or the key, that is wrong.
     pub fn from_toml(text: &str, path: &Path) -> Result<Self, FetchError> {
-        let wrong = |cause: String| FetchError::Description {
-            path: path.to_path_buf(),
-            cause,
-        };
-        let source: Self =
-            toml::from_str(text).map_err(|error| wrong(syntax_complaint(text, &error)))?;
-        match source.complaint() {
-            None => Ok(source),
-            Some((key, cause)) => Err(wrong(format!("{key}: {}", files::cause(cause)))),
-        }
+        description::parse(text, path, Self::complaint)
     }
 
     /// The key that is wrong, and why.

@@ -2,7 +2,8 @@
 //!
 //! | file | what |
 //! |---|---|
-//! | `source.rs`, `sources/` | descriptions of sources; those that come with the program |
+//! | `description.rs` | reading descriptions of whatever source |
+//! | `source.rs`, `sources/` | descriptions of sources of maps; those that come with the program |
 //! | `named.rs` | a source by its name or by the path of its description |
 //! | `address.rs` | addresses of tiles, and where redirects may lead |
 //! | `plan.rs` | which tiles a region needs |
@@ -16,6 +17,7 @@
 mod address;
 mod cache;
 mod check;
+mod description;
 mod download;
 mod elements;
 mod error;
@@ -27,6 +29,7 @@ mod pace;
 mod plan;
 mod source;
 
+pub use description::MAX_SOURCE_BYTES;
 pub use download::Fetched;
 pub use elements::{ElementMedia, ElementQuery, ElementSource, ElementsError, FetchedElements};
 pub use error::FetchError;
@@ -36,6 +39,5 @@ pub use layer::{Estimate, FetchOptions, Layer, LayerDone, Request};
 pub use named::{find_source, source_names};
 pub use plan::Fineness;
 pub use source::{
-    Files, Gentleness, ListedFile, MAX_SOURCE_BYTES, MapSource, Media, SourceLayer, Tiles,
-    TimeStep, Times,
+    Files, Gentleness, ListedFile, MapSource, Media, SourceLayer, Tiles, TimeStep, Times,
 };

@@ -1,9 +1,9 @@
 //! The sources that come with the program, and descriptions given by path.
 
+use super::description;
 use super::error::FetchError;
-use super::source::{MAX_SOURCE_BYTES, MapSource};
+use super::source::MapSource;
 use std::path::Path;
-use terrella_files as files;
 
 /// Descriptions, each by its name.
 const NAMED: &[(&str, &str)] = &[
@@ -51,14 +51,7 @@ pub fn find_source(name: &str) -> Result<MapSource, FetchError> {
             known: source_names().collect::<Vec<_>>().join(", "),
         });
     }
-    let wrong = |cause: String| FetchError::Description {
-        path: path.to_path_buf(),
-        cause,
-    };
-    let text =
-        files::read_text(path, MAX_SOURCE_BYTES).map_err(|error| wrong(error.to_string()))?;
-    let text = text.ok_or_else(|| wrong(format!("has more than {MAX_SOURCE_BYTES} bytes")))?;
-    MapSource::from_toml(&text, path)
+    MapSource::from_toml(&description::read(path)?, path)
 }
 
 #[cfg(test)]

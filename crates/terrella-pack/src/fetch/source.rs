@@ -1,15 +1,12 @@
 //! Descriptions of sources: where maps are to be had, in which tiles, whose they are.
 
 use super::address::{template_complaint, url_complaint};
+use super::description;
 use super::error::FetchError;
-use crate::mosaic::{Bounds, Crs, Encoding, syntax_complaint};
+use crate::mosaic::{Bounds, Crs, Encoding};
 use serde::Deserialize;
 use std::path::Path;
-use terrella_files as files;
 use terrella_imagery::pack::{MAX_ATTRIBUTION_LINES, MAX_TEXT_CHARS};
-
-/// Largest description, bytes.
-pub const MAX_SOURCE_BYTES: u64 = 1 << 20;
 
 /// Most files of a list.
 const MAX_FILES: usize = 1000;
@@ -234,16 +231,7 @@ impl MapSource {
     /// # Errors
     /// [`FetchError::Description`] with the line or the key.
     pub fn from_toml(text: &str, path: &Path) -> Result<Self, FetchError> {
-        let wrong = |cause: String| FetchError::Description {
-            path: path.to_path_buf(),
-            cause,
-        };
-        let source: Self =
-            toml::from_str(text).map_err(|error| wrong(syntax_complaint(text, &error)))?;
-        match source.complaint() {
-            None => Ok(source),
-            Some((key, cause)) => Err(wrong(format!("{key}: {}", files::cause(cause)))),
-        }
+        description::parse(text, path, Self::complaint)
     }
 
     /// The key that is wrong, and why.
