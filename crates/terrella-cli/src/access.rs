@@ -1,20 +1,19 @@
 //! `terrella access`
 
-use super::scene_args::{SceneArgs, open_flight};
+use super::scene_args::{SceneArgs, SelectionArgs};
 use super::{Common, print, values};
 use clap::Args;
 use terrella::frames::Duration;
 use terrella_orbit::AccessRule;
-use terrella_play::{AccessRequest, AccessTable, Flight, Layout, Selection, select};
+use terrella_play::{AccessRequest, AccessTable, Layout};
 
 /// Arguments of `terrella access`.
 #[derive(Debug, Args)]
 pub struct AccessArgs {
     #[command(flatten)]
     scene: SceneArgs,
-    /// Name of a satellite; repeatable [default: all of the scene or orbit file]
-    #[arg(long, value_name = "NAME")]
-    satellite: Vec<String>,
+    #[command(flatten)]
+    satellites: SelectionArgs,
     /// Also print when satellites have access to each other: when the line between them does not meet the Earth
     #[arg(long)]
     crosslinks: bool,
@@ -40,16 +39,8 @@ pub struct AccessArgs {
 
 /// Prints the accesses of a scene.
 pub fn run(args: &AccessArgs, _: &Common) -> anyhow::Result<()> {
-    let mut scene = args.scene.load(&args.satellite)?;
-    if args.satellite.is_empty() {
-        scene.take_all();
-    }
-    let flight = open_flight(scene, Flight::open_without_listening)?;
-    let selection = match args.satellite.as_slice() {
-        [] => Selection::All,
-        names => Selection::Named(names),
-    };
-    let satellites = select(&flight, selection)?;
+    let flight = args.satellites.open(&args.scene)?;
+    let satellites = args.satellites.select(&flight)?;
     let request = AccessRequest {
         rule: AccessRule {
             max_range_m: args.max_range.map_or(f64::INFINITY, |km| 1e3 * km),

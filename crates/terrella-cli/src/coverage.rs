@@ -1,22 +1,21 @@
 //! `terrella coverage`
 
-use super::scene_args::{SceneArgs, open_flight};
+use super::scene_args::{SceneArgs, SelectionArgs};
 use super::{Common, print, values};
 use clap::Args;
 use std::f64::consts::FRAC_PI_2;
 use std::path::PathBuf;
 use terrella::frames::Duration;
 use terrella_orbit::NadirSensor;
-use terrella_play::{CoverageMap, CoverageRequest, Flight, PendingFile, Selection, select};
+use terrella_play::{CoverageMap, CoverageRequest, PendingFile};
 
 /// Arguments of `terrella coverage`.
 #[derive(Debug, Args)]
 pub struct CoverageArgs {
     #[command(flatten)]
     scene: SceneArgs,
-    /// Name of a satellite; repeatable [default: all of the scene or orbit file]
-    #[arg(long, value_name = "NAME")]
-    satellite: Vec<String>,
+    #[command(flatten)]
+    satellites: SelectionArgs,
     /// Half angle of the sensors' cone about nadir, degrees [default: all ground in sight]
     #[arg(long, value_name = "DEGREES", value_parser = values::half_angle_deg)]
     half_angle: Option<f64>,
@@ -48,16 +47,8 @@ pub fn run(args: &CoverageArgs, _: &Common) -> anyhow::Result<()> {
         .as_ref()
         .map(|path| PendingFile::create(path, "maps of coverage", "geojson"))
         .transpose()?;
-    let mut scene = args.scene.load(&args.satellite)?;
-    if args.satellite.is_empty() {
-        scene.take_all();
-    }
-    let flight = open_flight(scene, Flight::open_without_listening)?;
-    let selection = match args.satellite.as_slice() {
-        [] => Selection::All,
-        names => Selection::Named(names),
-    };
-    let satellites = select(&flight, selection)?;
+    let flight = args.satellites.open(&args.scene)?;
+    let satellites = args.satellites.select(&flight)?;
     let request = CoverageRequest {
         sensor: NadirSensor {
             half_angle_rad: args.half_angle.map_or(FRAC_PI_2, f64::to_radians),

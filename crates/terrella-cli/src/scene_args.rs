@@ -6,7 +6,7 @@ use clap::{Args, CommandFactory};
 use std::path::{Path, PathBuf};
 use terrella_orbit::OrbitError;
 use terrella_play::scene::{Scene, SceneError, Setting};
-use terrella_play::{Flight, PlayError};
+use terrella_play::{Flight, PlayError, Satellite, Selection, select};
 
 /// The scene of a command.
 #[derive(Debug, Args)]
@@ -64,6 +64,34 @@ impl SceneArgs {
     pub fn load_with(&self, satellites: &[String], more: &[Setting]) -> Result<Scene, SceneError> {
         let settings = [&self.settings.set[..], more].concat();
         load(self.path.as_deref(), satellites, self.strict, &settings)
+    }
+}
+
+/// The satellites of these names, or all that a scene and its files of orbits have where none is named.
+#[derive(Debug, Args)]
+pub struct SelectionArgs {
+    /// Name of a satellite; repeatable [default: all of the scene or orbit file]
+    #[arg(long, value_name = "NAME")]
+    satellite: Vec<String>,
+}
+
+impl SelectionArgs {
+    /// Reads the scene with them and makes it ready.
+    pub fn open(&self, scene: &SceneArgs) -> anyhow::Result<Flight> {
+        let mut scene = scene.load(&self.satellite)?;
+        if self.satellite.is_empty() {
+            scene.take_all();
+        }
+        open_flight(scene, Flight::open_without_listening)
+    }
+
+    /// They themselves.
+    pub fn select<'f>(&self, flight: &'f Flight) -> Result<Vec<&'f Satellite>, PlayError> {
+        let selection = match self.satellite.as_slice() {
+            [] => Selection::All,
+            names => Selection::Named(names),
+        };
+        select(flight, selection)
     }
 }
 
