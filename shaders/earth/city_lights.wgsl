@@ -5,6 +5,7 @@
 import rust::{CITY_LIGHT_RADIUS_M, LAMPS_OUT_SIN, PI};
 @if(clouds) import rust::CLOUD_ALBEDO;
 import earth/shading/lamps.wgsl;
+import earth/surface_point/on_whole_map.wgsl;
 import common/displayed.wgsl;
 @if(air) import common/air.wgsl;
 @if(clouds) import earth/shading/cloud_cover.wgsl;
@@ -123,9 +124,7 @@ fn reach_of(light: vec3f) -> f32 {
 
 // What clouds and air leave of light from a place.
 fn left_to_eye(place: SurfacePoint) -> vec3f {
-    var at = place;
-    at.uv = vec2f(0.5 * atan2(at.up.y, at.up.x), -asin(clamp(at.up.z, -1.0, 1.0))) / PI;
-    at.center_uv = vec2f(0.5);
+    let at = on_whole_map(place);
     var left = vec3f(1.0);
     @if(clouds) left -= frame.clouds_before * CLOUD_ALBEDO * cover_at(at, lifted_before(at));
     @if(air) left *= through_air_to(at);

@@ -5,6 +5,7 @@
 import common/displayed.wgsl;
 import earth/shading/clouds.wgsl;
 import earth/shading/light.wgsl;
+import earth/surface_point/on_whole_map.wgsl;
 @if(air) import rust::DAY;
 
 struct Varying {
@@ -21,8 +22,6 @@ fn vertex(@builtin(vertex_index) index: u32) -> Varying {
 const LOWEST_SIGHT: f32 = 0.03;
 // Asymmetry of what delta-Eddington leaves of the scattering, g/(1 + g) with g = 0.85.
 const SCALED_ASYMMETRY: f32 = 0.459;
-// How much thicker a layer is for that than for two streams, (1 − g²)/(1 − g).
-const SCALED_DEPTH: f32 = 1.85;
 // Sines of the Sun's height between which it comes to light the upper side instead of the underside.
 const UNDERSIDE_LIT: vec2f = vec2f(-0.03, 0.06);
 
@@ -42,21 +41,13 @@ fn fragment(in: Varying) -> @location(0) vec4f {
     let place = frame.eye_scaled + distance * direction;
     let up = normalize(place * stretch);
 
-    var at = seen_along(ray, distance / length(stretched), up);
-    at.uv = vec2f(0.5 * atan2(up.y, up.x), -asin(clamp(up.z, -1.0, 1.0))) / PI;
-    at.center_uv = vec2f(0.5);
-    let lift = Lifted(up, vec2f(0.0));
-    let mapped = mapped_cover(at, lift);
-    @if(detail) let cover = cover_with_detail(at, lift, mapped);
-    @else let cover = mapped;
-    let albedo = CLOUD_ALBEDO * cover * (1.0 - frame.clouds_before);
-    @if(detail) let clouds = CloudsBefore(cover, mapped, albedo, lift);
-    @else let clouds = CloudsBefore(cover, albedo, lift);
-    if meets_ground || albedo <= 0.0 {
+    let at = on_whole_map(seen_along(ray, distance / length(stretched), up));
+    let clouds = clouds_at(at, Lifted(up, vec2f(0.0)), 1.0 - frame.clouds_before);
+    if meets_ground || clouds.albedo <= 0.0 {
         discard;
     }
 
-    let thickness = SCALED_DEPTH * 4.0 / 3.0 * albedo / (1.0 - albedo);
+    let thickness = scaled_thickness(clouds.albedo);
     let through = exp(-thickness / max(dot(normalize(ray), up), LOWEST_SIGHT));
     var color = light_from_below(at, clouds, thickness, through, frame.sun_itrf);
     @if(moonlight) color += frame.moon_light * light_from_below(at, clouds, thickness, through, frame.moon_itrf);

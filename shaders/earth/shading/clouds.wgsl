@@ -15,8 +15,14 @@ const CLOUD_SIDES: f32 = 0.05;
 
 // Part of sunlight at this cosine that a layer throws back which throws back `albedo` of diffuse light.
 fn sunlit_albedo(albedo: f32, mu: f32) -> f32 {
+    let hit = 1.0 - exp(-scaled_thickness(albedo) / max(mu, CLOUD_SIDES));
+    return max(albedo + (1.0 - albedo) * (0.5 - 0.75 * mu) * hit, 0.0);
+}
+
+// Its optical thickness as delta-Eddington scales it: (1 − g²)/(1 − g) = 1.85 times that of two streams.
+fn scaled_thickness(albedo: f32) -> f32 {
     let x = 4.0 / 3.0 * albedo / (1.0 - albedo);
-    return max(albedo + (1.0 - albedo) * (0.5 - 0.75 * mu) * (1.0 - exp(-1.85 * x / max(mu, CLOUD_SIDES))), 0.0);
+    return 1.85 * x;
 }
 
 // Of the clouds before a place of the ground.
@@ -30,11 +36,15 @@ struct CloudsBefore {
 }
 
 fn clouds_before(at: SurfacePoint) -> CloudsBefore {
-    let lift = lifted_before(at);
+    return clouds_at(at, lifted_before(at), frame.clouds_before);
+}
+
+// `seen`: the part of them that the eye sees.
+fn clouds_at(at: SurfacePoint, lift: Lifted, seen: f32) -> CloudsBefore {
     let mapped = mapped_cover(at, lift);
-    @if(!detail) return CloudsBefore(mapped, frame.clouds_before * CLOUD_ALBEDO * mapped, lift);
+    @if(!detail) return CloudsBefore(mapped, seen * CLOUD_ALBEDO * mapped, lift);
     @if(detail) let cover = cover_with_detail(at, lift, mapped);
-    @if(detail) return CloudsBefore(cover, mapped, frame.clouds_before * CLOUD_ALBEDO * cover, lift);
+    @if(detail) return CloudsBefore(cover, mapped, seen * CLOUD_ALBEDO * cover, lift);
 }
 
 // What they throw back of the light of a Sun, which falls on them at this cosine, and of its sky.

@@ -162,6 +162,7 @@ files![
     "earth/surface_point.wgsl",
     "earth/surface_point/contour_tree.wgsl",
     "earth/surface_point/on_relief.wgsl",
+    "earth/surface_point/on_whole_map.wgsl",
     "earth/surface_point/ray_on_ellipsoid.wgsl",
     "earth/varying.wgsl",
     "earth/vertex/block_lattice.wgsl",
