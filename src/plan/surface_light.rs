@@ -32,6 +32,9 @@ pub struct SurfaceLight {
     /// It is fixed to the ground and leaves the maps' means about as they are, but it is not what is there: leave it off where a
     /// picture is measured.
     pub detail: bool,
+    /// Whether land and clouds reflect more light to some sides than to others: back to the Sun, where shadows hide, and from clouds
+    /// forward at a low Sun. Without, they are Lambertian. Over all directions the light is the same.
+    pub directional_reflectance: bool,
     /// Whether the Moon lights the Earth, by its phase: its land, sea and clouds, and the air.
     pub moonlight: bool,
     /// Whether the Moon's shadow falls on ground, clouds and air. Frames that it is not in draw without it.
@@ -91,6 +94,8 @@ effects! {
     CloudShadows: cloud_shadows,
     /// [`SurfaceLight::detail`].
     Detail: detail,
+    /// [`SurfaceLight::directional_reflectance`].
+    DirectionalReflectance: directional_reflectance,
     /// [`SurfaceLight::moonlight`].
     Moonlight: moonlight,
     /// [`SurfaceLight::eclipses`].
@@ -101,7 +106,12 @@ effects! {
 
 impl LightEffect {
     /// Those that every pixel of the surface is drawn with, or without. An eclipse is in few frames, and airglow above.
-    pub const OF_SURFACE: &[Self] = &[Self::CloudShadows, Self::Detail, Self::Moonlight];
+    pub const OF_SURFACE: &[Self] = &[
+        Self::CloudShadows,
+        Self::Detail,
+        Self::DirectionalReflectance,
+        Self::Moonlight,
+    ];
 }
 
 /// A set of effects.
@@ -163,19 +173,28 @@ impl Default for SurfaceLight {
 }
 
 impl SurfaceLight {
-    /// A steady breeze, true slopes, clouds at 6 km, and city lights that show at a daylight exposure.
+    /// A steady breeze, true slopes, clouds at 6 km, made-up detail, directional reflectance, and city lights that show at a daylight
+    /// exposure.
     pub const DEFAULT: Self = Self {
         wind_m_s: 7.0,
         relief_exaggeration: 1.0,
         cloud_height_m: 6_000.0,
         cloud_relief_m: 4_000.0,
         cloud_shadows: false,
-        detail: false,
+        detail: true,
+        directional_reflectance: true,
         moonlight: false,
         eclipses: false,
         airglow: false,
         kp: None,
         night_gain: 1.5e5,
+    };
+
+    /// The same without any effect: Lambertian, and only what the maps show. To measure by.
+    pub const PLAIN: Self = Self {
+        detail: false,
+        directional_reflectance: false,
+        ..Self::DEFAULT
     };
 
     /// Of [`Self::wind_m_s`].
@@ -300,14 +319,14 @@ mod tests {
     #[test]
     fn effects_switch_their_own_fields_and_no_others() {
         for effect in LightEffect::ALL {
-            let mut light = SurfaceLight::default();
+            let mut light = SurfaceLight::PLAIN;
             assert_eq!(light.effects(), LightEffects::NONE);
             light.set_effect(*effect, true);
             assert_eq!(light.effects(), LightEffects::of(&[*effect]));
             let others = LightEffect::ALL.iter().filter(|other| *other != effect);
             assert!(others.into_iter().all(|other| !light.effects().has(*other)));
             light.set_effect(*effect, false);
-            assert_eq!(light, SurfaceLight::default());
+            assert_eq!(light, SurfaceLight::PLAIN);
         }
     }
 

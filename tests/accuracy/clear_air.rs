@@ -5,7 +5,7 @@ use crate::common::gpu;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use terrella::frames::Geodetic;
-use terrella::{AirOptions, EarthOptions};
+use terrella::{AirOptions, EarthOptions, SurfaceLight};
 use terrella_ground::globe::Figure;
 use terrella_measure::clear_air::{
     AirErrors, AirRow, AirSet, AirTable, LightRenderer, PlacedView, RowError, grey_ground,
@@ -52,6 +52,8 @@ fn drawn(set: AirSet, figure: Figure) -> Option<AirErrors> {
             air: AirOptions {
                 aerosol_optical_depth: set.aerosol_optical_depth(),
             },
+            // The tables have Lambertian ground.
+            light: SurfaceLight::PLAIN,
             ..EarthOptions::new(grey_ground(albedo).expect("a texel"))
         };
         let mut renderer = LightRenderer::new(gpu(), &options, (5, 5)).expect("an Earth");

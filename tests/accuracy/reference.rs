@@ -19,7 +19,7 @@ const BARE: ReferenceOptions = ReferenceOptions {
     surface: SurfaceLight {
         relief_exaggeration: 4.0,
         cloud_relief_m: 0.0,
-        ..SurfaceLight::DEFAULT
+        ..SurfaceLight::PLAIN
     },
     atmosphere: Atmosphere::None,
     aerosol_optical_depth: 0.0,

@@ -1,7 +1,7 @@
 //! The reference renderer against the same tables as the drawn air: it shares no constant with either.
 
 use crate::clear_air::{placed, show};
-use terrella::EarthOptions;
+use terrella::{EarthOptions, SurfaceLight};
 use terrella_ground::globe::Figure;
 use terrella_measure::clear_air::{
     AirErrors, AirSet, RowError, ViewGroup, grey_ground, stored_albedo,
@@ -17,6 +17,8 @@ fn by_reference(set: AirSet, step: usize) -> Option<AirErrors> {
             figure: Figure::Sphere,
             aerosol_optical_depth: set.aerosol_optical_depth(),
             exposure: 1.0,
+            // The tables have Lambertian ground.
+            surface: SurfaceLight::PLAIN,
             ..ReferenceOptions::of(&EarthOptions::new(grey_ground(albedo).expect("a texel")), 1)
         };
         let maps = grey_ground(albedo).expect("a texel");

@@ -63,6 +63,7 @@ fn layers() -> EarthLayers {
 fn options(layers: EarthLayers) -> EarthOptions {
     let mut options = EarthOptions::new(layers);
     options.atmosphere = Atmosphere::None;
+    options.light = terrella::SurfaceLight::PLAIN;
     options.subdivision = terrella::Subdivision::Cells(48);
     options.samples = 4;
     // Dithering is compared too, and steep curves make more of it.

@@ -240,10 +240,19 @@ fn a_pack_is_measured_with_its_levels() {
     let report: BenchReport = serde_json::from_str(&text).expect("a report");
     // Along the scene's flight and on both paths.
     let names: Vec<_> = report.features.iter().map(|f| f.name.as_str()).collect();
-    let features = ["eclipses", "tiles", "multisampling", "stars", "sun", "moon"];
+    let features = [
+        "detail",
+        "directional_reflectance",
+        "eclipses",
+        "tiles",
+        "multisampling",
+        "stars",
+        "sun",
+        "moon",
+    ];
     let courses: Vec<_> = features.iter().flat_map(|name| [*name; 3]).collect();
     assert_eq!(names, courses);
-    let tiles = &report.features[3];
+    let tiles = &report.features[9];
     assert!(
         tiles.texture_bytes > 0 && tiles.shader_bytes > 0,
         "{tiles:?}"

@@ -73,6 +73,8 @@ fn a_still_has_its_size_and_exactly_the_numbers_of_the_contract() {
         serde_json::json!([
             "clouds",
             "water",
+            "detail",
+            "directional_reflectance",
             "eclipses",
             "atmosphere",
             "stars",
@@ -86,7 +88,6 @@ fn a_still_has_its_size_and_exactly_the_numbers_of_the_contract() {
             "normals",
             "night_lights",
             "cloud_shadows",
-            "detail",
             "moonlight",
             "milky_way",
             "glare"
@@ -128,7 +129,7 @@ fn light_is_written_as_an_array_in_which_a_white_sheet_is_one() {
     // The Sun over the equator; the eye where it stands highest.
     let scene = "[camera]\nmode = \"geodetic\"\nlat_deg = 0\nlon_deg = 1.9\nheight_km = 500\nfov_deg = 1\n\
         [time]\nstart = \"2018-03-20T12:00:00Z\"\n\
-        [earth]\ntextures = \"white\"\natmosphere = \"none\"\n[output]\nsize = [30, 20]\nexposure_ev = -7.5\n";
+        [earth]\ntextures = \"white\"\natmosphere = \"none\"\ndirectional_reflectance = false\n[output]\nsize = [30, 20]\nexposure_ev = -7.5\n";
     place.scene("white.toml", scene);
     place.succeed(&["frame", "white.toml", "-o", "a.png", "--radiance", "a.npy"]);
     place.succeed(&["frame", "white.toml", "-o", "b.png", "--radiance", "b.exr"]);
@@ -251,7 +252,12 @@ fn the_minimal_scene_pays_for_the_day_map_alone() {
     };
     let (minimal, iss) = (stats("minimal"), stats("iss"));
     let maps = ["clouds", "normals", "night_lights", "water"];
-    let effects = ["cloud_shadows", "detail", "moonlight"];
+    let effects = [
+        "cloud_shadows",
+        "detail",
+        "directional_reflectance",
+        "moonlight",
+    ];
     let eclipses = ["eclipses"];
     let air = ["atmosphere"];
     let whole_sky = ["stars", "milky_way", "sun", "moon", "glare"];

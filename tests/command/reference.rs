@@ -138,7 +138,7 @@ fn what_is_left_out_is_named() {
     );
     let output = place.succeed(&arguments("chase.toml", &["--stats", "a.json"]));
     assert!(
-        words(&output).contains("tracks, stars, sun, moon, spacecraft"),
+        words(&output).contains("made detail, tracks, stars, sun, moon, spacecraft"),
         "{}",
         words(&output)
     );
@@ -146,7 +146,14 @@ fn what_is_left_out_is_named() {
     let stats: serde_json::Value = serde_json::from_str(&text).expect("JSON");
     assert_eq!(
         stats["left_out"],
-        serde_json::json!(["tracks", "stars", "sun", "moon", "spacecraft"])
+        serde_json::json!([
+            "made detail",
+            "tracks",
+            "stars",
+            "sun",
+            "moon",
+            "spacecraft"
+        ])
     );
     // An eclipse is named while there is one.
     for (date, is_named) in [("2024-04-08", true), ("2024-04-09", false)] {
@@ -181,8 +188,8 @@ fn ground_with_relief_is_drawn() {
         place.succeed(&arguments(scene, &["--stats", "a.json"]));
         let text = std::fs::read_to_string(place.path("a.json")).expect("reads");
         let stats: serde_json::Value = serde_json::from_str(&text).expect("JSON");
-        let sky = serde_json::json!(["stars", "sun", "moon"]);
-        assert_eq!(stats["left_out"], sky);
+        let left_out = serde_json::json!(["made detail", "stars", "sun", "moon"]);
+        assert_eq!(stats["left_out"], left_out);
         let is_on = stats["features_on"].as_array().expect("a list").iter();
         let has_relief = is_on.clone().any(|feature| feature == "relief");
         assert_eq!(has_relief, scene == "hills.toml");

@@ -3,7 +3,7 @@
 use crate::common::{Rig, map, tilted};
 use glam::DVec3;
 use terrella::frames::{Ellipsoid, Geodetic};
-use terrella::{EarthOptions, EyeView};
+use terrella::{EarthOptions, EyeView, SurfaceLight};
 use terrella_imagery::{EarthLayers, LayerImage};
 
 const SIZE: (u32, u32) = (96, 54);
@@ -18,8 +18,10 @@ fn rig(cover: u8) -> Rig {
         night_lights: None,
         water: None,
     });
-    options.light.cloud_height_m = CLOUDS_M;
-    options.light.cloud_shadows = false;
+    options.light = SurfaceLight {
+        cloud_height_m: CLOUDS_M,
+        ..SurfaceLight::PLAIN
+    };
     Rig::of_light(&options, SIZE)
 }
 

@@ -37,7 +37,7 @@ fn options(only: Only, detail: bool) -> EarthOptions {
         light: SurfaceLight {
             detail,
             night_gain: 1e5,
-            ..SurfaceLight::default()
+            ..SurfaceLight::PLAIN
         },
         ..EarthOptions::new(layers)
     }

@@ -3,7 +3,7 @@
 use crate::common::{Rig, day_only, down, map, plain};
 use glam::DVec3;
 use terrella::frames::Geodetic;
-use terrella::{Atmosphere, EarthOptions, Exposure, EyeView, Tone, exposure_factor};
+use terrella::{Atmosphere, EarthOptions, Exposure, EyeView, SurfaceLight, Tone, exposure_factor};
 
 const SIZE: (u32, u32) = (64, 64);
 
@@ -12,10 +12,11 @@ fn below(height_m: f64) -> EyeView {
     down(Geodetic::from_degrees(0.0, 0.0, height_m), 20.0, 1.0)
 }
 
-/// No air, so that light is the map's.
+/// No air and Lambertian, so that light is the map's.
 fn bare(color: [u8; 3]) -> EarthOptions {
     EarthOptions {
         atmosphere: Atmosphere::None,
+        light: SurfaceLight::PLAIN,
         ..EarthOptions::new(plain(color))
     }
 }

@@ -4,7 +4,7 @@ use crate::common::{Rig, down, looks_at, map, ray, tilted};
 use glam::{DMat3, DVec2, DVec3};
 use image::RgbaImage;
 use terrella::frames::{Ellipsoid, Geodetic};
-use terrella::{Atmosphere, EarthOptions, EyeView};
+use terrella::{Atmosphere, EarthOptions, EyeView, SurfaceLight};
 use terrella_imagery::{EarthLayers, LayerImage};
 
 const SIZE: (u32, u32) = (320, 180);
@@ -19,6 +19,7 @@ fn options(day: [u8; 3], water: LayerImage) -> EarthOptions {
         water: Some(water),
     });
     options.atmosphere = Atmosphere::None;
+    options.light = SurfaceLight::PLAIN;
     options.tone = terrella::Tone::Neutral;
     options
 }

@@ -37,6 +37,7 @@ mod air;
 mod air_tests;
 mod all_orders;
 mod clouds_from_below;
+mod directional;
 mod field;
 mod geometry;
 mod grid;

@@ -9,9 +9,12 @@ import rust::CLOUD_ALBEDO;
 import earth/shading/cloud_cover.wgsl;
 @if(air) import earth/shading/air_above_clouds.wgsl;
 @if(air) import earth/shading/air_before.wgsl;
+@if(directional_reflectance) import earth/shading/directional.wgsl;
 
 // A cloud's sides catch some light of a Sun at their horizon.
 const CLOUD_SIDES: f32 = 0.05;
+// Lowest cosine to the vertical at which an eye sees them, as they are not as flat as a sheet.
+@if(directional_reflectance) const LEAST_CLOUD_EYE: f32 = 0.03;
 
 // Part of sunlight at this cosine that a layer throws back which throws back `albedo` of diffuse light.
 fn sunlit_albedo(albedo: f32, mu: f32) -> f32 {
@@ -47,18 +50,31 @@ fn clouds_at(at: SurfacePoint, lift: Lifted, seen: f32) -> CloudsBefore {
     @if(detail) return CloudsBefore(cover, mapped, seen * CLOUD_ALBEDO * cover, lift);
 }
 
-// What they throw back of the light of a Sun, which falls on them at this cosine, and of its sky.
-fn light_of_clouds(clouds: CloudsBefore, light: Light, cosine: f32) -> vec3f {
-    return sunlit_albedo(clouds.albedo, cosine) * cosine * light.sun + clouds.albedo * light.sky;
+// What they reflect to the eye of the light of a Sun in a direction, which falls on them at this cosine, and of its sky.
+fn light_of_clouds(at: SurfacePoint, clouds: CloudsBefore, light: Light, sun: vec3f, cosine: f32) -> vec3f {
+    @if(!directional_reflectance) let reflected = sunlit_albedo(clouds.albedo, cosine);
+    @if(directional_reflectance) let reflected = reflected_by_clouds(at, clouds, sun, cosine);
+    return reflected * cosine * light.sun + clouds.albedo * light.sky;
+}
+
+// Light scattered once has the droplets' directions, what is scattered more often those of broken clouds.
+@if(directional_reflectance)
+fn reflected_by_clouds(at: SurfacePoint, clouds: CloudsBefore, sun: vec3f, cosine: f32) -> f32 {
+    let to_eye = normalize(at.to_eye);
+    let cos_phase = dot(to_eye, sun);
+    let thickness = scaled_thickness(clouds.albedo);
+    let once = scattered_once(thickness, max(dot(clouds.lift.up, to_eye), LEAST_CLOUD_EYE), cosine, cos_phase);
+    let often = max(sunlit_albedo(clouds.albedo, cosine) - albedo_of_scattered_once(thickness, cosine), 0.0);
+    return once + often * opposition(cos_phase, cosine);
 }
 
 // Their light as the eye sees it, without air: their horizon is lower than the ground's.
 @if(!air)
 fn clouds_seen(at: SurfacePoint, clouds: CloudsBefore) -> vec3f {
     let from_sun = light_on_clouds(dot(clouds.lift.up, frame.sun_itrf));
-    var color = light_of_clouds(clouds, from_sun, sun_on_top(at, clouds, frame.sun_itrf));
+    var color = light_of_clouds(at, clouds, from_sun, frame.sun_itrf, sun_on_top(at, clouds, frame.sun_itrf));
     @if(moonlight) let mu = dot(clouds.lift.up, frame.moon_itrf);
-    @if(moonlight) color += frame.moon_light * light_of_clouds(clouds, light_on_clouds(mu), max(mu, CLOUD_SIDES));
+    @if(moonlight) color += frame.moon_light * light_of_clouds(at, clouds, light_on_clouds(mu), frame.moon_itrf, max(mu, CLOUD_SIDES));
     @if(eclipse) color *= sun_left_to_clouds(clouds);
     return color;
 }
@@ -75,10 +91,10 @@ fn clouds_seen(at: SurfacePoint, clouds: CloudsBefore, ground: AirBefore) -> vec
     @if(interpolated) let air_ = at.air.of_clouds;
     @else let air_ = air_of_clouds(at, clouds, frame.sun_itrf);
     let light = light_on_clouds(air_, dot(clouds.lift.up, frame.sun_itrf), about);
-    var color = light_of_clouds(clouds, light, sun_on_top(at, clouds, frame.sun_itrf));
+    var color = light_of_clouds(at, clouds, light, frame.sun_itrf, sun_on_top(at, clouds, frame.sun_itrf));
     var added = added_above_clouds(air_, about);
     @if(moonlight) let of_moon = air_of_clouds(at, clouds, frame.moon_itrf);
-    @if(moonlight) color += frame.moon_light * moonlit_clouds(clouds, of_moon, about);
+    @if(moonlight) color += frame.moon_light * moonlit_clouds(at, clouds, of_moon, about);
     @if(moonlight) added += frame.moon_light * added_above_clouds(of_moon, about);
     var before = AirBefore(air_.through, added);
     @if(inside) before = thinned(ground, air.before_clouds);
@@ -89,9 +105,9 @@ fn clouds_seen(at: SurfacePoint, clouds: CloudsBefore, ground: AirBefore) -> vec
 
 // The Moon shows no relief of clouds: for it they would be looked at once more.
 @if(air && moonlight)
-fn moonlit_clouds(clouds: CloudsBefore, air_: AirOfClouds, about: vec3f) -> vec3f {
+fn moonlit_clouds(at: SurfacePoint, clouds: CloudsBefore, air_: AirOfClouds, about: vec3f) -> vec3f {
     let mu = dot(clouds.lift.up, frame.moon_itrf);
-    return light_of_clouds(clouds, light_on_clouds(air_, mu, about), max(mu, CLOUD_SIDES));
+    return light_of_clouds(at, clouds, light_on_clouds(air_, mu, about), frame.moon_itrf, max(mu, CLOUD_SIDES));
 }
 
 // What the air does at a cloud, which lies above most of it and hides what is below.

@@ -7,6 +7,7 @@ import earth/shading/light.wgsl;
 @if(night_lights) import earth/shading/night_lights.wgsl;
 @if(clouds) import earth/shading/clouds.wgsl;
 @if(detail && !open_sea) import earth/shading/detail_tile.wgsl;
+@if(directional_reflectance && !open_sea) import earth/shading/directional.wgsl;
 
 // What of a place shows, whatever lights it.
 struct Surface {
@@ -56,7 +57,9 @@ fn lit(at: SurfacePoint, surface: Surface, sun: vec3f) -> vec3f {
     @else let light = above;
     // The floor of the open sea is as deep as the map tells.
     @if(open_sea) return sea(at, light, sun, mu_s, 1.0);
-    @if(!open_sea) var color = surface.day.rgb * (light.sun * max(dot(surface.normal, sun), 0.0) + light.sky);
+    @if(!open_sea) var falls = max(dot(surface.normal, sun), 0.0);
+    @if(directional_reflectance && !open_sea) falls *= opposition(dot(normalize(at.to_eye), sun), max(mu_s, 0.0));
+    @if(!open_sea) var color = surface.day.rgb * (falls * light.sun + light.sky);
     @if(water && !open_sea) color = mix(color, sea(at, light, sun, mu_s, surface.day.a), surface.water);
     @if(!open_sea) return color;
 }

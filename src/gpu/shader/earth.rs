@@ -306,7 +306,7 @@ impl VertexForm {
 impl EarthOutput {
     /// All of them, and of parts that have nothing to do with each other, not each with each.
     pub fn all() -> Vec<Self> {
-        use LightEffect::{CloudShadows, Detail, Moonlight};
+        use LightEffect::{CloudShadows, Detail, DirectionalReflectance, Moonlight};
         let none = LightEffects::NONE;
         let on = |bits: u32, bit: u32| bits >> bit & 1 == 1;
         let effects = LightEffect::OF_SURFACE;
@@ -331,6 +331,11 @@ impl EarthOutput {
                 .filter(|l| {
                     let has = |effect| l.effects.has(effect);
                     !l.eclipse || l.water && l.normals && has(Detail) && !has(Moonlight)
+                })
+                // It meets clouds, land and moonlight.
+                .filter(|l| {
+                    let beside = l.water && l.normals && l.night_lights;
+                    !l.effects.has(DirectionalReflectance) || beside && l.effects.has(Detail)
                 })
                 .map(ShadingVariant::Sunlit)
         };

@@ -150,6 +150,7 @@ files![
     "earth/shading/clouds.wgsl",
     "earth/shading/detail.wgsl",
     "earth/shading/detail_tile.wgsl",
+    "earth/shading/directional.wgsl",
     "earth/shading/lamps.wgsl",
     "earth/shading/light.wgsl",
     "earth/shading/night_lights.wgsl",

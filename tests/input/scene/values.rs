@@ -159,9 +159,14 @@ fn a_look_sets_what_the_scene_leaves_open() {
         Some(false)
     );
     assert_eq!(shadows(&paper), None);
-    let detail = |earth: &EarthTable| earth.light.map(|light| light.detail);
-    assert_eq!(detail(&full), Some(true));
-    assert_eq!(detail(&earth("")), Some(false));
+    let detail = |earth: &EarthTable| {
+        let light = earth.light?;
+        Some((light.detail, light.directional_reflectance))
+    };
+    assert_eq!(detail(&full), Some((true, true)));
+    assert_eq!(detail(&earth("")), Some((true, true)));
+    assert_eq!(detail(&earth("detail = false")), Some((false, true)));
+    assert_eq!(detail(&paper), None);
     let eclipses = |text: &str| scene(text).sky.eclipses;
     assert!(eclipses("") && !eclipses("[sky]\neclipses = false"));
     assert!(!eclipses("[earth]\nlook = \"paper\""));

@@ -1,5 +1,6 @@
 //! The sea's light and the clouds', from their definitions.
 
+use super::directional::DirectionalReflectance;
 use super::light::{Light, smooth_step, without_air};
 use super::shading_point::ShadingPoint;
 use glam::DVec3;
@@ -116,6 +117,8 @@ pub(super) struct CloudLayer {
     dip: f64,
     /// Whether they throw shadows.
     pub has_shadows: bool,
+    /// `None` of Lambertian ones.
+    directional: Option<&'static DirectionalReflectance>,
 }
 
 impl CloudLayer {
@@ -125,6 +128,9 @@ impl CloudLayer {
             height,
             dip: (height * (2.0 + height)).sqrt() / (1.0 + height),
             has_shadows: light.cloud_shadows,
+            directional: light
+                .directional_reflectance
+                .then(DirectionalReflectance::get),
         }
     }
 
@@ -157,10 +163,16 @@ impl CloudLayer {
         without_air(mu + self.dip).sun
     }
 
-    /// The part of sunlight at the zenith cosine `mu` that the layer throws back, as light on a level sheet.
-    pub fn reflected(&self, albedo: f64, mu: f64) -> f64 {
+    /// The part of sunlight at the zenith cosine `mu` that the layer sends to an eye whose cosines to the vertical and to the Sun are
+    /// `eye`, as light on a level sheet.
+    pub fn reflected(&self, albedo: f64, mu: f64, eye: (f64, f64)) -> f64 {
         let facing = mu.max(SIDES);
-        sunlit_albedo(albedo, facing) * facing
+        let sunlit = sunlit_albedo(albedo, facing);
+        let (eye_mu, cos_phase) = eye;
+        facing
+            * self.directional.map_or(sunlit, |directional| {
+                directional.of_clouds(albedo, sunlit, facing, eye_mu, cos_phase)
+            })
     }
 }
 

@@ -1,6 +1,7 @@
 //! The light that a place of the ground sends to the eye: the light model of the picture, from its definitions.
 
 use super::clouds_from_below::CloudSeenFromBelow;
+use super::directional::DirectionalReflectance;
 use super::light::{ByZenith, EarthAir, Light, smooth_step, without_air};
 use super::maps::{Decode, FullMaps, linear_from_srgb};
 use super::over_ground::{CloudLayer, Sea};
@@ -187,7 +188,13 @@ impl GroundShader {
             Some(albedo) if self.clouds.has_shadows => self.clouds.below(&above, albedo, mu),
             _ => above,
         };
-        let mut color = day(&self.decode.srgb) * (light.sun * normal.dot(sun).max(0.0) + light.sky);
+        let to_sun = point.to_eye.dot(sun);
+        let opposition = match self.surface.directional_reflectance {
+            true => DirectionalReflectance::get().of_opposition(to_sun, mu),
+            false => 1.0,
+        };
+        let falls = normal.dot(sun).max(0.0) * opposition;
+        let mut color = day(&self.decode.srgb) * (light.sun * falls + light.sky);
         // The coast stands where the map is one half.
         if one(MapLayer::Water).is_some_and(|water| water > 0.5) {
             let depth = self.maps.get(MapLayer::Day).map_or(1.0, |map| {
@@ -208,7 +215,9 @@ impl GroundShader {
             && let Some(albedo) = self.cloud_albedo(over)
         {
             let mu_above = over.dot(sun);
-            let reflected = self.clouds.reflected(albedo, mu_above);
+            let reflected =
+                self.clouds
+                    .reflected(albedo, mu_above, (over.dot(point.to_eye), to_sun));
             let light = match (&self.above_clouds, &air.clouds) {
                 (Some(clouds), Some(before)) => {
                     let sunlight = clouds.sun.at(mu_above) * before.factors.sun;

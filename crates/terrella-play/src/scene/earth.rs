@@ -163,6 +163,7 @@ impl SceneText<'_> {
             self.only_in_sunlight(&earth.cloud_relief_km())?;
             self.only_in_sunlight(&earth.cloud_shadows())?;
             self.only_in_sunlight(&earth.detail())?;
+            self.only_in_sunlight(&earth.directional_reflectance())?;
             self.only_in_sunlight(&earth.moonlight())?;
             self.only_in_sunlight(&earth.airglow())?;
             self.only_in_sunlight(&earth.kp())?;
@@ -180,7 +181,8 @@ impl SceneText<'_> {
             cloud_height_m: 1000.0 * self.quantity(&earth.cloud_height_km())?,
             cloud_relief_m: 1000.0 * self.quantity(&earth.cloud_relief_km())?,
             cloud_shadows: earth.cloud_shadows().is_on_or(is_full),
-            detail: earth.detail().is_on_or(is_full),
+            detail: earth.detail().is_on_or(true),
+            directional_reflectance: earth.directional_reflectance().is_on_or(true),
             moonlight,
             eclipses: false,
             airglow: earth.airglow().is_on_or(is_full),

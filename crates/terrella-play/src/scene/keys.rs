@@ -424,8 +424,10 @@ table!(RawEarth = "earth" {
     cloud_relief_km: f64, of "kilometres", in km(SurfaceLight::CLOUD_RELIEF_M), default SurfaceLight::DEFAULT.cloud_relief_m / 1000.0, for SUNLIT;
     /// Whether clouds throw shadows. By default with look = "full".
     cloud_shadows: bool, for SUNLIT;
-    /// Whether detail smaller than the maps' texels is made up. By default with look = "full".
+    /// Whether detail smaller than the maps' texels is made up. By default with shading = "sunlit".
     detail: bool, for SUNLIT;
+    /// Whether land and clouds reflect more light to some sides than to others. By default with shading = "sunlit".
+    directional_reflectance: bool, for SUNLIT;
     /// Whether the Moon lights the Earth, by its phase. By default with look = "full".
     moonlight: bool, for SUNLIT;
     /// Whether the air glows by itself at night. By default with look = "full".
