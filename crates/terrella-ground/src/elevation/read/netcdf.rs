@@ -6,6 +6,7 @@
 mod axis;
 mod classic;
 mod hdf5;
+mod mapping;
 mod number;
 mod stored;
 mod variable;
@@ -47,6 +48,7 @@ impl<R: BufRead + Seek> NetCdf<R> {
         };
 
         let chosen = select_variable(&variables, wanted, context)?;
+        mapping::check(&variables, chosen, context)?;
         let (lat, lon) = (chosen.dimensions[0], chosen.dimensions[1]);
         let (rows, columns) = (dimensions[lat].1, dimensions[lon].1);
         // A length of 0 is that of records.
@@ -136,7 +138,7 @@ impl<R: BufRead + Seek> NetCdf<R> {
                     false => offset,
                 }
             }),
-            above: None,
+            above: chosen.above(),
             missing: chosen.missing().ok_or_else(|| {
                 context.rejected(
                     "names more than 4 missing values",
@@ -222,7 +224,7 @@ fn select_variable<'a>(
         (Some(wanted), ..) => variables
             .iter()
             .filter(is_grid)
-            .find(|v| v.name == wanted)
+            .find(|v| v.name == wanted.trim_start_matches('/'))
             .ok_or_else(|| {
                 context.rejected(
                     format!("has no variable {wanted:?} over two dimensions"),
@@ -235,6 +237,11 @@ fn select_variable<'a>(
             "has several variables over two dimensions",
             format!("one of: {}", names()),
             write,
+        )),
+        (None, None, _) if variables.iter().any(|v| v.name == "x_range") => Err(context.rejected(
+            "is a grid of GMT before version 4.1, of one dimension",
+            "heights over latitude and longitude",
+            format!("`gmt grdconvert {} OUT.nc`", context.path().display()),
         )),
         (None, None, _) => Err(context.rejected(
             "has no variable over two dimensions",

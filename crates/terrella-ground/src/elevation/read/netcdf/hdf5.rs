@@ -1,8 +1,8 @@
 //! The container of NetCDF-4: HDF5, as far as NetCDF-4, GMT, GDAL and h5py use it for grids.
 //!
 //! Format: The HDF Group, "HDF5 File Format Specification", version 3.0 (superblocks 0 to 3, object headers 1 and 2, all indexes of
-//! chunks); Unidata, "NetCDF-4 File Format"; The HDF Group, "HDF5 Dimension Scale Specification". Read are the variables of the
-//! root group. A reader of the whole of HDF5 is some 30 000 lines and maps files into memory; this one reads what grids are stored
+//! chunks); Unidata, "NetCDF-4 File Format"; The HDF Group, "HDF5 Dimension Scale Specification". Read are the variables of
+//! all groups, those of a group below the root by their path, `group/name`. A reader of the whole of HDF5 is some 30 000 lines and maps files into memory; this one reads what grids are stored
 //! by, each block within limits and, where it has one, with its checksum.
 
 mod chunks;
@@ -16,6 +16,7 @@ mod object;
 mod source;
 mod tree;
 
+use super::number::NumberType;
 use super::stored::Values;
 use super::variable::{AttributeValue, Attributes, Contents, TEXT_BYTES, Variable};
 use crate::elevation::read::HeightFileError;
@@ -56,8 +57,7 @@ fn read<R: Read + Seek>(reader: &mut R) -> Result<Contents, Fault> {
     let mut dimensions = Vec::new();
     // The dimension whose scale has this header.
     let mut scales = HashMap::new();
-    for member in group::members(&mut source, &root)? {
-        let object = Object::read(&mut source, member.address)?;
+    for (member, object) in group::tree(&mut source, &root)? {
         let Some(space) = object.one(kind::DATASPACE) else {
             continue;
         };
@@ -75,8 +75,14 @@ fn read<R: Read + Seek>(reader: &mut R) -> Result<Contents, Fault> {
         let Some(datatype) = object.one(kind::DATATYPE) else {
             continue;
         };
-        let (Datatype::Number { kind, is_little }, bytes) = message::datatype(datatype)? else {
-            continue;
+        let (datatype, bytes) = message::datatype(datatype)?;
+        let (kind, is_little) = match datatype {
+            Datatype::Number { kind, is_little } => (kind, is_little),
+            // A grid mapping has attributes alone.
+            Datatype::Text | Datatype::HeapText if space.sides.is_empty() => {
+                (NumberType::Char, true)
+            }
+            _ => continue,
         };
         let own = scales.get(&member.address).copied();
         let of_variable = space.sides.iter().enumerate().map(|(n, length)| {
@@ -89,7 +95,10 @@ fn read<R: Read + Seek>(reader: &mut R) -> Result<Contents, Fault> {
             })
         });
         let of_variable = of_variable.collect();
-        let name = member.name.trim_start_matches(NOT_A_SCALE).to_owned();
+        let name = match member.name.rsplit_once('/') {
+            Some((group, name)) => format!("{group}/{}", name.trim_start_matches(NOT_A_SCALE)),
+            None => member.name.trim_start_matches(NOT_A_SCALE).to_owned(),
+        };
         let layout = Layout::read(&object, space, bytes, is_little, source.sizes)?;
         variables.push(Variable {
             name,

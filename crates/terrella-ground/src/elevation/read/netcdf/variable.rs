@@ -2,6 +2,7 @@
 
 use super::number::NumberType;
 use super::stored::Values;
+use crate::elevation::geoid::VerticalDatum;
 use crate::elevation::read::missing::Missing;
 
 /// Most dimensions, attributes or variables of one list.
@@ -68,6 +69,13 @@ impl Variable {
         let name = text(&self.attributes, "standard_name");
         positive.is_some_and(|word| word.eq_ignore_ascii_case("down"))
             || name.is_some_and(|name| name.starts_with("sea_floor_depth_below"))
+    }
+
+    /// What its heights stand above, `None` where its standard name does not say it.
+    pub(super) fn above(&self) -> Option<VerticalDatum> {
+        let name = text(&self.attributes, "standard_name");
+        name.filter(|name| name.ends_with("_reference_ellipsoid"))
+            .map(|_| VerticalDatum::Ellipsoid)
     }
 
     /// Numbers of an attribute as those of the variable are read.

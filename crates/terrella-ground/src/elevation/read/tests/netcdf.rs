@@ -8,7 +8,11 @@
 //! |---|---|---|---|
 //! | `hdf5_early_f32.nc` | earliest | 3 × 6 | gzip, shuffle: two levels of the B-tree |
 //! | `hdf5_pages_i16.nc` | v110 | 1 × 1 | fixed array of two pages |
+//! | `hdf5_group_i16.nc` | earliest | none | in the group `grid`, which has a hard link `back` to the root |
 //! | `hdf5_layouts_i16.nc` | v110 | none, 4 × 4 (allocated early), 2 × 3, 1 × 1 (no limit of columns), 2 × 8 (no limits, gzip), 9 × 8 (gzip) | a variable each |
+//!
+//! `mapping.nc` (classic, a variable `crs` for WGS84) and `netcdf4_moon_i16.nc` (the same for the Moon, of characters): netCDF4, 3 × 4.
+//! `netcdf4_groups_i16.nc`: netCDF4, `model/deep/z` of 5 × 6 over dimensions of the root, and `fine/z` of 3 × 4 over those of its group.
 
 use super::*;
 
@@ -59,6 +63,93 @@ fn every_layout_of_hdf5_is_read() {
     assert!(
         several.contains("has several variables over two dimensions"),
         "{several}"
+    );
+}
+
+#[test]
+fn grids_in_groups_are_named_by_their_path() {
+    let bytes = std::fs::read(data("netcdf4_groups_i16.nc")).expect("a file");
+    for (name, size) in [
+        ("model/deep/z", (6, 5)),
+        ("/model/deep/z", (6, 5)),
+        ("fine/z", (4, 3)),
+    ] {
+        let file = read(bytes.clone(), &format!("variable = {name:?}"));
+        holds_plane(
+            &file.unwrap_or_else(|error| panic!("{name}: {error}")),
+            size,
+        );
+    }
+    for wanted in ["", "variable = \"z\""] {
+        let said = said(bytes.clone(), wanted);
+        assert!(said.contains("one of: model/deep/z, fine/z"), "{said}");
+    }
+    // The only grid needs no name, and a link that leads back ends.
+    holds_plane(&open("hdf5_group_i16.nc"), (4, 3));
+}
+
+#[test]
+fn degrees_of_other_figures_are_named() {
+    let good = std::fs::read(data("mapping.nc")).expect("a file");
+    holds_plane(&read(good.clone(), "").expect("of WGS84"), (4, 3));
+    let with = |old: &[u8], new: &[u8]| {
+        let at = good.windows(old.len()).position(|bytes| bytes == old);
+        let mut bytes = good.clone();
+        bytes[at.expect("there")..][..new.len()].copy_from_slice(new);
+        said(bytes, "")
+    };
+    let radius_m = 6_378_137_f64.to_be_bytes();
+    let of_clarke = with(&radius_m, &6_378_206.4_f64.to_be_bytes());
+    assert!(
+        of_clarke.contains("an equatorial radius of 6378206.4 m"),
+        "{of_clarke}"
+    );
+    let of_none = with(&radius_m, &f64::NAN.to_be_bytes());
+    assert!(
+        of_none.contains("an equatorial radius of NaN m"),
+        "{of_none}"
+    );
+    let from_paris = with(&(-1.0e-30_f64).to_be_bytes(), &2.337_f64.to_be_bytes());
+    assert!(
+        from_paris.contains("a meridian at 2.337° of Greenwich's"),
+        "{from_paris}"
+    );
+    let turned = with(b"latitude_longitude", b"rotated_latitude_l");
+    assert!(
+        turned.contains("the grid mapping \"rotated_latitude_l\""),
+        "{turned}"
+    );
+    let of_moon = said(
+        std::fs::read(data("netcdf4_moon_i16.nc")).expect("a file"),
+        "",
+    );
+    assert!(
+        of_moon.contains("an equatorial radius of 1737400 m"),
+        "{of_moon}"
+    );
+}
+
+#[test]
+fn a_standard_name_says_what_heights_stand_above() {
+    let named = |name| {
+        let attributes = [METRES, ("standard_name", name)];
+        let file = cdf5(
+            [("lat", "degrees_north"), ("lon", "degrees_east")],
+            &attributes,
+        );
+        read(file, "").expect("heights").above
+    };
+    let ellipsoid = named("height_above_reference_ellipsoid");
+    assert_eq!(ellipsoid, Some(VerticalDatum::Ellipsoid));
+    assert_eq!(named("surface_altitude"), None);
+}
+
+#[test]
+fn grids_of_early_gmt_are_named() {
+    let said = said(std::fs::read(data("gmt_3.grd")).expect("a file"), "");
+    assert!(
+        said.contains("GMT before version 4.1") && said.contains("gmt grdconvert"),
+        "{said}"
     );
 }
 

@@ -4,10 +4,14 @@ use super::heap::{self, FractalHeap};
 use super::object::{Object, kind};
 use super::source::{Fault, Fields, Source};
 use super::tree;
+use std::collections::HashSet;
 use std::io::{Read, Seek};
 
-/// Most members of a group.
+/// Most members of a group, and most of all groups.
 const MAX_MEMBERS: usize = 1024;
+
+/// Deepest group below the root.
+const MAX_DEPTH: usize = 16;
 
 /// Deepest tree of names.
 const MAX_LEVEL: u8 = 16;
@@ -18,8 +22,49 @@ pub struct Member {
     pub address: u64,
 }
 
+/// Reads the headers of all objects below the root group that are no groups, each with its path from there. Of an object with several
+/// paths only the first found is read, so links that lead back end.
+pub fn tree<R: Read + Seek>(
+    source: &mut Source<'_, R>,
+    root: &Object,
+) -> Result<Vec<(Member, Object)>, Fault> {
+    let mut objects = Vec::new();
+    let mut seen = HashSet::new();
+    let mut waiting: Vec<_> = members(source, root)?
+        .into_iter()
+        .map(|member| (0, member))
+        .collect();
+    waiting.reverse();
+    while let Some((depth, member)) = waiting.pop() {
+        if !seen.insert(member.address) {
+            continue;
+        }
+        let object = Object::read(source, member.address)?;
+        if !object.is_group() {
+            objects.push((member, object));
+            continue;
+        }
+        let damaged = |what| Fault::Damaged {
+            what,
+            at: member.address,
+        };
+        if depth == MAX_DEPTH {
+            return Err(damaged("a group more than 16 groups deep"));
+        }
+        let below = members(source, &object)?;
+        if seen.len() + waiting.len() + below.len() > MAX_MEMBERS {
+            return Err(damaged("groups of more than 1024 members in all"));
+        }
+        waiting.extend(below.into_iter().rev().map(|one| {
+            let name = format!("{}/{}", member.name, one.name);
+            (depth + 1, Member { name, ..one })
+        }));
+    }
+    Ok(objects)
+}
+
 /// Reads the members of a group. Soft links and links to other files are left out.
-pub fn members<R: Read + Seek>(
+fn members<R: Read + Seek>(
     source: &mut Source<'_, R>,
     group: &Object,
 ) -> Result<Vec<Member>, Fault> {

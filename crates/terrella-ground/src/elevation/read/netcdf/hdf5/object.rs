@@ -152,6 +152,13 @@ impl Object {
             .find_map(|(is_shared, fields)| (!is_shared).then_some(fields))
     }
 
+    /// Whether it is a group; the rest are sets of values and types.
+    pub fn is_group(&self) -> bool {
+        [kind::SYMBOL_TABLE, kind::LINK_INFO, kind::LINK]
+            .into_iter()
+            .any(|kind| self.has(kind))
+    }
+
     /// Whether there is a message of a kind, here or elsewhere.
     pub fn has(&self, kind: u16) -> bool {
         self.messages.iter().any(|message| message.kind == kind)
