@@ -54,12 +54,12 @@ pub enum HeightFileError {
     /// Neither file nor sidecar say the unit of heights.
     #[error(
         "{}: does not state the unit of its elevations; define it in {}: write unit = \"metres\", \"feet\" or \
-         \"us-survey-feet\" there", path.display(), sidecar.display()
+         \"us-survey-feet\" there, or for all files of the folder in its folder.toml", path.display(), sidecar.display()
     )]
     NoUnit { path: PathBuf, sidecar: PathBuf },
     /// File and sidecar contradict each other.
     #[error(
-        "{}: has elevations in {of_file}, but its sidecar says {of_sidecar}; correct the sidecar",
+        "{}: has elevations in {of_file}, but its sidecar or folder.toml says {of_sidecar}; correct unit there",
         path.display()
     )]
     TwoUnits {

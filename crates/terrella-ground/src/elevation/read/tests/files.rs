@@ -182,11 +182,11 @@ fn units_are_told_or_rejected() {
     assert_eq!(
         said(unit(&[]), ""),
         "dem.tif: does not state the unit of its elevations; define it in dem.toml: write unit = \
-         \"metres\", \"feet\" or \"us-survey-feet\" there"
+         \"metres\", \"feet\" or \"us-survey-feet\" there, or for all files of the folder in its folder.toml"
     );
     assert_eq!(
         said(unit(&[(4099, 9001)]), "unit = \"feet\""),
-        "dem.tif: has elevations in metres, but its sidecar says feet; correct the sidecar"
+        "dem.tif: has elevations in metres, but its sidecar or folder.toml says feet; correct unit there"
     );
     assert!(
         said(unit(&[(4099, 9036)]), "")
