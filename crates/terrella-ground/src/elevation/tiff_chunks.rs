@@ -32,6 +32,7 @@ const MOST_EXTRA_BYTES: usize = 64 << 10;
 
 /// TIFF's `PhotometricInterpretation`.
 const WHITE_IS_ZERO: u16 = 0;
+const RGB: u16 = 2;
 const YCBCR: u16 = 6;
 
 /// TIFF's `Predictor` of none.
@@ -141,6 +142,8 @@ pub struct TiffChunks {
     jpeg_tables: Option<Vec<u8>>,
     /// The last of two or four samples is alpha.
     has_alpha: bool,
+    /// Samples of a pixel that are handed over: of colours those without a meaning, such as infrared, are not.
+    kept: u16,
     /// Offset and length of each, where the `tiff` crate does not read them.
     places: Vec<(u64, u64)>,
 }
@@ -162,7 +165,9 @@ impl TiffChunks {
         let photometric = number(Tag::PhotometricInterpretation, 1)?;
         let predictor = number(Tag::Predictor, NO_PREDICTOR)?;
         let planar = number(Tag::PlanarConfiguration, 1)?;
-        let alpha = number(Tag::ExtraSamples, 0)?;
+        let extra = decoder.find_tag_unsigned_vec::<u16>(Tag::ExtraSamples)?;
+        let extra = extra.unwrap_or_default();
+        let has_alpha = matches!(extra.first(), Some(1 | 2));
         let after = decoder.find_tag_unsigned_vec::<u32>(LERC_PARAMETERS)?;
         let codec = match Codec::of(compression) {
             Ok(Codec::Lerc(_)) => Codec::Lerc(match after.and_then(|all| all.get(1).copied()) {
@@ -214,6 +219,11 @@ impl TiffChunks {
             predictor,
             is_big_endian: decoder.byte_order() == ByteOrder::BigEndian,
         };
+        let kept = match photometric == RGB && !is_planar {
+            // The crate leaves the others out of what it decodes.
+            true => of_pixel.saturating_sub(extra.len() as u16) + u16::from(has_alpha),
+            false => form.samples,
+        };
         let jpeg_tables = match codec {
             Codec::Jpeg => decoder.find_tag(Tag::JPEGTables)?,
             _ => None,
@@ -231,7 +241,8 @@ impl TiffChunks {
                 .saturating_mul(height.div_ceil(rows)),
             photometric,
             jpeg_tables,
-            has_alpha: matches!(alpha, 1 | 2) && matches!(of_pixel, 2 | 4),
+            has_alpha: has_alpha && matches!(of_pixel, 2 | 4),
+            kept: kept.min(form.samples),
             places,
         })
     }
@@ -239,6 +250,11 @@ impl TiffChunks {
     /// Whether colours are RGB though the file says YCbCr.
     pub fn gives_rgb(&self) -> bool {
         self.photometric == YCBCR
+    }
+
+    /// Samples of a stored pixel, or of one plane.
+    pub fn samples(&self) -> u16 {
+        self.form.samples
     }
 
     /// Bits of a stored sample: those of fewer than 8 are handed over in bytes.
@@ -280,7 +296,7 @@ impl TiffChunks {
                     Ok(DecodingResult::U8(self.unpacked(&packed, row, rows)))
                 }
                 (chunk, _) => {
-                    let row = columns as usize * usize::from(self.form.samples);
+                    let row = columns as usize * usize::from(self.kept);
                     cropped(chunk, (row, row), rows as usize)
                 }
             };
@@ -304,7 +320,14 @@ impl TiffChunks {
         };
         let row = (form.columns as usize, columns as usize);
         let samples = usize::from(form.samples);
-        cropped(whole, (row.0 * samples, row.1 * samples), rows as usize)
+        let whole = cropped(whole, (row.0 * samples, row.1 * samples), rows as usize)?;
+        match usize::from(self.kept) {
+            kept if kept < samples => {
+                let pixels = row.1 * rows as usize;
+                cropped(whole, (samples, kept), pixels)
+            }
+            _ => Ok(whole),
+        }
     }
 
     /// The data of a strip or tile.

@@ -95,7 +95,18 @@ impl Stored {
                 bit_depth,
                 num_samples: 2,
             } if matches!(extra, None | Some(1 | 2)) => (2, bit_depth),
-            other => return Err(unfit(context, format!("holds {other:?} texels"))),
+            ColorType::Multiband { num_samples, .. } => {
+                return Err(context.rejected(
+                    format!("has {num_samples} channels and does not say that they are colours"),
+                    "if the first three are red, green and blue, `gdal_translate -b 1 -b 2 -b 3 -co PHOTOMETRIC=RGB IN OUT.tif`; else choose one (`-b 1`)",
+                ));
+            }
+            other => {
+                return Err(unfit(
+                    context,
+                    format!("holds colours of the kind {}", kind(other)),
+                ));
+            }
         };
         let palette = match has_palette {
             true => Some(palette(decoder, (channels, bits), context)?),
@@ -231,7 +242,9 @@ impl<R: BufRead + Seek> TiffRows<R> {
         // Below the caller's limit, so a usize.
         decoder_limits.decoding_buffer_size = chunk_bytes as usize;
         // Compressed data are at most a little longer than their texels.
-        decoder_limits.intermediate_buffer_size = chunk_bytes as usize * 2 + 4096;
+        let stored_bytes =
+            chunk_bytes as usize / stored.channels * usize::from(coded.samples().max(1));
+        decoder_limits.intermediate_buffer_size = stored_bytes.max(chunk_bytes as usize) * 2 + 4096;
         // Places and lengths of all strips or tiles.
         decoder_limits.ifd_value_size = 64 << 20;
         let mut decoder = decoder.with_limits(decoder_limits);
@@ -462,6 +475,17 @@ impl<R: BufRead + Seek> RowSource for TiffRows<R> {
         self.write(inside, row)?;
         self.given += 1;
         Ok(())
+    }
+}
+
+/// The name of colours that are not read.
+fn kind(colour: ColorType) -> &'static str {
+    match colour {
+        ColorType::CMYK(_) | ColorType::CMYKA(_) => "CMYK",
+        ColorType::Lab(_) => "CIE L*a*b*",
+        ColorType::YCbCr(_) => "YCbCr",
+        ColorType::Palette(_) => "palette",
+        _ => "unknown",
     }
 }
 

@@ -49,7 +49,11 @@ impl<R: BufRead + Seek> Tiff<R> {
         }
         let colour = decoder.colortype().map_err(told)?;
         let ColorType::Gray(bits @ (8 | 16 | 32 | 64)) = colour else {
-            return Err(unsupported(context, format!("holds {colour:?} samples")));
+            let cause = match decoder.find_tag_unsigned::<u16>(Tag::SamplesPerPixel) {
+                Ok(Some(channels @ 2..)) => format!("has {channels} channels"),
+                _ => "holds colours".to_string(),
+            };
+            return Err(unsupported(context, cause));
         };
         let photometric = decoder.find_tag_unsigned::<u16>(Tag::PhotometricInterpretation);
         if photometric.map_err(told)? == Some(0) {

@@ -13,7 +13,7 @@ const COLUMNS: usize = 72;
 
 /// All texels of 8 bits of a file, channels of one, and what the last means.
 fn texels(name: &str) -> (Vec<u8>, usize, Option<Opacity>) {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/gdal");
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data");
     let source = open_source(&folder.join(name), LIMITS);
     let mut source = source.unwrap_or_else(|error| panic!("{error}"));
     let info = source.info();
@@ -45,7 +45,9 @@ fn maps_of_gdal_are_read_however_they_are_compressed() {
             .split(' ')
             .map(|n| n.parse().expect("a number"))
             .collect();
-        let (all, channels, opacity) = files.entry(name).or_insert_with(|| texels(name));
+        let (all, channels, opacity) = files
+            .entry(name)
+            .or_insert_with(|| texels(&format!("gdal/{name}")));
         let (x, y) = (numbers[0] as usize, numbers[1] as usize);
         let got = &all[(y * COLUMNS + x) * *channels..][..*channels];
         let bits = name
@@ -91,4 +93,19 @@ fn what_decoding_takes_is_counted() {
     let opened = open_source(&folder.join("zstd_planar.tif"), limits);
     let error = opened.err().expect("too large").to_string();
     assert!(error.contains("a row of its strips or tiles"), "{error}");
+}
+
+/// Written by rasterio 1.4.4 with `photometric="RGB"`: 4 bands in LZW with a predictor and 5 in ZSTD, of which none is alpha; band c holds
+/// 3 x + 5 y + 60 c mod 256.
+#[test]
+fn channels_beside_the_colours_are_left_out() {
+    for name in ["maps/infrared.tif", "maps/infrared_zstd.tif"] {
+        let (all, channels, opacity) = texels(name);
+        assert_eq!((channels, opacity), (3, None), "{name}");
+        for (n, got) in all.iter().enumerate() {
+            let (c, x, y) = (n % 3, n / 3 % COLUMNS, n / 3 / COLUMNS);
+            let right = (3 * x + 5 * y + 60 * c) % 256;
+            assert_eq!(usize::from(*got), right, "{name} {x} {y}");
+        }
+    }
 }
