@@ -379,6 +379,17 @@ fn places_above_the_ellipsoid_are_read() {
             .unwrap_err()
             .to_string();
         assert!(error.contains("places on the Earth are FIXED"), "{error}");
+        // Latitudes before longitudes.
+        let swapped = text.replace(&format!(",{},", 12.0 * unit), &format!(",{},", 0.5 * unit));
+        let latitude = format!(",{},400000", 0.5_f64.to_degrees() * unit);
+        let swapped = swapped.replace(&latitude, &format!(",{},400000", 112.0 * unit));
+        let error = read(&document(&[packet("a", &swapped)]))
+            .unwrap_err()
+            .to_string();
+        assert!(
+            error.contains("latitude of at most 90° either way"),
+            "{error}"
+        );
     }
 }
 

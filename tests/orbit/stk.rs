@@ -206,9 +206,24 @@ fn wrong_files_are_named() {
 
 #[test]
 fn messages_that_are_not_read_are_named() {
-    for text in [
-        "CCSDS_OCM_VERS = 3.0\nCREATION_DATE = 2022-11-06T09:23:57\n",
-        "<?xml version=\"1.0\"?>\n<ndm><ocm id=\"CCSDS_OCM_VERS\" version=\"3.0\"/></ndm>",
+    let of_ocm = "(OCM) is not read; export its trajectory as an OEM";
+    for (text, words) in [
+        (
+            "CCSDS_OCM_VERS = 3.0\nCREATION_DATE = 2022-11-06T09:23:57\n",
+            of_ocm,
+        ),
+        (
+            "<?xml version=\"1.0\"?>\n<ndm><ocm id=\"CCSDS_OCM_VERS\" version=\"3.0\"/></ndm>",
+            of_ocm,
+        ),
+        (
+            "CCSDS_CDM_VERS = 1.0\nORIGINATOR = X\n",
+            "(CDM) has states of one instant alone",
+        ),
+        (
+            "CCSDS_TDM_VERS = 2.0\nORIGINATOR = X\n",
+            "(TDM) has measurements and no orbit",
+        ),
     ] {
         let origin = Path::new("a.ocm");
         let errors = [
@@ -216,10 +231,7 @@ fn messages_that_are_not_read_are_named() {
             Catalogue::from_text(text, origin, false).unwrap_err(),
         ];
         for error in errors.map(|error| error.to_string()) {
-            assert!(
-                error.contains("(OCM) is not read; export its trajectory as an OEM"),
-                "{error}"
-            );
+            assert!(error.contains(words), "{error}");
         }
     }
 }

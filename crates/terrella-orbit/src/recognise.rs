@@ -31,7 +31,7 @@ impl FileFormat {
         Self::of_text(&first_text(head))
     }
 
-    /// Whether a file begins as a message of the CCSDS that no reader takes: an OCM or an AEM. What to do with it,
+    /// Whether a file begins as a message of the CCSDS that no reader takes, as an OCM or a CDM. What to do with it,
     /// [`Ephemerides`](crate::Ephemerides) says.
     pub fn is_unread_message(head: &[u8]) -> bool {
         let text = first_text(head);
@@ -64,7 +64,7 @@ pub(super) struct OtherMessage {
     remedy: &'static str,
 }
 
-const OTHER_MESSAGES: [OtherMessage; 3] = [
+const OTHER_MESSAGES: [OtherMessage; 5] = [
     OtherMessage {
         key: VERSIONS[2],
         element: "<opm",
@@ -82,6 +82,18 @@ const OTHER_MESSAGES: [OtherMessage; 3] = [
         element: "<aem",
         kind: "an attitude ephemeris message (AEM)",
         remedy: "has no orbit in it; export an OEM",
+    },
+    OtherMessage {
+        key: "CCSDS_CDM_VERS",
+        element: "<cdm",
+        kind: "a conjunction data message (CDM)",
+        remedy: "has states of one instant alone; export an OEM or OPM of the object",
+    },
+    OtherMessage {
+        key: "CCSDS_TDM_VERS",
+        element: "<tdm",
+        kind: "a tracking data message (TDM)",
+        remedy: "has measurements and no orbit; export an OEM",
     },
 ];
 

@@ -11,6 +11,7 @@ use super::spans::{MAX_INTERVALS, Span};
 use crate::Frame;
 use glam::DVec3;
 use serde_json::value::RawValue;
+use std::f64::consts::FRAC_PI_2;
 use terrella_files::excerpt;
 use terrella_frames::{Duration, Ellipsoid, Epoch, Geodetic};
 
@@ -173,7 +174,8 @@ impl Coordinates {
         let mut read = Vec::with_capacity(count);
         let mut one = |value: &'t RawValue| {
             let number = number(value.get());
-            let wrong = || document.wrong("a coordinate", value, "a number of metres");
+            let number = number.filter(|number| self.is_possible(read.len(), *number));
+            let wrong = || document.wrong("a coordinate", value, self.expected());
             read.push(number.ok_or_else(wrong)?);
             Ok(())
         };
@@ -225,7 +227,7 @@ impl Coordinates {
             let read = match column {
                 0 => time(document, value, epoch).map(|epoch| at = Some((epoch, value))),
                 _ => match (number(value.get()), row.get_mut(column - 1)) {
-                    (Some(number), Some(slot)) => {
+                    (Some(number), Some(slot)) if self.is_possible(column - 1, number) => {
                         *slot = number;
                         Ok(())
                     }
@@ -269,10 +271,22 @@ impl Coordinates {
         }
     }
 
+    /// Whether a coordinate may have this value. Latitudes that may not are mostly longitudes, in the wrong order.
+    fn is_possible(&self, coordinate: usize, number: f64) -> bool {
+        match (self.axes, coordinate) {
+            (Axes::Geodetic(Unit::Degrees), 1) => number.abs() <= 90.0,
+            // The nearest number to π/2 may have been rounded up when it was written.
+            (Axes::Geodetic(Unit::Radians), 1) => number.abs() <= FRAC_PI_2 + 1e-6,
+            _ => true,
+        }
+    }
+
     fn expected(&self) -> &'static str {
         match self.axes {
             Axes::Metres => "a number of metres",
-            Axes::Geodetic(_) => "a number: longitude, latitude, or height in metres",
+            Axes::Geodetic(_) => {
+                "a number: longitude, then latitude of at most 90° either way, then height in metres"
+            }
         }
     }
 }

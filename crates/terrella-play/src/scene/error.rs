@@ -94,7 +94,7 @@ pub enum SceneError {
     },
     /// A file that is no scene, and whose name does not say that it should be one.
     #[error(
-        "{scene}; nor is it an orbit file: two-line elements, OMM, OEM, CZML, or CSV with columns epoch_utc, x_km, y_km, z_km"
+        "{scene}; nor is it an orbit file: two-line elements, OMM, OEM, OPM, CZML, SP3, an ephemeris of STK, or CSV with columns epoch_utc, x_km, y_km, z_km"
     )]
     Neither { scene: Box<SceneError> },
     /// A value of the wrong type, out of range, or in conflict with another.
