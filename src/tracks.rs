@@ -423,12 +423,12 @@ impl Tracks {
             return self.stats;
         };
         let ellipsoid = self.options.ellipsoid;
-        let eye = EyeProjection {
-            itrf_m: view.eye_itrf_m,
-            clip_from_eye: view.clip_from_eye,
-            size: moment.target.size,
-            ellipsoid: &ellipsoid,
-        };
+        let eye = EyeProjection::new(
+            view.eye_itrf_m,
+            view.clip_from_eye,
+            moment.target.size,
+            &ellipsoid,
+        );
         for polygons in &self.polygons {
             polygons.write(&eye, &mut self.buffers.triangles);
         }

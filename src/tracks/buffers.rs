@@ -1,7 +1,7 @@
 //! What of a satellite stands in a frame: points of lines, marks, fills and labels, made eye-relative for the GPU.
 
 use super::curve::TimeWindow;
-use super::footprint::{WIDEST_HALF_ANGLE_RAD, footprint_outline, is_hidden};
+use super::footprint::{WIDEST_HALF_ANGLE_RAD, footprint_outline};
 use super::ink::Ink;
 use super::projection::EyeProjection;
 use super::satellite::{Axes, Satellite, subpoint};
@@ -19,6 +19,8 @@ const GROUND_MARKER_M: f64 = 10_000.0;
 /// Radii of a marker and of the ring on the ground, pixels, for lines 2 pixels wide.
 const MARKER_PX: f32 = 4.0;
 pub(super) const RING_PX: f32 = 6.0;
+/// What the edge of a mark adds to its radius, with much to spare, pixels.
+const MARK_EDGE_PX: f64 = 4.0;
 /// Opacity of a trail's oldest point, of the first after now, and of the last.
 const OLDEST: f64 = 0.12;
 const AHEAD: f64 = 0.6;
@@ -99,9 +101,12 @@ impl Satellite {
         axes: &mut Axes,
         buffers: &mut TrackBuffers,
     ) {
-        let Some(reference) = self.reference.filter(|_| !self.style.is_nothing()) else {
+        let Some(reference) = &self.reference else {
             return;
         };
+        if self.style.is_nothing() {
+            return;
+        }
         let itrf_from_inertial = axes.itrf_from(reference.frame);
         let place_itrf_m = self.now_m.map(|place| itrf_from_inertial * place);
         // Of thousands of satellites only markers are drawn: what those do not need is not computed.
@@ -127,36 +132,63 @@ impl Satellite {
                 line.add(itrf_from_inertial * place, opacity(t_s, window));
             });
         }
-        let scale = 0.5 * self.style.width_px;
-        let mut mark = |place: DVec3, flags, radius_px: f32| {
-            buffers.marks.push(Mark {
-                from_eye_m: (place - eye.itrf_m).as_vec3().to_array(),
-                flags,
-                colors: self.ink.at(1.0),
-                radius_px: radius_px * scale,
-            });
-        };
         if let Some(subpoint) = subpoint_itrf_m.filter(|_| self.style.subpoint) {
-            mark(subpoint, TRACK_ON_GROUND, RING_PX);
+            let ring = self.mark(subpoint, TRACK_ON_GROUND, RING_PX, eye);
+            buffers.marks.push(ring);
         }
-        if let Some(place) = place_itrf_m.filter(|_| self.style.marker)
-            && place.distance(eye.itrf_m) >= NEAREST_MARKER_M
-        {
-            // The slope of the ground would cut a dot on it.
-            let is_low = place.length() < eye.ellipsoid.equatorial_radius_m + GROUND_MARKER_M
-                && eye.ellipsoid.geodetic_from_itrf(place).height_m < GROUND_MARKER_M;
-            match is_low {
-                true => mark(place, TRACK_ON_GROUND, RING_PX),
-                false => mark(place, 0, MARKER_PX),
-            }
-            let at_px = eye
-                .pixel(place)
-                .filter(|_| !is_hidden(eye.itrf_m, place, eye.ellipsoid));
-            buffers.labels.extend(at_px.map(|at_px| TrackLabel {
+        if let Some(place) = place_itrf_m.filter(|_| self.style.marker) {
+            self.write_marker(index, place, eye, buffers);
+        }
+    }
+
+    fn mark(
+        &self,
+        place_itrf_m: DVec3,
+        flags: u32,
+        radius_px: f32,
+        eye: &EyeProjection<'_>,
+    ) -> Mark {
+        Mark {
+            from_eye_m: (place_itrf_m - eye.itrf_m).as_vec3().to_array(),
+            flags,
+            colors: self.ink.opaque(),
+            radius_px: radius_px * 0.5 * self.style.width_px,
+        }
+    }
+
+    /// Adds the dot and the place of its name. Of thousands of satellites most are out of sight: they cost the GPU nothing.
+    fn write_marker(
+        &self,
+        index: usize,
+        place_itrf_m: DVec3,
+        eye: &EyeProjection<'_>,
+        buffers: &mut TrackBuffers,
+    ) {
+        if place_itrf_m.distance_squared(eye.itrf_m) < NEAREST_MARKER_M * NEAREST_MARKER_M {
+            return;
+        }
+        let reach_px = f64::from(RING_PX * 0.5 * self.style.width_px) + MARK_EDGE_PX;
+        let Some(at_px) = eye.pixel_near(place_itrf_m, reach_px) else {
+            return;
+        };
+        // The slope of the ground would cut a dot on it.
+        let is_low = place_itrf_m.length() < eye.ellipsoid.equatorial_radius_m + GROUND_MARKER_M
+            && eye.ellipsoid.geodetic_from_itrf(place_itrf_m).height_m < GROUND_MARKER_M;
+        if !is_low && eye.hides_disc(place_itrf_m, reach_px) {
+            return;
+        }
+        let (flags, radius_px) = match is_low {
+            true => (TRACK_ON_GROUND, RING_PX),
+            false => (0, MARKER_PX),
+        };
+        let mark = self.mark(place_itrf_m, flags, radius_px, eye);
+        buffers.marks.push(mark);
+        if eye.is_inside(at_px) && !eye.is_hidden(place_itrf_m) {
+            buffers.labels.push(TrackLabel {
                 satellite: index,
                 at_px,
                 color: self.style.color,
-            }));
+            });
         }
     }
 
@@ -274,5 +306,85 @@ impl<'l> LineWriter<'l> {
             half_width_px: self.half_width_px,
         });
         self.flags |= TRACK_FROM_PREVIOUS;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::style::TrackStyle;
+    use super::*;
+    use crate::earth::infinite_reversed_z;
+    use crate::gpu::{Development, FrameTargets, PassFormat};
+    use glam::{DVec2, dcamera};
+
+    /// A mark that is left out has no pixel in the picture whose ray passes the globe, and few others are written.
+    #[test]
+    fn markers_are_left_out_where_nothing_of_them_is_seen() {
+        let format = PassFormat {
+            color: FrameTargets::COLOR,
+            further: &[],
+            samples: 1,
+            depth: FrameTargets::REVERSED_DEPTH,
+            development: Development::InPass,
+            tone: Default::default(),
+            bloom: Default::default(),
+            grade: Default::default(),
+        };
+        let style = TrackStyle {
+            marker: true,
+            ..TrackStyle::new(0)
+        };
+        let satellite = Satellite::new(&style, &format, 0);
+        let ellipsoid = Ellipsoid::WGS84;
+        let scale = ellipsoid.scaled_from_itrf();
+        let (width, height) = (640.0, 360.0);
+        for (eye_m, toward) in [
+            (DVec3::new(7.2e6, 0.0, 0.0), DVec3::new(-1.0, 2.0, 0.3)),
+            (DVec3::new(9e6, 2e7, 5e6), DVec3::new(-9.0, -20.0, -5.0)),
+        ] {
+            let look = dcamera::rh::view::look_to_mat4(DVec3::ZERO, toward.normalize(), DVec3::Z);
+            let clip = infinite_reversed_z(0.8, width / height, 1.0) * look;
+            let eye = EyeProjection::new(eye_m, clip, (640, 360), &ellipsoid);
+            let from_clip = clip.inverse();
+            let ray = |px: DVec2| {
+                let [x, y] = [2.0 * px.x / width - 1.0, 1.0 - 2.0 * px.y / height];
+                from_clip.project_point3(DVec3::new(x, y, 0.5)).normalize()
+            };
+            let is_seen = |place: DVec3| {
+                let at = clip * (place - eye_m).extend(1.0);
+                if at.w <= 0.0 {
+                    return false;
+                }
+                let at = DVec2::new(at.x / at.w + 1.0, 1.0 - at.y / at.w);
+                let at = at * DVec2::new(0.5 * width, 0.5 * height);
+                // The dot, its dark edge, and half a pixel beyond.
+                let rim = (0..32).map(|k| at + 5.5 * DVec2::from_angle(f64::from(k) * 0.2));
+                let in_picture =
+                    |px: &DVec2| (0.0..width).contains(&px.x) && (0.0..height).contains(&px.y);
+                rim.filter(in_picture).any(|px| {
+                    let (from, along) = (scale * eye_m, (scale * ray(px)).normalize());
+                    let is_behind = (scale * place).dot(along) > 0.0 && from.dot(along) < 0.0;
+                    from.cross(along).length() >= 1.0 || !is_behind
+                })
+            };
+            let (mut seen, mut written) = (0, 0);
+            for k in 0..20_000 {
+                let z = 1.0 - f64::from(k) * 1e-4;
+                let (sin, cos) = (2.4 * f64::from(k)).sin_cos();
+                let around = (1.0 - z * z).sqrt();
+                let place = 6.9e6 * DVec3::new(around * cos, around * sin, z);
+                let mut buffers = TrackBuffers::default();
+                satellite.write_marker(0, place, &eye, &mut buffers);
+                let is_written = !buffers.marks.is_empty();
+                assert!(is_written || !is_seen(place), "{place}");
+                assert!(is_written || buffers.labels.is_empty());
+                written += u32::from(is_written);
+                seen += u32::from(is_seen(place));
+            }
+            assert!(
+                seen > 100 && written < seen + seen / 3,
+                "{written} for {seen}"
+            );
+        }
     }
 }

@@ -9,7 +9,7 @@ const STEPS: usize = 32;
 /// A display colour in every opacity that a track fades through.
 #[derive(Clone)]
 pub(super) struct Ink {
-    opaque: InkColors,
+    opaque: [[u16; 4]; 2],
     /// By opacity, from 1/32; empty where the target shows a faded colour as it is.
     faded: Vec<InkColors>,
 }
@@ -31,17 +31,28 @@ impl Ink {
         };
         let faded = (1..=steps).map(|step| stored(step as f64 / STEPS as f64));
         Self {
-            opaque: stored(1.0),
+            opaque: with_opacity(stored(1.0), 1.0),
             faded: faded.collect(),
         }
+    }
+
+    /// The colour in full opacity, as [`Self::at`] has it.
+    pub fn opaque(&self) -> [[u16; 4]; 2] {
+        self.opaque
     }
 
     /// The colour in an opacity of 0…1, with that opacity, and that of a pixel that is covered by half.
     pub fn at(&self, opacity: f64) -> [[u16; 4]; 2] {
         let step = ((opacity * STEPS as f64).round() as usize).clamp(1, STEPS);
-        let colors = self.faded.get(step - 1).unwrap_or(&self.opaque);
-        colors.map(|[red, green, blue]| [red, green, blue, half_bits(opacity as f32)])
+        let opaque = self.opaque.map(|[red, green, blue, _]| [red, green, blue]);
+        let colors = self.faded.get(step - 1).unwrap_or(&opaque);
+        with_opacity(*colors, opacity)
     }
+}
+
+fn with_opacity(colors: InkColors, opacity: f64) -> [[u16; 4]; 2] {
+    let opacity = half_bits(opacity as f32);
+    colors.map(|[red, green, blue]| [red, green, blue, opacity])
 }
 
 #[cfg(test)]

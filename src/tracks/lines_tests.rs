@@ -118,12 +118,8 @@ fn a_frame_gets_what_is_in_sight_to_within_a_pixel() {
     for height_m in [400e3, 20_000e3, 400_000e3] {
         let eye_itrf_m = DVec3::new(ellipsoid.equatorial_radius_m + height_m, 0.0, 0.0);
         let look = glam::dcamera::rh::view::look_to_mat4(DVec3::ZERO, -DVec3::X, DVec3::Z);
-        let eye = EyeProjection {
-            itrf_m: eye_itrf_m,
-            clip_from_eye: infinite_reversed_z(0.7, 16.0 / 9.0, 1.0) * look,
-            size: (1280, 720),
-            ellipsoid: &ellipsoid,
-        };
+        let clip_from_eye = infinite_reversed_z(0.7, 16.0 / 9.0, 1.0) * look;
+        let eye = EyeProjection::new(eye_itrf_m, clip_from_eye, (1280, 720), &ellipsoid);
         let mut points = Vec::new();
         lines.write([[0; 4]; 2], &eye, &mut points);
         counts.push(points.len());

@@ -2,7 +2,6 @@
 
 use super::TracksError;
 use super::buffers::{PlaceLabel, RING_PX, TrackBuffers};
-use super::footprint::is_hidden;
 use super::ink::Ink;
 use super::limits::{is_place, is_width};
 use super::projection::EyeProjection;
@@ -75,7 +74,7 @@ impl InkedPlace {
         eye: &EyeProjection<'_>,
         buffers: &mut TrackBuffers,
     ) {
-        if is_hidden(eye.itrf_m, self.itrf_m, eye.ellipsoid) {
+        if eye.is_hidden(self.itrf_m) {
             return;
         }
         let mark = &self.mark;

@@ -60,8 +60,9 @@ impl Axes {
 pub(super) struct Satellite {
     pub style: TrackStyle,
     pub ink: Ink,
-    pub trail: Option<Curve>,
-    pub ground: Option<Curve>,
+    // Beside them: most of thousands of satellites have none.
+    pub trail: Option<Box<Curve>>,
+    pub ground: Option<Box<Curve>>,
     pub reference: Option<CurveReference>,
     /// Where it is, in the reference's axes, if that is known.
     pub now_m: Option<DVec3>,
@@ -77,6 +78,14 @@ pub(super) struct CurveReference {
 }
 
 impl CurveReference {
+    fn at(epoch: Epoch, state: &OrbitState) -> Self {
+        Self {
+            epoch,
+            frame: state.frame,
+            revolution_s: revolution_s(state),
+        }
+    }
+
     fn seconds(&self, epoch: Epoch) -> f64 {
         (epoch - self.epoch).to_seconds()
     }
@@ -104,6 +113,23 @@ fn inertial(state: &OrbitState, orientation: &Orientation) -> OrbitState {
     }
 }
 
+/// Whether a place can be drawn: division by a radius of 0, and what is no number, end here.
+fn is_sound(position_m: DVec3) -> bool {
+    position_m.is_finite() && position_m != DVec3::ZERO
+}
+
+/// Whether an instant lies between two others or is one of them. Epochs of one time scale are compared as they are: to compare any two,
+/// hifitime converts both.
+fn is_within(now: Epoch, first: Epoch, last: Epoch) -> bool {
+    match [first, last]
+        .iter()
+        .all(|end| end.time_scale == now.time_scale)
+    {
+        true => first.duration <= now.duration && now.duration <= last.duration,
+        false => first <= now && now <= last,
+    }
+}
+
 /// Time of a revolution by the energy, T = 2π√(a³/μ) with 1/a = 2/r − v²/μ; a day where there is none or it is too long.
 fn revolution_s(state: &OrbitState) -> f64 {
     const DAY_S: f64 = 86_400.0;
@@ -124,8 +150,8 @@ impl Satellite {
         Self {
             style: *style,
             ink: style.ink(format),
-            trail: style.trail.map(|_| Curve::new(max_points)),
-            ground: style.ground_track.map(|_| Curve::new(max_points)),
+            trail: style.trail.map(|_| Box::new(Curve::new(max_points))),
+            ground: style.ground_track.map(|_| Box::new(Curve::new(max_points))),
             reference: None,
             now_m: None,
             now_s: 0.0,
@@ -145,16 +171,18 @@ impl Satellite {
         if self.style.is_nothing() && !is_looked_for {
             return true;
         }
+        if self.trail.is_none() && self.ground.is_none() {
+            self.follow_place(feed, axes);
+            return true;
+        }
         let (first, last) = feed.validity();
         let orientation = axes.orientation;
         let state_at = |epoch: Epoch| {
             let state = feed.state_at(epoch).ok()?;
             let state = inertial(&state, &orientation);
-            // Division by a radius of 0, and what is no number, end here.
-            let is_sound = state.position_m.is_finite() && state.position_m != DVec3::ZERO;
-            is_sound.then_some(state)
+            is_sound(state.position_m).then_some(state)
         };
-        let is_known = first <= axes.now && axes.now <= last;
+        let is_known = is_within(axes.now, first, last);
         let state = match is_known {
             true => state_at(axes.now),
             // Without a state of now there may be one to count from.
@@ -169,11 +197,7 @@ impl Satellite {
                 .is_none_or(|reference| reference.frame != state.frame)
         {
             self.curves().for_each(Curve::clear);
-            self.reference = Some(CurveReference {
-                epoch: axes.now,
-                frame: state.frame,
-                revolution_s: revolution_s(&state),
-            });
+            self.reference = Some(CurveReference::at(axes.now, &state));
         }
         let Some(reference) = self.reference else {
             return true;
@@ -184,9 +208,6 @@ impl Satellite {
         if feed.freshness() != Freshness::Settled {
             self.curves()
                 .for_each(|curve| curve.forget_after(now_s - UNSETTLED_S));
-        }
-        if self.trail.is_none() && self.ground.is_none() {
-            return true;
         }
         let known = (reference.seconds(first), reference.seconds(last));
         let itrf_from_inertial = axes.itrf_from(reference.frame);
@@ -226,6 +247,31 @@ impl Satellite {
         is_whole
     }
 
+    /// Follows the feed to now where there is no curve: what thousands of satellites do in each frame.
+    fn follow_place(&mut self, feed: &dyn Feed, axes: &Axes) {
+        let (first, last) = feed.validity();
+        if !is_within(axes.now, first, last) {
+            return;
+        }
+        let Ok(mut state) = feed.state_at(axes.now) else {
+            return;
+        };
+        if state.frame.is_earth_fixed() {
+            state = inertial(&state, &axes.orientation);
+        }
+        if !is_sound(state.position_m) {
+            return;
+        }
+        self.now_m = Some(state.position_m);
+        if self
+            .reference
+            .as_ref()
+            .is_none_or(|reference| reference.frame != state.frame)
+        {
+            self.reference = Some(CurveReference::at(axes.now, &state));
+        }
+    }
+
     /// Where it is, ITRF metres, if that is known.
     pub fn place_itrf_m(&self, axes: &mut Axes) -> Option<DVec3> {
         let (reference, now_m) = (self.reference?, self.now_m?);
@@ -233,7 +279,8 @@ impl Satellite {
     }
 
     fn curves(&mut self) -> impl Iterator<Item = &mut Curve> {
-        [&mut self.trail, &mut self.ground].into_iter().flatten()
+        let curves = [&mut self.trail, &mut self.ground].into_iter();
+        curves.filter_map(Option::as_deref_mut)
     }
 }
 

@@ -2,7 +2,6 @@
 
 use super::TracksError;
 use super::buffers::{LineWriter, OUTLINE_OPACITY, RING_PX, StationLabel, TrackBuffers};
-use super::footprint::is_hidden;
 use super::ink::Ink;
 use super::limits::{is_place, is_width};
 use super::projection::EyeProjection;
@@ -146,9 +145,7 @@ impl InkedStation {
             colors: self.ink.at(1.0),
             radius_px: RING_PX * half_width_px,
         });
-        let at_px = eye
-            .pixel(place)
-            .filter(|_| !is_hidden(eye.itrf_m, place, eye.ellipsoid));
+        let at_px = eye.pixel(place).filter(|_| !eye.is_hidden(place));
         buffers
             .station_labels
             .extend(at_px.map(|at_px| StationLabel {

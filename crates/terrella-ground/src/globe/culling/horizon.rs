@@ -177,14 +177,23 @@ impl Horizon {
     /// Whether the occluder lies between the eye and a point, ITRF metres. Exact, for eyes and points that are not inside it;
     /// from inside, what lies beyond the middle of the ray's chord is hidden.
     pub fn hides_point(&self, point_itrf_m: DVec3) -> bool {
-        let point = point_itrf_m * self.ellipsoid.scaled_from_itrf();
-        let Some(direction) = (point - self.eye).try_normalize() else {
-            return false;
-        };
+        self.hides_around(point_itrf_m, 0.0)
+    }
+
+    /// Whether that holds of all that is seen within an angle of a point, too, radians: of points more than 10 km above the occluder,
+    /// and angles of less than a tenth.
+    #[inline]
+    pub fn hides_around(&self, point_itrf_m: DVec3, angle_rad: f64) -> bool {
+        let point = point_itrf_m * self.scale;
+        let along = point - self.eye;
+        // Scaled space has larger angles than ours by less than a hundredth.
+        let radius = self.shell.lowest - self.distance * 1.01 * angle_rad;
+        let aside = self.eye.cross(along).length_squared();
         // The sphere lies before the eye, and the point beyond the middle of the ray's chord.
-        self.eye.cross(direction).length() < self.shell.lowest
-            && self.eye.dot(direction) < 0.0
-            && point.dot(direction) > 0.0
+        radius > 0.0
+            && aside < radius * radius * along.length_squared()
+            && self.eye.dot(along) < 0.0
+            && point.dot(along) > 0.0
     }
 
     /// Whether all ground of the shell with its feet in a rectangle is hidden.
