@@ -72,13 +72,13 @@ fn unknown(feed: &dyn Feed, (first, last): (Epoch, Epoch)) -> Vec<(Epoch, Epoch)
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::scene::Scene;
     use terrella::frames::utc_from_rfc3339;
 
     /// A satellite that is known for ten minutes and, after two without, for eight more.
-    fn with_gap() -> String {
+    pub(in super::super) fn with_gap() -> String {
         let mut text = String::from(
             "CCSDS_OEM_VERS = 2.0\nCREATION_DATE = 2026-01-01T00:00:00\nORIGINATOR = X\n",
         );
