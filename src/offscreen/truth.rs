@@ -29,6 +29,30 @@ pub enum LayerValues {
     F64(Vec<f64>),
 }
 
+impl LayerValues {
+    /// No number yet of a layer, with room for those of so many pixels.
+    pub fn with_room(layer: &TruthLayer, pixels: usize) -> Self {
+        let count = pixels * layer.components();
+        match layer.dtype {
+            LayerDtype::F32 => Self::F32(Vec::with_capacity(count)),
+            LayerDtype::F64 => Self::F64(Vec::with_capacity(count)),
+        }
+    }
+
+    /// Adds the numbers of the layer's next pixels.
+    pub fn add(&mut self, layer: &TruthLayer, pixels: &[TruthPixel]) {
+        let components = layer.components();
+        let numbers = pixels.iter().flat_map(|pixel| {
+            let numbers = layer.values(pixel);
+            numbers.into_iter().take(components)
+        });
+        match self {
+            Self::F32(all) => all.extend(numbers.map(|number| number as f32)),
+            Self::F64(all) => all.extend(numbers),
+        }
+    }
+}
+
 impl TruthPicture {
     pub(super) fn new(
         view: TruthView,
@@ -58,13 +82,10 @@ impl TruthPicture {
     /// after another. NaN where there is none.
     pub fn layers(&self, wanted: &[&TruthLayer]) -> Vec<LayerValues> {
         let count = self.texels.len();
-        let mut values: Vec<_> = wanted
+        let empty = wanted
             .iter()
-            .map(|layer| match layer.dtype {
-                LayerDtype::F32 => LayerValues::F32(Vec::with_capacity(count * layer.components())),
-                LayerDtype::F64 => LayerValues::F64(Vec::with_capacity(count * layer.components())),
-            })
-            .collect();
+            .map(|layer| LayerValues::with_room(layer, count));
+        let mut values: Vec<_> = empty.collect();
         let width = self.size.0 as usize;
         for (first, band) in (0..)
             .step_by(BAND_LINES)
@@ -75,15 +96,7 @@ impl TruthPicture {
                 .map(|i| self.pixel((i % width) as u32, first + (i / width) as u32, &band[i]))
                 .collect();
             for (layer, values) in wanted.iter().zip(&mut values) {
-                let components = layer.components();
-                let numbers = pixels.iter().flat_map(|pixel| {
-                    let numbers = layer.values(pixel);
-                    numbers.into_iter().take(components)
-                });
-                match values {
-                    LayerValues::F32(all) => all.extend(numbers.map(|number| number as f32)),
-                    LayerValues::F64(all) => all.extend(numbers),
-                }
+                values.add(layer, &pixels);
             }
         }
         values

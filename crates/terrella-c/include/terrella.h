@@ -377,6 +377,19 @@ TerrellaStatus terrella_scene_open(const char *path,
                                    const char *adapter,
                                    TerrellaScene **scene);
 
+// As `terrella_scene_open`, of a scene's text in place of a file's. `path` is the file that messages name and whose folder the paths in the
+// text are relative to; nothing is read from it.
+//
+// # Safety
+// As `terrella_scene_open`.
+TerrellaStatus terrella_scene_parse(const char *toml,
+                                    const char *path,
+                                    uint32_t width,
+                                    uint32_t height,
+                                    const char *textures,
+                                    const char *adapter,
+                                    TerrellaScene **scene);
+
 // Gives a scene back. Null is rejected, and so is one that is freed already.
 TerrellaStatus terrella_scene_free(TerrellaScene *scene);
 
@@ -424,6 +437,36 @@ TerrellaStatus terrella_scene_truth(TerrellaScene *scene,
                                     const TerrellaLayerBuffer *layers,
                                     size_t count,
                                     TerrellaDrawn *drawn);
+
+// Width and height of the sensor of a scene, pixels: those of its raw frames and their truth. A scene without a `[sensor]` table is
+// `TERRELLA_SCENE`.
+//
+// # Safety
+// Both have room.
+TerrellaStatus terrella_scene_sensor_size(TerrellaScene *scene, uint32_t *width, uint32_t *height);
+
+// Draws the raw frame of the sensor of a scene at an instant, by the scene's camera, and writes its numbers to `numbers`, rows from the top:
+// those of the converter, from 0 to 2^bits − 1, as `terrella frame --raw` writes them. `count` is width × height of the sensor. Of `drawn`,
+// which may be null, only `missing_tiles` is set.
+//
+// # Safety
+// `numbers` points to so many values, which nobody else uses during the call; `drawn` is null or has room.
+TerrellaStatus terrella_scene_raw(TerrellaScene *scene,
+                                  TerrellaTime time,
+                                  uint16_t *numbers,
+                                  size_t count,
+                                  TerrellaDrawn *drawn);
+
+// As `terrella_scene_truth` for the pixels of `terrella_scene_raw`: through the sensor's lens, each row at its own instant. Layers have the
+// sensor's size. Of `drawn`, which may be null, only `missing_tiles` is set.
+//
+// # Safety
+// As `terrella_scene_truth`.
+TerrellaStatus terrella_scene_raw_truth(TerrellaScene *scene,
+                                        TerrellaTime time,
+                                        const TerrellaLayerBuffer *layers,
+                                        size_t count,
+                                        TerrellaDrawn *drawn);
 
 // An instant from a text like "2018-01-15T12:00:00Z" or "2018-01-15T13:30:00.25+01:30" (RFC 3339); leap seconds are read.
 //

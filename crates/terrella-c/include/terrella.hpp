@@ -112,6 +112,13 @@ struct Layer {
     std::vector<T> values;
 };
 
+// The raw frame of a sensor: the numbers of its converter, rows from the top.
+struct RawFrame {
+    std::uint32_t width;
+    std::uint32_t height;
+    std::vector<std::uint16_t> numbers;
+};
+
 // A handle that is freed with its owner.
 template <typename H, TerrellaStatus (*free_handle)(H *)>
 class Handle {
@@ -202,8 +209,15 @@ public:
         TerrellaScene *scene = nullptr;
         check(terrella_scene_open(path.c_str(), width, height, textures.empty() ? nullptr : textures.c_str(),
                                   adapter.empty() ? nullptr : adapter.c_str(), &scene));
-        handle_ = Handle<TerrellaScene, terrella_scene_free>(scene);
-        check(terrella_scene_info(get(), &info_));
+        own(scene);
+    }
+    // A scene of its text. Messages name `path`, and paths in the text are relative to its folder.
+    static Scene from_text(const std::string &toml, const std::string &path = "scene.toml", std::uint32_t width = 0, std::uint32_t height = 0,
+                           const std::string &textures = "", const std::string &adapter = "") {
+        TerrellaScene *scene = nullptr;
+        check(terrella_scene_parse(toml.c_str(), path.c_str(), width, height, textures.empty() ? nullptr : textures.c_str(),
+                                   adapter.empty() ? nullptr : adapter.c_str(), &scene));
+        return Scene(scene);
     }
     const TerrellaSceneInfo &info() const noexcept { return info_; }
     Time start() const noexcept { return info_.start; }
@@ -228,6 +242,24 @@ public:
         check(terrella_scene_truth(get(), time, &buffer, 1, nullptr));
         return layer;
     }
+    // The raw frame of the scene's sensor.
+    RawFrame raw(const Time &time) const {
+        RawFrame frame{0, 0, {}};
+        check(terrella_scene_sensor_size(get(), &frame.width, &frame.height));
+        frame.numbers.resize(std::size_t(frame.width) * frame.height);
+        check(terrella_scene_raw(get(), time, frame.numbers.data(), frame.numbers.size(), nullptr));
+        return frame;
+    }
+    // A truth layer of one number a pixel, for the pixels of the raw frame.
+    template <typename T>
+    Layer<T> raw_truth(const Time &time, const std::string &name) const {
+        std::uint32_t width, height;
+        check(terrella_scene_sensor_size(get(), &width, &height));
+        Layer<T> layer{name, std::vector<T>(std::size_t(width) * height)};
+        TerrellaLayerBuffer buffer{layer.name.c_str(), layer.values.data(), layer.values.size() * sizeof(T)};
+        check(terrella_scene_raw_truth(get(), time, &buffer, 1, nullptr));
+        return layer;
+    }
     // The state of the satellite at this place in the scene, from 0.
     State satellite(std::size_t index, const Time &time) const {
         State state;
@@ -237,6 +269,11 @@ public:
     TerrellaScene *get() const noexcept { return handle_.get(); }
 
 private:
+    explicit Scene(TerrellaScene *scene) { own(scene); }
+    void own(TerrellaScene *scene) {
+        handle_ = Handle<TerrellaScene, terrella_scene_free>(scene);
+        check(terrella_scene_info(get(), &info_));
+    }
     std::size_t pixels() const noexcept { return std::size_t(info_.width) * info_.height; }
 
     Handle<TerrellaScene, terrella_scene_free> handle_;

@@ -180,7 +180,7 @@ pub unsafe extern "C" fn terrella_earth_truth(
             // SAFETY: the caller's promise.
             let wanted = unsafe { WantedLayers::read(layers, count, earth.size()) }?;
             let (truth, drawing) = earth.draw_truth(&view, &sky, wait)?;
-            wanted.fill(&truth);
+            wanted.fill_from(&truth);
             // SAFETY: the caller's promise.
             unsafe { tell_drawn(drawn, &drawing) }
         })

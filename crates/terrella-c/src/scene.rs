@@ -12,7 +12,7 @@ use std::path::Path;
 use terrella::Drawing;
 use terrella::frames::Epoch;
 use terrella_orbit::{Feed, OrbitError};
-use terrella_play::scene::Scene;
+use terrella_play::scene::{Scene, SceneError};
 use terrella_play::{ScenePictures, take_starter_files};
 
 /// A scene file with a device of its own. A handle, no address. Any thread may use it; calls from several are done one after another.
@@ -60,22 +60,70 @@ pub unsafe extern "C" fn terrella_scene_open(
     answer(|| {
         check_out(scene, "scene")?;
         // SAFETY: the caller's promise about its texts, here and below.
-        let path = unsafe { text(path, "path") }?;
+        let path = Path::new(unsafe { text(path, "path") }?);
+        let read = Scene::load(path);
         // SAFETY: the same.
-        let textures = unsafe { text_if_any(textures, "textures") }?;
-        // SAFETY: the same.
-        let adapter = unsafe { text_if_any(adapter, "adapter") }?;
-        let size = match (width, height) {
-            (0, 0) => None,
-            size => Some(size),
-        };
-        let mut read = Scene::load(Path::new(path))
-            .map_err(|error| Failure::new(TerrellaStatus::TERRELLA_SCENE, error.to_string()))?;
-        take_starter_files(&mut read, &folder(textures)?);
-        let pictures = ScenePictures::of_scene(read, adapter, size)?;
-        // SAFETY: the caller's promise.
-        unsafe { write(scene, "scene", handles::insert(KIND, pictures)) }
+        unsafe { open(read, (width, height), textures, adapter, scene) }
     })
+}
+
+/// As `terrella_scene_open`, of a scene's text in place of a file's. `path` is the file that messages name and whose folder the paths in the
+/// text are relative to; nothing is read from it.
+///
+/// # Safety
+/// As `terrella_scene_open`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn terrella_scene_parse(
+    toml: *const c_char,
+    path: *const c_char,
+    width: u32,
+    height: u32,
+    textures: *const c_char,
+    adapter: *const c_char,
+    scene: *mut *mut TerrellaScene,
+) -> TerrellaStatus {
+    answer(|| {
+        check_out(scene, "scene")?;
+        // SAFETY: the caller's promise about its texts, here and below.
+        let toml = unsafe { text(toml, "toml") }?;
+        // SAFETY: the same.
+        let path = Path::new(unsafe { text(path, "path") }?);
+        let read = Scene::from_toml(toml, path);
+        // SAFETY: the same.
+        unsafe { open(read, (width, height), textures, adapter, scene) }
+    })
+}
+
+/// Opens what a scene names, and an adapter.
+///
+/// # Safety
+/// Texts end with zero bytes; `scene` has room.
+unsafe fn open(
+    read: Result<Scene, SceneError>,
+    size: (u32, u32),
+    textures: *const c_char,
+    adapter: *const c_char,
+    scene: *mut *mut TerrellaScene,
+) -> Result<(), Failure> {
+    // SAFETY: the caller's promise about its texts, here and below.
+    let textures = unsafe { text_if_any(textures, "textures") }?;
+    // SAFETY: the same.
+    let adapter = unsafe { text_if_any(adapter, "adapter") }?;
+    let mut read =
+        read.map_err(|error| Failure::new(TerrellaStatus::TERRELLA_SCENE, error.to_string()))?;
+    take_starter_files(&mut read, &folder(textures)?);
+    let size = Some(size).filter(|size| *size != (0, 0));
+    let pictures = ScenePictures::of_scene(read, adapter, size)?;
+    // SAFETY: the caller's promise.
+    unsafe { write(scene, "scene", handles::insert(KIND, pictures)) }
+}
+
+/// Works with the pictures of a scene.
+pub(crate) fn with_scene<T>(
+    scene: *mut TerrellaScene,
+    work: impl FnOnce(&mut ScenePictures) -> Result<T, Failure>,
+) -> Result<T, Failure> {
+    handles::with(scene, KIND, "scene", work)
 }
 
 /// Gives a scene back. Null is rejected, and so is one that is freed already.
@@ -94,7 +142,7 @@ pub unsafe extern "C" fn terrella_scene_info(
     info: *mut TerrellaSceneInfo,
 ) -> TerrellaStatus {
     answer(|| {
-        handles::with(scene, KIND, "scene", |pictures: &mut ScenePictures| {
+        with_scene(scene, |pictures| {
             let (flight, (width, height)) = (pictures.flight(), pictures.size());
             let time = &flight.scene().time;
             let told = TerrellaSceneInfo {
@@ -150,7 +198,7 @@ pub(crate) fn with_satellite<T>(
     index: usize,
     work: impl FnOnce(&dyn Feed) -> Result<T, OrbitError>,
 ) -> Result<T, Failure> {
-    handles::with(scene, KIND, "scene", |pictures: &mut ScenePictures| {
+    with_scene(scene, |pictures| {
         let satellites = pictures.flight().satellites();
         let satellite = satellites.get(index).ok_or_else(|| {
             Failure::argument(format!("index: {index} is not below {}", satellites.len()))
@@ -195,7 +243,7 @@ pub unsafe extern "C" fn terrella_scene_draw(
 ) -> TerrellaStatus {
     answer(|| {
         let epoch = time.epoch("time")?;
-        handles::with(scene, KIND, "scene", |pictures: &mut ScenePictures| {
+        with_scene(scene, |pictures| {
             let mut source = Instant { pictures, epoch };
             // SAFETY: the caller's promise.
             unsafe { draw_into(&mut source, format, pixels, bytes, drawn) }
@@ -216,7 +264,7 @@ pub unsafe extern "C" fn terrella_scene_depth(
 ) -> TerrellaStatus {
     answer(|| {
         let epoch = time.epoch("time")?;
-        handles::with(scene, KIND, "scene", |pictures: &mut ScenePictures| {
+        with_scene(scene, |pictures| {
             // SAFETY: the caller's promise.
             let to = unsafe { depth_buffer(depth_m, count, pictures.size()) }?;
             let (truth, _) = pictures.draw_truth(epoch)?;
@@ -240,11 +288,11 @@ pub unsafe extern "C" fn terrella_scene_truth(
 ) -> TerrellaStatus {
     answer(|| {
         let epoch = time.epoch("time")?;
-        handles::with(scene, KIND, "scene", |pictures: &mut ScenePictures| {
+        with_scene(scene, |pictures| {
             // SAFETY: the caller's promise.
             let wanted = unsafe { WantedLayers::read(layers, count, pictures.size()) }?;
             let (truth, drawing) = pictures.draw_truth(epoch)?;
-            wanted.fill(&truth);
+            wanted.fill_from(&truth);
             // SAFETY: the caller's promise.
             unsafe { tell_drawn(drawn, &drawing) }
         })

@@ -144,9 +144,20 @@ impl<'c> WantedLayers<'c> {
         Ok(Self { layers, values })
     }
 
-    /// Writes their numbers.
-    pub fn fill(self, truth: &TruthPicture) {
-        for (to, from) in self.values.into_iter().zip(truth.layers(&self.layers)) {
+    /// Which they are.
+    pub fn layers(&self) -> &[&'static TruthLayer] {
+        &self.layers
+    }
+
+    /// Writes their numbers at the pixels of a picture.
+    pub fn fill_from(self, truth: &TruthPicture) {
+        let values = truth.layers(&self.layers);
+        self.fill(values);
+    }
+
+    /// Writes their numbers, given in the order of [`Self::layers`].
+    pub fn fill(self, values: Vec<LayerValues>) {
+        for (to, from) in self.values.into_iter().zip(values) {
             match (to, from) {
                 (Values::F32(to), LayerValues::F32(from)) => to.copy_from_slice(&from),
                 (Values::F64(to), LayerValues::F64(from)) => to.copy_from_slice(&from),

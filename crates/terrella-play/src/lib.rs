@@ -37,7 +37,7 @@
 //! | `film/` | films and their pictures: formats, averaged light, ranges, going on with a film, the page `frames.json` |
 //! | `file_checks` | files that are read later, looked at before |
 //! | `radiance` | a picture's light as a file |
-//! | `sensor_bands`, `raw_picture` | what a sensor sees, row by row; its raw frame |
+//! | `sensor_bands`, `raw_picture`, `seen_truth` | what a sensor sees, row by row; its raw frame; what is where its pixels look |
 //! | `raw`, `raw_format`, `raw_manifest`, `raw_film` | the frame as a file, its format, the page of all its parameters, and those of a film |
 //! | `truth`, `truth_manifest` | what is where its pixels look, as files |
 //! | `float_files` | arrays and pictures of floats |
@@ -155,6 +155,8 @@ pub mod scene;
 mod scene_files;
 #[cfg_attr(not(feature = "window"), allow(dead_code))]
 mod scene_painter;
+#[cfg_attr(not(feature = "window"), allow(dead_code))]
+mod seen_truth;
 #[cfg_attr(not(feature = "window"), allow(dead_code))]
 mod sensor_bands;
 #[cfg(feature = "window")]

@@ -5,13 +5,15 @@ use super::flight::{Flight, Moment};
 use super::offscreen::OffscreenRenderer;
 use super::quality_control::scene_quality;
 use super::raw_picture::RawPainter;
+use super::seen_truth::seen_layers;
 use super::sensor_bands::{SensorBands, SensorView};
-use crate::scene::{BetweenMaps, Scene};
+use crate::scene::{BetweenMaps, Scene, SensorTable};
 use std::path::Path;
 use std::time::Duration;
 use terrella::frames::Epoch;
 use terrella::{
-    Drawing, EarthOptions, Exposure, EyeView, FrameStats, GpuContext, OffscreenEarth, TruthPicture,
+    Drawing, EarthOptions, Exposure, EyeView, FrameStats, GpuContext, LayerValues, OffscreenEarth,
+    TruthLayer, TruthPicture,
 };
 use terrella_imagery::tile::TileKey;
 use terrella_sensor::{RawFrame, Sensor};
@@ -71,7 +73,8 @@ pub struct ScenePictures {
     shown: Option<OffscreenRenderer>,
     light: Option<OffscreenRenderer>,
     truth: Option<(OffscreenEarth, Vec<BetweenMaps>)>,
-    raw: Option<(Sensor, RawPainter)>,
+    sensor: Option<Sensor>,
+    raw: Option<RawPainter>,
 }
 
 impl ScenePictures {
@@ -116,6 +119,7 @@ impl ScenePictures {
             shown: None,
             light: None,
             truth: None,
+            sensor: None,
             raw: None,
         })
     }
@@ -251,36 +255,74 @@ impl ScenePictures {
         Ok(earth.draw_truth(&moment.view, &moment.sky, wait)?)
     }
 
+    /// Width and height of the scene's sensor, pixels: of its raw frames and their truth.
+    ///
+    /// # Errors
+    /// A scene without a sensor.
+    pub fn sensor_size(&self) -> Result<(u32, u32), PlayError> {
+        Ok(self.sensor_table()?.size().into())
+    }
+
     /// Draws the raw frame of the scene's sensor at an instant, by the scene's camera: the frame of `terrella frame --raw`. Its size is the
-    /// sensor's.
+    /// sensor's. Answers tiles that its light lacks besides.
     ///
     /// # Errors
     /// A scene without a sensor; an instant at which the satellite is not known, maps that cannot be read, a device without room.
-    pub fn draw_raw(&mut self, epoch: Epoch) -> Result<RawFrame, PlayError> {
-        let scene = self.flight.scene();
-        let aspect = f64::from(scene.output.size[0]) / f64::from(scene.output.size[1]);
-        let moment = self.flight.at(epoch, aspect)?;
-        let made = match self.raw.take() {
-            Some(made) => made,
+    pub fn draw_raw(&mut self, epoch: Epoch) -> Result<(RawFrame, Vec<TileKey>), PlayError> {
+        let (seen, moment) = self.seen(epoch)?;
+        let mut painter = match self.raw.take() {
+            Some(painter) => painter,
             None => {
-                let Some(table) = &scene.sensor else {
-                    let scene = scene.path.clone();
-                    return Err(PlayError::NoSensor { scene });
-                };
-                let sensor = table.open()?;
                 let mut options = self.options()?.clone();
                 // What is measured is what is known.
                 options.light.detail = false;
-                let painter = RawPainter::new(&self.flight, self.gpu.clone(), options)?;
-                (sensor, painter)
+                RawPainter::new(&self.flight, self.gpu.clone(), options)?
             }
         };
-        let (sensor, painter) = self.raw.insert(made);
-        let seen = SensorView {
-            bands: SensorBands::new(&self.flight, sensor, &moment, aspect, &self.gpu)?,
-            sensor: sensor.clone(),
+        let drawn = painter.draw(&seen, &moment);
+        self.raw = Some(painter);
+        let picture = drawn?;
+        Ok((picture.raw, picture.missing))
+    }
+
+    /// Draws what is where each pixel of the scene's sensor looks at an instant, through its lens and row by row: some layers, in their
+    /// order, of the sensor's size, and tiles that are missing. The ground's maps are uploaded for each call.
+    ///
+    /// # Errors
+    /// As [`Self::draw_raw`].
+    pub fn draw_raw_truth(
+        &mut self,
+        epoch: Epoch,
+        wanted: &[&TruthLayer],
+    ) -> Result<(Vec<LayerValues>, Vec<TileKey>), PlayError> {
+        let (seen, _) = self.seen(epoch)?;
+        let options = match self.flight.scene().earth.dated_maps.is_empty() {
+            true => self.options()?.clone(),
+            false => self.flight.uploaded_options_at(epoch, &self.gpu)?,
         };
-        Ok(painter.draw(&self.flight, &seen, &moment)?.raw)
+        seen_layers(&self.flight, &self.gpu, options, &seen, wanted)
+    }
+
+    fn sensor_table(&self) -> Result<&SensorTable, PlayError> {
+        let scene = self.flight.scene();
+        let lacks = || PlayError::NoSensor {
+            scene: scene.path.clone(),
+        };
+        scene.sensor.as_ref().ok_or_else(lacks)
+    }
+
+    /// What the sensor sees at an instant, and the moment of its first row.
+    fn seen(&mut self, epoch: Epoch) -> Result<(SensorView, Moment), PlayError> {
+        let sensor = match self.sensor.take() {
+            Some(sensor) => sensor,
+            None => self.sensor_table()?.open()?,
+        };
+        let sensor = self.sensor.insert(sensor).clone();
+        let [width, height] = self.flight.scene().output.size;
+        let aspect = f64::from(width) / f64::from(height);
+        let moment = self.flight.at(epoch, aspect)?;
+        let bands = SensorBands::new(&self.flight, &sensor, &moment, aspect, &self.gpu)?;
+        Ok((SensorView { sensor, bands }, moment))
     }
 
     fn options(&mut self) -> Result<&EarthOptions, PlayError> {

@@ -159,7 +159,7 @@ pub fn write_raw_film(
             bands: SensorBands::new(flight, &sensor, &moment, aspect, &gpu)?,
             sensor: sensor.clone(),
         };
-        let frame = painter.draw(flight, &seen, &moment)?;
+        let frame = painter.draw(&seen, &moment)?;
         let file = RawFile::create(&folder.path(index))?;
         let manifest = frame.manifest(flight, &seen, &moment, file.target());
         let written = file.write(&frame.raw, &manifest)?;

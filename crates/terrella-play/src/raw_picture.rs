@@ -6,6 +6,7 @@ use super::offscreen::OffscreenRenderer;
 use super::raw_manifest::{RawManifest, RawParts};
 use super::sensor_bands::SensorView;
 use std::path::Path;
+use std::time::Duration;
 use terrella::{EarthOptions, GpuContext};
 use terrella_imagery::tile::TileKey;
 use terrella_sensor::{ASTRONOMICAL_UNIT_M, PinholePicture, RawFrame, Wells};
@@ -24,6 +25,8 @@ pub struct RawPicture {
 /// Draws raw frames, one after the other.
 pub struct RawPainter {
     renderer: OffscreenRenderer,
+    /// How long a picture waits for tiles.
+    wait: Duration,
 }
 
 impl RawPainter {
@@ -37,25 +40,27 @@ impl RawPainter {
         renderer.show_dated_maps(flight)?;
         renderer.show_models(flight)?;
         renderer.show_sky(flight)?;
-        Ok(Self { renderer })
+        Ok(Self {
+            renderer,
+            wait: flight.scene().output.wait(),
+        })
+    }
+
+    /// Waits for tiles no longer than this.
+    pub fn limit_wait(&mut self, most: Duration) {
+        self.wait = self.wait.min(most);
     }
 
     /// Draws the light of a moment as the sensor sees it, and reads the sensor out.
     ///
     /// # Errors
     /// A lost device, a device without room.
-    pub fn draw(
-        &mut self,
-        flight: &Flight,
-        seen: &SensorView,
-        moment: &Moment,
-    ) -> Result<RawPicture, PlayError> {
+    pub fn draw(&mut self, seen: &SensorView, moment: &Moment) -> Result<RawPicture, PlayError> {
         let renderer = &mut self.renderer;
         let (mut light, mut missing) = (Vec::new(), Vec::new());
         for band in &seen.bands.bands {
             renderer.resize(band.size())?;
-            let wait = flight.scene().output.wait();
-            let (_, lacks) = renderer.draw_complete(&band.pinhole(), wait);
+            let (_, lacks) = renderer.draw_complete(&band.pinhole(), self.wait);
             missing.extend(lacks);
             let pixels = renderer.read_light()?;
             let picture = PinholePicture::new(band.frame, &pixels)?;

@@ -182,7 +182,7 @@ pub fn write_still(
     };
     let raw = match (raw, &seen, for_light) {
         (Some(file), Some(seen), Some((gpu, options))) => {
-            let frame = RawPainter::new(flight, gpu, options)?.draw(flight, seen, &moment)?;
+            let frame = RawPainter::new(flight, gpu, options)?.draw(seen, &moment)?;
             warn_of_missing(&frame.missing);
             Some((file, frame))
         }

@@ -87,6 +87,11 @@ impl Layers {
         Ok(Self(found.collect::<PyResult<_>>()?))
     }
 
+    /// Which they are.
+    pub fn wanted(&self) -> &[&'static TruthLayer] {
+        &self.0
+    }
+
     /// Their numbers.
     pub fn of(&self, truth: &TruthPicture) -> Vec<LayerValues> {
         truth.layers(&self.0)

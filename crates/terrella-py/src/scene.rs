@@ -203,10 +203,32 @@ impl PyScene {
         time: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyArray2<u16>>> {
         let epoch = self.instant(time)?;
-        let frame = self
-            .pictures
-            .with(py, |pictures| pictures.draw_raw(epoch).map_err(of_play))?;
+        let frame = self.pictures.with(py, |pictures| {
+            Ok(pictures.draw_raw(epoch).map_err(of_play)?.0)
+        })?;
         pictures::plane(py, (frame.width, frame.height), frame.data)
+    }
+
+    /// Truth layers by name, all or those named, of the pixels of `raw`: through the sensor's lens, each row at its own instant.
+    ///
+    /// `time` is a time (see `Epoch`) or a `datetime.timedelta` after the start, which is the default.
+    #[pyo3(signature = (time = None, layers = None))]
+    fn raw_truth<'py>(
+        &self,
+        py: Python<'py>,
+        time: Option<&Bound<'py, PyAny>>,
+        layers: Option<Vec<String>>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let layers = Layers::named(layers)?;
+        let epoch = self.instant(time)?;
+        let (size, values) = self.pictures.with(py, |pictures| {
+            let size = pictures.sensor_size().map_err(of_play)?;
+            let (values, _) = pictures
+                .draw_raw_truth(epoch, layers.wanted())
+                .map_err(of_play)?;
+            Ok((size, values))
+        })?;
+        layers.arrays(py, size, values)
     }
 
     /// Positions and velocities of the satellites, metres and metres a second: satellites × instants × 3 each. `frame` is itrf, teme, gcrf,

@@ -158,6 +158,9 @@ def test_a_scene_gives_raw_frames(tmp_path):
     assert 0 < frame.max() < 4096 and frame.std() > 0
     np.testing.assert_array_equal(frame, scene.raw(scene.start))
     later = scene.raw(datetime.timedelta(seconds=60))
+    truth = scene.raw_truth(layers=["lat_deg", "normal_itrf"])
+    assert truth["lat_deg"].shape == (32, 48) and truth["normal_itrf"].shape == (32, 48, 3)
+    assert np.isfinite(truth["lat_deg"]).any()
     assert (frame != later).any()
     plain = tmp_path / "plain.toml"
     plain.write_text("")

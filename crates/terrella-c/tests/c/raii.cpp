@@ -1,5 +1,6 @@
 // What the classes of terrella.hpp do beside drawing: times, exceptions, moving, freeing.
 #undef NDEBUG
+#include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <terrella.hpp>
@@ -45,6 +46,24 @@ int main() {
     moved = terrella::Earth(options);
     // What it held before is free.
     assert(terrella_earth_resize(handle, 8, 8) == TERRELLA_HANDLE);
+
+    // A sensor of a scene's text: its lens moves the limb from r to r (1 + k1 r^2), both over the focal length.
+    auto disc = [](double k1) {
+        auto scene = terrella::Scene::from_text(
+            "[camera]\nmode = \"geodetic\"\nlat_deg = 10\nlon_deg = 20\nheight_km = 10000\n[earth]\natmosphere = \"none\"\n"
+            "[sensor]\nsize = [64, 48]\nfocal_length_mm = 0.4\npixel_pitch_um = 10\nf_number = 4\nexposure_s = 2e-5\nfull_well_e = 20000\n"
+            "oversampling = 1\nbits = 10\ndistortion = [" + std::to_string(k1) + ", 0, 0, 0]\n");
+        auto lat = scene.raw_truth<double>(scene.start(), "lat_deg");
+        auto frame = scene.raw(scene.start());
+        assert(frame.width == 64 && frame.height == 48 && lat.values.size() == frame.numbers.size());
+        auto [least, most] = std::minmax_element(frame.numbers.begin(), frame.numbers.end());
+        assert(*least < *most && *most < 1024);
+        return double(std::count_if(lat.values.begin(), lat.values.end(), [](double value) { return std::isfinite(value); }));
+    };
+    double r = std::tan(std::asin(6371.0 / 16371.0)), stretch = 1 + r * r;
+    assert(std::fabs(disc(1) / disc(0) / (stretch * stretch) - 1) < 0.02);
+    assert(thrown([] { terrella::Scene::from_text("[sensor]\nsize = [64, 48]\nfull_well_e = 0\n"); }) == TERRELLA_SCENE);
+    assert(thrown([] { terrella::Scene::from_text("").raw(terrella::Time("2018-06-21T12:00:00Z")); }) == TERRELLA_SCENE);
     auto built = std::to_string(TERRELLA_VERSION_MAJOR) + "." + std::to_string(TERRELLA_VERSION_MINOR) + "." + std::to_string(TERRELLA_VERSION_PATCH);
     assert(terrella::version() == built);
     return 0;
