@@ -73,12 +73,17 @@ pub fn craft(name: &str, position_m: [f64; 3], velocity_m_s: [f64; 3], mrp: [f64
 }
 
 /// A camera that looks along +z of the body, +x to the right.
-pub fn camera(
+pub fn camera(id: u64, parent: &str, fov_deg: f64, size: [u64; 2], mode: u64) -> Vec<u8> {
+    camera_with(id, parent, fov_deg, size, &whole(16, mode))
+}
+
+/// The same with further fields.
+pub fn camera_with(
     id: u64,
     parent: &str,
     fov_deg: f64,
     [width, height]: [u64; 2],
-    mode: u64,
+    further: &[u8],
 ) -> Vec<u8> {
     let third = 1.0 / 3.0;
     let camera = [
@@ -87,7 +92,7 @@ pub fn camera(
         number(3, fov_deg),
         bytes(4, &[varint(width), varint(height)].concat()),
         numbers(8, &[third, third, -third]),
-        whole(16, mode),
+        further.to_vec(),
         numbers(17, &[1e3, 1e8]),
     ];
     bytes(4, &camera.concat())

@@ -60,6 +60,55 @@ impl Sensor {
         Ok(())
     }
 
+    /// The same sensor behind the camera that a simulator describes: of this size and vertical field of view (radians, of a pinhole), and of
+    /// a focal length (millimetres) and an f-number where it gives them. The pixel pitch follows. The principal point stays where the size
+    /// does, and is the middle otherwise.
+    ///
+    /// # Errors
+    /// As [`Lens::new`] and [`Self::check`].
+    pub fn fitted(
+        &self,
+        size: [u32; 2],
+        fov_rad: f64,
+        focal_length_mm: Option<f64>,
+        f_number: Option<f64>,
+    ) -> Result<Self, SensorError> {
+        let lens = &self.lens;
+        let focal_length_mm = focal_length_mm.unwrap_or(lens.focal_length_mm());
+        let height_mm = 2.0 * focal_length_mm * (0.5 * fov_rad).tan();
+        let pixel_pitch_um = 1000.0 * height_mm / f64::from(size[1]);
+        let principal_point_px = match size == lens.size() {
+            true => Some(lens.principal_point_px().to_array()),
+            false => None,
+        };
+        let radiometry = Radiometry {
+            f_number: f_number.unwrap_or(self.radiometry.f_number),
+            ..self.radiometry.clone()
+        };
+        let psf = match &self.psf {
+            Psf::Airy { lambda_n_px } => Psf::Airy {
+                lambda_n_px: lambda_n_px * radiometry.f_number / self.radiometry.f_number
+                    * lens.pixel_pitch_um()
+                    / pixel_pitch_um,
+            },
+            psf => psf.clone(),
+        };
+        let fitted = Self {
+            lens: Lens::new(
+                size,
+                focal_length_mm,
+                pixel_pitch_um,
+                principal_point_px,
+                lens.distortion().clone(),
+            )?,
+            psf,
+            radiometry,
+            ..self.clone()
+        };
+        fitted.check()?;
+        Ok(fitted)
+    }
+
     /// The picture that a pinhole camera in the lens's place must give for some rows.
     ///
     /// # Errors

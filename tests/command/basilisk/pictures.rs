@@ -5,7 +5,7 @@ use super::messages;
 use super::{Simulator, scene};
 use crate::{Place, frame_names};
 use glam::{DMat3, DQuat, DVec3};
-use image::RgbImage;
+use image::{DynamicImage, RgbImage};
 use std::net::SocketAddr;
 use terrella::frames::{Ellipsoid, Geodetic, itrf_from_gcrf};
 use terrella_orbit::basilisk::Endpoint;
@@ -13,6 +13,7 @@ use terrella_play::scene::Scene;
 use terrella_play::{Flight, OffscreenRenderer, Progress, ServeRequest, ViewRequest, serve};
 
 const SIZE: (u32, u32) = (192, 128);
+const WIDE: [u64; 2] = [SIZE.0 as u64, SIZE.1 as u64];
 const FOV_DEG: f64 = 35.0;
 const HEIGHT_M: f64 = 12e6;
 
@@ -32,7 +33,7 @@ fn numbers_of(number: u64, matrix: DMat3) -> Vec<u8> {
 }
 
 /// A camera that looks straight down from above 20° N, 15° E, north upwards, on the Earth of the date: as Basilisk would write it.
-fn message(mode: u64) -> Vec<u8> {
+fn message(cameras: &[Vec<u8>]) -> Vec<u8> {
     let epoch = "2026-03-20T14:46:10Z".parse().expect("a date");
     let rotation = itrf_from_gcrf(epoch);
     let place = Geodetic::from_degrees(20.0, 15.0, HEIGHT_M);
@@ -50,7 +51,6 @@ fn message(mode: u64) -> Vec<u8> {
         messages::numbers(2, &origin_m.to_array()),
         numbers_of(4, rotation),
     ];
-    let size = [u64::from(SIZE.0), u64::from(SIZE.1)];
     messages::message(
         1,
         10.0,
@@ -62,40 +62,55 @@ fn message(mode: u64) -> Vec<u8> {
                 [0.0; 3],
                 mrp.to_array(),
             ),
-            messages::camera(3, "sat", FOV_DEG, size, mode),
+            cameras.concat(),
             messages::epoch(),
         ],
     )
 }
 
-/// What the service answers.
-fn asked(mode: u64) -> RgbImage {
+/// What the service of a scene with these further tables answers to requests for these cameras.
+fn answers(tables: &str, cameras: &[(u64, Vec<u8>)]) -> Vec<DynamicImage> {
     let text = scene(
         "listen = \"tcp://127.0.0.1:0\"\ntimeout_s = 120",
         "mode = \"chase\"",
     );
-    let scene = Scene::from_toml(&text, "test.toml".as_ref()).expect("a good scene");
-    let flight = Flight::open(scene).expect("opens");
+    let scene = Scene::from_toml(&format!("{text}{tables}"), "test.toml".as_ref());
+    let flight = Flight::open(scene.expect("a good scene")).expect("opens");
     let Endpoint::Tcp(address) = *flight.simulation().expect("a simulation").endpoint() else {
         panic!("no address");
     };
+    let parts = cameras.iter().map(|(_, camera)| camera.clone());
+    let update = message(&parts.collect::<Vec<_>>());
+    let ids: Vec<_> = cameras.iter().map(|(id, _)| *id).collect();
     let simulator = std::thread::spawn(move || {
         let mut simulator = Simulator::connect(address);
-        assert!(simulator.update(&message(mode)));
-        simulator.ask(&[b"REQUEST_IMAGE_3"]).expect("an answer")
+        assert!(simulator.update(&update));
+        let ask = |id: &u64| {
+            let request = format!("REQUEST_IMAGE_{id}");
+            simulator.ask(&[request.as_bytes()]).expect("an answer")
+        };
+        ids.iter().map(ask).collect::<Vec<_>>()
     });
     let request = ServeRequest {
         once: true,
         ..ServeRequest::default()
     };
     let counters = serve(&flight, &request, &Silent, |_| ()).expect("serves");
-    assert_eq!((counters.pictures, counters.no_pictures), (1, 0));
-    let answer = simulator.join().expect("no panic");
-    let picture = image::load_from_memory(&answer[1])
-        .expect("a picture")
-        .into_rgb8();
-    assert_eq!(picture.dimensions(), SIZE);
-    picture
+    let wanted = (cameras.len() as u64, 0);
+    assert_eq!((counters.pictures, counters.no_pictures), wanted);
+    let answers = simulator.join().expect("no panic");
+    let pictures = answers.iter().map(|answer| {
+        let picture = image::load_from_memory(&answer[1]).expect("a picture");
+        assert_eq!((picture.width(), picture.height()), SIZE);
+        picture
+    });
+    pictures.collect()
+}
+
+/// The answer to one camera without a sensor.
+fn asked(mode: u64) -> RgbImage {
+    let camera = messages::camera(3, "sat", FOV_DEG, WIDE, mode);
+    answers("", &[(3, camera)]).remove(0).into_rgb8()
 }
 
 /// Mean difference of two pictures, steps of 8 bits.
@@ -138,6 +153,42 @@ fn a_camera_sees_what_one_sees_from_there() {
         let off = difference(&seen, &other);
         assert!(off > 5.0, "{off}");
     }
+}
+
+/// The scene's sensor stands behind the simulation's cameras: of their size, field of view, focal length and f-number.
+#[test]
+fn a_sensor_makes_the_pictures_of_cameras() {
+    let sensor = "[sensor]\nsize = [8, 8]\nfocal_length_mm = 20\npixel_pitch_um = 5\nf_number = 4\nexposure_s = 4e-7\nfull_well_e = 40000\n\
+                  bits = 12\noversampling = 1\ndistortion = [0.5, 0, 0, 0]\n";
+    // ppAperture and ppFocalLength of half a lens: as many electrons fall on a pixel of half the pitch as through half the f-number.
+    let small = [messages::number(13, 8.0), messages::number(14, 10.0)].concat();
+    let cameras = [
+        (3, messages::camera(3, "sat", FOV_DEG, WIDE, 0)),
+        (4, messages::camera_with(4, "sat", FOV_DEG, WIDE, &small)),
+    ];
+    let pictures: [_; 2] = answers(sensor, &cameras).try_into().expect("two");
+    let [bright, dim] = pictures.each_ref().map(|picture| {
+        let DynamicImage::ImageLuma8(gray) = picture else {
+            panic!("{:?}", picture.color());
+        };
+        assert!(gray.pixels().all(|pixel| pixel[0] < 255), "not full");
+        gray
+    });
+    // Numbers are rounded down.
+    let sums = bright.pixels().zip(dim.pixels()).filter(|(a, _)| a[0] > 64);
+    let (sum, other) = sums.fold((0.0, 0.0), |(sum, other), (a, b)| {
+        (sum + f64::from(a[0]) + 0.5, other + f64::from(b[0]) + 0.5)
+    });
+    // (8/4)² of the aperture, (20/10)² of the pixel's area.
+    assert!((sum / other / 16.0 - 1.0).abs() < 0.03, "{sum} {other}");
+    // The lit limb in the west: r (1 + k1 r²) from the middle.
+    let first = (0..SIZE.0).find(|x| bright.get_pixel(*x, 64)[0] > 20);
+    let radius_m = 6.3745e6;
+    let r = f64::asin(radius_m / (radius_m + HEIGHT_M)).tan();
+    let focal_px = 64.0 / (FOV_DEG / 2.0).to_radians().tan();
+    let wanted = 96.0 - focal_px * r * (1.0 + 0.5 * r * r);
+    let first = first.map(f64::from).expect("a limb");
+    assert!((first - wanted).abs() < 2.0, "{first} {wanted}");
 }
 
 #[test]

@@ -92,6 +92,10 @@ pub struct Camera {
     pub is_depth: bool,
     /// Distances at which depth begins and ends, metres.
     pub clip_m: Option<[f64; 2]>,
+    /// Focal length, millimetres (`ppFocalLength`); `None` where none is said.
+    pub focal_length_mm: Option<f64>,
+    /// F-number (`ppAperture`); likewise.
+    pub f_number: Option<f64>,
     /// What is behind everything: a word or a path.
     pub skybox: String,
 }
@@ -310,7 +314,10 @@ fn camera(bytes: &[u8], undrawn: &mut Undrawn) -> Result<Camera, WireFault> {
                     undrawn.add(MessagePart::CameraSkyBox);
                 }
             }
-            11 if field.whole()? > 0 => undrawn.add(MessagePart::PostProcessing),
+            11 if field.whole()? > 0 => undrawn.add(MessagePart::DepthOfField),
+            // Absent is zero.
+            13 => camera.f_number = Some(field.number()?).filter(|f_number| *f_number != 0.0),
+            14 => camera.focal_length_mm = Some(field.number()?).filter(|mm| *mm != 0.0),
             18 if field.whole()? > 0 => undrawn.add(MessagePart::CameraHud),
             16 => camera.is_depth = field.whole()? == 1,
             17 => clip.add(&field)?,

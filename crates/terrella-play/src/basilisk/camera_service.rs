@@ -3,15 +3,19 @@
 
 use super::depth::{USUAL_CLIP_M, depth_map};
 use crate::error::PlayError;
-use crate::flight::Flight;
+use crate::flight::{Flight, Moment};
 use crate::offscreen::OffscreenRenderer;
 use crate::quality_control::scene_quality;
+use crate::raw_picture::RawPainter;
+use crate::scene::SensorTable;
+use crate::sensor_bands::{SensorBands, SensorView};
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
-use image::{ExtendedColorType, ImageEncoder, RgbImage};
+use image::{ExtendedColorType, ImageEncoder};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 use terrella::GpuContext;
-use terrella_orbit::basilisk::{PictureRequest, Simulation};
+use terrella_orbit::basilisk::{Camera, PictureRequest, Simulation};
+use terrella_sensor::{RawFrame, Sensor};
 
 /// How often the service looks whether it is to end.
 const LOOK: Duration = Duration::from_millis(50);
@@ -73,6 +77,10 @@ pub struct CameraService<'f> {
     flight: &'f Flight,
     simulation: &'f Simulation,
     renderer: OffscreenRenderer,
+    /// The scene's sensor, and what draws its frames.
+    sensor: Option<(Sensor, RawPainter)>,
+    /// How long a picture waits for tiles.
+    wait: Duration,
 }
 
 impl<'f> CameraService<'f> {
@@ -82,8 +90,27 @@ impl<'f> CameraService<'f> {
         simulation: &'f Simulation,
         adapter: Option<&str>,
     ) -> Result<Self, PlayError> {
-        let gpu = pollster::block_on(GpuContext::open(adapter))?;
+        let sensor = flight.scene().sensor.as_ref();
+        let sensor = sensor.map(SensorTable::open).transpose()?;
+        let features = match sensor {
+            Some(_) => GpuContext::FLOAT_TARGET,
+            None => wgpu::Features::empty(),
+        };
+        let gpu = pollster::block_on(GpuContext::open_with(adapter, features))?;
         let options = flight.uploaded_options(&gpu)?;
+        // Half of its patience; the other half is for drawing.
+        let most = simulation.options().timeout / 2;
+        let sensor = match sensor {
+            Some(sensor) => {
+                let mut options = options.clone();
+                // What is measured is what is known.
+                options.light.detail = false;
+                let mut painter = RawPainter::new(flight, gpu.clone(), options)?;
+                painter.limit_wait(most);
+                Some((sensor, painter))
+            }
+            None => None,
+        };
         let mut renderer = OffscreenRenderer::open(gpu, options, FIRST_SIZE)?;
         renderer.show_dated_maps(flight)?;
         renderer.show_models(flight)?;
@@ -94,6 +121,8 @@ impl<'f> CameraService<'f> {
             flight,
             simulation,
             renderer,
+            sensor,
+            wait: flight.scene().output.wait().min(most),
         })
     }
 
@@ -145,37 +174,84 @@ impl<'f> CameraService<'f> {
         };
         let moment = self.flight.seen_by(snapshot, camera, size);
         let moment = moment.map_err(reject)?;
-        let picture = match camera.is_depth {
-            true => {
-                let clip_m = camera.clip_m.unwrap_or(USUAL_CLIP_M);
-                let [near_m, far_m] = clip_m;
-                if !(far_m.is_finite() && (0.0..far_m).contains(&near_m)) {
-                    return Err(reject(format!(
-                        "camera {} clips depth to {clip_m:?} m, which is no range",
-                        camera.id
-                    )));
-                }
-                depth_map(&moment, self.flight.ellipsoid(), clip_m, size)
+        let not_encoded = |error| reject(format!("an image could not be encoded: {error}"));
+        if camera.is_depth {
+            let clip_m = camera.clip_m.unwrap_or(USUAL_CLIP_M);
+            let [near_m, far_m] = clip_m;
+            if !(far_m.is_finite() && (0.0..far_m).contains(&near_m)) {
+                return Err(reject(format!(
+                    "camera {} clips depth to {clip_m:?} m, which is no range",
+                    camera.id
+                )));
             }
-            false => {
-                self.renderer.resize(size)?;
-                // Half of its patience; the other half is for drawing.
-                let wait = self.simulation.options().timeout / 2;
-                let wait = wait.min(self.flight.scene().output.wait());
-                self.renderer.draw_complete(&moment, wait);
-                image::DynamicImage::from(self.renderer.read()?).into_rgb8()
-            }
+            let map = depth_map(&moment, self.flight.ellipsoid(), clip_m, size);
+            return png(&map, size, ExtendedColorType::Rgb8).map_err(not_encoded);
+        }
+        if self.sensor.is_some() {
+            let moment = Moment {
+                // Noise differs from step to step.
+                frame: snapshot.frame_number as u32,
+                ..moment
+            };
+            let frame = self.raw_frame(camera, &moment, size)?;
+            return png(&eight_bits(&frame), size, ExtendedColorType::L8).map_err(not_encoded);
+        }
+        self.renderer.resize(size)?;
+        self.renderer.draw_complete(&moment, self.wait);
+        let picture = image::DynamicImage::from(self.renderer.read()?).into_rgb8();
+        png(&picture, size, ExtendedColorType::Rgb8).map_err(not_encoded)
+    }
+
+    /// What the scene's sensor reads out behind a camera.
+    fn raw_frame(
+        &mut self,
+        camera: &Camera,
+        moment: &Moment,
+        size: (u32, u32),
+    ) -> Result<RawFrame, PlayError> {
+        let Some((sensor, painter)) = &mut self.sensor else {
+            let scene = self.flight.scene().path.clone();
+            return Err(PlayError::NoSensor { scene });
         };
-        png(&picture).map_err(|error| reject(format!("an image could not be encoded: {error}")))
+        let fitted = sensor.fitted(
+            size.into(),
+            camera.fov_deg.to_radians(),
+            camera.focal_length_mm,
+            camera.f_number,
+        );
+        let sensor = fitted.map_err(|error| PlayError::NoCameraPicture {
+            cause: format!(
+                "camera {} does not fit [sensor]: {}: {error}",
+                camera.id,
+                error.key()
+            ),
+        })?;
+        let aspect = f64::from(size.0) / f64::from(size.1);
+        let gpu = self.renderer.gpu();
+        let bands = SensorBands::new(self.flight, &sensor, moment, aspect, gpu)?;
+        let picture = painter.draw(&SensorView { sensor, bands }, moment)?;
+        Ok(picture.raw)
     }
 }
 
+/// The eight most significant bits of the numbers of a raw frame: Basilisk reads images of 8 bits.
+fn eight_bits(frame: &RawFrame) -> Vec<u8> {
+    let numbers = frame.data.iter().map(|number| match frame.bits {
+        bits @ 0..8 => number << (8 - bits),
+        bits => number >> (bits - 8),
+    });
+    numbers.map(|number| number as u8).collect()
+}
+
 /// A picture as a file, quickly.
-fn png(picture: &RgbImage) -> Result<Vec<u8>, image::ImageError> {
+fn png(
+    pixels: &[u8],
+    (width, height): (u32, u32),
+    color: ExtendedColorType,
+) -> Result<Vec<u8>, image::ImageError> {
     let mut file = Vec::new();
     let encoder =
         PngEncoder::new_with_quality(&mut file, CompressionType::Fast, FilterType::Adaptive);
-    let (width, height) = picture.dimensions();
-    encoder.write_image(picture, width, height, ExtendedColorType::Rgb8)?;
+    encoder.write_image(pixels, width, height, color)?;
     Ok(file)
 }
