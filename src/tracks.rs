@@ -559,6 +559,19 @@ impl Tracks {
 }
 
 impl TracksOptions {
+    /// Those for a pass of its own over the Earth's picture once it is developed by this curve, one sample a pixel: tracks have their display
+    /// colours there. A measured response is taken for a linear curve, of the air before them alone.
+    pub fn over_developed(earth: &Earth, color_format: wgpu::TextureFormat, tone: Tone) -> Self {
+        Self {
+            color_format,
+            samples: 1,
+            development: Development::InPass,
+            tone: tone.response().map_or(tone, |_| Tone::Linear),
+            grade: Grade::NONE,
+            ..Self::of(earth)
+        }
+    }
+
     fn format(&self) -> PassFormat {
         PassFormat {
             color: self.color_format,

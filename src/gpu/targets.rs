@@ -74,6 +74,30 @@ impl FrameTargets {
             .begin_part(encoder, &self.view, part, times)
     }
 
+    /// Begins a pass that clears colour alone, over the depth of other textures of this size, one sample a pixel, whose pass was not the last
+    /// of its frame: what is there hides what is drawn.
+    #[cfg(feature = "offscreen")]
+    pub fn begin_pass_behind<'e>(
+        &self,
+        encoder: &'e mut wgpu::CommandEncoder,
+        hiding: &Self,
+    ) -> wgpu::RenderPass<'e> {
+        let color = wgpu::RenderPassColorAttachment {
+            view: &self.view,
+            depth_slice: None,
+            resolve_target: None,
+            ops: wgpu::Operations {
+                load: wgpu::LoadOp::Clear(self.attachments.space),
+                store: wgpu::StoreOp::Store,
+            },
+        };
+        let depth = wgpu::Operations {
+            load: wgpu::LoadOp::Load,
+            store: wgpu::StoreOp::Discard,
+        };
+        begin(encoder, color, (&hiding.attachments.depth, depth), None)
+    }
+
     /// Reads light back from a colour format of 16-bit or 32-bit floats: four numbers a pixel (RGBA), rows one after another.
     /// Waits for the device.
     pub fn read_light(
@@ -249,27 +273,38 @@ impl Attachments {
             true => (wgpu::LoadOp::Clear(self.space), wgpu::LoadOp::Clear(0.0)),
             false => (wgpu::LoadOp::Load, wgpu::LoadOp::Load),
         };
-        encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("terrella pass"),
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view,
-                depth_slice: None,
-                resolve_target,
-                ops: wgpu::Operations { load: color, store },
-            })],
-            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: &self.depth,
-                depth_ops: Some(wgpu::Operations {
-                    load: depth,
-                    store: kept,
-                }),
-                stencil_ops: None,
-            }),
-            timestamp_writes: times,
-            occlusion_query_set: None,
-            multiview_mask: None,
-        })
+        let color = wgpu::RenderPassColorAttachment {
+            view,
+            depth_slice: None,
+            resolve_target,
+            ops: wgpu::Operations { load: color, store },
+        };
+        let depth = wgpu::Operations {
+            load: depth,
+            store: kept,
+        };
+        begin(encoder, color, (&self.depth, depth), times)
     }
+}
+
+fn begin<'e>(
+    encoder: &'e mut wgpu::CommandEncoder,
+    color: wgpu::RenderPassColorAttachment<'_>,
+    (depth, depth_ops): (&wgpu::TextureView, wgpu::Operations<f32>),
+    times: Option<wgpu::RenderPassTimestampWrites<'_>>,
+) -> wgpu::RenderPass<'e> {
+    encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some("terrella pass"),
+        color_attachments: &[Some(color)],
+        depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+            view: depth,
+            depth_ops: Some(depth_ops),
+            stencil_ops: None,
+        }),
+        timestamp_writes: times,
+        occlusion_query_set: None,
+        multiview_mask: None,
+    })
 }
 
 /// A texture of one level.

@@ -118,6 +118,43 @@ fn another_decoder_reads_the_light_of_hdr_pictures() {
     assert!(hlg.info.content_light_level.is_none());
 }
 
+/// Tracks have their display colours, with white at 203 cd/m², where other pictures show them: craft and globe hide them.
+#[test]
+fn tracks_stand_over_hdr_light() {
+    let place = Place::new();
+    let tracks = SMALL
+        .replace("mode = \"geodetic\"", "mode = \"chase\"")
+        .replace("lat_deg = 20\nlon_deg = 15\nheight_km = 12000\n", "")
+        .replace("size = [64, 36]", "size = [192, 108]");
+    let own = "[orbit]\ncolor = \"#00ff00\"\n[tracks]\ntrail = true\nground_track = true\n";
+    place.scene("tracks.toml", &format!("{tracks}{own}"));
+    let frame = |name: &str, format: &str| {
+        place.succeed(&["frame", "tracks.toml", "-o", name, "--format", format]);
+        read(&place.path(name)).pixels
+    };
+    let (fine, pq) = (frame("a.png", "png16"), frame("b.png", "pq"));
+    place.succeed(&["frame", "tracks.toml", "-o", "c.png"]);
+    let usual = image::open(place.path("c.png")).expect("a PNG").to_rgb8();
+    let is_green = |[red, green, blue]: [f64; 3]| green > 0.3 && red < 0.1 && blue < 0.1;
+    let (mut both, mut either, mut whole) = (0, 0, 0);
+    for ((usual, fine), pq) in usual.pixels().zip(fine).zip(pq) {
+        let usual = usual.0.map(|code| srgb_light(f64::from(code) / 255.0));
+        let shown = bt709(pq.map(pq_luminance)).map(|luminance| luminance / 203.0);
+        let (a, b) = (is_green(usual), is_green(shown));
+        both += usize::from(a && b);
+        either += usize::from(a || b);
+        if fine == [0.0, 1.0, 0.0] {
+            whole += 1;
+            for (part, wanted) in shown.into_iter().zip([0.0, 1.0, 0.0]) {
+                assert!((part - wanted).abs() < 2e-3, "{shown:?}");
+            }
+        }
+    }
+    println!("{both} of {either} pixels alike, {whole} covered wholly");
+    assert!(both > 100 && 10 * both > 9 * either, "{both} of {either}");
+    assert!(whole > 20, "{whole}");
+}
+
 #[test]
 fn hdr_that_nothing_can_show_is_rejected_by_option() {
     let place = Place::new();

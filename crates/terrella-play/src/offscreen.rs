@@ -298,6 +298,11 @@ impl OffscreenRenderer {
         self.painter.prefetch(views);
     }
 
+    /// Draws the craft and the ground that were prepared last once more, into a pass of the Earth's format: for their depth.
+    pub fn render_surface(&self, pass: &mut wgpu::RenderPass<'_>) {
+        self.painter.render_surface(pass);
+    }
+
     /// Reads back what was drawn last. Waits for the device.
     pub fn read(&self) -> Result<RgbaImage, PlayError> {
         self.earth().check_pipelines()?;

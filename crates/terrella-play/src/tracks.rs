@@ -23,7 +23,7 @@ use terrella::frames::EarthOrientation;
 use terrella::tracks::{
     Station, TrackLabel, TrackMoment, TrackStats, TrackStyle, Tracks, TracksOptions,
 };
-use terrella::{Earth, FrameStats, GpuContext};
+use terrella::{Earth, FrameStats, GpuContext, Tone};
 
 /// In a scene of more satellites those of a table that flies many have markers without names.
 const MAX_NAMED: usize = 100;
@@ -113,12 +113,33 @@ impl TracksLayer {
         earth: &Earth,
         shown: wgpu::TextureFormat,
     ) -> Result<Option<Self>, PlayError> {
+        Self::with_options(scene, flight, gpu, &TracksOptions::of(earth), shown)
+    }
+
+    /// The layer for pictures of the format `shown` that stand over an Earth's light once it is developed by this curve.
+    pub fn over_light(
+        flight: &Flight,
+        gpu: &GpuContext,
+        earth: &Earth,
+        shown: wgpu::TextureFormat,
+        tone: Tone,
+    ) -> Result<Option<Self>, PlayError> {
+        let options = TracksOptions::over_developed(earth, shown, tone);
+        Self::with_options(flight.scene(), flight, gpu, &options, shown)
+    }
+
+    fn with_options(
+        scene: &Scene,
+        flight: &Flight,
+        gpu: &GpuContext,
+        options: &TracksOptions,
+        shown: wgpu::TextureFormat,
+    ) -> Result<Option<Self>, PlayError> {
         let width_px = scene.track_px as f32;
-        let options = TracksOptions::of(earth);
         let stations = stations(scene);
         let still = Still::of(scene, flight)?;
         if let Some(roster) = RosterTracks::of(flight) {
-            let mut tracks = Tracks::new(&gpu.device, &options, &[])?;
+            let mut tracks = Tracks::new(&gpu.device, options, &[])?;
             still.show(&mut tracks)?;
             return Ok(Some(Self {
                 tracks,
@@ -164,7 +185,7 @@ impl TracksLayer {
         {
             return Ok(None);
         }
-        let mut tracks = Tracks::new(&gpu.device, &options, &styles)?;
+        let mut tracks = Tracks::new(&gpu.device, options, &styles)?;
         still.show(&mut tracks)?;
         tracks.set_stations(&stations, followed)?;
         Ok(Some(Self {

@@ -1,65 +1,107 @@
-//! Captions that stand over pictures made of light: they have display colours, and are drawn apart.
+//! Tracks, names and captions that stand over pictures made of light: they have display colours, and are drawn apart.
 
 use crate::captions::CaptionLayer;
 use crate::egui_pass::EguiTarget;
 use crate::error::PlayError;
 use crate::flight::{Flight, Moment};
-use crate::offscreen::rgba_image;
+use crate::offscreen::{OffscreenRenderer, rgba_image};
+use crate::tracks::{TrackDetail, TracksLayer};
 use glam::DVec3;
 use image::RgbaImage;
-use terrella::internals::gpu::FrameTargets;
-use terrella::{FrameStats, GpuContext};
+use terrella::internals::gpu::{FrameTargets, PassPart};
+use terrella::{FrameStats, GpuContext, Tone};
 
-/// The captions of a scene, over nothing.
+/// The tracks and captions of a scene, over nothing.
 pub struct OverLight {
     gpu: GpuContext,
-    captions: CaptionLayer,
+    tracks: Option<TracksLayer>,
+    captions: Option<CaptionLayer>,
     targets: FrameTargets,
+    /// Where the ground and craft that hide tracks are drawn once more, for their depth.
+    hiding: Option<FrameTargets>,
 }
 
 impl OverLight {
-    /// For pictures of this size, within the device's limits; `None` where a flight's scene has no captions.
+    /// For pictures of this size and curve, within the device's limits, of what `light` draws; `None` where a flight's scene has neither tracks
+    /// nor captions.
     ///
     /// # Errors
-    /// An image that cannot be read.
+    /// An image that cannot be read, a style that is no style.
     pub fn of(
         flight: &Flight,
-        gpu: &GpuContext,
+        light: &OffscreenRenderer,
         size: (u32, u32),
+        tone: Tone,
     ) -> Result<Option<Self>, PlayError> {
+        let (gpu, format) = (light.gpu(), light.earth().format());
         let captions = CaptionLayer::of(flight, gpu, FrameTargets::COLOR)?;
-        Ok(captions.map(|captions| {
-            let mut targets = FrameTargets::new(&gpu.device, size, 1);
-            targets.make_space_transparent();
-            Self {
-                gpu: gpu.clone(),
-                captions,
-                targets,
-            }
+        let tracks =
+            TracksLayer::over_light(flight, gpu, light.earth(), FrameTargets::COLOR, tone)?;
+        if tracks.is_none() && captions.is_none() {
+            return Ok(None);
+        }
+        let mut targets = FrameTargets::new(&gpu.device, size, 1);
+        targets.make_space_transparent();
+        let hiding = tracks
+            .is_some()
+            .then(|| FrameTargets::with_color(&gpu.device, format.color, size, format.samples));
+        Ok(Some(Self {
+            gpu: gpu.clone(),
+            tracks,
+            captions,
+            targets,
+            hiding,
         }))
     }
 
-    /// Draws them for an instant: sRGB, premultiplied.
+    /// Draws them for the instant that `light` has drawn last: sRGB, premultiplied.
     ///
     /// # Errors
     /// A lost device.
-    pub fn draw(&mut self, moment: &Moment, stats: &FrameStats) -> Result<RgbaImage, PlayError> {
-        self.captions.prepare(moment, stats);
+    pub fn draw(
+        &mut self,
+        moment: &Moment,
+        stats: &FrameStats,
+        light: &OffscreenRenderer,
+    ) -> Result<RgbaImage, PlayError> {
         let (device, queue) = (&self.gpu.device, &self.gpu.queue);
+        let size = self.targets.size();
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor {
-            label: Some("terrella captions"),
+            label: Some("terrella over light"),
         });
-        drop(self.targets.begin_pass(&mut encoder));
-        self.captions.draw(EguiTarget {
-            device,
-            queue,
-            encoder: &mut encoder,
-            view: self.targets.picture_view(),
-            size: self.targets.size(),
-        });
+        match (&mut self.tracks, &self.hiding) {
+            (Some(tracks), Some(hiding)) => {
+                tracks.prepare(
+                    &self.gpu,
+                    moment,
+                    size,
+                    TrackDetail::Complete,
+                    &mut stats.clone(),
+                );
+                let part = PassPart {
+                    is_first: true,
+                    is_last: false,
+                };
+                light.render_surface(&mut hiding.begin_part(&mut encoder, part, None));
+                tracks.render(&mut self.targets.begin_pass_behind(&mut encoder, hiding));
+                let view = self.targets.picture_view();
+                tracks.write_names(&self.gpu, &mut encoder, view, size, size);
+            }
+            _ => drop(self.targets.begin_pass(&mut encoder)),
+        }
+        if let Some(captions) = &mut self.captions {
+            captions.prepare(moment, stats);
+            captions.draw(EguiTarget {
+                device,
+                queue,
+                encoder: &mut encoder,
+                view: self.targets.picture_view(),
+                size,
+            });
+        }
         queue.submit([encoder.finish()]);
         let read = self.targets.read_back(device, queue);
-        let (width, height) = self.targets.size();
+        let (width, height) = size;
         Ok(rgba_image(width, height, self.gpu.checked(read)?)?)
     }
 }

@@ -22,7 +22,7 @@ pub struct FilmPainter {
     pixels_a_side: u32,
     /// How light is shown, but for factor and frame.
     look: PictureLook,
-    captions: Option<OverLight>,
+    over: Option<OverLight>,
     wait: Duration,
 }
 
@@ -48,7 +48,7 @@ impl FilmPainter {
     /// Rejects settings that a scene cannot be drawn with.
     ///
     /// # Errors
-    /// Tracks and the paper's shading where pictures are made of light; a peak luminance without PQ or out of range.
+    /// The paper's shading where pictures are made of light, and what stands over them where they are light itself; a peak luminance without PQ or out of range.
     pub fn check(flight: &Flight, settings: &PictureSettings) -> Result<(), FilmError> {
         if let Some(peak_cd_m2) = settings.peak_cd_m2 {
             if settings.format != PictureFormat::Pq {
@@ -70,19 +70,21 @@ impl FilmPainter {
             what,
             remedy,
         };
-        if scene.layers.is_on() || !scene.stations.is_empty() || !scene.geojson.is_empty() {
+        let has_lines =
+            scene.layers.is_on() || !scene.stations.is_empty() || !scene.geojson.is_empty();
+        if !settings.take_overlay() && has_lines {
             return Err(rejected(
-                "lines and names on the globe and ground stations",
+                "lines and names on the globe and ground stations in EXR and with --alpha",
                 "switch graticule, coast_lines, borders, terminator, moon_shadow and place_names off, and leave [[station]] and [[geojson]] out",
             ));
         }
-        if TracksLayer::is_wanted(flight) {
+        if !settings.take_overlay() && TracksLayer::is_wanted(flight) {
             return Err(rejected(
-                "tracks and names",
+                "tracks and names in EXR and with --alpha",
                 "switch trail, ground_track, subpoint, marker and footprint off",
             ));
         }
-        if !scene.captions.is_empty() && !settings.take_captions() {
+        if !settings.take_overlay() && !scene.captions.is_empty() {
             return Err(rejected(
                 "captions in EXR and with --alpha",
                 "leave [[caption]] out",
@@ -128,7 +130,6 @@ impl FilmPainter {
                 (renderer, side)
             }
         };
-        let mut captions = None;
         renderer.show_dated_maps(flight)?;
         renderer.show_models(flight)?;
         // What is beyond the Earth is space.
@@ -138,11 +139,14 @@ impl FilmPainter {
         if !settings.need_light() {
             renderer.show_tracks(flight)?;
             renderer.show_captions(flight)?;
-        } else if settings.take_captions() {
-            captions = OverLight::of(flight, renderer.gpu(), size)?;
         }
         let quality = scene_quality(&scene.quality, *renderer.earth().quality());
         renderer.set_quality(&quality)?;
+        let tone = scene.output.tone.open()?;
+        let over = match settings.need_light() && settings.take_overlay() {
+            true => OverLight::of(flight, &renderer, size, tone)?,
+            false => None,
+        };
         Ok(Self {
             renderer,
             settings,
@@ -150,12 +154,12 @@ impl FilmPainter {
             pixels_a_side,
             look: PictureLook {
                 factor: 1.0,
-                tone: scene.output.tone.open()?,
+                tone,
                 bloom: scene.output.bloom,
                 grade: scene.output.grade,
                 frame: 0,
             },
-            captions,
+            over,
             wait: scene.output.wait(),
         })
     }
@@ -201,8 +205,8 @@ impl FilmPainter {
             all_missing.extend(missing);
             // That of the first, which a metered one has for all.
             exposure_ev = exposure_ev.or(Some(stats.exposure_ev));
-            if let Some(captions) = self.captions.as_mut().filter(|_| over.is_none()) {
-                over = Some(captions.draw(&moment, &stats)?);
+            if let Some(layer) = self.over.as_mut().filter(|_| over.is_none()) {
+                over = Some(layer.draw(&moment, &stats, &self.renderer)?);
             }
         }
         let exposure_ev = exposure_ev.unwrap_or_default();

@@ -89,8 +89,8 @@ impl PictureSettings {
         })
     }
 
-    /// Whether captions, which have display colours, stand over developed light.
-    pub(super) fn take_captions(&self) -> bool {
+    /// Whether tracks, names and captions, which have display colours, stand over developed light.
+    pub(super) fn take_overlay(&self) -> bool {
         self.format != PictureFormat::Exr && !self.alpha
     }
 
