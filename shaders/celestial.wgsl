@@ -1,6 +1,6 @@
 // What is beyond the Earth: stars, the Milky Way, Sun and Moon, each pixel through the air before it.
 //
-// `CelestialVariant` in src/gpu/shader/celestial.rs says which conditions hold together: stars, milky_way, sun, moon or glare; aperture
+// `CelestialVariant` in src/gpu/shader/celestial.rs says which conditions hold together: stars, milky_way, sun, moon, glare or ghosts; aperture
 // (in glare), map; air, inside (of it); and those of common/displayed.wgsl.
 //
 // Drawn after all of the Earth, at the farthest depth: what stands before the sky hides it, and its light is added to the air's. On
@@ -14,6 +14,7 @@ import common/displayed.wgsl;
 @if(sun) import celestial/sun.wgsl;
 @if(moon) import celestial/moon.wgsl;
 @if(glare) import celestial/glare.wgsl;
+@if(ghosts) import celestial/ghosts.wgsl;
 
 // | group | binding | what                     | when             |
 // |-------|---------|--------------------------|------------------|
@@ -138,6 +139,14 @@ fn through_air(ray: Ray) -> vec3f {
 fn meets_air(ray: Ray) -> bool {
     @if(inside) return true;
     @else return ray.along > 0.0 && ray.q < AIR_TOP;
+}
+
+// The pixel of the Sun's centre: there the rays across are 0.
+fn sun_px() -> vec2f {
+    let x = sky.sun.pixel_x;
+    let y = sky.sun.pixel_y;
+    let span = x.x * y.y - x.y * y.x;
+    return vec2f(x.y * y.z - x.z * y.y, x.z * y.x - x.x * y.z) / span;
 }
 
 // As the target stores light that is added to what is there, and how much of that it hides.

@@ -29,6 +29,7 @@
 //! the Earth hides it instead.
 
 mod daylight;
+mod ghosts;
 mod moon;
 mod projection;
 mod seen;
@@ -49,7 +50,7 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 use terrella_frames::{Ellipsoid, Epoch, MOON_RADIUS_M, Observer, Orientation, SUN_RADIUS_M};
 use terrella_ground::air::TOP;
-use terrella_ground::light::DiffractionPattern;
+use terrella_ground::light::{DiffractionPattern, Ghosts};
 use terrella_imagery::LayerImage;
 
 /// A disc of a smaller radius is drawn as a point, pixels: its edge would be most of it.
@@ -73,6 +74,8 @@ pub struct CelestialOptions {
     pub glare: bool,
     /// With glare: the Sun's light that the lens's aperture diffracts, as spikes. That much less is in its disc.
     pub aperture: Option<Arc<DiffractionPattern>>,
+    /// With glare: images of the aperture that reflections in the lens make of the Sun. That much less is in its disc.
+    pub ghosts: Option<Ghosts>,
     /// How many times brighter than in truth stars and Milky Way are drawn, so that they show beside daylight.
     pub star_gain: f64,
     /// Whether that gain falls to 1, the truth, where the picture shows sunlit ground or air, as a camera exposed for it shows no stars.
@@ -91,6 +94,7 @@ impl CelestialOptions {
         moon: None,
         glare: false,
         aperture: None,
+        ghosts: None,
         star_gain: Self::STAR_GAIN,
         stars_fade_by_day: true,
     };
@@ -106,6 +110,10 @@ impl CelestialOptions {
         features
             .filter_map(|(name, is_on)| is_on.then_some(name))
             .collect()
+    }
+
+    fn shown_ghosts(&self) -> Option<&Ghosts> {
+        self.ghosts.as_ref().filter(|_| self.glare)
     }
 
     fn check(&self) -> Result<(), CelestialError> {
@@ -235,6 +243,7 @@ impl Pass {
             moon: options.moon.as_deref(),
             glare: options.glare,
             aperture: options.aperture.as_deref(),
+            ghosts: options.shown_ghosts().map_or(0, |_| Ghosts::ALL.len()),
         };
         let air = self.air.as_ref();
         let mut drawable = CelestialDrawable::new(device, queue, self.format, &parts, air)?;
@@ -351,10 +360,14 @@ impl Celestial {
         }
         let stars = self.points.len() as u32;
         let (aperture, sun_kept) = self.diffracted(moment.target, sun.radius_px);
+        let shown = self.options.shown_ghosts();
+        let sun_kept = sun_kept * (1.0 - shown.map_or(0.0, |ghosts| ghosts.part));
+        let sun_direction = seen.sun_m.normalize_or_zero();
+        let ghosts = shown.and_then(|ghosts| ghosts::points(ghosts, sun_direction, &projection));
+        let ghosts = ghosts.as_ref().map_or(&[][..], |ghosts| &ghosts[..]);
         if self.options.sun && sun.radius_px < POINT_PX {
             let light = Vec3::splat((PI * seen.sun_seen * sun_kept) as f32);
-            self.points
-                .extend(projection.point(seen.sun_m.normalize_or_zero(), light));
+            self.points.extend(projection.point(sun_direction, light));
         }
         if self.options.moon.is_some() && moon.radius_px < POINT_PX {
             let light = Vec3::splat((PI * seen.moonlight()) as f32);
@@ -362,7 +375,7 @@ impl Celestial {
                 .extend(projection.point(seen.moon_m.normalize_or_zero(), light));
         }
         let glare = GLARE_RADIUS_RAD.sin();
-        let glare_bounds = ball_bounds(&view.clip_from_eye, seen.sun_m.normalize_or_zero(), glare);
+        let glare_bounds = ball_bounds(&view.clip_from_eye, sun_direction, glare);
         let uniforms = CelestialUniforms {
             frame: earth.exposed(view.uniforms(&ellipsoid)),
             glare_bounds: glare_bounds.map_or(Vec4::ZERO, Vec4::from),
@@ -380,22 +393,23 @@ impl Celestial {
             CelestialKind::Moon => moon.radius_px >= POINT_PX && moon.is_in_picture,
             CelestialKind::MilkyWay => self.shows_stars,
             CelestialKind::Glare => glare_bounds.is_some() && is_sun_up,
+            CelestialKind::Ghosts => is_sun_up,
             _ => true,
         };
         let side = match (view.eye_itrf_m * ellipsoid.scaled_from_itrf()).length() <= TOP {
             true => AirSide::Inside,
             false => AirSide::Outside,
         };
-        let uploaded_bytes = self
-            .drawable
-            .write(queue, side, &uniforms, &self.points, is_drawn);
+        let uploaded_bytes =
+            self.drawable
+                .write(queue, side, &uniforms, &self.points, ghosts, is_drawn);
         let draw_calls = self.drawable.calls();
         CelestialStats {
             stars,
             sun_seen: seen.sun_seen,
             moon_phase_rad: seen.phase_rad,
             draw_calls,
-            triangles: 2 * (self.points.len() as u32 + draw_calls),
+            triangles: 2 * ((self.points.len() + ghosts.len()) as u32 + draw_calls),
             uploaded_bytes,
         }
     }

@@ -72,7 +72,7 @@ pub use uploaded_maps::{MapUploader, UploadedMaps};
 
 pub(crate) use air::{AirDrawable, AirTextures, Binding};
 #[cfg(feature = "celestial")]
-pub(crate) use celestial::{CelestialDrawable, CelestialParts, StarPoint};
+pub(crate) use celestial::{CelestialDrawable, CelestialParts, GhostPoint, StarPoint};
 #[cfg(feature = "terrain")]
 pub(crate) use contours::PageMesh;
 #[cfg(feature = "terrain")]

@@ -168,8 +168,8 @@ pub use terrella_ground::globe::{
 };
 pub use terrella_ground::height::HeightTileStats;
 pub use terrella_ground::light::{
-    Adaptation, Aperture, Bloom, DiffractionPattern, Exposure, Grade, Grain, Hdr, HdrTransfer,
-    Response, Tone, WhiteBalance, exposure_factor,
+    Adaptation, Aperture, Bloom, DiffractionPattern, Exposure, Ghosts, Grade, Grain, Hdr,
+    HdrTransfer, Response, Tone, WhiteBalance, exposure_factor,
 };
 #[cfg(all(feature = "packs", feature = "terrain"))]
 pub use terrella_imagery::pack::PackHeights;

@@ -65,11 +65,3 @@ fn pattern(off: vec2f, side: f32, level: f32) -> f32 {
     let value = textureSampleLevel(body_map, body_sampler, at, level).r;
     return select(0.0, value, all(abs(off) < vec2f(0.5)));
 }
-
-// The pixel of the Sun's centre: there the rays across are 0.
-fn sun_px() -> vec2f {
-    let x = sky.sun.pixel_x;
-    let y = sky.sun.pixel_y;
-    let span = x.x * y.y - x.y * y.x;
-    return vec2f(x.y * y.z - x.z * y.y, x.z * y.x - x.x * y.z) / span;
-}

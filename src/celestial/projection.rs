@@ -50,12 +50,22 @@ impl<'v> Projection<'v> {
         }
     }
 
+    /// Where on screen a direction is, −1…1 in the picture; `None` behind the eye.
+    pub fn on_screen(&self, direction: DVec3) -> Option<DVec2> {
+        let clip = self.view.clip_from_eye * direction.extend(0.0);
+        (clip.w > 0.0).then(|| DVec2::new(clip.x, clip.y) / clip.w)
+    }
+
+    /// The angle of a pixel in the middle of the picture.
+    pub fn pixel_rad(&self) -> f64 {
+        self.view.pixel_rad()
+    }
+
     /// A star in a direction; `None` outside the picture.
     pub fn point(&self, direction: DVec3, light: Vec3) -> Option<StarPoint> {
-        let clip = self.view.clip_from_eye * direction.extend(0.0);
-        let at = DVec2::new(clip.x, clip.y) / clip.w;
+        let at = self.on_screen(direction)?;
         let room = DVec2::ONE + 6.0 / self.size;
-        if clip.w <= 0.0 || !at.abs().cmple(room).all() {
+        if !at.abs().cmple(room).all() {
             return None;
         }
         // Solid angle of the pixel: its area on the plane of the rays, turned to the eye, over its distance squared.

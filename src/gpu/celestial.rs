@@ -94,6 +94,22 @@ pub(crate) struct StarPoint {
     pub light: [f32; 3],
 }
 
+/// A ghost on screen.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub(crate) struct GhostPoint {
+    /// Where, −1…1.
+    pub at: [f32; 2],
+    /// Half of its width and height there.
+    pub half_size: [f32; 2],
+    /// Its light where nothing dims the Sun, RGB.
+    pub light: [f32; 3],
+    /// Blades of the aperture, 0 of a round one.
+    pub blades: f32,
+}
+
+const GHOST: [wgpu::VertexAttribute; 4] =
+    wgpu::vertex_attr_array![0 => Float32x2, 1 => Float32x2, 2 => Float32x3, 3 => Float32];
 const STAR: [wgpu::VertexAttribute; 2] = wgpu::vertex_attr_array![0 => Float32x2, 1 => Float32x3];
 
 /// What is drawn, with its map where it has one; pipelines and textures are made for nothing else.
@@ -107,6 +123,8 @@ pub(crate) struct CelestialParts<'m> {
     pub glare: bool,
     /// What the lens's aperture adds to that.
     pub aperture: Option<&'m DiffractionPattern>,
+    /// Most ghosts, 0 for none.
+    pub ghosts: usize,
 }
 
 /// Pipelines, maps and buffers.
@@ -117,6 +135,8 @@ pub(crate) struct CelestialDrawable {
     uniforms: wgpu::Buffer,
     points: wgpu::Buffer,
     count: u32,
+    ghosts: Option<wgpu::Buffer>,
+    ghost_count: u32,
     /// One without air; else that of an eye outside of it, and that of an eye inside.
     bind_groups: Vec<wgpu::BindGroup>,
     /// Of these groups.
@@ -153,7 +173,10 @@ impl CelestialDrawable {
     ) -> Result<Self, ShaderError> {
         let uniforms = super::uniform_buffer::<CelestialUniforms>(device, "terrella sky");
         let point_bytes = ((parts.stars + BODIES) * size_of::<StarPoint>()) as u64;
-        let points = point_buffer(device, point_bytes);
+        let points = point_buffer(device, "terrella stars", point_bytes);
+        let ghost_bytes = (parts.ghosts * size_of::<GhostPoint>()) as u64;
+        let ghosts =
+            (ghost_bytes > 0).then(|| point_buffer(device, "terrella ghosts", ghost_bytes));
         let sides = AirSide::of_air(air.is_some());
         let (mut layouts, mut bind_groups) = (Vec::new(), Vec::new());
         for side in sides {
@@ -172,6 +195,7 @@ impl CelestialDrawable {
                 CelestialKind::Sun => (parts.sun, None),
                 CelestialKind::Moon => (parts.moon.is_some(), parts.moon),
                 CelestialKind::Glare => (parts.glare, None),
+                CelestialKind::Ghosts => (parts.ghosts > 0, None),
             };
             if !is_wanted {
                 continue;
@@ -208,6 +232,8 @@ impl CelestialDrawable {
             uniforms,
             points,
             count: 0,
+            ghosts,
+            ghost_count: 0,
             bind_groups,
             layouts,
             side: 0,
@@ -240,17 +266,15 @@ impl CelestialDrawable {
         let shader = ShaderModule::new(&self.device, &variant)?;
         let map_layout = layer.map.as_ref().map(|(layout, _)| Some(layout));
         let groups: Vec<_> = std::iter::once(Some(layout)).chain(map_layout).collect();
-        let points = [Some(wgpu::VertexBufferLayout {
-            array_stride: size_of::<StarPoint>() as u64,
-            step_mode: wgpu::VertexStepMode::Instance,
-            attributes: &STAR,
-        })];
+        let points = [instances(size_of::<StarPoint>(), &STAR)];
+        let ghosts = [instances(size_of::<GhostPoint>(), &GHOST)];
         let pipeline = PipelineDescription {
             label: &format!("terrella {}", layer.kind.name()),
             bind_groups: Some(&groups),
             module: &shader.module,
             buffers: match layer.kind {
                 CelestialKind::Stars => &points,
+                CelestialKind::Ghosts => &ghosts,
                 _ => &[],
             },
             primitive: wgpu::PrimitiveState {
@@ -302,9 +326,14 @@ impl CelestialDrawable {
             format: self.format,
             bind_groups: bind_groups.collect(),
             layers: self.layers.clone(),
-            points: point_buffer(device, self.points.size()),
+            points: point_buffer(device, "terrella stars", self.points.size()),
             uniforms,
             count: 0,
+            ghosts: self
+                .ghosts
+                .as_ref()
+                .map(|ghosts| point_buffer(device, "terrella ghosts", ghosts.size())),
+            ghost_count: 0,
             layouts: self.layouts.clone(),
             side: 0,
             texture_bytes: self.texture_bytes,
@@ -312,14 +341,15 @@ impl CelestialDrawable {
         }
     }
 
-    /// Writes what is drawn from now on, for an eye on this side of the air; at most as many points as there are stars, Sun and Moon.
-    /// Answers the bytes written.
+    /// Writes what is drawn from now on, for an eye on this side of the air; at most as many points as there are stars, Sun and Moon, and as
+    /// many ghosts as there are. Answers the bytes written.
     pub fn write(
         &mut self,
         queue: &wgpu::Queue,
         side: AirSide,
         uniforms: &CelestialUniforms,
         points: &[StarPoint],
+        ghosts: &[GhostPoint],
         is_drawn: impl Fn(CelestialKind) -> bool,
     ) -> u64 {
         self.side = match self.bind_groups.len() {
@@ -330,14 +360,21 @@ impl CelestialDrawable {
         let points: &[u8] = bytemuck::cast_slice(points);
         queue.write_buffer(&self.points, 0, points);
         self.count = (points.len() / size_of::<StarPoint>()) as u32;
+        self.ghost_count = 0;
+        if let Some(buffer) = &self.ghosts {
+            queue.write_buffer(buffer, 0, bytemuck::cast_slice(ghosts));
+            self.ghost_count = ghosts.len() as u32;
+        }
         for layer in &mut self.layers {
             layer.is_drawn = match layer.kind {
                 CelestialKind::Stars => self.count > 0,
+                CelestialKind::Ghosts => self.ghost_count > 0 && is_drawn(CelestialKind::Ghosts),
                 kind => is_drawn(kind),
             };
         }
         self.make_ready();
-        (points.len() + size_of::<CelestialUniforms>()) as u64
+        let ghost_bytes = self.ghost_count as usize * size_of::<GhostPoint>();
+        (points.len() + ghost_bytes + size_of::<CelestialUniforms>()) as u64
     }
 
     pub fn render(&self, pass: &mut wgpu::RenderPass<'_>) {
@@ -355,6 +392,10 @@ impl CelestialDrawable {
                 pass.set_vertex_buffer(0, self.points.slice(..));
                 instances = self.count;
             }
+            if let (CelestialKind::Ghosts, Some(ghosts)) = (layer.kind, &self.ghosts) {
+                pass.set_vertex_buffer(0, ghosts.slice(..));
+                instances = self.ghost_count;
+            }
             pass.draw(0..4, 0..instances);
         }
     }
@@ -365,9 +406,20 @@ impl CelestialDrawable {
     }
 }
 
-fn point_buffer(device: &wgpu::Device, size: u64) -> wgpu::Buffer {
+fn instances(
+    stride: usize,
+    attributes: &[wgpu::VertexAttribute],
+) -> Option<wgpu::VertexBufferLayout<'_>> {
+    Some(wgpu::VertexBufferLayout {
+        array_stride: stride as u64,
+        step_mode: wgpu::VertexStepMode::Instance,
+        attributes,
+    })
+}
+
+fn point_buffer(device: &wgpu::Device, label: &str, size: u64) -> wgpu::Buffer {
     device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some("terrella stars"),
+        label: Some(label),
         size,
         usage: wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST,
         mapped_at_creation: false,

@@ -8,7 +8,8 @@ use std::sync::Arc;
 use terrella::celestial::{Celestial, CelestialMoment, CelestialOptions, StarCatalogue};
 use terrella::frames::{Ellipsoid, Epoch, Geodetic, Observer, Orientation};
 use terrella::{
-    Aperture, Atmosphere, DiffractionPattern, Earth, EarthOptions, EyeView, LayerImage, Pipelines,
+    Aperture, Atmosphere, DiffractionPattern, Earth, EarthOptions, EyeView, Ghosts, LayerImage,
+    Pipelines,
 };
 
 const DATE: &str = "2018-01-20T21:00:00Z";
@@ -248,6 +249,61 @@ fn an_aperture_moves_light_from_the_disc_to_spikes() {
     };
     let (with, without) = (along(&spiked), along(&round));
     assert!(with > 3.0 && without < 1.2, "{with} {without}");
+}
+
+/// Ghosts have their part of the Sun's light, mirrored about the middle of the picture, and the disc lacks it.
+#[test]
+fn ghosts_have_their_part_of_the_sun() {
+    let size = (256, 256);
+    let mut rig = Rig::of_light(&bare_earth(), size);
+    let eye = above(0.0, 75.0, 35_786e3);
+    let epoch = utc(DATE);
+    let observer = Observer::at_rest(epoch, &Orientation::default(), eye);
+    let sun = observer.sun_m().normalize();
+    let right = sun.cross(DVec3::Z).normalize();
+    let part = 1e-3;
+    let mut light = |blades: Option<u32>, disc: bool, sun_deg: f64| {
+        let (sin, cos) = f64::to_radians(sun_deg).sin_cos();
+        // The Sun stands left of the middle.
+        let forward = cos * sun + sin * right;
+        let view = EyeView::itrf(eye, forward, DVec3::Z, 24_f64.to_radians(), 1.0);
+        let mut drawn_with = |ghosts: Option<Ghosts>| {
+            let sky = CelestialOptions {
+                sun: disc,
+                glare: true,
+                ghosts,
+                ..CelestialOptions::NOTHING
+            };
+            drawn(&mut rig, &sky, &view, epoch, size)
+        };
+        let with = drawn_with(Some(Ghosts { part, blades }));
+        let without = drawn_with(None);
+        let pairs = with.iter().zip(&without);
+        let more = pairs.map(|(a, b)| [0, 1, 2].map(|n| f64::from(a[n] - b[n])));
+        (more.collect::<Vec<_>>(), with, without)
+    };
+    // Over the plane of the picture.
+    let pixel = 2.0 * 12_f64.to_radians().tan() / 256.0;
+    for blades in [None, Some(5)] {
+        let (more, ..) = light(blades, false, 6.0);
+        for channel in 0..3 {
+            let sum: f64 = more.iter().map(|light| light[channel]).sum();
+            let shares = [0.92, 0.99, 0.93][channel];
+            let ratio = sum * pixel * pixel / (PI * part * shares);
+            assert!((ratio - 1.0).abs() < 0.02, "{blades:?} {channel}: {ratio}");
+        }
+        // The Sun stands 6° of 12° left, 63 pixels: a ghost is as far to the right, and none left of the Sun.
+        let at = |x: usize| more[127 * 256 + x][1];
+        assert!(at(128 + 75) > 1e-3 && at(128 - 75) == 0.0, "{blades:?}");
+    }
+    let (_, with, without) = light(None, true, 1.0);
+    let brightest = |light: &[[f32; 4]]| light.iter().map(|light| light[1]).fold(0.0, f32::max);
+    let kept = f64::from(brightest(&with)) / f64::from(brightest(&without));
+    // Light of 16 bits has steps of 5e-4.
+    assert!((kept - (1.0 - part)).abs() < 4e-4, "{kept}");
+    // Far outside of the picture it makes none.
+    let (more, ..) = light(None, false, 18.0);
+    assert!(more.iter().flatten().all(|more| *more == 0.0));
 }
 
 #[test]

@@ -5,7 +5,7 @@ use crate::{common::Rig, stars, utc};
 use glam::DVec3;
 use terrella::celestial::CelestialOptions;
 use terrella::frames::{Duration, Observer, Orientation};
-use terrella::{Atmosphere, EarthOptions, EyeView, Sky, SurfaceLight};
+use terrella::{Atmosphere, EarthOptions, EyeView, Ghosts, Sky, SurfaceLight};
 
 const SIZE: (u32, u32) = (96, 64);
 
@@ -17,6 +17,10 @@ fn all() -> CelestialOptions {
         moon: grey_moon(),
         glare: true,
         aperture: None,
+        ghosts: Some(Ghosts {
+            part: 1e-3,
+            blades: Some(7),
+        }),
         star_gain: 1e5,
         stars_fade_by_day: false,
     }

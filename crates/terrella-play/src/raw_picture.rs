@@ -39,7 +39,8 @@ impl RawPainter {
         let mut renderer = OffscreenRenderer::open_for_light(gpu, options, (1, 1))?;
         renderer.show_dated_maps(flight)?;
         renderer.show_models(flight)?;
-        renderer.show_sky(flight)?;
+        // Ghosts lie about the middle of a picture, which that of a band is not.
+        renderer.show_sky_without(flight, "ghosts")?;
         Ok(Self {
             renderer,
             wait: flight.scene().output.wait(),

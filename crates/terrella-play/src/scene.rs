@@ -81,7 +81,7 @@ use error::MAX_FILE_BYTES;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use terrella_files as files;
-use terrella_ground::light::Aperture;
+use terrella_ground::light::{Aperture, Ghosts};
 
 use record::{KeyText, Record};
 use settings::SetText;
@@ -140,6 +140,8 @@ pub struct Scene {
     pub sky: SkyTable,
     /// `[lens]`: the aperture, where its diffraction is drawn.
     pub aperture: Option<Aperture>,
+    /// The same table: the lens's ghosts.
+    pub ghosts: Option<Ghosts>,
     /// Each `[[caption]]`.
     pub captions: Vec<CaptionTable>,
     /// `[output]`

@@ -151,11 +151,12 @@ impl ScenePainter {
         Ok(())
     }
 
-    /// The same without one part of it, by its key; without "aperture" the Sun has no spikes.
+    /// The same without one part of it, by its key; without "aperture" the Sun has no spikes, without "ghosts" none of them.
     pub fn show_sky_without(&mut self, flight: &Flight, part: &str) -> Result<(), PlayError> {
         let mut scene = flight.scene().clone();
         match part {
             "aperture" => scene.aperture = None,
+            "ghosts" => scene.ghosts = None,
             part => scene.sky.switch_off(part),
         }
         self.sky = SkyLayer::of_scene(&scene, flight, &self.gpu, &self.earth)?;

@@ -95,6 +95,7 @@ pub(super) fn read(
         sun: sky.sun,
         glare: sky.glare,
         aperture,
+        ghosts: scene.ghosts,
         star_gain: sky.star_gain,
         stars_fade_by_day: sky.stars_fade_by_day,
         ..CelestialOptions::NOTHING

@@ -45,16 +45,19 @@ pub enum CelestialKind {
     Moon,
     /// The Sun's light in the lens.
     Glare,
+    /// Images of the aperture that reflections in the lens make of the Sun.
+    Ghosts,
 }
 
 impl CelestialKind {
     /// All of them, in the order in which they are drawn.
-    pub const ALL: [Self; 5] = [
+    pub const ALL: [Self; 6] = [
         Self::MilkyWay,
         Self::Stars,
         Self::Sun,
         Self::Moon,
         Self::Glare,
+        Self::Ghosts,
     ];
 
     /// As shaders and labels call it.
@@ -65,6 +68,7 @@ impl CelestialKind {
             Self::Sun => "sun",
             Self::Moon => "moon",
             Self::Glare => "glare",
+            Self::Ghosts => "ghosts",
         }
     }
 }

@@ -111,6 +111,7 @@ files![
     "air_view.wgsl",
     "bloom.wgsl",
     "celestial.wgsl",
+    "celestial/ghosts.wgsl",
     "celestial/glare.wgsl",
     "celestial/milky_way.wgsl",
     "celestial/moon.wgsl",

@@ -11,6 +11,7 @@
 //! | `display_slope.rs` | how steeply those curves rise |
 //! | `bloom.rs` | light that a lens scatters before that |
 //! | `aperture.rs` | light that its aperture diffracts |
+//! | `ghosts.rs` | images of the aperture that reflections in it make |
 //! | `srgb.rs` | encoding of display values |
 //! | `tone.rs` | tone curves, the shaders' twins |
 //! | `agx.rs` | one of them |
@@ -24,6 +25,7 @@ mod aperture;
 mod bloom;
 mod display_slope;
 mod exposure;
+mod ghosts;
 mod grade;
 mod grain;
 mod hdr;
@@ -38,6 +40,7 @@ pub use aperture::{Aperture, DiffractionPattern, SUN_PLACE, SUN_PLACES};
 pub use bloom::Bloom;
 pub use display_slope::DisplaySlope;
 pub use exposure::{Adaptation, Exposure, exposure_factor};
+pub use ghosts::{Ghost, Ghosts};
 pub use grade::Grade;
 pub use grain::{GRAIN_BITS, GRAIN_INCREMENT, GRAIN_MULTIPLIER, GRAIN_SCALE, GRAIN_SHIFT, Grain};
 pub use hdr::{Hdr, HdrTransfer};

@@ -30,7 +30,7 @@ pub(super) enum FeatureKind {
     Bloom,
     WhiteBalance,
     Grain,
-    /// A part of `[sky]`, by its key, or the aperture of `[lens]`.
+    /// A part of `[sky]`, by its key, or aperture and ghosts of `[lens]`.
     Sky(&'static str),
     Tracks,
 }
@@ -79,6 +79,9 @@ impl FeatureKind {
         );
         if flight.scene().aperture.is_some() {
             kinds.push(Self::Sky("aperture"));
+        }
+        if flight.scene().ghosts.is_some() {
+            kinds.push(Self::Sky("ghosts"));
         }
         if TracksLayer::is_wanted(flight) {
             kinds.push(Self::Tracks);

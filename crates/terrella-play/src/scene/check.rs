@@ -28,7 +28,7 @@ pub(super) fn check(source: SceneText<'_>, raw: RawScene) -> Result<Scene, Scene
     let camera = source.camera(&raw.camera, !orbits.is_empty(), sensor.as_ref())?;
     let earth = source.earth(&raw.earth)?;
     let sky = source.sky(&raw.sky, &earth)?;
-    let aperture = source.aperture(&raw.lens, &sky)?;
+    let (aperture, ghosts) = source.lens_table(&raw.lens, &sky)?;
     let time = source.time(&raw.time)?;
     if orbits.is_empty() && camera.mode != CameraMode::Geodetic {
         // The space station, whose elements are built in.
@@ -115,6 +115,7 @@ pub(super) fn check(source: SceneText<'_>, raw: RawScene) -> Result<Scene, Scene
         earth,
         sky,
         aperture,
+        ghosts,
         captions,
         output,
         quality,

@@ -1,4 +1,4 @@
-//! `[lens]`: the aperture, which diffracts the Sun's light to spikes.
+//! `[lens]`: the aperture, which diffracts the Sun's light to spikes, and ghosts.
 
 use super::error::SceneError;
 use super::field::{Bounds, Field, range_text, whole};
@@ -12,7 +12,7 @@ use serde::Deserialize;
 #[cfg(test)]
 use serde_json::json;
 use std::ops::{Range, RangeInclusive};
-use terrella_ground::light::Aperture;
+use terrella_ground::light::{Aperture, Ghosts};
 use toml::Spanned;
 
 const GLARE: &Only = &Only {
@@ -31,15 +31,33 @@ table!(RawLens = "lens" {
     f_number: f64, in Aperture::F_NUMBERS, default 16.0, for BLADES;
     /// Part of the aperture that dust covers, in specks of a hundredth of its diameter. Its light is a corona about the Sun.
     dust: f64, in Aperture::DUSTS, default 0.0, for BLADES;
+    /// Part of the Sun's light in ghosts: images of the aperture that reflections inside the lens make, mirrored about the picture's middle. 0 draws none.
+    ghosts: f64, in Ghosts::PARTS, default 0.0, for GLARE;
 });
 
 impl SceneText<'_> {
-    /// Checks `[lens]`.
-    pub(super) fn aperture(
+    /// Checks `[lens]`: the aperture whose diffraction is drawn, and ghosts.
+    pub(super) fn lens_table(
         &self,
         lens: &RawLens,
         sky: &SkyTable,
-    ) -> Result<Option<Aperture>, SceneError> {
+    ) -> Result<(Option<Aperture>, Option<Ghosts>), SceneError> {
+        let aperture = self.aperture(lens, sky)?;
+        let field = lens.ghosts();
+        if !sky.glare {
+            let advice = "needs the Sun's glare; write glare = true in [sky], or leave ghosts out";
+            self.idle(&field, GLARE.why, advice)?;
+            return Ok((aperture, None));
+        }
+        let part = self.quantity(&field)?;
+        let ghosts = Ghosts {
+            part,
+            blades: aperture.map(|aperture| aperture.blades),
+        };
+        Ok((aperture, Some(ghosts).filter(|_| part > 0.0)))
+    }
+
+    fn aperture(&self, lens: &RawLens, sky: &SkyTable) -> Result<Option<Aperture>, SceneError> {
         let (field, f_number, dust) = (lens.blades(), lens.f_number(), lens.dust());
         let blades = match sky.glare {
             true => self.blades(&field)?,
@@ -108,10 +126,17 @@ mod tests {
             ("blades = 6\ndust = 0.1", ["dust = 0.1", "0 to 0.005"]),
             ("blades = 6\nf_number = nan", ["f_number", "finite"]),
             ("f_number = 8", ["f_number", "blades"]),
+            ("ghosts = 0.01", ["ghosts = 0.01", "0 to 0.001"]),
         ] {
             let said = aperture(&format!("{glare}{keys}\n")).expect_err(keys);
             assert!(words.iter().all(|word| said.contains(word)), "{said}");
         }
+        let scene = format!("{glare}blades = 5\nghosts = 5e-4\n");
+        let scene = Scene::from_toml(&scene, Path::new("a.toml")).expect("good");
+        let (part, blades) = (5e-4, Some(5));
+        assert_eq!(scene.ghosts, Some(super::Ghosts { part, blades }));
+        let dark = aperture("[sky]\nglare = false\n[lens]\nghosts = 1e-4\n").expect_err("none");
+        assert!(dark.contains("glare = true"), "{dark}");
         let dark = aperture("[sky]\nglare = false\n[lens]\nblades = 6\n").expect_err("none");
         assert!(dark.contains("glare = true"), "{dark}");
     }

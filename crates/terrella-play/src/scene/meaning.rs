@@ -135,6 +135,7 @@ const KEYS: &[(&str, &str, &[&str])] = &[
         "blades",
         &["aperture_blades", "spikes", "starburst"],
     ),
+    ("lens", "ghosts", &["flares", "lens_flares", "reflections"]),
     (
         "output",
         "size",
