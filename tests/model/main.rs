@@ -6,3 +6,4 @@ mod globe;
 mod halo;
 #[cfg(all(feature = "celestial", feature = "terrain", feature = "tracks"))]
 mod shaders;
+mod tones;
