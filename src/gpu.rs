@@ -84,6 +84,7 @@ pub use read_back::PictureError;
 pub(crate) use shader::GLARE_RADIUS_RAD;
 #[cfg(feature = "packs")]
 pub(crate) use shader::GLINT_ENDS_SIN;
+pub(crate) use shader::LAMPS_FULL_SIN;
 #[cfg(feature = "tracks")]
 pub(crate) use shader::{
     FROM_PREVIOUS as TRACK_FROM_PREVIOUS, ON_GROUND as TRACK_ON_GROUND, UNCASED as TRACK_UNCASED,

@@ -1,12 +1,14 @@
 //! The exposure of frames: fixed, or metered from what is in view.
 
 use super::view::ItrfView;
-use super::{Appearance, EarthOptions, EyeView, Sky, Viewport};
+use super::{Appearance, EarthOptions, EyeView, Sky, SurfaceLight, Viewport};
+use crate::gpu::{LAMPS_FULL_SIN, LAMPS_OUT_SIN};
+use crate::plan::{AIRGLOW_LUMINANCE, GLOW_DAY_SIN, GLOW_NIGHT_SIN, LAYER_HEIGHTS};
 use glam::DVec3;
 use std::sync::Arc;
 use terrella_frames::{Ellipsoid, MoonShadow};
 use terrella_ground::air::{AirOptions, AirTables, Atmosphere};
-use terrella_ground::light::{Exposure, Meter, MeterView};
+use terrella_ground::light::{Exposure, Meter, MeterView, NightLight};
 use terrella_imagery::NeighbourhoodAlbedo;
 use terrella_imagery::tile::MAP_LAYERS;
 
@@ -14,10 +16,7 @@ use terrella_imagery::tile::MAP_LAYERS;
 #[derive(Clone)]
 pub(super) struct ExposureControl {
     exposure: Exposure,
-    /// [`SurfaceLight::moon_gain`](super::SurfaceLight::moon_gain).
-    moon_gain: f64,
-    /// [`SurfaceLight::eclipses`](super::SurfaceLight::eclipses).
-    has_eclipses: bool,
+    light: SurfaceLight,
     /// Made when exposure is first metered; an Earth that never meters has none.
     meter: Option<Arc<Meter>>,
     /// What a meter is made of.
@@ -31,8 +30,7 @@ impl ExposureControl {
     pub fn new(options: &EarthOptions, atmosphere: Atmosphere) -> Self {
         let mut control = Self {
             exposure: options.exposure,
-            moon_gain: options.light.moon_gain(),
-            has_eclipses: options.light.eclipses,
+            light: options.light,
             albedo: Arc::new(NeighbourhoodAlbedo::of_parts(|layer| {
                 options.map_albedo(layer)
             })),
@@ -62,8 +60,7 @@ impl ExposureControl {
 
     /// Draws with this light from now on, and with this content of the air from the next [`Self::set_air`] on.
     pub fn set_appearance(&mut self, appearance: &Appearance) {
-        self.moon_gain = appearance.light.moon_gain();
-        self.has_eclipses = appearance.light.eclipses;
+        self.light = appearance.light;
         self.air_options = appearance.air;
     }
 
@@ -98,7 +95,8 @@ impl ExposureControl {
         let (albedo, air) = (&self.albedo, &self.air);
         self.meter.get_or_insert_with(|| {
             let air = air.as_ref().map(AirTables::shared);
-            Arc::new(Meter::new(albedo.texels(&[true; MAP_LAYERS]), air))
+            let texels = albedo.texels(&[true; MAP_LAYERS]);
+            Arc::new(Meter::new(texels, albedo.lamps(), air))
         })
     }
 
@@ -114,20 +112,38 @@ impl ExposureControl {
     fn metered(&mut self, view: &ItrfView, sky: &Sky, ellipsoid: &Ellipsoid) -> f64 {
         let itrf_from_scaled = ellipsoid.itrf_from_scaled();
         let (moon_itrf, moon_light) = sky.moonlight();
-        let moon_light = (self.moon_gain * moon_light) as f32;
+        let moon_light = (self.light.moon_gain() * moon_light) as f32;
         let shadow = self.shadow_of(sky, ellipsoid);
+        let night = self.night();
         self.meter().ev(&MeterView {
             eye_scaled: view.eye_itrf_m / itrf_from_scaled,
             itrf_from_scaled,
             clip_from_eye: &view.clip_from_eye,
             lights: [(sky.sun_itrf, 1.0), (moon_itrf, moon_light)],
             shadow,
+            night,
         })
+    }
+
+    /// What shines by night, as it is drawn.
+    fn night(&self) -> NightLight {
+        let airglow = match self.light.airglow && self.air.is_some() {
+            true => AIRGLOW_LUMINANCE * self.light.night_gain,
+            false => 0.0,
+        };
+        NightLight {
+            lamps: self.light.lamp_light(),
+            lamp_sins: [LAMPS_FULL_SIN, LAMPS_OUT_SIN],
+            airglow,
+            airglow_sins: [GLOW_NIGHT_SIN, GLOW_DAY_SIN],
+            // More than half of its light is that of green oxygen.
+            airglow_height: LAYER_HEIGHTS.y,
+        }
     }
 
     /// The Moon's shadow, where it falls on the Earth at all and is drawn.
     fn shadow_of(&self, sky: &Sky, ellipsoid: &Ellipsoid) -> Option<MoonShadow> {
-        let shadow = sky.moon_shadow().filter(|_| self.has_eclipses)?;
+        let shadow = sky.moon_shadow().filter(|_| self.light.eclipses)?;
         let reaches = shadow.reaches(DVec3::ZERO, ellipsoid.equatorial_radius_m);
         reaches.then_some(shadow)
     }

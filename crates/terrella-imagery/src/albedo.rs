@@ -24,6 +24,7 @@ pub struct NeighbourhoodAlbedo {
     day: Vec<Vec3>,
     water: Option<Vec<Vec3>>,
     cloud_cover: Option<Vec<Vec3>>,
+    lamps: Option<Vec<Vec3>>,
 }
 
 impl NeighbourhoodAlbedo {
@@ -43,6 +44,7 @@ impl NeighbourhoodAlbedo {
             day: means(MapLayer::Day).unwrap_or_else(|| vec![Vec3::ZERO; WIDTH * HEIGHT]),
             water: means(MapLayer::Water),
             cloud_cover: means(MapLayer::Clouds),
+            lamps: means(MapLayer::NightLights),
         }
     }
 
@@ -52,7 +54,8 @@ impl NeighbourhoodAlbedo {
             MapLayer::Day => self.day.clone_from(&part.means),
             MapLayer::Clouds => self.cloud_cover = Some(part.means.clone()),
             MapLayer::Water => self.water = Some(part.means.clone()),
-            MapLayer::Normals | MapLayer::NightLights => {}
+            MapLayer::NightLights => self.lamps = Some(part.means.clone()),
+            MapLayer::Normals => {}
         }
     }
 
@@ -74,12 +77,20 @@ impl NeighbourhoodAlbedo {
             let ground = self.day[cell].lerp(Vec3::splat(SEA_ALBEDO), sea);
             ground.lerp(Vec3::splat(CLOUD_ALBEDO as f32), cover)
         };
-        let row = |row: usize| {
-            let columns = (0..WIDTH + 2).map(move |column| (column + WIDTH - 1) % WIDTH);
-            columns.map(move |column| row * WIDTH + column)
-        };
-        let cells = (0..HEIGHT).flat_map(row);
-        cells.map(|cell| albedo(cell).extend(1.0)).collect()
+        cells_around()
+            .map(|cell| albedo(cell).extend(1.0))
+            .collect()
+    }
+
+    /// Light of lamps in the same texels, that of the brightest being 1; empty without a map of them. It is the fourth root of the mean fourth
+    /// power, which the hearts of towns decide: what is dark between them is larger.
+    pub fn lamps(&self) -> Vec<f32> {
+        let lamps = self.lamps.as_deref();
+        lamps.map_or_else(Vec::new, |lamps| {
+            cells_around()
+                .map(|cell| lamps[cell].x.sqrt().sqrt())
+                .collect()
+        })
     }
 }
 
@@ -93,16 +104,18 @@ pub struct MapAlbedo {
 impl MapAlbedo {
     /// That of a map; `None` of one that has no part in it.
     pub fn of(layer: MapLayer, map: &LayerImage) -> Option<Self> {
-        let level = Self::level(map);
+        let level = Self::level(layer, map);
         let texels = map.levels.get(level).map_or(&[][..], Vec::as_slice);
         Self::of_texels(layer, texels, map.level_size(level), map.format)
     }
 
-    /// The level of a map that it is found from: the smallest with a texel for each neighbourhood.
-    pub(super) fn level(map: &LayerImage) -> usize {
+    /// The level of a map that it is found from: the smallest with a texel for each neighbourhood. Of lamps, whose light is no mean of what
+    /// texels hold, one of many.
+    pub(super) fn level(layer: MapLayer, map: &LayerImage) -> usize {
+        let finer = if layer == MapLayer::NightLights { 8 } else { 1 };
         let is_large = |level: &usize| {
             let (width, height) = map.level_size(*level);
-            width as usize >= WIDTH && height as usize >= HEIGHT
+            width as usize >= finer * WIDTH && height as usize >= finer * HEIGHT
         };
         let levels = 0..level_count(map.width, map.height);
         levels.take_while(is_large).last().unwrap_or(0)
@@ -119,7 +132,8 @@ impl MapAlbedo {
         let means = match layer {
             MapLayer::Day => means(texels, size, bytes, color),
             MapLayer::Clouds | MapLayer::Water => means(texels, size, bytes, cover),
-            MapLayer::Normals | MapLayer::NightLights => return None,
+            MapLayer::NightLights => means(texels, size, bytes, lamp),
+            MapLayer::Normals => return None,
         };
         Some(Self { layer, means })
     }
@@ -141,6 +155,20 @@ fn color(texel: &[u8]) -> Vec3 {
 
 fn cover(texel: &[u8]) -> Vec3 {
     Vec3::splat(f32::from(texel[0]) / 255.0)
+}
+
+/// The fourth power of lamps' light: maps hold its fourth root.
+fn lamp(texel: &[u8]) -> Vec3 {
+    Vec3::splat((f32::from(texel[0]) / 255.0).powi(16))
+}
+
+/// Cells row by row, with the last column before the first and the first after the last.
+fn cells_around() -> impl Iterator<Item = usize> {
+    let row = |row: usize| {
+        let columns = (0..WIDTH + 2).map(|column| (column + WIDTH - 1) % WIDTH);
+        columns.map(move |column| row * WIDTH + column)
+    };
+    (0..HEIGHT).flat_map(row)
 }
 
 /// Means of a map's texels over the cells.
@@ -201,6 +229,24 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn the_brightest_lamps_decide() {
+        // Every second texel is at half of the scale: light of 1/16.
+        let texels = (0..512 * 256).map(|at| if at % 2 == 0 { 128 } else { 0 });
+        let night = LayerImage::from_r8(512, 256, texels.collect()).expect("a map");
+        let mut maps = layers(
+            LayerImage::from_rgba8(2, 1, vec![9; 8]).expect("a map"),
+            None,
+        );
+        assert!(NeighbourhoodAlbedo::new(&maps).lamps().is_empty());
+        maps.night_lights = Some(night);
+        let lamps = NeighbourhoodAlbedo::new(&maps).lamps();
+        assert_eq!(lamps.len(), (WIDTH + 2) * HEIGHT);
+        let wanted = 0.5_f32.powf(0.25) * (128.0_f32 / 255.0).powi(4);
+        let off = lamps.iter().map(|lamp| (lamp / wanted - 1.0).abs());
+        assert!(off.fold(0.0, f32::max) < 1e-3, "{lamps:?}");
     }
 
     #[test]

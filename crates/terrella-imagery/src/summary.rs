@@ -45,7 +45,7 @@ impl MapSummaryRows {
             format,
             levels: [].into(),
         };
-        let albedo_level = MapAlbedo::level(&map);
+        let albedo_level = MapAlbedo::level(layer, &map);
         let (columns, rows) = map.level_size(albedo_level);
         let albedo_bytes = columns as usize * rows as usize * format.texel_bytes();
         Self {

@@ -39,7 +39,7 @@ pub(crate) const UNCASED: u32 = 4;
 /// Sine of the Sun's elevation above which city lights are out: at sunset.
 pub const LAMPS_OUT_SIN: f64 = 0.0;
 /// Sine of the Sun's elevation below which they are all on: −6°, the end of civil twilight.
-const LAMPS_FULL_SIN: f64 = -0.104_528_463;
+pub(crate) const LAMPS_FULL_SIN: f64 = -0.104_528_463;
 /// Sine of the Sun's elevation below which the sea mirrors no Sun.
 #[cfg(feature = "packs")]
 pub(crate) const GLINT_ENDS_SIN: f64 = -0.01;

@@ -65,6 +65,7 @@ pub(super) use variant::ShaderModule;
 pub(crate) use constants::GLARE_RADIUS_RAD;
 #[cfg(feature = "packs")]
 pub(crate) use constants::GLINT_ENDS_SIN;
+pub(crate) use constants::LAMPS_FULL_SIN;
 #[cfg(feature = "tracks")]
 pub(crate) use constants::{FROM_PREVIOUS, ON_GROUND, UNCASED};
 pub use constants::{

@@ -3,7 +3,7 @@
 //!
 //! A grid of rays is cast at the ellipsoid. Where one meets the ground, its luminance is the albedo there, coarsely, times the
 //! light that falls on it, and about what the air before it scatters; where it passes through the air beside the ground, that of
-//! the sky over its lowest point. Rays into space do not count. The mean luminance of the brightest [`BRIGHTEST`] of what counts
+//! the sky over its lowest point. By night lamps and airglow shine beside that. Rays into space do not count. The mean luminance of the brightest [`BRIGHTEST`] of what counts
 //! is shown as [`SHOWN`].
 
 use super::Exposure;
@@ -21,9 +21,10 @@ pub const VIEW_RAYS: usize = (RAYS[0] * RAYS[1]) as usize;
 const BRIGHTEST: f64 = 0.1;
 /// Display light that it is shown with.
 const SHOWN: f64 = 0.7;
-/// Exposures that are answered, EV: snow in full sunlight still needs more than the least; the most shows twilight, and lights of
-/// cities, which are drawn for daylight's exposure, without burning them out.
-const RANGE_EV: [f64; 2] = [-4.0, 3.0];
+/// Exposures that are answered, EV: snow in full sunlight still needs more than the least; the most shows airglow.
+const RANGE_EV: [f64; 2] = [-4.0, 6.0];
+/// Most that the airglow's layer is brighter seen along it than seen from below, on one side of a ray.
+const MOST_SLANT: f64 = 12.0;
 /// Columns and rows of the map of albedo: the whole Earth, north row first, left edge at 180° W, with the last column before the
 /// first and the first after the last.
 const METER_ALBEDO: [usize; 2] = [66, 32];
@@ -55,20 +56,39 @@ pub struct MeterView<'a> {
     pub lights: [(DVec3, f32); 2],
     /// What stands before the Sun.
     pub shadow: Option<MoonShadow>,
+    /// What shines by night.
+    pub night: NightLight,
+}
+
+/// Lights of the night as they are drawn, a white sheet that faces the Sun in space being 1.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct NightLight {
+    /// Light of the brightest lamps; 0 where none are drawn.
+    pub lamps: f64,
+    /// Sines of the Sun's elevation at which all lamps are on, and at which they go out.
+    pub lamp_sins: [f64; 2],
+    /// Luminance of the airglow seen from straight below; 0 where none is drawn.
+    pub airglow: f64,
+    /// Sines of the Sun's elevation at which all of it is seen, and at which twilight outshines it.
+    pub airglow_sins: [f64; 2],
+    /// Height of its layer, equatorial radii.
+    pub airglow_height: f64,
 }
 
 /// Meters views of an Earth.
 pub struct Meter {
     /// Of the ground under its clouds, RGB, [`METER_ALBEDO`] texels.
     albedo: Vec<Vec4>,
+    /// Lamps in the same texels, the brightest being 1; empty where there are none.
+    lamps: Vec<f32>,
     /// The air, if there is any.
     air: Option<Arc<AirTables>>,
 }
 
 impl Meter {
-    /// `albedo` has `METER_ALBEDO` texels.
-    pub fn new(albedo: Vec<Vec4>, air: Option<Arc<AirTables>>) -> Self {
-        Self { albedo, air }
+    /// `albedo` has `METER_ALBEDO` texels, and so have `lamps` where there are any.
+    pub fn new(albedo: Vec<Vec4>, lamps: Vec<f32>, air: Option<Arc<AirTables>>) -> Self {
+        Self { albedo, lamps, air }
     }
 
     /// The exposure for a view, EV; the default where neither ground nor air is in sight. Allocates nothing.
@@ -102,7 +122,13 @@ impl Meter {
             let [falls, sky] = self.light(view, up, albedo);
             // The air sends about as much up as down, and more where one looks along it.
             let before = sky * (0.5 / root.max(0.25)) as f32;
-            return (luminance(albedo * falls + before), 1.0);
+            let (night, sun_sin) = (&view.night, up.dot(view.lights[0].0));
+            let lamps = night.lamps * f64::from(self.lamps_at(up)) * on(night.lamp_sins, sun_sin);
+            let glow = match above > night.airglow_height {
+                true => night.airglow_along(q) * on(night.airglow_sins, sun_sin),
+                false => 0.0,
+            };
+            return (luminance(albedo * falls + before) + lamps + glow, 1.0);
         }
         // Past the ground: the lowest point, which is the eye's own where the ray rises.
         let (lowest, height) = match along > 0.0 {
@@ -115,7 +141,19 @@ impl Meter {
             Some(_) => (-height / AIR_SCALE).exp(),
             None => 0.0,
         };
-        (luminance(sky) * part, part)
+        let night = &view.night;
+        let seen = on(night.airglow_sins, up.dot(view.lights[0].0));
+        if night.airglow <= 0.0 || seen <= 0.0 || height > night.airglow_height {
+            return (luminance(sky) * part, part);
+        }
+        // An eye above the layer sees it on both sides of the lowest point.
+        let sides = if above > night.airglow_height {
+            2.0
+        } else {
+            1.0
+        };
+        let glow = sides * night.airglow_along(q) * seen;
+        (luminance(sky) * part + glow, part.max(seen))
     }
 
     /// Outward normal of the ellipsoid, ITRF axes, at a direction of scaled space.
@@ -157,21 +195,49 @@ impl Meter {
 
     /// The albedo at a place, between the texels' middles.
     fn albedo_at(&self, up: DVec3) -> Vec3 {
-        let [columns, rows] = METER_ALBEDO;
-        // The first column is the last one again.
-        let u = (up.y.atan2(up.x) / TAU + 0.5) * (columns - 2) as f64 + 0.5;
-        let v = (0.5 - up.z.clamp(-1.0, 1.0).asin() / PI) * rows as f64 - 0.5;
-        let texel = |column: f64, row: f64| {
-            let column = column.clamp(0.0, (columns - 1) as f64) as usize;
-            let row = row.clamp(0.0, (rows - 1) as f64) as usize;
-            let texel = self.albedo.get(row * columns + column).copied();
-            texel.unwrap_or_default().truncate()
-        };
-        let (left, top) = (u.floor(), v.floor());
-        let (across, down) = ((u - left) as f32, (v - top) as f32);
-        let line = |row| texel(left, row).lerp(texel(left + 1.0, row), across);
-        line(top).lerp(line(top + 1.0), down)
+        let texel = |at: usize| self.albedo.get(at).copied().unwrap_or_default();
+        between(up, texel).truncate()
     }
+
+    fn lamps_at(&self, up: DVec3) -> f32 {
+        let texel = |at: usize| Vec4::splat(self.lamps.get(at).copied().unwrap_or_default());
+        match self.lamps.is_empty() {
+            true => 0.0,
+            false => between(up, texel).x,
+        }
+    }
+}
+
+impl NightLight {
+    /// Luminance of the airglow on one side of a ray that passes the centre in this distance, scaled space.
+    fn airglow_along(&self, q: f64) -> f64 {
+        let sine = (q / (1.0 + self.airglow_height)).min(1.0);
+        let cosine = ((1.0 - sine) * (1.0 + sine)).sqrt();
+        self.airglow / cosine.max(1.0 / MOST_SLANT)
+    }
+}
+
+/// How much of a light of the night is seen, where it is all seen below the first sine of the Sun's elevation and none of it above the second.
+fn on([full, out]: [f64; 2], sun_sin: f64) -> f64 {
+    let t = ((out - sun_sin) / (out - full).max(1e-9)).clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
+}
+
+/// What texels hold at a place, between their middles.
+fn between(up: DVec3, texel: impl Fn(usize) -> Vec4) -> Vec4 {
+    let [columns, rows] = METER_ALBEDO;
+    // The first column is the last one again.
+    let u = (up.y.atan2(up.x) / TAU + 0.5) * (columns - 2) as f64 + 0.5;
+    let v = (0.5 - up.z.clamp(-1.0, 1.0).asin() / PI) * rows as f64 - 0.5;
+    let at = |column: f64, row: f64| {
+        let column = column.clamp(0.0, (columns - 1) as f64) as usize;
+        let row = row.clamp(0.0, (rows - 1) as f64) as usize;
+        texel(row * columns + column)
+    };
+    let (left, top) = (u.floor(), v.floor());
+    let (across, down) = ((u - left) as f32, (v - top) as f32);
+    let line = |row| at(left, row).lerp(at(left + 1.0, row), across);
+    line(top).lerp(line(top + 1.0), down)
 }
 
 fn luminance(light: Vec3) -> f64 {
@@ -207,6 +273,7 @@ mod tests {
     fn meter(albedo: f32) -> Meter {
         Meter::new(
             vec![Vec4::splat(albedo); METER_ALBEDO[0] * METER_ALBEDO[1]],
+            Vec::new(),
             None,
         )
     }
@@ -217,6 +284,10 @@ mod tests {
     }
 
     fn ev_under(meter: &Meter, height_m: f64, lights: [(DVec3, f32); 2]) -> f64 {
+        ev_with(meter, height_m, lights, NightLight::default())
+    }
+
+    fn ev_with(meter: &Meter, height_m: f64, lights: [(DVec3, f32); 2], night: NightLight) -> f64 {
         let eye = DVec3::X * (RADII.x + height_m);
         let view = dcamera::rh::view::look_at_mat4(DVec3::ZERO, -DVec3::X, DVec3::Z);
         let clip_from_eye = dcamera::rh::proj::directx::perspective(0.8, 1.6, 1.0, 1e9) * view;
@@ -226,6 +297,7 @@ mod tests {
             clip_from_eye: &clip_from_eye,
             lights,
             shadow: None,
+            night,
         })
     }
 
@@ -254,6 +326,40 @@ mod tests {
     }
 
     #[test]
+    fn a_night_without_a_moon_is_metered_by_lamps_and_airglow() {
+        let night = NightLight {
+            lamps: 0.6,
+            lamp_sins: [-0.1, 0.0],
+            airglow: 0.0,
+            airglow_sins: [-0.2, -0.1],
+            airglow_height: 0.015,
+        };
+        let count = METER_ALBEDO[0] * METER_ALBEDO[1];
+        let lit = Meter {
+            lamps: vec![0.1; count],
+            ..meter(0.0)
+        };
+        let ev = |meter: &Meter, sun: DVec3, night| {
+            ev_with(meter, 4e5, [(sun, 1.0), (DVec3::ZERO, 0.0)], night)
+        };
+        let found = ev(&lit, -DVec3::X, night);
+        assert!((found - (0.7_f64 / 0.06).log2()).abs() < 0.01, "{found}");
+        // By day they are off, and without a map there are none.
+        assert_eq!(ev(&lit, DVec3::X, night), RANGE_EV[1]);
+        assert_eq!(ev(&meter(0.0), -DVec3::X, night), RANGE_EV[1]);
+        let glowing = NightLight {
+            lamps: 0.0,
+            airglow: 0.05,
+            ..night
+        };
+        // Towards the corners it is brighter than straight down.
+        let found = ev(&lit, -DVec3::X, glowing);
+        let straight = (0.7_f64 / 0.05).log2();
+        assert!((straight - 0.4..straight).contains(&found), "{found}");
+        assert_eq!(ev(&lit, DVec3::X, glowing), RANGE_EV[1]);
+    }
+
+    #[test]
     fn space_alone_gets_the_default() {
         let meter = meter(0.3);
         let view = dcamera::rh::view::look_at_mat4(DVec3::ZERO, DVec3::X, DVec3::Z);
@@ -264,6 +370,7 @@ mod tests {
             clip_from_eye: &clip_from_eye,
             lights: [(DVec3::Y, 1.0), (DVec3::ZERO, 0.0)],
             shadow: None,
+            night: NightLight::default(),
         });
         assert_eq!(ev, Exposure::DEFAULT_EV);
     }

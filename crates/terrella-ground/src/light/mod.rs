@@ -44,7 +44,7 @@ pub use ghosts::{Ghost, Ghosts};
 pub use grade::Grade;
 pub use grain::{GRAIN_BITS, GRAIN_INCREMENT, GRAIN_MULTIPLIER, GRAIN_SCALE, GRAIN_SHIFT, Grain};
 pub use hdr::{Hdr, HdrTransfer};
-pub use meter::{Meter, MeterView, VIEW_RAYS, view_rays};
+pub use meter::{Meter, MeterView, NightLight, VIEW_RAYS, view_rays};
 pub use response::Response;
 pub use response_text::{MAX_RESPONSE_BYTES, ResponseError};
 pub use tone::Tone;
