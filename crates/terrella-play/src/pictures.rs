@@ -273,9 +273,7 @@ impl ScenePictures {
         let mut painter = match self.raw.take() {
             Some(painter) => painter,
             None => {
-                let mut options = self.options()?.clone();
-                // What is measured is what is known.
-                options.light.detail = false;
+                let options = self.options()?.clone();
                 RawPainter::new(&self.flight, self.gpu.clone(), options)?
             }
         };

@@ -131,9 +131,7 @@ pub fn write_raw_film(
     let features = GpuContext::FLOAT_TARGET;
     let gpu = pollster::block_on(GpuContext::open_with(request.adapter, features))?;
     progress.begin("loading maps", None);
-    let mut options = flight.uploaded_options(&gpu)?;
-    // What is measured is what is known.
-    options.light.detail = false;
+    let options = flight.uploaded_options(&gpu)?;
     let mut painter = RawPainter::new(flight, gpu.clone(), options)?;
     progress.end();
     let adapter = gpu.adapter.get_info().name;

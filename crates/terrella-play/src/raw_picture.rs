@@ -30,11 +30,16 @@ pub struct RawPainter {
 }
 
 impl RawPainter {
-    /// For a flight's scene. `options` are those of light.
+    /// For a flight's scene. Made detail is left out: what is measured is what is known.
     ///
     /// # Errors
     /// Maps that cannot be read, a device without room.
-    pub fn new(flight: &Flight, gpu: GpuContext, options: EarthOptions) -> Result<Self, PlayError> {
+    pub fn new(
+        flight: &Flight,
+        gpu: GpuContext,
+        mut options: EarthOptions,
+    ) -> Result<Self, PlayError> {
+        options.light.detail = false;
         // Each band has a size of its own.
         let mut renderer = OffscreenRenderer::open_for_light(gpu, options, (1, 1))?;
         renderer.show_dated_maps(flight)?;

@@ -77,8 +77,7 @@ pub struct CameraService<'f> {
     flight: &'f Flight,
     simulation: &'f Simulation,
     renderer: OffscreenRenderer,
-    /// The scene's sensor, and what draws its frames.
-    sensor: Option<(Sensor, RawPainter)>,
+    sensor: Option<CameraSensor>,
     /// How long a picture waits for tiles.
     wait: Duration,
 }
@@ -102,12 +101,9 @@ impl<'f> CameraService<'f> {
         let most = simulation.options().timeout / 2;
         let sensor = match sensor {
             Some(sensor) => {
-                let mut options = options.clone();
-                // What is measured is what is known.
-                options.light.detail = false;
-                let mut painter = RawPainter::new(flight, gpu.clone(), options)?;
+                let mut painter = RawPainter::new(flight, gpu.clone(), options.clone())?;
                 painter.limit_wait(most);
-                Some((sensor, painter))
+                Some(CameraSensor { sensor, painter })
             }
             None => None,
         };
@@ -187,13 +183,14 @@ impl<'f> CameraService<'f> {
             let map = depth_map(&moment, self.flight.ellipsoid(), clip_m, size);
             return png(&map, size, ExtendedColorType::Rgb8).map_err(not_encoded);
         }
-        if self.sensor.is_some() {
+        if let Some(sensor) = &mut self.sensor {
             let moment = Moment {
                 // Noise differs from step to step.
                 frame: snapshot.frame_number as u32,
                 ..moment
             };
-            let frame = self.raw_frame(camera, &moment, size)?;
+            let gpu = self.renderer.gpu();
+            let frame = sensor.read_out(self.flight, gpu, (camera, size), &moment)?;
             return png(&eight_bits(&frame), size, ExtendedColorType::L8).map_err(not_encoded);
         }
         self.renderer.resize(size)?;
@@ -201,19 +198,24 @@ impl<'f> CameraService<'f> {
         let picture = image::DynamicImage::from(self.renderer.read()?).into_rgb8();
         png(&picture, size, ExtendedColorType::Rgb8).map_err(not_encoded)
     }
+}
 
-    /// What the scene's sensor reads out behind a camera.
-    fn raw_frame(
+/// The scene's sensor, and what draws its frames.
+struct CameraSensor {
+    sensor: Sensor,
+    painter: RawPainter,
+}
+
+impl CameraSensor {
+    /// What it reads out behind a camera.
+    fn read_out(
         &mut self,
-        camera: &Camera,
+        flight: &Flight,
+        gpu: &GpuContext,
+        (camera, size): (&Camera, (u32, u32)),
         moment: &Moment,
-        size: (u32, u32),
     ) -> Result<RawFrame, PlayError> {
-        let Some((sensor, painter)) = &mut self.sensor else {
-            let scene = self.flight.scene().path.clone();
-            return Err(PlayError::NoSensor { scene });
-        };
-        let fitted = sensor.fitted(
+        let fitted = self.sensor.fitted(
             size.into(),
             camera.fov_deg.to_radians(),
             camera.focal_length_mm,
@@ -227,10 +229,9 @@ impl<'f> CameraService<'f> {
             ),
         })?;
         let aspect = f64::from(size.0) / f64::from(size.1);
-        let gpu = self.renderer.gpu();
-        let bands = SensorBands::new(self.flight, &sensor, moment, aspect, gpu)?;
-        let picture = painter.draw(&SensorView { sensor, bands }, moment)?;
-        Ok(picture.raw)
+        let bands = SensorBands::new(flight, &sensor, moment, aspect, gpu)?;
+        let seen = SensorView { sensor, bands };
+        Ok(self.painter.draw(&seen, moment)?.raw)
     }
 }
 

@@ -26,7 +26,7 @@ impl OverLight {
     /// nor captions.
     ///
     /// # Errors
-    /// An image that cannot be read, a style that is no style.
+    /// An image that cannot be read, a track style out of range.
     pub fn of(
         flight: &Flight,
         light: &OffscreenRenderer,
