@@ -1,6 +1,6 @@
 //! Stills, their numbers, and frames.
 
-use crate::{Place, names, png_size};
+use crate::{Place, REPOSITORY, names, png_size};
 use std::path::Path;
 use terrella::frames::Duration;
 use terrella_play::scene::Scene;
@@ -394,5 +394,136 @@ fn only_a_chase_draws_the_craft() {
             number("blocks_drawn") + 1 + crafts,
             "{mode}"
         );
+    }
+}
+
+/// The demo's ground has black and white in it, and no star shines beside it: neither a picture without stars differs.
+#[test]
+fn the_demo_has_the_contrast_of_a_photograph_and_no_star_beside_the_earth() {
+    let place = Place::new();
+    let demo = format!("{REPOSITORY}/config/iss.toml");
+    let frame = |name: &str, more: &[&str]| {
+        let ask = ["frame", &demo, "-o", name, "--size", "320x180"];
+        place.succeed(&[&ask[..], more].concat());
+        image::open(place.path(name)).expect("a PNG").to_rgb8()
+    };
+    let shown = frame("a.png", &["--truth", "truth"]);
+    let starless = ["--set", "sky.stars=false", "--set", "sky.milky_way=false"];
+    let starless = frame("b.png", &starless);
+    let codes = shown.as_raw().iter().zip(starless.as_raw());
+    let star = codes.map(|(a, b)| a.abs_diff(*b)).max();
+    // Behind the header of the array, 64-bit floats.
+    let lat = std::fs::read(place.path("truth/lat_deg.npy")).expect("reads");
+    let lat = &lat[lat.len() - 8 * 320 * 180..];
+    let is_ground = lat.as_chunks::<8>().0.iter();
+    let is_ground = is_ground.map(|bytes| f64::from_le_bytes(*bytes).is_finite());
+    let ground = shown.pixels().zip(is_ground).filter(|(_, is)| *is);
+    let percentile = |value: fn([f64; 3]) -> f64, part: f64| {
+        let mut values: Vec<f64> = ground
+            .clone()
+            .map(|(pixel, _)| value(pixel.0.map(f64::from)))
+            .collect();
+        values.sort_by(f64::total_cmp);
+        values[(part * values.len() as f64) as usize]
+    };
+    let luma = |[red, green, blue]: [f64; 3]| 0.2126 * red + 0.7152 * green + 0.0722 * blue;
+    let brightest = |code: [f64; 3]| code.into_iter().fold(0.0, f64::max);
+    let (dark, bright) = (percentile(luma, 0.01), percentile(brightest, 0.99));
+    println!("ground from {dark:.1} to {bright:.1} of 255, stars {star:?}");
+    assert!(dark < 30.0 && bright > 235.0, "{dark} {bright}");
+    assert!(star <= Some(2), "{star:?}");
+}
+
+/// The veil about the Sun has no steps: its code changes from pixel to pixel.
+#[test]
+fn the_suns_veil_is_dithered() {
+    let place = Place::new();
+    let scene = "[time]\nstart = \"2018-03-20T00:40:00Z\"\n[camera]\nmode = \"geodetic\"\nlat_deg = -20\nlon_deg = 66\nheight_km = 410\n\
+                 heading_deg = 100\npitch_deg = -20\nfov_deg = 40\n[sky]\nstars = false\nglare = true\n[output]\nsize = [320, 180]\nsamples = 1\nexposure_ev = 1\n";
+    place.scene("sun.toml", scene);
+    place.succeed(&["frame", "sun.toml", "-o", "a.png"]);
+    let picture = image::open(place.path("a.png")).expect("a PNG").to_rgb8();
+    // Above the limb.
+    let rows = (0..60).map(|y| (0..320).map(|x| picture.get_pixel(x, y)[1]).collect());
+    let rows: Vec<Vec<u8>> = rows.collect();
+    let runs = rows.iter().flat_map(|row| row.chunk_by(|a, b| a == b));
+    let mut runs: Vec<_> = runs
+        .filter(|run| (2..250).contains(&run[0]))
+        .map(<[u8]>::len)
+        .collect();
+    runs.sort_unstable();
+    let (median, longest) = (runs[runs.len() / 2], runs[runs.len() - 1]);
+    println!(
+        "{} runs, half of them of {median}, the longest of {longest} pixels",
+        runs.len()
+    );
+    assert!(
+        runs.len() > 1000 && median <= 2 && longest <= 24,
+        "{median} {longest}"
+    );
+}
+
+/// From day into night and into sunrise at 24 frames a second and 30 times real time, metered as a film is and not drawn: the exposure
+/// changes slowly, and one way at a time.
+#[test]
+fn the_exposure_of_a_film_neither_jumps_nor_pumps() {
+    let orbit = format!("file = \"{REPOSITORY}/config/orbits/iss.tle\"");
+    let film = |start: &str| {
+        let text = format!(
+            "[time]\nstart = \"{start}\"\nduration_s = 600\nspeed = 30\nframe_rate_hz = 24\n[orbit]\n{orbit}\n[camera]\nmode = \"horizon\"\n\
+             fov_deg = 60\n[earth]\nlook = \"full\"\n[output]\nexposure_ev = \"auto\"\n"
+        );
+        let scene = Scene::from_toml(&text, Path::new("a.toml")).expect("a scene");
+        let time = scene.time.clone();
+        let flight = Flight::open(scene).expect("opens");
+        let gpu = terrella::internals::gpu::GpuContext::open(None);
+        let gpu = pollster::block_on(gpu).expect("an adapter");
+        let options = flight.earth_options(gpu.bc_support()).expect("maps");
+        let size = (32, 18);
+        let mut renderer = OffscreenRenderer::open(gpu, options, size).expect("opens");
+        let request = terrella_play::ViewRequest {
+            mode: flight.scene().camera.mode,
+            look: Default::default(),
+            aspect: renderer.aspect(),
+        };
+        let frames = (0..time.frame_count()).map(|index| {
+            let epoch = terrella_play::clock::frame_epoch(&time, index);
+            let moment = flight.view_at(epoch, &request).expect("a moment");
+            let ev = renderer.follow_light(&moment, 1.0 / time.frame_rate_hz);
+            ev.expect("in its range").expect("it is metered")
+        });
+        frames.collect::<Vec<f64>>()
+    };
+    for (name, start) in [
+        ("into night", "2018-01-14T13:45:00Z"),
+        ("into sunrise", "2018-01-14T14:32:00Z"),
+    ] {
+        let evs = film(start);
+        let steps: Vec<_> = evs.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        let most = steps
+            .iter()
+            .fold(0.0_f64, |most, step| most.max(step.abs()));
+        // Turns after a change of a tenth of a value.
+        let (mut turns, mut extreme, mut rises) = (0, evs[0], None);
+        for ev in &evs {
+            match rises {
+                Some(true) if *ev > extreme => extreme = *ev,
+                Some(false) if *ev < extreme => extreme = *ev,
+                _ if (ev - extreme).abs() > 0.1 => {
+                    turns += usize::from(rises.is_some());
+                    (rises, extreme) = (Some(*ev > extreme), *ev);
+                }
+                _ => {}
+            }
+        }
+        let (least, greatest) = evs
+            .iter()
+            .fold((f64::MAX, f64::MIN), |(a, b), ev| (a.min(*ev), b.max(*ev)));
+        println!(
+            "{name}: {least:.2} to {greatest:.2} EV, {most:.3} a frame at most, {turns} turns"
+        );
+        assert!(most < 0.15, "{name}: {most}");
+        assert!(turns <= 4, "{name}: {turns}");
+        assert!(greatest - least > 1.0, "{name}: something changes");
     }
 }

@@ -5,9 +5,10 @@ use glam::DVec3;
 use image::RgbaImage;
 use std::time::Duration;
 use terrella::frames::{Ellipsoid, Geodetic};
+use terrella::internals::offscreen::PictureTextures;
 use terrella::{
-    Development, EarthError, EarthOptions, Exposure, EyeView, FrameTargets, Grade, Grain,
-    OffscreenEarth, Response, ScaledTarget, Shading, Sky, Tone, exposure_factor,
+    Development, Earth, EarthError, EarthOptions, Exposure, EyeView, FrameRequest, FrameTargets,
+    Grade, Grain, OffscreenEarth, Response, ScaledTarget, Shading, Sky, Tone, exposure_factor,
 };
 
 const SIZE: (u32, u32) = (96, 54);
@@ -188,4 +189,65 @@ fn light_that_is_developed_later_wants_a_float_target_and_sunlight() {
     assert!(matches!(error, EarthError::GradeInPass), "{error}");
     let error = create(graded(float, 0.08)).expect_err("out of range");
     assert!(error.to_string().contains("grain is 0.08"), "{error}");
+}
+
+/// Frames of 1280 × 720 with all maps of the starter pack: shown in the pass, developed after it, and with bloom.
+#[test]
+#[ignore = "measures times: cargo test --test render composition_and_bloom -- --ignored --nocapture"]
+fn composition_and_bloom_cost_little() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("textures");
+    let layers = terrella::load_layers(&folder, Default::default()).expect("the starter pack");
+    let (size, gpu) = ((1280, 720), common::gpu());
+    // A sunlit horizon from the space station's height.
+    let view = tilted(
+        Geodetic::from_degrees(12.0, -95.0, 4e5),
+        40.0,
+        -30.0,
+        60.0,
+        16.0 / 9.0,
+    );
+    let sky = Sky::new(Ellipsoid::normal(0.2, f64::to_radians(-70.0)));
+    let made = |is_developed: bool, strength: f64| {
+        let mut options = EarthOptions::new(layers.clone());
+        options.color_format = FrameTargets::COLOR;
+        if is_developed {
+            options.develop_after_pass(FrameTargets::COLOR);
+        }
+        options.bloom.strength = strength;
+        let pass = options.pass_format();
+        let textures = PictureTextures::new(gpu, &pass, FrameTargets::COLOR, size, size);
+        let earth = Earth::new(&gpu.device, &gpu.queue, &options);
+        (
+            earth.expect("sound options"),
+            textures.expect("a device with room"),
+        )
+    };
+    let mut ways = [made(false, 0.0), made(true, 0.0), made(true, 0.03)];
+    let mut frame_ms = |way: usize| {
+        let (earth, textures) = &mut ways[way];
+        let begin = std::time::Instant::now();
+        earth.prepare(&gpu.queue, FrameRequest::new(&view, &sky, size));
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        earth.render(&mut textures.begin_pass(&mut encoder));
+        textures.finish(&mut encoder, None);
+        gpu.queue.submit([encoder.finish()]);
+        let waited = gpu.device.poll(wgpu::PollType::wait_indefinitely());
+        waited.expect("the device answers");
+        1e3 * begin.elapsed().as_secs_f64()
+    };
+    let mut rounds: Vec<[f64; 3]> = (0..42).map(|_| [0, 1, 2].map(&mut frame_ms)).collect();
+    // The first ones compile.
+    rounds.drain(..2);
+    let median = |value: fn(&[f64; 3]) -> f64| {
+        let mut values: Vec<_> = rounds.iter().map(value).collect();
+        values.sort_by(f64::total_cmp);
+        values[values.len() / 2]
+    };
+    let composition = median(|[shown, developed, _]| developed / shown);
+    let bloom = median(|[_, developed, bloomed]| bloomed / developed);
+    println!(
+        "{:.1} ms in the pass, composition × {composition:.3}, bloom × {bloom:.3}",
+        median(|[shown, ..]| *shown)
+    );
+    assert!(composition < 1.05 && bloom < 1.2, "{composition} {bloom}");
 }

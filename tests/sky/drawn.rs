@@ -302,7 +302,7 @@ fn ghosts_have_their_part_of_the_sun() {
     // Light of 16 bits has steps of 5e-4.
     assert!((kept - (1.0 - part)).abs() < 4e-4, "{kept}");
     // Far outside of the picture it makes none.
-    let (more, ..) = light(None, false, 18.0);
+    let (more, ..) = light(None, false, 30.0);
     assert!(more.iter().flatten().all(|more| *more == 0.0));
 }
 

@@ -273,20 +273,20 @@ fn a_narrow_point_spread_is_rejected_with_the_oversampling_that_works() {
         .expect("works");
 }
 
-/// Vizard's numbers of a camera: 60° over 100 rows, 20 mm, f/2.
+/// Vizard's numbers of a camera: 60° over 100 rows, 0.4 mm, f/2.
 #[test]
 fn a_sensor_fits_a_simulators_camera() {
     let mut airy = sensor([128, 64], Psf::Airy { lambda_n_px: 1.0 }, 4);
     airy.radiometry.f_number = 4.0;
     let (before, fov_rad) = (airy.lens.pixel_pitch_um(), 60.0_f64.to_radians());
-    let fitted = airy.fitted([150, 100], fov_rad, Some(20.0), Some(2.0));
+    let fitted = airy.fitted([150, 100], fov_rad, Some(0.4), Some(2.0));
     let fitted = fitted.expect("fits");
     // 50 pixels over tan 30°.
     assert!((fitted.lens.focal_px() - 50.0 * 3.0_f64.sqrt()).abs() < 1e-9);
     assert_eq!(fitted.lens.principal_point_px(), DVec2::new(74.5, 49.5));
     assert_eq!(
         (fitted.lens.focal_length_mm(), fitted.radiometry.f_number),
-        (20.0, 2.0)
+        (0.4, 2.0)
     );
     let Psf::Airy { lambda_n_px } = fitted.psf else {
         panic!("{:?}", fitted.psf);
