@@ -305,6 +305,7 @@ impl PlayError {
             Self::Film(
                 FilmError::NoSuchFrames { .. }
                     | FilmError::NoLight { .. }
+                    | FilmError::NoOverlay { .. }
                     | FilmError::PeakWithoutPq
                     | FilmError::Peak { .. }
                     | FilmError::HdrAlpha,

@@ -99,7 +99,7 @@ impl Sensor {
                 focal_length_mm,
                 pixel_pitch_um,
                 principal_point_px,
-                lens.distortion().clone(),
+                *lens.distortion(),
             )?,
             psf,
             radiometry,

@@ -42,6 +42,14 @@ pub enum FilmError {
         /// What the user can do about it.
         remedy: &'static str,
     },
+    /// What has display colours, where pictures are light or let through what is behind them.
+    #[error("{}: --format exr and --alpha have no room for {what}, which have display colours; {remedy}, or omit these options", scene.display())]
+    NoOverlay {
+        scene: PathBuf,
+        what: &'static str,
+        /// What the user can do about it.
+        remedy: &'static str,
+    },
     /// A peak luminance for a format that has none.
     #[error(
         "--peak is for --format pq: other formats have the peak of their display, and HLG always 1000 cd/m²; omit it, or choose --format pq"

@@ -70,25 +70,28 @@ impl FilmPainter {
             what,
             remedy,
         };
-        let has_lines =
-            scene.layers.is_on() || !scene.stations.is_empty() || !scene.geojson.is_empty();
-        if !settings.take_overlay() && has_lines {
-            return Err(rejected(
-                "lines and names on the globe and ground stations in EXR and with --alpha",
+        let no_room = |what, remedy| FilmError::NoOverlay {
+            scene: scene.path.clone(),
+            what,
+            remedy,
+        };
+        let overlay = settings.take_overlay();
+        if !overlay
+            && (scene.layers.is_on() || !scene.stations.is_empty() || !scene.geojson.is_empty())
+        {
+            return Err(no_room(
+                "lines and names on the globe and ground stations",
                 "switch graticule, coast_lines, borders, terminator, moon_shadow and place_names off, and leave [[station]] and [[geojson]] out",
             ));
         }
-        if !settings.take_overlay() && TracksLayer::is_wanted(flight) {
-            return Err(rejected(
-                "tracks and names in EXR and with --alpha",
+        if !overlay && TracksLayer::is_wanted(flight) {
+            return Err(no_room(
+                "tracks and names",
                 "switch trail, ground_track, subpoint, marker and footprint off",
             ));
         }
-        if !settings.take_overlay() && !scene.captions.is_empty() {
-            return Err(rejected(
-                "captions in EXR and with --alpha",
-                "leave [[caption]] out",
-            ));
+        if !overlay && !scene.captions.is_empty() {
+            return Err(no_room("captions", "leave [[caption]] out"));
         }
         if scene.earth.light.is_none() {
             return Err(rejected(
