@@ -6,7 +6,7 @@ use clap::Args;
 use std::f64::consts::FRAC_PI_2;
 use std::path::PathBuf;
 use terrella::frames::Duration;
-use terrella_orbit::NadirSensor;
+use terrella_orbit::{FieldOfView, FieldShape, GroundSensor};
 use terrella_play::{CoverageMap, CoverageRequest, PendingFile};
 
 /// Arguments of `terrella coverage`.
@@ -16,9 +16,18 @@ pub struct CoverageArgs {
     scene: SceneArgs,
     #[command(flatten)]
     satellites: SelectionArgs,
-    /// Half angle of the sensors' cone about nadir, degrees [default: all ground in sight]
+    /// Half angle of the sensors' conical field of view, degrees [default: all ground in sight]
     #[arg(long, value_name = "DEGREES", value_parser = values::half_angle_deg)]
     half_angle: Option<f64>,
+    /// Half angles of rectangular fields of view along and across the flight, degrees
+    #[arg(long, value_name = "ALONG,ACROSS", value_parser = values::half_angles_deg, conflicts_with = "half_angle")]
+    rectangle: Option<[f64; 2]>,
+    /// Angle of the sensors' boresight off nadir, degrees
+    #[arg(long, value_name = "DEGREES", value_parser = values::off_nadir_deg, default_value = "0")]
+    off_nadir: f64,
+    /// Direction of the boresight off nadir, degrees clockwise from the direction of flight
+    #[arg(long, value_name = "DEGREES", value_parser = values::azimuth_deg, allow_hyphen_values = true, default_value = "90")]
+    azimuth: f64,
     /// Minimum elevation of the satellite above the ground's horizon, degrees
     #[arg(long, value_name = "DEGREES", value_parser = values::elevation_deg, default_value = "5")]
     min_elevation: f64,
@@ -39,6 +48,25 @@ pub struct CoverageArgs {
     geojson: Option<PathBuf>,
 }
 
+impl CoverageArgs {
+    fn field(&self) -> FieldOfView {
+        let shape = match self.rectangle.map(|angles| angles.map(f64::to_radians)) {
+            Some([along_rad, across_rad]) => FieldShape::Rectangle {
+                along_rad,
+                across_rad,
+            },
+            None => FieldShape::Cone {
+                half_angle_rad: self.half_angle.map_or(FRAC_PI_2, f64::to_radians),
+            },
+        };
+        FieldOfView {
+            shape,
+            off_nadir_rad: self.off_nadir.to_radians(),
+            azimuth_rad: self.azimuth.to_radians(),
+        }
+    }
+}
+
 /// Prints the coverage of a region and writes the map.
 pub fn run(args: &CoverageArgs, _: &Common) -> anyhow::Result<()> {
     // Before anything is computed: a file that cannot be written is found at once.
@@ -50,8 +78,8 @@ pub fn run(args: &CoverageArgs, _: &Common) -> anyhow::Result<()> {
     let flight = args.satellites.open(&args.scene)?;
     let satellites = args.satellites.select(&flight)?;
     let request = CoverageRequest {
-        sensor: NadirSensor {
-            half_angle_rad: args.half_angle.map_or(FRAC_PI_2, f64::to_radians),
+        sensor: GroundSensor {
+            field: args.field(),
             min_elevation_rad: args.min_elevation.to_radians(),
         },
         step_deg: args.step,

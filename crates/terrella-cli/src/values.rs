@@ -141,6 +141,34 @@ pub fn half_angle_deg(text: &str) -> Result<f64, String> {
     }
 }
 
+/// `2,15`: half angles of a rectangular field of view along and across the flight.
+pub fn half_angles_deg(text: &str) -> Result<[f64; 2], String> {
+    let angles = text.split_once(',').and_then(|(along, across)| {
+        let angle = |text: &str| half_angle_deg(text.trim()).ok();
+        Some([angle(along)?, angle(across)?])
+    });
+    angles.ok_or_else(|| {
+        "must be two numbers of degrees, each greater than 0 and at most 90, for example 2,15"
+            .into()
+    })
+}
+
+/// Angle of a boresight off nadir.
+pub fn off_nadir_deg(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(degrees) if (0.0..=90.0).contains(&degrees) => Ok(degrees),
+        _ => Err("must be a number of degrees from 0 to 90".into()),
+    }
+}
+
+/// An azimuth.
+pub fn azimuth_deg(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(degrees) if degrees.abs() <= 360.0 => Ok(degrees),
+        _ => Err("must be a number of degrees from -360 to 360".into()),
+    }
+}
+
 /// Side of a cell of the ground.
 pub fn cell_deg(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {

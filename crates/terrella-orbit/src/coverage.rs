@@ -1,6 +1,7 @@
 //! Coverage: how often and how long the sensors of satellites have cells of the ground in view.
 
-use super::{Feed, Frame, OrbitError};
+use super::field_of_view::{AimedField, FieldOfView, FieldShape};
+use super::{Feed, OrbitError};
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 use terrella_frames::{Duration, Ellipsoid, Epoch, Geodetic, Orientation};
@@ -14,11 +15,11 @@ const SHORTEST_STEP_S: f64 = 0.5;
 /// A sensor passes over a place in this many steps or more.
 const STEPS_ACROSS: f64 = 8.0;
 
-/// What a sensor has in view: the ground within its cone about nadir from which the satellite stands high enough.
+/// What a sensor has in view: the ground within its field of view from which the satellite stands high enough.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct NadirSensor {
-    /// Half angle of the cone about the ellipsoid's normal, radians, above 0 to π/2.
-    pub half_angle_rad: f64,
+pub struct GroundSensor {
+    /// Its field of view on a satellite that flies level.
+    pub field: FieldOfView,
     /// How high the satellite stands above the ground's horizon at least, radians, 0 to π/2.
     pub min_elevation_rad: f64,
 }
@@ -84,13 +85,13 @@ pub struct CellCoverage {
 ///
 /// Each instant of a grid of time decides for each cell whether it is in view; ends of views are interpolated between the two instants by how
 /// far the cell is within the sensor's limits. The step is at most 10 s, and an eighth of the time in which the sensor passes over a place.
-/// A view that lies between two instants is missed.
+/// A view that lies between two instants is missed: that of a field of some kilometres along the flight.
 ///
 /// # Errors
 /// What else a feed rejects within its validity: a satellite that has decayed.
 pub fn coverage(
     cells: &[Cell],
-    satellites: &[(&dyn Feed, NadirSensor)],
+    satellites: &[(&dyn Feed, GroundSensor)],
     ellipsoid: &Ellipsoid,
     orientation: &dyn Fn(Epoch) -> Orientation,
     span: (Epoch, Epoch),
@@ -118,8 +119,10 @@ pub fn coverage(
                 Err(OrbitError::NotCovered { .. } | OrbitError::OutsideValidity { .. }) => continue,
                 Err(error) => return Err(error),
             };
-            let place = state.in_frame(Frame::Itrf, &orientation).position_m;
-            Reach::new(place, sensor, ellipsoid).add(&places, &mut margins);
+            let (place, flight) = state.inertial_in_itrf_axes(&orientation);
+            if let Some(reach) = Reach::new(place, flight, sensor, ellipsoid) {
+                reach.add(&places, &mut margins);
+            }
         }
         for (view, margin) in views.iter_mut().zip(&margins) {
             view.step(t, *margin);
@@ -130,7 +133,7 @@ pub fn coverage(
 
 /// Seconds from instant to instant.
 fn step(
-    satellites: &[(&dyn Feed, NadirSensor)],
+    satellites: &[(&dyn Feed, GroundSensor)],
     ellipsoid: &Ellipsoid,
     epoch: Epoch,
 ) -> Result<f64, OrbitError> {
@@ -140,8 +143,15 @@ fn step(
         let state = feed.state_at(epoch.max(first).min(last))?;
         let (radius_m, speed_m_s) = (state.position_m.length(), state.velocity_m_s.length());
         let height_m = radius_m - ellipsoid.polar_radius_m;
-        let across_rad = (2.0 * sensor.half_angle_rad.tan() * height_m / radius_m).min(1.0);
-        step_s = step_s.min(across_rad * radius_m / speed_m_s / STEPS_ACROSS);
+        let half_angle_rad = match sensor.field.shape {
+            FieldShape::Cone { half_angle_rad } => half_angle_rad,
+            FieldShape::Rectangle {
+                along_rad,
+                across_rad,
+            } => along_rad.min(across_rad),
+        };
+        let width_rad = (2.0 * half_angle_rad.tan() * height_m / radius_m).min(1.0);
+        step_s = step_s.min(width_rad * radius_m / speed_m_s / STEPS_ACROSS);
     }
     Ok(step_s.max(SHORTEST_STEP_S))
 }
@@ -149,24 +159,29 @@ fn step(
 /// What a satellite has in view at an instant.
 struct Reach {
     place_itrf_m: DVec3,
-    down: DVec3,
-    sensor: NadirSensor,
+    field: AimedField,
+    min_elevation_rad: f64,
     /// Cosine of the angle about the Earth's centre beyond which nothing is in view.
     least_cos: f64,
 }
 
 impl Reach {
-    fn new(place_itrf_m: DVec3, sensor: &NadirSensor, ellipsoid: &Ellipsoid) -> Self {
-        let foot = ellipsoid.geodetic_from_itrf(place_itrf_m);
+    /// `None` for what sees nothing.
+    fn new(
+        place_itrf_m: DVec3,
+        flight_itrf: DVec3,
+        sensor: &GroundSensor,
+        ellipsoid: &Ellipsoid,
+    ) -> Option<Self> {
         // The horizon is acos(R/r) away; a degree more for the figure of the Earth.
         let ratio = (ellipsoid.polar_radius_m / place_itrf_m.length()).min(1.0);
         let farthest = ratio.acos() + PI / 180.0;
-        Self {
+        Some(Self {
             place_itrf_m,
-            down: -Ellipsoid::normal(foot.lat_rad, foot.lon_rad),
-            sensor: *sensor,
+            field: sensor.field.aimed(place_itrf_m, flight_itrf, ellipsoid)?,
+            min_elevation_rad: sensor.min_elevation_rad,
             least_cos: farthest.cos(),
-        }
+        })
     }
 
     /// Raises the margin of each place to this satellite's: the smaller of the angles within the limits, radians.
@@ -179,9 +194,7 @@ impl Reach {
             let line = self.place_itrf_m - place;
             let distance = line.length().max(1e-3);
             let elevation = (line.dot(*normal) / distance).clamp(-1.0, 1.0).asin();
-            let off_nadir = (-line.dot(self.down) / distance).clamp(-1.0, 1.0).acos();
-            let within = (elevation - self.sensor.min_elevation_rad)
-                .min(self.sensor.half_angle_rad - off_nadir);
+            let within = (elevation - self.min_elevation_rad).min(self.field.margin_rad(-line));
             *margin = margin.max(within);
         }
     }
@@ -307,12 +320,12 @@ mod tests {
         let iss = Sgp4Feed::from_file(&folder.join("iss.tle"), None).expect("released elements");
         let begin = utc_from_rfc3339("2018-01-20T00:00:00Z").expect("a date");
         let span = (begin, begin + Duration::from_days(1.0));
-        let sensor = NadirSensor {
-            half_angle_rad: 0.5 * PI,
+        let sensor = GroundSensor {
+            field: FieldOfView::nadir(0.5 * PI),
             min_elevation_rad: 10_f64.to_radians(),
         };
         let cells = coverage_grid(0.8, [-PI, -1.2, PI, 1.2]);
-        let satellites: [(&dyn Feed, NadirSensor); 1] = [(&iss, sensor)];
+        let satellites: [(&dyn Feed, GroundSensor); 1] = [(&iss, sensor)];
         let found = coverage(&cells, &satellites, &Ellipsoid::WGS84, &still, span).expect("known");
         let mut seen = 0;
         for (cell, covered) in cells.iter().zip(&found) {
@@ -365,36 +378,54 @@ mod tests {
         assert!(seen > 8, "{seen} of {}", cells.len());
     }
 
-    /// A narrow cone: the width of the ground that it passes over is 2 h tan α.
+    /// The width of the ground that a sensor passes over is that between the ground ranges of its edges, R (asin(r/R sin η) − η) at η off
+    /// nadir.
     #[test]
-    fn a_narrow_sensor_covers_its_swath() {
+    fn a_sensor_covers_its_swath() {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../config/orbits");
         let iss = Sgp4Feed::from_file(&folder.join("iss.tle"), None).expect("released elements");
         let begin = utc_from_rfc3339("2018-01-20T21:00:00Z").expect("a date");
         let span = (begin, begin + Duration::from_seconds(1800.0));
-        let sensor = NadirSensor {
-            half_angle_rad: 20_f64.to_radians(),
-            min_elevation_rad: 0.0,
+        let tilted = FieldOfView {
+            shape: FieldShape::Rectangle {
+                along_rad: 10_f64.to_radians(),
+                across_rad: 15_f64.to_radians(),
+            },
+            off_nadir_rad: 30_f64.to_radians(),
+            azimuth_rad: 0.5 * PI,
         };
         let cells = coverage_grid(0.5_f64.to_radians(), [-PI, -0.95, PI, 0.95]);
-        let found = coverage(&cells, &[(&iss, sensor)], &Ellipsoid::WGS84, &still, span);
-        let found = found.expect("known");
-        let covered = cells.iter().zip(&found).filter(|(_, one)| one.accesses > 0);
-        let area_m2: f64 =
-            covered.map(|(cell, _)| cell.weight()).sum::<f64>() * 6.371e6_f64.powi(2);
-        // Its ground track in Earth-fixed axes, at every ten seconds.
-        let place = |t: f64| {
-            let epoch = begin + Duration::from_seconds(t);
-            iss.state_at(epoch).expect("known").position_itrf_m()
-        };
-        let swath: f64 = (0..180)
-            .map(|k| {
-                let (a, b) = (place(10.0 * f64::from(k)), place(10.0 * f64::from(k + 1)));
-                let height = Ellipsoid::WGS84.geodetic_from_itrf(a).height_m;
-                let along = a.angle_between(b) * 6.371e6;
-                2.0 * height * 20_f64.to_radians().tan() * along
-            })
-            .sum();
-        assert!((area_m2 / swath - 1.0).abs() < 0.05, "{area_m2} {swath}");
+        for (field, edges_deg) in [
+            (FieldOfView::nadir(20_f64.to_radians()), [-20.0, 20.0]),
+            (tilted, [15.0, 45.0]),
+        ] {
+            let sensor = GroundSensor {
+                field,
+                min_elevation_rad: 0.0,
+            };
+            let found = coverage(&cells, &[(&iss, sensor)], &Ellipsoid::WGS84, &still, span);
+            let found = found.expect("known");
+            let covered = cells.iter().zip(&found).filter(|(_, one)| one.accesses > 0);
+            let area_m2: f64 =
+                covered.map(|(cell, _)| cell.weight()).sum::<f64>() * 6.371e6_f64.powi(2);
+            // Its ground track in Earth-fixed axes, at every ten seconds.
+            let place = |t: f64| {
+                let epoch = begin + Duration::from_seconds(t);
+                iss.state_at(epoch).expect("known").position_itrf_m()
+            };
+            let swath: f64 = (0..180)
+                .map(|k| {
+                    let (a, b) = (place(10.0 * f64::from(k)), place(10.0 * f64::from(k + 1)));
+                    let height = Ellipsoid::WGS84.geodetic_from_itrf(a).height_m;
+                    let [near, far] = edges_deg.map(|deg: f64| {
+                        let eta = deg.to_radians();
+                        ((1.0 + height / 6.371e6) * eta.sin()).asin() - eta
+                    });
+                    // A zone between two circles parallel to the track is sin λ high.
+                    (far.sin() - near.sin()) * 6.371e6 * a.angle_between(b) * 6.371e6
+                })
+                .sum();
+            assert!((area_m2 / swath - 1.0).abs() < 0.05, "{area_m2} {swath}");
+        }
     }
 }

@@ -3,7 +3,7 @@
 use super::{Flight, PlayError, Satellite};
 use std::fmt::Write;
 use terrella::frames::{Duration, Epoch, rfc3339};
-use terrella_orbit::{Cell, CellCoverage, MAX_CELLS, NadirSensor, coverage, coverage_grid};
+use terrella_orbit::{Cell, CellCoverage, GroundSensor, MAX_CELLS, coverage, coverage_grid};
 
 /// The columns of a table of cells.
 const CSV_HEADER: &str = "lat_deg,lon_deg,accesses,covered_s,longest_gap_s,revisit_s\n";
@@ -25,7 +25,7 @@ const OPACITY: f64 = 0.5;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CoverageRequest {
     /// That of every satellite.
-    pub sensor: NadirSensor,
+    pub sensor: GroundSensor,
     /// Side of a cell, degrees.
     pub step_deg: f64,
     /// West, south, east and north, degrees.
