@@ -115,14 +115,18 @@ fn depth_of(clip: vec4f, from_eye_m: vec3f, flags: u32) -> f32 {
 @if(!fills && !polygons) const CASING_PX: f32 = 1.0;
 @if(!fills && !polygons) const CASING: f32 = 0.5;
 
-// A line or mark whose edge is `inside_px` away, over its casing of this opacity; premultiplied. Its colour is that of a pixel it covers wholly, `half_color`
-// that of one it covers by half: a tone curve that comes later does not show the half of a light as half of it.
+// The light of a pixel of which a part is covered, by that of one that is covered wholly and of one by half: a tone curve that comes later does
+// not show the half of a light as half of it. The parabola through none, half and all.
+@if(!fills)
+fn light_of_part(color: vec3f, half_color: vec3f, part: f32) -> vec3f {
+    return max(part * (4.0 * half_color - color + part * (2.0 * color - 4.0 * half_color)), vec3f(0.0));
+}
+
+// A line or mark whose edge is `inside_px` away, over its casing of this opacity; premultiplied.
 @if(!fills && !polygons)
 fn cased(color: vec4f, half_color: vec3f, inside_px: f32, casing: f32, seen: f32) -> vec4f {
     let core = saturate(inside_px + 0.5);
     let cover = saturate(inside_px + CASING_PX + 0.5);
-    let covered = core * seen;
-    // The parabola through none, half and all.
-    let light = covered * (4.0 * half_color - color.rgb + covered * (2.0 * color.rgb - 4.0 * half_color));
-    return vec4f(color.a * max(light, vec3f(0.0)), color.a * seen * (core + (cover - core) * casing));
+    let light = light_of_part(color.rgb, half_color, core * seen);
+    return vec4f(color.a * light, color.a * seen * (core + (cover - core) * casing));
 }

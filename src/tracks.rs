@@ -41,8 +41,12 @@
 //!
 //! **Ground track.** The feet of the ellipsoid's normals, Earth-fixed. It is a curve in space: no date line, no poles.
 //!
-//! **Footprint.** The ground within a half angle of straight down and in sight, by the exact ellipsoid
-//! ([`footprint_outline`]). Its fill is decided for each pixel by where the pixel's ray meets the ground.
+//! **Footprint.** The ground within the sensor's field of view and in sight, by the exact ellipsoid
+//! ([`footprint_outline`] about nadir, else [`AimedField::outline`](terrella_orbit::AimedField::outline)). Its fill is decided for each pixel
+//! by where the pixel's ray meets the ground.
+//!
+//! **Swath.** Triangles between the edges of what the field of view passes over, sampled as curves are. Parts that are passed over twice are
+//! tinted twice.
 //!
 //! **Lines.** One instance a segment, cut against the plane before the eye and against three times the picture, widened on
 //! screen, neighbours joined at their bisector, edges smoothed by distance. A dark edge sets them off from bright ground.
@@ -69,6 +73,7 @@ mod places;
 mod polygons;
 mod projection;
 mod satellite;
+mod sensor;
 mod stations;
 mod still;
 mod style;
@@ -261,7 +266,9 @@ impl Tracks {
         let curves = styles
             .iter()
             .map(|style| {
-                usize::from(style.trail.is_some()) + usize::from(style.ground_track.is_some())
+                usize::from(style.trail.is_some())
+                    + usize::from(style.ground_track.is_some())
+                    + usize::from(style.swath().is_some())
             })
             .sum::<usize>();
         let max_points = (MAX_POINTS_IN_ALL / curves.max(1)).min(MAX_POINTS);

@@ -140,15 +140,20 @@ fn tracks_allocate_nothing_of_their_own() {
     use terrella::frames::{Duration as Span, Ellipsoid, Orientation, utc_from_rfc3339};
     use terrella::tracks::{Footprint, TrackMoment, TrackSpan, TrackStyle, Tracks, TracksOptions};
     use terrella::tracks::{LineStyle, Polylines, Station};
-    use terrella_orbit::{Feed, Sgp4Feed};
+    use terrella_orbit::{Feed, FieldOfView, Sgp4Feed};
     let gpu = common::gpu();
     let options = EarthOptions::new(common::plain([90, 90, 90]));
     let style = TrackStyle {
         trail: Some(TrackSpan::TRAIL),
         ground_track: Some(TrackSpan::GROUND_TRACK),
         footprint: Some(Footprint {
-            half_angle_rad: Some(0.5),
+            field: Some(FieldOfView {
+                off_nadir_rad: 0.3,
+                ..FieldOfView::nadir(0.5)
+            }),
             is_filled: true,
+            has_edges: true,
+            swath: Some(TrackSpan::GROUND_TRACK),
         }),
         subpoint: true,
         marker: true,

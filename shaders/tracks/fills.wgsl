@@ -1,4 +1,4 @@
-// The ground that a sensor sees: all of it inside a cone and in sight of the satellite. `Fill` in src/gpu/tracks.rs.
+// The ground that a sensor sees: all of it inside a cone or a pyramid and in sight of the satellite. `Fill` in src/gpu/tracks.rs.
 
 struct FillInstance {
     // Where on screen it can be: least and greatest x and y, −1…1.
@@ -6,18 +6,23 @@ struct FillInstance {
     // The satellite, scaled space, and the depth that what stands before the ground must have.
     @location(1) apex: vec3f,
     @location(2) depth: f32,
-    // Straight down, unit, ITRF axes, and the tangent of the cone's half angle.
-    @location(3) down: vec3f,
+    // The boresight, unit, ITRF axes, and the tangent of the half angle.
+    @location(3) axis: vec3f,
     @location(4) tangent: f32,
     @location(5) color: vec4f,
+    // Of a pyramid the axis across and the tangent of the half angle along it; 0 is a cone.
+    @location(6) side: vec3f,
+    @location(7) side_tangent: f32,
 }
 
 struct Varying {
     @builtin(position) clip: vec4f,
     @location(0) @interpolate(flat) apex: vec3f,
-    @location(1) @interpolate(flat) down: vec3f,
+    @location(1) @interpolate(flat) axis: vec3f,
     @location(2) @interpolate(flat) tangent: f32,
     @location(3) @interpolate(flat) color: vec4f,
+    @location(4) @interpolate(flat) side: vec3f,
+    @location(5) @interpolate(flat) side_tangent: f32,
 }
 
 @vertex
@@ -29,9 +34,11 @@ fn vertex(@builtin(vertex_index) index: u32, in: FillInstance) -> Varying {
     var out: Varying;
     out.clip = vec4f(at, in.depth, 1.0);
     out.apex = in.apex;
-    out.down = in.down;
+    out.axis = in.axis;
     out.tangent = in.tangent;
     out.color = in.color;
+    out.side = in.side;
+    out.side_tangent = in.side_tangent;
     return out;
 }
 
@@ -42,12 +49,17 @@ fn fragment(in: Varying) -> @location(0) vec4f {
     let root = sqrt(max((1.0 - ray.q) * (1.0 + ray.q), 0.0));
     let t = track.frame.above / max(root + ray.along, 1e-9);
     let ground = track.frame.eye_scaled + t * ray.direction;
-    // In the cone: |v × down| < v·down tan α, which is good for narrow cones too. In sight of the satellite: p·s > 1.
+    // In the cone: |v × a| < v·a tan α, which is good for narrow cones too; in the pyramid the same along both of its axes. In sight of the
+    // satellite: p·s > 1.
     let v = (ground - in.apex) / vec3f(1.0, 1.0, track.frame.polar_stretch);
-    let in_cone = dot(v, in.down) * in.tangent - length(cross(v, in.down));
+    let ahead = dot(v, in.axis);
+    let in_cone = ahead * in.tangent - length(cross(v, in.axis));
+    let along = ahead * in.tangent - abs(dot(v, cross(in.side, in.axis)));
+    let aside = ahead * in.side_tangent - abs(dot(v, in.side));
+    let in_field = select(in_cone, min(along, aside), in.side_tangent > 0.0);
     let above_horizon = dot(ground, in.apex) - 1.0;
     let inside = min(
-        covered(in_cone, fwidth(in_cone)),
+        covered(in_field, fwidth(in_field)),
         covered(above_horizon, fwidth(above_horizon)),
     );
     let on_globe = select(0.0, covered(1.0 - ray.q, fwidth(ray.q)), ray.along > 0.0);

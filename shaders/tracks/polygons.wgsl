@@ -3,11 +3,12 @@
 struct TriangleInstance {
     // Corners from the eye, ITRF metres: subtracted in f64.
     @location(0) a_m: vec3f,
-    // Bit i: the edge opposite to corner i is an edge of the polygon.
+    // Bit i: the edge opposite to corner i is an edge of the polygon; bit 3 + i: corner i lies on one of another triangle.
     @location(1) edges: u32,
     @location(2) b_m: vec3f,
     @location(3) c_m: vec3f,
     @location(4) color: vec4f,
+    @location(5) half_color: vec4f,
 }
 
 struct Varying {
@@ -17,6 +18,7 @@ struct Varying {
     @location(1) weights: vec3f,
     @location(2) @interpolate(flat) edges: u32,
     @location(3) @interpolate(flat) color: vec4f,
+    @location(4) @interpolate(flat) half_color: vec3f,
 }
 
 @vertex
@@ -30,6 +32,7 @@ fn vertex(@builtin(vertex_index) index: u32, in: TriangleInstance) -> Varying {
     out.weights = vec3f(f32(corner == 0u), f32(corner == 1u), f32(corner == 2u));
     out.edges = in.edges;
     out.color = in.color;
+    out.half_color = in.half_color.rgb;
     return out;
 }
 
@@ -37,10 +40,15 @@ fn vertex(@builtin(vertex_index) index: u32, in: TriangleInstance) -> Varying {
 fn fragment(in: Varying) -> @location(0) vec4f {
     let ray = ray_of(in.clip.xy);
     // Pixels to each edge. A neighbour across an edge of the polygon draws nothing, so the edge is smoothed inwards.
-    let px = in.weights / max(fwidth(in.weights), vec3f(1e-12));
+    let per_px = max(fwidth(in.weights), vec3f(1e-12));
     let is_edge = (vec3u(in.edges) & vec3u(1u, 2u, 4u)) != vec3u(0u);
-    let inside = saturate(select(vec3f(1.0), px, is_edge));
-    let seen = in_sight(ray, in.from_eye, ON_GROUND);
-    let alpha = in.color.a * min(inside.x, min(inside.y, inside.z)) * seen;
-    return seen_color(vec4f(in.color.rgb * alpha, alpha), ray, in.from_eye);
+    let from_edge = select(vec3f(1.0), in.weights / per_px, is_edge);
+    // At a corner the edge lies about along the opposite side.
+    let is_corner = (vec3u(in.edges) & vec3u(8u, 16u, 32u)) != vec3u(0u);
+    let from_corner = select(vec3f(1.0), (1.0 - in.weights) / per_px, is_corner);
+    let px = min(from_edge, from_corner);
+    let inside = saturate(min(px.x, min(px.y, px.z)));
+    let part = inside * in_sight(ray, in.from_eye, ON_GROUND);
+    let light = light_of_part(in.color.rgb, in.half_color, part);
+    return seen_color(in.color.a * vec4f(light, part), ray, in.from_eye);
 }

@@ -48,7 +48,7 @@ pub(crate) struct Mark {
     pub radius_px: f32,
 }
 
-/// The ground within a cone and in sight of its apex.
+/// The ground within a cone or a pyramid and in sight of its apex.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub(crate) struct Fill {
@@ -58,10 +58,14 @@ pub(crate) struct Fill {
     pub apex: [f32; 3],
     /// Depth of its nearest place.
     pub depth: f32,
-    /// Straight down, unit, ITRF axes.
-    pub down: [f32; 3],
-    /// Tangent of the cone's half angle.
+    /// The boresight, unit, ITRF axes.
+    pub axis: [f32; 3],
+    /// Tangent of the half angle: of a pyramid that between the axis and the faces across `side`.
     pub tangent: f32,
+    /// The axis of a pyramid that its other half angle is measured along, unit.
+    pub side: [f32; 3],
+    /// Tangent of that angle; 0 is a cone.
+    pub side_tangent: f32,
     /// As the target stores it, and opacity: half floats, not premultiplied.
     pub color: [u16; 4],
 }
@@ -72,13 +76,14 @@ pub(crate) struct Fill {
 pub(crate) struct Triangle {
     /// The first corner from the eye, ITRF metres.
     pub a_m: [f32; 3],
-    /// Bit i: the edge opposite to corner i is an edge of the polygon, which is smoothed.
+    /// Bit i: the edge opposite to corner i is an edge of the polygon, which is smoothed. Bit 3 + i: corner i lies on such an edge of another
+    /// triangle.
     pub edges: u32,
     /// The other corners, as the first.
     pub b_m: [f32; 3],
     pub c_m: [f32; 3],
-    /// As the target stores it, and opacity: half floats, not premultiplied.
-    pub color: [u16; 4],
+    /// As the target stores it and opacity, half floats, not premultiplied: of a pixel that is covered wholly, and of one by half.
+    pub colors: [[u16; 4]; 2],
 }
 
 const LINE_BEFORE: [wgpu::VertexAttribute; 1] = wgpu::vertex_attr_array![0 => Float32x3];
@@ -88,11 +93,11 @@ const LINE_B: [wgpu::VertexAttribute; 5] = wgpu::vertex_attr_array![4 => Float32
 const LINE_AFTER: [wgpu::VertexAttribute; 2] =
     wgpu::vertex_attr_array![8 => Float32x3, 9 => Uint32];
 const MARK: [wgpu::VertexAttribute; 5] = wgpu::vertex_attr_array![0 => Float32x3, 1 => Uint32, 2 => Float16x4, 4 => Float16x4, 3 => Float32];
-const FILL: [wgpu::VertexAttribute; 6] = wgpu::vertex_attr_array![
-    0 => Float32x4, 1 => Float32x3, 2 => Float32, 3 => Float32x3, 4 => Float32, 5 => Float16x4
+const FILL: [wgpu::VertexAttribute; 8] = wgpu::vertex_attr_array![
+    0 => Float32x4, 1 => Float32x3, 2 => Float32, 3 => Float32x3, 4 => Float32, 6 => Float32x3, 7 => Float32, 5 => Float16x4
 ];
-const TRIANGLE: [wgpu::VertexAttribute; 5] = wgpu::vertex_attr_array![
-    0 => Float32x3, 1 => Uint32, 2 => Float32x3, 3 => Float32x3, 4 => Float16x4
+const TRIANGLE: [wgpu::VertexAttribute; 6] = wgpu::vertex_attr_array![
+    0 => Float32x3, 1 => Uint32, 2 => Float32x3, 3 => Float32x3, 4 => Float16x4, 5 => Float16x4
 ];
 
 /// Which kinds of thing there are to draw; pipelines are made for no others.

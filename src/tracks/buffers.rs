@@ -1,14 +1,12 @@
 //! What of a satellite stands in a frame: points of lines, marks, fills and labels, made eye-relative for the GPU.
 
 use super::curve::TimeWindow;
-use super::footprint::{WIDEST_HALF_ANGLE_RAD, footprint_outline};
 use super::ink::Ink;
 use super::projection::EyeProjection;
 use super::satellite::{Axes, Satellite, subpoint};
 use crate::gpu::{Fill, LinePoint, Mark, Triangle};
 use crate::gpu::{TRACK_FROM_PREVIOUS, TRACK_ON_GROUND};
 use glam::DVec3;
-use terrella_frames::Ellipsoid;
 
 /// Nearer than this a satellite is no dot, metres: it is then the eye's own, or a craft that is seen.
 pub const NEAREST_MARKER_M: f64 = 1000.0;
@@ -27,7 +25,7 @@ const AHEAD: f64 = 0.6;
 const LATEST: f64 = 0.15;
 /// Opacity of a footprint's outline and of its fill.
 pub(super) const OUTLINE_OPACITY: f64 = 0.863;
-const FILL_OPACITY: f64 = 0.173;
+pub(super) const FILL_OPACITY: f64 = 0.173;
 
 /// Where a satellite's name belongs: beside its dot, which is in the picture and not hidden.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -115,9 +113,10 @@ impl Satellite {
             .filter(|_| has_foot)
             .map(|place| subpoint(place, eye.ellipsoid));
         if let (Some(footprint), Some(place)) = (self.style.footprint, place_itrf_m) {
-            let half_angle_rad = footprint.half_angle_rad.unwrap_or(WIDEST_HALF_ANGLE_RAD);
-            self.write_footprint(place, half_angle_rad, footprint.is_filled, eye, buffers);
+            let flight_itrf = itrf_from_inertial * self.flight;
+            self.write_footprint(place, flight_itrf, footprint, eye, buffers);
         }
+        self.write_swath(eye, axes, buffers);
         if let (Some(curve), Some(span)) = (&self.ground, self.style.ground_track) {
             let window = reference.window(span, self.now_s);
             let mut line = self.line(TRACK_ON_GROUND, eye, &mut buffers.points);
@@ -192,67 +191,13 @@ impl Satellite {
         }
     }
 
-    fn line<'l>(
+    pub(super) fn line<'l>(
         &'l self,
         flags: u32,
         eye: &EyeProjection<'_>,
         points: &'l mut Vec<LinePoint>,
     ) -> LineWriter<'l> {
         LineWriter::new(&self.ink, 0.5 * self.style.width_px, flags, eye, points)
-    }
-
-    fn write_footprint(
-        &self,
-        place_itrf_m: DVec3,
-        half_angle_rad: f64,
-        is_filled: bool,
-        eye: &EyeProjection<'_>,
-        buffers: &mut TrackBuffers,
-    ) {
-        let outline = &mut buffers.outline;
-        outline.clear();
-        footprint_outline(place_itrf_m, half_angle_rad, eye.ellipsoid, |point| {
-            outline.push(point);
-        });
-        let mut line = self.line(TRACK_ON_GROUND, eye, &mut buffers.points);
-        for point in outline.iter().chain(outline.first()) {
-            line.add(*point, OUTLINE_OPACITY);
-        }
-        if is_filled && !outline.is_empty() {
-            buffers
-                .fills
-                .extend(self.fill(place_itrf_m, half_angle_rad, outline, eye));
-        }
-    }
-
-    /// `None` where none of it can be on screen.
-    fn fill(
-        &self,
-        place_itrf_m: DVec3,
-        half_angle_rad: f64,
-        outline: &[DVec3],
-        eye: &EyeProjection<'_>,
-    ) -> Option<Fill> {
-        let geodetic = eye.ellipsoid.geodetic_from_itrf(place_itrf_m);
-        let down = -Ellipsoid::normal(geodetic.lat_rad, geodetic.lon_rad);
-        // The cap lies in the ball about its foot that reaches its outline.
-        let center = subpoint(place_itrf_m, eye.ellipsoid);
-        let reach = outline.iter().map(|point| point.distance_squared(center));
-        let radius_m = reach.fold(0.0, f64::max).sqrt();
-        let bounds = eye.bounds(center, radius_m)?;
-        let nearest_m = (center.distance(eye.itrf_m) - radius_m).max(0.0);
-        let toward = (center - eye.itrf_m).normalize_or(down);
-        let clip = eye.clip(eye.itrf_m + toward * nearest_m.max(1.0));
-        Some(Fill {
-            bounds,
-            apex: (eye.ellipsoid.scaled_from_itrf() * place_itrf_m)
-                .as_vec3()
-                .to_array(),
-            depth: (clip.z / clip.w).clamp(0.0, 1.0) as f32,
-            down: down.as_vec3().to_array(),
-            tangent: half_angle_rad.min(WIDEST_HALF_ANGLE_RAD).tan() as f32,
-            color: self.ink.at(FILL_OPACITY)[0],
-        })
     }
 }
 

@@ -3,13 +3,32 @@
 use glam::DVec3;
 use std::collections::VecDeque;
 
+/// What a curve is of: a place, or both edges of a swath.
+pub(super) trait Place: Copy {
+    /// Part of the way to another.
+    fn toward(self, other: Self, part: f64) -> Self;
+}
+
+impl Place for DVec3 {
+    fn toward(self, other: Self, part: f64) -> Self {
+        self.lerp(other, part)
+    }
+}
+
+impl Place for [DVec3; 2] {
+    fn toward(self, other: Self, part: f64) -> Self {
+        let [[a, b], [c, d]] = [self, other];
+        [a.lerp(c, part), b.lerp(d, part)]
+    }
+}
+
 /// A sampled point of a curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct CurvePoint {
+pub(super) struct CurvePoint<P = DVec3> {
     /// Seconds since the curve's reference epoch.
     pub t_s: f64,
     /// Metres, in the curve's axes.
-    pub point_m: DVec3,
+    pub point_m: P,
     /// Time in which the satellite goes on by one [`STEP_RAD`], seconds.
     pub step_s: f64,
 }
@@ -31,8 +50,8 @@ pub(super) struct TimeWindow {
 
 /// A sampled curve. Between calls its samples go without a gap from the first to the last.
 #[derive(Clone, Debug)]
-pub(super) struct Curve {
-    samples: VecDeque<CurvePoint>,
+pub(super) struct Curve<P = DVec3> {
+    samples: VecDeque<CurvePoint<P>>,
     /// Most samples that are kept.
     max_points: usize,
     /// Steps are this often as long as each sample says: above 1 where the span is too long for `max_points`.
@@ -41,7 +60,7 @@ pub(super) struct Curve {
     rejected: (f64, f64),
 }
 
-impl Curve {
+impl<P: Place> Curve<P> {
     /// An empty curve of at most `max_points` samples.
     pub fn new(max_points: usize) -> Self {
         Self {
@@ -76,7 +95,7 @@ impl Curve {
         window: TimeWindow,
         known: (f64, f64),
         budget: &mut usize,
-        mut at: impl FnMut(f64) -> Option<CurvePoint>,
+        mut at: impl FnMut(f64) -> Option<CurvePoint<P>>,
     ) -> bool {
         let TimeWindow {
             from_s,
@@ -113,7 +132,7 @@ impl Curve {
                 self.coarseness = coarser;
                 continue;
             }
-            let step = |sample: &CurvePoint| (self.coarseness * sample.step_s).max(SHORTEST_S);
+            let step = |sample: &CurvePoint<P>| (self.coarseness * sample.step_s).max(SHORTEST_S);
             // The nearer end to now grows first.
             let (later, earlier) = (back.t_s < last_s, front.t_s > first_s);
             match (later, earlier) {
@@ -167,14 +186,14 @@ impl Curve {
 
     /// The places in the window, in order of time, with its ends cut where they fall between samples and with `now`, the
     /// exact place, in it. Nothing where nothing is known.
-    pub fn walk(&self, window: TimeWindow, now: Option<DVec3>, mut give: impl FnMut(f64, DVec3)) {
+    pub fn walk(&self, window: TimeWindow, now: Option<P>, mut give: impl FnMut(f64, P)) {
         let TimeWindow {
             from_s,
             now_s,
             to_s,
         } = window;
         let mut now = now.filter(|_| from_s <= now_s && now_s <= to_s);
-        let mut before: Option<&CurvePoint> = None;
+        let mut before: Option<&CurvePoint<P>> = None;
         for sample in &self.samples {
             if sample.t_s > from_s
                 && let Some(before) = before.filter(|before| before.t_s < from_s)
@@ -214,9 +233,9 @@ impl Curve {
     }
 }
 
-fn between(a: &CurvePoint, b: &CurvePoint, t_s: f64) -> DVec3 {
+fn between<P: Place>(a: &CurvePoint<P>, b: &CurvePoint<P>, t_s: f64) -> P {
     let at = ((t_s - a.t_s) / (b.t_s - a.t_s)).clamp(0.0, 1.0);
-    a.point_m.lerp(b.point_m, at)
+    a.point_m.toward(b.point_m, at)
 }
 
 #[cfg(test)]

@@ -139,14 +139,14 @@ impl Part {
 #[derive(Clone)]
 pub(super) struct InkedPolygons {
     pub polygons: Polygons,
-    color: [u16; 4],
+    colors: [[u16; 4]; 2],
 }
 
 impl InkedPolygons {
     pub fn new(polygons: Polygons, format: &PassFormat) -> Self {
         let FillStyle { color, opacity } = polygons.style;
-        let [color, _] = Ink::new(format, color, opacity < 1.0).at(opacity);
-        Self { polygons, color }
+        let colors = Ink::new(format, color, opacity < 1.0).at(opacity);
+        Self { polygons, colors }
     }
 
     /// Adds the triangles of a frame: those of parts that are in sight.
@@ -169,7 +169,7 @@ impl InkedPolygons {
                             edges: triangle.edges,
                             b_m,
                             c_m,
-                            color: self.color,
+                            colors: self.colors,
                         }
                     }),
             );

@@ -8,7 +8,7 @@ use crate::gpu::PassFormat;
 use glam::{DMat3, DVec3};
 use terrella_frames::{Duration, EARTH_ROTATION_RATE_RAD_S, Ellipsoid, Epoch, Orientation};
 use terrella_orbit::constants::EARTH_GM_M3_S2;
-use terrella_orbit::{Feed, Frame, Freshness, OrbitState};
+use terrella_orbit::{Feed, FieldOfView, Frame, Freshness, OrbitState};
 
 /// Longest revolution that spans are counted in, seconds; the span of what takes longer is counted in days.
 const LONGEST_REVOLUTION_S: f64 = 2.0 * 86_400.0;
@@ -63,9 +63,13 @@ pub(super) struct Satellite {
     // Beside them: most of thousands of satellites have none.
     pub trail: Option<Box<Curve>>,
     pub ground: Option<Box<Curve>>,
+    /// Left and right edge of the ground that its sensor passes over.
+    pub swath: Option<Box<Curve<[DVec3; 2]>>>,
     pub reference: Option<CurveReference>,
     /// Where it is, in the reference's axes, if that is known.
     pub now_m: Option<DVec3>,
+    /// Where it flies to, in these axes.
+    pub flight: DVec3,
     pub now_s: f64,
 }
 
@@ -152,8 +156,10 @@ impl Satellite {
             ink: style.ink(format),
             trail: style.trail.map(|_| Box::new(Curve::new(max_points))),
             ground: style.ground_track.map(|_| Box::new(Curve::new(max_points))),
+            swath: style.swath().map(|_| Box::new(Curve::new(max_points))),
             reference: None,
             now_m: None,
+            flight: DVec3::ZERO,
             now_s: 0.0,
         }
     }
@@ -171,7 +177,7 @@ impl Satellite {
         if self.style.is_nothing() && !is_looked_for {
             return true;
         }
-        if self.trail.is_none() && self.ground.is_none() {
+        if self.trail.is_none() && self.ground.is_none() && self.swath.is_none() {
             self.follow_place(feed, axes);
             return true;
         }
@@ -197,31 +203,49 @@ impl Satellite {
                 .is_none_or(|reference| reference.frame != state.frame)
         {
             self.curves().for_each(Curve::clear);
+            if let Some(swath) = &mut self.swath {
+                swath.clear();
+            }
             self.reference = Some(CurveReference::at(axes.now, &state));
         }
         let Some(reference) = self.reference else {
             return true;
         };
         self.now_m = state.filter(|_| is_known).map(|state| state.position_m);
+        self.flight = state.map_or(DVec3::ZERO, |state| state.velocity_m_s);
         self.now_s = reference.seconds(axes.now);
         let now_s = self.now_s;
         if feed.freshness() != Freshness::Settled {
             self.curves()
                 .for_each(|curve| curve.forget_after(now_s - UNSETTLED_S));
+            if let Some(swath) = &mut self.swath {
+                swath.forget_after(now_s - UNSETTLED_S);
+            }
         }
         let known = (reference.seconds(first), reference.seconds(last));
         let itrf_from_inertial = axes.itrf_from(reference.frame);
         let rate_rad_s = axes.rate_rad_s();
-        let sample = |t_s: f64| {
+        let moving = |t_s: f64| {
             // Seconds are rounded; the ends of what is known are not to be missed for that.
             let epoch = (reference.epoch + Duration::from_seconds(t_s)).clamp(first, last);
-            let state = state_at(epoch)?.in_frame(reference.frame, &orientation);
+            Some(state_at(epoch)?.in_frame(reference.frame, &orientation))
+        };
+        let step_s = |state: &OrbitState| {
             let speed = state.velocity_m_s.length();
-            let step_s = STEP_RAD * state.position_m.length() / speed.max(1.0);
+            STEP_RAD * state.position_m.length() / speed.max(1.0)
+        };
+        // The ground turns below what hardly moves.
+        let ground_step_s =
+            |state: &OrbitState| 1.0 / (1.0 / step_s(state) + EARTH_ROTATION_RATE_RAD_S / STEP_RAD);
+        // The Earth turns on from where it stands now.
+        let itrf_at =
+            |t_s: f64| DMat3::from_rotation_z(-rate_rad_s * (t_s - now_s)) * itrf_from_inertial;
+        let sample = |t_s: f64| {
+            let state = moving(t_s)?;
             Some(CurvePoint {
                 t_s,
                 point_m: state.position_m,
-                step_s,
+                step_s: step_s(&state),
             })
         };
         let mut is_whole = true;
@@ -230,19 +254,28 @@ impl Satellite {
         }
         if let (Some(curve), Some(span)) = (&mut self.ground, self.style.ground_track) {
             let on_ground = |t_s: f64| {
-                let sample = sample(t_s)?;
-                // The Earth turns on from where it stands now.
-                let turned = rate_rad_s * (t_s - now_s);
-                let place_itrf_m =
-                    DMat3::from_rotation_z(-turned) * (itrf_from_inertial * sample.point_m);
+                let state = moving(t_s)?;
                 Some(CurvePoint {
-                    point_m: subpoint(place_itrf_m, ellipsoid),
-                    // The ground turns below what hardly moves.
-                    step_s: 1.0 / (1.0 / sample.step_s + EARTH_ROTATION_RATE_RAD_S / STEP_RAD),
-                    ..sample
+                    t_s,
+                    point_m: subpoint(itrf_at(t_s) * state.position_m, ellipsoid),
+                    step_s: ground_step_s(&state),
                 })
             };
             is_whole &= curve.follow(reference.window(span, now_s), known, budget, on_ground);
+        }
+        if let (Some(curve), Some(span)) = (&mut self.swath, self.style.swath()) {
+            let field = self.style.field();
+            let edges = |t_s: f64| {
+                let state = moving(t_s)?;
+                let itrf = itrf_at(t_s);
+                let flight = itrf * state.velocity_m_s;
+                Some(CurvePoint {
+                    t_s,
+                    point_m: swath_edges(&field, itrf * state.position_m, flight, ellipsoid)?,
+                    step_s: ground_step_s(&state),
+                })
+            };
+            is_whole &= curve.follow(reference.window(span, now_s), known, budget, edges);
         }
         is_whole
     }
@@ -263,6 +296,7 @@ impl Satellite {
             return;
         }
         self.now_m = Some(state.position_m);
+        self.flight = state.velocity_m_s;
         if self
             .reference
             .as_ref()
@@ -282,6 +316,18 @@ impl Satellite {
         let curves = [&mut self.trail, &mut self.ground].into_iter();
         curves.filter_map(Option::as_deref_mut)
     }
+}
+
+/// Left and right edge of the swath of a satellite at a place; `None` where its field of view meets no ground.
+pub(super) fn swath_edges(
+    field: &FieldOfView,
+    place_itrf_m: DVec3,
+    flight_itrf: DVec3,
+    ellipsoid: &Ellipsoid,
+) -> Option<[DVec3; 2]> {
+    let aimed = field.aimed(place_itrf_m, flight_itrf, ellipsoid)?;
+    let edge = |side: f64| aimed.swath_edge(flight_itrf, side);
+    Some([edge(-1.0)?, edge(1.0)?])
 }
 
 /// The sub-satellite point: where the ellipsoid's normal through a place stands.

@@ -314,3 +314,63 @@ fn spans_count_revolutions_by_the_energy() {
         86_400.0
     );
 }
+
+/// The edges of a swath at each of its instants against all points of the footprint that the state has then: none lies farther out.
+#[test]
+fn a_swath_reaches_as_far_as_the_footprint_at_each_instant() {
+    let feed = Sgp4Feed::built_in_iss().unwrap_or_else(|error| panic!("{error}"));
+    let field = FieldOfView {
+        shape: terrella_orbit::FieldShape::Rectangle {
+            along_rad: 0.1,
+            across_rad: 0.3,
+        },
+        off_nadir_rad: 0.4,
+        azimuth_rad: 1.2,
+    };
+    let span = TrackSpan::Seconds {
+        before_s: 900.0,
+        after_s: 300.0,
+    };
+    let style = TrackStyle {
+        footprint: Some(crate::tracks::Footprint {
+            field: Some(field),
+            swath: Some(span),
+            ..Default::default()
+        }),
+        ..TrackStyle::new(0)
+    };
+    let at = utc("2018-01-20T22:00:00Z");
+    let mut satellite = Satellite::new(&style, &PASS, 16_384);
+    assert!(follow(&mut satellite, &feed, at).0);
+    let reference = satellite.reference.unwrap_or_else(|| panic!("known"));
+    let window = reference.window(span, satellite.now_s);
+    let (mut times, mut farthest) = (Vec::new(), 0.0_f64);
+    let swath = satellite
+        .swath
+        .as_ref()
+        .unwrap_or_else(|| panic!("a swath"));
+    swath.walk(window, None, |t_s, edges| {
+        times.push(t_s);
+        // The ends are cut between samples.
+        if t_s == window.from_s || t_s == window.to_s {
+            return;
+        }
+        let state = feed.state_at(at + Duration::from_seconds(t_s - satellite.now_s));
+        let state = state.unwrap_or_else(|error| panic!("{error}"));
+        let (place, flight) = state.inertial_in_itrf_axes(&Orientation::default());
+        let right = flight.cross(place).normalize();
+        let aimed = field.aimed(place, flight, &WGS84);
+        let aimed = aimed.unwrap_or_else(|| panic!("above the ground"));
+        let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
+        aimed.outline(|point| {
+            least = least.min(point.dot(right));
+            most = most.max(point.dot(right));
+        });
+        // Points of the outline are kilometres apart, and about its extremes it is flat; at corners they are exact.
+        for (edge, outline) in edges.into_iter().zip([least, most]) {
+            farthest = farthest.max((edge.dot(right) - outline).abs());
+        }
+    });
+    assert!(times.len() > 50 && times[0] == window.from_s, "{times:?}");
+    assert!(farthest < 30.0, "{farthest} m");
+}

@@ -3,6 +3,7 @@
 use super::ink::Ink;
 use super::limits::is_width;
 use crate::gpu::{PassFormat, TrackKinds};
+use terrella_orbit::FieldOfView;
 
 /// Time before and after now that a curve is drawn over.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,12 +39,16 @@ impl TrackSpan {
 }
 
 /// The ground that a sensor sees.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Footprint {
-    /// Half angle of the sensor's cone about straight down, radians; `None` is all the ground in sight.
-    pub half_angle_rad: Option<f64>,
+    /// The sensor's field of view; `None` is all the ground in sight.
+    pub field: Option<FieldOfView>,
     /// Whether the ground within is tinted.
     pub is_filled: bool,
+    /// Whether lines from the satellite show the field of view in space.
+    pub has_edges: bool,
+    /// The swath: the ground that is passed over in this time, tinted.
+    pub swath: Option<TrackSpan>,
 }
 
 /// What is drawn of one satellite. What is off is not sampled, not uploaded, and if it is off for all not compiled.
@@ -89,6 +94,17 @@ impl TrackStyle {
         }
     }
 
+    /// The sensor's field of view: by default all the ground in sight.
+    pub(super) fn field(&self) -> FieldOfView {
+        let field = self.footprint.and_then(|footprint| footprint.field);
+        field.unwrap_or(FieldOfView::nadir(std::f64::consts::FRAC_PI_2))
+    }
+
+    /// The time of the swath, if one is drawn.
+    pub(super) fn swath(&self) -> Option<TrackSpan> {
+        self.footprint.and_then(|footprint| footprint.swath)
+    }
+
     /// Whether nothing is drawn.
     pub fn is_nothing(&self) -> bool {
         let kinds = self.kinds();
@@ -102,7 +118,7 @@ impl TrackStyle {
             lines: self.trail.or(self.ground_track).is_some() || footprint.is_some(),
             marks: self.marker || self.subpoint,
             fills: footprint.is_some_and(|footprint| footprint.is_filled),
-            polygons: false,
+            polygons: self.swath().is_some(),
         }
     }
 
@@ -120,18 +136,16 @@ impl TrackStyle {
             };
             (0.0..=1e9).contains(&before) && (0.0..=1e9).contains(&after)
         };
-        if ![self.trail, self.ground_track]
+        if ![self.trail, self.ground_track, self.swath()]
             .into_iter()
             .flatten()
             .all(is_sound)
         {
             return Err("spans must be from 0 to 1e9");
         }
-        let half_angle = self
-            .footprint
-            .and_then(|footprint| footprint.half_angle_rad);
-        if half_angle.is_some_and(|angle| !(angle > 0.0 && angle <= std::f64::consts::FRAC_PI_2)) {
-            return Err("the half angle of a sensor must be above 0 and at most π/2");
+        let field = self.footprint.and_then(|footprint| footprint.field);
+        if let Some(fault) = field.and_then(|field| field.fault()) {
+            return Err(fault);
         }
         if !is_width(self.width_px) {
             return Err("the width of lines must be above 0 and at most 64 pixels");

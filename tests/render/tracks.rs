@@ -11,15 +11,14 @@ use rig::{
     Circle, MAGENTA, Rig, SIZE, WGS84, any_pixel, aspect, differs, from_segment, limb_px, now,
     options, pixel, q_of, style, views, whole,
 };
-use terrella::frames::{Ellipsoid, Geodetic};
+use terrella::frames::Geodetic;
 use terrella::internals::gpu::{DepthBuffer, FrameTargets};
 use terrella::tracks::{
-    Footprint, TrackSpan, TrackStyle, Tracks, TracksOptions, footprint_outline, is_beyond_air,
-    is_hidden,
+    Footprint, TrackSpan, TrackStyle, Tracks, TracksOptions, is_beyond_air, is_hidden,
 };
 use terrella::{Earth, EarthOptions, EyeView};
 use terrella_ground::air::{Atmosphere, TOP};
-use terrella_orbit::Feed;
+use terrella_orbit::{Feed, FieldOfView, FieldShape};
 
 #[test]
 fn a_trail_is_where_it_is_and_the_globe_hides_it_exactly() {
@@ -244,22 +243,41 @@ fn a_footprint_is_tinted_where_rays_say() {
         radius_m: 8.0e6,
         inclination_rad: 0.9,
     };
-    for half_deg in [Some(20.0), Some(51.0), None] {
-        let half_angle_rad = half_deg.map(f64::to_radians);
+    let nadir = |half_deg: f64| FieldOfView::nadir(half_deg.to_radians());
+    let tilted = FieldOfView {
+        shape: FieldShape::Rectangle {
+            along_rad: 0.1,
+            across_rad: 0.4,
+        },
+        off_nadir_rad: 0.5,
+        azimuth_rad: 4.0,
+    };
+    for field in [
+        Some(nadir(20.0)),
+        Some(nadir(51.0)),
+        None,
+        Some(FieldOfView {
+            off_nadir_rad: 0.6,
+            ..nadir(20.0)
+        }),
+        Some(tilted),
+    ] {
         let style = style(|style| {
             style.footprint = Some(Footprint {
-                half_angle_rad,
+                field,
                 is_filled: true,
+                ..Footprint::default()
             });
         });
         let mut rig = Rig::new(options(Atmosphere::None), style);
         let satellite = circle.as_seen_now(0.0);
         let g = WGS84.geodetic_from_itrf(satellite);
-        let down = -Ellipsoid::normal(g.lat_rad, g.lon_rad);
+        // On a circle it flies where it will be.
+        let flight = circle.as_seen_now(1e-3) - satellite;
+        let seen = field.unwrap_or(nadir(90.0));
+        let aimed = seen.aimed(satellite, flight, &WGS84).expect("above");
         let mut outline = Vec::new();
-        footprint_outline(satellite, half_angle_rad.unwrap_or(1.57), &WGS84, |p| {
-            outline.push(p)
-        });
+        aimed.outline(|p| outline.push(p));
         for (dlat, dlon, height, pitch) in [
             (0.0, 0.0, 2e7, -90.0),
             (5.0, -50.0, 1e7, -85.0),
@@ -302,22 +320,21 @@ fn a_footprint_is_tinted_where_rays_say() {
                     }
                     let inside = ground.is_some_and(|ground| {
                         let v = ground - satellite;
-                        let angle = v.cross(down).length().atan2(v.dot(down));
                         let scale = WGS84.scaled_from_itrf();
                         let faces = (scale * ground).dot(scale * satellite) > 1.0;
-                        faces && half_angle_rad.is_none_or(|half| angle < half)
+                        faces && aimed.margin_rad(v) > 0.0
                     });
                     let difference = differs(&with, &without, x, y);
                     assert_eq!(
                         difference > 3,
                         inside,
-                        "{half_deg:?} {height} {x} {y}: {difference}"
+                        "{field:?} {height} {x} {y}: {difference}"
                     );
                     compared += 1;
                     tinted += u32::from(inside);
                 }
             }
-            println!("{half_deg:?} from {height}: {tinted} of {compared} tinted");
+            println!("{field:?} from {height}: {tinted} of {compared} tinted");
             assert!(compared > 50_000);
         }
     }
@@ -335,8 +352,8 @@ fn every_kind_of_pass_shows_the_same() {
         style.marker = true;
         style.subpoint = true;
         style.footprint = Some(Footprint {
-            half_angle_rad: None,
             is_filled: true,
+            ..Footprint::default()
         });
     });
     let over = WGS84.geodetic_from_itrf(circle.as_seen_now(-0.3));
@@ -509,8 +526,8 @@ fn styles_without_meaning_are_rejected() {
         (
             |s| {
                 s.footprint = Some(Footprint {
-                    half_angle_rad: Some(2.0),
-                    is_filled: false,
+                    field: Some(FieldOfView::nadir(2.0)),
+                    ..Footprint::default()
                 })
             },
             "half angle",

@@ -37,10 +37,7 @@ pub fn styles(count: usize) -> Vec<TrackStyle> {
         TrackStyle {
             trail: Some(TrackSpan::TRAIL),
             ground_track: Some(TrackSpan::GROUND_TRACK),
-            footprint: (count == 1).then_some(Footprint {
-                half_angle_rad: None,
-                is_filled: false,
-            }),
+            footprint: (count == 1).then_some(Footprint::default()),
             subpoint: true,
             ..style
         }

@@ -3,6 +3,7 @@
 use super::plane::{FlatPolygon, PlanePoint};
 use earcut::Earcut;
 use glam::DVec3;
+use std::collections::HashSet;
 use std::f64::consts::PI;
 use terrella_frames::Ellipsoid;
 
@@ -18,8 +19,28 @@ const MAX_DEVIATION: f64 = 1e-6;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct GroundTriangle {
     pub itrf_m: [DVec3; 3],
-    /// Bit i: the edge opposite to corner i is an edge of the polygon.
+    /// Bit i: the edge opposite to corner i is an edge of the polygon. Bit 3 + i: corner i lies on one, and none of the triangle's edges there
+    /// does.
     pub edges: u32,
+}
+
+/// Notes which corners lie on edges of the polygon that belong to other triangles.
+fn mark_corners(triangles: &mut [GroundTriangle]) {
+    let bits = |corner: DVec3| corner.to_array().map(f64::to_bits);
+    let mut at_edge = HashSet::new();
+    for triangle in triangles.iter() {
+        for k in (0..3).filter(|k| triangle.edges >> k & 1 == 1) {
+            at_edge.extend([1, 2].map(|on| bits(triangle.itrf_m[(k + on) % 3])));
+        }
+    }
+    for triangle in triangles {
+        for k in 0..3 {
+            let beside = triangle.edges & 0b111 & !(1 << k);
+            if beside == 0 && at_edge.contains(&bits(triangle.itrf_m[k])) {
+                triangle.edges |= 8 << k;
+            }
+        }
+    }
 }
 
 /// A polygon of the plane cut into triangles between its corners.
@@ -73,12 +94,14 @@ impl CutPolygon {
         most: usize,
         triangles: &mut Vec<GroundTriangle>,
     ) {
+        let first = triangles.len();
         for triangle in &self.triangles {
             triangle.subdivide(step_rad, ellipsoid, most, triangles);
             if triangles.len() > most {
                 return;
             }
         }
+        mark_corners(&mut triangles[first..]);
     }
 }
 
@@ -322,6 +345,29 @@ mod tests {
                 "{count} {at_edge}"
             );
         }
+    }
+
+    /// By their latitudes and longitudes: a corner on the rectangle's edge is at an edge of its triangle, or marked.
+    #[test]
+    fn corners_on_edges_are_marked() {
+        let rectangle = [(10.0, 40.0), (14.0, 40.0), (14.0, 43.0), (10.0, 43.0)];
+        let (found, _) = triangles(&[&rectangle]);
+        let mut marked = 0;
+        for triangle in &found {
+            for k in 0..3 {
+                let place = Ellipsoid::WGS84.geodetic_from_itrf(triangle.itrf_m[k]);
+                let (lat, lon) = (place.lat_rad.to_degrees(), place.lon_rad.to_degrees());
+                let on = |value: f64, bounds: [f64; 2]| {
+                    bounds.iter().any(|bound| (value - bound).abs() < 1e-9)
+                };
+                let is_on_edge = on(lat, [40.0, 43.0]) || on(lon, [10.0, 14.0]);
+                let has_edge = triangle.edges & 0b111 & !(1 << k) != 0;
+                let is_marked = triangle.edges >> (3 + k) & 1 == 1;
+                assert_eq!(is_marked, is_on_edge && !has_edge, "{lat} {lon}");
+                marked += u32::from(is_marked);
+            }
+        }
+        assert!(marked > 10, "{marked} of {}", found.len());
     }
 
     #[test]
