@@ -1,6 +1,6 @@
 //! Attitudes from files: how the axes of a spacecraft lie in a frame at an epoch.
 //!
-//! Read are attitude ephemeris messages (AEM, CCSDS 504.0-B) in KVN with quaternions, and tables of quaternions in CSV. Between two
+//! Read are attitude ephemeris messages (AEM, CCSDS 504.0-B) in KVN and XML with quaternions or Euler angles, and tables of quaternions in CSV. Between two
 //! samples the attitude turns evenly about one axis, the shorter way (slerp). Between segments of a message it is not known.
 
 mod aem;

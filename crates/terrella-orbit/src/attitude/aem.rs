@@ -1,4 +1,6 @@
-//! Attitude ephemeris messages in KVN: 504.0-B-1 (2008) and 504.0-B-2 (2024), as far as they hold quaternions.
+//! Attitude ephemeris messages: 504.0-B-1 (2008) and 504.0-B-2 (2024), as far as they hold quaternions or Euler angles.
+
+mod xml;
 
 use super::super::Frame;
 use super::super::entry::{
@@ -8,7 +10,7 @@ use super::super::oem::TimeSystem;
 use super::super::text::kvn::{KvnLine, lines};
 use super::super::text::offset;
 use super::{Segment, push};
-use glam::{DQuat, DVec4};
+use glam::{DQuat, DVec3, DVec4};
 use std::borrow::Cow;
 use std::path::Path;
 use terrella_files::excerpt;
@@ -27,7 +29,11 @@ const META_KEYS: &Keys = &[
     ("USEABLE_STOP_TIME", ""),
     ("ATTITUDE_TYPE", ""),
     ("QUATERNION_TYPE", ""),
+    ("EULER_ROT_SEQ", ""),
 ];
+
+/// Versions that are read.
+const VERSIONS: &str = "versions 1 and 2 are read";
 
 /// Whether a text is an AEM, in KVN or in XML.
 pub fn is_aem(text: &str) -> bool {
@@ -45,11 +51,54 @@ struct Meaning {
     /// Whether the quaternion is of the rotation from the frame to the body; else of that from the body.
     is_to_body: bool,
     system: TimeSystem,
-    is_scalar_first: bool,
+    form: Form,
     /// Numbers of a row behind its epoch.
     columns: usize,
     useable: (Option<Epoch>, Option<Epoch>),
     place: TextPosition,
+}
+
+/// What the first numbers of a row are.
+#[derive(Clone, Copy)]
+enum Form {
+    Quaternion {
+        is_scalar_first: bool,
+    },
+    /// Angles in degrees about these axes, each of the frame that the rotations before it have made.
+    Euler([DVec3; 3]),
+}
+
+impl Form {
+    /// How many numbers it takes.
+    fn numbers(self) -> usize {
+        match self {
+            Self::Quaternion { .. } => 4,
+            Self::Euler(_) => 3,
+        }
+    }
+
+    /// As a quaternion of the standard: vector, then scalar.
+    fn quaternion(self, mut numbers: [f64; 4]) -> [f64; 4] {
+        match self {
+            Self::Quaternion { is_scalar_first } => {
+                if is_scalar_first {
+                    numbers.rotate_left(1);
+                }
+                numbers
+            }
+            Self::Euler(axes) => {
+                let [first, second, third, _] = numbers;
+                let turns = axes.into_iter().zip([first, second, third]);
+                let turns = turns.map(|(axis, deg)| {
+                    // Whole turns first: degrees keep their digits.
+                    DQuat::from_axis_angle(axis, (deg % 360.0).to_radians())
+                });
+                turns
+                    .fold(DQuat::IDENTITY, |all, turn| all * turn)
+                    .to_array()
+            }
+        }
+    }
 }
 
 /// Between which marks the reader is.
@@ -64,11 +113,7 @@ enum Block {
 pub fn segments(text: &str, origin: &Path) -> Result<Vec<Segment>, RecordError> {
     let start = TextPosition { line: 1, column: 1 };
     if text.trim_start().starts_with('<') {
-        let fault = RecordFault::Syntax {
-            format: "AEM in KVN",
-            cause: "attitude messages in XML are not read; write KVN".to_owned(),
-        };
-        return Err(start.error(origin, fault));
+        return xml::segments(text, origin);
     }
     let mut segments: Vec<Segment> = Vec::new();
     let mut object: Option<String> = None;
@@ -78,11 +123,8 @@ pub fn segments(text: &str, origin: &Path) -> Result<Vec<Segment>, RecordError> 
         block = match (line, block) {
             (KvnLine::Entry(entry), Block::Header) => {
                 if entry.key == VERSION {
-                    version = match entry.value.split('.').next() {
-                        Some("1") => 1,
-                        Some("2") => 2,
-                        _ => return Err(entry.unsupported(origin, "versions 1 and 2 are read")),
-                    };
+                    version = version_of(&entry.value)
+                        .ok_or_else(|| entry.unsupported(origin, VERSIONS))?;
                 }
                 Block::Header
             }
@@ -104,14 +146,7 @@ pub fn segments(text: &str, origin: &Path) -> Result<Vec<Segment>, RecordError> 
                     Block::Metadata(Fields::new("the metadata", place, META_KEYS))
                 }
                 ("META_STOP", Block::Metadata(meta)) => {
-                    let name = meta.must("OBJECT_NAME", "", origin)?;
-                    match &object {
-                        Some(first) if *first != *name.value => {
-                            let remedy = "the file begins with another object; give each object a file of its own";
-                            return Err(name.unsupported(origin, remedy));
-                        }
-                        _ => object = Some(name.value.clone().into_owned()),
-                    }
+                    one_object(&meta, &mut object, origin)?;
                     Block::Begun(meaning(&meta, version, origin)?)
                 }
                 ("DATA_START", Block::Begun(meaning)) => Block::Data(meaning, Vec::new()),
@@ -123,12 +158,8 @@ pub fn segments(text: &str, origin: &Path) -> Result<Vec<Segment>, RecordError> 
                         meaning.place,
                         origin,
                     )?;
-                    if segments
-                        .last()
-                        .is_some_and(|last| last.first > segment.first)
-                    {
-                        let expected = "segments in order of time";
-                        return Err(unexpected(text, place, expected, origin));
+                    if !is_in_order(&segments, &segment) {
+                        return Err(unexpected(text, place, IN_ORDER, origin));
                     }
                     segments.push(segment);
                     Block::Header
@@ -162,6 +193,40 @@ pub fn segments(text: &str, origin: &Path) -> Result<Vec<Segment>, RecordError> 
     }
 }
 
+/// What segments must be.
+const IN_ORDER: &str = "segments in order of time";
+
+fn is_in_order(segments: &[Segment], next: &Segment) -> bool {
+    segments.last().is_none_or(|last| last.first <= next.first)
+}
+
+fn version_of(text: &str) -> Option<u32> {
+    match text.split('.').next() {
+        Some("1") => Some(1),
+        Some("2") => Some(2),
+        _ => None,
+    }
+}
+
+/// Rejects a segment of another object than the first.
+fn one_object(
+    meta: &Fields,
+    object: &mut Option<String>,
+    origin: &Path,
+) -> Result<(), RecordError> {
+    let name = meta.must("OBJECT_NAME", "", origin)?;
+    match object {
+        Some(first) if *first != *name.value => {
+            let remedy = "the file begins with another object; give each object a file of its own";
+            Err(name.unsupported(origin, remedy))
+        }
+        _ => {
+            *object = Some(name.value.clone().into_owned());
+            Ok(())
+        }
+    }
+}
+
 fn unexpected(
     text: &str,
     place: TextPosition,
@@ -191,29 +256,52 @@ fn meaning(meta: &Fields, version: u32, origin: &Path) -> Result<Meaning, Record
         )
     })?;
     // Version 2 has neither key: rotations are from A to B, and the scalar comes last.
-    let either = |key, first: &str, second: &str, expected| match meta.get(key) {
+    let either = |key, is_needed: bool, first: &str, second: &str, expected| match meta.get(key) {
         Some(entry) if entry.value.eq_ignore_ascii_case(first) => Ok(true),
         Some(entry) if entry.value.eq_ignore_ascii_case(second) => Ok(false),
         Some(entry) => Err(entry.wrong(origin, expected)),
-        None if version == 1 => Err(meta.must(key, "", origin).err().unwrap_or_else(|| {
-            let fault = RecordFault::Missing {
-                what: "the metadata",
-                key,
-                remedy: "",
-            };
-            meta.place().error(origin, fault)
-        })),
+        None if version == 1 && is_needed => {
+            Err(meta.must(key, "", origin).err().unwrap_or_else(|| {
+                let fault = RecordFault::Missing {
+                    what: "the metadata",
+                    key,
+                    remedy: "",
+                };
+                meta.place().error(origin, fault)
+            }))
+        }
         None => Ok(true),
     };
-    let is_from_a = either("ATTITUDE_DIR", "A2B", "B2A", "A2B or B2A")?;
-    let is_scalar_last = either("QUATERNION_TYPE", "LAST", "FIRST", "FIRST or LAST")?;
+    let is_from_a = either("ATTITUDE_DIR", true, "A2B", "B2A", "A2B or B2A")?;
     let kind = must("ATTITUDE_TYPE")?;
-    let columns = match kind.value.to_ascii_uppercase().as_str() {
+    let kind_name = kind.value.to_ascii_uppercase().replace(' ', "_");
+    let is_euler = kind_name.starts_with("EULER_ANGLE");
+    let is_scalar_last = either(
+        "QUATERNION_TYPE",
+        !is_euler,
+        "LAST",
+        "FIRST",
+        "FIRST or LAST",
+    )?;
+    let form = match is_euler {
+        false => Form::Quaternion {
+            is_scalar_first: !is_scalar_last,
+        },
+        true => {
+            let sequence = must("EULER_ROT_SEQ")?;
+            let axes = euler_axes(&sequence.value);
+            let expected = "three axes of which no two neighbours are the same: ZYX, or 321";
+            Form::Euler(axes.ok_or_else(|| sequence.wrong(origin, expected))?)
+        }
+    };
+    let columns = match kind_name.as_str() {
         "QUATERNION" => 4,
         "QUATERNION/DERIVATIVE" => 8,
         "QUATERNION/RATE" | "QUATERNION/ANGVEL" => 7,
+        "EULER_ANGLE" => 3,
+        "EULER_ANGLE/RATE" | "EULER_ANGLE/DERIVATIVE" | "EULER_ANGLE/ANGVEL" => 6,
         _ => {
-            let remedy = "attitudes are read as QUATERNION, QUATERNION/DERIVATIVE, QUATERNION/RATE and QUATERNION/ANGVEL; write one of these";
+            let remedy = "attitudes are read as QUATERNION and EULER_ANGLE, each alone or with /RATE, /DERIVATIVE or /ANGVEL; write one of these";
             return Err(kind.unsupported(origin, remedy));
         }
     };
@@ -226,14 +314,27 @@ fn meaning(meta: &Fields, version: u32, origin: &Path) -> Result<Meaning, Record
         frame: known,
         is_to_body: is_from_a != a_is_body,
         system,
-        is_scalar_first: !is_scalar_last,
+        form,
         columns,
         useable: (epoch("USEABLE_START_TIME")?, epoch("USEABLE_STOP_TIME")?),
         place: meta.place(),
     })
 }
 
-/// An epoch and a quaternion, and perhaps rates, which are not used.
+/// The axes of a sequence of rotations, by letters or numbers.
+fn euler_axes(sequence: &str) -> Option<[DVec3; 3]> {
+    let axes = sequence.trim().chars().map(|axis| match axis {
+        'X' | 'x' | '1' => Some(DVec3::X),
+        'Y' | 'y' | '2' => Some(DVec3::Y),
+        'Z' | 'z' | '3' => Some(DVec3::Z),
+        _ => None,
+    });
+    let axes: Option<Vec<_>> = axes.collect();
+    let axes = <[DVec3; 3]>::try_from(axes?).ok()?;
+    (axes[0] != axes[1] && axes[1] != axes[2]).then_some(axes)
+}
+
+/// An epoch and an attitude, and perhaps rates, which are not used.
 fn row(
     text: &str,
     place: TextPosition,
@@ -244,18 +345,20 @@ fn row(
     let words: Vec<_> = text.split_whitespace().take(10).collect();
     let split = words.split_first();
     let Some((date, values)) = split.filter(|(_, values)| values.len() == meaning.columns) else {
-        let expected = match meaning.columns {
-            4 => "an epoch and four numbers",
-            7 => "an epoch, four numbers of the quaternion and three rates",
+        let expected = match (meaning.form, meaning.columns) {
+            (Form::Euler(_), 3) => "an epoch and three angles",
+            (Form::Euler(_), _) => "an epoch, three angles and three rates",
+            (_, 4) => "an epoch and four numbers",
+            (_, 7) => "an epoch, four numbers of the quaternion and three rates",
             _ => "an epoch, four numbers of the quaternion and four derivatives",
         };
         return Err(unexpected(text, place, expected, origin));
     };
     let mut numbers = [0.0; 4];
-    for (slot, word) in numbers.iter_mut().zip(values) {
+    for (slot, word) in numbers.iter_mut().zip(&values[..meaning.form.numbers()]) {
         *slot = scaled_number(word, 0).ok_or_else(|| {
             let fault = RecordFault::Field {
-                key: "the quaternion".to_owned(),
+                key: "the attitude".to_owned(),
                 text: excerpt(word),
                 expected: "numbers",
             };
@@ -264,15 +367,6 @@ fn row(
             TextPosition { line, column }.error(origin, fault)
         })?;
     }
-    if meaning.is_scalar_first {
-        numbers.rotate_left(1);
-    }
-    // The standard rotates frames: the coordinates in Y of a vector given in X are M v with the attitude matrix M of the quaternion.
-    // glam rotates vectors, and its matrix of the same quaternion is Mᵀ: it takes coordinates in Y to those in X.
-    if !meaning.is_to_body {
-        let [x, y, z, w] = numbers;
-        numbers = [-x, -y, -z, w];
-    }
     let date = Entry {
         key: Cow::Borrowed("the epoch"),
         value: Cow::Borrowed(date),
@@ -280,5 +374,24 @@ fn row(
         place,
     };
     let epoch = meaning.system.epoch(&date, origin)?;
-    push(samples, epoch, DVec4::from_array(numbers), place, origin)
+    sample(epoch, numbers, meaning, place, samples, origin)
+}
+
+/// Adds an attitude by the numbers of its form.
+fn sample(
+    epoch: Epoch,
+    numbers: [f64; 4],
+    meaning: &Meaning,
+    place: TextPosition,
+    samples: &mut Vec<(Epoch, DQuat)>,
+    origin: &Path,
+) -> Result<(), RecordError> {
+    let mut quaternion = meaning.form.quaternion(numbers);
+    // The standard rotates frames: the coordinates in Y of a vector given in X are M v with the attitude matrix M of the quaternion.
+    // glam rotates vectors, and its matrix of the same quaternion is Mᵀ: it takes coordinates in Y to those in X.
+    if !meaning.is_to_body {
+        let [x, y, z, w] = quaternion;
+        quaternion = [-x, -y, -z, w];
+    }
+    push(samples, epoch, DVec4::from_array(quaternion), place, origin)
 }

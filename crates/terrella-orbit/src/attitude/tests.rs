@@ -72,6 +72,73 @@ fn coordinates_in_b([q1, q2, q3, qc]: [f64; 4], v: DVec3) -> DVec3 {
     DVec3::from_array(m.map(|row| row[0] * v.x + row[1] * v.y + row[2] * v.z))
 }
 
+/// The same message in XML with one attitude; `values` are the elements after its epoch.
+fn xml(meta: &[(&str, &str)], values: &str) -> String {
+    let kvn = aem("2.0", meta, &[]);
+    let meta = kvn.lines().skip(5).take_while(|line| *line != "META_STOP");
+    let meta: String = meta
+        .map(|line| {
+            let (key, value) = line.split_once(" = ").unwrap();
+            format!("<{key}>{value}</{key}>\n")
+        })
+        .collect();
+    format!(
+        "<aem id=\"CCSDS_AEM_VERS\" version=\"2.0\"><body><segment>\n\n<metadata>\n{meta}</metadata>\n<data><attitudeState><x><EPOCH>2018-01-15T12:00:00</EPOCH>{values}</x></attitudeState></data>\n</segment></body></aem>\n"
+    )
+}
+
+/// v_B = R₃ R₂ R₁ v_A with the elementary rotations of frames (CCSDS 500.0-G, 3.3).
+fn turned(sequence: &str, angles_deg: [f64; 3], v: DVec3) -> DVec3 {
+    let axes = sequence.chars().zip(angles_deg);
+    axes.fold(v, |v, (axis, deg)| {
+        let (s, c) = deg.to_radians().sin_cos();
+        match axis {
+            'X' => DVec3::new(v.x, c * v.y + s * v.z, c * v.z - s * v.y),
+            'Y' => DVec3::new(c * v.x - s * v.z, v.y, s * v.x + c * v.z),
+            _ => DVec3::new(c * v.x + s * v.y, c * v.y - s * v.x, v.z),
+        }
+    })
+}
+
+#[test]
+fn euler_angles_and_xml_are_those_of_the_standard() {
+    let v = DVec3::new(0.3, -0.7, 0.2);
+    let epoch = at("2018-01-15T12:00:00Z");
+    let body_of = |text: &str| {
+        let read = read(text).unwrap_or_else(|error| panic!("{error}\n{text}"));
+        let (_, frame_from_body) = read.frame_from_body(epoch).unwrap();
+        frame_from_body.inverse() * v
+    };
+    let angles = [25.0, -70.0, 310.0];
+    let named = "<ANGLE_1 units=\"deg\">25</ANGLE_1><ANGLE_2>-70</ANGLE_2><ANGLE_3>310</ANGLE_3>";
+    for (letters, numbers) in [
+        ("ZYX", "321"),
+        ("XYZ", "123"),
+        ("ZXZ", "313"),
+        ("YZY", "232"),
+    ] {
+        let expected = turned(letters, angles, v);
+        let row = "2018-01-15T12:00:00 25 -70 310";
+        let with_rates = format!("{row} 0.1 0.2 0.3");
+        for (kind, row) in [("EULER_ANGLE", row), ("EULER_ANGLE/RATE", &with_rates)] {
+            let meta = [
+                ("ATTITUDE_TYPE", kind),
+                ("EULER_ROT_SEQ", numbers),
+                ("ATTITUDE_DIR", "A2B"),
+            ];
+            assert!((body_of(&aem("1.0", &meta, &[row])) - expected).length() < 1e-14);
+        }
+        let meta = [("ATTITUDE_TYPE", "EULER_ANGLE"), ("EULER_ROT_SEQ", letters)];
+        assert!((body_of(&xml(&meta, named)) - expected).length() < 1e-14);
+    }
+    let [q1, q2, q3, qc] = Q;
+    let named =
+        format!("<quaternion><QC>{qc}</QC><Q1>{q1}</Q1><Q2>{q2}</Q2><Q3>{q3}</Q3></quaternion>");
+    let quaternion = [("QUATERNION_TYPE", "FIRST")];
+    let in_body = coordinates_in_b(Q, v);
+    assert!((body_of(&xml(&quaternion, &named)) - in_body).length() < 1e-15);
+}
+
 #[test]
 fn quaternions_are_those_of_the_standard() {
     let v = DVec3::new(0.3, -0.7, 0.2);
@@ -184,8 +251,20 @@ fn wrong_files_are_errors_by_line_and_column() {
             "must be a spacecraft body frame",
         ),
         (
+            with(&[("ATTITUDE_TYPE", "SPIN")]),
+            "attitudes are read as QUATERNION and EULER_ANGLE",
+        ),
+        (
             with(&[("ATTITUDE_TYPE", "EULER_ANGLE")]),
-            "attitudes are read as QUATERNION",
+            "without EULER_ROT_SEQ",
+        ),
+        (
+            with(&[("ATTITUDE_TYPE", "EULER_ANGLE"), ("EULER_ROT_SEQ", "ZZX")]),
+            "no two neighbours are the same",
+        ),
+        (
+            with(&[("ATTITUDE_TYPE", "EULER_ANGLE"), ("EULER_ROT_SEQ", "ZYX")]),
+            "expected an epoch and three angles",
         ),
         (with(&[("TIME_SYSTEM", "MET")]), "known time systems"),
         (with(&[("OBJECT_NAME", "")]), "without OBJECT_NAME"),
@@ -212,7 +291,7 @@ fn wrong_files_are_errors_by_line_and_column() {
         ),
         (
             aem("2.0", &[], &["2018-01-15T12:00:00 0 0 0 nan"]),
-            "the quaternion is \"nan\"",
+            "the attitude is \"nan\"",
         ),
         (
             aem("2.0", &[], &["2018-01-15T12:00:00 0 0 0 0"]),
@@ -232,7 +311,13 @@ fn wrong_files_are_errors_by_line_and_column() {
             aem("2.0", &[], &[&good]).replace("DATA_STOP\n", ""),
             "without DATA_STOP; the file is truncated",
         ),
-        ("<aem/>".to_owned(), "attitude messages in XML are not read"),
+        ("<aem/>".to_owned(), "without segment; it has no attitudes"),
+        (
+            xml(&[("OBJECT_NAME", "")], "<Q1>0</Q1>"),
+            "a.aem:3:1: the metadata",
+        ),
+        (xml(&[], "<Q1>0</Q1>"), "the attitude without Q2"),
+        (xml(&[], "<Q1>x</Q1>"), "a.aem:12:"),
         ("CCSDS_AEM_VERS = 2.0\n".to_owned(), "without META_START"),
         (String::new(), "the file without attitudes"),
         (
