@@ -5,7 +5,7 @@
 
 use super::error::PlayError;
 use super::satellites::{self, Integrated, Listener, Satellite, Sources, stand_in};
-use crate::scene::{Orbit, Scene};
+use crate::scene::{Many, Orbit, Scene};
 use terrella::frames::{EarthOrientation, Epoch};
 use terrella_orbit::OrbitFiles;
 
@@ -59,6 +59,14 @@ fn open_many(
 ) -> Result<Vec<Option<Satellite>>, PlayError> {
     let (mut opened, mut orbits) = (Vec::new(), Vec::new());
     for (index, orbit) in scene.orbits.iter().enumerate() {
+        if let Some(Many::Pattern(walker)) = &orbit.all {
+            let pattern = orbit.name.as_deref().unwrap_or("Walker");
+            for member in 0..walker.count() {
+                orbits.push((index, Some(walker.name(pattern, member))));
+                opened.push(None);
+            }
+            continue;
+        }
         let (Some(many), Some(file)) = (&orbit.all, &orbit.file) else {
             opened.push(None);
             orbits.push((index, None));

@@ -43,6 +43,7 @@ mod dates;
 mod earth;
 mod error;
 mod field;
+mod footprint;
 mod geojson;
 mod globe_keys;
 mod grade;
@@ -54,6 +55,7 @@ mod many;
 mod meaning;
 mod orbit;
 mod orbit_check;
+mod orbit_keys;
 mod orbit_summary;
 mod output;
 mod parse;
@@ -75,7 +77,9 @@ mod table;
 mod text;
 mod time;
 mod tone;
+mod track_span;
 mod tracks;
+mod walker;
 
 use error::MAX_FILE_BYTES;
 use std::collections::BTreeMap;
@@ -96,6 +100,7 @@ pub use dated_maps::{BetweenMaps, DatedLayer, DatedMaps, MapTimes};
 pub use dates::Ending;
 pub use earth::{EarthTable, PackTable};
 pub use error::{KeyLocation, SceneError};
+pub use footprint::Footprint;
 pub use geojson::GeojsonTable;
 pub(crate) use keys::YEARS;
 #[cfg(feature = "window")]
@@ -111,7 +116,9 @@ pub use sky::SkyTable;
 pub use stations::StationTable;
 pub use time::{StartSource, Time};
 pub use tone::{ToneError, ToneTable};
-pub use tracks::{Footprint, Track, TrackSpan};
+pub use track_span::TrackSpan;
+pub use tracks::Track;
+pub use walker::Walker;
 
 /// A checked scene: every value is in range and every default filled in.
 #[derive(Clone, Debug)]

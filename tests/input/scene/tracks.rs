@@ -1,6 +1,7 @@
 //! `[tracks]` and what `[orbit]` says of tracks.
 
 use super::{Bad, Folder, scene};
+use terrella_orbit::FieldOfView;
 use terrella_play::scene::{Footprint, Track, TrackSpan};
 
 #[rustfmt::skip]
@@ -63,8 +64,8 @@ fn a_satellite_s_own_key_goes_before_that_of_all() {
         trail: Some(TrackSpan::Usual),
         marker: true,
         footprint: Some(Footprint {
-            half_angle_deg: Some(30.0),
-            fill: false,
+            field: Some(FieldOfView::nadir(30_f64.to_radians())),
+            ..Footprint::default()
         }),
         ..Track::default()
     };
@@ -87,8 +88,8 @@ fn a_satellite_s_own_key_goes_before_that_of_all() {
                 after_min: 90.0
             }),
             footprint: Some(Footprint {
-                half_angle_deg: Some(30.0),
-                fill: true
+                fill: true,
+                ..common.footprint.unwrap_or_default()
             }),
             color: Some([1, 128, 255]),
             subpoint: true,
@@ -115,11 +116,5 @@ fn the_built_in_station_has_tracks_too() {
         panic!("one satellite")
     };
     assert_eq!(orbit.track.ground_track, Some(TrackSpan::Usual));
-    assert_eq!(
-        orbit.track.footprint,
-        Some(Footprint {
-            half_angle_deg: None,
-            fill: false
-        })
-    );
+    assert_eq!(orbit.track.footprint, Some(Footprint::default()));
 }

@@ -3,8 +3,8 @@
 use super::choices::OrbitSource;
 use super::error::{SceneError, printable};
 use super::field::Field;
-use super::keys::RawOrbit;
 use super::orbit::Orbit;
+use super::orbit_keys::RawOrbit;
 use super::record::quoted;
 use super::text::SceneText;
 use std::time::Duration;

@@ -3,8 +3,9 @@
 use super::Scene;
 use super::choices::CameraMode;
 use super::error::SceneError;
-use super::keys::{MAX_ORBITS, RawOrbit, RawScene};
+use super::keys::{MAX_ORBITS, RawScene};
 use super::orbit::Orbit;
+use super::orbit_keys::RawOrbit;
 use super::text::SceneText;
 
 /// Checks a whole scene.

@@ -2,7 +2,7 @@
 
 use super::error::SceneError;
 use super::field::PathKind;
-use super::keys::RawOrbit;
+use super::orbit_keys::RawOrbit;
 use super::text::SceneText;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;

@@ -66,6 +66,17 @@ impl Field<'_, bool, bool> {
     }
 }
 
+/// The satellite's own key, or the one for all. What it comes to is noted with the satellite.
+pub(super) fn own_or<'r, T, R>(own: Field<'r, T, R>, common: Field<'r, T, R>) -> Field<'r, T, R> {
+    match own.is_given() {
+        true => own,
+        false => Field {
+            notes: own.notes,
+            ..common
+        },
+    }
+}
+
 impl SceneText<'_> {
     /// A finite number in its range, or its default; `remedy` gets the number that is not, and the range as text.
     pub(super) fn number(

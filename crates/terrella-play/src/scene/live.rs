@@ -2,8 +2,9 @@
 
 use super::error::{SceneError, printable};
 use super::field::{Bounds, Field};
-use super::keys::{MAX_LIVE_ORBITS, MAX_ORIGINS, RawOrbit};
+use super::keys::{MAX_LIVE_ORBITS, MAX_ORIGINS};
 use super::orbit::Orbit;
+use super::orbit_keys::RawOrbit;
 use super::record::{list_text, quoted};
 use super::text::SceneText;
 use std::time::Duration;

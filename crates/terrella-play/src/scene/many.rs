@@ -4,8 +4,9 @@ use super::Scene;
 use super::choices::OrbitSource;
 use super::error::{SceneError, printable};
 use super::field::Field;
-use super::keys::RawOrbit;
+use super::orbit_keys::RawOrbit;
 use super::text::SceneText;
+use super::walker::Walker;
 use std::ops::RangeInclusive;
 use std::path::Path;
 use toml::Spanned;
@@ -14,7 +15,7 @@ use toml::Spanned;
 const MAX_SATELLITES: usize = 200_000;
 
 /// Which satellites of a file a table flies.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Many {
     /// All of them.
     All,
@@ -22,6 +23,8 @@ pub enum Many {
     Named(String),
     /// Those whose catalogue numbers are in a range.
     Numbered(RangeInclusive<u64>),
+    /// Those of a pattern that the scene describes, in place of a file.
+    Pattern(Walker),
 }
 
 impl Many {
@@ -51,7 +54,7 @@ impl Many {
         catalogue_number: Option<u64>,
     ) -> bool {
         match self {
-            Self::All => true,
+            Self::All | Self::Pattern(_) => true,
             Self::Named(pattern) => names.any(|name| matches(pattern, name)),
             Self::Numbered(range) => catalogue_number.is_some_and(|number| range.contains(&number)),
         }
@@ -65,6 +68,7 @@ impl Many {
             Self::Numbered(range) => {
                 format!("satellites numbered {} to {}", range.start(), range.end())
             }
+            Self::Pattern(walker) => walker.text(),
         }
     }
 }
@@ -114,6 +118,8 @@ impl SceneText<'_> {
             None => Ok("false".to_owned()),
             Some(Many::All) => Ok("true".to_owned()),
             Some(Many::Named(pattern)) => super::record::quoted(pattern),
+            // A pattern is no value of this key.
+            Some(Many::Pattern(_)) => Err("walker says which satellites are flown"),
             Some(Many::Numbered(range)) => Ok(format!("\"{}..{}\"", range.start(), range.end())),
         });
         if many.is_none() {
@@ -181,11 +187,17 @@ impl Scene {
             );
             return Err(self.reject_orbit(table, "all", "true", remedy));
         }
+        let mut member = (0, 0);
         let orbits = satellites.iter().filter_map(|(table, name)| {
             let mut orbit = self.orbits.get(*table)?.clone();
             if name.is_some() {
                 orbit.name.clone_from(name);
             }
+            member = match member {
+                (same, before) if same == *table => (same, before + 1),
+                _ => (*table, 1),
+            };
+            orbit.take_place(member.1 - 1);
             Some(orbit)
         });
         self.orbits = orbits.collect();

@@ -57,6 +57,15 @@ impl Orbit {
         }
     }
 
+    /// Flies as the satellite of that place in the table's pattern, if it has one.
+    pub(super) fn take_place(&mut self, place: u32) {
+        if let (Some(Many::Pattern(walker)), Some(motion)) = (&self.all, &mut self.motion)
+            && let OrbitParameters::Elements(elements) = &mut motion.start_mut().parameters
+        {
+            *elements = walker.elements(elements, place);
+        }
+    }
+
     /// Whether a simulator that runs meanwhile says where it is.
     pub fn is_simulated(&self) -> bool {
         self.live.is_some() || self.basilisk.is_some()

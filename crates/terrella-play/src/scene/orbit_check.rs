@@ -3,12 +3,14 @@
 use super::choices::OrbitSource;
 use super::error::SceneError;
 use super::field::{Bounds, Field, PathKind, short_range_text, whole, written};
-use super::keys::{RawOrbit, RawTracks};
+use super::many::Many;
 use super::orbit::{ForceOptions, InitialState, Motion, Orbit, OrbitParameters};
+use super::orbit_keys::{RawOrbit, RawTracks};
 use super::record::{Record, number_text, quoted};
 use super::table::Key;
 use super::text::SceneText;
 use super::time::utc;
+use super::walker::Walker;
 use glam::DVec3;
 use std::ops::RangeInclusive;
 use terrella::frames::Epoch;
@@ -115,13 +117,18 @@ impl SceneText<'_> {
                 return Err(self.reject(&strict, advice));
             }
         }
+        let pattern = match source {
+            OrbitSource::Kepler => self.walker(orbit)?,
+            _ => None,
+        };
+        let all = pattern.map(Many::Pattern).or(all);
         let motion = match source {
             OrbitSource::Kepler => Some(Motion::Kepler {
-                start: self.orbit_start(orbit, scene_start)?,
+                start: self.orbit_start(orbit, scene_start, pattern.as_ref())?,
                 j2: orbit.j2().is_on(),
             }),
             OrbitSource::Numerical => Some(Motion::Numerical {
-                start: self.orbit_start(orbit, scene_start)?,
+                start: self.orbit_start(orbit, scene_start, None)?,
                 forces: self.forces(orbit)?,
             }),
             _ => None,
@@ -159,6 +166,7 @@ impl SceneText<'_> {
         &self,
         orbit: &RawOrbit,
         scene_start: Epoch,
+        pattern: Option<&Walker>,
     ) -> Result<InitialState, SceneError> {
         let epoch_field = orbit.epoch();
         let epoch = self.instant(&epoch_field, scene_start)?;
@@ -174,7 +182,14 @@ impl SceneText<'_> {
                     let advice = "elements are of axes that do not rotate with the Earth: \"teme\", \"gcrf\" or \"eme2000\"; or give position_km and velocity_km_s";
                     return Err(self.reject(&frame_field, advice));
                 }
-                OrbitParameters::Elements(self.elements(orbit)?)
+                OrbitParameters::Elements(match pattern {
+                    Some(pattern) => self.walker_elements(orbit, pattern)?,
+                    None => self.elements(orbit)?,
+                })
+            }
+            (_, _) if pattern.is_some() => {
+                let advice = "walker and position_km both give the orbit; leave one of them out";
+                return Err(self.reject(&orbit.walker(), advice));
             }
             (true, true) => {
                 let elements = orbit.declared();

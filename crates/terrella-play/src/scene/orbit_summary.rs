@@ -3,7 +3,7 @@
 use super::choices::OrbitSource;
 use super::error::printable;
 use super::orbit::{Motion, Orbit};
-use super::tracks::TrackSpan;
+use super::track_span::TrackSpan;
 use super::{Scene, basilisk, live};
 
 impl Scene {
@@ -88,13 +88,8 @@ fn track_text(index: usize, orbit: &Orbit) -> String {
             } => format!("{name} from {before_min} min before to {after_min} min after"),
         })
     };
-    let footprint = track.footprint.map(|footprint| {
-        let tinted = if footprint.fill { ", tinted" } else { "" };
-        match footprint.half_angle_deg {
-            Some(degrees) => format!("footprint of {degrees}° about straight down{tinted}"),
-            None => format!("footprint to the horizon{tinted}"),
-        }
-    });
+    let footprint = track.footprint.map(|footprint| footprint.words());
+    let swath = track.footprint.and_then(|footprint| footprint.swath);
     let parts = [
         span("trail", track.trail, "the last revolution"),
         span(
@@ -103,6 +98,7 @@ fn track_text(index: usize, orbit: &Orbit) -> String {
             "half a revolution to each side",
         ),
         footprint,
+        span("swath", swath, "half a revolution to each side"),
         track.subpoint.then(|| "sub-satellite point".to_owned()),
         track.marker.then(|| "marker with its name".to_owned()),
     ];

@@ -10,8 +10,9 @@ use super::globe_keys::{GRATICULE_STEP_DEG, MAX_GEOJSON, MAX_STATIONS, PLACE_NAM
 use super::keys::{
     BURN_M_S2, BURN_S, CLIPMAP_LEVELS, CLIPMAP_SAMPLES, GRID_SAMPLES, MAX_BURNS, MAX_CAMERA_KEYS,
     MAX_DATED_MAPS, MAX_ELEVATION_FILES, MAX_LEAVES, MAX_ORBITS, MAX_ORIGINS, QUADTREE_LAMBDA,
-    SAMPLES, SPAN_MIN, TABLES,
+    SAMPLES, TABLES,
 };
+use super::orbit_keys::SPAN_MIN;
 use super::table::{Key, Shape, Table};
 use serde_json::{Map, Value, json};
 use std::ops::RangeInclusive;
@@ -102,6 +103,7 @@ pub(super) fn value_schema(key: &Key) -> Value {
         Shape::Word(names) => json!({ "enum": names }),
         Shape::Text | Shape::Path => path,
         Shape::Paths => json!({ "type": "array", "maxItems": MAX_ELEVATION_FILES, "items": path }),
+        Shape::Vector if key.name == "sensor_half_angles_deg" => list(bounded("number"), 2),
         Shape::Vector => list(bounded("number"), 3),
         Shape::Pair => list(bounded("integer"), 2),
         Shape::DatedMaps => json!({
@@ -124,7 +126,7 @@ fn own(key: &Key) -> Value {
     match key.name {
         "start" | "epoch" => json!({ "type": "string" }),
         "all" => json!({ "anyOf": [{ "type": "boolean" }, { "type": "string" }] }),
-        "trail" | "ground_track" | "graticule" => {
+        "trail" | "ground_track" | "swath" | "graticule" => {
             json!({ "anyOf": [{ "type": "boolean" }, table()] })
         }
         "place_names" => json!({ "anyOf": [
@@ -187,7 +189,7 @@ pub(super) fn parts(key: &str) -> Vec<KeyPart> {
     let text = || json!({ "type": "string" });
     let words = |names: &[&str]| json!({ "enum": names });
     match key {
-        "trail" | "ground_track" => vec![
+        "trail" | "ground_track" | "swath" => vec![
             part("before_min", number(&SPAN_MIN), "Minutes before now."),
             part("after_min", number(&SPAN_MIN), "Minutes after now."),
         ],

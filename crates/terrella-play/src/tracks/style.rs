@@ -25,8 +25,10 @@ pub(super) fn style(index: usize, orbit: &Orbit, width_px: f32) -> TrackStyle {
         trail: span(track.trail, TrackSpan::TRAIL),
         ground_track: span(track.ground_track, TrackSpan::GROUND_TRACK),
         footprint: track.footprint.map(|footprint| Footprint {
-            half_angle_rad: footprint.half_angle_deg.map(f64::to_radians),
+            field: footprint.field,
             is_filled: footprint.fill,
+            has_edges: footprint.lines,
+            swath: span(footprint.swath, TrackSpan::GROUND_TRACK),
         }),
         subpoint: track.subpoint,
         marker: track.marker,
