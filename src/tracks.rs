@@ -262,6 +262,7 @@ impl Tracks {
             kinds.lines |= style.lines;
             kinds.marks |= style.marks;
             kinds.fills |= style.fills;
+            kinds.polygons |= style.polygons;
         }
         let curves = styles
             .iter()

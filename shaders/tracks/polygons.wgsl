@@ -36,16 +36,21 @@ fn vertex(@builtin(vertex_index) index: u32, in: TriangleInstance) -> Varying {
     return out;
 }
 
+// How much farther the edge may be from a pixel than the line through the corner is: between none and √2.
+const CORNER: f32 = 1.2;
+
 @fragment
 fn fragment(in: Varying) -> @location(0) vec4f {
     let ray = ray_of(in.clip.xy);
     // Pixels to each edge. A neighbour across an edge of the polygon draws nothing, so the edge is smoothed inwards.
-    let per_px = max(fwidth(in.weights), vec3f(1e-12));
+    let dx = dpdx(in.weights);
+    let dy = dpdy(in.weights);
+    let per_px = max(sqrt(dx * dx + dy * dy), vec3f(1e-12));
     let is_edge = (vec3u(in.edges) & vec3u(1u, 2u, 4u)) != vec3u(0u);
     let from_edge = select(vec3f(1.0), in.weights / per_px, is_edge);
-    // At a corner the edge lies about along the opposite side.
+    // At a corner the edge lies about along the opposite side, up to half a right angle off.
     let is_corner = (vec3u(in.edges) & vec3u(8u, 16u, 32u)) != vec3u(0u);
-    let from_corner = select(vec3f(1.0), (1.0 - in.weights) / per_px, is_corner);
+    let from_corner = select(vec3f(1.0), CORNER * (1.0 - in.weights) / per_px, is_corner);
     let px = min(from_edge, from_corner);
     let inside = saturate(min(px.x, min(px.y, px.z)));
     let part = inside * in_sight(ray, in.from_eye, ON_GROUND);
