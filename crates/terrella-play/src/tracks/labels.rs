@@ -184,7 +184,8 @@ fn paint_city(
         return false;
     }
     taken.extend([plate, dot]);
-    let dark = Color32::from_black_alpha((PLATE * opacity) as u8);
+    // Faded letters are lost on bright ground sooner than their plate: it fades faster.
+    let dark = Color32::from_black_alpha((PLATE * opacity * opacity) as u8);
     painter.rect_filled(plate, 0.3 * letter, dark);
     let edge = dot.expand(0.08 * letter);
     let corner = |rect: Rect| {
