@@ -190,6 +190,9 @@ impl<'f> PassTable<'f> {
                 );
             }
         }
+        if self.rows.iter().all(|row| row.visible.is_empty()) {
+            text += "visible in none of them: the satellite is in the Earth's shadow, or the sky is not dark\n";
+        }
         text
     }
 
