@@ -4,11 +4,15 @@
 //! |---|---|
 //! | `ticks.rs` | marks at round times |
 //! | `bar.rs` | what is drawn, and what the pointer does on it |
-//! | `pass_search.rs` | passes, on a thread of their own |
+//! | `zoom.rs` | the part of the span that it shows |
+//! | `light.rs` | night below the satellite, and the Earth's shadow |
+//! | `pass_search.rs` | passes and light, on a thread of their own |
 
 mod bar;
+mod light;
 mod pass_search;
 mod ticks;
+mod zoom;
 
 pub use bar::show;
 pub use pass_search::{PassQuery, PassResult, PassSearch};
@@ -18,9 +22,11 @@ use super::flight::Flight;
 use super::place_text::place_text;
 use crate::scene::CameraMode;
 use hifitime::{TimeScale, Unit};
+use light::LightBands;
 use pass_search::{PassSite, Upcoming};
 use terrella::frames::{Duration, Epoch, Geodetic, rfc3339};
 use terrella_orbit::{Feed, Pass};
+use zoom::Zoom;
 
 /// Minimum elevation of a pass where nothing else is said, degrees.
 const DEFAULT_MIN_ELEVATION_DEG: f64 = 10.0;
@@ -67,12 +73,20 @@ pub struct TimeLine {
     pub place: Option<Geodetic>,
     /// Minimum elevation of a pass over it, degrees.
     pub min_elevation_deg: f64,
+    /// Whether only passes are shown in which the satellite can be seen.
+    pub visible_only: bool,
     /// Passes of the span.
     pub passes: Vec<Pass>,
+    /// Night and shadow in the span.
+    pub light: LightBands,
+    zoom: Option<Zoom>,
     /// Whether the clock follows the one on the wall.
     real_time: bool,
     /// What the present passes were searched for.
     asked: Option<(PassSite, (Epoch, Epoch))>,
+    /// The span that the present light was searched for.
+    asked_light: Option<(Epoch, Epoch)>,
+    has_satellite: bool,
 }
 
 impl TimeLine {
@@ -88,9 +102,14 @@ impl TimeLine {
             place: (has_place && flight.feed().is_some())
                 .then(|| Geodetic::from_degrees(camera.lat_deg, camera.lon_deg, 0.0)),
             min_elevation_deg: DEFAULT_MIN_ELEVATION_DEG,
+            visible_only: false,
             passes: Vec::new(),
+            light: LightBands::default(),
+            zoom: None,
             real_time: false,
             asked: None,
+            asked_light: None,
+            has_satellite: flight.feed().is_some(),
         }
     }
 
@@ -187,10 +206,43 @@ impl TimeLine {
         None
     }
 
+    /// The part of the span that is shown, 0…1.
+    pub fn part(&self, clock: &Clock) -> (f64, f64) {
+        Zoom::part(self.zoom, clock.span())
+    }
+
+    /// Shows `factor` times less of the span about a fraction of it, moved on by `by` of what is shown.
+    pub fn zoom(&mut self, clock: &Clock, at: f64, factor: f64, by: f64) {
+        self.zoom = Zoom::changed(self.zoom, clock.span(), at, factor, by);
+    }
+
+    /// Moves what is shown so that the clock's instant is in it.
+    pub fn show_now(&mut self, clock: &Clock) {
+        self.zoom = Zoom::showing(self.zoom, clock.span(), clock.progress());
+    }
+
+    /// The query for night and shadow in the span, if that is another than last time.
+    pub fn light_query(&mut self, clock: &Clock) -> Option<PassQuery> {
+        let span = clock.span();
+        if !self.shown || !self.has_satellite || self.asked_light == Some(span) {
+            return None;
+        }
+        self.asked_light = Some(span);
+        self.light = LightBands::default();
+        Some(PassQuery::Light(span))
+    }
+
+    /// Finds night and shadow in the span at once.
+    #[cfg(test)]
+    pub fn find_light(&mut self, flight: &Flight, clock: &Clock) {
+        self.light = LightBands::of(flight, clock.span(), &|| true).unwrap_or_default();
+    }
+
     fn site(&self) -> Option<PassSite> {
         self.place.map(|place| PassSite {
             place,
             min_elevation_rad: self.min_elevation_deg.to_radians(),
+            is_visible: self.visible_only,
         })
     }
 
@@ -240,6 +292,10 @@ impl TimeLine {
                 self.passes = passes;
                 return None;
             }
+            PassResult::Light(light) => {
+                self.light = light;
+                return None;
+            }
             PassResult::Next(next) => next,
         };
         let coverage = coverage?;
@@ -268,8 +324,12 @@ impl TimeLine {
                 let until = coverage
                     .last
                     .min(clock.now() + Duration::from_days(NEXT_PASS_SEARCH_DAYS));
+                let what = match self.visible_only {
+                    true => "is not visible",
+                    false => "does not rise",
+                };
                 format!(
-                    "{name} does not rise {min_elevation_deg}° above {place} until {}",
+                    "{name} {what} {min_elevation_deg}° above {place} until {}",
                     seconds(until)
                 )
             }

@@ -216,7 +216,9 @@ impl ApplicationHandler for App<'_> {
                     self.redraw();
                     return;
                 }
-                let repeats = |action: Action| matches!(action, Action::Zoom(_) | Action::Skip(_));
+                let repeats = |action: Action| {
+                    matches!(action, Action::Zoom(_) | Action::Skip(_) | Action::Step(_))
+                };
                 let action = action_of(&event.logical_key);
                 if let Some(action) = action.filter(|action| !event.repeat || repeats(*action)) {
                     self.act(event_loop, action);
@@ -436,7 +438,12 @@ impl<'a> App<'a> {
         if let Some(message) = message {
             self.show_message(message);
         }
-        if let Some(query) = self.controls.line.passes_query(&self.controls.clock) {
+        let controls = &mut self.controls;
+        let queries = [
+            controls.line.passes_query(&controls.clock),
+            controls.line.light_query(&controls.clock),
+        ];
+        for query in queries.into_iter().flatten() {
             self.pass_search.ask(query);
         }
     }

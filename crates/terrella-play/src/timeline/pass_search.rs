@@ -1,12 +1,15 @@
-//! Passes are looked for on a thread of their own, so that no picture waits for them.
+//! Passes, and times of light, are looked for on a thread of their own, so that no picture waits for them.
 
 use super::super::flight::Flight;
+use super::light::LightBands;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread::{Builder, Scope};
 use terrella::frames::{Epoch, Geodetic};
-use terrella_orbit::{Feed, Observer, OrbitError, OrbitState, Pass, passes};
+use terrella_orbit::{
+    Feed, Observer, OrbitError, OrbitState, Pass, VisibilityRule, passes, visible_intervals,
+};
 
 /// Most passes that are marked on the time line.
 const MAX_PASSES: usize = 500;
@@ -17,6 +20,8 @@ pub struct PassSite {
     pub place: Geodetic,
     /// Minimum elevation above its horizon, radians.
     pub min_elevation_rad: f64,
+    /// Whether only passes count in which the satellite can be seen: it is in sunlight, and the sky is dark.
+    pub is_visible: bool,
 }
 
 /// What is searched for.
@@ -26,14 +31,17 @@ pub enum PassQuery {
     InSpan(PassSite, (Epoch, Epoch)),
     /// The first one that rises after the one instant and before the other.
     Next(PassSite, (Epoch, Epoch)),
+    /// When it is dark in a span.
+    Light((Epoch, Epoch)),
 }
 
-/// Result of a search for the next pass.
+/// Result of a search.
 #[derive(Debug)]
 pub enum PassResult {
     /// Passes in order of time; what the satellite's feed rejects ends them.
     InSpan(Vec<Pass>),
     Next(Upcoming),
+    Light(LightBands),
 }
 
 /// The outcome of a search for the next pass.
@@ -54,7 +62,7 @@ pub struct PassSearch {
     queries: Sender<(u64, PassQuery)>,
     answers: Receiver<(u64, PassResult)>,
     /// Number of the newest query of each kind; an older one is given up.
-    newest: Arc<[AtomicU64; 2]>,
+    newest: Arc<[AtomicU64; 3]>,
     count: u64,
 }
 
@@ -67,7 +75,7 @@ impl PassSearch {
     ) -> std::io::Result<Self> {
         let (queries, to_search) = channel();
         let (found, answers) = channel();
-        let newest = Arc::new([AtomicU64::new(0), AtomicU64::new(0)]);
+        let newest = Arc::new([const { AtomicU64::new(0) }; 3]);
         let known = newest.clone();
         let work = move || {
             while let Ok((number, query)) = to_search.recv() {
@@ -106,6 +114,7 @@ impl PassSearch {
             let kind = match &answer {
                 PassResult::InSpan(_) => 0,
                 PassResult::Next(_) => 1,
+                PassResult::Light(_) => 2,
             };
             let is_newest = self.newest[kind].load(Ordering::Relaxed) == number;
             is_newest.then_some(answer)
@@ -125,6 +134,7 @@ fn kind(query: &PassQuery) -> usize {
     match query {
         PassQuery::InSpan(..) => 0,
         PassQuery::Next(..) => 1,
+        PassQuery::Light(_) => 2,
     }
 }
 
@@ -151,19 +161,36 @@ fn find(
     let answer = match query {
         PassQuery::InSpan(site, (first, last)) => {
             let observer = observer(site);
-            let found = passes(&feed, &observer, *first, *last);
-            PassResult::InSpan(found.map_while(Result::ok).take(MAX_PASSES).collect())
+            let found = passes(&feed, &observer, *first, *last).map_while(Result::ok);
+            let counted = found.filter(|pass| counts(&feed, &observer, site, pass));
+            PassResult::InSpan(counted.take(MAX_PASSES).collect())
         }
         PassQuery::Next(site, (from, until)) => {
-            PassResult::Next(next(&feed, &observer(site), *from, *until))
+            PassResult::Next(next(&feed, &observer(site), site, (*from, *until)))
         }
+        PassQuery::Light(span) => PassResult::Light(LightBands::of(flight, *span, is_wanted)?),
     };
     is_wanted().then_some(answer)
 }
 
-fn next(feed: &dyn Feed, observer: &Observer<'_>, from: Epoch, until: Epoch) -> Upcoming {
+/// Whether a pass over a site is one that is looked for.
+fn counts(feed: &dyn Feed, observer: &Observer<'_>, site: &PassSite, pass: &Pass) -> bool {
+    let rule = VisibilityRule::default();
+    !site.is_visible
+        || visible_intervals(feed, observer, pass, &rule).is_ok_and(|times| !times.is_empty())
+}
+
+fn next(
+    feed: &dyn Feed,
+    observer: &Observer<'_>,
+    site: &PassSite,
+    (from, until): (Epoch, Epoch),
+) -> Upcoming {
     // The pass that it is in is not the next one.
-    let mut found = passes(feed, observer, from, until);
+    let mut found = passes(feed, observer, from, until).filter(|pass| match pass {
+        Ok(pass) => counts(feed, observer, site, pass),
+        Err(_) => true,
+    });
     match found.next() {
         None => Upcoming::NoneFound,
         Some(Err(error)) => Upcoming::Failed(error.to_string()),
@@ -226,6 +253,7 @@ mod tests {
         PassSite {
             place: Geodetic::from_degrees(lat_deg, lon_deg, 0.0),
             min_elevation_rad: 10f64.to_radians(),
+            is_visible: false,
         }
     }
 
@@ -275,6 +303,18 @@ mod tests {
         let apart_s = |a: &Pass, b: &Pass| (a.begin - b.begin).to_seconds().abs();
         assert!(marks.len() > 3);
         assert!(apart_s(&marks[0], first) < 0.01 && apart_s(&marks[1], second) < 0.01);
+        // The first that is seen from Vienna is days later, as `terrella orbit --passes` has it.
+        let seen = PassSite {
+            is_visible: true,
+            ..vienna
+        };
+        let week = (from, from + Duration::from_days(14.0));
+        let [PassResult::Next(Upcoming::Pass(seen))] =
+            &answers(&flight, &[PassQuery::Next(seen, week)])[..]
+        else {
+            panic!("none is seen within two weeks")
+        };
+        assert!(seen.begin > first.begin, "{seen:?}");
         let pole = answers(&flight, &[PassQuery::Next(site(90.0, 0.0), day)]);
         assert!(
             matches!(pole[..], [PassResult::Next(Upcoming::NoneFound)]),
