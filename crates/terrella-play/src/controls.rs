@@ -42,6 +42,8 @@ pub struct Controls {
     pub help: bool,
     /// Whether the user is being asked to close the window.
     pub asks_to_close: bool,
+    /// Whether scale bar and compass are shown.
+    pub map_scale: bool,
     pub line: TimeLine,
     /// The message on screen.
     pub message: Option<String>,
@@ -51,6 +53,7 @@ pub struct Controls {
     /// The satellite that the scene's cameras fly with.
     own_satellite: usize,
     scene_fov_rad: f64,
+    frame_rate_hz: f64,
     scene_exposure: Exposure,
     scene_switches: Switches,
 }
@@ -89,12 +92,14 @@ impl Controls {
             panel: true,
             help: false,
             asks_to_close: false,
+            map_scale: false,
             line: TimeLine::new(flight),
             message: None,
             live: None,
             modes: flight.camera_modes(),
             own_satellite: flight.followed(),
             scene_fov_rad: scene.camera.fov_deg.to_radians(),
+            frame_rate_hz: scene.time.frame_rate_hz,
             scene_exposure: scene.output.exposure,
             scene_switches: Switches::of(scene),
         }
@@ -126,6 +131,9 @@ impl Controls {
     /// Lets time pass.
     pub fn advance(&mut self, wall_dt_s: f64) {
         self.clock.advance(wall_dt_s.min(MAX_STEP_S));
+        if !self.clock.is_paused() {
+            self.line.show_now(&self.clock);
+        }
     }
 
     /// Whether layers, exposure or tone curve are not the scene's.
@@ -193,6 +201,12 @@ impl Controls {
             Action::Reverse => self.clock.reverse(),
             Action::Seek(progress) => self.clock.seek(progress),
             Action::Skip(wall_s) => self.clock.seek_by(wall_s * self.clock.speed()),
+            Action::Step(frames) => {
+                self.clock.set_paused(true);
+                let frame_s = self.clock.speed().abs() / self.frame_rate_hz;
+                self.clock.seek_by(frames * frame_s);
+            }
+            Action::ZoomLine { at, factor, by } => self.line.zoom(&self.clock, at, factor, by),
             Action::NextCamera => self.next_camera(),
             Action::Zoom(steps) => self.zoom(steps),
             Action::Drag(right_px, down_px) => self.drag(right_px, down_px, height_px),
@@ -208,6 +222,7 @@ impl Controls {
             Action::TimeLine if self.panel => self.line.shown = !self.line.shown,
             // Hidden with the panel, it comes back with it.
             Action::TimeLine => (self.panel, self.line.shown) = (true, true),
+            Action::MapScale => self.map_scale = !self.map_scale,
             Action::Loop => self.clock.set_at_end(match self.clock.at_end() {
                 AtEnd::Loop => AtEnd::Stop,
                 AtEnd::Stop => AtEnd::Loop,
@@ -223,6 +238,7 @@ impl Controls {
             Action::Place(lat_deg, lon_deg) => {
                 self.line.place = Some(Geodetic::from_degrees(lat_deg, lon_deg, 0.0));
             }
+            Action::VisibleOnly => self.line.visible_only = !self.line.visible_only,
             Action::MinElevation(degrees) => self.line.min_elevation_deg = degrees,
             // A second time it is left; the clock goes on by itself.
             Action::RealTime if self.line.is_real_time() => self.line.leave_real_time(),
@@ -287,6 +303,7 @@ fn sets_clock(action: Action) -> bool {
             | Action::Reverse
             | Action::Seek(_)
             | Action::Skip(_)
+            | Action::Step(_)
             | Action::SceneSpan
     )
 }

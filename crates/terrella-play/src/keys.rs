@@ -24,6 +24,10 @@ pub enum Action {
     GoTo(Epoch),
     /// Moves the clock by seconds of playback at the present speed.
     Skip(f64),
+    /// Stops time and sets the clock by so many frames of a film.
+    Step(f64),
+    /// Shows so many times less of the span on the time line about a fraction of it, 0…1, moved on by a part of what is shown.
+    ZoomLine { at: f64, factor: f64, by: f64 },
     /// The next camera that makes sense for the scene.
     NextCamera,
     /// Magnifies by 2 to the power of this.
@@ -54,6 +58,8 @@ pub enum Action {
     Panel,
     /// Shows or hides the time line.
     TimeLine,
+    /// Shows or hides scale bar and compass.
+    MapScale,
     /// Begins again at the end, or stops there.
     Loop,
     /// The played range begins at a fraction of the span, 0…1; `None` is where the clock stands.
@@ -72,6 +78,8 @@ pub enum Action {
     Place(f64, f64),
     /// Minimum elevation of a pass, degrees.
     MinElevation(f64),
+    /// Shows passes in which the satellite can be seen alone, or all.
+    VisibleOnly,
     /// Closes what is open over the picture; where nothing is, asks whether to close the window.
     Dismiss,
     /// Closes the window where that is being asked.
@@ -101,7 +109,7 @@ use KeyPattern::{Char, Named};
 pub const BINDINGS: &[Binding] = &[
     Binding {
         keys: "Space",
-        does: "pause",
+        does: "play or pause",
         patterns: &[Named(NamedKey::Space)],
         action: Action::Pause,
     },
@@ -134,6 +142,18 @@ pub const BINDINGS: &[Binding] = &[
         does: "five seconds of playback back",
         patterns: &[Named(NamedKey::ArrowLeft)],
         action: Action::Skip(-5.0),
+    },
+    Binding {
+        keys: "]",
+        does: "pause, and a frame on",
+        patterns: &[Char("]")],
+        action: Action::Step(1.0),
+    },
+    Binding {
+        keys: "[",
+        does: "pause, and a frame back",
+        patterns: &[Char("[")],
+        action: Action::Step(-1.0),
     },
     Binding {
         keys: "C",
@@ -190,6 +210,12 @@ pub const BINDINGS: &[Binding] = &[
         action: Action::TimeLine,
     },
     Binding {
+        keys: "X",
+        does: "show or hide scale bar and compass",
+        patterns: &[Char("x")],
+        action: Action::MapScale,
+    },
+    Binding {
         keys: "L",
         does: "at the end begin again, or stop",
         patterns: &[Char("l")],
@@ -224,6 +250,12 @@ pub const BINDINGS: &[Binding] = &[
         does: "next pass over the place of the time line",
         patterns: &[Char("n")],
         action: Action::NextPass,
+    },
+    Binding {
+        keys: "Y",
+        does: "passes in which the satellite is visible alone, or all passes",
+        patterns: &[Char("y")],
+        action: Action::VisibleOnly,
     },
     Binding {
         keys: "B",
@@ -308,6 +340,10 @@ pub const MOUSE: &[(&str, &str)] = &[
         "approach the place under the pointer; flying with a satellite: field of view",
     ),
     ("Ctrl and wheel", "field of view"),
+    (
+        "wheel on the time line",
+        "show less or more of it; with Shift: move along it",
+    ),
     ("click", "select a satellite or a place"),
     (
         "double click",
@@ -329,8 +365,15 @@ pub fn action_of(key: &Key) -> Option<Action> {
 }
 
 /// The first binding that does this.
-pub fn binding_of(action: &Action) -> Option<&'static Binding> {
+fn binding_of(action: &Action) -> Option<&'static Binding> {
     BINDINGS.iter().find(|binding| binding.action == *action)
+}
+
+/// What a button does and its key, as the help has them.
+pub fn tooltip(action: &Action) -> String {
+    binding_of(action).map_or(String::new(), |binding| {
+        format!("{} ({})", binding.does, binding.keys)
+    })
 }
 
 #[cfg(test)]

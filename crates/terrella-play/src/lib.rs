@@ -102,12 +102,16 @@ mod geojson;
 #[cfg(feature = "window")]
 mod hand;
 #[cfg(feature = "window")]
+mod icons;
+#[cfg(feature = "window")]
 mod keys;
 #[cfg(feature = "window")]
 mod live;
 #[cfg(feature = "window")]
 mod live_status;
 mod map_lines;
+#[cfg(feature = "window")]
+mod map_scale;
 mod maps;
 mod model_layer;
 mod mp4;

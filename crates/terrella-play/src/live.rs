@@ -142,7 +142,11 @@ impl<'f> LivePlay<'f> {
             Action::Pause if self.is_lockstep() => "stopped",
             Action::Faster | Action::Slower | Action::Rate(_) => "made faster or slower",
             Action::Reverse => "turned round",
-            Action::Seek(_) | Action::Skip(_) | Action::GoTo(_) | Action::NextPass => "moved",
+            Action::Seek(_)
+            | Action::Skip(_)
+            | Action::Step(_)
+            | Action::GoTo(_)
+            | Action::NextPass => "moved",
             Action::Loop | Action::RangeStart(_) | Action::RangeEnd(_) | Action::RangeAll => {
                 "played in parts"
             }

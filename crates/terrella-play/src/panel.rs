@@ -1,9 +1,12 @@
 //! The panel, the help and messages over the picture.
 
+use super::clock::{FASTEST, SLOWEST};
 use super::controls::Controls;
 use super::flight::Moment;
 use super::hand::FreeEye;
-use super::keys::{Action, BINDINGS, MOUSE, binding_of};
+use super::icons::{Icon, icon_button};
+use super::keys::{Action, BINDINGS, MOUSE, tooltip};
+use super::map_scale::{self, MapScale};
 use super::panel_layers;
 use super::picking::{ReadOut, altitude_text};
 use super::place_text::place_text;
@@ -11,9 +14,10 @@ use super::timeline;
 use crate::scene::CameraMode;
 use egui::{
     Align2, CollapsingHeader, Color32, ComboBox, Context, Grid, LayerId, Pos2, RichText,
-    ScrollArea, Stroke, Ui, Vec2,
+    ScrollArea, Slider, Stroke, Ui, Vec2,
 };
-use terrella::frames::rfc3339;
+use glam::DVec2;
+use terrella::frames::{Ellipsoid, rfc3339};
 use terrella::{AdaptiveQuality, FrameStats};
 
 /// Longer notices take several lines, points.
@@ -32,15 +36,6 @@ const PANEL_FRACTION: f32 = 0.55;
 const NAMES_WIDTH: f32 = 150.0;
 /// The rates of time that the panel offers, simulated seconds per second.
 const RATES: [f64; 6] = [1.0, 10.0, 60.0, 300.0, 1000.0, 3600.0];
-/// The panel's buttons after that of play and pause.
-const BUTTONS_BESIDE: [(&str, Action); 6] = [
-    ("slower", Action::Slower),
-    ("faster", Action::Faster),
-    ("reverse", Action::Reverse),
-    ("camera", Action::NextCamera),
-    ("time line", Action::TimeLine),
-    ("help", Action::Help),
-];
 /// Radius of the ring around what is selected, points.
 const RING_RADIUS: f32 = 9.0;
 
@@ -50,6 +45,8 @@ pub struct PanelData<'p> {
     pub satellite: Option<&'p str>,
     /// The moment on screen.
     pub moment: &'p Moment,
+    /// The figure of the Earth.
+    pub ellipsoid: Ellipsoid,
     /// Counts of the frame on screen.
     pub stats: FrameStats,
     /// Whether the tiles of a pack are drawn.
@@ -73,6 +70,13 @@ pub fn show(context: &Context, controls: &Controls, data: &PanelData<'_>) -> Vec
     if controls.shows_line() {
         bottom += timeline::show(context, &controls.line, &controls.clock, &mut actions);
     }
+    // What is said stands above the scale.
+    let mut message_bottom = bottom;
+    if controls.map_scale
+        && let Some(scale) = scale_of(context, data)
+    {
+        message_bottom += map_scale::show(context, &scale, bottom, &mut actions) + MARGIN;
+    }
     let mut panel_right = screen.left();
     if controls.panel {
         let height = screen.height() - MARGIN - bottom - WINDOW_CHROME - BUTTONS;
@@ -94,7 +98,7 @@ pub fn show(context: &Context, controls: &Controls, data: &PanelData<'_>) -> Vec
     }
     if let Some(message) = &controls.message {
         egui::Area::new("message".into())
-            .anchor(Align2::CENTER_BOTTOM, Vec2::new(0.0, -bottom))
+            .anchor(Align2::CENTER_BOTTOM, Vec2::new(0.0, -message_bottom))
             .show(context, |ui| {
                 egui::Frame::popup(ui.style()).show(ui, |ui| {
                     ui.set_max_width(screen.width() - 4.0 * MARGIN);
@@ -109,6 +113,13 @@ pub fn show(context: &Context, controls: &Controls, data: &PanelData<'_>) -> Vec
         ask_to_close(context, &mut actions);
     }
     actions
+}
+
+/// The ground in the middle of the picture.
+fn scale_of(context: &Context, data: &PanelData<'_>) -> Option<MapScale> {
+    let size = context.content_rect().size() * context.pixels_per_point();
+    let size_px = DVec2::new(f64::from(size.x), f64::from(size.y));
+    MapScale::of(&data.moment.view, &data.ellipsoid, size_px)
 }
 
 /// What must not be overlooked, at the right, in the room beside the panel. Answers its height, points.
@@ -316,30 +327,33 @@ fn detail_rows(data: &PanelData<'_>) -> Vec<(&'static str, String)> {
 fn buttons(ui: &mut Ui, controls: &Controls, actions: &mut Vec<Action>) {
     let clock = &controls.clock;
     ui.horizontal_wrapped(|ui| {
-        let pause = if clock.is_paused() { "play" } else { "pause" };
-        for (text, action) in [(pause, Action::Pause)].into_iter().chain(BUTTONS_BESIDE) {
-            let button = ui.button(text).on_hover_text(tooltip(&action));
-            if button.clicked() {
+        let pause = match clock.is_paused() {
+            true => Icon::Play,
+            false => Icon::Pause,
+        };
+        for (icon, is_on, action) in [
+            (Icon::Slower, false, Action::Slower),
+            (pause, false, Action::Pause),
+            (Icon::Faster, false, Action::Faster),
+            (Icon::Reverse, clock.speed() < 0.0, Action::Reverse),
+            (Icon::Camera, false, Action::NextCamera),
+            (Icon::TimeLine, controls.line.shown, Action::TimeLine),
+            (Icon::Help, controls.help, Action::Help),
+        ] {
+            if icon_button(ui, icon, is_on, true, &tooltip(&action)).clicked() {
                 actions.push(action);
             }
         }
-        if controls.live.is_none() {
-            rates(ui, clock.speed(), actions);
-        }
     });
+    if controls.live.is_none() {
+        ui.horizontal(|ui| rates(ui, clock.speed(), actions));
+    }
 }
 
-/// What a button does and its key, as the help has them.
-fn tooltip(action: &Action) -> String {
-    binding_of(action).map_or(String::new(), |binding| {
-        format!("{} ({})", binding.does, binding.keys)
-    })
-}
-
-/// The usual rates of time.
+/// The rate of time: the usual ones, and all between by a slider.
 fn rates(ui: &mut Ui, speed: f64, actions: &mut Vec<Action>) {
-    let chosen = ComboBox::from_id_salt("rate").width(64.0);
-    chosen.selected_text("rate").show_ui(ui, |ui| {
+    let chosen = ComboBox::from_id_salt("rate").width(56.0);
+    let list = chosen.selected_text("rate").show_ui(ui, |ui| {
         for rate in RATES {
             let is_present = speed.abs() == rate;
             if ui
@@ -350,6 +364,16 @@ fn rates(ui: &mut Ui, speed: f64, actions: &mut Vec<Action>) {
             }
         }
     });
+    let does = "simulated seconds per second";
+    list.response.on_hover_text(does);
+    let mut rate = speed.abs();
+    let slider = Slider::new(&mut rate, SLOWEST..=FASTEST)
+        .logarithmic(true)
+        .max_decimals(2)
+        .suffix(" ×");
+    if ui.add(slider).on_hover_text(does).changed() {
+        actions.push(Action::Rate(rate));
+    }
 }
 
 /// The panel's lines about tiles.
@@ -463,3 +487,7 @@ fn quality_text(adaptive: &AdaptiveQuality) -> String {
 #[cfg(test)]
 #[path = "panel_tests.rs"]
 mod tests;
+
+#[cfg(test)]
+#[path = "panel_pictures.rs"]
+mod pictures;

@@ -1,7 +1,7 @@
 //! The panel's switches: layers, exposure, tone curve.
 
 use super::controls::Controls;
-use super::keys::Action;
+use super::keys::{Action, tooltip};
 use super::switches::Layer;
 use egui::{CollapsingHeader, ComboBox, Grid, Slider, Ui};
 use terrella::{Exposure, Tone};
@@ -23,6 +23,11 @@ pub fn show(ui: &mut Ui, controls: &Controls, exposure_ev: f64, actions: &mut Ve
         layers(ui, controls, actions);
         exposure(ui, controls, exposure_ev, actions);
         look(ui, controls, actions);
+        let mut shows_scale = controls.map_scale;
+        let scale = ui.checkbox(&mut shows_scale, "scale bar and compass");
+        if scale.on_hover_text(tooltip(&Action::MapScale)).clicked() {
+            actions.push(Action::MapScale);
+        }
     });
 }
 

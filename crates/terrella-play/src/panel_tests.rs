@@ -106,6 +106,7 @@ impl Longest {
         let data = PanelData {
             satellite: Some("A SATELLITE WITH A LONG NAME (2018-001-ABC)"),
             moment: &moment,
+            ellipsoid: *self.flight.ellipsoid(),
             stats,
             has_tiles: true,
             adaptive: Some(&self.adaptive),
@@ -184,10 +185,28 @@ fn nothing(_: &mut Controls) {}
 
 #[test]
 fn buttons_have_tooltips_with_their_keys() {
-    for (text, action) in BUTTONS_BESIDE {
-        assert!(tooltip(&action).ends_with(')'), "{text}");
+    for action in [
+        Action::Slower,
+        Action::Faster,
+        Action::Reverse,
+        Action::NextCamera,
+        Action::TimeLine,
+        Action::Help,
+        Action::Step(-1.0),
+        Action::Step(1.0),
+        Action::Loop,
+        Action::RangeStart(None),
+        Action::RangeEnd(None),
+        Action::RangeAll,
+        Action::RealTime,
+        Action::SceneSpan,
+        Action::NextPass,
+        Action::NorthUp,
+        Action::MapScale,
+    ] {
+        assert!(tooltip(&action).ends_with(')'), "{action:?}");
     }
-    assert_eq!(tooltip(&Action::Pause), "pause (Space)");
+    assert_eq!(tooltip(&Action::Pause), "play or pause (Space)");
 }
 
 #[test]
@@ -318,6 +337,7 @@ fn performance_is_said_under_details_alone() {
     let data = PanelData {
         satellite: None,
         moment: &moment,
+        ellipsoid: *longest.flight.ellipsoid(),
         stats: FrameStats::default(),
         has_tiles: true,
         adaptive: Some(&longest.adaptive),

@@ -31,7 +31,7 @@ pub struct ReadOut {
 }
 
 /// Where a point is on screen, parts of the picture's width and height from the upper left corner; `None` behind the eye.
-fn on_screen(view: &EyeView, point_itrf_m: DVec3) -> Option<DVec2> {
+pub fn on_screen(view: &EyeView, point_itrf_m: DVec3) -> Option<DVec2> {
     let (eye_itrf_m, clip_from_itrf) = view.to_itrf();
     let clip: DVec4 = clip_from_itrf * (point_itrf_m - eye_itrf_m).extend(1.0);
     let at = DVec2::new(0.5 + 0.5 * clip.x / clip.w, 0.5 - 0.5 * clip.y / clip.w);
@@ -81,7 +81,7 @@ pub fn pick(
 }
 
 /// The direction of a pixel, ITRF, unit.
-fn ray(view: &EyeView, size_px: DVec2, at_px: DVec2) -> Option<DVec3> {
+pub fn ray(view: &EyeView, size_px: DVec2, at_px: DVec2) -> Option<DVec3> {
     if size_px.min_element() < 1.0 {
         return None;
     }

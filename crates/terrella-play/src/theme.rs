@@ -5,8 +5,8 @@ use egui::{
     Vec2, Visuals,
 };
 
-/// What lies below text.
-const PLATE: Color32 = Color32::from_rgba_unmultiplied_const(13, 18, 26, 222);
+/// What lies below text. Windows blend light: white clouds show through the more.
+const PLATE: Color32 = Color32::from_rgba_unmultiplied_const(13, 18, 26, 248);
 /// Fields of text, rails of sliders and bars.
 const WELL: Color32 = Color32::from_rgba_unmultiplied_const(4, 6, 10, 200);
 const TEXT: Color32 = Color32::from_rgb(208, 216, 226);
@@ -67,7 +67,7 @@ fn visuals() -> Visuals {
         (
             &mut widgets.inactive,
             Color32::from_white_alpha(14),
-            Color32::TRANSPARENT,
+            Color32::from_white_alpha(40),
             TEXT,
         ),
         (

@@ -20,7 +20,7 @@ use crate::scene::{EDGE_SAMPLES, Scene};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
-use terrella::frames::rfc3339;
+use terrella::frames::{Ellipsoid, rfc3339};
 use terrella::internals::gpu::{GpuContext, GpuFault, read_texture};
 use terrella::{EarthError, EarthOptions, EyeView, FrameStats, Quality};
 use terrella_ground::elevation::Elevation;
@@ -41,6 +41,7 @@ pub struct WindowRenderer {
     window: Arc<Window>,
     adapter: String,
     satellite: Option<String>,
+    ellipsoid: Ellipsoid,
     has_tiles: bool,
     /// The heights that the ground is drawn with.
     relief: Option<Arc<dyn Elevation>>,
@@ -169,6 +170,7 @@ impl WindowRenderer {
             painter,
             window,
             adapter: format!("{} ({})", info.name, info.backend),
+            ellipsoid: *flight.ellipsoid(),
             satellite: flight.feed().map(|feed| feed.name().to_owned()),
             has_tiles: options.tiles.is_some(),
             relief: (options.ground.as_ref()).map(|ground| Arc::clone(&ground.elevation)),
@@ -515,6 +517,7 @@ impl WindowRenderer {
         let data = PanelData {
             satellite: self.satellite.as_deref(),
             moment,
+            ellipsoid: self.ellipsoid,
             stats,
             has_tiles: self.has_tiles,
             adaptive: self
