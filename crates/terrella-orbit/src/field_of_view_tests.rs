@@ -59,7 +59,8 @@ fn met(from: DVec3, direction: DVec3, ellipsoid: &Ellipsoid) -> Option<DVec3> {
         .then(|| from + direction * ((-half - discriminant.sqrt()) / square))
 }
 
-/// On a sphere the ground at η off nadir is R (asin(r/R sin η) − η) away (Wertz 2001, 9.1).
+/// On a sphere the ground at η off nadir is R (asin(r/R sin η) − η) away (Wertz 2001, 9.1); a pyramid's edge is farthest out at a corner or in its
+/// middle, where the rays meet it.
 #[test]
 fn swath_edges_are_those_of_the_plane_triangle() {
     let radius = SPHERE.equatorial_radius_m;
@@ -77,7 +78,22 @@ fn swath_edges_are_those_of_the_plane_triangle() {
             let edge = aimed.swath_edge(ahead, side).expect("on the Earth");
             let eta = off_nadir_deg.to_radians() + side * half_deg.to_radians();
             let away = ((radius + height) / radius * eta.sin()).asin() - eta;
-            let expected = radius * (up * away.cos() + right * away.sin());
+            let expected = match shape {
+                FieldShape::Cone { .. } => radius * (up * away.cos() + right * away.sin()),
+                FieldShape::Rectangle {
+                    along_rad,
+                    across_rad,
+                } => {
+                    let (sin, cos) = off_nadir_deg.to_radians().sin_cos();
+                    let across = side * across_rad.tan() * (right * cos + up * sin);
+                    let middle = right * sin - up * cos + across;
+                    let corner = middle + along_rad.tan() * ahead;
+                    let points = [middle, corner].map(|ray| met(at, ray, &SPHERE));
+                    let points = points.map(|point| point.expect("the ground"));
+                    let out = points.map(|point| side * point.dot(right));
+                    points[usize::from(out[1] > out[0])]
+                }
+            };
             let aside = edge.dot(right) - expected.dot(right);
             assert!(aside.abs() < 1.0, "{shape:?} {side}: {aside} m");
         }
