@@ -341,7 +341,7 @@ pub const MOUSE: &[(&str, &str)] = &[
     ),
     ("Ctrl and wheel", "field of view"),
     (
-        "wheel on the time line",
+        "time line: wheel",
         "show less or more of it; with Shift: move along it",
     ),
     ("click", "select a satellite or a place"),

@@ -98,10 +98,14 @@ pub fn show(context: &Context, controls: &Controls, data: &PanelData<'_>) -> Vec
     }
     if let Some(message) = &controls.message {
         egui::Area::new("message".into())
-            .anchor(Align2::CENTER_BOTTOM, Vec2::new(0.0, -message_bottom))
+            // In the middle of the room beside the panel.
+            .anchor(
+                Align2::CENTER_BOTTOM,
+                Vec2::new(0.5 * (panel_right - screen.left()), -message_bottom),
+            )
             .show(context, |ui| {
                 egui::Frame::popup(ui.style()).show(ui, |ui| {
-                    ui.set_max_width(screen.width() - 4.0 * MARGIN);
+                    ui.set_max_width((room - 4.0 * MARGIN).max(0.0));
                     ui.label(message)
                 });
             });

@@ -147,7 +147,8 @@ fn clock_text(hours: f64) -> String {
 /// Metres where kilometres would say little.
 pub fn altitude_text(height_m: f64) -> String {
     match height_m.abs() < 10_000.0 {
-        true => format!("{height_m:.0} m"),
+        // No negative zero.
+        true => format!("{:.0} m", height_m.round() + 0.0),
         false => format!("{:.1} km", height_m / 1000.0),
     }
 }

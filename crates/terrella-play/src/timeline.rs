@@ -90,18 +90,22 @@ pub struct TimeLine {
 }
 
 impl TimeLine {
-    /// As the scene has it: its passes are over the place of its geodetic camera, where it has one.
+    /// As the scene has it: its passes are over its first ground station, else over the place of its geodetic camera, where it has one.
     pub fn new(flight: &Flight) -> Self {
         let scene = flight.scene();
         let camera = &scene.camera;
         let is_given = |key| scene.line("camera", key).is_some();
         let has_place =
             camera.mode == CameraMode::Geodetic || is_given("lat_deg") || is_given("lon_deg");
+        let of_camera =
+            has_place.then(|| Geodetic::from_degrees(camera.lat_deg, camera.lon_deg, 0.0));
+        let station = scene.stations.first();
+        let place = station.map(|one| one.place).or(of_camera);
         Self {
             shown: true,
-            place: (has_place && flight.feed().is_some())
-                .then(|| Geodetic::from_degrees(camera.lat_deg, camera.lon_deg, 0.0)),
-            min_elevation_deg: DEFAULT_MIN_ELEVATION_DEG,
+            place: place.filter(|_| flight.feed().is_some()),
+            min_elevation_deg: station
+                .map_or(DEFAULT_MIN_ELEVATION_DEG, |one| one.min_elevation_deg),
             visible_only: false,
             passes: Vec::new(),
             light: LightBands::default(),
