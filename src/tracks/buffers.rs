@@ -261,6 +261,7 @@ mod tests {
     use crate::earth::infinite_reversed_z;
     use crate::gpu::{Development, FrameTargets, PassFormat};
     use glam::{DVec2, dcamera};
+    use terrella_frames::Ellipsoid;
 
     /// A mark that is left out has no pixel in the picture whose ray passes the globe, and few others are written.
     #[test]
