@@ -7,6 +7,7 @@ use super::hand::{FreeEye, Hand};
 use super::keys::Action;
 use super::live_status::LiveStatus;
 use super::picking::{Picked, ReadOut};
+use super::satellite_list::SatelliteNames;
 use super::switches::Switches;
 use super::timeline::TimeLine;
 use crate::scene::CameraMode;
@@ -34,6 +35,10 @@ pub struct Controls {
     pub picked: Option<Picked>,
     /// What is said of it.
     pub read_out: Option<ReadOut>,
+    /// What the scene's satellites are found by.
+    pub names: SatelliteNames,
+    /// How often the user has asked to search them.
+    pub searches: u32,
     /// What is drawn, and how it is exposed.
     pub switches: Switches,
     /// Whether the panel is shown.
@@ -71,6 +76,8 @@ pub enum WindowTask {
     NextPass,
     /// Turn north upwards.
     NorthUp,
+    /// Fly with a satellite.
+    Follow(usize),
     /// Set the clock to a date.
     GoTo(Epoch),
     /// Close.
@@ -88,6 +95,8 @@ impl Controls {
             hand: Hand::default(),
             picked: None,
             read_out: None,
+            names: SatelliteNames::of(flight.satellites()),
+            searches: 0,
             switches: Switches::of(scene),
             panel: true,
             help: false,
@@ -244,6 +253,15 @@ impl Controls {
             Action::RealTime if self.line.is_real_time() => self.line.leave_real_time(),
             Action::RealTime => return Some(WindowTask::RealTime),
             Action::NextPass => return Some(WindowTask::NextPass),
+            Action::Search => {
+                self.panel = true;
+                self.searches = self.searches.wrapping_add(1);
+            }
+            Action::Select(index) => self.picked = Some(Picked::Satellite(index)),
+            Action::Follow(index) => {
+                self.picked = Some(Picked::Satellite(index));
+                return Some(WindowTask::Follow(index));
+            }
             Action::Screenshot => return Some(WindowTask::Screenshot),
             Action::FullScreen => return Some(WindowTask::FullScreen),
             Action::Dismiss => self.dismiss(),

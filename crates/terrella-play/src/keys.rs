@@ -80,6 +80,12 @@ pub enum Action {
     MinElevation(f64),
     /// Shows passes in which the satellite can be seen alone, or all.
     VisibleOnly,
+    /// Opens the list of satellites, to type a name.
+    Search,
+    /// Selects a satellite, by its place in the scene.
+    Select(usize),
+    /// Selects a satellite, and flies with it.
+    Follow(usize),
     /// Closes what is open over the picture; where nothing is, asks whether to close the window.
     Dismiss,
     /// Closes the window where that is being asked.
@@ -262,6 +268,12 @@ pub const BINDINGS: &[Binding] = &[
         does: "back to the scene's flight",
         patterns: &[Char("b")],
         action: Action::SceneSpan,
+    },
+    Binding {
+        keys: "/",
+        does: "search the satellites by name or number",
+        patterns: &[Char("/")],
+        action: Action::Search,
     },
     Binding {
         keys: "G",

@@ -154,6 +154,8 @@ mod raw_manifest;
 #[cfg_attr(not(feature = "window"), allow(dead_code))]
 mod raw_picture;
 mod relief;
+#[cfg(feature = "window")]
+mod satellite_list;
 mod satellites;
 pub mod scene;
 mod scene_files;

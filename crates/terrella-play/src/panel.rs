@@ -8,8 +8,9 @@ use super::icons::{Icon, icon_button};
 use super::keys::{Action, BINDINGS, MOUSE, tooltip};
 use super::map_scale::{self, MapScale};
 use super::panel_layers;
-use super::picking::{ReadOut, altitude_text};
+use super::picking::{Picked, ReadOut, altitude_text};
 use super::place_text::place_text;
+use super::satellite_list;
 use super::timeline;
 use crate::scene::CameraMode;
 use egui::{
@@ -212,6 +213,7 @@ fn panel(
 ) {
     scrolled(ui, height, |ui| {
         numbers(ui, controls, data);
+        satellites(ui, controls, actions);
         panel_layers::show(ui, controls, data.stats.exposure_ev, actions);
         details(ui, data);
     });
@@ -226,6 +228,14 @@ fn scrolled(ui: &mut Ui, height: f32, add: impl FnOnce(&mut Ui)) {
 
 fn numbers(ui: &mut Ui, controls: &Controls, data: &PanelData<'_>) {
     rows(ui, "numbers", &scene_rows(controls, data));
+}
+
+fn satellites(ui: &mut Ui, controls: &Controls, actions: &mut Vec<Action>) {
+    let selected = match controls.picked {
+        Some(Picked::Satellite(index)) => Some(index),
+        _ => None,
+    };
+    satellite_list::show(ui, &controls.names, selected, controls.searches, actions);
 }
 
 fn details(ui: &mut Ui, data: &PanelData<'_>) {

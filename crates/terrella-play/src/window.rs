@@ -370,6 +370,7 @@ impl<'a> App<'a> {
             }
             Some(WindowTask::Quit) => event_loop.exit(),
             Some(WindowTask::NorthUp) => self.turn_north_up(),
+            Some(WindowTask::Follow(index)) => self.follow_now(index),
             Some(WindowTask::GoTo(epoch)) => {
                 let coverage = self.coverage();
                 let controls = &mut self.controls;

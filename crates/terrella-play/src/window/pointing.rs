@@ -135,6 +135,13 @@ impl App<'_> {
         }
     }
 
+    /// Flies with a satellite from the picture on screen on.
+    pub(super) fn follow_now(&mut self, satellite: usize) {
+        if let Some((moment, _)) = self.shown() {
+            self.follow(&moment, satellite);
+        }
+    }
+
     /// Takes the eye off the scene's camera: around the craft where that is in the picture, else over the globe.
     fn take_eye(&mut self, moment: &Moment, screen: &Screen, at: DVec2) {
         let relief = self.relief();
