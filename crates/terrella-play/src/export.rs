@@ -8,6 +8,7 @@ use super::film::{
     Existing, FilmFrames, FilmKey, FilmPage, FilmPainter, FrameFolder, FrameRange, FrameRecord,
     KeptFrames, PageHead, PictureSettings, checksum,
 };
+use super::film_estimate::FilmEstimate;
 use super::flight::Flight;
 use super::gap_words::gap_words;
 use super::outlook::LightOutlook;
@@ -205,6 +206,7 @@ pub fn export(
     }
     let written = write_while_drawing(sinks, |push| {
         let mut done = 0;
+        let mut estimate = FilmEstimate::default();
         // Where exposure is metered a frame's hangs on those before, drawn or not.
         let is_metered = frames.painter().renderer().meters_exposure();
         let first = if is_metered { 0 } else { wanted.start };
@@ -231,6 +233,9 @@ pub fn export(
             }
             done += 1;
             progress.step();
+            if let Some(line) = estimate.frame_done(begun.elapsed(), lacking - done) {
+                progress.say(&line);
+            }
         }
         Ok(())
     })?;

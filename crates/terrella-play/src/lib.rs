@@ -90,6 +90,8 @@ mod export_words;
 mod file_checks;
 #[cfg_attr(not(feature = "window"), allow(dead_code, unused_imports))]
 mod film;
+#[cfg(feature = "window")]
+mod film_estimate;
 mod flight;
 #[cfg_attr(not(feature = "window"), allow(dead_code))]
 mod float_files;
