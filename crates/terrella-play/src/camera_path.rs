@@ -19,6 +19,7 @@ pub struct CameraPath {
     place: Option<PlaceTrack>,
     facing: Option<FacingTrack>,
     turn: Option<SphereTrack>,
+    roll_rad: Option<NumberTrack>,
     offset: Option<(SphereTrack, NumberTrack)>,
     /// Logarithm of the tangent of half the field of view: zooming is even.
     ln_half_fov: Option<NumberTrack>,
@@ -65,6 +66,7 @@ impl CameraPath {
             place: place_track(&places),
             facing: None,
             turn: SphereTrack::of_attitudes(&of(keys, |key| key.turn_deg.map(head_turn))),
+            roll_rad: NumberTrack::new(&of(keys, |key| key.roll_deg.map(f64::to_radians))),
             offset: offset_track(&offsets),
             ln_half_fov: NumberTrack::new(&of(keys, |key| {
                 key.fov_deg.map(|deg| (0.5 * deg.to_radians()).tan().ln())
@@ -159,13 +161,22 @@ impl CameraPath {
         })
     }
 
-    /// The head turned as keys say.
+    /// The head turned as keys say, and the camera rolled.
     pub fn turned(&self, epoch: Epoch, pose: Pose) -> Pose {
-        let Some(turn) = &self.turn else {
-            return pose;
+        let time_s = self.time_s(epoch);
+        let pose = match &self.turn {
+            None => pose,
+            Some(turn) => {
+                let turn = DQuat::from_vec4(turn.at(time_s));
+                with_attitude(pose.eye_itrf_m, attitude(&pose) * turn)
+            }
         };
-        let turn = DQuat::from_vec4(turn.at(self.time_s(epoch)));
-        with_attitude(pose.eye_itrf_m, attitude(&pose) * turn)
+        match (&self.roll_rad, self.camera.roll_deg) {
+            (Some(track), _) => pose.rolled(track.at(time_s)),
+            // Exact where it is none.
+            (None, 0.0) => pose,
+            (None, roll_deg) => pose.rolled(roll_deg.to_radians()),
+        }
     }
 
     /// Vertical field of view.

@@ -8,6 +8,7 @@ use super::craft::CraftPose;
 use super::craft_models::CraftModels;
 use super::error::PlayError;
 use super::geo_layers::geo_layers;
+use super::look_target::LookTarget;
 use super::map_lines::dropped_lines;
 use super::maps::{
     DroppedLayer, check_pack, dropped_layers, earth_options, earth_options_at, uploaded_options_at,
@@ -37,6 +38,7 @@ pub struct Flight {
     ellipsoid: Ellipsoid,
     /// What the scene's camera does in the course of time.
     path: CameraPath,
+    look_target: Option<LookTarget>,
 }
 
 /// How one picture of an instant is wanted.
@@ -116,6 +118,7 @@ impl Flight {
         let models = CraftModels::open(&scene)?;
         let names: Vec<_> = satellites.iter().map(Satellite::name).collect();
         let followed = scene.followed(&names)?;
+        let look_target = LookTarget::of(&scene, &names, followed)?;
         if let Some(satellite) = satellites.get(followed)
             && !scene.is_live()
         {
@@ -144,6 +147,7 @@ impl Flight {
             followed,
             models,
             orientation,
+            look_target,
         })
     }
 
@@ -183,16 +187,21 @@ impl Flight {
             .map(move |satellite| (satellite.name(), satellite.feed().state_at(epoch)))
     }
 
-    /// How a satellite moves at an instant, by its place in [`Self::satellites`]; `None` where that is not known.
-    #[cfg(feature = "window")]
-    pub(super) fn motion_of(&self, satellite: usize, epoch: Epoch) -> Option<OrbitalMotion> {
-        let state = self
-            .satellites
-            .get(satellite)?
+    /// How a satellite moves at an instant, by its place in [`Self::satellites`].
+    ///
+    /// # Errors
+    /// Where that is not known.
+    pub(super) fn motion_of(
+        &self,
+        satellite: usize,
+        epoch: Epoch,
+    ) -> Result<OrbitalMotion, PlayError> {
+        let satellite = self.satellites.get(satellite);
+        let state = satellite
+            .ok_or(PlayError::NoSatellite)?
             .feed()
-            .state_at(epoch)
-            .ok()?;
-        Some(motion(&state, &self.orientation_at(epoch)))
+            .state_at(epoch)?;
+        Ok(motion(&state, &self.orientation_at(epoch)))
     }
 
     /// When and where a satellite meets the ground, if it does so in the time that it is known of.
@@ -274,17 +283,24 @@ impl Flight {
         if mode != self.scene.camera.mode {
             return self.pose(mode, state);
         }
-        Ok(match (mode, state) {
+        let pose = match (mode, state) {
             (CameraMode::Geodetic, _) => path.ground_pose(epoch, ellipsoid),
             (CameraMode::Chase, Some(state)) => {
                 let chased = path.chase_pose(epoch, state, ellipsoid);
                 chased.map_or_else(|| self.pose(mode, Some(state)), Ok)?
             }
             (CameraMode::Horizon, Some(state)) => {
-                path.turned(epoch, Pose::horizon(state, ellipsoid, path.fov_rad(epoch)))
+                Pose::horizon(state, ellipsoid, path.fov_rad(epoch))
             }
-            _ => path.turned(epoch, self.pose(mode, state)?),
-        })
+            _ => self.pose(mode, state)?,
+        };
+        let pose = self.aimed(pose, epoch, state, || self.sky_at(epoch))?;
+        Ok(path.turned(epoch, pose))
+    }
+
+    /// What the scene's camera looks at; `None` where its mode says so.
+    pub(super) fn look_target(&self) -> Option<LookTarget> {
+        self.look_target
     }
 
     /// Where the eye stands and looks for a satellite that moves so.

@@ -111,6 +111,7 @@ mod keys;
 mod live;
 #[cfg(feature = "window")]
 mod live_status;
+mod look_target;
 mod map_lines;
 #[cfg(feature = "window")]
 mod map_scale;

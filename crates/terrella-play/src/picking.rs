@@ -67,7 +67,7 @@ pub fn pick(
     };
     let satellites = (0..flight.satellites().len()).filter(|index| shown(*index));
     let near = satellites.filter_map(|index| {
-        let position = flight.motion_of(index, moment.epoch)?.position_itrf_m;
+        let position = flight.motion_of(index, moment.epoch).ok()?.position_itrf_m;
         let off_px = (on_screen(view, position)? * size_px).distance(at_px);
         let is_near = off_px <= MARKER_PX && position.distance(eye_itrf_m) > 1.0;
         (is_near && !is_hidden(view, globe, position)).then_some((index, off_px))
@@ -101,7 +101,7 @@ pub fn read_out(
     let (title, place, speed_m_s) = match picked {
         Picked::Place(place) => ("Place".to_owned(), place, None),
         Picked::Satellite(index) => {
-            let motion = flight.motion_of(index, moment.epoch)?;
+            let motion = flight.motion_of(index, moment.epoch).ok()?;
             let name = flight.satellites().get(index)?.name();
             let place = flight
                 .ellipsoid()
@@ -130,7 +130,7 @@ pub fn read_out(
 
 /// The position of a satellite that can be followed.
 pub fn position_of(flight: &Flight, satellite: usize, epoch: Epoch) -> Option<DVec3> {
-    Some(flight.motion_of(satellite, epoch)?.position_itrf_m)
+    Some(flight.motion_of(satellite, epoch).ok()?.position_itrf_m)
 }
 
 /// Local apparent solar time, hours 0…24: noon is when the Sun is in the meridian.

@@ -51,6 +51,7 @@ mod keys;
 mod layers;
 mod lens;
 mod live;
+mod look_at;
 mod many;
 mod meaning;
 mod orbit;
@@ -106,6 +107,7 @@ pub(crate) use keys::YEARS;
 #[cfg(feature = "window")]
 pub use keys::{DEFAULT_TOLERANCE_PX, EDGE_SAMPLES};
 pub use layers::{LayersTable, LineLook};
+pub use look_at::LookAt;
 pub use many::Many;
 pub use orbit::{ForceOptions, InitialState, Motion, Orbit, OrbitParameters};
 pub use output::{Output, QualityTable};

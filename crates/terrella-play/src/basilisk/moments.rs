@@ -100,6 +100,10 @@ impl Flight {
             velocity_m_s: itrf_from_gcrf * craft.velocity_m_s,
         });
         let pose = self.pose(request.mode, state.as_ref())?;
+        let pose = match request.mode == self.scene().camera.mode {
+            true => self.aimed(pose, snapshot.epoch, state.as_ref(), || sky(snapshot))?,
+            false => pose,
+        };
         let mut moment = self.moment_under(snapshot.epoch, request, pose, state, sky(snapshot));
         moment.turn = Some(turn(snapshot));
         moment.is_starless = snapshot.is_sky_black;

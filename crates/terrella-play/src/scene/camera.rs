@@ -3,8 +3,9 @@
 use super::camera_keys::{CameraKey, keys_text, stand_on_ground};
 use super::choices::{CameraMode, CameraUp};
 use super::error::SceneError;
-use super::field::{Bounds, NO_ORBIT, range_text, written};
+use super::field::{Bounds, Field, NO_ORBIT, RawCameraKey, range_text, written};
 use super::keys::{GEODETIC, LAT_DEG, LON_DEG, NADIR, RawCamera};
+use super::look_at::LookAt;
 use super::record::{number_text, quoted};
 use super::sensor::SensorTable;
 use super::text::SceneText;
@@ -32,6 +33,10 @@ pub struct Camera {
     pub heading_deg: f64,
     /// Geodetic mode: how far above the horizontal the eye looks, degrees; −90 is straight down.
     pub pitch_deg: f64,
+    /// What it keeps in the middle of the picture; `None` is the mode's own direction of view.
+    pub look_at: Option<LookAt>,
+    /// Turn about the direction of view, degrees, clockwise.
+    pub roll_deg: f64,
     /// What it does at moments of the flight, in their order; none stays as it is.
     pub keys: Vec<CameraKey>,
 }
@@ -131,7 +136,15 @@ impl SceneText<'_> {
             }
             None => Err(NO_ORBIT),
         });
+        let is_on_board = matches!(mode, CameraMode::Nadir | CameraMode::Horizon);
+        let look_at = self.look_at(&camera.look_at(), is_on_board)?;
+        let roll_deg = self.number(&camera.roll_deg(), |_, range| {
+            format!("must be from {range} degrees, clockwise")
+        })?;
         let keys_of_mode = self.camera_keys(keys.given, mode)?;
+        if look_at.is_some() {
+            self.reject_direction(&[&heading, &pitch], &keys, &keys_of_mode)?;
+        }
         keys.note(keys_text(&keys_of_mode));
         Ok(Camera {
             mode,
@@ -143,8 +156,30 @@ impl SceneText<'_> {
             height_km,
             heading_deg,
             pitch_deg,
+            look_at,
+            roll_deg,
             keys: keys_of_mode,
         })
+    }
+
+    /// Rejects directions of view beside look_at, which gives it.
+    fn reject_direction(
+        &self,
+        given: &[&Field<'_, f64, Bounds<f64>>],
+        keys: &Field<'_, Vec<RawCameraKey>>,
+        keys_of_mode: &[CameraKey],
+    ) -> Result<(), SceneError> {
+        let advice = "look_at gives the direction of view; leave the one or the other out";
+        if let Some(field) = given.iter().find(|field| field.is_given()) {
+            return Err(self.reject(field, advice));
+        }
+        match keys_of_mode.iter().any(|key| key.facing_deg.is_some()) {
+            true => Err(self.reject(
+                keys,
+                "have heading_deg and pitch_deg, and look_at gives the direction of view; leave the one or the other out",
+            )),
+            false => Ok(()),
+        }
     }
 }
 

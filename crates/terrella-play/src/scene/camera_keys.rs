@@ -3,7 +3,7 @@
 use super::choices::CameraMode;
 use super::error::{SceneError, printable};
 use super::field::{RawCameraKey, short_range_text, written};
-use super::keys::{LAT_DEG, LON_DEG, MAX_CAMERA_KEYS};
+use super::keys::{LAT_DEG, LON_DEG, MAX_CAMERA_KEYS, TURN_DEG};
 use super::record::KeyText;
 use super::text::{SceneText, nearest};
 use std::fmt::Write;
@@ -24,6 +24,8 @@ pub struct CameraKey {
     pub turn_deg: Option<[f64; 2]>,
     /// Chase mode: where the eye is, seen from the satellite: ahead, to the right and down, metres.
     pub offset_m: Option<[f64; 3]>,
+    /// Turn about the direction of view, degrees, clockwise.
+    pub roll_deg: Option<f64>,
     /// Vertical field of view, degrees.
     pub fov_deg: Option<f64>,
     /// Exposure value.
@@ -31,7 +33,7 @@ pub struct CameraKey {
 }
 
 /// The keys of a camera key, what each may be, and in which unit.
-pub(super) const NUMBERS: [(&str, RangeInclusive<f64>, &str); 9] = [
+pub(super) const NUMBERS: [(&str, RangeInclusive<f64>, &str); 10] = [
     ("time_s", -1e9..=1e9, "seconds after the scene's start"),
     ("lat_deg", LAT_DEG, "degrees, south negative"),
     ("lon_deg", LON_DEG, "degrees, west negative"),
@@ -47,6 +49,7 @@ pub(super) const NUMBERS: [(&str, RangeInclusive<f64>, &str); 9] = [
         "degrees above the horizontal; -90 looks straight down",
     ),
     ("yaw_deg", -180.0..=180.0, "degrees to the right"),
+    ("roll_deg", TURN_DEG, "degrees, clockwise"),
     ("fov_deg", 0.001..=179.999, "degrees"),
     ("exposure_ev", Exposure::RANGE_EV, "exposure values"),
 ];
@@ -60,7 +63,7 @@ const WIDEST_STEP_DEG: f64 = 170.0;
 const PLACE: [&str; 3] = ["lat_deg", "lon_deg", "height_km"];
 const FACING: [&str; 2] = ["heading_deg", "pitch_deg"];
 const TURN: [&str; 2] = ["yaw_deg", "pitch_deg"];
-const LIST: &str = "a camera key has time_s, and of lat_deg, lon_deg and height_km, heading_deg and pitch_deg (mode = \"geodetic\"), yaw_deg and pitch_deg (\"nadir\", \"horizon\"), offset_m (\"chase\"), fov_deg and exposure_ev what it sets";
+const LIST: &str = "a camera key has time_s, and of lat_deg, lon_deg and height_km, heading_deg and pitch_deg (mode = \"geodetic\"), yaw_deg and pitch_deg (\"nadir\", \"horizon\"), offset_m (\"chase\"), roll_deg, fov_deg and exposure_ev what it sets";
 
 /// Whether any key stands over the ground.
 pub(super) fn stand_on_ground(keys: &[RawCameraKey]) -> bool {
@@ -217,6 +220,7 @@ impl SceneText<'_> {
                     reject(OFFSET, format!("must be [ahead, right, down], three numbers of metres from {}, together {NEAREST_M} m or more from the satellite", short_range_text(&OFFSET_M)))
                 })?),
             },
+            roll_deg: number("roll_deg")?,
             fov_deg: number("fov_deg")?,
             exposure_ev: number("exposure_ev")?,
         };
@@ -271,6 +275,7 @@ pub(super) fn keys_text(keys: &[CameraKey]) -> KeyText {
             (&PLACE[..], key.place.map(|place| place.to_vec())),
             (&FACING[..], key.facing_deg.map(|facing| facing.to_vec())),
             (&TURN[..], key.turn_deg.map(|turn| turn.to_vec())),
+            (&["roll_deg"][..], key.roll_deg.map(|roll| vec![roll])),
             (&["fov_deg"][..], key.fov_deg.map(|fov| vec![fov])),
             (&["exposure_ev"][..], key.exposure_ev.map(|ev| vec![ev])),
         ];

@@ -354,6 +354,16 @@ pub(super) fn tone_forms() -> String {
     )
 }
 
+/// What the camera looks at, checked by look_at.rs.
+#[derive(Debug, Deserialize)]
+#[serde(transparent)]
+pub(super) struct RawLookAt(pub(super) toml::Value);
+
+/// What the camera may look at.
+pub(super) fn look_at_forms() -> String {
+    "\"sun\", \"moon\", \"satellite\", a satellite's name, or a place, { lat_deg = 48.2, lon_deg = 16.4, height_km = 0 }".to_owned()
+}
+
 /// One of `[[camera.keys]]`, checked by camera_keys.rs.
 pub(super) type RawCameraKey = BTreeMap<String, Spanned<toml::Value>>;
 

@@ -4,7 +4,9 @@
 
 use super::caption_keys::RawCaption;
 use super::choices::{CameraMode, CameraUp, Look, OrbitSource, StorageChoice};
-use super::field::{Bounds, Choice, Field, RawCameraKey, RawDatedMaps, RawPath, RawTone};
+use super::field::{
+    Bounds, Choice, Field, RawCameraKey, RawDatedMaps, RawLookAt, RawPath, RawTone,
+};
 use super::globe_keys::{RawGeojson, RawLayers, RawStation};
 use super::lens::RawLens;
 use super::orbit_keys::{RawOrbit, RawTracks};
@@ -187,6 +189,11 @@ table!(RawCamera = "camera" {
     heading_deg: f64, of "degrees", in TURN_DEG, default 0.0, for GEODETIC;
     /// How far above the horizontal the eye looks; -90 is straight down.
     pitch_deg: f64, of "degrees", in -90.0..=90.0, default -90.0, for GEODETIC;
+    // A word, a name or a table.
+    /// What the camera keeps in the middle of the picture; "satellite" is the one that it follows. By default the mode gives the direction of view.
+    look_at: RawLookAt;
+    /// Turn of the camera about its direction of view; positive values turn it clockwise.
+    roll_deg: f64, of "degrees", in TURN_DEG, default 0.0;
     // A list of tables of any keys.
     /// What the camera does at moments of the flight. By default nothing.
     keys: Vec<RawCameraKey>, of "a list of tables: write [[camera.keys]] on a line of its own for each, and below it time_s and what is set there";

@@ -1,7 +1,9 @@
 //! What can be checked only when the satellites are known: names to follow, sources that do not answer.
 
 use super::Scene;
+use super::choices::CameraMode;
 use super::error::{KeyLocation, SceneError, printable};
+use super::look_at::ON_BOARD;
 use super::record::Record;
 use super::text::nearest;
 use super::time::utc;
@@ -26,6 +28,35 @@ impl Scene {
                 remedy,
             )
         })
+    }
+
+    /// The place of the satellite that the camera looks at: the one of this name, or the one that it follows.
+    ///
+    /// # Errors
+    /// If there is none, or the camera is on board of it.
+    pub(crate) fn looked_at(
+        &self,
+        wanted: Option<&str>,
+        names: &[&str],
+        followed: usize,
+    ) -> Result<usize, SceneError> {
+        let reject = |remedy: String| {
+            let line = self.line("camera", "look_at");
+            let value = wanted.unwrap_or("satellite");
+            self.rejection("camera", "look_at", line, value, remedy)
+        };
+        let index = match wanted {
+            Some(name) => self.satellite(name, names).map_err(reject)?,
+            None if names.is_empty() => {
+                return Err(reject("the scene has no satellite".to_owned()));
+            }
+            None => followed,
+        };
+        let is_on_board = matches!(self.camera.mode, CameraMode::Nadir | CameraMode::Horizon);
+        match is_on_board && index == followed {
+            true => Err(reject(ON_BOARD.to_owned())),
+            false => Ok(index),
+        }
     }
 
     /// The place of a satellite by name, letter case aside, as [`Self::followed`] looks for it; else what to do.

@@ -8,10 +8,11 @@ use super::caption_keys::MAX_CAPTIONS;
 use super::field::names_of;
 use super::globe_keys::{GRATICULE_STEP_DEG, MAX_GEOJSON, MAX_STATIONS, PLACE_NAMES};
 use super::keys::{
-    BURN_M_S2, BURN_S, CLIPMAP_LEVELS, CLIPMAP_SAMPLES, GRID_SAMPLES, MAX_BURNS, MAX_CAMERA_KEYS,
-    MAX_DATED_MAPS, MAX_ELEVATION_FILES, MAX_LEAVES, MAX_ORBITS, MAX_ORIGINS, QUADTREE_LAMBDA,
-    SAMPLES, TABLES,
+    BURN_M_S2, BURN_S, CLIPMAP_LEVELS, CLIPMAP_SAMPLES, GRID_SAMPLES, LAT_DEG, LON_DEG, MAX_BURNS,
+    MAX_CAMERA_KEYS, MAX_DATED_MAPS, MAX_ELEVATION_FILES, MAX_LEAVES, MAX_ORBITS, MAX_ORIGINS,
+    QUADTREE_LAMBDA, SAMPLES, TABLES,
 };
+use super::look_at::PLACE_HEIGHT_KM;
 use super::orbit_keys::SPAN_MIN;
 use super::table::{Key, Shape, Table};
 use serde_json::{Map, Value, json};
@@ -116,6 +117,7 @@ pub(super) fn value_schema(key: &Key) -> Value {
             { "enum": names_of::<Tone>() },
             table_within(key.name),
         ] }),
+        Shape::LookAt => json!({ "anyOf": [path, table_within(key.name)] }),
         Shape::Own => own(key),
     }
 }
@@ -238,6 +240,23 @@ pub(super) fn parts(key: &str) -> Vec<KeyPart> {
                 "name",
                 text(),
                 "Name of the response in the file; three curves whose names end in Red, Green and Blue by what is before that.",
+            ),
+        ],
+        "look_at" => vec![
+            needed(
+                "lat_deg",
+                number(&LAT_DEG),
+                "Geodetic latitude, degrees, south negative.",
+            ),
+            needed(
+                "lon_deg",
+                number(&LON_DEG),
+                "Longitude, degrees, west negative.",
+            ),
+            part(
+                "height_km",
+                number(&PLACE_HEIGHT_KM),
+                "Height above the ellipsoid, kilometres; by default 0.",
             ),
         ],
         "clipmap" => vec![

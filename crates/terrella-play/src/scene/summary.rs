@@ -256,6 +256,10 @@ impl Scene {
                 )
             }
         };
+        let eye = match &camera.look_at {
+            None => eye,
+            Some(target) => format!("{eye}; turned to {}", target.words()),
+        };
         uses.push((
             "camera",
             match camera.keys.len() {

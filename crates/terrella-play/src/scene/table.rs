@@ -9,7 +9,10 @@
 //! - `for` is where the key has a meaning, everywhere if it is left out.
 
 use super::choices::OrbitSource;
-use super::field::{Choice, RawCameraKey, RawDatedMaps, RawPath, RawTone, names_of, tone_forms};
+use super::field::{
+    Choice, RawCameraKey, RawDatedMaps, RawLookAt, RawPath, RawTone, look_at_forms, names_of,
+    tone_forms,
+};
 use serde::Deserialize;
 use toml::Spanned;
 
@@ -65,6 +68,8 @@ pub(super) enum Shape {
     DatedMaps,
     /// A word, or a table with a path.
     Tone,
+    /// A word, or a table with a place.
+    LookAt,
     /// What the key alone has.
     Own,
 }
@@ -140,6 +145,17 @@ impl Value for RawTone {
 
     fn expected(_: &str) -> String {
         tone_forms()
+    }
+}
+
+impl Value for RawLookAt {
+    type Number = ();
+    type Default = ();
+    #[cfg(test)]
+    const SHAPE: fn() -> Shape = || Shape::LookAt;
+
+    fn expected(_: &str) -> String {
+        look_at_forms()
     }
 }
 

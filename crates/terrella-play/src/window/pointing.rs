@@ -148,7 +148,7 @@ impl App<'_> {
         let (flight, controls) = (self.flight, &mut self.controls);
         let is_chase = controls.hand.eye().is_none() && controls.mode == CameraMode::Chase;
         let followed = flight.followed();
-        let motion = flight.motion_of(followed, moment.epoch);
+        let motion = flight.motion_of(followed, moment.epoch).ok();
         with_globe(flight.ellipsoid(), relief.as_ref(), |globe| {
             match motion.filter(|_| is_chase) {
                 // Not known: the head turns.
@@ -212,7 +212,7 @@ impl App<'_> {
         let (flight, controls) = (self.flight, &mut self.controls);
         let (fov_rad, hand) = (controls.fov_rad(), controls.hand);
         let followed = hand.followed();
-        let motion = followed.and_then(|index| flight.motion_of(index, moment.epoch));
+        let motion = followed.and_then(|index| flight.motion_of(index, moment.epoch).ok());
         let picked = controls.picked;
         let mut lost = false;
         controls.read_out = with_globe(flight.ellipsoid(), relief.as_ref(), |globe| {
