@@ -1,5 +1,7 @@
 //! What a scene's camera does in the course of time, by its keys.
 //!
+//! A key with a cut begins a shot: nothing goes from the keys before it to those after it.
+//!
 //! Each quantity goes through the keys that set it, and is as `[camera]` says where none does. Places go along the sphere and not
 //! through it: the vertical's direction by a curve of great arcs, the height by its logarithm. Attitudes over the ground are carried
 //! along with the vertical, in axes that turn with it by the shortest way and not with north, so that a camera that looks straight
@@ -15,6 +17,13 @@ use terrella::frames::{Ellipsoid, Epoch, Geodetic};
 #[derive(Clone, Debug)]
 pub struct CameraPath {
     start: Epoch,
+    /// When each shot begins, seconds after the start, in order; the first is there from the beginning.
+    shots: Vec<(f64, Shot)>,
+}
+
+/// The course of a camera between two cuts.
+#[derive(Clone, Debug)]
+struct Shot {
     camera: Camera,
     place: Option<PlaceTrack>,
     facing: Option<FacingTrack>,
@@ -56,13 +65,69 @@ impl CameraPath {
     /// The course of a scene's camera.
     pub fn new(scene: &Scene) -> Self {
         let camera = &scene.camera;
-        let keys = &camera.keys;
+        let shots = camera.keys.chunk_by(|_, next| !next.cut);
+        let shots = shots.map(|keys| (keys[0].time_s, Shot::new(camera, keys)));
+        let mut shots: Vec<_> = shots.collect();
+        if shots.is_empty() {
+            shots.push((0.0, Shot::new(camera, &[])));
+        }
+        Self {
+            start: scene.time.start,
+            shots,
+        }
+    }
+
+    /// The shot of an instant, and the time, seconds after the start.
+    fn shot(&self, epoch: Epoch) -> (&Shot, f64) {
+        let time_s = (epoch - self.start).to_seconds();
+        let begun = self.shots.partition_point(|(from, _)| *from <= time_s);
+        (&self.shots[begun.saturating_sub(1)].1, time_s)
+    }
+
+    /// Above the ground.
+    pub fn ground_pose(&self, epoch: Epoch, ellipsoid: &Ellipsoid) -> Pose {
+        let (shot, time_s) = self.shot(epoch);
+        shot.ground_pose(time_s, ellipsoid)
+    }
+
+    /// About the satellite, looking at it, the Earth below; `None` where no offset is keyed.
+    pub fn chase_pose(
+        &self,
+        epoch: Epoch,
+        motion: &OrbitalMotion,
+        ellipsoid: &Ellipsoid,
+    ) -> Option<Pose> {
+        let (shot, time_s) = self.shot(epoch);
+        shot.chase_pose(time_s, motion, ellipsoid)
+    }
+
+    /// The head turned as keys say, and the camera rolled.
+    pub fn turned(&self, epoch: Epoch, pose: Pose) -> Pose {
+        let (shot, time_s) = self.shot(epoch);
+        shot.turned(time_s, pose)
+    }
+
+    /// Vertical field of view.
+    pub fn fov_rad(&self, epoch: Epoch) -> f64 {
+        let (shot, time_s) = self.shot(epoch);
+        shot.fov_rad(time_s)
+    }
+
+    /// The exposure value, where it is keyed.
+    pub fn exposure_ev(&self, epoch: Epoch) -> Option<f64> {
+        let (shot, time_s) = self.shot(epoch);
+        Some(shot.exposure_ev.as_ref()?.at(time_s))
+    }
+}
+
+impl Shot {
+    /// By these of the camera's keys.
+    fn new(camera: &Camera, keys: &[CameraKey]) -> Self {
         let degrees =
             |[lat, lon, height_km]: [f64; 3]| Geodetic::from_degrees(lat, lon, height_km * 1e3);
         let places = of(keys, |key| key.place.map(degrees));
         let offsets = of(keys, |key| key.offset_m.map(DVec3::from));
-        let mut path = Self {
-            start: scene.time.start,
+        let mut shot = Self {
             place: place_track(&places),
             facing: None,
             turn: SphereTrack::of_attitudes(&of(keys, |key| key.turn_deg.map(head_turn))),
@@ -74,12 +139,12 @@ impl CameraPath {
             exposure_ev: NumberTrack::new(&of(keys, |key| key.exposure_ev)),
             camera: camera.clone(),
         };
-        path.facing = path.facing_track();
-        path
+        shot.facing = shot.facing_track(keys);
+        shot
     }
 
-    fn facing_track(&self) -> Option<FacingTrack> {
-        let keys = of(&self.camera.keys, |key| key.facing_deg);
+    fn facing_track(&self, keys: &[CameraKey]) -> Option<FacingTrack> {
+        let keys = of(keys, |key| key.facing_deg);
         let places = keys
             .iter()
             .map(|(time_s, facing)| (*time_s, *facing, self.place(*time_s)));
@@ -104,10 +169,6 @@ impl CameraPath {
         })
     }
 
-    fn time_s(&self, epoch: Epoch) -> f64 {
-        (epoch - self.start).to_seconds()
-    }
-
     fn place(&self, time_s: f64) -> Geodetic {
         let camera = &self.camera;
         match &self.place {
@@ -116,9 +177,7 @@ impl CameraPath {
         }
     }
 
-    /// Above the ground.
-    pub fn ground_pose(&self, epoch: Epoch, ellipsoid: &Ellipsoid) -> Pose {
-        let time_s = self.time_s(epoch);
+    fn ground_pose(&self, time_s: f64, ellipsoid: &Ellipsoid) -> Pose {
         let place = self.place(time_s);
         let level = Pose::geodetic(place, ellipsoid);
         let Some(facing) = &self.facing else {
@@ -135,15 +194,13 @@ impl CameraPath {
         )
     }
 
-    /// About the satellite, looking at it, the Earth below; `None` where no offset is keyed.
-    pub fn chase_pose(
+    fn chase_pose(
         &self,
-        epoch: Epoch,
+        time_s: f64,
         motion: &OrbitalMotion,
         ellipsoid: &Ellipsoid,
     ) -> Option<Pose> {
         let (direction, ln_length) = self.offset.as_ref()?;
-        let time_s = self.time_s(epoch);
         let itrf_from_level = motion.itrf_from_level(ellipsoid);
         let away = itrf_from_level * direction.at(time_s).truncate();
         let (ahead, down) = (itrf_from_level.x_axis, itrf_from_level.z_axis);
@@ -161,9 +218,7 @@ impl CameraPath {
         })
     }
 
-    /// The head turned as keys say, and the camera rolled.
-    pub fn turned(&self, epoch: Epoch, pose: Pose) -> Pose {
-        let time_s = self.time_s(epoch);
+    fn turned(&self, time_s: f64, pose: Pose) -> Pose {
         let pose = match &self.turn {
             None => pose,
             Some(turn) => {
@@ -179,18 +234,11 @@ impl CameraPath {
         }
     }
 
-    /// Vertical field of view.
-    pub fn fov_rad(&self, epoch: Epoch) -> f64 {
+    fn fov_rad(&self, time_s: f64) -> f64 {
         match &self.ln_half_fov {
-            Some(track) => 2.0 * track.at(self.time_s(epoch)).exp().atan(),
+            Some(track) => 2.0 * track.at(time_s).exp().atan(),
             None => self.camera.fov_deg.to_radians(),
         }
-    }
-
-    /// The exposure value, where it is keyed.
-    pub fn exposure_ev(&self, epoch: Epoch) -> Option<f64> {
-        let track = self.exposure_ev.as_ref()?;
-        Some(track.at(self.time_s(epoch)))
     }
 }
 
@@ -275,7 +323,7 @@ mod tests {
         let epoch = path.start + time_s * Unit::Second;
         (
             path.ground_pose(epoch, &Ellipsoid::WGS84),
-            path.place(time_s),
+            path.shot(epoch).0.place(time_s),
         )
     }
 
@@ -304,6 +352,28 @@ mod tests {
             );
             assert!((pose.forward - wanted.forward).length() < 1e-9, "{time_s}");
             assert!((pose.up - wanted.up).length() < 1e-9, "{time_s}");
+        }
+    }
+
+    #[test]
+    fn nothing_goes_over_a_cut() {
+        let path = path(
+            "fov_deg = 40\n
+            [[camera.keys]]\ntime_s = 0\nlat_deg = 50\nlon_deg = 10\nheight_km = 1000
+            [[camera.keys]]\ntime_s = 10\nlat_deg = 52\nlon_deg = 10\nheight_km = 1000\nfov_deg = 60
+            [[camera.keys]]\ntime_s = 20\ncut = true\nlat_deg = -30\nlon_deg = -170\nheight_km = 5
+            [[camera.keys]]\ntime_s = 30\nlat_deg = -32\nlon_deg = -170\nheight_km = 5\n",
+        );
+        let at = |time_s: f64| path.start + time_s * Unit::Second;
+        let lat_deg = |time_s| pose_at(&path, time_s).1.lat_rad.to_degrees();
+        // Before the cut the camera stays at the last key, behind it it is at the next at once.
+        for (time_s, wanted) in [(5.0, 51.0), (19.999, 52.0), (20.0, -30.0), (25.0, -31.0)] {
+            assert!((lat_deg(time_s) - wanted).abs() < 1e-6, "{time_s}");
+        }
+        // What the shot does not key is the camera's own.
+        for (time_s, wanted) in [(19.0, 60.0), (20.0, 40.0)] {
+            let fov_deg = path.fov_rad(at(time_s)).to_degrees();
+            assert!((fov_deg - wanted).abs() < 1e-9, "{time_s}: {fov_deg}");
         }
     }
 

@@ -16,6 +16,8 @@ use toml::{Spanned, Value};
 pub struct CameraKey {
     /// The moment, simulated seconds after the scene's start; negative before it.
     pub time_s: f64,
+    /// Whether the camera jumps there: what is keyed before counts no more.
+    pub cut: bool,
     /// Geodetic mode: latitude and longitude, degrees, and height above the ellipsoid, kilometres.
     pub place: Option<[f64; 3]>,
     /// Geodetic mode: heading, degrees clockwise from north, and pitch, degrees above the horizontal.
@@ -53,6 +55,8 @@ pub(super) const NUMBERS: [(&str, RangeInclusive<f64>, &str); 10] = [
     ("fov_deg", 0.001..=179.999, "degrees"),
     ("exposure_ev", Exposure::RANGE_EV, "exposure values"),
 ];
+/// Begins a shot.
+pub(super) const CUT: &str = "cut";
 pub(super) const OFFSET: &str = "offset_m";
 /// Each part of an offset, and the least of all of it, metres: outside of the craft that is drawn.
 pub(super) const OFFSET_M: RangeInclusive<f64> = -1e6..=1e6;
@@ -63,7 +67,7 @@ const WIDEST_STEP_DEG: f64 = 170.0;
 const PLACE: [&str; 3] = ["lat_deg", "lon_deg", "height_km"];
 const FACING: [&str; 2] = ["heading_deg", "pitch_deg"];
 const TURN: [&str; 2] = ["yaw_deg", "pitch_deg"];
-const LIST: &str = "a camera key has time_s, and of lat_deg, lon_deg and height_km, heading_deg and pitch_deg (mode = \"geodetic\"), yaw_deg and pitch_deg (\"nadir\", \"horizon\"), offset_m (\"chase\"), roll_deg, fov_deg and exposure_ev what it sets";
+const LIST: &str = "a camera key has time_s, and of lat_deg, lon_deg and height_km, heading_deg and pitch_deg (mode = \"geodetic\"), yaw_deg and pitch_deg (\"nadir\", \"horizon\"), offset_m (\"chase\"), roll_deg, fov_deg and exposure_ev what it sets; cut = true jumps there";
 
 /// Whether any key stands over the ground.
 pub(super) fn stand_on_ground(keys: &[RawCameraKey]) -> bool {
@@ -99,13 +103,16 @@ impl SceneText<'_> {
                 );
                 return Err(self.reject_key(entries, "time_s", given.span(), advice));
             }
-            if let (Some(from), Some(to)) = (place, key.place)
+            if let (Some(from), Some(to), false) = (place, key.place, key.cut)
                 && angle_deg(from, to) > WIDEST_STEP_DEG
             {
                 let advice = "is on the other side of the Earth from the place before, and no way there is the shortest; give a key between them";
                 return Err(self.reject_key(entries, "lon_deg", given.span(), advice));
             }
-            place = key.place.or(place);
+            place = match key.cut {
+                true => key.place,
+                false => key.place.or(place),
+            };
             keys.push(key);
         }
         Ok(keys)
@@ -130,7 +137,7 @@ impl SceneText<'_> {
     ) -> Result<CameraKey, SceneError> {
         let reject =
             |name: &str, advice: String| self.reject_key(entries, name, all.clone(), advice);
-        let known = || NUMBERS.iter().map(|(name, ..)| *name).chain([OFFSET]);
+        let known = || NUMBERS.iter().map(|(name, ..)| *name).chain([OFFSET, CUT]);
         for name in entries.keys() {
             if !known().any(|known| known == name) {
                 let hint = match nearest(name, known()) {
@@ -211,6 +218,11 @@ impl SceneText<'_> {
         let is_on_ground = mode == CameraMode::Geodetic;
         let key = CameraKey {
             time_s: number("time_s")?.ok_or_else(|| reject("time_s", format!("is missing; {LIST}")))?,
+            cut: match entries.get(CUT).map(Spanned::get_ref) {
+                None => false,
+                Some(Value::Boolean(cut)) => *cut,
+                Some(_) => return Err(reject(CUT, "must be true or false".to_owned())),
+            },
             place: together(&PLACE)?.map(|numbers| [numbers[0], numbers[1], numbers[2]]),
             facing_deg: facing.filter(|_| is_on_ground),
             turn_deg: facing.filter(|_| !is_on_ground),
@@ -226,6 +238,7 @@ impl SceneText<'_> {
         };
         let sets_nothing = CameraKey {
             time_s: key.time_s,
+            cut: key.cut,
             ..CameraKey::default()
         };
         if key == sets_nothing {
@@ -284,6 +297,9 @@ pub(super) fn keys_text(keys: &[CameraKey]) -> KeyText {
                 // Writing to a string cannot fail.
                 let _ = write!(text, ", {name} = {value}");
             }
+        }
+        if key.cut {
+            text.push_str(", cut = true");
         }
         if let Some([x, y, z]) = key.offset_m {
             let _ = write!(text, ", {OFFSET} = [{x}, {y}, {z}]");

@@ -159,7 +159,7 @@ mod tests {
             ("look_at = { lat_deg = 1 }", "lon_deg is missing"),
             (
                 "look_at = { lat_deg = 1, lon_deg = 1, alt = 3 }",
-                "not \"alt\"",
+                "not alt",
             ),
             ("look_at = { lat_deg = nan, lon_deg = 1 }", "from -90 to 90"),
             (

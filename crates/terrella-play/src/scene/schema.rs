@@ -3,7 +3,7 @@
 //! `TERRELLA_UPDATE_REFERENCE=1 cargo test -p terrella-play reference` writes it again, and the reference page with it; without
 //! the variable the same test compares.
 
-use super::camera_keys::{NUMBERS, OFFSET, OFFSET_M};
+use super::camera_keys::{CUT, NUMBERS, OFFSET, OFFSET_M};
 use super::caption_keys::MAX_CAPTIONS;
 use super::field::names_of;
 use super::globe_keys::{GRATICULE_STEP_DEG, MAX_GEOJSON, MAX_STATIONS, PLACE_NAMES};
@@ -228,7 +228,12 @@ pub(super) fn parts(key: &str) -> Vec<KeyPart> {
                 list(number(&OFFSET_M), 3),
                 "metres ahead of the satellite, to its right and down",
             );
-            numbers.chain([offset]).collect()
+            let cut = part(
+                CUT,
+                json!({ "type": "boolean" }),
+                "whether the camera jumps there: what is keyed before counts no more",
+            );
+            numbers.chain([offset, cut]).collect()
         }
         "tone" => vec![
             needed(
