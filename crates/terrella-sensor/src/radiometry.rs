@@ -50,7 +50,7 @@ pub struct Radiometry {
     pub bands_nm: [Band; 3],
     /// Electrons per photon in each of the bands, 0…1.
     pub quantum_efficiency: [f64; 3],
-    /// Whether light falls off as the fourth power of the cosine of the angle from the axis.
+    /// Whether light falls off with the angle from the axis: as the fourth power of its cosine, and by distortion as much as that enlarges.
     pub cos4: bool,
     /// Falling off besides: 1 + v1 r² + v2 r⁴ + v3 r⁶, r the distance from the principal point over the focal length.
     pub vignetting: [f64; 3],
@@ -98,11 +98,22 @@ impl Radiometry {
     }
 
     /// The part of the light at the axis that a pixel gets, which looks in this direction (X/Z, Y/Z).
+    ///
+    /// With `cos4` it is E(θ)/E(0) = cos θ · dΩ/dΩ₀: the aperture is seen at an angle, and a pixel sees cos³ θ / |J| of the solid angle of one
+    /// at the axis, where J is the Jacobian of the distortion. Without distortion that is cos⁴ θ; of an equidistant fisheye sin θ cos θ / θ.
+    /// So the light of a star is the same wherever distortion puts it, but for the cosine.
     pub fn falloff(&self, lens: &Lens, pixel: DVec2, direction: DVec2) -> f64 {
-        // cos² θ = 1/(1 + tan² θ)
-        let cos2 = 1.0 / (1.0 + direction.length_squared());
-        let cos4 = if self.cos4 { cos2 * cos2 } else { 1.0 };
-        (cos4 * self.vignetting_at(lens, pixel)).max(0.0)
+        let natural = match self.cos4 {
+            true => {
+                // cos² θ = 1/(1 + tan² θ)
+                let cos2 = 1.0 / (1.0 + direction.length_squared());
+                let enlarged = lens.distortion().jacobian(direction).determinant();
+                cos2 * cos2 / enlarged
+            }
+            false => 1.0,
+        };
+        let part = natural * self.vignetting_at(lens, pixel);
+        if part.is_finite() { part.max(0.0) } else { 0.0 }
     }
 
     /// Electrons in a pixel at the axis for light of 1 in each band, before quantum efficiency: photons that reach it.
@@ -173,5 +184,10 @@ mod tests {
         // 45° from the axis, cos⁴ is a quarter.
         let quarter = radiometry.falloff(&lens, DVec2::ZERO, DVec2::new(0.6, 0.8));
         assert!((quarter - 0.25).abs() < 1e-12, "{quarter}");
+        // An equidistant fisheye has sin θ cos θ / θ, 2/π there.
+        let fisheye = Lens::new([4, 4], 50.0, 10.0, None, Distortion::Fisheye([0.0; 4]));
+        let fisheye = fisheye.expect("a lens");
+        let part = radiometry.falloff(&fisheye, DVec2::ZERO, DVec2::new(0.6, 0.8));
+        assert!((part - std::f64::consts::FRAC_2_PI).abs() < 1e-9, "{part}");
     }
 }

@@ -224,6 +224,49 @@ fn blobs_land_where_the_formula_has_them() {
     assert!(worst < 0.005, "{worst}");
 }
 
+/// A star of constant flux makes the same electrons wherever it stands, but for the aperture that it sees at an angle: neither distortion nor
+/// point spread makes or loses light.
+#[test]
+fn a_star_keeps_its_energy_through_the_lens() {
+    for distortion in [
+        Distortion::NONE,
+        Distortion::BrownConrady([-0.31, 0.12, 8e-4, -5e-4, 0.0, 0.0, 0.0, 0.0]),
+        Distortion::BrownConrady([0.2, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]),
+        Distortion::Fisheye([-0.03, 0.01, -0.004, 0.0]),
+    ] {
+        for psf in [Psf::None, Psf::Gaussian { sigma_px: 0.7 }] {
+            let mut sensor = sensor([160, 120], psf.clone(), 4);
+            sensor.lens =
+                Lens::new([160, 120], 0.6, 5.0, Some([82.3, 57.9]), distortion).expect("a lens");
+            sensor.radiometry.cos4 = true;
+            let mut fluxes = Vec::new();
+            for target in [12.3, 60.7, 82.3, 148.6]
+                .into_iter()
+                .flat_map(|x| [14.1, 57.9, 104.9].map(|y| DVec2::new(x, y)))
+            {
+                let center = sensor.lens.direction(target).expect("within");
+                let width = 1.5 / sensor.lens.focal_px();
+                let cos = |direction: DVec2| (1.0 + direction.length_squared()).sqrt().recip();
+                // A small disc whose light is that of one flux: a solid angle is cos³ θ of the plane's area.
+                let light = exposed(&sensor, |direction| {
+                    let away = (direction - center) / width;
+                    (0.01 * (-0.5 * away.length_squared()).exp() / cos(direction).powi(3)) as f32
+                });
+                let electrons = sensor.mean_electrons(&light, 1.0).expect("fits");
+                // The third band holds a sheet.
+                let sheet = vec![[0.0, 0.0, 0.25]; light.len()];
+                let sheet = sensor.mean_electrons(&sheet, 1.0).expect("fits");
+                let all: f64 = electrons.iter().zip(&sheet).map(|(a, b)| a - b).sum();
+                fluxes.push(all / cos(center));
+            }
+            let [least, most] = [f64::min, f64::max].map(|of| fluxes.iter().copied().reduce(of));
+            let (least, most) = (least.expect("some"), most.expect("some"));
+            eprintln!("{distortion:?}, {psf:?}: {:.4}", most / least);
+            assert!(most / least < 1.005, "{distortion:?} {psf:?}: {fluxes:?}");
+        }
+    }
+}
+
 /// Mean electrons of a white sheet are those of the radiometric equation; of a mosaic each pixel has its own band's.
 #[test]
 fn a_white_sheet_makes_the_electrons_of_the_equation() {

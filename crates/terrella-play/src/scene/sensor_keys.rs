@@ -61,7 +61,7 @@ table!(RawSensor = "sensor" {
     bands_nm: toml::Value, of "[[from, to], [from, to], [from, to]], nanometres of red, green and blue";
     /// Electrons per photon in the red, green and blue band. By default [0.5, 0.5, 0.5].
     quantum_efficiency: Vec<f64>, of "[red, green, blue], three numbers", in limits::PART;
-    /// Whether light falls off as the fourth power of the cosine of the angle from the axis.
+    /// Whether light falls off as the fourth power of the cosine of the angle from the axis, and by distortion as much as that enlarges.
     cos4: bool, default true;
     /// Falloff besides: 1 + v1 r² + v2 r⁴ + v3 r⁶, with r the distance from the principal point over the focal length. By default none.
     vignetting: Vec<f64>, of "[v1, v2, v3], three numbers", in -1e6..=1e6;
