@@ -33,15 +33,18 @@ fn blended(pixel: vec2f) -> vec3f {
     return sum;
 }
 
-// Four reads between texels, which the sampler blends. For half the size they have those weights; for twice it is a spline of the second
-// order, nearly.
+// Four reads between texels, which the sampler blends, have those weights for half the size.
 @if(coarser && !light) const REACH: f32 = 0.75;
-@if(!coarser) const REACH: f32 = 0.5;
 
-@if(!light)
+// For twice the size one read is enough: what stands there is smooth over some texels, as each level is blurred before the next is made.
+@if(!coarser)
 fn blended(pixel: vec2f) -> vec3f {
-    @if(coarser) let middle = 2.0 * pixel;
-    @else let middle = 0.5 * pixel;
+    return read(0.5 * pixel);
+}
+
+@if(coarser && !light)
+fn blended(pixel: vec2f) -> vec3f {
+    let middle = 2.0 * pixel;
     let upper = read(middle - REACH) + read(middle + vec2f(REACH, -REACH));
     let lower = read(middle + vec2f(-REACH, REACH)) + read(middle + REACH);
     return 0.25 * (upper + lower);

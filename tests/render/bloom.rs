@@ -137,3 +137,28 @@ fn a_lens_without_scatter_draws_nothing() {
     let light = scattered(0.0, (64, 36), &[((30, 20), 1.0)]);
     assert!(light.iter().filter(|light| **light != 0.0).count() == 1);
 }
+
+/// A dark patch of a tenth of the height in a white picture gets the veil of a real lens, below 0.5 %: by default, and at 0.05.
+#[test]
+fn a_veil_is_as_thin_as_that_of_real_lenses() {
+    for size in [(320, 180), (640, 360)] {
+        let half = size.1 / 20;
+        let is_dark =
+            |x: u32, y: u32| x.abs_diff(size.0 / 2) <= half && y.abs_diff(size.1 / 2) <= half;
+        let lights: Vec<_> = (0..size.0 * size.1)
+            .map(|n| (n % size.0, n / size.0))
+            .filter(|(x, y)| !is_dark(*x, *y))
+            .map(|place| (place, 1.0))
+            .collect();
+        let veil = |strength: f64| {
+            let light = scattered(strength, size, &lights);
+            light[(size.1 / 2 * size.0 + size.0 / 2) as usize]
+        };
+        let [usual, more] = [0.03, 0.05].map(veil);
+        println!("{size:?}: {usual:.5} {more:.5} of the white");
+        assert!(
+            usual > 1e-4 && usual < more && more < 0.005,
+            "{usual} {more}"
+        );
+    }
+}
