@@ -17,7 +17,7 @@ mod truth_layers;
 
 pub use error::OffscreenError;
 pub use limits::check_length;
-pub use limits::{MAX_PICTURE_MIB, target_bytes};
+pub use limits::{MAX_PICTURE_MIB, picture_bytes};
 pub use limits::{check_memory, check_size, supported_samples};
 pub use limits::{check_truth_memory, new_truth_targets};
 pub use textures::PictureTextures;

@@ -24,9 +24,25 @@ pub fn supported_samples(adapter: &wgpu::Adapter, color: wgpu::TextureFormat, wa
 
 /// Bytes of the textures that a frame of this size is drawn to, of 8 bits a channel: colour, its samples where there are
 /// several a pixel, and their depth.
-pub fn target_bytes((width, height): (u32, u32), samples: u32) -> u64 {
+fn target_bytes((width, height): (u32, u32), samples: u32) -> u64 {
     let multisampled = if samples > 1 { u64::from(samples) } else { 0 };
     u64::from(width) * u64::from(height) * 4 * (1 + multisampled + u64::from(samples))
+}
+
+/// Bytes of the textures that a picture of 8 bits a channel is drawn to by a pass of this format at full size: the picture, its depth,
+/// samples where there are several, and where light is developed after the pass, that light and its bloom.
+pub fn picture_bytes(size: (u32, u32), pass: &PassFormat) -> u64 {
+    let (width, height) = size;
+    let pixels = u64::from(width) * u64::from(height);
+    match pass.development {
+        Development::InPass => target_bytes(size, pass.samples),
+        Development::AfterPass => {
+            // Light has twice the bytes of a picture of 8 bits, in its texture and in its samples; the picture has a depth of its own.
+            let color = target_bytes(size, pass.samples) - 4 * pixels * u64::from(pass.samples);
+            let depth = 4 * pixels * u64::from(pass.samples);
+            target_bytes(size, 1) + 2 * color + depth + pass.bloom.texture_bytes(size)
+        }
+    }
 }
 
 /// Rejects pictures whose textures and read-back buffer would take more than [`MAX_PICTURE_MIB`].

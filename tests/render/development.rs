@@ -8,7 +8,8 @@ use terrella::frames::{Ellipsoid, Geodetic};
 use terrella::internals::offscreen::PictureTextures;
 use terrella::{
     Development, Earth, EarthError, EarthOptions, Exposure, EyeView, FrameRequest, FrameTargets,
-    Grade, Grain, OffscreenEarth, Response, ScaledTarget, Shading, Sky, Tone, exposure_factor,
+    Grade, Grain, OffscreenEarth, PassFormat, Response, ScaledTarget, Shading, Sky, Tone,
+    exposure_factor,
 };
 
 const SIZE: (u32, u32) = (96, 54);
@@ -24,6 +25,7 @@ fn options(ev: f64) -> EarthOptions {
     options.exposure = Exposure::Ev(ev);
     options.light.airglow = true;
     options.light.night_gain = 200_000.0;
+    options.light.night_fades_by_day = false;
     options
 }
 
@@ -191,7 +193,8 @@ fn light_that_is_developed_later_wants_a_float_target_and_sunlight() {
     assert!(error.to_string().contains("grain is 0.08"), "{error}");
 }
 
-/// Frames of 1280 × 720 with all maps of the starter pack: shown in the pass, developed after it, and with bloom.
+/// Frames of 1280 × 720 with all maps of the starter pack, at full and at half scale: shown in the pass, developed after it, and with bloom.
+/// The ways take turns, and quotients are of frames that follow each other.
 #[test]
 #[ignore = "measures times: cargo test --test render composition_and_bloom -- --ignored --nocapture"]
 fn composition_and_bloom_cost_little() {
@@ -207,47 +210,88 @@ fn composition_and_bloom_cost_little() {
         16.0 / 9.0,
     );
     let sky = Sky::new(Ellipsoid::normal(0.2, f64::to_radians(-70.0)));
-    let made = |is_developed: bool, strength: f64| {
-        let mut options = EarthOptions::new(layers.clone());
-        options.color_format = FrameTargets::COLOR;
-        if is_developed {
-            options.develop_after_pass(FrameTargets::COLOR);
-        }
-        options.bloom.strength = strength;
-        let pass = options.pass_format();
-        let textures = PictureTextures::new(gpu, &pass, FrameTargets::COLOR, size, size);
-        let earth = Earth::new(&gpu.device, &gpu.queue, &options);
-        (
-            earth.expect("sound options"),
-            textures.expect("a device with room"),
-        )
-    };
-    let mut ways = [made(false, 0.0), made(true, 0.0), made(true, 0.03)];
-    let mut frame_ms = |way: usize| {
-        let (earth, textures) = &mut ways[way];
-        let begin = std::time::Instant::now();
-        earth.prepare(&gpu.queue, FrameRequest::new(&view, &sky, size));
-        let mut encoder = gpu.device.create_command_encoder(&Default::default());
-        earth.render(&mut textures.begin_pass(&mut encoder));
-        textures.finish(&mut encoder, None);
-        gpu.queue.submit([encoder.finish()]);
-        let waited = gpu.device.poll(wgpu::PollType::wait_indefinitely());
-        waited.expect("the device answers");
-        1e3 * begin.elapsed().as_secs_f64()
-    };
-    let mut rounds: Vec<[f64; 3]> = (0..42).map(|_| [0, 1, 2].map(&mut frame_ms)).collect();
-    // The first ones compile.
-    rounds.drain(..2);
-    let median = |value: fn(&[f64; 3]) -> f64| {
-        let mut values: Vec<_> = rounds.iter().map(value).collect();
-        values.sort_by(f64::total_cmp);
-        values[values.len() / 2]
-    };
-    let composition = median(|[shown, developed, _]| developed / shown);
-    let bloom = median(|[_, developed, bloomed]| bloomed / developed);
+    println!("--- begin csv");
     println!(
-        "{:.1} ms in the pass, composition × {composition:.3}, bloom × {bloom:.3}",
-        median(|[shown, ..]| *shown)
+        "drawn at,way,\"frame, ms\",\"÷ the way before, median\",quartiles,\"textures of the picture, MB\""
     );
-    assert!(composition < 1.05 && bloom < 1.2, "{composition} {bloom}");
+    let mut ratios = Vec::new();
+    for drawn_size in [(1280, 720), (640, 360)] {
+        let made = |is_developed: bool, strength: f64| {
+            let mut options = EarthOptions::new(layers.clone());
+            options.color_format = FrameTargets::COLOR;
+            if is_developed {
+                options.develop_after_pass(FrameTargets::COLOR);
+            }
+            options.bloom.strength = strength;
+            let pass = options.pass_format();
+            let textures = PictureTextures::new(gpu, &pass, FrameTargets::COLOR, size, drawn_size);
+            let earth = Earth::new(&gpu.device, &gpu.queue, &options);
+            (
+                earth.expect("sound options"),
+                textures.expect("a device with room"),
+            )
+        };
+        let mut ways = [made(false, 0.0), made(true, 0.0), made(true, 0.03)];
+        let mut frame_ms = |way: usize| {
+            let (earth, textures) = &mut ways[way];
+            let begin = std::time::Instant::now();
+            earth.prepare(&gpu.queue, FrameRequest::new(&view, &sky, drawn_size));
+            let mut encoder = gpu.device.create_command_encoder(&Default::default());
+            earth.render(&mut textures.begin_pass(&mut encoder));
+            textures.finish(&mut encoder, None);
+            gpu.queue.submit([encoder.finish()]);
+            let waited = gpu.device.poll(wgpu::PollType::wait_indefinitely());
+            waited.expect("the device answers");
+            1e3 * begin.elapsed().as_secs_f64()
+        };
+        let mut rounds: Vec<[f64; 3]> = (0..62).map(|_| [0, 1, 2].map(&mut frame_ms)).collect();
+        // The first ones compile.
+        rounds.drain(..2);
+        let quartiles = |value: &dyn Fn(&[f64; 3]) -> f64| {
+            let mut values: Vec<_> = rounds.iter().map(value).collect();
+            values.sort_by(f64::total_cmp);
+            [1, 2, 3].map(|quarter| values[quarter * values.len() / 4])
+        };
+        let names = ["one pass", "developed once", "with bloom"];
+        for (way, name) in names.into_iter().enumerate() {
+            let [_, ms, _] = quartiles(&|frame| frame[way]);
+            let (earth, _) = &ways[way];
+            let mb = 1e-6 * drawn_bytes(&earth.format(), size, drawn_size) as f64;
+            let (scale, of_before) = (drawn_size.0 as f64 / size.0 as f64, way.checked_sub(1));
+            let (median, spread) = match of_before {
+                Some(before) => {
+                    let [low, median, high] = quartiles(&|frame| frame[way] / frame[before]);
+                    ratios.push((drawn_size, name, median));
+                    (format!("{median:.3}"), format!("{low:.2}–{high:.2}"))
+                }
+                None => ("–".to_owned(), "–".to_owned()),
+            };
+            println!("{scale} of the size,{name},{ms:.1},{median},{spread},{mb:.1}");
+        }
+    }
+    println!("--- end csv");
+    for (drawn_size, way, ratio) in ratios {
+        let most = if way == "with bloom" { 1.2 } else { 1.05 };
+        // Half the size has a quarter of the frame, and the last pass enlarges it either way.
+        if drawn_size == size {
+            assert!(ratio < most, "{way}: {ratio}");
+        }
+    }
+}
+
+/// Bytes of the textures of a picture of 8 bits a channel without samples: itself, its depth, and what is drawn to before it.
+fn drawn_bytes(pass: &PassFormat, size: (u32, u32), drawn_size: (u32, u32)) -> u64 {
+    let pixels = |(width, height): (u32, u32)| u64::from(width) * u64::from(height);
+    let is_developed = pass.development == Development::AfterPass;
+    let between = match (is_developed, size == drawn_size) {
+        (true, _) => pixels(drawn_size) * (8 + 4),
+        (false, true) => 0,
+        (false, false) => pixels(drawn_size) * (4 + 4),
+    };
+    let bloom = if is_developed {
+        pass.bloom.texture_bytes(drawn_size)
+    } else {
+        0
+    };
+    pixels(size) * (4 + 4) + between + bloom
 }

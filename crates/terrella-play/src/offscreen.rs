@@ -7,7 +7,9 @@ use image::RgbaImage;
 use std::time::{Duration, Instant};
 use terrella::internals::gpu::{FrameTargets, GpuContext, GpuTimer, PassPart, PictureError};
 use terrella::internals::offscreen::{PictureTextures, supported_samples};
-use terrella::{Earth, EarthOptions, Exposure, EyeView, FrameStats, Pipelines, Quality};
+use terrella::{
+    Development, Earth, EarthOptions, Exposure, EyeView, FrameStats, Grade, Pipelines, Quality,
+};
 use terrella_imagery::tile::TileKey;
 
 /// An Earth with textures to draw it into.
@@ -72,6 +74,24 @@ impl OffscreenRenderer {
         Self::open_as(gpu, &options, FrameTargets::COLOR, size)
     }
 
+    /// The same with layers that are shown one by one in one pass, in place of light that they add up and that is developed once: without bloom,
+    /// white balance and grain. To compare with.
+    ///
+    /// # Errors
+    /// A tone curve that is a measured response, which only that development has.
+    pub fn open_in_pass(
+        gpu: GpuContext,
+        mut options: EarthOptions,
+        size: (u32, u32),
+    ) -> Result<Self, PlayError> {
+        options.development = Development::InPass;
+        options.color_format = FrameTargets::COLOR;
+        options.bloom.strength = 0.0;
+        options.grade = Grade::NONE;
+        options.samples = supported_samples(&gpu.adapter, options.color_format, options.samples);
+        Self::open_as(gpu, &options, FrameTargets::COLOR, size)
+    }
+
     /// The same for light itself ([`Self::read_light`]), with one sample a pixel: the light along the ray through its middle.
     pub fn open_for_light(
         gpu: GpuContext,
@@ -82,6 +102,22 @@ impl OffscreenRenderer {
         options.color_format = format;
         options.samples = 1;
         Self::open_as(gpu, &options, format, size)
+    }
+
+    /// The same for files of light, which have no exposure: the gains of stars and of the lights of the night do not fall beside daylight, so
+    /// that light is the truth times one number in all of them.
+    ///
+    /// # Errors
+    /// As [`Self::open_for_light`].
+    pub fn open_for_radiance(
+        gpu: GpuContext,
+        mut options: EarthOptions,
+        size: (u32, u32),
+    ) -> Result<Self, PlayError> {
+        options.light.night_fades_by_day = false;
+        let mut renderer = Self::open_for_light(gpu, options, size)?;
+        renderer.painter.keep_star_gain();
+        Ok(renderer)
     }
 
     fn open_as(

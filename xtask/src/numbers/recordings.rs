@@ -202,6 +202,19 @@ pub const RECORDINGS: &[Recording] = &[
         },
     },
     Recording {
+        name: "composition",
+        file: "composition.csv",
+        source: Source::Measured {
+            method: "frames of a sunlit horizon with all maps of the starter pack, 1280 × 720, ways interleaved, medians of 60 frames and of \
+                the quotients of frames that follow each other; development build",
+            draws: true,
+            found: Found::Printed {
+                command: "cargo test --locked --workspace --test render composition_and_bloom -- --ignored --nocapture",
+                what: Printed::Csv,
+            },
+        },
+    },
+    Recording {
         name: "start",
         file: "start.csv",
         source: Source::Measured {

@@ -88,6 +88,8 @@ pub const TABLES: &[Table] = &[
     table("streaming", "streaming", as_recorded),
     table("sky_places", "sky_places", as_recorded),
     table("light_costs", "light_costs", as_recorded),
+    table("composition", "composition", as_recorded),
+    table("composition_run", "composition", whereabouts),
     table("air_schemes", "air_schemes", as_recorded),
     table("truth_errors", "truth_errors", as_recorded),
     table("extreme_views", "extreme_views", as_recorded),

@@ -5,8 +5,8 @@ use super::rows::{precise, rounded};
 use crate::frame_timer::milliseconds;
 use crate::{FrameTimer, median};
 use terrella::internals::gpu::{BcSupport, GpuContext};
-use terrella::internals::offscreen::target_bytes;
-use terrella::{Atmosphere, Bloom, EarthOptions, Grain, LightEffect, Shading};
+use terrella::internals::offscreen::picture_bytes;
+use terrella::{Atmosphere, EarthOptions, Grade, Grain, LightEffect, PassFormat, Shading};
 use terrella_imagery::tile::MapLayer;
 use terrella_play::clock::frame_epoch;
 use terrella_play::scene::Scene;
@@ -27,6 +27,8 @@ pub(super) enum FeatureKind {
     Tiles,
     Multisampling,
     Anisotropy,
+    /// That light is added up and developed once, in place of one pass.
+    Composition,
     Bloom,
     WhiteBalance,
     Grain,
@@ -64,6 +66,7 @@ impl FeatureKind {
                 Self::Anisotropy,
                 options.anisotropy > 1 && !gpu.is_software(),
             ),
+            (Self::Composition, can_be_shown_in_pass(options)),
             (Self::Bloom, options.bloom.strength > 0.0),
             (Self::WhiteBalance, options.grade.white_balance.is_some()),
             (Self::Grain, options.grade.grain.strength > 0.0),
@@ -103,6 +106,7 @@ impl FeatureKind {
             Self::Tiles => "tiles",
             Self::Multisampling => "multisampling",
             Self::Anisotropy => "anisotropy",
+            Self::Composition => "composition",
             Self::Bloom => "bloom",
             Self::WhiteBalance => "white_balance",
             Self::Grain => "grain",
@@ -147,10 +151,15 @@ impl FeatureKind {
             Self::Map(MapLayer::NightLights) => less.layers.night_lights = None,
             Self::Map(MapLayer::Water) => less.layers.water = None,
             // The ground itself is never left out, and what is beside the Earth is none of its options.
-            Self::Map(MapLayer::Day) | Self::Sky(_) | Self::Tracks => {}
+            Self::Map(MapLayer::Day) | Self::Composition | Self::Sky(_) | Self::Tracks => {}
         }
         Ok(less)
     }
+}
+
+/// Whether a frame can be drawn in one pass as well, but for bloom, white balance and grain.
+fn can_be_shown_in_pass(options: &EarthOptions) -> bool {
+    options.shading == Shading::Sunlit && options.tone.response().is_none()
 }
 
 /// What a scene asks for and this adapter leaves out. `wanted` are the scene's options, `drawn_samples` the samples a pixel
@@ -189,10 +198,8 @@ pub(super) struct FeatureMeter<'f> {
     /// The scene's own picture where the feature is beside the Earth; else the one that rows are drawn with.
     own: Option<OffscreenRenderer>,
     less: OffscreenRenderer,
-    /// Samples a pixel with it and without.
-    samples: [u32; 2],
-    /// The bloom with it and without.
-    blooms: [Bloom; 2],
+    /// The passes that it is drawn in with it and without.
+    passes: [PassFormat; 2],
 }
 
 impl<'f> FeatureMeter<'f> {
@@ -206,29 +213,36 @@ impl<'f> FeatureMeter<'f> {
         let gpu = timer.picture().gpu().clone();
         let size = timer.picture().size();
         let less = kind.options_without(flight.scene(), options, gpu.bc_support())?;
-        let samples = [options.samples, less.samples];
-        let blooms = [options.bloom, less.bloom];
-        let mut less = OffscreenRenderer::open(gpu.clone(), less, size)?;
-        let mut own = match kind.is_beside_the_earth() {
-            true => Some(OffscreenRenderer::open(gpu, options.clone(), size)?),
-            false => None,
-        };
-        if let Some(own) = &mut own {
-            match kind {
-                FeatureKind::Tracks => own.show_tracks(flight)?,
-                _ => own.show_sky(flight)?,
+        let (mut less, mut own) = match kind {
+            FeatureKind::Composition => {
+                let mut developed = options.clone();
+                developed.bloom.strength = 0.0;
+                developed.grade = Grade::NONE;
+                let own = OffscreenRenderer::open(gpu.clone(), developed, size)?;
+                (OffscreenRenderer::open_in_pass(gpu, less, size)?, Some(own))
             }
+            kind if kind.is_beside_the_earth() => {
+                let own = OffscreenRenderer::open(gpu.clone(), options.clone(), size)?;
+                (OffscreenRenderer::open(gpu, less, size)?, Some(own))
+            }
+            _ => (OffscreenRenderer::open(gpu, less, size)?, None),
+        };
+        match (kind, &mut own) {
+            (FeatureKind::Tracks, Some(own)) => own.show_tracks(flight)?,
+            (FeatureKind::Sky(part), Some(own)) => {
+                own.show_sky(flight)?;
+                less.show_sky_without(flight, part)?;
+            }
+            _ => {}
         }
-        if let FeatureKind::Sky(part) = kind {
-            less.show_sky_without(flight, part)?;
-        }
+        let whole = own.as_ref().unwrap_or(timer.picture());
+        let passes = [whole.earth().format(), less.earth().format()];
         Ok(Self {
             kind,
             flight,
             own,
             less,
-            samples,
-            blooms,
+            passes,
         })
     }
 
@@ -280,10 +294,8 @@ impl<'f> FeatureMeter<'f> {
         let size = self.less.size();
         let whole = self.own.as_ref().unwrap_or(timer.picture());
         let difference = |more: u64, less: u64| more as i64 - less as i64;
-        let [more, less] = self.samples.map(|samples| target_bytes(size, samples));
-        let [scattered, sharp] = self.blooms.map(|bloom| bloom.texture_bytes(size));
-        let texture_bytes = difference(texture_bytes[0], texture_bytes[1])
-            + difference(more + scattered, less + sharp);
+        let [more, less] = self.passes.map(|pass| picture_bytes(size, &pass));
+        let texture_bytes = difference(texture_bytes[0], texture_bytes[1]) + difference(more, less);
         let shader_bytes = difference(whole.shader_bytes(), self.less.shader_bytes());
         let features = Course::ALL.into_iter().zip(runs).map(|(course, runs)| {
             let by_run: Vec<_> = runs
