@@ -28,14 +28,16 @@
 //! **Order.** All of it is added to what the pass holds, at the farthest depth, each pixel through the air before it. A Moon before
 //! the Earth hides it instead.
 
-mod daylight;
 mod ghosts;
 mod moon;
 mod projection;
 mod seen;
 mod stars;
 
-use crate::earth::{Earth, EarthView, EyeView, ItrfView, Pipelines, Viewport, ball_bounds};
+use crate::earth::{
+    Earth, EarthView, EyeView, ItrfView, Pipelines, Viewport, ball_bounds, daylight_in_sight,
+    gain_beside,
+};
 use crate::gpu::{AirTextures, DepthBuffer, PassFormat, ShaderError};
 use crate::gpu::{
     CelestialDrawable, CelestialKind, CelestialParts, CelestialUniforms, GLARE_RADIUS_RAD,
@@ -435,8 +437,8 @@ impl Celestial {
         if !self.options.stars_fade_by_day || !has_stars || gain <= 1.0 {
             return gain;
         }
-        let daylight = daylight::in_sight(view, sun_m.normalize_or_zero(), ellipsoid);
-        gain.powf(1.0 - daylight)
+        let daylight = daylight_in_sight(view, sun_m.normalize_or_zero(), ellipsoid);
+        gain_beside(gain, daylight)
     }
 
     /// Draws all of it: after the Earth, and after what else is opaque.

@@ -27,4 +27,8 @@ struct FrameUniforms {
     // How much of the clouds an eye sees before the ground: 1 above them, 0 below.
     clouds_before: f32,
     shadow: MoonShadow,
+    // Radiance of the brightest city lights.
+    lamp_light: f32,
+    padding_a: f32,
+    padding_b: vec2f,
 }

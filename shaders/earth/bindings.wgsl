@@ -61,10 +61,6 @@ struct SurfaceLightUniforms {
     cloud_relief: f32,
     // Sine of the Sun's depression at which it sets for the clouds.
     cloud_dip: f32,
-    // Radiance of the brightest city lights.
-    lamp_light: f32,
-    padding_a: f32,
-    padding_b: vec2f,
 }
 @if(surface_light) @group(0) @binding(12) var<uniform> surface_light: SurfaceLightUniforms;
 

@@ -98,7 +98,7 @@ fn vertex(@builtin(vertex_index) index: u32, in: CityLight) -> Varying {
 
     // Solid angle of a pixel there.
     let pixel = pixel_area * ahead * ahead * ahead;
-    let radiance = surface_light.lamp_light * lamps_on(mu_s) * in.light * facing / (distance * distance * pixel);
+    let radiance = frame.lamp_light * lamps_on(mu_s) * in.light * facing / (distance * distance * pixel);
     out.light = radiance / (2.0 * PI * WITHIN * sqrt(area)) * in.color.rgb * left_to_eye(at);
 
     out.reach = reach_of(out.light);

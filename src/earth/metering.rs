@@ -1,5 +1,6 @@
 //! The exposure of frames: fixed, or metered from what is in view.
 
+use super::daylight::{daylight_in_sight, gain_beside};
 use super::view::ItrfView;
 use super::{Appearance, EarthOptions, EyeView, Sky, SurfaceLight, Viewport};
 use crate::gpu::{LAMPS_FULL_SIN, LAMPS_OUT_SIN};
@@ -17,6 +18,8 @@ use terrella_imagery::tile::MAP_LAYERS;
 pub(super) struct ExposureControl {
     exposure: Exposure,
     light: SurfaceLight,
+    /// Whether there are city lights.
+    has_lamps: bool,
     /// Made when exposure is first metered; an Earth that never meters has none.
     meter: Option<Arc<Meter>>,
     /// What a meter is made of.
@@ -31,6 +34,7 @@ impl ExposureControl {
         let mut control = Self {
             exposure: options.exposure,
             light: options.light,
+            has_lamps: has_lamps(options),
             albedo: Arc::new(NeighbourhoodAlbedo::of_parts(|layer| {
                 options.map_albedo(layer)
             })),
@@ -100,21 +104,38 @@ impl ExposureControl {
         })
     }
 
-    /// The exposure of a frame, EV.
-    pub fn ev(&mut self, view: &ItrfView, sky: &Sky, ellipsoid: &Ellipsoid) -> f64 {
+    /// The light that a frame is drawn with: the gain of the lights of the night is what the daylight in it leaves. Allocates nothing.
+    pub fn light_in(&self, view: &ItrfView, sky: &Sky, ellipsoid: &Ellipsoid) -> SurfaceLight {
+        light_beside(&self.light, self.has_lamps, view, sky, ellipsoid)
+    }
+
+    /// The exposure of a frame that is drawn with this light, EV.
+    pub fn ev(
+        &mut self,
+        view: &ItrfView,
+        sky: &Sky,
+        ellipsoid: &Ellipsoid,
+        light: &SurfaceLight,
+    ) -> f64 {
         match self.exposure {
             Exposure::Ev(ev) => ev,
-            Exposure::Auto => self.metered(view, sky, ellipsoid),
+            Exposure::Auto => self.metered(view, sky, ellipsoid, light),
         }
     }
 
     /// The exposure that a view asks for, EV.
-    fn metered(&mut self, view: &ItrfView, sky: &Sky, ellipsoid: &Ellipsoid) -> f64 {
+    fn metered(
+        &mut self,
+        view: &ItrfView,
+        sky: &Sky,
+        ellipsoid: &Ellipsoid,
+        light: &SurfaceLight,
+    ) -> f64 {
         let itrf_from_scaled = ellipsoid.itrf_from_scaled();
         let (moon_itrf, moon_light) = sky.moonlight();
-        let moon_light = (self.light.moon_gain() * moon_light) as f32;
+        let moon_light = (light.moon_gain() * moon_light) as f32;
         let shadow = self.shadow_of(sky, ellipsoid);
-        let night = self.night();
+        let night = self.night(light);
         self.meter().ev(&MeterView {
             eye_scaled: view.eye_itrf_m / itrf_from_scaled,
             itrf_from_scaled,
@@ -126,13 +147,13 @@ impl ExposureControl {
     }
 
     /// What shines by night, as it is drawn.
-    fn night(&self) -> NightLight {
-        let airglow = match self.light.airglow && self.air.is_some() {
-            true => AIRGLOW_LUMINANCE * self.light.night_gain,
+    fn night(&self, light: &SurfaceLight) -> NightLight {
+        let airglow = match light.airglow && self.air.is_some() {
+            true => AIRGLOW_LUMINANCE * light.night_gain,
             false => 0.0,
         };
         NightLight {
-            lamps: self.light.lamp_light(),
+            lamps: light.lamp_light(),
             lamp_sins: [LAMPS_FULL_SIN, LAMPS_OUT_SIN],
             airglow,
             airglow_sins: [GLOW_NIGHT_SIN, GLOW_DAY_SIN],
@@ -157,7 +178,8 @@ impl ExposureControl {
     ) -> Option<f64> {
         let view = view.in_itrf(Viewport::from((1, 1)));
         let (view, sky) = view.zip(sky.with_unit_sun())?;
-        Some(self.metered(&view, &sky, ellipsoid))
+        let light = self.light_in(&view, &sky, ellipsoid);
+        Some(self.metered(&view, &sky, ellipsoid, &light))
     }
 }
 
@@ -166,4 +188,34 @@ impl ExposureControl {
 pub fn metered_ev(options: &EarthOptions, view: &EyeView, sky: &Sky) -> Option<f64> {
     let mut control = ExposureControl::new(options, options.atmosphere);
     control.metered_view(view, sky, &options.figure.ellipsoid())
+}
+
+/// The [`FrameStats::night_gain`](super::FrameStats::night_gain) of an Earth of these options, drawn by whatever means, for a view; `None`
+/// where no picture is defined.
+pub fn night_gain_in(options: &EarthOptions, view: &EyeView, sky: &Sky) -> Option<f64> {
+    let view = view.in_itrf(Viewport::from((1, 1)));
+    let (view, sky) = view.zip(sky.with_unit_sun())?;
+    let ellipsoid = options.figure.ellipsoid();
+    let light = light_beside(&options.light, has_lamps(options), &view, &sky, &ellipsoid);
+    Some(light.night_gain)
+}
+
+fn has_lamps(options: &EarthOptions) -> bool {
+    options.layers.night_lights.is_some() || options.tiles.is_some()
+}
+
+fn light_beside(
+    light: &SurfaceLight,
+    has_lamps: bool,
+    view: &ItrfView,
+    sky: &Sky,
+    ellipsoid: &Ellipsoid,
+) -> SurfaceLight {
+    let mut light = *light;
+    let has_lights = has_lamps || light.moonlight || light.glow_gain().is_some();
+    if light.night_fades_by_day && has_lights {
+        let daylight = daylight_in_sight(view, sky.sun_itrf, ellipsoid);
+        light.night_gain = gain_beside(light.night_gain, daylight);
+    }
+    light
 }

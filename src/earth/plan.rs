@@ -205,7 +205,9 @@ impl Planner {
             pixel_m: eye.height_m.max(0.0) * pixel_rad,
             ..FrameStats::default()
         };
-        stats.exposure_ev = self.exposure.ev(view, sky, &ellipsoid);
+        let light = self.exposure.light_in(view, sky, &ellipsoid);
+        stats.night_gain = light.night_gain;
+        stats.exposure_ev = self.exposure.ev(view, sky, &ellipsoid, &light);
         let exposure = exposure_factor(stats.exposure_ev) as f32;
         plan.clear();
         plan.eye_itrf_m = view.eye_itrf_m;
@@ -225,7 +227,7 @@ impl Planner {
             }
         }
         if let (Some(lights), None) = (&self.city_lights, &self.ground) {
-            lights.list(view, sky, exposure, &self.light, plan);
+            lights.list(view, sky, exposure, &light, plan);
         }
         if !self.has_tiles {
             stats.texels_per_pixel = self.whole_texels_per_pixel(view, &plan.blocks);
@@ -243,8 +245,9 @@ impl Planner {
             sun_itrf: sky.sun_itrf.as_vec3(),
             exposure,
             moon_itrf: moon_itrf.as_vec3(),
-            moon_light: (self.light.moon_gain() * moon_light) as f32,
+            moon_light: (light.moon_gain() * moon_light) as f32,
             shadow: MoonShadowUniforms::new(shadow.as_ref(), &ellipsoid),
+            lamp_light: light.lamp_light() as f32,
             clouds_before: clouds_before as f32,
             ..view.uniforms(&ellipsoid)
         };
@@ -253,7 +256,7 @@ impl Planner {
             let eye_scaled = view.eye_itrf_m / scale;
             let short = self.short_of_limb();
             let ring = Billboard::new(eye_scaled, TOP, short, &view.clip_from_eye, scale);
-            let glow = glow_in_sight(view, &ring, sky, &ellipsoid, &self.light);
+            let glow = glow_in_sight(view, &ring, sky, &ellipsoid, &light);
             let kp = self.light.kp.filter(|_| glow.is_some());
             plan.air = Some(AirPlan {
                 ring,

@@ -36,6 +36,9 @@ pub struct FrameStats {
     pub moon_shadow: bool,
     /// Metres on the ground that a pixel would cover straight below the eye; 0 at and below the surface.
     pub pixel_m: f64,
+    /// How many times brighter than in truth the lights of the night were drawn: [`SurfaceLight::night_gain`](crate::SurfaceLight::night_gain),
+    /// less where the picture shows daylight and they fade.
+    pub night_gain: f64,
     /// What light was multiplied by before it was shown, as an exposure value: 2 to the power of it. Metered where that is
     /// asked for. A float target gets light without it.
     pub exposure_ev: f64,

@@ -47,6 +47,9 @@ pub struct SurfaceLight {
     /// alike. In truth the brightest cities are some 4e-6 of a white sheet in sunlight (see [`CITY_RADIANCE`]) and twice as
     /// bright as one in the light of the full Moon: nothing shows of them in a picture exposed for daylight.
     pub night_gain: f64,
+    /// Whether that gain falls to 1, the truth, where a picture shows sunlit ground or air, as a camera that is exposed for daylight shows
+    /// no lamp. The exposure itself has no part in it: a fixed one too shows what the Sun lights at one brightness by day and by night.
+    pub night_fades_by_day: bool,
 }
 
 macro_rules! effects {
@@ -188,12 +191,14 @@ impl SurfaceLight {
         airglow: false,
         kp: None,
         night_gain: 1.5e5,
+        night_fades_by_day: true,
     };
 
-    /// The same without any effect: Lambertian, and only what the maps show. To measure by.
+    /// The same without any effect: Lambertian, and only what the maps show, with one gain for all views. To measure by.
     pub const PLAIN: Self = Self {
         detail: false,
         directional_reflectance: false,
+        night_fades_by_day: false,
         ..Self::DEFAULT
     };
 
@@ -276,8 +281,6 @@ impl SurfaceLight {
             cloud_height: cloud_height as f32,
             cloud_relief: (self.cloud_relief_m / RADIUS_M) as f32,
             cloud_dip: ((cloud_height * (2.0 + cloud_height)).sqrt() / (1.0 + cloud_height)) as f32,
-            lamp_light: self.lamp_light() as f32,
-            padding: [0.0; 3],
         }
     }
 }
@@ -302,10 +305,6 @@ pub struct SurfaceLightUniforms {
     pub cloud_relief: f32,
     /// Sine of the Sun's depression at which it sets for the clouds.
     pub cloud_dip: f32,
-    /// Radiance of the brightest city lights, a white sheet that faces the Sun in space being 1.
-    pub lamp_light: f32,
-    /// To a multiple of sixteen bytes.
-    pub padding: [f32; 3],
 }
 
 /// Largest factor to the slopes of a map that is stored [`SLOPE_EXAGGERATION`] times too steep: of one stored a hundred times

@@ -36,6 +36,10 @@ pub struct FrameUniforms {
     pub clouds_before: f32,
     /// Of the Moon; read where it reaches what is in view.
     pub shadow: MoonShadowUniforms,
+    /// Radiance of the brightest city lights, a white sheet that faces the Sun in space being 1.
+    pub lamp_light: f32,
+    /// Fills the row.
+    pub padding: [f32; 3],
 }
 
 /// `MoonShadow` of `shaders/common/moon_shadow.wgsl`. ITRF axes, equatorial radii.

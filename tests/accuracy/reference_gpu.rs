@@ -104,6 +104,7 @@ fn what_is_drawn_is_near_the_reference() {
         // How bright a view is shown is not what is judged here.
         options.exposure = Exposure::Ev(Exposure::DEFAULT_EV);
         options.tone = terrella::Tone::Neutral;
+        options.light.night_fades_by_day = false;
         // The reference draws no relief of clouds and no made detail.
         options.light.cloud_relief_m = 0.0;
         options.light.detail = false;

@@ -19,6 +19,7 @@ const REPOSITORY: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
 
 #[cfg(target_os = "linux")]
 mod interruptions;
+mod light_gains;
 mod live;
 mod memory;
 mod new;

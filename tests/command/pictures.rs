@@ -3,6 +3,7 @@
 use crate::{Place, REPOSITORY, names, png_size};
 use std::path::Path;
 use terrella::frames::Duration;
+use terrella::internals::earth::night_gain_in;
 use terrella_play::scene::Scene;
 use terrella_play::{Flight, Moment, OffscreenRenderer};
 
@@ -480,7 +481,7 @@ fn the_exposure_of_a_film_neither_jumps_nor_pumps() {
         let gpu = pollster::block_on(gpu).expect("an adapter");
         let options = flight.earth_options(gpu.bc_support()).expect("maps");
         let size = (32, 18);
-        let mut renderer = OffscreenRenderer::open(gpu, options, size).expect("opens");
+        let mut renderer = OffscreenRenderer::open(gpu, options.clone(), size).expect("opens");
         let request = terrella_play::ViewRequest {
             mode: flight.scene().camera.mode,
             look: Default::default(),
@@ -490,15 +491,35 @@ fn the_exposure_of_a_film_neither_jumps_nor_pumps() {
             let epoch = terrella_play::clock::frame_epoch(&time, index);
             let moment = flight.view_at(epoch, &request).expect("a moment");
             let ev = renderer.follow_light(&moment, 1.0 / time.frame_rate_hz);
-            ev.expect("in its range").expect("it is metered")
+            let gain = night_gain_in(&options, &moment.view, &moment.sky);
+            let ev = ev.expect("in its range").expect("it is metered");
+            (ev, gain.expect("a picture").log2())
         });
-        frames.collect::<Vec<f64>>()
+        frames.collect::<(Vec<f64>, Vec<f64>)>()
     };
     for (name, start) in [
         ("into night", "2018-01-14T13:45:00Z"),
         ("into sunrise", "2018-01-14T14:32:00Z"),
     ] {
-        let evs = film(start);
+        let (evs, gains) = film(start);
+        // The gain of the lights of the night goes one way, over whole seconds of the film.
+        let rises = name == "into night";
+        let steps = gains.windows(2).map(|pair| match rises {
+            true => pair[1] - pair[0],
+            false => pair[0] - pair[1],
+        });
+        let steps = Vec::from_iter(steps);
+        let [fewest, most_gain] =
+            [f64::min, f64::max].map(|of| steps.iter().copied().reduce(of).expect("frames"));
+        let (first, last) = (gains[0], gains[gains.len() - 1]);
+        println!(
+            "{name}: gains of 2^{first:.1} to 2^{last:.1}, {fewest:.2} to {most_gain:.2} a frame"
+        );
+        assert!((first - last).abs() > 10.0, "{name}: {first} {last}");
+        assert!(
+            fewest > -0.2 && most_gain < 1.0,
+            "{name}: {fewest} {most_gain}"
+        );
         let steps: Vec<_> = evs.windows(2).map(|pair| pair[1] - pair[0]).collect();
         let most = steps
             .iter()

@@ -27,6 +27,7 @@ fn rig(kp: Option<f64>, size: (u32, u32)) -> Rig {
             light: SurfaceLight {
                 kp,
                 night_gain: GAIN,
+                night_fades_by_day: false,
                 ..SurfaceLight::default()
             },
             ..EarthOptions::new(plain([120, 120, 120]))

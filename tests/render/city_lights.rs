@@ -33,6 +33,7 @@ fn options(atmosphere: Atmosphere, clouds: Option<u8>, as_points: bool) -> Earth
         light: SurfaceLight {
             detail: as_points,
             night_gain: 1e5,
+            night_fades_by_day: false,
             ..SurfaceLight::default()
         },
         ..EarthOptions::new(EarthLayers {

@@ -15,6 +15,7 @@ fn options(moonlight: bool, airglow: bool) -> EarthOptions {
             moonlight,
             airglow,
             night_gain: GAIN,
+            night_fades_by_day: false,
             ..SurfaceLight::default()
         },
         ..EarthOptions::new(plain([120, 120, 120]))

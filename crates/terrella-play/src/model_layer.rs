@@ -39,8 +39,7 @@ pub struct ModelLayer {
     ellipsoid: Ellipsoid,
     orientation: Option<EarthOrientation>,
     albedo: Option<(Arc<NeighbourhoodAlbedo>, Vec<Vec4>)>,
-    /// How many times brighter than in truth moonlight is drawn; 0 where none is.
-    moon_gain: f64,
+    has_moonlight: bool,
 }
 
 /// A satellite with a model.
@@ -150,7 +149,7 @@ impl ModelLayer {
             ellipsoid: *flight.ellipsoid(),
             orientation: flight.earth_orientation().cloned(),
             albedo: None,
-            moon_gain: moon_gain(scene),
+            has_moonlight: has_moonlight(scene),
         }))
     }
 
@@ -192,6 +191,10 @@ impl ModelLayer {
         let orientation = orientation.unwrap_or_default();
         let exposure = exposure_factor(stats.exposure_ev) as f32;
         let (ellipsoid, sky) = (&self.ellipsoid, &moment.sky);
+        let moon_gain = match self.has_moonlight {
+            true => stats.night_gain,
+            false => 0.0,
+        };
         for craft in &mut self.craft {
             let known = moment.craft.filter(|_| craft.is_followed);
             let pose = known.or_else(|| {
@@ -213,7 +216,7 @@ impl ModelLayer {
             if pose.position_itrf_m.distance(eye_itrf_m) <= scale * craft.radius_m {
                 continue;
             }
-            let light = craft_light(&pose, ellipsoid, sky, albedo, self.moon_gain);
+            let light = craft_light(&pose, ellipsoid, sky, albedo, moon_gain);
             let placement = Placement {
                 position_itrf_m: pose.position_itrf_m,
                 itrf_from_model: pose.itrf_from_craft * craft.body_from_model,
@@ -340,10 +343,9 @@ pub fn model_frame(
     }
 }
 
-/// How many times brighter than in truth a scene draws moonlight.
-fn moon_gain(scene: &Scene) -> f64 {
-    let light = scene.earth.light.filter(|light| light.moonlight);
-    light.map_or(0.0, |light| light.night_gain)
+/// Whether a scene draws moonlight.
+fn has_moonlight(scene: &Scene) -> bool {
+    scene.earth.light.is_some_and(|light| light.moonlight)
 }
 
 /// The shader's text for a pass.

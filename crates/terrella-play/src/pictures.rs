@@ -213,7 +213,7 @@ impl ScenePictures {
                 // What is measured is what is known.
                 options.light.detail = false;
                 let gpu = self.gpu.clone();
-                let mut made = OffscreenRenderer::open_for_light(gpu, options, self.size)?;
+                let mut made = OffscreenRenderer::open_for_radiance(gpu, options, self.size)?;
                 made.show_dated_maps(&self.flight)?;
                 made.show_models(&self.flight)?;
                 made.show_sky(&self.flight)?;

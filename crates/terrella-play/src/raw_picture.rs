@@ -41,7 +41,7 @@ impl RawPainter {
     ) -> Result<Self, PlayError> {
         options.light.detail = false;
         // Each band has a size of its own.
-        let mut renderer = OffscreenRenderer::open_for_light(gpu, options, (1, 1))?;
+        let mut renderer = OffscreenRenderer::open_for_radiance(gpu, options, (1, 1))?;
         renderer.show_dated_maps(flight)?;
         renderer.show_models(flight)?;
         // Ghosts lie about the middle of a picture, which that of a band is not.

@@ -38,6 +38,8 @@ pub struct ScenePainter {
     frame: u32,
     /// Whether moments with an exposure of their own are exposed as all others.
     has_user_exposure: bool,
+    /// Whether stars keep their gain beside daylight.
+    keeps_star_gain: bool,
 }
 
 /// Textures that a picture is drawn to.
@@ -93,6 +95,7 @@ impl ScenePainter {
             adaptation: (options.exposure == Exposure::Auto).then(Adaptation::default),
             frame: 0,
             has_user_exposure: false,
+            keeps_star_gain: false,
         })
     }
 
@@ -147,8 +150,12 @@ impl ScenePainter {
 
     /// Draws what is beyond the Earth from now on, where a flight's scene asks for any of it.
     pub fn show_sky(&mut self, flight: &Flight) -> Result<(), PlayError> {
-        self.sky = SkyLayer::of(flight, &self.gpu, &self.earth)?;
-        Ok(())
+        self.show_sky_of(flight.scene().clone(), flight)
+    }
+
+    /// Has the sky that is shown from now on keep the gain of its stars where the picture shows daylight.
+    pub fn keep_star_gain(&mut self) {
+        self.keeps_star_gain = true;
     }
 
     /// The same without one part of it, by its key; without "aperture" the Sun has no spikes, without "ghosts" none of them.
@@ -159,6 +166,11 @@ impl ScenePainter {
             "ghosts" => scene.ghosts = None,
             part => scene.sky.switch_off(part),
         }
+        self.show_sky_of(scene, flight)
+    }
+
+    fn show_sky_of(&mut self, mut scene: Scene, flight: &Flight) -> Result<(), PlayError> {
+        scene.sky.stars_fade_by_day &= !self.keeps_star_gain;
         self.sky = SkyLayer::of_scene(&scene, flight, &self.gpu, &self.earth)?;
         Ok(())
     }

@@ -17,15 +17,11 @@ pub struct SkyLayer {
 }
 
 impl SkyLayer {
-    /// The layer of a scene; `None` where it has none. What cannot be read is left out, with a warning.
+    /// The layer of a flight's scene, or of another with the same flight; `None` where it has none. What cannot be read is left out, with a
+    /// warning.
     ///
     /// # Errors
     /// The same in a strict scene.
-    pub fn of(flight: &Flight, gpu: &GpuContext, earth: &Earth) -> Result<Option<Self>, PlayError> {
-        Self::of_scene(flight.scene(), flight, gpu, earth)
-    }
-
-    /// The same of another scene with the same flight.
     pub fn of_scene(
         scene: &Scene,
         flight: &Flight,

@@ -237,7 +237,7 @@ fn draw_light(
     size: (u32, u32),
     moment: &Moment,
 ) -> Result<Vec<[f32; 4]>, PlayError> {
-    let mut renderer = OffscreenRenderer::open_for_light(gpu, options, size)?;
+    let mut renderer = OffscreenRenderer::open_for_radiance(gpu, options, size)?;
     renderer.show_dated_maps(flight)?;
     renderer.show_models(flight)?;
     renderer.show_sky(flight)?;

@@ -12,7 +12,7 @@ fn city_light(at: SurfacePoint, mu_s: f32) -> vec3f {
     @if(detail) if light * is_on > 1e-5 {
         light *= lamps_apart(at);
     }
-    return surface_light.lamp_light * is_on * light * LAMP_COLOR;
+    return frame.lamp_light * is_on * light * LAMP_COLOR;
 }
 
 // Between the map's texels lamps stand close in a town's heart and along its streets. How much towns differ from what is about

@@ -94,6 +94,8 @@ fn on_the_adapter(pixels: &[PixelRay]) -> Vec<Placed> {
             moon_itrf: Vec3::X,
             clouds_before: 1.0,
             shadow: bytemuck::Zeroable::zeroed(),
+            lamp_light: 0.0,
+            padding: [0.0; 3],
         };
         queue.write_buffer(&frame, 0, bytemuck::bytes_of(&values));
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());

@@ -62,7 +62,9 @@ fn structs_match_the_shaders() {
             moon_light,
             moon_itrf,
             clouds_before,
-            shadow
+            shadow,
+            lamp_light,
+            padding
         ]
     );
     check!(
@@ -76,9 +78,7 @@ fn structs_match_the_shaders() {
             slope_gain,
             cloud_height,
             cloud_relief,
-            cloud_dip,
-            lamp_light,
-            padding
+            cloud_dip
         ]
     );
     check!(

@@ -8,7 +8,7 @@ pub enum Exposure {
     /// Always the same exposure value (EV): light is multiplied by 2 to the power of it. In [`Self::RANGE_EV`].
     Ev(f64),
     /// Each frame's own, metered on the processor from what is in view: of a grid of rays, the mean luminance of the
-    /// brightest tenth of ground and air in sight is shown as 0.7, with at least −4 EV and at most 3. Only the view, the Sun and the maps
+    /// brightest tenth of ground and air in sight is shown as 0.7, with at least −4 EV and at most 6. Only the view, the Sun and the maps
     /// decide, never the frames before: the same frame gives the same bytes.
     Auto,
 }

@@ -7,7 +7,7 @@ use glam::DVec3;
 use std::path::Path;
 use std::time::{Duration, Instant};
 use terrella::frames::{Epoch, rfc3339};
-use terrella::internals::earth::metered_ev;
+use terrella::internals::earth::{metered_ev, night_gain_in};
 use terrella::internals::gpu::BcSupport;
 use terrella::{Atmosphere, Exposure};
 use terrella_imagery::tile::{MapLayer, TileError};
@@ -203,6 +203,9 @@ fn load(
         && let Some(ev) = metered_ev(&earth, &moment.view, &moment.sky)
     {
         earth.exposure = Exposure::Ev(ev);
+    }
+    if let Some(gain) = night_gain_in(&earth, &moment.view, &moment.sky) {
+        earth.light.night_gain = gain;
     }
     let relief = earth.ground.take().map(|ground| ground.elevation);
     let left_out = Reference::left_out(&earth)

@@ -38,8 +38,9 @@ pub(super) fn run(
     progress.begin("loading maps", None);
     let gpu = pollster::block_on(GpuContext::open(request.adapter)).map_err(PlayError::from)?;
     let mut options = flight.earth_options(gpu.bc_support())?;
-    // One for all views, so that they can be compared.
+    // One exposure and one gain for all views, so that they can be compared.
     options.exposure = Exposure::Ev(options.exposure.fixed_ev());
+    options.light.night_fades_by_day = false;
     progress.end();
     let mut notes = Vec::new();
     // Limb and places are compared with the ellipsoid.

@@ -188,6 +188,7 @@ impl SceneText<'_> {
             airglow: earth.airglow().is_on_or(is_full),
             kp: self.kp(&earth.kp())?,
             night_gain: self.quantity_or(&earth.night_gain(), usual_gain)?,
+            night_fades_by_day: !earth.night_gain().is_given(),
         }))
     }
 

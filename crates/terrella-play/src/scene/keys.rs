@@ -244,7 +244,7 @@ table!(RawEarth = "earth" {
     /// Planetary index of geomagnetic activity Kp: where the aurora is at night, and how bright. By default there is no aurora.
     kp: f64, in SurfaceLight::KP, for SUNLIT;
     /// How many times brighter than in truth the lights of the night are: cities, moonlight, airglow and aurora. By default 150000; 40000
-    /// with moonlight.
+    /// with moonlight. Without it they fade where sunlit ground or air is in view.
     night_gain: f64, in SurfaceLight::NIGHT_GAIN, for SUNLIT;
     /// Folder of the maps. By default the starter pack.
     textures: RawPath, of "a folder of maps";

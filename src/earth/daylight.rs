@@ -1,0 +1,209 @@
+//! How much daylight a picture shows, by which stars and the lights of the night fade: a camera that is exposed for sunlit ground shows none.
+
+use super::view::ItrfView;
+use glam::DVec3;
+use std::f64::consts::PI;
+use terrella_frames::Ellipsoid;
+use terrella_ground::light::{VIEW_RAYS, view_rays};
+
+/// Part of the picture that must be in daylight for it to count in full.
+const ENOUGH: f64 = 0.04;
+/// Sines of the Sun's elevation, −9° and 3°, between which the light of a place goes from night to day.
+const TWILIGHT: [f64; 2] = [-0.156, 0.052];
+/// Height in which the air beside the ground grows e times thinner, metres.
+const AIR_SCALE_M: f64 = 8e3;
+/// The same of the disc of a far Earth, which few rays meet.
+const ENOUGH_OF_DISC: f64 = 5e-4;
+/// Distances of the eye from the centre, equatorial radii, between which the Earth becomes such a disc.
+const FAR: [f64; 2] = [3.0, 6.0];
+/// Room for the ellipsoid in angles, radians.
+const ROOM_RAD: f64 = 0.02;
+
+/// A gain by which a light of the night is brightened, where the picture shows so much daylight, 0…1: it falls to 1, the truth, by equal
+/// factors for equal parts. Gains below 1 stay.
+pub(crate) fn gain_beside(gain: f64, daylight: f64) -> f64 {
+    match gain > 1.0 {
+        true => gain.powf(1.0 - daylight),
+        false => gain,
+    }
+}
+
+/// 0, none, to 1, where the Sun at `sun_itrf`, a unit vector, lights a twenty-fifth of the picture, be it ground or air, or of a far Earth
+/// one part in two thousand. Allocates nothing.
+pub(crate) fn daylight_in_sight(view: &ItrfView, sun_itrf: DVec3, ellipsoid: &Ellipsoid) -> f64 {
+    let of_disc = disc_in_sight(view, sun_itrf, ellipsoid);
+    if of_disc >= 1.0 || is_night_all_round(view.eye_itrf_m, sun_itrf, ellipsoid) {
+        return of_disc;
+    }
+    let enough = ENOUGH * VIEW_RAYS as f64;
+    let mut lit = 0.0;
+    for ray in view_rays(&view.clip_from_eye) {
+        lit += light_along(view.eye_itrf_m, ray, sun_itrf, ellipsoid);
+        // By day most rays need not be cast.
+        if lit >= enough {
+            return 1.0;
+        }
+    }
+    of_disc.max(lit / enough)
+}
+
+/// 0…1, of the sunlit part of a far Earth's disc: 1 where it covers enough of the picture.
+fn disc_in_sight(view: &ItrfView, sun_itrf: DVec3, ellipsoid: &Ellipsoid) -> f64 {
+    let eye = view.eye_itrf_m;
+    let distance = eye.length() / ellipsoid.equatorial_radius_m;
+    let is_far = smooth_step(FAR, distance);
+    let center = view.clip_from_eye * (-eye).extend(1.0);
+    if is_far == 0.0 || center.w <= 0.0 {
+        return 0.0;
+    }
+    let tangent = ((distance - 1.0) * (distance + 1.0)).sqrt().recip();
+    let sides = [
+        (view.picture.right, center.x),
+        (view.picture.down, center.y),
+    ];
+    // Along each side the disc's radius, halves of the side, and the part of it that lies inside the picture.
+    let [across, down] = sides.map(|(side, at)| {
+        let radius = tangent / (0.5 * side.length());
+        let from_edge = 1.0 + radius - (at / center.w).abs();
+        (radius, (from_edge / (2.0 * radius)).clamp(0.0, 1.0))
+    });
+    let part_of_picture = 0.25 * PI * across.0 * down.0 * across.1 * down.1;
+    let lit = 0.5 * (1.0 + eye.normalize_or_zero().dot(sun_itrf));
+    is_far * (lit * part_of_picture / ENOUGH_OF_DISC).min(1.0)
+}
+
+/// 0 up to the first number, 1 from the second on, and smooth between.
+fn smooth_step([from, to]: [f64; 2], value: f64) -> f64 {
+    let t = ((value - from) / (to - from)).clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
+}
+
+/// Whether the Sun lights nothing that any ray from this eye meets or passes: none comes nearest to the ground beyond the limb.
+fn is_night_all_round(eye_itrf_m: DVec3, sun_itrf: DVec3, ellipsoid: &Ellipsoid) -> bool {
+    let distance = (eye_itrf_m * ellipsoid.scaled_from_itrf()).length();
+    let to_limb_rad = distance.max(1.0).recip().acos();
+    let from_sun_rad = eye_itrf_m.angle_between(sun_itrf) - to_limb_rad - ROOM_RAD;
+    from_sun_rad.clamp(0.0, PI).cos() <= TWILIGHT[0]
+}
+
+/// 0…1, of what a ray meets: ground, or the air nearest to it.
+fn light_along(eye_itrf_m: DVec3, ray: DVec3, sun_itrf: DVec3, ellipsoid: &Ellipsoid) -> f64 {
+    let scale = ellipsoid.scaled_from_itrf();
+    let (eye, direction) = (eye_itrf_m * scale, (ray * scale).normalize_or_zero());
+    let along = (-eye.dot(direction)).max(0.0);
+    let nearest = eye + along * direction;
+    let height_m = (nearest.length() - 1.0) * ellipsoid.equatorial_radius_m;
+    let (place, density) = match height_m < 0.0 {
+        true => {
+            let below = (1.0 - nearest.length_squared()).max(0.0).sqrt();
+            (nearest - below * direction, 1.0)
+        }
+        false => (nearest, (-height_m / AIR_SCALE_M).exp()),
+    };
+    density * smooth_step(TWILIGHT, place.normalize_or_zero().dot(sun_itrf))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{EyeView, Viewport};
+    use super::*;
+
+    const E: Ellipsoid = Ellipsoid::WGS84;
+
+    fn share(height_m: f64, look: DVec3, sun: DVec3) -> f64 {
+        let eye = DVec3::X * (E.equatorial_radius_m + height_m);
+        let view = EyeView::itrf(eye, look, DVec3::Z, 0.8, 16.0 / 9.0);
+        let view = view.in_itrf(Viewport::from((640, 360))).expect("a view");
+        daylight_in_sight(&view, sun, &E)
+    }
+
+    #[test]
+    fn sunlit_ground_and_a_sunlit_sky_are_daylight() {
+        assert_eq!(share(4e5, -DVec3::X, DVec3::X), 1.0);
+        assert_eq!(share(0.0, DVec3::new(1.0, 0.5, 0.0), DVec3::X), 1.0);
+        // Past the Earth, and the night below.
+        assert!(share(4e5, DVec3::X, DVec3::X) < 1e-9);
+        assert!(share(4e5, -DVec3::X, -DVec3::X) < 1e-9);
+    }
+
+    /// A camera that is exposed for a small Earth shows no stars beside it, and none jumps while it recedes, turns or leaves the picture.
+    #[test]
+    fn a_far_earth_is_daylight_too() {
+        // 0.15 % of the picture.
+        assert_eq!(share(2e8, -DVec3::X, DVec3::X), 1.0);
+        // A thin crescent, and the night side alone.
+        let sun = DVec3::new(-2.7_f64.cos().abs(), 2.7_f64.sin(), 0.0);
+        assert_eq!(share(3e7, -DVec3::X, sun), 1.0);
+        assert!(share(3e7, -DVec3::X, DVec3::NEG_X) < 1e-9);
+        assert!(share(2e8, DVec3::X, DVec3::X) < 1e-9);
+        let smooth = |name: &str, share_at: &dyn Fn(f64) -> f64| {
+            let shares = Vec::from_iter((0..=400).map(|step| share_at(f64::from(step) / 400.0)));
+            let steps = shares.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+            let largest = steps.fold(0.0, f64::max);
+            assert!(largest < 0.2, "{name}: {largest}");
+            assert!(shares.iter().any(|share| *share > 0.9), "{name}");
+            assert!(shares.iter().any(|share| *share < 0.1), "{name}");
+        };
+        smooth("recedes", &|t| {
+            share(1e8 * 1e3_f64.powf(t), -DVec3::X, DVec3::X)
+        });
+        smooth("turns to night", &|t| {
+            let angle = PI * t;
+            let sun = DVec3::new(angle.cos(), angle.sin(), 0.0);
+            share(2e8, -DVec3::X, sun)
+        });
+        smooth("leaves the picture", &|t| {
+            share(2e8, DVec3::new(-1.0, t, 0.0), DVec3::X)
+        });
+    }
+
+    /// What is not looked at because it lies in night holds no daylight, nor does what is passed over once there is enough.
+    #[test]
+    fn what_is_left_out_changes_nothing() {
+        for height_m in [0.0, 1e4, 4e5, 2e7, 4e7] {
+            for step in 0..=60 {
+                let angle = f64::from(step) * PI / 60.0;
+                let sun = DVec3::new(angle.cos(), 0.6 * angle.sin(), 0.8 * angle.sin());
+                let eye = DVec3::X * (E.equatorial_radius_m + height_m);
+                for look in [-DVec3::X, DVec3::new(-0.5, 1.0, 0.0), DVec3::Z, DVec3::X] {
+                    let up = DVec3::new(0.1, 0.2, 1.1);
+                    let view = EyeView::itrf(eye, look, up, 0.8, 16.0 / 9.0);
+                    let view = view.in_itrf(Viewport::from((640, 360))).expect("a view");
+                    let rays = view_rays(&view.clip_from_eye);
+                    let all: f64 = rays.map(|ray| light_along(eye, ray, sun, &E)).sum();
+                    let all = (all / (ENOUGH * VIEW_RAYS as f64)).min(1.0);
+                    let all = all.max(disc_in_sight(&view, sun, &E));
+                    let found = daylight_in_sight(&view, sun, &E);
+                    assert!(
+                        (found - all).abs() < 1e-12,
+                        "{height_m} {step}: {found} {all}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn gains_fall_by_equal_factors_to_the_truth() {
+        assert_eq!(gain_beside(4e4, 0.0), 4e4);
+        assert_eq!(gain_beside(4e4, 1.0), 1.0);
+        assert!((gain_beside(4e4, 0.5) - 200.0).abs() < 1e-9);
+        // A gain that was asked for to darken does so by day as well.
+        assert_eq!(gain_beside(0.25, 1.0), 0.25);
+        assert_eq!(gain_beside(0.0, 1.0), 0.0);
+    }
+
+    #[test]
+    fn dusk_comes_without_jumps() {
+        let mut before = 1.0;
+        for step in 0..=200 {
+            let angle = 1.4 + f64::from(step) * 0.002;
+            let now = share(4e5, -DVec3::X, DVec3::new(angle.cos(), angle.sin(), 0.0));
+            assert!(
+                (0.0..0.25).contains(&(before - now)),
+                "{step}: {before} {now}"
+            );
+            before = now;
+        }
+    }
+}
