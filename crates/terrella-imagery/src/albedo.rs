@@ -171,7 +171,8 @@ fn cells_around() -> impl Iterator<Item = usize> {
     (0..HEIGHT).flat_map(row)
 }
 
-/// Means of a map's texels over the cells.
+/// Means of a map's texels over the cells, each texel by the area that it shares with a cell. Cells are as wide on the ground as at the
+/// equator, and each pole has one: narrower ones meet there in a fan of wedges.
 fn means(
     texels: &[u8],
     (width, height): (u32, u32),
@@ -179,21 +180,69 @@ fn means(
     value: impl Fn(&[u8]) -> Vec3,
 ) -> Vec<Vec3> {
     let (width, height) = (width as usize, height as usize);
-    let part = |cell: usize, cells: usize, size: usize| {
-        let first = cell * size / cells;
-        first..((cell + 1) * size).div_ceil(cells).max(first + 1)
+    let mut means = Vec::with_capacity(WIDTH * HEIGHT);
+    for y in 0..HEIGHT {
+        let mut row = vec![(Vec3::ZERO, 0.0); WIDTH];
+        for (texel_row, tall) in shares(y, HEIGHT, height) {
+            let area = tall * latitude_rad(texel_row, height).cos();
+            for (x, (sum, weight)) in row.iter_mut().enumerate() {
+                for (column, wide) in shares(x, WIDTH, width) {
+                    let at = (texel_row * width + column) * bytes;
+                    if let Some(texel) = texels.get(at..at + bytes) {
+                        *sum += area * wide * value(texel);
+                        *weight += area * wide;
+                    }
+                }
+            }
+        }
+        let row = row
+            .iter()
+            .map(|(sum, weight)| *sum / weight.max(f32::MIN_POSITIVE));
+        means.extend(widened(&row.collect::<Vec<_>>(), cells_wide(y)));
+    }
+    means
+}
+
+/// Texels of a line that share a length with a cell, and that length.
+fn shares(cell: usize, cells: usize, texels: usize) -> impl Iterator<Item = (usize, f32)> {
+    let edge = |cell: usize| (cell * texels) as f32 / cells as f32;
+    let (from, to) = (edge(cell), edge(cell + 1));
+    let all = cell * texels / cells..((cell + 1) * texels).div_ceil(cells);
+    all.map(move |texel| {
+        let shared = to.min(texel as f32 + 1.0) - from.max(texel as f32);
+        (texel, shared.max(0.0))
+    })
+}
+
+/// Latitude of the middle of a row of so many.
+fn latitude_rad(row: usize, rows: usize) -> f32 {
+    std::f32::consts::PI * (0.5 - (row as f32 + 0.5) / rows as f32)
+}
+
+/// How many cells of a row are as wide on the ground as one at the equator.
+fn cells_wide(row: usize) -> f32 {
+    if row == 0 || row == HEIGHT - 1 {
+        return WIDTH as f32;
+    }
+    1.0 / latitude_rad(row, HEIGHT).cos()
+}
+
+/// Means of a closed row over so many cells around each.
+fn widened(row: &[Vec3], cells: f32) -> Vec<Vec3> {
+    if cells >= row.len() as f32 {
+        let mean = row.iter().sum::<Vec3>() / row.len() as f32;
+        return vec![mean; row.len()];
+    }
+    let beside = 0.5 * (cells - 1.0);
+    let whole = beside as usize;
+    let at = |x: usize| row[x % row.len()];
+    let mean = |x: usize| {
+        let x = x + row.len();
+        let inner: Vec3 = (x - whole..=x + whole).map(at).sum();
+        let ends = at(x - whole - 1) + at(x + whole + 1);
+        (inner + (beside - whole as f32) * ends) / cells
     };
-    let cells = (0..HEIGHT).flat_map(|y| (0..WIDTH).map(move |x| (x, y)));
-    let mean = |(x, y)| {
-        let places = part(y, HEIGHT, height)
-            .flat_map(|row| part(x, WIDTH, width).map(move |column| row * width + column));
-        let found = places.filter_map(|at| texels.get(at * bytes..(at + 1) * bytes));
-        let (sum, count) = found.fold((Vec3::ZERO, 0.0), |(sum, count), texel| {
-            (sum + value(texel), count + 1.0)
-        });
-        sum / f32::max(count, 1.0)
-    };
-    cells.map(mean).collect()
+    (0..row.len()).map(mean).collect()
 }
 
 #[cfg(test)]
@@ -249,17 +298,56 @@ mod tests {
         assert!(off.fold(0.0, f32::max) < 1e-3, "{lamps:?}");
     }
 
-    #[test]
-    fn cells_stand_where_the_map_does_and_go_round() {
-        // White in the south-west corner, one cell wide.
-        let is_white = |at: usize| at % 128 < 2 && at / 128 >= 62;
-        let texels = (0..128 * 64)
-            .flat_map(|at| [if is_white(at) { 255 } else { 0 }; 4])
-            .collect();
+    /// The first channel of a map of 128 x 64 texels, as [`NeighbourhoodAlbedo::texels`] gives it, by what texels are white.
+    fn of_white(is_white: impl Fn(usize, usize) -> bool) -> Vec<f32> {
+        let white = |at: usize| [if is_white(at % 128, at / 128) { 255 } else { 0 }; 4];
+        let texels = (0..128 * 64).flat_map(white).collect();
         let day = LayerImage::from_rgba8(128, 64, texels).expect("a map");
         let texels = NeighbourhoodAlbedo::new(&layers(day, None)).texels(&[true; MAP_LAYERS]);
-        let lit: Vec<_> = (0..texels.len()).filter(|at| texels[*at].x > 0.5).collect();
-        let last_row = (HEIGHT - 1) * (WIDTH + 2);
-        assert_eq!(lit, [last_row + 1, last_row + WIDTH + 1]);
+        texels.iter().map(|texel| texel.x).collect()
+    }
+
+    #[test]
+    fn cells_stand_where_the_map_does_and_go_round() {
+        // White south of the equator at the western edge, one cell wide.
+        let texels = of_white(|column, row| column < 2 && (32..34).contains(&row));
+        let lit: Vec<_> = (0..texels.len()).filter(|at| texels[*at] > 0.5).collect();
+        let row = HEIGHT / 2 * (WIDTH + 2);
+        assert_eq!(lit, [row + 1, row + WIDTH + 1]);
+    }
+
+    #[test]
+    fn a_pole_has_one_value_and_rows_near_it_keep_their_mean() {
+        // A white wedge of an eighth of the circle, from pole to pole.
+        let texels = of_white(|column, _| column < 16);
+        for (y, row) in texels.chunks_exact(WIDTH + 2).enumerate() {
+            let row = &row[1..=WIDTH];
+            let mean = row.iter().sum::<f32>() / WIDTH as f32;
+            assert!((mean - 0.125).abs() < 1e-5, "row {y}: {mean}");
+            let steepest = (0..WIDTH).map(|x| (row[x] - row[(x + 1) % WIDTH]).abs());
+            let steepest = steepest.fold(0.0, f32::max);
+            // A cell of the ground's size goes from black to white, whatever its number of columns.
+            let latitude = latitude_rad(y, HEIGHT);
+            let bound = if y == 0 || y == HEIGHT - 1 {
+                1e-6
+            } else {
+                1.001 * latitude.cos()
+            };
+            assert!(steepest <= bound, "row {y}: {steepest} of {bound}");
+        }
+    }
+
+    #[test]
+    fn texels_on_the_edge_of_two_cells_count_in_both_by_their_parts() {
+        // 96 columns: of three texels the middle one lies half in each of two cells.
+        let texels = (0..96 * 48).flat_map(|at| [if at % 96 == 1 { 255 } else { 0 }; 4]);
+        let found = means(&texels.collect::<Vec<u8>>(), (96, 48), 4, color);
+        let row = &found[HEIGHT / 2 * WIDTH..][..WIDTH];
+        let third = 1.0 / 3.0;
+        assert!(
+            (row[0].x - third).abs() < 2e-3 && (row[1].x - third).abs() < 2e-3,
+            "{row:?}"
+        );
+        assert!(row[2].x < 2e-3, "{row:?}");
     }
 }
