@@ -72,6 +72,12 @@ fn what_may_come_right_is_asked_for_again() {
         pause: Duration::from_millis(2500),
         ..good(path)
     };
+    let garbled = |path: &str| {
+        let mut answer = good(path);
+        let middle = answer.body.len() / 2;
+        answer.body[middle] ^= 0x10;
+        answer
+    };
     let early = move |path: &str| Answer {
         length: Some(good(path).body.len()),
         ..cut(path)
@@ -89,6 +95,7 @@ fn what_may_come_right_is_asked_for_again() {
         ),
         (told(early), 2, "the answer breaks off after"),
         (told(unsaid), 2, "it breaks off"),
+        (told(garbled), 2, "it cannot be decoded"),
         (told(slow), 2, "too slow"),
         (told(silent), 2, "too slow"),
     ] {
@@ -260,6 +267,55 @@ fn what_is_missing_is_left_out_where_that_is_allowed() {
         told.contains("1 of 8 files are left out") && told.contains("404"),
         "{told}"
     );
+}
+
+#[test]
+fn pictures_that_stand_for_nothing_are_noticed_and_left_out_where_they_are_named() {
+    // Row 0 has one picture with a pattern, row 1 one of a plain colour.
+    let server = Server::new(|path, _| {
+        let [level, row, _] = place(path);
+        let plain = |_: f64, _: f64| [9, 9, 9];
+        let texels = match row {
+            0 => tile(level, 0, 0, colour),
+            _ => tile(level, 0, 0, plain),
+        };
+        Answer::picture("image/png", png(&texels))
+    });
+    let folder = tempfile::tempdir().expect("a folder");
+    let (options, text) = (options(folder.path()), description(&server));
+    let notes = Notes::default();
+    layer(&text).fetch(&options, &notes).expect("fetched");
+    let told = notes.texts.into_inner().expect("whole").join("\n");
+    assert!(
+        told.contains("4 of 8 tiles are one and the same picture"),
+        "{told}"
+    );
+    let key = told.split('`').nth(1).expect("the key to give");
+    assert!(told.matches("same picture").count() == 1, "{told}");
+
+    // In the cache already, and on a fetch of its own.
+    let named = format!("{text}{key}\n");
+    let elsewhere = tempfile::tempdir().expect("a folder");
+    for cache in [folder.path(), elsewhere.path()] {
+        let options = super::options(cache);
+        for _ in 0..2 {
+            let notes = Notes::default();
+            let done = layer(&named).fetch(&options, &notes).expect("fetched");
+            assert_eq!(
+                (done.fetched[0].1.missing, done.fetched[0].1.failed),
+                (4, 0)
+            );
+            let told = notes.texts.into_inner().expect("whole").join("\n");
+            assert!(
+                told.contains("nothing for 4 of 8 tiles") && !told.contains("same picture"),
+                "{told}"
+            );
+        }
+        let tiles = files(cache);
+        let is_tile = |file: &&std::path::PathBuf| file.extension().is_some_and(|e| e == "png");
+        assert_eq!(tiles.iter().filter(is_tile).count(), 4, "{tiles:?}");
+    }
+    assert_eq!(server.count(), 16);
 }
 
 #[test]

@@ -316,3 +316,105 @@ fn bad_usage_is_named() {
         "{told}"
     );
 }
+
+/// All that is below a folder, journals too, as text where it is none.
+fn contents(folder: &std::path::Path) -> String {
+    let mut all = String::new();
+    for entry in fs::read_dir(folder).expect("a folder") {
+        let path = entry.expect("an entry").path();
+        all += &path.to_string_lossy();
+        if path.is_dir() {
+            all += &contents(&path);
+        } else {
+            all += &String::from_utf8_lossy(&fs::read(&path).expect("a file"));
+        }
+    }
+    all
+}
+
+#[test]
+fn tokens_come_from_the_environment_and_stand_in_no_file_and_no_message() {
+    const SECRET: &str = "ab+cd/0123456789";
+    let fetch = |description: String, is_set: bool| {
+        let folder = tempfile::tempdir().expect("a folder");
+        fs::write(folder.path().join("local.toml"), description).expect("written");
+        let mut command = terrella(&[&PACK[..], &["earth"]].concat(), folder.path());
+        command.env_remove("TERRELLA_TEST_TOKEN");
+        if is_set {
+            command.env("TERRELLA_TEST_TOKEN", SECRET);
+        }
+        let done = command.output().expect("the program runs");
+        let said = String::from_utf8_lossy(&done.stderr).into_owned();
+        let all = said.clone() + &contents(folder.path());
+        for secret in [SECRET, "ab%2Bcd%2F0123456789"] {
+            assert!(!all.contains(secret), "{all}");
+        }
+        (done.status.code(), said)
+    };
+    let with_token = |server: &Server| {
+        "token_env = \"TERRELLA_TEST_TOKEN\"\n".to_string() + &description(server)
+    };
+    // In the address.
+    let server = Server::new(|path, _| match path.split_once("?key=") {
+        Some((path, "ab%2Bcd%2F0123456789")) => {
+            let [level, row, column] = place(path);
+            Answer::picture(
+                "application/octet-stream",
+                png(&tile(level, row, column, colour)),
+            )
+        }
+        _ => Answer::failure("302 Found")
+            .with("Location", "http://127.0.0.1:1/?key=ab%2Bcd%2F0123456789"),
+    });
+    let in_address = with_token(&server).replace(".png\"", ".png?key={token}\"");
+    let (code, said) = fetch(in_address.clone(), true);
+    assert_eq!(code, Some(0), "{said}");
+    // Servers repeat what they are told.
+    let (code, said) = fetch(in_address.replace("?key=", "?other="), true);
+    assert!(
+        code == Some(1) && said.contains("sends on to http://127.0.0.1:1/?key={token}"),
+        "{said}"
+    );
+    let (code, said) = fetch(in_address, false);
+    assert!(
+        code == Some(1) && said.contains("TERRELLA_TEST_TOKEN is not set"),
+        "{said}"
+    );
+    // In the header.
+    let server = good();
+    let (code, said) = fetch(with_token(&server), true);
+    assert_eq!(code, Some(0), "{said}");
+    let sent = server.authorizations();
+    assert_eq!(sent.len(), 128);
+    assert!(sent.iter().all(|sent| *sent == format!("Bearer {SECRET}")));
+    // A place for it without a name.
+    let (code, said) = fetch(description(&server).replace("{row}", "{token}/{row}"), true);
+    assert!(
+        code == Some(1) && said.contains("token_env"),
+        "{code:?}: {said}"
+    );
+}
+
+#[test]
+fn a_strict_fetch_fails_where_a_tile_is_missing() {
+    let server = Server::new(|path, _| match place(path) {
+        [_, 3, 5] => Answer::failure("404 Not Found"),
+        [level, row, column] => {
+            Answer::picture("image/png", png(&tile(level, row, column, colour)))
+        }
+    });
+    let folder = tempfile::tempdir().expect("a folder");
+    let text = description(&server) + "may_be_missing = true\n";
+    fs::write(folder.path().join("local.toml"), text).expect("written");
+    let command = [&PACK[..], &["earth"]].concat();
+    let (code, _, said) = run(&[&command[..], &["--strict"]].concat(), folder.path());
+    assert!(
+        code == Some(1)
+            && said.contains("nothing for 1 of 128 tiles")
+            && said.contains("--strict: 1 notes"),
+        "{said}"
+    );
+    assert!(!folder.path().join("earth").exists());
+    let (code, _, said) = run(&command, folder.path());
+    assert_eq!(code, Some(0), "{said}");
+}

@@ -58,6 +58,7 @@ struct State {
     answer: Box<Answering>,
     is_over: AtomicBool,
     asked: Mutex<HashMap<String, usize>>,
+    authorizations: Mutex<Vec<String>>,
     requests: Mutex<Vec<Instant>>,
     busy: AtomicUsize,
     most_busy: AtomicUsize,
@@ -98,6 +99,7 @@ impl Server {
             answer: Box::new(answer),
             is_over: AtomicBool::new(false),
             asked: Mutex::default(),
+            authorizations: Mutex::default(),
             requests: Mutex::default(),
             busy: AtomicUsize::new(0),
             most_busy: AtomicUsize::new(0),
@@ -125,6 +127,11 @@ impl Server {
     /// How often each path was asked for.
     pub fn asked(&self) -> HashMap<String, usize> {
         self.state.asked.lock().expect("whole").clone()
+    }
+
+    /// The headers `Authorization` of all requests that have one.
+    pub fn authorizations(&self) -> Vec<String> {
+        self.state.authorizations.lock().expect("whole").clone()
     }
 
     /// All requests.
@@ -163,6 +170,14 @@ fn answer_one(stream: &mut (impl Read + Write), state: &State) -> Option<()> {
         head.push(byte[0]);
     }
     let first = String::from_utf8_lossy(&head).into_owned();
+    let authorization = first.lines().find_map(|line| {
+        let (name, value) = line.split_once(": ")?;
+        name.eq_ignore_ascii_case("authorization")
+            .then(|| value.to_string())
+    });
+    if let Some(value) = authorization {
+        state.authorizations.lock().expect("whole").push(value);
+    }
     state.requests.lock().expect("whole").push(Instant::now());
     let path = first.split(' ').nth(1)?.to_string();
     let nth = {

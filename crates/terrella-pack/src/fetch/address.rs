@@ -1,5 +1,7 @@
 //! Addresses: templates of tiles, and which hosts may be asked.
 
+use super::token::TOKEN_WORD;
+
 /// Longest address, characters.
 pub(super) const MAX_URL_CHARS: usize = 2000;
 
@@ -48,7 +50,7 @@ pub(super) fn of_tile(template: &str, names: TileNames<'_>) -> String {
 pub(super) fn template_complaint(template: &str) -> Option<String> {
     let has = |words: &[&str]| words.iter().any(|word| template.contains(word));
     let filled = of_tile(
-        &with_time(template, Some("0")),
+        &with_time(template, Some("0")).replace(TOKEN_WORD, "0"),
         TileNames {
             level: "0",
             column: 0,
@@ -60,7 +62,7 @@ pub(super) fn template_complaint(template: &str) -> Option<String> {
         let word = rest.split('}').next().unwrap_or_default();
         return Some(format!(
             "{{{word}}} stands for nothing; known are {{z}}, {{x}}, {{y}}, {{-y}}, {{column}}, {{row}}, {{TileMatrix}}, {{TileRow}}, \
-             {{TileCol}}, {{time}} and {{Time}}"
+             {{TileCol}}, {{time}}, {{Time}} and {{token}}"
         ));
     }
     if !has(&["{x}", "{column}", "{TileCol}"]) || !has(&["{y}", "{-y}", "{row}", "{TileRow}"]) {

@@ -9,7 +9,9 @@
 //!
 //! A line that has no end, or is not understood, does not count: its file is fetched again.
 
+use super::check::is_plain_colour;
 use super::error::FetchError;
+use super::plan::Wanted;
 use crate::locked_journal::LockedJournal;
 use std::collections::HashMap;
 use std::fs::{self, File, TryLockError};
@@ -34,6 +36,18 @@ pub(super) enum Kept {
     File { bytes: u64, blake3: String },
     /// The server has none.
     Missing,
+}
+
+/// At so many places a picture that is no plain colour is no chance.
+const MANY: u64 = 4;
+
+/// A picture that stands at many places.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Repeated {
+    pub count: u64,
+    /// One of its files.
+    pub path: PathBuf,
+    pub blake3: String,
 }
 
 /// A folder of files of one address, locked against others.
@@ -136,6 +150,39 @@ impl Shelf {
         part.put(&self.path(file))?;
         self.note(key, Kept::File { bytes, blake3 })?;
         Ok(bytes)
+    }
+
+    /// Takes a file away and notes that there is none.
+    pub(super) fn remove(&self, key: &str, file: &str) -> Result<(), FetchError> {
+        let path = self.path(file);
+        fs::remove_file(&path).map_err(|source| failed(&path, source))?;
+        self.note(key, Kept::Missing)
+    }
+
+    /// The picture that most of these files are, where it is no plain colour and stands at [`MANY`] places.
+    pub(super) fn most_repeated(&self, files: &[Wanted]) -> Option<Repeated> {
+        let mut places: HashMap<String, (u64, &str)> = HashMap::new();
+        {
+            let state = self.state();
+            for wanted in files {
+                if let Some(Kept::File { blake3, .. }) = state.kept.get(&wanted.key) {
+                    places.entry(blake3.clone()).or_insert((0, &wanted.file)).0 += 1;
+                }
+            }
+        }
+        let mut many: Vec<_> = places
+            .into_iter()
+            .filter(|(_, (count, _))| *count >= MANY)
+            .collect();
+        many.sort_by(|a, b| b.1.0.cmp(&a.1.0).then_with(|| a.0.cmp(&b.0)));
+        many.into_iter().find_map(|(blake3, (count, file))| {
+            let path = self.path(file);
+            (!is_plain_colour(&path)).then_some(Repeated {
+                count,
+                path,
+                blake3,
+            })
+        })
     }
 
     /// Notes a file, or that there is none.

@@ -1,6 +1,8 @@
 //! What a picture must be before it is kept: of its kind, of its size, and whole to its end.
 
 use super::source::Media;
+use crate::error::BuildError;
+use crate::source::{Extent, SourceLimits, open_extent};
 use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 use terrella_files as files;
@@ -9,12 +11,34 @@ use terrella_files as files;
 const HEAD_BYTES: u64 = 256 << 10;
 const TAIL_BYTES: u64 = 4096;
 
-/// What is wrong with a picture, if anything is. `size` is what its width and height must be, texels.
+/// Most memory for the rows of a picture that is looked at, bytes.
+const LIMITS: SourceLimits = SourceLimits {
+    buffer_bytes: 256 << 20,
+};
+
+/// What is wrong with a picture.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum Complaint {
+    /// It has been damaged on its way, and may come whole the next time.
+    Damaged(String),
+    /// It is another one than was described.
+    Other(String),
+}
+
+impl Complaint {
+    pub(super) fn text(self) -> String {
+        match self {
+            Self::Damaged(text) | Self::Other(text) => text,
+        }
+    }
+}
+
+/// What is wrong with a picture, if anything is. It is decoded to its end; one that takes more than [`LIMITS`] is judged by both ends. `size` is what its width and height must be, texels.
 pub(super) fn complaint(
     path: &Path,
     media: Media,
     size: Option<u32>,
-) -> std::io::Result<Option<String>> {
+) -> std::io::Result<Option<Complaint>> {
     let mut file = files::open(path)?;
     let length = file.metadata()?.len();
     let mut head = Vec::new();
@@ -22,11 +46,54 @@ pub(super) fn complaint(
     let mut tail = Vec::new();
     file.seek(SeekFrom::Start(length.saturating_sub(TAIL_BYTES)))?;
     file.take(TAIL_BYTES).read_to_end(&mut tail)?;
-    Ok(of_ends(&head, &tail, media, size))
+    Ok(of_ends(&head, &tail, media, size).or_else(|| undecoded(path, media)))
+}
+
+/// Gives each row of a picture, and the bytes of a texel, to `each`, until that says no.
+fn rows(path: &Path, mut each: impl FnMut(&[u8], usize) -> bool) -> Result<(), BuildError> {
+    let mut source = open_extent(path, LIMITS, Extent::Piece)?;
+    let info = source.info();
+    let mut row = vec![0; info.row_bytes()];
+    let texel_bytes = info.channels * info.sample.bytes();
+    for _ in 0..info.height {
+        source.next_row(&mut row)?;
+        if !each(&row, texel_bytes) {
+            break;
+        }
+    }
+    Ok(())
+}
+
+/// What decoding a picture says of damage. Files of lists may be of kinds that only `pack build` knows the meaning of.
+fn undecoded(path: &Path, media: Media) -> Option<Complaint> {
+    if media == Media::Tiff {
+        return None;
+    }
+    match rows(path, |_, _| true) {
+        Err(BuildError::Damaged { cause, .. }) => {
+            Some(Complaint::Damaged(format!("it cannot be decoded: {cause}")))
+        }
+        _ => None,
+    }
+}
+
+/// Whether all texels of a picture are one colour, as open sea and space are.
+pub(super) fn is_plain_colour(path: &Path) -> bool {
+    let (mut first, mut is_plain) = (Vec::new(), true);
+    let read = rows(path, |row, texel_bytes| {
+        let mut texels = row.chunks_exact(texel_bytes);
+        if first.is_empty() {
+            first.extend_from_slice(&row[..texel_bytes]);
+        }
+        is_plain &= texels.all(|texel| texel == first);
+        is_plain
+    });
+    // What cannot be read is told elsewhere.
+    is_plain || read.is_err()
 }
 
 /// The same of a file's first and last bytes.
-fn of_ends(head: &[u8], tail: &[u8], media: Media, size: Option<u32>) -> Option<String> {
+fn of_ends(head: &[u8], tail: &[u8], media: Media, size: Option<u32>) -> Option<Complaint> {
     let (is_kind, is_whole, found) = match media {
         Media::Png => (
             head.starts_with(b"\x89PNG\r\n\x1a\n"),
@@ -52,24 +119,27 @@ fn of_ends(head: &[u8], tail: &[u8], media: Media, size: Option<u32>) -> Option<
     };
     if !is_kind {
         let begin: String = head.iter().take(24).map(|byte| char::from(*byte)).collect();
-        return Some(format!(
+        return Some(Complaint::Other(format!(
             "it is no {} but begins with {:?}",
             media.name(),
             begin.escape_debug().to_string()
-        ));
+        )));
     }
     if let Some(side) = size {
         match found {
             Some(found) if found == (side, side) => {}
             Some((width, height)) => {
-                return Some(format!(
+                return Some(Complaint::Other(format!(
                     "it has {width} x {height} texels and must have {side} x {side}"
-                ));
+                )));
             }
-            None => return Some("its header does not tell its size".to_string()),
+            None => {
+                let cause = "its header does not tell its size".to_string();
+                return Some(Complaint::Other(cause));
+            }
         }
     }
-    (!is_whole).then(|| "it breaks off".to_string())
+    (!is_whole).then(|| Complaint::Damaged("it breaks off".to_string()))
 }
 
 /// Width and height of a PNG by its header.
@@ -118,7 +188,7 @@ mod tests {
 
     fn said(bytes: &[u8], media: Media, size: Option<u32>) -> String {
         let tail = &bytes[bytes.len().saturating_sub(TAIL_BYTES as usize)..];
-        of_ends(bytes, tail, media, size).unwrap_or_default()
+        of_ends(bytes, tail, media, size).map_or_else(String::new, Complaint::text)
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! Files fetched by several threads: each asked for, checked and put on its shelf, or asked for again later.
 
 use super::cache::{Kept, Shelf};
-use super::check;
+use super::check::{self, Complaint};
 use super::error::FetchError;
 use super::http::{Client, GetError};
 use super::pace::{LONGEST_WAIT, Pace, back_off, retry_after, sleep_until};
@@ -26,6 +26,8 @@ pub(super) struct Job<'a> {
     pub most_bytes: u64,
     /// The server answers 404 where it has nothing.
     pub may_be_missing: bool,
+    /// BLAKE3 of pictures that the server sends where it has nothing.
+    pub placeholders: &'a [String],
     /// Requests under way at once.
     pub connections: u32,
     /// How often a file is asked for again.
@@ -178,6 +180,10 @@ impl SharedDownload<'_> {
         add(&mut self.done.lock().unwrap_or_else(PoisonError::into_inner));
     }
 
+    fn may_be_missing(&self) -> bool {
+        self.job.may_be_missing || !self.job.placeholders.is_empty()
+    }
+
     fn work(&self, files: &[Wanted]) {
         while !self.is_over() {
             let number = self.next.fetch_add(1, Ordering::Relaxed);
@@ -194,11 +200,17 @@ impl SharedDownload<'_> {
     /// Fetches one file, with repetitions. What fails for this file alone is counted.
     fn fetch(&self, wanted: &Wanted, number: u64) -> Result<(), FetchError> {
         match self.job.shelf.kept(&wanted.key, &wanted.file) {
+            Some(Kept::File { blake3, .. }) if self.job.placeholders.contains(&blake3) => {
+                // It came before the description named it.
+                self.job.shelf.remove(&wanted.key, &wanted.file)?;
+                self.count(|done| done.missing += 1);
+                return Ok(());
+            }
             Some(Kept::File { .. }) => {
                 self.count(|done| done.kept += 1);
                 return Ok(());
             }
-            Some(Kept::Missing) if self.job.may_be_missing => {
+            Some(Kept::Missing) if self.may_be_missing() => {
                 self.count(|done| done.missing += 1);
                 return Ok(());
             }
@@ -224,7 +236,7 @@ impl SharedDownload<'_> {
             tracing::debug!(url = wanted.url, cause, attempt, "not fetched");
             match next {
                 _ if self.is_over() => return Ok(()),
-                Next::Missing if self.job.may_be_missing => {
+                Next::Missing if self.may_be_missing() => {
                     self.failures_in_a_row.store(0, Ordering::Relaxed);
                     self.job.shelf.note(&wanted.key, Kept::Missing)?;
                     self.count(|done| done.missing += 1);
@@ -300,13 +312,17 @@ impl SharedDownload<'_> {
         };
         if let Some(complaint) = complaint {
             part.discard();
-            // A server that breaks off without a word of its length may do better next time.
-            let next = if complaint.contains("breaks off") {
-                Next::Again(None)
-            } else {
-                Next::Failed
+            // A server that breaks off without a word of its length, or garbles, may do better next time.
+            let next = match complaint {
+                Complaint::Damaged(_) => Next::Again(None),
+                Complaint::Other(_) => Next::Failed,
             };
-            return Ok(Err((complaint, next)));
+            return Ok(Err((complaint.text(), next)));
+        }
+        if job.placeholders.contains(&part.hash()) {
+            part.discard();
+            let cause = "it is a picture that the server sends where it has nothing";
+            return Ok(Err((cause.into(), Next::Missing)));
         }
         if let Some(expected) = &wanted.blake3
             && part.hash() != *expected

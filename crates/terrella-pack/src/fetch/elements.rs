@@ -223,7 +223,7 @@ impl ElementSource {
         options: ClientOptions,
         check: &dyn Fn(&ElementQuery, &str) -> Result<(), String>,
     ) -> Result<Vec<FetchedElements>, ElementsError> {
-        let client = Client::new(options)?;
+        let client = Client::new(options, None)?;
         let pace = Pace::new(self.requests_per_s);
         let fetch = |query| {
             let url = self.url(query)?;

@@ -3,8 +3,9 @@
 //! Nothing is believed: sizes are counted while they come, compressed answers are rejected (none is asked for), and redirects are
 //! followed by this file, which knows where they may lead.
 
-use super::address::{joined, may_follow};
+use super::address::{host, joined, may_follow};
 use super::error::FetchError;
+use super::token::Token;
 use std::io::{ErrorKind, Read, Write};
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -46,6 +47,7 @@ impl Default for ClientOptions {
 pub(super) struct Client {
     agent: Agent,
     options: ClientOptions,
+    token: Option<Token>,
 }
 
 /// Why one request gave nothing.
@@ -90,8 +92,33 @@ pub(super) enum GetError {
     Cancelled,
 }
 
+impl GetError {
+    /// The same without the token: servers repeat addresses.
+    fn without(self, token: &Token) -> Self {
+        match self {
+            Self::Redirect { to } => Self::Redirect {
+                to: token.hidden(&to),
+            },
+            Self::Media { found, wanted } => Self::Media {
+                found: token.hidden(&found),
+                wanted,
+            },
+            Self::Compressed(text) => Self::Compressed(token.hidden(&text)),
+            Self::Slow(text) => Self::Slow(token.hidden(&text)),
+            Self::Certificate(text) => Self::Certificate(token.hidden(&text)),
+            Self::Connection(text) => Self::Connection(token.hidden(&text)),
+            other @ (Self::Status { .. }
+            | Self::TooLarge { .. }
+            | Self::Truncated(_)
+            | Self::Write(_)
+            | Self::Cancelled) => other,
+        }
+    }
+}
+
 impl Client {
-    pub(super) fn new(options: ClientOptions) -> Result<Self, FetchError> {
+    /// One that sends this token with each request.
+    pub(super) fn new(options: ClientOptions, token: Option<Token>) -> Result<Self, FetchError> {
         let roots = match &options.authorities {
             Some(path) => RootCerts::new_with_certs(&certificates(path)?),
             None => RootCerts::WebPki,
@@ -113,6 +140,7 @@ impl Client {
         Ok(Self {
             agent: config.into(),
             options,
+            token,
         })
     }
 
@@ -125,14 +153,33 @@ impl Client {
         out: &mut dyn Write,
         is_cancelled: &dyn Fn() -> bool,
     ) -> Result<u64, GetError> {
-        let mut at = url.to_string();
+        let got = self.get_with_token(url, wanted, most_bytes, out, is_cancelled);
+        got.map_err(|error| match &self.token {
+            Some(token) => error.without(token),
+            None => error,
+        })
+    }
+
+    fn get_with_token(
+        &self,
+        url: &str,
+        wanted: &'static str,
+        most_bytes: u64,
+        out: &mut dyn Write,
+        is_cancelled: &dyn Fn() -> bool,
+    ) -> Result<u64, GetError> {
+        let token = self.token.as_ref();
+        let mut at = token.map_or_else(|| url.to_string(), |token| token.filled(url));
         for _ in 0..=MOST_REDIRECTS {
-            let response = self
-                .agent
-                .get(&at)
-                .header("accept", wanted)
-                .call()
-                .map_err(|error| told(error, 0))?;
+            let mut request = self.agent.get(&at).header("accept", wanted);
+            // Other hosts have no business with it.
+            let is_own_host = host(&at) == host(url);
+            if let Some(header) = token.and_then(|token| token.header(url))
+                && is_own_host
+            {
+                request = request.header("authorization", header);
+            }
+            let response = request.call().map_err(|error| told(error, 0))?;
             let header = |name: &str| {
                 let value = response.headers().get(name)?.to_str().ok()?;
                 Some(value.chars().take(200).collect::<String>())
@@ -224,9 +271,14 @@ impl Client {
     }
 }
 
-/// Whether an answer's type is the one wanted; `image/jpg` is a common mistake for `image/jpeg`.
+/// Whether an answer's type is the one wanted, or says nothing: what has come is looked at in any case. `image/jpg` is a common mistake
+/// for `image/jpeg`.
 fn is_media(found: &str, wanted: &str) -> bool {
+    const OF_BYTES: [&str; 2] = ["application/octet-stream", "binary/octet-stream"];
     found.eq_ignore_ascii_case(wanted)
+        || OF_BYTES
+            .iter()
+            .any(|bytes| found.eq_ignore_ascii_case(bytes))
         || (wanted == "image/jpeg" && found.eq_ignore_ascii_case("image/jpg"))
 }
 
@@ -287,6 +339,7 @@ mod tests {
     #[test]
     fn types_are_compared_as_such() {
         assert!(is_media("IMAGE/PNG", "image/png") && is_media("image/jpg", "image/jpeg"));
+        assert!(is_media("binary/octet-stream", "image/png"));
         assert!(
             !is_media("image/jpg", "image/png")
                 && !is_media("", "image/png")

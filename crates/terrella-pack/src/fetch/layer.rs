@@ -7,6 +7,7 @@ use super::http::{Client, ClientOptions};
 use super::pace::Pace;
 use super::plan::{Fineness, TilePlan};
 use super::source::{Files, MapSource, SourceLayer, Tiles};
+use super::token::Token;
 use crate::BuildProgress;
 use crate::mosaic::{Bounds, Crs, MOSAIC_FILE};
 use std::fmt::Write;
@@ -163,11 +164,12 @@ impl Layer {
         options: &FetchOptions,
         progress: &dyn BuildProgress,
     ) -> Result<LayerDone, FetchError> {
-        let client = Client::new(options.client.clone())?;
         let mut done = Vec::new();
         let mut text = self.head(options)?;
         for request in &self.requests {
             let source = &request.source;
+            let token = source.token_env.as_deref().map(Token::from_environment);
+            let client = Client::new(options.client.clone(), token.transpose()?)?;
             let gentle = source.gentleness;
             let pace = Pace::new(options.requests_per_s.unwrap_or(gentle.requests_per_s));
             let connections = options.connections.unwrap_or(gentle.connections);
@@ -190,6 +192,7 @@ impl Layer {
                             side: Some(tiles.tile_size),
                             most_bytes: tiles.max_tile_bytes,
                             may_be_missing: tiles.may_be_missing,
+                            placeholders: &tiles.placeholders,
                             connections,
                             retries: options.retries,
                             pace: &pace,
@@ -222,6 +225,7 @@ impl Layer {
                         side: None,
                         most_bytes: files.max_file_bytes,
                         may_be_missing: false,
+                        placeholders: &[],
                         connections,
                         retries: options.retries,
                         pace: &pace,
@@ -367,6 +371,16 @@ fn fetch_all(
             "{what}: {} of {} files are left out, the first {url}: {cause}",
             done.failed,
             wanted.len()
+        ));
+    }
+    if let Some(repeated) = job.shelf.most_repeated(wanted) {
+        job.progress.note(&format!(
+            "{what}: {} of {} tiles are one and the same picture with something in it, as {}; if the server sends it where it has nothing, \
+             give `placeholders = [\"{}\"]` under [tiles] of the source's description",
+            repeated.count,
+            wanted.len(),
+            repeated.path.display(),
+            repeated.blake3
         ));
     }
     if done.missing > 0 {

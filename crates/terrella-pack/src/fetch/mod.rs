@@ -8,6 +8,7 @@
 //! | `address.rs` | addresses of tiles, and where redirects may lead |
 //! | `plan.rs` | which tiles a region needs |
 //! | `http.rs` | HTTP: the only file that uses it |
+//! | `token.rs` | who asks, where a server wants to know |
 //! | `pace.rs`, `download.rs` | how fast, by how many threads, and what is asked for again |
 //! | `check.rs`, `cache.rs` | what a picture must be before it is kept; what is kept, with checksums |
 //! | `layer.rs` | all of it for one map, and the mosaic that `pack build` reads |
@@ -28,6 +29,7 @@ mod named;
 mod pace;
 mod plan;
 mod source;
+mod token;
 
 pub use description::MAX_SOURCE_BYTES;
 pub use download::Fetched;

@@ -3,6 +3,7 @@
 use super::address::{template_complaint, url_complaint};
 use super::description;
 use super::error::FetchError;
+use super::token::{TOKEN_WORD, name_complaint};
 use crate::mosaic::{Bounds, Crs, Encoding};
 use serde::Deserialize;
 use std::path::Path;
@@ -10,6 +11,9 @@ use terrella_imagery::pack::{MAX_ATTRIBUTION_LINES, MAX_TEXT_CHARS};
 
 /// Most files of a list.
 const MAX_FILES: usize = 1000;
+
+/// Most pictures that a server sends in place of tiles.
+const MAX_PLACEHOLDERS: usize = 100;
 
 /// Finest level.
 const MAX_LEVEL: u32 = 24;
@@ -138,6 +142,9 @@ pub struct Tiles {
     pub encoding: Option<Encoding>,
     /// Stored numbers that stand for nothing.
     pub no_data: Option<Vec<f64>>,
+    /// BLAKE3 of pictures that the server sends where it has nothing, 64 hexadecimal digits each.
+    #[serde(default)]
+    pub placeholders: Vec<String>,
 }
 
 fn most_tile_bytes() -> u64 {
@@ -205,6 +212,9 @@ pub struct MapSource {
     pub licence: String,
     /// Where all this is written.
     pub citation: String,
+    /// Environment variable with the token that the server wants: it takes the place of `{token}` in addresses, else it is sent in the
+    /// header `Authorization: Bearer`.
+    pub token_env: Option<String>,
     /// Its times, if it has any.
     pub time: Option<Times>,
     /// How gently to ask.
@@ -277,6 +287,15 @@ impl MapSource {
                 "1 to 32 connections and 0.01 to 1000 requests_per_s".into(),
             ));
         }
+        if let Some(cause) = self.token_env.as_deref().and_then(name_complaint) {
+            return Some(("token_env", cause.into()));
+        }
+        if self.token_env.is_none() && self.urls().any(|url| url.contains(TOKEN_WORD)) {
+            return Some((
+                "token_env",
+                "must name the environment variable whose value {token} stands for".into(),
+            ));
+        }
         let in_time = self.time.as_ref().and_then(Times::complaint);
         if let Some(cause) = in_time {
             return Some(("time", cause));
@@ -286,6 +305,12 @@ impl MapSource {
             (None, Some(files)) => files.complaint(self.time.is_some()),
             _ => Some(("tiles", "give either [tiles] or [files]".into())),
         }
+    }
+
+    fn urls(&self) -> impl Iterator<Item = &str> {
+        let tiles = self.tiles.iter().map(|tiles| tiles.url.as_str());
+        let files = self.files.iter().flat_map(|files| &files.file);
+        tiles.chain(files.map(|file| file.url.as_str()))
     }
 
     /// The time to fetch: the one asked for if the source has it, else its default.
@@ -462,8 +487,22 @@ impl Tiles {
         {
             return Some(("tiles.no_data", "give 1 to 4 finite numbers".into()));
         }
+        if self.placeholders.len() > MAX_PLACEHOLDERS || !self.placeholders.iter().all(is_hash) {
+            return Some((
+                "tiles.placeholders",
+                format!("are at most {MAX_PLACEHOLDERS}, each of 64 lower-case hexadecimal digits"),
+            ));
+        }
         None
     }
+}
+
+/// Whether a text is a BLAKE3 as journals and descriptions have it.
+fn is_hash(digits: &String) -> bool {
+    digits.len() == 64
+        && digits
+            .bytes()
+            .all(|b| matches!(b, b'0'..=b'9' | b'a'..=b'f'))
 }
 
 impl Files {
@@ -503,12 +542,6 @@ impl Files {
             if let Some(Err(cause)) = file.bounds_deg.map(Bounds::new) {
                 return Some(("files.file.bounds_deg", cause));
             }
-            let is_hash = |digits: &String| {
-                digits.len() == 64
-                    && digits
-                        .bytes()
-                        .all(|b| matches!(b, b'0'..=b'9' | b'a'..=b'f'))
-            };
             if file.blake3.as_ref().is_some_and(|digits| !is_hash(digits)) {
                 return Some((
                     "files.file.blake3",
