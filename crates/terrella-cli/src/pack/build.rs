@@ -81,5 +81,5 @@ pub fn run(args: &BuildArgs, common: &Common) -> anyhow::Result<()> {
     let shown = Shown::new(common.quiet);
     let manifest = build(&options, &shown)?;
     report_built(&args.output, &manifest, begun, common);
-    Ok(())
+    args.pack.check_notes(&shown)
 }

@@ -192,15 +192,14 @@ pub fn run(args: &FetchArgs, common: &Common) -> anyhow::Result<()> {
         }
         done.push(fetched);
     }
+    args.pack.check_notes(&shown)?;
     if let Some(path) = &args.heights {
-        return heights(args, &done[0], path, &shown, common);
+        heights(args, &done[0], path, &shown, common)?;
+    } else if let Some(output) = &args.output {
+        let manifest = build(&build_options(args, &done, output)?, &shown)?;
+        report_built(output, &manifest, begun, common);
     }
-    let Some(output) = &args.output else {
-        return Ok(());
-    };
-    let manifest = build(&build_options(args, &done, output)?, &shown)?;
-    report_built(output, &manifest, begun, common);
-    Ok(())
+    args.pack.check_notes(&shown)
 }
 
 fn options(args: &FetchArgs) -> anyhow::Result<FetchOptions> {

@@ -3,6 +3,7 @@
 use crate::progress::Bars;
 use clap::{Args, ValueEnum};
 use std::path::Path;
+use std::sync::atomic::{AtomicU64, Ordering};
 use terrella_imagery::tile::{MapLayer, Storage};
 use terrella_pack::{BuildOptions, BuildProgress, DEFAULT_MEMORY_BYTES};
 use terrella_play::Progress;
@@ -30,6 +31,10 @@ pub struct PackOptions {
     /// Discard an unfinished build or a finished pack in the folder
     #[arg(long)]
     restart: bool,
+    /// Exit with an error if there is any note: for example of missing or damaged files, or of colour profiles. A pack is complete then, but for
+    /// what the notes name
+    #[arg(long)]
+    strict: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
@@ -66,6 +71,20 @@ impl PackOptions {
             && !self.restart
     }
 
+    /// With --strict, an error where anything was noted.
+    pub fn check_notes(&self, shown: &Shown) -> anyhow::Result<()> {
+        let notes = shown.notes.load(Ordering::Relaxed);
+        if self.strict && notes > 0 {
+            let see = if shown.quiet {
+                "run it without --quiet to see them"
+            } else {
+                "see above"
+            };
+            anyhow::bail!("--strict: {notes} notes; {see}");
+        }
+        Ok(())
+    }
+
     /// Memory limit, bytes.
     pub fn memory_bytes(&self) -> u64 {
         self.memory * 1_000_000
@@ -92,6 +111,7 @@ fn parse_pixels(text: &str) -> Result<(MapLayer, Vec<u32>), String> {
 pub struct Shown {
     bars: Bars,
     quiet: bool,
+    notes: AtomicU64,
 }
 
 impl Shown {
@@ -100,6 +120,7 @@ impl Shown {
         Self {
             bars: Bars::new(quiet),
             quiet,
+            notes: AtomicU64::new(0),
         }
     }
 }
@@ -118,6 +139,7 @@ impl BuildProgress for Shown {
     }
 
     fn note(&self, text: &str) {
+        self.notes.fetch_add(1, Ordering::Relaxed);
         if !self.quiet {
             eprintln!("note: {text}");
         }
