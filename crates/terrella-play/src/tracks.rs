@@ -320,12 +320,19 @@ impl TracksLayer {
         let larger = |shown: u32, drawn: u32| shown as f32 / drawn.max(1) as f32;
         let [x, y] = [larger(size.0, drawn_size.0), larger(size.1, drawn_size.1)];
         let scaled = |at_px: [f32; 2]| [at_px[0] * x, at_px[1] * y];
-        let names = self.tracks.labels().iter().filter_map(|label| {
+        let named = |label: &TrackLabel, place: NamePlace| {
             let is_named = self.is_named.get(label.satellite).copied().unwrap_or(true);
             let name = self.swarm.name(label.satellite).filter(|_| is_named)?;
             let at_px = scaled(label.at_px);
-            Some((TrackLabel { at_px, ..*label }, name, NamePlace::Beside))
-        });
+            Some((TrackLabel { at_px, ..*label }, name, place))
+        };
+        // Names that come first have the room: that of the followed satellite, stations, the others in their order.
+        let all = || self.tracks.labels().iter();
+        let is_followed = |label: &&TrackLabel| label.satellite == self.followed;
+        let first = all().find(is_followed);
+        let first = first.and_then(|label| named(label, NamePlace::Beside));
+        let others = all().filter(|label| !is_followed(label));
+        let others = others.filter_map(|label| named(label, NamePlace::BesideIfRoom));
         let stations = self.tracks.station_labels().iter().filter_map(|label| {
             let name = self.station_names.get(label.station)?;
             let label = TrackLabel {
@@ -333,7 +340,7 @@ impl TracksLayer {
                 at_px: scaled(label.at_px),
                 color: label.color,
             };
-            Some((label, name.as_str(), NamePlace::Beside))
+            Some((label, name.as_str(), NamePlace::BesideIfRoom))
         });
         let places = self.tracks.place_labels().iter().filter_map(|label| {
             let (name, place) = self.still.name(label, y)?;
@@ -344,7 +351,12 @@ impl TracksLayer {
             };
             Some((label, name, place))
         });
-        let mut names = stations.chain(names).chain(places).peekable();
+        let mut names = first
+            .into_iter()
+            .chain(stations)
+            .chain(others)
+            .chain(places)
+            .peekable();
         if names.peek().is_none() {
             return;
         }

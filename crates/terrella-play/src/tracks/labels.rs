@@ -25,9 +25,9 @@ const MAX_NAME_CHARS: usize = 48;
 /// Where a name is written.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum NamePlace {
-    /// Beside a mark.
+    /// Beside a mark, over other names where there is no room.
     Beside,
-    /// The same, where no other name stands: a file may have more names than a picture has room for.
+    /// The same, where no other name stands: there may be more names than a picture has room for.
     BesideIfRoom,
     /// In the middle of an area or a line, where no other name stands.
     MiddleIfRoom,
@@ -126,15 +126,9 @@ fn paint(
         let galley = painter.layout_no_wrap(name.clone(), font.clone(), color);
         let at = Pos2::from(label.at_px);
         let size = galley.size();
-        let place = match kind {
-            NamePlace::Beside | NamePlace::BesideIfRoom => {
-                place(at, size, MARKER_DISTANCE * letter, screen, &taken)
-            }
-            _ => Rect::from_center_size(at, size),
-        };
-        if *kind != NamePlace::Beside && !is_free(place, screen, &taken) {
+        let Some(place) = free_place(*kind, at, size, letter, screen, &taken) else {
             continue;
-        }
+        };
         taken.push(place);
         // A dark edge, for names over clouds.
         let edge = 0.06 * letter;
@@ -155,6 +149,24 @@ fn paint(
         }
         painter.galley(place.min, galley, color);
     }
+}
+
+/// Where a name that is no city's goes; `None` where it has no room.
+fn free_place(
+    kind: NamePlace,
+    at: Pos2,
+    size: Vec2,
+    letter: f32,
+    screen: Rect,
+    taken: &[Rect],
+) -> Option<Rect> {
+    let place = match kind {
+        NamePlace::Beside | NamePlace::BesideIfRoom => {
+            place(at, size, MARKER_DISTANCE * letter, screen, taken)
+        }
+        _ => Rect::from_center_size(at, size),
+    };
+    (kind == NamePlace::Beside || is_free(place, screen, taken)).then_some(place)
 }
 
 fn is_free(place: Rect, screen: Rect, taken: &[Rect]) -> bool {
@@ -257,6 +269,29 @@ mod tests {
             &[],
         );
         assert_eq!(wide.min.x, 0.0);
+    }
+
+    #[test]
+    fn names_without_room_are_left_out_the_last_first() {
+        let size = Vec2::new(100.0, 15.0);
+        let mut taken: Vec<Rect> = Vec::new();
+        let mut written = Vec::new();
+        for n in 0..60 {
+            // In a heap, as satellites that were launched together.
+            let at = Pos2::new(300.0 + (n * 7 % 40) as f32, 150.0 + (n * 11 % 60) as f32);
+            let kind = if n == 0 {
+                NamePlace::Beside
+            } else {
+                NamePlace::BesideIfRoom
+            };
+            if let Some(place) = free_place(kind, at, size, 14.0, SCREEN, &taken) {
+                assert!(!taken.iter().any(|other| other.intersects(place)), "{n}");
+                taken.push(place);
+                written.push(n);
+            }
+        }
+        assert_eq!(written[..4], [0, 1, 2, 3]);
+        assert!((8..40).contains(&written.len()), "{written:?}");
     }
 
     #[test]
