@@ -164,7 +164,7 @@ fn wrong_files_are_named() {
             "J2000",
             "B1950",
             11,
-            "known systems are ICRF, J2000, Fixed and TEMEOfDate",
+            "known systems are ICRF, Inertial, J2000, Fixed, TEMEOfDate, TrueOfDate and MeanOfDate",
         ),
         ("Kilometers", "Parsecs", 12, "known units are"),
         ("Hermite", "Spline", 8, "known methods are"),
@@ -176,7 +176,7 @@ fn wrong_files_are_named() {
         ),
         (
             "EphemerisTimePosVel",
-            "EphemerisLLATimePos",
+            "EphemerisLLRTimePos",
             14,
             "states are read from",
         ),
@@ -256,4 +256,80 @@ fn files_may_end_anywhere() {
             }
         }
     }
+}
+
+/// Rotation about an axis of a frame, as the matrices of Vallado (2013), 3.4: of a vector into axes that are turned.
+fn turn(axis: usize, angle_rad: f64, v: [f64; 3]) -> [f64; 3] {
+    let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
+    let (sin, cos) = angle_rad.sin_cos();
+    let mut out = v;
+    out[i] = cos * v[i] + sin * v[j];
+    out[j] = cos * v[j] - sin * v[i];
+    out
+}
+
+#[test]
+fn axes_of_the_date_are_turned_by_precession() {
+    // IAU 1976 (Lieske 1979), arcseconds by Julian centuries of TT; the models of 1976 and 2000 differ by 0.02 arcseconds, 0.7 m here.
+    let t = (utc("2004-06-01T12:10:00Z") - utc("2000-01-01T11:58:56Z")).to_seconds()
+        / 86_400.0
+        / 36_525.0;
+    let angle = |a: f64, b: f64, c: f64| (t * (a + t * (b + t * c)) / 3600.0).to_radians();
+    let zeta = angle(2306.2181, 0.30188, 0.017998);
+    let theta = angle(2004.3109, -0.42665, -0.041833);
+    let z = angle(2306.2181, 1.09468, 0.018203);
+    for (name, most_m) in [("MeanOfDate", 10.0), ("TrueOfDate", 800.0)] {
+        let header = J2000_KM.replace("J2000", name);
+        let text = file(&header, "EphemerisTimePosVel", &rows(0..=20, 1e3, true));
+        let feed = read(&text).unwrap().feeds.remove(0);
+        let state = feed.state_at(utc("2004-06-01T12:10:00Z")).unwrap();
+        assert_eq!(state.frame, Frame::Gcrf);
+        let of_date = turn(2, -zeta, state.position_m.to_array());
+        let of_date = turn(2, -z, turn(1, theta, of_date));
+        let off_m = KeplerOrbit::LOW.state(600.0).0.distance(of_date.into());
+        // Nutation, 17 arcseconds at most, is 600 m.
+        assert!(off_m < most_m, "{name}: {off_m}");
+        let unturned_m = KeplerOrbit::LOW.state(600.0).0.distance(state.position_m);
+        assert!(unturned_m > 2000.0, "{name}: {unturned_m}");
+    }
+}
+
+#[test]
+fn places_above_the_ellipsoid_are_read() {
+    // A geostationary point that drifts by a degree in 20 minutes.
+    let rows: String = (0..=20)
+        .map(|minute| {
+            format!(
+                "{} 0.0 {} 35786000\n",
+                minute * 60,
+                10.0 + f64::from(minute) / 20.0
+            )
+        })
+        .collect();
+    for (unit, metres) in [("", 1.0), ("DistanceUnit Kilometers\n", 1e3)] {
+        let rows = rows.replace("35786000", &format!("{}", 35_786_000.0 / metres));
+        let feed = read(&file(unit, "EphemerisLLATimePos", &rows))
+            .unwrap()
+            .feeds
+            .remove(0);
+        let state = feed
+            .state_at(start() + Duration::from_seconds(630.0))
+            .unwrap();
+        let (sin, cos) = (10.525_f64).to_radians().sin_cos();
+        let expected = glam::DVec3::new(cos, sin, 0.0) * (6_378_137.0 + 35_786_000.0);
+        assert_eq!(state.frame, Frame::Itrf);
+        assert!(
+            state.position_m.distance(expected) < 0.1,
+            "{}",
+            state.position_m
+        );
+    }
+    let bad = rows.replace(" 0.0 ", " 95.0 ");
+    assert!(read(&file("", "EphemerisLLATimePos", &bad)).is_err());
+    let inertial = file("CoordinateSystem J2000\n", "EphemerisLLATimePos", &rows);
+    let error = read(&inertial).unwrap_err().to_string();
+    assert!(
+        error.contains("latitudes and longitudes are Fixed"),
+        "{error}"
+    );
 }

@@ -5,11 +5,12 @@ use super::entry::{RecordError, RecordFault, TextPosition, number, printable};
 use super::found::{Each, Found};
 use super::interpolated::{Interpolation, StateSample};
 use super::iso8601;
+use super::oem::Axes;
 use super::runs::{MAX_RUNS, Motion, Run};
 use glam::DVec3;
 use std::path::Path;
 use terrella_files::excerpt;
-use terrella_frames::{Duration, Epoch, TimeError};
+use terrella_frames::{Duration, Ellipsoid, Epoch, Geodetic, TimeError};
 
 /// Most states of a file.
 const MAX_STATES: usize = 2_000_000;
@@ -51,6 +52,8 @@ enum Block {
     Boundaries,
     /// Rows of so many numbers.
     States(usize),
+    /// Rows of seconds, latitude, longitude and height.
+    Places,
     /// Covariances and others.
     PassedOver,
     Ended,
@@ -61,7 +64,7 @@ struct Reader<'o> {
     block: Block,
     name: Option<String>,
     epoch: Option<Epoch>,
-    frame: Frame,
+    axes: Axes,
     metres: f64,
     method: Option<(Interpolation, TextPosition)>,
     samples_less_one: Option<usize>,
@@ -79,7 +82,7 @@ impl<'o> Reader<'o> {
             block: Block::Header,
             name: None,
             epoch: None,
-            frame: Frame::Itrf,
+            axes: Axes::Of(Frame::Itrf),
             metres: 1.0,
             method: None,
             samples_less_one: None,
@@ -121,11 +124,17 @@ impl<'o> Reader<'o> {
                 }
             }
             (_, Block::Header) => self.header(&key, value, place, each)?,
-            (key, Block::States(_)) if key.starts_with(|c: char| c.is_ascii_alphabetic()) => {
+            (key, Block::States(_) | Block::Places)
+                if key.starts_with(|c: char| c.is_ascii_alphabetic()) =>
+            {
                 self.block = Block::PassedOver;
             }
-            (_, Block::States(width)) => {
-                if let Err(error) = self.state(line, width, place) {
+            (_, Block::States(_) | Block::Places) => {
+                let read = match self.block {
+                    Block::States(width) => self.state(line, width, place),
+                    _ => self.place_of_states(line, place),
+                };
+                if let Err(error) = read {
                     match &*error.fault {
                         RecordFault::TooMany { .. } => return Err(error),
                         _ => each(Found::BadState(error))?,
@@ -181,18 +190,21 @@ impl<'o> Reader<'o> {
                 return Err(self.unsupported("CentralBody", value, place, remedy));
             }
             "coordinatesystem" => {
-                self.frame = match value.to_ascii_lowercase().as_str() {
-                    "icrf" => Frame::Gcrf,
-                    "j2000" => Frame::Eme2000,
-                    "fixed" => Frame::Itrf,
-                    "temeofdate" => Frame::Teme,
+                self.axes = match value.to_ascii_lowercase().as_str() {
+                    // About the Earth, STK's inertial axes are those of the ICRF.
+                    "icrf" | "inertial" => Axes::Of(Frame::Gcrf),
+                    "j2000" => Axes::Of(Frame::Eme2000),
+                    "fixed" => Axes::Of(Frame::Itrf),
+                    "temeofdate" => Axes::Of(Frame::Teme),
+                    "trueofdate" => Axes::TrueOfDate,
+                    "meanofdate" => Axes::MeanOfDate,
                     _ => {
-                        let remedy = "known systems are ICRF, J2000, Fixed and TEMEOfDate";
+                        let remedy = "known systems are ICRF, Inertial, J2000, Fixed, TEMEOfDate, TrueOfDate and MeanOfDate";
                         return Err(self.unsupported("CoordinateSystem", value, place, remedy));
                     }
                 };
             }
-            "coordinatesystemepoch" if self.frame == Frame::Teme => {
+            "coordinatesystemepoch" if self.axes.are_of_date() => {
                 let remedy = "axes of a fixed date are not known; only of the state's own";
                 return Err(self.unsupported("CoordinateSystemEpoch", value, place, remedy));
             }
@@ -225,8 +237,9 @@ impl<'o> Reader<'o> {
                     "ephemeristimepos" => Block::States(4),
                     "ephemeristimeposvel" => Block::States(7),
                     "ephemeristimeposvelacc" => Block::States(10),
+                    "ephemerisllatimepos" => Block::Places,
                     _ => {
-                        let remedy = "states are read from EphemerisTimePos, EphemerisTimePosVel and EphemerisTimePosVelAcc";
+                        let remedy = "states are read from EphemerisTimePos, EphemerisTimePosVel, EphemerisTimePosVelAcc and EphemerisLLATimePos";
                         return Err(self.unsupported("the format of states", key, place, remedy));
                     }
                 };
@@ -264,24 +277,77 @@ impl<'o> Reader<'o> {
         Ok(())
     }
 
-    /// Seconds, position and velocity. A time that comes twice, or is a boundary, begins another run.
+    /// Seconds, latitude and longitude in degrees, and height above the ellipsoid.
+    fn place_of_states(&mut self, line: &str, place: TextPosition) -> Result<(), RecordError> {
+        let expected = "seconds, latitude and longitude in degrees, and height";
+        let [seconds, lat_deg, lon_deg, height] = self.numbers(line, place, expected)?;
+        if !(lat_deg.abs() <= 90.0 && lon_deg.abs() <= 360.0) {
+            return Err(self.unexpected(line, place, expected));
+        }
+        if self.axes != Axes::Of(Frame::Itrf) {
+            let remedy = "latitudes and longitudes are Fixed";
+            return Err(self.unsupported(
+                "CoordinateSystem",
+                "of EphemerisLLATimePos",
+                place,
+                remedy,
+            ));
+        }
+        let geodetic = Geodetic::from_degrees(lat_deg, lon_deg, height * self.metres);
+        let position_m = Ellipsoid::WGS84.itrf_from_geodetic(geodetic);
+        self.sample(seconds, position_m, None, place)
+    }
+
+    /// The numbers of a row, as many as are wanted.
+    fn numbers<const N: usize>(
+        &self,
+        line: &str,
+        place: TextPosition,
+        expected: &'static str,
+    ) -> Result<[f64; N], RecordError> {
+        let words = line.split_whitespace().take(N + 1);
+        let numbers: Option<Vec<f64>> = words.map(number).collect();
+        let numbers = numbers.and_then(|numbers| numbers.try_into().ok());
+        numbers.ok_or_else(|| self.unexpected(line, place, expected))
+    }
+
+    /// Seconds, position and velocity.
     fn state(&mut self, line: &str, width: usize, place: TextPosition) -> Result<(), RecordError> {
+        let (seconds, position, velocity) = match width {
+            4 => {
+                let expected = "seconds and three coordinates";
+                let [s, x, y, z] = self.numbers(line, place, expected)?;
+                (s, DVec3::new(x, y, z), None)
+            }
+            7 => {
+                let expected = "seconds, three coordinates and three of the velocity";
+                let [s, x, y, z, vx, vy, vz] = self.numbers(line, place, expected)?;
+                (s, DVec3::new(x, y, z), Some(DVec3::new(vx, vy, vz)))
+            }
+            _ => {
+                let expected =
+                    "seconds, and three coordinates of the position, velocity and acceleration";
+                let [s, x, y, z, vx, vy, vz, _, _, _] = self.numbers(line, place, expected)?;
+                (s, DVec3::new(x, y, z), Some(DVec3::new(vx, vy, vz)))
+            }
+        };
+        let velocity_m_s = velocity.map(|velocity| velocity * self.metres);
+        self.sample(seconds, position * self.metres, velocity_m_s, place)
+    }
+
+    /// A sample in the axes of the file. A time that comes twice, or is a boundary, begins another run.
+    fn sample(
+        &mut self,
+        seconds: f64,
+        position_m: DVec3,
+        velocity_m_s: Option<DVec3>,
+        place: TextPosition,
+    ) -> Result<(), RecordError> {
         self.states += 1;
         if self.states > MAX_STATES {
             let (what, limit) = ("states", MAX_STATES);
             return Err(place.error(self.origin, RecordFault::TooMany { what, limit }));
         }
-        let expected = match width {
-            4 => "seconds and three coordinates",
-            7 => "seconds, three coordinates and three of the velocity",
-            _ => "seconds, and three coordinates of the position, velocity and acceleration",
-        };
-        let words = line.split_whitespace().take(width + 1);
-        let numbers: Option<Vec<f64>> = words.map(number).collect();
-        let numbers = numbers.filter(|numbers| numbers.len() == width);
-        let Some([seconds, x, y, z, rest @ ..]) = numbers.as_deref() else {
-            return Err(self.unexpected(line, place, expected));
-        };
         // Two centuries are more than an ephemeris can hold, and fit nanoseconds.
         let Some(epoch) = self.epoch.filter(|_| seconds.abs() < 6.4e9) else {
             let fault = RecordFault::Missing {
@@ -292,18 +358,18 @@ impl<'o> Reader<'o> {
             return Err(place.error(self.origin, fault));
         };
         let ns = (seconds * 1e9).round() as i128;
+        let epoch = epoch + Duration::from_total_nanoseconds(ns);
+        let turn = self.axes.turn(epoch);
+        let turned = |vector: DVec3| turn.map_or(vector, |turn| turn * vector);
         let sample = StateSample {
-            epoch: epoch + Duration::from_total_nanoseconds(ns),
-            position_m: DVec3::new(*x, *y, *z) * self.metres,
-            velocity_m_s: match rest {
-                [vx, vy, vz, ..] => Some(DVec3::new(*vx, *vy, *vz) * self.metres),
-                _ => None,
-            },
+            epoch,
+            position_m: turned(position_m),
+            velocity_m_s: velocity_m_s.map(turned),
         };
         let boundary = self
             .boundaries_s
-            .binary_search_by(|known| known.total_cmp(seconds));
-        match (boundary.is_ok(), self.last_s == Some(*seconds)) {
+            .binary_search_by(|known| known.total_cmp(&seconds));
+        match (boundary.is_ok(), self.last_s == Some(seconds)) {
             // What follows begins with this state, unless it comes again.
             (true, false) => {
                 if self.runs.is_empty() {
@@ -324,7 +390,7 @@ impl<'o> Reader<'o> {
             }
         }
         self.add(sample, place.line);
-        self.last_s = Some(*seconds);
+        self.last_s = Some(seconds);
         Ok(())
     }
 
@@ -390,7 +456,7 @@ impl<'o> Reader<'o> {
             name: self
                 .name
                 .unwrap_or_else(|| printable(&stem.to_string_lossy())),
-            frame: self.frame,
+            frame: self.axes.frame(),
             interpolation,
             origin: self.origin,
             place: self.states_place,
@@ -404,6 +470,7 @@ fn scenario_epoch(text: &str) -> Result<Epoch, TimeError> {
     const MONTHS: [&str; 12] = [
         "jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec",
     ];
+    let text = text.trim_matches('"');
     let words: Vec<_> = text.split_whitespace().collect();
     let [day, month, year, time] = words.as_slice() else {
         return iso8601::epoch(text);
