@@ -8,6 +8,7 @@
 //! [`HeightTileSource`], which may be larger than memory: [`StreamedGround`].
 
 pub mod aux_xml;
+mod basins;
 mod change;
 mod denoise;
 mod floor;

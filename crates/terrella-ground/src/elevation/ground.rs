@@ -1,6 +1,7 @@
 //! All heights of a scene: grids over one another, and beneath them the sea, or tiles of a source.
 
 use super::Joins;
+use super::basins::{lowest_in_m, lowest_m};
 use super::tiles::TilePyramid;
 use super::{Bounds, Elevation, HeightGrid, HeightRange};
 use std::f64::consts::{FRAC_PI_2, TAU};
@@ -83,20 +84,26 @@ impl Ground {
         }
     }
 
-    /// The same with the sea's surface in place of its floor: of grids of the whole Earth, and of tiles, no height is below 0. So is land
-    /// that lies lower, but for that of other grids.
+    /// The same with the sea's surface in place of its floor: of grids of the whole Earth, and of tiles, no height is below 0, but for the
+    /// dry land of basins that are known, as Turpan and the valley of the Jordan. Other grids keep their heights.
     pub fn with_sea_surface(mut self) -> Self {
         self.has_sea_surface = true;
         self
     }
 
-    /// The lowest that a grid's heights are taken.
+    /// Whether what is below the sea in a grid is not drawn.
     #[inline]
-    fn floor_m(&self, grid: &HeightGrid) -> f64 {
-        match self.has_sea_surface && grid.bounds().width_rad >= TAU - 1e-9 {
-            true => 0.0,
-            false => f64::NEG_INFINITY,
+    fn hides_floor_of(&self, grid: &HeightGrid) -> bool {
+        self.has_sea_surface && grid.bounds().width_rad >= TAU - 1e-9
+    }
+
+    /// A grid's height as it is drawn.
+    #[inline]
+    fn drawn_m(&self, grid: &HeightGrid, height_m: f64, lat_rad: f64, lon_rad: f64) -> f64 {
+        if height_m > 0.0 || !self.hides_floor_of(grid) {
+            return height_m;
         }
+        height_m.max(lowest_m(lat_rad, lon_rad))
     }
 
     /// The height of what lies beneath all grids.
@@ -105,10 +112,10 @@ impl Ground {
         match &self.tiles {
             Some(tiles) => {
                 let height_m = tiles.height_m(lat_rad, lon_rad, spacing_rad);
-                match self.has_sea_surface {
-                    true => height_m.max(0.0),
-                    false => height_m,
+                if height_m > 0.0 || !self.has_sea_surface {
+                    return height_m;
                 }
+                height_m.max(lowest_m(lat_rad, lon_rad))
             }
             None => 0.0,
         }
@@ -151,11 +158,12 @@ impl Elevation for Ground {
         if let [grid] = &*self.grids {
             return match grid.weighted(lat_rad, lon_rad, spacing_rad, &self.joins[0]) {
                 Some((height_m, weight)) if self.tiles.is_none() || weight >= 1.0 => {
-                    weight * height_m.max(self.floor_m(grid))
+                    weight * self.drawn_m(grid, height_m, lat_rad, lon_rad)
                 }
                 Some((height_m, weight)) => {
                     let beneath_m = self.beneath_m(lat_rad, lon_rad, spacing_rad);
-                    weight * height_m.max(self.floor_m(grid)) + (1.0 - weight) * beneath_m
+                    weight * self.drawn_m(grid, height_m, lat_rad, lon_rad)
+                        + (1.0 - weight) * beneath_m
                 }
                 None => self.beneath_m(lat_rad, lon_rad, spacing_rad),
             };
@@ -167,7 +175,8 @@ impl Elevation for Ground {
         let (mut height_m, mut beneath) = (0.0, 1.0);
         for (grid, joins) in self.at(lat_rad, lon_rad) {
             if let Some((of_grid_m, weight)) = grid.weighted(lat_rad, lon_rad, spacing_rad, joins) {
-                height_m += beneath * weight * of_grid_m.max(self.floor_m(grid));
+                let drawn_m = self.drawn_m(grid, of_grid_m, lat_rad, lon_rad);
+                height_m += beneath * weight * drawn_m;
                 beneath *= 1.0 - weight;
                 if beneath <= 0.0 {
                     return height_m;
@@ -240,7 +249,10 @@ impl Ground {
                 continue;
             }
             let range = grid.range_m(bounds, coarsest_rad);
-            let floor_m = self.floor_m(grid);
+            let floor_m = match self.hides_floor_of(grid) {
+                true => lowest_in_m(bounds),
+                false => f64::NEG_INFINITY,
+            };
             low_m = low_m.min(range.low_m.max(floor_m));
             high_m = high_m.max(range.high_m.max(floor_m));
             if grid.rules(bounds) {
@@ -255,7 +267,7 @@ impl Ground {
             },
         };
         let floor_m = match self.has_sea_surface {
-            true => 0.0,
+            true => lowest_in_m(bounds),
             false => f64::NEG_INFINITY,
         };
         HeightRange {

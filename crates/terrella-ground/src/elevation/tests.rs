@@ -326,3 +326,33 @@ fn the_sea_s_surface_covers_its_floor_and_not_a_local_grid() {
     let range = wet.range_m(&Bounds::GLOBE);
     assert!(range.low_m <= -430.0 && range.low_m > -1000.0 && range.high_m >= 900.0);
 }
+
+#[test]
+fn dry_land_below_the_sea_stays_below_it_in_grids_of_the_whole_earth() {
+    let globe = Georeference::from_bounds(Registration::Cells, &Bounds::GLOBE, 720, 360);
+    let deep = vec![-400.0; 720 * 360];
+    let limits = GridLimits::default();
+    let globe = HeightGrid::new(&globe.expect("sound"), deep, &limits).expect("sound");
+    let ground = Ground::new([Arc::new(globe)]).with_sea_surface();
+    for (name, lat_deg, lon_deg, height_m) in [
+        ("Dead Sea", 31.5_f64, 35.5_f64, -400.0),
+        ("Turpan", 42.66, 89.27, -160.0),
+        ("Mediterranean", 33.0, 32.0, 0.0),
+        ("Lake Superior", 47.7, -87.3, 0.0),
+    ] {
+        let (lat, lon) = (lat_deg.to_radians(), lon_deg.to_radians());
+        let found_m = ground.height_m(lat, lon, 0.0);
+        assert!((found_m - height_m).abs() < 1e-3, "{name}: {found_m}");
+        let about = Bounds {
+            south_rad: lat - 1e-3,
+            north_rad: lat + 1e-3,
+            west_rad: lon - 1e-3,
+            width_rad: 2e-3,
+        };
+        let range = ground.range_m(&about);
+        assert!(
+            range.low_m <= height_m + 1e-3 && range.low_m >= height_m - 50.0,
+            "{name}: {range:?}"
+        );
+    }
+}
