@@ -6,12 +6,14 @@
 //! | `alone.rs` | a strip or tile as a file of its own |
 //! | `pictures.rs` | JPEG and WebP |
 //! | `lerc.rs` | LERC |
+//! | `lzw.rs` | LZW |
 //!
-//! LZW, deflate and PackBits are left to the `tiff` crate, and so are predictors. Sources: TIFF 6.0; its Technical Note 2 for JPEG; the
+//! Deflate and PackBits are left to the `tiff` crate, and so are predictors. Sources: TIFF 6.0; its Technical Note 2 for JPEG; the
 //! registered numbers of ZSTD and WebP (libtiff's `tiff.h`), and of LERC with its tag `LercParameters` (libtiff's `tif_lerc.c`).
 
 pub(in crate::elevation) mod alone;
 mod lerc;
+mod lzw;
 mod pictures;
 #[cfg(test)]
 mod tests;
@@ -66,6 +68,7 @@ impl From<LercError> for TiffChunkError {
 enum Codec {
     /// As the `tiff` crate decodes it.
     OfCrate,
+    Lzw,
     Zstd,
     Jpeg,
     WebP,
@@ -84,7 +87,8 @@ impl Codec {
     /// Of TIFF's `Compression`; else what it is called.
     fn of(compression: u16) -> Result<Self, String> {
         Ok(match compression {
-            1 | 5 | 8 | 32_773 | 32_946 => Self::OfCrate,
+            1 | 8 | 32_773 | 32_946 => Self::OfCrate,
+            5 => Self::Lzw,
             7 => Self::Jpeg,
             34_887 => Self::Lerc(After::Nothing),
             50_000 => Self::Zstd,
@@ -268,7 +272,7 @@ impl TiffChunks {
         places.saturating_add(match self.codec {
             Codec::OfCrate => 0,
             // What was decompressed, and a copy that is a file.
-            Codec::Zstd => chunk_bytes.saturating_mul(2),
+            Codec::Lzw | Codec::Zstd => chunk_bytes.saturating_mul(2),
             // A copy of its data, and coefficients or lines of the decoder.
             Codec::Jpeg | Codec::WebP => chunk_bytes.saturating_mul(3),
             Codec::Lerc(_) => chunk_bytes.saturating_mul(3),
@@ -364,10 +368,13 @@ impl TiffChunks {
         };
         match self.codec {
             Codec::OfCrate => Ok(form.decode(data)?),
-            Codec::Zstd => {
-                let plain = zstd_bytes(data, form.bytes())?;
+            Codec::Lzw | Codec::Zstd => {
+                let (plain, name) = match self.codec {
+                    Codec::Lzw => (lzw::bytes(data, form.bytes())?, "LZW"),
+                    _ => (zstd_bytes(data, form.bytes())?, "ZSTD"),
+                };
                 if plain.len() < form.bytes() {
-                    let cause = "ZSTD: fewer bytes than samples".to_string();
+                    let cause = format!("{name}: fewer bytes than samples");
                     return Err(TiffChunkError::Damaged(cause));
                 }
                 Ok(self.counted_from_black(form.uncompressed().decode(&plain)?))
