@@ -26,6 +26,9 @@ use tiff::decoder::{ChunkType, Decoder, DecodingResult, Limits};
 use tiff::tags::{CompressionMethod, PlanarConfiguration, Tag};
 use tiff::{ColorType, TiffError};
 
+/// Bytes of a tag that are read beside strips and tiles of fewer.
+const MOST_TAG_BYTES: usize = 64 << 10;
+
 /// Rows of a TIFF file.
 pub(super) struct TiffRows<R: BufRead + Seek> {
     decoder: Decoder<Recoded<R>>,
@@ -239,8 +242,8 @@ impl<R: BufRead + Seek> TiffRows<R> {
         };
         check(needed)?;
         let mut decoder_limits = Limits::default();
-        // Below the caller's limit, so a usize.
-        decoder_limits.decoding_buffer_size = chunk_bytes as usize;
+        // Below the caller's limit, so a usize. Tags of small tiles are longer than their texels.
+        decoder_limits.decoding_buffer_size = (chunk_bytes as usize).max(MOST_TAG_BYTES);
         // Compressed data are at most a little longer than their texels.
         let stored_bytes =
             chunk_bytes as usize / stored.channels * usize::from(coded.samples().max(1));

@@ -4,6 +4,7 @@
 use std::io::{self, Read, Seek, SeekFrom};
 
 const PHOTOMETRIC: u16 = 262;
+const COLOR_MAP: u16 = 320;
 const PALETTE: u16 = 3;
 const BLACK_IS_ZERO: u16 = 1;
 
@@ -29,7 +30,7 @@ impl<R: Read + Seek> Recoded<R> {
     }
 }
 
-/// Where a palette is named in the first directory, and what stands for grey there.
+/// Where a palette is named in the first directory, and what stands for grey there. Grey with a palette is meant as one, as GDAL reads it.
 fn grey_patch<R: Read + Seek>(file: &mut R) -> io::Result<Option<(u64, [u8; 2])>> {
     let mut head = [0; 8];
     file.seek(SeekFrom::Start(0))?;
@@ -52,24 +53,31 @@ fn grey_patch<R: Read + Seek>(file: &mut R) -> io::Result<Option<(u64, [u8; 2])>
         false => (2, 12, 8),
     };
     let count = numbers.read(count_bytes)?.min(u64::from(u16::MAX));
+    let mut grey_at = None;
     for n in 0..count {
         let entry = start
             .saturating_add(count_bytes as u64)
             .saturating_add(n * entry_bytes);
         numbers.file.seek(SeekFrom::Start(entry))?;
-        if numbers.read(2)? != u64::from(PHOTOMETRIC) {
-            continue;
+        match numbers.read(2)? {
+            tag if tag == u64::from(COLOR_MAP) => return Ok(grey_at),
+            tag if tag == u64::from(PHOTOMETRIC) => {}
+            _ => continue,
         }
         // Other types than SHORT are never written here.
         let is_short = numbers.read(2)? == 3;
         let value_at = entry.saturating_add(value_at);
         numbers.file.seek(SeekFrom::Start(value_at))?;
-        let is_palette = is_short && numbers.read(2)? == u64::from(PALETTE);
+        let named = numbers.read(2)?;
+        let is_palette = is_short && named == u64::from(PALETTE);
         let grey = match numbers.is_little {
             true => BLACK_IS_ZERO.to_le_bytes(),
             false => BLACK_IS_ZERO.to_be_bytes(),
         };
-        return Ok(is_palette.then_some((value_at, grey)));
+        if is_palette {
+            return Ok(Some((value_at, grey)));
+        }
+        grey_at = (is_short && named == u64::from(BLACK_IS_ZERO)).then_some((value_at, grey));
     }
     Ok(None)
 }

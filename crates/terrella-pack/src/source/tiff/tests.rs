@@ -109,3 +109,34 @@ fn channels_beside_the_colours_are_left_out() {
         }
     }
 }
+
+/// Written by rasterio 1.4.4. Fields of 50 x 25 texels have one colour, so that tiles of LZW have few codes, and the last column of tiles is
+/// half outside; tiles of 16 x 16 have fewer bytes than the file's tags; and a palette stands in a file that is called grey, as GDAL writes it
+/// where colours are set last.
+#[test]
+fn tiles_of_gdal_are_read_whole() {
+    for (name, columns) in [
+        ("lzw_tiles", 80),
+        ("lzw_tiles_planar", 80),
+        ("small_tiles", 100),
+        ("palette_as_grey", 80),
+    ] {
+        let (all, channels, _) = texels(&format!("maps/{name}.tif"));
+        assert_eq!(
+            (channels, all.len()),
+            (3, 3 * columns * columns / 2),
+            "{name}"
+        );
+        for (n, got) in all.chunks_exact(3).enumerate() {
+            let field = n % columns / 50 + n / columns / 25;
+            let right = match name {
+                "palette_as_grey" => [[20, 60, 100], [230, 200, 170]][field % 2],
+                _ => [0, 1, 2].map(|c| match (field + usize::from(c)) % 2 {
+                    0 => 40 * c + 20,
+                    _ => 230 - 30 * c,
+                }),
+            };
+            assert_eq!(got, right, "{name}: texel {n}");
+        }
+    }
+}
