@@ -25,7 +25,7 @@ pub const MAX_PARTS: usize = 4096;
 pub const MOSAIC_FILE: &str = "mosaic.toml";
 
 /// Name endings of maps in a folder.
-const ENDINGS: [&str; 5] = ["png", "jpg", "jpeg", "tif", "tiff"];
+const ENDINGS: [&str; 6] = ["png", "jpg", "jpeg", "tif", "tiff", "webp"];
 
 /// What a mosaic is made of, the lowest part first.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -256,7 +256,7 @@ impl Description {
         if files.is_empty() || files.len() > MAX_PARTS {
             return Err(context.rejected(
                 format!("holds {} maps", files.len()),
-                format!("give a folder with 1 to {MAX_PARTS} PNG, JPEG or TIFF files, or with {MOSAIC_FILE}"),
+                format!("give a folder with 1 to {MAX_PARTS} PNG, JPEG, WebP or TIFF files, or with {MOSAIC_FILE}"),
             ));
         }
         let parts = files
