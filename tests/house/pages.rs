@@ -17,10 +17,10 @@ const FOLDERS: [&str; 10] = [
 ];
 
 /// Upper limit of the median sentence length of a page, in words.
-const MAX_MEDIAN_WORDS: usize = 17;
+const MAX_MEDIAN_WORDS: usize = 15;
 
 /// Upper limit of the length of a sentence, in words.
-const MAX_SENTENCE_WORDS: usize = 40;
+const MAX_SENTENCE_WORDS: usize = 25;
 
 /// Private idioms in lower case, each with the standard wording.
 const IDIOMS: [(&str, &str); 20] = [
@@ -218,17 +218,17 @@ mod tests {
         let found = |text: &str| hard_to_read(&page(text));
         let words = |count: usize| format!("{}end.", "word ".repeat(count - 1));
         let short = words(5) + " " + &words(6) + " ";
-        assert_eq!(found(&(short.clone() + &words(40))), [""; 0]);
-        let faults = found(&(short.clone() + &words(41)));
+        assert_eq!(found(&(short.clone() + &words(25))), [""; 0]);
+        let faults = found(&(short.clone() + &words(26)));
         assert!(
-            faults.len() == 1 && faults[0].contains("41 words"),
+            faults.len() == 1 && faults[0].contains("26 words"),
             "{faults:?}"
         );
         // Over two lines, and with code, a link and a number as one word each.
-        let line = "word ".repeat(19);
+        let line = "word ".repeat(11);
         let long = |link| {
             format!(
-                "{short}{line}\n{line}`a. b` {link} <!-- numbers n -->1. 2<!-- end numbers -->."
+                "{short}word {line}\n{line}`a. b` {link} <!-- numbers n -->1. 2<!-- end numbers -->."
             )
         };
         assert_eq!(found(&long("[x](y z)")).len(), 1);
@@ -241,15 +241,15 @@ mod tests {
                 ""
             };
             assert_eq!(
-                found(&format!("{short}\n{other}{}{end}", words(41))),
+                found(&format!("{short}\n{other}{}{end}", words(26))),
                 [""; 0]
             );
         }
         let list = format!(
             "- {}\n- {}\n12. {}",
-            "word ".repeat(16),
-            "word ".repeat(16),
-            "word ".repeat(16)
+            "word ".repeat(15),
+            "word ".repeat(15),
+            "word ".repeat(15)
         );
         assert_eq!(found(&list), [""; 0]);
     }
@@ -259,12 +259,12 @@ mod tests {
         let found = |text: &str| hard_to_read(&page(text));
         let sentence = |count: usize| format!("{}end. ", "word ".repeat(count - 1));
         assert_eq!(
-            found(&(sentence(30) + &sentence(17) + &sentence(3))),
+            found(&(sentence(24) + &sentence(15) + &sentence(3))),
             [""; 0]
         );
-        let faults = found(&(sentence(30) + &sentence(18) + &sentence(3)));
+        let faults = found(&(sentence(24) + &sentence(16) + &sentence(3)));
         assert!(
-            faults.len() == 1 && faults[0].contains("18 words"),
+            faults.len() == 1 && faults[0].contains("16 words"),
             "{faults:?}"
         );
     }
