@@ -3,6 +3,7 @@
 //! # Use
 //!
 //! ```text
+//! let options = CelestialOptions::load(&*find_textures()?, CelestialSelection::default())?;
 //! let mut celestial = Celestial::new(&device, &queue, &earth, &options)?;
 //! // once a frame, after Earth::prepare with the same view
 //! celestial.prepare(&queue, &earth, &moment);
@@ -12,6 +13,9 @@
 //! celestial.render(&mut pass);
 //! earth.render_clouds_overhead(&mut pass);
 //! ```
+//!
+//! Further views ([`Earth::new_view`]) have a sky of their own ([`Celestial::new_view`]): prepare it with [`Celestial::prepare_view`], and draw it
+//! between [`Earth::render_view_air`] and [`Earth::render_view_clouds_overhead`].
 //!
 //! # How it works
 //!
@@ -32,6 +36,7 @@ mod ghosts;
 mod moon;
 mod projection;
 mod seen;
+mod sky_maps;
 mod stars;
 
 use crate::earth::{
@@ -47,13 +52,15 @@ use crate::plan::AirSide;
 use glam::{DVec3, Vec2, Vec3, Vec4};
 use projection::Projection;
 use seen::Seen;
+pub use sky_maps::{CelestialSelection, MILKY_WAY_FILE, MOON_FILE, STARS_FILE};
 pub use stars::{Star, StarCatalogue, StarError};
 use std::f64::consts::PI;
+use std::path::PathBuf;
 use std::sync::Arc;
 use terrella_frames::{Ellipsoid, Epoch, MOON_RADIUS_M, Observer, Orientation, SUN_RADIUS_M};
 use terrella_ground::air::TOP;
 use terrella_ground::light::{DiffractionPattern, Ghosts};
-use terrella_imagery::LayerImage;
+use terrella_imagery::{ImageryError, LayerImage};
 
 /// A disc of a smaller radius is drawn as a point, pixels: its edge would be most of it.
 const POINT_PX: f64 = 2.0;
@@ -141,9 +148,15 @@ impl CelestialOptions {
 #[non_exhaustive]
 #[allow(missing_docs, reason = "the messages say what fields are")]
 pub enum CelestialError {
-    /// A shader file is at fault.
+    /// A shader file is invalid.
     #[error(transparent)]
     Shader(#[from] ShaderError),
+    /// A star catalogue that cannot be read.
+    #[error("{}", error.named(path))]
+    Stars { path: PathBuf, error: StarError },
+    /// A map that cannot be read.
+    #[error(transparent)]
+    File(#[from] ImageryError),
     /// A map that is none.
     #[error("{what}: {cause}")]
     Map { what: &'static str, cause: String },

@@ -174,8 +174,8 @@ pub use terrella_ground::light::{
 #[cfg(all(feature = "packs", feature = "terrain"))]
 pub use terrella_imagery::pack::PackHeights;
 pub use terrella_imagery::{
-    CityLights, EarthLayers, ImageryError, LayerImage, LayerSelection, MapFolder, find_textures,
-    load_layers, load_layers_to,
+    CityLights, EarthLayers, ImageryError, LayerImage, LayerSelection, MapFolder, PLACES_FILE,
+    find_textures, load_layers, load_layers_to,
     tile::{LayerLayout, MapLayer, Tile, TileError, TileFormat, TileKey, TileShape, TileSource},
 };
 #[cfg(feature = "packs")]

@@ -27,7 +27,7 @@ pub struct EarthView {
     pub(super) drawn: Option<TileView>,
     pub(super) stats: FrameStats,
     pub(super) version: Version,
-    /// Whether it was told that it is of another Earth.
+    /// Whether the warning that it is of another Earth was given.
     pub(super) is_rejected: bool,
 }
 
@@ -235,9 +235,26 @@ impl Earth {
 
     /// Draws a view that was prepared by [`Self::prepare`], as [`Self::render`] draws the first. One that was not prepared since the
     /// quality changed, or that is of another Earth, is not drawn.
+    ///
+    /// A host that draws Sun and stars calls the three parts instead, with the sky before the third.
     pub fn render_view(&self, view: &EarthView, pass: &mut wgpu::RenderPass<'_>) {
+        self.render_view_surface(view, pass);
+        self.render_view_air(view, pass);
+        self.render_view_clouds_overhead(view, pass);
+    }
+
+    /// The first part of [`Self::render_view`].
+    pub fn render_view_surface(&self, view: &EarthView, pass: &mut wgpu::RenderPass<'_>) {
         self.render_surface_of(view, pass);
+    }
+
+    /// The second part.
+    pub fn render_view_air(&self, view: &EarthView, pass: &mut wgpu::RenderPass<'_>) {
         self.render_air_of(view, pass);
+    }
+
+    /// The third part: nothing where the eye is above the clouds.
+    pub fn render_view_clouds_overhead(&self, view: &EarthView, pass: &mut wgpu::RenderPass<'_>) {
         self.render_clouds_overhead_of(view, pass);
     }
 }

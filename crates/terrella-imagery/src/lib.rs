@@ -73,8 +73,8 @@ pub use grey::load_grey_map;
 pub use ground_kinds::{CELLS_AROUND, GroundKind, GroundKinds, MOST_PIXEL_M, MapGroundKinds};
 pub use layer::{EarthLayers, LayerImage};
 pub use load::{
-    DamagedLayer, LayerSelection, load_color_map, load_day_map, load_layers, load_layers_to,
-    load_whole_layers,
+    DamagedLayer, LayerSelection, load_color_map, load_color_map_in, load_day_map, load_layers,
+    load_layers_to, load_whole_layers,
 };
 pub use load::{colour_note, day_file};
 pub use map_file::MAX_FILE_BYTES;

@@ -28,7 +28,7 @@ pub struct LayerSelection {
     pub normals: bool,
     /// City lights.
     pub night_lights: bool,
-    /// Open water, and with it the depth of the sea from the elevation map. A folder without it is none the worse: its sea
+    /// Open water, and with it the depth of the sea from the elevation map. A folder without it is still valid: its sea
     /// has the day map's colours.
     pub water: bool,
 }
@@ -66,6 +66,21 @@ impl LayerSelection {
             MapLayer::NightLights => self.night_lights,
             MapLayer::Water => self.water,
         }
+    }
+
+    /// Names that its files may have in a folder, the day map's among them: for programs that fetch the files themselves and give them as
+    /// [`MapFolder::Memory`]. Of the names of one map the first that exists is read.
+    pub fn file_names(self) -> Vec<&'static str> {
+        let wanted = OPTIONAL_FILES.into_iter();
+        let wanted = wanted.filter(|(layer, _)| self.has(*layer));
+        // The depth of the sea is read from elevations.
+        let elevation = (self.water && !self.normals).then_some(ELEVATION_NAME);
+        let names = wanted.flat_map(|(_, names)| names.iter().copied());
+        DAY_NAMES
+            .into_iter()
+            .chain(names)
+            .chain(elevation)
+            .collect()
     }
 
     /// The maps of it whose files a folder has not, with the names of these files.
@@ -263,6 +278,20 @@ fn read_day(folder: MapFolder<'_>) -> Result<DayTexels, ImageryError> {
 /// A map that fails, with its path, the cause and what to do.
 pub fn load_color_map(path: &Path, layer: &'static str) -> Result<LayerImage, ImageryError> {
     let texels = read_color(path, layer)?;
+    LayerImage::from_rgba8(texels.width, texels.height, texels.rgba)
+}
+
+/// The same of a file by its name in a folder, or in memory.
+///
+/// # Errors
+/// As [`load_color_map`].
+pub fn load_color_map_in<'f>(
+    folder: impl Into<MapFolder<'f>>,
+    name: &str,
+    layer: &'static str,
+) -> Result<LayerImage, ImageryError> {
+    let folder = folder.into();
+    let texels = color_texels(&folder.path(name), &folder.read(name, layer)?, layer)?;
     LayerImage::from_rgba8(texels.width, texels.height, texels.rgba)
 }
 

@@ -1,0 +1,108 @@
+//! The files of what is beyond the Earth, under their names in a folder of maps.
+
+use super::{CelestialError, CelestialOptions, StarCatalogue};
+use std::path::Path;
+use std::sync::Arc;
+use terrella_imagery::{ImageryError, LayerImage, MapFolder, load_color_map_in};
+
+/// The star catalogue's file in a folder of maps.
+pub const STARS_FILE: &str = "stars.bin";
+/// The file of the map of the Milky Way.
+pub const MILKY_WAY_FILE: &str = "milky_way.jpg";
+/// The file of the Moon's map.
+pub const MOON_FILE: &str = "moon.jpg";
+
+/// What of the sky is drawn: everything by default.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CelestialSelection {
+    /// Stars of the catalogue.
+    pub stars: bool,
+    /// The light of fainter stars.
+    pub milky_way: bool,
+    /// The Sun's disc.
+    pub sun: bool,
+    /// The Moon.
+    pub moon: bool,
+    /// Sunlight that lens and eye scatter about the Sun.
+    pub glare: bool,
+}
+
+impl Default for CelestialSelection {
+    fn default() -> Self {
+        Self {
+            stars: true,
+            milky_way: true,
+            sun: true,
+            moon: true,
+            glare: true,
+        }
+    }
+}
+
+impl CelestialSelection {
+    /// Names of its files in a folder of maps: for programs that fetch the files themselves and give them as [`MapFolder::Memory`].
+    pub fn file_names(self) -> Vec<&'static str> {
+        let files = [
+            (self.stars, STARS_FILE),
+            (self.milky_way, MILKY_WAY_FILE),
+            (self.moon, MOON_FILE),
+        ];
+        let files = files.into_iter();
+        files
+            .filter_map(|(is_on, name)| is_on.then_some(name))
+            .collect()
+    }
+}
+
+impl CelestialOptions {
+    /// Reads the star catalogue and the maps of a folder, as many of them as are selected. It blocks while it reads.
+    ///
+    /// # Errors
+    /// A file that is missing or cannot be used.
+    pub fn load<'f>(
+        folder: impl Into<MapFolder<'f>>,
+        selection: CelestialSelection,
+    ) -> Result<Self, CelestialError> {
+        let folder = folder.into();
+        let map = |is_on: bool, name, layer| -> Result<Option<Arc<LayerImage>>, ImageryError> {
+            match is_on {
+                true => Ok(Some(Arc::new(load_color_map_in(folder, name, layer)?))),
+                false => Ok(None),
+            }
+        };
+        let stars = match selection.stars {
+            true => Some(Arc::new(read_stars(folder)?)),
+            false => None,
+        };
+        Ok(Self {
+            stars,
+            milky_way: map(selection.milky_way, MILKY_WAY_FILE, "milky_way")?,
+            sun: selection.sun,
+            moon: map(selection.moon, MOON_FILE, "moon")?,
+            glare: selection.glare,
+            ..Self::NOTHING
+        })
+    }
+}
+
+fn read_stars(folder: MapFolder<'_>) -> Result<StarCatalogue, CelestialError> {
+    let (path, read) = match folder {
+        MapFolder::Disk(dir) => {
+            let path = dir.join(STARS_FILE);
+            let read = StarCatalogue::read(&path);
+            (path, read)
+        }
+        MapFolder::Memory(files) => {
+            let path = Path::new(STARS_FILE).to_owned();
+            let Some(bytes) = files.get(STARS_FILE) else {
+                return Err(ImageryError::Missing {
+                    path,
+                    layer: "stars",
+                }
+                .into());
+            };
+            (path, StarCatalogue::from_bytes(bytes))
+        }
+    };
+    read.map_err(|error| CelestialError::Stars { path, error })
+}
