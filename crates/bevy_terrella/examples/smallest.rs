@@ -1,6 +1,5 @@
 //! The Earth from the space station's height, in a window.
 
-use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::prelude::*;
 use bevy_terrella::prelude::*;
 
@@ -23,10 +22,8 @@ fn spawn(mut commands: Commands) {
         EarthClock { rate: 60.0 },
     ));
     commands.spawn((
-        // With a `Camera3d`.
+        // With a `Camera3d`, and what that needs.
         EarthCamera::default(),
-        // Of what Bevy draws itself; Bevy's default needs its feature `tonemapping_luts`.
-        Tonemapping::None,
         Transform::default().looking_to(Vec3::new(0.0, -0.4, -1.0), Vec3::Y),
     ));
 }

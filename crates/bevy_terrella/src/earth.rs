@@ -1,18 +1,18 @@
 //! What the Earth of a world is made of, and the cameras that see it.
 
-use crate::{EarthEpoch, EarthFault, EarthFrame, EarthSky};
+use crate::maps::ReadMaps;
+use crate::{EarthEpoch, EarthFault, EarthFrame, EarthMaps, EarthSky};
 use bevy::camera::Camera3d;
+use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::ecs::component::Component;
 use bevy::ecs::reflect::ReflectComponent;
 use bevy::reflect::Reflect;
 use bevy::reflect::std_traits::ReflectDefault;
 use bevy::render::render_resource::TextureFormat;
-use std::path::PathBuf;
 use std::sync::Arc;
 use terrella::{
-    AirOptions, Atmosphere, DepthBuffer, EarthLayers, EarthOptions, Exposure, Figure, FrameStats,
-    GroundOptions, ImageryError, LayerSelection, Shading, Subdivision, SurfaceLight, TileOptions,
-    Tone, find_textures, load_layers,
+    AirOptions, Atmosphere, DepthBuffer, EarthOptions, Exposure, Figure, FrameStats, GroundOptions,
+    Shading, Subdivision, SurfaceLight, TileOptions, Tone,
 };
 
 /// The Earth of this world: one entity has it. Where it stands is its [`EarthFrame`], when it is its [`EarthEpoch`].
@@ -48,33 +48,6 @@ pub struct Earth {
     pub ground: Option<GroundOptions>,
 }
 
-/// Where the Earth's maps come from.
-#[derive(Clone, Debug)]
-pub enum EarthMaps {
-    /// The starter maps, where [`find_textures`] finds them; read each time that an Earth is made.
-    Found(LayerSelection),
-    /// A folder of maps; read each time that an Earth is made.
-    Folder(PathBuf, LayerSelection),
-    /// Maps in memory.
-    Memory(Arc<EarthLayers>),
-}
-
-impl Default for EarthMaps {
-    fn default() -> Self {
-        Self::Found(LayerSelection::default())
-    }
-}
-
-impl EarthMaps {
-    fn load(&self) -> Result<EarthLayers, ImageryError> {
-        match self {
-            Self::Found(selection) => load_layers(&find_textures()?, *selection),
-            Self::Folder(folder, selection) => load_layers(folder, *selection),
-            Self::Memory(layers) => Ok(EarthLayers::clone(layers)),
-        }
-    }
-}
-
 impl Earth {
     /// An Earth of these maps, all else as the library has it.
     pub fn new(maps: EarthMaps) -> Self {
@@ -84,14 +57,17 @@ impl Earth {
         }
     }
 
-    /// The library's options for a pass of Bevy's. Reads the maps, so it takes its time.
+    /// The library's options for a pass of Bevy's, with maps that were read for it.
     pub(crate) fn options(
         &self,
+        read: ReadMaps,
         color_format: TextureFormat,
         samples: u32,
-    ) -> Result<EarthOptions, ImageryError> {
-        let defaults = EarthOptions::new(self.maps.load()?);
-        Ok(EarthOptions {
+    ) -> EarthOptions {
+        let defaults = EarthOptions::new(read.layers);
+        EarthOptions {
+            uploaded: read.uploaded,
+            city_lights: read.city_lights,
             tiles: self.tiles.clone(),
             ground: self.ground.clone(),
             figure: self.figure,
@@ -106,18 +82,19 @@ impl Earth {
             anisotropy: self.anisotropy.unwrap_or(defaults.anisotropy),
             tone: self.tone,
             ..defaults
-        })
+        }
     }
 }
 
 /// A `Camera3d` that sees the Earth; it is added where an entity has none.
 ///
 /// With `Hdr` the target gets light itself: a white sheet that faces the Sun is 1, and exposing and tone are Bevy's (`ColorGrading`,
-/// `Tonemapping`), for the Earth and the app's things alike.
+/// `Tonemapping`), for the Earth and the app's things alike. The tone curve is Khronos' neutral one where the camera names no other: it needs no
+/// table, which Bevy's default does.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(opaque)]
 #[reflect(Component, Clone, Debug, Default, PartialEq)]
-#[require(Camera3d, EarthCameraStatus)]
+#[require(Camera3d, EarthCameraStatus, Tonemapping::KhronosPbrNeutral)]
 pub struct EarthCamera {
     /// How bright cameras without `Hdr` show the Earth; those with it are exposed by Bevy.
     pub exposure: Exposure,

@@ -12,6 +12,27 @@ pub enum EarthFault {
     /// The maps could not be read.
     #[error("the Earth's maps cannot be read: {0}")]
     Maps(#[from] ImageryError),
+    /// The maps are Bevy's assets, and could not be read.
+    #[error(
+        "the Earth's maps cannot be read from the assets {folder}: {cause}; put a copy of Terrella's textures there"
+    )]
+    Assets {
+        /// The folder of the assets.
+        folder: String,
+        /// What is wrong with it.
+        cause: String,
+    },
+    /// The maps are Bevy's assets, and the app has none.
+    #[error("the Earth's maps are assets, and the app has no AssetServer; add Bevy's AssetPlugin")]
+    NoAssets,
+    /// The sky cannot be drawn as its component says.
+    #[cfg(feature = "celestial")]
+    #[error("the sky cannot be made: {0}")]
+    Celestial(#[from] terrella::celestial::CelestialError),
+    /// Tracks, stations or lines cannot be drawn as their components say. `satellite` counts the entities with a track.
+    #[cfg(feature = "tracks")]
+    #[error("tracks cannot be made: {0}")]
+    Tracks(#[from] terrella::tracks::TracksError),
     /// The Earth cannot be drawn as its component says.
     #[error("the Earth cannot be made: {0}")]
     Earth(#[from] EarthError),

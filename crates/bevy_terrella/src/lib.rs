@@ -22,6 +22,9 @@
 //! | [`EarthCamera`] | each `Camera3d` that sees it | exposure |
 //! | [`EarthCameraStatus`] | the same | whether it is drawn, what was drawn, or why not |
 //! | [`EarthSun`] | a `DirectionalLight` | makes it the Sun |
+//! | `EarthCelestial` (feature `celestial`) | the Earth's entity | stars, Milky Way, Sun and Moon are drawn |
+//! | `EarthTrack` (feature `tracks`) | an entity for each satellite | its trail, ground track, footprint and marker |
+//! | `EarthStation`, `EarthLines` (feature `tracks`) | entities of their own | ground stations; lines on the globe |
 //!
 //! # One frame
 //!
@@ -41,26 +44,40 @@
 //!
 //! What Bevy draws from its prepass (ambient occlusion, depth of field, motion vectors) does not know of the Earth, which is not in it.
 
+#[cfg(feature = "celestial")]
+mod celestial;
 mod earth;
 mod fault;
 mod frame;
+mod maps;
 mod render;
 mod sun;
 mod time;
+#[cfg(feature = "tracks")]
+mod tracks;
 
-pub use earth::{Earth, EarthCamera, EarthCameraStatus, EarthMaps};
+#[cfg(feature = "celestial")]
+pub use celestial::EarthCelestial;
+pub use earth::{Earth, EarthCamera, EarthCameraStatus};
 pub use fault::EarthFault;
 pub use frame::EarthFrame;
+pub use maps::EarthMaps;
 pub use sun::EarthSun;
 pub use terrella;
 pub use time::{EarthClock, EarthEpoch, EarthSky};
+#[cfg(feature = "tracks")]
+pub use tracks::{EarthLines, EarthStation, EarthTrack};
 
 /// What apps use of the plugin, with the types of places and times that its components take.
 pub mod prelude {
+    #[cfg(feature = "celestial")]
+    pub use crate::EarthCelestial;
     pub use crate::{
         Earth, EarthCamera, EarthCameraStatus, EarthClock, EarthEpoch, EarthFault, EarthFrame,
         EarthMaps, EarthSky, EarthSun, TerrellaPlugin, TerrellaSystems,
     };
+    #[cfg(feature = "tracks")]
+    pub use crate::{EarthLines, EarthStation, EarthTrack};
     pub use terrella::frames::{Epoch, Geodetic};
 }
 
@@ -94,8 +111,14 @@ impl Plugin for TerrellaPlugin {
             .register_type::<EarthSky>()
             .register_type::<EarthFrame>()
             .register_type::<EarthClock>()
-            .register_type::<EarthSun>()
-            .configure_sets(PostUpdate, order)
+            .register_type::<EarthSun>();
+        #[cfg(feature = "celestial")]
+        app.register_type::<EarthCelestial>();
+        #[cfg(feature = "tracks")]
+        app.register_type::<EarthTrack>()
+            .register_type::<EarthStation>()
+            .register_type::<EarthLines>();
+        app.configure_sets(PostUpdate, order)
             .add_systems(
                 PreUpdate,
                 time::advance_epochs.in_set(TerrellaSystems::Clock),
@@ -112,6 +135,7 @@ impl Plugin for TerrellaPlugin {
 mod tests {
     use crate::prelude::*;
     use bevy::camera::Camera3d;
+    use bevy::core_pipeline::tonemapping::Tonemapping;
     use bevy::ecs::reflect::{AppTypeRegistry, ReflectComponent};
     use bevy::prelude::App;
     use std::any::TypeId;
@@ -130,6 +154,14 @@ mod tests {
             TypeId::of::<EarthFrame>(),
             TypeId::of::<EarthSky>(),
             TypeId::of::<EarthSun>(),
+            #[cfg(feature = "celestial")]
+            TypeId::of::<EarthCelestial>(),
+            #[cfg(feature = "tracks")]
+            TypeId::of::<EarthTrack>(),
+            #[cfg(feature = "tracks")]
+            TypeId::of::<EarthStation>(),
+            #[cfg(feature = "tracks")]
+            TypeId::of::<EarthLines>(),
         ] {
             let registration = registry.get(id).expect("a registered component");
             assert!(registration.data::<ReflectComponent>().is_some());
@@ -137,5 +169,6 @@ mod tests {
         drop(registry);
         let camera = app.world_mut().spawn(EarthCamera::default());
         assert!(camera.contains::<Camera3d>() && camera.contains::<EarthCameraStatus>());
+        assert!(camera.contains::<Tonemapping>());
     }
 }

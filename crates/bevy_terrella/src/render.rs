@@ -5,12 +5,14 @@
 //! | `extract.rs` | from the main world: the Earth and its cameras; back to it: what became of them |
 //! | `eye.rs` | a camera of Bevy's as the library's view |
 //! | `planet.rs` | an Earth for one format and sample count: made by a task, with a view for each camera |
+//! | `overlays.rs` | the sky beyond the Earth and the tracks over it, for each view |
 //! | `prepare.rs` | all pictures of a frame |
 //! | `draw.rs` | one camera's pass |
 
 mod draw;
 mod extract;
 mod eye;
+mod overlays;
 mod planet;
 mod prepare;
 
@@ -28,6 +30,11 @@ pub(crate) fn build(app: &mut App) {
         tracing::warn!("without Bevy's RenderPlugin before TerrellaPlugin no Earth is drawn");
         return;
     };
+    #[cfg(feature = "tracks")]
+    render.add_systems(
+        ExtractSchedule,
+        extract::extract_tracks.after(extract::extract),
+    );
     render
         .init_resource::<extract::SeenEarth>()
         .init_resource::<extract::Reports>()
@@ -47,7 +54,7 @@ pub(crate) fn build(app: &mut App) {
         );
 }
 
-/// Bevy has a new device: what was made on the old one is of no use.
+/// Bevy has a new device: what was made on the old one is useless.
 fn forget(mut planets: ResMut<Planets>) {
     *planets = Planets::default();
 }

@@ -1,15 +1,25 @@
 //! From the main world: the Earth and its cameras; back to it: what became of them.
 
+use super::overlays::SeenTracks;
+#[cfg(feature = "celestial")]
+use crate::EarthCelestial;
 use crate::time::has_sky;
 use crate::{Earth, EarthCamera, EarthCameraStatus, EarthEpoch, EarthFault, EarthFrame, EarthSky};
+#[cfg(feature = "tracks")]
+use crate::{EarthLines, EarthStation, EarthTrack};
 use bevy::ecs::change_detection::DetectChanges;
+#[cfg(feature = "tracks")]
+use bevy::ecs::component::Component;
 use bevy::ecs::entity::Entity;
 use bevy::ecs::resource::Resource;
+#[cfg(feature = "tracks")]
+use bevy::ecs::system::Local;
 use bevy::ecs::system::{Query, ResMut};
 use bevy::ecs::world::Ref;
 use bevy::render::{Extract, MainWorld};
 use std::sync::Arc;
 use terrella::Sky;
+use terrella::frames::Epoch;
 
 /// What the main world shows.
 #[derive(Resource, Default)]
@@ -18,6 +28,7 @@ pub(super) struct SeenEarth {
     /// What is wrong with it, for all cameras.
     pub fault: Option<Arc<EarthFault>>,
     pub cameras: Vec<(Entity, EarthCamera)>,
+    pub tracks: SeenTracks,
     revisions: u64,
 }
 
@@ -29,7 +40,10 @@ pub(super) struct SeenScene {
     /// Counts its changes.
     pub revision: u64,
     pub frame: EarthFrame,
+    pub epoch: Epoch,
     pub sky: Sky,
+    #[cfg(feature = "celestial")]
+    pub celestial: Option<EarthCelestial>,
 }
 
 type Parts<'a> = (
@@ -44,6 +58,7 @@ pub(super) fn extract(
     mut seen: ResMut<SeenEarth>,
     earths: Extract<Query<Parts<'static>>>,
     cameras: Extract<Query<(Entity, &EarthCamera)>>,
+    #[cfg(feature = "celestial")] skies: Extract<Query<&EarthCelestial>>,
 ) {
     seen.cameras.clear();
     seen.cameras
@@ -62,6 +77,10 @@ pub(super) fn extract(
         return;
     };
     let before = seen.scene.take().filter(|scene| scene.entity == entity);
+    #[cfg(feature = "celestial")]
+    let celestial = skies.get(entity).ok().copied();
+    #[cfg(feature = "celestial")]
+    let before = before.filter(|scene| scene.celestial == celestial);
     let (earth, revision) = match before {
         Some(scene) if !earth.is_changed() => (scene.earth, scene.revision),
         _ => {
@@ -74,8 +93,51 @@ pub(super) fn extract(
         earth,
         revision,
         frame: *frame,
+        epoch: epoch.unwrap_or_default(),
         sky: sky.0,
+        #[cfg(feature = "celestial")]
+        celestial,
     });
+}
+
+/// Takes over satellites, stations and lines where one of them has changed, has come or has gone.
+#[cfg(feature = "tracks")]
+pub(super) fn extract_tracks(
+    mut seen: ResMut<SeenEarth>,
+    satellites: Extract<Query<(Entity, Ref<EarthTrack>)>>,
+    stations: Extract<Query<(Entity, Ref<EarthStation>)>>,
+    lines: Extract<Query<(Entity, Ref<EarthLines>)>>,
+    mut counts: Local<[usize; 3]>,
+) {
+    let now = [
+        satellites.iter().len(),
+        stations.iter().len(),
+        lines.iter().len(),
+    ];
+    // One that went and one that came in the same frame: the one that came is a change.
+    let is_same = *counts == now
+        && !satellites.iter().any(|(_, one)| one.is_changed())
+        && !stations.iter().any(|(_, one)| one.is_changed())
+        && !lines.iter().any(|(_, one)| one.is_changed());
+    if is_same {
+        return;
+    }
+    *counts = now;
+    seen.tracks = SeenTracks {
+        revision: seen.tracks.revision + 1,
+        satellites: in_order(satellites.iter()),
+        stations: in_order(stations.iter()),
+        lines: in_order(lines.iter()),
+    };
+}
+
+#[cfg(feature = "tracks")]
+fn in_order<'w, T: Component + Clone>(
+    found: impl Iterator<Item = (Entity, Ref<'w, T>)>,
+) -> Arc<Vec<T>> {
+    let mut found: Vec<_> = found.collect();
+    found.sort_unstable_by_key(|&(entity, _)| entity);
+    Arc::new(found.into_iter().map(|(_, one)| T::clone(&one)).collect())
 }
 
 /// What became of each camera in the frame before.

@@ -1,7 +1,10 @@
 //! An Earth for one format and sample count: made by a task, with a view for each camera.
 
 use super::extract::SeenScene;
+use super::overlays::{Moment, Overlays, Seat, SeenTracks};
+use crate::maps::{self, Beside};
 use crate::{EarthCameraStatus, EarthFault};
+use bevy::asset::AssetServer;
 use bevy::ecs::entity::Entity;
 use bevy::ecs::resource::Resource;
 use bevy::render::render_resource::TextureFormat;
@@ -9,7 +12,8 @@ use bevy::render::renderer::{RenderDevice, RenderQueue};
 use bevy::tasks::futures::check_ready;
 use bevy::tasks::{AsyncComputeTaskPool, Task, TaskPool};
 use std::sync::Arc;
-use terrella::{Earth, EarthView, Exposure, EyeView, FrameRequest, Sky, ViewFrame, Viewport, wgpu};
+use terrella::frames::Epoch;
+use terrella::{Earth, EarthView, Exposure, EyeView, FrameRequest, ViewFrame, Viewport, wgpu};
 
 /// What pipelines are made for: the format and the samples of a camera's pass.
 pub(super) type Key = (TextureFormat, u32);
@@ -23,7 +27,17 @@ pub(super) struct Picture {
     pub key: Key,
 }
 
-/// Frames after which an Earth that no camera sees is let go of.
+impl Picture {
+    fn moment(&self, epoch: Epoch) -> Moment<'_> {
+        Moment {
+            epoch,
+            eye: &self.eye,
+            target: self.target,
+        }
+    }
+}
+
+/// Frames after which an Earth that no camera sees is dropped.
 const IDLE_FRAMES: u32 = 300;
 
 /// The Earths that there are.
@@ -32,13 +46,7 @@ pub(super) struct Planets(Vec<Planet>);
 
 impl Planets {
     /// The one for a key, made or being made as the scene says.
-    pub fn of(
-        &mut self,
-        key: Key,
-        scene: &SeenScene,
-        device: &RenderDevice,
-        queue: &RenderQueue,
-    ) -> &mut Planet {
+    pub fn of(&mut self, key: Key, scene: &SeenScene, gpu: Gpu<'_>) -> &mut Planet {
         let at = self.0.iter().position(|planet| planet.key == key);
         let at = at.unwrap_or_else(|| {
             self.0.push(Planet::new(key));
@@ -46,11 +54,11 @@ impl Planets {
         });
         let planet = &mut self.0[at];
         planet.idle_frames = 0;
-        planet.follow(scene, device, queue);
+        planet.follow(scene, gpu);
         planet
     }
 
-    /// Ends a frame: those that no camera has seen for long are let go of.
+    /// Ends a frame: those that no camera has seen for long are dropped.
     pub fn age(&mut self) {
         for planet in &mut self.0 {
             planet.idle_frames += 1;
@@ -63,7 +71,7 @@ impl Planets {
         self.0.retain(|planet| planet.idle_frames <= IDLE_FRAMES);
     }
 
-    /// Lets all go.
+    /// Drops all of them.
     pub fn clear(&mut self) {
         self.0.clear();
     }
@@ -73,25 +81,46 @@ impl Planets {
         self.seat(camera).is_some()
     }
 
-    /// Draws what was prepared for a camera.
+    /// Draws what was prepared for a camera: the Earth, the sky beyond it, clouds over the eye, and tracks.
     pub fn render(&self, camera: Entity, pass: &mut wgpu::RenderPass<'_>) {
         match self.seat(camera) {
-            Some((earth, Some(view))) => earth.render_view(view, pass),
-            Some((earth, None)) => earth.render(pass),
+            Some((drawn, Some(other))) => {
+                drawn.earth.render_view_surface(&other.view, pass);
+                drawn.earth.render_view_air(&other.view, pass);
+                other.overlays.render_sky(pass);
+                drawn.earth.render_view_clouds_overhead(&other.view, pass);
+                other.overlays.render_tracks(pass);
+            }
+            Some((drawn, None)) => {
+                drawn.earth.render_surface(pass);
+                drawn.earth.render_air(pass);
+                drawn.overlays.render_sky(pass);
+                drawn.earth.render_clouds_overhead(pass);
+                drawn.overlays.render_tracks(pass);
+            }
             None => {}
         }
     }
 
-    fn seat(&self, camera: Entity) -> Option<(&Earth, Option<&EarthView>)> {
+    fn seat(&self, camera: Entity) -> Option<(&Drawn, Option<&Other>)> {
         let drawn = self.0.iter().filter_map(|planet| planet.drawn.as_ref());
         drawn.into_iter().find_map(|drawn| {
-            let first = (drawn.first == Some(camera)).then_some((&drawn.earth, None));
+            let first = (drawn.first == Some(camera)).then_some((drawn, None));
             first.or_else(|| {
-                let other = drawn.others.iter().find(|other| other.0 == camera);
-                other.map(|(_, view)| (&drawn.earth, Some(view)))
+                let other = drawn.others.iter().find(|other| other.camera == camera);
+                other.map(|other| (drawn, Some(other)))
             })
         })
     }
+}
+
+/// What Earths are made with.
+#[derive(Clone, Copy)]
+pub(super) struct Gpu<'g> {
+    pub device: &'g RenderDevice,
+    pub queue: &'g RenderQueue,
+    /// What reads maps that are assets.
+    pub assets: Option<&'g AssetServer>,
 }
 
 /// An Earth for one key.
@@ -99,7 +128,7 @@ pub(super) struct Planet {
     key: Key,
     /// The scene's revision that it was made for, or is being made for.
     revision: u64,
-    making: Option<Task<Result<Earth, EarthFault>>>,
+    making: Option<Task<Result<Drawn, EarthFault>>>,
     drawn: Option<Drawn>,
     fault: Option<Arc<EarthFault>>,
     idle_frames: u32,
@@ -108,8 +137,19 @@ pub(super) struct Planet {
 /// An Earth with the cameras that see it. The first sees by the Earth's own view, each of the others by one of its own.
 struct Drawn {
     earth: Earth,
+    /// Of the Earth's own view.
+    overlays: Overlays,
+    /// The revision of the tracks that are drawn, and why they are not.
+    tracks: (u64, Option<Arc<EarthFault>>),
     first: Option<Entity>,
-    others: Vec<(Entity, EarthView)>,
+    others: Vec<Other>,
+}
+
+/// A further camera.
+struct Other {
+    camera: Entity,
+    view: EarthView,
+    overlays: Overlays,
 }
 
 impl Planet {
@@ -125,18 +165,12 @@ impl Planet {
     }
 
     /// Takes what a task has made, and starts one where the scene has changed.
-    fn follow(&mut self, scene: &SeenScene, device: &RenderDevice, queue: &RenderQueue) {
+    fn follow(&mut self, scene: &SeenScene, gpu: Gpu<'_>) {
         if let Some(made) = self.making.as_mut().and_then(check_ready) {
             self.making = None;
             self.drawn = None;
             match made {
-                Ok(earth) => {
-                    self.drawn = Some(Drawn {
-                        earth,
-                        first: None,
-                        others: Vec::new(),
-                    });
-                }
+                Ok(drawn) => self.drawn = Some(drawn),
                 Err(fault) => self.fault = Some(Arc::new(fault)),
             }
         }
@@ -147,19 +181,40 @@ impl Planet {
         self.revision = scene.revision;
         self.fault = None;
         let (earth, (format, samples)) = (scene.earth.clone(), self.key);
-        let (device, queue) = (device.clone(), queue.clone());
+        let (device, queue) = (gpu.device.clone(), gpu.queue.clone());
+        let assets = gpu.assets.cloned();
+        let beside = Beside {
+            city_lights: earth.light.detail,
+            #[cfg(feature = "celestial")]
+            celestial: scene.celestial,
+        };
         let pool = AsyncComputeTaskPool::get_or_init(TaskPool::default);
         self.making = Some(pool.spawn(async move {
-            let options = earth.options(format, samples)?;
-            Ok(Earth::new(device.wgpu_device(), &queue, &options)?)
+            let gpu = (device.wgpu_device(), &*queue);
+            let assets = assets.as_ref();
+            let read = maps::read(&earth.maps, beside, earth.shading, assets, gpu).await?;
+            #[cfg(feature = "celestial")]
+            let sky = read.celestial.clone();
+            let options = earth.options(read, format, samples);
+            let earth = Earth::new(gpu.0, gpu.1, &options)?;
+            Ok(Drawn {
+                #[cfg(feature = "celestial")]
+                overlays: Overlays::with_sky(gpu.0, gpu.1, &earth, sky.as_ref())?,
+                #[cfg(not(feature = "celestial"))]
+                overlays: Overlays::default(),
+                earth,
+                tracks: (0, None),
+                first: None,
+                others: Vec::new(),
+            })
         }));
     }
 
     /// Prepares the pictures of a frame, and tells what became of them.
     pub fn prepare(
         &mut self,
-        queue: &wgpu::Queue,
-        sky: &Sky,
+        gpu: Gpu<'_>,
+        (scene, tracks): (&SeenScene, &SeenTracks),
         pictures: &[&Picture],
         tell: &mut dyn FnMut(Entity, EarthCameraStatus),
     ) {
@@ -173,7 +228,7 @@ impl Planet {
             }
             return;
         };
-        if let Err(fault) = drawn.prepare(queue, sky, pictures, tell) {
+        if let Err(fault) = drawn.prepare(gpu, (scene, tracks), pictures, tell) {
             let fault = Arc::new(fault);
             for picture in pictures {
                 tell(picture.camera, EarthCameraStatus::Failed(fault.clone()));
@@ -189,21 +244,39 @@ impl Drawn {
     fn seat(&mut self, pictures: &[&Picture]) {
         let is_there = |camera: Entity| pictures.iter().any(|picture| picture.camera == camera);
         self.first = self.first.filter(|&camera| is_there(camera));
-        self.others.retain(|&(camera, _)| is_there(camera));
+        self.others.retain(|other| is_there(other.camera));
         // The Earth's own view is always somebody's: it must be prepared with the others.
         if self.first.is_none() {
-            self.first = self.others.pop().map(|(camera, _)| camera);
+            self.first = self.others.pop().map(|other| other.camera);
+        }
+    }
+
+    /// Makes tracks again where those of the main world have changed.
+    fn follow_tracks(&mut self, device: &wgpu::Device, seen: &SeenTracks) {
+        if self.tracks.0 == seen.revision {
+            return;
+        }
+        #[cfg(feature = "tracks")]
+        let fault = self.overlays.make_tracks(device, &self.earth, seen).err();
+        #[cfg(not(feature = "tracks"))]
+        let (fault, _) = (None, device);
+        self.tracks = (seen.revision, fault.map(Arc::new));
+        #[cfg(feature = "tracks")]
+        for other in &mut self.others {
+            other.overlays.share_tracks(&self.overlays, &other.view);
         }
     }
 
     fn prepare(
         &mut self,
-        queue: &wgpu::Queue,
-        sky: &Sky,
+        gpu: Gpu<'_>,
+        (scene, tracks): (&SeenScene, &SeenTracks),
         pictures: &[&Picture],
         tell: &mut dyn FnMut(Entity, EarthCameraStatus),
     ) -> Result<(), EarthFault> {
+        let (device, queue, sky) = (gpu.device.wgpu_device(), &**gpu.queue, &scene.sky);
         self.seat(pictures);
+        self.follow_tracks(device, tracks);
         let mut own = None;
         for &picture in pictures {
             let camera = picture.camera;
@@ -212,38 +285,59 @@ impl Drawn {
                 own = Some(picture);
                 continue;
             }
-            let at = self.others.iter().position(|other| other.0 == camera);
+            let at = self.others.iter().position(|other| other.camera == camera);
             let at = match at {
                 Some(at) => at,
                 None => {
-                    self.others.push((camera, self.earth.new_view()?));
+                    let view = self.earth.new_view()?;
+                    self.others.push(Other {
+                        camera,
+                        overlays: self.overlays.new_view(device, &view),
+                        view,
+                    });
                     self.others.len() - 1
                 }
             };
-            self.others[at].1.set_exposure(picture.exposure)?;
+            self.others[at].view.set_exposure(picture.exposure)?;
         }
         let Some(own) = own else {
             return Ok(());
         };
         let of = |camera: Entity| pictures.iter().find(|picture| picture.camera == camera);
-        let others = self.others.iter_mut().filter_map(|(camera, view)| {
-            let picture = of(*camera)?;
+        let others = self.others.iter_mut().filter_map(|other| {
+            let picture = of(other.camera)?;
             Some(ViewFrame {
-                view,
+                view: &mut other.view,
                 eye: &picture.eye,
                 sky,
                 target: picture.target,
             })
         });
         let mut others: Vec<_> = others.collect();
-        let stats = self.earth.prepare(
+        let mut stats = self.earth.prepare(
             queue,
             FrameRequest::new(&own.eye, sky, own.target).with_views(&mut others),
         );
-        tell(own.camera, EarthCameraStatus::Drawn(Box::new(stats)));
-        for (camera, view) in &self.others {
-            let stats = Box::new(*view.stats());
-            tell(*camera, EarthCameraStatus::Drawn(stats));
+        let fault = self.tracks.1.as_ref();
+        let mut drawn = |camera, stats| match fault {
+            Some(fault) => tell(camera, EarthCameraStatus::Failed(fault.clone())),
+            None => tell(camera, EarthCameraStatus::Drawn(Box::new(stats))),
+        };
+        let epoch = scene.epoch;
+        let seat = Seat::Own(&self.earth);
+        self.overlays
+            .prepare(queue, seat, own.moment(epoch), tracks, &mut stats);
+        drawn(own.camera, stats);
+        for other in &mut self.others {
+            let Some(picture) = of(other.camera) else {
+                continue;
+            };
+            let mut stats = *other.view.stats();
+            let seat = Seat::Other(&other.view);
+            other
+                .overlays
+                .prepare(queue, seat, picture.moment(epoch), tracks, &mut stats);
+            drawn(other.camera, stats);
         }
         Ok(())
     }

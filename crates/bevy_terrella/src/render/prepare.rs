@@ -2,8 +2,9 @@
 
 use super::extract::{Reports, SeenEarth};
 use super::eye::eye;
-use super::planet::{Picture, Planets};
+use super::planet::{Gpu, Picture, Planets};
 use crate::{EarthCamera, EarthCameraStatus, EarthFault, EarthFrame};
+use bevy::asset::AssetServer;
 use bevy::camera::MainPassResolutionOverride;
 use bevy::ecs::entity::Entity;
 use bevy::ecs::query::With;
@@ -24,6 +25,7 @@ type View<'a> = (
 pub(super) fn prepare(
     device: Res<RenderDevice>,
     queue: Res<RenderQueue>,
+    assets: Option<Res<AssetServer>>,
     seen: Res<SeenEarth>,
     mut planets: ResMut<Planets>,
     mut reports: ResMut<Reports>,
@@ -40,6 +42,11 @@ pub(super) fn prepare(
             );
         }
         return;
+    };
+    let gpu = Gpu {
+        device: &device,
+        queue: &queue,
+        assets: assets.as_deref(),
     };
     let mut pictures = Vec::with_capacity(seen.cameras.len());
     for (entity, camera) in &seen.cameras {
@@ -59,8 +66,8 @@ pub(super) fn prepare(
             continue;
         }
         let alike: Vec<_> = pictures.iter().filter(|other| other.key == key).collect();
-        let planet = planets.of(key, scene, &device, &queue);
-        planet.prepare(&queue, &scene.sky, &alike, &mut tell);
+        let planet = planets.of(key, scene, gpu);
+        planet.prepare(gpu, (scene, &seen.tracks), &alike, &mut tell);
     }
     planets.age();
 }

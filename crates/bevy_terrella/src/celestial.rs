@@ -1,0 +1,71 @@
+//! Stars, the Milky Way, Sun and Moon behind the Earth.
+
+use crate::EarthFault;
+use bevy::ecs::component::Component;
+use bevy::ecs::reflect::ReflectComponent;
+use bevy::reflect::Reflect;
+use bevy::reflect::std_traits::ReflectDefault;
+use terrella::MapFolder;
+use terrella::celestial::{CelestialOptions, CelestialSelection};
+
+/// Draws the sky beyond the Earth for all its cameras: on the entity of the [`Earth`](crate::Earth). Without it space is what Bevy's camera clears
+/// to.
+///
+/// The catalogue of stars and the maps of Milky Way and Moon are read from the Earth's folder of maps, for
+/// [`EarthMaps::Memory`](crate::EarthMaps::Memory) from the starter maps. After a change the Earth is made again.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
+#[reflect(Component, Clone, Debug, Default, PartialEq)]
+pub struct EarthCelestial {
+    /// Stars of the Hipparcos catalogue.
+    pub stars: bool,
+    /// The Milky Way.
+    pub milky_way: bool,
+    /// The Sun's disc.
+    pub sun: bool,
+    /// The Moon.
+    pub moon: bool,
+    /// Sunlight that lens and eye scatter about the Sun.
+    pub glare: bool,
+    /// How many times brighter than in truth stars and Milky Way are drawn, 0 or more.
+    pub star_gain: f64,
+    /// Whether that gain falls to 1 where the camera shows sunlit ground or air.
+    pub stars_fade_by_day: bool,
+}
+
+impl Default for EarthCelestial {
+    /// Everything, as the library draws it.
+    fn default() -> Self {
+        Self {
+            stars: true,
+            milky_way: true,
+            sun: true,
+            moon: true,
+            glare: true,
+            star_gain: CelestialOptions::STAR_GAIN,
+            stars_fade_by_day: true,
+        }
+    }
+}
+
+impl From<EarthCelestial> for CelestialSelection {
+    fn from(sky: EarthCelestial) -> Self {
+        Self {
+            stars: sky.stars,
+            milky_way: sky.milky_way,
+            sun: sky.sun,
+            moon: sky.moon,
+            glare: sky.glare,
+        }
+    }
+}
+
+impl EarthCelestial {
+    /// The library's options, with maps from a folder.
+    pub(crate) fn options(self, folder: MapFolder<'_>) -> Result<CelestialOptions, EarthFault> {
+        Ok(CelestialOptions {
+            star_gain: self.star_gain,
+            stars_fade_by_day: self.stars_fade_by_day,
+            ..CelestialOptions::load(folder, self.into())?
+        })
+    }
+}
