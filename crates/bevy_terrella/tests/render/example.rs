@@ -26,6 +26,7 @@ fn a_craft_is_drawn_before_the_earth() {
 fn code_on_the_page_stands_in_the_examples() {
     let page = include_str!("../../../../docs/embedding/bevy.md");
     let examples = [
+        include_str!("../../examples/orbit.rs"),
         include_str!("../../examples/smallest.rs"),
         include_str!("../../examples/craft/main.rs"),
     ];

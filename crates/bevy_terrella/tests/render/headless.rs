@@ -44,6 +44,11 @@ impl Picture {
 /// Bevy with all that draws, and neither a window nor a thread for rendering: after `update` the frame is submitted. What it draws with
 /// is there when it is drawn: pipelines are not awaited in later frames.
 pub fn app() -> App {
+    app_with_assets(AssetPlugin::default())
+}
+
+/// The same with assets of another folder.
+pub fn app_with_assets(assets: AssetPlugin) -> App {
     let mut app = App::new();
     let window = WindowPlugin {
         primary_window: None,
@@ -58,6 +63,7 @@ pub fn app() -> App {
         DefaultPlugins
             .set(window)
             .set(render)
+            .set(assets)
             .disable::<WinitPlugin>()
             .disable::<PipelinedRenderingPlugin>(),
     );

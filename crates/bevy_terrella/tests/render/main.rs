@@ -1,5 +1,6 @@
 //! The Earth in Bevy, compared with the native host's.
 
+mod assets;
 mod cameras;
 mod compare;
 #[allow(dead_code)]
@@ -10,6 +11,7 @@ mod example;
 mod faults;
 mod native;
 mod one_frame;
+mod overlays;
 mod recovery;
 mod scene;
 

@@ -2,7 +2,12 @@
 
 use crate::headless::Picture;
 use bevy::render::render_resource::TextureFormat;
+use bevy_terrella::EarthTrack;
 use std::sync::{Arc, OnceLock};
+use terrella::celestial::{Celestial, CelestialMoment, CelestialOptions};
+use terrella::frames::Orientation;
+use terrella::orbit::Feed;
+use terrella::tracks::{Polylines, Station, TrackMoment, Tracks, TracksOptions};
 use terrella::{
     Earth, EarthLayers, EarthOptions, Exposure, EyeView, FrameRequest, FrameTargets,
     LayerSelection, Sky, find_textures, load_layers, wgpu,
@@ -16,6 +21,15 @@ pub fn maps() -> Arc<EarthLayers> {
         Arc::new(load_layers(&folder, LayerSelection::default()).expect("whole maps"))
     };
     MAPS.get_or_init(load).clone()
+}
+
+/// What a program draws beside the Earth.
+#[derive(Default)]
+pub struct Beside {
+    pub celestial: Option<CelestialOptions>,
+    pub tracks: Vec<EarthTrack>,
+    pub stations: Vec<Station>,
+    pub lines: Vec<Polylines>,
 }
 
 /// A program that draws with wgpu.
@@ -48,10 +62,22 @@ impl Native {
     /// A picture as the program would draw it.
     pub fn draw(
         &self,
+        key: (TextureFormat, u32),
+        seen: (&EyeView, &Sky),
+        size: (u32, u32),
+        exposure: Exposure,
+    ) -> Picture {
+        self.draw_with(key, seen, size, exposure, &Beside::default())
+    }
+
+    /// The same with a sky and tracks.
+    pub fn draw_with(
+        &self,
         (format, samples): (TextureFormat, u32),
         (eye, sky): (&EyeView, &Sky),
         size: (u32, u32),
         exposure: Exposure,
+        beside: &Beside,
     ) -> Picture {
         let (device, queue) = (&self.device, &self.queue);
         let mut earth = Earth::new(
@@ -67,10 +93,50 @@ impl Native {
         .expect("an Earth");
         let targets = FrameTargets::with_color(device, format, size, samples);
         earth.prepare(queue, FrameRequest::new(eye, sky, size));
+        let epoch = sky.epoch.expect("the instant of the sky");
+        let orientation = Orientation::default();
+        let celestial = beside.celestial.as_ref().map(|options| {
+            let mut celestial =
+                Celestial::new(device, queue, &earth, options).expect("a sound sky");
+            let moment = CelestialMoment {
+                epoch,
+                orientation,
+                view: eye,
+                target: size.into(),
+                velocity_m_s: None,
+            };
+            celestial.prepare(queue, &earth, &moment);
+            celestial
+        });
+        let options = TracksOptions::of(&earth);
+        let styles: Vec<_> = beside.tracks.iter().map(|track| track.style).collect();
+        let mut tracks = Tracks::new(device, &options, &styles).expect("sound styles");
+        tracks
+            .set_stations(&beside.stations, 0)
+            .expect("sound stations");
+        tracks.set_lines(beside.lines.clone()).expect("sound lines");
+        let moment = TrackMoment {
+            epoch,
+            orientation,
+            turn: None,
+            view: eye,
+            target: size.into(),
+        };
+        let feeds = beside.tracks.iter().map(|track| &*track.feed as &dyn Feed);
+        tracks.prepare_complete(queue, &moment, feeds);
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor {
             label: Some("terrella native host"),
         });
-        earth.render(&mut targets.begin_pass(&mut encoder));
+        {
+            let mut pass = targets.begin_pass(&mut encoder);
+            earth.render_surface(&mut pass);
+            earth.render_air(&mut pass);
+            if let Some(celestial) = &celestial {
+                celestial.render(&mut pass);
+            }
+            earth.render_clouds_overhead(&mut pass);
+            tracks.render(&mut pass);
+        }
         queue.submit([encoder.finish()]);
         let bytes = match format {
             TextureFormat::Rgba16Float => {

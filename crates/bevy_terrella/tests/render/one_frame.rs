@@ -12,7 +12,7 @@ use terrella::frames::Geodetic;
 use terrella::{Exposure, EyeView};
 
 /// The view with the matrices that Bevy makes of it, in f32.
-fn as_bevy_has_it(view: &View) -> EyeView {
+pub fn as_bevy_has_it(view: &View) -> EyeView {
     let (width, height) = SIZE;
     let mut projection = PerspectiveProjection {
         fov: view.fov_rad,

@@ -80,11 +80,14 @@ impl View {
 
 /// Bevy with the plugin, an Earth of a view's frame and date, and nothing else.
 pub fn app(view: &View) -> App {
-    let mut app = headless::app();
+    app_of(headless::app(), view, Earth::new(EarthMaps::Memory(maps())))
+}
+
+/// The same in an app that has Bevy's plugins, with this Earth.
+pub fn app_of(mut app: App, view: &View, earth: Earth) -> App {
     app.add_plugins(TerrellaPlugin)
         .insert_resource(ClearColor(Color::BLACK));
     headless::start(&mut app);
-    let earth = Earth::new(EarthMaps::Memory(maps()));
     let entity = app
         .world_mut()
         .spawn((earth, view.frame, EarthEpoch(view.epoch)));
