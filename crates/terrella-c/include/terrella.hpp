@@ -200,6 +200,24 @@ struct State {
     std::array<double, 3> velocity_m_s;
 };
 
+// Where passes are looked for: a place (degrees, metres) and an elevation mask (degrees).
+struct Place {
+    double lat_deg;
+    double lon_deg;
+    double height_m = 0;
+    double min_elevation_deg = 0;
+};
+
+// A pass of a satellite over a place; see TerrellaPass.
+struct Pass {
+    Time begin, highest, end;
+    double begin_azimuth_deg, highest_azimuth_deg, end_azimuth_deg;
+    double elevation_deg;
+    double distance_m;
+    // Whether it rises at `begin`, and sets at `end`; else it is in progress there.
+    bool rises, sets;
+};
+
 // A scene file with a device of its own.
 class Scene {
 public:
@@ -265,6 +283,30 @@ public:
         State state;
         check(terrella_scene_satellite(get(), index, time, state.position_m.data(), state.velocity_m_s.data()));
         return state;
+    }
+    // The states of a satellite at `count` instants from `first` to `last`, both included: its orbit in space.
+    std::vector<State> track(std::size_t index, const Time &first, const Time &last, std::size_t count) const {
+        std::vector<State> states;
+        states.reserve(count);
+        double elapsed_s = last - first;
+        for (std::size_t n = 0; n < count; ++n)
+            states.push_back(satellite(index, count > 1 ? first + elapsed_s * double(n) / double(count - 1) : first));
+        return states;
+    }
+    // The passes of a satellite over a place that are in progress at `from` or begin between it and `until`, in their order, at most `most`.
+    std::vector<Pass> passes(std::size_t index, const Place &place, const Time &from, const Time &until, std::size_t most = 1000) const {
+        std::vector<TerrellaPass> found(most);
+        TerrellaPassSearch search{place.lat_deg, place.lon_deg, place.height_m, place.min_elevation_deg, from, until};
+        std::size_t count = 0;
+        if (most > 0) check(terrella_scene_passes(get(), index, &search, found.data(), most, &count));
+        std::vector<Pass> passes;
+        passes.reserve(count);
+        for (std::size_t n = 0; n < count; ++n) {
+            const TerrellaPass &one = found[n];
+            passes.push_back(Pass{one.begin, one.highest, one.end, one.begin_azimuth_deg, one.highest_azimuth_deg, one.end_azimuth_deg,
+                                  one.elevation_deg, one.distance_m, one.rises, one.sets});
+        }
+        return passes;
     }
     TerrellaScene *get() const noexcept { return handle_.get(); }
 

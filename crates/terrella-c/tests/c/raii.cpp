@@ -64,6 +64,46 @@ int main() {
     assert(std::fabs(disc(1) / disc(0) / (stretch * stretch) - 1) < 0.02);
     assert(thrown([] { terrella::Scene::from_text("[sensor]\nsize = [64, 48]\nfull_well_e = 0\n"); }) == TERRELLA_SCENE);
     assert(thrown([] { terrella::Scene::from_text("").raw(terrella::Time("2018-06-21T12:00:00Z")); }) == TERRELLA_SCENE);
+    // The station of January 2018 over Graz: what `terrella orbit --passes` finds there.
+    auto with_tracks = [](const char *tracks) {
+        return terrella::Scene::from_text(std::string("[time]\nstart = \"2018-01-20T12:00:00Z\"\n[camera]\nmode = \"geodetic\"\nlat_deg = 30\n"
+            "lon_deg = 20\nheight_km = 20000\n[orbit]\n") + tracks, "scene.toml", 96, 54);
+    };
+    auto plain = with_tracks("[tracks]\ntrail = false\nground_track = false\nfootprint = false\n");
+    terrella::Time from("2018-01-20T12:00:00Z"), until("2018-01-21T12:00:00Z");
+    auto passes = plain.passes(0, {47.07, 15.44, 350, 10}, from, until);
+    assert(passes.size() >= 3 && passes.size() <= 8);
+    for (std::size_t n = 0; n < passes.size(); ++n) {
+        auto &pass = passes[n];
+        assert(from < pass.end && pass.begin < until && pass.begin < pass.highest && pass.highest < pass.end);
+        assert(pass.rises && pass.sets && pass.elevation_deg >= 10 && pass.elevation_deg <= 90 && pass.distance_m > 3.9e5);
+        assert(n == 0 || passes[n - 1].end < pass.begin);
+        // Where the satellite then is, seen from the place, is as high as the pass says.
+        auto state = plain.satellite(0, pass.highest);
+        double lat = 47.07 * M_PI / 180, lon = 15.44 * M_PI / 180, e2 = 6.69437999014e-3;
+        double up[3] = {std::cos(lat) * std::cos(lon), std::cos(lat) * std::sin(lon), std::sin(lat)};
+        double normal = 6378137 / std::sqrt(1 - e2 * up[2] * up[2]), sum = 0, square = 0;
+        for (int axis = 0; axis < 3; ++axis) {
+            double there = (axis < 2 ? normal + 350 : normal * (1 - e2) + 350) * up[axis];
+            double to = state.position_m[axis] - there;
+            sum += to * up[axis];
+            square += to * to;
+        }
+        assert(std::fabs(std::sqrt(square) - pass.distance_m) < 1);
+        assert(std::fabs(std::asin(sum / std::sqrt(square)) * 180 / M_PI - pass.elevation_deg) < 1e-4);
+    }
+    assert(plain.passes(0, {47.07, 15.44, 350, 10}, from, until, 2).size() == 2);
+    assert(plain.passes(0, {47.07, 15.44, 350, 10}, from, until, 0).empty());
+    assert(thrown([&] { plain.passes(0, {97, 15, 0, 0}, from, until); }) == TERRELLA_ARGUMENT);
+    assert(thrown([&] { plain.passes(9, {47, 15, 0, 0}, from, until); }) != TERRELLA_OK);
+    auto track = plain.track(0, from, from + 5400, 91);
+    assert(track.size() == 91);
+    for (std::size_t n = 0; n < track.size(); ++n) assert(track[n].position_m == plain.satellite(0, from + 60.0 * n).position_m);
+    assert(plain.track(0, from, from, 1).size() == 1 && plain.track(0, from, until, 0).empty());
+    // And drawn over the globe.
+    auto drawn = with_tracks("[tracks]\ntrail = true\nground_track = true\n");
+    assert(drawn.image(from).rgba != plain.image(from).rgba);
+
     auto built = std::to_string(TERRELLA_VERSION_MAJOR) + "." + std::to_string(TERRELLA_VERSION_MINOR) + "." + std::to_string(TERRELLA_VERSION_PATCH);
     assert(terrella::version() == built);
     return 0;
