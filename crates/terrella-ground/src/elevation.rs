@@ -43,7 +43,7 @@ pub use ground::Ground;
 pub use placed::PlacedBounds;
 pub use read::{
     HeightFile, HeightFileError, check_heights, height_files, height_set, open_heights,
-    open_heights_denoised,
+    open_heights_above, open_heights_denoised,
 };
 pub use samples::HeightSamples;
 #[cfg(test)]

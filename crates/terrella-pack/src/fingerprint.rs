@@ -10,6 +10,7 @@ use std::io::{Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 use std::time::UNIX_EPOCH;
 use terrella_files as files;
+use terrella_ground::elevation::geoid::VerticalDatum;
 use terrella_ground::elevation::{height_files, height_set};
 
 /// Bytes of a map's file that are looked at, at its start and at its end.
@@ -49,7 +50,8 @@ pub(super) fn of(options: &BuildOptions, maps: &[Map<'_>]) -> Result<String, Bui
             }
             set => by_times(set.iter().flat_map(|file| height_files(file))),
         };
-        let _ = writeln!(text, "heights {path:?} {known}");
+        let above = options.heights_above.map_or("", VerticalDatum::name);
+        let _ = writeln!(text, "heights {path:?} {known} {above}");
     }
     Ok(blake3::hash(text.as_bytes()).to_hex().to_string())
 }

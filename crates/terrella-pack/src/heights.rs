@@ -23,6 +23,7 @@ use files::HeightFiles;
 use rayon::prelude::*;
 use samples::TileMaker;
 use std::path::PathBuf;
+use terrella_ground::elevation::geoid::VerticalDatum;
 use terrella_ground::elevation::height_set;
 use terrella_imagery::pack::{
     HeightPlace, HeightRecord, HeightValues, HeightsEntry, TileFile, encode_heights, encode_index,
@@ -38,6 +39,7 @@ pub(super) struct BuiltHeights {
 /// Makes all tiles of files, and of those of folders and patterns, that are not there yet, the finest level first, and their index.
 pub(super) fn build(
     paths: &[PathBuf],
+    above: Option<VerticalDatum>,
     means: Means,
     folder: &BuildFolder<'_>,
     progress: &dyn BuildProgress,
@@ -46,7 +48,7 @@ pub(super) fn build(
     for path in paths {
         all.extend(height_set(path)?);
     }
-    let files = HeightFiles::open(&all, means, folder, progress)?;
+    let files = HeightFiles::open(&all, above, means, folder, progress)?;
     let mut entry = files.layout()?;
     let levels = layout::tiles(&entry, &files.steps())?;
     folder.take_over_heights(&entry);

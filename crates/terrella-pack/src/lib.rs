@@ -54,6 +54,7 @@ mod values;
 pub use error::BuildError;
 pub use preview::preview;
 pub use shares::{BuildShare, SharesPlan, begin_shares, build_share};
+pub use terrella_ground::elevation::geoid::VerticalDatum;
 pub use terrella_imagery::SLOPE_EXAGGERATION;
 
 use folder::{BuildFolder, Disk, Writer};
@@ -70,7 +71,7 @@ use terrella_imagery::tile::{MAX_PART_PIXELS, MapLayer, Storage, TileShape};
 use tile_name::TileName;
 use values::{Meaning, ValueRows};
 
-/// Memory that a build takes unless told otherwise, bytes.
+/// Memory that a build takes by default, bytes.
 pub const DEFAULT_MEMORY_BYTES: u64 = 512_000_000;
 
 /// Where terrain slopes come from.
@@ -107,6 +108,8 @@ pub struct BuildOptions {
     /// Heights of the ground, files of one part of the Earth or of all of it, finer ones over coarser ones: see
     /// [`elevation::read`](terrella_ground::elevation::read).
     pub heights: Vec<PathBuf>,
+    /// What `heights` stand above in files that do not say it, nor their sidecars; `None` is the sea.
+    pub heights_above: Option<VerticalDatum>,
     /// The pack's folder: new, empty, or of the same build stopped before.
     pub out: PathBuf,
     /// What the pack is called; by default as its folder.
@@ -137,6 +140,7 @@ impl BuildOptions {
             night_lights: None,
             water: None,
             heights: Vec::new(),
+            heights_above: None,
             out: out.into(),
             name: None,
             attribution: Vec::new(),
@@ -180,7 +184,7 @@ impl BuildOptions {
             .collect()
     }
 
-    /// Rejects what can be told to be wrong without a look at the maps.
+    /// Rejects what can be recognised as wrong without reading the maps.
     fn check(&self) -> Result<(), BuildError> {
         let reject = |option, cause: &str| {
             Err(BuildError::Option {
@@ -316,7 +320,16 @@ fn build_with(
     // First, and let go of before the maps take the memory.
     let heights = match options.heights.as_slice() {
         [] => None,
-        paths => Some(heights::build(paths, prepared.means, &folder, progress)?),
+        paths => {
+            let above = options.heights_above;
+            Some(heights::build(
+                paths,
+                above,
+                prepared.means,
+                &folder,
+                progress,
+            )?)
+        }
     };
     prepared.check(options, heights.as_ref())?;
     for map in &prepared.maps {

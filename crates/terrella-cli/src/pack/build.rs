@@ -4,11 +4,11 @@ use super::options::{PackOptions, Shown};
 use super::report_built;
 use crate::Common;
 use crate::interruption::stop_by_itself;
-use clap::Args;
+use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use std::time::Instant;
 use terrella_imagery::SLOPE_EXAGGERATION;
-use terrella_pack::{BuildOptions, Relief, build};
+use terrella_pack::{BuildOptions, Relief, VerticalDatum, build};
 
 /// Arguments of `terrella pack build`.
 #[derive(Debug, Args)]
@@ -43,6 +43,9 @@ pub struct BuildArgs {
     /// files cover coarser ones, and those that do not fit into --memory are read in parts through a scratch file in the pack's folder
     #[arg(long, value_name = "FILE", num_args = 1..)]
     heights: Vec<PathBuf>,
+    /// With --heights: the vertical datum of files that do not name one [default: sea]
+    #[arg(long, value_enum, value_name = "DATUM", requires = "heights")]
+    heights_above: Option<Datum>,
     /// The pack's folder
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
@@ -61,6 +64,29 @@ pub struct BuildArgs {
     elevation_offset: Option<f64>,
 }
 
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum Datum {
+    /// Mean sea level, as a country levels it
+    Sea,
+    /// The geoid EGM96
+    Egm96,
+    /// The geoid EGM2008
+    Egm2008,
+    /// The ellipsoid of WGS84
+    Ellipsoid,
+}
+
+impl Datum {
+    fn datum(self) -> VerticalDatum {
+        match self {
+            Self::Sea => VerticalDatum::Sea,
+            Self::Egm96 => VerticalDatum::Egm96,
+            Self::Egm2008 => VerticalDatum::Egm2008,
+            Self::Ellipsoid => VerticalDatum::Ellipsoid,
+        }
+    }
+}
+
 /// Builds the pack.
 pub fn run(args: &BuildArgs, common: &Common) -> anyhow::Result<()> {
     let elevation = args.elevation.as_ref().map(|path| Relief::Elevation {
@@ -74,6 +100,7 @@ pub fn run(args: &BuildArgs, common: &Common) -> anyhow::Result<()> {
         night_lights: args.night.clone(),
         water: args.water.clone(),
         heights: args.heights.clone(),
+        heights_above: args.heights_above.map(Datum::datum),
         ..args.pack.build_options(&args.day, &args.output)
     };
     stop_by_itself();

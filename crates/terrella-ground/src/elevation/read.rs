@@ -132,6 +132,8 @@ pub(super) struct HeightReader<R: BufRead + Seek> {
     decoder: Decoder<R>,
     header: Header,
     said: Sidecar,
+    /// What heights stand above where neither the file nor its sidecar says it.
+    assumed_above: Option<VerticalDatum>,
     mask: Option<SideMask>,
 }
 
@@ -163,6 +165,20 @@ impl HeightReader<BufReader<File>> {
 /// [`HeightFileError`]: which file, what is wrong, what was expected and what to do.
 pub fn open_heights(path: &Path, limits: &GridLimits) -> Result<HeightFile, HeightFileError> {
     open_heights_denoised(path, limits, None)
+}
+
+/// The same of heights above a datum that neither the file nor its sidecar names. What they name counts.
+///
+/// # Errors
+/// As [`open_heights`].
+pub fn open_heights_above(
+    path: &Path,
+    limits: &GridLimits,
+    above: Option<VerticalDatum>,
+) -> Result<HeightFile, HeightFileError> {
+    let mut reader = HeightReader::open(path)?;
+    reader.assume_above(above);
+    reader.whole(limits, None)
 }
 
 /// The same without single wrong heights: they are taken out before means and ranges are made of the heights.
@@ -372,6 +388,7 @@ impl<R: BufRead + Seek> HeightReader<R> {
             decoder,
             header,
             said,
+            assumed_above: None,
             mask: None,
         })
     }
@@ -389,6 +406,11 @@ impl<R: BufRead + Seek> HeightReader<R> {
         georeference(&self.header, &self.said, &self.context)
     }
 
+    /// Names a vertical datum for heights of which neither the file nor its sidecar names one.
+    pub(super) fn assume_above(&mut self, above: Option<VerticalDatum>) {
+        self.assumed_above = above;
+    }
+
     /// What the heights of the file stand above.
     fn above(&self) -> Result<Option<VerticalDatum>, HeightFileError> {
         match (self.header.above, self.said.above) {
@@ -401,7 +423,7 @@ impl<R: BufRead + Seek> HeightReader<R> {
                 "one datum",
                 "correct above in the sidecar, or take it out",
             )),
-            (own, other) => Ok(own.or(other)),
+            (own, other) => Ok(own.or(other).or(self.assumed_above)),
         }
     }
 

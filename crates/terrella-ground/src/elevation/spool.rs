@@ -18,6 +18,7 @@ mod window;
 
 pub use window::HeightWindow;
 
+use super::geoid::VerticalDatum;
 use super::grid::build::{KnownHeights, mean};
 use super::grid::holes::{FILLED, LEFT, steps_to_data};
 use super::grid::levels::{LevelShape, shapes};
@@ -76,6 +77,7 @@ pub trait SpoolHost: Sync {
 struct Scratch<'a> {
     /// Path of the first; further ones add to its name.
     path: &'a Path,
+    above: Option<VerticalDatum>,
     host: &'a dyn SpoolHost,
 }
 
@@ -191,9 +193,20 @@ impl From<HeightFileError> for Stop {
 impl HeightSpool {
     /// Reads a file into scratch files whose names begin with the path `scratch`: 2 bytes a sample if all are whole metres, else 4, and
     /// another 1.4 while the means of a file with holes are made. They are removed with this.
-    pub fn read(path: &Path, scratch: &Path, host: &dyn SpoolHost) -> Result<Self, SpoolError> {
+    ///
+    /// `above` is what the heights stand above where neither the file nor its sidecar says it.
+    ///
+    /// # Errors
+    /// As those of a file that is held; a folder without room, or a host that stops.
+    pub fn read(
+        path: &Path,
+        scratch: &Path,
+        above: Option<VerticalDatum>,
+        host: &dyn SpoolHost,
+    ) -> Result<Self, SpoolError> {
         let scratch = Scratch {
             path: scratch,
+            above,
             host,
         };
         // Most files are of whole metres; others show it soon.
@@ -210,7 +223,8 @@ impl HeightSpool {
     }
 
     fn spool(path: &Path, scratch: &Scratch<'_>, kept: Kept) -> Result<Self, Stop> {
-        let reader = HeightReader::open(path)?;
+        let mut reader = HeightReader::open(path)?;
+        reader.assume_above(scratch.above);
         let place = Placement::new(&reader.georeference()?);
         let place = place.map_err(reader.rejection())?;
         let conversion = reader.conversion()?;

@@ -8,10 +8,11 @@ use crate::{BuildError, BuildProgress};
 use std::borrow::Cow;
 use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
+use terrella_ground::elevation::geoid::VerticalDatum;
 use terrella_ground::elevation::spool::{HeightSpool, HeightWindow, SpoolHost};
 use terrella_ground::elevation::{
     Bounds, GridError, GridLimits, HeightFileError, HeightGrid, HeightRange, Joins, PlacedBounds,
-    Placement, open_heights,
+    Placement, open_heights_above,
 };
 use terrella_imagery::pack::{HeightKind, HeightsEntry, TileFile};
 
@@ -62,6 +63,7 @@ impl HeightFiles {
     /// Reads all of them: those that fit into the memory allowed are held, the others go into scratch files.
     pub(super) fn open(
         paths: &[PathBuf],
+        above: Option<VerticalDatum>,
         means: Means,
         folder: &BuildFolder<'_>,
         progress: &dyn BuildProgress,
@@ -73,7 +75,7 @@ impl HeightFiles {
                 return Err(BuildError::Cancelled);
             }
             progress.begin(&file_name(path), Some(1));
-            let held = held(path, &budget.limits());
+            let held = held(path, &budget.limits(), above);
             progress.step();
             progress.end();
             let heights = match held? {
@@ -92,7 +94,7 @@ impl HeightFiles {
                         folder,
                         progress,
                     };
-                    let spool = HeightSpool::read(path, &name, &host)?;
+                    let spool = HeightSpool::read(path, &name, above, &host)?;
                     progress.note(&format!(
                         "{}: does not fit into --memory and is read part by part",
                         path.display()
@@ -219,8 +221,9 @@ impl HeightFiles {
 fn held(
     path: &Path,
     limits: &GridLimits,
+    above: Option<VerticalDatum>,
 ) -> Result<Option<(HeightGrid, Option<String>)>, BuildError> {
-    let file = match open_heights(path, limits) {
+    let file = match open_heights_above(path, limits, above) {
         Ok(file) => file,
         Err(HeightFileError::Grid {
             source: GridError::Memory { .. },

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicU32;
 use tempfile::TempDir;
+use terrella_ground::elevation::geoid::VerticalDatum;
 use terrella_ground::elevation::{
     Elevation, GridLimits, Ground, HeightSamples, HeightTileKey, HeightTileSource, open_heights,
 };
@@ -103,6 +104,41 @@ fn keys(tiles: &PackHeights) -> Vec<HeightTileKey> {
         }
     }
     keys
+}
+
+/// Files that name no datum have the one that is given, others their own.
+#[test]
+fn a_vertical_datum_counts_where_files_name_none() {
+    let folder = day_folder();
+    let globe = "bounds = { south_deg = -90, north_deg = 90, west_deg = -180, east_deg = 180 }\nregistration = \"cells\"";
+    let named = format!("{globe}\nabove = \"sea\"");
+    let silent = [write_heights(folder.path(), "silent", (512, 256), globe)];
+    let named = [write_heights(folder.path(), "named", (512, 256), &named)];
+    let height_m = |paths: &[PathBuf], out: &str, above| {
+        let options = BuildOptions {
+            heights_above: above,
+            ..options(folder.path(), paths, out)
+        };
+        build(&options, &()).unwrap_or_else(|error| panic!("{out}: {error}"));
+        let tiles = Pack::open(&options.out).and_then(|pack| pack.height_tiles());
+        let tiles = tiles.expect("a pack");
+        let finest = *keys(&tiles).last().expect("tiles");
+        (finest, read(&tiles, finest))
+    };
+    let (key, as_is) = height_m(&silent, "as-is", None);
+    let ellipsoid = Some(VerticalDatum::Ellipsoid);
+    let (_, held) = height_m(&silent, "held", ellipsoid);
+    let (_, own) = height_m(&named, "own", ellipsoid);
+    assert_eq!(as_is.len(), held.len());
+    let lowered = as_is.iter().zip(&held).map(|(sea, above)| sea - above);
+    let (least, most) = lowered.fold((f64::MAX, f64::MIN), |(least, most), by| {
+        (least.min(by), most.max(by))
+    });
+    // The geoid lies between 107 m below and 86 m above the ellipsoid, and varies over a tile.
+    assert!(least > -108.0 && most < 87.0, "{key:?}: {least} to {most}");
+    assert!(most - least > 1.0, "{key:?}: {least} to {most}");
+    let most = as_is.iter().zip(&own).map(|(sea, own)| (sea - own).abs());
+    assert!(most.fold(0.0, f64::max) < 0.1, "its own datum counts");
 }
 
 #[test]

@@ -132,7 +132,7 @@ fn windows() -> Vec<Bounds> {
 }
 
 fn spool(path: &Path, dir: &Path) -> HeightSpool {
-    HeightSpool::read(path, &dir.join("spool"), &Host::patient()).expect("reads")
+    HeightSpool::read(path, &dir.join("spool"), None, &Host::patient()).expect("reads")
 }
 
 /// Compares them everywhere; how many places had a height, and how many of those counted in part.
@@ -258,7 +258,7 @@ fn files_of_all_formats_are_spooled() {
         }
         let folder = tempfile::tempdir().expect("a folder");
         let scratch = folder.path().join("spool");
-        let spooled = HeightSpool::read(&path, &scratch, &Host::patient());
+        let spooled = HeightSpool::read(&path, &scratch, None, &Host::patient());
         match (open_heights(&path, &GridLimits::default()), spooled) {
             (Ok(file), Ok(spool)) => {
                 compare(&file, &spool);
@@ -287,7 +287,7 @@ fn what_cannot_be_spooled_is_told_and_nothing_stays() {
             rows: AtomicU32::new(rows),
         };
         let path = folder.path().join("heights.png");
-        HeightSpool::read(&path, &folder.path().join("spool"), &host)
+        HeightSpool::read(&path, &folder.path().join("spool"), None, &host)
     };
     let path = write(folder.path(), &case);
     let error = read(None, 100).expect_err("no registration");
@@ -309,7 +309,7 @@ fn what_cannot_be_spooled_is_told_and_nothing_stays() {
         assert!(matches!(error, SpoolError::Stopped), "{error}");
     }
     let place = folder.path().join("none/spool");
-    let error = HeightSpool::read(&path, &place, &Host::patient()).expect_err("no folder");
+    let error = HeightSpool::read(&path, &place, None, &Host::patient()).expect_err("no folder");
     assert!(
         matches!(&error, SpoolError::Scratch { path, .. } if path.ends_with("none/spool-rows")),
         "{error}"
