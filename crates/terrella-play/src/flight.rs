@@ -298,9 +298,33 @@ impl Flight {
         Ok(path.turned(epoch, pose))
     }
 
-    /// What the scene's camera looks at; `None` where its mode says so.
-    pub(super) fn look_target(&self) -> Option<LookTarget> {
-        self.look_target
+    /// The pose turned to what the scene's camera looks at. `state` is the motion of the satellite that cameras fly with.
+    ///
+    /// # Errors
+    /// Where the satellite that is looked at is not known at that time.
+    pub(super) fn aimed(
+        &self,
+        pose: Pose,
+        epoch: Epoch,
+        state: Option<&OrbitalMotion>,
+        sky: impl FnOnce() -> Sky,
+    ) -> Result<Pose, PlayError> {
+        let point = match self.look_target {
+            None => return Ok(pose),
+            Some(LookTarget::Sun) => {
+                let sky = sky();
+                Some(sky.sun_itrf * sky.sun_distance_m)
+            }
+            Some(LookTarget::Moon) => sky().moon_itrf_m,
+            Some(LookTarget::Followed) => state.map(|state| state.position_itrf_m),
+            Some(LookTarget::Other(index)) => match self.motion_of(index, epoch) {
+                // Its simulator may be late.
+                Err(_) if self.scene().is_live() => None,
+                motion => Some(motion?.position_itrf_m),
+            },
+            Some(LookTarget::Point(point)) => Some(point),
+        };
+        Ok(point.map_or(pose, |point| pose.looking_at(point, self.ellipsoid())))
     }
 
     /// Where the eye stands and looks for a satellite that moves so.

@@ -112,6 +112,8 @@ mod live;
 #[cfg(feature = "window")]
 mod live_status;
 mod look_target;
+#[cfg(test)]
+mod look_target_tests;
 mod map_lines;
 #[cfg(feature = "window")]
 mod map_scale;

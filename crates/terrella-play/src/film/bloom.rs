@@ -73,22 +73,13 @@ impl Grid {
         }
     }
 
-    /// What a picture twice as large has at a pixel: the mean of four values between pixels, half of one off its middle.
+    /// What a picture twice as large has at a pixel: the value between pixels at its middle.
     fn finer(&self, x: usize, y: usize) -> DVec3 {
-        // Along an axis: half a pixel to both sides of a quarter.
         let taps = |index: usize| {
             let middle = (index / 2) as isize;
             match index % 2 {
-                0 => [
-                    (middle - 1, 0.5 * 0.75),
-                    (middle, 0.5),
-                    (middle + 1, 0.5 * 0.25),
-                ],
-                _ => [
-                    (middle - 1, 0.5 * 0.25),
-                    (middle, 0.5),
-                    (middle + 1, 0.5 * 0.75),
-                ],
+                0 => [(middle - 1, 0.25), (middle, 0.75)],
+                _ => [(middle, 0.75), (middle + 1, 0.25)],
             }
         };
         let mut sum = DVec3::ZERO;

@@ -157,10 +157,7 @@ mod tests {
             ("look_at = \"satellite\"", "another's name"),
             ("look_at = { lat_deg = 91, lon_deg = 0 }", "from -90 to 90"),
             ("look_at = { lat_deg = 1 }", "lon_deg is missing"),
-            (
-                "look_at = { lat_deg = 1, lon_deg = 1, alt = 3 }",
-                "not alt",
-            ),
+            ("look_at = { lat_deg = 1, lon_deg = 1, alt = 3 }", "not alt"),
             ("look_at = { lat_deg = nan, lon_deg = 1 }", "from -90 to 90"),
             (
                 "mode = \"geodetic\"\nlook_at = \"sun\"\npitch_deg = 0",
@@ -170,7 +167,7 @@ mod tests {
                 "look_at = \"sun\"\nkeys = [{ time_s = 0, lat_deg = 1, lon_deg = 1, height_km = 1, heading_deg = 1, pitch_deg = 0 }]",
                 "look_at",
             ),
-            ("roll_deg = 400", "from -360 to 360"),
+            ("roll_deg = 400", "from −360 to 360"),
         ] {
             let error = camera(text).expect_err(text).to_string();
             assert!(error.contains(part), "{text}: {error}");

@@ -83,7 +83,9 @@ const KEYS: &[(&str, &str, &[&str])] = &[
     ("orbit", "burns", &["maneuvers", "manoeuvres", "thrust"]),
     ("orbit", "listen", &["address", "port", "tcp", "udp"]),
     ("camera", "mode", &["attitude", "pointing", "type", "view"]),
-    ("camera", "follow", &["look_at", "satellite", "target"]),
+    ("camera", "follow", &["satellite"]),
+    ("camera", "look_at", &["lookat", "target", "track"]),
+    ("camera", "roll_deg", &["roll", "bank"]),
     ("camera", "fov_deg", &["field_of_view", "zoom"]),
     (
         "camera",
