@@ -1,13 +1,13 @@
-// The C interface of Terrella, a realistic Earth. Made from crates/terrella-c by cbindgen: do not edit; a test compares.
+// The C interface of Terrella, a realistic Earth. Generated from crates/terrella-c by cbindgen; a test compares it. Do not edit.
 //
 // Lengths are metres, angles degrees where a name says so, axes Earth-fixed (ITRF: x to 0 degrees east on the equator, z to the north pole).
 // Pictures have their first row at the top. Texts are UTF-8.
 //
-// Every call answers a status; terrella_message has the words of the last failure of the calling thread. No call ends the program, and none
-// lets an exception or a panic out.
+// Every call returns a status; terrella_message returns the error message of the calling thread's last failure. No call ends the program, and
+// no exception or panic escapes.
 //
-// Threads: any thread may call anything, and a handle may be used by several: calls with one handle are done one after another. Handles of
-// TerrellaVulkanEarth use the caller's queue, which only the caller can guard. Handles do not outlive a fork: the child makes its own.
+// Threads: any thread may call any function. Calls with one handle are serialised. Handles of TerrellaVulkanEarth use the caller's queue, and the
+// caller must synchronise access to it. Handles do not survive a fork: the child process makes its own.
 
 
 #ifndef TERRELLA_H
@@ -26,38 +26,39 @@
 // Third part of the version of this header.
 #define TERRELLA_VERSION_PATCH 0
 
-// What a call answers. `terrella_message` has the words.
+// The result of a call. `terrella_message` returns the error message.
 typedef enum {
   // Done.
   TERRELLA_OK = 0,
-  // A pointer that must point somewhere is null.
+  // A required pointer is null.
   TERRELLA_NULL = 1,
-  // An argument has a value that it may not have.
+  // An argument is out of range or invalid.
   TERRELLA_ARGUMENT = 2,
-  // A handle that is freed already, never was one, or is one of something else.
+  // A handle that is freed, was never made, or belongs to another type.
   TERRELLA_HANDLE = 3,
-  // A scene, or an instant that is asked of it, is at fault.
+  // A scene is invalid, or does not cover the requested time.
   TERRELLA_SCENE = 4,
-  // A file that cannot be read or holds what it should not.
+  // A file cannot be read or is invalid.
   TERRELLA_FILE = 5,
-  // No adapter, or one that has no room, cannot do what is asked, or was lost.
+  // No graphics adapter, out of device memory, a missing device feature, or a lost device.
   TERRELLA_DEVICE = 6,
   // The handle was made before `fork`, and this is the child.
   TERRELLA_FORKED = 7,
-  // The library broke down; what the call was about cannot be used any more. Please report it.
+  // An internal error. Do not use the handle of the call any more. Please report it.
   TERRELLA_BROKEN = 8,
 } TerrellaStatus;
 
-// An Earth on a device of its own. A handle, no address. Any thread may use it; calls from several are done one after another.
+// An Earth with its own device. An opaque handle. Any thread may use it; calls from several threads are serialised.
 typedef struct TerrellaEarth TerrellaEarth;
 
-// A scene file with a device of its own. A handle, no address. Any thread may use it; calls from several are done one after another.
+// A scene file with its own device. An opaque handle. Any thread may use it; calls from several threads are serialised.
 typedef struct TerrellaScene TerrellaScene;
 
-// An Earth on a program's own Vulkan device. A handle, no address. Calls are the caller's to order: nobody else submits to the queue meanwhile.
+// An Earth on a program's own Vulkan device. An opaque handle. The caller orders calls: no other thread submits to the queue during a
+// call.
 typedef struct TerrellaVulkanEarth TerrellaVulkanEarth;
 
-// Where the eye stands and what it sees. Filled by `terrella_camera_geodetic` or `terrella_camera_look`, or by hand.
+// Position, attitude and projection of a camera. Fill it with `terrella_camera_geodetic` or `terrella_camera_look`, or yourself.
 typedef struct {
   // The eye: Earth-fixed axes (ITRF: x to 0° E on the equator, z to the north pole), metres.
   double eye_itrf_m[3];
@@ -67,7 +68,7 @@ typedef struct {
   double clip_from_view[16];
 } TerrellaCamera;
 
-// What an Earth is made of. Fill it by `terrella_options_default` and change what you want otherwise.
+// Options of an Earth. Fill them with `terrella_options_default`, then change what you need.
 typedef struct {
   // Width of pictures, pixels.
   uint32_t width;
@@ -75,24 +76,30 @@ typedef struct {
   uint32_t height;
   // Samples a pixel of shown pictures, 1 or 4.
   uint32_t samples;
-  // Folder of maps; null takes that of the environment variable TERRELLA_TEXTURES, else `textures` or `../share/terrella/textures` beside the
+  // Folder of maps; null takes that of the environment variable TERRELLA_TEXTURES, else `textures` or `../share/terrella/textures`
+  // beside the
   // program, else that of the source tree that the library was built from.
   const char *textures;
   // Part of the name of the graphics adapter, letter case aside; null takes the best.
   const char *adapter;
-  // How bright light is shown, EV.
+  // Exposure value, EV.
   double exposure_ev;
-  // Whether exposure is metered in each picture, 0 or 1, in place of `exposure_ev`.
+  // Whether each image is metered, 0 or 1, instead of `exposure_ev`.
   uint8_t auto_exposure;
-  // Whether the air is drawn, 0 or 1.
+  // Whether the atmosphere is drawn, 0 or 1.
   uint8_t air;
   // Whether clouds are drawn, 0 or 1.
   uint8_t clouds;
   // Whether city lights are drawn, 0 or 1.
   uint8_t night_lights;
+  // Whether synthetic detail below the maps' texels is drawn, 0 or 1.
+  uint8_t detail;
+  // Whether land and clouds reflect sunlight by direction, 0 or 1. With 0 they are Lambertian.
+  uint8_t directional_reflectance;
 } TerrellaOptions;
 
-// An instant, in international atomic time (TAI) since 1900-01-01T00:00:00 TAI. Differences are elapsed time, through leap seconds too. Made by
+// An instant, in international atomic time (TAI) since 1900-01-01T00:00:00 TAI. Differences are elapsed time, through leap seconds too.
+// Made by
 // `terrella_time_utc` or `terrella_time_unix`.
 typedef struct {
   // Whole seconds.
@@ -101,30 +108,30 @@ typedef struct {
   uint32_t tai_ns;
 } TerrellaTime;
 
-// How the pixels of a picture are written: a number that begins with `TERRELLA_RGBA`.
+// Pixel format of an image: a constant that begins with `TERRELLA_RGBA`.
 typedef uint32_t TerrellaFormat;
 
-// What was drawn.
+// Statistics of an image.
 typedef struct {
   // Triangles.
   uint64_t triangles;
-  // Tiles of a pack that did not come in time: drawn with something coarser.
+  // Tiles of a pack that did not arrive in time; coarser ones are drawn instead.
   uint64_t missing_tiles;
-  // By how much light was exposed, EV.
+  // The exposure value that was used, EV.
   double exposure_ev;
 } TerrellaDrawn;
 
-// A truth layer that is wanted, and where its numbers go: row by row from the top; NaN where there is none.
+// A requested truth layer and your buffer for it: row by row from the top, NaN where there is no value.
 typedef struct {
   // Its name.
   const char *name;
-  // Room for its numbers, float or double as the layer says.
+  // Buffer for its numbers, float or double as the layer says.
   void *values;
-  // Bytes of that room: width × height × components × number_bytes.
+  // Bytes of that buffer: width × height × components × number_bytes.
   size_t bytes;
 } TerrellaLayerBuffer;
 
-// Over which place passes are looked for, and when.
+// Place and time interval of a search for passes.
 typedef struct {
   // Geodetic latitude (WGS84), degrees, −90 to 90.
   double lat_deg;
@@ -164,7 +171,7 @@ typedef struct {
   bool sets;
 } TerrellaPass;
 
-// What a scene says of its pictures.
+// Image size, playback time and satellites of a scene.
 typedef struct {
   // Width of pictures, pixels.
   uint32_t width;
@@ -182,13 +189,13 @@ typedef struct {
   size_t satellites;
 } TerrellaSceneInfo;
 
-// What a truth layer is. Its texts stand for ever.
+// Description of a truth layer. Its texts are never freed.
 typedef struct {
   // Its name.
   const char *name;
   // The unit of its numbers, "1" where they have none.
   const char *unit;
-  // What they are.
+  // What they mean.
   const char *what;
   // Numbers a pixel.
   uint32_t components;
@@ -196,7 +203,7 @@ typedef struct {
   uint32_t number_bytes;
 } TerrellaLayer;
 
-// A program's Vulkan objects. They outlive what is made with them.
+// The program's Vulkan objects. They must outlive what is made with them.
 typedef struct {
   // The function vkGetInstanceProcAddr, as a PFN_vkVoidFunction.
   void (*get_instance_proc_addr)(void);
@@ -209,36 +216,37 @@ typedef struct {
   void *device;
   // The version of Vulkan that the instance was made for, as VK_MAKE_API_VERSION; at least 1.1.
   uint32_t api_version;
-  // Family of the queue; it draws.
+  // Family of the queue, which must support graphics.
   uint32_t queue_family;
-  // The queue's place in its family.
+  // Index of the queue in its family.
   uint32_t queue_index;
   // Names of the device's enabled extensions.
   const char *const *device_extensions;
-  // How many those are.
+  // Number of these extensions.
   size_t device_extension_count;
 } TerrellaVulkanHost;
 
-// What an image is left ready for: a number that begins with `TERRELLA_LAYOUT`.
+// Layout of an image after drawing: a constant that begins with `TERRELLA_LAYOUT`.
 typedef uint32_t TerrellaLayout;
 
 // An image of the program to draw into.
 typedef struct {
-  // The VkImage: two-dimensional, one level, one layer, one sample, exclusive to the queue's family, usage VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT and
-  // what `layout` needs. What is in it is lost.
+  // The VkImage: two-dimensional, one level, one layer, one sample, exclusive to the queue's family, usage
+  // VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT and
+  // what `layout` needs. Its contents are discarded.
   uint64_t image;
   // Width, pixels.
   uint32_t width;
   // Height, pixels.
   uint32_t height;
-  // What it is left ready for.
+  // Its layout after drawing.
   TerrellaLayout layout;
 } TerrellaVulkanImage;
 
-// The Earth as it is shown: red, green, blue in sRGB and opacity, a byte each.
+// The displayed image: red, green, blue in sRGB and opacity, one byte each.
 #define TERRELLA_RGBA8 0
 
-// Light, scene-referred and linear (a white sheet that faces the Sun in space is 1): red, green, blue and what is no light, IEEE halves.
+// Linear scene-referred light (a white sheet that faces the Sun in space is 1): red, green, blue and an unused number, IEEE half floats.
 #define TERRELLA_RGBA16F 1
 
 // The same as 32-bit floats.
@@ -257,12 +265,14 @@ typedef struct {
 extern "C" {
 #endif // __cplusplus
 
-// A camera above a place: latitude and longitude in degrees (geodetic, WGS84), height in metres. With heading 0 and pitch −90 it looks straight
-// down, north upwards; heading turns it clockwise from north, pitch raises it, 0 is level. `fov_deg` is the vertical field of view, `aspect`
+// A camera above a place: latitude and longitude in degrees (geodetic, WGS84), height in metres. With heading 0 and pitch −90 it looks
+// straight
+// down, north upwards; heading turns it clockwise from north, pitch raises it, 0 is level. `fov_deg` is the vertical field of view,
+// `aspect`
 // width over height.
 //
 // # Safety
-// `camera` has room.
+// `camera` points to writable memory.
 TerrellaStatus terrella_camera_geodetic(double lat_deg,
                                         double lon_deg,
                                         double height_m,
@@ -272,10 +282,11 @@ TerrellaStatus terrella_camera_geodetic(double lat_deg,
                                         double aspect,
                                         TerrellaCamera *camera);
 
-// A camera at `eye_itrf_m` (three numbers, metres) that looks along `forward` with `up` upwards on screen (three numbers each, of any length).
+// A camera at `eye_itrf_m` (three numbers, metres) that looks along `forward` with `up` upwards on screen (three numbers each, of any
+// length).
 //
 // # Safety
-// Each points to three numbers; `camera` has room.
+// Each points to three numbers; `camera` points to writable memory.
 TerrellaStatus terrella_camera_look(const double *eye_itrf_m,
                                     const double *forward,
                                     const double *up,
@@ -283,20 +294,20 @@ TerrellaStatus terrella_camera_look(const double *eye_itrf_m,
                                     double aspect,
                                     TerrellaCamera *camera);
 
-// Opens an adapter and makes an Earth. Free it by `terrella_earth_free`.
+// Opens a graphics adapter and creates an Earth. Free it with `terrella_earth_free`.
 //
 // # Safety
 // `options` points to options whose texts end with zero bytes; `earth` has room.
 TerrellaStatus terrella_earth_new(const TerrellaOptions *options, TerrellaEarth **earth);
 
-// Gives an Earth back. Null is rejected, and so is one that is freed already.
+// Frees an Earth. A null or freed handle is an error.
 TerrellaStatus terrella_earth_free(TerrellaEarth *earth);
 
-// Draws pictures of another size from now on. On failure the size is as it was.
+// Changes the size of the images. On failure the size stays.
 TerrellaStatus terrella_earth_resize(TerrellaEarth *earth, uint32_t width, uint32_t height);
 
-// Draws a picture and writes it to `pixels`, rows from the top without padding: `bytes` is width × height × 4, 8 or 16 by its format. Waits for
-// the device; and for tiles, at most `wait_s` seconds, 0 for live pictures that take what is there. `drawn` may be null.
+// Draws a picture and writes it to `pixels`, rows from the top without padding: `bytes` is width × height × 4, 8 or 16 by its format.
+// Waits for the device, and for tiles at most `wait_s` seconds. 0 draws the tiles that have arrived, for real time. `drawn` may be null.
 //
 // # Safety
 // `camera` points to a camera; `pixels` to so many bytes, which nobody else uses during the call; `drawn` is null or has room.
@@ -309,7 +320,8 @@ TerrellaStatus terrella_earth_draw(TerrellaEarth *earth,
                                    size_t bytes,
                                    TerrellaDrawn *drawn);
 
-// Writes the distance of the ground along the camera's axis, metres, to `depth_m`: `count` is width × height. Infinite where no ground is seen.
+// Writes the distance of the ground along the camera's axis, metres, to `depth_m`: `count` is width × height. Infinite where no ground is
+// visible.
 //
 // # Safety
 // `camera` points to a camera; `depth_m` to so many floats, which nobody else uses during the call.
@@ -320,10 +332,11 @@ TerrellaStatus terrella_earth_depth(TerrellaEarth *earth,
                                     float *depth_m,
                                     size_t count);
 
-// Writes truth layers, each to its own room; the view is drawn once for all of them. `drawn` may be null.
+// Writes truth layers, each to its own buffer. The view is rendered once for all of them. `drawn` may be null.
 //
 // # Safety
-// `camera` points to a camera; `layers` to so many values, whose texts end with zero bytes and whose rooms have as many bytes as they say, do not
+// `camera` points to a camera; `layers` to so many values, whose texts end with zero bytes and whose rooms have as many bytes as they say,
+// do not
 // overlap, and are used by nobody else during the call; `drawn` is null or has room.
 TerrellaStatus terrella_earth_truth(TerrellaEarth *earth,
                                     const TerrellaCamera *camera,
@@ -333,21 +346,21 @@ TerrellaStatus terrella_earth_truth(TerrellaEarth *earth,
                                     size_t count,
                                     TerrellaDrawn *drawn);
 
-// What went wrong in the last call of this thread that failed, in UTF-8; an empty text before. It stands until this thread's next call that
-// fails.
+// The error message of this thread's last failed call, in UTF-8; empty if there was none. It is valid until this thread's next failed
+// call.
 const char *terrella_message(void);
 
-// The name of a status, for logs: "TERRELLA_OK" and so on; "no status" for a number that is none. It stands for ever.
+// The name of a status, for logs: "TERRELLA_OK" and so on; "no status" for any other number. It is never freed.
 const char *terrella_status_name(uint32_t status);
 
 // Fills options with the defaults: 800 × 450 pixels, one sample each, the starter maps, the best adapter.
 //
 // # Safety
-// `options` has room.
+// `options` points to writable memory.
 TerrellaStatus terrella_options_default(TerrellaOptions *options);
 
-// The passes of a satellite of a scene over a place, in their order, at most `capacity` of them; `count` gets how many were written. Where that is
-// `capacity` there may be more: search again from the last one's end. `index` counts from 0 in the scene's order.
+// The passes of a satellite of a scene over a place, in their order, at most `capacity` of them. `count` receives the number written. If
+// it is `capacity` there may be more: search again from the end of the last one. `index` counts from 0 in the scene's order.
 //
 // # Safety
 // `passes` has room for `capacity` passes, and `count` for a number.
@@ -358,15 +371,16 @@ TerrellaStatus terrella_scene_passes(TerrellaScene *scene,
                                      size_t capacity,
                                      size_t *count);
 
-// Writes a picture of `TERRELLA_RGBA8` to a PNG file, without its opacity. The file is complete or not there; one of that name is replaced.
+// Writes a picture of `TERRELLA_RGBA8` to a PNG file, without its opacity. The file is complete or does not exist; an existing file is
+// replaced.
 //
 // # Safety
 // `path` ends with a zero byte; `rgba` points to width × height × 4 bytes.
 TerrellaStatus terrella_write_png(const char *path, const uint8_t *rgba, uint32_t width, uint32_t height);
 
-// Reads a scene file and opens what it names, and an adapter. `width` and `height` are those of the pictures, both 0 the scene's own; `textures` is
-// the folder of what the scene names no file for, null as in `TerrellaOptions`; `adapter` part of an adapter's name, null the best. Free it by
-// `terrella_scene_free`.
+// Reads a scene file and the files that it names, and opens a graphics adapter. `width` and `height` are the image size; with both 0 it is
+// the scene's. `textures` is the folder of default maps, null as in `TerrellaOptions`. `adapter` is a part of the adapter's name, null
+// takes the best. Free the scene with `terrella_scene_free`.
 //
 // # Safety
 // Texts end with zero bytes; `scene` has room.
@@ -377,8 +391,8 @@ TerrellaStatus terrella_scene_open(const char *path,
                                    const char *adapter,
                                    TerrellaScene **scene);
 
-// As `terrella_scene_open`, of a scene's text in place of a file's. `path` is the file that messages name and whose folder the paths in the
-// text are relative to; nothing is read from it.
+// As `terrella_scene_open`, but from the text of a scene. Messages name `path`, and paths in the text are relative to its folder; the file
+// itself is not read.
 //
 // # Safety
 // As `terrella_scene_open`.
@@ -390,27 +404,25 @@ TerrellaStatus terrella_scene_parse(const char *toml,
                                     const char *adapter,
                                     TerrellaScene **scene);
 
-// Gives a scene back. Null is rejected, and so is one that is freed already.
+// Frees a scene. A null or freed handle is an error.
 TerrellaStatus terrella_scene_free(TerrellaScene *scene);
 
-// What a scene says of its pictures.
+// Image size, playback time and satellites of a scene.
 //
 // # Safety
-// `info` has room.
+// `info` points to writable memory.
 TerrellaStatus terrella_scene_info(TerrellaScene *scene, TerrellaSceneInfo *info);
 
-// Where a satellite of a scene is at an instant: Earth-fixed axes (ITRF), metres and metres a second, three numbers each. `index` counts from 0 in the
+// Position and velocity of a satellite of a scene at an instant: Earth-fixed axes (ITRF), metres and metres a second, three numbers each.
+// `index` counts from 0 in the
 // scene's order; `velocity_m_s` may be null.
 //
 // # Safety
 // Each has room for three numbers.
-TerrellaStatus terrella_scene_satellite(TerrellaScene *scene,
-                                        size_t index,
-                                        TerrellaTime time,
-                                        double *position_m,
-                                        double *velocity_m_s);
+TerrellaStatus terrella_scene_satellite(TerrellaScene *scene, size_t index, TerrellaTime time, double *position_m, double *velocity_m_s);
 
-// Draws an instant of a scene as the command `terrella` draws it, and writes it to `pixels` as `terrella_earth_draw` does. Waits for tiles as long as the
+// Draws an instant of a scene as the command `terrella` draws it, and writes it to `pixels` as `terrella_earth_draw` does. Waits for tiles
+// as long as the
 // scene says. `drawn` may be null.
 //
 // # Safety
@@ -442,22 +454,21 @@ TerrellaStatus terrella_scene_truth(TerrellaScene *scene,
 // `TERRELLA_SCENE`.
 //
 // # Safety
-// Both have room.
+// Both point to writable memory.
 TerrellaStatus terrella_scene_sensor_size(TerrellaScene *scene, uint32_t *width, uint32_t *height);
 
-// Draws the raw frame of the sensor of a scene at an instant, by the scene's camera, and writes its numbers to `numbers`, rows from the top:
-// those of the converter, from 0 to 2^bits − 1, as `terrella frame --raw` writes them. `count` is width × height of the sensor. Of `drawn`,
+// Draws the raw frame of the sensor of a scene at an instant, by the scene's camera, and writes its numbers to `numbers`, rows from the
+// top:
+// those of the converter, from 0 to 2^bits − 1, as `terrella frame --raw` writes them. `count` is width × height of the sensor. Of
+// `drawn`,
 // which may be null, only `missing_tiles` is set.
 //
 // # Safety
 // `numbers` points to so many values, which nobody else uses during the call; `drawn` is null or has room.
-TerrellaStatus terrella_scene_raw(TerrellaScene *scene,
-                                  TerrellaTime time,
-                                  uint16_t *numbers,
-                                  size_t count,
-                                  TerrellaDrawn *drawn);
+TerrellaStatus terrella_scene_raw(TerrellaScene *scene, TerrellaTime time, uint16_t *numbers, size_t count, TerrellaDrawn *drawn);
 
-// As `terrella_scene_truth` for the pixels of `terrella_scene_raw`: through the sensor's lens, each row at its own instant. Layers have the
+// As `terrella_scene_truth` for the pixels of `terrella_scene_raw`: through the sensor's lens, each row at its own instant. Layers have
+// the
 // sensor's size. Of `drawn`, which may be null, only `missing_tiles` is set.
 //
 // # Safety
@@ -471,16 +482,16 @@ TerrellaStatus terrella_scene_raw_truth(TerrellaScene *scene,
 // An instant from a text like "2018-01-15T12:00:00Z" or "2018-01-15T13:30:00.25+01:30" (RFC 3339); leap seconds are read.
 //
 // # Safety
-// `text` ends with a zero byte; `time` has room.
+// `text` ends with a zero byte; `time` points to writable memory.
 TerrellaStatus terrella_time_utc(const char *text, TerrellaTime *time);
 
 // An instant from seconds since 1970-01-01T00:00:00Z as POSIX counts them, without leap seconds.
 //
 // # Safety
-// `time` has room.
+// `time` points to writable memory.
 TerrellaStatus terrella_time_unix(double unix_s, TerrellaTime *time);
 
-// An instant so many seconds later, or earlier.
+// An instant that many seconds later; negative is earlier.
 //
 // # Safety
 // `later` has room; it may be where `time` came from.
@@ -492,47 +503,48 @@ TerrellaStatus terrella_time_add(TerrellaTime time, double elapsed_s, TerrellaTi
 // `text` has room for `bytes` bytes.
 TerrellaStatus terrella_time_text(TerrellaTime time, char *text, size_t bytes);
 
-// How many truth layers there are.
+// The number of truth layers.
 size_t terrella_layer_count(void);
 
-// What the truth layer of this place is, from 0.
+// The description of the truth layer with this index, from 0.
 //
 // # Safety
-// `layer` has room.
+// `layer` points to writable memory.
 TerrellaStatus terrella_layer(size_t index, TerrellaLayer *layer);
 
-// The version of the library that is loaded, as in "0.1.0". Never null, and not to be freed.
+// The version of the loaded library, like "0.1.0". Never null; do not free it.
 const char *terrella_version(void);
 
-// Names an extension that the host's device must be made with: the one of this place, from 0. Null where there are no more. Asked before vkCreateDevice.
-// Names stand for ever.
+// Returns a device extension that the host must enable, by its index from 0; null after the last one. Call it before vkCreateDevice. Names
+// are never freed.
 //
 // # Safety
-// `host` points to Vulkan objects as its fields say; `device` and `device_extensions` are not looked at. `name` has room.
-TerrellaStatus terrella_vulkan_extension(const TerrellaVulkanHost *host,
-                                         size_t index,
-                                         const char **name);
+// `host` points to Vulkan objects as its fields say; `device` and `device_extensions` are not read. `name` has room.
+TerrellaStatus terrella_vulkan_extension(const TerrellaVulkanHost *host, size_t index, const char **name);
 
-// Makes an Earth on the host's device, for images of a format: VK_FORMAT_R8G8B8A8_UNORM (37) or _SRGB (43), VK_FORMAT_B8G8R8A8_UNORM (44) or _SRGB
-// (50) for the Earth as it is shown, VK_FORMAT_R16G16B16A16_SFLOAT (97) for its light. `width`, `height` and `adapter` of the options are not used.
+// Creates an Earth on the host's device, for images of a format: VK_FORMAT_R8G8B8A8_UNORM (37) or _SRGB (43), VK_FORMAT_B8G8R8A8_UNORM
+// (44) or _SRGB
+// (50) for display, VK_FORMAT_R16G16B16A16_SFLOAT (97) for linear light. `width`, `height` and `adapter` of the options are not used.
 //
 // # Safety
-// `host` points to Vulkan objects as its fields say, which outlive the Earth; texts end with zero bytes; `earth` has room. Nobody submits to the
+// `host` points to Vulkan objects as its fields say, which outlive the Earth; texts end with zero bytes; `earth` has room. Nobody submits
+// to the
 // queue during the call.
 TerrellaStatus terrella_vulkan_earth_new(const TerrellaVulkanHost *host,
                                          const TerrellaOptions *options,
                                          uint32_t vk_format,
                                          TerrellaVulkanEarth **earth);
 
-// Gives an Earth on Vulkan back, when the device has done what was drawn. Before the host's device goes away.
+// Frees an Earth on Vulkan, after the device has finished drawing. Call it before you destroy the device.
 TerrellaStatus terrella_vulkan_earth_free(TerrellaVulkanEarth *earth);
 
-// Draws into an image of the host: submits to its queue and does not wait, so that what is submitted to that queue later sees the picture, and the image
-// stays until the queue has done it. The picture stands as Vulkan has it, its first row at the top. Waits for tiles, at most `wait_s` seconds. `drawn`
+// Draws into an image of the host: submits to its queue and does not wait. Later submissions to that queue see the picture. Keep the image
+// until the queue has finished. The first row is at the top, as in Vulkan. Waits for tiles, at most `wait_s` seconds. `drawn`
 // may be null.
 //
 // # Safety
-// `camera` points to a camera, `image` to a description that is true of an image of the host's device; nobody else submits to the queue or uses the image
+// `camera` points to a camera, `image` to a description that is true of an image of the host's device; nobody else submits to the queue or
+// uses the image
 // during the call; `drawn` is null or has room.
 TerrellaStatus terrella_vulkan_draw(TerrellaVulkanEarth *earth,
                                     const TerrellaCamera *camera,

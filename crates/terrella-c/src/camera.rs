@@ -7,7 +7,7 @@ use terrella::EyeView;
 use terrella::frames::{Ellipsoid, Geodetic};
 use terrella_play::camera::Pose;
 
-/// Where the eye stands and what it sees. Filled by `terrella_camera_geodetic` or `terrella_camera_look`, or by hand.
+/// Position, attitude and projection of a camera. Fill it with `terrella_camera_geodetic` or `terrella_camera_look`, or yourself.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TerrellaCamera {
@@ -71,12 +71,14 @@ fn lens(fov_deg: f64, aspect: f64) -> Result<(f64, f64), Failure> {
     Ok((fov_rad, within(aspect, "aspect", 1e-3, 1e3)?))
 }
 
-/// A camera above a place: latitude and longitude in degrees (geodetic, WGS84), height in metres. With heading 0 and pitch −90 it looks straight
-/// down, north upwards; heading turns it clockwise from north, pitch raises it, 0 is level. `fov_deg` is the vertical field of view, `aspect`
+/// A camera above a place: latitude and longitude in degrees (geodetic, WGS84), height in metres. With heading 0 and pitch −90 it looks
+/// straight
+/// down, north upwards; heading turns it clockwise from north, pitch raises it, 0 is level. `fov_deg` is the vertical field of view,
+/// `aspect`
 /// width over height.
 ///
 /// # Safety
-/// `camera` has room.
+/// `camera` points to writable memory.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn terrella_camera_geodetic(
     lat_deg: f64,
@@ -109,10 +111,11 @@ pub unsafe extern "C" fn terrella_camera_geodetic(
     })
 }
 
-/// A camera at `eye_itrf_m` (three numbers, metres) that looks along `forward` with `up` upwards on screen (three numbers each, of any length).
+/// A camera at `eye_itrf_m` (three numbers, metres) that looks along `forward` with `up` upwards on screen (three numbers each, of any
+/// length).
 ///
 /// # Safety
-/// Each points to three numbers; `camera` has room.
+/// Each points to three numbers; `camera` points to writable memory.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn terrella_camera_look(
     eye_itrf_m: *const f64,

@@ -12,14 +12,14 @@ use std::ffi::c_void;
 use std::time::Duration;
 use terrella::{Drawing, EyeView, OffscreenEarth, Sky};
 
-/// An Earth on a device of its own. A handle, no address. Any thread may use it; calls from several are done one after another.
+/// An Earth with its own device. An opaque handle. Any thread may use it; calls from several threads are serialised.
 pub struct TerrellaEarth {
     _private: [u8; 0],
 }
 
 const KIND: &str = "an Earth";
 
-/// Opens an adapter and makes an Earth. Free it by `terrella_earth_free`.
+/// Opens a graphics adapter and creates an Earth. Free it with `terrella_earth_free`.
 ///
 /// # Safety
 /// `options` points to options whose texts end with zero bytes; `earth` has room.
@@ -39,13 +39,13 @@ pub unsafe extern "C" fn terrella_earth_new(
     })
 }
 
-/// Gives an Earth back. Null is rejected, and so is one that is freed already.
+/// Frees an Earth. A null or freed handle is an error.
 #[unsafe(no_mangle)]
 pub extern "C" fn terrella_earth_free(earth: *mut TerrellaEarth) -> TerrellaStatus {
     answer(|| handles::remove(earth, KIND, "earth"))
 }
 
-/// Draws pictures of another size from now on. On failure the size is as it was.
+/// Changes the size of the images. On failure the size stays.
 #[unsafe(no_mangle)]
 pub extern "C" fn terrella_earth_resize(
     earth: *mut TerrellaEarth,
@@ -97,8 +97,8 @@ unsafe fn asked(
     Ok((view, Sky::at(time.epoch("time")?)))
 }
 
-/// Draws a picture and writes it to `pixels`, rows from the top without padding: `bytes` is width × height × 4, 8 or 16 by its format. Waits for
-/// the device; and for tiles, at most `wait_s` seconds, 0 for live pictures that take what is there. `drawn` may be null.
+/// Draws a picture and writes it to `pixels`, rows from the top without padding: `bytes` is width × height × 4, 8 or 16 by its format.
+/// Waits for the device, and for tiles at most `wait_s` seconds. 0 draws the tiles that have arrived, for real time. `drawn` may be null.
 ///
 /// # Safety
 /// `camera` points to a camera; `pixels` to so many bytes, which nobody else uses during the call; `drawn` is null or has room.
@@ -130,7 +130,8 @@ pub unsafe extern "C" fn terrella_earth_draw(
     })
 }
 
-/// Writes the distance of the ground along the camera's axis, metres, to `depth_m`: `count` is width × height. Infinite where no ground is seen.
+/// Writes the distance of the ground along the camera's axis, metres, to `depth_m`: `count` is width × height. Infinite where no ground is
+/// visible.
 ///
 /// # Safety
 /// `camera` points to a camera; `depth_m` to so many floats, which nobody else uses during the call.
@@ -157,10 +158,11 @@ pub unsafe extern "C" fn terrella_earth_depth(
     })
 }
 
-/// Writes truth layers, each to its own room; the view is drawn once for all of them. `drawn` may be null.
+/// Writes truth layers, each to its own buffer. The view is rendered once for all of them. `drawn` may be null.
 ///
 /// # Safety
-/// `camera` points to a camera; `layers` to so many values, whose texts end with zero bytes and whose rooms have as many bytes as they say, do not
+/// `camera` points to a camera; `layers` to so many values, whose texts end with zero bytes and whose rooms have as many bytes as they say,
+/// do not
 /// overlap, and are used by nobody else during the call; `drawn` is null or has room.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn terrella_earth_truth(

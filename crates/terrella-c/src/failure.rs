@@ -6,28 +6,28 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use terrella::{EarthError, OffscreenError};
 use terrella_play::PlayError;
 
-/// What a call answers. `terrella_message` has the words.
+/// The result of a call. `terrella_message` returns the error message.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[expect(non_camel_case_types, reason = "the names that C has")]
 pub enum TerrellaStatus {
     /// Done.
     TERRELLA_OK = 0,
-    /// A pointer that must point somewhere is null.
+    /// A required pointer is null.
     TERRELLA_NULL = 1,
-    /// An argument has a value that it may not have.
+    /// An argument is out of range or invalid.
     TERRELLA_ARGUMENT = 2,
-    /// A handle that is freed already, never was one, or is one of something else.
+    /// A handle that is freed, was never made, or belongs to another type.
     TERRELLA_HANDLE = 3,
-    /// A scene, or an instant that is asked of it, is at fault.
+    /// A scene is invalid, or does not cover the requested time.
     TERRELLA_SCENE = 4,
-    /// A file that cannot be read or holds what it should not.
+    /// A file cannot be read or is invalid.
     TERRELLA_FILE = 5,
-    /// No adapter, or one that has no room, cannot do what is asked, or was lost.
+    /// No graphics adapter, out of device memory, a missing device feature, or a lost device.
     TERRELLA_DEVICE = 6,
     /// The handle was made before `fork`, and this is the child.
     TERRELLA_FORKED = 7,
-    /// The library broke down; what the call was about cannot be used any more. Please report it.
+    /// An internal error. Do not use the handle of the call any more. Please report it.
     TERRELLA_BROKEN = 8,
 }
 
@@ -125,8 +125,8 @@ pub(crate) fn answer(work: impl FnOnce() -> Result<(), Failure>) -> TerrellaStat
     }
 }
 
-/// What went wrong in the last call of this thread that failed, in UTF-8; an empty text before. It stands until this thread's next call that
-/// fails.
+/// The error message of this thread's last failed call, in UTF-8; empty if there was none. It is valid until this thread's next failed
+/// call.
 #[unsafe(no_mangle)]
 pub extern "C" fn terrella_message() -> *const c_char {
     MESSAGE.with(|message| match message.try_borrow() {
@@ -135,7 +135,7 @@ pub extern "C" fn terrella_message() -> *const c_char {
     })
 }
 
-/// The name of a status, for logs: "TERRELLA_OK" and so on; "no status" for a number that is none. It stands for ever.
+/// The name of a status, for logs: "TERRELLA_OK" and so on; "no status" for any other number. It is never freed.
 #[unsafe(no_mangle)]
 pub extern "C" fn terrella_status_name(status: u32) -> *const c_char {
     let name: &'static CStr = match status {

@@ -4,10 +4,12 @@ use crate::failure::{Failure, TerrellaStatus, answer};
 use crate::pointers::{read, text_if_any, write};
 use std::ffi::c_char;
 use std::path::PathBuf;
-use terrella::LayerSelection;
-use terrella::{Atmosphere, EarthOptions, Exposure, find_textures, load_layers};
+use terrella::{
+    Atmosphere, CityLights, EarthOptions, Exposure, LayerSelection, SurfaceLight, find_textures,
+    load_layers,
+};
 
-/// What an Earth is made of. Fill it by `terrella_options_default` and change what you want otherwise.
+/// Options of an Earth. Fill them with `terrella_options_default`, then change what you need.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct TerrellaOptions {
@@ -17,27 +19,32 @@ pub struct TerrellaOptions {
     pub height: u32,
     /// Samples a pixel of shown pictures, 1 or 4.
     pub samples: u32,
-    /// Folder of maps; null takes that of the environment variable TERRELLA_TEXTURES, else `textures` or `../share/terrella/textures` beside the
+    /// Folder of maps; null takes that of the environment variable TERRELLA_TEXTURES, else `textures` or `../share/terrella/textures`
+    /// beside the
     /// program, else that of the source tree that the library was built from.
     pub textures: *const c_char,
     /// Part of the name of the graphics adapter, letter case aside; null takes the best.
     pub adapter: *const c_char,
-    /// How bright light is shown, EV.
+    /// Exposure value, EV.
     pub exposure_ev: f64,
-    /// Whether exposure is metered in each picture, 0 or 1, in place of `exposure_ev`.
+    /// Whether each image is metered, 0 or 1, instead of `exposure_ev`.
     pub auto_exposure: u8,
-    /// Whether the air is drawn, 0 or 1.
+    /// Whether the atmosphere is drawn, 0 or 1.
     pub air: u8,
     /// Whether clouds are drawn, 0 or 1.
     pub clouds: u8,
     /// Whether city lights are drawn, 0 or 1.
     pub night_lights: u8,
+    /// Whether synthetic detail below the maps' texels is drawn, 0 or 1.
+    pub detail: u8,
+    /// Whether land and clouds reflect sunlight by direction, 0 or 1. With 0 they are Lambertian.
+    pub directional_reflectance: u8,
 }
 
 /// Fills options with the defaults: 800 × 450 pixels, one sample each, the starter maps, the best adapter.
 ///
 /// # Safety
-/// `options` has room.
+/// `options` points to writable memory.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn terrella_options_default(options: *mut TerrellaOptions) -> TerrellaStatus {
     let exposure_ev = match Exposure::default() {
@@ -55,6 +62,8 @@ pub unsafe extern "C" fn terrella_options_default(options: *mut TerrellaOptions)
         air: 1,
         clouds: 1,
         night_lights: 1,
+        detail: SurfaceLight::DEFAULT.detail.into(),
+        directional_reflectance: SurfaceLight::DEFAULT.directional_reflectance.into(),
     };
     // SAFETY: the caller's promise.
     answer(|| unsafe { write(options, "options", default) })
@@ -96,6 +105,11 @@ impl Wanted {
             ..LayerSelection::default()
         };
         let mut earth = EarthOptions::new(load_layers(&folder, wanted).map_err(Failure::file)?);
+        earth.light.detail = options.detail != 0;
+        earth.light.directional_reflectance = options.directional_reflectance != 0;
+        if earth.light.detail && wanted.night_lights {
+            earth.city_lights = CityLights::load(folder.as_path()).map_err(Failure::file)?;
+        }
         earth.samples = options.samples;
         earth.exposure = exposure;
         if options.air == 0 {

@@ -7,7 +7,7 @@ use crate::time::TerrellaTime;
 use terrella::frames::{Ellipsoid, Geodetic, Orientation};
 use terrella_orbit::{Feed, Observer, OrbitError, Pass, passes};
 
-/// Over which place passes are looked for, and when.
+/// Place and time interval of a search for passes.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TerrellaPassSearch {
@@ -51,8 +51,8 @@ pub struct TerrellaPass {
     pub sets: bool,
 }
 
-/// The passes of a satellite of a scene over a place, in their order, at most `capacity` of them; `count` gets how many were written. Where that is
-/// `capacity` there may be more: search again from the last one's end. `index` counts from 0 in the scene's order.
+/// The passes of a satellite of a scene over a place, in their order, at most `capacity` of them. `count` receives the number written. If
+/// it is `capacity` there may be more: search again from the end of the last one. `index` counts from 0 in the scene's order.
 ///
 /// # Safety
 /// `passes` has room for `capacity` passes, and `count` for a number.

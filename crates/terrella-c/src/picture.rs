@@ -1,4 +1,4 @@
-//! Formats of pictures in memory, and what is told of a drawn one.
+//! Formats of pictures in memory, and statistics of a drawn one.
 
 use crate::failure::{Failure, TerrellaStatus, answer};
 use crate::pointers::{buffer, row, text, write};
@@ -10,25 +10,25 @@ use std::time::Duration;
 use terrella::Drawing;
 use terrella_play::PendingFile;
 
-/// How the pixels of a picture are written: a number that begins with `TERRELLA_RGBA`.
+/// Pixel format of an image: a constant that begins with `TERRELLA_RGBA`.
 pub type TerrellaFormat = u32;
 
-/// The Earth as it is shown: red, green, blue in sRGB and opacity, a byte each.
+/// The displayed image: red, green, blue in sRGB and opacity, one byte each.
 pub const TERRELLA_RGBA8: TerrellaFormat = 0;
-/// Light, scene-referred and linear (a white sheet that faces the Sun in space is 1): red, green, blue and what is no light, IEEE halves.
+/// Linear scene-referred light (a white sheet that faces the Sun in space is 1): red, green, blue and an unused number, IEEE half floats.
 pub const TERRELLA_RGBA16F: TerrellaFormat = 1;
 /// The same as 32-bit floats.
 pub const TERRELLA_RGBA32F: TerrellaFormat = 2;
 
-/// What was drawn.
+/// Statistics of an image.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TerrellaDrawn {
     /// Triangles.
     pub triangles: u64,
-    /// Tiles of a pack that did not come in time: drawn with something coarser.
+    /// Tiles of a pack that did not arrive in time; coarser ones are drawn instead.
     pub missing_tiles: u64,
-    /// By how much light was exposed, EV.
+    /// The exposure value that was used, EV.
     pub exposure_ev: f64,
 }
 
@@ -127,7 +127,8 @@ pub(crate) unsafe fn draw_into(
     unsafe { tell_drawn(drawn, &drawing) }
 }
 
-/// Writes a picture of `TERRELLA_RGBA8` to a PNG file, without its opacity. The file is complete or not there; one of that name is replaced.
+/// Writes a picture of `TERRELLA_RGBA8` to a PNG file, without its opacity. The file is complete or does not exist; an existing file is
+/// replaced.
 ///
 /// # Safety
 /// `path` ends with a zero byte; `rgba` points to width × height × 4 bytes.

@@ -15,14 +15,14 @@ use terrella_orbit::{Feed, OrbitError};
 use terrella_play::scene::{Scene, SceneError};
 use terrella_play::{ScenePictures, take_starter_files};
 
-/// A scene file with a device of its own. A handle, no address. Any thread may use it; calls from several are done one after another.
+/// A scene file with its own device. An opaque handle. Any thread may use it; calls from several threads are serialised.
 pub struct TerrellaScene {
     _private: [u8; 0],
 }
 
 const KIND: &str = "a scene";
 
-/// What a scene says of its pictures.
+/// Image size, playback time and satellites of a scene.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TerrellaSceneInfo {
@@ -42,9 +42,9 @@ pub struct TerrellaSceneInfo {
     pub satellites: usize,
 }
 
-/// Reads a scene file and opens what it names, and an adapter. `width` and `height` are those of the pictures, both 0 the scene's own; `textures` is
-/// the folder of what the scene names no file for, null as in `TerrellaOptions`; `adapter` part of an adapter's name, null the best. Free it by
-/// `terrella_scene_free`.
+/// Reads a scene file and the files that it names, and opens a graphics adapter. `width` and `height` are the image size; with both 0 it is
+/// the scene's. `textures` is the folder of default maps, null as in `TerrellaOptions`. `adapter` is a part of the adapter's name, null
+/// takes the best. Free the scene with `terrella_scene_free`.
 ///
 /// # Safety
 /// Texts end with zero bytes; `scene` has room.
@@ -67,8 +67,8 @@ pub unsafe extern "C" fn terrella_scene_open(
     })
 }
 
-/// As `terrella_scene_open`, of a scene's text in place of a file's. `path` is the file that messages name and whose folder the paths in the
-/// text are relative to; nothing is read from it.
+/// As `terrella_scene_open`, but from the text of a scene. Messages name `path`, and paths in the text are relative to its folder; the file
+/// itself is not read.
 ///
 /// # Safety
 /// As `terrella_scene_open`.
@@ -126,16 +126,16 @@ pub(crate) fn with_scene<T>(
     handles::with(scene, KIND, "scene", work)
 }
 
-/// Gives a scene back. Null is rejected, and so is one that is freed already.
+/// Frees a scene. A null or freed handle is an error.
 #[unsafe(no_mangle)]
 pub extern "C" fn terrella_scene_free(scene: *mut TerrellaScene) -> TerrellaStatus {
     answer(|| handles::remove(scene, KIND, "scene"))
 }
 
-/// What a scene says of its pictures.
+/// Image size, playback time and satellites of a scene.
 ///
 /// # Safety
-/// `info` has room.
+/// `info` points to writable memory.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn terrella_scene_info(
     scene: *mut TerrellaScene,
@@ -160,7 +160,8 @@ pub unsafe extern "C" fn terrella_scene_info(
     })
 }
 
-/// Where a satellite of a scene is at an instant: Earth-fixed axes (ITRF), metres and metres a second, three numbers each. `index` counts from 0 in the
+/// Position and velocity of a satellite of a scene at an instant: Earth-fixed axes (ITRF), metres and metres a second, three numbers each.
+/// `index` counts from 0 in the
 /// scene's order; `velocity_m_s` may be null.
 ///
 /// # Safety
@@ -227,7 +228,8 @@ impl Draws for Instant<'_> {
     }
 }
 
-/// Draws an instant of a scene as the command `terrella` draws it, and writes it to `pixels` as `terrella_earth_draw` does. Waits for tiles as long as the
+/// Draws an instant of a scene as the command `terrella` draws it, and writes it to `pixels` as `terrella_earth_draw` does. Waits for tiles
+/// as long as the
 /// scene says. `drawn` may be null.
 ///
 /// # Safety

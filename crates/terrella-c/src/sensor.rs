@@ -11,7 +11,7 @@ use crate::truth::{TerrellaLayerBuffer, WantedLayers};
 /// `TERRELLA_SCENE`.
 ///
 /// # Safety
-/// Both have room.
+/// Both point to writable memory.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn terrella_scene_sensor_size(
     scene: *mut TerrellaScene,
@@ -29,8 +29,10 @@ pub unsafe extern "C" fn terrella_scene_sensor_size(
     })
 }
 
-/// Draws the raw frame of the sensor of a scene at an instant, by the scene's camera, and writes its numbers to `numbers`, rows from the top:
-/// those of the converter, from 0 to 2^bits − 1, as `terrella frame --raw` writes them. `count` is width × height of the sensor. Of `drawn`,
+/// Draws the raw frame of the sensor of a scene at an instant, by the scene's camera, and writes its numbers to `numbers`, rows from the
+/// top:
+/// those of the converter, from 0 to 2^bits − 1, as `terrella frame --raw` writes them. `count` is width × height of the sensor. Of
+/// `drawn`,
 /// which may be null, only `missing_tiles` is set.
 ///
 /// # Safety
@@ -63,7 +65,8 @@ pub unsafe extern "C" fn terrella_scene_raw(
     })
 }
 
-/// As `terrella_scene_truth` for the pixels of `terrella_scene_raw`: through the sensor's lens, each row at its own instant. Layers have the
+/// As `terrella_scene_truth` for the pixels of `terrella_scene_raw`: through the sensor's lens, each row at its own instant. Layers have
+/// the
 /// sensor's size. Of `drawn`, which may be null, only `missing_tiles` is set.
 ///
 /// # Safety

@@ -5,7 +5,8 @@ use crate::pointers::{buffer, check_out, text, write};
 use std::ffi::c_char;
 use terrella::frames::{Duration, Epoch, rfc3339, utc_from_rfc3339};
 
-/// An instant, in international atomic time (TAI) since 1900-01-01T00:00:00 TAI. Differences are elapsed time, through leap seconds too. Made by
+/// An instant, in international atomic time (TAI) since 1900-01-01T00:00:00 TAI. Differences are elapsed time, through leap seconds too.
+/// Made by
 /// `terrella_time_utc` or `terrella_time_unix`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,7 +47,7 @@ impl TerrellaTime {
 /// An instant from a text like "2018-01-15T12:00:00Z" or "2018-01-15T13:30:00.25+01:30" (RFC 3339); leap seconds are read.
 ///
 /// # Safety
-/// `text` ends with a zero byte; `time` has room.
+/// `text` ends with a zero byte; `time` points to writable memory.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn terrella_time_utc(
     text: *const c_char,
@@ -66,7 +67,7 @@ pub unsafe extern "C" fn terrella_time_utc(
 /// An instant from seconds since 1970-01-01T00:00:00Z as POSIX counts them, without leap seconds.
 ///
 /// # Safety
-/// `time` has room.
+/// `time` points to writable memory.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn terrella_time_unix(
     unix_s: f64,
@@ -91,7 +92,7 @@ pub unsafe extern "C" fn terrella_time_unix(
     })
 }
 
-/// An instant so many seconds later, or earlier.
+/// An instant that many seconds later; negative is earlier.
 ///
 /// # Safety
 /// `later` has room; it may be where `time` came from.

@@ -6,7 +6,7 @@ use std::ffi::{CString, c_char, c_void};
 use std::sync::LazyLock;
 use terrella::{LayerDtype, LayerValues, TRUTH_LAYERS, TruthLayer, TruthPicture};
 
-/// What a truth layer is. Its texts stand for ever.
+/// Description of a truth layer. Its texts are never freed.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct TerrellaLayer {
@@ -14,7 +14,7 @@ pub struct TerrellaLayer {
     pub name: *const c_char,
     /// The unit of its numbers, "1" where they have none.
     pub unit: *const c_char,
-    /// What they are.
+    /// What they mean.
     pub what: *const c_char,
     /// Numbers a pixel.
     pub components: u32,
@@ -22,15 +22,15 @@ pub struct TerrellaLayer {
     pub number_bytes: u32,
 }
 
-/// A truth layer that is wanted, and where its numbers go: row by row from the top; NaN where there is none.
+/// A requested truth layer and your buffer for it: row by row from the top, NaN where there is no value.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct TerrellaLayerBuffer {
     /// Its name.
     pub name: *const c_char,
-    /// Room for its numbers, float or double as the layer says.
+    /// Buffer for its numbers, float or double as the layer says.
     pub values: *mut c_void,
-    /// Bytes of that room: width × height × components × number_bytes.
+    /// Bytes of that buffer: width × height × components × number_bytes.
     pub bytes: usize,
 }
 
@@ -50,16 +50,16 @@ fn number_bytes(layer: &TruthLayer) -> usize {
     }
 }
 
-/// How many truth layers there are.
+/// The number of truth layers.
 #[unsafe(no_mangle)]
 pub extern "C" fn terrella_layer_count() -> usize {
     TRUTH_LAYERS.len()
 }
 
-/// What the truth layer of this place is, from 0.
+/// The description of the truth layer with this index, from 0.
 ///
 /// # Safety
-/// `layer` has room.
+/// `layer` points to writable memory.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn terrella_layer(index: usize, layer: *mut TerrellaLayer) -> TerrellaStatus {
     answer(|| {
@@ -97,7 +97,8 @@ impl<'c> WantedLayers<'c> {
     /// Reads what C wants of a picture of this size.
     ///
     /// # Safety
-    /// `wanted` is null or points to so many values; their texts end with zero bytes, their rooms have so many bytes and do not overlap, and nobody
+    /// `wanted` is null or points to so many values; their texts end with zero bytes, their rooms have so many bytes and do not overlap,
+    /// and nobody
     /// else uses them during the call.
     pub unsafe fn read(
         wanted: *const TerrellaLayerBuffer,

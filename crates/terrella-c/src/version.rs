@@ -15,7 +15,7 @@ const VERSION: &CStr =
         Err(_) => c"",
     };
 
-/// The version of the library that is loaded, as in "0.1.0". Never null, and not to be freed.
+/// The version of the loaded library, like "0.1.0". Never null; do not free it.
 #[unsafe(no_mangle)]
 pub extern "C" fn terrella_version() -> *const c_char {
     VERSION.as_ptr()

@@ -13,14 +13,15 @@ use terrella::Attachments;
 use terrella::wgpu::{self, hal};
 use terrella::{Drawing, Earth, FrameRequest, Sky};
 
-/// An Earth on a program's own Vulkan device. A handle, no address. Calls are the caller's to order: nobody else submits to the queue meanwhile.
+/// An Earth on a program's own Vulkan device. An opaque handle. The caller orders calls: no other thread submits to the queue during a
+/// call.
 pub struct TerrellaVulkanEarth {
     _private: [u8; 0],
 }
 
 const KIND: &str = "an Earth on Vulkan";
 
-/// A program's Vulkan objects. They outlive what is made with them.
+/// The program's Vulkan objects. They must outlive what is made with them.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct TerrellaVulkanHost {
@@ -35,17 +36,17 @@ pub struct TerrellaVulkanHost {
     pub device: *mut c_void,
     /// The version of Vulkan that the instance was made for, as VK_MAKE_API_VERSION; at least 1.1.
     pub api_version: u32,
-    /// Family of the queue; it draws.
+    /// Family of the queue, which must support graphics.
     pub queue_family: u32,
-    /// The queue's place in its family.
+    /// Index of the queue in its family.
     pub queue_index: u32,
     /// Names of the device's enabled extensions.
     pub device_extensions: *const *const c_char,
-    /// How many those are.
+    /// Number of these extensions.
     pub device_extension_count: usize,
 }
 
-/// What an image is left ready for: a number that begins with `TERRELLA_LAYOUT`.
+/// Layout of an image after drawing: a constant that begins with `TERRELLA_LAYOUT`.
 pub type TerrellaLayout = u32;
 
 /// To be copied from: VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL. The image has VK_IMAGE_USAGE_TRANSFER_SRC_BIT.
@@ -59,14 +60,15 @@ pub const TERRELLA_LAYOUT_ATTACHMENT: TerrellaLayout = 2;
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct TerrellaVulkanImage {
-    /// The VkImage: two-dimensional, one level, one layer, one sample, exclusive to the queue's family, usage VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT and
-    /// what `layout` needs. What is in it is lost.
+    /// The VkImage: two-dimensional, one level, one layer, one sample, exclusive to the queue's family, usage
+    /// VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT and
+    /// what `layout` needs. Its contents are discarded.
     pub image: u64,
     /// Width, pixels.
     pub width: u32,
     /// Height, pixels.
     pub height: u32,
-    /// What it is left ready for.
+    /// Its layout after drawing.
     pub layout: TerrellaLayout,
 }
 
@@ -171,11 +173,11 @@ fn needed(opened: &Opened) -> Vec<&'static CStr> {
     adapter.required_device_extensions(wgpu::Features::empty())
 }
 
-/// Names an extension that the host's device must be made with: the one of this place, from 0. Null where there are no more. Asked before vkCreateDevice.
-/// Names stand for ever.
+/// Returns a device extension that the host must enable, by its index from 0; null after the last one. Call it before vkCreateDevice. Names
+/// are never freed.
 ///
 /// # Safety
-/// `host` points to Vulkan objects as its fields say; `device` and `device_extensions` are not looked at. `name` has room.
+/// `host` points to Vulkan objects as its fields say; `device` and `device_extensions` are not read. `name` has room.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn terrella_vulkan_extension(
     host: *const TerrellaVulkanHost,
@@ -194,11 +196,13 @@ pub unsafe extern "C" fn terrella_vulkan_extension(
     })
 }
 
-/// Makes an Earth on the host's device, for images of a format: VK_FORMAT_R8G8B8A8_UNORM (37) or _SRGB (43), VK_FORMAT_B8G8R8A8_UNORM (44) or _SRGB
-/// (50) for the Earth as it is shown, VK_FORMAT_R16G16B16A16_SFLOAT (97) for its light. `width`, `height` and `adapter` of the options are not used.
+/// Creates an Earth on the host's device, for images of a format: VK_FORMAT_R8G8B8A8_UNORM (37) or _SRGB (43), VK_FORMAT_B8G8R8A8_UNORM
+/// (44) or _SRGB
+/// (50) for display, VK_FORMAT_R16G16B16A16_SFLOAT (97) for linear light. `width`, `height` and `adapter` of the options are not used.
 ///
 /// # Safety
-/// `host` points to Vulkan objects as its fields say, which outlive the Earth; texts end with zero bytes; `earth` has room. Nobody submits to the
+/// `host` points to Vulkan objects as its fields say, which outlive the Earth; texts end with zero bytes; `earth` has room. Nobody submits
+/// to the
 /// queue during the call.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn terrella_vulkan_earth_new(
@@ -324,18 +328,19 @@ unsafe fn make(
     })
 }
 
-/// Gives an Earth on Vulkan back, when the device has done what was drawn. Before the host's device goes away.
+/// Frees an Earth on Vulkan, after the device has finished drawing. Call it before you destroy the device.
 #[unsafe(no_mangle)]
 pub extern "C" fn terrella_vulkan_earth_free(earth: *mut TerrellaVulkanEarth) -> TerrellaStatus {
     answer(|| handles::remove(earth, KIND, "earth"))
 }
 
-/// Draws into an image of the host: submits to its queue and does not wait, so that what is submitted to that queue later sees the picture, and the image
-/// stays until the queue has done it. The picture stands as Vulkan has it, its first row at the top. Waits for tiles, at most `wait_s` seconds. `drawn`
+/// Draws into an image of the host: submits to its queue and does not wait. Later submissions to that queue see the picture. Keep the image
+/// until the queue has finished. The first row is at the top, as in Vulkan. Waits for tiles, at most `wait_s` seconds. `drawn`
 /// may be null.
 ///
 /// # Safety
-/// `camera` points to a camera, `image` to a description that is true of an image of the host's device; nobody else submits to the queue or uses the image
+/// `camera` points to a camera, `image` to a description that is true of an image of the host's device; nobody else submits to the queue or
+/// uses the image
 /// during the call; `drawn` is null or has room.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn terrella_vulkan_draw(

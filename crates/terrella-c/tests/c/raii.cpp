@@ -32,6 +32,17 @@ int main() {
     auto options = terrella::default_options();
     options.width = 48;
     options.height = 32;
+    assert(options.detail == 1 && options.directional_reflectance == 1);
+    // Each option changes the picture by itself.
+    auto seen = [&](std::uint8_t detail, std::uint8_t directional) {
+        auto changed = options;
+        changed.detail = detail;
+        changed.directional_reflectance = directional;
+        auto over_africa = terrella::camera_geodetic(10, 20, 5e5, 0, -60, 45, 1.5);
+        return terrella::Earth(changed).image(over_africa, terrella::Time("2018-06-21T08:00:00Z")).rgba;
+    };
+    auto both = seen(1, 1);
+    assert(both == seen(1, 1) && both != seen(0, 1) && both != seen(1, 0));
     terrella::Earth earth(options);
     TerrellaEarth *handle = earth.get();
     terrella::Earth moved(std::move(earth));
