@@ -263,13 +263,17 @@ impl ScenePictures {
         Ok(self.sensor_table()?.size().into())
     }
 
-    /// Draws the raw frame of the scene's sensor at an instant, by the scene's camera: the frame of `terrella frame --raw`. Its size is the
-    /// sensor's. Answers tiles that its light lacks besides.
+    /// Draws the raw frame of the scene's sensor at an instant: by the scene's camera the frame of `terrella frame --raw`. Its size is the
+    /// sensor's. A camera of the caller's stands still while rows are exposed; its field of view is the sensor's, and its exposure the
+    /// sensor's. Also returns the tiles that its light lacks.
     ///
     /// # Errors
     /// A scene without a sensor; an instant at which the satellite is not known, maps that cannot be read, a device without room.
-    pub fn draw_raw(&mut self, epoch: Epoch) -> Result<(RawFrame, Vec<TileKey>), PlayError> {
-        let (seen, moment) = self.seen(epoch)?;
+    pub fn draw_raw(
+        &mut self,
+        shot: impl Into<Shot>,
+    ) -> Result<(RawFrame, Vec<TileKey>), PlayError> {
+        let (seen, moment) = self.seen(shot.into())?;
         let mut painter = match self.raw.take() {
             Some(painter) => painter,
             None => {
@@ -290,10 +294,12 @@ impl ScenePictures {
     /// As [`Self::draw_raw`].
     pub fn draw_raw_truth(
         &mut self,
-        epoch: Epoch,
+        shot: impl Into<Shot>,
         wanted: &[&TruthLayer],
     ) -> Result<(Vec<LayerValues>, Vec<TileKey>), PlayError> {
-        let (seen, _) = self.seen(epoch)?;
+        let shot = shot.into();
+        let epoch = shot.epoch;
+        let (seen, _) = self.seen(shot)?;
         let options = match self.flight.scene().earth.dated_maps.is_empty() {
             true => self.options()?.clone(),
             false => self.flight.uploaded_options_at(epoch, &self.gpu)?,
@@ -310,7 +316,7 @@ impl ScenePictures {
     }
 
     /// What the sensor sees at an instant, and the moment of its first row.
-    fn seen(&mut self, epoch: Epoch) -> Result<(SensorView, Moment), PlayError> {
+    fn seen(&mut self, shot: Shot) -> Result<(SensorView, Moment), PlayError> {
         let sensor = match self.sensor.take() {
             Some(sensor) => sensor,
             None => self.sensor_table()?.open()?,
@@ -318,8 +324,20 @@ impl ScenePictures {
         let sensor = self.sensor.insert(sensor).clone();
         let [width, height] = self.flight.scene().output.size;
         let aspect = f64::from(width) / f64::from(height);
-        let moment = self.flight.at(epoch, aspect)?;
-        let bands = SensorBands::new(&self.flight, &sensor, &moment, aspect, &self.gpu)?;
+        let (moment, bands) = match shot.view {
+            None => {
+                let moment = self.flight.at(shot.epoch, aspect)?;
+                let bands = SensorBands::new(&self.flight, &sensor, &moment, aspect, &self.gpu)?;
+                (moment, bands)
+            }
+            Some(_) => {
+                let at = |epoch| self.moment(Shot { epoch, ..shot });
+                let ellipsoid = self.flight.ellipsoid();
+                let moment = at(shot.epoch)?;
+                let bands = SensorBands::along(&at, ellipsoid, &sensor, &moment, &self.gpu)?;
+                (moment, bands)
+            }
+        };
         Ok((SensorView { sensor, bands }, moment))
     }
 

@@ -8,7 +8,7 @@ use super::flight::{Flight, Moment};
 use glam::{DMat4, DVec2, DVec3, DVec4};
 use hifitime::Unit;
 use std::ops::Range;
-use terrella::frames::Ellipsoid;
+use terrella::frames::{Ellipsoid, Epoch};
 use terrella::{EyeView, GpuContext};
 use terrella_sensor::{PinholeFrame, PlaneRect, Sensor, Shutter, bands};
 
@@ -70,25 +70,42 @@ impl SensorBands {
         aspect: f64,
         gpu: &GpuContext,
     ) -> Result<Self, PlayError> {
+        // Pictures in memory, which need no window, are never of live scenes.
+        #[cfg(feature = "window")]
+        if matches!(sensor.shutter, Shutter::Rolling { .. }) {
+            flight.reject_live(
+                "rows cannot be exposed one after the other",
+                "write shutter = \"global\" in [sensor]",
+            )?;
+        }
+        let at = |epoch| flight.at(epoch, aspect);
+        Self::along(&at, flight.ellipsoid(), sensor, moment, gpu)
+    }
+
+    /// The same of a camera that is at an instant where a function says.
+    ///
+    /// # Errors
+    /// Those of the function; rows that are wider than the device draws.
+    pub fn along(
+        moment_at: &dyn Fn(Epoch) -> Result<Moment, PlayError>,
+        ellipsoid: &Ellipsoid,
+        sensor: &Sensor,
+        moment: &Moment,
+        gpu: &GpuContext,
+    ) -> Result<Self, PlayError> {
         let height = sensor.lens.size()[1];
         let at = |row: f64| {
             let after_s = sensor.shutter.row_time_s(row, height);
             match after_s == 0.0 {
                 true => Ok(*moment),
-                false => flight.at(moment.epoch + after_s * Unit::Second, aspect),
+                false => moment_at(moment.epoch + after_s * Unit::Second),
             }
         };
         let motion_px = match sensor.shutter {
             Shutter::Global => 0.0,
             Shutter::Rolling { .. } => {
-                // Pictures in memory, which need no window, are never of live scenes.
-                #[cfg(feature = "window")]
-                flight.reject_live(
-                    "rows cannot be exposed one after the other",
-                    "write shutter = \"global\" in [sensor]",
-                )?;
                 let ends = [at(0.0)?, at(f64::from(height) - 1.0)?];
-                motion_px(sensor, &ends, flight.ellipsoid())
+                motion_px(sensor, &ends, ellipsoid)
             }
         };
         let needed = (0.5 * motion_px / MOST_MOTION_PX).ceil();

@@ -12,8 +12,10 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::PathBuf;
-use terrella::LayerSelection;
-use terrella::{Atmosphere, EarthOptions, Exposure, OffscreenEarth, Sky, load_layers};
+use terrella::{
+    Atmosphere, CityLights, EarthOptions, Exposure, LayerSelection, OffscreenEarth, Sky,
+    load_layers,
+};
 use terrella_play::earth_options;
 
 /// The Earth on a device of its own: of a folder of maps, or as the tables of a scene's text describe it (`scene`: the path that messages
@@ -31,7 +33,8 @@ pub struct PyEarth {
 impl PyEarth {
     #[new]
     #[pyo3(signature = (
-        size, textures, *, adapter = None, samples = 1, air = true, clouds = true, night_lights = true, exposure_ev = None, scene = None
+        size, textures, *, adapter = None, samples = 1, air = true, clouds = true, night_lights = true, detail = true,
+        directional_reflectance = true, exposure_ev = None, scene = None
     ))]
     #[expect(clippy::too_many_arguments, reason = "Python's are named")]
     fn new(
@@ -43,6 +46,8 @@ impl PyEarth {
         air: bool,
         clouds: bool,
         night_lights: bool,
+        detail: bool,
+        directional_reflectance: bool,
         exposure_ev: Option<f64>,
         scene: Option<(PathBuf, String)>,
     ) -> PyResult<Self> {
@@ -60,6 +65,11 @@ impl PyEarth {
                 ..LayerSelection::default()
             };
             let mut options = EarthOptions::new(load_layers(&textures, wanted).map_err(of_any)?);
+            options.light.detail = detail;
+            options.light.directional_reflectance = directional_reflectance;
+            if detail && night_lights {
+                options.city_lights = CityLights::load(textures.as_path()).map_err(of_any)?;
+            }
             options.samples = samples;
             options.exposure = exposure;
             if !air {

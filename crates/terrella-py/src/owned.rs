@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 use std::sync::Mutex;
 
 /// A renderer, one thread at a time, in the process that made it. Drivers do not live through `fork`: their threads are not there in
-/// the child, which would wait for them for ever.
+/// the child, which would wait for them forever.
 pub struct Owned<T> {
     /// `None` only while it is dropped.
     value: Option<Mutex<T>>,

@@ -196,35 +196,39 @@ impl PyScene {
     /// [sensor] table.
     ///
     /// `time` is a time (see `Epoch`) or a `datetime.timedelta` after the start, which is the default.
-    #[pyo3(signature = (time = None))]
+    /// `camera` replaces the position and attitude of the scene's camera, and stands still while rows are exposed; the field of view is the
+    /// sensor's.
+    #[pyo3(signature = (time = None, *, camera = None))]
     fn raw<'py>(
         &self,
         py: Python<'py>,
         time: Option<&Bound<'py, PyAny>>,
+        camera: Option<PyCamera>,
     ) -> PyResult<Bound<'py, PyArray2<u16>>> {
-        let epoch = self.instant(time)?;
+        let shot = self.shot(time, camera)?;
         let frame = self.pictures.with(py, |pictures| {
-            Ok(pictures.draw_raw(epoch).map_err(of_play)?.0)
+            Ok(pictures.draw_raw(shot).map_err(of_play)?.0)
         })?;
         pictures::plane(py, (frame.width, frame.height), frame.data)
     }
 
     /// Truth layers by name, all or those named, of the pixels of `raw`: through the sensor's lens, each row at its own instant.
     ///
-    /// `time` is a time (see `Epoch`) or a `datetime.timedelta` after the start, which is the default.
-    #[pyo3(signature = (time = None, layers = None))]
+    /// `time` is a time (see `Epoch`) or a `datetime.timedelta` after the start, which is the default. `camera` is that of `raw`.
+    #[pyo3(signature = (time = None, layers = None, *, camera = None))]
     fn raw_truth<'py>(
         &self,
         py: Python<'py>,
         time: Option<&Bound<'py, PyAny>>,
         layers: Option<Vec<String>>,
+        camera: Option<PyCamera>,
     ) -> PyResult<Bound<'py, PyDict>> {
         let layers = Layers::named(layers)?;
-        let epoch = self.instant(time)?;
+        let shot = self.shot(time, camera)?;
         let (size, values) = self.pictures.with(py, |pictures| {
             let size = pictures.sensor_size().map_err(of_play)?;
             let (values, _) = pictures
-                .draw_raw_truth(epoch, layers.wanted())
+                .draw_raw_truth(shot, layers.wanted())
                 .map_err(of_play)?;
             Ok((size, values))
         })?;

@@ -166,3 +166,64 @@ def test_a_scene_gives_raw_frames(tmp_path):
     plain.write_text("")
     with pytest.raises(terrella.SceneError, match="sensor"):
         terrella.Scene(plain).raw()
+
+
+def test_detail_and_directional_reflectance_are_options_of_the_earth():
+    """Each changes the image, and both are the keys of scenes."""
+    camera = terrella.Camera.geodetic(10, 20, 4e5, pitch_deg=-50)
+    morning = "2018-06-21T08:00:00Z"
+
+    def drawn(**options):
+        return terrella.Earth((128, 72), **options).color(camera, morning).astype(int)
+
+    both = drawn()
+    assert np.array_equal(both, drawn(detail=True, directional_reflectance=True))
+    for name in ("detail", "directional_reflectance"):
+        without = drawn(**{name: False})
+        table = terrella.Earth.from_dict({"earth": {name: False}}, (128, 72)).color(camera, morning).astype(int)
+        assert np.abs(without - both).mean() > 0.2, name
+        assert np.abs(without - table).mean() < 0.2 * np.abs(without - both).mean(), name
+
+
+SENSOR = {
+    "size": [48, 32], "focal_length_mm": 0.6, "pixel_pitch_um": 10, "f_number": 4, "exposure_s": 2e-5, "full_well_e": 20000,
+    "oversampling": 1, "bits": 12, "read_noise_e": 5,
+}
+
+
+def test_an_earth_gives_raw_frames_of_a_sensor(earth):
+    sensor, noon = SENSOR, "2018-06-21T12:00:00Z"
+    frame = earth.raw(CAMERA, noon, sensor)
+    assert frame.shape == (32, 48) and frame.dtype == np.uint16
+    assert 0 < frame.max() < 4096 and frame.std() > 0
+    # The limb has the angle of a globe at this height: of a pixel at r from the middle the angle is atan(r / 60).
+    seen = np.isfinite(earth.raw_truth(CAMERA, noon, sensor, ["lat_deg"])["lat_deg"])
+    y, x = np.mgrid[:32, :48]
+    radius = np.hypot(x - 23.5, y - 15.5)
+    limb = 60 * np.tan(np.arcsin(6371 / (6371 + 12000)))
+    assert seen[radius < limb - 1].all() and not seen[radius > limb + 1].any()
+    # That of a scene with its camera at the same place and no sky.
+    scene = terrella.Scene.from_dict({
+        "time": {"start": noon},
+        "camera": {"mode": "geodetic", "lat_deg": 10, "lon_deg": 0, "height_km": 12000},
+        "sky": {"stars": False, "sun": False, "moon": False, "eclipses": False},
+        "sensor": sensor,
+    })
+    np.testing.assert_array_equal(frame, scene.raw())
+    elsewhere = terrella.Camera.geodetic(10, 90, 1.2e7)
+    np.testing.assert_array_equal(scene.raw(camera=elsewhere), earth.raw(elsewhere, noon, sensor))
+    assert (scene.raw(camera=elsewhere) != frame).any()
+    # Rows one after the other, by a camera that stands still over the turning Earth.
+    rolling = earth.raw(CAMERA, noon, {**sensor, "shutter": "rolling", "line_time_us": 100})
+    assert rolling.shape == frame.shape
+
+
+def test_a_sensor_that_is_none_names_the_key(earth):
+    noon = "2018-06-21T12:00:00Z"
+    for key, value in [("full_well_e", 0), ("size", [0, 32]), ("bits", 99), ("pixel_pitch", 10)]:
+        with pytest.raises(terrella.SceneError, match=key):
+            earth.raw(CAMERA, noon, {**SENSOR, key: value})
+    with pytest.raises(TypeError, match="sensor"):
+        earth.raw(CAMERA, noon, 12)
+    with pytest.raises(terrella.SceneError):
+        earth.raw(CAMERA, noon, {})

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -21,6 +21,11 @@ if TYPE_CHECKING:
 
 # The tables of a scene that an Earth without satellites and sky has.
 _EARTH_TABLES = ("earth", "output")
+# What a scene has besides, left out: an Earth has neither sky nor satellites.
+_NOTHING_ELSE = {
+    "camera": {"mode": "geodetic", "lat_deg": 0, "lon_deg": 0, "height_km": 10000},
+    "sky": {"stars": False, "milky_way": False, "sun": False, "moon": False, "glare": False, "eclipses": False},
+}
 
 
 def _textures(folder: str | os.PathLike[str] | None) -> Path:
@@ -92,8 +97,9 @@ class Earth(_native.Earth):
 
     ``size`` is width and height in pixels; ``textures`` a folder of maps (by default that of TERRELLA_TEXTURES, else the maps that came with
     the package); ``adapter`` a part of the name of the graphics adapter (by default the best); ``samples`` 1 or 4 a pixel; ``air``, ``clouds``
-    and ``night_lights`` draw the atmosphere, clouds and city lights; ``exposure_ev`` sets the exposure (fixed by default).
-    ``Earth.from_dict`` has terrain, packs, open water and all other settings.
+    and ``night_lights`` draw the atmosphere, clouds and city lights; ``detail`` adds synthetic detail below the maps' texels;
+    ``directional_reflectance`` reflects sunlight by direction, and without it land and clouds are Lambertian; ``exposure_ev`` sets the exposure
+    (fixed by default). ``Earth.from_dict`` has terrain, packs, open water and all other settings.
 
     The first image of each kind (colour, light, truth) creates its renderer. Any thread may call it; it renders one image at a time, and other
     Python threads run meanwhile. After ``fork`` a child must create its own.
@@ -109,10 +115,16 @@ class Earth(_native.Earth):
         air: bool = True,
         clouds: bool = True,
         night_lights: bool = True,
+        detail: bool = True,
+        directional_reflectance: bool = True,
         exposure_ev: float | None = None,
     ) -> Self:
-        return super().__new__(cls, size, _textures(textures), adapter=adapter, samples=samples, air=air, clouds=clouds,
-                               night_lights=night_lights, exposure_ev=exposure_ev)
+        made = super().__new__(cls, size, _textures(textures), adapter=adapter, samples=samples, air=air, clouds=clouds,
+                               night_lights=night_lights, detail=detail, directional_reflectance=directional_reflectance,
+                               exposure_ev=exposure_ev)
+        table = {"clouds": clouds, "night_lights": night_lights, "detail": detail, "directional_reflectance": directional_reflectance}
+        made._describe({"earth": table if air else {**table, "atmosphere": "none"}}, Path(), textures)
+        return made
 
     @classmethod
     def from_dict(
@@ -130,7 +142,37 @@ class Earth(_native.Earth):
             if name not in _EARTH_TABLES:
                 raise ValueError(f"tables: an Earth has no table {name!r}, only {' and '.join(_EARTH_TABLES)}; Scene.from_dict takes all tables")
         scene = (Path(folder) / "<dict>", _toml.text(tables))
-        return super().__new__(cls, size, _textures(textures), adapter=adapter, scene=scene)
+        made = super().__new__(cls, size, _textures(textures), adapter=adapter, scene=scene)
+        made._describe(tables, Path(folder), textures)
+        return made
+
+    def _describe(self, tables: Mapping[str, Any], folder: Path, textures: str | os.PathLike[str] | None) -> None:
+        """Keeps what a scene of the same Earth is made of."""
+        self._tables, self._folder, self._given_textures = tables, folder, textures
+        self._sensor: tuple[str, Scene] | None = None
+
+    def _scene_of(self, sensor: Mapping[str, Any]) -> Scene:
+        tables = {**self._tables, "sensor": sensor, **_NOTHING_ELSE}
+        text = _toml.text(tables)
+        kept = self._sensor
+        if kept is None or kept[0] != text:
+            scene = Scene.from_dict(tables, folder=self._folder, textures=self._given_textures, adapter=self.adapter)
+            kept = self._sensor = (text, scene)
+        return kept[1]
+
+    def raw(self, camera: Camera, time: Time, sensor: Mapping[str, Any]) -> NDArray[np.uint16]:
+        """The raw frame of a sensor: height × width (uint16), in digital numbers.
+
+        ``sensor`` has the keys of a scene's ``[sensor]`` table: ``{"size": [1024, 768], "focal_length_mm": 12, ...}``. The camera says where the
+        sensor is and where it looks; the field of view, exposure and resolution are the sensor's. Stars, Sun and Moon are not in the frame;
+        ``Scene.raw`` draws them. The Earth keeps the renderer of the sensor that it drew last."""
+        return self._scene_of(sensor).raw(time, camera=camera)
+
+    def raw_truth(
+        self, camera: Camera, time: Time, sensor: Mapping[str, Any], layers: Sequence[str] | None = None
+    ) -> dict[str, NDArray[np.float32] | NDArray[np.float64]]:
+        """Truth layers by name, all or those named, of the pixels of ``raw``: through the sensor's lens."""
+        return self._scene_of(sensor).raw_truth(time, layers, camera=camera)
 
     def frame(self, camera: Camera, time: Time, *, wait_s: float = 30.0) -> Frame:
         """The displayed image, a ``Frame``. The call waits for tiles of a pack for at most ``wait_s`` seconds."""

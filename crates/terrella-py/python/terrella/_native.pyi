@@ -87,6 +87,8 @@ class Earth:
         air: bool = True,
         clouds: bool = True,
         night_lights: bool = True,
+        detail: bool = True,
+        directional_reflectance: bool = True,
         exposure_ev: float | None = None,
         scene: tuple[str | os.PathLike[str], str] | None = None,
     ) -> Self: ...
@@ -134,9 +136,9 @@ class Scene:
     def truth(
         self, time: Time | datetime.timedelta | None = None, layers: Sequence[str] | None = None, *, camera: Camera | None = None
     ) -> dict[str, NDArray[np.float32] | NDArray[np.float64]]: ...
-    def raw(self, time: Time | datetime.timedelta | None = None) -> NDArray[np.uint16]: ...
+    def raw(self, time: Time | datetime.timedelta | None = None, *, camera: Camera | None = None) -> NDArray[np.uint16]: ...
     def raw_truth(
-        self, time: Time | datetime.timedelta | None = None, layers: Sequence[str] | None = None
+        self, time: Time | datetime.timedelta | None = None, layers: Sequence[str] | None = None, *, camera: Camera | None = None
     ) -> dict[str, NDArray[np.float32] | NDArray[np.float64]]: ...
     def propagate(
         self, times: Times, frame: FrameName = "itrf", *, outside: Literal["raise", "nan"] = "raise"

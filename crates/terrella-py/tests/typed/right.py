@@ -14,6 +14,9 @@ later: terrella.Epoch = begin + datetime.timedelta(minutes=1) - 5.0
 plain: datetime.datetime = later.to_datetime()
 camera = terrella.Camera.geodetic(13, 14, 5e6, heading_deg=270, pitch_deg=-60)
 earth = terrella.Earth((64, 36), samples=4, air=False)
+dull = terrella.Earth((64, 36), detail=False, directional_reflectance=False)
+numbers = dull.raw(camera, begin, {"size": [64, 48], "focal_length_mm": 12.0}).astype(float)
+pixels = dull.raw_truth(camera, begin, {"size": [64, 48]}, ["lat_deg"])["lat_deg"]
 light = earth.radiance(camera, plain, wait_s=1)
 bright: float = float(light.max())
 tables: dict[str, dict[str, list[str]]] = {"earth": {"elevation": []}}
