@@ -60,6 +60,15 @@ impl From<EarthCelestial> for CelestialSelection {
 }
 
 impl EarthCelestial {
+    /// What it is made of, to be compared: a gain that is no number is the same as itself.
+    pub(crate) fn key(self) -> (CelestialSelection, u64, bool) {
+        (
+            self.into(),
+            self.star_gain.to_bits(),
+            self.stars_fade_by_day,
+        )
+    }
+
     /// The library's options, with maps from a folder.
     pub(crate) fn options(self, folder: MapFolder<'_>) -> Result<CelestialOptions, EarthFault> {
         Ok(CelestialOptions {

@@ -80,7 +80,9 @@ pub(super) fn extract(
     #[cfg(feature = "celestial")]
     let celestial = skies.get(entity).ok().copied();
     #[cfg(feature = "celestial")]
-    let before = before.filter(|scene| scene.celestial == celestial);
+    let before = before.filter(|scene| {
+        scene.celestial.map(EarthCelestial::key) == celestial.map(EarthCelestial::key)
+    });
     let (earth, revision) = match before {
         Some(scene) if !earth.is_changed() => (scene.earth, scene.revision),
         _ => {

@@ -1,11 +1,12 @@
 //! Maps that Bevy's `AssetServer` reads.
 
+use crate::compare::{channels, difference};
 use crate::headless;
 use crate::native::Native;
 use crate::scene::{self, SIZE, View};
 use bevy::prelude::*;
 use bevy_terrella::{Earth, EarthCameraStatus, EarthCelestial, EarthFault, EarthMaps};
-use terrella::find_textures;
+use terrella::{LayerSelection, find_textures};
 
 /// A view of the night side, where city lights show.
 fn night() -> View {
@@ -33,6 +34,32 @@ fn app(view: &View, maps: EarthMaps) -> (App, Handle<Image>) {
         .entity_mut(earth)
         .insert(EarthCelestial::default());
     (app, image)
+}
+
+#[test]
+fn assets_give_the_picture_of_the_folder() {
+    if Native::open().is_none() {
+        return;
+    }
+    let folder = find_textures().expect("the starter maps");
+    let name = folder.file_name().expect("a name").to_string_lossy();
+    let day = View {
+        hdr: true,
+        ..View::station()
+    };
+    for view in [day, night()] {
+        let of = |maps| {
+            let (mut app, image) = app(&view, maps);
+            headless::draw(&mut app, &image).expect("a picture")
+        };
+        let expected = of(EarthMaps::Folder(folder.clone(), LayerSelection::default()));
+        let found = of(EarthMaps::assets(name.to_string()));
+        let light = channels(&expected, view.format());
+        let brightest = light.into_iter().fold(0.0, f64::max);
+        assert!(brightest > 1e-3, "{brightest}");
+        let found = difference(&found, &expected, view.format());
+        assert!(found.channels == 0, "{found:?}");
+    }
 }
 
 #[test]

@@ -9,6 +9,8 @@ use bevy::prelude::*;
 use bevy_terrella::{Earth, EarthLines, EarthStation, EarthTrack};
 use bevy_terrella::{EarthCameraStatus, EarthCelestial, EarthFault, EarthFrame};
 use std::path::Path;
+use terrella::celestial::{CelestialOptions, CelestialSelection};
+use terrella::find_textures;
 use terrella::frames::{Ellipsoid, Epoch, Geodetic};
 use terrella::orbit::Catalogue;
 use terrella::tracks::{LineStyle, Polylines, Station};
@@ -91,6 +93,50 @@ fn is_alike(found: &Difference, view: &View) {
     let step = if view.hdr { 5e-3 } else { 1.0 };
     assert!(found.greatest <= step, "{found:?}");
     assert!(found.channels * 50 < found.of, "{found:?}");
+}
+
+#[test]
+fn the_sky_is_the_native_hosts() {
+    let Some(host) = Native::open() else { return };
+    let folder = find_textures().expect("the starter maps");
+    let all = CelestialSelection::default();
+    let options = CelestialOptions::load(&*folder, all).expect("the starter sky");
+    for (hdr, msaa) in [
+        (false, Msaa::Off),
+        (false, Msaa::Sample4),
+        (true, Msaa::Off),
+    ] {
+        let view = by_night(hdr, msaa);
+        let mut app = scene::app(&view);
+        let image = headless::target(&mut app, SIZE, view.format());
+        scene::camera(&mut app, &view, &image, None);
+        let bare = headless::draw(&mut app, &image).expect("a picture");
+        let at = earth(&mut app);
+        app.world_mut()
+            .entity_mut(at)
+            .insert(EarthCelestial::default());
+        // What was drawn before is drawn until the new Earth is ready.
+        app.update();
+        app.update();
+        let begin = std::time::Instant::now();
+        let expected = Beside {
+            celestial: Some(options.clone()),
+            ..Beside::default()
+        };
+        let expected = native(&host, &view, &expected);
+        let stars = difference(&expected, &bare, view.format()).channels;
+        assert!(stars > 300, "the native host draws {stars} channels of sky");
+        let found = loop {
+            let picture = headless::read(&mut app, &image).expect("a picture");
+            let found = difference(&picture, &expected, view.format());
+            let is_new = difference(&picture, &bare, view.format()).channels > 0;
+            if is_new || begin.elapsed().as_secs() > 60 {
+                break found;
+            }
+        };
+        eprintln!("{hdr} {msaa:?}: {found:?}");
+        is_alike(&found, &view);
+    }
 }
 
 #[test]
@@ -212,5 +258,19 @@ fn a_style_without_meaning_is_a_fault_until_it_is_mended() {
     })
     .expect("a fault");
     app.world_mut().entity_mut(satellite).insert(track());
+    headless::wait(&mut app, EarthCameraStatus::is_drawn).expect("mended");
+    let at = earth(&mut app);
+    let dark = EarthCelestial {
+        star_gain: f64::NAN,
+        ..EarthCelestial::default()
+    };
+    app.world_mut().entity_mut(at).insert(dark);
+    headless::wait(&mut app, |status| {
+        matches!(status.fault(), Some(EarthFault::Celestial(_)))
+    })
+    .expect("a fault");
+    app.world_mut()
+        .entity_mut(at)
+        .insert(EarthCelestial::default());
     headless::wait(&mut app, EarthCameraStatus::is_drawn).expect("mended");
 }
