@@ -106,3 +106,48 @@ fn read_stars(folder: MapFolder<'_>) -> Result<StarCatalogue, CelestialError> {
     };
     read.map_err(|error| CelestialError::Stars { path, error })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::HashMap;
+    use terrella_imagery::find_textures;
+
+    #[test]
+    fn files_in_memory_are_those_of_the_folder() {
+        let folder = find_textures().expect("the starter maps");
+        let all = CelestialSelection::default();
+        let read = |name: &str| std::fs::read(folder.join(name)).expect("a file of the sky");
+        let names = all.file_names();
+        assert_eq!(names, [STARS_FILE, MILKY_WAY_FILE, MOON_FILE]);
+        let mut files: HashMap<String, Vec<u8>> = names
+            .iter()
+            .map(|name| (name.to_string(), read(name)))
+            .collect();
+        let disk = CelestialOptions::load(&*folder, all).expect("the starter sky");
+        let memory = CelestialOptions::load(&files, all).expect("the same sky");
+        let stars = |options: &CelestialOptions| options.stars.clone().expect("stars");
+        assert_eq!(stars(&disk), stars(&memory));
+        assert!(stars(&disk).stars().len() > 5000);
+        for (a, b) in [
+            (&disk.moon, &memory.moon),
+            (&disk.milky_way, &memory.milky_way),
+        ] {
+            let texels = |map: &Option<Arc<LayerImage>>| map.clone().expect("a map").levels.clone();
+            assert!(texels(a) == texels(b) && !texels(a)[0].is_empty());
+        }
+
+        // Only what is selected is needed.
+        files.remove(MOON_FILE);
+        let without = CelestialSelection { moon: false, ..all };
+        assert!(CelestialOptions::load(&files, without).is_ok());
+        let error = CelestialOptions::load(&files, all).expect_err("no Moon");
+        assert!(error.to_string().contains(MOON_FILE), "{error}");
+        files.insert(STARS_FILE.into(), b"TRSTARS1\xff\xff\xff\xff".to_vec());
+        let error = CelestialOptions::load(&files, without).expect_err("no stars");
+        assert!(error.to_string().contains(STARS_FILE), "{error}");
+        files.remove(STARS_FILE);
+        let error = CelestialOptions::load(&files, without).expect_err("no stars");
+        assert!(error.to_string().contains(STARS_FILE), "{error}");
+    }
+}

@@ -5,6 +5,7 @@ mod captions;
 mod geojson;
 mod lines;
 mod orbits;
+mod pages;
 mod rejections;
 mod relief;
 mod summary;

@@ -6,13 +6,8 @@ use crate::scene::Scene;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use terrella::DiffractionPattern;
-use terrella::celestial::{CelestialOptions, StarCatalogue};
+use terrella::celestial::{CelestialOptions, MILKY_WAY_FILE, MOON_FILE, STARS_FILE, StarCatalogue};
 use terrella_imagery::{LayerImage, find_textures, load_color_map};
-
-/// Its files in a folder.
-const STARS: &str = "stars.bin";
-const MILKY_WAY: &str = "milky_way.jpg";
-const MOON: &str = "moon.jpg";
 
 /// What a scene's sky is drawn without.
 ///
@@ -32,9 +27,9 @@ pub(super) fn sky_files(scene: &Scene) -> Vec<PathBuf> {
         return Vec::new();
     };
     let parts = [
-        (sky.stars, STARS),
-        (sky.milky_way, MILKY_WAY),
-        (sky.moon, MOON),
+        (sky.stars, STARS_FILE),
+        (sky.milky_way, MILKY_WAY_FILE),
+        (sky.moon, MOON_FILE),
     ];
     let read = parts.into_iter().filter(|(is_on, _)| *is_on);
     let paths = read.map(|(_, name)| folder.join(name));
@@ -52,7 +47,7 @@ fn folder_of(scene: &Scene) -> Result<PathBuf, String> {
 #[cfg(feature = "window")]
 pub(super) fn map_files(scene: &Scene, folder: &Path) -> Vec<std::path::PathBuf> {
     let sky = &scene.sky;
-    let maps = [(sky.milky_way, MILKY_WAY), (sky.moon, MOON)];
+    let maps = [(sky.milky_way, MILKY_WAY_FILE), (sky.moon, MOON_FILE)];
     let wanted = maps.into_iter().filter(|(is_on, _)| *is_on && sky.is_on());
     wanted.map(|(_, name)| folder.join(name)).collect()
 }
@@ -102,7 +97,7 @@ pub(super) fn read(
     };
     let in_folder = |name: &str| folder.clone().map(|folder| folder.join(name));
     if sky.stars {
-        let read = in_folder(STARS).and_then(|path| {
+        let read = in_folder(STARS_FILE).and_then(|path| {
             let named = |error: terrella::celestial::StarError| error.named(&path);
             StarCatalogue::read(&path).map_err(named)
         });
@@ -112,8 +107,8 @@ pub(super) fn read(
         }
     }
     for (is_on, layer, name) in [
-        (sky.milky_way, "milky_way", MILKY_WAY),
-        (sky.moon, "moon", MOON),
+        (sky.milky_way, "milky_way", MILKY_WAY_FILE),
+        (sky.moon, "moon", MOON_FILE),
     ] {
         let slot = match layer {
             "moon" => &mut options.moon,

@@ -181,20 +181,35 @@ fn the_archived_program_draws_a_first_picture() {
     assert!(terrella(&["check"]).contains("missing, so left out"));
 }
 
-/// Compiles a program by pkg-config with what a release holds, in an empty folder, and draws with it.
+/// Compiles a program by pkg-config and by CMake with what a release holds, in an empty folder, and draws with it. `TERRELLA_C_LIBRARY` names a
+/// folder where the library is installed, in place of a build.
 #[test]
 #[ignore = "builds a release; run by `.ci/run --always`, or by hand"]
 fn the_archived_c_library_draws_a_first_picture() {
     if !cfg!(target_os = "linux") {
         return;
     }
-    let folder = tempfile::tempdir().unwrap();
-    run(&[Part::CLibrary], None, folder.path()).unwrap();
-    let name = versioned("terrella-c").unwrap();
     let empty = tempfile::tempdir().unwrap();
-    extract(&folder.path().join(format!("{name}.tar.gz")), empty.path());
-    let prefix = empty.path().join(&name);
+    let prefix = match std::env::var_os("TERRELLA_C_LIBRARY") {
+        Some(installed) => PathBuf::from(installed),
+        None => {
+            let folder = tempfile::tempdir().unwrap();
+            run(&[Part::CLibrary], None, folder.path()).unwrap();
+            let name = versioned("terrella-c").unwrap();
+            extract(&folder.path().join(format!("{name}.tar.gz")), empty.path());
+            empty.path().join(&name)
+        }
+    };
     let source = repository_root().join("crates/terrella-c/examples/still.c");
+    let draws = |program: &Path, png: &str| {
+        let mut drawn = Command::new(program);
+        drawn.env("LD_LIBRARY_PATH", prefix.join("lib"));
+        drawn.env("TERRELLA_TEXTURES", prefix.join(layout::MAPS));
+        let drawn = drawn.arg(png).current_dir(empty.path());
+        assert!(drawn.status().unwrap().success(), "{}", program.display());
+        let picture = image::open(empty.path().join(png)).unwrap();
+        assert_eq!((picture.width(), picture.height()), (640, 360));
+    };
     let asked = |arguments: &[&str]| {
         let mut command = Command::new("pkg-config");
         command.env("PKG_CONFIG_PATH", prefix.join("lib/pkgconfig"));
@@ -212,13 +227,110 @@ fn the_archived_c_library_draws_a_first_picture() {
         compiler.arg(&source).args(arguments.split_whitespace());
         let compiled = compiler.args(["-o", program]).current_dir(empty.path());
         assert!(compiled.status().unwrap().success(), "{program}");
-        let mut drawn = Command::new(empty.path().join(program));
-        drawn.env("LD_LIBRARY_PATH", prefix.join("lib"));
-        drawn.env("TERRELLA_TEXTURES", prefix.join(layout::MAPS));
-        let png = format!("{program}.png");
-        let drawn = drawn.arg(&png).current_dir(empty.path());
-        assert!(drawn.status().unwrap().success(), "{program}");
-        let picture = image::open(empty.path().join(png)).unwrap();
-        assert_eq!((picture.width(), picture.height()), (640, 360));
+        draws(&empty.path().join(program), &format!("{program}.png"));
     }
+
+    let has_cmake = Command::new("cmake").arg("--version").output().is_ok();
+    if !has_cmake {
+        eprintln!("SKIPPED: there is no cmake; `python3 -m pip install cmake` has it");
+        return;
+    }
+    let page = fs::read_to_string(repository_root().join("docs/embedding/c.md")).unwrap();
+    let lists = fenced(&page, "cmake");
+    for (name, lists) in [
+        ("by_cmake", lists.to_owned()),
+        (
+            "by_cmake_static",
+            lists.replace("terrella::terrella", "terrella::static"),
+        ),
+    ] {
+        let project = empty.path().join(name);
+        fs::create_dir(&project).unwrap();
+        fs::copy(&source, project.join("still.c")).unwrap();
+        fs::write(project.join("CMakeLists.txt"), &lists).unwrap();
+        let cmake = |arguments: &[&str]| {
+            let mut command = Command::new("cmake");
+            command
+                .args(arguments)
+                .env("CMAKE_PREFIX_PATH", &prefix)
+                .current_dir(&project);
+            assert!(command.status().unwrap().success(), "{name}: {arguments:?}");
+        };
+        cmake(&["-B", "build"]);
+        cmake(&["--build", "build"]);
+        draws(&project.join("build/still"), &format!("{name}.png"));
+    }
+    // A release with another interface is not taken.
+    let project = empty.path().join("newer");
+    fs::create_dir(&project).unwrap();
+    let newer = lists.replace("terrella 0.1 ", "terrella 0.2 ");
+    assert_ne!(newer, lists);
+    fs::write(project.join("CMakeLists.txt"), newer).unwrap();
+    let mut command = Command::new("cmake");
+    command
+        .args(["-B", "build"])
+        .env("CMAKE_PREFIX_PATH", &prefix);
+    let output = command.current_dir(&project).output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(!output.status.success() && said.contains("0.1"), "{said}");
+}
+
+/// The first block of a page in a language.
+fn fenced<'p>(page: &'p str, language: &str) -> &'p str {
+    let (_, block) = page.split_once(&format!("```{language}\n")).unwrap();
+    block.split_once("```").unwrap().0
+}
+
+/// Installs the wheel with pip into an empty folder, and runs the first program of the page on Python there. `TERRELLA_WHEEL` names a wheel
+/// that is built.
+#[test]
+#[ignore = "builds a release; run by `.ci/run --always`, or by hand"]
+fn the_wheel_draws_a_first_picture() {
+    let python = std::env::var_os("TERRELLA_PYTHON").unwrap_or_else(|| "python3".into());
+    let where_numpy_is =
+        "import numpy, os; print(os.path.dirname(os.path.dirname(numpy.__file__)))";
+    let numpy = Command::new(&python).args(["-c", where_numpy_is]).output();
+    let Some(numpy) = numpy.ok().filter(|output| output.status.success()) else {
+        eprintln!("SKIPPED: there is no Python with numpy; set TERRELLA_PYTHON to one");
+        return;
+    };
+    let numpy = String::from_utf8(numpy.stdout).unwrap();
+    let built = tempfile::tempdir().unwrap();
+    let wheel = match std::env::var_os("TERRELLA_WHEEL") {
+        Some(wheel) => PathBuf::from(wheel),
+        None => {
+            run(&[Part::Wheel], None, built.path()).unwrap();
+            let is_wheel = |name: &String| name.ends_with(".whl");
+            let name = names(built.path()).into_iter().find(is_wheel).unwrap();
+            built.path().join(name)
+        }
+    };
+    let empty = tempfile::tempdir().unwrap();
+    let site = empty.path().join("site");
+    let mut pip = Command::new(&python);
+    pip.args([
+        "-m",
+        "pip",
+        "install",
+        "--quiet",
+        "--no-deps",
+        "--no-index",
+        "--target",
+    ]);
+    assert!(pip.arg(&site).arg(&wheel).status().unwrap().success());
+    let page = fs::read_to_string(repository_root().join("docs/embedding/python.md")).unwrap();
+    let mut program = Command::new(&python);
+    program
+        .args(["-c", fenced(&page, "python")])
+        .current_dir(empty.path())
+        .env_remove("TERRELLA_TEXTURES")
+        .env_remove("PYTHONHOME");
+    let search = std::env::join_paths([site.as_path(), Path::new(numpy.trim())]).unwrap();
+    let output = program.env("PYTHONPATH", search).output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{said}");
+    let printed = String::from_utf8_lossy(&output.stdout);
+    assert!(printed.starts_with("brightest"), "{printed}");
+    let picture = image::open(empty.path().join("earth.png")).unwrap();
+    assert_eq!((picture.width(), picture.height()), (640, 360));
 }

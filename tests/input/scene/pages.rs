@@ -1,0 +1,101 @@
+//! Parts of scenes that the pages print are taken as they are printed, or their fence says why they are no scene.
+
+use std::path::{Path, PathBuf};
+use terrella_play::scene::Scene;
+
+/// The pages of `docs/`, with their paths.
+fn pages() -> Vec<(PathBuf, String)> {
+    let mut folders = vec![Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs")];
+    let mut pages = Vec::new();
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(&folder).expect("a folder").flatten() {
+            let path = entry.path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|ending| ending == "md") {
+                let text = std::fs::read_to_string(&path).expect("a page");
+                pages.push((path, text));
+            }
+        }
+    }
+    pages
+}
+
+/// Blocks of TOML: their lines, what stands on the fence after the language, and the text.
+fn blocks(page: &str) -> Vec<(usize, &str, String)> {
+    let mut blocks: Vec<(usize, &str, String)> = Vec::new();
+    // Whether the line is in a block, and in one of TOML.
+    let (mut is_inside, mut is_toml) = (false, false);
+    for (number, line) in (1..).zip(page.lines()) {
+        match line.strip_prefix("```") {
+            Some(_) if is_inside => is_inside = false,
+            Some(fence) => {
+                let (language, rest) = fence.split_once(' ').unwrap_or((fence, ""));
+                (is_inside, is_toml) = (true, language == "toml");
+                if is_toml {
+                    blocks.push((number, rest, String::new()));
+                }
+            }
+            None if is_inside && is_toml => {
+                if let Some((_, _, text)) = blocks.last_mut() {
+                    text.push_str(line);
+                    text.push('\n');
+                }
+            }
+            None => {}
+        }
+    }
+    blocks
+}
+
+/// What is wrong with the blocks of a page, and how many are scenes.
+fn faults(path: &Path, page: &str) -> (Vec<String>, usize) {
+    let (mut faults, mut scenes) = (Vec::new(), 0);
+    for (line, rest, text) in blocks(page) {
+        let place = format!("{}:{line}", path.display());
+        match (rest, rest.strip_prefix("no-run: ")) {
+            ("", _) => {
+                scenes += 1;
+                // The caption's pictures are read with the scene, other files when it is made ready.
+                let folder = tempfile::tempdir().expect("a temporary folder");
+                let logo = image::RgbaImage::from_pixel(4, 2, image::Rgba([255; 4]));
+                let saved = logo.save(folder.path().join("logo.png"));
+                saved.expect("a logo");
+                if let Err(error) = Scene::from_toml(&text, &folder.path().join("scene.toml")) {
+                    faults.push(format!("{place}: {error}"));
+                }
+            }
+            (_, Some(reason)) if !reason.trim().is_empty() => {}
+            _ => faults.push(format!("{place}: {rest:?} is not \"no-run: REASON\"")),
+        }
+    }
+    (faults, scenes)
+}
+
+#[test]
+fn scenes_on_the_pages_are_scenes() {
+    let found = pages().into_iter().map(|(path, text)| faults(&path, &text));
+    let (faults, scenes): (Vec<_>, Vec<_>) = found.unzip();
+    let faults: Vec<_> = faults.into_iter().flatten().collect();
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+    assert!(scenes.iter().sum::<usize>() >= 5, "{scenes:?}");
+}
+
+#[test]
+fn a_block_that_is_no_scene_is_found() {
+    let page = Path::new("page.md");
+    let count = |text: &str| faults(page, text).0.len();
+    assert_eq!(count("```toml\n[camera]\nmode = \"nadir\"\n```\n"), 0);
+    assert_eq!(count("```toml\n[camera]\nmood = \"nadir\"\n```\n"), 1);
+    assert_eq!(
+        count("```toml no-run: of a crate\n[dependencies]\n```\n"),
+        0
+    );
+    assert_eq!(count("```toml no-run:\n[dependencies]\n```\n"), 1);
+    assert_eq!(count("```toml\n[dependencies]\n```\n"), 1);
+    // Another block's lines are none of it.
+    assert_eq!(
+        count("```sh\n[dependencies]\n```\n```toml\n```\n[more]\n"),
+        0
+    );
+}
