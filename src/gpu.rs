@@ -266,7 +266,7 @@ fn uniform_buffer<T>(device: &wgpu::Device, label: &str) -> wgpu::Buffer {
     })
 }
 
-/// A buffer that holds this from the start. Of a device that is lost it holds nothing: wgpu tells its handler, and nothing panics.
+/// A buffer that holds this from the start. On a lost device it holds nothing: wgpu calls its error handler, and nothing panics.
 fn filled_buffer(
     device: &wgpu::Device,
     label: &str,

@@ -198,7 +198,7 @@ pub struct TrackStats {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum TracksError {
-    /// The shader file is at fault.
+    /// The shader file is invalid.
     #[error(transparent)]
     Shader(#[from] ShaderError),
     /// Lines that cannot be drawn.

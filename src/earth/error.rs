@@ -89,7 +89,7 @@ pub enum EarthError {
     /// A map cannot be drawn with.
     #[error(transparent)]
     Map(#[from] MapError),
-    /// A shader file is at fault.
+    /// A shader file is invalid.
     #[error(transparent)]
     Shader(#[from] ShaderError),
     /// A source of tiles has a map that the Earth is not drawn with.

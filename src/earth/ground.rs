@@ -60,7 +60,7 @@ pub(super) struct GroundDriver {
     before: SurfaceStats,
     /// Frames since anything was read or drawn otherwise than the frame before.
     quiet: u32,
-    /// Nothing that is drawn hangs on views, or on heights, of before the surface last forgot them.
+    /// Nothing that is drawn depends on views, or on heights, of before the surface last forgot them.
     has_forgotten: bool,
 }
 

@@ -37,7 +37,7 @@ pub enum MapError {
         "city lights are drawn as points in place of their map; make the Earth without EarthOptions::city_lights to draw another map of them"
     )]
     AsPoints,
-    /// The shader file is at fault.
+    /// The shader file is invalid.
     #[error(transparent)]
     Shader(#[from] ShaderError),
     /// The device rejected it.

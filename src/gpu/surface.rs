@@ -26,7 +26,7 @@ pub(crate) struct SurfaceDrawable {
     pipelines: SurfacePipelines,
     maps: Maps,
     imagery: Imagery,
-    /// What the shader is told of the surface's light, whatever frame and view.
+    /// Settings of the surface's light for the shader, the same for all frames and views.
     light: wgpu::Buffer,
     /// Where something is drawn with it.
     detail_tile: Option<DetailTile>,

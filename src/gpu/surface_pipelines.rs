@@ -314,7 +314,7 @@ impl SurfaceMaker {
     }
 }
 
-/// Layout of what a frame tells all shaders.
+/// Layout of the frame's uniforms, for all shaders.
 pub(super) fn frame_entry() -> wgpu::BindGroupLayoutEntry {
     let both = wgpu::ShaderStages::VERTEX_FRAGMENT;
     super::uniform_entry(0, both, size_of::<FrameUniforms>())

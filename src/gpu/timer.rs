@@ -79,7 +79,7 @@ impl GpuTimer {
         drop(mapped);
         self.read_back.unmap();
         let passes = ticks.windows(2).take(passes.min(MAX_PASSES) as usize);
-        // A counter that wrapped tells nothing.
+        // A counter that wrapped has no meaning.
         let span = |pair: &[u64]| pair[1].saturating_sub(pair[0]) as f64 * self.tick_ms;
         Ok(passes.map(span).collect())
     }

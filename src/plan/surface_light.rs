@@ -164,7 +164,7 @@ const CLOUD_FADE_M: f64 = 200.0;
 /// that is 8e-4 W/(m² sr). In that band the Sun gives some 620 W/m², and a white sheet 620/π = 197 W/(m² sr).
 pub const CITY_RADIANCE: f64 = 4.1e-6;
 
-/// Equatorial radius that heights of clouds are told by, metres.
+/// Equatorial radius that altitudes of clouds count from, metres.
 const RADIUS_M: f64 = 6_378_137.0;
 /// Reflectance of foam, Koepke 1984.
 const FOAM_REFLECTANCE: f64 = 0.22;

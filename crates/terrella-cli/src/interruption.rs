@@ -84,7 +84,7 @@ fn end(code: u8) -> ! {
     exit(code.into())
 }
 
-/// Where the program ends, its work fails for want of its files: that is not told.
+/// Where the program ends, its work fails because its files are gone. That is not reported.
 pub fn wait_for_end() {
     while IS_ENDING.load(Ordering::SeqCst) {
         std::thread::park();

@@ -1,4 +1,4 @@
-//! Values of options, read from their text. What clap is told here it reports with the option's name and exit code 2.
+//! Values of options, read from their text. Clap reports these errors with the option's name and exit code 2.
 
 #[cfg(feature = "measure")]
 use terrella::SurfaceKind;

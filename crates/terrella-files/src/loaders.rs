@@ -154,7 +154,7 @@ impl Loaders {
         self.threads.is_empty()
     }
 
-    /// Waits for threads that have been told to stop, and leaves those behind that do not.
+    /// Waits for threads that were asked to stop, and leaves those behind that do not.
     pub fn join(&mut self) {
         let count = lock(&self.running.count);
         let waited = self

@@ -111,7 +111,7 @@ mod tests {
 
     #[test]
     fn threads_work_at_the_same_time() {
-        // Each waits for the others: one thread alone would wait for ever.
+        // Each waits for the others: one thread alone would wait forever.
         let together = Barrier::new(3);
         map_on(3, 3, |_| together.wait());
         let (send, receive) = mpsc::channel();

@@ -79,7 +79,7 @@ fn png_colours(info: &png::Info<'_>) -> Option<String> {
     is_foreign.then(|| "primaries other than those of sRGB".to_string())
 }
 
-/// The name of a colour profile that is not sRGB's, in words.
+/// The name of a colour profile that is not sRGB's, as text.
 fn foreign_profile(profile: &[u8]) -> Option<String> {
     let tags = Tags(profile);
     let is_srgb = match profile.get(16..20) {

@@ -3,7 +3,7 @@
 //! Decoders fill what is missing with grey and say nothing, as long as an end marker follows. So the coded data are walked
 //! here before a decoder sees them: every block of every scan must be there, restart markers must follow each other in
 //! order, nothing may be left over between the last block and the next marker, and the scans of a progressive picture
-//! must bring all bits of all coefficients. No sample is computed. Bits that are wrong and still decode cannot be told
+//! must bring all bits of all coefficients. No sample is computed. Bits that are wrong and still decode cannot be distinguished
 //! from a picture (ITU-T T.81).
 //!
 //! | file | what |

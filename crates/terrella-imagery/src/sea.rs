@@ -11,7 +11,7 @@ use std::borrow::Cow;
 const DRY: u8 = 10;
 /// Land beside texels with more water than this is darkened by it.
 const NO_LONGER_DRY: u8 = 50;
-/// Of texels with more water than this the colour tells nothing of land.
+/// Of texels with more water than this the colour says nothing about land.
 const MOSTLY_WET: u8 = 215;
 /// A texel with more water than this is sea and nothing else.
 const WET: u8 = 250;

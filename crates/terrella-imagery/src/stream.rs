@@ -16,7 +16,7 @@
 //! A slot is taken only when the first part of a decoded tile is written, so that what it held before is drawn until
 //! then. A tile that is no longer requested leaves this way wherever it is.
 //!
-//! # Why nothing waits for ever
+//! # Why nothing waits forever
 //!
 //! Slots are allocated to requests, and a pool never promises more slots than it has. So a tile that lacks a slot can only be
 //! kept out by tiles that nobody asked for and that are drawn as stand-ins. A stand-in that is coarser than its block's

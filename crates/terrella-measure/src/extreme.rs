@@ -43,7 +43,7 @@ impl LinearPicture {
     }
 }
 
-/// Linear light that an sRGB display still tells from black: one step of 255.
+/// Linear light that an sRGB display still distinguishes from black: one step of 255.
 const MIN_VISIBLE_LIGHT: f32 = 1.0 / 255.0 / 12.92;
 
 /// Longest wait for one picture.

@@ -65,7 +65,7 @@ pub enum QualityError {
 ///
 /// # Errors
 /// A folder that cannot be written to, before anything is drawn; all that drawing can meet. After an interrupt the table of
-/// what was measured is written all the same.
+/// what was measured is written anyway.
 pub fn study_quality(
     flight: &Flight,
     request: &QualityRequest<'_>,

@@ -202,7 +202,7 @@ impl Study {
 ///
 /// # Errors
 /// A folder that cannot be written to, before anything is drawn; all that drawing can meet. After an interrupt what was
-/// complete is written all the same, marked as partial, and [`ReportError::Interrupted`] is answered.
+/// complete is written anyway, marked as partial, and [`ReportError::Interrupted`] is answered.
 pub fn report(
     flight: &Flight,
     request: &ReportRequest<'_>,

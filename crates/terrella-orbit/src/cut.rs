@@ -125,7 +125,7 @@ impl Fineness {
             return false;
         };
         let (digits, exponent) = written(number);
-        // Of numbers with and without exponents a lost exponent cannot be told.
+        // Of numbers with and without exponents a lost exponent cannot be detected.
         let has_exponent = exponent >= short && (long == 0 || short > 0);
         let is_fine = digits >= Self::FINE_DIGITS || (fewest > 0 && digits >= fewest);
         number == self.last || (has_exponent && is_fine)

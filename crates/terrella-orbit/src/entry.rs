@@ -46,7 +46,7 @@ impl RecordError {
         )
     }
 
-    /// Whether all that the file holds is used all the same.
+    /// Whether all that the file holds is used anyway.
     pub fn is_notice(&self) -> bool {
         match &*self.fault {
             RecordFault::CutOff(cut) => !cut.leaves_out(),

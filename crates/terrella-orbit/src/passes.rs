@@ -293,7 +293,7 @@ impl Search<'_> {
             (before_t, before_sine) = (t, a.sin_elevation);
             (t, before) = (next_t, next);
         };
-        // A satellite in a gap at once is known at `begin` all the same.
+        // A satellite in a gap at once is known at `begin` anyway.
         Ok(Pass {
             begin: self.epoch(begin),
             rises,

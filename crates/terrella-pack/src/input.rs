@@ -103,7 +103,7 @@ impl MapInput {
         }
     }
 
-    /// What is to be told before it is read.
+    /// Warnings to report before it is read.
     pub(super) fn notes(&self) -> &[String] {
         match self {
             Self::File(_) => &[],

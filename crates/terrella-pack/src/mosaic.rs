@@ -13,7 +13,7 @@
 //! | `matching.rs` | colours of a part scaled to those below it |
 //!
 //! Parts are read once, from north to south, and hold a few rows each. A row of one part that lies texel on texel on the grid is taken
-//! over byte for byte; all others are averaged or interpolated in linear light. Damaged parts and tiles are left out and told; parts
+//! over byte for byte; all others are averaged or interpolated in linear light. Damaged parts and tiles are left out and reported; parts
 //! that are not there, or do not say where they lie, are errors.
 
 mod archive;

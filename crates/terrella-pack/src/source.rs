@@ -138,7 +138,7 @@ pub trait RowSource {
         None
     }
 
-    /// What was left out so far and is to be told, each once.
+    /// What was left out so far, to be reported once each.
     fn notes(&mut self) -> Vec<String> {
         Vec::new()
     }

@@ -149,7 +149,7 @@ impl ValueRows {
         }
     }
 
-    /// What was left out of the map and is to be told.
+    /// What was left out of the map, to be reported.
     pub(super) fn notes(&mut self) -> Vec<String> {
         let mut notes = self.source.notes();
         if let Convert::Elevation(heights) = &mut self.convert {

@@ -63,7 +63,7 @@ impl DatedMapsLayer {
 struct MapPlayer {
     maps: DatedMaps,
     loader: MapLoader,
-    /// `None` of a map that cannot be read: it was told once.
+    /// `None` for a map that cannot be read, which was reported once.
     held: BTreeMap<usize, Option<GpuMap>>,
     /// Made when two maps first pass into each other, of their size.
     fade: Option<MapFade>,

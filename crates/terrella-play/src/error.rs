@@ -233,7 +233,7 @@ pub enum PlayError {
     Silent {
         /// Where it was listened for.
         listens_on: String,
-        /// How long, in words.
+        /// How long, as text.
         when: String,
     },
     /// A camera at a satellite, and no satellite.

@@ -207,7 +207,7 @@ pub fn export(
     let written = write_while_drawing(sinks, |push| {
         let mut done = 0;
         let mut estimate = FilmEstimate::default();
-        // Where exposure is metered a frame's hangs on those before, drawn or not.
+        // Where exposure is metered a frame's depends on those before, drawn or not.
         let is_metered = frames.painter().renderer().meters_exposure();
         let first = if is_metered { 0 } else { wanted.start };
         for index in first..wanted.end {

@@ -72,7 +72,7 @@ pub struct Remark {
     /// Its index, from 0; `None` is about the file.
     pub feature: Option<usize>,
     pub what: String,
-    /// Whether it is drawn all the same.
+    /// Whether it is drawn anyway.
     pub is_drawn: bool,
 }
 
@@ -347,7 +347,7 @@ fn json_fault(error: &serde_json::Error) -> String {
     }
 }
 
-/// The text with `null` in place of `NaN` and `Infinity`, which JSON has not and programs write all the same: so that of such a file the one
+/// The text with `null` in place of `NaN` and `Infinity`, which JSON has not and programs write anyway: so that of such a file the one
 /// feature is at fault.
 fn without_nan(text: &str) -> Cow<'_, str> {
     if !(text.contains("NaN") || text.contains("Infinity")) {

@@ -85,7 +85,7 @@ fn answer(stream: &TcpStream) -> serde_json::Value {
     serde_json::from_str(&line).unwrap_or_else(|error| panic!("{line:?}: {error}"))
 }
 
-/// A simulator in real time from `start_s` after noon, until it is told to stop; then it dies in the middle of a packet.
+/// A simulator in real time from `start_s` after noon, until it is asked to stop; then it dies in the middle of a packet.
 struct Simulator {
     stop: Arc<AtomicBool>,
     thread: JoinHandle<()>,

@@ -264,7 +264,7 @@ fn has_city_lights(scene: &Scene, selection: LayerSelection) -> bool {
     has_detail && selection.night_lights && scene.earth.relief.is_none()
 }
 
-/// Reads the maps of a folder. One that is damaged is an error in a strict scene, else it is left out and told; the day map is
+/// Reads the maps of a folder. One that is damaged is an error in a strict scene, else it is left out with a warning; the day map is
 /// needed.
 fn whole_layers(
     scene: &Scene,

@@ -1,7 +1,7 @@
 //! Opens the satellites of a scene, in an order in which one of them may say when the scene begins.
 //!
 //! Files know their own time and are opened first. A scene without a start then begins with the satellite that cameras fly with
-//! ([`Scene::begin_at`]). What else flies is told that start: motions that the scene describes, simulations, stand-ins.
+//! ([`Scene::begin_at`]). Everything else that flies gets that start: motions that the scene describes, simulations, stand-ins.
 
 use super::error::PlayError;
 use super::satellites::{self, Integrated, Listener, Satellite, Sources, stand_in};

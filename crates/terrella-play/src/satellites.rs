@@ -128,7 +128,7 @@ impl Satellite {
     }
 }
 
-/// What a reader says of a file that is flown all the same.
+/// What a reader says of a file that is flown anyway.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FileRemark {
     /// "skipped" where something in the file is not used, else "noticed".

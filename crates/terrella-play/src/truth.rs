@@ -158,7 +158,7 @@ impl TruthFolder {
             manifest,
             mut made,
         } = self;
-        // That of an earlier picture tells of other files.
+        // That of an earlier image lists other files.
         match std::fs::remove_file(manifest.target()) {
             Err(source) if source.kind() != io::ErrorKind::NotFound => {
                 return Err(write_error(&manifest, source));

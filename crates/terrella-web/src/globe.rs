@@ -128,7 +128,7 @@ impl Globe {
         })
     }
 
-    /// The backend and the adapter in words.
+    /// The backend and the adapter as text.
     pub fn adapter(&self) -> String {
         self.canvas.adapter.clone()
     }

@@ -10,7 +10,7 @@
 //! | sources | Sun cosine, 7 × height | source function of light scattered more than once, per scattering coefficient, RGB |
 //! | profile | height | molecules relative to the ground over e^(−h/8 km), R; ozone relative to its peak, G |
 //!
-//! A ray is told by its reference point, where it meets the ground or passes nearest to it: `Sun cosine` and `azimuth` are
+//! A ray is described by its reference point, where it meets the ground or passes nearest to it: `Sun cosine` and `azimuth` are
 //! those of the Sun there, azimuth from the ray's horizontal direction. All light is relative to the Sun's irradiance at the
 //! top, times π: a white sheet that faces the Sun in space is 1. For ground of albedo A the sums are
 //! `scattering + A/(1 − A·s)·bounce` and, on the ground, `(direct·cos + sky)/(1 − A·s)`, with s = [`AirTables::sky_albedo`].
@@ -95,7 +95,7 @@ pub const SOURCE_BANDS: usize = COEFFICIENTS + 1;
 pub const LOWEST_SUN: f64 = -0.45;
 /// Sine of the Sun's elevation within which Sun cosines are spaced evenly; beyond they are spaced in proportion to it.
 pub const SUN_SPACING: f64 = 0.05;
-/// What the profile of molecules is told against, metres.
+/// Scale height of the profile of molecules, metres.
 pub const MOLECULE_SCALE_HEIGHT_M: f64 = 8_000.0;
 
 /// All tables, texels in x, y, z order.

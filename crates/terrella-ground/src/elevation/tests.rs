@@ -150,7 +150,7 @@ fn the_finest_lies_on_top_and_of_equal_ones_the_first() {
     assert!((border.low_m - 200.0).abs() < 1e-5 && (border.high_m - 300.0).abs() < 1e-5);
 }
 
-/// A border between grids that differ by 1600 m: the passage is as wide as told, and no steeper than that asks for.
+/// A border between grids that differ by 1600 m: the transition is as wide as requested, and no steeper than that asks for.
 #[test]
 fn borders_go_over_within_a_sixteenth() {
     let inner = grid(&degrees(10.0, 20.0, 10.0, 10.0), (320, 320), |_| 1600.0);

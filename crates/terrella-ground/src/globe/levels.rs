@@ -26,7 +26,7 @@ pub const HYSTERESIS: f64 = 0.8;
 
 /// The paper's Table 1: the level at a distance, of a map with so many levels.
 ///
-/// The last five levels are the paper's. Where a map has fewer, for want of detail, its finest serves for those that
+/// The last five levels are the paper's. Where a map has fewer, for lack of detail, its finest serves for those that
 /// are missing; levels finer than the paper's are not used. The paper reads the height of the eye from its table; the
 /// distance of each block from the eye is used here, which is the height for the block below.
 pub fn paper_level(distance_m: f64, levels: usize) -> usize {

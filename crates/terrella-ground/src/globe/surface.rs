@@ -54,7 +54,7 @@ pub trait Surface: Send + Sync {
     fn heights_changed(&mut self, changes: &[HeightChange], ground: &dyn Elevation);
 
     /// Forgets what was chosen for views before and is kept only so that an eye that moves does not toggle it. What the next calls of
-    /// [`Self::prepare`] come to for one view then hangs on that view and the heights alone, whatever was before.
+    /// [`Self::prepare`] come to for one view then depends on that view and the heights alone, whatever was before.
     fn forget_views(&mut self);
 
     /// Hands over each patch of the last view, near ones first where that is known; none of another kind.

@@ -121,7 +121,7 @@ struct PoolState {
     lacking_drawn: u32,
     /// Slots that are empty, or whose tile is neither promised nor drawn in this frame.
     available: u32,
-    /// Stand-ins give way: see why nothing waits for ever in the module's documentation.
+    /// Stand-ins give way: see why nothing waits forever in the module's documentation.
     is_starved: bool,
 }
 
@@ -414,7 +414,7 @@ impl TileCache {
         self.level(key)?.pool.map(usize::from)
     }
 
-    /// The tile begun first, then the most urgent: one that is half in its slot is of no use yet.
+    /// The tile begun first, then the most urgent: one that is half in its slot is useless yet.
     fn sort_pending(&mut self) {
         let (tiles, places) = (&self.tiles, self.places);
         self.pending_uploads.sort_unstable_by_key(|pending| {

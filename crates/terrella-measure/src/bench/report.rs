@@ -221,7 +221,7 @@ impl BenchReport {
         let bytes =
             bytes.ok_or_else(|| rejected(format!("it is larger than {MAX_BYTES} bytes")))?;
         let unlike = |error: serde_json::Error| rejected(printable(&error.to_string()));
-        // First, so that an older file is not told what its keys should be.
+        // First, so that an older file is rejected for its version and not for its keys.
         let layout: Layout = serde_json::from_slice(&bytes).map_err(unlike)?;
         if layout.version != VERSION {
             return Err(rejected(format!(

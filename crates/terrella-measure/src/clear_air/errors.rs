@@ -98,7 +98,7 @@ impl ViewGroup {
         }
     }
 
-    /// How wrong drawn views may be; twice that with haze. Groups without a bound are told of, no more.
+    /// How wrong drawn views may be; twice that with haze. Groups without a bound are only reported.
     pub fn bound(self, set: AirSet) -> Option<Bound> {
         let bound = match self {
             Self::Nadir => Bound::new(0.03, 0.10),
@@ -190,7 +190,7 @@ impl AirErrors {
         all.sum::<f64>() / self.rows.len().max(1) as f64
     }
 
-    /// What of a group and channel is beyond its bound, `factor` times as wide, in words.
+    /// What of a group and channel is beyond its bound, `factor` times as wide, as text.
     pub fn beyond_bounds(&self, factor: f64) -> Vec<String> {
         let mut beyond = Vec::new();
         for group in ViewGroup::ALL {

@@ -116,7 +116,7 @@ impl AirRow {
         channel != 2 || !(is_low && is_towards_sun)
     }
 
-    /// What view it is, in words.
+    /// What view it is, as text.
     pub fn name(&self) -> String {
         let place = match self.table {
             AirTable::Nadir => format!("ground under {}° from 400 km", self.place),

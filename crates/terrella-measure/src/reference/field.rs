@@ -31,7 +31,7 @@ const SUNS_DEG: [f64; 40] = [
     87.0, 88.0, 88.7, 89.3, 90.0, 90.7, 91.4, 92.1, 92.8, 93.6, 94.4, 95.3, 96.3, 97.4, 98.6, 100.0, 102.0, 105.0, 109.0, 114.0,
 ];
 
-/// Which band tells how light falls off between two places of the table.
+/// The band that determines how light falls off between two places of the table.
 const LEADING_BAND: usize = BANDS / 2;
 
 /// The functions that light is multiplied by in its moments, for a direction with vertical part `z` and part `x` towards the

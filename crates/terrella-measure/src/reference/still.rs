@@ -80,7 +80,7 @@ impl From<TileError> for StillError {
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ReferenceStats {
-    /// Always `reference`: what tells these numbers from a graphics adapter's.
+    /// Always `reference`: what distinguishes these numbers from a graphics adapter's.
     pub renderer: String,
     /// Width and height, pixels.
     pub size: [u32; 2],

@@ -132,7 +132,7 @@ pub struct ErrorRow {
     pub error_px_most: f64,
     /// What 99 of a hundred pixels of the worst frame do not exceed.
     pub worst_frame_px: f64,
-    /// The largest error that the surface itself tells, pixels; none where it knows no bound.
+    /// The largest error that the surface itself reports, pixels; `None` where it has no bound.
     pub told_px_most: Option<f64>,
     /// Holes among the pixels that were looked at.
     pub holes: u64,

@@ -12,7 +12,7 @@
 //! | to | look in |
 //! |---|---|
 //! | read a field of a message | `message.rs` (which fields), `wire.rs` (Protocol Buffers) |
-//! | see what becomes of a step | `world.rs`: places about the Earth's centre, epoch, what is told to a user |
+//! | see what becomes of a step | `world.rs`: places about the Earth's centre, epoch, messages to the user |
 //! | see where a camera looks | `camera.rs`, `attitude.rs` |
 //! | see who is answered when | `server.rs`, `shared.rs` |
 //! | send a script what a user does | `keys.rs` |
@@ -23,7 +23,7 @@
 //!
 //! Endpoints are of this machine alone unless [`SimulationOptions::allow_remote`] is set. Nothing is encrypted and nobody is asked
 //! who he is. A message has at most 16 MiB, a simulation 1000 spacecraft and 262 144 states that are kept of them; four simulators
-//! may be connected, of which a connection counts as one from its first good request on (`orbit/connections.rs`). What cannot be read is counted, told once, and answered all the same.
+//! may be connected, of which a connection counts as one from its first good request on (`orbit/connections.rs`). What cannot be read is counted, reported once, and still answered.
 
 mod attitude;
 mod camera;

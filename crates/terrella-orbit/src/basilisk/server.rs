@@ -248,7 +248,7 @@ impl Attended<'_> {
                     self.counts();
                     self.shared.ask(&snapshot, None);
                 }
-                // A step that cannot be drawn is no reason to end a simulation; a user has been told.
+                // A step that cannot be drawn is no reason to end a simulation; the user has a message.
                 request.stand_in(frame_number)
             }
             Request::Image(id) => image(self.picture(id)),

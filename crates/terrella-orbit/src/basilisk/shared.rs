@@ -16,7 +16,7 @@ use terrella_frames::Epoch;
 const OPENING_TIME: Duration = Duration::from_secs(120);
 /// Most pictures and steps that are waited for at once: one a connection.
 const MAX_WAITING: usize = 8;
-/// Most sentences that are told to a user in a run.
+/// Upper limit of messages to the user in a run.
 const MAX_NOTES: usize = 256;
 
 /// What has come and what became of it.

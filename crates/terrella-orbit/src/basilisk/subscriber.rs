@@ -52,7 +52,7 @@ fn read(stream: Stream, shared: &SharedSimulation, session: &mut Session) -> Zmt
                 if let [words, .., message] = frames.as_slice()
                     && words == b"SIM_UPDATE"
                 {
-                    // A bad one is counted and told; the next may be good.
+                    // A bad one is counted and reported; the next may be good.
                     let _ = shared.take(session, message);
                 }
             }

@@ -181,7 +181,7 @@ pub struct World {
     cameras: Arc<[Camera]>,
     undrawn: Undrawn,
     is_sky_black: bool,
-    /// The bodies that are not drawn and have been told.
+    /// The bodies that are not drawn and have been reported.
     bodies_told: BTreeSet<String>,
     notes: Vec<String>,
 }

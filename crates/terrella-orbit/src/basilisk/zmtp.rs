@@ -241,7 +241,7 @@ impl<S: Read + Write> Connection<S> {
         self.used = end;
         if self.used == self.waiting.len() {
             self.waiting.clear();
-            // One long message does not hold its room for ever.
+            // One long message does not hold its room forever.
             self.waiting.shrink_to(4 * CHUNK);
             self.used = 0;
         }

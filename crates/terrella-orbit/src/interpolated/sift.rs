@@ -1,4 +1,4 @@
-//! Samples that cannot be interpolated, told from their neighbours.
+//! Samples that cannot be interpolated, distinguished from their neighbours.
 
 use super::{InterpolationError, StateSample, ns_between};
 use terrella_frames::rfc3339;

@@ -10,7 +10,7 @@ const BIN_S: f64 = 0.25;
 
 /// Simulated time by the clock on the wall.
 ///
-/// Packets come late by an unknown and varying time, never early. So the one that came soonest in the last two seconds tells
+/// Packets come late by an unknown and varying time, never early. So the earliest one of the last two seconds determines
 /// how the two clocks stand; late ones change nothing. After a pause of the simulator, whose packets are all late then, the
 /// clock steps back by it.
 #[derive(Debug)]

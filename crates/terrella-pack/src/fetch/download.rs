@@ -36,7 +36,7 @@ pub(super) struct Job<'a> {
     pub pace: &'a Pace,
     /// Asks.
     pub client: &'a Client,
-    /// Is told each file, and asked whether to go on.
+    /// Receives each file, and says whether to continue.
     pub progress: &'a dyn BuildProgress,
 }
 

@@ -117,7 +117,7 @@ fn write(
     let tie = [0.0, 0.0, 0.0, target.west_deg, target.north_deg, 0.0];
     tags.write_tag(Tag::ModelTiepointTag, tie.as_slice())?;
     tags.write_tag(Tag::GdalNodata, format!("{NO_DATA}").as_str())?;
-    // The unit, which readers would else have to be told.
+    // The unit, which readers would otherwise have to be given.
     tags.write_tag(
         Tag::Unknown(42_112),
         "<GDALMetadata><Item name=\"UNITTYPE\" sample=\"0\" role=\"unittype\">m</Item></GDALMetadata>",

@@ -92,7 +92,7 @@ impl Composer {
         self.states[n] = PieceState::Over;
     }
 
-    /// A damaged piece is left out from here on and told; other errors go on.
+    /// A damaged piece is left out from here on and reported; other errors are returned.
     fn broken(&mut self, error: BuildError) -> Result<PieceState, BuildError> {
         match error {
             BuildError::Damaged { .. } => {

@@ -190,7 +190,7 @@ fn metric_advice() -> String {
     )
 }
 
-/// The tags of a TIFF; those of another file, or of one that cannot be read, say nothing: what is wrong is told by its reader.
+/// The tags of a TIFF; those of another file, or of one that cannot be read, say nothing: their reader reports what is wrong.
 fn tags_of<R: BufRead + Seek>(mut reader: R) -> GeoTags {
     let mut magic = [0; 4];
     let is_tiff = reader.read_exact(&mut magic).is_ok()

@@ -53,7 +53,7 @@ impl Folder {
         Mosaic::open(&self.0.path().join("m.toml"), None, LIMITS)
     }
 
-    /// All texels, and what was told.
+    /// All texels, and the warnings.
     fn read(&self, text: &str) -> (Map, Vec<String>) {
         let mosaic = self.open(text).expect(text);
         read(&mosaic)

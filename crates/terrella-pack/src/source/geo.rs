@@ -134,7 +134,7 @@ mod tests {
         let whole = tags([0.5, 0.5], [0.0, 0.0, -180.0, 90.0]);
         assert_eq!(complaint_of(&whole, 720, 360), None);
         assert_eq!(complaint_of(&GeoTags::default(), 720, 360), None);
-        // Texels that stand on whole degrees, told as points: half a texel over on all sides.
+        // Texels on whole degrees, described as points: half a texel more on all sides.
         let mut grid = tags([0.5, 0.5], [0.0, 0.0, -180.0, 90.0]);
         grid.keys.push((RASTER_TYPE, RASTER_POINT));
         assert_eq!(complaint_of(&grid, 721, 361), None);

@@ -416,7 +416,7 @@ fn full(sample: SampleKind) -> [u8; 4] {
 /// What the tags say of orientation and colours.
 fn said<R: BufRead + Seek>(decoder: &mut Decoder<Recoded<R>>) -> Result<Said, TiffError> {
     let orientation = decoder.find_tag_unsigned::<u16>(Tag::Orientation)?;
-    // A profile beyond the decoder's limits is no small thing to be told, but no reason to reject the picture.
+    // A profile beyond the decoder's limits is worth a warning, but no reason to reject the image.
     let profile = decoder.get_tag_u8_vec(Tag::IccProfile).ok();
     Ok(Said {
         orientation,

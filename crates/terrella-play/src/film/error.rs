@@ -18,7 +18,7 @@ pub enum FilmError {
     #[error("{}: holds frames of another film: {differences}; choose another folder, or give --overwrite to render all frames again", path.display())]
     OtherFilm {
         path: PathBuf,
-        /// What is different, in words.
+        /// What is different, as text.
         differences: String,
     },
     /// The page of a folder cannot be understood.

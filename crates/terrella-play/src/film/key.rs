@@ -69,7 +69,7 @@ impl FilmKey {
             .collect::<Result<_, _>>()?;
         Ok(Self {
             program: program()?,
-            // Scenes that no file says have a text all the same.
+            // Scenes that no file says have a text anyway.
             scene_blake3: match scene.own_text() {
                 Some(text) => checksum(text.as_bytes()),
                 None if scene.path.is_file() => checksum_of(&scene.path)?,
@@ -113,7 +113,7 @@ impl FilmKey {
         (!words.is_empty()).then(|| words.join("; "))
     }
 
-    /// How another program differs, in words.
+    /// How another program differs, as text.
     pub(super) fn program_difference(&self, found: &str) -> Option<String> {
         let (before, now) = (shown(found), &self.program);
         (found != now).then(|| format!("it was rendered by {before}, this is {now}"))
@@ -152,7 +152,7 @@ impl FilmInput {
     }
 }
 
-/// How the files of two films differ, in words. Files of one name in different folders are told apart by their order.
+/// How the files of two films differ, in words. Files of one name in different folders are distinguished by their order.
 fn input_differences(now: &[FilmInput], before: &[FilmInput]) -> Vec<String> {
     let (now, before) = (numbered(now), numbered(before));
     let only_in = |some: &Numbered<'_>, others: &Numbered<'_>| {
@@ -270,7 +270,7 @@ mod tests {
         }
     }
 
-    /// Two folders have a file of one name each: their order tells them apart.
+    /// Two folders have a file of one name each: their order distinguishes them.
     #[test]
     fn files_of_one_name_are_not_exchanged() {
         let before = [input("x.png", "1"), input("x.png", "2")];

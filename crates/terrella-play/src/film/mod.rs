@@ -1,7 +1,7 @@
 //! Films as folders of frames: numbered pictures, and a page that says what each of them is.
 //!
 //! A folder of frames can be left and gone on with: its page, `frames.json`, names the film that it holds and every frame that is
-//! done, with a checksum, and is good JSON at any moment, also where the program is killed. Of one that is cut all the same, its entries up to
+//! done, with a checksum, and is good JSON at any moment, also where the program is killed. Of one that is cut anyway, its entries up to
 //! the cut are kept.
 //!
 //! | file | what |

@@ -257,7 +257,7 @@ fn nothing_kept(folder: &Path) -> Result<KeptFrames, FilmError> {
 /// How the film of a page, as JSON, differs from this one.
 ///
 /// # Errors
-/// What is no film, in words.
+/// What is no film, as text.
 fn differences(film: &FilmKey, found: &str) -> Result<Option<String>, String> {
     let found: serde_json::Value =
         serde_json::from_str(found).map_err(|error| error.to_string())?;

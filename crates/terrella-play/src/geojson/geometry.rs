@@ -104,9 +104,9 @@ pub(super) struct Shapes {
     pub polygons: Vec<Vec<Vec<Geodetic>>>,
     /// Positions that were read.
     pub positions: usize,
-    /// What is wrong and drawn all the same.
+    /// What is wrong and drawn anyway.
     pub faults: Vec<String>,
-    /// Whether an exterior ring is clockwise, against RFC 7946, 3.1.6, which has readers take it all the same.
+    /// Whether an exterior ring is clockwise, against RFC 7946, 3.1.6, which has readers take it anyway.
     pub is_wound_clockwise: bool,
 }
 

@@ -20,7 +20,7 @@ impl SceneText<'_> {
     /// The file's text as tables and keys, or what is wrong with it.
     pub(super) fn parse(&self) -> Result<RawScene, SceneError> {
         let document = DeTable::parse(self.text).map_err(|error| self.syntax(&error))?;
-        // Where the reader stopped is all it says; which key that is, the document tells.
+        // Where the reader stopped is all it says; the document says which key that is.
         let index = document.get_ref().clone();
         let deserializer = toml::Deserializer::from(document);
         serde::Deserialize::deserialize(deserializer).map_err(|error| self.explain(&error, &index))

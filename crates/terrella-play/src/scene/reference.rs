@@ -88,7 +88,7 @@ fn value_cell(key: &Key) -> String {
     .to_owned()
 }
 
-/// A schema in words.
+/// A schema as text.
 fn value_text(schema: &Value) -> String {
     if let Some(words) = schema["enum"].as_array() {
         let words: Vec<_> = words.iter().map(|word| format!("`{word}`")).collect();

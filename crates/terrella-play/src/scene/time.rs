@@ -43,7 +43,7 @@ pub enum StartSource {
     /// The scene does not give it, and no satellite that has a time of its own is opened.
     #[default]
     Default,
-    /// The scene does not give it, and a satellite has a time of its own; which, in words.
+    /// The scene does not give it, and a satellite has a time of its own; which, as text.
     Satellite(String),
 }
 

@@ -85,7 +85,7 @@ impl Conversion {
         self.undeclared.get().0
     }
 
-    /// The same in words.
+    /// The same as text.
     pub(super) fn note(&self, context: &FileContext) -> Option<String> {
         let (count, first) = self.undeclared.get();
         (count > 0).then(|| {

@@ -112,7 +112,7 @@ impl World {
         };
         let foot = up * theta.cos() + aside * theta.sin();
         let normal = (foot * self.figure.scaled_from_itrf()).normalize();
-        // Highest ground tells most.
+        // The highest ground decides.
         let part = random.part().sqrt();
         let height_m = self.range.low_m + (self.range.high_m - self.range.low_m) * part;
         let point = self.figure.surface_point(normal) + normal * height_m;

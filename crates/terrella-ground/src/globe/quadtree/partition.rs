@@ -28,7 +28,7 @@ impl Quadtree {
             let ball_m = f64::from(forest.info(slot).radius_m);
             if forest.is_split(slot) && node.level < MAX_PATCH_LEVEL {
                 let is_large = leaves > MAX_PATCH_LEAVES || ball_m > MAX_BALLS * distance_m;
-                // May take half as much again as the work of a frame, so that it is never put off for ever.
+                // May take half as much again as the work of a frame, so that it is never put off forever.
                 if is_large && self.work_done / 3 < self.options.work / 2 {
                     self.changes += 1;
                     self.divide(forest, lod, node, slot);

@@ -317,7 +317,7 @@ impl Quadtree {
     ) -> bool {
         let info = *forest.info(slot);
         let side_m = side_m(&self.options.ellipsoid, node);
-        // As `evaluate_patch` sees it: what that waits for must be divided here, or the rest would wait for ever.
+        // As `evaluate_patch` sees it: what that waits for must be divided here, or the rest would wait forever.
         let visibility = lod.visibility_within(above, &info);
         let ratio = lod.split_ratio(&info, side_m, visibility);
         let was_split = forest.is_split(slot);

@@ -149,7 +149,7 @@ impl TileCache {
         self.drop_pending(|cache, pending| !cache.tile(pending.key).is_promised(cache.frame));
     }
 
-    /// Sees to it that decoded tiles without a slot do not keep out a load of this frame's picture for ever.
+    /// Sees to it that decoded tiles without a slot do not keep out a load of this frame's picture forever.
     fn relieve_memory(&mut self, reserved_bytes: u64) {
         let Some(head) = self.queue.first().copied() else {
             return;

@@ -123,7 +123,7 @@ fn masks_and_numbers_beside_a_map_take_texels_away() {
         folder.put(&format!("a.png{ending}"), contents);
         match folder.open(&text) {
             Err(error) => assert!(error.to_string().contains(words), "{error}"),
-            // A damaged part is left out and told.
+            // A damaged part is left out and reported.
             Ok(mosaic) => assert!(mosaic.notes()[0].contains(words), "{:?}", mosaic.notes()),
         }
     }

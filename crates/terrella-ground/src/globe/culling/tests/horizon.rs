@@ -146,7 +146,7 @@ fn a_ball_is_hidden_by_shadow_or_by_horizon() {
     let theta = horizon.limb_rad() + 0.3;
     assert!(horizon.hides_ball(at(theta, 0.0), 1.2e6, 0.0));
     assert!(!horizon.hides_ball(at(theta, 0.0), 1.2e6, 1e6));
-    // Ground that is told to be lower than all is as the lowest.
+    // Ground that is declared lower than all is as the lowest.
     assert!(!horizon.hides_ball(at(horizon.limb_rad() - 1e-3, 0.0), 10.0, -1e5));
 }
 
