@@ -42,6 +42,13 @@ fn sun() -> DVec3 {
     DVec3::new(-0.5, 0.86, 0.05).normalize()
 }
 
+/// City lights are bright beside daylight too: giving them up is seen.
+fn options(layers: EarthLayers) -> EarthOptions {
+    let mut options = EarthOptions::new(layers);
+    options.light.night_fades_by_day = false;
+    options
+}
+
 fn made_so(options: &EarthOptions, quality: &Quality) -> EarthOptions {
     let mut options = options.clone();
     options.subdivision = quality.subdivision;
@@ -109,7 +116,7 @@ fn follows_the_levels(options: &EarthOptions, count: usize) {
 
 #[test]
 fn whole_maps_follow_the_levels() {
-    let mut options = EarthOptions::new(layers(map(256, hills)));
+    let mut options = options(layers(map(256, hills)));
     options.samples = 4;
     options.subdivision = terrella::Subdivision::Cells(24);
     // No tiles, so detail cannot be given up.
@@ -119,7 +126,7 @@ fn whole_maps_follow_the_levels() {
 #[test]
 fn tiles_follow_the_levels() {
     let tiles = Arc::new(FunctionTiles::new(&[256, 128, 64, 32], hills));
-    let mut options = EarthOptions::new(layers(tiles.whole(3)));
+    let mut options = options(layers(tiles.whole(3)));
     options.samples = 4;
     options.subdivision = terrella::Subdivision::Cells(48);
     options.tiles = Some(TileOptions {

@@ -204,15 +204,14 @@ def test_an_earth_gives_raw_frames_of_a_sensor(earth):
     assert seen[radius < limb - 1].all() and not seen[radius > limb + 1].any()
     # That of a scene with its camera at the same place and no sky.
     scene = terrella.Scene.from_dict({
-        "time": {"start": noon},
         "camera": {"mode": "geodetic", "lat_deg": 10, "lon_deg": 0, "height_km": 12000},
         "sky": {"stars": False, "sun": False, "moon": False, "eclipses": False},
         "sensor": sensor,
     })
-    np.testing.assert_array_equal(frame, scene.raw())
+    np.testing.assert_array_equal(frame, scene.raw(noon))
     elsewhere = terrella.Camera.geodetic(10, 90, 1.2e7)
-    np.testing.assert_array_equal(scene.raw(camera=elsewhere), earth.raw(elsewhere, noon, sensor))
-    assert (scene.raw(camera=elsewhere) != frame).any()
+    np.testing.assert_array_equal(scene.raw(noon, camera=elsewhere), earth.raw(elsewhere, noon, sensor))
+    assert (scene.raw(noon, camera=elsewhere) != frame).any()
     # Rows one after the other, by a camera that stands still over the turning Earth.
     rolling = earth.raw(CAMERA, noon, {**sensor, "shutter": "rolling", "line_time_us": 100})
     assert rolling.shape == frame.shape
