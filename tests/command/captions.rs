@@ -44,7 +44,7 @@ fn captions_are_in_films() {
     ]);
     let said = words(&output);
     assert_eq!(output.status.code(), Some(2), "{said}");
-    assert!(said.contains("have none; leave [[caption]] out"), "{said}");
+    assert!(said.contains("have no room for captions"), "{said}");
 }
 
 #[test]

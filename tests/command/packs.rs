@@ -246,6 +246,7 @@ fn a_pack_is_measured_with_its_levels() {
         "eclipses",
         "tiles",
         "multisampling",
+        "composition",
         "stars",
         "sun",
         "moon",

@@ -28,7 +28,7 @@ const EXAMPLES: &[(&str, &[Example])] = &[
             ),
             ("terrella play a.toml --video a.mp4", "a film"),
             (
-                "terrella play my.tle --start 2026-11-25T05:00:00Z --duration 400 --set time.speed=20 --set 'caption.text={satellite} {time}' --video pass.mp4",
+                "terrella play my.tle --start 2026-11-25T05:00:00Z --duration 400 --set time.speed=20 --set caption.text={time} --video pass.mp4",
                 "a film of 20 s with a caption, of a pass that `terrella orbit --passes` lists",
             ),
             (

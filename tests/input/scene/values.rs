@@ -210,11 +210,11 @@ fn every_key_is_read() {
          frame_rate_hz = 29.97\n\
          [orbit]\nsource = \"tle\"\nfile = \"sat.tle\"\nname = \"A\"\nstrict = true\n\
          color = \"#ffffff\"\ntrail = true\nground_track = true\nmarker = true\nsubpoint = true\n\
-         footprint = true\nsensor_half_angle_deg = 30\nfootprint_fill = true\n\
+         footprint = true\nsensor_half_angle_deg = 30\nsensor_off_nadir_deg = 5\nsensor_azimuth_deg = 80\nsensor_lines = true\nswath = true\nfootprint_fill = true\n\
          model = \"sat.tle\"\nmodel_scale = 2\nmodel_length_px = 3\nmodel_axes = \"body\"\nattitude = \"inertial\"\n\
          [tracks]\nwidth_px = 4\n\
          [camera]\nmode = \"geodetic\"\nfov_deg = 179.999\nlat_deg = -90\nlon_deg = 350\n\
-         height_km = 0.001\nheading_deg = -360\npitch_deg = 90\n\
+         height_km = 0.001\nheading_deg = -360\npitch_deg = 90\nroll_deg = -360\n\
          [earth]\nlook = \"paper\"\nstrict = true\nfigure = \"sphere\"\nsubdivision = 48\nvisibility = \"paper\"\n\
          shading = \"paper\"\nclouds = false\nnormals = false\nnight_lights = false\n\
          atmosphere = \"none\"\ntextures = \"maps\"\nsurface = \"blocks\"\n\
@@ -228,7 +228,7 @@ fn every_key_is_read() {
          coast_lines = true\ncoast_lines_color = \"#ffffff\"\ncoast_lines_opacity = 0.5\n\
          borders = true\nborders_color = \"#ffffff\"\nborders_opacity = 0.5\n\
          terminator = true\nterminator_color = \"#ffffff\"\nterminator_opacity = 0.5\n\
-         moon_shadow = true\nmoon_shadow_color = \"#ffffff\"\nmoon_shadow_opacity = 0.5\nplace_names = 9\nwidth_px = 2\nvector_map = \"sat.tle\"\n",
+         moon_shadow = true\nmoon_shadow_color = \"#ffffff\"\nmoon_shadow_opacity = 0.5\nplace_names = 9\nwidth_px = 2\nvector_map = \"sat.tle\"\n[lens]\nghosts = 1e-4\n",
     );
     let scene = scene.expect("a good scene");
     let sky = &scene.sky;
@@ -265,13 +265,13 @@ fn every_key_is_read() {
     assert_eq!(scene.earth.textures, Some(folder.path("maps")));
     assert_eq!(scene.output.size, [16384, 1]);
     assert_eq!(scene.output.samples, 1);
-    assert_eq!(scene.line("output", "samples"), Some(51));
+    assert_eq!(scene.line("output", "samples"), Some(56));
     let quality = &scene.quality;
     assert_eq!((quality.target_ms, quality.scale), (Some(20.0), 0.5));
     assert_eq!(quality.ladder, Some(folder.path("sat.tle")));
     assert_eq!(scene.layers.vector_map, Some(folder.path("sat.tle")));
     assert_eq!((scene.layers.width_px, scene.stations.len()), (2.0, 1));
-    assert_eq!(scene.line("station", "lat_deg"), Some(69));
+    assert_eq!(scene.line("station", "lat_deg"), Some(74));
     let summary = scene.summary();
     assert!(!summary.contains("default"), "{summary}");
 }

@@ -42,9 +42,10 @@ fn is_the_native_hosts(native: &Native, view: &View) {
     assert_eq!(same.channels, 0, "with the same matrices: {same:?}");
 
     // Bevy's matrices are f32, the native host's f64: pixels whose colour lies between two steps may take the other one.
+    // Fine detail of clouds moves by a part of a pixel with them.
     let near = difference(&picture, &drawn(view.eye(SIZE)), view.format());
     eprintln!("{key:?}: {near:?}");
-    let step = if view.hdr { 5e-3 } else { 1.0 };
+    let step = if view.hdr { 5e-3 } else { 3.0 };
     assert!(near.greatest <= step, "{key:?}: {near:?}");
     assert!(near.channels * 50 < near.of, "{key:?}: {near:?}");
 }
