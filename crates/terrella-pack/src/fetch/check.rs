@@ -88,7 +88,7 @@ pub(super) fn is_plain_colour(path: &Path) -> bool {
         is_plain &= texels.all(|texel| texel == first);
         is_plain
     });
-    // What cannot be read is told elsewhere.
+    // A picture that cannot be read is reported where it is decoded.
     is_plain || read.is_err()
 }
 

@@ -487,7 +487,9 @@ impl Tiles {
         {
             return Some(("tiles.no_data", "give 1 to 4 finite numbers".into()));
         }
-        if self.placeholders.len() > MAX_PLACEHOLDERS || !self.placeholders.iter().all(is_hash) {
+        if self.placeholders.len() > MAX_PLACEHOLDERS
+            || !self.placeholders.iter().all(|digits| is_hash(digits))
+        {
             return Some((
                 "tiles.placeholders",
                 format!("are at most {MAX_PLACEHOLDERS}, each of 64 lower-case hexadecimal digits"),
@@ -498,7 +500,7 @@ impl Tiles {
 }
 
 /// Whether a text is a BLAKE3 as journals and descriptions have it.
-fn is_hash(digits: &String) -> bool {
+fn is_hash(digits: &str) -> bool {
     digits.len() == 64
         && digits
             .bytes()
