@@ -51,21 +51,7 @@ pub fn fly(app: &mut App) {
 
 /// One picture of it, at the instant that it begins with.
 pub fn still(size: (u32, u32)) -> Result<headless::Picture, Box<dyn Error>> {
-    let mut app = headless::app();
-    app.add_plugins(fly);
-    headless::start(&mut app);
-    app.update();
-    let mut clocks = app.world_mut().query::<&mut EarthClock>();
-    clocks.single_mut(app.world_mut())?.rate = 0.0;
-    let image = headless::target(&mut app, size, headless::SRGB);
-    let mut cameras = app
-        .world_mut()
-        .query_filtered::<Entity, With<EarthCamera>>();
-    let camera = cameras.single(app.world())?;
-    app.world_mut()
-        .entity_mut(camera)
-        .insert(bevy::camera::RenderTarget::Image(image.clone().into()));
-    headless::draw(&mut app, &image)
+    headless::still(fly, size, 0)
 }
 
 /// A circular orbit in the axes of the stars, metres and seconds.

@@ -45,6 +45,14 @@ pub fn difference(a: &Picture, b: &Picture, format: TextureFormat) -> Difference
     }
 }
 
+/// Pictures of one view by matrices in f32 and in f64: pixels whose colour lies between two steps may take the other one.
+#[track_caller]
+pub fn assert_alike(found: &Difference, is_hdr: bool) {
+    let step = if is_hdr { 5e-3 } else { 1.0 };
+    assert!(found.greatest <= step, "{found:?}");
+    assert!(found.channels * 50 < found.of, "{found:?}");
+}
+
 /// Share of the pixels that are lit.
 pub fn lit(picture: &Picture, format: TextureFormat) -> f64 {
     let channels = channels(picture, format);

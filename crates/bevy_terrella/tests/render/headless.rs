@@ -1,7 +1,8 @@
 //! Apps without a window, drawn into memory.
 
-use bevy::app::{App, PluginsState};
+use bevy::app::{App, Plugins, PluginsState};
 use bevy::asset::{Assets, Handle};
+use bevy::camera::RenderTarget;
 use bevy::image::Image;
 use bevy::prelude::*;
 use bevy::render::RenderPlugin;
@@ -10,7 +11,7 @@ use bevy::render::pipelined_rendering::PipelinedRenderingPlugin;
 use bevy::render::render_resource::{TextureFormat, TextureUsages};
 use bevy::window::ExitCondition;
 use bevy::winit::WinitPlugin;
-use bevy_terrella::EarthCameraStatus;
+use bevy_terrella::{EarthCamera, EarthCameraStatus, EarthClock};
 use std::error::Error;
 use std::time::{Duration, Instant};
 
@@ -118,6 +119,33 @@ pub fn wait(
         app.update();
         std::thread::sleep(Duration::from_millis(2));
     }
+}
+
+/// One picture of an app's only camera, at the instant that its only clock begins with, so many frames after the Earth is there.
+pub fn still<M>(
+    fly: impl Plugins<M>,
+    size: (u32, u32),
+    frames: u32,
+) -> Result<Picture, Box<dyn Error>> {
+    let mut app = app();
+    app.add_plugins(fly);
+    start(&mut app);
+    app.update();
+    let mut clocks = app.world_mut().query::<&mut EarthClock>();
+    clocks.single_mut(app.world_mut())?.rate = 0.0;
+    let image = target(&mut app, size, SRGB);
+    let mut cameras = app
+        .world_mut()
+        .query_filtered::<Entity, With<EarthCamera>>();
+    let camera = cameras.single(app.world())?;
+    app.world_mut()
+        .entity_mut(camera)
+        .insert(RenderTarget::Image(image.clone().into()));
+    wait(&mut app, EarthCameraStatus::is_drawn)?;
+    for _ in 0..frames {
+        app.update();
+    }
+    draw(&mut app, &image)
 }
 
 /// Draws a frame and reads it back.

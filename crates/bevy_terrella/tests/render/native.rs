@@ -10,7 +10,7 @@ use terrella::orbit::Feed;
 use terrella::tracks::{Polylines, Station, TrackMoment, Tracks, TracksOptions};
 use terrella::{
     Earth, EarthLayers, EarthOptions, Exposure, EyeView, FrameRequest, FrameTargets,
-    LayerSelection, Sky, find_textures, load_layers, wgpu,
+    LayerSelection, Sky, SurfaceLight, find_textures, load_layers, wgpu,
 };
 
 /// The starter maps, read once.
@@ -21,6 +21,14 @@ pub fn maps() -> Arc<EarthLayers> {
         Arc::new(load_layers(&folder, LayerSelection::default()).expect("whole maps"))
     };
     MAPS.get_or_init(load).clone()
+}
+
+/// Without synthetic detail, which turns the rounding of matrices into steps of colour.
+pub fn light() -> SurfaceLight {
+    SurfaceLight {
+        detail: false,
+        ..SurfaceLight::DEFAULT
+    }
 }
 
 /// What a program draws beside the Earth.
@@ -87,6 +95,7 @@ impl Native {
                 color_format: format,
                 samples,
                 exposure,
+                light: light(),
                 ..EarthOptions::new(EarthLayers::clone(&maps()))
             },
         )

@@ -1,6 +1,6 @@
 //! The sky beyond the Earth and the tracks over it, compared with the native host's.
 
-use crate::compare::{Difference, channels, difference, part};
+use crate::compare::{assert_alike, channels, difference, part};
 use crate::headless::{self, Picture};
 use crate::native::{Beside, Native};
 use crate::one_frame::as_bevy_has_it;
@@ -88,13 +88,6 @@ fn changed(a: &Picture, b: &Picture, view: &View) -> usize {
     apart.count()
 }
 
-#[track_caller]
-fn is_alike(found: &Difference, view: &View) {
-    let step = if view.hdr { 5e-3 } else { 1.0 };
-    assert!(found.greatest <= step, "{found:?}");
-    assert!(found.channels * 50 < found.of, "{found:?}");
-}
-
 #[test]
 fn the_sky_is_the_native_hosts() {
     let Some(host) = Native::open() else { return };
@@ -135,7 +128,7 @@ fn the_sky_is_the_native_hosts() {
             }
         };
         eprintln!("{hdr} {msaa:?}: {found:?}");
-        is_alike(&found, &view);
+        assert_alike(&found, view.hdr);
     }
 }
 
@@ -162,7 +155,7 @@ fn tracks_are_the_native_hosts_and_follow_their_entities() {
         let lines = world.spawn(EarthLines::new(graticule())).id();
         let found = difference(&grown(&mut app, &image), &expected, view.format());
         eprintln!("{hdr} {msaa:?}: {found:?}");
-        is_alike(&found, &view);
+        assert_alike(&found, view.hdr);
 
         // One that goes, and one that comes in its place.
         app.world_mut().despawn(satellite);
@@ -173,7 +166,7 @@ fn tracks_are_the_native_hosts_and_follow_their_entities() {
         };
         let expected = native(&host, &view, &fewer);
         let found = difference(&grown(&mut app, &image), &expected, view.format());
-        is_alike(&found, &view);
+        assert_alike(&found, view.hdr);
         let mut other = track();
         other.style.color = [255, 0, 0];
         other.style.ground_track = None;
@@ -185,7 +178,7 @@ fn tracks_are_the_native_hosts_and_follow_their_entities() {
         };
         let expected = native(&host, &view, &other);
         let found = difference(&grown(&mut app, &image), &expected, view.format());
-        is_alike(&found, &view);
+        assert_alike(&found, view.hdr);
     }
 }
 
@@ -229,7 +222,7 @@ fn meshes_hide_stars_and_tracks_and_each_camera_has_its_own() {
         let half = part(&both, (SIZE.0 * index as u32, 0), SIZE);
         let found = difference(&half, &expected, view.format());
         eprintln!("camera {index}: {found:?}");
-        is_alike(&found, &view);
+        assert_alike(&found, view.hdr);
     }
 
     // A black wall before the left camera, wider than its picture.

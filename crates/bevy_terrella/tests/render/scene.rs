@@ -1,7 +1,7 @@
 //! One view, for Bevy and for the native host.
 
 use crate::headless::{self, Picture};
-use crate::native::maps;
+use crate::native::{light, maps};
 use bevy::asset::Handle;
 use bevy::camera::{Hdr, RenderTarget, Viewport};
 use bevy::core_pipeline::tonemapping::{DebandDither, Tonemapping};
@@ -80,7 +80,11 @@ impl View {
 
 /// Bevy with the plugin, an Earth of a view's frame and date, and nothing else.
 pub fn app(view: &View) -> App {
-    app_of(headless::app(), view, Earth::new(EarthMaps::Memory(maps())))
+    let earth = Earth {
+        light: light(),
+        ..Earth::new(EarthMaps::Memory(maps()))
+    };
+    app_of(headless::app(), view, earth)
 }
 
 /// The same in an app that has Bevy's plugins, with this Earth.
