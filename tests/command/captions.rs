@@ -44,7 +44,10 @@ fn captions_are_in_films() {
     ]);
     let said = words(&output);
     assert_eq!(output.status.code(), Some(2), "{said}");
-    assert!(said.contains("have no room for captions"), "{said}");
+    assert!(
+        said.contains("have no room for captions") && said.contains("leave [[caption]] out"),
+        "{said}"
+    );
 }
 
 #[test]
