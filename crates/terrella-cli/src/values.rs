@@ -40,12 +40,20 @@ pub fn supersample(text: &str) -> Result<u32, String> {
         .ok_or_else(|| "must be 1, 2 or 4".into())
 }
 
+/// A number of which this holds, or what it must be.
+fn number(text: &str, holds: impl Fn(f64) -> bool, must_be: &str) -> Result<f64, String> {
+    let number = text.parse::<f64>().ok();
+    let number = number.filter(|number| holds(*number));
+    number.ok_or_else(|| must_be.to_owned())
+}
+
 /// A part of the time from frame to frame.
 pub fn shutter(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(part) if part > 0.0 && part <= 1.0 => Ok(part),
-        _ => Err("must be a number greater than 0 and at most 1, for example 0.5".into()),
-    }
+    number(
+        text,
+        |part| part > 0.0 && part <= 1.0,
+        "must be a number greater than 0 and at most 1, for example 0.5",
+    )
 }
 
 /// A surface with relief, as scenes write it.
@@ -69,18 +77,20 @@ pub fn instant(text: &str) -> Result<Epoch, String> {
 
 /// Seconds of the wall clock, more than none and at most a day.
 pub fn seconds(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(seconds) if seconds > 0.0 && seconds <= 86_400.0 => Ok(seconds),
-        _ => Err("must be a number of seconds, greater than 0 and at most 86400".into()),
-    }
+    number(
+        text,
+        |seconds| seconds > 0.0 && seconds <= 86_400.0,
+        "must be a number of seconds, greater than 0 and at most 86400",
+    )
 }
 
 /// Seconds of simulated time. Which are too many, the scene says.
 pub fn simulated_seconds(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(seconds) if seconds > 0.0 && seconds.is_finite() => Ok(seconds),
-        _ => Err("must be a number of seconds, greater than 0".into()),
-    }
+    number(
+        text,
+        |seconds| seconds > 0.0 && seconds.is_finite(),
+        "must be a number of seconds, greater than 0",
+    )
 }
 
 /// `48.2,16.4` or `48.2,16.4,170`: degrees, south and west negative, and metres above the ellipsoid.
@@ -111,34 +121,38 @@ pub fn place(text: &str) -> Result<Geodetic, String> {
 
 /// An angle above the horizon.
 pub fn elevation_deg(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(degrees) if (0.0..90.0).contains(&degrees) => Ok(degrees),
-        _ => Err("must be a number of degrees from 0 to less than 90".into()),
-    }
+    number(
+        text,
+        |degrees| (0.0..90.0).contains(&degrees),
+        "must be a number of degrees from 0 to less than 90",
+    )
 }
 
 /// A height that a line of sight must keep above the ellipsoid.
 pub fn grazing_height_km(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(height) if (0.0..=10_000.0).contains(&height) => Ok(height),
-        _ => Err("must be a number of kilometres from 0 to 10000".into()),
-    }
+    number(
+        text,
+        |height| (0.0..=10_000.0).contains(&height),
+        "must be a number of kilometres from 0 to 10000",
+    )
 }
 
 /// A range.
 pub fn range_km(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(range) if range > 0.0 && range <= 1e7 => Ok(range),
-        _ => Err("must be a number of kilometres, greater than 0 and at most 1e7".into()),
-    }
+    number(
+        text,
+        |range| range > 0.0 && range <= 1e7,
+        "must be a number of kilometres, greater than 0 and at most 1e7",
+    )
 }
 
 /// Half angle of a sensor's cone.
 pub fn half_angle_deg(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(degrees) if degrees > 0.0 && degrees <= 90.0 => Ok(degrees),
-        _ => Err("must be a number of degrees, greater than 0 and at most 90".into()),
-    }
+    number(
+        text,
+        |degrees| degrees > 0.0 && degrees <= 90.0,
+        "must be a number of degrees, greater than 0 and at most 90",
+    )
 }
 
 /// `2,15`: half angles of a rectangular field of view along and across the flight.
@@ -155,26 +169,29 @@ pub fn half_angles_deg(text: &str) -> Result<[f64; 2], String> {
 
 /// Angle of a boresight off nadir.
 pub fn off_nadir_deg(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(degrees) if (0.0..=90.0).contains(&degrees) => Ok(degrees),
-        _ => Err("must be a number of degrees from 0 to 90".into()),
-    }
+    number(
+        text,
+        |degrees| (0.0..=90.0).contains(&degrees),
+        "must be a number of degrees from 0 to 90",
+    )
 }
 
 /// An azimuth.
 pub fn azimuth_deg(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(degrees) if degrees.abs() <= 360.0 => Ok(degrees),
-        _ => Err("must be a number of degrees from -360 to 360".into()),
-    }
+    number(
+        text,
+        |degrees| degrees.abs() <= 360.0,
+        "must be a number of degrees from -360 to 360",
+    )
 }
 
 /// Side of a cell of the ground.
 pub fn cell_deg(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(degrees) if (0.01..=45.0).contains(&degrees) => Ok(degrees),
-        _ => Err("must be a number of degrees from 0.01 to 45".into()),
-    }
+    number(
+        text,
+        |degrees| (0.01..=45.0).contains(&degrees),
+        "must be a number of degrees from 0.01 to 45",
+    )
 }
 
 /// `5,44,12,48`: west, south, east and north in degrees; a west beyond the east goes across the date line.
@@ -199,10 +216,11 @@ pub fn region_deg(text: &str) -> Result<[f64; 4], String> {
 
 /// A standard magnitude.
 pub fn magnitude(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(magnitude) if (-30.0..=30.0).contains(&magnitude) => Ok(magnitude),
-        _ => Err("must be a magnitude from -30 to 30".into()),
-    }
+    number(
+        text,
+        |magnitude| (-30.0..=30.0).contains(&magnitude),
+        "must be a magnitude from -30 to 30",
+    )
 }
 
 /// A time zone as minutes east of UTC: `+05:30`, `-3`, `Z`.
@@ -230,10 +248,11 @@ pub fn time_zone_min(text: &str) -> Result<i32, String> {
 
 /// Days, more than none and at most ten years.
 pub fn days(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(days) if days > 0.0 && days <= 3653.0 => Ok(days),
-        _ => Err("must be a number of days, greater than 0 and at most 3653".into()),
-    }
+    number(
+        text,
+        |days| days > 0.0 && days <= 3653.0,
+        "must be a number of days, greater than 0 and at most 3653",
+    )
 }
 
 /// A height in kilometres from which the whole Earth can be looked at.
@@ -248,10 +267,11 @@ pub fn height_km(text: &str) -> Result<f64, String> {
 /// A part of a whole, 0 and more, at most tenfold.
 #[cfg(feature = "measure")]
 pub fn part(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(part) if (0.0..=10.0).contains(&part) => Ok(part),
-        _ => Err("must be a number from 0 to 10, for example 0.25 for a quarter".into()),
-    }
+    number(
+        text,
+        |part| (0.0..=10.0).contains(&part),
+        "must be a number from 0 to 10, for example 0.25 for a quarter",
+    )
 }
 
 #[cfg(test)]
