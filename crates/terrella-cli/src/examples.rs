@@ -28,8 +28,8 @@ const EXAMPLES: &[(&str, &[Example])] = &[
             ),
             ("terrella play a.toml --video a.mp4", "a film"),
             (
-                "terrella play my.tle --start 2026-11-25T05:00:00Z --duration 400 --set time.speed=20 --set caption.text={time} --video pass.mp4",
-                "a film of 20 s with a caption, of a pass that `terrella orbit --passes` lists",
+                "terrella play my.tle --start now --duration 400 --set caption.text={time} --video a.mp4",
+                "a captioned film",
             ),
             (
                 "terrella play a.toml --frames film --range 0..240",
