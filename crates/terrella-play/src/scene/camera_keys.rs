@@ -248,7 +248,7 @@ impl SceneText<'_> {
     }
 }
 
-fn number_of(value: &Value) -> Option<f64> {
+pub(super) fn number_of(value: &Value) -> Option<f64> {
     match value {
         // Numbers of scenes are far from the end of what is exact.
         Value::Integer(whole) => Some(*whole as f64),

@@ -1,5 +1,6 @@
 //! `[camera] look_at`: what the camera keeps in the middle of the picture.
 
+use super::camera_keys::number_of;
 use super::error::{SceneError, printable};
 use super::field::{Field, RawLookAt, look_at_forms};
 use super::keys::{LAT_DEG, LON_DEG};
@@ -95,13 +96,10 @@ fn place_of(keys: &Table) -> Result<[f64; 3], String> {
         ));
     }
     let number = |name: &str, range: &RangeInclusive<f64>, unit: &str| {
-        let value = match keys.get(name) {
-            None => return Ok(None),
-            // Numbers of scenes are far from the end of what is exact.
-            Some(Value::Integer(whole)) => *whole as f64,
-            Some(Value::Float(number)) => *number,
-            Some(_) => return Err(format!("{name} must be a number of {unit}")),
+        let Some(value) = keys.get(name) else {
+            return Ok(None);
         };
+        let value = number_of(value).ok_or_else(|| format!("{name} must be a number of {unit}"))?;
         let (low, high) = (range.start(), range.end());
         let message = || format!("{name} must be from {low} to {high} {unit}");
         range
