@@ -51,14 +51,7 @@ fn prepare(criterion: &mut Criterion) {
         );
         return;
     };
-    let day = LayerImage::from_rgba8(64, 32, vec![128; 64 * 32 * 4]).expect("a sound map");
-    let layers = EarthLayers {
-        day,
-        clouds: None,
-        normals: None,
-        night_lights: None,
-        water: None,
-    };
+    let layers = grey_layers();
     for subdivision in [6, 48] {
         let options = EarthOptions {
             subdivision: terrella::Subdivision::Cells(subdivision),
@@ -82,6 +75,18 @@ fn prepare(criterion: &mut Criterion) {
                 });
             });
         }
+    }
+}
+
+/// A day map of one grey, and no other.
+fn grey_layers() -> EarthLayers {
+    let day = LayerImage::from_rgba8(64, 32, vec![128; 64 * 32 * 4]).expect("a sound map");
+    EarthLayers {
+        day,
+        clouds: None,
+        normals: None,
+        night_lights: None,
+        water: None,
     }
 }
 
@@ -127,15 +132,7 @@ fn markers(criterion: &mut Criterion) {
     let Ok(gpu) = pollster::block_on(GpuContext::open(None)) else {
         return;
     };
-    let day = LayerImage::from_rgba8(64, 32, vec![128; 64 * 32 * 4]).expect("a sound map");
-    let layers = EarthLayers {
-        day,
-        clouds: None,
-        normals: None,
-        night_lights: None,
-        water: None,
-    };
-    let earth = Earth::new(&gpu.device, &gpu.queue, &EarthOptions::new(layers));
+    let earth = Earth::new(&gpu.device, &gpu.queue, &EarthOptions::new(grey_layers()));
     let earth = earth.expect("sound options");
     let style = |k| TrackStyle {
         marker: true,
