@@ -77,8 +77,7 @@ typedef struct {
   // Samples a pixel of shown pictures, 1 or 4.
   uint32_t samples;
   // Folder of maps; null takes that of the environment variable TERRELLA_TEXTURES, else `textures` or `../share/terrella/textures`
-  // beside the
-  // program, else that of the source tree that the library was built from.
+  // beside the program, else that of the source tree that the library was built from.
   const char *textures;
   // Part of the name of the graphics adapter, letter case aside; null takes the best.
   const char *adapter;
@@ -266,10 +265,8 @@ extern "C" {
 #endif // __cplusplus
 
 // A camera above a place: latitude and longitude in degrees (geodetic, WGS84), height in metres. With heading 0 and pitch −90 it looks
-// straight
-// down, north upwards; heading turns it clockwise from north, pitch raises it, 0 is level. `fov_deg` is the vertical field of view,
-// `aspect`
-// width over height.
+// straight down, north upwards; heading turns it clockwise from north, pitch raises it, 0 is level. `fov_deg` is the vertical field of
+// view, `aspect` width over height.
 //
 // # Safety
 // `camera` points to writable memory.
@@ -336,8 +333,7 @@ TerrellaStatus terrella_earth_depth(TerrellaEarth *earth,
 //
 // # Safety
 // `camera` points to a camera; `layers` to so many values, whose texts end with zero bytes and whose rooms have as many bytes as they say,
-// do not
-// overlap, and are used by nobody else during the call; `drawn` is null or has room.
+// do not overlap, and are used by nobody else during the call; `drawn` is null or has room.
 TerrellaStatus terrella_earth_truth(TerrellaEarth *earth,
                                     const TerrellaCamera *camera,
                                     TerrellaTime time,
@@ -414,16 +410,14 @@ TerrellaStatus terrella_scene_free(TerrellaScene *scene);
 TerrellaStatus terrella_scene_info(TerrellaScene *scene, TerrellaSceneInfo *info);
 
 // Position and velocity of a satellite of a scene at an instant: Earth-fixed axes (ITRF), metres and metres a second, three numbers each.
-// `index` counts from 0 in the
-// scene's order; `velocity_m_s` may be null.
+// `index` counts from 0 in the scene's order; `velocity_m_s` may be null.
 //
 // # Safety
 // Each has room for three numbers.
 TerrellaStatus terrella_scene_satellite(TerrellaScene *scene, size_t index, TerrellaTime time, double *position_m, double *velocity_m_s);
 
 // Draws an instant of a scene as the command `terrella` draws it, and writes it to `pixels` as `terrella_earth_draw` does. Waits for tiles
-// as long as the
-// scene says. `drawn` may be null.
+// as long as the scene says. `drawn` may be null.
 //
 // # Safety
 // As `terrella_earth_draw`.
@@ -458,18 +452,15 @@ TerrellaStatus terrella_scene_truth(TerrellaScene *scene,
 TerrellaStatus terrella_scene_sensor_size(TerrellaScene *scene, uint32_t *width, uint32_t *height);
 
 // Draws the raw frame of the sensor of a scene at an instant, by the scene's camera, and writes its numbers to `numbers`, rows from the
-// top:
-// those of the converter, from 0 to 2^bits − 1, as `terrella frame --raw` writes them. `count` is width × height of the sensor. Of
-// `drawn`,
-// which may be null, only `missing_tiles` is set.
+// top: those of the converter, from 0 to 2^bits − 1, as `terrella frame --raw` writes them. `count` is width × height of the sensor. Of
+// `drawn`, which may be null, only `missing_tiles` is set.
 //
 // # Safety
 // `numbers` points to so many values, which nobody else uses during the call; `drawn` is null or has room.
 TerrellaStatus terrella_scene_raw(TerrellaScene *scene, TerrellaTime time, uint16_t *numbers, size_t count, TerrellaDrawn *drawn);
 
 // As `terrella_scene_truth` for the pixels of `terrella_scene_raw`: through the sensor's lens, each row at its own instant. Layers have
-// the
-// sensor's size. Of `drawn`, which may be null, only `missing_tiles` is set.
+// the sensor's size. Of `drawn`, which may be null, only `missing_tiles` is set.
 //
 // # Safety
 // As `terrella_scene_truth`.

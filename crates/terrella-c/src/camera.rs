@@ -72,10 +72,8 @@ fn lens(fov_deg: f64, aspect: f64) -> Result<(f64, f64), Failure> {
 }
 
 /// A camera above a place: latitude and longitude in degrees (geodetic, WGS84), height in metres. With heading 0 and pitch −90 it looks
-/// straight
-/// down, north upwards; heading turns it clockwise from north, pitch raises it, 0 is level. `fov_deg` is the vertical field of view,
-/// `aspect`
-/// width over height.
+/// straight down, north upwards; heading turns it clockwise from north, pitch raises it, 0 is level. `fov_deg` is the vertical field of
+/// view, `aspect` width over height.
 ///
 /// # Safety
 /// `camera` points to writable memory.

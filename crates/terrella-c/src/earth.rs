@@ -162,8 +162,7 @@ pub unsafe extern "C" fn terrella_earth_depth(
 ///
 /// # Safety
 /// `camera` points to a camera; `layers` to so many values, whose texts end with zero bytes and whose rooms have as many bytes as they say,
-/// do not
-/// overlap, and are used by nobody else during the call; `drawn` is null or has room.
+/// do not overlap, and are used by nobody else during the call; `drawn` is null or has room.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn terrella_earth_truth(
     earth: *mut TerrellaEarth,

@@ -20,8 +20,7 @@ pub struct TerrellaOptions {
     /// Samples a pixel of shown pictures, 1 or 4.
     pub samples: u32,
     /// Folder of maps; null takes that of the environment variable TERRELLA_TEXTURES, else `textures` or `../share/terrella/textures`
-    /// beside the
-    /// program, else that of the source tree that the library was built from.
+    /// beside the program, else that of the source tree that the library was built from.
     pub textures: *const c_char,
     /// Part of the name of the graphics adapter, letter case aside; null takes the best.
     pub adapter: *const c_char,

@@ -161,8 +161,7 @@ pub unsafe extern "C" fn terrella_scene_info(
 }
 
 /// Position and velocity of a satellite of a scene at an instant: Earth-fixed axes (ITRF), metres and metres a second, three numbers each.
-/// `index` counts from 0 in the
-/// scene's order; `velocity_m_s` may be null.
+/// `index` counts from 0 in the scene's order; `velocity_m_s` may be null.
 ///
 /// # Safety
 /// Each has room for three numbers.
@@ -229,8 +228,7 @@ impl Draws for Instant<'_> {
 }
 
 /// Draws an instant of a scene as the command `terrella` draws it, and writes it to `pixels` as `terrella_earth_draw` does. Waits for tiles
-/// as long as the
-/// scene says. `drawn` may be null.
+/// as long as the scene says. `drawn` may be null.
 ///
 /// # Safety
 /// As `terrella_earth_draw`.

@@ -30,10 +30,8 @@ pub unsafe extern "C" fn terrella_scene_sensor_size(
 }
 
 /// Draws the raw frame of the sensor of a scene at an instant, by the scene's camera, and writes its numbers to `numbers`, rows from the
-/// top:
-/// those of the converter, from 0 to 2^bits − 1, as `terrella frame --raw` writes them. `count` is width × height of the sensor. Of
-/// `drawn`,
-/// which may be null, only `missing_tiles` is set.
+/// top: those of the converter, from 0 to 2^bits − 1, as `terrella frame --raw` writes them. `count` is width × height of the sensor. Of
+/// `drawn`, which may be null, only `missing_tiles` is set.
 ///
 /// # Safety
 /// `numbers` points to so many values, which nobody else uses during the call; `drawn` is null or has room.
@@ -66,8 +64,7 @@ pub unsafe extern "C" fn terrella_scene_raw(
 }
 
 /// As `terrella_scene_truth` for the pixels of `terrella_scene_raw`: through the sensor's lens, each row at its own instant. Layers have
-/// the
-/// sensor's size. Of `drawn`, which may be null, only `missing_tiles` is set.
+/// the sensor's size. Of `drawn`, which may be null, only `missing_tiles` is set.
 ///
 /// # Safety
 /// As `terrella_scene_truth`.
