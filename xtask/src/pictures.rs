@@ -131,7 +131,7 @@ fn draw(of: &Sheet, terrella: &Path, path: &Path) -> Result<()> {
         )?;
         parts.push(sheet::read(&picture)?);
     }
-    sheet::write(&sheet::together(&parts, COLUMNS), path)
+    sheet::write(&sheet::together(&parts, COLUMNS), sheet::WHOLE, path)
 }
 
 /// `terrella frame` of a scene, or of the built-in one where it has no name, in a folder.

@@ -48,7 +48,7 @@ pub fn draw(terrella: &Path) -> Result<()> {
             frame(terrella, &root, &scene, SIZE_PX, &at(name), &picture)?;
         }
         let out = root.join(format!("docs/gallery/{name}.jpg"));
-        sheet::write(&sheet::read(&picture)?, &out)?;
+        sheet::write(&sheet::read(&picture)?, sheet::SMALL, &out)?;
     }
     let path = root.join("docs/gallery.md");
     std::fs::write(&path, page(&scenes)).with_context(|| path.display().to_string())

@@ -5,7 +5,9 @@ use image::codecs::jpeg::JpegEncoder;
 use image::{RgbImage, imageops};
 use std::path::Path;
 
-const JPEG_QUALITY: u8 = 88;
+/// JPEG quality of a picture that a page shows whole, and of a small one in a table.
+pub const WHOLE: u8 = 88;
+pub const SMALL: u8 = 82;
 
 /// Pictures of one size side by side, row by row.
 pub fn together(parts: &[RgbImage], columns: u32) -> RgbImage {
@@ -20,9 +22,9 @@ pub fn together(parts: &[RgbImage], columns: u32) -> RgbImage {
 }
 
 /// Writes a JPEG, and the folder for it.
-pub fn write(picture: &RgbImage, path: &Path) -> Result<()> {
+pub fn write(picture: &RgbImage, quality: u8, path: &Path) -> Result<()> {
     let mut jpeg = Vec::new();
-    JpegEncoder::new_with_quality(&mut jpeg, JPEG_QUALITY).encode_image(picture)?;
+    JpegEncoder::new_with_quality(&mut jpeg, quality).encode_image(picture)?;
     if let Some(folder) = path.parent() {
         std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
     }

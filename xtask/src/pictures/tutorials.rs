@@ -103,6 +103,7 @@ impl Tutorial {
         }
         sheet::write(
             &sheet::together(&parts, columns),
+            sheet::WHOLE,
             &docs.join(self.picture()),
         )
     }
