@@ -149,6 +149,10 @@ fn a_look_sets_what_the_scene_leaves_open() {
     assert!(!paper.night_lights);
     let own = earth("look = \"paper\"\nshading = \"sunlit\"");
     assert_eq!((own.shading, own.night_lights), (Shading::Sunlit, true));
+    assert_eq!(paper.visibility, Visibility::Paper);
+    assert_eq!(own.visibility, Visibility::Paper);
+    let terrain = earth("look = \"paper\"\nsurface = \"clipmap\"");
+    assert_eq!(terrain.visibility, Visibility::Conservative);
     let full = earth("look = \"full\"");
     assert_eq!(full.shading, Shading::Sunlit);
     let shadows = |earth: &EarthTable| earth.light.map(|light| light.cloud_shadows);
@@ -293,9 +297,15 @@ fn a_pack_has_defaults_of_its_own() {
         (scene.earth.subdivision, output.wait_s),
         (Subdivision::Auto, 30.0)
     );
+    let paper = folder.load("[earth]\npack = \"maps\"\nlook = \"paper\"\n");
+    let paper = paper.expect("good");
+    let levels = paper.earth.pack.as_ref().map(|pack| pack.levels);
+    assert_eq!((levels, paper.notices.len()), (Some(LevelRule::Paper), 0));
     let scene = folder
         .load("[earth]\npack = \"maps\"\nlevels = \"paper\"\nstorage = \"bc\"\nwater = false\nsubdivision = 6\n")
         .expect("good");
+    let notice = scene.notices.concat();
+    assert!(notice.starts_with("[earth] levels: deprecated"), "{notice}");
     let pack = scene.earth.pack.as_ref().expect("a pack");
     assert_eq!(
         (pack.levels, pack.storage),
