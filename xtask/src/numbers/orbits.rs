@@ -28,7 +28,7 @@ pub fn drifts(run: &Recorded) -> anyhow::Result<String> {
     })
 }
 
-/// Largest and median interquartile range of a row's times, relative to the median, per cent: "12, mostly 3".
+/// Median and largest interquartile range of the rows' times, relative to each median: "3 % (median of the rows), 12 % at most".
 pub fn spread(run: &Recorded) -> anyhow::Result<String> {
     let mut parts = Vec::new();
     for row in run.rows()? {
