@@ -13,7 +13,7 @@ use terrella_play::{Flight, Moment, OffscreenRenderer};
 
 const SIZE: (u32, u32) = (112, 63);
 
-/// An adapter as the other picture tests choose it; `None`, said loudly, where there is none at all.
+/// An adapter as the other picture tests choose it; `None`, with a message, if there is none at all.
 fn adapter() -> Option<GpuContext> {
     let named = std::env::var("TERRELLA_TEST_ADAPTER").ok();
     let open = |name: Option<&str>| pollster::block_on(GpuContext::open(name));
@@ -150,7 +150,7 @@ fn what_is_drawn_is_near_the_reference() {
         let (exact, drawn) = (rgb(exact), rgb(drawn));
         let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("reference");
         std::fs::create_dir_all(&folder).expect("a folder");
-        // To look at side by side.
+        // For visual comparison.
         for (kind, picture) in [("reference", &exact), ("drawn", &drawn)] {
             let file = folder.join(format!("{name}, {kind}.png"));
             picture.save(file).expect("writes");

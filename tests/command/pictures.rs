@@ -127,7 +127,7 @@ fn white_maps(place: &Place) {
 fn light_is_written_as_an_array_in_which_a_white_sheet_is_one() {
     let place = Place::new();
     white_maps(&place);
-    // The Sun over the equator; the eye where it stands highest.
+    // The Sun over the equator; the eye at the subsolar point.
     let scene = "[camera]\nmode = \"geodetic\"\nlat_deg = 0\nlon_deg = 1.9\nheight_km = 500\nfov_deg = 1\n\
         [time]\nstart = \"2018-03-20T12:00:00Z\"\n\
         [earth]\ntextures = \"white\"\natmosphere = \"none\"\ndirectional_reflectance = false\n[output]\nsize = [30, 20]\nexposure_ev = -7.5\n";
@@ -151,7 +151,7 @@ fn light_is_written_as_an_array_in_which_a_white_sheet_is_one() {
     for value in &values {
         assert!((value - 1.0).abs() < 1e-3, "{value}");
     }
-    // The last channel of the last line, R, stands last.
+    // The last channel of the last row, R, comes last.
     let exr = std::fs::read(place.path("b.exr")).expect("reads");
     assert_eq!(exr[..4], [0x76, 0x2f, 0x31, 0x01]);
     let last = exr[exr.len() - 4..].try_into().expect("four bytes");

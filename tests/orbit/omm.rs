@@ -234,7 +234,7 @@ fn several_satellites_and_a_bad_one() {
     }
 }
 
-/// Each with one thing wrong: what is replaced by what, where, and what is said.
+/// Each with one error: the replaced text, its replacement, the place, and the message.
 #[test]
 fn wrong_messages_are_named() {
     for (from, to, place, says) in [

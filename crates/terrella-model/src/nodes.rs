@@ -15,7 +15,7 @@ pub struct PlacedMesh {
     pub model_from_mesh: DMat4,
 }
 
-/// All meshes of the scene that the file shows by default, or of its first one; without scenes, of all nodes.
+/// All meshes of the file's default scene, or of its first one; without scenes, of all nodes.
 pub fn placed_meshes(container: &Container) -> Result<Vec<PlacedMesh>, ModelError> {
     let document = &container.document;
     let scene = document
@@ -71,7 +71,7 @@ pub fn placed_meshes(container: &Container) -> Result<Vec<PlacedMesh>, ModelErro
     Ok(placed)
 }
 
-/// Nodes that are nobody's child.
+/// Nodes without a parent.
 fn roots(nodes: &[Node]) -> Vec<u64> {
     let mut is_child = vec![false; nodes.len()];
     for child in nodes.iter().flat_map(|node| &node.children) {

@@ -1,4 +1,4 @@
-//! Ephemerides as CSV with a header that says what the columns are.
+//! Ephemerides as CSV with a header that names the columns.
 
 use super::Frame;
 use super::csv_row::CsvRow;
@@ -22,7 +22,7 @@ use terrella_frames::TimeScale;
 /// Most rows of a table.
 const MAX_ROWS: usize = 2_000_000;
 
-/// What comments before the header may say.
+/// Keys that comments before the header may have.
 const KEYS: &Keys = &[
     ("frame", ""),
     ("scale", ""),
@@ -31,7 +31,7 @@ const KEYS: &Keys = &[
     ("degree", ""),
 ];
 
-/// Lines that say something, with their numbers.
+/// Lines with content, with their numbers.
 fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
     let numbered = text.lines().enumerate();
     numbered
@@ -39,7 +39,7 @@ fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
         .filter(|(_, line)| !line.trim().is_empty())
 }
 
-/// Whether a text is such a table: its first line without `#` names an epoch between commas.
+/// Whether a text is such a table: its first line without `#` has an epoch between commas.
 pub(super) fn is_table(text: &str) -> bool {
     let header = lines(text).find(|(_, line)| !line.starts_with('#'));
     header.is_some_and(|(_, line)| line.contains(',') && line.contains("epoch_"))
@@ -61,10 +61,10 @@ struct Columns {
     count: usize,
 }
 
-/// What holds for all rows.
+/// Properties of all rows.
 struct Table {
     columns: Columns,
-    /// What rows have that name none.
+    /// Name of the rows without one.
     name: String,
     /// Of all rows, where they have no column of it.
     frame: Option<Frame>,
@@ -78,7 +78,7 @@ struct Rows {
     samples: Vec<StateSample>,
     /// Lines of the samples.
     lines: Vec<usize>,
-    /// How far each may be off, metres, where its row says so.
+    /// Uncertainty of each state, metres, if its row has one.
     errors_m: Vec<Option<f64>>,
 }
 
@@ -237,7 +237,7 @@ impl Rows {
     }
 }
 
-/// What comments and header together say of all rows.
+/// Properties of all rows, from comments and header together.
 fn whole_table(said: &Fields, columns: Columns, origin: &Path) -> Result<Table, RecordError> {
     for (key, column) in [("frame", columns.frame), ("name", columns.name)] {
         if let (Some(entry), Some(_)) = (said.get(key), column) {
@@ -281,13 +281,13 @@ fn whose(
             origin,
         )?,
         (None, Some(frame)) => frame,
-        // The header has no such column only where the table says its frame.
+        // The header may lack this column only if a comment gives the frame.
         (None, None) => return Err(no_frame(TextPosition { line, column: 1 }, origin)),
     };
     Ok((name.unwrap_or_else(|| table.name.clone()), frame))
 }
 
-/// `key = value, key = value`; comments without an equals sign say nothing.
+/// `key = value, key = value`; comments without an equals sign are ignored.
 fn declare(
     said: &mut Fields,
     comment: &str,
@@ -388,7 +388,7 @@ fn sample(
     })
 }
 
-/// How far a row's state may be off, metres; `None` where it does not say.
+/// Uncertainty of a row's state, metres; `None` if the row has none.
 fn error_m(
     columns: &Columns,
     row: &[csv::CsvField],
@@ -414,7 +414,7 @@ fn error_m(
         .ok_or_else(|| entry.wrong(origin, "metres, 0 or more"))
 }
 
-/// The frame of all rows; `None` where each row says its own.
+/// The frame of all rows; `None` if each row has its own.
 fn frame(said: &Fields, columns: &Columns, origin: &Path) -> Result<Option<Frame>, RecordError> {
     if let Some(scale) = said.get("scale")
         && TimeScale::from_name(&scale.value) != Some(columns.scale)

@@ -1,4 +1,4 @@
-//! Captions over finished pictures: what they say of an instant, and where they stand.
+//! Captions over finished images: their text and position.
 
 use super::caption_image::{read_image, scaled};
 use super::egui_pass::EguiTarget;
@@ -13,22 +13,22 @@ use std::sync::Arc;
 use terrella::frames::{Epoch, Geodetic, TimeScale, ccsds_time};
 use terrella::{FrameStats, GpuContext};
 
-/// Height of letters where a scene gives none, as a fraction of the picture's, and its bounds, pixels.
+/// Default letter height, as a fraction of the image height, and its bounds, pixels.
 const LETTER_FRACTION: f32 = 0.03;
 const LETTER_PX: std::ops::RangeInclusive<f32> = 12.0..=200.0;
 /// Letters are made no smaller than this to fit into a picture, pixels.
 const LEAST_PX: f32 = 5.0;
 /// And all else no smaller than this part of its size.
 const LEAST_SCALE: f32 = 0.02;
-/// By how much at a time.
+/// Factor of each step.
 const SHRINKING: f32 = 0.85;
 /// Distance from the picture's edges, as a fraction of its shorter side.
 const MARGIN_FRACTION: f32 = 0.02;
-/// Space within a plate, and between captions of one place, in heights of letters.
+/// Padding within a plate, and spacing of captions at the same position, in letter heights.
 const PADDING: f32 = 0.35;
 /// Times of frames are rounded: what is nearly a second is one.
 const ROUNDING_S: f64 = 0.0005;
-/// What is not known is written so.
+/// Placeholder for an unknown value.
 const UNKNOWN: &str = "–";
 
 /// The captions of a scene.
@@ -42,12 +42,12 @@ pub struct CaptionLayer {
 
 struct Caption {
     table: CaptionTable,
-    /// What the picture prepared last shows of a text.
+    /// Text in the last prepared image.
     text: String,
     image: Option<TextureHandle>,
 }
 
-/// What captions show of an instant.
+/// Values that captions show.
 struct CaptionState<'m> {
     epoch: Epoch,
     start: Epoch,
@@ -57,10 +57,10 @@ struct CaptionState<'m> {
 }
 
 impl CaptionLayer {
-    /// The captions of a flight's scene on pictures of the format `shown`; `None` where it has none.
+    /// The captions of a flight's scene on images of the format `shown`; `None` if it has none.
     ///
     /// # Errors
-    /// An image that cannot be read.
+    /// An image file that cannot be read.
     pub fn of(
         flight: &Flight,
         gpu: &GpuContext,
@@ -171,7 +171,7 @@ fn date(utc: &str) -> &str {
     utc.split('T').next().unwrap_or(utc)
 }
 
-/// To whole seconds.
+/// Truncates to whole seconds.
 fn clock(utc: &str) -> &str {
     let time = utc.split('T').nth(1).unwrap_or_default();
     time.split('.').next().unwrap_or(time)
@@ -227,7 +227,7 @@ impl Laid {
     }
 }
 
-/// Draws all captions; answers whether they have the size that they should.
+/// Draws all captions; returns whether they fit at the intended size.
 fn paint(painter: &Painter, screen: Rect, captions: &[Caption]) -> bool {
     let usual = (LETTER_FRACTION * screen.height()).clamp(*LETTER_PX.start(), *LETTER_PX.end());
     let margin = MARGIN_FRACTION * screen.width().min(screen.height());

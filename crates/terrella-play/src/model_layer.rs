@@ -32,7 +32,7 @@ pub struct ModelLayer {
     shader: wgpu::ShaderModule,
     shader_bytes: u64,
     layouts: ModelLayouts,
-    /// For one side and for both; made again where the samples change.
+    /// For single-sided and double-sided materials; created again when the sample count changes.
     pipelines: Option<[wgpu::RenderPipeline; 2]>,
     models: Vec<GpuModel>,
     craft: Vec<ModelledCraft>,
@@ -58,7 +58,7 @@ struct ModelledCraft {
     is_shown: bool,
 }
 
-/// What lights a craft.
+/// Light on a spacecraft.
 pub struct CraftLight {
     pub sun: DVec3,
     pub sunlight: f64,
@@ -67,7 +67,7 @@ pub struct CraftLight {
     pub disc: EarthDisc,
 }
 
-/// Where a model is drawn and how large.
+/// Position and size of a model.
 #[derive(Clone, Copy)]
 pub struct Placement {
     pub position_itrf_m: DVec3,
@@ -76,7 +76,7 @@ pub struct Placement {
     pub scale: f64,
 }
 
-/// Rotation from the axes of a model to those of its craft: x along flight, y to the right, z down.
+/// Rotation from a model's axes to those of its spacecraft: x along flight, y to the right, z down.
 pub fn body_from_model(axes: ModelAxes) -> DMat3 {
     match axes {
         // glTF: +Y is up, +Z forward, −X to the right (specification, section 3.4).
@@ -86,7 +86,7 @@ pub fn body_from_model(axes: ModelAxes) -> DMat3 {
 }
 
 impl ModelLayer {
-    /// The layer of a scene's satellites; `None` where none has a model.
+    /// The layer of a scene's satellites; `None` if none has a model.
     pub fn of(flight: &Flight, gpu: &GpuContext, earth: &Earth) -> Result<Option<Self>, PlayError> {
         let scene = flight.scene();
         let models = flight.craft_models();
@@ -166,13 +166,13 @@ impl ModelLayer {
         self.shader_bytes
     }
 
-    /// Whether the craft that cameras fly with has a model.
+    /// Whether the followed spacecraft has a model.
     pub fn has_followed(&self) -> bool {
         self.craft.iter().any(|craft| craft.is_followed)
     }
 
-    /// Writes the models of an instant, exposed as their Earth is, and counts them. A satellite that is not known then has none, nor one
-    /// whose attitude is not, nor one that the eye is in.
+    /// Uploads the models of a moment, with the exposure of the Earth, and counts them. A satellite without a state or attitude has no model, nor
+    /// one that the eye is inside.
     pub fn prepare(
         &mut self,
         gpu: &GpuContext,
@@ -259,7 +259,7 @@ impl ModelLayer {
         .create(&gpu.device)
     }
 
-    /// Draws them. Before the Earth, so that the air lies behind them.
+    /// Draws them. Call it before the Earth, so that the air is behind them.
     pub fn render(&self, pass: &mut wgpu::RenderPass<'_>) {
         let Some(pipelines) = &self.pipelines else {
             return;
@@ -290,7 +290,7 @@ impl ModelledCraft {
     }
 }
 
-/// What lights a craft of this pose.
+/// Light on a spacecraft with this pose.
 pub fn craft_light(
     pose: &CraftPose,
     ellipsoid: &Ellipsoid,
@@ -314,7 +314,7 @@ pub fn craft_light(
     }
 }
 
-/// What the shader gets of a model.
+/// Uniforms of a model.
 pub fn model_frame(
     placement: &Placement,
     light: &CraftLight,

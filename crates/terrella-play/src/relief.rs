@@ -1,4 +1,4 @@
-//! A scene's heights.
+//! A scene's elevation data.
 
 use super::error::PlayError;
 use crate::scene::{PackTable, ReliefTable};
@@ -12,7 +12,7 @@ use terrella_ground::elevation::{
 use terrella_imagery::find_textures;
 use terrella_imagery::pack::Pack;
 
-/// Reads the heights that a scene names, or the starter pack's; those of its pack are streamed.
+/// Reads the elevation files that a scene names, or the starter pack's; elevation data of its imagery pack is streamed.
 pub(super) fn ground_options(
     table: &ReliefTable,
     pack: Option<&PackTable>,
@@ -38,7 +38,7 @@ pub(super) fn ground_options(
     })
 }
 
-/// The files of heights that a scene names; where it names none, the starter pack's, unless its pack has heights.
+/// The elevation files that a scene names; by default the starter pack's, unless its imagery pack has elevation data.
 fn named_heights(table: &ReliefTable) -> Result<Vec<PathBuf>, PlayError> {
     let named = match table.pack_heights_mb {
         Some(_) => table.elevation.clone(),
@@ -55,13 +55,13 @@ fn or_the_starter_packs(files: &[PathBuf]) -> Result<Vec<PathBuf>, PlayError> {
     }
 }
 
-/// The files that [`ground_options`] reads, but for the tiles of a pack.
+/// The files that [`ground_options`] reads, except the tiles of a pack.
 pub(super) fn relief_files(table: &ReliefTable) -> Result<Vec<PathBuf>, PlayError> {
     let named = named_heights(table)?;
     Ok(named.iter().flat_map(|file| height_files(file)).collect())
 }
 
-/// Rejects files of heights for what their headers or sidecars say.
+/// Rejects elevation files with invalid headers or sidecars.
 pub(super) fn check_ground(table: &ReliefTable) -> Result<(), PlayError> {
     if table.pack_heights_mb.is_some() && table.elevation.is_empty() {
         return Ok(());
@@ -72,7 +72,7 @@ pub(super) fn check_ground(table: &ReliefTable) -> Result<(), PlayError> {
     Ok(())
 }
 
-/// The grids of these files, or the starter pack's, over one another; with `denoise`, without single wrong heights.
+/// The grids of these files, or the starter pack's, layered; with `denoise`, isolated outliers are removed.
 pub fn read_ground(files: &[PathBuf], sea_floor: bool, denoise: bool) -> Result<Ground, PlayError> {
     let grids = read_grids(&or_the_starter_packs(files)?, denoise)?;
     Ok(over_the_sea(grids, sea_floor))

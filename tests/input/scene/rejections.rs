@@ -1,4 +1,4 @@
-//! What is rejected, where, and with which remedy.
+//! Rejected scenes, with place and remedy.
 
 use super::{Bad, Folder};
 use std::path::Path;

@@ -1,4 +1,4 @@
-//! What a scene comes to: defaults, and what follows from the keys that are given.
+//! Values of a scene: defaults, and values derived from the given keys.
 
 use super::{Folder, scene, utc};
 use glam::DVec3;
@@ -174,7 +174,7 @@ fn a_look_sets_what_the_scene_leaves_open() {
     let eclipses = |text: &str| scene(text).sky.eclipses;
     assert!(eclipses("") && !eclipses("[sky]\neclipses = false"));
     assert!(!eclipses("[earth]\nlook = \"paper\""));
-    // Haze: a clear day's, none in the paper's picture, and what is asked for in both.
+    // Haze: that of a clear day by default, none in the paper's image, and the given value in both.
     let haze = |text: &str| earth(text).aerosol_optical_depth;
     assert_eq!((haze(""), haze("look = \"paper\"")), (0.1, 0.0));
     assert_eq!(haze("look = \"paper\"\naerosol_optical_depth = 5"), 5.0);
@@ -330,7 +330,7 @@ fn the_mode_of_the_camera_follows_from_the_keys_that_are_given() {
     assert_eq!((place.camera.lat_deg, place.camera.lon_deg), (0.0, 0.0));
     assert!(place.orbits.is_empty());
 
-    // An orbit that is asked for is kept, and asking takes no more than the table's head.
+    // An explicit orbit is kept, for which the head of the table suffices.
     let kept = scene("[orbit]\n[camera]\nmode = \"geodetic\"").orbits;
     assert_eq!(kept.len(), 1);
     for mode in ["nadir", "horizon", "chase"] {

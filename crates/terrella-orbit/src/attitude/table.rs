@@ -1,6 +1,6 @@
-//! Quaternions in CSV: a header that names an epoch and `qx`, `qy`, `qz`, `qw`, and before it a comment that names the frame.
+//! Quaternions in CSV: a header with an epoch and `qx`, `qy`, `qz`, `qw`, after a comment that names the frame.
 //!
-//! The quaternion takes vectors from the axes of the body to those of the frame, v_frame = q v_body q*; `qw` is its scalar.
+//! The quaternion rotates vectors from the body's axes to those of the frame, v_frame = q v_body q*; `qw` is its scalar part.
 
 use super::super::Frame;
 use super::super::csv_row::CsvRow;

@@ -7,7 +7,7 @@ pub struct CsvField {
     pub column: usize,
 }
 
-/// The fields of a line, blanks around them taken off; `None` if a quotation mark has no partner or stands in a field.
+/// The fields of a line, with blanks around them removed; `None` if a quotation mark is unpaired or inside a field.
 pub fn fields(line: &str) -> Option<Vec<CsvField>> {
     let mut fields = Vec::new();
     let mut rest = line;
@@ -35,7 +35,7 @@ pub fn fields(line: &str) -> Option<Vec<CsvField>> {
     }
 }
 
-/// What stands before the closing mark, doubled marks halved, and what is behind it.
+/// The text before the closing quotation mark, doubled marks halved, and the rest of the line.
 fn unquoted(text: &str) -> Option<(String, &str)> {
     let mut whole = String::new();
     let mut rest = text;

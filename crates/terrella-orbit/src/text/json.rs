@@ -32,7 +32,7 @@ impl<'t> Document<'t> {
         }
     }
 
-    /// Where a value begins.
+    /// Position of a value's first character.
     pub fn place(&self, value: &RawValue) -> TextPosition {
         self.lines.place(offset(self.text, value.get()))
     }
@@ -145,7 +145,7 @@ impl<'t> Document<'t> {
 }
 
 impl<'t> Object<'t> {
-    /// The value of that name; the last one where it stands there more than once, as in JavaScript.
+    /// The value with that name; the last one if it is repeated, as in JavaScript.
     pub fn get(&self, key: &str) -> Option<&'t RawValue> {
         let mut values = self.0.iter().rev();
         values
@@ -202,7 +202,7 @@ impl<'de> Deserialize<'de> for Name<'de> {
     }
 }
 
-/// Hands members of an array on as they are met: none is kept.
+/// Passes members of an array to a callback while parsing: none is kept.
 struct Members<'m, 't> {
     each: &'m mut dyn FnMut(usize, &'t RawValue) -> bool,
 }

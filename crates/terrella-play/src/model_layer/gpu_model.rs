@@ -7,7 +7,7 @@ use std::ops::Range;
 use terrella::GpuContext;
 use terrella_model::{Material, Model, ModelImage, TextureUse, Wrap};
 
-/// What the shader of models reads: layouts of the craft and of a material.
+/// Bind group layouts of the model shader: spacecraft and material.
 pub struct ModelLayouts {
     pub frame: wgpu::BindGroupLayout,
     pub material: wgpu::BindGroupLayout,
@@ -178,7 +178,7 @@ impl Pictures<'_> {
         })
     }
 
-    /// A picture with its sampler; white where a material has none.
+    /// A texture with its sampler; white if a material has none.
     fn texture(
         &mut self,
         texture: Option<TextureUse>,
