@@ -83,7 +83,8 @@ impl Catalogue {
 
     /// Reads every set of a file of two-line elements (with name lines or without) or of an OMM (CCSDS 502.0: KVN, XML,
     /// JSON, CSV). Which it is, the text itself says: XML begins with `<`, JSON with `[` or `{`, KVN with `CCSDS_OMM_VERS`,
-    /// and CSV's first line names `MEAN_MOTION` between commas.
+    /// and the first line of CSV names the elements between commas, semicolons or tabs. JSON is an array of objects, a list of them
+    /// within an object, or an object on each line.
     ///
     /// Sets of several epochs of one satellite are one feed, in which each answers for the instants to which its epoch is the
     /// nearest; a notice says so. Sets that are faulty, or that SGP4 cannot fly, are listed and the others used; `is_strict`
@@ -110,6 +111,7 @@ impl Catalogue {
             faults.note(cut.into())?;
         }
         Self::read(text, origin, faults)
+            .map_err(|error| of_another_kind(text, origin).unwrap_or(error))
     }
 
     fn read(text: &str, origin: &Path, mut faults: Faults<OrbitError>) -> Result<Self, OrbitError> {
@@ -246,6 +248,25 @@ impl Index {
     }
 }
 
+/// Why there are no elements in a text that has none: it is an ephemeris, or a table of other columns.
+fn of_another_kind(text: &str, origin: &Path) -> Option<OrbitError> {
+    match FileFormat::of_text(text) {
+        None => omm::missing_columns(text, origin).map(OrbitError::from),
+        Some(FileFormat::Tle | FileFormat::Omm | FileFormat::Opm) => None,
+        Some(
+            FileFormat::Oem
+            | FileFormat::Czml
+            | FileFormat::Csv
+            | FileFormat::Sp3
+            | FileFormat::Stk,
+        ) => Some(OrbitError::NotRead {
+            path: origin.to_owned(),
+            kind: "an ephemeris",
+            remedy: "has no mean elements; a scene reads it with source = \"oem\", \"czml\", \"csv\", \"sp3\" or \"stk\"",
+        }),
+    }
+}
+
 impl Sgp4Feed {
     /// Reads a file of element sets and takes the one that `name` names: by its name, letter case aside, or by its
     /// catalogue number. `None` takes the only set there is.
@@ -270,7 +291,8 @@ impl Sgp4Feed {
         if omm::is_omm(text) {
             return Catalogue::read(text, origin, Faults::new(true))?.into_one(origin, name);
         }
-        let sets = element_sets(text, origin)?;
+        let sets = element_sets(text, origin)
+            .map_err(|error| of_another_kind(text, origin).unwrap_or(error))?;
         let path: Arc<Path> = Arc::from(origin);
         // Sets of one satellite stand together; fields of others are not looked into.
         let mut of_label: HashMap<(&str, &str), usize> = HashMap::new();
