@@ -30,6 +30,7 @@ mod tiles;
 pub mod vrt;
 pub mod warp;
 pub mod wkt;
+pub mod world_file;
 
 pub use change::{COARSEST_STEP_RAD, HeightChange};
 pub use denoise::{Denoise, Denoised};
