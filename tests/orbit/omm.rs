@@ -472,7 +472,13 @@ fn wrong_xml_json_and_csv_are_named() {
             "2:31",
             "SGP4's elements are in TEME",
         ),
-        (&csv, "BSTAR", "B_STAR", "2:1", "the row without BSTAR"),
+        (
+            &csv,
+            "BSTAR",
+            "B_STAR",
+            "1:1",
+            "the header has no column BSTAR",
+        ),
     ] {
         assert!(text.contains(from), "{from}: {text}");
         let text = text.replacen(from, to, 1);

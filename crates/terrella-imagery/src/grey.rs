@@ -71,6 +71,13 @@ impl<'a> GreyFile<'a> {
         })
     }
 
+    /// Hands over its rows, with its width and height.
+    pub fn rows(&self, mut take: impl FnMut((u32, u32), &[u8])) -> Result<(), ImageryError> {
+        let file = self.open()?;
+        let size = file.size();
+        rows(file, |row| take(size, row))
+    }
+
     /// Decodes all of it and keeps nothing.
     pub fn check(&self) -> Result<(), ImageryError> {
         rows(self.open()?, |_| ())

@@ -49,6 +49,7 @@ mod map_folder;
 mod map_rows;
 mod mips;
 #[cfg(feature = "packs")]
+mod open_water;
 pub mod pack;
 mod picture;
 pub mod residency;
@@ -80,6 +81,7 @@ pub use load::{colour_note, day_file};
 pub use map_file::MAX_FILE_BYTES;
 pub use map_folder::MapFolder;
 pub use map_rows::{KeptInMemory, MapRows, MapSink};
+pub use open_water::open_water;
 pub use picture::{RgbaPicture, decode_rgba};
 pub use sea::FLOOR_SEEN_M;
 pub use slopes::{

@@ -41,11 +41,14 @@ const OPTIONAL_FILES: [(MapLayer, &[&str]); 4] = [
     (MapLayer::Clouds, &CLOUD_NAMES),
     (MapLayer::Normals, &[ELEVATION_NAME]),
     (MapLayer::NightLights, &[NIGHT_LIGHTS_NAME]),
-    (MapLayer::Water, &["water.png"]),
+    (MapLayer::Water, &[WATER_NAME]),
 ];
 
 /// The file of the map of night lights.
 pub(super) const NIGHT_LIGHTS_NAME: &str = "night_lights.png";
+
+/// The file of the map of open water.
+pub(super) const WATER_NAME: &str = "water.png";
 
 /// The file of the elevation map.
 const ELEVATION_NAME: &str = "elevation.png";
@@ -481,7 +484,7 @@ fn load_water(folder: MapFolder<'_>, sink: &dyn MapSink) -> Result<Option<Water>
     let widths = day.chain([ELEVATION_NAME]);
     let widths = widths.filter_map(|name| folder.width(name));
     let widest = widths.max().unwrap_or(0) as usize;
-    let file = match GreyFile::read(folder, "water.png", "water") {
+    let file = match GreyFile::read(folder, WATER_NAME, "water") {
         Err(ImageryError::Missing { path, .. }) => {
             tracing::info!(
                 "{} is missing: the sea has the day map's colours",

@@ -83,7 +83,7 @@ impl Catalogue {
 
     /// Reads every set of a file of two-line elements (with name lines or without) or of an OMM (CCSDS 502.0: KVN, XML, JSON, CSV). The format is
     /// detected from the text: XML starts with `<`, JSON with `[` or `{`, KVN with `CCSDS_OMM_VERS`, and the first line of CSV has `MEAN_MOTION`
-    /// between commas.
+    /// between commas, semicolons or tabs. JSON is an array of objects, an object that contains one, or one object per line.
     ///
     /// Sets of several epochs of one satellite form one feed, in which each applies to the times nearest to its epoch; a notice reports it. Faulty
     /// sets, and sets that SGP4 cannot propagate, are listed and the others used; `is_strict` rejects the file instead.
@@ -109,6 +109,7 @@ impl Catalogue {
             faults.note(cut.into())?;
         }
         Self::read(text, origin, faults)
+            .map_err(|error| of_another_kind(text, origin).unwrap_or(error))
     }
 
     fn read(text: &str, origin: &Path, mut faults: Faults<OrbitError>) -> Result<Self, OrbitError> {
@@ -245,6 +246,25 @@ impl Index {
     }
 }
 
+/// Why there are no elements in a text that has none: it is an ephemeris, or a table of other columns.
+fn of_another_kind(text: &str, origin: &Path) -> Option<OrbitError> {
+    match FileFormat::of_text(text) {
+        None => omm::missing_columns(text, origin).map(OrbitError::from),
+        Some(FileFormat::Tle | FileFormat::Omm | FileFormat::Opm) => None,
+        Some(
+            FileFormat::Oem
+            | FileFormat::Czml
+            | FileFormat::Csv
+            | FileFormat::Sp3
+            | FileFormat::Stk,
+        ) => Some(OrbitError::NotRead {
+            path: origin.to_owned(),
+            kind: "an ephemeris",
+            remedy: "has no mean elements; a scene reads it with source = \"oem\", \"czml\", \"csv\", \"sp3\" or \"stk\"",
+        }),
+    }
+}
+
 impl Sgp4Feed {
     /// Reads a file of element sets and selects the satellite `name`: by its name, letter case aside, or by its catalogue number. `None` selects
     /// the only set.
@@ -268,7 +288,8 @@ impl Sgp4Feed {
         if omm::is_omm(text) {
             return Catalogue::read(text, origin, Faults::new(true))?.into_one(origin, name);
         }
-        let sets = element_sets(text, origin)?;
+        let sets = element_sets(text, origin)
+            .map_err(|error| of_another_kind(text, origin).unwrap_or(error))?;
         let path: Arc<Path> = Arc::from(origin);
         // Groups sets of one satellite; the fields of others are not parsed.
         let mut of_label: HashMap<(&str, &str), usize> = HashMap::new();

@@ -121,6 +121,14 @@ pub enum RecordFault {
         /// The remedy after a semicolon, or nothing.
         remedy: &'static str,
     },
+    /// The header of a table lacks columns.
+    #[error("the header has no {}{remedy}", Columns(columns))]
+    MissingColumns {
+        /// Their names.
+        columns: Vec<&'static str>,
+        /// What to do, after a semicolon.
+        remedy: &'static str,
+    },
     /// Something comes twice that may come once.
     #[error("duplicate {key}; the first is in line {first}")]
     Repeated {
@@ -160,6 +168,16 @@ pub enum RecordFault {
     /// More than anyone needs.
     #[error("more than {limit} {what}; cut out what you need")]
     TooMany { what: &'static str, limit: usize },
+}
+
+/// `column a`, or `columns a, b`.
+struct Columns<'c>(&'c [&'static str]);
+
+impl std::fmt::Display for Columns<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let plural = if self.0.len() == 1 { "" } else { "s" };
+        write!(f, "column{plural} {}", self.0.join(", "))
+    }
 }
 
 /// A name and its value, as all formats have them.

@@ -5,9 +5,9 @@ use super::entry::{Faults, RecordError};
 use super::file::read_text;
 use super::found::Found;
 use super::interpolated::EphemerisFeed;
-use super::recognise::message_of_another_kind;
+use super::recognise::{has_elements, message_of_another_kind};
 use super::text::{unmarked, with_line_feeds};
-use super::{Feed, FileFormat, OrbitError, czml, ephemeris_csv, oem, sp3, stk};
+use super::{Feed, FileFormat, OrbitError, czml, ephemeris_csv, oem, omm, sp3, stk};
 use std::path::Path;
 
 /// The objects of a file of sampled states, in its order.
@@ -39,7 +39,7 @@ impl Ephemerides {
     /// - CZML starts with `[`. Every `id` with a sampled `position`, in one packet or several, is an object; `INERTIAL` is read as GCRF, `FIXED` as
     ///   ITRF. Fixed points are skipped. Objects whose position refers to another's, such as sensors, are not among [`Self::feeds`], but
     ///   [`Self::one`] finds them by name.
-    /// - CSV has a header with `epoch_utc,x_km,y_km,z_km`, and optionally `vx_km_s,vy_km_s,vz_km_s`, in any order (also `epoch_tai`, `…_tt`,
+    /// - CSV, with commas, semicolons or tabs, has a header with `epoch_utc,x_km,y_km,z_km`, and optionally `vx_km_s,vy_km_s,vz_km_s`, in any order (also `epoch_tai`, `…_tt`,
     ///   `…_gps`; `x_m` with `vx_m_s`); other columns are skipped. A column `error_m` is the uncertainty of a state, one standard deviation, and may
     ///   be empty. Columns `name` and `frame` give the satellite and the frame of a row. A comment before the header can give them for all rows,
     ///   together with the interpolation: `# frame = TEME, name = ISS, interpolation = HERMITE, degree = 7`. The frame is required.
@@ -112,7 +112,18 @@ impl Ephemerides {
                 ephemeris_csv::each_object(text, origin, &mut each)
                     .or_else(|error| each(Found::Corrupt(error)))?;
             }
-            _ => {}
+            _ if omm::is_omm(text) || has_elements(text) => {
+                return Err(OrbitError::NotRead {
+                    path: origin.to_owned(),
+                    kind: "a file of mean elements",
+                    remedy: "has no ephemeris; a scene reads it with source = \"tle\" or \"omm\"",
+                });
+            }
+            _ => {
+                if let Some(error) = ephemeris_csv::missing_columns(text, origin) {
+                    return Err(error.into());
+                }
+            }
         }
         let telling = faulty.clone().filter(|error| !error.is_of_emptiness());
         if let Some(first) = first_fault.filter(|_| is_strict) {

@@ -35,14 +35,25 @@ const KEYS: &Keys = &[
 fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
     let numbered = text.lines().enumerate();
     numbered
-        .map(|(index, line)| (index + 1, line.trim_end()))
+        .map(|(index, line)| (index + 1, line.trim_end_matches([' ', '\r'])))
         .filter(|(_, line)| !line.trim().is_empty())
 }
 
-/// Whether a text is such a table: its first line without `#` has an epoch between commas.
+/// Whether a text is such a table: its first line without `#` has separators and an epoch column.
 pub(super) fn is_table(text: &str) -> bool {
-    let header = lines(text).find(|(_, line)| !line.starts_with('#'));
-    header.is_some_and(|(_, line)| line.contains(',') && line.contains("epoch_"))
+    csv::header(text).is_some_and(|(_, header, _)| header.contains("epoch_"))
+}
+
+/// What a table lacks whose header names no epoch; `None` of a text that is no table.
+pub(super) fn missing_columns(text: &str, origin: &Path) -> Option<RecordError> {
+    let (line, header, separator) = csv::header(text)?;
+    let header = csv::fields(header, separator).filter(|fields| fields.len() > 2)?;
+    let is_missing = |name: &&str| header.iter().all(|field| field.text != *name);
+    let columns = ["epoch_utc", "x_km", "y_km", "z_km"];
+    let columns: Vec<_> = columns.into_iter().filter(is_missing).collect();
+    let remedy = "; a table of states needs them, with these units (or x_m, epoch_tai …), and a column frame or a line \"# frame = TEME\" before the header";
+    let place = TextPosition { line, column: 1 };
+    Some(place.error(origin, RecordFault::MissingColumns { columns, remedy }))
 }
 
 /// The columns that are used.
@@ -95,6 +106,7 @@ pub(super) fn each_object(
     let mut by_name: HashMap<String, usize> = HashMap::new();
     let mut count = 0;
     let mut last_line = LastLine::of(text);
+    let separator = csv::header(text).map_or(',', |(_, _, separator)| separator);
     for (line, text) in lines(text) {
         let place = TextPosition { line, column: 1 };
         if let Some(comment) = text.strip_prefix('#') {
@@ -103,7 +115,7 @@ pub(super) fn each_object(
             }
             continue;
         }
-        let row = csv::fields(text).ok_or_else(|| {
+        let row = csv::fields(text, separator).ok_or_else(|| {
             let fault = RecordFault::Syntax {
                 format: "CSV",
                 cause: "a quotation mark without its partner".to_owned(),

@@ -2,7 +2,7 @@
 
 use super::file::first_text;
 use super::text::{kvn, unmarked, with_line_feeds};
-use super::{FileFormat, OrbitError, ephemeris_csv, sp3, stk};
+use super::{FileFormat, OrbitError, ephemeris_csv, omm, sp3, stk};
 use std::path::Path;
 
 /// Shortest line of two-line elements: 69 columns, of which the checksum and blanks at the end may be missing.
@@ -188,12 +188,10 @@ fn of_lines(text: &str) -> Option<FileFormat> {
         Some(kvn::KvnLine::Entry(entry)) if entry.key == VERSIONS[2] => {
             return Some(FileFormat::Opm);
         }
-        Some(kvn::KvnLine::Other { text, .. })
-            if text.contains(',') && text.contains("MEAN_MOTION") =>
-        {
-            return Some(FileFormat::Omm);
-        }
         _ => {}
+    }
+    if omm::has_element_columns(text) {
+        return Some(FileFormat::Omm);
     }
     if ephemeris_csv::is_table(text) {
         return Some(FileFormat::Csv);
@@ -202,7 +200,7 @@ fn of_lines(text: &str) -> Option<FileFormat> {
 }
 
 /// Whether two consecutive lines are those of an element set.
-fn has_elements(text: &str) -> bool {
+pub(super) fn has_elements(text: &str) -> bool {
     let is = |line: &str, number: &str| line.starts_with(number) && line.len() >= TLE_LINE;
     let mut lines = text.lines().map(str::trim);
     let mut before = lines.next().unwrap_or_default();
@@ -267,6 +265,11 @@ mod tests {
             ("[\n {\"id\":\"document\",\"version\":\"1.0\"}]", Some(Czml)),
             ("{\"name\":\"x\"}", None),
             ("OBJECT_NAME,OBJECT_ID,EPOCH,MEAN_MOTION\n", Some(Omm)),
+            ("OBJECT_NAME\tEPOCH\tMEAN_MOTION\n", Some(Omm)),
+            ("NORAD_CAT_ID;EPOCH;INCLINATION\n", Some(Omm)),
+            ("OBJECT_ID,EPOCH,epoch_utc,x_km,y_km,z_km\n", Some(Csv)),
+            ("epoch_utc;x_km;y_km;z_km\n", Some(Csv)),
+            ("{\"data\": [{\"OBJECT_NAME\":\"ISS\"}]}", Some(Omm)),
             ("# frame = ITRF\nepoch_utc,x_km,y_km,z_km\n", Some(Csv)),
             ("a,b,c\n1,2,3\n", None),
             ("[time]\nstart = \"now\"\n", None),

@@ -2,7 +2,7 @@
 
 use super::dated_maps::set_dated_layers;
 use super::error::PlayError;
-use super::relief::ground_options;
+use super::relief::{WaterMap, ground_options};
 use crate::scene::{DatedLayer, PackTable, Scene, StorageChoice};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -75,7 +75,16 @@ fn options_of(
     options.bloom = scene.output.bloom;
     options.grade = scene.output.grade;
     options.ground = match &table.relief {
-        Some(relief) => Some(ground_options(relief, table.pack.as_ref())?),
+        Some(relief) => {
+            let folder = maps_folder(scene);
+            let water = match (&options.layers.water, &folder) {
+                (Some(map), _) if map.has_texels() => Some(WaterMap::Map(map)),
+                // It has been uploaded.
+                (Some(_), Ok(folder)) => Some(WaterMap::Folder(folder)),
+                _ => None,
+            };
+            Some(ground_options(relief, table.pack.as_ref(), water)?)
+        }
         None => None,
     };
     Ok(options)

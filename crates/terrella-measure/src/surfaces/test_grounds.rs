@@ -40,7 +40,7 @@ pub fn test_grounds(scene: &Scene) -> Result<Vec<TestGround>, SurfacesError> {
     }
     let (worst, site) = worst_case()?;
     let grids = globe.grids().iter().cloned().chain([Arc::new(worst)]);
-    let heights = Ground::new(grids).with_sea_surface();
+    let heights = Ground::new(grids).with_sea_surface(None);
     grounds.push(of(super::study::WORST, heights, site));
     Ok(grounds)
 }

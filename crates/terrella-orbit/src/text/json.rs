@@ -95,6 +95,34 @@ impl<'t> Document<'t> {
         }
     }
 
+    /// Calls `each` for every value of a text of several, as JSON lines are, and for what is no JSON. Behind that only lines count
+    /// that are an object each.
+    pub fn each_of_stream<E>(
+        &self,
+        each: &mut dyn FnMut(Result<&'t RawValue, RecordError>) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let mut values = serde_json::Deserializer::from_str(self.text).into_iter::<&RawValue>();
+        let mut end = 0;
+        loop {
+            match values.next() {
+                None => return Ok(()),
+                Some(Ok(value)) => each(Ok(value))?,
+                Some(Err(error)) => {
+                    each(Err(self.syntax(self.text, &error)))?;
+                    break;
+                }
+            }
+            end = values.byte_offset();
+        }
+        let rest = self.text.get(end..).unwrap_or_default().trim_start();
+        let lines = rest.lines().skip(1).map(str::trim);
+        for line in lines.filter(|line| line.starts_with('{') && line.ends_with('}')) {
+            let value = serde_json::from_str(line);
+            each(value.map_err(|error| self.syntax(line, &error)))?;
+        }
+        Ok(())
+    }
+
     /// The members of an object.
     pub fn object(
         &self,

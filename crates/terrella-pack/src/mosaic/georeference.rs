@@ -15,13 +15,11 @@ use terrella_ground::elevation::geo_tags::{GeoTags, System};
 use terrella_ground::elevation::projection::Projection;
 use terrella_ground::elevation::warp::{ProjectedGrid, Warp};
 use terrella_ground::elevation::wkt::{MAX_WKT_BYTES, TextSystem, system_of as system_in};
+use terrella_ground::elevation::world_file::{WORLD_FILE_BYTES, WorldFile};
 use tiff::decoder::Decoder;
 
 /// Metres of Web Mercator for a degree of longitude: π·6 378 137 / 180.
 pub(super) const METRES_PER_DEG: f64 = std::f64::consts::PI * 6_378_137.0 / 180.0;
-
-/// Largest world file, bytes.
-const WORLD_FILE_BYTES: u64 = 4096;
 
 const ADVICE: &str = "warp it (`gdalwarp -t_srs EPSG:4326`)";
 
@@ -315,7 +313,7 @@ fn crs_in(file: &Path, text: &str) -> Result<SaidBeside, BuildError> {
 
 /// By the world file beside it: `.tfw`, `.jgw`, `.pgw`, or `.wld`.
 fn of_world_file(path: &Path) -> Result<Option<TagGrid>, BuildError> {
-    let Some(file) = world_files(path).into_iter().find(|file| file.is_file()) else {
+    let Some(file) = WorldFile::beside(path) else {
         return Ok(None);
     };
     let grid = world_grid(&text_of(&file, WORLD_FILE_BYTES)?);
@@ -335,40 +333,14 @@ fn text_of(file: &Path, most_bytes: u64) -> Result<String, BuildError> {
     Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
 
-/// Possible names of a world file: two letters of the map's extension and w, the extension and w, or wld; also in capitals.
-fn world_files(path: &Path) -> Vec<PathBuf> {
-    let ending = path
-        .extension()
-        .unwrap_or_default()
-        .to_string_lossy()
-        .into_owned();
-    let mut letters = ending.chars();
-    let mut names = vec![format!("{ending}w"), "wld".to_string()];
-    if let (Some(first), Some(last)) = (letters.next(), letters.next_back()) {
-        names.insert(0, format!("{first}{last}w"));
-    }
-    let capitals: Vec<_> = names.iter().map(|name| name.to_uppercase()).collect();
-    let all = names.iter().chain(&capitals);
-    all.map(|name| path.with_extension(name)).collect()
-}
-
-/// The grid of a world file: sizes and turns of a texel, then the centre of the first one.
+/// The grid of a world file, whose coordinates are those of pixel centres.
 fn world_grid(text: &str) -> Result<TagGrid, String> {
-    let numbers: Vec<f64> = text
-        .split_whitespace()
-        .map_while(|word| word.parse().ok())
-        .collect();
-    let [column, turn_y, turn_x, row, x, y] = numbers.as_slice() else {
-        return Err(format!("has {} numbers and must have six", numbers.len()));
-    };
-    if *turn_x != 0.0 || *turn_y != 0.0 {
-        return Err("turns its map (its second and third number are not 0)".to_string());
-    }
+    let world = WorldFile::of_text(text)?;
     Ok(TagGrid {
-        left: x - 0.5 * column,
-        top: y - 0.5 * row,
-        scale_x: *column,
-        scale_y: -row,
+        left: world.x - 0.5 * world.column,
+        top: world.y + 0.5 * world.row,
+        scale_x: world.column,
+        scale_y: world.row,
     })
 }
 
@@ -411,20 +383,5 @@ mod tests {
         for bad in ["", "1 2 3", "1 0 0 -1 5 x", "1 0 0 -1 5 5 5"] {
             assert!(wrong(bad).contains("six"), "{bad}");
         }
-    }
-
-    #[test]
-    fn world_files_have_their_usual_names() {
-        let names = world_files(Path::new("d/a.tif"));
-        assert_eq!(
-            names[..4],
-            ["d/a.tfw", "d/a.tifw", "d/a.wld", "d/a.TFW"].map(PathBuf::from)
-        );
-        let names = world_files(Path::new("a.jpeg"));
-        assert_eq!(names[0], Path::new("a.jgw"));
-        assert_eq!(
-            world_files(Path::new("a"))[..2],
-            ["a.w", "a.wld"].map(PathBuf::from)
-        );
     }
 }
