@@ -48,8 +48,8 @@ mod map_file;
 mod map_folder;
 mod map_rows;
 mod mips;
-#[cfg(feature = "packs")]
 mod open_water;
+#[cfg(feature = "packs")]
 pub mod pack;
 mod picture;
 pub mod residency;
