@@ -1,4 +1,8 @@
 //! The Earth in Bevy, compared with the native host's.
+#![allow(
+    clippy::duplicate_mod,
+    reason = "each example includes the app without a window"
+)]
 
 mod assets;
 mod cameras;

@@ -197,7 +197,8 @@ impl TiffChunks {
             }
         };
         let is_packed = (1..=15).contains(&bits) && bits != 8;
-        if !matches!(bits, 8 | 16 | 32 | 64) && !(is_packed && format == 1) {
+        let is_read = matches!(bits, 8 | 16 | 32 | 64) || (is_packed && format == 1);
+        if !is_read {
             let cause = format!("holds samples of {bits} bits");
             return Err(TiffChunkError::Unsupported(cause));
         }
