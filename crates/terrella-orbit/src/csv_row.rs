@@ -1,9 +1,28 @@
 //! A row of a table in CSV under a header: its fields as entries, by the number of their column.
 
 use super::entry::{Entry, RecordError, RecordFault, TextPosition, scaled_number};
-use super::text::csv::CsvField;
+use super::text::csv::{self, CsvField};
 use std::borrow::Cow;
 use std::path::Path;
+
+/// The fields of a line of a table.
+///
+/// # Errors
+/// A quotation mark that is unpaired or inside a field.
+pub fn fields(
+    text: &str,
+    separator: char,
+    place: TextPosition,
+    origin: &Path,
+) -> Result<Vec<CsvField>, RecordError> {
+    csv::fields(text, separator).ok_or_else(|| {
+        let fault = RecordFault::Syntax {
+            format: "CSV",
+            cause: "a quotation mark without its partner".to_owned(),
+        };
+        place.error(origin, fault)
+    })
+}
 
 /// A row that is as long as its header.
 pub struct CsvRow<'a> {

@@ -1,7 +1,7 @@
 //! Ephemerides as CSV with a header that names the columns.
 
 use super::Frame;
-use super::csv_row::CsvRow;
+use super::csv_row::{self, CsvRow};
 use super::cut::{CutOff, LastLine};
 use super::entry::{
     Entry, Fields, Keys, RecordError, RecordFault, TextPosition, printable, scaled_number,
@@ -30,14 +30,6 @@ const KEYS: &Keys = &[
     ("interpolation", ""),
     ("degree", ""),
 ];
-
-/// Lines with content, with their numbers.
-fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
-    let numbered = text.lines().enumerate();
-    numbered
-        .map(|(index, line)| (index + 1, line.trim_end_matches([' ', '\r'])))
-        .filter(|(_, line)| !line.trim().is_empty())
-}
 
 /// Whether a text is such a table: its first line without `#` has separators and an epoch column.
 pub(super) fn is_table(text: &str) -> bool {
@@ -107,7 +99,7 @@ pub(super) fn each_object(
     let mut count = 0;
     let mut last_line = LastLine::of(text);
     let separator = csv::header(text).map_or(',', |(_, _, separator)| separator);
-    for (line, text) in lines(text) {
+    for (line, text) in csv::lines(text) {
         let place = TextPosition { line, column: 1 };
         if let Some(comment) = text.strip_prefix('#') {
             if table.is_none() {
@@ -115,13 +107,7 @@ pub(super) fn each_object(
             }
             continue;
         }
-        let row = csv::fields(text, separator).ok_or_else(|| {
-            let fault = RecordFault::Syntax {
-                format: "CSV",
-                cause: "a quotation mark without its partner".to_owned(),
-            };
-            place.error(origin, fault)
-        });
+        let row = csv_row::fields(text, separator, place, origin);
         let Some(table) = &table else {
             table = Some(whole_table(&said, header(&row?, line, origin)?, origin)?);
             continue;

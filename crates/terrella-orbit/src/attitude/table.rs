@@ -3,7 +3,7 @@
 //! The quaternion rotates vectors from the body's axes to those of the frame, v_frame = q v_body q*; `qw` is its scalar part.
 
 use super::super::Frame;
-use super::super::csv_row::CsvRow;
+use super::super::csv_row::{self, CsvRow};
 use super::super::entry::{Entry, Fields, Keys, RecordError, RecordFault, TextPosition};
 use super::super::text::{csv, offset};
 use super::{Segment, push};
@@ -52,11 +52,7 @@ pub fn segments(text: &str, origin: &Path) -> Result<Vec<Segment>, RecordError> 
             continue;
         }
         let separator = *separator.get_or_insert_with(|| csv::separator(text).unwrap_or(','));
-        let row = csv::fields(text, separator).ok_or_else(|| {
-            let cause = "a quotation mark without its partner".to_owned();
-            let format = "CSV";
-            place.error(origin, RecordFault::Syntax { format, cause })
-        })?;
+        let row = csv_row::fields(text, separator, place, origin)?;
         match &columns {
             None => columns = Some(header(&row, place, origin)?),
             Some(columns) => sample(columns, &row, line, &mut samples, origin)?,

@@ -1,5 +1,6 @@
 //! Elements in a table: CSV as catalogues publish it, also with the semicolons and tabs of spreadsheets.
 
+use super::super::csv_row;
 use super::super::entry::{Entry, RecordError, RecordFault, TextPosition};
 use super::super::text::csv::{self, CsvField};
 use super::fields::{ElementEntries, OmmSource};
@@ -50,22 +51,13 @@ pub(super) fn each_elements(
     let Some((at, header, separator)) = csv::header(text) else {
         return Ok(());
     };
-    let fields = |line: usize, text: &str| {
-        csv::fields(text, separator).ok_or_else(|| {
-            let fault = RecordFault::Syntax {
-                format: "CSV",
-                cause: "a quotation mark without its partner".to_owned(),
-            };
-            TextPosition { line, column: 1 }.error(origin, fault)
-        })
-    };
-    let header = fields(at, header)?;
+    let place = |line| TextPosition { line, column: 1 };
+    let header = csv_row::fields(header, separator, place(at), origin)?;
     check_columns(&header, at, origin)?;
-    for (count, (line, text)) in csv::lines(text).skip(1).enumerate() {
-        let place = TextPosition { line, column: 1 };
-        check_count(count + 1, place, origin)?;
+    for (count, (line, text)) in csv::rows(text).skip(1).enumerate() {
+        check_count(count + 1, place(line), origin)?;
         let nameless = |error: RecordError| BadRecord::new(Vec::new(), error);
-        let row = fields(line, text).map_err(nameless);
+        let row = csv_row::fields(text, separator, place(line), origin).map_err(nameless);
         each(row.and_then(|row| read(&header, row, line, origin)))?;
     }
     Ok(())

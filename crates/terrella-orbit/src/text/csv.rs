@@ -17,17 +17,22 @@ pub fn separator(header: &str) -> Option<char> {
     })
 }
 
-/// The lines of a text without comments and empty lines, with their numbers from 1. Tabs at an end stay: they are fields.
+/// The lines of a text without empty lines, with their numbers from 1. Trailing tabs are kept: they separate fields.
 pub fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
     let numbered = (1..).zip(text.lines());
     numbered
         .map(|(line, text)| (line, text.trim_end_matches([' ', '\r'])))
-        .filter(|(_, text)| !text.trim().is_empty() && !text.starts_with('#'))
+        .filter(|(_, text)| !text.trim().is_empty())
 }
 
-/// The header of a table: the first line of [`lines`], where it has a separator.
+/// The same without comments: the header and the rows of a table.
+pub fn rows(text: &str) -> impl Iterator<Item = (usize, &str)> {
+    lines(text).filter(|(_, text)| !text.starts_with('#'))
+}
+
+/// The header of a table: the first of its [`rows`], if it has a separator.
 pub fn header(text: &str) -> Option<(usize, &str, char)> {
-    let (line, header) = lines(text).next()?;
+    let (line, header) = rows(text).next()?;
     Some((line, header, separator(header)?))
 }
 
