@@ -6,7 +6,6 @@ use std::path::Path;
 use terrella::frames::{Ellipsoid, Geodetic};
 use terrella::{ContextError, GpuContext};
 use terrella::{EarthOptions, Exposure, Sky};
-use terrella_imagery::{EarthLayers, LayerImage};
 use terrella_measure::reference::{Reference, ReferenceOptions};
 use terrella_play::scene::Scene;
 use terrella_play::{Flight, Moment, OffscreenRenderer};
@@ -67,27 +66,6 @@ const BOUNDS: [(&str, f32, f64); 4] = [
 /// and a pixel covers hundreds of texels anyway.
 const WHOLE_DISC_MAP: u32 = 2048;
 
-/// The maps without the levels that are wider than this.
-fn coarser(layers: &EarthLayers, widest: u32) -> EarthLayers {
-    let coarse = |image: &LayerImage| {
-        let skipped = (0..).find(|level| image.width >> level <= widest);
-        let skipped = skipped.expect("a level that is narrow enough");
-        LayerImage {
-            width: image.width >> skipped,
-            height: image.height >> skipped,
-            format: image.format,
-            levels: image.levels[skipped..].into(),
-        }
-    };
-    EarthLayers {
-        day: coarse(&layers.day),
-        clouds: layers.clouds.as_ref().map(coarse),
-        normals: layers.normals.as_ref().map(coarse),
-        night_lights: layers.night_lights.as_ref().map(coarse),
-        water: layers.water.as_ref().map(coarse),
-    }
-}
-
 /// Options, and moments by name.
 fn scenes() -> Vec<(&'static str, EarthOptions, Moment)> {
     let aspect = f64::from(SIZE.0) / f64::from(SIZE.1);
@@ -127,7 +105,10 @@ fn what_is_drawn_is_near_the_reference() {
     let Some(_) = adapter() else { return };
     for (name, mut options, moment) in scenes() {
         if name == "whole disc" {
-            options.layers = coarser(&options.layers, WHOLE_DISC_MAP);
+            options.layers = options.layers.mapped(|map| {
+                let too_wide = |level: &usize| map.level_size(*level).0 > WHOLE_DISC_MAP;
+                map.without_finest((0..).take_while(too_wide).count())
+            });
         }
         options.samples = 4;
         // How bright a view is shown is not what is judged here.

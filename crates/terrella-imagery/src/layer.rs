@@ -100,6 +100,18 @@ impl LayerImage {
         }
     }
 
+    /// The same map without its finest levels, but with one level at least.
+    pub fn without_finest(&self, levels: usize) -> Self {
+        let first = levels.min(self.levels.len().saturating_sub(1));
+        let (width, height) = self.level_size(first);
+        Self {
+            width,
+            height,
+            format: self.format,
+            levels: self.levels[first..].into(),
+        }
+    }
+
     /// The last level with at least this width, texels; level 0 if there is none.
     pub(super) fn level_of_width(&self, width: usize) -> usize {
         let is_wide = |level: &usize| self.level_size(*level).0 as usize >= width;
@@ -171,6 +183,18 @@ impl EarthLayers {
             MapLayer::Normals => self.normals.as_mut(),
             MapLayer::NightLights => self.night_lights.as_mut(),
             MapLayer::Water => self.water.as_mut(),
+        }
+    }
+
+    /// The same layers with each map changed.
+    pub fn mapped(&self, change: impl Fn(&LayerImage) -> LayerImage) -> Self {
+        let changed = |map: &Option<LayerImage>| map.as_ref().map(&change);
+        Self {
+            day: change(&self.day),
+            clouds: changed(&self.clouds),
+            normals: changed(&self.normals),
+            night_lights: changed(&self.night_lights),
+            water: changed(&self.water),
         }
     }
 

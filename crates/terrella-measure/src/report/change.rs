@@ -5,7 +5,7 @@ use terrella::{
     Atmosphere, EarthOptions, FrameTargets, GpuContext, LevelRule, Shading, Subdivision,
     TileOptions, Visibility,
 };
-use terrella_imagery::{EarthLayers, LayerImage};
+use terrella_imagery::LayerImage;
 
 /// One setting that differs from the scene's.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -90,7 +90,10 @@ impl SettingChange {
             Self::Scene | Self::Size(_) => {}
             Self::Subdivision(cells) => options.subdivision = cells,
             Self::Visibility(rule) => options.visibility = rule,
-            Self::TextureLevel(n) => options.layers = reduced(&options.layers, n),
+            Self::TextureLevel(n) => {
+                let reduced = |map: &LayerImage| map.without_finest(n as usize);
+                options.layers = options.layers.mapped(reduced);
+            }
             Self::TexelPx(px) => alter(&mut options.tiles, |tiles| {
                 (tiles.rule, tiles.max_texel_px) = (LevelRule::Screen, px);
             }),
@@ -126,27 +129,6 @@ impl SettingChange {
 fn alter(tiles: &mut Option<TileOptions>, change: impl FnOnce(&mut TileOptions)) {
     if let Some(tiles) = tiles {
         change(tiles);
-    }
-}
-
-/// Maps without their finest levels.
-fn reduced(layers: &EarthLayers, levels: u32) -> EarthLayers {
-    let drop = |image: &LayerImage| {
-        let first = (levels as usize).min(image.levels.len().saturating_sub(1));
-        let (width, height) = image.level_size(first);
-        LayerImage {
-            width,
-            height,
-            format: image.format,
-            levels: image.levels[first..].into(),
-        }
-    };
-    EarthLayers {
-        day: drop(&layers.day),
-        clouds: layers.clouds.as_ref().map(drop),
-        normals: layers.normals.as_ref().map(drop),
-        night_lights: layers.night_lights.as_ref().map(drop),
-        water: layers.water.as_ref().map(drop),
     }
 }
 
@@ -279,6 +261,7 @@ fn does_samples(gpu: &GpuContext, samples: u32) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use terrella_imagery::EarthLayers;
 
     #[test]
     fn a_change_changes_one_setting_and_names_it() {
