@@ -18,7 +18,7 @@ use bevy::ecs::reflect::ReflectComponent;
 use bevy::ecs::schedule::IntoScheduleConfigs;
 use bevy::ecs::system::{Commands, Query, Res, ResMut};
 use bevy::image::Image;
-use bevy::math::{Mat4, Vec3A, Vec4};
+use bevy::math::{Mat4, Vec3A};
 use bevy::reflect::Reflect;
 use bevy::render::gpu_readback::{ReadbackComplete, ReadbackOnce};
 use bevy::render::render_resource::{TextureFormat, TextureUsages};
@@ -155,16 +155,7 @@ struct PinholeProjection {
 
 impl CameraProjection for PinholeProjection {
     fn get_clip_from_view(&self) -> Mat4 {
-        let (least, most) = (self.frame.rect.least, self.frame.rect.most);
-        let size = most - least;
-        // The plane's y is down.
-        let (scale, shift) = (2.0 / size, (least + most) / size);
-        Mat4::from_cols(
-            Vec4::new(scale.x as f32, 0.0, 0.0, 0.0),
-            Vec4::new(0.0, scale.y as f32, 0.0, 0.0),
-            Vec4::new(shift.x as f32, -shift.y as f32, 0.0, -1.0),
-            Vec4::new(0.0, 0.0, self.near, 0.0),
-        )
+        self.frame.rect.clip_from_view(self.near.into()).as_mat4()
     }
 
     /// A sensor has no parts.
@@ -279,9 +270,6 @@ fn capture(
         return;
     };
     for (camera, mut requests, sensor, target, status) in &mut cameras {
-        if requests.0.is_empty() {
-            continue;
-        }
         match target {
             SensorTarget::Fails(fault) => {
                 for number in requests.0.drain(..) {
@@ -375,7 +363,7 @@ fn deliver(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use bevy::math::Vec3;
+    use bevy::math::{Vec3, Vec4};
     use terrella_sensor::{Distortion, Lens};
 
     #[test]

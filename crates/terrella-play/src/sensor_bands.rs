@@ -5,7 +5,7 @@
 
 use super::error::PlayError;
 use super::flight::{Flight, Moment};
-use glam::{DMat4, DVec2, DVec3, DVec4};
+use glam::{DVec2, DVec3};
 use hifitime::Unit;
 use std::ops::Range;
 use terrella::frames::{Ellipsoid, Epoch};
@@ -166,17 +166,8 @@ fn too_wide(sensor: &Sensor, frame: &PinholeFrame, limit: u32, gpu: &GpuContext)
 
 /// A view of the same eye and axes that shows a part of the plane one unit ahead: x right, y down.
 pub fn through(view: &EyeView, rect: PlaneRect) -> EyeView {
-    let (least, most) = (rect.least, rect.most);
-    let scale = 2.0 / (most - least);
-    let shift = (most + least) / (most - least);
     EyeView {
-        clip_from_view: DMat4::from_cols(
-            DVec4::new(scale.x, 0.0, 0.0, 0.0),
-            DVec4::new(0.0, scale.y, 0.0, 0.0),
-            // y of the plane is down, y of the view up.
-            DVec4::new(shift.x, -shift.y, 0.0, -1.0),
-            DVec4::new(0.0, 0.0, EyeView::NEAR_M, 0.0),
-        ),
+        clip_from_view: rect.clip_from_view(EyeView::NEAR_M),
         ..*view
     }
 }

@@ -5,7 +5,7 @@
 use crate::distortion::Distortion;
 use crate::error::{SensorError, check_range};
 use crate::limits;
-use glam::DVec2;
+use glam::{DMat4, DVec2, DVec4};
 use std::ops::Range;
 
 /// Farthest ray from the axis, degrees. A picture is drawn on one plane, whose pixels there are 33 times as many as at the axis.
@@ -33,6 +33,21 @@ pub struct PlaneRect {
     pub least: DVec2,
     /// Lower right corner.
     pub most: DVec2,
+}
+
+impl PlaneRect {
+    /// Projection matrix of a pinhole camera that shows this rectangle, with reversed depth to infinity: x right, y up, −z ahead in the view.
+    pub fn clip_from_view(&self, near: f64) -> DMat4 {
+        let size = self.most - self.least;
+        let (scale, shift) = (2.0 / size, (self.most + self.least) / size);
+        DMat4::from_cols(
+            DVec4::new(scale.x, 0.0, 0.0, 0.0),
+            DVec4::new(0.0, scale.y, 0.0, 0.0),
+            // y of the plane is down.
+            DVec4::new(shift.x, -shift.y, 0.0, -1.0),
+            DVec4::new(0.0, 0.0, near, 0.0),
+        )
+    }
 }
 
 impl Lens {
