@@ -81,7 +81,7 @@ pub use load::{colour_note, day_file};
 pub use map_file::MAX_FILE_BYTES;
 pub use map_folder::MapFolder;
 pub use map_rows::{KeptInMemory, MapRows, MapSink};
-pub use open_water::open_water;
+pub use open_water::{MAX_WATER_COLUMNS, open_water};
 pub use picture::{RgbaPicture, decode_rgba};
 pub use sea::FLOOR_SEEN_M;
 pub use slopes::{

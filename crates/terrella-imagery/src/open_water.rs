@@ -5,13 +5,14 @@ use super::grey::GreyFile;
 use super::layer::LayerImage;
 use super::load::WATER_NAME;
 use super::map_folder::MapFolder;
+use super::mips::LevelRows;
 use super::texel::TexelFormat;
 use std::path::Path;
 
-/// Widest map that is given, texels.
-const MOST_COLUMNS: u32 = 4096;
+/// Widest map that [`open_water`] returns, texels: 10 km on the equator.
+pub const MAX_WATER_COLUMNS: u32 = 4096;
 
-/// The water map of a folder, without smaller levels and at most 4096 texels wide: of wider ones means of 2 × 2 texels, 4 × 4 and so on.
+/// The water map of a folder, without smaller levels and at most [`MAX_WATER_COLUMNS`] wide: of a wider map the first mip level that is narrow enough.
 /// `None` where the folder has none.
 ///
 /// # Errors
@@ -22,45 +23,43 @@ pub fn open_water(folder: &Path) -> Result<Option<LayerImage>, ImageryError> {
         return Ok(None);
     }
     let file = GreyFile::read(folder, WATER_NAME, "water")?;
-    let mut sums = Sums::default();
-    file.rows(|size, row| sums.add(size, row))?;
+    let mut narrowed = Narrowed::default();
+    file.rows(|size, row| narrowed.add(size, row))?;
     Ok(Some(LayerImage {
-        width: sums.size.0,
-        height: sums.size.1,
+        width: narrowed.size.0,
+        height: narrowed.size.1,
         format: TexelFormat::R8Unorm,
-        levels: [sums.texels].into(),
+        levels: [narrowed.texels].into(),
     }))
 }
 
-/// Means of squares of texels.
+/// The first mip level that is narrow enough, from rows of level 0.
 #[derive(Default)]
-struct Sums {
-    /// Of what is made.
+struct Narrowed {
     size: (u32, u32),
     texels: Vec<u8>,
-    row: Vec<u32>,
-    rows: u32,
+    level: usize,
+    /// Computes smaller levels; none are needed of a narrow map.
+    rows: Option<LevelRows>,
 }
 
-impl Sums {
+impl Narrowed {
     fn add(&mut self, (columns, rows): (u32, u32), row: &[u8]) {
-        let mut side = 1;
-        while columns / side > MOST_COLUMNS {
-            side *= 2;
+        if self.size == (0, 0) {
+            self.level = (0..)
+                .take_while(|n| columns >> n > MAX_WATER_COLUMNS)
+                .count();
+            self.size = ((columns >> self.level).max(1), (rows >> self.level).max(1));
+            let smaller = || LevelRows::new(columns as usize, rows as usize, TexelFormat::R8Unorm);
+            self.rows = (self.level > 0).then(smaller);
         }
-        self.size = ((columns / side).max(1), (rows / side).max(1));
-        self.row.resize(self.size.0 as usize, 0);
-        let squares = row.chunks_exact(side as usize);
-        for (sum, texels) in self.row.iter_mut().zip(squares) {
-            *sum += texels.iter().map(|texel| u32::from(*texel)).sum::<u32>();
-        }
-        self.rows += 1;
-        if self.rows == side {
-            let count = side * side;
-            let means = self.row.iter().map(|sum| ((sum + count / 2) / count) as u8);
-            self.texels.extend(means);
-            self.row.fill(0);
-            self.rows = 0;
+        match &mut self.rows {
+            None => self.texels.extend(row),
+            Some(rows) => rows.push(row, &mut |level, row| {
+                if level == self.level {
+                    self.texels.extend(row);
+                }
+            }),
         }
     }
 }
@@ -72,17 +71,17 @@ mod tests {
     #[test]
     fn wide_maps_are_means_of_squares() {
         let (columns, rows) = (8192_u32, 4_u32);
-        let mut sums = Sums::default();
+        let mut narrowed = Narrowed::default();
         for y in 0..rows {
             let row: Vec<u8> = (0..columns).map(|x| (x % 4 * 50 + y) as u8).collect();
-            sums.add((columns, rows), &row);
+            narrowed.add((columns, rows), &row);
         }
-        assert_eq!(sums.size, (4096, 2));
+        assert_eq!(narrowed.size, (4096, 2));
         // Of 0, 50, 1, 51, and of 100, 150, 101, 151; below of 2, 52, 3, 53.
-        assert_eq!(sums.texels[..2], [26, 126]);
-        assert_eq!(sums.texels[4096..4098], [28, 128]);
-        let mut sums = Sums::default();
-        sums.add((2, 1), &[7, 9]);
-        assert_eq!((sums.size, sums.texels), ((2, 1), vec![7, 9]));
+        assert_eq!(narrowed.texels[..2], [26, 126]);
+        assert_eq!(narrowed.texels[4096..4098], [28, 128]);
+        let mut narrowed = Narrowed::default();
+        narrowed.add((2, 1), &[7, 9]);
+        assert_eq!((narrowed.size, narrowed.texels), ((2, 1), vec![7, 9]));
     }
 }

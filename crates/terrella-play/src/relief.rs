@@ -10,7 +10,7 @@ use terrella_ground::elevation::{
     StreamedGround, check_heights, height_files, height_set, open_heights_denoised,
 };
 use terrella_imagery::pack::Pack;
-use terrella_imagery::{LayerImage, find_textures, open_water};
+use terrella_imagery::{LayerImage, MAX_WATER_COLUMNS, find_textures, open_water};
 
 /// Reads the elevation files that a scene names, or the starter pack's; elevation data of its imagery pack is streamed. `water` is the map of open
 /// water that is drawn: it decides where land may lie below the sea.
@@ -46,9 +46,6 @@ pub(super) fn ground_options(
     })
 }
 
-/// Widest map of open water that decides where land may lie below the sea: 10 km on the equator.
-const WATER_COLUMNS: u32 = 4096;
-
 /// Where a scene's map of open water is.
 pub(super) enum WaterMap<'m> {
     /// In a folder of maps.
@@ -72,7 +69,7 @@ impl WaterMap<'_> {
             },
         };
         let mut levels = (0..).zip(map.levels.iter());
-        let level = levels.find(|(level, _)| map.level_size(*level).0 <= WATER_COLUMNS);
+        let level = levels.find(|(level, _)| map.level_size(*level).0 <= MAX_WATER_COLUMNS);
         let shares = level.and_then(|(level, texels)| {
             let (columns, rows) = map.level_size(level);
             LandShares::of_water(columns, rows, texels)
