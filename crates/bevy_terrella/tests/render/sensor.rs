@@ -2,6 +2,7 @@
 
 use crate::native::Native;
 use crate::scene::{self, View, block};
+use crate::sensor_example;
 use bevy::math::{DMat4, DVec4};
 use bevy::prelude::*;
 use bevy::render::render_resource::TextureFormat;
@@ -12,8 +13,8 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 use terrella::EyeView;
 use terrella_sensor::{
-    ASTRONOMICAL_UNIT_M, Detector, Distortion, Lens, Mosaic, PinholeFrame, PinholePicture, Psf,
-    Radiometry, RawFrame, Sensor, Shutter, Wells,
+    ASTRONOMICAL_UNIT_M, Detector, Distortion, Lens, PinholeFrame, PinholePicture, Radiometry,
+    RawFrame, Sensor, Shutter, Wells,
 };
 
 const SIZE: [u32; 2] = [160, 100];
@@ -28,18 +29,12 @@ fn sensor(noise: f64) -> Sensor {
     coefficients[..4].copy_from_slice(&DISTORTION);
     let distortion = Distortion::BrownConrady(coefficients);
     let lens = Lens::new(SIZE, 1.5, 10.0, Some(PRINCIPAL_POINT), distortion);
+    let of_the_example = sensor_example::sensor(SIZE).expect("a sensor");
     Sensor {
         lens: lens.expect("a lens"),
-        psf: Psf::Gaussian { sigma_px: 0.6 },
-        oversampling: 3,
         radiometry: Radiometry {
             f_number: 8.0,
-            exposure_s: 1e-4,
-            transmission: 0.9,
-            bands_nm: [[600.0, 700.0], [500.0, 600.0], [400.0, 500.0]],
-            quantum_efficiency: [0.5, 0.6, 0.45],
-            cos4: true,
-            vignetting: [0.0; 3],
+            ..of_the_example.radiometry
         },
         detector: Detector {
             full_well_e: 60_000.0,
@@ -54,9 +49,8 @@ fn sensor(noise: f64) -> Sensor {
             bias_dn: 64.0,
             bits: 14,
         },
-        mosaic: Mosaic::Mono,
-        shutter: Shutter::Global,
         seed: 7,
+        ..of_the_example
     }
 }
 
