@@ -1,7 +1,7 @@
 //! The moving picture at the top of README.md: four shots from the space station, an animated WebP.
 
 use crate::process::{self, repository_root};
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result};
 use std::path::Path;
 use std::process::Command;
 
@@ -45,12 +45,7 @@ pub fn draw(terrella: &Path, path: &Path) -> Result<()> {
         process::run(&mut play)?;
         animate.arg(frames);
     }
-    process::run(&mut animate)?;
-    let bytes = path
-        .metadata()
-        .with_context(|| path.display().to_string())?;
-    ensure!(bytes.len() > 0, "{} is empty", path.display());
-    Ok(())
+    process::run(&mut animate)
 }
 
 #[cfg(test)]
