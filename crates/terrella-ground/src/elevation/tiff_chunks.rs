@@ -158,6 +158,11 @@ pub struct TiffChunks {
     places: Vec<(u64, u64)>,
 }
 
+/// Whether samples of so many bits share bytes.
+fn share_bytes(bits: u16) -> bool {
+    matches!(bits, 1..=7 | 9..=15)
+}
+
 impl TiffChunks {
     /// Looks at the current image of a file.
     ///
@@ -196,7 +201,7 @@ impl TiffChunks {
                 return Err(TiffChunkError::Unsupported(cause));
             }
         };
-        let is_packed = (1..=15).contains(&bits) && bits != 8;
+        let is_packed = share_bytes(bits);
         let is_read = matches!(bits, 8 | 16 | 32 | 64) || (is_packed && format == 1);
         if !is_read {
             let cause = format!("holds samples of {bits} bits");
@@ -381,9 +386,8 @@ impl TiffChunks {
         cropped(whole, row, rows as usize)
     }
 
-    /// Whether samples share bytes.
     fn is_packed(&self) -> bool {
-        self.form.bits < 16 && self.form.bits != 8
+        share_bytes(self.form.bits)
     }
 
     /// The data of a strip or tile.
