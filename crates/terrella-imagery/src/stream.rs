@@ -24,7 +24,7 @@
 //! allocated tile is released as soon as its slot is needed. Decoded tiles can fill their memory while the tile that would free a slot is still
 //! queued; then the coarser stand-ins of their pools are released too, and tiles that are only expected soon are dropped.
 //!
-//! In a pool with parts of blocks a block's own tile is requested wherever its parts are, and stands in for all of them. Any other tile drawn in
+//! In a pool with parts of blocks a block's own tile is requested wherever its parts are, and replaces all that are missing. Any other tile drawn in
 //! their place, finer or coarser, is therefore released as soon as its slot is needed.
 
 mod cache;

@@ -126,7 +126,7 @@ impl Stored {
                 bit_depth,
                 num_samples: 2,
             } if matches!(extra, None | Some(1 | 2)) => (2, bit_depth),
-            // So GDAL writes colours of 16 bits, unless it is told what they are.
+            // GDAL writes 16-bit colours this way by default.
             ColorType::Multiband {
                 bit_depth,
                 num_samples: count @ (3 | 4),

@@ -142,7 +142,7 @@ fn tiles_that_do_not_fit_one_another_are_rejected() {
         &|levels| levels[0].tiles[1][28 * 16 + 6] = None,
         "block 28, part 6, has a tile in one storage and none in the other",
     );
-    // The tile that stands in for the parts of a block.
+    // The tile that replaces missing parts of a block.
     rejected(
         &|levels| {
             for tiles in &mut levels[2].tiles {

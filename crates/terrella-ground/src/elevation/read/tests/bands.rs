@@ -65,7 +65,7 @@ fn the_first_band_is_taken_or_the_one_that_is_named() {
             }
         }
         assert!(said(bytes.clone(), "band = 3").contains("has no band 3, which its sidecar names"));
-        // A choice that nobody made is told.
+        // The default choice of a band gives a notice.
         let note = |sidecar: &str| {
             let sidecar = Sidecar::from_toml(sidecar, Path::new("dem.toml")).expect("good");
             let path = Path::new("dem.tif");
