@@ -33,11 +33,13 @@ pub enum Layer {
     Stations,
     /// Files of GeoJSON.
     Files,
+    /// The map of coverage.
+    Coverage,
 }
 
 impl Layer {
     /// All of them, in the panel's order.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::Clouds,
         Self::CityLights,
         Self::Atmosphere,
@@ -51,6 +53,7 @@ impl Layer {
         Self::Tracks,
         Self::Stations,
         Self::Files,
+        Self::Coverage,
     ];
 
     /// Its name in the panel.
@@ -69,6 +72,7 @@ impl Layer {
             Self::Tracks => "tracks",
             Self::Stations => "stations",
             Self::Files => "GeoJSON",
+            Self::Coverage => "coverage",
         }
     }
 
@@ -116,12 +120,14 @@ impl Switches {
             Layer::Tracks => scene.orbits.iter().any(has_tracks),
             Layer::Stations => !scene.stations.is_empty(),
             Layer::Files => !scene.geojson.is_empty(),
+            Layer::Coverage => scene.coverage.is_some(),
         });
         let is_offered = Layer::ALL.map(|layer| match layer {
             Layer::CityLights => !earth.is_paper(),
             Layer::Tracks => has_satellites,
             Layer::Stations => !scene.stations.is_empty(),
             Layer::Files => !scene.geojson.is_empty(),
+            Layer::Coverage => scene.coverage.is_some(),
             _ => true,
         });
         Self {
@@ -133,6 +139,11 @@ impl Switches {
                 ToneTable::Measured { .. } => None,
             },
         }
+    }
+
+    /// The same with this exposure.
+    pub fn exposed(self, exposure: Option<Exposure>) -> Self {
+        Self { exposure, ..self }
     }
 
     pub fn is_on(&self, layer: Layer) -> bool {
@@ -210,6 +221,7 @@ impl Switches {
         if !self.is_on(Layer::Files) {
             scene.geojson.clear();
         }
+        scene.coverage = scene.coverage.filter(|_| self.is_on(Layer::Coverage));
         scene.earth.clouds |= self.is_on(Layer::Clouds);
         scene.earth.night_lights |= self.is_on(Layer::CityLights);
         if let Some(tone) = self.tone {
