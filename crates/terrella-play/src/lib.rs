@@ -17,7 +17,8 @@
 //! | `simulator_time` | the window's time by either of them |
 //! | `ephemeris` | where its satellites are, as tables and messages |
 //! | `access_table` | when stations and satellites have access to each other |
-//! | `coverage_map` | how the sensors of satellites cover the ground |
+//! | `coverage_map`, `coverage_cells` | how the sensors of satellites cover the ground |
+//! | `coverage_layer`, `coverage_scale` | the same as a map on the globe; its colours and classes |
 //! | `pass_table` | when they pass over a place |
 //! | `event_table` | what was found along integrated motions |
 //! | `maps` | the scene's maps: a folder or a pack |
@@ -25,7 +26,7 @@
 //! | `dated_maps/` | those of them that change with the date |
 //! | `relief` | its heights |
 //! | `craft/` | the spacecraft that the chase camera follows |
-//! | `attitude` | how spacecraft are turned |
+//! | `attitude`, `articulation` | how spacecraft and parts of their models are turned |
 //! | `craft_models`, `model_layer/` | models of its satellites: the files, and how they are drawn |
 //! | `tracks/` | trails, ground tracks, footprints and names of its satellites |
 //! | `sky`, `sky_parts` | what is beyond the Earth |
@@ -45,6 +46,7 @@
 //! | `output` | files that are complete or not there |
 //! | `window`, `window_renderer`, `surface` | the window: its events, its renderer, its surface |
 //! | `controls`, `keys`, `panel`, `overlay` | what the user has set, by which keys; the panel, and egui under it |
+//! | `picture_change` | what the user switches, made by a thread while the window goes on |
 //! | `pointer`, `hand`, `orbit_camera` | clicks and drags; the eye that they move; the camera over the globe |
 //! | `pose` | an eye and what it faces |
 //! | `picking` | what is under a click |
@@ -58,6 +60,7 @@
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
 mod access_table;
+mod articulation;
 mod attitude;
 #[cfg(test)]
 #[path = "../../../tests/common/backends.rs"]
@@ -68,6 +71,7 @@ pub mod camera;
 mod camera_path;
 #[cfg_attr(not(feature = "window"), allow(dead_code))]
 mod caption_image;
+mod caption_legend;
 #[cfg_attr(not(feature = "window"), allow(dead_code))]
 mod captions;
 pub mod clock;
@@ -75,7 +79,10 @@ pub mod clock;
 mod colours;
 #[cfg(feature = "window")]
 mod controls;
+mod coverage_cells;
+mod coverage_layer;
 mod coverage_map;
+mod coverage_scale;
 mod craft;
 mod craft_models;
 mod dated_maps;
@@ -138,6 +145,8 @@ mod panel_layers;
 mod pass_table;
 #[cfg(feature = "window")]
 mod picking;
+#[cfg(feature = "window")]
+mod picture_change;
 mod pictures;
 mod place_names;
 mod place_text;

@@ -1,12 +1,15 @@
 //! The window: winit's events in, pictures out.
 
 mod pointing;
+mod switching;
 
 use super::basilisk::with_camera_service;
 use super::controls::{Controls, WindowTask};
+use super::coverage_layer::{CoverageWork, compute_behind};
 use super::error::{PlayError, WindowError};
 use super::flight::Flight;
 use super::keys::{Action, action_of};
+use super::picture_change::PictureMaker;
 use super::pointer::Pointer;
 use super::progress::Progress;
 use super::shader_watch::ShaderWatch;
@@ -16,6 +19,7 @@ use super::window_renderer::{Presented, WindowRenderer};
 use glam::DVec2;
 use hifitime::Unit;
 use std::path::PathBuf;
+use std::sync::mpsc::Receiver;
 use std::time::{Duration, Instant};
 use terrella::EyeView;
 use terrella::frames::Epoch;
@@ -77,9 +81,22 @@ fn run_window(
         let wake = move || {
             let _ = proxy.send_event(());
         };
+        let (wake_for_coverage, wake_for_pictures) = (wake.clone(), wake.clone());
         let pass_search = PassSearch::start(scope, flight, wake).map_err(WindowError::NoPasses)?;
+        let pictures = PictureMaker::start(scope, flight, wake_for_pictures);
+        let pictures = pictures.map_err(WindowError::NoPictures)?;
+        let (found, coverage_done) = std::sync::mpsc::channel();
+        let coverage_work = compute_behind(scope, flight, move |failure| {
+            // The window may be closed by now.
+            let _ = found.send(failure);
+            wake_for_coverage();
+        });
+        let coverage_work = coverage_work.map_err(WindowError::NoCoverage)?;
         let mut app = App {
             pass_search,
+            pictures,
+            coverage_done,
+            _coverage_work: coverage_work,
             controls: Controls::new(flight),
             live: SimulatorTime::of(flight),
             flight,
@@ -123,6 +140,11 @@ struct App<'a> {
     /// Where a simulator gives the time.
     live: Option<SimulatorTime<'a>>,
     pass_search: PassSearch,
+    /// Makes pictures of other layers and tone curves.
+    pictures: PictureMaker,
+    /// The map of coverage is there, or what went wrong.
+    coverage_done: Receiver<Option<PlayError>>,
+    _coverage_work: Option<CoverageWork>,
     request: &'a WindowRequest<'a>,
     controls: Controls,
     progress: &'a dyn Progress,
@@ -175,7 +197,7 @@ impl ApplicationHandler for App<'_> {
         }
     }
 
-    /// The search has an answer.
+    /// The search has an answer, or the map of coverage or a picture is there.
     fn user_event(&mut self, _event_loop: &ActiveEventLoop, (): ()) {
         while let Some(answer) = self.pass_search.answer() {
             let coverage = self.coverage();
@@ -184,6 +206,10 @@ impl ApplicationHandler for App<'_> {
                 self.show_message(message);
             }
         }
+        while let Ok(failure) = self.coverage_done.try_recv() {
+            self.show_coverage(failure);
+        }
+        self.take_picture();
         self.redraw();
     }
 
@@ -362,12 +388,7 @@ impl<'a> App<'a> {
         let before = self.controls.switches;
         match self.controls.apply(action, height_px) {
             None if self.controls.switches == before => {}
-            None => {
-                if let Err(error) = renderer.switch(self.flight, &self.controls.switches) {
-                    self.controls.switches = before;
-                    self.show_message(error.to_string());
-                }
-            }
+            None => self.switch(before),
             Some(WindowTask::Quit) => event_loop.exit(),
             Some(WindowTask::NorthUp) => self.turn_north_up(),
             Some(WindowTask::Follow(index)) => self.follow_now(index),
