@@ -1,14 +1,14 @@
-//! What streaming of heights costs the thread that draws: flights of every surface over tiles that take their time to load.
+//! Cost of streaming elevation data for the drawing thread: flights of every surface over tiles that take time to load.
 //!
 //! ```text
 //! cargo bench --bench heights -- [flights] [settling] [reading] [--surface NAME] [--height-km N] [--rounds N] [--frames N] [--taken N]
 //! ```
 //!
-//! - `flights`: each surface at 200 km and at 2 km, 60 frames a second in real time, over tiles of which each takes 5 ms to
-//!   load, and the same flight with all of them in memory, interleaved. A frame is what an Earth does for its ground without a
-//!   GPU: take tiles over, hear of changes, prepare. Its time is processor time of its thread, so loaders do not count.
-//! - `settling`: from an empty ground until a view at rest settles, over 9 levels of tiles with two loader threads.
-//! - `reading`: one height of tiles against one of a grid in memory, with the same samples.
+//! - `flights`: each surface at 200 km and at 2 km, 60 frames a second in real time, over tiles each of which takes 5 ms to load, and the same
+//!   flight with all of them in memory, interleaved. A frame is the work of an Earth for its terrain without a GPU: take tiles over, process changes,
+//!   prepare. Its time is the processor time of its thread, so loaders do not count.
+//! - `settling`: from no terrain until a view at rest settles, over 9 levels of tiles with two loader threads.
+//! - `reading`: one elevation from tiles compared with one from a grid in memory, with the same samples.
 
 #[path = "heights/mountains.rs"]
 mod mountains;
@@ -37,7 +37,7 @@ const MOST_MS: f64 = 4.0;
 /// Where flights begin, degrees.
 const START_DEG: (f64, f64) = (46.0, 8.0);
 
-/// A stream and what an Earth keeps of it.
+/// A stream and the state that an Earth keeps of it.
 struct Follower {
     stream: StreamedGround,
     viewer: Arc<HeightViewer>,
@@ -111,7 +111,7 @@ impl Follower {
         (times, is_other || stats.samples_read > 0)
     }
 
-    /// Frames until nothing changes any more; answers how many.
+    /// Frames until nothing changes any more; returns their number.
     fn settle(
         &mut self,
         surface: &mut dyn Surface,
@@ -295,7 +295,7 @@ fn reading(arguments: &Arguments) {
     let source = Arc::new(Mountains::new(Duration::ZERO));
     let step = source.layout.spacing_rad(0);
     let (lat_deg, lon_deg) = START_DEG;
-    // Samples of both lie on the same places.
+    // Samples of both are at the same places.
     let (row, column) = (
         ((90.0 - lat_deg).to_radians() / step).floor(),
         ((lon_deg + 180.0).to_radians() / step).floor(),

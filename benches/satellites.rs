@@ -1,4 +1,4 @@
-//! Many satellites at once: SGP4 over both cores, and states between samples. Target: 10 000 satellites a second.
+//! Many satellites in parallel: SGP4 on both cores, and states between samples. Target: 10 000 satellites a second.
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use std::hint::black_box;

@@ -1,4 +1,4 @@
-//! Flights over an imagery pack in real time, as a window flies them: no frame waits for a tile.
+//! Flights over an imagery pack in real time, as in a window: no frame waits for a tile.
 //!
 //! ```text
 //! cargo bench --bench streaming -- --pack DIR [--texture-mb N] [--upload-mb N] [--size WxH] [--flight orbit|spin]
@@ -6,14 +6,14 @@
 //!                                  [--frames DIR]
 //! ```
 //!
-//! Two flights: `orbit`, the International Space Station for 90 minutes at 60 ×, looking down; and `spin`, 200 km above
-//! the ground, once round the Earth in 20 s (`--turn-s`; an orbit takes 5300 s), looking at the horizon, the Sun always behind. Each frame is prepared,
-//! submitted and waited for; its time is the whole, and that of `prepare` is told apart with and without the copying of
-//! tiles, beside the processor time of its thread, which does not grow with what else the machine does. Memory is the
-//! process's largest so far, so give one flight a process where it matters.
+//! Two flights: `orbit`, the International Space Station for 90 minutes at 60 ×, looking down; and `spin`, 200 km above the ground, once around the
+//! Earth in 20 s (`--turn-s`; an orbit takes 5300 s), looking at the horizon, the Sun always behind. Each frame is prepared, submitted and waited
+//! for, and its total time measured. The time of `prepare` is reported separately, with and without the copying of tiles, together with the
+//! processor time of its thread, which does not depend on other load of the machine. Memory is the process's peak so far, so run each flight in a
+//! separate process where it matters.
 //!
-//! Each is flown without tiles and then with them, and what they add is printed last: jank of our own is that which frames would
-//! not have if `prepare` took no time.
+//! Each is flown without tiles and then with them, and the difference is printed last: our own jank is the part that frames would not have if
+//! `prepare` took no time.
 
 #[path = "streaming/arguments.rs"]
 mod arguments;
@@ -107,7 +107,7 @@ fn main() {
     }
 }
 
-/// Draws the Earth into targets of its own, as a window would.
+/// Draws the Earth into its own targets, as a window would.
 struct FrameRenderer {
     gpu: GpuContext,
     earth: Earth,

@@ -1,5 +1,5 @@
-//! What further views of one Earth cost: a frame of one view beside a frame of four of the same size, interleaved, and the bytes that
-//! they hold. Target: four views cost at most four times one.
+//! Cost of further views of one Earth: a frame of one view compared with a frame of four of the same size, interleaved, and their memory. Target:
+//! four views cost at most four times one.
 //!
 //! `cargo bench --bench views`
 

@@ -1,18 +1,18 @@
-// The halo: what the air shows beside the Earth, on a ring about the limb that stands where rays leave the air. So ground and
-// craft before that hide it, and it lies over what is behind the Earth.
+// The halo: the air beside the Earth, on a ring around the limb at the distance where rays leave the air. Ground and spacecraft in front of that
+// hide it, and it covers everything behind the Earth.
 //
-// `AirVariant` in src/gpu/shader/air.rs says which conditions hold together: inside (the eye is in the air), moonlight, eclipse,
-// and those of common/displayed.wgsl.
+// `AirVariant` in src/gpu/shader/air.rs lists the legal combinations of conditions: inside (the eye is in the air), moonlight, eclipse, and those
+// of common/displayed.wgsl.
 //
-// It is blended over what stands behind it: as light where that is developed after the pass; on 8-bit targets as it is shown, each layer by
-// a tone curve of its own. Its alpha is the part of the light from behind that it takes.
+// It is blended over the background: as light if that is developed after the pass; on 8-bit targets as displayed colour, each layer with its own
+// tone curve. Its alpha is the fraction of background light that it absorbs.
 import common/air.wgsl;
 import common/displayed.wgsl;
 @if(eclipse) import common/air/eclipsed.wgsl;
 
 struct Varying {
     @builtin(position) clip: vec4f,
-    // From the eye, billboard frame.
+    // Relative to the eye, billboard frame.
     @location(0) ray: vec3f,
 }
 
@@ -21,7 +21,7 @@ fn vertex(@location(0) clip: vec4f, @location(1) ray: vec3f) -> Varying {
     return Varying(clip, ray);
 }
 
-// Billboard frame to scaled space.
+// From the billboard frame to scaled space.
 fn scaled(v: vec3f) -> vec3f {
     return v.x * air.across_x + v.y * air.across_y + v.z * air.toward_center;
 }
@@ -32,7 +32,7 @@ fn fragment(in: Varying) -> @location(0) vec4f {
     let d = normalize(in.ray);
     let sin2 = dot(d.xy, d.xy);
     let pass_ = pass_by(scaled(d), air.eye_distance * sqrt(sin2), air.eye_distance * d.z);
-    // Where the ray meets the ground or passes nearest to it; the eye if that lies behind.
+    // Where the ray meets the ground or is nearest to it; the eye if that point is behind.
     let nearest = air.eye_distance * vec3f(d.z * d.xy, -sin2) - d * pass_.mu;
     let up = normal_at(scaled(select(vec3f(0.0, 0.0, -1.0), nearest, pass_.along > 0.0)));
     let light = gathered(pass_, up, map_uv(up));

@@ -1,7 +1,7 @@
-// What an eye in the air sees of it in each direction, over black ground: a small picture a frame, in three targets, that ground
-// and sky are then drawn from. Rays are marched here and nowhere else.
+// The sky view for an eye in the air, over black ground: a small image per frame, in three targets, that ground and sky are then drawn from. Ray
+// marching is done only here.
 //
-// With moonlight the rows of the Moon stand below those of the Sun. The mapping of directions is that of common/air/inside.wgsl.
+// With moonlight the rows of the Moon are below those of the Sun. The mapping of directions is that of common/air/inside.wgsl.
 import common/air/uniforms.wgsl;
 import common/air/coordinates.wgsl;
 import common/air/view_spacing.wgsl;
@@ -22,9 +22,9 @@ import rust::{SOURCES_SIZE, SOURCE_BANDS, TRANSMITTANCE_SIZE, VIEW_ANGLES, VIEW_
 @group(0) @binding(5) var profile_table: texture_2d<f32>;
 
 struct Seen {
-    // Scattered light over black ground, as its fourth root; in alpha the luminance that the air takes from what is behind.
+    // Scattered light over black ground, as its fourth root; alpha is the luminance that the air absorbs from the background.
     @location(0) black: vec4f,
-    // Scattered light that the ground has sent up, for albedo 1 and one reflection; fourth root.
+    // Scattered light from the ground, for albedo 1 and one reflection; fourth root.
     @location(1) bounce: vec4f,
     @location(2) through: vec4f,
 }
@@ -39,7 +39,7 @@ struct ViewRay {
     direction: vec3f,
     // −cos of the zenith angle, times the eye's distance from the centre.
     along: f32,
-    // To the ground, or to where it leaves the air.
+    // To the ground, or to the top of the air.
     length: f32,
 }
 
@@ -62,7 +62,7 @@ fn view_ray(column: f32, row: f32) -> ViewRay {
     out.direction = vec3f(sine * cos_azimuth, sine * sin_azimuth, -cosine);
     out.along = air.eye_distance * cosine;
     let q = air.eye_distance * sine;
-    // 1 − L sin(limb − δ) with L sin(limb) = 1, no difference of large numbers.
+    // 1 − L sin(limb − δ) with L sin(limb) = 1, without a difference of large numbers.
     let inside = 2.0 * t * t / (1.0 + t * t) + air.eye_distance * air.limb_cos * sin_delta;
     let to_ground = air.eye_height * (air.eye_distance + 1.0) / max(out.along + sqrt(inside * (1.0 + q)), 1e-9);
     let to_space = max(out.along + sqrt(max((AIR_TOP - q) * (AIR_TOP + q), 0.0)), 0.0);
@@ -109,7 +109,7 @@ fn source(band: f32, sun_at: f32, height_at: f32) -> vec3f {
     return textureSampleLevel(sources_table, table_sampler, vec2f(sun_at, y), 0.0).rgb;
 }
 
-// Where steps end: crowded about the part `crowd` of the way, where the air is densest.
+// Ends of steps: dense around the fraction `crowd` of the way, where the air is densest.
 fn step_end(part: f32, crowd: f32) -> f32 {
     let low = -sqrt(crowd);
     let at = low + part * (sqrt(1.0 - crowd) - low);
@@ -123,7 +123,7 @@ fn fragment(@builtin(position) position: vec4f) -> Seen {
     @if(moonlight) if row >= VIEW_AZIMUTHS { row -= VIEW_AZIMUTHS; zenith_cosine = air.eye_moon; }
     let ray = view_ray(floor(position.x), row);
     let start = vec3f(0.0, 0.0, air.eye_distance);
-    // The Sun, or in its place the Moon.
+    // The Sun, or the Moon in its place.
     let sun = vec3f(sqrt(max(1.0 - zenith_cosine * zenith_cosine, 0.0)), 0.0, zenith_cosine);
     let nu = dot(ray.direction, sun);
     let phase_molecules = RAYLEIGH_A + RAYLEIGH_B * nu * nu;
@@ -147,7 +147,7 @@ fn fragment(@builtin(position) position: vec4f) -> Seen {
         let up = p / r;
         let mu_s = clamp(dot(up, sun), -1.0, 1.0);
         let medium = medium_at(height);
-        // The ray's own direction, upwards and along the ground towards the Sun.
+        // Local vertical at the sample, and the horizontal direction to the Sun.
         let level = sun - mu_s * up;
         let z = dot(ray.direction, up);
         let x = clamp(dot(ray.direction, level) / max(length(level), 1e-3), -1.0, 1.0);

@@ -1,7 +1,7 @@
-// A picture of light at half its size, or at twice. What stands in the one is 2:1 in the other, from the upper left corner, whatever their
-// sizes: of light none is lost on the way.
+// Resamples an image of light to half or twice its size. The scale is exactly 2:1 from the upper left corner, whatever the sizes, so that no light
+// is lost.
 //
-// `BloomVariant` in src/gpu/shader/bloom.rs says which conditions hold together: coarser (half the size), and light (of the light itself).
+// `BloomVariant` in src/gpu/shader/bloom.rs lists the legal combinations of conditions: coarser (half the size), and light (of the light itself).
 import common/whole_target.wgsl;
 @if(light) import rust::BRIGHTEST_SCATTERED;
 
@@ -17,7 +17,7 @@ fn fragment(in: Varying) -> @location(0) vec4f {
     return vec4f(blended(in.clip.xy), 1.0);
 }
 
-// 1, 3, 3, 1 along each axis, of light that is cut off texel by texel.
+// Weights 1, 3, 3, 1 along each axis, of light that is clamped texel by texel.
 @if(light)
 fn blended(pixel: vec2f) -> vec3f {
     let first = 2 * vec2i(pixel) - 1;
@@ -33,10 +33,10 @@ fn blended(pixel: vec2f) -> vec3f {
     return sum;
 }
 
-// Four reads between texels, which the sampler blends, have those weights for half the size.
+// Four filtered reads between texels have those weights for half the size.
 @if(coarser && !light) const REACH: f32 = 0.75;
 
-// For twice the size one read is enough: what stands there is smooth over some texels, as each level is blurred before the next is made.
+// For twice the size one read is enough: the image is smooth over some texels, as each level is blurred before the next is made.
 @if(!coarser)
 fn blended(pixel: vec2f) -> vec3f {
     return read(0.5 * pixel);

@@ -7,27 +7,27 @@
 
 // Mirrored by `CraftFrame` in crates/terrella-play/src/craft.rs; a test compares the offsets. Craft axes: x along flight, z down.
 struct CraftFrame {
-    // Takes craft metres to clip space.
+    // Transform from craft metres to clip space.
     clip_from_craft: mat4x4f,
-    // Unit vector to the Sun, craft axes, and how much of its disc the Earth leaves in sight, 0…1.
+    // Unit vector to the Sun, craft axes, and the fraction of its disc that the Earth does not hide, 0…1.
     sun: vec3f,
     sunlight: f32,
     // The eye, craft metres, and the irradiance from the Earth on a sheet that faces it; the Sun's is 1.
     eye: vec3f,
     earthshine: f32,
-    // (cos, sin) of the wings' turn about y.
+    // (cos, sin) of the wings' rotation about y.
     wing: vec2f,
-    // What light is multiplied by before an 8-bit target shows it.
+    // Exposure factor of light on 8-bit targets.
     exposure: f32,
     padding: f32,
 }
 
-// What comes before this text: `displayed` of common/displayed.wgsl, and the numbers of materials by crates/terrella-play/src/craft.rs.
-// Materials are numbered by `Material` of crates/terrella-play/src/craft/mesh.rs, which declares FOIL, PAINT, CELLS, WING, METAL and DISH.
+// Prepended to this text: `displayed` of common/displayed.wgsl, and the numbers of materials from crates/terrella-play/src/craft.rs. Materials are
+// numbered by `Material` of crates/terrella-play/src/craft/mesh.rs, which declares FOIL, PAINT, CELLS, WING, METAL and DISH.
 
-// Light from everywhere else, so that an eclipsed craft is a dark thing and not a hole; the Sun's is 1.
+// Ambient light, so that an eclipsed spacecraft is dark but not black; the Sun's is 1.
 const DARK_LIGHT: f32 = 0.004;
-// The Earth seen from above: a little bluer than the Sun.
+// Colour of the Earth seen from above: slightly bluer than the Sun.
 const EARTH_COLOR: vec3f = vec3f(0.85, 0.97, 1.2);
 
 struct CraftVertex {
@@ -67,7 +67,7 @@ fn vertex(in: CraftVertex) -> Varying {
     return out;
 }
 
-// Part of a pixel that lines of `width_m`, one every `period_m`, cover; `pixel_m` is the pixel's size on the wing.
+// Fraction of a pixel covered by lines of `width_m`, one every `period_m`; `pixel_m` is the pixel's size on the wing.
 fn lines(at_m: vec2f, pixel_m: vec2f, period_m: f32, width_m: f32) -> f32 {
     let off_m = abs(fract(at_m / period_m + 0.5) - 0.5) * period_m;
     let pixel = max(pixel_m, vec2f(1e-4));
@@ -81,12 +81,12 @@ fn fragment(in: Varying) -> @location(0) vec4f {
     let to_eye = normalize(craft.eye - in.position_m);
     var n = normalize(in.normal);
     var albedo = vec3f(0.6);
-    // Reflectance of the mirror image and how sharp it is.
+    // Specular reflectance, and its sharpness.
     var gloss = vec3f(0.04);
     var sharpness = 30.0;
     switch in.material {
         case FOIL: {
-            // Foil is crumpled: the normal wanders from place to place.
+            // Foil is crumpled: the normal varies with position.
             let p = in.position_m;
             n = normalize(n + 0.06 * sin(5.3 * p.yzx + 2.9 * sin(3.7 * p.zxy + 2.1 * sin(4.9 * p))));
             albedo = vec3f(0.55, 0.34, 0.10);
@@ -111,14 +111,14 @@ fn fragment(in: Varying) -> @location(0) vec4f {
             gloss = vec3f(0.4);
         }
         case DISH: {
-            // A sheet: the side that is seen is the side that is lit.
+            // A sheet: the visible side is lit.
             n = select(n, -n, dot(n, to_eye) < 0.0);
             albedo = vec3f(0.58, 0.58, 0.57);
         }
         default: {}
     }
     let facing = max(dot(n, craft.sun), 0.0);
-    // The Earth fills nearly half the sky below: a sheet on edge to it still gets half.
+    // The Earth fills nearly half the sky below: a sheet edge-on to it still gets half.
     let below = 0.5 + 0.5 * n.z;
     var light = vec3f(craft.sunlight * facing + DARK_LIGHT);
     light += craft.earthshine * below * EARTH_COLOR;

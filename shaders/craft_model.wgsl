@@ -26,15 +26,15 @@ import rust::PI;
 
 // Mirrored by `ModelFrame` in crates/terrella-play/src/model_layer/uniforms.rs; a test compares the offsets. All axes are the model's.
 struct ModelFrame {
-    // Takes metres of the model to clip space.
+    // Transform from model metres to clip space.
     clip_from_model: mat4x4f,
-    // Unit vector to the Sun, and how much of its disc Earth and Moon leave in sight, 0…1.
+    // Unit vector to the Sun, and the fraction of its disc that Earth and Moon do not hide, 0…1.
     sun: vec3f,
     sunlight: f32,
     // Unit vector to the Moon, and its light; the Sun's is 1.
     moon: vec3f,
     moonlight: f32,
-    // The eye, metres of the model, and what light is multiplied by before an 8-bit target shows it.
+    // The eye, model metres, and the exposure factor of light on 8-bit targets.
     eye: vec3f,
     exposure: f32,
     // Unit vector to the Earth's centre, and the sine of the angle between it and the limb.
@@ -51,7 +51,7 @@ struct ModelMaterial {
     emissive: vec3f,
     metallic: f32,
     roughness: f32,
-    // Below this alpha nothing is drawn.
+    // Alpha below which nothing is drawn.
     alpha_cutoff: f32,
     // Multiplies normals of the texture across the surface.
     normal_scale: f32,
@@ -74,7 +74,7 @@ struct Varying {
     @if(normal_map) @location(3) tangent: vec4f,
 }
 
-// What a surface does with light.
+// Surface properties for shading.
 struct Surface {
     normal: vec3f,
     to_eye: vec3f,
@@ -136,7 +136,7 @@ fn reflected(s: Surface, to_light: vec3f) -> vec3f {
     let n_h = saturate(dot(s.normal, h));
     let v_h = saturate(dot(s.to_eye, h));
     let a2 = s.alpha * s.alpha;
-    // D = α²/(π((N·H)²(α² − 1) + 1)²), with 1 − (N·H)² as a cross product, which does not cancel.
+    // D = α²/(π((N·H)²(α² − 1) + 1)²), with 1 − (N·H)² as a cross product, which avoids cancellation.
     let across = cross(s.normal, h);
     let below = n_h * n_h * a2 + dot(across, across);
     let d = a2 / max(PI * below * below, 1e-12);
@@ -146,12 +146,12 @@ fn reflected(s: Surface, to_light: vec3f) -> vec3f {
     return ((1.0 - f) * s.diffuse + PI * d * v * f) * n_l;
 }
 
-// Part of a sheet's hemisphere that a sphere fills, weighted by cosine: Cunningham 1961, NASA TN D-710. `c` is the cosine between the
-// sheet's normal and the sphere's centre, `limb_sine` R/r. `tilted_view_factor` in crates/terrella-play/src/model_layer/earth_light.rs.
+// Cosine-weighted fraction of a sheet's hemisphere that a sphere fills: Cunningham 1961, NASA TN D-710. `c` is the cosine between the sheet's
+// normal and the sphere's centre, `limb_sine` R/r. `tilted_view_factor` in crates/terrella-play/src/model_layer/earth_light.rs.
 fn tilted_view_factor(c: f32, limb_sine: f32) -> f32 {
     let limb_cosine = sqrt(max(1.0 - limb_sine * limb_sine, 0.0));
     let k = limb_sine * limb_sine;
-    // All of the disc is before the sheet, or behind it.
+    // The whole disc is in front of the sheet, or behind it.
     if c >= limb_sine {
         return c * k;
     }
@@ -167,14 +167,14 @@ fn tilted_view_factor(c: f32, limb_sine: f32) -> f32 {
     return max(0.5 - cut / PI + (k * c * turned - edge) / PI, 0.0);
 }
 
-// What a surface reflects of all directions alike, by an approximation of Karis 2014, "Physically Based Shading on Mobile".
+// Directional albedo of the specular part, by an approximation of Karis 2014, "Physically Based Shading on Mobile".
 fn directional_albedo(f0: vec3f, roughness: f32, n_v: f32) -> vec3f {
     let r = roughness * vec4f(-1.0, -0.0275, -0.572, 0.022) + vec4f(1.0, 0.0425, 1.04, -0.04);
     let a004 = min(r.x * r.x, exp2(-9.28 * n_v)) * r.x + r.y;
     return f0 * (-1.04 * a004 + r.z) + 1.04 * a004 + r.w;
 }
 
-// Light of the Earth's disc, taken as even: the diffuse part is exact; in the mirror image the limb is as soft as the surface is rough.
+// Light of the Earth's disc, assumed uniform: the diffuse part is exact; in the specular reflection the limb is as soft as the surface is rough.
 fn earthshine(s: Surface, roughness: f32) -> vec3f {
     let seen = tilted_view_factor(dot(s.normal, craft.down), craft.limb_sine);
     let mirrored = reflect(-s.to_eye, s.normal);
@@ -203,7 +203,7 @@ fn fragment(in: Varying, @builtin(front_facing) is_front: bool) -> @location(0) 
     s.to_eye = normalize(craft.eye - in.position_m);
     s.diffuse = base.rgb * (1.0 - metallic);
     s.f0 = mix(vec3f(0.04), base.rgb, metallic);
-    // No surface is smoother than the Sun's disc, 0.00465 rad, makes its image.
+    // A lower limit of the roughness: that of the image of the Sun's disc, 0.00465 rad.
     s.alpha = max(roughness * roughness, 0.005);
     var light = own + earthshine(s, roughness);
     light += craft.sunlight * reflected(s, craft.sun);

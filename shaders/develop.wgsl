@@ -1,8 +1,8 @@
-// Exposed light that all layers have added to becomes what is shown of it: tone curve, dithering, encoding. Where the target is larger, light
-// is enlarged before that, bilinear.
+// Develops the accumulated exposed light of all layers: tone curve, dithering, encoding. If the target is larger, light is first enlarged
+// bilinearly.
 //
-// `DevelopVariant` in src/gpu/shader/develop.rs says which conditions hold together: sampled (the target is larger), measured (the tone curve
-// is a measured response), balanced (there is a white balance), grained (there is grain), graded (one of both), and those of
+// `DevelopVariant` in src/gpu/shader/develop.rs lists the legal combinations of conditions: sampled (the target is larger), measured (the tone
+// curve is a measured response), balanced (there is a white balance), grained (there is grain), graded (one of both), and those of
 // common/displayed.wgsl.
 import common/whole_target.wgsl;
 import common/displayed.wgsl;
@@ -33,7 +33,7 @@ struct ResponseSamples {
 struct GradeUniforms {
     // Columns of the matrix of the white balance.
     balance_x: vec3f,
-    // Of display values in the middle of the scale, times 4.
+    // Strength in display values at mid-scale, times 4.
     grain: f32,
     balance_y: vec3f,
     grain_size_px: f32,

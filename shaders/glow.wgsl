@@ -1,9 +1,9 @@
-// The light that the upper air emits by night, added to all that is behind it: the ground, the halo, stars.
+// Airglow and aurora, added to everything behind them: the ground, the halo, stars.
 //
-// `GlowVariant` in src/gpu/shader/air.rs says which conditions hold together: inside (the eye is in the air below), airglow, aurora, and
+// `GlowVariant` in src/gpu/shader/air.rs lists the legal combinations of conditions: inside (the eye is in the air below), airglow, aurora, and
 // those of common/displayed.wgsl.
 //
-// On 8-bit targets what is shown of both is added, and not their light.
+// On 8-bit targets displayed colours are added instead of light.
 import common/air.wgsl;
 import common/displayed.wgsl;
 @if(!inside) import rust::AIR_TOP;
@@ -20,22 +20,21 @@ import rust::{GLOW_DAY_SIN, GLOW_NIGHT_SIN, PI};
 
 // Mirrored by `GlowUniforms` in src/plan/glow.rs.
 struct GlowUniforms {
-    // The ray through the picture's upper left corner, to the plane one metre in front of the eye; the
-    // billboard's axes in scaled space.
+    // The ray through the image's upper left corner, to the plane one metre in front of the eye; the billboard's axes in scaled space.
     corner: vec3f,
-    // Depth to be drawn at.
+    // Depth at which it is drawn.
     depth: f32,
-    // What it changes by to the upper right corner, and to the lower left one.
+    // Increments to the upper right corner, and to the lower left one.
     across: vec3f,
-    // How many times brighter than in truth the night is drawn.
+    // Brightness of the night relative to the true one.
     gain: f32,
     down: vec3f,
     // L² − 1 of the eye's distance L from the centre, without cancellation.
     above: f32,
-    // The parts of the airglow's layers that lie beneath the eye.
+    // The fractions of the airglow's layers below the eye.
     beneath: vec3f,
     padding_b: f32,
-    // Where on screen there may be glow: least x and y, greatest x and y, −1…1.
+    // Bounds of the glow on screen: least x and y, greatest x and y, −1…1.
     bounds: vec4f,
 }
 
@@ -43,7 +42,7 @@ struct GlowUniforms {
 
 struct Varying {
     @builtin(position) clip: vec4f,
-    // From the eye, the billboard's axes.
+    // Relative to the eye, the billboard's axes.
     @location(0) ray: vec3f,
 }
 
@@ -65,14 +64,14 @@ fn fragment(in: Varying) -> @location(0) vec4f {
     var light = vec3f(0.0);
     @if(airglow) light += airglow(ray, pixel, far);
     @if(aurora) light += aurora(ray, angle, far);
-    // Another pattern of dithering than that of what is behind, and none where there is no light.
+    // Another dither pattern than that of the background, and none where there is no light.
     let shown = displayed(glow.gain * light, air.exposure, in.clip.yx + 0.5);
     return vec4f(select(vec3f(0.0), shown, max(light.r, light.g) > 0.0), 0.0);
 }
 
 struct GlowRay {
     pass_: Pass,
-    // q − 1, to some tens of metres from near the Earth.
+    // q − 1, accurate to some tens of metres near the Earth.
     height: f32,
 }
 
@@ -81,7 +80,7 @@ fn glow_ray(d: vec3f) -> GlowRay {
     let along = air.eye_distance * d.z;
     let q = air.eye_distance * length(d.xy);
     let direction = d.x * air.across_x + d.y * air.across_y + d.z * air.toward_center;
-    // q² + along² = L². From far away squares of distances are large, and q alone is good to a part in 10⁷.
+    // q² + along² = L². From far away squares of distances are large, and q itself is accurate to one part in 10⁷.
     let height = select(q - 1.0, (glow.above - along * along) / (1.0 + q), air.eye_distance < 2.0);
     return GlowRay(pass_by(direction, q, along), height);
 }
@@ -91,9 +90,9 @@ fn glow_eye() -> vec3f {
     return -air.eye_distance * air.toward_center;
 }
 
-// What the air leaves of light from beyond it.
+// Transmittance of the air for light from beyond it.
 fn left_of_glow(pass_: Pass) -> vec3f {
-    // Where the ground stands before it, nothing of that is seen.
+    // Light from behind the ground is invisible.
     @if(!inside) let meets_air = pass_.along > 0.0 && pass_.q < AIR_TOP;
     @else let meets_air = true;
     if meets_ground(pass_) || !meets_air {
@@ -102,14 +101,14 @@ fn left_of_glow(pass_: Pass) -> vec3f {
     return left_through(pass_);
 }
 
-// How much of the glow is not outshone by twilight, where a ray crosses its middle: before the point nearest to the Earth where `side` is
-// −1, beyond it where it is 1.
+// Fraction of the glow that is not outshone by twilight, where a ray crosses its middle: before the point nearest to the Earth if `side` is −1,
+// beyond it if it is 1.
 @if(airglow)
 fn glow_at_night(ray: GlowRay, side: f32) -> f32 {
     return is_night(glow_place(ray, ray.pass_.along + side * half_chord(ray, AIRGLOW_HEIGHTS.y)));
 }
 
-// Half of the chord of a ray within a sphere of this height; 0 where it passes outside.
+// Half of the chord of a ray within a sphere of this height; 0 if it passes outside.
 fn half_chord(ray: GlowRay, height: f32) -> f32 {
     return sqrt(max((height - ray.height) * (2.0 + height + ray.height), 0.0));
 }

@@ -1,4 +1,4 @@
-// Two maps blended into a third, level by level: of each the hardware takes the level that is as fine as the target.
+// Two maps blended into a third, level by level: the hardware selects the level of each that is as fine as the target.
 import common/whole_target.wgsl;
 
 // | group | binding | what                                    |

@@ -1,9 +1,10 @@
 // Tracks of satellites: lines of constant width on screen, marks of constant size, polygons, and the ground that a sensor sees.
 //
-// `TracksVariant` in src/gpu/shader/tracks.rs says which conditions hold together: lines, marks, polygons or fills; air, inside (of it);
+// `TracksVariant` in src/gpu/shader/tracks.rs lists the legal combinations of conditions: lines, marks, polygons or fills; air, inside (of it);
 // those of common/displayed.wgsl.
 //
-// Drawn after all of the Earth, each pixel through the air before it. The globe hides by each pixel's own ray, not by the mesh.
+// Drawn after all of the Earth, each pixel through the air in front of it. Occlusion by the globe is tested with each pixel's own ray, not with the
+// mesh.
 
 import common/ray.wgsl;
 @if(lines) import tracks/lines.wgsl;
@@ -39,15 +40,14 @@ fn scaled(metres: vec3f) -> vec3f {
     return metres * vec3f(1.0, 1.0, track.frame.polar_stretch) / track.frame.radius_m;
 }
 
-// How much of a pixel lies where `inside` is above 0, by its change from pixel to pixel.
+// Fraction of a pixel where `inside` is positive, from its change from pixel to pixel.
 fn covered(inside: f32, change: f32) -> f32 {
     return saturate(inside / max(change, 1e-12) + 0.5);
 }
 
-// What part of a pixel's light comes from a thing at `from_eye`. Above the ground: none where the ray has met the
-// ellipsoid before it, that is, where it passes nearer than 1 and the thing lies beyond its nearest point, which lies
-// before the eye. On the ground:
-// none where the ground faces away, p·e < 1; by the thing's own place, because rays beside it may miss the globe.
+// Visibility of an element at `from_eye`. Above the ground: hidden if the ray meets the ellipsoid before it, that is, if the ray's distance from
+// the centre is below 1 and the element is beyond its nearest point, which is in front of the eye. On the ground: hidden if the ground faces away,
+// p·e < 1, at the element's own position, because adjacent rays may miss the globe.
 fn in_sight(ray: Ray, from_eye: vec3f, flags: u32) -> f32 {
     let globe = covered(1.0 - ray.q, fwidth(ray.q));
     let facing = dot(from_eye, track.frame.eye_scaled) + track.frame.above;
@@ -57,14 +57,14 @@ fn in_sight(ray: Ray, from_eye: vec3f, flags: u32) -> f32 {
     return select(before, faces, (flags & ON_GROUND) != 0u);
 }
 
-// What the eye sees of a thing's colour, premultiplied.
+// Visible colour of an element, premultiplied.
 fn seen_color(color: vec4f, ray: Ray, from_eye: vec3f) -> vec4f {
     @if(air) return through_air(color, ray, from_eye);
     @else return color;
 }
 
-// Through the air: where a track lies beyond its near boundary it is dimmed and veiled as all is that its pixel's ray meets there. Of
-// premultiplied display values or light, as the target stores them.
+// Through the air: beyond its near boundary a track is dimmed and veiled like everything that its pixel's ray meets there. For premultiplied
+// display values or light, as the target stores them.
 @if(air)
 fn through_air(color: vec4f, ray: Ray, from_eye: vec3f) -> vec4f {
     let pass_ = pass_by(ray.direction, ray.q, ray.along);
@@ -75,7 +75,7 @@ fn through_air(color: vec4f, ray: Ray, from_eye: vec3f) -> vec4f {
     return vec4f(select(color.rgb, seen, is_beyond_air(ray, from_eye)), color.a);
 }
 
-// A ray that meets no air has none beyond.
+// Without air on the ray, nothing is beyond it.
 @if(air)
 fn is_beyond_air(ray: Ray, from_eye: vec3f) -> bool {
     let half_chord = sqrt(max((track.air_top - ray.q) * (track.air_top + ray.q), 0.0));
@@ -87,14 +87,14 @@ import rust::ON_GROUND;
 @if(lines) import rust::FROM_PREVIOUS;
 @if(lines) import rust::UNCASED;
 
-// What lies on the ground is tested against depths this part of its distance nearer, and at least so many metres, so that
-// the mesh, whose facets meet the ellipsoid at their corners, does not hide it, nor chords that lie below it, nor, where the
-// eye looks along the ground, the nearer half of its width. Marks are wider than lines.
+// Elements on the ground are tested at a depth nearer by this fraction of their distance, and by at least this many metres. The mesh, whose facets
+// touch the ellipsoid at their corners, then hides neither them, nor chords that are below it, nor, for an eye that looks along the ground, the
+// nearer half of their width. Marks are wider than lines.
 @if(marks) const LIFT: f32 = 0.5;
 @if(!marks && !fills) const LIFT: f32 = 0.1;
 @if(!fills) const LIFT_M: f32 = 500.0;
 
-// A clip position, moved towards the eye where it lies on the ground: its place on screen stays.
+// A clip position, moved towards the eye for elements on the ground: the position on screen is kept.
 @if(!fills)
 fn lifted(clip: vec4f, from_eye_m: vec3f, flags: u32) -> vec4f {
     let on_ground = clamp(LIFT_M / max(length(from_eye_m), 1.0), LIFT, 0.9);
@@ -102,27 +102,27 @@ fn lifted(clip: vec4f, from_eye_m: vec3f, flags: u32) -> vec4f {
     return clip * (1.0 - lift) + track.frame.clip_from_eye[3] * lift;
 }
 
-// The depth of that.
+// Its depth.
 @if(!fills && !polygons)
 fn depth_of(clip: vec4f, from_eye_m: vec3f, flags: u32) -> f32 {
     let at = lifted(clip, from_eye_m, flags);
     return at.z / at.w;
 }
 
-// Outside of every viewport: nothing is drawn.
+// Outside every viewport: nothing is drawn.
 @if(!fills && !polygons) const NOWHERE: vec4f = vec4f(2.0, 2.0, 2.0, 1.0);
-// Width of the dark edge that sets a line off from bright ground, pixels, and its opacity.
+// Width of the dark outline that separates a line from bright ground, pixels, and its opacity.
 @if(!fills && !polygons) const CASING_PX: f32 = 1.0;
 @if(!fills && !polygons) const CASING: f32 = 0.5;
 
-// The light of a pixel of which a part is covered, by that of one that is covered wholly and of one by half: a tone curve that comes later does
-// not show the half of a light as half of it. The parabola through none, half and all.
+// Light of a partly covered pixel, from that of a fully covered and of a half covered one: a later tone curve does not map half of a light to half
+// of its display value. The parabola through zero, half and full coverage.
 @if(!fills)
 fn light_of_part(color: vec3f, half_color: vec3f, part: f32) -> vec3f {
     return max(part * (4.0 * half_color - color + part * (2.0 * color - 4.0 * half_color)), vec3f(0.0));
 }
 
-// A line or mark whose edge is `inside_px` away, over its casing of this opacity; premultiplied.
+// A line or mark whose edge is `inside_px` away, over its outline of this opacity; premultiplied.
 @if(!fills && !polygons)
 fn cased(color: vec4f, half_color: vec3f, inside_px: f32, casing: f32, seen: f32) -> vec4f {
     let core = saturate(inside_px + 0.5);

@@ -1,4 +1,4 @@
-// A finished picture drawn over a larger target: bilinear between the middles of its texels, in light.
+// A finished image drawn over a larger target: bilinear between the centres of its texels, in linear light.
 import common/whole_target.wgsl;
 @if(!sampled && display) import common/color.wgsl;
 
@@ -14,8 +14,8 @@ fn fragment(in: Varying) -> @location(0) vec4f {
     return blended(in.uv);
 }
 
-// Four texels blended by the hardware, or here. Display values that the hardware does not know as such (`display`) are decoded before
-// and encoded after.
+// Four texels blended by the hardware, or here. Display values in a format without hardware decoding (`display`) are decoded before and encoded
+// after.
 @if(sampled)
 fn blended(uv: vec2f) -> vec4f {
     return textureSampleLevel(picture, picture_sampler, uv, 0.0);
@@ -23,7 +23,7 @@ fn blended(uv: vec2f) -> vec4f {
 @else
 fn blended(uv: vec2f) -> vec4f {
     let size = vec2i(textureDimensions(picture));
-    // From the middle of the first texel.
+    // Relative to the centre of the first texel.
     let place = clamp(uv * vec2f(size) - 0.5, vec2f(0.0), vec2f(size - 1));
     let low = vec2i(place);
     let high = min(low + 1, size - 1);

@@ -1,4 +1,4 @@
-//! What is beyond the Earth: stars, the Milky Way, Sun and Moon, drawn into a host's pass behind all that is in it.
+//! Stars, the Milky Way, Sun and Moon, drawn into a host's pass behind everything in it.
 //!
 //! # Use
 //!
@@ -14,23 +14,23 @@
 //! earth.render_clouds_overhead(&mut pass);
 //! ```
 //!
-//! Further views ([`Earth::new_view`]) have a sky of their own ([`Celestial::new_view`]): prepare it with [`Celestial::prepare_view`], and draw it
+//! Further views ([`Earth::new_view`]) need their own sky ([`Celestial::new_view`]): prepare it with [`Celestial::prepare_view`], and draw it
 //! between [`Earth::render_view_air`] and [`Earth::render_view_clouds_overhead`].
 //!
 //! # How it works
 //!
-//! **Places** are found in f64 for each frame: the catalogue's, moved by proper motion, seen with light time and the aberration by the
-//! Earth's and the eye's motion ([`Observer`]), and projected before they become f32. So nothing jitters, at any field of view.
+//! **Positions** are computed in f64 for each frame. Catalogue positions are corrected for proper motion, light time, and the aberration by the
+//! Earth's and the eye's motion ([`Observer`]), and projected before the conversion to f32. So nothing jitters, at any field of view.
 //!
-//! **Stars** are points. Each is spread over 4 × 4 pixels by a spline whose values at whole steps add up to 1, and is as bright as its
-//! magnitude says for the pixel's solid angle: its light in the picture is the same at any size and between pixels. Sun and Moon are
-//! drawn so too where their discs are smaller than four pixels.
+//! **Stars** are points. Each is spread over 4 × 4 pixels by a spline whose values at whole steps add up to 1. Its brightness follows from its
+//! magnitude and the pixel's solid angle: its total light in the image is the same at any size and between pixels. Sun and Moon are drawn in the
+//! same way if their discs are smaller than four pixels.
 //!
-//! **Discs** are balls met by each pixel's ray, in axes that lie along the line to them: exact from a field of view of 0.001° to an eye on the
-//! Moon.
+//! **Discs** are spheres that each pixel's ray is intersected with, in axes along the line to them: exact from a field of view of 0.001° to an eye
+//! on the Moon.
 //!
-//! **Order.** All of it is added to what the pass holds, at the farthest depth, each pixel through the air before it. A Moon before
-//! the Earth hides it instead.
+//! **Order.** Everything is added to the content of the pass, at the farthest depth, attenuated by the air in front of each pixel. A Moon in front
+//! of the Earth hides it instead.
 
 mod ghosts;
 mod moon;
@@ -62,12 +62,12 @@ use terrella_ground::air::TOP;
 use terrella_ground::light::{DiffractionPattern, Ghosts};
 use terrella_imagery::{ImageryError, LayerImage};
 
-/// A disc of a smaller radius is drawn as a point, pixels: its edge would be most of it.
+/// A disc with a smaller radius, pixels, is drawn as a point: most of it would be its edge.
 const POINT_PX: f64 = 2.0;
 /// Days in a Julian year, and the catalogue's epoch: J1991.25 as a Julian date (TT).
 const YEAR_DAYS: f64 = 365.25;
 const CATALOGUE_JD: f64 = 2_448_349.062_5;
-/// What there is beyond the Earth. What is off is neither in memory nor in shaders.
+/// The parts of the sky that are drawn. A part that is off is neither in memory nor in shaders.
 #[derive(Clone, Debug)]
 pub struct CelestialOptions {
     /// Stars.
@@ -79,23 +79,23 @@ pub struct CelestialOptions {
     pub sun: bool,
     /// The Moon's map, `Rgba8Srgb`: equirectangular, the middle of its near side in the middle, east to the right.
     pub moon: Option<Arc<LayerImage>>,
-    /// Light of the Sun that lens and eye scatter about it.
+    /// Sunlight that lens and eye scatter around the Sun.
     pub glare: bool,
-    /// With glare: the Sun's light that the lens's aperture diffracts, as spikes. That much less is in its disc.
+    /// With glare: sunlight that the lens's aperture diffracts into spikes. It is taken from the disc.
     pub aperture: Option<Arc<DiffractionPattern>>,
-    /// With glare: images of the aperture that reflections in the lens make of the Sun. That much less is in its disc.
+    /// With glare: lens ghosts, images of the aperture by reflected sunlight. Their light is taken from the disc.
     pub ghosts: Option<Ghosts>,
-    /// How many times brighter than in truth stars and Milky Way are drawn, so that they show beside daylight.
+    /// Brightness of stars and Milky Way relative to the true one, so that they are visible beside daylight.
     pub star_gain: f64,
-    /// Whether that gain falls to 1, the truth, where the picture shows sunlit ground or air, as a camera exposed for it shows no stars.
+    /// Whether that gain falls to 1 in images of sunlit ground or air: a camera exposed for daylight shows no stars.
     pub stars_fade_by_day: bool,
 }
 
 impl CelestialOptions {
-    /// Default of [`Self::star_gain`]: as `[earth] night_gain` by moonlight.
+    /// Default of [`Self::star_gain`]: that of `[earth] night_gain` for moonlight.
     pub const STAR_GAIN: f64 = 4e4;
 
-    /// Nothing at all.
+    /// No part of the sky.
     pub const NOTHING: Self = Self {
         stars: None,
         milky_way: None,
@@ -108,10 +108,10 @@ impl CelestialOptions {
         stars_fade_by_day: true,
     };
 
-    /// Names of all that there may be.
+    /// Names of all parts.
     pub const FEATURES: [&'static str; 5] = ["stars", "milky_way", "sun", "moon", "glare"];
 
-    /// Names of what is on.
+    /// Names of the parts that are on.
     pub fn features_on(&self) -> Vec<&'static str> {
         let (stars, milky_way) = (self.stars.is_some(), self.milky_way.is_some());
         let is_on = [stars, milky_way, self.sun, self.moon.is_some(), self.glare];
@@ -143,7 +143,7 @@ impl CelestialOptions {
     }
 }
 
-/// Why it cannot be drawn.
+/// Why the sky cannot be drawn.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 #[allow(missing_docs, reason = "the messages say what fields are")]
@@ -157,32 +157,32 @@ pub enum CelestialError {
     /// A map that cannot be read.
     #[error(transparent)]
     File(#[from] ImageryError),
-    /// A map that is none.
+    /// An invalid map.
     #[error("{what}: {cause}")]
     Map { what: &'static str, cause: String },
-    /// A brightness that has no meaning.
+    /// A star gain out of range.
     #[error("star_gain {0} is not a number from 0 up")]
     StarGain(f64),
 }
 
-/// The instant and the eye that a frame shows.
+/// Time and eye of a frame.
 #[derive(Clone, Copy, Debug)]
 pub struct CelestialMoment<'m> {
-    /// The instant.
+    /// The time.
     pub epoch: Epoch,
-    /// The Earth's orientation then.
+    /// The Earth's orientation at that time.
     pub orientation: Orientation,
     /// The view from the eye.
     pub view: &'m EyeView,
     /// The part of the target that the pass draws to.
     pub target: Viewport,
-    /// How the eye moves about the Earth's centre, metres a second, in axes that do not turn, written along those of ITRF; for aberration, 5″ in
-    /// low orbit. `None` stands still over the turning Earth.
+    /// Velocity of the eye relative to the Earth's centre, metres a second, in non-rotating axes that are aligned with ITRF at this time. It sets
+    /// the aberration, 5″ in low orbit. `None` is at rest on the rotating Earth.
     pub velocity_m_s: Option<DVec3>,
 }
 
 impl CelestialMoment<'_> {
-    /// Who looks.
+    /// The observer of this time, with the eye's position and velocity.
     pub fn observer(&self) -> Observer {
         let (eye, _) = self.view.to_itrf();
         match self.velocity_m_s {
@@ -192,14 +192,14 @@ impl CelestialMoment<'_> {
     }
 }
 
-/// What a frame has beyond the Earth.
+/// Statistics of the sky in a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CelestialStats {
-    /// Stars in the picture that neither Earth nor Moon hides.
+    /// Stars in the image that neither Earth nor Moon hides.
     pub stars: u32,
-    /// Part of the Sun's disc that Earth and Moon leave, 0…1.
+    /// Fraction of the Sun's disc that Earth and Moon do not hide, 0…1.
     pub sun_seen: f64,
-    /// Angle at the Moon between Sun and eye, radians; 0 is full.
+    /// Angle at the Moon between Sun and eye, radians; 0 is full Moon.
     pub moon_phase_rad: f64,
     /// Draw calls.
     pub draw_calls: u32,
@@ -219,7 +219,7 @@ pub struct Celestial {
     shows_stars: bool,
 }
 
-/// The pass it is drawn in, and the air before it.
+/// Format of the pass, and the air.
 #[derive(Clone, PartialEq)]
 struct Pass {
     format: PassFormat,
@@ -236,7 +236,7 @@ impl Pass {
         }
     }
 
-    /// The farthest and the nearest depth.
+    /// The depths at infinity and at the near plane.
     fn depths(&self) -> (f32, f32) {
         match self.format.depth {
             DepthBuffer::StandardZ(_) => (1.0, 0.0),
@@ -270,10 +270,10 @@ impl Pass {
 }
 
 impl Celestial {
-    /// Uploads maps and makes pipelines, for the pass and through the air of an Earth, and when that makes its own ([`Pipelines`]).
+    /// Uploads maps and makes pipelines for the pass and the air of an Earth, when that Earth makes its own ([`Pipelines`]).
     ///
     /// # Errors
-    /// Maps that are none, and a gain that has no meaning.
+    /// Invalid maps, or a gain out of range.
     pub fn new(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
@@ -309,15 +309,15 @@ impl Celestial {
         }
     }
 
-    /// Whether stars and Milky Way are drawn from the next [`Self::prepare`] on, where the options have them; at first they are.
+    /// Shows or hides stars and Milky Way from the next [`Self::prepare`] on, if the options have them. They are shown at first.
     pub fn show_stars(&mut self, are_shown: bool) {
         self.shows_stars = are_shown;
     }
 
-    /// Follows an Earth to another quality. What was prepared must be prepared again, and those for further views be made again from it.
+    /// Adapts to another quality of the Earth. Afterwards, prepare again, and make the skies of further views again from this one.
     ///
     /// # Errors
-    /// None that [`Self::new`] did not have.
+    /// None beyond those of [`Self::new`].
     pub fn follow(
         &mut self,
         device: &wgpu::Device,
@@ -333,8 +333,8 @@ impl Celestial {
         Ok(())
     }
 
-    /// Finds what the eye sees and writes it to the GPU. Call once a frame, after [`Earth::prepare`] with the same view. Never
-    /// waits. Nothing is drawn of a view that gives no picture.
+    /// Computes what the eye sees and uploads it. Call once a frame, after [`Earth::prepare`] with the same view. It never waits. If the view has
+    /// no image, nothing is drawn.
     pub fn prepare(
         &mut self,
         queue: &wgpu::Queue,
@@ -344,7 +344,7 @@ impl Celestial {
         self.prepare_view(queue, earth.first_view(), moment)
     }
 
-    /// The same for a further view of the Earth, after [`Earth::prepare`], of one that [`Self::new_view`] made for it.
+    /// As [`Self::prepare`], for a further view of the Earth that [`Self::new_view`] was called for.
     pub fn prepare_view(
         &mut self,
         queue: &wgpu::Queue,
@@ -429,7 +429,7 @@ impl Celestial {
         }
     }
 
-    /// A pixel and the Sun's radius in sides of the aperture's pattern, and the part of the Sun's light that it leaves in the disc.
+    /// Size of a pixel and radius of the Sun in sides of the diffraction pattern, and the fraction of sunlight that stays in the disc.
     fn diffracted(&self, target: Viewport, sun_radius_px: f64) -> (Vec2, f64) {
         let pattern = self.options.aperture.as_ref();
         let Some(pattern) = pattern.filter(|_| self.options.glare) else {
@@ -443,7 +443,7 @@ impl Celestial {
         (sides, 1.0 - pattern.diffracted(radius_px))
     }
 
-    /// How many times brighter than in truth stars are drawn in a view.
+    /// Gain of the stars in a view.
     fn star_gain(&self, view: &ItrfView, sun_m: DVec3, ellipsoid: &Ellipsoid) -> f64 {
         let gain = self.options.star_gain;
         let has_stars = self.options.stars.is_some() || self.options.milky_way.is_some();
@@ -454,14 +454,14 @@ impl Celestial {
         gain_beside(gain, daylight)
     }
 
-    /// Draws all of it: after the Earth, and after what else is opaque.
+    /// Draws the sky: after the Earth and all other opaque objects.
     pub fn render(&self, pass: &mut wgpu::RenderPass<'_>) {
         if self.is_shown {
             self.drawable.render(pass);
         }
     }
 
-    /// What is on.
+    /// The options.
     pub fn options(&self) -> &CelestialOptions {
         &self.options
     }
@@ -471,13 +471,13 @@ impl Celestial {
         self.drawable.texture_bytes
     }
 
-    /// Bytes of the WGSL that the driver got: of what is on alone.
+    /// Bytes of the WGSL that the driver got, for the parts that are on.
     pub fn shader_bytes(&self) -> u64 {
         self.drawable.shader_bytes
     }
 }
 
-/// Level of a map of the whole round that has a texel for so many radians.
+/// Mip level of a map of 360° at which a texel covers this angle.
 fn level(map: &Option<Arc<LayerImage>>, pixel_rad: f64) -> f32 {
     let texels = map.as_ref().map_or(1.0, |map| f64::from(map.width)) * pixel_rad / (2.0 * PI);
     texels.max(1.0).log2() as f32

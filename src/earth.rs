@@ -2,34 +2,34 @@
 //!
 //! | file | what |
 //! |---|---|
-//! | `earth.rs` | preparing and drawing it |
-//! | `creation.rs` | how it is made, in a call or awaited |
-//! | `options.rs` | what is fixed when an Earth is made |
-//! | `error.rs` | what can be wrong with it |
-//! | `plan.rs` | what a frame draws, chosen without a GPU |
-//! | `surface_config.rs` | how the surface is drawn with a quality |
+//! | `earth.rs` | preparation and drawing |
+//! | `creation.rs` | creation, in one call or awaited |
+//! | `options.rs` | options that are fixed at creation |
+//! | `error.rs` | errors |
+//! | `plan.rs` | the content of a frame, chosen without a GPU |
+//! | `surface_config.rs` | configuration of the surface for a quality |
 //! | `view.rs` | the eye and the target |
 //! | `frame_request.rs` | what a frame is prepared for |
-//! | `earth_view.rs` | what one view has of its own |
-//! | `pixel_lattice.rs` | a picture in some of its points alone, for measuring |
-//! | `sky.rs` | what lights it |
-//! | `glow.rs` | where the air's own light is in sight |
+//! | `earth_view.rs` | the state of one view |
+//! | `pixel_lattice.rs` | a lattice of image points, for measurements |
+//! | `sky.rs` | Sun, Moon and stars |
+//! | `glow.rs` | where airglow is in sight |
 //! | `city_lights.rs` | which city lights may be in sight |
-//! | `metering.rs` | how bright it is shown |
-//! | `stats.rs` | what a frame drew |
-//! | `ground.rs` | terrain, where there is any; `no_ground.rs` without the feature `terrain` |
-//! | `tiles.rs` | which tiles of a pack a frame requests and is drawn with; `no_tiles.rs` without the feature `packs` |
-//! | `tile_rule.rs` | how fine a map is asked for |
+//! | `metering.rs` | exposure |
+//! | `stats.rs` | statistics of a frame |
+//! | `ground.rs` | terrain; `no_ground.rs` without the feature `terrain` |
+//! | `tiles.rs` | which tiles of a pack a frame requests and draws; `no_tiles.rs` without the feature `packs` |
+//! | `tile_rule.rs` | the required level of a map |
 //! | `tile_parts.rs` | which parts of blocks a frame requests |
-//! | `tile_view.rs` | what tiles are chosen by, and how fine they came out |
-//! | `changes.rs` | what is changed while it is drawn |
-//! | `appearance.rs` | what it is drawn as, besides maps and quality |
-//! | `change_maker.rs` | how another quality or appearance is made, off the frame's thread |
-//! | `quality.rs` | what can be reduced to draw faster |
-//! | `quality_ladder.rs`, `quality_ladder/` | in which order, as it was measured; the recorded measurement |
-//! | `adaptive_quality.rs` | when quality is reduced, to hold a frame time |
-//! | `truth.rs` | what is where a pixel looks, in f64 |
-//! | `diagnostics.rs` | what is not for pictures: where pixels look, edges of triangles, what the shaders hold |
+//! | `tile_view.rs` | the inputs of tile selection, and the resulting detail |
+//! | `changes.rs` | changes while the Earth is drawn |
+//! | `appearance.rs` | terrain, light and air |
+//! | `change_maker.rs` | prepares another quality or appearance off the frame's thread |
+//! | `quality.rs` | quality settings and their reductions |
+//! | `quality_ladder.rs`, `quality_ladder/` | the order of the reductions; the recorded measurement |
+//! | `adaptive_quality.rs` | reduces quality to hold a frame time |
+//! | `truth.rs` | the place that a pixel shows, in f64 |
+//! | `diagnostics.rs` | output for measurements: geolocation, wireframe, vertices, shader features |
 
 mod adaptive_quality;
 mod appearance;
@@ -107,16 +107,16 @@ pub(crate) use view::ItrfView;
 pub(crate) use view::ball_bounds;
 pub use view::{EyeView, PixelRays, Viewport, infinite_reversed_z};
 
-/// Bytes of tiles uploaded at once where a picture waits for them.
+/// Bytes of tiles uploaded per round while an image waits for them.
 const WAITING_UPLOAD_BYTES: u64 = 64_000_000;
 
-/// How long a picture waits for elevation data before it refines surfaces again.
+/// How long an image waits for elevation data before it refines surfaces again.
 const HEIGHTS_WAIT: Duration = Duration::from_millis(2);
 
 /// The Earth.
 ///
-/// The host owns device, queue, pass and depth buffer. Once a frame: [`Earth::prepare`], then [`Earth::render`] inside
-/// the host's pass. Neither waits for disk or GPU. It may be moved to another thread, and drawn by several at once.
+/// The host owns device, queue, pass and depth buffer. Once a frame: [`Earth::prepare`], then [`Earth::render`] inside the host's pass. Neither
+/// waits for disk or GPU. An Earth may be moved to another thread, and several threads may draw it at once.
 ///
 /// It is its own first view; [`Earth::new_view`] makes more.
 pub struct Earth {
@@ -133,7 +133,7 @@ pub struct Earth {
     quality: Quality,
     /// Bytes of tiles uploaded by the last `prepare`.
     uploaded_tiles: u64,
-    /// What went wrong with a pipeline that was made for a frame.
+    /// Error of a pipeline that was made for a frame.
     error: Option<EarthError>,
 }
 
@@ -151,9 +151,9 @@ impl Earth {
 
     /// Selects what the eye sees and uploads it to the GPU. Call it once per frame, before the pass. It never waits.
     ///
-    /// Nothing is drawn if the picture is undefined: the view or the sky is not finite, the Sun has no direction, the
-    /// projection has no inverse, or the eye is beyond 1e24 m. A view of another Earth is not drawn; a warning is
-    /// logged once. The returned statistics are those of the first picture and include the uploaded bytes of all tiles.
+    /// Nothing is drawn if the image is undefined: the view or the sky is not finite, the Sun has no direction, the projection has no inverse, or
+    /// the eye is beyond 1e24 m. A view of another Earth is not drawn; a warning is logged once. The returned statistics are those of the first
+    /// image and include the uploaded bytes of all tiles.
     pub fn prepare(
         &mut self,
         queue: &wgpu::Queue,
@@ -162,10 +162,10 @@ impl Earth {
         self.prepare_within(queue, &mut request, None)
     }
 
-    /// Like [`Self::prepare`], but waits until every requested tile is on the GPU and the terrain is fully refined, for at most
-    /// `timeout`. Use it for pictures that are kept. It returns the missing tiles; their blocks are drawn with coarser ones. It does
-    /// not wait for a tile that cannot be read. `missing_heights` lists the missing elevation tiles. Tile levels and
-    /// terrain triangles depend on this view only, not on earlier frames: the same view gives the same picture.
+    /// Like [`Self::prepare`], but waits until every requested tile is on the GPU and the terrain is fully refined, for at most `timeout`. Use it
+    /// for images that are kept. It returns the missing tiles; their blocks are drawn with coarser ones. It does not wait for a tile that cannot be
+    /// read. `missing_heights` lists the missing elevation tiles. Tile levels and terrain triangles depend on this view only, not on earlier
+    /// frames: the same view gives the same image.
     ///
     /// It submits its uploads to `queue`.
     pub fn prepare_complete(
@@ -207,7 +207,7 @@ impl Earth {
             let Some(tiles) = self.tiles.as_mut().filter(|_| is_drawn) else {
                 return (stats, Vec::new());
             };
-            // What was uploaded just now is drawn in the next round.
+            // The tiles uploaded in this round are drawn in the next one.
             let left = deadline.saturating_duration_since(Instant::now());
             if self.uploaded_tiles == 0 && (tiles.is_settled() || left.is_zero()) {
                 return (stats, tiles.missing().collect());
@@ -228,8 +228,8 @@ impl Earth {
         ground.map_or_else(Vec::new, ground::GroundDriver::missing)
     }
 
-    /// Has what was prepared last drawn at these points of its picture, until the next [`Self::prepare`]: by a pass of as many
-    /// pixels that sets their viewport.
+    /// Restricts the prepared image to these points until the next [`Self::prepare`]. The pass must have one pixel per point and set the lattice's
+    /// viewport.
     pub fn aim_at(&mut self, queue: &wgpu::Queue, view: &EyeView, points: &PixelLattice) {
         let rays = points.rays(view);
         let uniforms = &mut self.first.plan.uniforms;
@@ -239,16 +239,16 @@ impl Earth {
         self.first.surface.write_frame(queue, uniforms);
     }
 
-    /// Says where the eye is expected soon, the nearest time first, so that tiles are there when it comes. At most four
-    /// views are looked at; they stand until others are given. Without tiles it does nothing.
+    /// Announces where the eye is expected soon, the nearest time first, so that tiles are resident when it arrives. At most four views are used.
+    /// They stay in effect until the next call. Without tiles it does nothing.
     pub fn prefetch(&mut self, views: &[EyeView]) {
         if let Some(tiles) = &mut self.tiles {
             tiles.prefetch(views);
         }
     }
 
-    /// The exposure that [`Exposure::Auto`](terrella_ground::light::Exposure::Auto) would take for a view, EV; `None` where no picture is defined. For
-    /// hosts that follow it in time ([`terrella_ground::light::Adaptation`]) or expose a float target themselves.
+    /// The exposure that [`Exposure::Auto`](terrella_ground::light::Exposure::Auto) would choose for a view, EV; `None` if the view has no image.
+    /// For hosts that adapt it over time ([`terrella_ground::light::Adaptation`]) or expose a float target themselves.
     pub fn metered_ev(&mut self, view: &EyeView, sky: &Sky) -> Option<f64> {
         let planner = &mut self.first.planner;
         let ellipsoid = planner.ellipsoid();
@@ -303,8 +303,8 @@ impl Earth {
         self.first.stats
     }
 
-    /// Has all views drawn with the tiles that are there, hands over those that have come, and notes in the first what that costs.
-    /// Answers which blocks have tiles, where triangles lie in several.
+    /// Selects resident tiles for all views, uploads those that have arrived, and records the cost in the statistics of the first view. Returns the
+    /// blocks that have tiles if triangles span several blocks, else `None`.
     fn choose_tiles(
         &mut self,
         queue: &wgpu::Queue,
@@ -353,7 +353,7 @@ impl Earth {
         tiled
     }
 
-    /// How the surface is drawn through this air on this ground.
+    /// Configuration of the surface for this air and this planner's terrain.
     fn config<'a>(&self, air: Option<&'a AirDrawable>, planner: &'a Planner) -> SurfaceConfig<'a> {
         let (style, format, ground) = (self.style, self.format, planner.ground());
         let air = air.map(AirDrawable::textures);
@@ -380,7 +380,7 @@ impl Earth {
         self.render_air_of(&self.first, pass);
     }
 
-    /// The third part: nothing where the eye is above the clouds.
+    /// The third part. It draws nothing if the eye is above the clouds.
     pub fn render_clouds_overhead(&self, pass: &mut wgpu::RenderPass<'_>) {
         self.render_clouds_overhead_of(&self.first, pass);
     }
@@ -396,7 +396,7 @@ impl Earth {
         if view.drawn.is_none() || view.version != self.first.version {
             return;
         }
-        // Where no depths tell that the ground stands before the halo it is drawn over it.
+        // Without a depth buffer, the ground is drawn after the halo.
         if self.format.depth == DepthBuffer::None {
             render_halo(view, pass);
         }
@@ -415,28 +415,28 @@ impl Earth {
         }
     }
 
-    /// The surface that draws terrain, as scenes name it; `None` without relief.
+    /// Name of the terrain surface, as scenes write it; `None` without terrain.
     #[cfg(feature = "terrain")]
     pub fn surface_name(&self) -> Option<&'static str> {
         self.first.planner.ground().map(|surface| surface.name())
     }
 
-    /// What others draw through this air with.
+    /// Textures of the air for other drawables.
     pub(crate) fn air_textures(&self) -> Option<&AirTextures> {
         self.first.air_textures()
     }
 
-    /// What neighbourhoods of the ground reflect, with their clouds: for hosts whose own things the Earth lights.
+    /// Mean albedo of neighbourhoods of the ground, clouds included: for hosts that light their own objects with the Earth.
     pub fn neighbourhood_albedo(&self) -> &Arc<NeighbourhoodAlbedo> {
         self.first.planner.exposure.albedo()
     }
 
-    /// The pass that it is drawn in.
+    /// Format of the pass that the Earth is drawn in.
     pub fn format(&self) -> PassFormat {
         self.format
     }
 
-    /// When pipelines are made.
+    /// When pipelines are created.
     #[cfg(feature = "celestial")]
     pub(crate) fn pipelines(&self) -> Pipelines {
         self.style.pipelines
@@ -458,8 +458,8 @@ impl Earth {
         self.first.air.is_some()
     }
 
-    /// Whether its own view, as it was prepared last, waits for nothing: its tiles are there, and its ground is as fine as it will be.
-    /// So an Earth of another pack can be prepared beside the one that is drawn, until it takes that one's place.
+    /// Whether its own view, as last prepared, is complete: its tiles are resident and its terrain is fully refined. A host can thus prepare an
+    /// Earth of another pack beside the drawn one, and then swap them.
     pub fn is_settled(&self) -> bool {
         let has_tiles = self.tiles.as_ref().is_none_or(TileDriver::is_settled);
         self.first.is_settled() && self.uploaded_tiles == 0 && has_tiles

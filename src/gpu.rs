@@ -1,4 +1,4 @@
-//! Everything that knows wgpu: adapter, targets, shaders, uniform structs, one file per drawable.
+//! Code that uses wgpu: adapter, targets, shaders, uniform structs, one file per drawable.
 
 mod air;
 mod bloom;
@@ -106,9 +106,9 @@ use terrella_imagery::srgb::linear_from_encoded;
 /// The depth buffer of the pass that the Earth is drawn in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DepthBuffer {
-    /// The pass has none: the Earth is drawn over what is there already.
+    /// The pass has none: the Earth is drawn over everything already there.
     None,
-    /// Reversed depth: nearer is larger (clear to 0). The one to choose: it keeps precision to the horizon.
+    /// Reversed depth: nearer is larger (clear to 0). Recommended: it keeps precision to the horizon.
     ReversedZ(wgpu::TextureFormat),
     /// Nearer is smaller (clear to 1).
     StandardZ(wgpu::TextureFormat),
@@ -117,19 +117,18 @@ pub enum DepthBuffer {
 /// What the surface writes to the colour target.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SurfaceOutput {
-    /// The picture.
+    /// The image.
     #[default]
     Color,
-    /// The geolocation buffer, for measuring: where each pixel looks, and no picture. The target is [`SurfaceOutput::GEOLOCATION`] with one sample a
-    /// pixel, cleared to 0; a pixel of the ground holds texture coordinates (u east from 180° W, v south from the north
-    /// pole, both 0…1 over the whole map) as they are from the block's centre, two numbers, and that centre's, two more;
-    /// or with relief 1, 1, 1 and the distance of the drawn ground in lengths of the pixel's ray to the plane one metre in
-    /// front of the eye.
-    /// There is no air, and no map is read.
+    /// The geolocation buffer, for measurements, instead of the image. The target is [`SurfaceOutput::GEOLOCATION`] with one sample a pixel,
+    /// cleared to 0. A pixel of the ground holds four numbers: texture coordinates (u east from 180° W, v south from the north pole, both 0…1 over
+    /// the whole map) relative to the block's centre, and those of that centre. With terrain it holds 1, 1, 1 and the distance of the drawn ground,
+    /// in lengths of the pixel's ray to the plane one metre in front of the eye.
+    /// No air is drawn and no map is read.
     Geolocation,
-    /// What is where each pixel looks, as numbers, and no picture: see [`TruthTexel`]. The pass has the three targets
-    /// [`SurfaceOutput::TRUTH`], in this order, cleared to 0, with one sample a pixel; the Earth's options name the first of
-    /// them as their colour format. There is no air, and no made detail; nothing else can be drawn in such a pass.
+    /// Ground truth of each pixel, instead of the image: see [`TruthTexel`]. The pass has the three targets [`SurfaceOutput::TRUTH`], in this
+    /// order, cleared to 0, with one sample a pixel. The Earth's options name the first of them as their colour format. There is no air and no
+    /// synthetic detail, and nothing else can be drawn in such a pass.
     Truth,
 }
 
@@ -144,7 +143,7 @@ impl SurfaceOutput {
         wgpu::TextureFormat::Rgba16Float,
     ];
 
-    /// Formats of a pass's targets after the first.
+    /// Formats of the targets after the first.
     pub(crate) fn further_targets(self) -> &'static [wgpu::TextureFormat] {
         match self {
             Self::Color | Self::Geolocation => &[],
@@ -153,30 +152,30 @@ impl SurfaceOutput {
     }
 }
 
-/// Where exposed light becomes what is shown of it.
+/// Where exposed light is developed into displayable colour.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Development {
-    /// In the shader of each layer, before layers are blended: one pass and no texture in between, exact where one layer stands alone. Where
-    /// layers overlap, what is shown of them is added and not their light. Float targets get the light itself and no exposure.
+    /// In the shader of each layer, before layers are blended: one pass without an intermediate texture, exact where layers do not overlap.
+    /// Overlapping layers add their displayed colours instead of their light. Float targets get unexposed light.
     #[default]
     InPass,
-    /// After the pass, by a [`Developer`]: the pass adds up exposed light in a float target, whatever overlaps.
+    /// After the pass, by a [`Developer`]: the pass accumulates exposed light in a float target, also where layers overlap.
     AfterPass,
 }
 
-/// What all pipelines of one Earth share: the pass that they are drawn in.
+/// Format of the pass, which all pipelines of one Earth share.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PassFormat {
     pub color: wgpu::TextureFormat,
-    /// Formats of the colour targets after that one; nothing is blended into them.
+    /// Formats of the further colour targets; nothing is blended into them.
     pub further: &'static [wgpu::TextureFormat],
     pub samples: u32,
     pub depth: DepthBuffer,
-    /// Where exposed light becomes what is shown.
+    /// Where exposed light is developed.
     pub development: Development,
-    /// By which curve light is shown.
+    /// Tone curve.
     pub tone: Tone,
-    /// What a lens does to light that is developed after the pass.
+    /// Bloom of light that is developed after the pass.
     pub bloom: Bloom,
     /// White balance and grain of light that is developed after the pass.
     pub grade: Grade,
@@ -199,7 +198,7 @@ impl PassFormat {
         })
     }
 
-    /// What shaders must give the colour target.
+    /// What the shaders write to the colour target.
     pub fn target_color(&self) -> TargetColor {
         match self.color {
             color if stores_light(color) => match self.development {
@@ -211,14 +210,14 @@ impl PassFormat {
         }
     }
 
-    /// Whether the pass adds up exposed light that is developed after it.
+    /// Whether the pass accumulates exposed light that is developed after it.
     #[cfg(feature = "tracks")]
     pub(crate) fn is_developed_later(&self) -> bool {
         self.target_color() == TargetColor::Exposed
     }
 
-    /// What the target stores of a display colour, sRGB, that is blended with an opacity above 0: red, green and blue, not premultiplied. Where
-    /// light is developed after the pass, it is the light that is shown as the colour on black, faded by the opacity.
+    /// Value that the target stores for a display colour, sRGB, which is blended with an opacity above 0: red, green and blue, not premultiplied.
+    /// With development after the pass, it is the light that is displayed as this colour on black, reduced by the opacity.
     #[cfg(feature = "tracks")]
     pub(crate) fn stored_color(&self, srgb: [u8; 3], opacity: f64) -> [f32; 3] {
         let display = srgb.map(|code| f64::from(code) / f64::from(u8::MAX));
@@ -242,13 +241,13 @@ impl PassFormat {
     }
 }
 
-/// Whether a target of this format gets light itself, and not what is shown of it.
+/// Whether a target of this format stores light instead of displayable colour.
 pub(crate) fn stores_light(format: wgpu::TextureFormat) -> bool {
     use wgpu::TextureFormat as F;
     matches!(format, F::Rgba16Float | F::Rgba32Float | F::Rg11b10Ufloat)
 }
 
-/// The whole of a texture.
+/// A view of the whole texture.
 fn view(texture: &wgpu::Texture) -> wgpu::TextureView {
     texture.create_view(&wgpu::TextureViewDescriptor {
         label: Some("terrella view"),
@@ -266,7 +265,7 @@ fn uniform_buffer<T>(device: &wgpu::Device, label: &str) -> wgpu::Buffer {
     })
 }
 
-/// A buffer that holds this from the start. On a lost device it holds nothing: wgpu calls its error handler, and nothing panics.
+/// A buffer with initial content. On a lost device it is empty: wgpu calls its error handler, and nothing panics.
 fn filled_buffer(
     device: &wgpu::Device,
     label: &str,
@@ -287,7 +286,7 @@ fn filled_buffer(
     buffer
 }
 
-/// A layout of bindings, and what is bound by it.
+/// A bind group and its layout.
 fn bind(
     device: &wgpu::Device,
     label: &str,
@@ -311,7 +310,7 @@ fn layout_of(
     })
 }
 
-/// What is bound by a layout that was made of such bindings.
+/// A bind group for a layout that was made from the same bindings.
 fn bind_to(
     device: &wgpu::Device,
     label: &str,

@@ -13,19 +13,19 @@
 //!                        └──► tile requests ──► decoder threads
 //! ```
 //!
-//! | what a host meets | is |
+//! | item | purpose |
 //! |---|---|
 //! | [`Earth`] | the façade: `new`, `prepare`, `render` |
-//! | [`EarthOptions`] | what an Earth is made of: maps, air, shading, the host's formats |
+//! | [`EarthOptions`] | the options of an Earth: maps, air, shading, the host's formats |
 //! | [`EyeView`] | the camera, in the host's own axes and unit |
 //! | [`EarthView`] | a further view of the same Earth: split screens, stereo, cameras of instruments |
-//! | [`Sky`] | what lights the Earth at an [`Epoch`] |
-//! | [`FrameStats`] | what was drawn, counted |
+//! | [`Sky`] | Sun, Moon and stars at an [`Epoch`] |
+//! | [`FrameStats`] | statistics of a frame |
 //! | [`Atmosphere`], [`Shading`] | the air; the light on the ground |
-//! | [`Exposure`], [`Tone`] | how light is shown |
-//! | [`MapUploader`], [`UploadedMaps`] | maps that go to the GPU while they are read, and that several Earths share |
-//! | [`GpuMap`], [`MapFade`] | maps that are changed while the Earth is drawn, the host's own textures among them |
-//! | [`Quality`], [`ScaledTarget`] | what may be changed while the Earth is drawn; a picture drawn smaller than it is shown |
+//! | [`Exposure`], [`Tone`] | exposure and tone curve |
+//! | [`MapUploader`], [`UploadedMaps`] | maps that are uploaded while they are read, and shared by several Earths |
+//! | [`GpuMap`], [`MapFade`] | maps that change while the Earth is drawn, the host's own textures among them |
+//! | [`Quality`], [`ScaledTarget`] | quality that changes while the Earth is drawn; rendering at a lower resolution |
 //! | [`GroundOptions`], [`SurfaceSettings`] | terrain, and the surface that draws it |
 //! | [`TileOptions`] | imagery larger than memory, streamed |
 //! | [`OffscreenEarth`] | an Earth that owns its device and renders into memory, for programs without wgpu |
@@ -33,7 +33,7 @@
 //!
 //! # Crates and modules
 //!
-//! | crate | holds |
+//! | crate | content |
 //! |---|---|
 //! | `terrella-files` | opening untrusted files, writing durable ones, loading in the background |
 //! | `terrella-frames` | reference frames and time, here as [`frames`] |
@@ -41,7 +41,7 @@
 //! | `terrella-ground` | elevation, globe, air and light as numbers |
 //! | `terrella-imagery` | maps and packs of tiles |
 //! | `terrella-model` | spacecraft models: glTF files |
-//! | `terrella` | this crate: what is drawn with a GPU |
+//! | `terrella` | this crate: everything drawn with a GPU |
 //! | `terrella-pack` | packs made from large maps, and fetched maps |
 //! | `terrella-sensor` | camera sensors: lenses, point spread, electrons, noise |
 //! | `terrella-play` | scene files, pictures, films, the window |
@@ -49,51 +49,52 @@
 //! | `terrella-cli` | the command |
 //! | `terrella-maps` | the starter maps |
 //!
-//! A module may use those above it in this table and none below; the compiler holds it between crates, `tests/house` within one.
+//! A module may use those above it in this table and none below. The compiler enforces this between crates, `tests/house` within a crate.
 //!
 //! | module | knows | must not know |
 //! |---|---|---|
 //! | `files` | opening files from outside, files that are not finished, text from outside in messages | anything below |
-//! | `durable` | files that outlast a power failure: synced, then renamed | anything below |
+//! | `durable` | files that survive a power failure: synced, then renamed | anything below |
 //! | `clock` | the monotonic clock of every platform | anything below |
-//! | `parallel` | work shared out over the cores, or done in turn where there are no threads | anything below |
-//! | `loaders` | threads that load tiles beside the frame | anything below |
+//! | `parallel` | work distributed over the cores, or done in sequence without threads | anything below |
+//! | `loaders` | threads that load tiles in the background | anything below |
 //! | [`frames`] | ellipsoid, time scales, Earth rotation, Sun; f64 | anything below |
 //! | `orbit` | readers and propagators: a state at an epoch | GPU |
-//! | `basilisk` | simulations of Basilisk: their sockets, messages and files, what is kept of them | GPU |
-//! | `height` | ranges of heights, and statistics of streamed ones | GPU, files |
+//! | `basilisk` | Basilisk simulations: sockets, messages and files, and their recorded state | GPU |
+//! | `height` | elevation ranges, and statistics of streamed elevation data | GPU, files |
 //! | `elevation` | elevation data: grids, their pyramids, readers | GPU |
-//! | `globe` | the block sphere, and surfaces with relief: vertices, culling, level of detail | GPU, files |
+//! | `globe` | the block sphere and the terrain surfaces: vertices, culling, level of detail | GPU, files |
 //! | `half` | half floats | GPU, files |
 //! | `air` | density, scattering tables, the billboard | GPU, files |
 //! | `light` | exposure, tone curves, metering | GPU, files |
 //! | `imagery` | maps and packs on disk, checks, mip levels, slopes, streaming | GPU, orbits |
-//! | `model` | spacecraft models: glTF files as triangles, materials and pictures | GPU, orbits |
-//! | `shipped` | scenes that come with every program | |
-//! | `plan` | what a frame draws, as plain values | GPU, files, orbits |
+//! | `model` | spacecraft models: glTF files as triangles, materials and textures | GPU, orbits |
+//! | `shipped` | scenes that are compiled in | |
+//! | `plan` | the content of a frame, as plain values | GPU, files, orbits |
 //! | `gpu` | adapter, targets, shaders, one file per drawable | files, orbits |
 //! | `earth` | the façade | the command |
-//! | `offscreen` | an Earth that is drawn into memory | files, the command |
+//! | `offscreen` | an Earth that renders into memory | files, the command |
 //! | `celestial` | stars, the Milky Way, Sun and Moon behind the Earth | files but the star catalogue, the command |
 //! | `tracks` | trails, ground tracks, footprints and markers of feeds, lines on the globe, ground stations | files but coast lines and borders, the command |
 //! | `pack` | packs built from large maps | GPU, orbits |
-//! | `fetch` | maps from their public sources into a cache; all of the network that there is | GPU, orbits |
+//! | `fetch` | maps from their public sources into a cache; the only network access | GPU, orbits |
 //! | `sensor` | lenses, point spread, light to electrons and raw frames | GPU, files, scenes |
 //! | `scene` | the TOML file, defaults, checks with line and key | GPU |
 //! | `play` | clock, cameras, window, stills, video | |
 //! | `measure` | harness, reference renderer, error against run time, stability | |
 //! | `cli` | arguments, progress, exit codes | mathematics |
 //!
-//! `docs/architecture.md` says how each part works and why, and where to change what; `docs/glossary.md` explains the words that are ours.
+//! `docs/architecture.md` explains how each part works and why, and where to change what; `docs/glossary.md` explains the project's terms.
 //!
 //! # Features
 //!
-//! A host pays for what it draws. By default this crate is the Earth and its air from the starter maps (`maps`), held whole, on all backends of
-//! wgpu. `packs`, `terrain`, `tracks`, `celestial` and `offscreen` add what their names say, and `serde` reads and writes [`SurfaceLight`]. Without `terrain` there is no value of [`GroundOptions`],
-//! without `packs` none of [`TileOptions`], and the compiler drops all that would use one. With `default-features = false` the host chooses wgpu's backends, by
-//! the features `vulkan`, `gles`, `metal` and `dx12`, in a web page `webgpu` and `webgl`, or by its own dependency on wgpu, which is also [`wgpu`] here.
+//! A host pays only for what it draws. By default this crate is the Earth and its air from the starter maps (`maps`), as whole maps in memory, on
+//! all backends of wgpu. `packs`, `terrain`, `tracks`, `celestial` and `offscreen` add the parts of these names, and `serde` reads and writes
+//! [`SurfaceLight`]. Without `terrain`, [`GroundOptions`] has no value, and without `packs`, [`TileOptions`] has none; the compiler drops all code
+//! that would use one. With `default-features = false` the host chooses wgpu's backends, by the features `vulkan`, `gles`, `metal` and `dx12`, in a
+//! web page `webgpu` and `webgl`, or by its own dependency on wgpu, which is re-exported as [`wgpu`].
 
-// docs.rs says of each item which feature it needs.
+// docs.rs shows the required feature of each item.
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
 #[cfg(all(feature = "offscreen", target_family = "wasm"))]
@@ -122,8 +123,8 @@ pub mod shipped;
 #[cfg(feature = "tracks")]
 pub mod tracks;
 
-/// What the Earth is made of, for the tests, benches, fuzz targets and the command of this repository. Hosts need none of it: it
-/// changes with any version. The table of modules above says what each knows.
+/// Internals of the Earth, for the tests, benches, fuzz targets and the command of this repository. Hosts need none of them, and they change in any
+/// version. See the table of modules above.
 #[doc(hidden)]
 pub mod internals {
     #[cfg(feature = "offscreen")]

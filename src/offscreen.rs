@@ -1,13 +1,13 @@
-//! An Earth that owns its device and textures and returns pictures in memory, for programs without wgpu.
+//! An Earth that owns its device and textures and returns images in memory, for programs without wgpu.
 //!
 //! | file | what |
 //! |---|---|
-//! | `offscreen.rs` | the Earth: shown colour, light, and what is where pixels look |
-//! | `truth.rs` | the numbers of a picture's pixels as arrays |
-//! | `truth_layers.rs` | which layers there are: names, units, values |
-//! | `textures.rs` | what a picture is drawn to |
-//! | `limits.rs` | how large pictures may be |
-//! | `error.rs` | what can go wrong |
+//! | `offscreen.rs` | the Earth: displayed colour, light, and ground truth |
+//! | `truth.rs` | ground truth as arrays |
+//! | `truth_layers.rs` | the layers of ground truth: names, units, values |
+//! | `textures.rs` | render targets |
+//! | `limits.rs` | size limits |
+//! | `error.rs` | errors |
 
 mod error;
 mod limits;
@@ -35,11 +35,10 @@ use terrella_imagery::tile::TileKey;
 
 /// An Earth that renders into memory, on its own device or on one that clones of its [`GpuContext`] share.
 ///
-/// It renders three kinds of pictures: colour, light and truth. The first request for a kind creates its [`Earth`] and textures, so a
-/// program pays only for the kinds that it uses. All kinds share the maps, which the first picture moves from memory to the GPU.
+/// It renders three kinds of images: colour, light and truth. The first request for a kind creates its [`Earth`] and textures, so a program pays
+/// only for the kinds that it uses. All kinds share the maps, which the first image moves from memory to the GPU.
 ///
-/// Each call waits for the device and returns a complete picture. It renders one picture at a time (`&mut self`) and can be moved to other
-/// threads.
+/// Each call waits for the device and returns a complete image. It renders one image at a time (`&mut self`) and can be moved to other threads.
 pub struct OffscreenEarth {
     gpu: GpuContext,
     options: EarthOptions,
@@ -49,36 +48,36 @@ pub struct OffscreenEarth {
     truth: Option<Drawn<TruthTargets>>,
 }
 
-/// An Earth of one kind, and what it is drawn to.
+/// An Earth of one kind, and its render targets.
 struct Drawn<T> {
     earth: Earth,
     targets: T,
 }
 
-/// Statistics of a picture, and the tiles missing from it.
+/// Statistics of an image, and the tiles missing from it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Drawing {
-    /// What was drawn.
+    /// Statistics of the frame.
     pub stats: FrameStats,
     /// Tiles that did not arrive in time; coarser ones are drawn instead.
     pub missing: Vec<TileKey>,
 }
 
 impl OffscreenEarth {
-    /// Opens the best adapter, or the best of those whose name contains `adapter`, letter case aside, for pictures of any kind. Waits.
+    /// Opens the best adapter, or the best of those whose name contains `adapter`, letter case aside, for images of any kind. It blocks.
     ///
     /// # Errors
-    /// No adapter, none of that name, or one that gives no device.
+    /// No adapter, none of that name, or one that provides no device.
     pub fn open_gpu(adapter: Option<&str>) -> Result<GpuContext, OffscreenError> {
         let float = GpuContext::FLOAT_TARGET;
         Ok(pollster::block_on(GpuContext::open_with(adapter, float))?)
     }
 
-    /// An Earth of these options for pictures of `size`, width and height in pixels. Colour format, depth and diagnostics of the
-    /// options are chosen here. Nothing is uploaded before the first picture.
+    /// An Earth with these options for images of `size`, width and height in pixels. Colour format, depth and diagnostics of the options are
+    /// overridden. Nothing is uploaded before the first image.
     ///
     /// # Errors
-    /// A picture that is empty, larger than the device draws, or takes more than [`MAX_PICTURE_MIB`].
+    /// An image that is empty, larger than the device supports, or takes more than [`MAX_PICTURE_MIB`].
     pub fn new(
         gpu: GpuContext,
         mut options: EarthOptions,
@@ -103,15 +102,15 @@ impl OffscreenEarth {
         })
     }
 
-    /// Width and height of the next picture, pixels.
+    /// Width and height of the next image, pixels.
     pub fn size(&self) -> (u32, u32) {
         self.size
     }
 
-    /// Changes the size of later pictures. It recreates textures and keeps maps.
+    /// Changes the size of later images. It recreates textures and keeps maps.
     ///
     /// # Errors
-    /// As [`Self::new`]; the size is then as it was.
+    /// As [`Self::new`]. The size is then unchanged.
     pub fn set_size(&mut self, size: (u32, u32)) -> Result<(), OffscreenError> {
         limits::check_size(&self.gpu, size)?;
         limits::check_memory(size, &self.options.pass_format())?;
@@ -129,16 +128,16 @@ impl OffscreenEarth {
         &self.gpu
     }
 
-    /// Options of the Earth. Its maps have no texels after the first picture.
+    /// Options of the Earth. Its maps have no texels after the first image.
     pub fn options(&self) -> &EarthOptions {
         &self.options
     }
 
-    /// Draws the Earth as it is shown and writes it to `rgba`: four bytes a pixel (red, green, blue in sRGB, and opacity, which is
-    /// 255 on the ground), rows from the top, without padding. Waits for tiles of a pack, at most `wait`.
+    /// Draws the Earth as displayed colour into `rgba`: four bytes a pixel (red, green, blue in sRGB, and opacity, which is 255 on the ground),
+    /// rows from the top, without padding. Waits for tiles of a pack, at most `wait`.
     ///
     /// # Errors
-    /// A view of which there is no picture, a buffer of another length than width × height × 4, a device that has no room or is lost.
+    /// A view without an image, a buffer whose length is not width × height × 4, a device that is out of memory or lost.
     pub fn draw_color(
         &mut self,
         view: &EyeView,
@@ -159,10 +158,10 @@ impl OffscreenEarth {
         Ok(drawing)
     }
 
-    /// Draws the Earth's light and writes it to `light`: four 32-bit floats a pixel, scene-referred and linear, before exposure and tone
-    /// curve (a white sheet that faces the Sun in space is 1); red, green, blue, and what is no light. Each pixel is the light along the
-    /// ray through its middle. Where the adapter cannot blend 32-bit floats, the light was held in 16-bit ones. The ground is without
-    /// made detail: what is measured is what is known.
+    /// Draws the Earth's light into `light`: four 32-bit floats a pixel, scene-referred and linear, before exposure and tone curve (a white sheet
+    /// that faces the Sun in space is 1): red, green, blue, and a value without meaning. Each pixel is the light along the ray through its centre.
+    /// If the adapter cannot blend 32-bit floats, the precision is that of 16-bit floats. The ground has no synthetic detail: measurements use data
+    /// only.
     ///
     /// # Errors
     /// As [`Self::draw_color`]; the buffer has width × height × 4 numbers.
@@ -184,7 +183,7 @@ impl OffscreenEarth {
             format,
             self.size,
             |options| {
-                // 32-bit numbers of what the device can blend.
+                // 32-bit values, in the precision that the device can blend.
                 options.color_format = format;
                 options.development = Development::InPass;
                 options.samples = 1;
@@ -198,7 +197,7 @@ impl OffscreenEarth {
         Ok(drawing)
     }
 
-    /// Draws what is where each pixel looks, to be asked for layer by layer.
+    /// Draws the ground truth of each pixel, which is then read layer by layer.
     ///
     /// # Errors
     /// As [`Self::draw_color`].
@@ -236,7 +235,7 @@ impl OffscreenEarth {
         ))
     }
 
-    /// Uploads the maps, if none was yet.
+    /// Uploads the maps unless they are already on the GPU.
     fn upload(&mut self) -> Result<(), OffscreenError> {
         let uploaded = self.options.upload(&self.gpu.device, &self.gpu.queue);
         Ok(uploaded.map_err(EarthError::from)?)
@@ -275,7 +274,7 @@ impl OffscreenEarth {
     }
 }
 
-/// What begins a pass, and what comes after it.
+/// Begins a pass, and adds the passes after it.
 trait Targets {
     fn begin<'e>(&self, encoder: &'e mut wgpu::CommandEncoder) -> wgpu::RenderPass<'e>;
     fn end(&self, _: &mut wgpu::CommandEncoder) {}
@@ -330,7 +329,7 @@ impl<T: Targets> Drawn<T> {
     }
 }
 
-/// The same Earth as numbers.
+/// The same Earth with ground truth as output.
 fn make_truth_earth(gpu: &GpuContext, options: &EarthOptions) -> Result<Earth, OffscreenError> {
     let mut options = options.clone();
     truth::set_truth(&mut options)?;

@@ -1,5 +1,5 @@
-//! Tracks of satellites over the globe: orbit trails, ground tracks, sensor footprints, sub-satellite points and markers, for any
-//! [`Feed`], drawn into a host's pass with the Earth.
+//! Tracks of satellites over the globe: orbit trails, ground tracks, sensor footprints, sub-satellite points and markers, for any [`Feed`], drawn
+//! into a host's pass with the Earth.
 //!
 //! # Use
 //!
@@ -29,37 +29,35 @@
 //!         f64, kept        f32, one subtraction   cut before the eye         each by its own ray
 //! ```
 //!
-//! **Samples.** A curve is sampled half a degree of arc apart, by the state's own speed over radius, so that Molniya's
-//! perigee is as smooth as its apogee. It follows time: only what enters the span is asked of the feed, only what leaves it
-//! is dropped, and the ends between samples are cut. Where a feed has no state the curve ends. Of a live feed, what lies
-//! after now, and the last seconds before, is asked again in each frame. [`Tracks::prepare`] asks for at most
-//! [`SAMPLES_A_FRAME`] states, from now outwards, and goes on in the next frame; [`Tracks::prepare_complete`] asks for all.
-//! In steady state neither allocates.
+//! **Samples.** A curve is sampled at steps of half a degree of arc, from the state's own speed over radius, so that Molniya's perigee is as smooth
+//! as its apogee. It follows time: the feed is asked only for states that enter the span, samples that leave it are dropped, and the ends between
+//! samples are cut. Where a feed has no state, the curve ends. For a live feed, states after now and of the last seconds are requested again in
+//! each frame. [`Tracks::prepare`] requests at most [`SAMPLES_A_FRAME`] states, from now outwards, and continues in the next frame;
+//! [`Tracks::prepare_complete`] requests all of them. In steady state neither allocates.
 //!
-//! **Trail.** The orbit's shape as the stars see it: places of other times in inertial axes, turned as the Earth stands now. An
-//! undisturbed orbit is a closed ellipse, and the satellite is on it. Precession within the span is left out, 4 m a day.
+//! **Trail.** The orbit's shape in inertial axes: positions at other times, with the present orientation of the Earth. An undisturbed orbit is a
+//! closed ellipse, and the satellite is on it. Precession within the span is neglected, 4 m a day.
 //!
-//! **Ground track.** The feet of the ellipsoid's normals, Earth-fixed. It is a curve in space: no date line, no poles.
+//! **Ground track.** Sub-satellite points along the ellipsoid's normals, Earth-fixed. It is a curve in space: no date line, no poles.
 //!
-//! **Footprint.** The ground within the sensor's field of view and in sight, by the exact ellipsoid
-//! ([`footprint_outline`] about nadir, else [`AimedField::outline`](terrella_orbit::AimedField::outline)). Its fill is decided for each pixel
-//! by where the pixel's ray meets the ground.
+//! **Footprint.** The visible ground within the sensor's field of view, on the exact ellipsoid ([`footprint_outline`] for a cone about nadir, else
+//! [`AimedField::outline`](terrella_orbit::AimedField::outline)). The shader of the fill tests where each pixel's ray meets the ground.
 //!
-//! **Swath.** Triangles between the edges of what the field of view passes over, sampled as curves are. Parts that are passed over twice are
-//! tinted twice.
+//! **Swath.** Triangles between the edges of the ground that the field of view sweeps, sampled like curves. Ground that is swept twice is tinted
+//! twice.
 //!
-//! **Lines.** One instance a segment, cut against the plane before the eye and against three times the picture, widened on
-//! screen, neighbours joined at their bisector, edges smoothed by distance. A dark edge sets them off from bright ground.
+//! **Lines.** One instance a segment, clipped against the plane in front of the eye and against three times the image, widened on screen, mitred
+//! with its neighbours, and antialiased by distance. A dark outline separates them from bright ground.
 //!
-//! **Polygons.** One instance a triangle, small enough to follow the ellipsoid, on corners that neighbours share: nothing shows through, and
-//! nothing is covered twice. Edges are smoothed by distance.
+//! **Polygons.** One instance a triangle, small enough to follow the ellipsoid, with corners shared by neighbours: there are no gaps and no
+//! overlaps. Edges are antialiased by distance.
 //!
-//! **Hiding.** Whether the globe hides a point is decided by the ray to it ([`is_hidden`]), in scaled space, where the
-//! ellipsoid is the unit sphere: exact at the limb, whatever the mesh. What else the host has drawn hides by depth; what lies on the ground is tested a
-//! tenth of its distance nearer (marks half), 500 m at least, so that the inscribed mesh does not hide it. Depth is not written.
+//! **Occlusion.** Whether the globe hides a point is decided by the ray to it ([`is_hidden`]), in scaled space, where the ellipsoid is the unit
+//! sphere: exact at the limb, for any mesh. Other objects of the host hide by depth. Elements on the ground are tested at a depth nearer by a tenth
+//! of their distance (marks by half), at least 500 m, so that the inscribed mesh does not hide them. Depth is not written.
 //!
-//! **Air.** What lies beyond the near boundary of the Earth's air is drawn through it, each pixel as the ground or the sky that its
-//! ray meets. A line behind the limb is dimmed and tinted, one in front is not.
+//! **Air.** Elements beyond the near boundary of the Earth's air are seen through it: each pixel is dimmed and tinted like the ground or sky that
+//! its ray meets. A line behind the limb is affected, one in front is not.
 
 mod buffers;
 mod curve;
@@ -114,14 +112,14 @@ use twilight::InkedTwilight;
 pub use twilight::{TWILIGHT_DEG, TWILIGHT_POINTS, twilight_line};
 pub use vector_map::{VectorMap, VectorMapError};
 
-/// Most states that [`Tracks::prepare`] asks feeds for to grow their curves.
+/// Largest number of states that [`Tracks::prepare`] requests from feeds to extend their curves.
 pub const SAMPLES_A_FRAME: usize = 512;
-/// Most points of one curve.
+/// Largest number of points of one curve.
 pub const MAX_POINTS: usize = 16_384;
-/// Most points of all curves.
+/// Largest number of points of all curves.
 pub const MAX_POINTS_IN_ALL: usize = 262_144;
 
-/// The Earth's pass, figure and atmosphere, which tracks are drawn with.
+/// The Earth's pass, figure and atmosphere, for drawing tracks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TracksOptions {
     /// The figure of the Earth.
@@ -132,17 +130,17 @@ pub struct TracksOptions {
     pub samples: u32,
     /// Depth buffer of the pass.
     pub depth: DepthBuffer,
-    /// Where exposed light becomes what is shown: after the pass, tracks are light that is shown in their colours.
+    /// Where exposed light is developed: if it is after the pass, tracks are drawn as light that is displayed in their colours.
     pub development: Development,
-    /// By which curve.
+    /// Tone curve of the development.
     pub tone: Tone,
-    /// After which white balance.
+    /// White balance of the development.
     pub grade: Grade,
     air: Option<AirTextures>,
 }
 
 impl TracksOptions {
-    /// Those of an Earth, as it is drawn now.
+    /// The options for an Earth in its present state.
     pub fn of(earth: &Earth) -> Self {
         let format = earth.format();
         Self {
@@ -158,14 +156,14 @@ impl TracksOptions {
     }
 }
 
-/// The moment, the eye and the satellites that a frame shows.
+/// Time, eye and orientation of a frame.
 #[derive(Clone, Copy, Debug)]
 pub struct TrackMoment<'m> {
     /// The epoch that the frame shows.
     pub epoch: Epoch,
-    /// The Earth's orientation now, as states are brought into Earth-fixed axes.
+    /// The Earth's present orientation, which transforms states to Earth-fixed axes.
     pub orientation: Orientation,
-    /// How the Earth stands and turns where that is another than the epoch's: in a simulation that says so itself.
+    /// Orientation and rotation rate of the Earth if they differ from those of the epoch: in a simulation with its own.
     pub turn: Option<EarthTurn>,
     /// The view from the eye.
     pub view: &'m EyeView,
@@ -173,7 +171,7 @@ pub struct TrackMoment<'m> {
     pub target: Viewport,
 }
 
-/// What a frame's tracks are.
+/// Statistics of a frame's tracks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct TrackStats {
     /// Points of lines.
@@ -182,7 +180,7 @@ pub struct TrackStats {
     pub marks: u32,
     /// States requested from feeds to extend curves.
     pub samples: u32,
-    /// Pairs of a station and a satellite in its view.
+    /// Number of pairs of a station and a satellite in its view.
     pub accesses: u32,
     /// Triangles.
     pub triangles: u32,
@@ -190,11 +188,11 @@ pub struct TrackStats {
     pub draw_calls: u32,
     /// Bytes written to the GPU.
     pub uploaded_bytes: u64,
-    /// Whether all curves are as long as their spans, or as what their feeds know.
+    /// Whether all curves cover their spans, or as much as their feeds have.
     pub is_complete: bool,
 }
 
-/// Why tracks could not be made.
+/// Why tracks could not be created.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum TracksError {
@@ -204,15 +202,15 @@ pub enum TracksError {
     /// Lines that cannot be drawn.
     #[error("lines: {what}")]
     Lines {
-        /// What they must be.
+        /// The requirement.
         what: &'static str,
     },
-    /// An angle or span that has no meaning.
+    /// An angle or span out of range.
     #[error("satellite {satellite}: {what}")]
     Style {
-        /// The satellite's place among the styles.
+        /// Index of the satellite's style.
         satellite: usize,
-        /// What it must be.
+        /// The requirement.
         what: &'static str,
     },
 }
@@ -230,7 +228,7 @@ pub struct Tracks {
     /// Direction to the Sun, unit.
     sun_itrf: DVec3,
     moon_shadow: Option<MoonShadow>,
-    /// The satellite whose height the stations' circles are of.
+    /// Index of the satellite whose altitude sets the stations' circles.
     followed: usize,
     options: TracksOptions,
     kinds: TrackKinds,
@@ -238,15 +236,15 @@ pub struct Tracks {
     device: wgpu::Device,
     buffers: TrackBuffers,
     stats: TrackStats,
-    /// False if the last view gives no picture.
+    /// False if the last view has no image.
     is_shown: bool,
 }
 
 impl Tracks {
-    /// Makes the pipelines that the styles need. Styles stand in the order in which [`Self::prepare`] gets feeds.
+    /// Makes the pipelines that the styles need. Styles are in the order of the feeds of [`Self::prepare`].
     ///
     /// # Errors
-    /// Angles and spans that are not finite or negative.
+    /// Angles and spans that are negative or not finite.
     pub fn new(
         device: &wgpu::Device,
         options: &TracksOptions,
@@ -299,8 +297,8 @@ impl Tracks {
         })
     }
 
-    /// The same tracks for a further view of their Earth: with these pipelines and the samples taken so far. Like the first they are
-    /// prepared once a frame.
+    /// The same tracks for a further view of their Earth: it shares the pipelines and starts with the samples taken so far. Prepare it once a frame
+    /// too.
     pub fn new_view(&self, view: &EarthView) -> Self {
         let options = TracksOptions {
             air: view.air_textures().cloned(),
@@ -329,11 +327,11 @@ impl Tracks {
         }
     }
 
-    /// Follows an Earth to another quality or appearance: another sample count, another air or none. What was prepared must be prepared
-    /// again, and those for further views be made again from it.
+    /// Adapts to another quality or appearance of an Earth: another sample count, other air or none. Afterwards, prepare again, and make the tracks
+    /// of further views again from these.
     ///
     /// # Errors
-    /// None that [`Self::new`] did not have.
+    /// None beyond those of [`Self::new`].
     pub fn follow(&mut self, earth: &Earth) -> Result<(), TracksError> {
         let options = TracksOptions::of(earth);
         if options != self.options {
@@ -366,23 +364,23 @@ impl Tracks {
         Ok(())
     }
 
-    /// Hides the satellites' tracks and markers from the next [`Self::prepare`] on, or shows them again. Their curves grow no further meanwhile;
-    /// stations go on looking for them.
+    /// Hides or shows the satellites' tracks and markers from the next [`Self::prepare`] on. Hidden curves are not extended; stations still look
+    /// for the satellites.
     pub fn hide_satellites(&mut self, hides: bool) {
         self.hides_satellites = hides;
     }
 
-    /// Says where the Sun is in the next frame: its direction, unit, ITRF axes, as in `Sky::sun_itrf`.
+    /// Sets the Sun for the next frame: its direction, unit, ITRF axes, as in `Sky::sun_itrf`.
     pub fn set_sun(&mut self, direction_itrf: DVec3) {
         self.sun_itrf = direction_itrf.normalize_or(DVec3::X);
     }
 
-    /// Says where the Moon's shadow is in the next frame, as `Sky::moon_shadow` has it.
+    /// Sets the Moon's shadow for the next frame, as `Sky::moon_shadow` returns it.
     pub fn set_moon_shadow(&mut self, shadow: Option<MoonShadow>) {
         self.moon_shadow = shadow;
     }
 
-    /// Makes the pipelines of further kinds.
+    /// Makes the missing pipelines of these kinds.
     fn make_pipelines(&mut self, kinds: TrackKinds) -> Result<(), ShaderError> {
         if kinds != self.kinds {
             let (format, air) = (self.options.format(), self.options.air.as_ref());
@@ -393,10 +391,10 @@ impl Tracks {
         Ok(())
     }
 
-    /// Samples what is new and writes this frame's tracks to the GPU. Call once a frame, before the pass. Never waits.
+    /// Samples new states and uploads this frame's tracks. Call once a frame, before the pass. It never waits.
     ///
-    /// Asks feeds for [`SAMPLES_A_FRAME`] states at most beside one each for now; where curves lack more, they grow in the
-    /// frames to come, from now outwards. Nothing is drawn of a view that gives no picture.
+    /// Requests at most [`SAMPLES_A_FRAME`] states from feeds, in addition to the current state of each. Curves that lack more grow in later
+    /// frames, from now outwards. If the view has no image, nothing is drawn.
     pub fn prepare<'f>(
         &mut self,
         queue: &wgpu::Queue,
@@ -406,7 +404,7 @@ impl Tracks {
         self.prepare_within(queue, moment, feeds, SAMPLES_A_FRAME)
     }
 
-    /// As [`Self::prepare`], all at once: for pictures that are kept.
+    /// As [`Self::prepare`], with complete curves: for images that are kept.
     pub fn prepare_complete<'f>(
         &mut self,
         queue: &wgpu::Queue,
@@ -518,34 +516,34 @@ impl Tracks {
         self.stats
     }
 
-    /// Draws all of it: after the Earth.
+    /// Draws the tracks: after the Earth.
     pub fn render(&self, pass: &mut wgpu::RenderPass<'_>) {
         if self.is_shown {
             self.drawable.render(pass);
         }
     }
 
-    /// What they are drawn in.
+    /// Pass, figure and atmosphere that they are drawn with.
     pub fn options(&self) -> &TracksOptions {
         &self.options
     }
 
-    /// Where names belong in the picture prepared last.
+    /// Positions of satellite names in the last prepared image.
     pub fn labels(&self) -> &[TrackLabel] {
         &self.buffers.labels
     }
 
-    /// Where names of stations belong in the picture prepared last.
+    /// Positions of station names in the last prepared image.
     pub fn station_labels(&self) -> &[StationLabel] {
         &self.buffers.station_labels
     }
 
-    /// Where names of marked places belong in the picture prepared last.
+    /// Positions of the names of marked places in the last prepared image.
     pub fn place_labels(&self) -> &[PlaceLabel] {
         &self.buffers.place_labels
     }
 
-    /// Names of what is drawn: "trails" (with all other lines), "marks", "fills", "polygons".
+    /// Names of the elements that are drawn: "trails" (with all other lines), "marks", "fills", "polygons".
     pub fn features_on(&self) -> Vec<&'static str> {
         let kinds = &self.kinds;
         [
@@ -560,15 +558,15 @@ impl Tracks {
         .collect()
     }
 
-    /// Bytes of the WGSL that the driver got: of what is on alone.
+    /// Bytes of the WGSL that the driver got, for the elements that are on.
     pub fn shader_bytes(&self) -> u64 {
         self.drawable.shader_bytes
     }
 }
 
 impl TracksOptions {
-    /// Those for a pass of its own over the Earth's picture once it is developed by this curve, one sample a pixel: tracks have their display
-    /// colours there. A measured response is taken for a linear curve, of the air before them alone.
+    /// Options for a separate pass over the Earth's image after its development with this curve, one sample a pixel: there tracks have their
+    /// display colours. A measured response is treated as linear, which only affects the air in front of tracks.
     pub fn over_developed(earth: &Earth, color_format: wgpu::TextureFormat, tone: Tone) -> Self {
         Self {
             color_format,

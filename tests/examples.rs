@@ -1,4 +1,4 @@
-//! The hosts of `examples/`, run: each opens a device of its own and draws the starter pack's Earth.
+//! The hosts of `examples/`, run: each opens its own device and draws the starter pack's Earth.
 
 #[allow(dead_code)]
 #[path = "../examples/embed.rs"]
@@ -37,7 +37,7 @@ fn a_host_with_its_own_formats_units_and_axes_draws_the_earth() {
     let picture = image::open(folder.path().join("embed.png")).expect("a PNG");
     let picture = picture.into_rgb8();
     let lit = picture.pixels().filter(|pixel| pixel[2] > 40).count();
-    // The limb with its air crosses the picture, below it lies ground in daylight.
+    // The limb with its air crosses the image, and the ground below it is in daylight.
     assert!(lit > picture.pixels().len() / 10, "{lit} pixels are lit");
 }
 

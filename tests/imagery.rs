@@ -1,4 +1,4 @@
-//! Reading folders of maps: what is selected is read and no more; every kind of bad file is named.
+//! Reading folders of maps: only the selected maps are read; every kind of bad file is reported by name.
 
 use image::{DynamicImage, ImageBuffer, ImageFormat};
 use std::collections::HashMap;
@@ -128,7 +128,7 @@ fn a_png_day_map_serves_too() {
         (DynamicImage::new_luma8(4, 2), [0, 0, 0, 255]),
         (DynamicImage::new_luma_a8(4, 2), [0, 0, 0, 255]),
         (DynamicImage::new_rgb8(4, 2), [0, 0, 0, 255]),
-        // Alpha says that nothing is there; the day map is opaque all the same.
+        // Alpha marks the texel as transparent; the day map is opaque nevertheless.
         (DynamicImage::new_rgba8(4, 2), [0, 0, 0, 255]),
     ] {
         picture
@@ -457,8 +457,8 @@ fn a_header_that_declares_too_much_is_rejected_before_any_allocation() {
     }
 }
 
-/// Runs `work` and gives by how many KiB the resident memory of this process rose meanwhile, looked at every
-/// millisecond; 0 where the system does not tell. Tests beside this one need a few megabytes, one of them 100.
+/// Runs `work` and returns the increase of this process's resident memory during it in KiB, sampled every millisecond; 0 if the system does not
+/// report it. Concurrent tests need a few megabytes, one of them 100.
 fn memory_risen_kib<T>(work: impl FnOnce() -> T) -> (T, u64) {
     use std::sync::atomic::{AtomicBool, Ordering};
     let resident_kib = || -> u64 {
@@ -557,7 +557,7 @@ fn the_starter_pack_loads_in_little_memory() {
     .map(|map| map.map(|map| (map.width, map.height)));
     let (large, small) = (Some((4096, 2048)), Some((2048, 1024)));
     assert_eq!(sizes, [large, large, small, small]);
-    // What stays is 64 MB.
+    // 64 MB remain.
     assert!(risen_kib < 300_000, "{risen_kib} KiB more in use");
 }
 
@@ -595,7 +595,7 @@ fn the_starter_pack_has_neither_seam_nor_pinch() {
             let spread = most.zip(least).map_or(0, |(most, least)| most - least);
             assert!(spread <= 6, "{name}: row {y} spreads over {spread}");
         }
-        // The edges differ no more than neighbouring columns do elsewhere.
+        // The edges differ no more than neighbouring columns elsewhere.
         let step = |x: usize| {
             let next = (x + 1) % width;
             let sum: i32 = (0..height)

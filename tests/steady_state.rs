@@ -1,7 +1,7 @@
-//! `prepare` and `render` allocate nothing of their own once the Earth is made.
+//! `prepare` and `render` allocate nothing themselves after the Earth is created.
 //!
-//! wgpu itself allocates when a buffer is written (a staging buffer a call) and when a pass is recorded; those calls are
-//! measured alone and taken off. This file is its own process, so that nothing else counts.
+//! wgpu itself allocates when a buffer is written (a staging buffer a call) and when a pass is recorded; those calls are measured alone and
+//! subtracted. This file is a separate process, so that nothing else counts.
 
 mod common;
 
@@ -43,7 +43,7 @@ fn allocations(mut work: impl FnMut()) -> u64 {
     COUNT.with(Cell::get) - before
 }
 
-/// Held by each test: they share a device, and what one submits grows the pools that wgpu keeps for all.
+/// Held by each test: they share a device, and submissions grow the pools that wgpu keeps for all.
 fn alone() -> MutexGuard<'static, ()> {
     static ALONE: Mutex<()> = Mutex::new(());
     ALONE.lock().unwrap_or_else(PoisonError::into_inner)
@@ -90,7 +90,7 @@ fn prepare_allocates_nothing_of_its_own() {
         common::tilted(place, 60.0, -30.0, 50.0, 1.6)
     };
     let sky = Sky::new(glam::DVec3::X);
-    // What wgpu allocates for one frame's writes of the same sizes, measured without us.
+    // wgpu's allocations for one frame's writes of the same sizes, measured separately.
     let write = |size: u64| {
         let label = Some("terrella test");
         let usage = wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST;
@@ -442,7 +442,7 @@ fn a_grid_of_the_gpu_allocates_nothing_of_its_own() {
             .poll(wgpu::PollType::wait_indefinitely())
             .expect("the device answers");
     };
-    // What wgpu allocates for the writes of a frame that loads as many tiles as it may.
+    // wgpu's allocations for the writes of a frame that uploads as many tiles as allowed.
     let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
         label: Some("terrella test"),
         size: wgpu::Extent3d {
@@ -518,7 +518,7 @@ fn a_grid_of_the_gpu_allocates_nothing_of_its_own() {
     assert!(worst <= most, "{worst} allocations, {most} of them wgpu's");
 }
 
-/// Where no page is built nothing is allocated; a view at rest builds none.
+/// Without a new page nothing is allocated; a view at rest builds none.
 #[test]
 fn pages_of_contours_allocate_nothing_once_they_are_built() {
     let _alone = alone();
@@ -550,7 +550,7 @@ fn pages_of_contours_allocate_nothing_once_they_are_built() {
     println!("{still} of 600 frames built nothing, {drawn} pages");
     assert!(still > 300 && drawn > 20);
 
-    // And so on the GPU, but for what wgpu takes for three writes.
+    // The same on the GPU, except wgpu's allocations for three writes.
     let gpu = common::gpu();
     let mut options = EarthOptions::new(common::plain([90, 90, 90]));
     options.atmosphere = terrella::Atmosphere::None;

@@ -1,4 +1,4 @@
-//! Mountains in tiles of heights: a source that needs no file, with the means that its levels must have.
+//! Mountains as elevation tiles: a source without a file, with the correct means at each level.
 
 use super::{LEVELS, SIDE};
 use std::collections::HashMap;
@@ -56,7 +56,7 @@ pub struct Mountains {
 }
 
 impl Mountains {
-    /// Of which each tile takes so long to read.
+    /// Each tile takes this long to read.
     pub fn new(takes: Duration) -> Self {
         let layout = HeightTileLayout::new(LEVELS, 16, SIDE, 1).expect("sound");
         // Every wave goes round the Earth a whole number of times.

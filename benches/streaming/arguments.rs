@@ -21,7 +21,7 @@ impl Course {
     }
 }
 
-/// With what a course is flown.
+/// Imagery of a flight.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Drawn {
     /// The pack's tiles.
@@ -54,7 +54,7 @@ pub struct Arguments {
 }
 
 impl Arguments {
-    /// From the command line; what cargo adds of its own is skipped.
+    /// From the command line; arguments added by cargo are skipped.
     pub fn read() -> Self {
         let mut read = Self {
             pack: None,

@@ -22,7 +22,7 @@ pub struct Frame {
     pub prepare_cpu: Duration,
 }
 
-/// What is recorded of each frame of a flight.
+/// Recorded values of each frame of a flight.
 pub struct Record {
     frames_ms: Vec<f64>,
     prepare_ms: Vec<f64>,
@@ -38,7 +38,7 @@ pub struct Record {
     writer: Option<Writer>,
 }
 
-/// Writes frames as PNG in a thread of its own, so that no frame waits for it.
+/// Writes frames as PNG in a separate thread, so that no frame waits for it.
 struct Writer {
     sender: Option<Sender<RgbaImage>>,
     thread: Option<JoinHandle<()>>,
@@ -170,8 +170,8 @@ impl Record {
 }
 
 impl Record {
-    /// Jank that frames would not have if our own work took no time: of frames as long as they are without `prepare` and these times
-    /// of it, less that of the frames alone. Beyond twice the flight's median in both.
+    /// Jank that frames would not have if our own work took no time: of frames with their time without `prepare` plus these times of it, minus that
+    /// of the frames alone. Beyond twice the flight's median in both.
     fn own_jank(&self, own_ms: &[f64]) -> f64 {
         let budget = 2.0 * median(&self.frames_ms);
         let rest = self.frames_ms.iter().zip(&self.prepare_ms);
@@ -182,8 +182,7 @@ impl Record {
             .sum()
     }
 
-    /// Jank of frames that take what the median one takes without `prepare`, and the processor time of their own: what a machine
-    /// with nothing else to do would see of it.
+    /// Jank of frames with the median time without `prepare`, plus their own processor time: that of a machine without other load.
     fn even_jank(&self) -> f64 {
         let rest = self.frames_ms.iter().zip(&self.prepare_ms);
         let rest: Vec<_> = rest.map(|(frame, prepare)| frame - prepare).collect();
@@ -192,7 +191,7 @@ impl Record {
         jank(&frames)
     }
 
-    /// What this flight takes more than the same without tiles.
+    /// Additional cost of this flight compared with the same without tiles.
     pub fn print_difference(&self, without: &Self, name: &str) {
         let of = |record: &Self, value: fn(&[f64]) -> f64| {
             [
@@ -223,7 +222,7 @@ impl Record {
         );
     }
 
-    /// The longest frames: which, how long, and what of it was our own.
+    /// The longest frames: number, duration, and our own part.
     fn longest(&self) -> String {
         let mut order: Vec<usize> = (0..self.frames_ms.len()).collect();
         order.sort_unstable_by(|a, b| self.frames_ms[*b].total_cmp(&self.frames_ms[*a]));

@@ -1,4 +1,4 @@
-//! What simulations of Basilisk send and what they save.
+//! Basilisk: messages, connections and saved simulations.
 
 use std::io::{self, Read, Write};
 use terrella_orbit::basilisk::{Message, World, ZmtpConnection};
@@ -6,12 +6,12 @@ use terrella_orbit::basilisk::{Message, World, ZmtpConnection};
 #[path = "../../tests/common/basilisk.rs"]
 mod messages;
 
-/// Reads any bytes as one message, as the messages of a saved simulation, and as what comes over a connection. What is taken of them
-/// must be finite; a connection hands out no more than its limit.
+/// Reads any bytes as one message, as the messages of a saved simulation, and as the input of a connection. Accepted values must be finite. A
+/// connection returns no more bytes than its limit.
 pub fn run(data: &[u8]) {
     let mut world = World::new(terrella::Epoch::default());
     take(&mut world, data);
-    // One after the other, each behind its length, as in files.
+    // Messages one after the other, each after its length, as in files.
     let mut rest = data;
     while let Some((&len, after)) = rest.split_first() {
         let (message, after) = after.split_at(usize::from(len).min(after.len()));
@@ -31,7 +31,7 @@ pub fn run(data: &[u8]) {
     saved(data);
 }
 
-/// Most bytes of a message.
+/// The largest size of a message, bytes.
 const MOST: usize = 4096;
 
 fn take(world: &mut World, bytes: &[u8]) {
@@ -59,7 +59,7 @@ fn take(world: &mut World, bytes: &[u8]) {
     assert!(world.notes().len() <= 64);
 }
 
-/// As a file: played from end to end.
+/// Reads the bytes as a saved file and plays it from start to end.
 fn saved(data: &[u8]) {
     use terrella_orbit::basilisk::Recording;
     let file = io::Cursor::new(data.to_vec());
@@ -70,12 +70,12 @@ fn saved(data: &[u8]) {
     let (first, last) = recording.validity();
     for part in [0.0, 0.5, 1.0] {
         let epoch = first + (last - first) * part;
-        // A message may be corrupt inside; then the reason is an error.
+        // A message may be corrupt inside; that is reported as an error.
         let _ = recording.snapshot_at(epoch);
     }
 }
 
-/// A peer that says this and takes everything.
+/// A peer that sends these bytes and accepts any reply.
 struct Peer<'d>(&'d [u8]);
 
 impl Read for Peer<'_> {

@@ -3,7 +3,7 @@
 use std::path::Path;
 use terrella::frames::{Duration, EarthOrientation};
 
-/// Reads any text; a good table answers within its span, and only there.
+/// Reads any text. A valid table has values within its span, and none after it.
 pub fn run(data: &[u8]) {
     let Ok(text) = std::str::from_utf8(data) else {
         return;

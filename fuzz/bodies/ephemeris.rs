@@ -3,8 +3,8 @@
 use std::path::Path;
 use terrella_orbit::{Ephemerides, Feed, Header, write_oem};
 
-/// Reads any text; what is found good must give finite states within its validity, and come back from what is written of
-/// it bit for bit.
+/// Reads any text. An accepted ephemeris must give finite states within its validity, and the same positions bit for bit after it is written and
+/// read again.
 pub fn run(data: &[u8]) {
     let Ok(text) = std::str::from_utf8(data) else {
         return;
@@ -33,7 +33,7 @@ pub fn run(data: &[u8]) {
             created: first,
         };
         let written = write_oem(feed, &header);
-        // Times beyond 2099 can be computed and not be written as dates; names may be empty.
+        // Times after 2099 can be computed but not written as dates; names may be empty.
         if let Ok(again) = Ephemerides::from_text(&written, origin, true) {
             for (a, b) in feed.segments().iter().zip(again.feeds[0].segments()) {
                 let positions = a.samples.samples().map(|s| (s.epoch, s.position_m));

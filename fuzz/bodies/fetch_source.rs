@@ -3,7 +3,7 @@
 use std::path::Path;
 use terrella_pack::fetch::{Estimate, FetchOptions, Fineness, Layer, MapSource, Request};
 
-/// Reads any text; of what is found good all that can be known without a request is asked.
+/// Reads any text. For an accepted source, computes everything that needs no request.
 pub fn run(data: &[u8]) {
     let Ok(text) = std::str::from_utf8(data) else {
         return;

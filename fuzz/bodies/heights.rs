@@ -1,17 +1,17 @@
-//! Files of heights: GeoTIFF, PNG and NetCDF.
+//! Elevation files: GeoTIFF, PNG and NetCDF.
 
 use std::io::Cursor;
 use std::path::Path;
 use terrella_ground::elevation::read::{HeightFile, HeightFileError, Sidecar, read_heights};
 use terrella_ground::elevation::{Bounds, Elevation, GridLimits, Ground};
 
-/// Bytes that a grid may hold.
+/// Largest size of a grid, bytes.
 const LIMITS: GridLimits = GridLimits { bytes: 2 << 20 };
 
-/// For files that do not say it themselves.
+/// For files without a georeference or a unit.
 const SIDECAR: &str = include_str!("../../tests/data/heights/globe_u16.toml");
 
-/// Reads any bytes as whatever they say they are.
+/// Reads any bytes in the format that they claim.
 pub fn run(data: &[u8]) {
     let sidecar = Sidecar::from_toml(SIDECAR, Path::new("dem.toml")).expect("a good sidecar");
     let read = |sidecar| read_heights(Cursor::new(data), sidecar, Path::new("dem.x"), &LIMITS);

@@ -1,9 +1,9 @@
-//! Packets of simulators, alone and in a stream, and what is shown of them.
+//! Packets from simulators, alone and in a stream.
 
 use terrella_orbit::live::{MAX_PACKET_BYTES, Packet, Splitter};
 
-/// Reads any bytes as one packet of either form and as a stream. What is taken must be finite and come back from what is
-/// written of it bit for bit; a stream gives the same packets in one piece and in many, and keeps no more than one packet.
+/// Reads any bytes as one packet of either form and as a stream. An accepted packet must be finite and equal bit for bit after it is written and
+/// read again. A stream must give the same packets in one piece and in many, and buffer at most one packet.
 pub fn run(data: &[u8]) {
     for packet in [Packet::from_json(data), Packet::from_bytes(data)] {
         match packet {
@@ -42,7 +42,7 @@ fn comes_back(packet: &Packet) {
         Ok(packet),
         "{json}"
     );
-    // The binary form has no names, and counts 0 where there is no number.
+    // The binary form has no names, and stores 0 where there is no sequence number.
     let mut nameless = packet.clone();
     nameless.name = None;
     nameless.seq = Some(packet.seq.unwrap_or_default());

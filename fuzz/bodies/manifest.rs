@@ -6,7 +6,7 @@ use terrella_imagery::pack::{
 };
 use terrella_imagery::tile::{MapLayer, Storage, TileShape};
 
-/// Reads any text; what is found good must be written and read back the same.
+/// Reads any text. An accepted manifest must be equal after it is written and read again.
 pub fn run(data: &[u8]) {
     let path = Path::new("pack.toml");
     let Ok(text) = std::str::from_utf8(data) else {
@@ -58,7 +58,7 @@ pub fn seeds() -> Vec<Vec<u8>> {
         ),
     ];
     seeds.push(cut().to_toml().into_bytes());
-    // Short ones, of which a change seldom hits a checksum.
+    // Short manifests: changes rarely hit a checksum.
     let head = String::from_utf8_lossy(&seeds[0]).into_owned();
     let head = head.split("bytes =").next().unwrap_or_default();
     seeds.push(format!("{head}bytes = [0, 1]\nchecksums = [\"\", \"0f\"]\n").into_bytes());
@@ -66,7 +66,7 @@ pub fn seeds() -> Vec<Vec<u8>> {
     seeds
 }
 
-/// A manifest of version 2: one block has parts, but for one of them, and there are heights.
+/// A manifest of version 2: one block has all of its parts but one, and there is elevation data.
 #[allow(dead_code, reason = "the fuzzer reads its corpus from files")]
 fn cut() -> Manifest {
     let file = Some(TileFile::of(b"part"));

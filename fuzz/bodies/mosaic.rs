@@ -4,7 +4,7 @@ use std::path::Path;
 use terrella_ground::elevation::vrt::{MAX_VRT_SOURCES, Vrt};
 use terrella_pack::mosaic::{Description, PartSource, world_place};
 
-/// Reads any text; what is found good keeps its limits.
+/// Reads any text. An accepted description must stay within its limits.
 pub fn run(data: &[u8]) {
     let Ok(text) = std::str::from_utf8(data) else {
         return;

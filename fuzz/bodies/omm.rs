@@ -93,5 +93,11 @@ pub fn seeds() -> Vec<Vec<u8>> {
         values.join(",").replacen(',', "\",", 1)
     );
     let twice = format!("{kvn}\n{}", kvn.replace("25544", "799500001"));
-    [kvn, xml, json, csv, twice].map(String::into_bytes).into()
+    let object = json.trim_matches(['[', ']']).replace('\n', "");
+    let lines = format!("{object}\n{}\n", object.replace("25544", "799500001"));
+    let wrapped = format!("{{\"count\":1,\"results\":{json}}}");
+    let tabs = format!("{}\n{}\n", names.join("\t"), values.join("\t"));
+    [kvn, xml, json, csv, twice, lines, wrapped, tabs]
+        .map(String::into_bytes)
+        .into()
 }

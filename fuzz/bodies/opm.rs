@@ -3,7 +3,7 @@
 use std::path::Path;
 use terrella_orbit::ParameterMessages;
 
-/// Reads any text; the state of what is found good must be finite, and its manoeuvres in order.
+/// Reads any text. An accepted message must have a finite state, and its manoeuvres in order.
 pub fn run(data: &[u8]) {
     let Ok(text) = std::str::from_utf8(data) else {
         return;

@@ -1,4 +1,4 @@
-//! Heights of a pack: a byte for what follows, then the bytes of an index or of a tile.
+//! Elevation data of a pack: a byte that selects the reader, then the bytes of an index or of a tile.
 
 use terrella_imagery::pack::{
     HeightKind, HeightPlace, HeightRecord, HeightValues, HeightsEntry, TileFile, decode_heights,
@@ -24,12 +24,12 @@ const STEPS: HeightKind = HeightKind::I16 {
     scale_m: 0.5,
 };
 
-/// Reads any bytes; what is found good must be written and read back the same.
+/// Reads any bytes. Accepted data must be equal after it is written and read again.
 pub fn run(data: &[u8]) {
     is_good(data);
 }
 
-/// Whether these are the bytes of an index or of a tile.
+/// Whether these bytes are a valid index or tile.
 pub fn is_good(data: &[u8]) -> bool {
     let [what, bytes @ ..] = data else {
         return false;

@@ -2,7 +2,7 @@
 
 use terrella::Response;
 
-/// Reads any text; the names of what is found good are those of its curves, each once.
+/// Reads any text. An accepted file has at least one name, and each name occurs in the text.
 pub fn run(data: &[u8]) {
     let Ok(text) = std::str::from_utf8(data) else {
         return;

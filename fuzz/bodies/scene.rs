@@ -3,7 +3,7 @@
 use std::path::Path;
 use terrella_play::scene::Scene;
 
-/// Reads any text; a scene that is found good must be one that can be told about.
+/// Reads any text. A valid scene must have a summary, and a longer full summary.
 pub fn run(data: &[u8]) {
     let Ok(text) = std::str::from_utf8(data) else {
         return;

@@ -1,4 +1,4 @@
-//! Sidecars of files of heights.
+//! Sidecars of elevation files.
 
 use std::path::Path;
 use terrella_ground::elevation::read::{Sidecar, SidecarGeoreference};

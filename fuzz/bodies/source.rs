@@ -4,13 +4,13 @@ use std::io::Cursor;
 use std::path::Path;
 use terrella_pack::source::{MAX_SOURCE_HEIGHT, SourceLimits, read_source};
 
-/// Bytes that a reader may hold, and most bytes of rows that are read.
+/// The reader's buffer limit, and the limit on bytes of rows read here.
 const LIMITS: SourceLimits = SourceLimits {
     buffer_bytes: 256 << 10,
 };
 const MOST_ROWS_BYTES: usize = 2 << 20;
 
-/// Reads any bytes as whatever they say they are.
+/// Reads any bytes in the format that they claim.
 pub fn run(data: &[u8]) {
     let path = Path::new("map.x");
     let error = match read_source(Cursor::new(data.to_vec()), path, LIMITS) {

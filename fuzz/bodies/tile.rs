@@ -13,7 +13,7 @@ const FORMATS: [TileFormat; 6] = [
 ];
 const PIXELS: [u32; 4] = [16, 17, 33, 75];
 
-/// Reads any bytes; what is found good must be of the right size and decodable.
+/// Reads any bytes. An accepted tile must have the right size and be decodable.
 pub fn run(data: &[u8]) {
     let [format, pixels, file @ ..] = data else {
         return;

@@ -3,8 +3,8 @@
 use std::path::Path;
 use terrella_orbit::{Feed, TleFeed};
 
-/// Reads any text, as it is and with its checksums put right, for else hardly a change would get past them; elements
-/// that are found good must propagate or say why not.
+/// Reads any text, as it is and with corrected checksums, because few mutations would pass the checksums otherwise. Valid elements must propagate
+/// or return an error.
 pub fn run(data: &[u8]) {
     if let Ok(text) = std::str::from_utf8(data) {
         read(text);
@@ -26,7 +26,7 @@ fn read(text: &str) {
     }
 }
 
-/// The text with column 69 of each line the sum of its digits, and one for each minus, modulo 10.
+/// Replaces column 69 of each line with its checksum: the sum of the digits, plus one for each minus, modulo 10.
 fn with_checksums(text: &str) -> String {
     let mut whole = String::new();
     for line in text.split('\n') {
@@ -58,7 +58,7 @@ pub fn seeds() -> Vec<Vec<u8>> {
         .collect();
     let mut seeds: Vec<Vec<u8>> = Vec::new();
     for pair in lines.chunks_exact(2) {
-        // Behind column 69 the file has start, stop and step of its test.
+        // After column 69 the file has start, stop and step of the test.
         let cut = pair.iter().map(|line| line.get(..69).unwrap_or(line));
         seeds.push(cut.collect::<Vec<_>>().join("\n").into_bytes());
     }

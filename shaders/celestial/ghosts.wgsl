@@ -1,14 +1,13 @@
-// Ghosts of the Sun: images of the lens's aperture, over all that is in the picture. `Ghosts` in
-// crates/terrella-ground/src/light/ghosts.rs is the model.
+// Lens ghosts of the Sun: images of the aperture, over the whole image. `Ghosts` in crates/terrella-ground/src/light/ghosts.rs is the model.
 import rust::PI;
 
 struct GhostInstance {
-    // Where on screen, −1…1, and half of its width and height there.
+    // Position on screen, −1…1, and half of its width and height in the same units.
     @location(0) at: vec2f,
     @location(1) half_size: vec2f,
-    // Its light where nothing dims the Sun, RGB.
+    // Its light for an undimmed Sun, RGB.
     @location(2) light: vec3f,
-    // Blades of the aperture, 0 of a round one.
+    // Number of aperture blades, 0 for a round aperture.
     @location(3) blades: f32,
 }
 

@@ -1,15 +1,15 @@
-// Light of the Sun that lens and eye scatter about it, over all that is in the picture.
+// Light of the Sun that lens and eye scatter around it, over the whole image.
 import rust::{GLARE_RADIUS_RAD, PI};
 @if(aperture) import rust::{APERTURE_FADING, APERTURE_SCALES, SUN_PLACE, SUN_PLACES, SUN_RADIUS_RAD};
 
-// Light about a source at an angle θ in degrees is 10/θ² for its light on the eye, in a young eye (Stiles and Holladay; CIE 112): so
-// much of it a good lens has. Nearer than the core it does not mount.
+// Veiling glare at an angle θ in degrees from a source is 10/θ² per illuminance at the eye, for a young eye (Stiles and Holladay; CIE 112). A good
+// lens has this fraction of it. Inside the core it is constant.
 const GLARE: f32 = 10.0 * 0.01;
 const GLARE_CORE_DEG: f32 = 0.4;
 
 struct Varying {
     @builtin(position) clip: vec4f,
-    // Of the Sun on the eye, after Earth, Moon and air.
+    // Light of the Sun at the eye, after Earth, Moon and air.
     @location(0) @interpolate(flat) light: vec3f,
 }
 
@@ -21,25 +21,25 @@ fn vertex(@builtin(vertex_index) index: u32) -> Varying {
 
 @fragment
 fn fragment(in: Varying) -> @location(0) vec4f {
-    // The square of the angle, in degrees, from that of its sine.
+    // The squared angle, in degrees, computed from its sine.
     let ray = meet(sky.sun, in.clip.xy).ray;
     let sine_squared = dot(ray.xy, ray.xy);
     let squared = degrees(degrees(sine_squared * (1.0 + sine_squared * (1.0 / 3.0 + 8.0 / 45.0 * sine_squared))));
     let core = GLARE_CORE_DEG * GLARE_CORE_DEG;
     let edge = degrees(GLARE_RADIUS_RAD) * degrees(GLARE_RADIUS_RAD);
-    // Nothing at the edge, without a step.
+    // Zero at the edge, without a step.
     let shape = select(0.0, 1.0 / (squared + core) - 1.0 / (edge + core), ray.z > 0.0);
     var light = PI * GLARE * max(shape, 0.0) * in.light;
     @if(aperture) light += PI * diffracted(in.clip.xy - sun_px(), radians(radians(squared))) * in.light;
     return added(light, 0.0);
 }
 
-// Light that the aperture sends into a solid angle at this distance from the Sun, and this squared angle, of its light on the eye.
+// Light that the aperture diffracts into a solid angle at this distance from the Sun, and this squared angle, per light at the eye.
 // `DiffractionPattern` in crates/terrella-ground/src/light/aperture.rs is the pattern.
 @if(aperture)
 fn diffracted(off_px: vec2f, squared_rad: f32) -> vec3f {
     let at = sky.aperture.x * off_px;
-    // Spikes have faded there, to exp(-8).
+    // Spikes have faded to exp(-8) there.
     if dot(at, at) > 0.3 {
         return vec3f(0.0);
     }
@@ -54,11 +54,11 @@ fn diffracted(off_px: vec2f, squared_rad: f32) -> vec3f {
         sum.g += pattern(place * APERTURE_SCALES.g, side, level);
         sum.b += pattern(place * APERTURE_SCALES.b, side, level);
     }
-    // On the disc as much as at its edge.
+    // On the disc it is clamped to the value at its edge.
     return exp(-APERTURE_FADING * dot(at, at)) * sum / f32(SUN_PLACES) / max(squared_rad, SUN_RADIUS_RAD * SUN_RADIUS_RAD);
 }
 
-// The pattern at a distance from its core, which is in the middle of a texel.
+// The pattern at a distance from its core, which is at the centre of a texel.
 @if(aperture)
 fn pattern(off: vec2f, side: f32, level: f32) -> f32 {
     let at = 0.5 + 0.5 / side + off;

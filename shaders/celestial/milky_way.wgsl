@@ -1,4 +1,4 @@
-// The light of stars too faint to be drawn each by itself.
+// The light of unresolved stars.
 import common/map_uv.wgsl;
 import rust::{MILKY_WAY_FLOOR, MILKY_WAY_LIGHT};
 
@@ -13,7 +13,7 @@ fn fragment(@builtin(position) clip: vec4f) -> @location(0) vec4f {
     let moon = 1.0 - covered(sky.moon, meet(sky.moon, clip.xy));
     let ray = sky.frame.corner_ray + clip.x * sky.frame.pixel_right + clip.y * sky.frame.pixel_down;
     let star = normalize(sky.stars_x * ray.x + sky.stars_y * ray.y + sky.stars_z * ray.z);
-    // Right ascension goes to the left, as it is seen from inside; a quarter of a turn stands at the left edge.
+    // Right ascension increases to the left, as seen from inside; 90° is at the left edge.
     let east = map_uv(star);
     let uv = vec2f(0.75 - east.x, east.y);
     let map = textureSampleLevel(body_map, body_sampler, uv, sky.milky_way_level).rgb;

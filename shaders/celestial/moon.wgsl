@@ -1,7 +1,6 @@
-// The Moon's disc: a ball with its map, lit by the Sun as far as the Earth leaves it, and by the Earth.
+// The Moon's disc: a sphere with its map, lit by the Sun, eclipsed by the Earth, and by earthshine.
 //
-// Its dust throws light back by McEwen's law (1991), between Lommel and Seeliger's and Lambert's: a full Moon is as bright at the limb
-// as in the middle.
+// Its dust follows McEwen's law (1991), between Lommel and Seeliger's and Lambert's: a full Moon is as bright at the limb as in the middle.
 import common/map_uv.wgsl;
 import rust::{PI, SUN_RADIUS_RAD};
 
@@ -25,18 +24,18 @@ fn fragment(@builtin(position) clip: vec4f) -> @location(0) vec4f {
     let law = (1.0 - sky.moon_lambert) * 2.0 * lit / max(mu + lit, 1e-4) + sky.moon_lambert * lit;
     // The Sun sets over an arc of its own size.
     let sun = sun_past_earth(met.normal) * law * saturate(facing / SUN_RADIUS_RAD + 0.5);
-    // Before the Earth there is no air before it.
+    // In front of the Earth there is no air before the Moon.
     let through = select(through_all(clip.xy), vec3f(1.0), sky.moon.covers > 0.0);
     let earth = sky.earthshine * step(0.0, dot(met.normal, sky.moon_to_earth) - 1.0);
     return added(albedo * (sun + earth) * cover * through, cover * sky.moon.covers);
 }
 
-// What of the Sun the Earth leaves at a place of the Moon: discs, the Earth's without the light that its air bends into the shadow.
+// Fraction of the Sun's disc that the Earth leaves visible at a point of the Moon, without light refracted into the shadow by the Earth's air.
 fn sun_past_earth(place: vec3f) -> f32 {
     let to_earth = sky.moon_to_earth - place;
     let distance = length(to_earth);
     let earth = sky.earth_radius / distance;
-    // By the sine: they are near each other where it matters.
+    // By the sine: the directions are nearly equal where it matters.
     let apart = length(cross(to_earth, sky.moon_to_sun)) / distance;
     if dot(to_earth, sky.moon_to_sun) <= 0.0 || apart >= earth + SUN_RADIUS_RAD {
         return 1.0;

@@ -1,10 +1,10 @@
-// Stars: points, spread over 4 × 4 pixels by the cubic B-spline. Its values at whole steps add up to 1 wherever the point stands
-// between them, so a star is as bright in any place and at any size of picture.
+// Stars: points, spread over 4 × 4 pixels by the cubic B-spline. Its values at whole steps add up to 1 at any subpixel position, so a star has the
+// same brightness everywhere and at any size of the image.
 
 struct StarInstance {
-    // Where on screen, −1…1.
+    // Position on screen, −1…1.
     @location(0) at: vec2f,
-    // Mean light of a pixel that has it all, RGB.
+    // Mean light of a pixel that contains all of it, RGB.
     @location(1) light: vec3f,
 }
 
@@ -14,7 +14,7 @@ struct Varying {
     @location(1) @interpolate(flat) light: vec3f,
 }
 
-// Half the side of what is drawn, pixels: what the spline needs, and room for all samples of its outermost pixels.
+// Half the side of the quad, pixels: the support of the spline, with a margin for all samples of its outermost pixels.
 const STAR_REACH_PX: f32 = 2.75;
 
 @vertex

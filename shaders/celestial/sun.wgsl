@@ -1,4 +1,4 @@
-// The Sun's disc, darker towards its limb, as far as the Moon leaves it.
+// The Sun's disc with limb darkening, partly hidden by the Moon.
 
 // 1 − u − v, u and v of I(μ) = 1 − u − v + uμ + vμ² at 610, 550 and 455 nm (Cox 2000, Allen's Astrophysical Quantities, table
 // 14.17, between its wavelengths), and the disc's mean by that.

@@ -1,9 +1,9 @@
-// What the air does to light between a thing and the eye: for the ground, for the halo and for tracks.
+// Effect of the air on light between an object and the eye: for the ground, the halo and tracks.
 //
-// `SurfaceAir` in src/gpu/shader/air.rs says whether the eye is outside or inside; the files of common/air/ answer for both:
-//   fn gathered(pass_: Pass, up: vec3f, uv: vec2f) -> vec4f: what the air scatters into a ray of sight, and in alpha the part of
-//       luminance that it takes from what is behind it,
-//   fn left_through(pass_: Pass) -> vec3f: what it leaves of that, RGB.
+// `SurfaceAir` in src/gpu/shader/air.rs selects the eye outside or inside; both files of common/air/ define:
+//   fn gathered(pass_: Pass, up: vec3f, uv: vec2f) -> vec4f: light scattered into a line of sight; alpha is the fraction of luminance absorbed from
+//       the background,
+//   fn left_through(pass_: Pass) -> vec3f: transmittance for background light, RGB.
 import common/air/uniforms.wgsl;
 import common/air/coordinates.wgsl;
 @if(inside) import common/air/inside.wgsl;
@@ -19,7 +19,7 @@ import rust::ALBEDO_SIZE;
 // | 0     | 9       | light of the ground that is scattered  | air               |
 // | 0     | 10      | transmittance                          | air               |
 //
-// From inside they are what the eye sees in each direction, drawn once a frame by air_view.wgsl.
+// From inside they are the sky view, drawn once a frame by air_view.wgsl.
 @group(0) @binding(1) var<uniform> air: AirUniforms;
 @group(0) @binding(2) var table_sampler: sampler;
 @group(0) @binding(7) var albedo_map: texture_2d<f32>;
@@ -40,13 +40,13 @@ fn sent_up_by(albedo: vec3f, sent_back: vec3f) -> vec3f {
     return albedo / (1.0 - albedo * sent_back);
 }
 
-// Scattered light is stored by its fourth root.
+// Scattered light is stored as its fourth root.
 fn fourth_power(root: vec3f) -> vec3f {
     let square = root * root;
     return square * square;
 }
 
-// The albedo of the ground for some hundred kilometres around. Its map has a column more on either side, so that it goes round.
+// Mean albedo of the ground for some hundred kilometres around. Its map has one more column on either side, so that it wraps around.
 fn neighbourhood(uv: vec2f) -> vec3f {
     let u = (fract(uv.x) * ALBEDO_SIZE.x + 1.0) / (ALBEDO_SIZE.x + 2.0);
     return textureSampleLevel(albedo_map, table_sampler, vec2f(u, uv.y), 0.0).rgb;

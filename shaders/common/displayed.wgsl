@@ -1,8 +1,8 @@
-// From light to what the colour target stores, once and last: exposure, tone curve, dithering, encoding.
+// Conversion from light to the value that the colour target stores: exposure, tone curve, dithering, encoding. It is the last step.
 //
-// `TargetColor` in src/gpu/shader/variant.rs says which conditions hold together. Float targets get the light itself, or exposed and no
-// more where it is developed after the pass (exposed). All others get what is shown: shown, with camera, neutral, filmic, agx or none of
-// them (cut off at 1), and encode where the hardware does not encode.
+// `TargetColor` in src/gpu/shader/variant.rs lists the legal combinations of conditions. Float targets get the light itself, or exposed light if it
+// is developed after the pass (exposed). All others get displayed colour: shown, with camera, neutral, filmic, agx or none of them (clamped at 1),
+// and encode if the hardware does not encode.
 @if(encode) import common/color.wgsl;
 @if(exposed) import rust::BRIGHTEST_EXPOSED;
 @if(shown) import rust::LAST_CODE;
@@ -18,7 +18,7 @@ fn displayed(light: vec3f, exposure: f32, pixel: vec2f) -> vec3f {
     @if(shown && !encode) return shown + dither(pixel) * linear_per_code(shown);
 }
 
-// The same, linear and without dithering.
+// The tone-mapped value, linear and without dithering.
 fn toned(light: vec3f, exposure: f32) -> vec3f {
     @if(!shown && !exposed) return light;
     @if(exposed) return min(light * exposure, vec3f(BRIGHTEST_EXPOSED));
@@ -33,7 +33,7 @@ fn toned(light: vec3f, exposure: f32) -> vec3f {
 // `Tone::Camera` in crates/terrella-ground/src/light/tone.rs.
 @if(camera)
 fn camera(light: vec3f) -> vec3f {
-    // Beyond a thousand times white the curve is at its end, and squares could leave f32's range.
+    // Beyond a thousand times white the curve is saturated, and squares could leave f32's range.
     let x = min(light, vec3f(1000.0));
     let cleared = x * (x + TONE_CAMERA_TOE_LEAST * TONE_CAMERA_TOE) / (x + TONE_CAMERA_TOE);
     let raised = cleared * (sqrt(cleared) + TONE_CAMERA_STRAIGHT);
@@ -41,7 +41,7 @@ fn camera(light: vec3f) -> vec3f {
     return max(mix(vec3f(dot(shown, LUMINANCE)), shown, TONE_CAMERA_SATURATION), vec3f(0.0));
 }
 
-// Khronos PBR Neutral (2024), its highlights alone. `Tone::Neutral` in crates/terrella-ground/src/light/tone.rs says why.
+// Khronos PBR Neutral (2024), only its highlights. `Tone::Neutral` in crates/terrella-ground/src/light/tone.rs explains why.
 @if(neutral)
 fn neutral(light: vec3f) -> vec3f {
     let peak = max(light.r, max(light.g, light.b));
@@ -57,7 +57,7 @@ fn neutral(light: vec3f) -> vec3f {
 // Narkowicz 2016, "ACES Filmic Tone Mapping Curve": x(ax + b)/(x(cx + d) + e). `Tone::Filmic` in crates/terrella-ground/src/light/tone.rs.
 @if(filmic)
 fn filmic(light: vec3f) -> vec3f {
-    // Beyond a thousand times white the curve is at its end, and squares could leave f32's range.
+    // Beyond a thousand times white the curve is saturated, and squares could leave f32's range.
     let x = min(light, vec3f(1000.0)) * TONE_FILMIC_SCALE;
     return x * (TONE_FILMIC_A * x + TONE_FILMIC_B) / (x * (TONE_FILMIC_C * x + TONE_FILMIC_D) + TONE_FILMIC_E);
 }
@@ -76,18 +76,16 @@ fn agx(light: vec3f) -> vec3f {
     return saturate(mat3x3f(TONE_AGX_FROM_X, TONE_AGX_FROM_Y, TONE_AGX_FROM_Z) * shown);
 }
 
-// Noise of at most half a step of 8 bits, the same for a pixel in every frame, so that gradients too dark for 8 bits are shown
-// by how many pixels have the next step, and their mean is right.
+// Noise of at most half a step of 8 bits, constant for a pixel in all frames. Gradients too dark for 8 bits are represented by the density of
+// pixels at the next step, with the correct mean.
 //
-// Interleaved gradient noise (Jimenez 2014, "Next Generation Post Processing in Call of Duty"): evenly spread over any small
-// neighbourhood.
+// Interleaved gradient noise (Jimenez 2014, "Next Generation Post Processing in Call of Duty"): uniformly distributed over any small neighbourhood.
 @if(shown)
 fn dither(pixel: vec2f) -> f32 {
     return (fract(52.9829189 * fract(dot(pixel, vec2f(0.06711056, 0.00583715)))) - 0.5) / LAST_CODE;
 }
 
-// Change of linear light for a change of its sRGB code: 2.4/1.055 · c^(1.4/2.4), within 9 % and without a power; 1/12.92 at the
-// dark end.
+// Derivative of linear light with respect to its sRGB code: 2.4/1.055 · c^(1.4/2.4), within 9 % and without a power; 1/12.92 at the dark end.
 @if(shown)
 fn linear_per_code(linear: vec3f) -> vec3f {
     let c = clamp(linear, vec3f(0.0), vec3f(1.0));

@@ -2,7 +2,7 @@
 import common/moon_shadow.wgsl;
 
 struct FrameUniforms {
-    // Takes eye-relative ITRF metres to clip space.
+    // Transform from eye-relative ITRF metres to clip space.
     clip_from_eye: mat4x4f,
     // The eye in scaled space, (x/a, y/a, z/b), and |eye|² − 1, computed without cancellation.
     eye_scaled: vec3f,
@@ -11,20 +11,20 @@ struct FrameUniforms {
     sun_itrf: vec3f,
     // Equatorial radius a, metres.
     radius_m: f32,
-    // The ray through the target's corner at pixel (0, 0), and its change to the next pixel right and down; all end on
-    // the plane one metre in front of the eye. ITRF axes.
+    // The ray through the target's corner at pixel (0, 0), and its increments to the next pixel right and down; all end on the plane one metre in
+    // front of the eye. ITRF axes.
     corner_ray: vec3f,
     // a/b.
     polar_stretch: f32,
     pixel_right: vec3f,
-    // What light is multiplied by before an 8-bit target shows it.
+    // Exposure factor of light on 8-bit targets.
     exposure: f32,
     pixel_down: vec3f,
-    // Light of the Moon as a part of the Sun's, times how much brighter the night is drawn.
+    // Moonlight as a fraction of sunlight, times its gain.
     moon_light: f32,
     // Unit vector to the Moon, ITRF axes.
     moon_itrf: vec3f,
-    // How much of the clouds an eye sees before the ground: 1 above them, 0 below.
+    // Fraction of the clouds that is in front of the ground: 1 for an eye above them, 0 below.
     clouds_before: f32,
     shadow: MoonShadow,
     // Radiance of the brightest city lights.

@@ -1,5 +1,5 @@
-// A pixel's ray in scaled space: its unit direction, the distance of its line from the centre, and how far along it the
-// point nearest the centre is.
+// A pixel's ray in scaled space: its unit direction, the distance of its line from the centre, and the distance along it to the point nearest to
+// the centre.
 import common/frame.wgsl;
 
 struct Ray {

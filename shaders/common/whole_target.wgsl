@@ -1,8 +1,8 @@
-// The vertex stage of passes that draw over all of their target.
+// The vertex stage of passes that cover their whole target.
 
 struct Varying {
     @builtin(position) clip: vec4f,
-    // Of the what is read, 0…1 from its upper left corner.
+    // Position in the source texture, 0…1 from its upper left corner.
     @location(0) uv: vec2f,
 }
 

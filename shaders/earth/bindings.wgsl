@@ -1,4 +1,4 @@
-// All that the surface's shader is given.
+// All resources of the surface's shader.
 //
 // | group | binding | what                        | when             |
 // |-------|---------|-----------------------------|------------------|
@@ -16,8 +16,8 @@
 // | 1     | 3, 8    | city lights                 | night_lights     |
 // | 1     | 4, 9    | open water                  | water            |
 //
-// Group 1 is the whole Earth's, or with tiles each block's own: maps then are tiles of its block or whole maps. With parts they are
-// arrays: of one such map, or of the tiles of a block's own size, among which are those of its parts.
+// Group 1 is shared by the whole Earth; with tiles each block has its own: each map is then a tile of the block or the whole map. With parts they
+// are arrays: of one such map, or of the tiles of the block's size, which include those of its parts.
 
 @group(0) @binding(0) var<uniform> frame: FrameUniforms;
 
@@ -26,37 +26,37 @@
 @if(tiles) import rust::{BLOCK_COUNT, MAP_LAYERS};
 @if(parts && tiles) import rust::PART_CELL_WORDS;
 
-// Where each block's texels lie. Mirrored by the buffer of src/gpu/tiles.rs.
+// Placement of each block's texels. Mirrored by the buffer of src/gpu/tiles.rs.
 @if(tiles)
 struct Tiles {
-    // For each block and each map of it, in the order of the bindings of group 1: texture coordinates of the block's centre,
-    // and their change per whole map. One array: WebGL 2 has no arrays of arrays.
+    // For each block and each of its maps, in the order of the bindings of group 1: texture coordinates of the block's centre, and their scale. One
+    // array: WebGL 2 has no arrays of arrays.
     placements: array<vec4f, MAP_LAYERS * BLOCK_COUNT>,
-    // A bit for each block that has tiles.
+    // One bit for each block, set if it has tiles.
     @if(per_block_tiles) tiled: vec4u,
     @if(parts && !per_block_tiles) unused: vec4u,
-    // What cells of blocks with parts are drawn with, 16 bits each: layer of the array, and above that how often the block is halved.
+    // Cells of blocks with parts, 16 bits each: layer of the array, and above that how often the block is halved.
     @if(parts) cells: array<vec4u, PART_CELL_WORDS>,
 }
 @if(tiles) @group(0) @binding(3) var<uniform> tiles: Tiles;
 
 @if(grid) @group(0) @binding(4) var<uniform> grid: GridUniforms;
-// Slots of GRID_TILE_TEXELS² heights, from the south-west, ATLAS_COLUMNS of them to a row.
+// Slots of GRID_TILE_TEXELS² elevations, from the south-west, ATLAS_COLUMNS of them to a row.
 @if(grid) @group(0) @binding(5) var height_tiles: texture_2d<f32>;
 
-// What of the light on the surface can be chosen. Mirrored by `SurfaceLightUniforms` in src/gpu/uniforms.rs.
+// Options of the light on the surface. Mirrored by `SurfaceLightUniforms` in src/gpu/uniforms.rs.
 @if(surface_light)
 struct SurfaceLightUniforms {
     // Mean square slope of the sea's waves.
     wave_slope_squared: f32,
-    // Part of the light that the sea's foam throws back.
+    // Reflectance of the sea's foam.
     foam: f32,
-    // Of the sky mirrored by waves: the power of 1 − cos θ, and what it is multiplied by.
+    // Exponent of 1 − cos θ in the reflectance of waves for sky light, and the factor of that power.
     mirror_power: f32,
     mirror_scale: f32,
-    // What the normal map's slopes are multiplied by.
+    // Factor of the normal map's slopes.
     slope_gain: f32,
-    // Height of the clouds, and how far the tops of thick ones rise over thin ones; equatorial radii.
+    // Height of the clouds, and of the tops of thick ones above thin ones; equatorial radii.
     cloud_height: f32,
     cloud_relief: f32,
     // Sine of the Sun's depression at which it sets for the clouds.
@@ -64,7 +64,7 @@ struct SurfaceLightUniforms {
 }
 @if(surface_light) @group(0) @binding(12) var<uniform> surface_light: SurfaceLightUniforms;
 
-// One tree after another.
+// The trees of all pages, one after another.
 @if(cast) @group(0) @binding(6) var<storage, read> contour_nodes: array<ContourNode>;
 
 @if(picture && !parts) @group(1) @binding(0) var day_map: texture_2d<f32>;

@@ -1,7 +1,7 @@
-// City lights as points of constant light: each a normal distribution on the ground, as wide as its lamps are spread and blurred by some
-// half a pixel, so that a point is as bright in any place and at any size of picture. Wide ones are uneven.
+// City lights as points of constant light: each a normal distribution on the ground, as wide as its lamps are spread and blurred by about half a
+// pixel, so that a point has the same brightness everywhere and at any size of the image. Wide ones are uneven.
 //
-// They are seen through clouds and air. All but the distribution and its grains is found once for each corner.
+// They are seen through clouds and air. Everything except the distribution and its grains is computed per corner.
 import rust::{CITY_LIGHT_RADIUS_M, LAMPS_OUT_SIN, PI};
 @if(clouds) import rust::CLOUD_ALBEDO;
 import earth/shading/lamps.wgsl;
@@ -14,41 +14,41 @@ import common/displayed.wgsl;
 struct CityLight {
     // Normal of the ellipsoid.
     @location(0) up: vec3f,
-    // Light, square equatorial radii of ground as bright as the brightest lamps.
+    // Light, in square equatorial radii of ground at the brightness of the brightest lamps.
     @location(1) light: f32,
-    // Colour, and how far its lamps are spread, in parts of the most.
+    // Colour, and the spread of its lamps relative to the maximum.
     @location(2) color: vec4f,
 }
 
 struct Varying {
     @builtin(position) clip: vec4f,
     @location(0) @interpolate(flat) center_px: vec2f,
-    // Light of the pixel in the middle.
+    // Light of the central pixel.
     @location(1) @interpolate(flat) light: vec3f,
-    // Inverse of the distribution's covariance, pixels: xx, xy, yy.
+    // Inverse covariance of the distribution, pixels: xx, xy, yy.
     @location(2) @interpolate(flat) narrow: vec3f,
-    // Metres east and north for a pixel to the right, and for one down.
+    // Metres east and north per pixel to the right, and per pixel down.
     @location(3) @interpolate(flat) ground_m: vec4f,
-    // How much of its light is spread unevenly; the direction of the grains, radians, and which they are.
+    // Fraction of its light that is uneven; direction of the grains, radians, and their seed.
     @location(4) @interpolate(flat) in_grains: f32,
     @location(5) @interpolate(flat) turn: f32,
     @location(6) @interpolate(flat) seed: u32,
-    // Where it is cut off, standard deviations.
+    // Cut-off radius, standard deviations.
     @location(7) @interpolate(flat) reach: f32,
 }
 
-// Variance of what a pixel is blurred by, square pixels. The sum over all pixels is then even to 1 %.
+// Variance of the pixel blur, square pixels. The sum over all pixels is then uniform to 1 %.
 const BLUR: f32 = 0.3;
-// Where the distribution is cut off, standard deviations, and the part of it that is within; room for all samples of the outermost pixels.
+// Cut-off radius of the distribution, standard deviations, and the fraction inside; a margin for all samples of the outermost pixels.
 const REACH: f32 = 3.0;
 const WITHIN: f32 = 0.9889;
 const SAMPLE_REACH_PX: f32 = 0.5;
-// Most pixels of a standard deviation: near the ground lamps are not spread as far as they could be.
+// Upper limit of a standard deviation, pixels: near the ground lamps are drawn less spread than they are.
 const WIDEST_PX: f32 = 40.0;
-// Points are drawn so much nearer than the ground that it does not hide them: the mesh is not the ellipsoid. What is behind the limb is
-// left out here.
+// Points are drawn at a fraction of the ground's distance so that the ground does not hide them: the mesh deviates from the ellipsoid. Points
+// behind the limb are left out here.
 const NEARER: f32 = 0.95;
-// Of the picture's sides, beyond which nothing of a point is in it.
+// Limit of screen coordinates (edges at ±1) beyond which no part of a point is inside.
 const BESIDE: f32 = 1.2;
 
 @vertex
@@ -91,7 +91,7 @@ fn vertex(@builtin(vertex_index) index: u32, in: CityLight) -> Varying {
     out.in_grains = smoothstep(0.5, 2.0, radius_m * inverseSqrt(sqrt(determinant)));
     out.seed = bitcast<u32>(in.up.x) ^ bitcast<u32>(in.up.z);
     out.turn = 0.5 * PI * hashed(vec2i(0), out.seed);
-    // Of the lamps on the ground, in pixels, and of the blur.
+    // Covariance of the lamps on the ground, in pixels, plus that of the blur.
     let spread = radius_m * radius_m / determinant * vec3f(squares.z, -squares.y, squares.x) + vec3f(BLUR, 0.0, BLUR);
     let area = spread.x * spread.z - spread.y * spread.y;
     out.narrow = vec3f(spread.z, -spread.y, spread.x) / area;
@@ -109,7 +109,7 @@ fn vertex(@builtin(vertex_index) index: u32, in: CityLight) -> Varying {
     return out;
 }
 
-// Standard deviations to which anything is shown of a point that has so much light in its middle.
+// Radius in standard deviations inside which a point with so much central light is visible.
 @if(!exposed && !shown)
 fn reach_of(light: vec3f) -> f32 {
     return REACH;
@@ -117,12 +117,12 @@ fn reach_of(light: vec3f) -> f32 {
 @else
 fn reach_of(light: vec3f) -> f32 {
     let brightest = frame.exposure * max(light.r, max(light.g, light.b));
-    // Too little exposed light to be looked for beyond the middle.
+    // Exposed light below which the point is only drawn at its centre.
     let least = 5e-4;
     return clamp(sqrt(2.0 * log(max(brightest / least, 1.0))), 1.0, REACH);
 }
 
-// What clouds and air leave of light from a place.
+// Transmittance of clouds and air for light from a place.
 fn left_to_eye(place: SurfacePoint) -> vec3f {
     let at = on_whole_map(place);
     var left = vec3f(1.0);
@@ -157,13 +157,13 @@ fn fragment(in: Varying) -> @location(0) vec4f {
     @else return vec4f(shown, 0.0);
 }
 
-// Quarters and blocks of a district, metres wide, and how much of its light is spread over them unevenly.
+// Sizes of quarters and blocks of a district, metres, and the fraction of its light that is distributed unevenly over them.
 const GRAINS_M: vec2f = vec2f(1400.0, 420.0);
 const UNEVEN: f32 = 0.9;
 // Mean of the fourth power of the noise below.
 const MEAN_GRAIN: f32 = 0.136;
 
-// How much brighter a district is at a pixel than its distribution; the mean is 1.
+// Brightness of a district at a pixel relative to its distribution; the mean is 1.
 fn grain(in: Varying, off: vec2f) -> f32 {
     let place_m = off.x * in.ground_m.xy + off.y * in.ground_m.zw;
     let along = vec2f(cos(in.turn), sin(in.turn));
@@ -179,7 +179,7 @@ fn grain(in: Varying, off: vec2f) -> f32 {
     return factor;
 }
 
-// Noise of 0…1 over squares of the side 1.
+// Noise of 0…1 over squares of side 1.
 fn uneven_square(at: vec2f, seed: u32) -> f32 {
     let cell = vec2i(floor(at));
     let inside = smoothstep(vec2f(0.0), vec2f(1.0), fract(at));

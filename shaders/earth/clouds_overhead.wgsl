@@ -1,7 +1,7 @@
-// Clouds as an eye below them sees them in the sky: the same layer from beneath, over everything behind it.
+// Clouds in the sky for an eye below them: the same layer from beneath, over everything behind it.
 //
-// Of sunlight at the cosine μ a layer throws back ρ(μ), lets exp(−1.85 x/μ) through as it is (delta-Eddington, see shading/clouds.wgsl), and
-// scatters the rest downwards, thin clouds most of it forwards. Light of the ground below comes back from its underside.
+// For sunlight at the cosine μ a layer reflects ρ(μ), transmits exp(−1.85 x/μ) directly (delta-Eddington, see shading/clouds.wgsl), and scatters
+// the rest downwards, thin clouds mostly forwards. Its underside reflects light from the ground below.
 import common/displayed.wgsl;
 import earth/shading/clouds.wgsl;
 import earth/shading/light.wgsl;
@@ -12,17 +12,17 @@ struct Varying {
     @builtin(position) clip: vec4f,
 }
 
-// At the farthest depth: all that stands before the sky hides it.
+// At the farthest depth: everything in front of the sky hides it.
 @vertex
 fn vertex(@builtin(vertex_index) index: u32) -> Varying {
     return Varying(vec4f(f32(index & 1u) * 4.0 - 1.0, f32(index >> 1u) * 4.0 - 1.0, 0.0, 1.0));
 }
 
-// Lowest angle at which the layer is looked through, sine: it is not as flat as a sheet.
+// Lowest elevation angle for the path through the layer, as sine: it is not perfectly flat.
 const LOWEST_SIGHT: f32 = 0.03;
-// Asymmetry of what delta-Eddington leaves of the scattering, g/(1 + g) with g = 0.85.
+// Asymmetry of the scattering after delta-Eddington scaling, g/(1 + g) with g = 0.85.
 const SCALED_ASYMMETRY: f32 = 0.459;
-// Sines of the Sun's height between which it comes to light the upper side instead of the underside.
+// Sines of the Sun's elevation between which the lit side changes from the underside to the upper side.
 const UNDERSIDE_LIT: vec2f = vec2f(-0.03, 0.06);
 
 @fragment
@@ -57,8 +57,8 @@ fn fragment(in: Varying) -> @location(0) vec4f {
     return vec4f(displayed(color, frame.exposure, in.clip.xy), 1.0 - through);
 }
 
-// What the layer sends down to the eye of the light of a Sun in this direction, its sky and the ground; `through` is the part of what is
-// behind that shows as it is.
+// Light that the layer sends down to the eye from a Sun in this direction, its sky and the ground; `through` is the directly transmitted fraction
+// of the background.
 fn light_from_below(at: SurfacePoint, clouds: CloudsBefore, thickness: f32, through: f32, sun: vec3f) -> vec3f {
     let mu = dot(clouds.lift.up, sun);
     let above = max(mu, CLOUD_SIDES);
@@ -68,19 +68,19 @@ fn light_from_below(at: SurfacePoint, clouds: CloudsBefore, thickness: f32, thro
     let cosine = dot(-normalize(at.to_eye), sun);
     let g = SCALED_ASYMMETRY;
     let forward = (1.0 - g * g) / pow(1.0 + g * g - 2.0 * g * cosine, 1.5);
-    // Scattered more than once, it comes alike from everywhere.
+    // Multiply scattered light is isotropic.
     let spread = mix(1.0, forward, exp(-thickness));
-    // A Sun at the horizon lights what hangs down of the underside.
+    // A Sun at the horizon lights protrusions of the underside.
     let lit_above = smoothstep(UNDERSIDE_LIT.x, UNDERSIDE_LIT.y, mu);
     var color = light.sun * mix(back * CLOUD_SIDES, down * above * spread, lit_above);
-    // What of the sky's light is not seen in its own direction.
+    // Light of the sky that is not transmitted directly.
     color += light.sky * max(1.0 - clouds.albedo - through, 0.0);
     let on_ground = (1.0 - back) * above * lit_above * light.sun + light.sky;
     @if(air) color += clouds.albedo * sent_up_by(ground_below(at), vec3f(clouds.albedo)) * on_ground;
     return color;
 }
 
-// Of the Earth's circumference, 300 km: as far about a place as its ground lights the clouds.
+// Fraction of the Earth's circumference, 300 km: radius of the ground that lights the clouds.
 @if(air) const GROUND_ABOUT: f32 = 0.0075;
 
 // Mean colour of the ground.
@@ -101,7 +101,7 @@ fn light_on_layer(at: SurfacePoint, mu: f32) -> Light {
     return light_on_clouds(mu);
 }
 
-// Behind the air that is before the layer, which hides this part of the air beyond it.
+// Behind the air in front of the layer, which hides the air beyond it.
 @if(air)
 fn behind_air(color: vec3f, direction: vec3f, uv: vec2f, hidden: f32) -> vec3f {
     let column = view_column(direction);

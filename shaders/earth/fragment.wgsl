@@ -1,4 +1,4 @@
-// The fragment stage of the Earth: a picture, the place of each pixel, or all that is known of it.
+// The fragment stage of the Earth: the shaded image, geolocation, or ground truth.
 @if(picture && sunlit) import common/displayed.wgsl;
 @if(picture && decode) import common/color.wgsl;
 @if(truth) import rust::{TRUTH_LAND, TRUTH_SUNLIT};
@@ -6,8 +6,7 @@
 @if(truth && clouds) import earth/shading/cloud_cover.wgsl;
 @if(truth && water) import earth/shading/open_water.wgsl;
 
-// What a pixel gets. Its depth is the mesh's, or where rays are cast that of the ground that the ray met, not of the prism that it was
-// looked for in.
+// Output of a pixel. Its depth is the mesh's; for cast rays that of the ground that the ray met, not of the prism.
 @if(!truth)
 struct Drawn {
     @location(0) color: vec4f,
@@ -20,14 +19,14 @@ fn drawn(color: vec4f, at: SurfacePoint) -> Drawn {
     @else return Drawn(color);
 }
 
-// How deep a point of the ground lies, reversed.
+// Reversed depth of a point on the ground.
 @if(depth)
 fn depth_of(at: SurfacePoint) -> f32 {
     let clip = frame.clip_from_eye * vec4f(-at.to_eye * at.along, 1.0);
     return saturate(clip.z / max(clip.w, 1e-6));
 }
 
-// The picture: what the surface looks like there, as the target stores it.
+// The shaded image, as the target stores it.
 @if(picture)
 @fragment
 fn fragment(in: Varying) -> Drawn {
@@ -42,9 +41,9 @@ fn fragment(in: Varying) -> Drawn {
     return drawn(vec4f(color, 1.0), at);
 }
 
-// In place of colour, for measuring: the texture coordinates that maps would be read with, from the block's centre, and
-// that centre. Kept apart, they are rounded as little as the samplers' are. The target is cleared to 0; no centre is 0.
-// With relief: how many of its rays long the pixel's way to the ground is, in the last number, and 1 in the others.
+// Instead of colour, for measurements: the texture coordinates for sampling maps, relative to the block's centre, and that centre. Stored
+// separately, they are rounded as little as the samplers' are. The target is cleared to 0; no centre is 0. With terrain: the distance to the ground
+// in lengths of the pixel's ray, in the last number, and 1 in the others.
 @if(geolocation)
 @fragment
 fn fragment(in: Varying) -> Drawn {
@@ -54,15 +53,14 @@ fn fragment(in: Varying) -> Drawn {
     @else return drawn(vec4f(at.uv, at.center_uv), at);
 }
 
-// In place of colour: what is where the pixel looks, in three targets that are cleared to 0. `TruthTexel` in
-// src/gpu/truth_targets.rs says what they hold.
+// Instead of colour: ground truth of the pixel, in three targets that are cleared to 0. `TruthTexel` in src/gpu/truth_targets.rs describes them.
 @if(truth)
 struct Drawn {
-    // Texture coordinates from the centre of the block that the place lies in; its range and height, metres.
+    // Texture coordinates relative to the centre of the place's block; its distance and elevation, metres.
     @location(0) place: vec4f,
     // That block's index + 1, and flags.
     @location(1) marks: u32,
-    // Rise of the ground to the east and to the north, share of land, cloud cover before it.
+    // Slope of the ground to the east and to the north, land fraction, cloud cover in front of it.
     @location(2) ground: vec4f,
     @if(depth) @builtin(frag_depth) depth: f32,
 }

@@ -1,7 +1,7 @@
-// How maps are read at a point of the ground: maps of the whole Earth, or a block's tiles with whole maps in their place.
+// Sampling of maps at a point of the ground: maps of the whole Earth, or a block's tiles with whole maps as fallback.
 //
-// With parts, blocks may be cut. Such a block's placement is: its first cell, how often it is halved for a cell, and negative the part
-// of a tile's side that is border, and the part that is its own.
+// With parts, blocks may be cut. The placement of such a block is: its first cell, how often it is halved for a cell, and, negative, the border's
+// fraction of a tile's side, and the part's own fraction.
 import rust::PI;
 @if(tiles) import rust::{MAP_LAYERS, TILE_BORDER};
 @if(tiles && relief) import rust::WHOLE_MAP;
@@ -15,7 +15,7 @@ fn map_placement(layer: u32, at: SurfacePoint) -> vec4f {
 
 @if(parts)
 struct MapPlacement {
-    // Texture coordinates of the block's centre, and their change per whole map.
+    // Texture coordinates of the block's centre, and their scale.
     uv: vec4f,
     array_layer: u32,
 }
@@ -48,21 +48,21 @@ fn map_placement(layer: u32, at: SurfacePoint) -> MapPlacement {
     );
 }
 
-// A change of texture coordinates, as far as a map of so many texels can follow it: a tile ends at its border.
+// A shift of texture coordinates, clamped to a map of this size: a tile ends at its border.
 fn map_shift(layer: u32, at: SurfacePoint, texels: vec2f, shift: vec2f) -> vec2f {
     @if(!tiles) return shift;
     @if(tiles) let moved = abs(shift * map_texels(layer, at, texels));
     @if(tiles) return shift * min(f32(TILE_BORDER - 1u) / max(max(moved.x, moved.y), 1e-6), 1.0);
 }
 
-// Texels of a map of so many, from west to east and north to south, as if they covered the whole Earth.
+// Size of a map in texels, from west to east and north to south, as if it covered the whole Earth.
 fn map_texels(layer: u32, at: SurfacePoint, texels: vec2f) -> vec2f {
     @if(!tiles) return texels;
     @if(tiles && !parts) return texels * map_placement(layer, at).zw;
     @if(parts) return texels * map_placement(layer, at).uv.zw;
 }
 
-// Size of a texel of a map of so many from north to south, equatorial radii.
+// Size of a texel from north to south in a map of this size, equatorial radii.
 fn texel_radii(layer: u32, at: SurfacePoint, texels: vec2u) -> f32 {
     return PI / map_texels(layer, at, vec2f(texels)).y;
 }

@@ -1,5 +1,4 @@
-// How the ground leans: by the mesh's own slopes where it has relief, and by the normal map, whose texels are slopes to the east and to
-// the north.
+// Normal of the ground: from the mesh's own slopes with terrain, and from the normal map, whose texels are slopes to the east and to the north.
 @if(normals) import rust::NORMALS;
 
 @if(normals)
@@ -8,7 +7,7 @@ fn surface_normal(at: SurfacePoint) -> vec3f {
     @if(paper) let of_map = texel;
     @else let of_map = surface_light.slope_gain * texel;
     @if(!relief) let slope = of_map;
-    // Where a pixel is smaller than the map's texels the mesh's own slopes tell more.
+    // Where a pixel is smaller than the map's texels, the mesh's own slopes are more accurate.
     @if(relief) let per_map = map_texels(NORMALS, at, vec2f(textureDimensions(slope_map)));
     @if(relief) let footprint = max(length(at.uv_dx * per_map), length(at.uv_dy * per_map));
     @if(relief) let slope = mix(at.slope, of_map, smoothstep(0.25, 1.0, footprint));

@@ -1,25 +1,25 @@
-// The point of the surface that a pixel looks at.
+// The surface point of a pixel.
 //
-// The mesh says which pixels show the ground; what they show is found by the pixel's own ray. So nothing is interpolated:
-// facets seen edge on, where interpolation is ill-conditioned, cannot shake, and a coarse mesh shifts nothing. Each way to
-// find the point is a file of surface_point/ with
+// The mesh only determines which pixels show ground; the place that they show follows from the pixel's own ray. So nothing is interpolated: facets
+// seen edge-on, where interpolation is ill-conditioned, do not jitter, and a coarse mesh shifts nothing. Each
+// method is a file of surface_point/ with
 //   fn surface_point(in: Varying) -> SurfacePoint
 import rust::PI;
 
-// What the air does at a point, interpolated between vertices.
+// Effect of the air at a point, interpolated between vertices.
 @if(interpolated)
 struct AirAtPoint {
-    // What is left of the ground's light, and what is added to it over black ground and for each unit that the ground about sends up.
+    // Transmittance for the ground's light, and the light added over black ground and per unit of light from the surrounding ground.
     through: vec3f,
     black: vec3f,
     bounce: vec3f,
-    // The Sun's light on level ground and that of the sky over black ground.
+    // Direct sunlight on horizontal ground, and skylight over black ground.
     sun: vec3f,
     sky: vec3f,
     @if(clouds) of_clouds: AirOfClouds,
 }
 
-// What the air does at the clouds before a point, as if their layer were the ground.
+// Effect of the air at the clouds in front of a point, as if their layer were the ground.
 @if(clouds && air)
 struct AirOfClouds {
     sun: vec3f,
@@ -36,29 +36,29 @@ struct SurfacePoint {
     up: vec3f,
     east: vec3f,
     north: vec3f,
-    // Texture coordinates on the whole map, from the block's centre.
+    // Texture coordinates on the whole map, relative to the block's centre.
     uv: vec2f,
-    // Change of uv to the next pixel right and down, u counted in ground distance as v is (× cos latitude), so that
-    // the mip level follows the pixel's footprint at the poles and has no seam at ±180°.
+    // Change of uv to the next pixel right and down, with u in ground distance like v (× cos latitude), so that the mip level follows the pixel's
+    // footprint at the poles and has no seam at ±180°.
     uv_dx: vec2f,
     uv_dy: vec2f,
     center_uv: vec2f,
     @if(tiles) block: u32,
-    // Rise of the ground to the east and to the north.
+    // Slope of the ground to the east and to the north.
     @if(relief) slope: vec2f,
-    // The ground's distance in lengths of the pixel's ray, and its height above the ellipsoid.
+    // Distance of the ground in lengths of the pixel's ray, and its elevation above the ellipsoid.
     @if(relief) along: f32,
     @if(relief) height_m: f32,
     @if(truth) range_m: f32,
     @if(interpolated) air: AirAtPoint,
 }
 
-// From the eye through a pixel, ITRF axes, to the plane one metre before the eye.
+// From the eye through a pixel, ITRF axes, to the plane one metre in front of the eye.
 fn pixel_ray(pixel: vec2f) -> vec3f {
     return frame.corner_ray + pixel.x * frame.pixel_right + pixel.y * frame.pixel_down;
 }
 
-// What follows from a point's normal `up` and its distance, `radii` equatorial radii times the ray's length.
+// The surface point from its normal `up` and its distance, `radii` equatorial radii times the ray's length.
 @if(!points && !overhead)
 fn point_on_ray(in: Varying, ray: vec3f, radii: f32, up: vec3f) -> SurfacePoint {
     var out = seen_along(ray, radii, up);
@@ -70,7 +70,7 @@ fn point_on_ray(in: Varying, ray: vec3f, radii: f32, up: vec3f) -> SurfacePoint 
     return out;
 }
 
-// The same but for where maps are read.
+// As `point_on_ray`, without the coordinates for maps.
 fn seen_along(ray: vec3f, radii: f32, up: vec3f) -> SurfacePoint {
     var out: SurfacePoint;
     out.to_eye = -ray;
@@ -79,7 +79,7 @@ fn seen_along(ray: vec3f, radii: f32, up: vec3f) -> SurfacePoint {
     out.east = vec3f(-up.y, up.x, 0.0) / across;
     out.north = cross(up, out.east);
 
-    // The neighbour pixel's ray on the tangent plane: r − ray·(up·r)/(up·ray), times the distance in radii.
+    // The adjacent pixel's ray on the tangent plane: r − ray·(up·r)/(up·ray), times the distance in radii.
     @if(overhead) let facing = max(dot(up, ray), 0.02 * length(ray));
     @else let facing = min(dot(up, ray), -0.02 * length(ray));
     let dx = radii * (frame.pixel_right - ray * (dot(up, frame.pixel_right) / facing));

@@ -1,30 +1,30 @@
-// What the vertex stage hands to each pixel.
+// Values from the vertex stage for each pixel.
 struct Varying {
     @builtin(position) clip: vec4f,
-    // What texture coordinates are counted from: (cos, sin) of its longitude and of its latitude, and its own coordinates.
+    // Reference of the texture coordinates: (cos, sin) of its longitude and of its latitude, and its own coordinates.
     @location(0) @interpolate(flat) center_lon: vec2f,
     @location(1) @interpolate(flat) center_lat: vec2f,
     @location(2) @interpolate(flat) center_uv: vec2f,
-    // Whose tiles are drawn: a block's, PER_BLOCK_TILES + a block's, or nobody's, WHOLE_MAP.
+    // Imagery: a block's index, PER_BLOCK_TILES plus that, or WHOLE_MAP.
     @if(tiles) @location(3) @interpolate(flat) block: u32,
-    // The mesh's own place. Where blocks are told apart by it, that of a place within the triangle, so that its block is one
-    // that the triangle touches.
+    // Interpolated position on the mesh. If it selects the block, it is a position inside the triangle, so that the block is one that the triangle
+    // touches.
     @if(relief && !cast && !per_block_tiles) @location(4) from_eye_m: vec3f,
     @if(per_block_tiles) @location(4) @interpolate(perspective, centroid) from_eye_m: vec3f,
-    // Height above the ellipsoid, and rise of the ground to the east and to the north.
+    // Elevation above the ellipsoid, and slope of the ground to the east and to the north.
     @if(relief && !cast) @location(5) height_m: f32,
     @if(relief && !cast) @location(6) slope: vec2f,
-    // Of the page of contours behind the prism: see PagePrism.
+    // Page of contours behind the prism: see PagePrism.
     @if(cast) @location(4) @interpolate(flat) eye_from_origin_m: vec3f,
     @if(cast) @location(5) @interpolate(flat) root: u32,
     @if(cast) @location(6) @interpolate(flat) ray: vec3f,
-    // What the air does there: see AirAtPoint.
+    // Effect of the air there: see AirAtPoint.
     @if(interpolated) @location(4) through: vec3f,
     @if(interpolated) @location(5) black: vec3f,
     @if(interpolated) @location(6) bounce: vec3f,
     @if(interpolated) @location(7) sun: vec3f,
     @if(interpolated) @location(8) sky: vec3f,
-    // The same of the clouds before it: see AirOfClouds in surface_point.wgsl.
+    // Effect of the air on the clouds in front of it: see AirOfClouds in surface_point.wgsl.
     @if(interpolated && clouds) @location(9) sun_on_clouds: vec3f,
     @if(interpolated && clouds) @location(10) sky_on_clouds: vec3f,
     @if(interpolated && clouds) @location(11) through_to_clouds: vec3f,
@@ -32,11 +32,10 @@ struct Varying {
     @if(interpolated && clouds) @location(13) bounce_above_clouds: vec3f,
 }
 
-// What is the same for a whole block, patch or page. Mirrored by `BlockInstance` in src/gpu/lattice.rs.
+// Values common to a whole block, patch or page. Mirrored by `BlockInstance` in src/gpu/lattice.rs.
 @if(!grid)
 struct BlockInstance {
-    // The block's centre, or that of a patch in several blocks: (cos, sin) of longitude and of latitude, and its texture
-    // coordinates.
+    // Centre of the block, or of a patch that spans several blocks: (cos, sin) of longitude and of latitude, and its texture coordinates.
     @location(1) center_lon: vec2f,
     @location(2) center_lat: vec2f,
     @location(3) center_uv: vec2f,

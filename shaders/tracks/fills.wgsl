@@ -1,16 +1,16 @@
-// The ground that a sensor sees: all of it inside a cone or a pyramid and in sight of the satellite. `Fill` in src/gpu/tracks.rs.
+// The ground that a sensor sees: inside a cone or a pyramid and visible from the satellite. `Fill` in src/gpu/tracks.rs.
 
 struct FillInstance {
-    // Where on screen it can be: least and greatest x and y, −1…1.
+    // Bounds on screen: least and greatest x and y, −1…1.
     @location(0) bounds: vec4f,
-    // The satellite, scaled space, and the depth that what stands before the ground must have.
+    // Position of the satellite, scaled space, and the depth for the test against objects in front of the ground.
     @location(1) apex: vec3f,
     @location(2) depth: f32,
     // The boresight, unit, ITRF axes, and the tangent of the half angle.
     @location(3) axis: vec3f,
     @location(4) tangent: f32,
     @location(5) color: vec4f,
-    // Of a pyramid the axis across and the tangent of the half angle along it; 0 is a cone.
+    // For a pyramid the axis across and the tangent of the half angle along it; 0 for a cone.
     @location(6) side: vec3f,
     @location(7) side_tangent: f32,
 }
@@ -49,8 +49,8 @@ fn fragment(in: Varying) -> @location(0) vec4f {
     let root = sqrt(max((1.0 - ray.q) * (1.0 + ray.q), 0.0));
     let t = track.frame.above / max(root + ray.along, 1e-9);
     let ground = track.frame.eye_scaled + t * ray.direction;
-    // In the cone: |v × a| < v·a tan α, which is good for narrow cones too; in the pyramid the same along both of its axes. In sight of the
-    // satellite: p·s > 1.
+    // Inside the cone: |v × a| < v·a tan α, which is accurate for narrow cones too; inside the pyramid the same along both of its axes. Visible
+    // from the satellite: p·s > 1.
     let v = (ground - in.apex) / vec3f(1.0, 1.0, track.frame.polar_stretch);
     let ahead = dot(v, in.axis);
     let in_cone = ahead * in.tangent - length(cross(v, in.axis));

@@ -18,7 +18,7 @@ struct Segment {
 
 struct Varying {
     @builtin(position) clip: vec4f,
-    // Everything is interpolated linearly on screen (w = 1, so that no backend needs to know how): places over w and 1/w.
+    // Everything is interpolated linearly on screen (w = 1, independent of the backend): positions over w and 1/w.
     @location(0) from_eye_over_w: vec3f,
     @location(1) one_over_w: f32,
     @location(2) color: vec4f,
@@ -32,13 +32,13 @@ fn clip_of(from_eye_m: vec3f) -> vec4f {
     return track.frame.clip_from_eye * vec4f(from_eye_m, 1.0);
 }
 
-// How far beyond its edge a line without a casing covers a part of pixels, with a tenth for rounding.
+// Distance beyond its edge at which a line without outline still covers a part of pixels, with a tenth for rounding.
 const UNCASED_PX: f32 = 0.6;
 
-// Segments are cut at planes this often as far out as the viewport's edges: numbers stay small, and no cut is seen.
+// Segments are clipped at planes this many times as far out as the viewport's edges: numbers stay small, and cuts are invisible.
 const GUARD: f32 = 3.0;
 
-// Cuts `span`, the part of a segment that is kept, where `a` and `b`, the distances of its ends from a plane, change sign.
+// Clips `span`, the kept part of a segment, where `a` and `b`, the distances of its ends from a plane, change sign.
 fn cut(span: vec2f, a: f32, b: f32) -> vec2f {
     if a < 0.0 && b < 0.0 {
         return vec2f(1.0, 0.0);
@@ -50,7 +50,7 @@ fn cut(span: vec2f, a: f32, b: f32) -> vec2f {
     );
 }
 
-// The part of a segment before the eye and near the viewport; empty where x ≥ y.
+// The part of a segment in front of the eye and near the viewport; empty if x ≥ y.
 fn visible_span(a: vec4f, b: vec4f) -> vec2f {
     let near = 1e-6 * max(abs(a.w), abs(b.w));
     var span = cut(vec2f(0.0, 1.0), a.w - near, b.w - near);
@@ -60,15 +60,15 @@ fn visible_span(a: vec4f, b: vec4f) -> vec2f {
     return cut(span, GUARD * a.w + a.y, GUARD * b.w + b.y);
 }
 
-// Unit direction on screen from a to b, where at least one of them lies before the eye: the change of x/w, times w².
+// Unit direction on screen from a to b, at least one of which is in front of the eye: the change of x/w, times w².
 fn direction_px(a: vec4f, b: vec4f) -> vec2f {
     let v = (b.xy * a.w - a.xy * b.w) * track.size_px;
     let largest = max(abs(v.x), abs(v.y));
-    // By the largest component first: squares of these products can leave f32's range.
+    // Scaled by the largest component first: squares of these products can leave f32's range.
     return select(vec2f(1.0, 0.0), normalize(v / max(largest, 1e-30)), largest > 0.0);
 }
 
-// The corner's way out from the line's middle, in half widths: along the bisector where the next segment goes on.
+// Offset of a corner from the line's centre, in half widths: along the bisector if the next segment continues.
 fn way_out(along: vec2f, neighbour: vec2f, is_joined: bool) -> vec2f {
     let normal = vec2f(-along.y, along.x);
     let sum = normal + vec2f(-neighbour.y, neighbour.x);

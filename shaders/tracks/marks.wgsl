@@ -1,7 +1,7 @@
 // Marks of constant size on screen: dots, and rings on the ground. `Mark` in src/gpu/tracks.rs.
 
 struct MarkInstance {
-    // From the eye, ITRF metres: subtracted in f64.
+    // Position relative to the eye, ITRF metres: subtracted in f64.
     @location(0) from_eye_m: vec3f,
     @location(1) flags: u32,
     @location(2) color: vec4f,
@@ -40,9 +40,9 @@ fn vertex(@builtin(vertex_index) index: u32, in: MarkInstance) -> Varying {
 @fragment
 fn fragment(in: Varying) -> @location(0) vec4f {
     let ray = ray_of(in.clip.xy);
-    // A mark is so small that it is hidden or seen as a whole where it lies on the ground.
+    // A mark on the ground is so small that it is hidden or visible as a whole.
     let seen = in_sight(ray, in.from_eye, in.flags);
-    // A satellite is a dot; its place on the ground a ring about a point.
+    // A satellite is a dot; its sub-satellite point is a ring around a point.
     let r = length(in.at_px);
     var inside_px = in.radius_px - r;
     if (in.flags & ON_GROUND) != 0u {

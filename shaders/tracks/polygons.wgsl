@@ -1,9 +1,9 @@
 // Triangles of polygons on the ground. `Triangle` in src/gpu/tracks.rs.
 
 struct TriangleInstance {
-    // Corners from the eye, ITRF metres: subtracted in f64.
+    // Corners relative to the eye, ITRF metres: subtracted in f64.
     @location(0) a_m: vec3f,
-    // Bit i: the edge opposite to corner i is an edge of the polygon; bit 3 + i: corner i lies on one of another triangle.
+    // Bit i: the edge opposite to corner i is an edge of the polygon; bit 3 + i: corner i lies on a polygon edge of another triangle.
     @location(1) edges: u32,
     @location(2) b_m: vec3f,
     @location(3) c_m: vec3f,
@@ -36,19 +36,19 @@ fn vertex(@builtin(vertex_index) index: u32, in: TriangleInstance) -> Varying {
     return out;
 }
 
-// How much farther the edge may be from a pixel than the line through the corner is: between none and √2.
+// Distance of the edge from a pixel relative to that of the line through the corner: between 1 and √2.
 const CORNER: f32 = 1.2;
 
 @fragment
 fn fragment(in: Varying) -> @location(0) vec4f {
     let ray = ray_of(in.clip.xy);
-    // Pixels to each edge. A neighbour across an edge of the polygon draws nothing, so the edge is smoothed inwards.
+    // Distance to each edge in pixels. A neighbour across an edge of the polygon draws nothing, so the edge is antialiased inwards.
     let dx = dpdx(in.weights);
     let dy = dpdy(in.weights);
     let per_px = max(sqrt(dx * dx + dy * dy), vec3f(1e-12));
     let is_edge = (vec3u(in.edges) & vec3u(1u, 2u, 4u)) != vec3u(0u);
     let from_edge = select(vec3f(1.0), in.weights / per_px, is_edge);
-    // At a corner the edge lies about along the opposite side, up to half a right angle off.
+    // At a corner the edge is roughly parallel to the opposite side, up to half a right angle off.
     let is_corner = (vec3u(in.edges) & vec3u(8u, 16u, 32u)) != vec3u(0u);
     let from_corner = select(vec3f(1.0), CORNER * (1.0 - in.weights) / per_px, is_corner);
     let px = min(from_edge, from_corner);

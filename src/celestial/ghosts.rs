@@ -1,4 +1,4 @@
-//! Where ghosts of the Sun are on screen, and their light.
+//! Lens ghosts of the Sun: positions on screen, and light.
 
 use super::projection::Projection;
 use crate::gpu::GhostPoint;
@@ -6,7 +6,7 @@ use glam::DVec3;
 use std::f64::consts::PI;
 use terrella_ground::light::Ghosts;
 
-/// The ghosts of a Sun in this direction; `None` where it is behind the eye or too far outside the picture.
+/// The ghosts of a Sun in this direction; `None` if it is behind the eye or too far outside the image.
 pub(super) fn points(
     ghosts: &Ghosts,
     sun: DVec3,
@@ -22,7 +22,7 @@ pub(super) fn points(
     Some(Ghosts::ALL.map(|ghost| {
         let radius_px = ghost.radius * size.y;
         let solid_angle_sr = ghosts.area() * radius_px * radius_px * pixel_sr;
-        // The light of a white sheet that faces the Sun is 1, so that of the Sun on the eye is π.
+        // A white sheet that faces the Sun has light 1, so the Sun's irradiance at the eye is π.
         let light = PI * seen * ghosts.part / solid_angle_sr;
         GhostPoint {
             at: (ghost.place * at).as_vec2().to_array(),

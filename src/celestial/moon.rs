@@ -1,30 +1,30 @@
-//! How bright the Moon's disc is.
+//! Brightness of the Moon's disc.
 
 use crate::earth::moonlight_of_phase;
 use std::f64::consts::PI;
 
-/// What normal albedo a map's value of 1 means: the disc's mean is then 0.12, the Moon's geometric albedo.
+/// Normal albedo for a map value of 1: the disc's mean is then 0.12, the Moon's geometric albedo.
 const MAP_ALBEDO: f64 = 0.2461;
-/// Part of the Sun's light that a fully lit Earth throws back towards it (geometric albedo, Robinson 2025).
+/// Geometric albedo of the Earth: the fraction of sunlight that a fully lit Earth reflects back (Robinson 2025).
 const EARTH_GEOMETRIC_ALBEDO: f64 = 0.242;
 
-/// How the Moon's dust throws light back at a phase.
+/// Reflectance law of the Moon's surface at a phase.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct MoonLaw {
-    /// What its map is multiplied by.
+    /// Factor of its map.
     pub albedo: f64,
-    /// Lambert's part, 1 − L (McEwen 1996).
+    /// Weight of Lambert's law, 1 − L (McEwen 1996).
     pub lambert: f64,
 }
 
 impl MoonLaw {
-    /// For the angle at the Moon between Sun and eye, radians. The whole disc's light goes with the phase as Allen's magnitudes do.
+    /// For the angle at the Moon between Sun and eye, radians. The light of the whole disc follows Allen's magnitudes.
     pub fn at_phase(phase_rad: f64) -> Self {
         let degrees = phase_rad.to_degrees();
         let seeliger = 1.0 - degrees * (0.019 - degrees * (2.42e-4 - 1.46e-6 * degrees));
         let lambert = 1.0 - seeliger.clamp(0.0, 1.0);
         let wanted = moonlight_of_phase(phase_rad) / moonlight_of_phase(0.0);
-        // A crescent too thin for the sum has no light to be divided by.
+        // For a very thin crescent the sum has no light to divide by.
         let drawn = disc_mean(phase_rad, lambert).max(1e-9);
         Self {
             albedo: MAP_ALBEDO * (wanted / drawn).min(1.0),
@@ -33,7 +33,7 @@ impl MoonLaw {
     }
 }
 
-/// Mean over the disc of what an even ball throws to the eye, by the law in `shaders/celestial/moon.wgsl`.
+/// Mean reflectance of a uniform sphere's disc, by the law in `shaders/celestial/moon.wgsl`.
 fn disc_mean(phase_rad: f64, lambert: f64) -> f64 {
     const N: i32 = 48;
     let (sin, cos) = phase_rad.sin_cos();
@@ -55,8 +55,8 @@ fn disc_mean(phase_rad: f64, lambert: f64) -> f64 {
     sum / f64::from(places)
 }
 
-/// What the Earth lights the Moon with, as a part of the Sun's light: for the angle at the Earth between Sun and Moon, and the Earth's
-/// radius over the Moon's distance. The Earth's phases are those of a white ball (Lambert's).
+/// Earthshine on the Moon as a fraction of sunlight, for the angle at the Earth between Sun and Moon, and the Earth's radius over the Moon's
+/// distance. The Earth's phases are those of a Lambertian sphere.
 pub(super) fn earthshine(angle_rad: f64, radius_over_distance: f64) -> f64 {
     let phase = (angle_rad.sin() + (PI - angle_rad) * angle_rad.cos()) / PI;
     EARTH_GEOMETRIC_ALBEDO * phase * radius_over_distance * radius_over_distance
@@ -68,7 +68,7 @@ mod tests {
 
     #[test]
     fn phases_go_with_the_whole_moons_light() {
-        // An even disc at full phase is as bright everywhere: the law's mean is 1.
+        // A uniform disc at full phase has the same brightness everywhere: the law's mean is 1.
         let full = MoonLaw::at_phase(0.0);
         assert!(
             (full.albedo - MAP_ALBEDO).abs() < 1e-3 && full.lambert == 0.0,

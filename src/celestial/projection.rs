@@ -5,20 +5,20 @@ use crate::gpu::{Disc, StarPoint};
 use glam::{DMat3, DVec2, DVec3, Vec3, Vec4};
 use terrella_frames::Ellipsoid;
 
-/// From directions to pixels.
+/// Maps directions to pixels.
 pub(super) struct Projection<'v> {
     view: &'v ItrfView,
     pub size: DVec2,
     pub origin: DVec2,
-    /// The picture's middle, unit.
+    /// Direction of the image centre, unit.
     pub axis: DVec3,
-    /// Greatest angle of a pixel from it.
+    /// Largest angle of a pixel from it.
     pub half_angle_rad: f64,
-    /// Across the plane of the rays, as long as a pixel of it is large.
+    /// Normal of the plane of the rays, with the area of a pixel in that plane as length.
     pixel_area: DVec3,
 }
 
-/// A disc, and how large it is on screen.
+/// A disc, and its size on screen.
 pub(super) struct PlacedDisc {
     pub disc: Disc,
     pub radius_px: f64,
@@ -50,25 +50,25 @@ impl<'v> Projection<'v> {
         }
     }
 
-    /// Where on screen a direction is, −1…1 in the picture; `None` behind the eye.
+    /// Position of a direction on screen, −1…1 in the image; `None` behind the eye.
     pub fn on_screen(&self, direction: DVec3) -> Option<DVec2> {
         let clip = self.view.clip_from_eye * direction.extend(0.0);
         (clip.w > 0.0).then(|| DVec2::new(clip.x, clip.y) / clip.w)
     }
 
-    /// The angle of a pixel in the middle of the picture.
+    /// Angular size of a pixel in the middle of the image.
     pub fn pixel_rad(&self) -> f64 {
         self.view.pixel_rad()
     }
 
-    /// A star in a direction; `None` outside the picture.
+    /// A star in a direction; `None` outside the image.
     pub fn point(&self, direction: DVec3, light: Vec3) -> Option<StarPoint> {
         let at = self.on_screen(direction)?;
         let room = DVec2::ONE + 6.0 / self.size;
         if !at.abs().cmple(room).all() {
             return None;
         }
-        // Solid angle of the pixel: its area on the plane of the rays, turned to the eye, over its distance squared.
+        // Solid angle of the pixel: its area in the plane of the rays, projected towards the eye, over its distance squared.
         let toward = self.pixel_area.dot(direction);
         let distance = self.pixel_area.dot(self.view.rays.corner) / toward;
         let solid_angle = (toward / (distance * distance)).abs();
@@ -78,7 +78,7 @@ impl<'v> Projection<'v> {
         })
     }
 
-    /// A ball, its centre from the eye.
+    /// Disc of a sphere, given its centre relative to the eye.
     pub fn disc(&self, center_m: DVec3, radius_m: f64, depth: f32) -> PlacedDisc {
         let axes = disc_axes(center_m);
         let rays = &self.view.rays;
@@ -105,7 +105,7 @@ impl<'v> Projection<'v> {
         }
     }
 
-    /// With two pixels more on every side, for the edge.
+    /// Bounds with a margin of two pixels on every side, for the antialiased edge.
     fn with_room(&self, [left, low, right, high]: [f32; 4]) -> [f32; 4] {
         let room = (4.0 / self.size).as_vec2();
         [left - room.x, low - room.y, right + room.x, high + room.y]
@@ -116,7 +116,7 @@ impl<'v> Projection<'v> {
         (clip.z / clip.w).clamp(0.0, 1.0) as f32
     }
 
-    /// Whether the ellipsoid stands before what is in a direction: where it is a unit sphere, as shaders say it.
+    /// Whether the ellipsoid hides a direction, computed in scaled space as in the shaders.
     pub fn is_behind(&self, ellipsoid: &Ellipsoid, direction: DVec3) -> bool {
         let scale = ellipsoid.scaled_from_itrf();
         let (eye, ray) = (
@@ -127,7 +127,7 @@ impl<'v> Projection<'v> {
     }
 }
 
-/// Axes of a ball's disc: z from the eye to its centre.
+/// Axes of a sphere's disc: z from the eye to its centre.
 pub(super) fn disc_axes(center_m: DVec3) -> DMat3 {
     let z = center_m.normalize_or(DVec3::Z);
     let x = z.any_orthonormal_vector();

@@ -1,4 +1,4 @@
-//! What an eye sees beyond the Earth, and how bright it is.
+//! The sky as seen from an eye, and its brightness.
 
 use super::moon::{MoonLaw, earthshine};
 use super::projection::{Projection, disc_axes};
@@ -10,10 +10,10 @@ use glam::{DMat3, DVec3};
 use std::f64::consts::PI;
 use terrella_frames::{Ellipsoid, MOON_RADIUS_M, MoonShadow, Observer, illumination};
 
-/// How far stars may have moved since the catalogue's date, radians: 200 years of the fastest and aberration, with room.
+/// Upper limit of stars' displacement since the catalogue's date, radians: 200 years of the fastest proper motion, and aberration, with a margin.
 const MOVED_RAD: f64 = 0.02;
 
-/// What an eye sees beyond the Earth, in ITRF axes.
+/// The sky as seen from an eye, in ITRF axes.
 pub(super) struct Seen {
     observer: Observer,
     pub sun_m: DVec3,
@@ -41,13 +41,12 @@ impl Seen {
         }
     }
 
-    /// Light of the whole Moon on the eye, as a part of the Sun's on the Earth.
+    /// Moonlight at the eye, as a fraction of sunlight at the Earth.
     pub fn moonlight(&self) -> f64 {
         moonlight(self.phase_rad, self.moon_m.length())
     }
 
-    /// Those in the picture that neither Earth nor Moon hides, at a time in Julian years after the catalogue's, so many times
-    /// brighter than in truth.
+    /// Stars in the image that neither Earth nor Moon hides, at a time in Julian years after the catalogue's epoch, with this gain.
     pub fn stars(
         &self,
         (catalogue, years, gain): (&StarCatalogue, f64, f32),

@@ -1,4 +1,4 @@
-//! The files of what is beyond the Earth, under their names in a folder of maps.
+//! The files of the sky, with their names in a folder of maps.
 
 use super::{CelestialError, CelestialOptions, StarCatalogue};
 use std::path::Path;
@@ -12,18 +12,18 @@ pub const MILKY_WAY_FILE: &str = "milky_way.jpg";
 /// The file of the Moon's map.
 pub const MOON_FILE: &str = "moon.jpg";
 
-/// What of the sky is drawn: everything by default.
+/// The parts of the sky that are drawn: everything by default.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CelestialSelection {
     /// Stars of the catalogue.
     pub stars: bool,
-    /// The light of fainter stars.
+    /// The Milky Way.
     pub milky_way: bool,
     /// The Sun's disc.
     pub sun: bool,
     /// The Moon.
     pub moon: bool,
-    /// Sunlight that lens and eye scatter about the Sun.
+    /// Sunlight that lens and eye scatter around the Sun.
     pub glare: bool,
 }
 
@@ -40,7 +40,7 @@ impl Default for CelestialSelection {
 }
 
 impl CelestialSelection {
-    /// Names of its files in a folder of maps: for programs that fetch the files themselves and give them as [`MapFolder::Memory`].
+    /// Names of its files in a folder of maps: for programs that fetch the files themselves and pass them as [`MapFolder::Memory`].
     pub fn file_names(self) -> Vec<&'static str> {
         let files = [
             (self.stars, STARS_FILE),
@@ -55,7 +55,7 @@ impl CelestialSelection {
 }
 
 impl CelestialOptions {
-    /// Reads the star catalogue and the maps of a folder, as many of them as are selected. It blocks while it reads.
+    /// Reads the selected files, star catalogue and maps, from a folder. It blocks while it reads.
     ///
     /// # Errors
     /// A file that is missing or cannot be used.

@@ -8,9 +8,9 @@ use terrella_files as files;
 /// First bytes of a star file.
 const MAGIC: &[u8; 8] = b"TRSTARS1";
 const RECORD: usize = 24;
-/// Most stars of a file: Gaia's to magnitude 11.
+/// Largest number of stars in a file: Gaia's to magnitude 11.
 const MAX_STARS: usize = 1_000_000;
-/// Hipparcos magnitudes and colour indices B − V that stars have.
+/// Valid ranges of Hipparcos magnitudes and colour indices B − V.
 const MAGNITUDES: std::ops::RangeInclusive<f64> = -2.0..=16.0;
 const COLORS: std::ops::RangeInclusive<f64> = -1.0..=7.0;
 /// Largest proper motion, arc seconds a year; Barnard's star has 10.4.
@@ -27,32 +27,32 @@ pub enum StarError {
     #[error("{}: {cause}", path.display())]
     Unreadable {
         path: PathBuf,
-        /// What the system says.
+        /// Error message of the system.
         cause: String,
     },
-    /// It does not begin as such a file does.
+    /// It does not start with the magic bytes.
     #[error("it is not a star file: it does not begin with TRSTARS1")]
     Kind,
-    /// Its length is not what its number of stars needs.
+    /// Its length does not match its number of stars.
     #[error("it announces {count} stars but has {bytes} bytes for them; each star needs {RECORD}")]
     Length {
         count: usize,
-        /// Bytes after that number.
+        /// Number of bytes after the header.
         bytes: usize,
     },
-    /// A file larger than that of as many stars as are drawn.
+    /// The file exceeds the size limit.
     #[error("it has more than {limit} bytes, those of {MAX_STARS} stars")]
     TooLarge {
-        /// Most bytes.
+        /// Size limit, bytes.
         limit: usize,
     },
-    /// More stars than are drawn.
+    /// The number of stars exceeds the limit.
     #[error("{count} stars are more than {MAX_STARS}")]
     TooMany { count: usize },
-    /// A value that no star has.
+    /// A value out of range.
     #[error("star {star} (HIP {hip}): {what} {value} is impossible")]
     Value {
-        /// Which record, from 1.
+        /// Number of the record, from 1.
         star: usize,
         /// Its Hipparcos number.
         hip: u32,
@@ -62,7 +62,7 @@ pub enum StarError {
 }
 
 impl StarError {
-    /// With the file's name before it.
+    /// The message with the file's name in front.
     pub fn named(&self, path: &Path) -> String {
         match self {
             Self::Unreadable { .. } => self.to_string(),
@@ -82,28 +82,28 @@ pub struct Star {
     pub motion: DVec3,
     /// Magnitude V.
     pub magnitude: f64,
-    /// Light that reaches the Earth, RGB: a white sheet that faces the Sun in space has π.
+    /// Irradiance at the Earth, RGB: that of the Sun is π, for which a white sheet has radiance 1.
     pub light: Vec3,
 }
 
 impl Star {
-    /// Direction so many Julian years after J1991.25, unit, ICRS: along a great circle, without parallax.
+    /// Direction this many Julian years after J1991.25, unit, ICRS: along a great circle, without parallax.
     pub fn direction_at(&self, years: f64) -> DVec3 {
         (self.direction + years * self.motion).normalize()
     }
 }
 
-/// Stars from bright to faint.
+/// Stars, brightest first.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct StarCatalogue {
     stars: Vec<Star>,
 }
 
 impl StarCatalogue {
-    /// Reads a star file; `textures/SOURCES.md` describes the form.
+    /// Reads a star file; `textures/SOURCES.md` describes its format.
     ///
     /// # Errors
-    /// A file that is not there, and those of [`Self::from_bytes`].
+    /// A missing file, and the errors of [`Self::from_bytes`].
     pub fn read(path: &Path) -> Result<Self, StarError> {
         let unreadable = |cause: std::io::Error| StarError::Unreadable {
             path: path.to_owned(),
@@ -116,10 +116,10 @@ impl StarCatalogue {
         }
     }
 
-    /// The same of a file's bytes.
+    /// As [`Self::read`], from a file's bytes.
     ///
     /// # Errors
-    /// Another kind of file, one that is cut off or longer than it says, and values that no star has.
+    /// Another kind of file, a file that is truncated or too long, or a value out of range.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, StarError> {
         let rest = bytes.strip_prefix(MAGIC).ok_or(StarError::Kind)?;
         let (count, records) = rest.split_first_chunk().ok_or(StarError::Kind)?;
@@ -140,13 +140,13 @@ impl StarCatalogue {
         Ok(Self::of(stars.collect::<Result<_, _>>()?))
     }
 
-    /// A catalogue of these.
+    /// A catalogue of these stars.
     pub fn of(mut stars: Vec<Star>) -> Self {
         stars.sort_by(|a, b| a.magnitude.total_cmp(&b.magnitude));
         Self { stars }
     }
 
-    /// The stars, from bright to faint.
+    /// The stars, brightest first.
     pub fn stars(&self) -> &[Star] {
         &self.stars
     }
@@ -195,8 +195,8 @@ fn read_star(star: usize, record: &[u8; RECORD]) -> Result<Star, StarError> {
     })
 }
 
-/// Hp − V, and RGB at luminance 1 beside the Sun as white, for B − V from −0.4 to 2 by 0.1: medians of the stars to Hp 6.5; black bodies
-/// of Ballesteros' temperature (2012) in linear sRGB, over one of the Sun's B − V, 0.653.
+/// Hp − V, and RGB at luminance 1 relative to the Sun as white, for B − V from −0.4 to 2 by 0.1. Hp − V: medians of the stars to Hp 6.5. RGB: black
+/// bodies of Ballesteros' temperature (2012) in linear sRGB, divided by one of the Sun's B − V, 0.653.
 #[rustfmt::skip]
 const PHOTOMETRY: [[f32; 4]; 25] = [
     [-0.118, 0.65514, 0.99870, 2.02834],

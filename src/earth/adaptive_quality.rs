@@ -2,29 +2,28 @@
 
 use super::quality_ladder::QualityLevel;
 
-/// Frames that are looked at before anything is changed.
+/// Number of frames whose median cost decides a change.
 const WINDOW: usize = 15;
-/// Frames after a change that do not count: the first of a pipeline takes longer.
+/// Frames after a change that do not count: the first frame of a pipeline takes longer.
 const SETTLING: u32 = 3;
 /// A step up is taken only if it is expected to need at most this part of the target.
 const HEADROOM: f64 = 0.85;
 /// Frames between a change and the first step up.
 const SHORTEST_HOLD: u32 = 60;
-/// For so many of these times the cost of a step that was seen is believed.
+/// The measured cost ratio of a step is trusted for this many hold times.
 const TRUSTED_HOLDS: f64 = 8.0;
-/// The most that failed steps up can lengthen it to: some minutes.
+/// Upper limit of the hold after failed steps up, in frames: some minutes.
 const LONGEST_HOLD: u32 = 1 << 14;
 
-/// Chooses among the levels of a [`super::QualityLadder`] by what frames cost.
+/// Chooses among the levels of a [`super::QualityLadder`] by the measured cost of frames.
 ///
 /// - **Down** one level as soon as the median cost of the last 15 frames exceeds the target.
-/// - **Up** one level when the level above is expected to need at most 0.85 of the target, and at least 60 frames have
-///   passed since the last change. It is expected to cost what this level cost at the worst of that time, and more by the
-///   ratio that was seen when it was left.
-///   The load may have changed at that moment, so the ratio is trusted for eight times the wait, and then less the
-///   longer ago it is: after n times that its nth root is taken.
-/// - **Hysteresis**: each step up that has to be taken back doubles the time before the next, up to 16 384 frames; one
-///   that holds that long brings it back to 60.
+/// - **Up** one level when the level above is expected to need at most 0.85 of the target, and at least 60 frames have passed since the last
+///   change. The expected cost is the highest cost of the current level in that time, multiplied by the cost ratio of the two levels that was
+///   measured when the level above was left. The load may have changed at that moment, so the ratio is trusted for eight times the wait. After n
+///   times that, its nth root is used.
+/// - **Hysteresis**: each step up that has to be reverted doubles the wait before the next, up to 16 384 frames. A step that lasts that long resets
+///   the wait to 60.
 ///
 /// It keeps no clock: the same costs give the same steps.
 #[derive(Clone, Debug)]
@@ -36,12 +35,12 @@ pub struct AdaptiveQuality {
     next: usize,
     since_change: u32,
     hold: u32,
-    /// Largest median of this and of the last stretch of `hold` frames, and how old this stretch is.
+    /// Largest median of the current and of the previous stretch of `hold` frames, and the age of the current one.
     peaks: [f64; 2],
     peak_age: u32,
     /// Whether the last change was a step up.
     climbed: bool,
-    /// For each level, its cost over that of the level below, as it was at the last step between the two.
+    /// For each level, its cost relative to the level below, as measured at the last step between the two.
     ratio_to_next: Vec<Option<f64>>,
     /// Cost before the last change, for the ratio.
     cost_before: Option<f64>,
@@ -59,7 +58,7 @@ pub struct QualityChange {
 }
 
 impl AdaptiveQuality {
-    /// Holds frames to `target_ms` milliseconds with at least one level. Begins on the first.
+    /// Holds frames to `target_ms` milliseconds. `levels` has at least one level. It starts on the first.
     pub fn new(target_ms: f64, levels: Vec<QualityLevel>) -> Self {
         Self {
             target_ms,
@@ -78,12 +77,12 @@ impl AdaptiveQuality {
         }
     }
 
-    /// The time that is held, milliseconds.
+    /// The target frame time, milliseconds.
     pub fn target_ms(&self) -> f64 {
         self.target_ms
     }
 
-    /// The level that is drawn.
+    /// The current level.
     pub fn level(&self) -> usize {
         self.level
     }
@@ -93,20 +92,19 @@ impl AdaptiveQuality {
         &self.levels
     }
 
-    /// What is given up now, in the order in which it was; empty at full quality.
+    /// The reductions in effect, in the order in which they were applied; empty at full quality.
     pub fn reductions(&self) -> impl Iterator<Item = super::QualityReduction> + '_ {
         let levels = self.levels.iter().take(self.level + 1);
         levels.flat_map(|level| level.reductions.iter().copied())
     }
 
-    /// Median cost of the last 15 frames, milliseconds, where the last level is drawn and even it exceeds the target; else
-    /// `None`, also in the frames after a change, of which nothing can be said yet.
+    /// Median cost of the last 15 frames, milliseconds, if it exceeds the target even on the last level. Otherwise `None`, also in the first frames
+    /// after a change, before the median is known.
     pub fn out_of_reach_ms(&self) -> Option<f64> {
         self.out_of_reach_ms
     }
 
-    /// Takes note of what a frame cost, milliseconds; answers the change to make before the next, if any. A cost that
-    /// is no number is skipped.
+    /// Records the cost of a frame, milliseconds. Returns the change to apply before the next frame, if any. A non-finite cost is skipped.
     pub fn observe(&mut self, cost_ms: f64) -> Option<QualityChange> {
         if !cost_ms.is_finite() {
             return None;
@@ -169,7 +167,7 @@ impl AdaptiveQuality {
         self.peaks[0] = self.peaks[0].max(cost);
     }
 
-    /// The first full window after a change shows what the change was worth.
+    /// The first full window after a change gives the cost ratio of the two levels.
     fn learn(&mut self, cost: f64) {
         let Some(before) = self.cost_before.take() else {
             return;
@@ -179,7 +177,7 @@ impl AdaptiveQuality {
             false => (self.level - 1, before / cost),
         };
         if ratio.is_finite() {
-            // Noise may make a level look dearer than the one above.
+            // Noise may make a level appear more expensive than the one above.
             self.ratio_to_next[upper] = Some(ratio.max(1.0));
         }
     }
@@ -221,7 +219,7 @@ mod tests {
         AdaptiveQuality::new(target_ms, COSTS.iter().enumerate().map(level).collect())
     }
 
-    /// Draws frames of this load and answers the levels that were changed to.
+    /// Draws frames under this load and returns the levels that were changed to.
     fn draw(
         adaptive: &mut AdaptiveQuality,
         frames: usize,
@@ -254,7 +252,7 @@ mod tests {
     #[test]
     fn it_says_when_the_target_is_out_of_reach() {
         let mut adaptive = adaptive(5.0);
-        // Down the levels nothing is said: the next one may do.
+        // No step before the last reports that the target is out of reach.
         while adaptive.level() < 4 {
             draw(&mut adaptive, 1, |_| 1.0);
             assert_eq!(adaptive.out_of_reach_ms(), None);
@@ -298,7 +296,7 @@ mod tests {
     fn a_load_that_falls_with_a_step_down_does_not_hold_it_down() {
         let mut adaptive = adaptive(17.0);
         let mut frames = 0;
-        // From the first step on all is ten times as fast: the step seems to be worth ten times what it is.
+        // From the first step on, everything is ten times as fast: the step seems to save ten times as much as it does.
         while frames < 2_000 && (frames < 40 || adaptive.level() > 0) {
             let load = if adaptive.level() == 0 { 1.0 } else { 0.1 };
             let load = if frames < 40 { load } else { 0.1 };

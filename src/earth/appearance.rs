@@ -1,17 +1,17 @@
-//! What an Earth is drawn as, besides its maps and its quality.
+//! Terrain, light and air of an Earth.
 
 use super::{EarthError, GroundOptions, SurfaceLight};
 use terrella_ground::air::AirOptions;
 
-/// What an Earth is drawn as, besides its maps and its quality: what [`Earth::change_maker`](crate::Earth::change_maker) changes
-/// while it is drawn. The same fields of [`EarthOptions`](crate::EarthOptions) explain them.
+/// Terrain, light and air of an Earth: what [`Earth::change_maker`](crate::Earth::change_maker) changes while it is drawn, besides maps and
+/// quality. The same fields of [`EarthOptions`](crate::EarthOptions) explain them.
 #[derive(Clone, Debug, Default)]
 pub struct Appearance {
     /// Terrain; `None` is the smooth ellipsoid.
     pub ground: Option<GroundOptions>,
-    /// What of the light on the surface can be chosen.
+    /// Options of the light on the surface.
     pub light: SurfaceLight,
-    /// What the air holds.
+    /// Contents of the atmosphere.
     pub air: AirOptions,
 }
 
@@ -35,7 +35,7 @@ impl Appearance {
         }
     }
 
-    /// Whether the ground is the same: made by the same surface from the same heights.
+    /// Whether the terrain is the same: the same surface over the same elevation data.
     pub(super) fn has_ground_of(&self, other: &Self) -> bool {
         match (&self.ground, &other.ground) {
             (None, None) => true,
@@ -44,7 +44,7 @@ impl Appearance {
         }
     }
 
-    /// Whether textures of the air are the same.
+    /// Whether the textures of the air are the same.
     pub(super) fn has_air_textures_of(&self, other: &Self) -> bool {
         self.air == other.air
             && self.light.cloud_height_m == other.light.cloud_height_m

@@ -1,4 +1,4 @@
-//! What another quality or another appearance needs, made by any thread while the Earth is drawn.
+//! Prepares another quality or appearance on any thread while the Earth is drawn.
 
 use super::creation::air_textures;
 use super::earth_view::Version;
@@ -16,7 +16,7 @@ use terrella_ground::air::Atmosphere;
 use terrella_ground::globe::{BLOCK_COUNT, Figure, Meshes};
 use terrella_imagery::NeighbourhoodAlbedo;
 
-/// Makes what other qualities and appearances of one Earth need, on any thread: [`Earth::change_maker`].
+/// Prepares other qualities and appearances of one Earth, on any thread: [`Earth::change_maker`].
 ///
 /// ```no_run
 /// # fn frame(earth: &mut terrella::Earth, queue: &terrella::wgpu::Queue, wanted: terrella::Quality) -> Result<(), terrella::EarthError> {
@@ -32,7 +32,7 @@ pub struct ChangeMaker {
     device: wgpu::Device,
     queue: wgpu::Queue,
     surface: SurfaceMaker,
-    /// Those that there are; the Earth may have been made without air.
+    /// The existing textures; `None` if the Earth was made without air.
     air: Option<AirTextures>,
     albedo: Arc<NeighbourhoodAlbedo>,
     style: SurfaceStyle,
@@ -44,7 +44,7 @@ pub struct ChangeMaker {
     version: Version,
 }
 
-/// All that an Earth needs to be drawn with another quality or another appearance: [`Earth::set_ready`].
+/// All resources for drawing an Earth with another quality or appearance: [`Earth::set_ready`].
 pub struct ReadyChange {
     quality: Quality,
     appearance: Appearance,
@@ -70,25 +70,24 @@ enum ReadyGround {
 }
 
 struct MadeGround {
-    /// None of the smooth ellipsoid.
+    /// `None` for the smooth ellipsoid.
     driver: Option<GroundDriver>,
     view: SurfaceView,
 }
 
 impl ReadyChange {
-    /// The quality after it.
+    /// The quality after the change.
     pub fn quality(&self) -> &Quality {
         &self.quality
     }
 
-    /// The appearance after it.
+    /// The appearance after the change.
     pub fn appearance(&self) -> &Appearance {
         &self.appearance
     }
 
-    /// Makes another ground as fine as it will be for an eye, so that it does not have to become so while it is drawn; at most for
-    /// so long. Without it such ground begins coarse, as after a jump of the eye. Answers whether it is as fine as that; ground
-    /// that stays as it is always is.
+    /// Refines changed terrain for an eye before it is drawn, for at most `timeout`. Without this call such terrain starts coarse, as after a jump
+    /// of the eye. Returns whether it is fully refined; terrain that the change does not affect counts as refined.
     pub fn settle(
         &mut self,
         view: &EyeView,
@@ -108,7 +107,7 @@ impl ReadyChange {
             blocks.clear();
             driver.take_over(true);
             driver.plan(self.meshes.grid(), &view, &mut blocks);
-            // Where nothing else is left to do.
+            // Wait only if nothing else is left to do.
             if !driver.is_settled() {
                 driver.wait(Duration::from_millis(1));
             }
@@ -118,7 +117,7 @@ impl ReadyChange {
 }
 
 impl ChangeMaker {
-    /// Makes what a quality needs: pipelines and meshes. It takes tens of milliseconds, and much more where drivers compile slowly.
+    /// Makes pipelines and meshes for a quality. It takes tens of milliseconds, and much more with drivers that compile slowly.
     ///
     /// # Errors
     /// As [`Earth::new`].
@@ -126,7 +125,7 @@ impl ChangeMaker {
         self.make(quality, &self.appearance)
     }
 
-    /// Makes what a appearance needs: pipelines, and the tables of another air, which take most of a second.
+    /// Makes pipelines for an appearance and the tables of changed air, which take most of a second.
     ///
     /// # Errors
     /// As [`Earth::new`].
@@ -195,7 +194,7 @@ impl ChangeMaker {
         })
     }
 
-    /// The surface's, made or to be made when they are needed.
+    /// Pipelines of the surface, created now or on first use.
     fn pipelines(
         &self,
         maker: &SurfaceMaker,
@@ -204,7 +203,7 @@ impl ChangeMaker {
         let mut pipelines = maker.plan(&self.device, config);
         match self.style.pipelines {
             Pipelines::AtOnce => pipelines.make_all(maker, &self.device, config)?,
-            // What the device rejects it rejects now, and not in the middle of a frame.
+            // An error of the device appears here and not in the middle of a frame.
             Pipelines::WhenNeeded => pipelines.make_one(maker, &self.device, config)?,
         }
         Ok(pipelines)
@@ -240,21 +239,21 @@ impl ChangeMaker {
 }
 
 impl Earth {
-    /// How well it is drawn.
+    /// The quality that it is drawn with.
     pub fn quality(&self) -> &Quality {
         &self.quality
     }
 
-    /// What it is drawn as.
+    /// The terrain, light and air that it is drawn with.
     pub fn appearance(&self) -> &Appearance {
         &self.appearance
     }
 
-    /// Draws better or worse from the next [`Self::prepare`] on. Maps and tiles stay on the GPU; pipelines and the
-    /// lattice are made again, which takes longer than a frame: [`Self::change_maker`] has another thread do it.
+    /// Draws with another quality from the next [`Self::prepare`] on. Maps and tiles stay on the GPU. Pipelines and the lattice are made again,
+    /// which takes longer than a frame: [`Self::change_maker`] does it on another thread.
     ///
     /// # Errors
-    /// As [`Self::new`]; the Earth is then as it was.
+    /// As [`Self::new`]. The Earth is then unchanged.
     pub fn set_quality(
         &mut self,
         queue: &wgpu::Queue,
@@ -264,10 +263,10 @@ impl Earth {
         self.set_ready(queue, ready)
     }
 
-    /// Draws with another ground, light or air from the next [`Self::prepare`] on, as [`Self::set_quality`]: maps and tiles stay.
+    /// Draws with other terrain, light or air from the next [`Self::prepare`] on, as [`Self::set_quality`] does: maps and tiles stay on the GPU.
     ///
     /// # Errors
-    /// As [`Self::new`]; the Earth is then as it was.
+    /// As [`Self::new`]. The Earth is then unchanged.
     pub fn set_appearance(
         &mut self,
         queue: &wgpu::Queue,
@@ -277,7 +276,7 @@ impl Earth {
         self.set_ready(queue, ready)
     }
 
-    /// What makes other qualities and appearances ready for this Earth as it is now.
+    /// Prepares other qualities and appearances for this Earth in its present state.
     pub fn change_maker(&self, queue: &wgpu::Queue) -> ChangeMaker {
         ChangeMaker {
             device: self.device.clone(),
@@ -295,12 +294,11 @@ impl Earth {
         }
     }
 
-    /// Draws so from the next [`Self::prepare`] on. Nothing is compiled: it binds textures and makes some buffers. If the sample count
-    /// differs, the next pass must have it; what else is drawn through this air (`Celestial`,
-    /// `Tracks`) has to be made again.
+    /// Applies a prepared change from the next [`Self::prepare`] on. Nothing is compiled: it binds textures and makes some buffers. If the sample
+    /// count differs, the next pass must have the new one, and other drawables that use this air (`Celestial`, `Tracks`) must be made again.
     ///
     /// # Errors
-    /// [`EarthError::OutOfDate`] of what was made for another Earth, or before this one was changed; the Earth is then as it was.
+    /// [`EarthError::OutOfDate`] if the change was prepared for another Earth or before this one was changed. The Earth is then unchanged.
     pub fn set_ready(&mut self, queue: &wgpu::Queue, ready: ReadyChange) -> Result<(), EarthError> {
         let first = &mut self.first;
         if ready.version != first.version {

@@ -1,4 +1,4 @@
-//! What is changed while an Earth is drawn.
+//! Changes while an Earth is drawn.
 
 use super::{Earth, EarthError};
 use crate::gpu::{ErrorScope, GpuMap, MapError};
@@ -7,23 +7,24 @@ use terrella_ground::light::Exposure;
 use terrella_imagery::tile::MapLayer;
 
 impl Earth {
-    /// Exposes so from the next [`Self::prepare`] on.
+    /// Draws with this exposure from the next [`Self::prepare`] on.
     ///
     /// # Errors
-    /// An exposure outside its range; it is then as it was.
+    /// An exposure outside its range. The exposure is then unchanged.
     pub fn set_exposure(&mut self, exposure: Exposure) -> Result<(), EarthError> {
         self.first.set_exposure(exposure)
     }
 
-    /// Draws with another whole map from the next [`Self::prepare`] on, in all views: clouds of another hour, a texture that the
-    /// host draws to, or a [`MapFade`](crate::MapFade)'s. It costs a bind group, or with a pack one for each block.
+    /// Replaces a whole map from the next [`Self::prepare`] on, in all views: clouds of another hour, a texture that the host draws to, or the
+    /// output of a [`MapFade`](crate::MapFade). It costs one bind group, or with a pack one for each block.
     ///
-    /// What ground and clouds lend to the light of the air, and to metering, follows an uploaded map; of a texture it is not known, and
-    /// stays as it was. So where one map fades into another, set [`MapFade::map_between`](crate::MapFade::map_between) from time to time,
-    /// or the other at the end.
+    /// The contribution of ground and clouds to the light of the air and to metering follows an uploaded map. For a texture it is not known and
+    /// stays unchanged. During a fade between two maps, therefore set [`MapFade::map_between`](crate::MapFade::map_between) from time to time, or
+    /// the second map at the end.
     ///
     /// # Errors
-    /// A map that the Earth was made without or draws with tiles, one of city lights that are drawn as points, and one of another device; the Earth is then as it was.
+    /// A map that the Earth was made without or draws with tiles, a map of city lights that are drawn as points, or a map of another device. The
+    /// Earth is then unchanged.
     pub fn set_map(&mut self, queue: &wgpu::Queue, map: &GpuMap) -> Result<(), EarthError> {
         let device = self.device.clone();
         let scope = ErrorScope::open(&device, wgpu::ErrorFilter::Validation);

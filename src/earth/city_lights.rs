@@ -10,25 +10,25 @@ use std::sync::Arc;
 use terrella_frames::Ellipsoid;
 use terrella_imagery::{CityCell, CityLights};
 
-/// Room for the ellipsoid in angles, radians.
+/// Margin for the ellipsoid's flattening, in angles, radians.
 const ROOM_RAD: f64 = 0.01;
-/// What is shown of a whole pixel's light, linear, where a city light is left out: a fifth of a code of 8 bits.
+/// Displayed light of a whole pixel, linear, below which a city light is left out: a fifth of an 8-bit code.
 const LEAST_SHOWN: f64 = 6e-5;
-/// Least cosine from the vertical at which ground is taken to be seen.
+/// Least cosine between the line of sight and the vertical that is assumed for visible ground.
 const LEAST_FACING: f64 = 0.02;
 
-/// Chooses city lights for the views of an Earth.
+/// Selects city lights for the views of an Earth.
 #[derive(Clone)]
 pub(super) struct CityLightDriver {
     lights: Arc<CityLights>,
-    /// Where they are: the same in all frames.
+    /// Positions of the cells, the same in all frames.
     cells: Arc<[CityCell]>,
-    /// Exposed light of a pixel that nothing is shown of; 0 where all light counts.
+    /// Exposed light of a pixel below which a light is left out; 0 if all light counts.
     least_shown: f64,
 }
 
 impl CityLightDriver {
-    /// `None` without such lights.
+    /// `None` without city lights.
     pub fn new(options: &EarthOptions) -> Option<Self> {
         let shown = DVec3::splat(LEAST_SHOWN);
         Some(Self {
@@ -44,8 +44,8 @@ impl CityLightDriver {
         })
     }
 
-    /// Lists the lights of cells that are partly in the dark and in sight, as fine as their nearest place needs. Without detail there are
-    /// none.
+    /// Lists the lights of cells that are partly in the dark and in sight, at the level of detail that their nearest place needs. Without `detail`
+    /// there are none.
     pub fn list(
         &self,
         view: &ItrfView,
@@ -70,7 +70,7 @@ impl CityLightDriver {
             };
             let pixel_m = seen.distance_m * view.pixel_rad();
             let fineness = self.lights.fineness(pixel_m / seen.facing.sqrt());
-            // Of a pixel's ground, square radii.
+            // Ground area of a pixel, square radii.
             let ground = (pixel_m / radius_m).powi(2) / seen.facing;
             let least_light = self.least_shown / full * ground;
             let points = self
@@ -84,20 +84,20 @@ impl CityLightDriver {
     }
 }
 
-/// How a cell is seen at most.
+/// Bounds of how a cell is seen.
 struct Seen {
-    /// A distance that no place of it is nearer than, metres.
+    /// Lower bound of the distance of all its places, metres.
     distance_m: f64,
-    /// A cosine that no place of it is seen at more than, from its vertical; at least [`LEAST_FACING`].
+    /// Upper bound of the cosine between line of sight and vertical at all its places; at least [`LEAST_FACING`].
     facing: f64,
 }
 
 impl Seen {
-    /// `None` of cells behind the limb or beside the picture.
+    /// `None` for a cell behind the limb or outside the image.
     fn of(cell: &CityCell, view: &ItrfView, ellipsoid: &Ellipsoid) -> Option<Self> {
         let (a, b) = (ellipsoid.equatorial_radius_m, ellipsoid.polar_radius_m);
         let eye_m = view.eye_itrf_m.length();
-        // To the nearest place of the cell, over whose horizon the eye stands so high, on the smallest sphere.
+        // Height of the eye above the horizon of the cell's nearest place, on the smallest sphere.
         let angle_rad = view.eye_itrf_m.angle_between(cell.up) - cell.radius_rad - ROOM_RAD;
         let over_m = eye_m * angle_rad.max(0.0).cos() - b;
         if over_m < 0.0 {
@@ -126,7 +126,7 @@ mod tests {
     use crate::earth::{EyeView, Viewport};
     use terrella_frames::Geodetic;
 
-    /// Beside every place of a grid that the eye sees in the picture: its cell is listed as seen, no nearer and no more from above.
+    /// For every place of a grid that the eye sees in the image: its cell is listed as seen, at most as far away and at least as much from above.
     #[test]
     fn no_cell_in_sight_is_left_out() {
         let ellipsoid = Ellipsoid::WGS84;

@@ -1,4 +1,4 @@
-//! How an Earth is made: in a call, or awaited where the device answers later.
+//! Creation of an Earth: in one call, or awaited where the device answers later.
 
 use super::appearance::Appearance;
 use super::earth_view::{EarthView, Version};
@@ -19,12 +19,12 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use terrella_ground::air::{AirAboveClouds, AirModel, AirTables, Atmosphere};
 use terrella_imagery::NeighbourhoodAlbedo;
 
-/// Tells Earths apart.
+/// Gives each Earth a unique number.
 static EARTHS: AtomicU64 = AtomicU64::new(0);
 
 impl Earth {
-    /// Makes pipelines and uploads the maps that [`EarthOptions::upload`] has not uploaded. Of large maps it submits parts to `queue`, and
-    /// waits for them, so that few copies are in memory at once. A web page, which cannot wait, has [`Self::create`] instead.
+    /// Makes pipelines and uploads the maps that [`EarthOptions::upload`] has not uploaded. It submits large maps to `queue` in parts and waits for
+    /// them, so that few copies are in memory at once. A web page, which cannot wait, calls [`Self::create`] instead.
     #[cfg(not(target_family = "wasm"))]
     pub fn new(
         device: &wgpu::Device,
@@ -37,7 +37,8 @@ impl Earth {
         made?.unless(errors)
     }
 
-    /// The same where the device answers later, as in a web page: its errors are awaited, all else is done in the call.
+    /// Like [`Self::new`], for devices that report errors asynchronously, as in a web page: errors are awaited, everything else is done in the
+    /// call.
     ///
     /// # Errors
     /// As [`Self::new`].
@@ -52,7 +53,7 @@ impl Earth {
         made?.unless(errors)
     }
 
-    /// Itself, if the device took all of it.
+    /// Returns itself if the device reported no error.
     fn unless(self, errors: CreationErrors) -> Result<Self, EarthError> {
         if let Some(error) = errors.out_of_memory {
             return Err(EarthError::NoRoom {
@@ -141,7 +142,7 @@ impl Earth {
     }
 }
 
-/// The air on the GPU over the ground of a quality.
+/// Textures of the air over the ground of a quality.
 pub(super) fn air_textures(
     device: &wgpu::Device,
     queue: &wgpu::Queue,

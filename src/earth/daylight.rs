@@ -1,4 +1,4 @@
-//! How much daylight a picture shows, by which stars and the lights of the night fade: a camera that is exposed for sunlit ground shows none.
+//! Measures the daylight in an image. Stars and night lights fade by it: a camera that is exposed for sunlit ground shows neither.
 
 use super::view::ItrfView;
 use glam::DVec3;
@@ -6,21 +6,21 @@ use std::f64::consts::PI;
 use terrella_frames::Ellipsoid;
 use terrella_ground::light::{VIEW_RAYS, view_rays};
 
-/// Part of the picture that must be in daylight for it to count in full.
+/// Fraction of the image that must be in daylight for full effect.
 const ENOUGH: f64 = 0.04;
-/// Sines of the Sun's elevation, −9° and 3°, between which the light of a place goes from night to day.
+/// Sines of the Sun's elevation, −9° and 3°, between which a place changes from night to day.
 const TWILIGHT: [f64; 2] = [-0.156, 0.052];
-/// Height in which the air beside the ground grows e times thinner, metres.
+/// Scale height of the air near the ground, metres.
 const AIR_SCALE_M: f64 = 8e3;
-/// The same of the disc of a far Earth, which few rays meet.
+/// As [`ENOUGH`], for the disc of a distant Earth, which few rays meet.
 const ENOUGH_OF_DISC: f64 = 5e-4;
-/// Distances of the eye from the centre, equatorial radii, between which the Earth becomes such a disc.
+/// Distances of the eye from the centre, in equatorial radii, between which the Earth becomes such a disc.
 const FAR: [f64; 2] = [3.0, 6.0];
-/// Room for the ellipsoid in angles, radians.
+/// Margin for the ellipsoid's flattening, in angles, radians.
 const ROOM_RAD: f64 = 0.02;
 
-/// A gain by which a light of the night is brightened, where the picture shows so much daylight, 0…1: it falls to 1, the truth, by equal
-/// factors for equal parts. Gains below 1 stay.
+/// Reduces the gain of a night light for an image with so much daylight, 0…1: it falls to 1, the true brightness, by equal factors for equal steps
+/// of daylight. A gain below 1 is not changed.
 pub(crate) fn gain_beside(gain: f64, daylight: f64) -> f64 {
     match gain > 1.0 {
         true => gain.powf(1.0 - daylight),
@@ -28,8 +28,8 @@ pub(crate) fn gain_beside(gain: f64, daylight: f64) -> f64 {
     }
 }
 
-/// 0, none, to 1, where the Sun at `sun_itrf`, a unit vector, lights a twenty-fifth of the picture, be it ground or air, or of a far Earth
-/// one part in two thousand. Allocates nothing.
+/// Daylight in the image: 0 for none, 1 if the Sun in direction `sun_itrf`, a unit vector, lights 4 % of the image, ground or air, or 0.05 % as the
+/// disc of a distant Earth. Allocates nothing.
 pub(crate) fn daylight_in_sight(view: &ItrfView, sun_itrf: DVec3, ellipsoid: &Ellipsoid) -> f64 {
     let of_disc = disc_in_sight(view, sun_itrf, ellipsoid);
     if of_disc >= 1.0 || is_night_all_round(view.eye_itrf_m, sun_itrf, ellipsoid) {
@@ -47,7 +47,7 @@ pub(crate) fn daylight_in_sight(view: &ItrfView, sun_itrf: DVec3, ellipsoid: &El
     of_disc.max(lit / enough)
 }
 
-/// 0…1, of the sunlit part of a far Earth's disc: 1 where it covers enough of the picture.
+/// Daylight from the sunlit part of a distant Earth's disc: 0 to 1, where it covers enough of the image.
 fn disc_in_sight(view: &ItrfView, sun_itrf: DVec3, ellipsoid: &Ellipsoid) -> f64 {
     let eye = view.eye_itrf_m;
     let distance = eye.length() / ellipsoid.equatorial_radius_m;
@@ -61,7 +61,7 @@ fn disc_in_sight(view: &ItrfView, sun_itrf: DVec3, ellipsoid: &Ellipsoid) -> f64
         (view.picture.right, center.x),
         (view.picture.down, center.y),
     ];
-    // Along each side the disc's radius, halves of the side, and the part of it that lies inside the picture.
+    // Per axis: the disc's radius in half sides of the image, and the fraction of the disc inside the image.
     let [across, down] = sides.map(|(side, at)| {
         let radius = tangent / (0.5 * side.length());
         let from_edge = 1.0 + radius - (at / center.w).abs();
@@ -72,13 +72,13 @@ fn disc_in_sight(view: &ItrfView, sun_itrf: DVec3, ellipsoid: &Ellipsoid) -> f64
     is_far * (lit * part_of_picture / ENOUGH_OF_DISC).min(1.0)
 }
 
-/// 0 up to the first number, 1 from the second on, and smooth between.
+/// 0 up to `from`, 1 from `to` on, and smooth in between.
 fn smooth_step([from, to]: [f64; 2], value: f64) -> f64 {
     let t = ((value - from) / (to - from)).clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
 }
 
-/// Whether the Sun lights nothing that any ray from this eye meets or passes: none comes nearest to the ground beyond the limb.
+/// Whether no ray from this eye meets sunlit ground or passes sunlit air: the point of a ray nearest to the ground never lies beyond the limb.
 fn is_night_all_round(eye_itrf_m: DVec3, sun_itrf: DVec3, ellipsoid: &Ellipsoid) -> bool {
     let distance = (eye_itrf_m * ellipsoid.scaled_from_itrf()).length();
     let to_limb_rad = distance.max(1.0).recip().acos();
@@ -86,7 +86,7 @@ fn is_night_all_round(eye_itrf_m: DVec3, sun_itrf: DVec3, ellipsoid: &Ellipsoid)
     from_sun_rad.clamp(0.0, PI).cos() <= TWILIGHT[0]
 }
 
-/// 0…1, of what a ray meets: ground, or the air nearest to it.
+/// Daylight along a ray, 0…1: of the ground that it meets, or of the air where the ray is nearest to the ground.
 fn light_along(eye_itrf_m: DVec3, ray: DVec3, sun_itrf: DVec3, ellipsoid: &Ellipsoid) -> f64 {
     let scale = ellipsoid.scaled_from_itrf();
     let (eye, direction) = (eye_itrf_m * scale, (ray * scale).normalize_or_zero());
@@ -121,12 +121,13 @@ mod tests {
     fn sunlit_ground_and_a_sunlit_sky_are_daylight() {
         assert_eq!(share(4e5, -DVec3::X, DVec3::X), 1.0);
         assert_eq!(share(0.0, DVec3::new(1.0, 0.5, 0.0), DVec3::X), 1.0);
-        // Past the Earth, and the night below.
+        // Looking away from the Earth, and at its night side.
         assert!(share(4e5, DVec3::X, DVec3::X) < 1e-9);
         assert!(share(4e5, -DVec3::X, -DVec3::X) < 1e-9);
     }
 
-    /// A camera that is exposed for a small Earth shows no stars beside it, and none jumps while it recedes, turns or leaves the picture.
+    /// A camera that is exposed for a small Earth shows no stars beside it. The daylight does not jump while the Earth recedes, turns or leaves the
+    /// image.
     #[test]
     fn a_far_earth_is_daylight_too() {
         // 0.15 % of the picture.
@@ -157,7 +158,7 @@ mod tests {
         });
     }
 
-    /// What is not looked at because it lies in night holds no daylight, nor does what is passed over once there is enough.
+    /// Rays that are skipped, because all is night or enough daylight was found, do not change the result.
     #[test]
     fn what_is_left_out_changes_nothing() {
         for height_m in [0.0, 1e4, 4e5, 2e7, 4e7] {
@@ -188,7 +189,7 @@ mod tests {
         assert_eq!(gain_beside(4e4, 0.0), 4e4);
         assert_eq!(gain_beside(4e4, 1.0), 1.0);
         assert!((gain_beside(4e4, 0.5) - 200.0).abs() < 1e-9);
-        // A gain that was asked for to darken does so by day as well.
+        // A gain that darkens on request also does so by day.
         assert_eq!(gain_beside(0.25, 1.0), 0.25);
         assert_eq!(gain_beside(0.0, 1.0), 0.0);
     }

@@ -1,4 +1,4 @@
-//! For measuring and for looking at how an Earth is drawn. Pictures need none of it.
+//! Output for measurements and for inspecting how an Earth is drawn. Ordinary images need none of it.
 
 use super::Earth;
 use crate::gpu::{AirDrawable, SurfaceOutput};
@@ -6,22 +6,21 @@ use crate::plan::{FramePlan, LightEffect};
 use glam::{DVec3, Vec3};
 use terrella_ground::globe::{BlockGrid, TangentCone};
 
-/// What an Earth draws that is to be examined. The default is the picture.
+/// Diagnostic output of an Earth. The default is the ordinary image.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct DiagnosticOptions {
-    /// What is written to the target: the picture, where each pixel looks, or what is there.
+    /// What is written to the target: the image, geolocation or truth.
     pub output: SurfaceOutput,
-    /// Draws the edges of triangles alone, for looking at meshes. Needs a device with
-    /// [`wgpu::Features::POLYGON_MODE_LINE`].
+    /// Draws only the edges of triangles, for inspecting meshes. Needs a device with [`wgpu::Features::POLYGON_MODE_LINE`].
     pub wireframe: bool,
-    /// Looks the air's light up for each pixel, and nowhere interpolates it between vertices: for measuring what that changes. Float
-    /// targets, which get light itself, are always drawn so.
+    /// Samples the air's light in each pixel instead of interpolating it between vertices, to measure the difference. Float targets, which store
+    /// scene-referred light, always do so.
     pub per_pixel_air: bool,
 }
 
-/// How an Earth is drawn: see [`Earth::diagnostics`].
+/// Shaders and vertices of an Earth: see [`Earth::diagnostics`].
 pub struct Diagnostics<'e> {
-    /// Bytes of the WGSL that the driver gets: the surface's, and the air's from outside and from inside it.
+    /// Bytes of the WGSL that the driver gets: that of the surface, and that of the air from outside and from inside.
     pub shader_bytes: u64,
     /// Names of the features that are on.
     pub features_on: Vec<&'static str>,
@@ -32,7 +31,7 @@ pub struct Diagnostics<'e> {
 }
 
 impl Diagnostics<'_> {
-    /// The vertices of blocks that the GPU got for the last frame, from the eye, each beside its exact place; ITRF metres.
+    /// Block vertices that the GPU got for the last frame, relative to the eye, each with its exact position; ITRF metres.
     pub fn vertices(&self) -> impl Iterator<Item = (Vec3, DVec3)> {
         let cone = TangentCone::new(self.plan.eye_itrf_m, &self.plan.ellipsoid);
         let exact = self.plan.blocks.iter().flat_map(move |block| {
@@ -45,7 +44,7 @@ impl Diagnostics<'_> {
 }
 
 impl Earth {
-    /// How it is drawn. Makes lists: not for every frame.
+    /// Shaders and vertices of the last frame. It allocates: do not call it every frame.
     pub fn diagnostics(&self) -> Diagnostics<'_> {
         let air_bytes = self.first.air.as_ref().map_or(0, AirDrawable::shader_bytes);
         Diagnostics {
@@ -59,14 +58,14 @@ impl Earth {
 
     fn features(&self, on: bool) -> Vec<&'static str> {
         let shader = self.surface.features();
-        // Tiles come with packs; an Earth without one has nothing to switch off.
+        // Only packs have tiles: without one, no feature of tiles is listed as off.
         let of_packs: &[&str] = match self.tiles {
             Some(_) if shader.contains(&"parts") => &["tiles", "parts"],
             Some(_) => &["tiles"],
             None => &[],
         };
         let layers = ["clouds", "normals", "night_lights", "water"];
-        // Airglow is the air's.
+        // Airglow needs the air.
         let effects = LightEffect::ALL
             .iter()
             .filter(|effect| **effect != LightEffect::Airglow)

@@ -1,4 +1,4 @@
-//! One view of an Earth: what is its own of a picture, beside the maps, tables and pipelines that all views share.
+//! The state of one view of an Earth. Maps, tables and pipelines are shared by all views.
 
 use super::plan::Planner;
 use super::tile_view::TileView;
@@ -13,35 +13,35 @@ use terrella_ground::light::Exposure;
 
 /// A further view of an [`Earth`]: for split screens, stereo, and the cameras of instruments.
 ///
-/// It shares the maps, tiles, tables and pipelines of its Earth; of its own it has some buffers (a few MiB), and of ground with
-/// relief the meshes that its eye needs. [`Earth::new_view`] makes it, [`Earth::prepare`] prepares it with the other pictures of a
-/// frame ([`FrameRequest::with_views`](super::FrameRequest::with_views)), [`Earth::render_view`] draws it.
+/// It shares the maps, tiles, tables and pipelines of its Earth. It owns some buffers (a few MiB), and with terrain the meshes that its eye needs.
+/// [`Earth::new_view`] creates it, [`Earth::prepare`] prepares it with the other images of a frame
+/// ([`FrameRequest::with_views`](super::FrameRequest::with_views)), [`Earth::render_view`] draws it.
 pub struct EarthView {
     pub(super) planner: Planner,
-    /// What is drawn of it.
+    /// The frame plan of the view.
     pub(super) plan: FramePlan,
     pub(super) surface: SurfaceView,
     pub(super) air: Option<AirDrawable>,
     pub(super) levels: TileLevels,
-    /// What tiles are chosen by; `None` if the last view was not finite: then nothing is drawn.
+    /// Inputs of tile selection; `None` if the last view was not finite: then nothing is drawn.
     pub(super) drawn: Option<TileView>,
     pub(super) stats: FrameStats,
     pub(super) version: Version,
-    /// Whether the warning that it is of another Earth was given.
+    /// Whether the warning that it belongs to another Earth was logged.
     pub(super) is_rejected: bool,
 }
 
-/// What a view was made for: an Earth, its ground, and its pipelines of some quality and appearance.
+/// State of an Earth that a view was made for: its terrain, and its pipelines for a quality and appearance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Version {
     pub earth: u64,
-    /// How often it was given another ground.
+    /// How many times the terrain was replaced.
     pub grounds: u64,
     pub pipelines: u64,
 }
 
 impl EarthView {
-    /// A view that nothing was prepared of.
+    /// A view that has not been prepared.
     pub(super) fn new(
         planner: Planner,
         surface: SurfaceView,
@@ -61,7 +61,7 @@ impl EarthView {
         }
     }
 
-    /// Draws with this quality, its meshes and its air from now on. Nothing is drawn until it is bound and prepared.
+    /// Draws with this quality, its meshes and its air from now on. Nothing is drawn until the view is bound and prepared.
     pub(super) fn set_quality(
         &mut self,
         device: &wgpu::Device,
@@ -77,7 +77,7 @@ impl EarthView {
         self.drawn = None;
     }
 
-    /// What is chosen next does not depend on what was chosen before.
+    /// Makes the next selection independent of earlier ones.
     pub(super) fn forget_views(&mut self) {
         self.levels = TileLevels::default();
         if let Some(ground) = self.planner.ground_driver_mut() {
@@ -85,7 +85,7 @@ impl EarthView {
         }
     }
 
-    /// Forgets again if heights have changed since. Answers whether they had.
+    /// Forgets again if the elevation data has changed since. Returns whether it had.
     pub(super) fn forget_views_again(&mut self) -> bool {
         let ground = self.planner.ground_driver_mut();
         let Some(ground) = ground.filter(|ground| !ground.has_forgotten()) else {
@@ -95,22 +95,22 @@ impl EarthView {
         true
     }
 
-    /// What was prepared last. Tiles and textures are those of the whole Earth.
+    /// Statistics of the last prepared frame. Tiles and textures are those of the whole Earth.
     pub fn stats(&self) -> &FrameStats {
         &self.stats
     }
 
-    /// Exposes it so from the next [`Earth::prepare`] on. A view begins with the exposure of its Earth.
+    /// Draws with this exposure from the next [`Earth::prepare`] on. A view starts with the exposure of its Earth.
     ///
     /// # Errors
-    /// An exposure outside its range; it is then as it was.
+    /// An exposure outside its range. The exposure is then unchanged.
     pub fn set_exposure(&mut self, exposure: Exposure) -> Result<(), EarthError> {
         let exposure = exposure.check().map_err(EarthError::Exposure)?;
         self.planner.exposure.set(exposure);
         Ok(())
     }
 
-    /// What others draw through its air with.
+    /// Textures of its air for other drawables.
     pub(crate) fn air_textures(&self) -> Option<&AirTextures> {
         self.air.as_ref().map(AirDrawable::textures)
     }
@@ -130,7 +130,7 @@ impl EarthView {
         }
     }
 
-    /// Chooses what it shows, without tiles and without the GPU.
+    /// Selects what it shows, without tiles and without the GPU.
     pub(super) fn choose(&mut self, eye: &EyeView, sky: &Sky, target: Viewport) {
         let seen = eye.in_itrf(target).zip(sky.with_unit_sun());
         self.drawn = seen
@@ -142,18 +142,18 @@ impl EarthView {
         };
     }
 
-    /// Whether it waits for nothing but tiles.
+    /// Whether it is complete except for tiles.
     pub(super) fn is_settled(&self) -> bool {
         self.drawn.is_none() || self.planner.is_ground_settled()
     }
 
-    /// Whether what draws its air is made.
+    /// Whether the pipelines of its air exist.
     pub(super) fn is_air_ready(&self) -> bool {
         let air = self.air.as_ref().zip(self.plan.air.as_ref());
         air.is_none_or(|(air, plan)| air.is_ready(plan, self.plan.has_moon_shadow))
     }
 
-    /// Makes ready what draws its air.
+    /// Creates the pipelines of its air.
     pub(super) fn make_air_ready(&mut self, device: &wgpu::Device) -> Result<(), ShaderError> {
         match self.air.as_mut().zip(self.plan.air.as_ref()) {
             Some((air, plan)) => air.make_ready(device, plan, self.plan.has_moon_shadow),
@@ -161,7 +161,7 @@ impl EarthView {
         }
     }
 
-    /// Lists the draws of what was chosen. `tiled` are the blocks that have tiles, where triangles lie in several.
+    /// Lists the draws of the selection. `tiled` has the blocks with tiles, if triangles span several blocks.
     pub(super) fn list_draws(&mut self, tiled: Option<BlockSet>) {
         if self.drawn.is_some() {
             self.planner
@@ -169,7 +169,7 @@ impl EarthView {
         }
     }
 
-    /// Hands what was listed to the GPU.
+    /// Uploads the listed draws.
     pub(super) fn write(&mut self, device: &wgpu::Device, queue: &wgpu::Queue) {
         if self.drawn.is_none() {
             return;
@@ -185,10 +185,10 @@ impl EarthView {
 }
 
 impl Earth {
-    /// Another view of this Earth, with its exposure. It makes buffers, no pipelines, and loads no map.
+    /// Creates another view of this Earth, with its exposure. It makes buffers, but no pipelines, and loads no map.
     ///
     /// # Errors
-    /// None that [`Self::new`] did not have.
+    /// None beyond those of [`Self::new`].
     pub fn new_view(&self) -> Result<EarthView, EarthError> {
         let planner = self.first.planner.for_another_view()?;
         let air = self.first.air.as_ref();
@@ -200,7 +200,7 @@ impl Earth {
         Ok(EarthView::new(planner, surface, air, self.first.version))
     }
 
-    /// Has a view drawn with the pipelines that there are now. Answers false of a view of another Earth.
+    /// Brings a view up to the Earth's present pipelines. Returns false for a view of another Earth.
     pub(super) fn follow(&self, view: &mut EarthView) -> bool {
         let now = self.first.version;
         if view.version.earth != now.earth {
@@ -221,7 +221,7 @@ impl Earth {
             view.planner.exposure.share(&before.planner.exposure);
             return true;
         }
-        // Before the air is set: what there is is not made again.
+        // Before the air is set, so that existing parts are not made again.
         view.planner.exposure.share(&first.exposure);
         view.planner.set_appearance(&self.appearance);
         let meshes = first.meshes().clone();
@@ -233,8 +233,8 @@ impl Earth {
         true
     }
 
-    /// Draws a view that was prepared by [`Self::prepare`], as [`Self::render`] draws the first. One that was not prepared since the
-    /// quality changed, or that is of another Earth, is not drawn.
+    /// Draws a view that [`Self::prepare`] prepared, as [`Self::render`] draws the first. A view that belongs to another Earth, or was not prepared
+    /// since the quality changed, is not drawn.
     ///
     /// A host that draws Sun and stars calls the three parts instead, with the sky before the third.
     pub fn render_view(&self, view: &EarthView, pass: &mut wgpu::RenderPass<'_>) {
@@ -253,7 +253,7 @@ impl Earth {
         self.render_air_of(view, pass);
     }
 
-    /// The third part: nothing where the eye is above the clouds.
+    /// The third part. It draws nothing if the eye is above the clouds.
     pub fn render_view_clouds_overhead(&self, view: &EarthView, pass: &mut wgpu::RenderPass<'_>) {
         self.render_clouds_overhead_of(view, pass);
     }

@@ -1,18 +1,18 @@
-//! What can be wrong with the options of an Earth.
+//! Errors in the options of an Earth.
 
 use crate::gpu::{MapError, ShaderError, SurfaceOutput};
 use terrella_ground::globe::Shading;
 use terrella_ground::globe::SubdivisionError;
 use terrella_imagery::ImageryError;
 
-/// Why an Earth cannot be drawn as its options say.
+/// Why an Earth cannot be drawn with its options.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum EarthError {
     /// Subdivision outside 1…48.
     #[error(transparent)]
     Subdivision(#[from] SubdivisionError),
-    /// Settings of terrain.
+    /// Invalid terrain settings.
     #[cfg(feature = "terrain")]
     #[error(transparent)]
     Surface(#[from] terrella_ground::globe::SurfaceError),
@@ -30,11 +30,11 @@ pub enum EarthError {
     Grade {
         /// The option's name.
         name: &'static str,
-        /// What it was given.
+        /// Value that was given.
         value: f64,
-        /// The least that it may be.
+        /// Smallest allowed value.
         low: f64,
-        /// The most.
+        /// Largest allowed value.
         high: f64,
     },
     /// White balance or grain without development after the pass.
@@ -57,11 +57,11 @@ pub enum EarthError {
     SurfaceLight {
         /// The option's name.
         name: &'static str,
-        /// What it was given.
+        /// Value that was given.
         value: f64,
-        /// The least that it may be.
+        /// Smallest allowed value.
         low: f64,
-        /// The most.
+        /// Largest allowed value.
         high: f64,
     },
     /// A map is larger than the device takes.
@@ -69,7 +69,7 @@ pub enum EarthError {
         "the {layer} map is {width} × {height}; this device takes at most {limit} pixels a side"
     )]
     TooLarge {
-        /// Which map.
+        /// Name of the map.
         layer: &'static str,
         /// Width of the map, texels.
         width: u32,
@@ -78,44 +78,44 @@ pub enum EarthError {
         /// The device's limit.
         limit: u32,
     },
-    /// A map does not hold what it says.
+    /// A map's texels do not fit its description.
     #[error(transparent)]
     Layer(#[from] ImageryError),
-    /// What was made for another quality does not belong to the Earth as it is now.
+    /// A change was prepared for another Earth, or for an earlier quality of this one.
     #[error(
         "this quality was prepared for another Earth, or before the quality of this one changed; prepare it again"
     )]
     OutOfDate,
-    /// A map cannot be drawn with.
+    /// A map cannot be used.
     #[error(transparent)]
     Map(#[from] MapError),
     /// A shader file is invalid.
     #[error(transparent)]
     Shader(#[from] ShaderError),
-    /// A source of tiles has a map that the Earth is not drawn with.
+    /// A tile source has a map that the Earth does not draw.
     #[error(
         "there are tiles of the {0} map but no whole map of it among the layers; add it or leave its tiles out"
     )]
     NoWholeMap(&'static str),
-    /// Tiles are compressed and the device does not read them.
+    /// Tiles are compressed and the device cannot read them.
     #[error(
         "the tiles are BC-compressed, but the device was opened without TEXTURE_COMPRESSION_BC; \
          open it with that feature, or have the tiles decoded (PackTiles::new with decode = true)"
     )]
     NoBc,
-    /// Triangles' edges are wanted and the device does not draw lines.
+    /// The wireframe is requested and the device cannot draw lines.
     #[error(
         "the wireframe needs POLYGON_MODE_LINE, which the device was opened without; \
          open it with that feature, or on another adapter (terrella doctor lists them) if this one does not have it"
     )]
     NoLines,
-    /// Edges of triangles are wanted of ground that has none.
+    /// The wireframe is requested for a surface that has no triangles.
     #[error(
         "ray-cast contours have no triangles whose edges could be drawn; leave out the wireframe, or draw \
          contours as patches (drawn = \"patches\" under [earth.contours] in a scene)"
     )]
     NoEdges,
-    /// Truth is wanted for a pass that cannot hold it.
+    /// Truth layers are requested for a pass that cannot store them.
     #[error(
         "truth is written to {:?}, {:?} and {:?} with one sample a pixel; color_format is {format:?} and samples {samples}: \
          give the first of them and 1",
@@ -127,7 +127,7 @@ pub enum EarthError {
         /// Samples a pixel that were given.
         samples: u32,
     },
-    /// Light is to be developed after the pass, and the pass does not hold it.
+    /// Development after the pass is requested, but the pass does not store light.
     #[error(
         "light that is developed after the pass needs a float colour format (Rgba16Float, Rgba32Float) and sunlit shading; \
          color_format is {format:?} and the shading {shading:?}: give such a format, or Development::InPass"
@@ -144,9 +144,9 @@ pub enum EarthError {
          give a smaller texture budget (texture_mb under [earth] in a scene)"
     )]
     NoRoom {
-        /// Texture memory that was asked for, MiB.
+        /// Texture memory requested, MiB.
         mib: u64,
-        /// The device's words.
+        /// Error message of the device.
         cause: String,
     },
     /// A shader or pipeline was rejected by the device, for instance for a colour format it cannot draw to.

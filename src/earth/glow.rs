@@ -1,4 +1,4 @@
-//! Where the air's own light is in sight.
+//! Where airglow is in sight.
 
 use super::Sky;
 use super::sky::ROOM_SIN;
@@ -9,11 +9,10 @@ use std::f64::consts::PI;
 use terrella_frames::Ellipsoid;
 use terrella_ground::air::{Billboard, RADIUS_M};
 
-/// Least distance that the glow is drawn at, metres: of an eye in it.
+/// Least distance at which airglow is drawn, metres: for an eye inside it.
 const NEAREST_M: f64 = 1e4;
 
-/// What shaders read of the air's own light; `None` where none is drawn, and where all that is in sight lies in daylight or twilight. `ring`
-/// is that of the air's halo.
+/// Uniforms of the airglow; `None` if it is not drawn or if everything in sight is in daylight or twilight. `ring` is the billboard of the halo.
 pub(super) fn glow_in_sight(
     view: &ItrfView,
     ring: &Billboard,
@@ -23,7 +22,7 @@ pub(super) fn glow_in_sight(
 ) -> Option<GlowUniforms> {
     let gain = light.glow_gain()?;
     let height = ring.eye_distance - 1.0;
-    // Over the limb as far as the top of the glow.
+    // Beyond the limb, up to the top of the airglow.
     let sight_rad = (1.0 / ring.eye_distance).acos() + (1.0 / (1.0 + GLOW_TOP)).acos();
     let from_sun_rad = view.eye_itrf_m.angle_between(sky.sun_itrf) + sight_rad;
     if from_sun_rad.min(PI).cos() > GLOW_DAY_SIN + ROOM_SIN {
@@ -50,8 +49,8 @@ pub(super) fn glow_in_sight(
     })
 }
 
-/// The depth that the glow is drawn at: of what is nearest of it, so that it lies over the ground and behind craft. All that an eye below
-/// it sees stands before it.
+/// Depth at which airglow is drawn: the depth of its nearest point, so that it covers the ground but not spacecraft. For an eye below it,
+/// everything is in front of it.
 fn depth(view: &ItrfView, height_m: f64) -> f64 {
     let picture = &view.picture;
     let forward = picture.corner + 0.5 * (picture.right + picture.down);

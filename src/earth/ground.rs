@@ -30,7 +30,7 @@ pub struct GroundOptions {
 }
 
 impl GroundOptions {
-    /// Whether the ground is the same: made by the same surface from the same heights.
+    /// Whether the terrain is the same: the same surface over the same elevation data.
     pub(super) fn is_same(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.elevation, &other.elevation)
             && self.surface == other.surface
@@ -47,10 +47,10 @@ impl fmt::Debug for GroundOptions {
     }
 }
 
-/// Prepares the surface for each frame, and says when it is settled.
+/// Prepares the surface for each frame and reports when it is settled.
 pub(super) struct GroundDriver {
     elevation: Arc<dyn Elevation>,
-    /// Of heights that become finer while they are drawn.
+    /// For elevation data that is refined while it is drawn.
     followed: Option<Followed>,
     settings: SurfaceSettings,
     figure: Figure,
@@ -58,28 +58,28 @@ pub(super) struct GroundDriver {
     draws: GroundDraws,
     tolerance_px: f64,
     before: SurfaceStats,
-    /// Frames since anything was read or drawn otherwise than the frame before.
+    /// Frames since data was last read or the drawing last changed.
     quiet: u32,
-    /// Nothing that is drawn depends on views, or on heights, of before the surface last forgot them.
+    /// Nothing drawn depends on views or elevation data from before the surface last forgot them.
     has_forgotten: bool,
 }
 
-/// Heights of a stream as the last frame had them.
+/// Streamed elevation data as of the last frame.
 struct Followed {
     viewer: Arc<HeightViewer>,
     version: u64,
     heights: Arc<Ground>,
 }
 
-/// The finest that samples of heights are asked for where the tolerance asks for more, pixels.
+/// Finest spacing of requested elevation samples, pixels, even if the tolerance asks for finer.
 const LEAST_SAMPLE_PX: f64 = 0.5;
 
-/// A surface is settled when so many frames are alike: more than a level takes to fade in.
+/// Number of equal frames after which a surface is settled: more than a level needs to fade in.
 const QUIET_FRAMES: u32 = 10;
 
 impl GroundDriver {
-    /// A grid that is to be made on the GPU is made on the CPU, and contours that are to be cast at are drawn as patches,
-    /// where the device has no room for them; a warning is given.
+    /// If the device lacks the capacity, a projected grid is computed on the CPU instead of the GPU, and cast contours are drawn as patches. A
+    /// warning is logged.
     pub fn new(
         options: &GroundOptions,
         figure: Figure,
@@ -135,21 +135,21 @@ impl GroundDriver {
         })
     }
 
-    /// The same ground for another eye, of which nothing is made yet.
+    /// The same terrain for another eye, with nothing built yet.
     pub fn for_another_view(&self) -> Result<Self, SurfaceError> {
         let elevation = self.elevation.clone();
         Self::made(elevation, self.settings, self.figure, self.tolerance_px)
     }
 
-    /// Takes in heights that have come, for all that are made from the same stream: between frames, and all of those that there
-    /// are where a picture waits for them.
+    /// Takes over elevation data that has arrived, for all users of the same stream. Call it between frames. If an image waits (`waits`), it takes
+    /// over everything available.
     pub fn take_over(&self, waits: bool) {
         if let Some(stream) = self.elevation.streamed() {
             stream.take_over(if waits { usize::MAX } else { TILES_PER_FRAME });
         }
     }
 
-    /// Waits until heights have come that a view has asked for, or for so long; not at all if none are on their way.
+    /// Waits until elevation data requested by a view has arrived, or until the timeout; returns at once if none is being loaded.
     pub fn wait(&self, timeout: Duration) {
         let stream = self.elevation.streamed();
         if let Some(stream) = stream.filter(|stream| !stream.is_settled()) {
@@ -157,19 +157,19 @@ impl GroundDriver {
         }
     }
 
-    /// Heights that were asked for and are not there.
+    /// Elevation tiles that were requested and are not resident.
     pub fn missing(&self) -> Vec<HeightTileKey> {
         let stream = self.elevation.streamed();
         stream.map_or_else(Vec::new, StreamedGround::missing)
     }
 
-    /// What their stream is doing.
+    /// Counters of the elevation stream.
     pub fn height_tiles(&self) -> HeightTileStats {
         let stream = self.elevation.streamed();
         stream.map_or_else(HeightTileStats::default, StreamedGround::counters)
     }
 
-    /// Goes over to the heights of now, and tells the surface where they are others.
+    /// Switches to the current elevation data, and reports changes to the surface.
     fn follow(&mut self, eye_itrf_m: glam::DVec3, pixel_rad: f64) {
         let (Some(stream), Some(followed)) = (self.elevation.streamed(), &mut self.followed) else {
             return;
@@ -182,7 +182,7 @@ impl GroundDriver {
         if version == followed.version {
             return;
         }
-        // Whoever has not looked for long does not know where: everywhere, then.
+        // If the log of changes does not reach back far enough, anything may have changed.
         let everywhere = || HeightChange {
             bounds: Bounds::GLOBE,
             below_rad: f64::INFINITY,
@@ -196,7 +196,7 @@ impl GroundDriver {
         self.has_forgotten = false;
     }
 
-    /// Chooses what is drawn, and the blocks in sight, whose tiles it is drawn with.
+    /// Selects what is drawn, and the blocks in sight, whose tiles it is drawn with.
     pub fn plan(
         &mut self,
         grid: &BlockGrid,
@@ -224,7 +224,7 @@ impl GroundDriver {
         stats
     }
 
-    /// Lists the draws of what was chosen. `tiled` are the blocks that have tiles, where triangles lie in several.
+    /// Lists the draws of the selection. `tiled` has the blocks with tiles, if triangles span several blocks.
     pub fn list_draws(
         &mut self,
         ellipsoid: &Ellipsoid,
@@ -235,18 +235,18 @@ impl GroundDriver {
         self.draws.list(surface, ellipsoid, tiled, draws);
     }
 
-    /// What is drawn next does not hang on views before.
+    /// Makes the next selection independent of earlier views.
     pub fn forget_views(&mut self) {
         self.surface.forget_views();
         (self.quiet, self.has_forgotten) = (0, true);
     }
 
-    /// Whether heights are the same since views were forgotten.
+    /// Whether elevation data is unchanged since views were forgotten.
     pub fn has_forgotten(&self) -> bool {
         self.has_forgotten
     }
 
-    /// Whether a view that does not move would be drawn as it is now.
+    /// Whether a static view would be drawn the same again.
     pub fn is_settled(&self) -> bool {
         let stream = self.elevation.streamed();
         self.quiet >= QUIET_FRAMES && stream.is_none_or(StreamedGround::is_settled)
@@ -256,12 +256,12 @@ impl GroundDriver {
         self.surface.as_ref()
     }
 
-    /// Whether it is drawn as triangles, whose edges could be drawn.
+    /// Whether it is drawn as triangles, which have edges to draw.
     pub fn has_edges(&self) -> bool {
         !matches!(self.surface.draw_kind(), DrawKind::ContourPages(_))
     }
 
-    /// Names of the features that its form turns on.
+    /// Names of the shader features that the surface turns on.
     pub fn features(&self) -> &'static [&'static str] {
         match self.surface.draw_kind() {
             DrawKind::Grid(_) => &["relief", "grid"],

@@ -1,4 +1,4 @@
-//! The exposure of frames: fixed, or metered from what is in view.
+//! Exposure of frames: fixed, or metered from the view.
 
 use super::daylight::{daylight_in_sight, gain_beside};
 use super::view::ItrfView;
@@ -13,23 +13,23 @@ use terrella_ground::light::{Exposure, Meter, MeterView, NightLight};
 use terrella_imagery::NeighbourhoodAlbedo;
 use terrella_imagery::tile::MAP_LAYERS;
 
-/// Says with what exposure a frame of one view is drawn. Clones share what they meter with.
+/// Chooses the exposure of the frames of one view. Clones share the meter.
 #[derive(Clone)]
 pub(super) struct ExposureControl {
     exposure: Exposure,
     light: SurfaceLight,
     /// Whether there are city lights.
     has_lamps: bool,
-    /// Made when exposure is first metered; an Earth that never meters has none.
+    /// Created when exposure is first metered; an Earth that never meters has none.
     meter: Option<Arc<Meter>>,
-    /// What a meter is made of.
+    /// Inputs of the meter.
     albedo: Arc<NeighbourhoodAlbedo>,
     air: Option<AirOptions>,
     air_options: AirOptions,
 }
 
 impl ExposureControl {
-    /// For an Earth with these options.
+    /// Exposure control for an Earth with these options.
     pub fn new(options: &EarthOptions, atmosphere: Atmosphere) -> Self {
         let mut control = Self {
             exposure: options.exposure,
@@ -46,13 +46,13 @@ impl ExposureControl {
         control
     }
 
-    /// Exposes so from now on.
+    /// Uses this exposure from now on.
     pub fn set(&mut self, exposure: Exposure) {
         self.exposure = exposure;
         self.make_ready();
     }
 
-    /// Draws with this air from now on.
+    /// Uses this air from now on.
     pub fn set_air(&mut self, atmosphere: Atmosphere) {
         let air = (atmosphere != Atmosphere::None).then_some(self.air_options);
         if self.air != air {
@@ -62,25 +62,25 @@ impl ExposureControl {
         self.make_ready();
     }
 
-    /// Draws with this light from now on, and with this content of the air from the next [`Self::set_air`] on.
+    /// Uses this light from now on, and these contents of the air from the next [`Self::set_air`] on.
     pub fn set_appearance(&mut self, appearance: &Appearance) {
         self.light = appearance.light;
         self.air_options = appearance.air;
     }
 
-    /// Meters from now on with what another meters with.
+    /// Shares the meter and its inputs with another control from now on.
     pub fn share(&mut self, other: &Self) {
         let exposure = self.exposure;
         *self = other.clone();
         self.set(exposure);
     }
 
-    /// What the maps' neighbourhoods reflect.
+    /// Mean albedo of the maps' neighbourhoods.
     pub fn albedo(&self) -> &Arc<NeighbourhoodAlbedo> {
         &self.albedo
     }
 
-    /// Meters over another ground from now on.
+    /// Meters over ground of this albedo from now on.
     pub fn set_albedo(&mut self, albedo: &Arc<NeighbourhoodAlbedo>) {
         if !Arc::ptr_eq(&self.albedo, albedo) {
             self.albedo = albedo.clone();
@@ -104,12 +104,12 @@ impl ExposureControl {
         })
     }
 
-    /// The light that a frame is drawn with: the gain of the lights of the night is what the daylight in it leaves. Allocates nothing.
+    /// The light of a frame, with the gain of night lights reduced by the daylight in it. Allocates nothing.
     pub fn light_in(&self, view: &ItrfView, sky: &Sky, ellipsoid: &Ellipsoid) -> SurfaceLight {
         light_beside(&self.light, self.has_lamps, view, sky, ellipsoid)
     }
 
-    /// The exposure of a frame that is drawn with this light, EV.
+    /// The exposure of a frame with this light, EV.
     pub fn ev(
         &mut self,
         view: &ItrfView,
@@ -123,7 +123,7 @@ impl ExposureControl {
         }
     }
 
-    /// The exposure that a view asks for, EV.
+    /// The metered exposure of a view, EV.
     fn metered(
         &mut self,
         view: &ItrfView,
@@ -146,7 +146,7 @@ impl ExposureControl {
         })
     }
 
-    /// What shines by night, as it is drawn.
+    /// Light of the night side, as it is drawn.
     fn night(&self, light: &SurfaceLight) -> NightLight {
         let airglow = match light.airglow && self.air.is_some() {
             true => AIRGLOW_LUMINANCE * light.night_gain,
@@ -157,19 +157,19 @@ impl ExposureControl {
             lamp_sins: [LAMPS_FULL_SIN, LAMPS_OUT_SIN],
             airglow,
             airglow_sins: [GLOW_NIGHT_SIN, GLOW_DAY_SIN],
-            // More than half of its light is that of green oxygen.
+            // Green oxygen emits more than half of the airglow.
             airglow_height: LAYER_HEIGHTS.y,
         }
     }
 
-    /// The Moon's shadow, where it falls on the Earth at all and is drawn.
+    /// The Moon's shadow, if it reaches the Earth and is drawn.
     fn shadow_of(&self, sky: &Sky, ellipsoid: &Ellipsoid) -> Option<MoonShadow> {
         let shadow = sky.moon_shadow().filter(|_| self.light.eclipses)?;
         let reaches = shadow.reaches(DVec3::ZERO, ellipsoid.equatorial_radius_m);
         reaches.then_some(shadow)
     }
 
-    /// The same for a view as a host gives it; `None` where no picture is defined.
+    /// As [`Self::metered`], for a view as a host passes it; `None` if the view has no image.
     pub fn metered_view(
         &mut self,
         view: &EyeView,
@@ -183,15 +183,14 @@ impl ExposureControl {
     }
 }
 
-/// The exposure that an Earth of these options, drawn by whatever means, takes for a view where it meters, EV; `None` where no
-/// picture is defined.
+/// The exposure that an Earth with these options would meter for a view, EV; `None` if the view has no image. It needs no GPU.
 pub fn metered_ev(options: &EarthOptions, view: &EyeView, sky: &Sky) -> Option<f64> {
     let mut control = ExposureControl::new(options, options.atmosphere);
     control.metered_view(view, sky, &options.figure.ellipsoid())
 }
 
-/// The [`FrameStats::night_gain`](super::FrameStats::night_gain) of an Earth of these options, drawn by whatever means, for a view; `None`
-/// where no picture is defined.
+/// The [`FrameStats::night_gain`](super::FrameStats::night_gain) of an Earth with these options for a view; `None` if the view has no image. It
+/// needs no GPU.
 pub fn night_gain_in(options: &EarthOptions, view: &EyeView, sky: &Sky) -> Option<f64> {
     let view = view.in_itrf(Viewport::from((1, 1)));
     let (view, sky) = view.zip(sky.with_unit_sun())?;

@@ -1,5 +1,4 @@
-//! In place of `ground.rs` where the feature `terrain` is off: types without a value, so that nothing of terrain is
-//! compiled in.
+//! Replaces `ground.rs` if the feature `terrain` is off: types without a value, so that no code for terrain is compiled in.
 
 use super::EarthError;
 use super::view::ItrfView;
@@ -9,7 +8,7 @@ use terrella_frames::Ellipsoid;
 use terrella_ground::globe::{Block, BlockGrid, BlockSet, Figure, Surface, SurfaceStats};
 use terrella_ground::height::HeightTileStats;
 
-/// Terrain in place of the smooth ellipsoid. It needs the feature `terrain`; without, there is no value of this type.
+/// Terrain in place of the smooth ellipsoid. Without the feature `terrain` this type has no value.
 #[derive(Clone, Debug)]
 pub enum GroundOptions {}
 

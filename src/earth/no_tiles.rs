@@ -1,4 +1,4 @@
-//! In place of `tiles.rs` where the feature `packs` is off: types without a value, so that nothing of tiles is compiled in.
+//! Replaces `tiles.rs` if the feature `packs` is off: types without a value, so that no code for tiles is compiled in.
 
 use super::quality::Quality;
 use super::tile_view::{TileDetail, TileView};
@@ -10,7 +10,7 @@ use terrella_imagery::EarthLayers;
 use terrella_imagery::residency::{Pool, StreamCounters, Upload};
 use terrella_imagery::tile::TileKey;
 
-/// How tiles are chosen, loaded and held. It needs the feature `packs`; without, there is no value of this type.
+/// How tiles are selected, loaded and held. Without the feature `packs` this type has no value.
 #[derive(Clone, Debug)]
 pub enum TileOptions {}
 

@@ -1,4 +1,4 @@
-//! What is fixed when an Earth is made.
+//! Options that are fixed when an Earth is made.
 
 use super::{
     Appearance, DiagnosticOptions, EarthError, GroundOptions, Quality, SurfaceLight, TileOptions,
@@ -14,21 +14,21 @@ use terrella_ground::light::{Bloom, Exposure, Grade, Tone};
 use terrella_imagery::tile::MapLayer;
 use terrella_imagery::{CityLights, EarthLayers, GroundKinds, MapAlbedo, MapGroundKinds};
 
-/// What is fixed when an Earth is made.
+/// Options that are fixed when an Earth is made.
 #[derive(Clone, Debug)]
 pub struct EarthOptions {
     /// The maps. A layer that is `None` has no cost.
     pub layers: EarthLayers,
-    /// Maps that are on the GPU already: drawn for those of `layers` that have no texels ([`Self::upload`]). Earths that are made with
-    /// clones of these options share them.
+    /// Maps that are already on the GPU. They replace those of `layers` that have no texels ([`Self::upload`]). Earths made with clones of these
+    /// options share them.
     pub uploaded: UploadedMaps,
-    /// Tiles of a pack, drawn in place of the whole maps of the same layers as they arrive; `None` draws whole maps
-    /// only and costs nothing. `layers` must be the pack's coarsest maps, `subdivision` automatic or at least [`super::TILED_SUBDIVISION`] if
-    /// nothing is to be seen of block edges at grazing views.
+    /// Tiles of a pack, drawn in place of the whole maps of the same layers as they arrive; `None` draws whole maps only and costs nothing.
+    /// `layers` must be the pack's coarsest maps. `subdivision` must be automatic or at least [`super::TILED_SUBDIVISION`], or block edges may be
+    /// visible at grazing views.
     pub tiles: Option<TileOptions>,
-    /// City lights as points, which take the place of the map of night lights where [`SurfaceLight::detail`] is on and the block sphere is
-    /// drawn with whole maps: [`CityLights::load`]. `None` draws the map and costs nothing. With [`Pipelines::WhenNeeded`] they are made when
-    /// a view first has places in the dark.
+    /// City lights as points: [`CityLights::load`]. They replace the map of night lights where [`SurfaceLight::detail`] is on and the block sphere
+    /// is drawn with whole maps. `None` draws the map and costs nothing. With [`Pipelines::WhenNeeded`] their pipeline is made when a view first
+    /// has dark places.
     pub city_lights: Option<Arc<CityLights>>,
     /// Terrain; `None` draws the smooth ellipsoid at no cost.
     pub ground: Option<GroundOptions>,
@@ -48,20 +48,20 @@ pub struct EarthOptions {
     pub air: AirOptions,
     /// Texture format of the host's colour target.
     ///
-    /// A float format (`Rgba16Float`, `Rgba32Float`, `Rg11b10Ufloat`) gets light itself, scene-referred and linear: a diffuse white
-    /// sheet that faces the Sun in space is 1, and neither `exposure` nor `tone` is applied, which are then the host's. All
-    /// others get what is shown of it, exposed, through the tone curve and dithered for 8 bits: linear for sRGB formats, which
-    /// the hardware encodes, else encoded in sRGB. On these the air beside the ground is blended over what is there as it is
-    /// shown. The paper's shading and tracks are display values on 8-bit targets and those values in linear light on others.
-    /// With [`Development::AfterPass`] it is a float format, and gets light times the exposure.
+    /// A float format (`Rgba16Float`, `Rgba32Float`, `Rg11b10Ufloat`) gets scene-referred linear light: a diffuse white sheet that faces the Sun in
+    /// space is 1. Neither `exposure` nor `tone` is applied; both are then the host's task. All other formats get displayable colour: exposed,
+    /// tone-mapped, and dithered for 8 bits. It is linear for sRGB formats, which the hardware encodes, and sRGB-encoded otherwise. On these
+    /// formats the air beside the ground is blended over existing pixels in displayed values. The paper's shading and tracks are display values on
+    /// 8-bit targets and the same values in linear light on others. With [`Development::AfterPass`] the format is a float format and gets light
+    /// multiplied by the exposure.
     pub color_format: wgpu::TextureFormat,
     /// Samples a pixel of the host's pass.
     pub samples: u32,
     /// Depth buffer of the host's pass.
     pub depth: DepthBuffer,
-    /// Most samples that a map is filtered with at a grazing view, 1…16; 1 is trilinear. A software adapter always
-    /// filters trilinearly: each sample costs it time, and Mesa's returns wrong texels at the limb. So the default, 8, is
-    /// not measured by the pages in `docs/`, which are of software adapters; `terrella bench` measures it on others.
+    /// Largest number of samples for filtering a map at a grazing view, 1…16; 1 is trilinear. A software adapter always filters trilinearly: each
+    /// sample costs it time, and Mesa's returns wrong texels at the limb. The default of 8 is therefore not measured by the pages in `docs/`, which
+    /// use software adapters; `terrella bench` measures it on others.
     pub anisotropy: u16,
     /// Exposure. The paper's shading uses display values, which it does not affect; it does affect the atmosphere.
     pub exposure: Exposure,
@@ -79,19 +79,19 @@ pub struct EarthOptions {
     pub diagnostics: DiagnosticOptions,
 }
 
-/// When an Earth creates its pipelines: about ten, of which a picture needs two or three.
+/// When an Earth creates its pipelines: about ten, of which an image needs two or three.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Pipelines {
-    /// At creation: no frame waits for one.
+    /// At creation: no frame waits for a pipeline.
     #[default]
     AtOnce,
-    /// When a frame first needs them, in [`Earth::prepare`](super::Earth::prepare), for programs that render few pictures.
+    /// When a frame first needs them, in [`Earth::prepare`](super::Earth::prepare), for programs that render few images.
     /// [`Earth::check_pipelines`](super::Earth::check_pipelines) returns their errors.
     WhenNeeded,
 }
 
 impl EarthOptions {
-    /// The defaults for a picture of [`crate::gpu::FrameTargets`] with these maps.
+    /// Defaults for an image of [`crate::gpu::FrameTargets`] with these maps.
     pub fn new(layers: EarthLayers) -> Self {
         Self {
             layers,
@@ -120,8 +120,8 @@ impl EarthOptions {
         }
     }
 
-    /// Has light added up in the pass and developed after it, where the shading is one of light; the paper's, of display values, is drawn to
-    /// the `shown` format itself. For passes of a [`crate::ScaledTarget::of_pass`].
+    /// Accumulates light in the pass and develops it after it, if the shading is physical. The paper's shading, in display values, is drawn to the
+    /// `shown` format directly. For passes of a [`crate::ScaledTarget::of_pass`].
     pub fn develop_after_pass(&mut self, shown: wgpu::TextureFormat) {
         (self.development, self.color_format) = match self.shading {
             Shading::Sunlit => (Development::AfterPass, crate::gpu::ScaledTarget::LIGHT),
@@ -129,7 +129,7 @@ impl EarthOptions {
         };
     }
 
-    /// The pass that the Earth is drawn in.
+    /// Format of the pass that the Earth is drawn in.
     pub fn pass_format(&self) -> PassFormat {
         PassFormat {
             color: self.color_format,
@@ -143,12 +143,13 @@ impl EarthOptions {
         }
     }
 
-    /// Uploads the maps and frees their texels: `layers` has descriptions from then on ([`without_texels`](terrella_imagery::LayerImage::without_texels)), and `uploaded`
-    /// the maps. For programs that make several Earths of one set of maps, or that keep their options: all clones made from then on, and
-    /// all Earths on this device, share one copy on the GPU and none in memory. Maps that other programs' clones still hold stay there.
+    /// Uploads the maps and frees their texels: `layers` then holds descriptions only
+    /// ([`without_texels`](terrella_imagery::LayerImage::without_texels)), and `uploaded` the maps. For programs that make several Earths from one
+    /// set of maps, or that keep their options: all later clones, and all Earths on this device, share one copy on the GPU and keep none in memory.
+    /// Earlier clones keep their copies.
     ///
     /// # Errors
-    /// The first map that does not hold what it says, or that the device does not take; those before it are uploaded.
+    /// The first map whose texels do not fit its description, or that the device rejects; maps before it are uploaded.
     pub fn upload(&mut self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<(), MapError> {
         for layer in MapLayer::ALL {
             let image = self.layers.get_mut(layer);
@@ -165,7 +166,7 @@ impl EarthOptions {
         Ok(())
     }
 
-    /// What a map has a part in the light of the air with.
+    /// The map's contribution to the light of the air.
     pub(crate) fn map_albedo(&self, layer: MapLayer) -> Option<MapAlbedo> {
         let image = self.layers.get(layer)?;
         match image.has_texels() {
@@ -174,7 +175,7 @@ impl EarthOptions {
         }
     }
 
-    /// Where a map says that there is land or sea.
+    /// Kinds of the ground cells according to one map.
     pub(crate) fn map_kinds(&self, layer: MapLayer) -> Option<Arc<MapGroundKinds>> {
         let image = self.layers.get(layer)?;
         match image.has_texels() {
@@ -183,7 +184,7 @@ impl EarthOptions {
         }
     }
 
-    /// Where its maps have nothing but land or open sea: of whole maps, and of pictures that may use it.
+    /// Cells that have only land or only open sea according to its maps. `None` with tiles or terrain, or if the air's light is not interpolated.
     pub(crate) fn ground_kinds(&self) -> Option<Arc<GroundKinds>> {
         let is_used = self.interpolates_air()
             && self.atmosphere == Atmosphere::Billboard
@@ -197,7 +198,7 @@ impl EarthOptions {
         is_used.then(kinds).flatten()
     }
 
-    /// What of them can be changed while the Earth is drawn, besides quality and maps.
+    /// The part of the options that can be changed while the Earth is drawn, besides quality and maps.
     pub fn appearance(&self) -> Appearance {
         Appearance {
             ground: self.ground.clone(),
@@ -206,7 +207,7 @@ impl EarthOptions {
         }
     }
 
-    /// Whether the air's light may be taken from vertices where the difference is not seen: in pictures that are shown, in real light.
+    /// Whether the air's light may be interpolated between vertices where the difference is invisible: in displayed images with physical light.
     pub(crate) fn interpolates_air(&self) -> bool {
         let diagnostics = self.diagnostics;
         self.shading == Shading::Sunlit
@@ -215,7 +216,7 @@ impl EarthOptions {
             && self.pass_format().target_color() != TargetColor::Radiance
     }
 
-    /// Whether this device can draw an Earth with these options, as far as that can be said before anything is made.
+    /// Checks that this device can draw an Earth with these options, as far as possible before anything is created.
     pub(crate) fn check(&self, device: &wgpu::Device) -> Result<(), EarthError> {
         self.exposure.check().map_err(EarthError::Exposure)?;
         self.appearance().check()?;
@@ -237,7 +238,7 @@ impl EarthOptions {
                 shading: self.shading,
             });
         }
-        // In passes of light itself the curve is the host's.
+        // In passes that store light the tone curve is the host's.
         let is_shown = !stores_light(self.color_format);
         if let Some(response) = self.tone.response().filter(|_| is_shown) {
             return Err(EarthError::Response(response.name()));

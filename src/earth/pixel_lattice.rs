@@ -1,31 +1,31 @@
-//! A picture looked at in some of its points alone, for measuring: as it would be drawn whole, at a part of the cost.
+//! A lattice of image points, for measuring an image at a part of its cost.
 
 use super::view::{EyeView, PixelRays};
 use glam::DVec2;
 
-/// Points of a picture that lie in rows and columns, as far apart both ways.
+/// Points of an image in rows and columns with equal spacing in both directions.
 ///
-/// Drawn into a target of [`Self::points`] pixels with [`Self::viewport`], each pixel of it shows what the picture shows in
-/// that point, on the mesh that the whole picture has.
+/// Drawn into a target of [`Self::points`] pixels with [`Self::viewport`], each pixel shows what the image shows at the corresponding point, on the
+/// mesh of the whole image.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PixelLattice {
-    /// Width and height of the picture, pixels.
+    /// Width and height of the image, pixels.
     pub picture: (u32, u32),
-    /// Points across and down.
+    /// Number of points across and down.
     pub points: (u32, u32),
-    /// Where the first is, pixels right and down of the picture's upper left corner.
+    /// The first point, pixels right and down of the image's upper left corner.
     pub first: DVec2,
-    /// From each to the next, pixels.
+    /// Spacing of the points, pixels.
     pub step: f64,
 }
 
 impl PixelLattice {
-    /// The middle of every pixel.
+    /// The centre of every pixel.
     pub fn whole(picture: (u32, u32)) -> Self {
         Self::window(picture, (0, 0), picture)
     }
 
-    /// The middles of so many pixels beside each other, the first right and down of the corner by `corner`.
+    /// The centres of a block of adjacent pixels. `corner` is its first pixel.
     pub fn window(picture: (u32, u32), corner: (u32, u32), points: (u32, u32)) -> Self {
         Self {
             picture,
@@ -35,7 +35,7 @@ impl PixelLattice {
         }
     }
 
-    /// The middles of one pixel in `step` × `step`: in each of these squares the one at `within`, less than `step` both ways.
+    /// The centre of one pixel in each square of `step` × `step`: the one at `within`, which is less than `step` in both directions.
     pub fn spread(picture: (u32, u32), step: u32, within: (u32, u32)) -> Self {
         let step = step.max(1);
         let count = |side: u32, within: u32| side.saturating_sub(within).div_ceil(step).max(1);
@@ -46,12 +46,12 @@ impl PixelLattice {
         }
     }
 
-    /// A point, pixels right and down of the picture's upper left corner.
+    /// A point, pixels right and down of the image's upper left corner.
     pub fn at(&self, x: u32, y: u32) -> DVec2 {
         self.first + DVec2::new(f64::from(x), f64::from(y)) * self.step
     }
 
-    /// The point whose pixel a place of the picture lies in; `None` where there is none, or it is none of the points'.
+    /// Index of the point whose pixel contains a place of the image; `None` if no point's does.
     pub fn index_of(&self, place: DVec2) -> Option<(u32, u32)> {
         let from_first = (place - self.first) / self.step;
         let nearest = from_first.round();
@@ -61,8 +61,7 @@ impl PixelLattice {
         (is_near && is_inside).then_some((nearest.x as u32, nearest.y as u32))
     }
 
-    /// The viewport that a pass over the points sets: left, top, width and height in pixels of the target. It may reach beyond
-    /// the target.
+    /// The viewport that a pass over the points sets: left, top, width and height in pixels of the target. It may extend beyond the target.
     pub fn viewport(&self) -> [f32; 4] {
         let corner = 0.5 - self.first / self.step;
         let side = |pixels: u32| (f64::from(pixels) / self.step) as f32;

@@ -1,5 +1,5 @@
-//! What a frame draws: how fine the mesh is, which blocks are in sight, with which tiles and ground. Pure code: the plan is
-//! handed to the GPU, and nothing comes back.
+//! The content of a frame: mesh resolution, blocks in sight, their tiles and terrain. Pure code: the plan is passed to the GPU, and nothing is read
+//! back.
 
 use super::city_lights::CityLightDriver;
 use super::glow::glow_in_sight;
@@ -29,34 +29,34 @@ use terrella_ground::light::{Grade, Tone, exposure_factor};
 use terrella_imagery::tile::MapLayer;
 use terrella_imagery::{GroundKinds, MOST_PIXEL_M};
 
-/// Turns the views of one eye into plans.
+/// Turns the views of one eye into frame plans.
 pub(super) struct Planner {
     meshes: Meshes,
     visibility: Visibility,
     pub exposure: ExposureControl,
     has_air: bool,
-    /// Whether pictures take the air's light from vertices where that suffices.
+    /// Whether images may interpolate the air's light between vertices where that suffices.
     interpolates: bool,
     tone: Tone,
     grade: Grade,
     air: AirOptions,
-    /// Whether there are clouds in real light, and whether they are drawn.
+    /// Whether there are clouds under physical light, and whether they are drawn.
     has_clouds: bool,
     shows_clouds: bool,
-    /// Where that is, once it is asked for.
+    /// Light of the cells, created on first use.
     cells: Option<CellLights>,
-    /// Where there is nothing but land or open sea, if that is known.
+    /// Where there is only land or only open sea, if known.
     kinds: Option<Arc<GroundKinds>>,
     light: SurfaceLight,
     city_lights: Option<CityLightDriver>,
     ground: Option<GroundDriver>,
     has_tiles: bool,
-    /// Texels of the day map per block side where no tile is drawn.
+    /// Texels of the day map per block side if no tile is drawn.
     whole_day_pixels: u32,
 }
 
 impl Planner {
-    /// `limits` are the device's: they say in what forms it can draw terrain.
+    /// `limits` are those of the device: they determine how it can draw terrain.
     pub fn new(
         options: &EarthOptions,
         quality: &Quality,
@@ -88,7 +88,7 @@ impl Planner {
         })
     }
 
-    /// The same for another eye.
+    /// The same planner for another eye.
     pub fn for_another_view(&self) -> Result<Self, EarthError> {
         let ground = self.ground.as_ref().map(GroundDriver::for_another_view);
         Ok(Self {
@@ -102,7 +102,7 @@ impl Planner {
         })
     }
 
-    /// Plans for this quality from now on, with the meshes of its subdivision.
+    /// Plans with this quality from now on, with the meshes of its subdivision.
     pub fn set_quality(&mut self, quality: &Quality, meshes: Meshes) {
         self.meshes = meshes;
         self.has_air = quality.atmosphere == Atmosphere::Billboard;
@@ -110,7 +110,7 @@ impl Planner {
         self.exposure.set_air(quality.atmosphere);
     }
 
-    /// Plans for this light and air from now on; its ground is not touched.
+    /// Plans with this light and air from now on; terrain is not changed.
     pub fn set_appearance(&mut self, appearance: &Appearance) {
         let height_m = self.light.cloud_height_m;
         self.light = appearance.light;
@@ -121,17 +121,17 @@ impl Planner {
         self.exposure.set_appearance(appearance);
     }
 
-    /// Where there is nothing but land or open sea, if that is known.
+    /// Where there is only land or only open sea, if known.
     pub fn kinds(&self) -> Option<&Arc<GroundKinds>> {
         self.kinds.as_ref()
     }
 
-    /// Takes that from another planner, or forgets it.
+    /// Sets or clears the ground kinds.
     pub fn set_kinds(&mut self, kinds: Option<Arc<GroundKinds>>) {
         self.kinds = kinds;
     }
 
-    /// Plans with another ground from now on, or with the smooth ellipsoid.
+    /// Plans with this terrain from now on, or with the smooth ellipsoid.
     pub fn set_ground(&mut self, ground: Option<GroundDriver>) {
         self.ground = ground;
     }
@@ -151,37 +151,37 @@ impl Planner {
         self.ground.as_ref().map(GroundDriver::surface)
     }
 
-    /// Whether what is drawn has triangles, whose edges could be drawn.
+    /// Whether the surface has triangles, which have edges to draw.
     pub fn has_edges(&self) -> bool {
         self.ground.as_ref().is_none_or(GroundDriver::has_edges)
     }
 
-    /// Names of the features that the ground's form turns on.
+    /// Names of the shader features that the terrain surface turns on.
     pub fn ground_features(&self) -> &'static [&'static str] {
         self.ground.as_ref().map_or(&[], GroundDriver::features)
     }
 
-    /// Whether triangles may lie in several blocks.
+    /// Whether triangles may span several blocks.
     pub fn crosses_blocks(&self) -> bool {
         self.ground().is_some_and(Surface::crosses_blocks)
     }
 
-    /// What makes terrain, if there is any.
+    /// The driver of the terrain, if any.
     pub fn ground_driver(&self) -> Option<&GroundDriver> {
         self.ground.as_ref()
     }
 
-    /// The same, to be changed.
+    /// The driver of the terrain, mutable.
     pub fn ground_driver_mut(&mut self) -> Option<&mut GroundDriver> {
         self.ground.as_mut()
     }
 
-    /// Whether a view that does not move would be given the ground that it has now.
+    /// Whether a static view would get the same terrain again.
     pub fn is_ground_settled(&self) -> bool {
         self.ground.as_ref().is_none_or(GroundDriver::is_settled)
     }
 
-    /// A plan that draws nothing, with room for all that this planner may put into it.
+    /// An empty plan with capacity for everything that this planner may put into it.
     pub fn empty_plan(&self) -> FramePlan {
         let per_block = self
             .meshes
@@ -195,7 +195,7 @@ impl Planner {
         FramePlan::new(self.ellipsoid(), vertices as usize)
     }
 
-    /// Fills the plan for a view, and answers what it draws, as far as the GPU has no part in it. Allocates nothing.
+    /// Fills the plan for a view, and returns the statistics that do not depend on the GPU. Allocates nothing.
     pub fn plan(&mut self, view: &ItrfView, sky: &Sky, plan: &mut FramePlan) -> FrameStats {
         let ellipsoid = self.ellipsoid();
         let eye = ellipsoid.geodetic_from_itrf(view.eye_itrf_m);
@@ -268,8 +268,8 @@ impl Planner {
         stats
     }
 
-    /// Lists the draws of the surface, and counts them. `tiled` are the blocks that have tiles, where triangles lie in several. Allocates
-    /// nothing in steady state.
+    /// Lists the draws of the surface and counts them. `tiled` has the blocks with tiles, if triangles span several blocks. Allocates nothing in
+    /// steady state.
     pub fn list_draws(
         &mut self,
         tiled: Option<BlockSet>,
@@ -310,32 +310,32 @@ impl Planner {
         (stats.draw_calls, stats.triangles) = (costs.draw_calls, costs.triangles);
     }
 
-    /// Whether the air's light may be taken from vertices in a frame: where the eye is above the air, and no shadow is in it.
+    /// Whether a frame may interpolate the air's light between vertices: the eye is above the air and no shadow is in view.
     fn interpolates_in(&self, plan: &FramePlan) -> bool {
         let side = plan.air.as_ref().map(AirPlan::side);
         self.interpolates && side == Some(AirSide::Outside) && !plan.has_moon_shadow
     }
 
-    /// The Moon's shadow, where it may fall on ground, clouds or air in sight.
+    /// The Moon's shadow, if it may fall on ground, clouds or air in sight.
     fn moon_shadow_in_view(&self, view: &ItrfView, sky: &Sky) -> Option<MoonShadow> {
         let ellipsoid = self.ellipsoid();
         let top_m = TOP * ellipsoid.equatorial_radius_m;
         let shadow = sky.moon_shadow().filter(|_| self.light.eclipses)?;
         let eye = view.eye_itrf_m;
-        // As far as the limb, and from there to where the air ends.
+        // To the limb, and from there to the top of the air.
         let least_m = ellipsoid.polar_radius_m;
         let to_limb = |m: f64| ((m + least_m) * (m - least_m).max(0.0)).sqrt();
         let sight_m = to_limb(eye.length()) + to_limb(top_m);
         let is_in_view = shadow.reaches(DVec3::ZERO, top_m) && shadow.reaches(eye, sight_m);
-        // Behind the Earth the cone goes on, and darkens nothing.
+        // Behind the Earth the cone continues without effect.
         let to_limb_rad = |m: f64| (least_m / m).min(1.0).acos();
         let to_night_rad = FRAC_PI_2 + to_limb_rad(eye.length()) + to_limb_rad(top_m);
         let sees_day = eye.angle_between(sky.sun_itrf) < to_night_rad;
         (is_in_view && sees_day).then_some(shadow)
     }
 
-    /// How far inside the limb the outline of the ground may be, radii: of relief as deep as the sea, of blocks as far as the
-    /// middle of a facet is below the ellipsoid.
+    /// How far inside the limb the outline of the ground may be, radii: for terrain the depth of the sea, for blocks the depth of a facet's middle
+    /// below the ellipsoid.
     fn short_of_limb(&self) -> f64 {
         const DEEPEST: f64 = 2e-3;
         match self.ground {
@@ -344,7 +344,7 @@ impl Planner {
         }
     }
 
-    /// Chooses the mesh and the blocks of the smooth ellipsoid.
+    /// Selects the mesh and the blocks of the smooth ellipsoid.
     fn plan_blocks(&mut self, view: &ItrfView, plan: &mut FramePlan, stats: &mut FrameStats) {
         let height_m = stats.eye.height_m;
         let is_above_air = self.has_air && height_m > THICKNESS_M;
@@ -368,7 +368,7 @@ impl Planner {
         stats.blocks_visible = selection.visible;
     }
 
-    /// What tiles are chosen by, for a view.
+    /// Inputs of tile selection for a view.
     pub fn tile_view(&self, view: &ItrfView, sky: &Sky) -> TileView {
         let (moon_itrf, moon_light) = sky.moonlight();
         TileView {
@@ -394,7 +394,7 @@ impl Planner {
     }
 }
 
-/// The meshes of a subdivision, for an Earth with tiles or without.
+/// Meshes for a subdivision setting, for an Earth with tiles or without.
 pub(super) fn meshes(
     ellipsoid: Ellipsoid,
     subdivision: Subdivision,

@@ -1,4 +1,4 @@
-//! How well an Earth is drawn, and what can be given up where time is short.
+//! Quality settings of an Earth, and their reductions.
 
 use std::fmt;
 use std::ops::RangeInclusive;
@@ -6,79 +6,76 @@ use terrella_ground::air::Atmosphere;
 use terrella_ground::globe::Subdivision;
 use terrella_imagery::tile::{MAP_LAYERS, MapLayer};
 
-/// Cells per block edge that an Earth with tiles should have.
+/// Cells per block edge for an Earth with tiles.
 ///
-/// A pixel shows what its ray meets on the exact ellipsoid, and its block is that of the facet before it. Near an edge
-/// the ray may meet the next block's ground, of which a tile has a border of [`TILE_BORDER`] texels. Facets lie up to
-/// R(1 − cos(11.25°/n)) below the ellipsoid: 3.4 km for n = 6 and 0.21 km for n = 24, which even at 6° above the ground
-/// is little more than a texel of 1.9 km, the paper's finest.
+/// A pixel shows the place where its ray meets the exact ellipsoid, but its block is that of the facet drawn there. Near an edge the ray may meet
+/// ground of the next block; a tile has [`TILE_BORDER`] texels of border for this. Facets lie up to R(1 − cos(11.25°/n)) below the ellipsoid: 3.4
+/// km for n = 6 and 0.21 km for n = 24. The latter is little more than a texel of 1.9 km, the paper's finest, even at 6° above the ground.
 ///
 /// [`TILE_BORDER`]: terrella_imagery::tile::TILE_BORDER
 pub const TILED_SUBDIVISION: u32 = 24;
 
-/// How well an Earth is drawn: what [`super::Earth::set_quality`] changes while maps and tiles stay where they are.
+/// Quality settings of an Earth: what [`super::Earth::set_quality`] changes while maps and tiles stay in place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quality {
     /// Cells per block edge.
     pub subdivision: Subdivision,
-    /// Most samples that a map is filtered with at a grazing view, as in [`super::EarthOptions::anisotropy`].
+    /// Largest number of samples for filtering a map at a grazing view, as in [`super::EarthOptions::anisotropy`].
     pub anisotropy: u16,
     /// Sample count of the pass. The host's pass must have as many.
     pub samples: u32,
-    /// Most screen pixels that a texel of a tile may cover, as in [`super::TileOptions::max_texel_px`]; without tiles it
-    /// changes nothing.
+    /// Most screen pixels that a texel of a tile may cover, as in [`super::TileOptions::max_texel_px`]; no effect without tiles.
     pub texel_px: f64,
-    /// Which maps are drawn, by [`MapLayer::index`]. One that the Earth was made without is never drawn; the day map
-    /// always is.
+    /// Which maps are drawn, by [`MapLayer::index`]. A map that the Earth was made without is never drawn; the day map always is.
     pub maps: [bool; MAP_LAYERS],
     /// How the air is drawn.
     pub atmosphere: Atmosphere,
-    /// Part of the shown picture's width and height that is drawn, in [`Self::SCALES`]. The Earth draws into whatever pass it is
-    /// given: the host makes the pass smaller, by [`crate::ScaledTarget`] or as it does that for all that it draws.
+    /// Fraction of the displayed image's width and height that is rendered, in [`Self::SCALES`]. The Earth draws into whatever pass it is given:
+    /// the host makes the pass smaller, with [`crate::ScaledTarget`] or with its own scaling.
     pub scale: f64,
 }
 
 impl Quality {
-    /// What [`Self::scale`] may be.
+    /// Range of [`Self::scale`].
     pub const SCALES: RangeInclusive<f64> = 0.25..=1.0;
 
-    /// Width and height that are drawn of a picture that is shown at `size`, pixels.
+    /// Rendered width and height of an image that is displayed at `size`, pixels.
     pub fn drawn_size(&self, size: (u32, u32)) -> (u32, u32) {
         Self::drawn_size_at(self.scale, size)
     }
 
-    /// The same for a scale.
+    /// As [`Self::drawn_size`], for a given scale.
     pub fn drawn_size_at(scale: f64, (width, height): (u32, u32)) -> (u32, u32) {
         let scale = scale.clamp(*Self::SCALES.start(), *Self::SCALES.end());
-        // A cast clamps, and what is not a number is 0.
+        // The cast clamps, and turns NaN into 0.
         let drawn = |side: u32| ((f64::from(side) * scale).round() as u32).clamp(1, side.max(1));
         (drawn(width), drawn(height))
     }
 }
 
-/// What can be given up to draw faster.
+/// A reduction of quality that makes drawing faster.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum QualityReduction {
-    /// Maps are filtered with two samples at grazing views.
+    /// Filters maps with two samples at grazing views.
     Anisotropy,
-    /// Texels of tiles may cover twice as many pixels.
+    /// Lets texels of tiles cover twice as many pixels.
     Detail,
-    /// Relief in the light: the normals.
+    /// Drops the normal map, the shading of relief.
     Relief,
-    /// Smooth edges: one sample a pixel.
+    /// Drops multisampling: one sample a pixel.
     Samples,
-    /// A round limb: six cells a block edge, the paper's; with tiles as many as they need.
+    /// Coarsens the limb to six cells a block edge, as in the paper; with tiles to as many as they need.
     Roundness,
-    /// Lights of cities.
+    /// Drops city lights.
     Lights,
     Clouds,
     Air,
-    /// Resolution: so many percent of width and height are drawn at most, 25 to 99.
+    /// Reduces resolution: at most this percentage of width and height is rendered, 25 to 99.
     Scale(u8),
 }
 
 impl QualityReduction {
-    /// All that can be given up, each by itself; of scales those that ladders are made of.
+    /// All reductions, and of the scales those used in ladders.
     pub const ALL: [Self; 13] = [
         Self::Anisotropy,
         Self::Detail,
@@ -95,7 +92,7 @@ impl QualityReduction {
         Self::Scale(35),
     ];
 
-    /// The word for it in ladders: `samples`, `scale_70`.
+    /// Its name in ladders: `samples`, `scale_70`.
     pub fn key(self) -> String {
         match self {
             Self::Anisotropy => "anisotropy".into(),
@@ -110,7 +107,7 @@ impl QualityReduction {
         }
     }
 
-    /// What a word of a ladder means; `None` if it is none.
+    /// The reduction with this name; `None` for an unknown name.
     pub fn of_key(key: &str) -> Option<Self> {
         if let Some(percent) = key.strip_prefix("scale_") {
             let percent = percent.parse().ok()?;
@@ -119,7 +116,7 @@ impl QualityReduction {
         Self::ALL.into_iter().find(|one| one.key() == key)
     }
 
-    /// The quality that is left of `from`.
+    /// The quality after this reduction.
     pub fn apply(self, from: Quality, has_tiles: bool) -> Quality {
         let coarsest = if has_tiles { TILED_SUBDIVISION } else { 6 };
         let without = |layer: MapLayer| {
@@ -146,7 +143,7 @@ impl QualityReduction {
                 }),
                 ..from
             },
-            // Not the water: under it the day map is no picture of the sea.
+            // The water map stays: beneath it the day map does not show the sea.
             Self::Lights => without(MapLayer::NightLights),
             Self::Clouds => without(MapLayer::Clouds),
             Self::Air => Quality {

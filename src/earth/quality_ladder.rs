@@ -1,4 +1,4 @@
-//! Ladders of quality: what is given up, in which order, and what that was measured to save and to cost in error.
+//! Quality ladders: the reductions in order, with their measured saving and error.
 
 use super::quality::{Quality, QualityReduction};
 use std::fmt::Write;
@@ -12,11 +12,11 @@ const COLUMNS: &str = "give_up,cost,error";
 /// Most steps of a ladder.
 const MAX_STEPS: usize = 64;
 
-/// Steps of quality in the order in which they are taken, with what was measured of each.
+/// Reductions of quality in the order in which they are applied, with their measurements.
 ///
-/// As text it is a table of `give_up,cost,error`: words of [`QualityReduction::key`] joined by `+`, which come to those of the steps
-/// before; the time of a frame as part of one in full quality; mean FLIP against the full quality. Lines that begin with `#`
-/// and empty ones say nothing. Costs fall by [`Self::MIN_SAVING`] at least from step to step, errors never do.
+/// Its text form is a table of `give_up,cost,error`: names by [`QualityReduction::key`] joined by `+`, applied in addition to those of the steps
+/// before; the frame time as a fraction of that at full quality; mean FLIP relative to full quality. Empty lines and lines that begin with `#` are
+/// ignored. Costs decrease by at least [`Self::MIN_SAVING`] from step to step, and errors never decrease.
 #[derive(Clone, Debug, PartialEq)]
 pub struct QualityLadder {
     steps: Vec<QualityStep>,
@@ -25,43 +25,43 @@ pub struct QualityLadder {
 /// A step of a [`QualityLadder`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct QualityStep {
-    /// What is given up beside that of the steps before.
+    /// Reductions in addition to those of the steps before.
     pub reductions: Vec<QualityReduction>,
-    /// Time of a frame, as part of one in full quality, above 0 and below 1.
+    /// Frame time as a fraction of that at full quality, above 0 and below 1.
     pub cost: f64,
-    /// Mean FLIP against the full quality, 0…1.
+    /// Mean FLIP relative to full quality, 0…1.
     pub error: f64,
 }
 
-/// A level that an Earth can be drawn on, from [`QualityLadder::levels`].
+/// A quality level of an Earth, from [`QualityLadder::levels`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct QualityLevel {
-    /// What it gives up that the one above has; nothing on the first.
+    /// Reductions in addition to the level above; none on the first.
     pub reductions: Vec<QualityReduction>,
-    /// The quality that is left.
+    /// The resulting quality.
     pub quality: Quality,
-    /// Time of a frame by the ladder, as part of one on the first level.
+    /// Frame time according to the ladder, as a fraction of that of the first level.
     pub cost: f64,
-    /// Error by the ladder, mean FLIP against the first level.
+    /// Error according to the ladder, mean FLIP relative to the first level.
     pub error: f64,
 }
 
-/// What is wrong with the text of a ladder.
+/// An error in the text of a ladder.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("line {line}: {problem}")]
 pub struct QualityLadderError {
     /// The line, from 1.
     pub line: usize,
-    /// What is wrong there, and what it should be.
+    /// The problem and its remedy.
     pub problem: String,
 }
 
 impl QualityLadder {
-    /// What each step saves at least, as part of the cost of the one before.
+    /// Least saving of each step, as a fraction of the cost of the step before.
     pub const MIN_SAVING: f64 = 0.03;
 
-    /// From measured steps in any number; those that save too little are joined to the next that saves enough, and dropped where
-    /// none does.
+    /// Makes a ladder from any number of measured steps. Steps that save too little are merged into the next that saves enough, or dropped if there
+    /// is none.
     pub fn of_steps(steps: impl IntoIterator<Item = QualityStep>) -> Self {
         let mut kept: Vec<QualityStep> = Vec::new();
         let mut pending = Vec::new();
@@ -74,8 +74,7 @@ impl QualityLadder {
                 kept.push(QualityStep {
                     reductions: std::mem::take(&mut pending),
                     cost: step.cost,
-                    // What costs less and is nearer to the full quality makes the step before it worthless; noise of rounding alone
-                    // is left here.
+                    // A step that costs less and has less error makes the step before it useless. Only rounding noise remains here.
                     error: step.error.max(error),
                 });
             }
@@ -86,7 +85,7 @@ impl QualityLadder {
     /// Reads the text of a ladder.
     ///
     /// # Errors
-    /// The first line that is not as [`QualityLadder`] says.
+    /// The first line that violates the format of [`QualityLadder`].
     pub fn parse(text: &str) -> Result<Self, QualityLadderError> {
         let lines = text.lines().enumerate();
         let mut lines = lines
@@ -134,19 +133,19 @@ impl QualityLadder {
         Ok(Self { steps })
     }
 
-    /// The ladder of an adapter's class. One has been recorded on software adapters; others take the same until one is: what its
-    /// steps save there is not known.
+    /// The ladder for an adapter class. Only software adapters have a recorded one; other classes use it too, although its savings are not known
+    /// there.
     pub fn recorded() -> Self {
-        // A test reads it; without steps nothing is given up.
+        // A test parses this text. Without steps nothing is reduced.
         Self::parse(SOFTWARE).unwrap_or(Self { steps: Vec::new() })
     }
 
-    /// Its steps, the first that is taken first.
+    /// Its steps, in the order in which they are applied.
     pub fn steps(&self) -> &[QualityStep] {
         &self.steps
     }
 
-    /// As text that [`Self::parse`] reads, below lines of remarks.
+    /// Writes the text that [`Self::parse`] reads, after comment lines with `remarks`.
     pub fn to_text(&self, remarks: &str) -> String {
         let mut text = String::new();
         for remark in remarks.lines() {
@@ -166,8 +165,8 @@ impl QualityLadder {
         text
     }
 
-    /// The levels of an Earth, `full` the first. Steps that change nothing there are left out, so that each gives something up;
-    /// costs and errors are those of the ladder, counted from `full`.
+    /// The levels of an Earth, starting with `full`. Steps without effect on it are left out, so that each level reduces something. Costs and
+    /// errors are those of the ladder, relative to `full`.
     pub fn levels(&self, full: Quality, has_tiles: bool) -> Vec<QualityLevel> {
         let mut levels = vec![QualityLevel {
             reductions: Vec::new(),

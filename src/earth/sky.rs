@@ -1,29 +1,29 @@
-//! What lights the Earth.
+//! Sun, Moon and stars.
 
 use crate::gpu::LAMPS_OUT_SIN;
 use glam::{DMat3, DVec3};
 use terrella_frames::{ASTRONOMICAL_UNIT_M, Epoch, MoonShadow, Observer, Orientation};
 
-/// A block on which the sine of the Sun's elevation is nowhere less has no lamp lit, with room for the ellipsoid.
+/// Where the Sun's elevation has nowhere a lower sine on a block, none of its lamps is lit; with a margin for the ellipsoid.
 pub(super) const LIGHTS_OUT: f64 = LAMPS_OUT_SIN + ROOM_SIN;
-/// Room for the ellipsoid in sines of the Sun's elevation.
+/// Margin for the ellipsoid's flattening, in sines of the Sun's elevation.
 pub(super) const ROOM_SIN: f64 = 0.01;
 
-/// What lights the Earth, and the axes of the stars. Hosts with an ephemeris of their own fill it, others take it of a date.
+/// Sun, Moon and the axes of the stars. Hosts with an ephemeris fill in the fields; others derive them from a date.
 ///
-/// Sun and Moon stand where they are seen from the Earth's centre, both with light time and aberration or both without: half a minute
+/// Sun and Moon are at their places as seen from the Earth's centre. Light time and aberration must be applied to both or to neither: half a minute
 /// of arc between them moves the Moon's shadow by 50 km.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sky {
     /// Direction to the Sun in ITRF axes. Any other finite length is normalised to 1.
     pub sun_itrf: DVec3,
-    /// Distance of the Sun, metres. It sets the size of the disc in eclipses, and nothing else.
+    /// Distance of the Sun, metres. It only sets the size of the disc in eclipses.
     pub sun_distance_m: f64,
     /// The Moon's centre from the Earth's in ITRF axes, metres; `None` for a night without a Moon.
     pub moon_itrf_m: Option<DVec3>,
     /// Rotation from the inertial frame of the stars, GCRF, to ITRF; `None` without a date. It does not affect the Earth.
     pub itrf_from_gcrf: Option<DMat3>,
-    /// The time, which moves the curtains of the aurora. They are static without it.
+    /// The time, which animates the aurora. The aurora is static without it.
     pub epoch: Option<Epoch>,
 }
 
@@ -72,18 +72,18 @@ impl Sky {
         if direction == DVec3::ZERO || !distance_m.is_finite() {
             return (DVec3::ZERO, 0.0);
         }
-        // From the Sun, which is far away, as from the Earth.
+        // The Sun is far away: its direction from the Moon is that from the Earth.
         let phase_rad = (-direction.dot(self.sun_itrf)).clamp(-1.0, 1.0).acos();
         (direction, moonlight(phase_rad, distance_m))
     }
 
-    /// The same with a Sun of length 1; `None` where that has no direction or is not finite.
+    /// The same sky with a Sun vector of length 1; `None` if the vector is zero or not finite.
     pub(super) fn with_unit_sun(self) -> Option<Self> {
         let sun = self.sun_itrf;
         if (sun.length_squared() - 1.0).abs() < 1e-6 {
             return Some(self);
         }
-        // By the largest component first: squares of very long vectors are infinite, of very short ones 0.
+        // Scaled by the largest component first: squares of very long vectors overflow, those of very short ones underflow.
         let largest = sun.abs().max_element();
         (sun.is_finite() && largest > 0.0).then(|| Self {
             sun_itrf: (sun / largest).normalize(),
@@ -95,14 +95,14 @@ impl Sky {
 /// Mean distance of the Moon, metres.
 const MOON_DISTANCE_M: f64 = 3.844e8;
 
-/// Light of the Moon as a part of the Sun's, for its phase and distance; of one nearer than a tenth of its mean distance as of one there.
+/// Moonlight as a fraction of sunlight, for a phase and distance. A distance below a tenth of the mean is treated as that.
 pub(crate) fn moonlight(phase_rad: f64, distance_m: f64) -> f64 {
     let nearness = MOON_DISTANCE_M / distance_m.max(MOON_DISTANCE_M / 10.0);
     moonlight_of_phase(phase_rad) * nearness * nearness
 }
 
-/// Light of the Moon at its mean distance as a part of the Sun's, for the angle at the Moon between Sun and Earth, 0 being full:
-/// the Sun has −26.74 magnitudes, the Moon −12.73 + 0.026 α + 4e-9 α⁴, α in degrees (Allen's Astrophysical Quantities).
+/// Light of the Moon at its mean distance as a fraction of the Sun's, for the angle at the Moon between Sun and Earth, 0 at full Moon. The Sun has
+/// magnitude −26.74, the Moon −12.73 + 0.026 α + 4e-9 α⁴, α in degrees (Allen's Astrophysical Quantities).
 pub(crate) fn moonlight_of_phase(phase_rad: f64) -> f64 {
     let degrees = phase_rad.to_degrees();
     let magnitude = -12.73 + 0.026 * degrees + 4e-9 * degrees.powi(4);
@@ -115,7 +115,7 @@ mod tests {
 
     #[test]
     fn the_full_moon_gives_a_third_of_a_lux_and_the_half_moon_a_tenth_of_it() {
-        // Above the air the Sun gives 133 100 lx.
+        // Above the air the Sun's illuminance is 133 100 lx.
         let full = moonlight_of_phase(0.0);
         assert!((full * 133_100.0 - 0.33).abs() < 0.02, "{full}");
         let half = moonlight_of_phase(90_f64.to_radians()) / full;
@@ -162,7 +162,7 @@ mod tests {
             let epoch = text.parse().expect("a date");
             Sky::at(epoch).moonlight().1
         };
-        // Totality: 27 July 2018, 20:22 UTC, the Moon at its farthest.
+        // Totality: 27 July 2018, 20:22 UTC, the Moon near apogee.
         let full = light("2018-07-27T20:22:00Z");
         assert!((2.0e-6..2.5e-6).contains(&full), "{full}");
         assert!(light("2018-07-13T03:00:00Z") < 1e-3 * full);

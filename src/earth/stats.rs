@@ -1,4 +1,4 @@
-//! What a frame drew.
+//! Statistics of a frame.
 
 use std::time::Duration;
 use terrella_frames::Geodetic;
@@ -10,13 +10,13 @@ use terrella_imagery::tile::MAX_LEVELS;
 /// Counts of what one frame drew.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FrameStats {
-    /// Blocks left by the horizon test.
+    /// Blocks that pass the horizon test.
     pub blocks_visible: u32,
-    /// Blocks left by the frustum test too.
+    /// Blocks that pass the frustum test too.
     pub blocks_drawn: u32,
-    /// Cells per block edge that were drawn.
+    /// Cells per block edge of the drawn mesh.
     pub subdivision: u32,
-    /// The ground's patches, all zero without relief.
+    /// Statistics of the terrain, all zero without terrain.
     pub ground: SurfaceStats,
     /// Elevation tiles, all zero unless elevation data is streamed.
     pub height_tiles: HeightTileStats,
@@ -30,26 +30,24 @@ pub struct FrameStats {
     pub uploaded_bytes: u64,
     /// Bytes of all textures held, mip levels included.
     pub texture_bytes: u64,
-    /// The eye's place.
+    /// Position of the eye.
     pub eye: Geodetic,
-    /// Whether the Moon's shadow may be in view: the frame was drawn with it.
+    /// Whether the frame was drawn with the Moon's shadow, which may then be in view.
     pub moon_shadow: bool,
     /// Metres on the ground that a pixel would cover straight below the eye; 0 at and below the surface.
     pub pixel_m: f64,
-    /// How many times brighter than in truth the lights of the night were drawn: [`SurfaceLight::night_gain`](crate::SurfaceLight::night_gain),
-    /// less where the picture shows daylight and they fade.
+    /// Brightness of night lights relative to the true one: [`SurfaceLight::night_gain`](crate::SurfaceLight::night_gain), reduced if the image
+    /// shows daylight and they fade.
     pub night_gain: f64,
-    /// What light was multiplied by before it was shown, as an exposure value: 2 to the power of it. Metered where that is
-    /// asked for. A float target gets light without it.
+    /// Exposure value: light is multiplied by 2 to the power of it before display. It is metered if requested. A float target gets unexposed light.
     pub exposure_ev: f64,
-    /// Texels of the day map per screen pixel, seen face on at the nearest point of the block where there are fewest;
-    /// 1 and more is sharp. Blocks that lie in the dark are not counted; 0 where none is left.
+    /// Texels of the day map per screen pixel, seen face on at the nearest point of the block, for the block with the fewest; 1 and more is sharp.
+    /// Dark blocks are not counted; 0 if none is left.
     pub texels_per_pixel: f64,
-    /// Blocks in daylight by the level of the day map that they are drawn with, the finest first; all zero without a
-    /// pack.
+    /// Number of blocks in daylight per level of the day map, the finest level first; all zero without a pack.
     pub day_levels: [u32; MAX_LEVELS],
-    /// Tiles, all zero without a pack.
+    /// Counters of imagery tiles, all zero without a pack.
     pub tiles: StreamCounters,
-    /// The part of `prepare` that copied tiles for upload.
+    /// Time of `prepare` spent on copying tiles for upload.
     pub tile_upload: Duration,
 }

@@ -1,11 +1,11 @@
-//! How the surface is drawn.
+//! Configuration of the surface.
 
 use super::{DiagnosticOptions, Pipelines, Quality, SurfaceLight};
 use crate::gpu::{AirTextures, PassFormat, SurfaceConfig, SurfaceOutput};
 use terrella_ground::globe::{Shading, Surface};
 use terrella_imagery::tile::MapLayer;
 
-/// How the surface is drawn, whatever the quality.
+/// Configuration of the surface that is independent of quality.
 #[derive(Clone, Copy)]
 pub(super) struct SurfaceStyle {
     pub shading: Shading,
@@ -18,7 +18,7 @@ pub(super) struct SurfaceStyle {
     pub has_city_lights: bool,
 }
 
-/// How the surface is drawn with a quality.
+/// Configuration of the surface for a quality.
 pub(super) fn surface_config<'a>(
     device: &wgpu::Device,
     style: SurfaceStyle,

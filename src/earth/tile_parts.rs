@@ -1,4 +1,4 @@
-//! Which parts of blocks a frame requests, where maps have levels that are cut into parts.
+//! Which parts of blocks a frame requests, for maps with levels that are cut into parts.
 
 use super::tile_rule::{Ladder, NONE, TileRule};
 use terrella_ground::globe::{BLOCK_COUNT, Block, BlockSet, Part, PartSight};
@@ -6,8 +6,8 @@ use terrella_imagery::residency::PartTables;
 use terrella_imagery::stream::TileRequest;
 use terrella_imagery::tile::{MAP_LAYERS, MapLayer, TileKey};
 
-/// The levels that the parts of one map's blocks were given in this frame and the one before, for the hysteresis. Where a part was not
-/// divided, all that lie in it have its level.
+/// Levels assigned to the parts of one map's blocks in this and the previous frame, for the hysteresis. If a part was not divided, all parts inside
+/// it have its level.
 #[derive(Clone, Default)]
 pub(super) struct PartLevels {
     depth: u8,
@@ -29,7 +29,7 @@ impl PartLevels {
         self.now.fill(NONE);
     }
 
-    /// The first of the smallest parts in a part, and how many of them lie along its side.
+    /// Index of the first smallest part inside a part, and how many of them its side has.
     fn place(&self, part: Part) -> (usize, usize) {
         let steps = self.depth - part.depth;
         let (row, column) = (
@@ -53,29 +53,29 @@ impl PartLevels {
     }
 }
 
-/// A part of a block in sight, and how fine its map should be there.
+/// A part of a block in sight, and its required level.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct WantedPart {
     pub layer: MapLayer,
     pub part: Part,
-    /// The level asked for; its tiles are as large as the part, or larger.
+    /// The requested level; its tiles are as large as the part, or larger.
     pub level: u8,
     /// The level that it is drawn with.
     pub drawn: u8,
     pub distance_m: f64,
-    /// Size of a pixel on it, metres.
+    /// Size of a pixel on the part, metres.
     pixel_m: f64,
     key: TileKey,
 }
 
-/// The parts that a frame's views have in sight, and those that they are expected to have soon.
+/// The parts that a frame's views have in sight, and the parts expected to come into sight soon.
 #[derive(Default)]
 pub(super) struct PartRequests {
     wanted: Vec<WantedPart>,
     expected: Vec<WantedPart>,
     /// Part and level of each of `wanted`.
     levels: Vec<(Part, u8)>,
-    /// The blocks of each map that parts were looked for of.
+    /// The blocks of each map whose parts were searched.
     sought: [BlockSet; MAP_LAYERS],
 }
 
@@ -88,8 +88,8 @@ impl PartRequests {
         self.sought = Default::default();
     }
 
-    /// Finds the parts of a block that need a level which is cut. With levels, for a picture, and keeps there those chosen; without,
-    /// for one that is expected.
+    /// Finds the parts of a block that need a cut level. With `levels` for a visible block, whose selected levels are stored there; without for an
+    /// expected one.
     pub fn find(
         &mut self,
         rule: &TileRule,
@@ -136,10 +136,10 @@ impl PartRequests {
         });
     }
 
-    /// Adds requests for the parts of the picture, those with the smallest pixels first.
+    /// Adds requests for the visible parts, those with the smallest pixels first.
     pub fn request(&mut self, requests: &mut Vec<TileRequest>) {
         push(&mut self.wanted, true, requests);
-        // For a block of a map together, and where views ask differently the finer after the coarser, over which it counts.
+        // Groups the parts of a block and map. If views request different levels of a part, the finer one comes later and takes precedence.
         self.wanted.sort_unstable_by_key(|wanted| {
             let WantedPart { part, level, .. } = wanted;
             let place = (part.depth, part.row, part.column);
@@ -149,7 +149,7 @@ impl PartRequests {
         self.levels.extend(levels);
     }
 
-    /// Adds requests for the parts that are expected to be seen soon.
+    /// Adds requests for the expected parts.
     pub fn request_expected(&mut self, requests: &mut Vec<TileRequest>) {
         push(&mut self.expected, false, requests);
     }
@@ -161,17 +161,17 @@ impl PartRequests {
         start..end
     }
 
-    /// Parts of a block that are in the picture, each with its level.
+    /// Visible parts of a block, each with its level.
     pub fn of(&self, layer: MapLayer, block: u8) -> &[(Part, u8)] {
         &self.levels[self.range(layer, block)]
     }
 
-    /// The same, with what they are drawn with.
+    /// Visible parts of a block, with the levels that they are drawn with.
     pub fn drawn(&self, layer: MapLayer, block: u8) -> &[WantedPart] {
         &self.wanted[self.range(layer, block)]
     }
 
-    /// Whether nothing of a block is in the picture, though it may seem so as a whole.
+    /// Whether no part of a block is visible, although the whole block passes culling.
     pub fn is_out_of_sight(&self, layer: MapLayer, block: u8) -> bool {
         self.sought[layer.index()].contains(block) && self.range(layer, block).is_empty()
     }
@@ -214,7 +214,7 @@ fn push(parts: &mut [WantedPart], drawn: bool, requests: &mut Vec<TileRequest>) 
     }));
 }
 
-/// Goes down into the quarters of a part where `goes_on` says so.
+/// Descends into the quarters of a part where `goes_on` returns a value.
 fn divide(part: Part, goes_on: &mut impl FnMut(Part) -> Option<()>) {
     if goes_on(part).is_some() {
         for quarter in part.quarters() {

@@ -1,23 +1,23 @@
-//! How fine a map is asked for.
+//! The required level of a map.
 
 use terrella_ground::globe::{LevelRule, paper_level, screen_level};
 use terrella_imagery::tile::{LayerLayout, TileShape};
 
-/// Level of a block that was not requested in the frame before.
+/// Marks a block that was not requested in the previous frame.
 pub(super) const NONE: u8 = u8::MAX;
 
-/// How levels are chosen.
+/// How levels are selected.
 #[derive(Clone, Copy)]
 pub(super) struct TileRule {
     pub rule: LevelRule,
     /// [`LevelRule::Screen`]: most screen pixels that a texel may cover.
     pub max_texel_px: f64,
-    /// The Earth's.
+    /// Radius of the Earth, metres.
     pub radius_m: f64,
 }
 
 impl TileRule {
-    /// The level of a map at a distance, in a view whose pixels are so large; `before` in the frame before.
+    /// The level of a map at a distance, for this angular pixel size. `before` is the level in the previous frame.
     pub fn level(
         &self,
         ladder: &Ladder,
@@ -43,14 +43,14 @@ impl TileRule {
 /// The levels of a map, the finest first.
 #[derive(Default)]
 pub(super) struct Ladder {
-    /// Texels per block side; empty where a map has no tiles.
+    /// Texels per block side; empty if the map has no tiles.
     pub pixels: Vec<u32>,
-    /// How often blocks are halved for the tiles of those that are cut into parts.
+    /// For each level that is cut into parts, how often blocks are halved.
     pub depths: Vec<u8>,
 }
 
 impl Ladder {
-    /// That of a map of a source.
+    /// The ladder of a source's map.
     pub fn new(layout: &LayerLayout) -> Self {
         let shapes = || layout.levels.iter().map(|level| level.shape);
         let cut = shapes().take(layout.cut_levels());

@@ -23,17 +23,17 @@ use terrella_imagery::residency::{PartTable, Pool, StreamCounters, Upload};
 use terrella_imagery::stream::{StreamOptions, TileRequest, TileStream};
 use terrella_imagery::tile::{LayerLayout, MAP_LAYERS, MAX_LEVELS, MapLayer, TileKey, TileSource};
 
-/// Most expected views that are looked at.
+/// Limit of expected views.
 const MAX_EXPECTED: usize = 4;
 
 /// Below this sine of the elevation of Sun and Moon a block is drawn black: the sky is dark (18° below the horizon), and the
 /// paper's shading ends at −0.3.
 const DARK: f64 = -0.32;
 
-/// Below this the sea mirrors no Sun, with room for the ellipsoid.
+/// Below this sine the sea shows no sunglint, with a margin for the ellipsoid.
 const NO_GLINT: f64 = GLINT_ENDS_SIN - ROOM_SIN;
 
-/// How tiles are chosen, loaded and held.
+/// How tiles are selected, loaded and held.
 ///
 /// An Earth of a pack:
 ///
@@ -56,23 +56,22 @@ const NO_GLINT: f64 = GLINT_ENDS_SIN - ROOM_SIN;
 /// `Storage::Bc` needs a device with `TEXTURE_COMPRESSION_BC`, or tiles that are decoded on the way.
 #[derive(Clone)]
 pub struct TileOptions {
-    /// Where tiles come from. It must have no map that is not among the Earth's whole maps.
+    /// Source of the tiles. Every map of it must be among the Earth's whole maps.
     pub source: Arc<dyn TileSource>,
-    /// How levels are chosen.
+    /// How levels are selected.
     pub rule: LevelRule,
     /// [`LevelRule::Screen`]: most screen pixels that a texel may cover.
     pub max_texel_px: f64,
-    /// Bytes for the textures of tiles and whole maps together; the whole maps are held even where they alone are more.
+    /// Memory limit for the textures of tiles and whole maps together, bytes. Whole maps are kept even if they alone exceed it.
     pub texture_bytes: u64,
     /// Bytes of tiles that one [`super::Earth::prepare`] may upload.
     pub upload_bytes: u64,
-    /// Decoder threads; `None` leaves the choice to the machine.
+    /// Number of decoder threads; `None` chooses it from the machine's.
     pub threads: Option<usize>,
 }
 
 impl TileOptions {
-    /// The defaults: one screen pixel a texel, 512 MB of textures, 4 MB uploaded a frame, the copying of which
-    /// takes a processor a millisecond.
+    /// The defaults: one screen pixel a texel, 512 MB of textures, 4 MB uploaded a frame, which takes a processor a millisecond to copy.
     pub fn new(source: Arc<dyn TileSource>) -> Self {
         Self {
             source,
@@ -111,7 +110,7 @@ impl fmt::Debug for TileOptions {
     }
 }
 
-/// Heights between which all ground lies that parts may be seen of, metres.
+/// Elevation range for testing the visibility of parts, metres. All ground lies within it.
 const ANY_GROUND: HeightRange = HeightRange {
     low_m: -500.0,
     high_m: 9_000.0,
@@ -127,7 +126,7 @@ pub(super) struct TileDriver {
     /// By [`MapLayer::index`].
     ladders: [Ladder; MAP_LAYERS],
     expected: Vec<EyeView>,
-    /// What blocks are drawn with in this frame, and which they are.
+    /// The tiles of each block in this frame.
     chosen: Box<[BlockTiles; BLOCK_COUNT as usize]>,
     in_sight: BlockSet,
     // Kept to allocate nothing in steady state.
@@ -138,14 +137,14 @@ pub(super) struct TileDriver {
     requests: Vec<TileRequest>,
 }
 
-/// A request, and how urgent it is: the size of a pixel on its block, metres, then its turn.
+/// A request and its urgency: the size of a pixel on its block, metres, then its turn.
 struct Wanted {
     pixel_m: f64,
     turn: u32,
     request: TileRequest,
 }
 
-/// The levels that the blocks of one view were given in this frame and the one before, for the hysteresis.
+/// Levels assigned to the blocks of one view in this and the previous frame, for the hysteresis.
 #[derive(Clone)]
 pub(super) struct TileLevels {
     now: [[u8; BLOCK_COUNT as usize]; MAP_LAYERS],
@@ -216,7 +215,7 @@ impl TileDriver {
         })
     }
 
-    /// Requests from now on what this quality needs. Tiles that are there stay until others need their place.
+    /// Requests tiles for this quality from now on. Resident tiles stay until others need their slot.
     pub fn set_quality(&mut self, quality: &Quality) {
         self.rule.max_texel_px = quality.texel_px;
         self.shown = quality.maps;
@@ -228,7 +227,7 @@ impl TileDriver {
         self.stream.pools()
     }
 
-    /// Where the eye will be soon, the nearest time first.
+    /// Sets the expected positions of the eye, the nearest time first.
     pub fn prefetch(&mut self, views: &[EyeView]) {
         self.expected.clear();
         self.expected.extend(views.iter().take(MAX_EXPECTED));
@@ -242,7 +241,7 @@ impl TileDriver {
         self.in_sight = BlockSet::default();
     }
 
-    /// Asks for the tiles of the blocks that one view of the frame has in sight.
+    /// Requests tiles for the blocks that one view of the frame has in sight.
     pub fn add(
         &mut self,
         grid: &BlockGrid,
@@ -260,10 +259,10 @@ impl TileDriver {
         }
     }
 
-    /// Chooses tiles for the views that were added, and prefetches, after them, what the first one is expected to see soon. Lists each
-    /// block in sight with those that are there.
+    /// Selects tiles for the views that were added, and then prefetches for the expected positions of the first view. Lists each block in sight
+    /// with its resident tiles.
     pub fn choose(&mut self, grid: &BlockGrid, first: Option<&TileView>, tiles: &mut ChosenTiles) {
-        // Where several views ask for a block, the one that sees it finest is asked for first, and that counts.
+        // If several views request a block, the one with the smallest pixel on it comes first and decides.
         self.wanted.sort_unstable_by(|a, b| {
             let by_size = a.pixel_m.total_cmp(&b.pixel_m);
             by_size.then(a.turn.cmp(&b.turn))
@@ -299,12 +298,12 @@ impl TileDriver {
             self.chosen[usize::from(index)] = drawn;
             tiles.blocks.push((block, drawn));
         }
-        // Where not all find room, those halved most often come first: they are nearest.
+        // If not all fit, the most finely divided tables come first: their parts are nearest.
         let order = |table: &PartTable| (std::cmp::Reverse(table.depth), table.block, table.layer);
         tiles.parts.tables.sort_unstable_by_key(order);
     }
 
-    /// How fine the tiles are that were chosen, for one of the views.
+    /// Detail of the selected tiles for one of the views.
     pub fn detail(&self, grid: &BlockGrid, view: &TileView, blocks: &[Block]) -> TileDetail {
         let mut fewest = f64::INFINITY;
         let mut day_levels = [0; MAX_LEVELS];
@@ -326,7 +325,7 @@ impl TileDriver {
                     fewest = fewest.min(sharp);
                 }
             };
-            // Parts are drawn where the block's own tile is, which they are finer than.
+            // Parts are drawn only over the block's own tile, which they refine.
             let is_own = level == usize::from(self.ladders[MapLayer::Day.index()].whole());
             let index = block.index() as u8;
             if is_own && self.parts.is_out_of_sight(MapLayer::Day, index) {
@@ -346,14 +345,13 @@ impl TileDriver {
         }
     }
 
-    /// Gives parts of tiles that have come to `write`, at most `budget` bytes or else as many as a frame may upload. Returns the
-    /// bytes written.
+    /// Passes arrived tiles to `write` in parts, at most `budget` bytes or else the limit of a frame. Returns the bytes written.
     pub fn upload(&mut self, budget: Option<u64>, write: &mut dyn FnMut(Upload<'_>)) -> u64 {
         self.stream
             .upload(budget.unwrap_or(self.upload_bytes), write)
     }
 
-    /// What the stream is doing.
+    /// Counters of the tile stream.
     pub fn counters(&self) -> StreamCounters {
         self.stream.counters()
     }
@@ -363,17 +361,17 @@ impl TileDriver {
         self.stream.missing()
     }
 
-    /// Whether nothing is left to wait for.
+    /// Whether there is nothing left to wait for.
     pub fn is_settled(&self) -> bool {
         self.stream.is_settled()
     }
 
-    /// Waits until a tile has come.
+    /// Waits until a tile arrives.
     pub fn wait(&mut self, timeout: Duration) {
         self.stream.wait(timeout);
     }
 
-    /// What a view sees of parts, of whatever ground there may be; none where no map has any.
+    /// Visibility of parts for a view, over any elevation; `None` if no map has parts.
     fn sight(&self, grid: &BlockGrid, view: &TileView) -> Option<PartSight> {
         let has_parts = self.ladders.iter().any(|ladder| ladder.whole() > 0);
         has_parts.then(|| {
@@ -386,8 +384,8 @@ impl TileDriver {
         })
     }
 
-    /// Requests a block's tiles, and those of its parts in sight. Levels are given for a block of a picture: there those chosen are
-    /// kept for the next frame's hysteresis.
+    /// Requests a block's tiles, and those of its parts in sight. With `levels` for a visible block, whose selected levels are stored there for the
+    /// next frame's hysteresis.
     fn request(
         &mut self,
         grid: &BlockGrid,

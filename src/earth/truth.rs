@@ -1,5 +1,5 @@
-//! What is where a pixel looks, in f64. The GPU says what of the ground is seen there and how high that is; where it is follows
-//! from the pixel's own ray, so that no rounding of the GPU moves it.
+//! Ground truth of a pixel, in f64. The GPU writes the surface properties and elevation of the visible ground. The position follows from the
+//! pixel's own ray, so that GPU rounding does not shift it.
 
 use super::view::PixelRays;
 use super::{EyeView, Sky, Viewport};
@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 use terrella_frames::{Ellipsoid, Geodetic, MoonShadow, SUN_RADIUS_M};
 use terrella_ground::globe::Figure;
 
-/// The rays of a view's pixels, and what lights the ground that they meet.
+/// The rays of a view's pixels, with the Sun and the Moon's shadow.
 ///
 /// Pixels are counted from the target's upper left corner; a pixel's ray goes through its middle.
 #[derive(Clone, Copy, Debug)]
@@ -17,38 +17,38 @@ pub struct TruthView {
     eye_itrf_m: DVec3,
     rays: PixelRays,
     figure: Ellipsoid,
-    /// Unit vector to the Sun, and the radius of its disc.
+    /// Unit vector to the Sun, and the angular radius of its disc.
     sun_itrf: DVec3,
     sun_radius_rad: f64,
     shadow: Option<MoonShadow>,
 }
 
-/// What is where a pixel looks.
+/// Ground truth of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TruthPoint {
-    /// The place: geodetic, and the height of the drawn ground.
+    /// The position: geodetic, with the elevation of the drawn terrain.
     pub place: Geodetic,
-    /// The same, ITRF metres.
+    /// The position, ITRF metres.
     pub place_itrf_m: DVec3,
-    /// Its distance from the eye, metres.
+    /// Distance from the eye, metres.
     pub range_m: f64,
-    /// How high the Sun's centre stands over the plane that the ellipsoid's normal is upright on, radians: by geometry, without
-    /// refraction, and as seen from the Earth's centre.
+    /// Elevation angle of the Sun's centre above the plane normal to the ellipsoid's normal, radians: geometric, without refraction, as seen from
+    /// the Earth's centre.
     pub sun_elevation_rad: f64,
-    /// The part of the Sun's disc that is over that plane, 0…1.
+    /// Fraction of the Sun's disc above that plane, 0…1.
     pub sunlit: f64,
-    /// The part of the Sun's disc that the Moon hides there, 0…1, by day or night; 0 of a sky without a Moon.
+    /// Fraction of the Sun's disc that the Moon hides there, 0…1, by day or night; 0 for a sky without a Moon.
     pub moon_shadow: f64,
-    /// Normal of the drawn ground, ITRF axes, of length 1.
+    /// Normal of the drawn terrain, ITRF axes, length 1.
     pub normal_itrf: DVec3,
-    /// How much of the pixel is land, 0…1.
+    /// Land fraction of the pixel, 0…1.
     pub land: f64,
-    /// How much of the pixel the clouds drawn before it cover, 0…1.
+    /// Cover of the clouds drawn in front of the pixel, 0…1.
     pub cloud_cover: f64,
 }
 
 impl TruthView {
-    /// A view as it is drawn to a target. `figure` is that of the Earth's options. `None` where no picture is defined.
+    /// The view as it is drawn to a target. `figure` is that of the Earth's options. `None` if the view has no image.
     pub fn new(
         view: &EyeView,
         sky: &Sky,
@@ -70,13 +70,13 @@ impl TruthView {
         self.eye_itrf_m
     }
 
-    /// Rays to the plane one metre in front of the eye, ITRF metres: that through the upper left corner of pixel (0, 0), and its
-    /// change to the next pixel right and down.
+    /// Rays to the plane one metre in front of the eye, ITRF metres: the ray through the upper left corner of pixel (0, 0), and its increments to
+    /// the next pixel right and down.
     pub fn corner_right_down(&self) -> [DVec3; 3] {
         [self.rays.corner, self.rays.right, self.rays.down]
     }
 
-    /// Unit vector from the eye through the middle of a pixel, ITRF axes.
+    /// Unit vector from the eye through the centre of a pixel, ITRF axes.
     pub fn ray(&self, x: u32, y: u32) -> DVec3 {
         self.ray_through(f64::from(x) + 0.5, f64::from(y) + 0.5)
     }
@@ -86,13 +86,13 @@ impl TruthView {
         (self.rays.corner + x * self.rays.right + y * self.rays.down).normalize()
     }
 
-    /// Angle from the limb of the ellipsoid to a pixel's ray, radians, in the plane of the ray and the Earth's centre: below 0 on
-    /// the disc, above 0 beside it. `None` for an eye that is not outside of the ellipsoid.
+    /// Angle from the limb of the ellipsoid to a pixel's ray, radians, in the plane of the ray and the Earth's centre: negative on the disc,
+    /// positive beside it. `None` for an eye that is not outside the ellipsoid.
     pub fn limb_distance_rad(&self, x: u32, y: u32) -> Option<f64> {
         self.limb_distance_along(self.ray(x, y))
     }
 
-    /// The same of a ray through any point of the target: a unit vector, ITRF axes.
+    /// As [`Self::limb_distance_rad`], for a ray through any point of the target: a unit vector, ITRF axes.
     pub fn limb_distance_along(&self, ray: DVec3) -> Option<f64> {
         let scale = self.figure.scaled_from_itrf() * self.figure.equatorial_radius_m;
         let eye = self.eye_itrf_m * scale / self.figure.equatorial_radius_m;
@@ -115,7 +115,7 @@ impl TruthView {
         let half = a.dot(c);
         let square = eye.dot(c).powi(2) - above * c.length_squared();
         let root = (half * half - constant * square).max(0.0).sqrt();
-        // Of the two forms of the least positive angle the one that does not cancel.
+        // Of the two forms of the least positive angle, the one without cancellation.
         let limb = match half > 0.0 {
             true => (half + root).atan2(-square),
             false => constant.atan2(root - half),
@@ -123,13 +123,13 @@ impl TruthView {
         Some(from_axis - limb)
     }
 
-    /// What is where a pixel looks, of which this was read back; `None` where that is no ground, and for an eye below the ground.
+    /// Ground truth of a pixel from the texel that was read back; `None` if the pixel shows no ground or the eye is below the ground.
     pub fn point(&self, x: u32, y: u32, texel: &TruthTexel) -> Option<TruthPoint> {
         self.point_along(self.ray(x, y), texel)
     }
 
-    /// The same of a ray through any point of the target, a unit vector in ITRF axes, and the texel there: land, clouds, slopes and
-    /// height are the texel's, the place is the ray's own.
+    /// As [`Self::point`], for a ray through any point of the target, a unit vector in ITRF axes. Land, clouds, slopes and elevation come from the
+    /// texel, the position from the ray.
     pub fn point_along(&self, ray: DVec3, texel: &TruthTexel) -> Option<TruthPoint> {
         if !texel.is_ground() {
             return None;
@@ -163,8 +163,8 @@ impl TruthView {
         })
     }
 
-    /// Where a ray meets the ellipsoid: how far it goes, and the place. A ray that just misses it, beside a pixel whose mesh does
-    /// not, is taken to touch it.
+    /// Where a ray meets the ellipsoid: the distance and the place. A ray that just misses it although the mesh covers its pixel is treated as
+    /// touching it.
     fn on_ellipsoid(&self, ray: DVec3) -> Option<(f64, Geodetic)> {
         let [range_m, _] = crossings(&self.figure, self.eye_itrf_m, ray);
         if range_m.is_nan() || range_m < 0.0 {
@@ -180,9 +180,9 @@ impl TruthView {
         Some((range_m, place))
     }
 
-    /// The same of the surface of all places of a height, which a ray may meet twice: where it is nearer the drawn ground.
+    /// Where a ray meets the surface of constant elevation `height_m`. If there are two points, the one nearer to the drawn terrain.
     fn on_relief(&self, ray: DVec3, height_m: f64, drawn_range_m: f64) -> Option<(f64, Geodetic)> {
-        // The ellipsoid whose axes are as much longer is that surface but for centimetres.
+        // The ellipsoid whose axes are longer by the elevation differs from that surface by centimetres.
         let lifted = Ellipsoid {
             equatorial_radius_m: self.figure.equatorial_radius_m + height_m,
             polar_radius_m: self.figure.polar_radius_m + height_m,
@@ -207,19 +207,19 @@ impl TruthView {
     }
 }
 
-/// Each makes an error of centimetres some thousand times less.
+/// Each step reduces an error of centimetres by a factor of about a thousand.
 const NEWTON_STEPS: usize = 2;
-/// Rays along the ground, by the sine of their angle to it, meet a height nowhere for certain.
+/// Sine of the angle between ray and ground below which the intersection with an elevation is ill-conditioned.
 const LEAST_CLIMB: f64 = 1e-3;
 
-/// How far along a ray, of length 1, its line enters and leaves an ellipsoid, metres; below 0 behind the eye. Of a line that misses
-/// it, twice where it is nearest in scaled space.
+/// Distances along a ray of length 1 at which its line enters and leaves an ellipsoid, metres; negative behind the eye. If the line misses, twice
+/// the distance of closest approach in scaled space.
 fn crossings(figure: &Ellipsoid, eye_m: DVec3, ray: DVec3) -> [f64; 2] {
     let scale = figure.scaled_from_itrf();
     let (eye, direction) = (eye_m * scale, ray * scale);
     let metres = 1.0 / direction.length();
     let direction = direction * metres;
-    // |e + t d| = 1: t² − 2 along t + above = 0, its discriminant 1 − |e × d|² by Lagrange's identity.
+    // |e + t d| = 1: t² − 2 along t + above = 0, with the discriminant 1 − |e × d|² by Lagrange's identity.
     let above = (eye.length() - 1.0) * (eye.length() + 1.0);
     let along = -eye.dot(direction);
     let beside = eye.cross(direction).length();
@@ -227,7 +227,7 @@ fn crossings(figure: &Ellipsoid, eye_m: DVec3, ray: DVec3) -> [f64; 2] {
         return [along * metres; 2];
     }
     let half = ((1.0 - beside) * (1.0 + beside)).sqrt();
-    // Of the root that a difference would spoil, by the roots' product.
+    // The root that would suffer cancellation comes from the product of the roots.
     match along >= 0.0 {
         true => [above / (along + half), along + half],
         false => [along - half, above / (along - half)],
@@ -235,7 +235,7 @@ fn crossings(figure: &Ellipsoid, eye_m: DVec3, ray: DVec3) -> [f64; 2] {
     .map(|t| t * metres)
 }
 
-/// The part of a disc above a straight horizon that lies `height` of its radii below its middle.
+/// Fraction of a disc above a straight horizon that is `height` of its radii below its centre.
 fn disc_above(height: f64) -> f64 {
     let x = height.clamp(-1.0, 1.0);
     1.0 - (x.acos() - x * (1.0 - x * x).sqrt()) / PI
@@ -271,7 +271,7 @@ mod tests {
         assert_eq!(inside.limb_distance_rad(1, 1), None);
     }
 
-    /// A ray turned by what it is from the limb touches the ellipsoid.
+    /// A ray turned by its distance from the limb touches the ellipsoid.
     #[test]
     fn the_limb_of_the_ellipsoid_is_touched() {
         let figure = Ellipsoid::WGS84;

@@ -1,4 +1,4 @@
-//! The eye: where it is, what it sees, and on which part of the host's target; the projection to reversed depth.
+//! The eye: its position, its view, the viewport on the host's target, and the projection to reversed depth.
 
 use crate::plan::FrameUniforms;
 use bytemuck::Zeroable;
@@ -6,16 +6,16 @@ use glam::DVec2;
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3, DVec4};
 use terrella_frames::Ellipsoid;
 
-/// Where the eye is and what it sees, in the host's own world.
+/// The eye's position and view, in the host's world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EyeView {
-    /// The eye in the host's world and unit.
+    /// Position of the eye in the host's world and unit.
     pub eye_world: DVec3,
     /// Rotation from world axes to view axes: x right, y up, −z forward.
     pub view_from_world: DQuat,
     /// The host's projection from view space (host's unit) to wgpu clip space, z in 0…1.
     pub clip_from_view: DMat4,
-    /// Where the Earth stands: takes the host's world to ITRF metres. A rotation, a uniform scale and a shift.
+    /// Transform from the host's world to ITRF metres: a rotation, a uniform scale and a translation.
     pub itrf_from_world: DAffine3,
 }
 
@@ -54,8 +54,8 @@ impl EyeView {
         )
     }
 
-    /// The view as it is drawn to a target. `None` where no picture is defined: of a view that is not finite, a projection
-    /// that has no inverse, and an eye beyond 1e24 m.
+    /// The view as it is drawn to a target. `None` if it has no image: the view is not finite, the projection has no inverse, or the eye is beyond
+    /// 1e24 m.
     pub(crate) fn in_itrf(&self, target: Viewport) -> Option<ItrfView> {
         let (eye_itrf_m, clip_from_eye) = self.to_itrf();
         let rays = self.pixel_rays(target);
@@ -130,14 +130,14 @@ impl From<(u32, u32)> for Viewport {
 pub struct PixelRays {
     /// Through the upper left corner of pixel (0, 0).
     pub corner: DVec3,
-    /// What they change by to the next pixel right.
+    /// Increment to the next pixel right.
     pub right: DVec3,
-    /// What they change by to the next pixel down.
+    /// Increment to the next pixel down.
     pub down: DVec3,
 }
 
 impl PixelRays {
-    /// Whether they can be handed to the GPU.
+    /// Whether all are finite in f32.
     fn are_finite(&self) -> bool {
         [self.corner, self.right, self.down]
             .iter()
@@ -148,25 +148,25 @@ impl PixelRays {
 /// Farthest eye that the Earth is drawn for, metres: beyond it squares of lengths in Earth radii leave the range of f32.
 const FARTHEST_M: f64 = 1e24;
 
-/// A view of which there is a picture, in ITRF axes.
+/// A view that has an image, in ITRF axes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ItrfView {
     pub eye_itrf_m: DVec3,
-    /// Takes eye-relative metres to clip space.
+    /// Transform from eye-relative metres to clip space.
     pub clip_from_eye: DMat4,
     /// The rays of the target's pixels.
     pub rays: PixelRays,
-    /// The same of the whole picture as one pixel.
+    /// The rays of the whole image as one pixel.
     pub picture: PixelRays,
 }
 
 impl ItrfView {
-    /// Angle of a pixel in the middle of the picture.
+    /// Angular size of a pixel in the middle of the image.
     pub fn pixel_rad(&self) -> f64 {
         self.rays.down.length()
     }
 
-    /// What shaders read of it, without light: Sun, exposure and the air below the eye are zero.
+    /// Uniforms of the view, without light: Sun, exposure and the air below the eye are zero.
     pub fn uniforms(&self, ellipsoid: &Ellipsoid) -> FrameUniforms {
         let eye_scaled = self.eye_itrf_m / ellipsoid.itrf_from_scaled();
         let distance = eye_scaled.length();
@@ -183,10 +183,9 @@ impl ItrfView {
         }
     }
 
-    /// Whether it gives a picture. A matrix without an inverse gives none: it shows all the world in one line or point, and
-    /// what a pixel looks at cannot be said.
+    /// Whether the view has an image. A matrix without an inverse gives none: it maps the world to a line or point, and a pixel's ray is undefined.
     fn can_be_drawn(&self) -> bool {
-        // Comparing with a number that is none is false.
+        // A comparison with NaN is false.
         self.eye_itrf_m.abs().max_element() < FARTHEST_M
             && self.eye_itrf_m.is_finite()
             && self.clip_from_eye.as_mat4().is_finite()
@@ -195,8 +194,7 @@ impl ItrfView {
     }
 }
 
-/// The part of the screen that a ball may cover, its centre from the eye: least x and y, greatest x and y, −1…1; `None` where it covers
-/// none.
+/// Bounds on screen of a ball, given by its centre relative to the eye: least x and y, greatest x and y, −1…1; `None` if it is off screen.
 pub(crate) fn ball_bounds(
     clip_from_eye: &DMat4,
     center_from_eye_m: DVec3,

@@ -1,4 +1,4 @@
-//! The drawable of the air: the halo's ring, and the tables that all shaders read which draw through the air.
+//! The drawable of the air: the halo's ring, and the tables for all shaders that draw through the air.
 
 mod glow;
 mod textures;
@@ -27,19 +27,19 @@ const VERTEX_ATTRIBUTES: [wgpu::VertexAttribute; 2] =
 
 pub(crate) struct AirDrawable {
     format: PassFormat,
-    /// The eye outside, and inside.
+    /// For the eye outside and inside the air.
     halos: [Halo; 2],
     vertices: wgpu::Buffer,
     staging: Vec<AirVertex>,
     indices: wgpu::Buffer,
-    /// What of the indices is drawn.
+    /// Range of the indices to draw.
     drawn: std::ops::Range<u32>,
     side: AirSide,
     textures: AirTextures,
-    /// For an eye in the air.
+    /// The sky view for an eye in the air.
     view: Option<AirView>,
     moonlight: bool,
-    /// Of its own light; `None` where that is not drawn.
+    /// Airglow and aurora; `None` if they are not drawn.
     glow: Option<Glow>,
 }
 
@@ -48,14 +48,14 @@ struct Halo {
     layout: wgpu::BindGroupLayout,
     bind_group: wgpu::BindGroup,
     plain: HaloPass,
-    /// For frames that the Moon's shadow is in.
+    /// For frames with the Moon's shadow.
     eclipsed: HaloPass,
 }
 
-/// What draws the ring by one variant of its shader, made when a frame first needs it, or at once with all others.
+/// Pipeline of one variant of the ring's shader, created on first use or together with all others.
 #[derive(Clone, Default)]
 struct HaloPass {
-    /// `None` where it is not wanted, or cannot be made.
+    /// `None` if it is not needed or cannot be created.
     variant: Option<AirVariant>,
     pipeline: Option<wgpu::RenderPipeline>,
 }
@@ -68,7 +68,7 @@ impl HaloPass {
         }
     }
 
-    /// Makes it, if it is not there. One that cannot be made is not tried again.
+    /// Creates the pipeline if it does not exist. After a failure it does not try again.
     fn make(
         &mut self,
         device: &wgpu::Device,
@@ -94,7 +94,7 @@ impl Halo {
     ) -> Self {
         let side = variant.side;
         let (layout, bind_group) = super::bind(device, label(side), textures.bindings(side));
-        // Then the Moon is new.
+        // During an eclipse the Moon is new and gives no light.
         let eclipsed = AirVariant {
             eclipse: true,
             moonlight: false,
@@ -112,7 +112,7 @@ impl Halo {
         }
     }
 
-    /// The same for another view, with that view's textures.
+    /// The same halo for another view, with that view's textures.
     fn for_another_view(&self, device: &wgpu::Device, textures: &AirTextures) -> Self {
         let bindings = textures.bindings(self.side);
         Self {
@@ -137,7 +137,7 @@ fn label(side: AirSide) -> &'static str {
 }
 
 impl AirDrawable {
-    /// The air by these textures; makes no pipeline yet.
+    /// The air with these textures; creates no pipeline yet.
     pub fn new(
         device: &wgpu::Device,
         format: PassFormat,
@@ -175,7 +175,7 @@ impl AirDrawable {
         }
     }
 
-    /// The same air for another view: its pipelines and tables, and buffers of its own.
+    /// The same air for another view, with shared pipelines and tables, and its own buffers.
     pub fn for_another_view(&self, device: &wgpu::Device) -> Self {
         let textures = self.textures.for_another_view(device);
         let halos = self.halos.each_ref();
@@ -200,17 +200,17 @@ impl AirDrawable {
         }
     }
 
-    /// What shaders read that draw through the air.
+    /// Textures for shaders that draw through the air.
     pub fn textures(&self) -> &AirTextures {
         &self.textures
     }
 
-    /// Whether what such a frame is drawn with is made.
+    /// Whether the pipelines for such a frame exist.
     pub fn is_ready(&self, plan: &AirPlan, has_moon_shadow: bool) -> bool {
         let side = plan.side();
         let halo = &self.halos[side as usize];
         let eclipsed = halo.eclipsed.pipeline.is_some();
-        // One that is not wanted, or could not be made, is drawn as others.
+        // If the eclipse variant is not needed or could not be created, the ordinary one is used.
         let needs_eclipsed = has_moon_shadow && halo.eclipsed.variant.is_some();
         let has_ring = match has_moon_shadow && eclipsed {
             true => true,
@@ -221,7 +221,7 @@ impl AirDrawable {
         has_ring && has_glow && (side == AirSide::Outside || self.view.is_some())
     }
 
-    /// Makes ready what a frame is drawn with, as far as it is not there: with the Moon's shadow or without.
+    /// Creates the missing pipelines for a frame with or without the Moon's shadow.
     pub fn make_ready(
         &mut self,
         device: &wgpu::Device,
@@ -253,7 +253,7 @@ impl AirDrawable {
         Ok(())
     }
 
-    /// Makes all that may be drawn with, so that no frame waits for it.
+    /// Creates all pipelines, so that no frame waits for one.
     pub fn make_all(&mut self, device: &wgpu::Device) -> Result<(), ShaderError> {
         for side in AirSide::ALL {
             for has_moon_shadow in [false, true] {
@@ -266,7 +266,7 @@ impl AirDrawable {
         Ok(())
     }
 
-    /// Bytes of the texts of all shaders as the driver gets them.
+    /// Total length of the WGSL that the driver gets, bytes.
     pub fn shader_bytes(&self) -> u64 {
         let passes = self.halos.iter().flat_map(Halo::passes);
         let rings = passes.filter_map(|pass| pass.variant?.source().ok());
@@ -281,7 +281,7 @@ impl AirDrawable {
             .sum()
     }
 
-    /// Writes this frame's ring, and draws what an eye in the air sees of it. Returns the bytes written.
+    /// Uploads this frame's ring, and draws the sky view for an eye in the air. Returns the bytes written.
     pub fn write(
         &mut self,
         device: &wgpu::Device,
@@ -312,7 +312,7 @@ impl AirDrawable {
         bytes as u64
     }
 
-    /// Draws the air's own light over all that is behind it.
+    /// Draws airglow and aurora over everything behind them.
     pub fn render_glow(&self, pass: &mut wgpu::RenderPass<'_>, plan: &FramePlan) {
         let air = plan.air.as_ref().filter(|air| air.glow.is_some());
         if let Some(glow) = self.glow.as_ref().filter(|_| air.is_some()) {
@@ -335,11 +335,11 @@ impl AirDrawable {
     }
 }
 
-/// What shaders read of a frame's air.
+/// Uniforms of the air for a frame.
 fn uniforms(plan: &AirPlan, frame: &FrameUniforms, textures: &AirTextures) -> AirUniforms {
     let ring = &plan.ring;
     let [across_x, across_y, toward_center] = ring.axes;
-    // Sun and Moon as the eye sees them over its own horizon, and the same azimuth about the line to the centre.
+    // Sun and Moon relative to the eye's own horizon, with the same azimuth about the line to the centre.
     let seen_from_eye = |light: Vec3| {
         let light = light.as_dvec3();
         let zenith_cosine = light.dot(plan.eye_up).clamp(-1.0, 1.0);
@@ -399,7 +399,7 @@ fn vertex_buffer(device: &wgpu::Device) -> wgpu::Buffer {
     })
 }
 
-/// What draws the ring by one variant of the shader.
+/// The pipeline of one variant of the ring's shader.
 fn pipeline(
     device: &wgpu::Device,
     format: PassFormat,

@@ -1,16 +1,16 @@
-//! Light that a lens scatters about what is bright: ever coarser pictures of the light, mixed back into it.
+//! Bloom: light that a lens scatters around bright objects, as ever coarser images of the light, blended back into it.
 
 use super::full_pass::FullPass;
 use super::{BloomVariant, DepthBuffer, Development, PassFormat, ShaderError, color_texture};
 use terrella_ground::light::Bloom;
 
-/// What light is that a lens scatters.
+/// Format of the light.
 pub(super) const LIGHT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 
-/// Scatters the light of a picture as a [`Bloom`] does, in place: before it is developed.
+/// Applies a [`Bloom`] to the light of an image, in place, before it is developed.
 ///
-/// Each level is half as large as the one before. On the way back each is blended with the next coarser one, so that all light that is
-/// taken from a pixel arrives at others: no light is lost but over the picture's edges.
+/// Each level is half as large as the one before. On the way back each is blended with the next coarser one, so that light taken from a pixel
+/// arrives at others: none is lost except over the edges of the image.
 pub struct BloomPass {
     bloom: Bloom,
     coarser: FullPass,
@@ -20,23 +20,23 @@ pub struct BloomPass {
     light: wgpu::TextureView,
 }
 
-/// A picture of half the size of the one before.
+/// An image of half the size of the level before.
 struct Level {
     view: wgpu::TextureView,
-    /// The one before, to be read.
+    /// Reads the level before.
     from: wgpu::BindGroup,
-    /// This one, to be read.
+    /// Reads this level.
     to: wgpu::BindGroup,
-    /// The part of its own light that the one before gives up for this one's.
+    /// Fraction of the level before that is replaced by this one.
     share: f64,
 }
 
 impl BloomPass {
-    /// For light of [`ScaledTarget::LIGHT`](super::ScaledTarget::LIGHT) that is drawn at this size, pixels; the texture can be drawn to and be
-    /// read by shaders. `None` where the lens scatters nothing.
+    /// For light of [`ScaledTarget::LIGHT`](super::ScaledTarget::LIGHT), rendered at this size, pixels. The texture can be rendered to and read by
+    /// shaders. `None` if the lens scatters nothing.
     ///
     /// # Errors
-    /// A shader file that is at fault.
+    /// An invalid shader file.
     pub fn new(
         device: &wgpu::Device,
         bloom: &Bloom,
@@ -58,7 +58,7 @@ impl BloomPass {
         Ok(Some(pass))
     }
 
-    /// Scatters other light from now on.
+    /// Applies bloom to another texture of light from now on.
     pub fn set_light(
         &mut self,
         device: &wgpu::Device,
@@ -86,12 +86,12 @@ impl BloomPass {
         self.levels = levels;
     }
 
-    /// Whether there is a pass: a picture of some pixels is too small for one.
+    /// Whether there is a pass: an image of a few pixels is too small for one.
     pub(super) fn has_levels(&self) -> bool {
         !self.levels.is_empty()
     }
 
-    /// Scatters the light that has been drawn. `begins` is the time at which its first pass begins.
+    /// Records the passes over the light that has been drawn. `begins` receives the time at which the first pass begins.
     pub fn record(
         &self,
         encoder: &mut wgpu::CommandEncoder,
@@ -100,7 +100,7 @@ impl BloomPass {
         let mut draw = |pass: &FullPass, source, target, share: Option<f64>| {
             let load = match share {
                 Some(_) => wgpu::LoadOp::Load,
-                // Every pixel is drawn over; this spares reading what was there.
+                // Every pixel is overwritten; clearing avoids a load.
                 None => wgpu::LoadOp::Clear(wgpu::Color::BLACK),
             };
             let mut drawn = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
@@ -157,7 +157,7 @@ fn pass(device: &wgpu::Device, variant: BloomVariant) -> Result<FullPass, Shader
             dst_factor: wgpu::BlendFactor::OneMinusConstant,
             operation: wgpu::BlendOperation::Add,
         },
-        // How much of what is behind is hidden stays.
+        // Keeps the alpha channel, the opacity over the background.
         alpha: wgpu::BlendComponent {
             src_factor: wgpu::BlendFactor::Zero,
             dst_factor: wgpu::BlendFactor::One,
@@ -165,7 +165,7 @@ fn pass(device: &wgpu::Device, variant: BloomVariant) -> Result<FullPass, Shader
         },
     };
     let blend = (variant == BloomVariant::Finer).then_some(mixed);
-    // Of light itself texels are read one by one.
+    // Texels of the light itself are read one by one.
     let is_sampled = variant != BloomVariant::CoarserLight;
     FullPass::new(
         device,

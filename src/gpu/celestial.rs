@@ -1,4 +1,4 @@
-//! The drawable of what is beyond the Earth: plain values and maps. `crate::celestial` makes them of an instant and an eye.
+//! The drawable of stars, Milky Way, Sun and Moon: plain values and maps. `crate::celestial` computes them for a time and an eye.
 
 use super::shader::{CelestialKind, CelestialVariant, ShaderModule, ShaderVariant};
 use super::{
@@ -15,18 +15,18 @@ use terrella_imagery::LayerImage;
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub struct Disc {
-    /// What a pixel's coordinates and a 1 are multiplied by to give its ray in the disc's axes: their x.
+    /// Multiplied by the vector (pixel x, pixel y, 1), it gives the x of the pixel's ray in the disc's axes.
     pub pixel_x: Vec3,
-    /// Distance of its centre in its radii.
+    /// Distance of its centre, in its radii.
     pub distance: f32,
     pub pixel_y: Vec3,
-    /// Depth to be drawn at.
+    /// Depth at which it is drawn.
     pub depth: f32,
-    /// Their z, from the eye to the disc.
+    /// As `pixel_x`, for the z of the ray, from the eye to the disc.
     pub pixel_z: Vec3,
-    /// 1 where it hides the Earth, else 0.
+    /// 1 if it hides the Earth, else 0.
     pub covers: f32,
-    /// Where on screen it may be: least x and y, greatest x and y, −1…1.
+    /// Bounds on screen: least x and y, greatest x and y, −1…1.
     pub bounds: Vec4,
 }
 
@@ -34,33 +34,33 @@ pub struct Disc {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub struct CelestialUniforms {
-    /// The eye, its rays and the exposure; light and air of it are not read.
+    /// The eye, its rays and the exposure; its light and air are not read.
     pub frame: FrameUniforms,
     /// Width and height of the viewport, pixels.
     pub size_px: Vec2,
-    /// Its corner, pixels.
+    /// Corner of the viewport, pixels.
     pub origin_px: Vec2,
     /// GCRF from ITRF, by columns.
     pub stars_x: Vec3,
-    /// How much brighter than in truth stars and Milky Way are drawn.
+    /// Brightness of stars and Milky Way relative to the true one.
     pub star_gain: f32,
     /// Second column.
     pub stars_y: Vec3,
-    /// Level of the Milky Way's map that has a texel a pixel.
+    /// Mip level of the Milky Way's map with one texel a pixel.
     pub milky_way_level: f32,
     /// Third column.
     pub stars_z: Vec3,
-    /// Light of the Sun that comes past Earth and Moon, as a part of all.
+    /// Fraction of the Sun's light that is not hidden by Earth and Moon.
     pub sun_seen: f32,
     pub sun: Disc,
     pub moon: Disc,
     /// The Moon's axes from those of its disc, by columns.
     pub moon_x: Vec3,
-    /// Level of its map that has a texel a pixel.
+    /// Mip level of the Moon's map with one texel a pixel.
     pub moon_level: f32,
     /// Second column.
     pub moon_y: Vec3,
-    /// What its map is multiplied by.
+    /// Factor of the Moon's map.
     pub moon_albedo: f32,
     /// Third column.
     pub moon_z: Vec3,
@@ -68,19 +68,19 @@ pub struct CelestialUniforms {
     pub moon_lambert: f32,
     /// From the Moon's centre to the Sun, unit, in the axes of the Moon's disc.
     pub moon_to_sun: Vec3,
-    /// What the Earth lights the Moon with, as a part of the Sun's light.
+    /// Earthshine on the Moon, as a fraction of sunlight.
     pub earthshine: f32,
-    /// From the Moon's centre to the Earth's in its radii, in the same axes.
+    /// From the Moon's centre to the Earth's, in the Moon's radii, in the same axes.
     pub moon_to_earth: Vec3,
-    /// Radius of the Earth in the Moon's.
+    /// Radius of the Earth, in the Moon's radii.
     pub earth_radius: f32,
-    /// Where on screen glare may be, as a disc's bounds.
+    /// Bounds of the glare on screen, as those of a disc.
     pub glare_bounds: Vec4,
-    /// Least depth of all.
+    /// Least depth.
     pub near_depth: f32,
-    /// The part of the Sun's light that the aperture leaves in its disc.
+    /// Fraction of the Sun's light that the aperture leaves in its disc.
     pub sun_kept: f32,
-    /// In sides of the diffraction pattern: a pixel, and the Sun's radius.
+    /// Size of a pixel and radius of the Sun, in sides of the diffraction pattern.
     pub aperture: Vec2,
 }
 
@@ -88,9 +88,9 @@ pub struct CelestialUniforms {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub(crate) struct StarPoint {
-    /// Where, −1…1.
+    /// Position, −1…1.
     pub at: [f32; 2],
-    /// Mean light of a pixel that has it all, RGB.
+    /// Mean light of a pixel that contains all of it, RGB.
     pub light: [f32; 3],
 }
 
@@ -98,13 +98,13 @@ pub(crate) struct StarPoint {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub(crate) struct GhostPoint {
-    /// Where, −1…1.
+    /// Position, −1…1.
     pub at: [f32; 2],
-    /// Half of its width and height there.
+    /// Half of its width and height, in the same units.
     pub half_size: [f32; 2],
-    /// Its light where nothing dims the Sun, RGB.
+    /// Its light for an undimmed Sun, RGB.
     pub light: [f32; 3],
-    /// Blades of the aperture, 0 of a round one.
+    /// Number of aperture blades, 0 for a round aperture.
     pub blades: f32,
 }
 
@@ -112,18 +112,18 @@ const GHOST: [wgpu::VertexAttribute; 4] =
     wgpu::vertex_attr_array![0 => Float32x2, 1 => Float32x2, 2 => Float32x3, 3 => Float32];
 const STAR: [wgpu::VertexAttribute; 2] = wgpu::vertex_attr_array![0 => Float32x2, 1 => Float32x3];
 
-/// What is drawn, with its map where it has one; pipelines and textures are made for nothing else.
+/// What is drawn, with the maps. Pipelines and textures are created only for these parts.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CelestialParts<'m> {
     pub milky_way: Option<&'m LayerImage>,
-    /// Most stars, 0 for none.
+    /// Largest number of stars, 0 for none.
     pub stars: usize,
     pub sun: bool,
     pub moon: Option<&'m LayerImage>,
     pub glare: bool,
-    /// What the lens's aperture adds to that.
+    /// Diffraction pattern of the lens's aperture, added to the glare.
     pub aperture: Option<&'m DiffractionPattern>,
-    /// Most ghosts, 0 for none.
+    /// Largest number of ghosts, 0 for none.
     pub ghosts: usize,
 }
 
@@ -137,33 +137,33 @@ pub(crate) struct CelestialDrawable {
     count: u32,
     ghosts: Option<wgpu::Buffer>,
     ghost_count: u32,
-    /// One without air; else that of an eye outside of it, and that of an eye inside.
+    /// One without air; otherwise one for an eye outside the air and one for an eye inside.
     bind_groups: Vec<wgpu::BindGroup>,
-    /// Of these groups.
+    /// Layouts of these groups.
     layouts: Vec<wgpu::BindGroupLayout>,
     side: usize,
     pub texture_bytes: u64,
     pub shader_bytes: u64,
 }
 
-/// One kind of thing.
+/// One kind of celestial object.
 #[derive(Clone)]
 struct Layer {
     kind: CelestialKind,
-    /// One for each side, those that are made.
+    /// One for each side of the air, if created.
     pipelines: Vec<Option<wgpu::RenderPipeline>>,
-    /// Whether one could not be made; then none is tried again.
+    /// Whether a pipeline failed; then none is tried again.
     is_rejected: bool,
     map: Option<(wgpu::BindGroupLayout, wgpu::BindGroup)>,
-    /// Whether there is anything of it in this frame.
+    /// Whether the frame has anything of this kind.
     is_drawn: bool,
 }
 
-/// Sun and Moon may be points too.
+/// Sun and Moon may also be drawn as points.
 const BODIES: usize = 2;
 
 impl CelestialDrawable {
-    /// Uploads maps; makes no pipeline yet.
+    /// Uploads the maps; creates no pipeline yet.
     pub fn new(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
@@ -242,7 +242,7 @@ impl CelestialDrawable {
         })
     }
 
-    /// Makes all pipelines, so that no frame waits for one.
+    /// Creates all pipelines, so that no frame waits for one.
     pub fn make_all(&mut self) -> Result<(), ShaderError> {
         for place in 0..self.layers.len() {
             for side in 0..self.layouts.len() {
@@ -252,7 +252,7 @@ impl CelestialDrawable {
         Ok(())
     }
 
-    /// Makes a pipeline that is not there yet.
+    /// Creates a missing pipeline.
     fn make(&mut self, place: usize, side: usize) -> Result<(), ShaderError> {
         let Some((layer, layout)) = self.layers.get_mut(place).zip(self.layouts.get(side)) else {
             return Ok(());
@@ -289,7 +289,7 @@ impl CelestialDrawable {
         Ok(())
     }
 
-    /// Makes ready what is drawn in this frame. What cannot be made is not drawn, with a warning.
+    /// Creates the pipelines of this frame. A part whose pipeline fails is not drawn, and a warning is logged.
     fn make_ready(&mut self) {
         for place in 0..self.layers.len() {
             let layer = &self.layers[place];
@@ -313,7 +313,7 @@ impl CelestialDrawable {
         }
     }
 
-    /// The same for another view, through that view's air if there is any: with these pipelines and maps, and buffers of its own.
+    /// The same for another view, through that view's air if there is any: it shares pipelines and maps and has its own buffers.
     pub fn for_another_view(&self, device: &wgpu::Device, air: Option<&AirTextures>) -> Self {
         let uniforms = super::uniform_buffer::<CelestialUniforms>(device, "terrella sky");
         let sides = AirSide::of_air(air.is_some()).iter().zip(&self.layouts);
@@ -341,8 +341,8 @@ impl CelestialDrawable {
         }
     }
 
-    /// Writes what is drawn from now on, for an eye on this side of the air; at most as many points as there are stars, Sun and Moon, and as
-    /// many ghosts as there are. Answers the bytes written.
+    /// Uploads the objects of this frame, for an eye on this side of the air: at most as many points as stars, Sun and Moon, and as many ghosts as
+    /// declared. Returns the bytes written.
     pub fn write(
         &mut self,
         queue: &wgpu::Queue,
@@ -400,7 +400,7 @@ impl CelestialDrawable {
         }
     }
 
-    /// Draw calls of a frame.
+    /// Number of draw calls of a frame.
     pub fn calls(&self) -> u32 {
         self.layers.iter().filter(|layer| layer.is_drawn).count() as u32
     }
@@ -445,7 +445,7 @@ fn bindings<'a>(
     bindings
 }
 
-/// The pattern of an aperture with its mip levels, in half floats.
+/// The diffraction pattern of an aperture with its mip levels, in half floats.
 fn upload_pattern(
     device: &wgpu::Device,
     queue: &wgpu::Queue,
@@ -493,7 +493,7 @@ fn upload_pattern(
     }
 }
 
-/// Group 1, its layout first: a map that goes round.
+/// Group 1, its layout first: a map that repeats in longitude.
 fn bind_map(
     device: &wgpu::Device,
     label: &str,

@@ -7,23 +7,23 @@ use terrella_imagery::{CITY_CELLS, CityLight, CityLights};
 const ATTRIBUTES: [wgpu::VertexAttribute; 3] =
     wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32, 2 => Unorm8x4];
 
-/// Points of all finenesses, uploaded by cells when a view first draws some of a cell.
+/// Points at all levels of detail, uploaded per cell when a view first draws some of it.
 pub(super) struct CityPoints {
     lights: Arc<CityLights>,
     buffers: Vec<wgpu::Buffer>,
-    /// Where the points of each cell are.
+    /// Location of each cell's points.
     cells: Box<[Option<Place>]>,
 }
 
 #[derive(Clone, Copy)]
 struct Place {
     buffer: usize,
-    /// Points before them.
+    /// Number of points before them.
     first: u32,
 }
 
 impl CityPoints {
-    /// A point an instance.
+    /// One instance per point.
     pub const BUFFERS: [Option<wgpu::VertexBufferLayout<'static>>; 1] =
         [Some(wgpu::VertexBufferLayout {
             array_stride: size_of::<CityLight>() as u64,
@@ -31,7 +31,7 @@ impl CityPoints {
             attributes: &ATTRIBUTES,
         })];
 
-    /// Four corners each.
+    /// Four corners per point.
     pub const PRIMITIVE: wgpu::PrimitiveState = wgpu::PrimitiveState {
         topology: wgpu::PrimitiveTopology::TriangleStrip,
         strip_index_format: None,
@@ -54,17 +54,17 @@ impl CityPoints {
         *self.cells.get(cell)?
     }
 
-    /// Whether all of these are uploaded.
+    /// Whether the cells of all these draws are uploaded.
     pub fn are_ready(&self, draws: &[CityDraw]) -> bool {
         draws.iter().all(|draw| self.place(draw.cell).is_some())
     }
 
-    /// Uploads those of them that are not there yet.
+    /// Uploads the missing cells of these draws.
     pub fn make_ready(&mut self, device: &wgpu::Device, draws: &[CityDraw]) {
         self.upload(device, draws.iter().map(|draw| draw.cell));
     }
 
-    /// Uploads all.
+    /// Uploads all cells.
     pub fn make_all(&mut self, device: &wgpu::Device) {
         self.lights.make_all();
         self.upload(device, 0..CITY_CELLS);
@@ -89,7 +89,7 @@ impl CityPoints {
         }
     }
 
-    /// Draws these with the pipeline that is set.
+    /// Draws them with the current pipeline.
     pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>, draws: &[CityDraw]) {
         let mut bound = None;
         for CityDraw { cell, points } in draws {

@@ -1,4 +1,4 @@
-//! An adapter and device for programs that have none of their own. A host that has a device does not need this.
+//! An adapter and device for programs without their own. A host that has a device does not need this.
 
 #[cfg(feature = "offscreen")]
 use super::PictureError;
@@ -16,12 +16,12 @@ pub enum ContextError {
          on Debian and Ubuntu `apt-get install mesa-vulkan-drivers`, on Fedora `dnf install mesa-vulkan-drivers`"
     )]
     NoAdapter,
-    /// Adapters, but none of that name.
+    /// There are adapters, but none with that name.
     #[error("no graphics adapter's name contains \"{wanted}\"; there are: {}", present.join(", "))]
     NotNamed {
-        /// Name of the adapter that was asked for.
+        /// Name that was requested.
         wanted: String,
-        /// The adapters there are.
+        /// Names of the available adapters.
         present: Vec<String>,
     },
     /// The adapter rejected a device.
@@ -37,18 +37,18 @@ pub enum ContextError {
     NoSurface(#[from] wgpu::CreateSurfaceError),
 }
 
-/// What a device does with BC7, BC5 and BC4 textures.
+/// How a device handles BC7, BC5 and BC4 textures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BcSupport {
     /// It cannot read them.
     None,
-    /// It reads them as a program: software adapters take more than ten times as long as for plain texels.
+    /// It decodes them in software: ten times slower than uncompressed texels, or more.
     Slow,
-    /// It reads them as fast as plain texels or faster.
+    /// It reads them at least as fast as uncompressed texels.
     Fast,
 }
 
-/// An opened adapter: what the command draws with. Clones share it.
+/// An opened adapter with its device. Clones share it.
 #[derive(Clone)]
 pub struct GpuContext {
     /// The instance that surfaces are created from.
@@ -62,14 +62,14 @@ pub struct GpuContext {
 impl GpuContext {
     /// Opens the best adapter, or the best of those whose name contains `wanted`, letter case aside.
     ///
-    /// Discrete comes before integrated, virtual and software. OpenGL is looked at only where Vulkan, Metal and Direct3D
-    /// 12 have nothing that will do. The environment variable `WGPU_BACKEND` limits the choice.
+    /// Discrete adapters come before integrated, virtual and software ones. OpenGL is considered only if Vulkan, Metal and Direct3D 12 offer no
+    /// suitable adapter. The environment variable `WGPU_BACKEND` limits the choice.
     pub async fn open(wanted: Option<&str>) -> Result<Self, ContextError> {
         Self::open_with(wanted, wgpu::Features::empty()).await
     }
 
-    /// The same, with those of `optional` that the adapter has: for measuring, as drawing needs none of them. Adapters
-    /// are not chosen by it.
+    /// As [`Self::open`], with those of the `optional` features that the adapter has. They are for measurements: drawing needs none of them, and
+    /// they do not affect the choice of the adapter.
     pub async fn open_with(
         wanted: Option<&str>,
         optional: wgpu::Features,
@@ -87,7 +87,7 @@ impl GpuContext {
         }
     }
 
-    /// The same among adapters that can present to `window`, with the surface to present on.
+    /// As [`Self::open`], among adapters that can present to `window`. Also returns the surface to present on.
     pub async fn open_for_window(
         wanted: Option<&str>,
         display: Box<dyn wgpu::wgt::WgpuHasDisplayHandle>,
@@ -130,7 +130,7 @@ impl GpuContext {
             .into_iter()
             .find(|adapter| surface.is_none_or(|surface| adapter.is_surface_supported(surface)))
             .ok_or(ContextError::NoAdapter)?;
-        // All that the adapter can do in size, and the one optional feature that drawing uses.
+        // All limits of the adapter, and the one optional feature that drawing uses.
         let optional = optional | wgpu::Features::TEXTURE_COMPRESSION_BC;
         let (device, queue) = adapter
             .request_device(&wgpu::DeviceDescriptor {
@@ -153,22 +153,22 @@ impl GpuContext {
         })
     }
 
-    /// Whether the device has done all that it was asked for since the last time that this was asked.
+    /// Checks that no error has occurred on the device since the last call.
     ///
     /// # Errors
-    /// The first thing that it has not done, outside of error scopes; that it was lost, each time.
+    /// The first error outside error scopes. A lost device is reported by every call.
     pub fn check(&self) -> Result<(), GpuFault> {
         self.faults.take().map_or(Ok(()), Err)
     }
 
-    /// What was read back, unless the device has not done what came before: then that is the error.
+    /// Returns what was read back, or the device's error if one occurred before.
     #[cfg(feature = "offscreen")]
     pub fn checked<T>(&self, read: Result<T, PictureError>) -> Result<T, PictureError> {
         self.check()?;
         read
     }
 
-    /// What the device does with compressed textures.
+    /// How the device handles compressed textures.
     pub fn bc_support(&self) -> BcSupport {
         let has_bc = self.device.features();
         match has_bc.contains(wgpu::Features::TEXTURE_COMPRESSION_BC) {
@@ -178,11 +178,11 @@ impl GpuContext {
         }
     }
 
-    /// The features that a device for float targets is opened with, where it has them.
+    /// Features requested for a device with float targets, if the adapter has them.
     pub const FLOAT_TARGET: wgpu::Features = wgpu::Features::FLOAT32_BLENDABLE;
 
-    /// The format that light is drawn to: 32-bit floats where the device blends them, which only one opened with
-    /// [`Self::FLOAT_TARGET`] does, else 16-bit ones.
+    /// Format that light is rendered to: 32-bit floats if the device can blend them, which requires [`Self::FLOAT_TARGET`] at creation, else 16-bit
+    /// floats.
     pub fn float_format(&self) -> wgpu::TextureFormat {
         match self.device.features().contains(Self::FLOAT_TARGET) {
             true => wgpu::TextureFormat::Rgba32Float,
@@ -190,13 +190,13 @@ impl GpuContext {
         }
     }
 
-    /// Whether pictures are drawn by the processor: then anisotropic filtering and large targets are dear.
+    /// Whether rendering is done by the CPU: anisotropic filtering and large targets are then expensive.
     pub fn is_software(&self) -> bool {
         self.adapter.get_info().device_type == wgpu::DeviceType::Cpu
     }
 }
 
-/// One adapter as `terrella doctor` shows it.
+/// An adapter as `terrella doctor` shows it.
 #[derive(Clone, Debug)]
 pub struct AdapterReport {
     /// Name as the driver gives it.
@@ -207,11 +207,11 @@ pub struct AdapterReport {
     pub kind: String,
     /// Driver and its version.
     pub driver: String,
-    /// What works, each a line.
+    /// Supported features, one per line.
     pub can: Vec<String>,
-    /// What will be dropped and why, each a line.
+    /// Features that will be dropped and why, one per line.
     pub dropped: Vec<String>,
-    /// Whether a plain run would take this one.
+    /// Whether a run without options would choose this adapter.
     pub chosen: bool,
 }
 
@@ -256,7 +256,7 @@ async fn ranked(instance: &wgpu::Instance) -> Vec<wgpu::Adapter> {
     adapters
 }
 
-/// What of a device's limits planning asks for.
+/// The limits of a device that planning needs.
 pub(crate) fn device_limits(limits: &wgpu::Limits) -> DeviceLimits {
     DeviceLimits {
         texture_side: limits.max_texture_dimension_2d,

@@ -1,5 +1,5 @@
-//! Pages of contours on the GPU: one buffer of nodes with a slot a page, and the prisms of those that are in sight, behind
-//! whose faces the shader casts each pixel's ray at a page's tree.
+//! Pages of contours on the GPU: one buffer of nodes with a slot per page, and the prisms of the pages in sight. Behind a prism's faces the shader
+//! casts each pixel's ray at the page's tree.
 
 use super::DepthBuffer;
 use super::lattice::BlockInstance;
@@ -22,9 +22,9 @@ const BINDING: u32 = 6;
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 struct PageInstance {
     reference: BlockInstance,
-    /// The eye less the page's origin, ITRF metres: subtracted in f64.
+    /// From the page's origin to the eye, ITRF metres: subtracted in f64.
     eye_from_origin_m: Vec3,
-    /// Where its tree begins among all nodes.
+    /// Index of its tree's root among all nodes.
     root: u32,
     /// See [`terrella_ground::globe::contours::ContourRay`].
     slack_m: f32,
@@ -51,32 +51,32 @@ const BUFFERS: [Option<wgpu::VertexBufferLayout<'static>>; 2] = [
     }),
 ];
 
-/// A prism's faces, counter-clockwise from outside: below, above, south, east, north, west. Corners are SW, SE, NW, NE below,
-/// then above.
+/// Faces of a prism, counter-clockwise from outside: bottom, top, south, east, north, west. Corners are SW, SE, NW, NE at the bottom, then at the
+/// top.
 const FACES: [u16; PRISM_INDICES as usize] = [
     0, 3, 1, 0, 2, 3, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4, 1, 3, 7, 1, 7, 5, 3, 2, 6, 3, 6, 7, 2, 0,
     4, 2, 4, 6,
 ];
 
-/// Pixels by which a prism is drawn larger than its page, so that all samples of a pixel lie inside whose middle does.
+/// Margin by which a prism is drawn larger than its page, so that it covers all samples of a pixel whose centre it covers.
 const MARGIN_PX: f64 = 2.0;
 
 /// The pages of one surface.
 pub(crate) struct PageMesh {
     nodes: wgpu::Buffer,
-    /// The revision that each slot holds.
+    /// Revision of the page in each slot.
     held: Vec<u64>,
     corners: wgpu::Buffer,
     corner_staging: Vec<Vec3>,
     instances: wgpu::Buffer,
     instance_staging: Vec<PageInstance>,
     faces: wgpu::Buffer,
-    /// Without a depth buffer pages are drawn the far ones first.
+    /// Without a depth buffer, pages are drawn back to front.
     far_first: bool,
 }
 
 impl PageMesh {
-    /// Whether a device of these limits can cast rays at so many pages.
+    /// Whether a device with these limits can cast rays at so many pages.
     pub fn fits(limits: &DeviceLimits, options: &PageOptions) -> bool {
         options.node_bytes() <= limits.storage_bytes && limits.bindings > BINDING
     }
@@ -128,7 +128,7 @@ impl SurfaceMesh for PageMesh {
         &BUFFERS
     }
 
-    /// The near sides of prisms: of the far ones an eye inside sees its page.
+    /// Culls the front faces of prisms: through the back faces an eye inside still sees the page.
     fn culled(&self) -> wgpu::Face {
         wgpu::Face::Front
     }
@@ -151,12 +151,12 @@ impl SurfaceMesh for PageMesh {
         vec![(layout, entry)]
     }
 
-    /// Bytes of nodes, and of prisms in sight at most.
+    /// Bytes of the nodes, and of the largest number of prisms in sight.
     fn ground_bytes(&self) -> u64 {
         self.nodes.size() + self.corners.size() + self.instances.size()
     }
 
-    /// Writes the prisms of pages in sight, and the nodes of those that are not there.
+    /// Uploads the prisms of pages in sight, and the nodes of missing pages.
     fn write(
         &mut self,
         queue: &wgpu::Queue,
@@ -229,7 +229,7 @@ impl SurfaceMesh for PageMesh {
             let draw = &plan.draws[k];
             begin_draw(pass, draw);
             let place = k as u32;
-            // An offset and not a base vertex, which WebGL2 has not.
+            // An offset instead of a base vertex, which WebGL2 does not have.
             let begin = PRISM_CORNERS * k * size_of::<Vec3>();
             pass.set_vertex_buffer(0, self.corners.slice(begin as u64..));
             pass.draw_indexed(draw.indices.clone(), 0, place..place + 1);

@@ -1,4 +1,4 @@
-//! The tile of fine structure on the GPU: `shaders/earth/shading/detail_tile.wgsl` reads it.
+//! The tile of synthetic detail on the GPU: `shaders/earth/shading/detail_tile.wgsl` reads it.
 
 use super::{Binding, GpuLayer};
 use terrella_imagery::detail_tile;
@@ -26,7 +26,7 @@ impl DetailTile {
         }
     }
 
-    /// Mip levels included.
+    /// Size in bytes, mip levels included.
     pub fn bytes(&self) -> u64 {
         self.tile.bytes
     }

@@ -1,4 +1,4 @@
-//! The development of a picture: exposed light becomes what is shown of it, once, when all layers have added theirs.
+//! Development of an image: exposed light becomes displayable colour, once, after all layers have added theirs.
 
 use super::full_pass::FullPass;
 use super::{DevelopVariant, PassFormat, ShaderError, filled_buffer};
@@ -9,11 +9,11 @@ use terrella_ground::light::Grade;
 const RESPONSE_BINDING: u32 = 2;
 const GRADE_BINDING: u32 = 3;
 
-/// Draws what is shown of exposed light over all of a target: the last pass of a picture whose layers are drawn with
+/// Draws the displayable colour of exposed light over a whole target: the last pass of an image whose layers are drawn with
 /// [`Development::AfterPass`](super::Development::AfterPass).
 ///
-/// [`ScaledTarget::developing`](super::ScaledTarget::developing) has one, with the texture that is drawn to before it. A host that has such a
-/// texture of its own, and passes over its light, calls this in any pass of its own that has drawn nothing yet.
+/// [`ScaledTarget::developing`](super::ScaledTarget::developing) includes one, with the texture that is rendered to before it. A host that has its
+/// own float texture, and its own passes over the light, calls this in any pass of its own that has drawn nothing yet.
 pub struct Developer {
     pass: FullPass,
     grade: Grade,
@@ -23,11 +23,11 @@ pub struct Developer {
 pub struct UndevelopedPicture(wgpu::BindGroup);
 
 impl Developer {
-    /// For passes of this format, whose colour is of 8 bits a channel, and its tone curve. `is_enlarging` where targets are larger than the light
-    /// that is read, which is then enlarged, bilinear.
+    /// For passes of this format, with 8 bits a colour channel, and its tone curve. Set `is_enlarging` if targets are larger than the light
+    /// texture, which is then enlarged bilinearly.
     ///
     /// # Errors
-    /// A shader file that is at fault.
+    /// An invalid shader file.
     pub fn new(
         device: &wgpu::Device,
         format: PassFormat,
@@ -39,17 +39,17 @@ impl Developer {
         })
     }
 
-    /// Has passes that are submitted from now on show the grain of a frame of a film, whatever its first number is. Without grain it does nothing.
+    /// Selects the film grain of a frame for passes that are submitted from now on; frame numbers may start anywhere. No effect without grain.
     pub fn set_frame(&self, queue: &wgpu::Queue, frame: u32) {
         set_frame(&self.pass, queue, &self.grade, frame);
     }
 
-    /// Exposed light to be developed: a float texture without samples, which shaders can read.
+    /// Exposed light to be developed: a single-sampled float texture that shaders can read.
     pub fn picture(&self, device: &wgpu::Device, light: &wgpu::TextureView) -> UndevelopedPicture {
         UndevelopedPicture(self.pass.bind(device, light))
     }
 
-    /// Draws what is shown of the light over all of the pass's target. Its alpha stays.
+    /// Draws the developed light over the pass's whole target. Alpha is not changed.
     pub fn render(&self, pass: &mut wgpu::RenderPass<'_>, picture: &UndevelopedPicture) {
         self.pass.render(pass, &picture.0);
     }
@@ -114,7 +114,7 @@ pub(super) fn developing_pass(
     )
 }
 
-/// Has a developing pass of this grade draw the grain of a frame.
+/// Selects the film grain of a frame for a developing pass with this grade.
 pub(super) fn set_frame(pass: &FullPass, queue: &wgpu::Queue, grade: &Grade, frame: u32) {
     if grade.grain.strength > 0.0
         && let Some(buffer) = pass.uniform(GRADE_BINDING)

@@ -1,12 +1,12 @@
-//! Errors of a device that no error scope takes.
+//! Device errors that no error scope catches.
 //!
-//! wgpu panics on them where nobody listens. A device that we open ourselves records the first, and the next call that draws or reads
-//! a picture returns it. A host's device is the host's: we listen there to nothing.
+//! wgpu panics on them if no handler is set. For a device that we opened, the first error is recorded, and the next call that draws or reads an
+//! image returns it. On a host's device we set no handler.
 
 use std::sync::{Arc, Mutex, PoisonError};
 use terrella_files::cause;
 
-/// What has gone wrong on a device outside all error scopes.
+/// An error on a device outside all error scopes.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum GpuFault {
@@ -15,17 +15,17 @@ pub enum GpuFault {
         "the graphics device was lost: {0}; start again, and update the driver if it happens often"
     )]
     Lost(String),
-    /// It has no memory left for something.
+    /// The device is out of memory.
     #[error(
         "the graphics device is out of memory: {0}; take a smaller picture, fewer samples, or less texture_mb"
     )]
     OutOfMemory(String),
-    /// It was asked for something that it does not allow.
+    /// A command was rejected as invalid.
     #[error(
         "the graphics device rejected a command: {0}; this is a fault of the program, please report it"
     )]
     Validation(String),
-    /// It failed without a reason that its interface knows.
+    /// It failed for a reason unknown to its interface.
     #[error("the graphics driver failed: {0}; update it, or choose another adapter with --adapter")]
     Internal(String),
 }
@@ -40,19 +40,19 @@ impl From<wgpu::Error> for GpuFault {
     }
 }
 
-/// Listens to a device. Clones share what they have heard.
+/// Records errors of a device. Clones share the record.
 #[derive(Clone, Debug, Default)]
 pub(super) struct GpuFaults(Arc<Mutex<Option<GpuFault>>>);
 
 impl GpuFaults {
-    /// Listens to a device from now on.
+    /// Records errors of this device from now on.
     pub fn of(device: &wgpu::Device) -> Self {
         let faults = Self::default();
         let heard = faults.clone();
         device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| heard.note(error.into())));
         let heard = faults.clone();
         device.set_device_lost_callback(move |reason, message| {
-            // Also called when the device is dropped in good order.
+            // Also called when the device is dropped in the regular way.
             if reason != wgpu::DeviceLostReason::Destroyed {
                 heard.note(GpuFault::Lost(cause(message)));
             }
@@ -60,7 +60,7 @@ impl GpuFaults {
         faults
     }
 
-    /// Keeps the first fault: those after it follow from it. A lost device is worse than any other.
+    /// Keeps the first error: later ones follow from it. A lost device takes precedence.
     fn note(&self, fault: GpuFault) {
         tracing::debug!("{fault}");
         let mut first = self.0.lock().unwrap_or_else(PoisonError::into_inner);
@@ -69,7 +69,7 @@ impl GpuFaults {
         }
     }
 
-    /// Hands over what has gone wrong since the last time; that a device is lost, each time.
+    /// Returns the error since the last call. A lost device is returned each time.
     pub fn take(&self) -> Option<GpuFault> {
         let mut first = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         match &*first {

@@ -1,24 +1,24 @@
-//! A pass that draws over all of a target from one texture.
+//! A pass that draws one texture over a whole target.
 
 use super::shader::ShaderModule;
 use super::{PassFormat, PipelineDescription, ShaderError, ShaderVariant};
 
-/// The pipeline of such a pass, and how its texture is bound: by itself, or with a sampler that blends its texels.
+/// The pipeline of such a pass, and the binding of its texture: alone, or with a filtering sampler.
 pub(super) struct FullPass {
     label: &'static str,
     pipeline: wgpu::RenderPipeline,
     layout: wgpu::BindGroupLayout,
     sampler: Option<wgpu::Sampler>,
-    /// Uniforms of its own, with their bindings.
+    /// Uniforms of the pass, with their bindings.
     uniforms: Vec<(u32, wgpu::Buffer)>,
 }
 
 impl FullPass {
-    /// For passes of this format. The variant reads the texture at binding 0 of group 0, and the sampler, where `is_sampled`, at 1. `blend` lays
-    /// what is drawn over what is there; `None` replaces it.
+    /// For passes of this format. The variant reads the texture at binding 0 of group 0 and, if `is_sampled`, the sampler at 1. `blend` combines
+    /// the output with the target; `None` replaces it.
     ///
     /// # Errors
-    /// A shader file that is at fault.
+    /// An invalid shader file.
     pub fn new(
         device: &wgpu::Device,
         label: &'static str,
@@ -31,10 +31,10 @@ impl FullPass {
         Self::with_uniforms(device, label, variant, format, blend, is_sampled, none)
     }
 
-    /// The same for a variant that also reads these uniforms, at these bindings.
+    /// As [`Self::new`], for a variant that also reads these uniforms, at these bindings.
     ///
     /// # Errors
-    /// A shader file that is at fault.
+    /// An invalid shader file.
     pub fn with_uniforms(
         device: &wgpu::Device,
         label: &'static str,
@@ -106,7 +106,7 @@ impl FullPass {
         uniforms.find_map(|(at, buffer)| (*at == binding).then_some(buffer))
     }
 
-    /// A texture to draw from.
+    /// Binds a source texture.
     pub fn bind(&self, device: &wgpu::Device, view: &wgpu::TextureView) -> wgpu::BindGroup {
         let bound = |binding, resource| wgpu::BindGroupEntry { binding, resource };
         let mut entries = vec![bound(0, wgpu::BindingResource::TextureView(view))];
@@ -123,7 +123,7 @@ impl FullPass {
         })
     }
 
-    /// Draws from it over all of the pass's target.
+    /// Draws the texture over the pass's whole target.
     pub fn render(&self, pass: &mut wgpu::RenderPass<'_>, texture: &wgpu::BindGroup) {
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, texture, &[]);

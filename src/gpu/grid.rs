@@ -1,5 +1,5 @@
-//! The projected grid on the GPU: a uniform a frame, an atlas of height tiles, and triangles. No vertices: the shader makes
-//! them.
+//! The projected grid on the GPU: one uniform per frame, an atlas of elevation tiles, and triangles. There is no vertex buffer: the shader computes
+//! the vertices.
 
 use super::mesh::{BeginDraw, SurfaceMesh};
 use super::shader::{ATLAS_COLUMNS, VertexForm};
@@ -9,19 +9,19 @@ use terrella_ground::globe::{DrawKind, GridDraw, Surface};
 
 const BINDINGS: [u32; 2] = [4, 5];
 
-/// What a grid is drawn from.
+/// Resources of a grid.
 pub(crate) struct GridMesh {
     uniform: wgpu::Buffer,
     atlas: wgpu::Texture,
     atlas_view: wgpu::TextureView,
     indices: wgpu::Buffer,
-    /// The update that each slot of the atlas holds.
+    /// Update number of the tile in each slot of the atlas.
     held: Vec<u64>,
 }
 
 impl GridMesh {
-    /// Whether a device of these limits can draw a grid with so many tiles. Textures of single floats, and reading texels in
-    /// the vertex stage, are every WebGPU device's.
+    /// Whether a device with these limits can draw a grid with so many tiles. Every WebGPU device has single-float textures and reads texels in the
+    /// vertex stage.
     pub fn fits(limits: &DeviceLimits, slots: u32) -> bool {
         let size = atlas_size(slots);
         size.width.max(size.height) <= limits.texture_side
@@ -65,7 +65,7 @@ impl SurfaceMesh for GridMesh {
         &[]
     }
 
-    /// Writes the uniforms of the grid's frame, and those tiles of heights that are not there.
+    /// Uploads the uniforms of the grid's frame, and the missing elevation tiles.
     fn write(&mut self, queue: &wgpu::Queue, _: &FramePlan, ground: Option<&dyn Surface>) -> u64 {
         let Some(surface) = ground else {
             return 0;

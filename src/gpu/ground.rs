@@ -1,4 +1,4 @@
-//! Patches of terrain on the GPU: kept from frame to frame, written where they change.
+//! Patches of terrain on the GPU: kept from frame to frame, uploaded when they change.
 
 use super::lattice::BlockInstance;
 use super::mesh::{BeginDraw, SurfaceMesh};
@@ -12,11 +12,11 @@ use std::sync::Arc;
 use terrella_frames::Ellipsoid;
 use terrella_ground::globe::{GroundVertex, Patch, Surface, TriangleList};
 
-/// Frames that a patch out of sight is kept for.
+/// Number of frames for which a patch out of sight is kept.
 const KEPT_FRAMES: u64 = 120;
 
-/// The anchor is the eye, moved to a multiple of this, metres. Origins that stand on a finer grid of a power of two are exact
-/// from there up to 2²⁴ steps away.
+/// The anchor is the eye, rounded to a multiple of this, metres. Origins on a finer power-of-two grid are exact relative to it, up to 2²⁴ steps
+/// away.
 const ANCHOR_STEP_M: f64 = 2.0;
 
 /// Per-patch values, one instance a patch.
@@ -24,11 +24,10 @@ const ANCHOR_STEP_M: f64 = 2.0;
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 struct PatchInstance {
     reference: BlockInstance,
-    /// The patch's origin less the anchor, ITRF metres. Where surfaces give patches origins on a grid and vertices that are
-    /// exact from there, so is this, and the sum of both is the same number in all patches that share a vertex: it is rounded
-    /// alike and edges stay closed to the last bit.
+    /// From the anchor to the patch's origin, ITRF metres. If a surface puts origins on a grid, and vertices are exact relative to them, this is
+    /// exact too. The sum is then the same number in all patches that share a vertex: it is rounded alike, and edges are closed to the last bit.
     origin_from_anchor_m: Vec3,
-    /// The anchor less the eye, ITRF metres: the same for all patches.
+    /// From the eye to the anchor, ITRF metres: the same for all patches.
     anchor_from_eye_m: Vec3,
 }
 
@@ -56,12 +55,12 @@ const BUFFERS: [Option<wgpu::VertexBufferLayout<'static>>; 2] = [
 pub(crate) struct GroundMesh {
     device: wgpu::Device,
     held: HashMap<u64, Held>,
-    /// Triangles by the address of what they were copied from, which is held with them so that it stays theirs.
+    /// Triangles by the address of their source, which is kept alive with them so that the address stays unique.
     triangles: HashMap<usize, Triangles>,
     instances: wgpu::Buffer,
     staging: Vec<PatchInstance>,
     frame: u64,
-    /// Whether patches lie in several blocks.
+    /// Whether patches span several blocks.
     crosses_blocks: bool,
 }
 
@@ -70,7 +69,7 @@ struct Held {
     revision: u64,
     reference: BlockInstance,
     origin_itrf_m: DVec3,
-    /// The triangles that it is drawn with.
+    /// Key of its triangles.
     triangles: usize,
     used: u64,
 }
@@ -245,7 +244,7 @@ impl SurfaceMesh for GroundMesh {
     }
 }
 
-/// What texture coordinates of a patch are counted from: its block's centre, or its own place.
+/// Reference point of a patch's texture coordinates: its block's centre, or its own position.
 fn reference(patch: &Patch, ellipsoid: &Ellipsoid) -> BlockInstance {
     match patch.block {
         Some(block) => BlockInstance::of_block(block),

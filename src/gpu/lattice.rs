@@ -1,4 +1,4 @@
-//! The lattice of a block on the GPU: eye-relative vertices, what is the same for a whole block, and indices.
+//! The lattice of a block on the GPU: eye-relative vertices, per-block values, and indices.
 
 use super::mesh::{BeginDraw, SurfaceMesh};
 use super::shader::VertexForm;
@@ -14,7 +14,7 @@ pub(super) struct BlockInstance {
     center_lon: Vec2,
     center_lat: Vec2,
     center_uv: Vec2,
-    /// A block by its index, or [`crate::plan::WHOLE_MAP`]: whose tiles it is drawn with.
+    /// Index of the block whose tiles are drawn, or [`crate::plan::WHOLE_MAP`].
     pub block: u32,
 }
 
@@ -29,7 +29,7 @@ impl BlockInstance {
         )
     }
 
-    /// About any place; `block` says whose tiles are drawn.
+    /// Around any place; `block` selects the tiles.
     pub fn new(lon_rad: f64, lat_rad: f64, uv: [f32; 2], block: u32) -> Self {
         let cos_sin = |angle: f64| Vec2::new(angle.cos() as f32, angle.sin() as f32);
         Self {
@@ -71,7 +71,7 @@ pub(super) struct Lattice {
 /// The triangles of a grid's blocks.
 struct Cells {
     indices: wgpu::Buffer,
-    /// Bytes of the vertices of a block.
+    /// Size of a block's vertices, bytes.
     block_bytes: u64,
 }
 
@@ -128,7 +128,7 @@ impl SurfaceMesh for Lattice {
         (vertices.len() + listed.len()) as u64
     }
 
-    /// Draws the plan's blocks, whose vertices were written in their order, as the plan's mesh divides them.
+    /// Draws the plan's blocks at the plan's subdivision. Their vertices must have been uploaded in the same order.
     fn render(
         &self,
         pass: &mut wgpu::RenderPass<'_>,
@@ -150,7 +150,7 @@ impl SurfaceMesh for Lattice {
                 };
                 pass.set_index_buffer(indices.slice(..), wgpu::IndexFormat::Uint16);
             }
-            // An offset and not a base vertex, which WebGL2 has not.
+            // An offset instead of a base vertex, which WebGL2 does not have.
             let begin = draw.patch * cells.block_bytes;
             pass.set_vertex_buffer(0, self.vertices.slice(begin..));
             pass.draw_indexed(draw.indices.clone(), 0, draw.drawn_as..draw.drawn_as + 1);
@@ -158,7 +158,7 @@ impl SurfaceMesh for Lattice {
     }
 }
 
-/// Vertices of all blocks together, of the finest grid.
+/// Vertices of all blocks together, for the finest grid.
 fn most_vertices(grids: &[BlockGrid]) -> usize {
     let per_block = grids.iter().map(BlockGrid::vertices_per_block).max();
     (BLOCK_COUNT * per_block.unwrap_or(0)) as usize

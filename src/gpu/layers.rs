@@ -13,7 +13,7 @@ pub struct GpuLayer {
 }
 
 impl GpuLayer {
-    /// Uploads all levels, and waits where much would wait for the device. With `display_values` a colour map is read as it is stored, not
+    /// Uploads all mip levels, and waits if too much data is pending on the device. With `display_values` a colour map is read as stored instead of
     /// as linear light.
     pub fn upload(
         device: &wgpu::Device,
@@ -27,7 +27,7 @@ impl GpuLayer {
         Self::of_upload(upload)
     }
 
-    /// A map whose rows have all come.
+    /// A map after all its rows have been uploaded.
     pub(super) fn of_upload(upload: MapUpload) -> Self {
         let (texture, bytes) = upload.finish();
         Self {
@@ -36,7 +36,7 @@ impl GpuLayer {
         }
     }
 
-    /// A texture that is drawn to and then read.
+    /// A texture that is rendered to and then read.
     pub fn target(
         device: &wgpu::Device,
         label: &str,

@@ -1,4 +1,4 @@
-//! Maps on the GPU that hosts hold: uploaded by any thread, the host's own textures, or two blended.
+//! Maps on the GPU that hosts hold: uploaded on any thread, the host's own textures, or two blended maps.
 
 use super::shader::{MapFadeVariant, ShaderModule};
 use super::{DepthBuffer, GpuLayer, PassFormat, PipelineDescription, ShaderError};
@@ -8,18 +8,18 @@ use terrella_ground::light::Tone;
 use terrella_imagery::tile::MapLayer;
 use terrella_imagery::{ImageryError, LayerImage, MapAlbedo, MapGroundKinds, MapSummary};
 
-/// Why a texture cannot be a map.
+/// Why a texture cannot serve as a map.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum MapError {
-    /// The texture has not what a map needs.
+    /// The texture lacks a required property.
     #[error("this texture cannot be the {layer} map: {what}")]
     Unfit {
         layer: &'static str,
-        /// What it has, and what it must have.
+        /// The property, and what is required.
         what: String,
     },
-    /// The map does not hold what it says.
+    /// A map's texels do not fit its description.
     #[error(transparent)]
     Image(#[from] ImageryError),
     /// The Earth was made without this map.
@@ -27,12 +27,12 @@ pub enum MapError {
         "the Earth was made without the {0} map, so its shaders read none; provide one when you create it"
     )]
     NotDrawn(&'static str),
-    /// The map is drawn by tiles.
+    /// The map is drawn with tiles.
     #[error(
         "the {0} map is drawn with the tiles of a pack; give the Earth one without tiles of it, or another pack"
     )]
     Tiled(&'static str),
-    /// City lights are points.
+    /// City lights are drawn as points.
     #[error(
         "city lights are drawn as points in place of their map; make the Earth without EarthOptions::city_lights to draw another map of them"
     )]
@@ -60,28 +60,28 @@ pub(crate) fn check_size(
     Err(unfit(layer, what))
 }
 
-/// A whole map on the GPU, for [`Earth::set_map`](crate::Earth::set_map). A clone is the same texture.
+/// A whole map on the GPU, for [`Earth::set_map`](crate::Earth::set_map). Clones share the texture.
 ///
-/// The map goes once round the Earth: its left edge is 180° W, its upper edge the north pole, in plate carrée.
+/// The map covers the whole Earth in plate carrée: its left edge is 180° W, its upper edge the north pole.
 #[derive(Clone, Debug)]
 pub struct GpuMap {
     layer: MapLayer,
     pub(crate) held: GpuLayer,
-    /// What it lends to the light of the air; not known of a texture.
+    /// Its contribution to the light of the air; unknown for a texture.
     pub(crate) albedo: Option<Arc<MapAlbedo>>,
-    /// Where it says that there is land or sea; nor is this.
+    /// Where it has land or sea; unknown for a texture.
     pub(crate) kinds: Option<Arc<MapGroundKinds>>,
-    /// The shading that its texels were uploaded for; none of a texture.
+    /// The shading that its texels were uploaded for; `None` for a texture.
     pub(crate) shading: Option<Shading>,
 }
 
 impl GpuMap {
-    /// Uploads a map, mip levels included. It may be called on any thread, so that no frame waits for it; the last texels go to the
-    /// GPU with the queue's next submission. Of a large map it submits parts itself and waits for them, so that few copies are in memory
-    /// at once. `shading` is the Earth's: the paper's reads colours as they are stored.
+    /// Uploads a map, mip levels included. It may be called on any thread, so that no frame waits for it; the last texels go to the GPU with the
+    /// queue's next submission. A large map is submitted in parts, and the call waits for them, so that few copies are in memory at once. `shading`
+    /// is the Earth's: the paper's reads colours as stored.
     ///
     /// # Errors
-    /// An image that does not hold what it says, or is too large for the device.
+    /// An image whose texels do not fit its description, or that is too large for the device.
     pub fn upload(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
@@ -117,14 +117,14 @@ impl GpuMap {
         &self.held.view
     }
 
-    /// A texture that the host holds, writes and draws to as it likes; what it holds when the frame is submitted is drawn.
+    /// A texture that the host holds, writes and renders to. Its content at the time of the submission is drawn.
     ///
-    /// It needs two dimensions, one layer, one sample, the usage `TEXTURE_BINDING`, and a format that is filtered. Of colours (day) red,
-    /// green and blue are read, linear if the format is sRGB; of clouds, night lights and water red, 0…1; of normals red and green,
-    /// the slopes to east and north, four times too steep. Without mip levels it flickers from far away.
+    /// It needs two dimensions, one layer, one sample, the usage `TEXTURE_BINDING`, and a filterable format. Of a colour map (day) red, green and
+    /// blue are read, linear if the format is sRGB; of clouds, night lights and water red, 0…1; of normals red and green, the slopes to east and
+    /// north, exaggerated four times. Without mip levels it flickers from far away.
     ///
     /// # Errors
-    /// A texture that lacks something of this.
+    /// A texture that lacks one of these properties.
     pub fn from_texture(layer: MapLayer, texture: &wgpu::Texture) -> Result<Self, MapError> {
         let size = texture.size();
         let format = texture.format();
@@ -163,7 +163,7 @@ impl GpuMap {
         Err(unfit(layer, what))
     }
 
-    /// A map that is drawn with already.
+    /// A map that is already in use.
     pub(crate) fn of_layer(layer: MapLayer, held: GpuLayer) -> Self {
         Self {
             layer,
@@ -195,7 +195,7 @@ pub(super) fn label(layer: MapLayer) -> String {
     format!("terrella {}", layer.name())
 }
 
-/// Whether colours are read as they are stored, not as linear light.
+/// Whether colours are read as stored instead of as linear light.
 pub(super) fn is_stored(shading: Shading) -> bool {
     shading == Shading::Paper
 }
@@ -207,9 +207,9 @@ pub(super) fn unfit(layer: MapLayer, what: String) -> MapError {
     }
 }
 
-/// One map that passes into another: clouds of one hour into those of the next, a month into a month.
+/// A map that fades into another: clouds of one hour into those of the next, one month into the next.
 ///
-/// It holds a texture of its own that the Earth is drawn with, and draws into it what lies between two maps.
+/// It has its own texture, which the Earth is drawn with, and renders the blend of two maps into it.
 pub struct MapFade {
     map: GpuMap,
     levels: Vec<wgpu::TextureView>,
@@ -222,10 +222,10 @@ pub struct MapFade {
 const LABEL: &str = "terrella map fade";
 
 impl MapFade {
-    /// Makes the texture, of so many texels: colours (day), or clouds, night lights and water.
+    /// Creates the texture, of this size: for colours (day), or clouds, night lights and water.
     ///
     /// # Errors
-    /// The map of slopes, whose format is not drawn to; a size that the device does not take.
+    /// The map of slopes, whose format cannot be rendered to, or a size that the device rejects.
     pub fn new(
         device: &wgpu::Device,
         layer: MapLayer,
@@ -320,13 +320,12 @@ impl MapFade {
         })
     }
 
-    /// The map that is drawn to: give it to the Earth once.
+    /// The map that is rendered to: set it on the Earth once.
     pub fn map(&self) -> &GpuMap {
         &self.map
     }
 
-    /// The same with what two maps lend to the light of the air, mixed so: to give the Earth from time to time while one passes into
-    /// the other.
+    /// The same map with the blended contribution of both maps to the light of the air: set it on the Earth from time to time during a fade.
     pub fn map_between(&self, (from, to): (&GpuMap, &GpuMap), weight: f32) -> GpuMap {
         let albedo = from.albedo.as_ref().zip(to.albedo.as_ref());
         let weight = if weight > 0.0 { weight.min(1.0) } else { 0.0 };
@@ -337,8 +336,8 @@ impl MapFade {
         }
     }
 
-    /// Draws what lies between two maps: `weight` 0 is `from`, 1 is `to`; what is no number is 0. Once for each submission of
-    /// `encoder`: it costs about as much as reading both maps once.
+    /// Renders the blend of two maps: `weight` 0 is `from`, 1 is `to`; NaN counts as 0. Call it once for each submission of `encoder`. It costs
+    /// about as much as reading both maps once.
     pub fn draw(
         &self,
         device: &wgpu::Device,
@@ -369,7 +368,7 @@ impl MapFade {
                     depth_slice: None,
                     resolve_target: None,
                     ops: wgpu::Operations {
-                        // Every texel is drawn over; this spares reading what was there.
+                        // Every texel is overwritten; clearing avoids a load.
                         load: wgpu::LoadOp::Clear(wgpu::Color::BLACK),
                         store: wgpu::StoreOp::Store,
                     },

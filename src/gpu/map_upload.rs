@@ -1,34 +1,34 @@
-//! A map on its way to the GPU, in bands of rows: copies that wait for the device are few, however large the map is.
+//! Upload of a map in bands of rows: few copies are pending on the device, however large the map is.
 
 use terrella_imagery::{LayerImage, MapRows, TexelFormat};
 
-/// Rows are collected to about so many bytes before they are written.
+/// Size of a band that is collected before it is written, bytes.
 const BAND_BYTES: usize = 1 << 18;
 
-/// Most bytes of copies that wait for the device before this thread waits for it: few, as drivers keep the memory of copies.
+/// Limit of pending copies, bytes, beyond which this thread waits for the device. It is low, as drivers keep the memory of copies.
 const STAGED_BYTES: usize = 2 << 20;
 
-/// A map whose rows are written to the GPU as they come.
+/// A map whose rows are written to the GPU as they arrive.
 pub(crate) struct MapUpload {
     device: wgpu::Device,
     queue: wgpu::Queue,
     texture: wgpu::Texture,
     levels: Vec<LevelUpload>,
-    /// Bytes written that no submission has taken yet.
+    /// Bytes written since the last submission.
     staged: usize,
     bytes: u64,
 }
 
-/// One mip level of it, of which a band of rows at a time is collected.
+/// A mip level that is being uploaded band by band.
 struct LevelUpload {
     width: u32,
     height: u32,
     row_bytes: usize,
-    /// Rows of a band; the last may have fewer.
+    /// Number of rows in a band; the last may have fewer.
     band_rows: u32,
-    /// Rows of the present band, each in its place.
+    /// Rows of the current band, each at its place.
     band: Vec<u8>,
-    /// How many of them came.
+    /// Number of rows received.
     came: u32,
 }
 
@@ -45,7 +45,7 @@ impl LevelUpload {
         }
     }
 
-    /// Number of the first row of the band that a row is in, and the band's rows.
+    /// First row of the band that contains a row, and number of its rows.
     fn band_of(&self, row: u32) -> (u32, u32) {
         let first = row / self.band_rows * self.band_rows;
         (first, self.band_rows.min(self.height.saturating_sub(first)))
@@ -53,7 +53,7 @@ impl LevelUpload {
 }
 
 impl MapUpload {
-    /// For all levels of a map of this size and format. With `display_values` a colour map is read as it is stored, not as linear light.
+    /// For all mip levels of a map of this size and format. With `display_values` a colour map is read as stored instead of as linear light.
     pub fn new(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
@@ -95,7 +95,7 @@ impl MapUpload {
         }
     }
 
-    /// Takes whole rows of a level, from this number on; all rows of a band before those of the next.
+    /// Adds whole rows of a level, starting at row `first`. All rows of a band must come before those of the next.
     pub fn rows(&mut self, level: usize, first: u32, texels: &[u8]) {
         let Some(row_bytes) = self.levels.get(level).map(|place| place.row_bytes) else {
             return;
@@ -107,7 +107,7 @@ impl MapUpload {
         {
             let (begin, rows) = place.band_of(number);
             let whole = rows as usize * row_bytes;
-            // Written as it is where it is whole, else collected.
+            // A whole band is written directly; a partial one is collected.
             if number == begin && place.came == 0 && left.len() >= whole {
                 let (band, rest) = left.split_at(whole);
                 self.write(level, begin, band);
@@ -160,18 +160,18 @@ impl MapUpload {
         }
     }
 
-    /// Waits until the device has taken what was written.
+    /// Waits until the device has copied what was written.
     fn flush(&mut self) {
         let submission = self.queue.submit([]);
         self.staged = 0;
-        // A device that is lost says so elsewhere, and nothing is left to wait for.
+        // A lost device is reported elsewhere, and there is nothing left to wait for.
         let _ = self.device.poll(wgpu::PollType::Wait {
             submission_index: Some(submission),
             timeout: None,
         });
     }
 
-    /// The map, when all rows of all levels have come, and its bytes.
+    /// The map after all rows of all levels have been added, and its size in bytes.
     pub fn finish(self) -> (wgpu::Texture, u64) {
         (self.texture, self.bytes)
     }

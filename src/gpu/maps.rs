@@ -1,14 +1,14 @@
-//! The maps of the surface's fragment shader: whole maps, and the bind groups that hold them or tiles of them.
+//! Maps for the surface's fragment shader: whole maps, and the bind groups of whole maps and tiles.
 
 use super::{GpuLayer, UploadedMaps};
 use terrella_imagery::EarthLayers;
 use terrella_imagery::tile::{MAP_LAYERS, MapLayer};
 
-/// Whole maps on the GPU and what is needed to bind them, each map with its own sampler: around the Earth a whole map
-/// repeats, a tile ends at its border.
+/// Whole maps on the GPU and what is needed to bind them. Each map has its own sampler: a whole map repeats around the Earth, a tile ends at its
+/// border.
 pub(crate) struct Maps {
     whole: [Option<GpuLayer>; MAP_LAYERS],
-    /// The whole maps as arrays, where they are bound so.
+    /// The whole maps as arrays, if they are bound as such.
     arrays: [Option<wgpu::TextureView>; MAP_LAYERS],
     arrangement: MapArrangement,
 }
@@ -20,16 +20,16 @@ pub(super) struct MapArrangement {
     layout: wgpu::BindGroupLayout,
     repeat: wgpu::Sampler,
     clamp: wgpu::Sampler,
-    /// Whether maps are bound as arrays, of one or more layers.
+    /// Whether maps are bound as array textures, of one or more layers.
     are_arrays: bool,
 }
 
-/// Binding of a map's sampler less that of its texture.
+/// Offset from the binding of a map's texture to that of its sampler.
 const SAMPLERS: u32 = MAP_LAYERS as u32;
 
 impl Maps {
-    /// Takes the whole maps that are uploaded, and uploads the others. With `display_values` colours are read as they are stored, not as
-    /// linear light.
+    /// Uses the maps that are already uploaded, and uploads the others. With `display_values` colours are read as stored instead of as linear
+    /// light.
     pub fn upload(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
@@ -71,7 +71,7 @@ impl Maps {
         }
     }
 
-    /// Binds maps so from now on. Bind groups made before do not fit any more.
+    /// Uses this arrangement from now on. Earlier bind groups no longer fit.
     pub fn arrange(&mut self, arrangement: MapArrangement) {
         self.arrangement = arrangement;
         self.view_arrays();
@@ -81,7 +81,7 @@ impl Maps {
         self.whole.each_ref().map(Option::is_some)
     }
 
-    /// Draws with another whole map from now on, and answers the one before. Bind groups made before still hold that.
+    /// Replaces a whole map, and returns the previous one. Earlier bind groups still hold that.
     pub fn replace(&mut self, layer: MapLayer, map: GpuLayer) -> GpuLayer {
         let place = &mut self.whole[layer.index()];
         let before = place.replace(map.clone()).unwrap_or(map);
@@ -94,12 +94,12 @@ impl Maps {
         self.whole.iter().flatten().map(|layer| layer.bytes).sum()
     }
 
-    /// A bind group of whole maps alone.
+    /// A bind group of whole maps only.
     pub fn bind_whole(&self, device: &wgpu::Device) -> wgpu::BindGroup {
         self.bind(device, "terrella whole maps", Default::default())
     }
 
-    /// A bind group with these tiles, and the whole map where there is none.
+    /// A bind group with these tiles, and the whole map in place of a missing one.
     pub fn bind(
         &self,
         device: &wgpu::Device,
@@ -135,7 +135,7 @@ impl Maps {
     }
 }
 
-/// A texture as an array, be it of one layer.
+/// A view of a texture as an array, even with one layer.
 pub(super) fn array_view(texture: &wgpu::Texture) -> wgpu::TextureView {
     texture.create_view(&wgpu::TextureViewDescriptor {
         label: Some("terrella map as an array"),
@@ -145,7 +145,7 @@ pub(super) fn array_view(texture: &wgpu::Texture) -> wgpu::TextureView {
 }
 
 impl MapArrangement {
-    /// Of the maps that are `there` those that are `shown`.
+    /// The maps that exist (`there`) and are drawn (`shown`).
     pub fn new(
         device: &wgpu::Device,
         there: [bool; MAP_LAYERS],
@@ -157,7 +157,7 @@ impl MapArrangement {
             device.create_sampler(&wgpu::SamplerDescriptor {
                 label: Some(label),
                 address_mode_u,
-                // Not over the poles.
+                // No repetition over the poles.
                 address_mode_v: wgpu::AddressMode::ClampToEdge,
                 mag_filter: wgpu::FilterMode::Linear,
                 min_filter: wgpu::FilterMode::Linear,
@@ -193,7 +193,7 @@ impl MapArrangement {
         }
     }
 
-    /// Whether a map is there and shown.
+    /// Whether a map exists and is drawn.
     pub fn has(&self, layer: MapLayer) -> bool {
         self.shown[layer.index()]
     }

@@ -1,4 +1,4 @@
-//! The mesh of the surface on the GPU: what the four forms of it have in common.
+//! The mesh of the surface on the GPU: the common interface of its four forms.
 
 use super::shader::VertexForm;
 use crate::plan::{FramePlan, SurfaceDraw};
@@ -7,18 +7,18 @@ use terrella_ground::globe::{BlockGrid, Surface};
 /// Sets pipeline and maps for the next draw.
 pub(super) type BeginDraw<'a> = dyn FnMut(&mut wgpu::RenderPass<'_>, &SurfaceDraw) + 'a;
 
-/// What pipelines know of a mesh.
+/// Properties of a mesh that pipelines depend on.
 #[derive(Clone)]
 pub(super) struct MeshForm {
     pub vertex: VertexForm,
     pub buffers: &'static [Option<wgpu::VertexBufferLayout<'static>>],
     pub culled: wgpu::Face,
-    /// Of group 0, besides what all bind.
+    /// Entries of group 0 in addition to the common ones.
     pub entries: Vec<wgpu::BindGroupLayoutEntry>,
 }
 
 impl MeshForm {
-    /// That of a mesh, where blocks have tiles or have none.
+    /// The form of a mesh, for blocks with or without tiles.
     pub fn of(mesh: &(impl SurfaceMesh + ?Sized), has_tiles: bool) -> Self {
         Self {
             vertex: mesh.vertex_form(has_tiles),
@@ -33,38 +33,37 @@ impl MeshForm {
     }
 }
 
-/// One form of the surface's mesh. As GPU objects are, it is `Send` and `Sync` everywhere but on the web.
+/// One form of the surface's mesh. Like other GPU objects, it is `Send` and `Sync` everywhere except on the web.
 pub(super) trait SurfaceMesh: wgpu::WasmNotSendSync {
-    /// The vertex stage that it is drawn with, where blocks have tiles or have none.
+    /// Its vertex stage, for blocks with or without tiles.
     fn vertex_form(&self, has_tiles: bool) -> VertexForm;
 
-    /// The vertex buffers that this stage reads.
+    /// The vertex buffers that the vertex stage reads.
     fn buffers(&self) -> &'static [Option<wgpu::VertexBufferLayout<'static>>];
 
-    /// The sides of its triangles that are not drawn.
+    /// Which faces of its triangles are culled.
     fn culled(&self) -> wgpu::Face {
         wgpu::Face::Back
     }
 
-    /// What it binds of group 0 besides what all do.
+    /// Bindings of group 0 in addition to the common ones.
     fn bindings(&self) -> Vec<(wgpu::BindGroupLayoutEntry, wgpu::BindGroupEntry<'_>)> {
         Vec::new()
     }
 
-    /// Draws blocks from now on with these grids. Nothing may be drawn until it is written again.
+    /// Draws blocks with these grids from now on. Nothing may be drawn until it is written again.
     fn reset(&mut self, _device: &wgpu::Device, _grids: &[BlockGrid]) {}
 
-    /// Writes what a plan draws as far as it is not there: its blocks, or what the surface of terrain made. Returns the
-    /// bytes written.
+    /// Uploads the missing parts of a plan: its blocks, or the output of the terrain surface. Returns the bytes written.
     fn write(&mut self, queue: &wgpu::Queue, plan: &FramePlan, ground: Option<&dyn Surface>)
     -> u64;
 
-    /// Bytes of the vertices, triangles and heights of terrain that it holds.
+    /// Size of the vertices, triangles and elevation data of terrain on the GPU, bytes.
     fn ground_bytes(&self) -> u64 {
         0
     }
 
-    /// Draws the plan that was written last.
+    /// Draws the plan that was last written.
     fn render(
         &self,
         pass: &mut wgpu::RenderPass<'_>,

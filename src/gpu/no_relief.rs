@@ -1,4 +1,4 @@
-//! In place of `relief.rs` where the feature `terrain` is off: terrain is drawn in no way.
+//! Replaces `relief.rs` if the feature `terrain` is off: there is no terrain to draw.
 
 use super::mesh::SurfaceMesh;
 use super::surface_config::SurfaceConfig;
@@ -13,5 +13,5 @@ pub(super) fn mesh(
     match kind.0 {}
 }
 
-/// There is nothing to tell of terrain.
+/// Reports nothing about terrain.
 pub(super) fn report(_: &DeviceLimits, _: &mut Vec<String>, _: &mut Vec<String>) {}

@@ -1,25 +1,25 @@
-//! The ways that the surface is drawn, each by a pipeline of its own.
+//! The kinds of draws of the surface, each with its own pipeline.
 
 use crate::plan::DrawLight;
 
-/// What part of the surface is drawn, and when.
+/// A kind of draw: which part of the surface, under which light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum PassKind {
-    /// All, by day and by night.
+    /// Everything, by day and by night.
     Everything,
-    /// Without what shows by night alone, if there is any.
+    /// Without the layers that are visible only at night.
     Daylit,
-    /// Cells by day that take the air's light from their vertices.
+    /// Cells in daylight that interpolate the air's light between vertices.
     Interpolated,
-    /// Those of them where there is nothing but land.
+    /// Interpolated cells that have only land.
     Land,
-    /// Those where there is nothing but open sea.
+    /// Interpolated cells that have only open sea.
     OpenSea,
-    /// All, in frames that the Moon's shadow is in.
+    /// Everything, in frames with the Moon's shadow.
     Eclipsed,
-    /// City lights as points, over all of it.
+    /// City lights as points, over the whole surface.
     CityLights,
-    /// Clouds in the sky over an eye below them.
+    /// Clouds overhead, for an eye below them.
     CloudsOverhead,
 }
 
@@ -36,7 +36,7 @@ impl PassKind {
         Self::CloudsOverhead,
     ];
 
-    /// What a draw of a frame is drawn by.
+    /// The kind for a draw of a frame.
     pub fn of(light: DrawLight, has_moon_shadow: bool) -> Self {
         match light {
             _ if has_moon_shadow => Self::Eclipsed,
@@ -48,7 +48,7 @@ impl PassKind {
         }
     }
 
-    /// What draws the same where that is not to be had.
+    /// The kind that replaces this one if it is not available.
     pub fn instead(self) -> Option<Self> {
         match self {
             Self::Everything | Self::CityLights | Self::CloudsOverhead => None,

@@ -1,4 +1,4 @@
-//! Render pipelines: what all of them share stands here, what differs is a value.
+//! Render pipelines: the common part is code here, the differences are values.
 
 use super::PassFormat;
 
@@ -6,16 +6,16 @@ use super::PassFormat;
 pub struct PipelineDescription<'a> {
     /// Begins with `terrella`.
     pub label: &'a str,
-    /// Layouts of its bind groups; `None` takes them from the shader.
+    /// Layouts of its bind groups; `None` derives them from the shader.
     pub bind_groups: Option<&'a [Option<&'a wgpu::BindGroupLayout>]>,
     pub module: &'a wgpu::ShaderModule,
     pub buffers: &'a [Option<wgpu::VertexBufferLayout<'a>>],
     pub primitive: wgpu::PrimitiveState,
-    /// The pass that it draws in.
+    /// Format of the pass that it draws in.
     pub format: PassFormat,
-    /// What it draws hides what is farther. Otherwise it is hidden by what is nearer, and that is all.
+    /// Whether it writes depth. It always tests depth.
     pub writes_depth: bool,
-    /// How it is laid over what is there in the first target; `None` replaces it.
+    /// Blending with the content of the first target; `None` replaces it.
     pub blend: Option<wgpu::BlendState>,
 }
 

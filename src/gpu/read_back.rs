@@ -1,23 +1,23 @@
-//! Reading back what the device has written.
+//! Reading data back from the device.
 
 use super::GpuFault;
 use std::ops::Range;
 use std::time::Duration;
 use wgpu::{MapMode, PollType, SubmissionIndex};
 
-/// Why a picture could not be read back.
+/// Why an image could not be read back.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum PictureError {
     /// The device was lost or the copy failed.
     #[error("the picture could not be read back from the device: {0}")]
     ReadBack(String),
-    /// What was to be read has not been drawn.
+    /// The data to be read was not drawn, because of a device error.
     #[error(transparent)]
     Fault(#[from] GpuFault),
 }
 
-/// The texels of a texture (usage `COPY_SRC`), rows without padding. Waits for the device, no longer than `patience`.
+/// The texels of a texture (usage `COPY_SRC`), rows without padding. Waits for the device for at most `patience`.
 pub(crate) fn read_rows(
     device: &wgpu::Device,
     queue: &wgpu::Queue,
@@ -29,7 +29,7 @@ pub(crate) fn read_rows(
     read_part(device, queue, texture, texel_bytes, &lines, patience)
 }
 
-/// The same of some of its lines, waited for without limit.
+/// As [`read_rows`], for some of the rows, without a time limit.
 pub(super) fn read_lines(
     device: &wgpu::Device,
     queue: &wgpu::Queue,
@@ -67,7 +67,7 @@ fn read_part(
     Ok(pixels)
 }
 
-/// Hands over the rows of some lines of a texture, without padding, as they lie in the device's buffer.
+/// Passes some rows of a texture to the callback, without padding, directly from the device's buffer.
 pub(super) fn each_row(
     device: &wgpu::Device,
     queue: &wgpu::Queue,
@@ -119,8 +119,8 @@ pub(super) fn each_row(
     Ok(())
 }
 
-/// Maps a buffer (usage `MAP_READ`) when what was submitted to write it is done; with a limit, waits for that submission
-/// alone, and so long at most.
+/// Maps a buffer (usage `MAP_READ`) after the submission that writes it is complete. With a limit, waits only for that submission, and at most for
+/// that time.
 pub(super) fn map(
     device: &wgpu::Device,
     buffer: &wgpu::Buffer,
@@ -131,7 +131,7 @@ pub(super) fn map(
     }
     let (sender, receiver) = std::sync::mpsc::channel();
     buffer.map_async(MapMode::Read, .., move |result| {
-        // The receiver lives until the end of this function; if it is gone nobody waits.
+        // The receiver lives until the end of this function; if it is gone, no one waits.
         let _ = sender.send(result);
     });
     let patience = limit.as_ref().map(|(_, patience)| *patience);

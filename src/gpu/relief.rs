@@ -9,7 +9,7 @@ use crate::plan::DeviceLimits;
 use terrella_ground::globe::DrawKind;
 use terrella_ground::globe::projected_grid::GPU_TILES;
 
-/// The mesh of ground that is drawn so.
+/// The mesh for terrain of this kind.
 pub(super) fn mesh(
     device: &wgpu::Device,
     kind: &DrawKind<'_>,
@@ -24,7 +24,7 @@ pub(super) fn mesh(
     }
 }
 
-/// What an adapter with these limits can draw of it, and what is dropped and why, each a line.
+/// Reports what an adapter with these limits can draw of terrain, and what is dropped and why, one per line.
 pub(super) fn report(limits: &DeviceLimits, can: &mut Vec<String>, dropped: &mut Vec<String>) {
     match GridMesh::fits(limits, GPU_TILES) {
         true => can.push("projected grid with vertices made on the GPU".into()),

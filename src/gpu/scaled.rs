@@ -1,4 +1,4 @@
-//! A picture that is drawn to a texture of its own before it is shown: at a lower resolution, as light that is developed, or both.
+//! An image that is rendered to an intermediate texture before it is shown: at a lower resolution, as light to be developed, or both.
 
 use super::bloom::BloomPass;
 use super::develop::{developing_pass, set_frame};
@@ -9,22 +9,21 @@ use super::{
 };
 use terrella_ground::light::{Bloom, Grade, Tone};
 
-/// Draws a picture at one size and shows it at another, for [`Quality::scale`](crate::Quality::scale): what a pass needs, the
-/// texture that is drawn to in between, and the pass that enlarges it, bilinear in light.
+/// Renders an image at one size and shows it at another, for [`Quality::scale`](crate::Quality::scale): the attachments of the pass, the
+/// intermediate texture, and the pass that enlarges it, bilinearly in linear light.
 ///
-/// A host calls [`Self::drawn_size`] for `prepare`, [`Self::begin_pass`] for the pass of all that is drawn, and after it
-/// [`Self::finish`]; then come its own things that want every pixel, as text does. Where both sizes are the same there is no
-/// texture in between, the pass draws to the target itself and `finish` does nothing. A host with passes and textures of its
-/// own needs none of this: it draws its pass at [`Quality::drawn_size`](crate::Quality::drawn_size).
+/// A host passes [`Self::drawn_size`] to `prepare`, draws everything in the pass of [`Self::begin_pass`], and then calls [`Self::finish`]. After
+/// that it draws its own overlays that need full resolution, such as text. If both sizes are equal, there is no intermediate texture: the pass
+/// draws to the target itself and `finish` does nothing. A host with its own passes and textures does not need this type: it renders at
+/// [`Quality::drawn_size`](crate::Quality::drawn_size).
 ///
-/// One that is [developing](Self::developing) always has a texture in between, of light: what is drawn is added up there and developed in
-/// `finish`.
+/// A target that is [developing](Self::developing) always has an intermediate texture: light is accumulated there and developed in `finish`.
 pub struct ScaledTarget {
     format: wgpu::TextureFormat,
     size: (u32, u32),
     drawn_size: (u32, u32),
     samples: u32,
-    /// How light is developed; `None` where layers do that themselves.
+    /// How light is developed; `None` if layers are developed in the pass.
     look: Option<Look>,
     attachments: Attachments,
     between: Option<Between>,
@@ -38,7 +37,7 @@ struct Look {
     grade: Grade,
 }
 
-/// The texture that is drawn to before the picture, and what draws the picture of it.
+/// The intermediate texture, and the pass that draws the image from it.
 struct Between {
     view: wgpu::TextureView,
     bloom: Option<BloomPass>,
@@ -50,13 +49,13 @@ impl ScaledTarget {
     /// Colour format of the pass before development.
     pub const LIGHT: wgpu::TextureFormat = super::bloom::LIGHT;
 
-    /// For targets of this format and `size`, drawn at `drawn_size` with `samples` a pixel. Depth is
+    /// For targets of this format and `size`, rendered at `drawn_size` with `samples` a pixel. Depth is
     /// [`FrameTargets::DEPTH`](super::FrameTargets::DEPTH), reversed.
     ///
-    /// Sizes are pixels, not zero, and within the device's limits; the device can draw to the format with so many samples.
+    /// Sizes are in pixels, not zero, and within the device's limits. The device must support the format with this sample count.
     ///
     /// # Errors
-    /// A shader file that is at fault.
+    /// An invalid shader file.
     pub fn new(
         device: &wgpu::Device,
         format: wgpu::TextureFormat,
@@ -67,11 +66,11 @@ impl ScaledTarget {
         Self::with_look(device, format, size, drawn_size, samples, None)
     }
 
-    /// The same for layers that are drawn with [`Development::AfterPass`]: the pass has the colour format [`Self::LIGHT`], and `finish` shows
-    /// what it drew, as a lens scatters it, by a tone curve. The device can draw to that format with so many samples.
+    /// As [`Self::new`], for layers that are drawn with [`Development::AfterPass`]: the pass has the colour format [`Self::LIGHT`], and `finish`
+    /// applies bloom and tone curve. The device must support that format with this sample count.
     ///
     /// # Errors
-    /// A shader file that is at fault.
+    /// An invalid shader file.
     pub fn developing(
         device: &wgpu::Device,
         format: wgpu::TextureFormat,
@@ -112,7 +111,7 @@ impl ScaledTarget {
         })
     }
 
-    /// For layers of this pass, shown in `format`: developing where they leave it to be done after the pass.
+    /// For layers of this pass, shown in `format`. It is developing if they are developed after the pass.
     ///
     /// # Errors
     /// As [`Self::new`].
@@ -136,27 +135,27 @@ impl ScaledTarget {
         }
     }
 
-    /// Whether there is a texture that is drawn to before the picture.
+    /// Whether there is an intermediate texture.
     pub fn has_texture(&self) -> bool {
         self.between.is_some()
     }
 
-    /// Colour format of the pass that all is drawn in.
+    /// Colour format of the pass that everything is drawn in.
     pub fn drawn_format(&self) -> wgpu::TextureFormat {
         drawn_format(self.format, self.look.as_ref())
     }
 
-    /// Clears passes from now on to space that hides nothing: alpha is how much of what is behind is hidden.
+    /// Clears passes to transparent space from now on: alpha is the opacity over the background.
     pub fn make_space_transparent(&mut self) {
         self.attachments.make_space_transparent();
     }
 
-    /// Width and height of what is shown, pixels.
+    /// Width and height of the shown image, pixels.
     pub fn size(&self) -> (u32, u32) {
         self.size
     }
 
-    /// Width and height of what is drawn, pixels: those for `prepare`.
+    /// Width and height of the rendered image, pixels: those for `prepare`.
     pub fn drawn_size(&self) -> (u32, u32) {
         self.drawn_size
     }
@@ -166,10 +165,10 @@ impl ScaledTarget {
         self.samples
     }
 
-    /// The same with other sizes or samples; what is as it was is not made again.
+    /// Changes sizes or sample count. Unchanged parts are not created again.
     ///
     /// # Errors
-    /// As [`Self::new`]; it is then as it was.
+    /// As [`Self::new`]. It is then unchanged.
     pub fn set(
         &mut self,
         device: &wgpu::Device,
@@ -202,7 +201,7 @@ impl ScaledTarget {
         Ok(())
     }
 
-    /// Begins the pass of all that is drawn: black space, depth infinitely far. `target` is what is shown.
+    /// Begins the pass that everything is drawn in: black space, depth infinitely far. `target` is the shown image.
     pub fn begin_pass<'e>(
         &self,
         encoder: &'e mut wgpu::CommandEncoder,
@@ -224,14 +223,14 @@ impl ScaledTarget {
             .begin_part(encoder, between.unwrap_or(target), part, times)
     }
 
-    /// Has what [`Self::finish`] draws from now on show the grain of a frame of a film. Without grain it does nothing.
+    /// Selects the film grain of a frame for [`Self::finish`] from now on. No effect without grain.
     pub fn set_frame(&self, queue: &wgpu::Queue, frame: u32) {
         if let (Some(between), Some(look)) = (&self.between, &self.look) {
             set_frame(&between.last, queue, &look.grade, frame);
         }
     }
 
-    /// Draws what that pass drew over all of `target`.
+    /// Draws the rendered image over the whole of `target`.
     pub fn finish(
         &self,
         encoder: &mut wgpu::CommandEncoder,
@@ -252,7 +251,7 @@ impl ScaledTarget {
                 depth_slice: None,
                 resolve_target: None,
                 ops: wgpu::Operations {
-                    // Every pixel is drawn over; this spares reading what was there.
+                    // Every pixel is overwritten; clearing avoids a load.
                     load: wgpu::LoadOp::Clear(wgpu::Color::BLACK),
                     store: wgpu::StoreOp::Store,
                 },
@@ -285,7 +284,7 @@ impl Between {
         })
     }
 
-    /// Has a texture of this size, and another last pass where one is given. The lens's passes stay.
+    /// Creates a texture of this size, and replaces the last pass if one is given. The passes of the lens stay.
     fn set(
         &mut self,
         device: &wgpu::Device,
@@ -304,7 +303,7 @@ impl Between {
     }
 }
 
-/// A texture that is drawn to before the picture.
+/// The intermediate texture.
 fn drawn_view(
     device: &wgpu::Device,
     format: wgpu::TextureFormat,
@@ -321,7 +320,7 @@ fn drawn_view(
     ))
 }
 
-/// Colour format of the pass that all is drawn in, for a picture of this format.
+/// Colour format of the pass that everything is drawn in, for a shown image of this format.
 fn drawn_format(format: wgpu::TextureFormat, look: Option<&Look>) -> wgpu::TextureFormat {
     match look {
         Some(_) => ScaledTarget::LIGHT,
@@ -329,7 +328,7 @@ fn drawn_format(format: wgpu::TextureFormat, look: Option<&Look>) -> wgpu::Textu
     }
 }
 
-/// What makes the picture of what was drawn; `None` where the picture is what is drawn to.
+/// The pass that turns the intermediate texture into the image; `None` if the image is rendered directly.
 fn last_pass(
     device: &wgpu::Device,
     format: wgpu::TextureFormat,
@@ -364,7 +363,7 @@ fn last_pass(
     FullPass::new(device, "terrella upscale", &variant, pass, None, is_sampled).map(Some)
 }
 
-/// Takes the time at which a pass begins from what is timed, for a pass before it.
+/// Moves the timestamp at the beginning of a pass to an earlier pass.
 fn begin_of<'q>(
     times: &mut Option<wgpu::RenderPassTimestampWrites<'q>>,
 ) -> Option<wgpu::RenderPassTimestampWrites<'q>> {

@@ -1,10 +1,10 @@
-//! Error scopes, and when their answers are there.
+//! Error scopes, and when their results are available.
 
 use std::task::{Context, Poll, Waker};
 
-/// An error scope that is asked in the call that opened it.
+/// An error scope that ends in the call that opened it.
 ///
-/// The device of a web page answers after the call. There no scope is opened, so that errors reach the scope around the call, as that of
+/// The device of a web page returns errors only after the call. There no scope is opened, so that errors reach the enclosing scope, such as that of
 /// [`Earth::create`](crate::Earth::create), or the device's handler of uncaptured errors, and are not lost.
 pub(crate) struct ErrorScope(Option<wgpu::ErrorScopeGuard>);
 
@@ -14,13 +14,13 @@ impl ErrorScope {
         Self(answers.then(|| device.push_error_scope(filter)))
     }
 
-    /// Ends it. Answers the first error within.
+    /// Ends the scope. Returns the first error within it.
     pub fn error(self) -> Option<wgpu::Error> {
         resolved(self.0?.pop())?
     }
 }
 
-/// Scopes around the making of an Earth.
+/// Scopes around the creation of an Earth.
 pub(crate) struct CreationScopes {
     // In the order in which they must end.
     validation: wgpu::ErrorScopeGuard,
@@ -41,7 +41,7 @@ impl CreationScopes {
         Self { validation, memory }
     }
 
-    /// Ends them now, and answers when the device does.
+    /// Ends the scopes now. The future is ready when the device has answered.
     pub fn end(self) -> impl Future<Output = CreationErrors> {
         let (validation, memory) = (self.validation.pop(), self.memory.pop());
         async {

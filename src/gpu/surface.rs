@@ -1,5 +1,5 @@
-//! The drawable of the surface: blocks of a lattice, patches of terrain, a grid, or pages that rays are cast at, one
-//! indexed draw each. What all views share stands here, what each has of its own in `surface_view.rs`.
+//! The drawable of the surface: blocks of a lattice, patches of terrain, a projected grid, or ray-cast pages, one indexed draw each. This file has
+//! the part that all views share; `surface_view.rs` has that of one view.
 
 use super::city_lights::CityPoints;
 use super::detail_tile::DetailTile;
@@ -28,9 +28,9 @@ pub(crate) struct SurfaceDrawable {
     imagery: Imagery,
     /// Settings of the surface's light for the shader, the same for all frames and views.
     light: wgpu::Buffer,
-    /// Where something is drawn with it.
+    /// Present if a pipeline reads it.
     detail_tile: Option<DetailTile>,
-    /// City lights that take the place of their map.
+    /// City lights as points, in place of their map.
     city_lights: Option<CityPoints>,
     texture_bytes: u64,
 }
@@ -40,24 +40,24 @@ fn has_parts(pools: Option<&[Pool]>) -> bool {
     pools.is_some_and(|pools| pools.iter().any(|pool| pool.has_parts))
 }
 
-/// What blocks are drawn with.
+/// Imagery of the blocks.
 enum Imagery {
-    /// All with the whole maps.
+    /// Whole maps for all blocks.
     Whole(wgpu::BindGroup),
     Tiles {
         tiles: TileTextures,
-        /// All maps whole, for what lies in several blocks or in one without tiles.
+        /// Whole maps, for triangles that span several blocks or lie in a block without tiles.
         whole: wgpu::BindGroup,
     },
 }
 
-/// The side of the air that a plan is seen from, among those of [`SurfacePipelines`].
+/// Index into [`SurfacePipelines`] of the side of the air that a plan is seen from.
 fn side_of(plan: &FramePlan) -> usize {
     plan.air.as_ref().map_or(0, |air| air.side() as usize)
 }
 
 impl SurfaceDrawable {
-    /// Uploads the maps; makes no pipeline yet. `pools` are those of tiles, if blocks are drawn with tiles; `first` is a view of it.
+    /// Uploads the maps; creates no pipeline yet. `pools` are those of the tiles, if there are tiles; `first` is a view of the surface.
     pub fn new(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
@@ -113,7 +113,7 @@ impl SurfaceDrawable {
         drawable
     }
 
-    /// Has these city lights from now on, for pipelines that draw them.
+    /// Uses these city lights from now on, for pipelines that draw them.
     pub fn set_city_lights(&mut self, lights: Arc<CityLights>) {
         self.city_lights = Some(CityPoints::new(lights));
     }
@@ -124,7 +124,7 @@ impl SurfaceDrawable {
         self.texture_bytes + detail
     }
 
-    /// What makes other pipelines for it, of the form of this view.
+    /// A maker of further pipelines for this surface, for the mesh of this view.
     pub fn maker(&self, view: &SurfaceView) -> SurfaceMaker {
         let has_tiles = matches!(self.imagery, Imagery::Tiles { .. });
         SurfaceMaker {
@@ -138,8 +138,8 @@ impl SurfaceDrawable {
         }
     }
 
-    /// Draws from now on with these pipelines, which were made for this configuration, and binds this view for them; others have to be
-    /// bound before they are drawn. Maps and tiles stay where they are.
+    /// Uses these pipelines, which were made for this configuration, from now on, and binds this view for them. Other views must be bound before
+    /// they are drawn. Maps and tiles stay in place.
     ///
     /// Nothing may be drawn until the next frame is written.
     pub fn set_pipelines(
@@ -161,10 +161,10 @@ impl SurfaceDrawable {
         self.bind_view(first);
     }
 
-    /// Draws with another whole map from now on. Answers the one before.
+    /// Replaces a whole map from now on. Returns the previous one.
     ///
     /// # Errors
-    /// A map that there is none of, or that is drawn with tiles.
+    /// A map that does not exist, or that is drawn with tiles.
     pub fn set_map(&mut self, device: &wgpu::Device, map: &GpuMap) -> Result<GpuMap, MapError> {
         let layer = map.layer();
         if !self.maps.there()[layer.index()] {
@@ -195,12 +195,12 @@ impl SurfaceDrawable {
         }
     }
 
-    /// Has a view bound again, as far as it is drawn.
+    /// Binds a view again, for the existing pipelines.
     pub fn bind_view(&self, view: &mut SurfaceView) {
         view.unbind(self.pipelines.sides());
     }
 
-    /// Makes all that may be drawn with, so that no frame waits for it.
+    /// Creates all pipelines, so that no frame waits for one.
     pub fn make_all(
         &mut self,
         device: &wgpu::Device,
@@ -214,7 +214,7 @@ impl SurfaceDrawable {
         self.pipelines.make_all(&maker, device, config)
     }
 
-    /// Whether what a plan is drawn with is made and bound.
+    /// Whether the pipelines of a plan are created and bound.
     pub fn is_ready(&self, view: &SurfaceView, plan: &FramePlan) -> bool {
         let side = side_of(plan);
         let lights = plan.draws.iter().map(|draw| draw.light);
@@ -231,7 +231,7 @@ impl SurfaceDrawable {
         })
     }
 
-    /// What draws the city lights of a plan, if there are any.
+    /// The kind of draw for a plan's city lights, if it has any.
     fn city_lights_of(&self, plan: &FramePlan) -> Option<PassKind> {
         let kind = PassKind::CityLights;
         let is_drawn = !plan.city_lights.is_empty()
@@ -240,14 +240,14 @@ impl SurfaceDrawable {
         is_drawn.then_some(kind)
     }
 
-    /// What draws clouds over the eye of a plan, if there are any.
+    /// The kind of draw for clouds overhead, if the plan has any.
     fn clouds_overhead_of(&self, plan: &FramePlan) -> Option<PassKind> {
         let kind = PassKind::CloudsOverhead;
         let is_drawn = plan.is_below_clouds && self.pipelines.has(side_of(plan), kind);
         is_drawn.then_some(kind)
     }
 
-    /// Makes ready what a plan is drawn with, as far as it is not there.
+    /// Creates and binds the missing pipelines of a plan.
     pub fn make_ready(
         &mut self,
         device: &wgpu::Device,
@@ -283,7 +283,7 @@ impl SurfaceDrawable {
         Ok(())
     }
 
-    /// What shaders of the surface have.
+    /// Names of the features of the surface's shaders.
     pub fn features(&self) -> Vec<&'static str> {
         let mut features = Vec::new();
         for (kind, variant) in self.pipelines.variants() {
@@ -297,7 +297,7 @@ impl SurfaceDrawable {
         features
     }
 
-    /// Bytes of their texts as the driver gets them.
+    /// Total length of the WGSL that the driver gets, bytes.
     pub fn shader_bytes(&self) -> u64 {
         self.pipelines.shader_bytes()
     }
@@ -309,8 +309,7 @@ impl SurfaceDrawable {
         }
     }
 
-    /// Has blocks drawn from now on with these tiles. `tiled` are those that have any, where triangles lie in several. Answers the bytes
-    /// written.
+    /// Uses these tiles for blocks from now on. `tiled` has the blocks with tiles, if triangles span several blocks. Returns the bytes written.
     pub fn choose_tiles(
         &mut self,
         device: &wgpu::Device,
@@ -331,7 +330,7 @@ impl SurfaceDrawable {
         tiles.flush(queue)
     }
 
-    /// Draws the plan that was written to a view last; nothing of one that could not be made ready.
+    /// Draws the plan that was last written to a view. Parts whose pipelines failed are not drawn.
     pub fn render(&self, pass: &mut wgpu::RenderPass<'_>, view: &SurfaceView, plan: &FramePlan) {
         if !self.is_ready(view, plan) {
             return;
@@ -365,7 +364,7 @@ impl SurfaceDrawable {
         }
     }
 
-    /// Draws the clouds over the eye of the plan that was written to a view last, over the sky.
+    /// Draws the clouds overhead of the plan that was last written to a view, over the sky.
     pub fn render_clouds_overhead(
         &self,
         pass: &mut wgpu::RenderPass<'_>,

@@ -1,4 +1,4 @@
-//! The pipelines of the surface: made by any thread, without the surface that they are for.
+//! The pipelines of the surface: created on any thread, without access to the surface.
 
 use super::SurfaceOutput;
 use super::city_lights::CityPoints;
@@ -21,7 +21,7 @@ use terrella_files::parallel;
 use terrella_ground::globe::Shading;
 use terrella_imagery::tile::{MAP_LAYERS, MapLayer};
 
-/// Makes pipelines for the surface that it comes from.
+/// Creates pipelines for one surface.
 #[derive(Clone)]
 pub(crate) struct SurfaceMaker {
     pub(super) mesh: MeshForm,
@@ -31,20 +31,20 @@ pub(crate) struct SurfaceMaker {
     pub(super) has_parts: bool,
 }
 
-/// What follows from a configuration. Pipelines are made when a frame first needs them, or all at once.
+/// The pipelines of a configuration, created on first use or all at once.
 pub(crate) struct SurfacePipelines {
     pub(super) maps: MapArrangement,
-    /// One without air; else that of an eye outside of it, and that of an eye inside.
+    /// One without air; otherwise one for an eye outside the air and one for an eye inside.
     sides: Vec<SurfacePasses>,
 }
 
 /// How the surface is drawn from one side of the air, by [`PassKind`].
 type SurfacePasses = [Slot; PassKind::COUNT];
 
-/// A pass that may be wanted.
+/// A pass that may be needed.
 #[derive(Default)]
 struct Slot {
-    /// `None` where nothing of it would differ, or it cannot be made.
+    /// `None` if it would equal another pass, or cannot be created.
     variant: Option<EarthVariant>,
     pass: Option<SurfacePass>,
 }
@@ -52,17 +52,17 @@ struct Slot {
 pub(super) struct SurfacePass {
     pub variant: EarthVariant,
     pub pipeline: wgpu::RenderPipeline,
-    /// Of group 0, which each view binds of its own.
+    /// Layout of group 0, which each view binds itself.
     pub layout: wgpu::BindGroupLayout,
 }
 
 impl SurfacePipelines {
-    /// How many sides of the air there are.
+    /// Number of sides of the air.
     pub(super) fn sides(&self) -> usize {
         self.sides.len()
     }
 
-    /// What draws light of this kind from one side of the air: that, or what serves in its place.
+    /// The kind of draw for this light from one side of the air, or its replacement.
     pub(super) fn kind_of(&self, side: usize, light: DrawLight, has_moon_shadow: bool) -> PassKind {
         let mut kind = PassKind::of(light, has_moon_shadow);
         while !self.has(side, kind)
@@ -73,24 +73,24 @@ impl SurfacePipelines {
         kind
     }
 
-    /// Whether there is such a pass, be it made or not.
+    /// Whether there is such a pass, created or not.
     pub(super) fn has(&self, side: usize, kind: PassKind) -> bool {
         let slots = self.sides.get(side);
         slots.is_some_and(|slots| slots[kind as usize].variant.is_some())
     }
 
-    /// Whether one of them reads the tile of detail.
+    /// Whether a pass reads the tile of synthetic detail.
     pub(super) fn read_detail_tile(&self) -> bool {
         self.variants()
             .any(|(_, variant)| reads_detail_tile(&variant))
     }
 
-    /// A pass that was made.
+    /// A pass that was created.
     pub(super) fn pass(&self, side: usize, kind: PassKind) -> Option<&SurfacePass> {
         self.sides.get(side)?[kind as usize].pass.as_ref()
     }
 
-    /// Makes a pass that is not there yet. One that cannot be made is not tried again: others serve in its place.
+    /// Creates a missing pass. After a failure it is not tried again: another kind replaces it.
     pub(super) fn make_pass(
         &mut self,
         maker: &SurfaceMaker,
@@ -110,10 +110,10 @@ impl SurfacePipelines {
         Ok(())
     }
 
-    /// Makes passes that are not there yet, several at a time.
+    /// Creates missing passes, several at a time.
     ///
     /// # Errors
-    /// The first that cannot be made. What the device rejects, the calling thread's error scope has.
+    /// The first error. Errors of the device go to the calling thread's error scope.
     pub(super) fn make_passes(
         &mut self,
         maker: &SurfaceMaker,
@@ -134,7 +134,7 @@ impl SurfacePipelines {
         if parallel::HAS_THREADS {
             let maps = &self.maps;
             let made = parallel::map(missing.len(), |place| {
-                // A thread has scopes of its own.
+                // Error scopes are per thread.
                 let rejections = ErrorScope::open(device, wgpu::ErrorFilter::Validation);
                 let pass = maker.pass(device, config, maps, missing[place].2).ok();
                 let rejected = rejections.error();
@@ -144,12 +144,12 @@ impl SurfacePipelines {
                 self.sides[*side][*kind as usize].pass = pass;
             }
         }
-        // What failed, or could not be made in parallel, is made here, where its errors are looked for.
+        // Passes that failed, or could not be created in parallel, are created here, where errors are checked.
         let mut missing = missing.into_iter();
         missing.try_for_each(|(side, kind, _)| self.make_pass(maker, device, config, (side, kind)))
     }
 
-    /// Makes one of them, that nothing can be drawn without.
+    /// Creates the pass that is needed in any case.
     pub fn make_one(
         &mut self,
         maker: &SurfaceMaker,
@@ -159,7 +159,7 @@ impl SurfacePipelines {
         self.make_pass(maker, device, config, (0, PassKind::Everything))
     }
 
-    /// Makes all that are not there yet.
+    /// Creates all missing passes.
     pub fn make_all(
         &mut self,
         maker: &SurfaceMaker,
@@ -171,14 +171,14 @@ impl SurfacePipelines {
         self.make_passes(maker, device, config, all)
     }
 
-    /// All that may be drawn with from the first side of the air.
+    /// All variants for the first side of the air.
     pub(super) fn variants(&self) -> impl Iterator<Item = (PassKind, EarthVariant)> {
         let slots = self.sides.first().into_iter().flatten();
         let kinds = PassKind::ALL.into_iter().zip(slots);
         kinds.filter_map(|(kind, slot)| Some((kind, slot.variant?)))
     }
 
-    /// Bytes of the texts of all shaders as the driver gets them.
+    /// Total length of the WGSL that the driver gets, bytes.
     pub(super) fn shader_bytes(&self) -> u64 {
         let slots = self.sides.iter().flatten();
         let texts = slots.filter_map(|slot| slot.variant?.source().ok());
@@ -187,7 +187,7 @@ impl SurfacePipelines {
 }
 
 impl SurfaceMaker {
-    /// The same for the form of another view.
+    /// The same maker for the mesh of another view.
     pub fn for_view(&self, view: &SurfaceView) -> Self {
         Self {
             mesh: MeshForm::of(view.mesh(), self.has_tiles),
@@ -195,7 +195,7 @@ impl SurfaceMaker {
         }
     }
 
-    /// What a configuration needs, no pipeline of it made yet.
+    /// The passes of a configuration, with no pipeline created yet.
     pub fn plan(&self, device: &wgpu::Device, config: &SurfaceConfig<'_>) -> SurfacePipelines {
         let maps = MapArrangement::new(
             device,
@@ -217,7 +217,7 @@ impl SurfaceMaker {
                 all = all.without_night_map();
             }
             let interpolated = all.interpolated().filter(|_| config.interpolates_air);
-            // Tiles show more than is known of whole maps.
+            // Cells are classified for whole maps only; tiles show more.
             let of_one_kind = interpolated.filter(|_| !self.has_tiles);
             let of_one_kind = of_one_kind.and_then(EarthVariant::of_one_kind);
             PassKind::ALL.map(|kind| Slot {
@@ -240,7 +240,7 @@ impl SurfaceMaker {
         }
     }
 
-    /// Makes what one variant of the shader is drawn with.
+    /// Creates the pass of one variant of the shader.
     fn pass(
         &self,
         device: &wgpu::Device,
@@ -320,7 +320,7 @@ pub(super) fn frame_entry() -> wgpu::BindGroupLayoutEntry {
     super::uniform_entry(0, both, size_of::<FrameUniforms>())
 }
 
-/// Layout of where tiles lie.
+/// Layout of the uniforms that place tiles.
 pub(super) fn tiles_entry(has_parts: bool) -> wgpu::BindGroupLayoutEntry {
     super::uniform_entry(3, wgpu::ShaderStages::FRAGMENT, tiles_bytes(has_parts))
 }
@@ -336,14 +336,14 @@ pub(super) fn reads_light(variant: &EarthVariant) -> bool {
     variant.conditions_met().contains(&"surface_light")
 }
 
-/// Whether a variant reads the tile of detail.
+/// Whether a variant reads the tile of synthetic detail.
 pub(super) fn reads_detail_tile(variant: &EarthVariant) -> bool {
     variant
         .conditions_met()
         .contains(&LightEffect::Detail.name())
 }
 
-/// What the pixels of a configuration get, the eye being on this side of the air.
+/// Shader output of a configuration, for an eye on this side of the air.
 fn output(maps: &MapArrangement, config: &SurfaceConfig<'_>, air: Option<AirSide>) -> EarthOutput {
     let clouds = maps.has(MapLayer::Clouds);
     let normals = maps.has(MapLayer::Normals);

@@ -1,4 +1,4 @@
-//! What one view of the surface has of its own on the GPU: its frame's values, its mesh, and what it binds.
+//! GPU state of one view of the surface: frame uniforms, mesh and bind groups.
 
 use super::lattice::Lattice;
 use super::mesh::SurfaceMesh;
@@ -12,15 +12,15 @@ pub(crate) struct SurfaceView {
     /// [`FrameUniforms`].
     uniforms: wgpu::Buffer,
     mesh: Box<dyn SurfaceMesh>,
-    /// For each side of the air.
+    /// One for each side of the air.
     groups: Vec<PassGroups>,
 }
 
-/// Group 0 of what the surface is drawn with from one side of the air, by [`PassKind`], as far as that is made.
+/// Group 0 for one side of the air, by [`PassKind`], for the passes created so far.
 pub(super) type PassGroups = [Option<wgpu::BindGroup>; PassKind::COUNT];
 
 impl SurfaceView {
-    /// A view that is bound to nothing yet: see [`super::SurfaceDrawable::bind_view`].
+    /// A view that is not bound yet: see [`super::SurfaceDrawable::bind_view`].
     pub fn new(device: &wgpu::Device, grids: &[BlockGrid], config: &SurfaceConfig<'_>) -> Self {
         Self {
             uniforms: super::uniform_buffer::<FrameUniforms>(device, "terrella frame"),
@@ -32,7 +32,7 @@ impl SurfaceView {
         }
     }
 
-    /// Draws blocks from now on with these grids, and nothing until it is written again.
+    /// Draws blocks with these grids from now on. Nothing is drawn until it is written again.
     pub fn reset(&mut self, device: &wgpu::Device, grids: &[BlockGrid]) {
         self.mesh.reset(device, grids);
     }
@@ -45,12 +45,12 @@ impl SurfaceView {
         &self.uniforms
     }
 
-    /// What a pass binds of this view.
+    /// The bind group of a pass.
     pub(super) fn group(&self, side: usize, kind: PassKind) -> Option<&wgpu::BindGroup> {
         self.groups.get(side)?[kind as usize].as_ref()
     }
 
-    /// Is bound to nothing from now on, of so many sides of the air.
+    /// Removes all bind groups, for this number of sides of the air.
     pub(super) fn unbind(&mut self, sides: usize) {
         self.groups = std::iter::repeat_with(PassGroups::default)
             .take(sides)
@@ -63,13 +63,12 @@ impl SurfaceView {
         }
     }
 
-    /// Writes what all drawables of a frame read.
+    /// Uploads the frame uniforms for all drawables.
     pub fn write_frame(&self, queue: &wgpu::Queue, uniforms: &FrameUniforms) {
         queue.write_buffer(&self.uniforms, 0, bytemuck::bytes_of(uniforms));
     }
 
-    /// Writes what a frame draws: the plan, and of terrain the patches or the grid of its surface, as far as they are
-    /// not there. Returns the bytes written.
+    /// Uploads a frame: the plan, and the missing patches or grid tiles of a terrain surface. Returns the bytes written.
     pub fn write(
         &mut self,
         queue: &wgpu::Queue,
@@ -81,7 +80,7 @@ impl SurfaceView {
         written + self.mesh.write(queue, plan, ground)
     }
 
-    /// Bytes of the vertices, triangles and heights of terrain that it holds.
+    /// Size of the vertices, triangles and elevation data of terrain on the GPU, bytes.
     pub fn ground_bytes(&self) -> u64 {
         self.mesh.ground_bytes()
     }

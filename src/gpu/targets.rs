@@ -1,4 +1,4 @@
-//! Colour and depth textures for programs that have none, and reading a picture back.
+//! Colour and depth textures for programs without their own, and reading an image back.
 
 use super::DepthBuffer;
 #[cfg(feature = "offscreen")]
@@ -7,7 +7,7 @@ use super::read_back::{PictureError, read_rows};
 use std::time::Duration;
 use terrella_ground::half::float_of_half;
 
-/// A colour texture (`Rgba8UnormSrgb` if not said otherwise, multisampled if asked) and a reversed-Z depth buffer of one size.
+/// A colour texture (`Rgba8UnormSrgb` by default, multisampled on request) and a reversed-Z depth buffer of the same size.
 pub struct FrameTargets {
     picture: wgpu::Texture,
     view: wgpu::TextureView,
@@ -15,7 +15,7 @@ pub struct FrameTargets {
 }
 
 impl FrameTargets {
-    /// Colour format of the picture.
+    /// Colour format of the image.
     pub const COLOR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
     pub const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
     /// The depth buffer of its passes.
@@ -26,7 +26,7 @@ impl FrameTargets {
         Self::with_color(device, Self::COLOR, size, samples)
     }
 
-    /// The same with another colour format, which the device can draw to with so many samples.
+    /// As [`Self::new`], with another colour format, which the device must support with this sample count.
     pub fn with_color(
         device: &wgpu::Device,
         format: wgpu::TextureFormat,
@@ -42,7 +42,7 @@ impl FrameTargets {
         }
     }
 
-    /// Clears passes from now on to space that hides nothing: alpha is how much of what is behind is hidden.
+    /// Clears passes to transparent space from now on: alpha is the opacity over the background.
     pub fn make_space_transparent(&mut self) {
         self.attachments.make_space_transparent();
     }
@@ -52,7 +52,7 @@ impl FrameTargets {
         (self.picture.width(), self.picture.height())
     }
 
-    /// The picture, one sample a pixel: for passes over what is drawn.
+    /// The image, one sample a pixel: for passes over what is drawn.
     pub fn picture_view(&self) -> &wgpu::TextureView {
         &self.view
     }
@@ -62,8 +62,8 @@ impl FrameTargets {
         self.begin_part(encoder, PassPart::default(), None)
     }
 
-    /// Begins a part of that pass, where a frame is drawn in several passes to be timed apart. All that is drawn is kept
-    /// from one to the next, which costs memory traffic that a single pass has not.
+    /// Begins a part of that pass, for a frame that is drawn in several passes to be timed separately. All content is stored and loaded between
+    /// them, which costs memory bandwidth that a single pass does not need.
     pub fn begin_part<'e>(
         &self,
         encoder: &'e mut wgpu::CommandEncoder,
@@ -74,8 +74,8 @@ impl FrameTargets {
             .begin_part(encoder, &self.view, part, times)
     }
 
-    /// Begins a pass that clears colour alone, over the depth of other textures of this size, one sample a pixel, whose pass was not the last
-    /// of its frame: what is there hides what is drawn.
+    /// Begins a pass that clears only colour and tests against the depth of other textures of this size, one sample a pixel, whose pass was not the
+    /// last of its frame.
     #[cfg(feature = "offscreen")]
     pub fn begin_pass_behind<'e>(
         &self,
@@ -98,8 +98,7 @@ impl FrameTargets {
         begin(encoder, color, (&hiding.attachments.depth, depth), None)
     }
 
-    /// Reads light back from a colour format of 16-bit or 32-bit floats: four numbers a pixel (RGBA), rows one after another.
-    /// Waits for the device.
+    /// Reads light back from a colour format of 16-bit or 32-bit floats: four numbers a pixel (RGBA), rows without padding. Waits for the device.
     pub fn read_light(
         &self,
         device: &wgpu::Device,
@@ -117,7 +116,7 @@ impl FrameTargets {
         self.picture.format()
     }
 
-    /// Reads a picture of 8 bits a channel back to where it is wanted: four bytes a pixel, rows without padding. Waits for the device.
+    /// Reads an image of 8 bits a channel back into a buffer: four bytes a pixel, rows without padding. Waits for the device.
     #[cfg(feature = "offscreen")]
     pub fn read_back_into(
         &self,
@@ -134,7 +133,7 @@ impl FrameTargets {
         })
     }
 
-    /// The same of light, as [`Self::read_light`].
+    /// As [`Self::read_light`], into a buffer.
     #[cfg(feature = "offscreen")]
     pub fn read_light_into(
         &self,
@@ -170,7 +169,7 @@ impl FrameTargets {
         )
     }
 
-    /// Reads a picture of 8 bits a channel back: four bytes a pixel (RGBA), rows without padding. Waits for the device.
+    /// Reads an image of 8 bits a channel back: four bytes a pixel (RGBA), rows without padding. Waits for the device.
     pub fn read_back(
         &self,
         device: &wgpu::Device,
@@ -185,12 +184,12 @@ impl FrameTargets {
 pub struct PassPart {
     /// Colour and depth are cleared before it.
     pub is_first: bool,
-    /// Samples are resolved after it and not kept, nor is depth.
+    /// Samples are resolved after it; samples and depth are discarded.
     pub is_last: bool,
 }
 
 impl Default for PassPart {
-    /// The whole of it.
+    /// The only pass of its frame.
     fn default() -> Self {
         Self {
             is_first: true,
@@ -199,11 +198,11 @@ impl Default for PassPart {
     }
 }
 
-/// What a pass needs besides the texture that is shown: samples where there are several a pixel, and depth.
+/// Attachments of a pass besides the shown texture: a multisampled texture if there are several samples a pixel, and depth.
 pub struct Attachments {
     multisampled: Option<wgpu::TextureView>,
     depth: wgpu::TextureView,
-    /// What colour is cleared to.
+    /// Clear colour.
     space: wgpu::Color,
 }
 
@@ -226,12 +225,12 @@ impl Attachments {
         }
     }
 
-    /// Clears passes from now on to space that hides nothing.
+    /// Clears passes to transparent space from now on.
     pub(super) fn make_space_transparent(&mut self) {
         self.space = wgpu::Color::TRANSPARENT;
     }
 
-    /// The same for attachments of another size, format or sample count.
+    /// Attachments of another size, format or sample count, with the same clear colour.
     pub(super) fn remade(
         &self,
         device: &wgpu::Device,
@@ -350,7 +349,7 @@ pub fn read_texture(
     Ok(pixels)
 }
 
-/// Reads an `Rgba16Float` texture (usage `COPY_SRC`), rows one after another. Waits for the device, no longer than `patience`.
+/// Reads an `Rgba16Float` texture (usage `COPY_SRC`), rows without padding. Waits for the device for at most `patience`.
 pub fn read_halves(
     device: &wgpu::Device,
     queue: &wgpu::Queue,
@@ -365,7 +364,7 @@ pub fn read_halves(
     Ok(values.as_chunks::<4>().0.to_vec())
 }
 
-/// Reads an `Rgba32Float` texture (usage `COPY_SRC`), rows one after another. Waits for the device.
+/// Reads an `Rgba32Float` texture (usage `COPY_SRC`), rows without padding. Waits for the device.
 pub fn read_floats(
     device: &wgpu::Device,
     queue: &wgpu::Queue,

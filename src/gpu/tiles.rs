@@ -1,4 +1,4 @@
-//! Tiles on the GPU: fixed pools of textures, and for each block the bind group of the tiles that it is drawn with.
+//! Tiles on the GPU: fixed pools of textures, and for each block the bind group of its tiles.
 
 use super::maps::{Maps, array_view};
 use super::shader::{PART_CELL_WORDS, PART_INDEX_BITS};
@@ -11,10 +11,10 @@ use terrella_imagery::tile::{MAP_LAYERS, MapLayer, TILE_BORDER, TILE_MIPS, TileF
 type Placements = [[Vec4; MAP_LAYERS]; BLOCK_COUNT as usize];
 const PLACEMENTS_BYTES: usize = size_of::<Placements>();
 
-/// Where the cells of blocks with parts stand: after the placements and the set of blocks that have tiles.
+/// Offset of the cells of blocks with parts: after the placements and the set of blocks with tiles.
 const CELLS_START: usize = PLACEMENTS_BYTES + size_of::<BlockSet>();
 
-/// Most cells.
+/// Limit of cells.
 const MAX_CELLS: usize = 8 * PART_CELL_WORDS as usize;
 
 /// Bytes of `Tiles` of `shaders/earth/bindings.wgsl`: placements, the set of blocks that have tiles, and cells.
@@ -35,10 +35,10 @@ struct PoolTextures {
     bytes: u64,
 }
 
-/// Where tiles are.
+/// Storage of a pool's tiles.
 enum Slots {
     Textures(Vec<(wgpu::Texture, wgpu::TextureView)>),
-    /// Of blocks and their parts: in layers of one texture.
+    /// For blocks and their parts: layers of one array texture.
     Layers(wgpu::Texture, wgpu::TextureView),
 }
 
@@ -71,7 +71,7 @@ impl PoolTextures {
         }
     }
 
-    /// The texture of a slot, and its layer there.
+    /// The texture of a slot, and its layer.
     fn slot(&self, index: u16) -> Option<(&wgpu::Texture, &wgpu::TextureView, u32)> {
         match &self.slots {
             Slots::Textures(slots) => {
@@ -107,7 +107,7 @@ pub(crate) struct TileTextures {
 }
 
 impl TileTextures {
-    /// Makes the textures of all pools, so that none has to be made while the Earth is drawn.
+    /// Creates the textures of all pools, so that none is created while the Earth is drawn.
     pub fn new(device: &wgpu::Device, maps: &Maps, pools: &[Pool], display_values: bool) -> Self {
         let has_parts = pools.iter().any(|pool| pool.has_parts);
         let pools: Vec<_> = pools
@@ -144,7 +144,7 @@ impl TileTextures {
         }
     }
 
-    /// The uniform that says where each block's texels lie.
+    /// The uniform buffer with the placement of each block's texels.
     pub fn placements(&self) -> &wgpu::Buffer {
         &self.buffer
     }
@@ -160,12 +160,12 @@ impl TileTextures {
         self.pools.iter().any(of_layer)
     }
 
-    /// What a block is bound with.
+    /// The bind group of a block.
     pub fn bind_group(&self, block: Block) -> &wgpu::BindGroup {
         &self.blocks[block.index() as usize].bind_group
     }
 
-    /// Writes a part of a tile. A slot that is not there is skipped: the caller has the pools from here.
+    /// Uploads a part of a tile. An unknown slot is skipped: the caller has the same pools.
     pub fn write(&self, queue: &wgpu::Queue, part: &Upload<'_>) {
         let Some(pool) = self.pools.get(usize::from(part.slot.pool)) else {
             return;
@@ -174,7 +174,7 @@ impl TileTextures {
             return;
         };
         let unit = pool.format.unit_side();
-        // Mip levels of compressed textures are written in whole blocks, also where they reach over the edge.
+        // Mip levels of compressed textures are written in whole compression blocks, even beyond the edge.
         let side = pool.shape.mip_side(part.mip).next_multiple_of(unit);
         queue.write_texture(
             wgpu::TexelCopyTextureInfo {
@@ -201,10 +201,10 @@ impl TileTextures {
         );
     }
 
-    /// Has a block drawn with these tiles. Does nothing where it is already, so a view at rest costs nothing.
+    /// Draws a block with these tiles from now on. It does nothing if the tiles are unchanged, so a static view costs nothing.
     pub fn choose(&mut self, device: &wgpu::Device, maps: &Maps, block: Block, tiles: BlockTiles) {
         let index = block.index() as usize;
-        // In a pool with parts all that is bound is the pool.
+        // In a pool with parts, the whole pool is bound.
         let tiles = tiles.map(|tile| {
             let mut tile = tile?;
             let pool = self.pools.get(usize::from(tile.slot.pool))?;
@@ -223,7 +223,7 @@ impl TileTextures {
             };
             placements[pool.layer] = match pool.slots {
                 Slots::Textures(_) => in_tile(pool.shape),
-                // Until its cells are placed.
+                // Kept until the block's cells are placed.
                 Slots::Layers(..) => self.placements[index][pool.layer],
             };
         }
@@ -235,8 +235,8 @@ impl TileTextures {
         }
     }
 
-    /// Has the parts of blocks drawn so: each block with a tile in a pool with parts has a table. Where there are more cells than the
-    /// buffer holds, the last blocks are drawn with their own tiles.
+    /// Places the parts of blocks: each block with a tile in a pool with parts has a table. If the buffer is too small for all cells, the last
+    /// blocks are drawn with their whole-block tiles.
     pub fn place_parts(&mut self, tables: &PartTables) {
         if !self.has_parts {
             return;
@@ -260,7 +260,7 @@ impl TileTextures {
                 depth: 0,
             }];
             let of_table = tables.cells(table);
-            // A cell is kept for each table that is still to come.
+            // One cell is reserved for each remaining table.
             let others = tables.tables.len() - n - 1;
             let (depth, drawn) = match cells.len + of_table.len() + others <= MAX_CELLS {
                 true => (table.depth, of_table),
@@ -276,14 +276,14 @@ impl TileTextures {
         self.is_stale |= cells.is_changed;
     }
 
-    /// Makes the bind groups of all blocks again, the maps having been arranged otherwise.
+    /// Creates the bind groups of all blocks again, for another arrangement of maps.
     pub fn bind_again(&mut self, device: &wgpu::Device, maps: &Maps) {
         for block in &mut self.blocks {
             block.bind_group = bind(device, &self.pools, maps, block.tiles);
         }
     }
 
-    /// Tells shaders which blocks have tiles.
+    /// Sets the blocks that have tiles, for shaders.
     pub fn set_tiled(&mut self, tiled: BlockSet) {
         self.is_stale |= tiled != self.tiled;
         self.tiled = tiled;
@@ -324,13 +324,13 @@ fn bind(
     maps.bind(device, "terrella block", views)
 }
 
-/// Texture coordinates of a block's centre on the whole map, and their change per whole map.
+/// Texture coordinates of a block's centre on the whole map, and their scale.
 fn whole_map(block: Block) -> Vec4 {
     let uv = block.center_uv().as_vec2();
     Vec4::new(uv.x, uv.y, 1.0, 1.0)
 }
 
-/// The same in a tile of this shape.
+/// Texture coordinates of a block's centre in a tile of this shape, and their scale.
 fn in_tile(shape: TileShape) -> Vec4 {
     let (side, pixels) = (f64::from(shape.side()), f64::from(shape.pixels));
     let center = (f64::from(TILE_BORDER) + 0.5 * pixels) / side;
@@ -343,7 +343,7 @@ fn in_tile(shape: TileShape) -> Vec4 {
     )
 }
 
-/// Where the cells of a block begin, how often it is halved for one, and its tiles: see `shaders/earth/maps.wgsl`.
+/// Index of a block's first cell, how often the block is halved for a cell, and its tiles: see `shaders/earth/maps.wgsl`.
 fn in_parts(shape: TileShape, first: usize, depth: u8) -> Vec4 {
     let side = f64::from(shape.side());
     Vec4::new(
@@ -354,7 +354,7 @@ fn in_parts(shape: TileShape, first: usize, depth: u8) -> Vec4 {
     )
 }
 
-/// Writes cells, two to a word, and sees whether they are others than before.
+/// Writes cells, two to a word, and records whether any has changed.
 struct CellWriter<'a> {
     words: &'a mut Vec<u32>,
     len: usize,

@@ -1,25 +1,25 @@
-//! Times that the device itself writes at the ends of passes.
+//! Timestamps that the device writes at the ends of passes.
 
 use super::read_back::map;
 
-/// Why times could not be read.
+/// Why timestamps could not be read.
 #[derive(Debug, thiserror::Error)]
 #[error("the device's times could not be read back: {0}")]
 pub struct TimerError(String);
 
 /// Timestamps before the first of a few passes and at the end of each.
 ///
-/// Nothing is written in the middle of a pass: a device that draws tile after tile comes to such a place in its last tile
-/// when all others are done, air and all. Nor at the beginning of a later pass, for the same reason.
+/// No timestamp is written in the middle of a pass: a tile-based GPU reaches such a point in its last tile, when all others are finished. For the
+/// same reason, none is written at the beginning of a later pass.
 pub struct GpuTimer {
     queries: wgpu::QuerySet,
     resolved: wgpu::Buffer,
     read_back: wgpu::Buffer,
-    /// Milliseconds of one tick.
+    /// Duration of a tick, milliseconds.
     tick_ms: f64,
 }
 
-/// Most passes that are timed together.
+/// Limit of passes that are timed together.
 const MAX_PASSES: u32 = 3;
 const TICK_BYTES: u64 = wgpu::QUERY_SIZE as u64;
 
@@ -27,7 +27,7 @@ impl GpuTimer {
     /// The feature that a device must have been opened with.
     pub const FEATURES: wgpu::Features = wgpu::Features::TIMESTAMP_QUERY;
 
-    /// A timer; `None` where the device was opened without [`Self::FEATURES`].
+    /// A timer; `None` if the device was opened without [`Self::FEATURES`].
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> Option<Self> {
         let has = device.features();
         if !has.contains(Self::FEATURES) {
@@ -54,7 +54,7 @@ impl GpuTimer {
         })
     }
 
-    /// What the `n`-th pass is begun with, from 0, at most 2.
+    /// Timestamp writes of the `n`-th pass, from 0, at most 2.
     pub fn writes(&self, n: u32) -> wgpu::RenderPassTimestampWrites<'_> {
         wgpu::RenderPassTimestampWrites {
             query_set: &self.queries,
@@ -63,16 +63,16 @@ impl GpuTimer {
         }
     }
 
-    /// Has the times of the first `passes` passes copied; to be called after the last of them.
+    /// Resolves the timestamps of the first `passes` passes. Call it after the last of them.
     pub fn resolve(&self, encoder: &mut wgpu::CommandEncoder, passes: u32) {
-        // A query that was not written must not be waited for.
+        // Waiting for an unwritten query would never end.
         let written = passes.min(MAX_PASSES) + 1;
         let bytes = u64::from(written) * TICK_BYTES;
         encoder.resolve_query_set(&self.queries, 0..written, &self.resolved, 0);
         encoder.copy_buffer_to_buffer(&self.resolved, 0, &self.read_back, 0, bytes);
     }
 
-    /// Reads how long each pass took, milliseconds. Waits for the device.
+    /// Duration of each pass, milliseconds. Waits for the device.
     pub fn read(&self, device: &wgpu::Device, passes: u32) -> Result<Vec<f64>, TimerError> {
         let mapped = map(device, &self.read_back, None).map_err(TimerError)?;
         let ticks: Vec<u64> = bytemuck::pod_collect_to_vec(&mapped);

@@ -1,4 +1,4 @@
-//! The drawable of satellites' tracks: lines, marks, fills and polygons of plain values. `crate::tracks` makes them of satellites.
+//! The drawable of satellite tracks: lines, marks, fills and polygons as plain values. `crate::tracks` computes them from satellites.
 
 use super::shader::ShaderModule;
 use super::{AirTextures, Binding, PassFormat};
@@ -10,7 +10,7 @@ use bytemuck::{Pod, Zeroable};
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub struct TrackUniforms {
-    /// The eye, its rays and its projection; light and air of it are not read.
+    /// The eye, its rays and its projection; its light and air are not read.
     pub frame: FrameUniforms,
     /// Width and height of the viewport, pixels.
     pub size_px: [f32; 2],
@@ -23,14 +23,14 @@ pub struct TrackUniforms {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub(crate) struct LinePoint {
-    /// From the eye, ITRF metres.
+    /// Position relative to the eye, ITRF metres.
     pub from_eye_m: [f32; 3],
-    /// [`FROM_PREVIOUS`](super::TRACK_FROM_PREVIOUS) where a segment comes to it from the point before, [`ON_GROUND`](super::TRACK_ON_GROUND) where it lies there,
-    /// [`UNCASED`](super::TRACK_UNCASED) where that segment has no dark edge.
+    /// [`FROM_PREVIOUS`](super::TRACK_FROM_PREVIOUS) if a segment connects it with the point before, [`ON_GROUND`](super::TRACK_ON_GROUND) if it is
+    /// on the ground, [`UNCASED`](super::TRACK_UNCASED) if that segment has no dark outline.
     pub flags: u32,
-    /// As the target stores it and opacity, half floats, not premultiplied: of a pixel that is covered wholly, and of one by half.
+    /// Colour as the target stores it and opacity, half floats, not premultiplied: for a fully covered pixel, and for a half covered one.
     pub colors: [[u16; 4]; 2],
-    /// Half the width of the segment that comes to it, pixels.
+    /// Half the width of the segment that ends in it, pixels.
     pub half_width_px: f32,
 }
 
@@ -38,35 +38,35 @@ pub(crate) struct LinePoint {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub(crate) struct Mark {
-    /// From the eye, ITRF metres.
+    /// Position relative to the eye, ITRF metres.
     pub from_eye_m: [f32; 3],
     /// [`ON_GROUND`](super::TRACK_ON_GROUND) or 0.
     pub flags: u32,
-    /// As the target stores it and opacity, half floats, not premultiplied: of a pixel that is covered wholly, and of one by half.
+    /// Colour as the target stores it and opacity, half floats, not premultiplied: for a fully covered pixel, and for a half covered one.
     pub colors: [[u16; 4]; 2],
     /// Radius, pixels.
     pub radius_px: f32,
 }
 
-/// The ground within a cone or a pyramid and in sight of its apex.
+/// The ground inside a cone or a pyramid and visible from its apex.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub(crate) struct Fill {
-    /// Where on screen it can be: least x and y, greatest x and y, −1…1.
+    /// Bounds on screen: least x and y, greatest x and y, −1…1.
     pub bounds: [f32; 4],
-    /// The satellite, scaled space.
+    /// Position of the satellite, scaled space.
     pub apex: [f32; 3],
-    /// Depth of its nearest place.
+    /// Depth of its nearest point.
     pub depth: f32,
     /// The boresight, unit, ITRF axes.
     pub axis: [f32; 3],
-    /// Tangent of the half angle: of a pyramid that between the axis and the faces across `side`.
+    /// Tangent of the half angle; for a pyramid, between the axis and the faces across `side`.
     pub tangent: f32,
-    /// The axis of a pyramid that its other half angle is measured along, unit.
+    /// The axis along which the second half angle of a pyramid is measured, unit.
     pub side: [f32; 3],
-    /// Tangent of that angle; 0 is a cone.
+    /// Tangent of the second half angle; 0 for a cone.
     pub side_tangent: f32,
-    /// As the target stores it, and opacity: half floats, not premultiplied.
+    /// Colour as the target stores it and opacity, half floats, not premultiplied.
     pub color: [u16; 4],
 }
 
@@ -74,15 +74,15 @@ pub(crate) struct Fill {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub(crate) struct Triangle {
-    /// The first corner from the eye, ITRF metres.
+    /// The first corner relative to the eye, ITRF metres.
     pub a_m: [f32; 3],
-    /// Bit i: the edge opposite to corner i is an edge of the polygon, which is smoothed. Bit 3 + i: corner i lies on such an edge of another
+    /// Bit i: the edge opposite to corner i is an edge of the polygon, which is antialiased. Bit 3 + i: corner i lies on a polygon edge of another
     /// triangle.
     pub edges: u32,
     /// The other corners, as the first.
     pub b_m: [f32; 3],
     pub c_m: [f32; 3],
-    /// As the target stores it and opacity, half floats, not premultiplied: of a pixel that is covered wholly, and of one by half.
+    /// Colour as the target stores it and opacity, half floats, not premultiplied: for a fully covered pixel, and for a half covered one.
     pub colors: [[u16; 4]; 2],
 }
 
@@ -100,7 +100,7 @@ const TRIANGLE: [wgpu::VertexAttribute; 6] = wgpu::vertex_attr_array![
     0 => Float32x3, 1 => Uint32, 2 => Float32x3, 3 => Float32x3, 4 => Float16x4, 5 => Float16x4
 ];
 
-/// Which kinds of thing there are to draw; pipelines are made for no others.
+/// Which kinds of elements are drawn; pipelines are created only for them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct TrackKinds {
     pub lines: bool,
@@ -109,7 +109,7 @@ pub(crate) struct TrackKinds {
     pub polygons: bool,
 }
 
-/// What a frame draws.
+/// Elements of a frame.
 pub(crate) struct DrawnTracks<'d> {
     pub points: &'d mut Vec<LinePoint>,
     pub marks: &'d [Mark],
@@ -124,14 +124,14 @@ pub(crate) struct TracksDrawable {
     fills: Option<Batch>,
     polygons: Option<Batch>,
     frame: wgpu::Buffer,
-    /// One without air; else that of an eye outside of it, and that of an eye inside.
+    /// One without air; otherwise one for an eye outside the air and one for an eye inside.
     bind_groups: Vec<wgpu::BindGroup>,
     layouts: Vec<wgpu::BindGroupLayout>,
     side: usize,
     pub shader_bytes: u64,
 }
 
-/// Things of one kind.
+/// Elements of one kind.
 struct Batch {
     /// One for each bind group.
     pipelines: Vec<wgpu::RenderPipeline>,
@@ -142,7 +142,7 @@ struct Batch {
 
 const LABEL: &str = "terrella tracks";
 
-/// Lines are drawn with a point before the first and one after the last, which no segment comes to.
+/// Lines have a padding point before the first and after the last, without segments.
 const PADDING: usize = 2;
 
 impl TracksDrawable {
@@ -179,7 +179,7 @@ impl TracksDrawable {
                         ..Default::default()
                     },
                     format,
-                    // What is drawn before the Earth hides tracks, tracks hide nothing.
+                    // Tracks are hidden by what is drawn before the Earth, but hide nothing.
                     writes_depth: false,
                     blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
                 };
@@ -235,7 +235,7 @@ impl TracksDrawable {
         })
     }
 
-    /// The same for another view, through that view's air if there is any: with these pipelines, and buffers of its own.
+    /// The same for another view, through that view's air if there is any: it shares pipelines and has its own buffers.
     pub fn for_another_view(&self, device: &wgpu::Device, air: Option<&AirTextures>) -> Self {
         let frame = super::uniform_buffer::<TrackUniforms>(device, LABEL);
         let sides = AirSide::of_air(air.is_some()).iter().zip(&self.layouts);
@@ -265,7 +265,7 @@ impl TracksDrawable {
         };
     }
 
-    /// Writes what is drawn from now on; the points are used to write from and left as they were. Answers the bytes written.
+    /// Uploads the elements of this frame. `points` is extended temporarily and restored. Returns the bytes written.
     pub fn write(
         &mut self,
         device: &wgpu::Device,
@@ -282,7 +282,7 @@ impl TracksDrawable {
         queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(frame));
         let mut bytes = size_of::<TrackUniforms>() as u64;
         if let Some(batch) = &mut self.lines {
-            // Segment i goes from point i + 1 to i + 2; those from and to the padding are not drawn.
+            // Segment i connects points i + 1 and i + 2; segments from and to the padding are not drawn.
             let count = points.len().saturating_sub(1);
             if let Some(first) = points.first().copied() {
                 let end = LinePoint { flags: 0, ..first };
@@ -307,7 +307,7 @@ impl TracksDrawable {
         bytes
     }
 
-    /// Draws all of it.
+    /// Draws all elements.
     pub fn render(&self, pass: &mut wgpu::RenderPass<'_>) {
         let Some(bind_group) = self.bind_groups.get(self.side) else {
             return;
@@ -331,7 +331,7 @@ impl TracksDrawable {
         }
     }
 
-    /// Draw calls and triangles of a frame.
+    /// Number of draw calls and triangles of a frame.
     pub fn calls(&self) -> (u32, u32) {
         let batches = [&self.polygons, &self.fills, &self.lines, &self.marks];
         let batches = batches.into_iter().flatten();
@@ -364,7 +364,7 @@ fn bindings<'a>(
 }
 
 impl Batch {
-    /// The same pipelines, and nothing to draw.
+    /// The same pipelines, with nothing to draw.
     fn for_another_view(&self) -> Self {
         Self {
             pipelines: self.pipelines.clone(),
@@ -374,7 +374,7 @@ impl Batch {
         }
     }
 
-    /// Writes things of which `count` are drawn.
+    /// Uploads elements; `count` of them are drawn.
     fn write<T: Pod>(
         &mut self,
         device: &wgpu::Device,
@@ -390,7 +390,7 @@ impl Batch {
         let size = bytes.len() as u64;
         let buffer = match self.buffer.take() {
             Some(buffer) if buffer.size() >= size => buffer,
-            // Twice as much as is needed, so that things that grow seldom want a new one.
+            // Twice the required size, so that growing content seldom needs a new buffer.
             _ => device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some(self.label),
                 size: 2 * size,

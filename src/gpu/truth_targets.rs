@@ -1,4 +1,4 @@
-//! What the Earth writes as numbers: its targets, and reading them back.
+//! The targets of ground truth, and reading them back.
 
 use super::read_back::{PictureError, read_lines};
 use super::shader::{TRUTH_LAND, TRUTH_SUNLIT};
@@ -7,34 +7,33 @@ use super::{SurfaceOutput, view};
 use std::ops::Range;
 use terrella_ground::half::float_of_half;
 
-/// What a pixel of the targets [`SurfaceOutput::TRUTH`] holds.
+/// Content of a pixel of the targets [`SurfaceOutput::TRUTH`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TruthTexel {
-    /// First target, four 32-bit floats. Texture coordinates of the place from the centre of the block that it lies in, u east
-    /// and v south, 1 being the whole map; its distance from the eye and its height above the ellipsoid, metres. The height of
-    /// the smooth ellipsoid is 0.
+    /// First target, four 32-bit floats. Texture coordinates of the position relative to the centre of its block, u east and v south, 1 being the
+    /// whole map; its distance from the eye and its elevation above the ellipsoid, metres. The elevation of the smooth ellipsoid is 0.
     pub place: [f32; 4],
-    /// Second target, 32 bits unsigned; 0 where no ground is seen. In the low eight bits the block's index + 1 (row by row from
-    /// the north-west, 16 to a row, 8 rows), and above them [`Self::LAND`] and [`Self::SUNLIT`].
+    /// Second target, 32 bits unsigned; 0 if no ground is visible. The low eight bits are the block's index + 1 (row by row from the north-west, 16
+    /// to a row, 8 rows). Above them are [`Self::LAND`] and [`Self::SUNLIT`].
     pub marks: u32,
-    /// Third target, four 16-bit floats. Rise of the drawn ground to the east and to the north; the share of the pixel that is
-    /// land, 1 of an Earth without a map of open water; the cloud cover that is drawn before it, 0 of one without clouds.
+    /// Third target, four 16-bit floats. Slope of the drawn ground to the east and to the north; the land fraction of the pixel, 1 for an Earth
+    /// without a map of open water; the cloud cover in front of it, 0 for an Earth without clouds.
     pub ground: [f32; 4],
 }
 
 impl TruthTexel {
-    /// Flag in [`Self::marks`]: half of the pixel is land, or more.
+    /// Flag in [`Self::marks`]: at least half of the pixel is land.
     pub const LAND: u32 = TRUTH_LAND;
-    /// Flag in [`Self::marks`]: the middle of the Sun's disc is above the ellipsoid's horizon.
+    /// Flag in [`Self::marks`]: the centre of the Sun's disc is above the ellipsoid's horizon.
     pub const SUNLIT: u32 = TRUTH_SUNLIT;
 
-    /// Whether ground is seen.
+    /// Whether ground is visible.
     pub fn is_ground(&self) -> bool {
         self.marks != 0
     }
 }
 
-/// Textures for the pass that [`SurfaceOutput::Truth`] is drawn in, with a reversed-Z depth buffer, for programs that have none.
+/// Textures for a pass of [`SurfaceOutput::Truth`], with a reversed-Z depth buffer, for programs without their own.
 pub struct TruthTargets {
     textures: [wgpu::Texture; 3],
     views: [wgpu::TextureView; 3],
@@ -42,7 +41,7 @@ pub struct TruthTargets {
 }
 
 impl TruthTargets {
-    /// Bytes of a pixel of all its textures.
+    /// Size of a pixel in all its textures, bytes.
     pub const PIXEL_BYTES: u64 = 32;
 
     /// Makes the textures. `size` is within the device's limits and not zero.
@@ -66,7 +65,7 @@ impl TruthTargets {
         (self.textures[0].width(), self.textures[0].height())
     }
 
-    /// Begins a pass that clears all to 0: no ground, infinitely far.
+    /// Begins a pass that clears everything to 0: no ground, infinitely far.
     pub fn begin_pass<'e>(&self, encoder: &'e mut wgpu::CommandEncoder) -> wgpu::RenderPass<'e> {
         let attachments = self.views.each_ref().map(|view| {
             Some(wgpu::RenderPassColorAttachment {
@@ -96,7 +95,7 @@ impl TruthTargets {
         })
     }
 
-    /// Reads some lines back, row by row from the top. Waits for the device.
+    /// Reads some rows back, from the top down. Waits for the device.
     pub fn read(
         &self,
         device: &wgpu::Device,

@@ -1,4 +1,4 @@
-//! Maps that are on the GPU before an Earth is made with them.
+//! Maps that are uploaded before an Earth is made with them.
 
 use super::map::{is_stored, label, unfit};
 use super::map_upload::MapUpload;
@@ -8,7 +8,7 @@ use terrella_ground::globe::Shading;
 use terrella_imagery::tile::{MAP_LAYERS, MapLayer};
 use terrella_imagery::{LayerImage, MapRows, MapSink, MapSummaryRows, TexelFormat};
 
-/// Maps on one device for Earths that are yet to be made. Clones share the textures, and so do all Earths that are made with them.
+/// Maps on one device for Earths that are made later. Clones share the textures, and so do all Earths made with them.
 ///
 /// It is filled by [`EarthOptions::upload`](crate::EarthOptions::upload) from maps in memory, or by a [`MapUploader`] from files.
 #[derive(Clone, Debug, Default)]
@@ -20,7 +20,7 @@ impl UploadedMaps {
         self.0[layer.index()].as_ref()
     }
 
-    /// Puts maps in the place of those of their kinds.
+    /// Adds maps, which replace those of the same kind.
     pub(crate) fn add(&mut self, others: Self) {
         others.0.into_iter().flatten().for_each(|map| self.set(map));
     }
@@ -30,7 +30,7 @@ impl UploadedMaps {
         self.0[index] = Some(map);
     }
 
-    /// The map that stands for one without texels, to be drawn with a shading.
+    /// The uploaded map that replaces one without texels, for a shading.
     pub(crate) fn fitting(
         &self,
         layer: MapLayer,
@@ -56,8 +56,8 @@ impl UploadedMaps {
     }
 }
 
-/// Uploads maps while they are read from files ([`load_layers_to`](terrella_imagery::load_layers_to)): no map is in memory as a whole, but
-/// for the day map.
+/// Uploads maps while they are read from files ([`load_layers_to`](terrella_imagery::load_layers_to)): no map is in memory as a whole, except the
+/// day map.
 pub struct MapUploader {
     device: wgpu::Device,
     queue: wgpu::Queue,
@@ -66,7 +66,7 @@ pub struct MapUploader {
 }
 
 impl MapUploader {
-    /// For Earths that are drawn with this shading.
+    /// For Earths with this shading.
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, shading: Shading) -> Self {
         Self {
             device: device.clone(),
@@ -76,10 +76,10 @@ impl MapUploader {
         }
     }
 
-    /// The maps that were read to their end.
+    /// The maps that were read completely.
     ///
     /// # Errors
-    /// The first that the device rejected.
+    /// The first map that the device rejected.
     pub fn finish(self) -> Result<UploadedMaps, MapError> {
         let done = self.done.into_inner();
         done.unwrap_or_else(PoisonError::into_inner)
@@ -93,7 +93,7 @@ impl MapSink for MapUploader {
         (width, height): (u32, u32),
         format: TexelFormat,
     ) -> Option<Box<dyn MapRows + '_>> {
-        // What is too large stays in memory, and is an error when an Earth is made with it.
+        // A map that is too large stays in memory. It is an error when an Earth is made with it.
         if width.max(height) > self.device.limits().max_texture_dimension_2d {
             return None;
         }
@@ -118,12 +118,12 @@ impl MapSink for MapUploader {
     }
 }
 
-/// One map of it.
+/// Rows of one map.
 struct Rows<'u> {
     layer: MapLayer,
     upload: MapUpload,
     summary: MapSummaryRows,
-    // In the order in which scopes must end.
+    // In the order in which the scopes must end.
     validation: ErrorScope,
     memory: ErrorScope,
     uploader: &'u MapUploader,

@@ -1,10 +1,10 @@
-//! What can go wrong between an Earth and its picture in memory.
+//! Errors of an Earth that renders into memory.
 
 use crate::EarthError;
 use crate::gpu::{ContextError, PictureError};
 use terrella_imagery::ImageryError;
 
-/// What can go wrong between an Earth and its picture in memory.
+/// Why an Earth could not be rendered into memory.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum OffscreenError {
@@ -16,10 +16,10 @@ pub enum OffscreenError {
     /// The maps.
     #[error(transparent)]
     Imagery(#[from] ImageryError),
-    /// Reading a picture back.
+    /// Reading an image back.
     #[error(transparent)]
     Picture(#[from] PictureError),
-    /// The picture is larger than the adapter draws.
+    /// The image is larger than the adapter supports.
     #[error(
         "a picture of {width} × {height} pixels exceeds the limit of {adapter}, {limit} pixels a side; \
          take a smaller size"
@@ -30,7 +30,7 @@ pub enum OffscreenError {
         adapter: String,
         limit: u32,
     },
-    /// The picture needs more memory than this program takes.
+    /// The image needs more memory than this program allows.
     #[error(
         "a picture of {width} × {height} pixels with {samples} samples each needs {mib} MiB, more than the {limit_mib} \
          MiB allowed; take a smaller size, or samples = 1 in [output]"
@@ -40,12 +40,12 @@ pub enum OffscreenError {
         height: u32,
         /// Samples a pixel.
         samples: u32,
-        /// What it would take, MiB.
+        /// Memory required, MiB.
         mib: u64,
-        /// What is allowed, MiB.
+        /// Memory allowed, MiB.
         limit_mib: u64,
     },
-    /// Truth that needs more memory than this program takes.
+    /// The truth layers need more memory than this program allows.
     #[error(
         "the truth layers of {width} × {height} pixels need {mib} MiB, more than the {limit_mib} MiB allowed; take a \
          smaller size"
@@ -53,29 +53,29 @@ pub enum OffscreenError {
     TruthTooLarge {
         width: u32,
         height: u32,
-        /// What they would take, MiB.
+        /// Memory required, MiB.
         mib: u64,
-        /// What is allowed, MiB.
+        /// Memory allowed, MiB.
         limit_mib: u64,
     },
-    /// A view of which there is no picture.
+    /// A view that has no image.
     #[error(
         "this view cannot be rendered: its eye, projection or sky is not finite, its projection has no inverse, or its eye is \
          beyond 1e24 m"
     )]
     NoPicture,
-    /// A buffer that the picture does not fit.
+    /// The length of a buffer does not match the image.
     #[error("a picture of {width} × {height} pixels has {needed} values, the buffer {got}")]
     Length {
-        /// Width of the picture.
+        /// Width of the image.
         width: u32,
-        /// Height of the picture.
+        /// Height of the image.
         height: u32,
         needed: usize,
-        /// How many the buffer has.
+        /// Length of the buffer.
         got: usize,
     },
-    /// The device rejected the picture's textures.
+    /// The device rejected the image's textures.
     #[error(
         "{adapter} cannot hold a picture of {width} × {height} pixels: {cause}; take a smaller size"
     )]
@@ -83,7 +83,7 @@ pub enum OffscreenError {
         width: u32,
         height: u32,
         adapter: String,
-        /// The device's words.
+        /// Error message of the device.
         cause: String,
     },
 }

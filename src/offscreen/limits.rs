@@ -1,12 +1,12 @@
-//! The textures of pictures in memory, and how large they may be.
+//! The textures of images in memory, and their size limits.
 
 use super::error::OffscreenError;
 use crate::gpu::{Development, FrameTargets, GpuContext, PassFormat, TruthTargets};
 
-/// Most memory that the textures and the read-back buffer of one picture may take, MiB.
+/// Limit of the textures and the read-back buffer of one image together, MiB.
 pub const MAX_PICTURE_MIB: u64 = 4096;
 
-/// `wanted` samples a pixel where the adapter does them for this colour format and our depth format, else 1.
+/// `wanted` samples a pixel if the adapter supports them for this colour format and our depth format, else 1.
 pub fn supported_samples(adapter: &wgpu::Adapter, color: wgpu::TextureFormat, wanted: u32) -> u32 {
     let does = |format| {
         let flags = adapter.get_texture_format_features(format).flags;
@@ -22,22 +22,21 @@ pub fn supported_samples(adapter: &wgpu::Adapter, color: wgpu::TextureFormat, wa
     1
 }
 
-/// Bytes of the textures that a frame of this size is drawn to, of 8 bits a channel: colour, its samples where there are
-/// several a pixel, and their depth.
+/// Size of the textures of a frame with 8 bits a channel, bytes: colour, its samples if there are several a pixel, and their depth.
 fn target_bytes((width, height): (u32, u32), samples: u32) -> u64 {
     let multisampled = if samples > 1 { u64::from(samples) } else { 0 };
     u64::from(width) * u64::from(height) * 4 * (1 + multisampled + u64::from(samples))
 }
 
-/// Bytes of the textures that a picture of 8 bits a channel is drawn to by a pass of this format at full size: the picture, its depth,
-/// samples where there are several, and where light is developed after the pass, that light and its bloom.
+/// Size of the textures for an image of 8 bits a channel, rendered by a pass of this format at full size, bytes: the image, its depth, samples if
+/// there are several, and with development after the pass the light and its bloom.
 pub fn picture_bytes(size: (u32, u32), pass: &PassFormat) -> u64 {
     let (width, height) = size;
     let pixels = u64::from(width) * u64::from(height);
     match pass.development {
         Development::InPass => target_bytes(size, pass.samples),
         Development::AfterPass => {
-            // Light has twice the bytes of a picture of 8 bits, in its texture and in its samples; the picture has a depth of its own.
+            // Light takes twice the bytes of an 8-bit image, in its texture and in its samples; the image has its own depth.
             let color = target_bytes(size, pass.samples) - 4 * pixels * u64::from(pass.samples);
             let depth = 4 * pixels * u64::from(pass.samples);
             target_bytes(size, 1) + 2 * color + depth + pass.bloom.texture_bytes(size)
@@ -45,15 +44,15 @@ pub fn picture_bytes(size: (u32, u32), pass: &PassFormat) -> u64 {
     }
 }
 
-/// Rejects pictures whose textures and read-back buffer would take more than [`MAX_PICTURE_MIB`].
+/// Rejects images whose textures and read-back buffer would take more than [`MAX_PICTURE_MIB`].
 pub fn check_memory(size: (u32, u32), pass: &PassFormat) -> Result<(), OffscreenError> {
     let ((width, height), samples) = (size, pass.samples);
     let pixel = u64::from(pass.color.block_copy_size(None).unwrap_or(4));
     let pixels = u64::from(width) * u64::from(height);
     let copies = match pass.development {
-        // Twice the bytes of what layers are drawn to, with its samples; the picture, and its depth.
+        // Twice the bytes for the light with its samples, then the image and its depth.
         Development::AfterPass => 8 * u64::from(samples.max(1)) + 8,
-        // Of light, copies in numbers of 32 bits too.
+        // Light is also copied as 32-bit floats.
         Development::InPass if pixel > 4 => pixel + 2 * 16,
         Development::InPass => 0,
     };
@@ -70,7 +69,7 @@ pub fn check_memory(size: (u32, u32), pass: &PassFormat) -> Result<(), Offscreen
     })
 }
 
-/// Most bytes of truth that are read back and worked on at once.
+/// Largest part of the truth layers that is read back and processed at once, bytes.
 const TRUTH_BAND_BYTES: u64 = 64 << 20;
 
 /// Rejects truth layers whose textures would take more than [`MAX_PICTURE_MIB`].
@@ -88,7 +87,7 @@ pub fn check_truth_memory((width, height): (u32, u32)) -> Result<(), OffscreenEr
     }
 }
 
-/// The textures of truth layers, made within what the device holds.
+/// The textures of truth layers, or an error if the device is out of memory.
 pub fn new_truth_targets(
     gpu: &GpuContext,
     size: (u32, u32),
@@ -96,7 +95,7 @@ pub fn new_truth_targets(
     made(gpu, size, || TruthTargets::new(&gpu.device, size))
 }
 
-/// Rejects pictures that are empty or larger than the device draws.
+/// Rejects images that are empty or larger than the device supports.
 pub fn check_size(gpu: &GpuContext, (width, height): (u32, u32)) -> Result<(), OffscreenError> {
     let limit = gpu.device.limits().max_texture_dimension_2d;
     match (1..=limit).contains(&width) && (1..=limit).contains(&height) {
@@ -110,7 +109,7 @@ pub fn check_size(gpu: &GpuContext, (width, height): (u32, u32)) -> Result<(), O
     }
 }
 
-/// Rejects buffers that a picture with so many numbers a pixel does not fit.
+/// Rejects buffers whose length does not match an image with so many numbers a pixel.
 pub fn check_length(
     (width, height): (u32, u32),
     channels: usize,
@@ -134,7 +133,7 @@ pub(super) fn made<T>(
     make: impl FnOnce() -> T,
 ) -> Result<T, OffscreenError> {
     check_size(gpu, size)?;
-    // Without the scopes a device that is out of memory would end the program in the middle of a word.
+    // Without the scopes, a device that is out of memory would abort the program.
     let memory = gpu.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
     let validation = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
     let targets = make();

@@ -1,21 +1,21 @@
-//! What a picture in memory is drawn to.
+//! Render targets of images in memory.
 
 use super::error::OffscreenError;
 use super::limits;
 use crate::EarthError;
 use crate::gpu::{FrameTargets, GpuContext, PassFormat, PassPart, ScaledTarget};
 
-/// The picture, and where layers are developed after the pass, or drawn smaller, the texture that they are drawn to before it.
+/// The image, and the intermediate texture if light is developed after the pass or the resolution is reduced.
 pub struct PictureTextures {
     picture: FrameTargets,
     between: Option<ScaledTarget>,
 }
 
 impl PictureTextures {
-    /// For layers of this pass drawn at `drawn_size`, and a picture of `format` and `size`.
+    /// For layers of this pass rendered at `drawn_size`, and an image of `format` and `size`.
     ///
     /// # Errors
-    /// A picture that takes more than [`super::MAX_PICTURE_MIB`], or for which the device has no room.
+    /// An image that takes more than [`super::MAX_PICTURE_MIB`], or that the device has no memory for.
     pub fn new(
         gpu: &GpuContext,
         pass: &PassFormat,
@@ -28,7 +28,7 @@ impl PictureTextures {
             let device = &gpu.device;
             let between = ScaledTarget::of_pass(device, pass, format, size, drawn_size)?;
             let between = Some(between).filter(ScaledTarget::has_texture);
-            // Samples are those of the texture that is drawn to.
+            // Only the texture that layers are rendered to is multisampled.
             let samples = if between.is_some() { 1 } else { pass.samples };
             Ok(Self {
                 picture: FrameTargets::with_color(device, format, size, samples),
@@ -38,7 +38,7 @@ impl PictureTextures {
         Ok(made.map_err(EarthError::Shader)?)
     }
 
-    /// Clears passes from now on to space that hides nothing: alpha is how much of what is behind is hidden.
+    /// Clears passes to transparent space from now on: alpha is the opacity over the background.
     pub fn make_space_transparent(&mut self) {
         match &mut self.between {
             Some(between) => between.make_space_transparent(),
@@ -46,18 +46,18 @@ impl PictureTextures {
         }
     }
 
-    /// Width and height of the picture, pixels.
+    /// Width and height of the image, pixels.
     pub fn size(&self) -> (u32, u32) {
         self.picture.size()
     }
 
-    /// Width and height that are drawn, pixels.
+    /// Rendered width and height, pixels.
     pub fn drawn_size(&self) -> (u32, u32) {
         let between = self.between.as_ref();
         between.map_or(self.size(), ScaledTarget::drawn_size)
     }
 
-    /// The picture, to be read.
+    /// The image, for reading.
     pub fn picture(&self) -> &FrameTargets {
         &self.picture
     }
@@ -80,19 +80,19 @@ impl PictureTextures {
         }
     }
 
-    /// Whether a pass comes after that one, which makes the picture of what it drew.
+    /// Whether another pass follows, which makes the image from the intermediate texture.
     pub fn has_last_pass(&self) -> bool {
         self.between.is_some()
     }
 
-    /// Has the pictures made from now on show the grain of a frame of a film.
+    /// Selects the film grain of a frame for images from now on.
     pub fn set_frame(&self, queue: &wgpu::Queue, frame: u32) {
         if let Some(between) = &self.between {
             between.set_frame(queue, frame);
         }
     }
 
-    /// Makes the picture of what that pass drew.
+    /// Makes the image from the content of that pass.
     pub fn finish(
         &self,
         encoder: &mut wgpu::CommandEncoder,

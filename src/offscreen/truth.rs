@@ -1,4 +1,4 @@
-//! The numbers of a picture's pixels as arrays.
+//! Ground truth of an image as arrays.
 
 use super::error::OffscreenError;
 use super::truth_layers::{LayerDtype, TruthLayer, TruthPixel};
@@ -8,10 +8,10 @@ use rayon::prelude::*;
 use terrella_ground::light::Exposure;
 use terrella_imagery::LayerImage;
 
-/// Lines of pixels that are worked on at once.
+/// Number of rows that are processed at once.
 const BAND_LINES: usize = 64;
 
-/// What is where each pixel of a picture looks.
+/// Ground truth of an image.
 #[derive(Clone, Debug)]
 pub struct TruthPicture {
     view: TruthView,
@@ -20,7 +20,7 @@ pub struct TruthPicture {
     has_water: bool,
 }
 
-/// A layer's numbers, row by row from the top, as [`TruthLayer::dtype`] says.
+/// Values of a layer, row by row from the top, in its [`TruthLayer::dtype`].
 #[derive(Clone, Debug, PartialEq)]
 pub enum LayerValues {
     /// 32-bit floats.
@@ -30,7 +30,7 @@ pub enum LayerValues {
 }
 
 impl LayerValues {
-    /// No number yet of a layer, with room for those of so many pixels.
+    /// An empty list for a layer, with capacity for this many pixels.
     pub fn with_room(layer: &TruthLayer, pixels: usize) -> Self {
         let count = pixels * layer.components();
         match layer.dtype {
@@ -39,7 +39,7 @@ impl LayerValues {
         }
     }
 
-    /// Adds the numbers of the layer's next pixels.
+    /// Appends the values of the next pixels.
     pub fn add(&mut self, layer: &TruthLayer, pixels: &[TruthPixel]) {
         let components = layer.components();
         let numbers = pixels.iter().flat_map(|pixel| {
@@ -73,13 +73,13 @@ impl TruthPicture {
         self.size
     }
 
-    /// The rays of its pixels.
+    /// The rays of its pixels, and the Sun.
     pub fn view(&self) -> &TruthView {
         &self.view
     }
 
-    /// The numbers of some layers, in their order; each pixel is looked at once for all of them. Vectors are three numbers a pixel, one
-    /// after another. NaN where there is none.
+    /// Values of some layers, in the given order. Each pixel is evaluated once for all of them. A vector has three consecutive numbers a pixel. NaN
+    /// marks a missing value.
     pub fn layers(&self, wanted: &[&TruthLayer]) -> Vec<LayerValues> {
         let count = self.texels.len();
         let empty = wanted
@@ -102,8 +102,8 @@ impl TruthPicture {
         values
     }
 
-    /// Distance of the drawn ground from the eye along the camera's axis, metres: the depth of a pinhole camera. Infinite where no
-    /// ground is seen. Found in f64 on each pixel's ray; no depth buffer is read.
+    /// Distance of the drawn ground from the eye along the camera's axis, metres: the depth of a pinhole camera. Infinite where no ground is
+    /// visible. It is computed in f64 on each pixel's ray; no depth buffer is read.
     pub fn depth_m(&self) -> Vec<f32> {
         let width = self.size.0 as usize;
         let [corner, right, down] = self.view.corner_right_down();
@@ -114,7 +114,7 @@ impl TruthPicture {
                 let Some(point) = self.view.point(x, y, texel) else {
                     return f32::INFINITY;
                 };
-                // Rays end on the plane one metre ahead.
+                // Rays end on the plane at distance one metre.
                 let (x, y) = (f64::from(x) + 0.5, f64::from(y) + 0.5);
                 (point.range_m / (corner + x * right + y * down).length()) as f32
             })
@@ -130,9 +130,9 @@ impl TruthPicture {
     }
 }
 
-/// The same Earth as numbers. What shows nowhere in them is left out.
+/// Changes the options to ground truth. Layers that do not affect it are removed.
 pub fn set_truth(options: &mut EarthOptions) -> Result<(), OffscreenError> {
-    // A source of tiles wants the whole maps that it goes with.
+    // A tile source requires the corresponding whole maps.
     if options.tiles.is_none() {
         options.layers.day = LayerImage::from_rgba8(1, 1, vec![0; 4])?;
         options.layers.night_lights = None;

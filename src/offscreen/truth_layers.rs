@@ -1,8 +1,8 @@
-//! The layers of truth: names, units, what they are, and their values at a pixel.
+//! The layers of ground truth: names, units, meanings, and values of a pixel.
 
 use crate::TruthPoint;
 
-/// What a layer's numbers are stored as.
+/// Number type of a layer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LayerDtype {
     /// 32-bit floats.
@@ -21,10 +21,10 @@ impl LayerDtype {
     }
 }
 
-/// What is known of a pixel.
+/// Ground truth of a pixel.
 #[derive(Clone, Copy, Debug)]
 pub struct TruthPixel {
-    /// What is there; `None` where no ground is seen.
+    /// The point on the ground; `None` if no ground is visible.
     pub point: Option<TruthPoint>,
     /// [`crate::TruthView::limb_distance_rad`].
     pub limb_distance_rad: Option<f64>,
@@ -36,10 +36,10 @@ pub struct TruthPixel {
 pub struct TruthLayer {
     /// Its name; its file has `.npy` after it.
     pub name: &'static str,
-    /// The unit of its numbers, "1" where they have none.
+    /// The unit of its numbers, "1" for dimensionless ones.
     pub unit: &'static str,
     pub what: &'static str,
-    /// How they are stored.
+    /// Their type.
     pub dtype: LayerDtype,
     value: Value,
 }
@@ -47,7 +47,7 @@ pub struct TruthLayer {
 #[derive(Clone, Copy, Debug)]
 enum Value {
     Ground(fn(&TruthPoint) -> f64),
-    /// Of ground, three numbers.
+    /// Of ground, three components.
     Vector(fn(&TruthPoint) -> [f64; 3]),
     Pixel(fn(&TruthPixel) -> f64),
 }

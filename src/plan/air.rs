@@ -4,12 +4,12 @@ use super::{AuroraUniforms, GlowUniforms};
 use glam::DVec3;
 use terrella_ground::air::Billboard;
 
-/// Where the eye is that looks through the air.
+/// Side of the air's upper boundary that the eye is on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum AirSide {
-    /// Above its upper boundary: shaders look into tables of rays that come from space.
+    /// Above it: shaders sample tables for rays from space.
     Outside,
-    /// In it: shaders look into a picture of what the eye sees in each direction, which `AirViewVariant` draws.
+    /// Inside the air: shaders sample the sky view, an image of the air in each direction, which `AirViewVariant` draws.
     Inside,
 }
 
@@ -17,10 +17,10 @@ impl AirSide {
     /// Both sides.
     pub const ALL: [Self; 2] = [Self::Outside, Self::Inside];
 
-    /// No air, and the air on both sides.
+    /// No air, and both sides of the air.
     pub const OR_NONE: [Option<Self>; 3] = [None, Some(Self::Outside), Some(Self::Inside)];
 
-    /// Those that something is drawn from, in air or without.
+    /// The sides that are drawn, with or without air.
     pub(crate) fn of_air(has_air: bool) -> &'static [Option<Self>] {
         match has_air {
             true => &Self::OR_NONE[1..],
@@ -33,16 +33,16 @@ impl AirSide {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct AirPlan {
     pub ring: Billboard,
-    /// The normal of the ellipsoid at the eye.
+    /// The ellipsoid's normal at the eye.
     pub eye_up: DVec3,
-    /// What shaders read of its own light; `None` where none is drawn, or none is in sight.
+    /// Uniforms of airglow; `None` if it is not drawn or not in sight.
     pub glow: Option<GlowUniforms>,
-    /// The same of the aurora.
+    /// Uniforms of the aurora; `None` if it is not drawn or not in sight.
     pub aurora: Option<AuroraUniforms>,
 }
 
 impl AirPlan {
-    /// Where the eye is.
+    /// The side that the eye is on.
     pub fn side(&self) -> AirSide {
         match self.ring.is_inside() {
             true => AirSide::Inside,

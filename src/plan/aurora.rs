@@ -1,4 +1,4 @@
-//! The aurora: where its oval lies at a time, how bright it is, and what shaders read of it.
+//! The aurora: position and brightness of its oval, and its uniforms.
 
 use super::glow::{GREEN_LINE, RED_LINE, shown};
 use bytemuck::{Pod, Zeroable};
@@ -18,27 +18,27 @@ const DIPOLE_NT: [[f64; 4]; 8] = [
     [2025.0, -29_350.0, -1_410.3, 4_545.5],
     [2030.0, -29_287.0, -1_360.3, 4_438.0],
 ];
-/// Year whose pole is taken where no date is known.
+/// Year of the geomagnetic pole if no date is known.
 const USUAL_YEAR: f64 = 2025.0;
 
-/// Geomagnetic latitude of the oval's equatorward boundary at midnight for Kp 0, and how much lower it is for each step of Kp: NOAA's
-/// Space Weather Prediction Center, Tips on Viewing the Aurora.
+/// Geomagnetic latitude of the oval's equatorward boundary at midnight for Kp 0, and its decrease per step of Kp: NOAA's Space Weather Prediction
+/// Center, Tips on Viewing the Aurora.
 const EQUATORWARD_DEG: [f64; 2] = [66.5, 2.04];
-/// The same of the poleward boundary, which moves little (Starkov 1994, Geomagn. Aeron. 34, 36).
+/// Geomagnetic latitude of the poleward boundary, which varies little (Starkov 1994, Geomagn. Aeron. 34, 36).
 const POLEWARD_DEG: f64 = 71.0;
-/// How far the oval's centre lies from the geomagnetic pole, towards midnight: the oval of Feldstein 1963 (Geomagn. Aeron. 3, 183) reaches
-/// 67° at midnight and 77° at noon.
+/// Distance of the oval's centre from the geomagnetic pole, towards midnight: the oval of Feldstein 1963 (Geomagn. Aeron. 3, 183) reaches 67° at
+/// midnight and 77° at noon.
 const CENTER_DEG: f64 = 5.0;
 
-/// Radius that the oval's area is counted at, metres: 110 km up.
+/// Radius at which the oval's area is computed, metres: 110 km altitude.
 const OVAL_RADIUS_M: f64 = 6.481e6;
-/// Zenith emission of the green line for the energy flux of electrons of some keV, about, R for each W/m²: Steele and McEwen 1990
-/// (J. Geophys. Res. 95, 10321) have 1 to 2 kR for each mW/m².
+/// Approximate zenith emission of the green line per energy flux of electrons of some keV, R per W/m²: Steele and McEwen 1990 (J. Geophys. Res. 95,
+/// 10321) give 1 to 2 kR per mW/m².
 const GREEN_R_M2_W: f64 = 1.5e6;
-/// Emission at 630.0 nm for that at 557.7 nm, of electrons of 1 to 2 keV (Rees and Luckey 1974, J. Geophys. Res. 79, 5181).
+/// Ratio of the emission at 630.0 nm to that at 557.7 nm, for electrons of 1 to 2 keV (Rees and Luckey 1974, J. Geophys. Res. 79, 5181).
 const RED_PER_GREEN: f64 = 0.25;
 
-/// Angular frequencies of what moves along the oval, rad/s: folds of curtains drift by some hundred metres a second, rays by a kilometre.
+/// Angular frequencies of structures that drift along the oval, rad/s: folds of curtains at some hundred metres a second, rays at a kilometre.
 const FOLDS_RAD_S: [f64; 4] = [2e-4, -8e-4, 4.1e-3, 2.6e-2];
 const RAYS_RAD_S: [f64; 4] = [0.15, -0.27, 0.51, 0.06];
 
@@ -50,17 +50,17 @@ pub struct AuroraUniforms {
     pub pole: Vec3,
     /// Angle of the oval's poleward boundary from its centre.
     pub inner: f32,
-    /// Unit vector across the pole's, towards the Sun.
+    /// Unit vector perpendicular to the pole's, towards the Sun.
     pub noon: Vec3,
     /// Angle of its equatorward boundary.
     pub outer: f32,
-    /// Mean radiance of the green line seen from straight below, linear sRGB, a white sheet that faces the Sun being 1.
+    /// Mean radiance of the green line from directly below, linear sRGB, relative to a white sheet that faces the Sun.
     pub green: Vec3,
     /// Sine of the angle between the oval's centre and the pole.
     pub center_sin: f32,
-    /// The same of the red line.
+    /// Mean radiance of the red line, likewise.
     pub red: Vec3,
-    /// Its cosine.
+    /// Cosine of that angle.
     pub center_cos: f32,
     /// Phases of the curtains' folds.
     pub folds: Vec4,
@@ -80,7 +80,7 @@ impl AuroraUniforms {
         let green = GREEN_LINE.of_rayleighs(rayleighs);
         let red = RED_LINE.of_rayleighs(RED_PER_GREEN * rayleighs);
         let (center_sin, center_cos) = CENTER_DEG.to_radians().sin_cos();
-        // Phases are taken in f64: seconds since 2000 have no fractions left in f32.
+        // Phases are computed in f64: seconds since 2000 have no fractions left in f32.
         let phases = |rad_s: [f64; 4]| {
             let of = |rad_s: f64| (rad_s * seconds.unwrap_or(0.0)).rem_euclid(TAU) as f32;
             Vec4::from_array(rad_s.map(of))
@@ -112,7 +112,7 @@ struct Oval {
 impl Oval {
     fn new(kp: f64) -> Self {
         let [quiet_deg, per_kp_deg] = EQUATORWARD_DEG;
-        // At midnight, to which the centre is shifted.
+        // At midnight, towards which the centre is shifted.
         let from_center = |lat_deg: f64| (90.0 - lat_deg - CENTER_DEG).to_radians();
         Self {
             inner_rad: from_center(POLEWARD_DEG),
@@ -120,7 +120,7 @@ impl Oval {
         }
     }
 
-    /// Mean zenith emission of the green line: of the power that precipitates on a hemisphere, spread over the oval.
+    /// Mean zenith emission of the green line: from the hemispheric power, spread over the oval.
     fn rayleighs(&self, kp: f64) -> f64 {
         let sphere_m2 = TAU * OVAL_RADIUS_M * OVAL_RADIUS_M;
         let area_m2 = sphere_m2 * (self.inner_rad.cos() - self.outer_rad.cos());
@@ -128,8 +128,8 @@ impl Oval {
     }
 }
 
-/// Power of the electrons that precipitate on a hemisphere, Zhang and Paxton 2008 (J. Atmos. Sol.-Terr. Phys. 70, 1231):
-/// HP = 38.66 exp(0.1967 Kp) − 33.99 GW to Kp 5, and 4.592 exp(0.4731 Kp) + 20.47 GW beyond.
+/// Hemispheric power of precipitating electrons, Zhang and Paxton 2008 (J. Atmos. Sol.-Terr. Phys. 70, 1231): HP = 38.66 exp(0.1967 Kp) − 33.99 GW
+/// to Kp 5, and 4.592 exp(0.4731 Kp) + 20.47 GW beyond.
 fn hemispheric_power_w(kp: f64) -> f64 {
     let gigawatts = if kp <= 5.0 {
         38.66 * (0.1967 * kp).exp() - 33.99
@@ -139,7 +139,7 @@ fn hemispheric_power_w(kp: f64) -> f64 {
     1e9 * gigawatts
 }
 
-/// Unit vector to the northern pole of the centred dipole, ITRF axes; of years outside the table that of its first or last.
+/// Unit vector to the northern pole of the centred dipole, ITRF axes; for a year outside the table, that of its first or last year.
 fn geomagnetic_pole(year: f64) -> DVec3 {
     let first = DIPOLE_NT[0];
     let mut dipole = DVec3::new(first[2], first[3], first[1]);
@@ -186,7 +186,7 @@ mod tests {
             let [less, more] = [&pair[0], &pair[1]].map(|(_, kp)| hemispheric_power_w(*kp));
             assert!(more > less);
         }
-        // A kilorayleigh or two when it is quiet, some tens in a great storm.
+        // One or two kilorayleighs in quiet times, some tens in a great storm.
         let mean = |kp: f64| Oval::new(kp).rayleighs(kp) / 1e3;
         assert!((0.2..2.0).contains(&mean(0.0)), "{}", mean(0.0));
         assert!((2.0..5.0).contains(&mean(3.0)), "{}", mean(3.0));

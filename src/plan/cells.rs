@@ -1,5 +1,5 @@
-//! How the cells of the block sphere are drawn: by day without what shows by night, where it suffices with the air's light interpolated
-//! between their vertices, and then land without sea and open sea without land.
+//! How the cells of the block sphere are lit. In daylight, cells skip the layers of the night, interpolate the air's light between their vertices
+//! if that suffices, and are split into land without sea and open sea without land.
 
 use super::draws::{DrawLight, LISTED_INDICES, SurfaceDraw, block_ranges, whole_range};
 use super::frame::FramePlan;
@@ -10,8 +10,8 @@ use terrella_ground::globe::{Block, BlockGrid};
 use terrella_ground::light::{DisplaySlope, Grade, Tone};
 use terrella_imagery::{GroundKind, GroundKinds};
 
-/// Cells a block edge that most of the air's light can be interpolated in, for an eye above the air: more where they look large, and no
-/// more than the limb needs where their vertices would cost more than is saved.
+/// Number of cells per block edge at which most of the air's light can be interpolated, for an eye above the air: more if cells look large, but no
+/// more than the limb needs if more vertices would cost more than they save.
 pub(crate) fn interpolated_cells(height_m: f64) -> u32 {
     match height_m {
         4e5..3e6 => 48,
@@ -19,30 +19,30 @@ pub(crate) fn interpolated_cells(height_m: f64) -> u32 {
     }
 }
 
-/// Chooses how cells are drawn.
+/// Classifies cells by the light they need.
 pub(crate) struct CellLights {
     tables: Arc<AirTables>,
     limits: InterpolationLimits,
     clouds: Option<(Arc<AirAboveClouds>, InterpolationLimits)>,
     display_slope: DisplaySlope,
-    /// For each vertex of a block what is enough about it.
+    /// For each vertex of a block, the light that suffices there.
     enough: Vec<DrawLight>,
-    /// For each of its cells how it is drawn.
+    /// For each of its cells, how it is drawn.
     drawn: Vec<DrawLight>,
 }
 
-/// What lights the cells of a frame.
+/// Light on the cells of a frame.
 pub(crate) struct CellLight {
     /// Unit vector to the Sun, ITRF axes.
     pub sun_itrf: Vec3,
-    /// What light is multiplied by before it is shown.
+    /// Exposure factor of light before display.
     pub exposure: f32,
-    /// Sine of the Sun's elevation above which nothing shows that shows by night.
+    /// Sine of the Sun's elevation above which layers of the night are invisible.
     pub day_sin: f32,
 }
 
 impl CellLight {
-    /// What is enough about a vertex.
+    /// The light that suffices at a vertex.
     fn at_vertex(
         &self,
         (of_ground, of_clouds): (&InterpolationLimits, Option<&InterpolationLimits>),
@@ -67,7 +67,7 @@ impl CellLight {
 }
 
 impl CellLights {
-    /// For light through this air, and that above clouds where there are some, which is shown by this curve after this grade.
+    /// For light through this air, and the air above clouds if there are some, displayed with this curve and grade.
     pub fn new(
         tables: Arc<AirTables>,
         clouds: Option<Arc<AirAboveClouds>>,
@@ -87,8 +87,8 @@ impl CellLights {
         }
     }
 
-    /// Lists the draws of a plan's blocks, whose vertices are placed. Of cells of one kind of ground, where `kinds` are known, it lists
-    /// them as such. Allocates nothing.
+    /// Lists the draws of a plan's blocks, whose vertices have been placed. Cells with only one kind of ground are listed as such if `kinds` is
+    /// known. Allocates nothing.
     pub fn list(
         &mut self,
         grid: &BlockGrid,
@@ -156,7 +156,7 @@ impl CellLights {
     }
 }
 
-/// Finds the normals of vertices.
+/// Computes the normals of vertices.
 struct VertexPlace {
     eye_itrf_m: Vec3,
     /// a²/a², a²/a², a²/b².
@@ -174,22 +174,22 @@ struct BlockDraws<'a> {
     grid: &'a BlockGrid,
     block: Block,
     key: u64,
-    /// How its cells are drawn, row by row.
+    /// The class of each of its cells, row by row.
     cells: &'a [DrawLight],
 }
 
 impl BlockDraws<'_> {
-    /// How all of it can be drawn at once.
+    /// The class for drawing the whole block at once.
     fn common(&self) -> DrawLight {
         let first = self.cells.first().copied();
         let alike = first.filter(|first| self.cells.iter().all(|cell| cell == first));
         let least = self.cells.iter().copied().min();
-        // Land is not sea: together they are neither.
+        // A block of land and open sea is neither.
         let least = least.map(|least| least.min(DrawLight::Interpolated));
         alike.or(least).unwrap_or(DrawLight::Everything)
     }
 
-    /// Lists the cells of a block whose cells are not all alike, if there is room for so many indices. Answers whether it did.
+    /// Lists the cells of a block with several classes, if there is room for so many indices. Returns whether it did.
     fn list_cells(&self, room: usize, cells: &mut Vec<u16>, draws: &mut Vec<SurfaceDraw>) -> bool {
         let n = self.grid.subdivision();
         let are_alike = self.cells.windows(2).all(|pair| pair[0] == pair[1]);

@@ -1,46 +1,46 @@
-//! The draws of the surface, and what they cost.
+//! The draws of the surface, and their cost.
 
 use std::ops::Range;
 use terrella_ground::globe::{BLOCK_COUNT, Block, BlockGrid, BlockRow};
 
-/// In place of a block's index: drawn with whole maps.
+/// Replaces a block's index: drawn with whole maps.
 pub(crate) const WHOLE_MAP: u32 = 2 * BLOCK_COUNT;
-/// With a block's index added: as much of what lies in several blocks as lies in that one, drawn with its tiles.
+/// Added to a block's index: of triangles that span several blocks, draws only the part inside this block, with its tiles.
 pub(crate) const PER_BLOCK_TILES: u32 = BLOCK_COUNT;
 
-/// Most indices that are listed cell by cell; blocks beyond are drawn whole.
+/// Limit of indices that are listed cell by cell; further blocks are drawn whole.
 pub(crate) const LISTED_INDICES: usize = 6 * 48 * 48 * 16;
 
 /// One indexed draw of the surface.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(not(feature = "terrain"), allow(dead_code))]
 pub(crate) struct SurfaceDraw {
-    /// The patch of ground that it is of, by its key; where there are none, the place of its block among those of the plan.
+    /// Key of its terrain patch; without terrain, the position of its block in the plan.
     pub patch: u64,
     /// Its triangles, three indices each.
     pub indices: Range<u32>,
-    /// Whether these stand among [`super::FramePlan::cells`], and not among those of the mesh.
+    /// Whether these indices are in [`super::FramePlan::cells`] instead of the mesh.
     pub is_listed: bool,
-    /// How much its light needs.
+    /// The light that it needs.
     pub light: DrawLight,
-    /// Whose tiles it is drawn with, as shaders count: a block by its index, [`PER_BLOCK_TILES`] and that, or [`WHOLE_MAP`].
+    /// Imagery, as shaders encode it: a block's index, [`PER_BLOCK_TILES`] plus that, or [`WHOLE_MAP`].
     pub drawn_as: u32,
     /// The block whose maps are bound; `None` for whole maps.
     pub block: Option<Block>,
 }
 
-/// How much the light of a draw needs; the least of two serves both.
+/// The light that a draw needs; the lesser of two values serves both draws.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum DrawLight {
-    /// All that there is, by day and by night.
+    /// All layers, by day and by night.
     Everything,
-    /// Nothing that shows by night alone.
+    /// Without layers that are visible only at night.
     Daylit,
-    /// By day, and the air's light may be interpolated between vertices.
+    /// In daylight, and the air's light may be interpolated between vertices.
     Interpolated,
-    /// The same where there is nothing but land.
+    /// As `Interpolated`, where there is only land.
     Land,
-    /// The same where there is nothing but open sea.
+    /// As `Interpolated`, where there is only open sea.
     OpenSea,
 }
 
@@ -61,7 +61,7 @@ pub(crate) struct DrawCosts {
     pub triangles: u32,
 }
 
-/// Where the triangles of northern, middle and southern blocks stand among the indices of a grid: in this order, none between them.
+/// Index ranges of the triangles of northern, middle and southern blocks in a grid: contiguous, in this order.
 pub(super) fn block_ranges(grid: &BlockGrid) -> [Range<u32>; 3] {
     let mut end = 0;
     [BlockRow::North, BlockRow::Middle, BlockRow::South].map(|kind| {
@@ -71,7 +71,7 @@ pub(super) fn block_ranges(grid: &BlockGrid) -> [Range<u32>; 3] {
     })
 }
 
-/// The triangles of a whole block, of these ranges.
+/// The triangles of a whole block, from these ranges.
 pub(super) fn whole_range(ranges: &[Range<u32>; 3], block: Block) -> Range<u32> {
     let [north, middle, south] = ranges;
     match block.kind() {

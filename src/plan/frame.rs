@@ -1,4 +1,4 @@
-//! All that a frame draws.
+//! The content of a frame.
 
 use super::{AirPlan, DrawCosts, DrawLight, FrameUniforms, LISTED_INDICES, SurfaceDraw};
 use bytemuck::Zeroable;
@@ -10,16 +10,16 @@ use terrella_imagery::CITY_CELLS;
 use terrella_imagery::residency::{PartTables, ResidentTile};
 use terrella_imagery::tile::MAP_LAYERS;
 
-/// Of the rectangle that the air's own light is drawn in.
+/// Triangles of the rectangle for airglow and aurora.
 const GLOW_TRIANGLES: u32 = 2;
 
-/// Of the rectangle that a point of city lights is drawn in.
+/// Triangles of the rectangle for a city light.
 const POINT_TRIANGLES: u32 = 2;
 
 /// The tiles that a block is drawn with, by [`terrella_imagery::tile::MapLayer::index`]; `None` is the whole map.
 pub(crate) type BlockTiles = [Option<ResidentTile>; MAP_LAYERS];
 
-/// What the blocks in sight are drawn with, and parts of them.
+/// Tiles of the blocks in sight and of their parts.
 #[derive(Default)]
 pub(crate) struct ChosenTiles {
     pub blocks: Vec<(Block, BlockTiles)>,
@@ -27,7 +27,7 @@ pub(crate) struct ChosenTiles {
 }
 
 impl ChosenTiles {
-    /// The blocks that have tiles, of whatever map.
+    /// The blocks that have a tile of any map.
     pub fn tiled(&self) -> BlockSet {
         let mut tiled = BlockSet::default();
         for (block, tiles) in &self.blocks {
@@ -39,48 +39,48 @@ impl ChosenTiles {
     }
 }
 
-/// All that a frame draws but the vertices of terrain: these stay with the surface that made them.
+/// The content of a frame, except the vertices of terrain, which stay with their surface.
 ///
-/// One plan serves all frames, so that its lists keep their memory.
+/// One plan is reused for all frames, so that its lists keep their capacity.
 pub(crate) struct FramePlan {
     /// The figure of the Earth.
     pub ellipsoid: Ellipsoid,
     pub eye_itrf_m: DVec3,
-    /// What all shaders of the Earth read of a frame.
+    /// Uniforms of the frame, for all shaders of the Earth.
     pub uniforms: FrameUniforms,
-    /// The mesh that blocks are drawn with: its place among [`terrella_ground::globe::Meshes::grids`].
+    /// Index of the blocks' mesh in [`terrella_ground::globe::Meshes::grids`].
     pub mesh: usize,
-    /// The blocks in sight, in the order in which they are drawn.
+    /// The blocks in sight, in drawing order.
     pub blocks: Vec<Block>,
-    /// Their vertices from the eye, ITRF axes, metres: (n + 1)² a block, row by row. None where there is terrain.
+    /// Their vertices relative to the eye, ITRF axes, metres: (n + 1)² a block, row by row. Empty with terrain.
     pub vertices: Vec<Vec3>,
-    /// Indices of the cells of blocks that are not drawn alike everywhere.
+    /// Indices of the cells of blocks whose cells are drawn in several ways.
     pub cells: Vec<u16>,
-    /// The draws of the surface, in their order.
+    /// The draws of the surface, in order.
     pub draws: Vec<SurfaceDraw>,
     /// The city lights that may be lit and in sight.
     pub city_lights: Vec<CityDraw>,
-    /// The blocks on which the Sun stands above the horizon everywhere: no lamp is lit there.
+    /// The blocks where the Sun is above the horizon everywhere: no lamp is lit there.
     pub daylit: BlockSet,
     /// Whether the Moon's shadow may be in view.
     pub has_moon_shadow: bool,
-    /// Whether the eye is below the clouds, or so near above that they are seen from below too.
+    /// Whether the eye is below the clouds, or so little above that they are also visible from below.
     pub is_below_clouds: bool,
-    /// The ring that carries the air's halo; `None` without air.
+    /// The billboard of the air's halo; `None` without air.
     pub air: Option<AirPlan>,
 }
 
 /// City lights of a cell.
 #[derive(Clone, Debug)]
 pub struct CityDraw {
-    /// Number of the cell.
+    /// Index of the cell.
     pub cell: usize,
     /// Which of its points.
     pub points: Range<u32>,
 }
 
 impl FramePlan {
-    /// A plan that draws nothing, with room for so many vertices.
+    /// An empty plan with capacity for so many vertices.
     pub fn new(ellipsoid: Ellipsoid, vertices: usize) -> Self {
         Self {
             ellipsoid,
@@ -99,7 +99,7 @@ impl FramePlan {
         }
     }
 
-    /// Draws nothing until it is filled again; keeps the lists' memory.
+    /// Empties the plan; keeps the capacity of its lists.
     pub fn clear(&mut self) {
         self.blocks.clear();
         self.vertices.clear();
@@ -141,7 +141,7 @@ impl FramePlan {
         }
     }
 
-    /// Subtracts the eye from every vertex of the blocks in sight, in f64, those beyond the limb lifted to it.
+    /// Computes the vertices of the blocks in sight relative to the eye, in f64. Vertices beyond the limb are lifted to it.
     pub fn place_vertices(&mut self, grid: &BlockGrid) {
         let cone = TangentCone::new(self.eye_itrf_m, &self.ellipsoid);
         self.vertices.clear();

@@ -1,4 +1,4 @@
-//! The light that the upper air emits at night: its layers, and what shaders read of it.
+//! Airglow, the light that the upper air emits at night: its layers, and its uniforms.
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec3, Vec4};
@@ -10,7 +10,7 @@ pub(super) struct Line {
     wavelength_nm: f64,
     /// CIE 1931 2° colour-matching functions at this wavelength.
     xyz: [f64; 3],
-    /// Column emission of the layer, seen from straight below.
+    /// Column emission of the layer, seen from directly below.
     rayleighs: f64,
 }
 
@@ -23,7 +23,7 @@ const fn line(wavelength_nm: f64, xyz: [f64; 3], rayleighs: f64) -> Line {
 }
 
 impl Line {
-    /// The same of another column emission.
+    /// The same line with another column emission.
     pub(super) const fn of_rayleighs(&self, rayleighs: f64) -> Self {
         line(self.wavelength_nm, self.xyz, rayleighs)
     }
@@ -31,9 +31,8 @@ impl Line {
 
 /// Atomic oxygen, ¹S to ¹D: 250 R on a usual night (Leinert et al. 1998, Astron. Astrophys. Suppl. 127, 1).
 pub(super) const GREEN_LINE: Line = line(557.7, [0.5566, 0.9978, 0.0046], 250.0);
-/// Sodium's doublet, 50 R (Leinert et al. 1998), and those Meinel bands of OH that the eye sees, 8–2, 9–3 and 6–1. The bands' emission is
-/// good to a factor of two: it is that of Khomich, Semenov and Shefov 2008 (Airglow as an Indicator of Upper Atmospheric Structure and
-/// Dynamics), rounded.
+/// Sodium's doublet, 50 R (Leinert et al. 1998), and the visible Meinel bands of OH, 8–2, 9–3 and 6–1. The bands' emission is uncertain by a factor
+/// of two: it is that of Khomich, Semenov and Shefov 2008 (Airglow as an Indicator of Upper Atmospheric Structure and Dynamics), rounded.
 const SODIUM_AND_HYDROXYL: [Line; 4] = [
     line(589.3, [1.0196, 0.7653, 0.0011], 50.0),
     line(588.6, [1.0134, 0.7738, 0.0012], 25.0),
@@ -44,43 +43,43 @@ const SODIUM_AND_HYDROXYL: [Line; 4] = [
 pub(super) const RED_LINE: Line = line(630.0, [0.6424, 0.2650, 0.0], 60.0);
 const OXYGEN_RED: [Line; 2] = [RED_LINE, line(636.4, [0.5156, 0.2052, 0.0], 20.0)];
 
-/// Radiances of the layers seen from straight below, linear sRGB, a white sheet that faces the Sun in space being 1.
+/// Radiances of the layers seen from directly below, linear sRGB, relative to a white sheet that faces the Sun in space.
 pub(crate) const GREEN_LIGHT: DVec3 = shown(&[GREEN_LINE]);
 pub(crate) const LOW_LIGHT: DVec3 = shown(&SODIUM_AND_HYDROXYL);
 pub(crate) const RED_LIGHT: DVec3 = shown(&OXYGEN_RED);
 
-/// Heights of the layers' middles, metres: sodium at 90 km and OH at 87 km taken as one layer; green oxygen; red oxygen.
+/// Heights of the layers' centres, metres: sodium at 90 km and OH at 87 km combined into one layer; green oxygen; red oxygen.
 const HEIGHTS_M: [f64; 3] = [88e3, 98e3, 250e3];
 /// Full widths at half maximum, metres. Sodium and OH: Baker and Stair 1988 (Phys. Scr. 37, 611) have 8.6 km for OH alone.
 const WIDTHS_M: [f64; 3] = [10e3, 9e3, 70e3];
 /// Full width at half maximum of a Gaussian, standard deviations.
 const WIDTH_PER_SIGMA: f64 = 2.354_82;
 
-/// The same in equatorial radii.
+/// Heights of the layers' centres, equatorial radii.
 pub(crate) const LAYER_HEIGHTS: DVec3 = DVec3::new(
     HEIGHTS_M[0] / RADIUS_M,
     HEIGHTS_M[1] / RADIUS_M,
     HEIGHTS_M[2] / RADIUS_M,
 );
-/// Standard deviations of their emission by height, equatorial radii.
+/// Standard deviations of their vertical profiles, equatorial radii.
 pub(crate) const LAYER_SIGMAS: DVec3 = DVec3::new(
     WIDTHS_M[0] / WIDTH_PER_SIGMA / RADIUS_M,
     WIDTHS_M[1] / WIDTH_PER_SIGMA / RADIUS_M,
     WIDTHS_M[2] / WIDTH_PER_SIGMA / RADIUS_M,
 );
-/// Height above which nothing glows, equatorial radii.
+/// Height of the top of airglow and aurora, equatorial radii.
 pub(crate) const GLOW_TOP: f64 = 400e3 / RADIUS_M;
-/// Height below which nothing glows, metres.
+/// Height of the base of airglow and aurora, metres.
 pub(crate) const GLOW_BASE_M: f64 = 75e3;
 
-/// Sine of the Sun's elevation below which all of the glow is seen, −12°.
+/// Sine of the Sun's elevation below which the glow is fully visible, −12°.
 pub(crate) const GLOW_NIGHT_SIN: f64 = -0.207_912;
 /// Sine of the Sun's elevation above which twilight outshines it, −6°.
 pub(crate) const GLOW_DAY_SIN: f64 = -0.104_528_463;
 
-/// Luminance of the airglow seen from straight below, that of a white sheet that faces the Sun in space being 1: of its lines at 557.7,
-/// 589.3, 630.0 and 636.4 nm and of three bands of OH. More than half of it is the green line of atomic oxygen at 557.7 nm: 250 R, that is
-/// 250e10/4π photons of 3.56e-19 J for each m², second and steradian, 4.8e-5 cd/m².
+/// Luminance of the airglow seen from directly below, relative to a white sheet that faces the Sun in space: of its lines at 557.7, 589.3, 630.0
+/// and 636.4 nm and of three bands of OH. More than half of it is the green line of atomic oxygen at 557.7 nm: 250 R, that is 250e10/4π photons of
+/// 3.56e-19 J for each m², second and steradian, 4.8e-5 cd/m².
 pub const AIRGLOW_LUMINANCE: f64 =
     luminance(GREEN_LIGHT) + luminance(LOW_LIGHT) + luminance(RED_LIGHT);
 
@@ -88,7 +87,7 @@ const fn luminance(light: DVec3) -> f64 {
     LUMINANCE.x * light.x + LUMINANCE.y * light.y + LUMINANCE.z * light.z
 }
 
-/// Radiance of lines seen from straight below, linear sRGB, a white sheet that faces the Sun in space being 1.
+/// Radiance of lines seen from directly below, linear sRGB, relative to a white sheet that faces the Sun in space.
 pub(super) const fn shown(lines: &[Line]) -> DVec3 {
     // Planck's constant times the speed of light, J m.
     const PHOTON_J_M: f64 = 1.986_446e-25;
@@ -108,7 +107,7 @@ pub(super) const fn shown(lines: &[Line]) -> DVec3 {
         z += part * line.xyz[2];
         n += 1;
     }
-    // XYZ to linear sRGB, IEC 61966-2-1. A pure line lies outside: what is less than none is none, and the luminance stays.
+    // XYZ to linear sRGB, IEC 61966-2-1. A pure line is out of gamut: negative values are clamped to zero, and the luminance is kept.
     let r = at_least_none(3.2406 * x - 1.5372 * y - 0.4986 * z);
     let g = at_least_none(-0.9689 * x + 1.8758 * y + 0.0415 * z);
     let b = at_least_none(0.0557 * x - 0.2040 * y + 1.0570 * z);
@@ -120,9 +119,9 @@ const fn at_least_none(value: f64) -> f64 {
     if value > 0.0 { value } else { 0.0 }
 }
 
-/// The parts of the layers' columns that lie beneath an eye at this height, equatorial radii.
+/// The fractions of the layers' columns below an eye at this height, equatorial radii.
 pub(crate) fn beneath(eye_height: f64) -> DVec3 {
-    // The logistic approximation of the normal distribution, good to 0.01.
+    // Logistic approximation of the normal distribution, accurate to 0.01.
     let sigmas = (DVec3::splat(eye_height) - LAYER_HEIGHTS) / LAYER_SIGMAS;
     1.0 / (1.0 + (-1.702 * sigmas).exp())
 }
@@ -131,23 +130,23 @@ pub(crate) fn beneath(eye_height: f64) -> DVec3 {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct GlowUniforms {
-    /// The ray through the picture's upper left corner, to the plane one metre in front of the eye; the billboard's axes in scaled space.
+    /// The ray through the image's upper left corner, to the plane one metre in front of the eye; the billboard's axes in scaled space.
     pub corner: Vec3,
-    /// Depth to be drawn at.
+    /// Depth at which it is drawn.
     pub depth: f32,
-    /// What it changes by to the upper right corner.
+    /// Increment to the upper right corner.
     pub across: Vec3,
-    /// How many times brighter than in truth the night is drawn.
+    /// Brightness of the night relative to the true one.
     pub gain: f32,
-    /// What it changes by to the lower left corner.
+    /// Increment to the lower left corner.
     pub down: Vec3,
     /// L² − 1 of the eye's distance L from the centre in scaled space, without cancellation.
     pub above: f32,
-    /// The parts of the airglow's layers that lie beneath the eye.
+    /// The fractions of the airglow's layers below the eye.
     pub beneath: Vec3,
-    /// Fills the row.
+    /// Pads the row.
     pub padding_b: f32,
-    /// Where on screen there may be glow: least x and y, greatest x and y, −1…1.
+    /// Bounds of the glow on screen: least x and y, greatest x and y, −1…1.
     pub bounds: Vec4,
 }
 

@@ -10,33 +10,33 @@ use terrella_ground::globe::{
     patch_ranges,
 };
 
-/// Indices of the faces of the prism that a page of contours is drawn by.
+/// Indices of the faces of a page's prism, for ray-cast contours.
 pub(crate) const PRISM_INDICES: u32 = 36;
 
-/// Frames that the ranges of a patch out of sight are kept for.
+/// Number of frames for which the ranges of a patch out of sight are kept.
 const KEPT_FRAMES: u64 = 120;
 
-/// Lists the draws of one surface, and keeps what it finds out of triangles that lie in several blocks.
+/// Lists the draws of one surface, and caches the index ranges of triangles that span several blocks.
 #[derive(Default)]
 pub(crate) struct GroundDraws {
-    /// By the keys of patches.
+    /// Ranges by key of the patch.
     patches: HashMap<u64, PatchRanges>,
     grid: Vec<IndexRange>,
-    /// The revision that those were found for.
+    /// Revision of the grid that its ranges were computed for.
     grid_revision: Option<u64>,
     frame: u64,
 }
 
 struct PatchRanges {
     ranges: Vec<IndexRange>,
-    /// The revision and triangles that they were found for.
+    /// Revision and triangles that the ranges were computed for.
     revision: u64,
     triangles: Arc<TriangleList>,
     used: u64,
 }
 
 impl GroundDraws {
-    /// Lists what the last view of a surface draws. `tiled` are the blocks that have tiles, where triangles lie in several.
+    /// Lists the draws of the last view of a surface. `tiled` has the blocks with tiles, if triangles span several blocks.
     pub fn list(
         &mut self,
         surface: &dyn Surface,
@@ -86,7 +86,7 @@ impl GroundDraws {
         }
     }
 
-    /// Draws a patch once, or once for each block that it lies in and that has tiles, and for the others together.
+    /// Draws a patch once, or once for each of its blocks that has tiles and once for all others.
     fn draw_patch(
         &mut self,
         patch: &Patch,
@@ -126,7 +126,7 @@ impl GroundDraws {
     }
 }
 
-/// Draws triangles that lie in several blocks where some of these have tiles.
+/// Draws triangles that span several blocks, some of which have tiles.
 fn draw_ranges(patch: u64, ranges: &[IndexRange], tiled: BlockSet, draws: &mut Vec<SurfaceDraw>) {
     let mut draw = |drawn_as: u32, block: Option<Block>, indices: Range<u32>| {
         draws.push(SurfaceDraw {

@@ -1,13 +1,13 @@
-//! What a device allows.
+//! Limits of a device.
 
-/// What a device allows, as far as it decides in what form terrain is drawn.
+/// The limits of a device that determine how terrain is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DeviceLimits {
     /// Longest side of a texture, texels.
     pub texture_side: u32,
-    /// Most bytes of uniforms in a binding.
+    /// Largest uniform binding, bytes.
     pub uniform_bytes: u64,
-    /// Most bytes of a storage buffer that fragment shaders read; 0 where they read none.
+    /// Largest storage buffer for fragment shaders, bytes; 0 if they cannot read any.
     pub storage_bytes: u64,
     /// Bindings in a bind group.
     pub bindings: u32,

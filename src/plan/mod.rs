@@ -1,16 +1,16 @@
-//! What a frame draws, as plain values: planned by code that knows no GPU, read by the drawables, which return nothing to it.
+//! The content of a frame as plain values: planned by code without a GPU, and read by the drawables, which return nothing to it.
 //!
-//! | file | what |
+//! | file | content |
 //! |---|---|
-//! | `frame.rs` | all that a frame draws |
-//! | `draws.rs` | the draws of its surface; `ground_draws.rs`, where that has relief |
+//! | `frame.rs` | the content of a frame |
+//! | `draws.rs` | the draws of its surface; `ground_draws.rs` for terrain |
 //! | `cells.rs` | how cells of the block sphere are lit |
 //! | `air.rs` | its air |
-//! | `aurora.rs` | the aurora: where it lies and how bright it is |
-//! | `glow.rs` | the light that the air emits at night |
-//! | `surface_light.rs` | what of the light on the surface can be chosen, and as shaders read it |
-//! | `limits.rs` | what a device allows |
-//! | `uniforms.rs` | the structs that shaders read |
+//! | `aurora.rs` | the aurora: its position and brightness |
+//! | `glow.rs` | airglow |
+//! | `surface_light.rs` | options of the light on the surface, and their uniforms |
+//! | `limits.rs` | limits of a device |
+//! | `uniforms.rs` | uniform structs |
 
 mod air;
 mod aurora;

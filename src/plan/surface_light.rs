@@ -1,13 +1,13 @@
-//! What of the light on the surface can be chosen.
+//! Options of the light on the surface.
 
 use bytemuck::{Pod, Zeroable};
 use std::ops::RangeInclusive;
 use terrella_imagery::SLOPE_EXAGGERATION;
 
-/// What of the light on the surface can be chosen, with [`terrella_ground::globe::Shading::Sunlit`]. What belongs to a map that the Earth is made
-/// without does nothing.
+/// Options of the light on the surface, with [`terrella_ground::globe::Shading::Sunlit`]. Options that belong to a map have no effect if the Earth
+/// is made without it.
 ///
-/// With the feature `serde` it is read and written under the names of its fields; what is left out is the default.
+/// With the feature `serde` it is read and written under the names of its fields. A missing field has its default.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "serde",
@@ -15,40 +15,38 @@ use terrella_imagery::SLOPE_EXAGGERATION;
     serde(default, deny_unknown_fields)
 )]
 pub struct SurfaceLight {
-    /// Wind over the sea, metres a second at 12.5 m height, 0…30. By Cox and Munk 1954 the mean square slope of the waves
-    /// that mirror the Sun is 0.003 + 0.00512 W; foam covers 2.95e-6 W^3.52 of the sea (Monahan and O'Muircheartaigh 1980).
+    /// Wind over the sea, metres a second at 12.5 m height, 0…30. By Cox and Munk 1954 the mean square slope of the waves that reflect the Sun is
+    /// 0.003 + 0.00512 W; foam covers 2.95e-6 W^3.52 of the sea (Monahan and O'Muircheartaigh 1980).
     pub wind_m_s: f64,
-    /// How many times steeper than the truth the normal map's slopes are lit, 0…20; 1 is true. The map is taken to be
-    /// stored [`SLOPE_EXAGGERATION`] times too steep, as [`terrella_imagery::load_layers`] and packs do; for one that is stored
-    /// otherwise, multiply.
+    /// Exaggeration of the normal map's slopes in shading, 0…20; 1 is true. The map is assumed to be stored [`SLOPE_EXAGGERATION`] times too steep,
+    /// as [`terrella_imagery::load_layers`] and packs do. For a map stored otherwise, scale the value.
     pub relief_exaggeration: f64,
     /// Height of the cloud layer, metres, 100…20 000.
     pub cloud_height_m: f64,
-    /// How far the tops of the thickest clouds rise over their thinnest edges, metres, 0…20 000.
+    /// Height of the tops of the thickest clouds above their thinnest edges, metres, 0…20 000.
     pub cloud_relief_m: f64,
-    /// Whether clouds throw shadows on the ground: one more look at their map for each pixel.
+    /// Whether clouds cast shadows on the ground: one more texture sample for each pixel.
     pub cloud_shadows: bool,
-    /// Whether what is smaller than the maps' texels is made up: how clouds, coasts, land and city lights are spread within them.
-    /// It is fixed to the ground and leaves the maps' means about as they are, but it is not what is there: leave it off where a
-    /// picture is measured.
+    /// Whether synthetic detail is added below the maps' texel size: the distribution of clouds, coasts, land and city lights within texels. It is
+    /// fixed to the ground and approximately preserves the maps' means, but it is not data: leave it off for measurements.
     pub detail: bool,
-    /// Whether land and clouds reflect more light to some sides than to others: back to the Sun, where shadows hide, and from clouds
-    /// forward at a low Sun. Without, they are Lambertian. Over all directions the light is the same.
+    /// Whether the reflectance of land and clouds depends on direction: more light goes back to the Sun, where shadows are hidden, and clouds
+    /// scatter forward at a low Sun. Otherwise they are Lambertian. The light over all directions is the same.
     pub directional_reflectance: bool,
-    /// Whether the Moon lights the Earth, by its phase: its land, sea and clouds, and the air.
+    /// Whether the Moon lights land, sea, clouds and air, according to its phase.
     pub moonlight: bool,
-    /// Whether the Moon's shadow falls on ground, clouds and air. Frames that it is not in draw without it.
+    /// Whether the Moon's shadow falls on ground, clouds and air. Frames without the shadow are drawn without its cost.
     pub eclipses: bool,
-    /// Whether the air glows by itself at night: see [`AIRGLOW_LUMINANCE`](super::AIRGLOW_LUMINANCE).
+    /// Whether airglow is drawn at night: see [`AIRGLOW_LUMINANCE`](super::AIRGLOW_LUMINANCE).
     pub airglow: bool,
-    /// Planetary index of geomagnetic activity, 0…9: where the aurora is by night, and how bright it is; `None` draws none.
+    /// Planetary index of geomagnetic activity, 0…9, which sets position and brightness of the aurora; `None` draws none.
     pub kp: Option<f64>,
-    /// How many times brighter than in truth the lights of the night are, 0…1e6: those of cities, of the Moon and of the air
-    /// alike. In truth the brightest cities are some 4e-6 of a white sheet in sunlight (see [`CITY_RADIANCE`]) and twice as
-    /// bright as one in the light of the full Moon: nothing shows of them in a picture exposed for daylight.
+    /// Brightness of night lights relative to the true one, 0…1e6: of cities, Moon and airglow alike. The true radiance of the brightest cities is
+    /// some 4e-6 of a white sheet in sunlight (see [`CITY_RADIANCE`]), twice that of one in the light of the full Moon. In an image exposed for
+    /// daylight they are invisible.
     pub night_gain: f64,
-    /// Whether that gain falls to 1, the truth, where a picture shows sunlit ground or air, as a camera that is exposed for daylight shows
-    /// no lamp. The exposure itself has no part in it: a fixed one too shows what the Sun lights at one brightness by day and by night.
+    /// Whether that gain falls to 1 in images of sunlit ground or air: a camera exposed for daylight shows no lamps. This is independent of the
+    /// exposure: a fixed exposure also shows sunlit objects equally bright by day and by night.
     pub night_fades_by_day: bool,
 }
 
@@ -61,7 +59,7 @@ macro_rules! effects {
         }
 
         impl LightEffect {
-            /// All of them.
+            /// All effects.
             pub const ALL: &[Self] = &[$(Self::$effect),*];
 
             /// The name of its field, its key in scenes and its condition in shaders.
@@ -73,7 +71,7 @@ macro_rules! effects {
         }
 
         impl SurfaceLight {
-            /// Those that are on.
+            /// The effects that are on.
             pub fn effects(&self) -> LightEffects {
                 let mut on = LightEffects::NONE;
                 $(if self.$field {
@@ -82,7 +80,7 @@ macro_rules! effects {
                 on
             }
 
-            /// Switches one on or off.
+            /// Switches an effect on or off.
             pub fn set_effect(&mut self, effect: LightEffect, is_on: bool) {
                 match effect {
                     $(LightEffect::$effect => self.$field = is_on),*
@@ -108,7 +106,7 @@ effects! {
 }
 
 impl LightEffect {
-    /// Those that every pixel of the surface is drawn with, or without. An eclipse is in few frames, and airglow above.
+    /// The effects of the surface's shader variants. An eclipse is in few frames, and airglow is above the surface.
     pub const OF_SURFACE: &[Self] = &[
         Self::CloudShadows,
         Self::Detail,
@@ -124,7 +122,7 @@ pub struct LightEffects(u32);
 impl LightEffects {
     pub const NONE: Self = Self(0);
 
-    /// The set of these.
+    /// The set of these effects.
     pub const fn of(effects: &[LightEffect]) -> Self {
         let (mut set, mut i) = (Self::NONE, 0);
         while i < effects.len() {
@@ -134,12 +132,12 @@ impl LightEffects {
         set
     }
 
-    /// Whether one is in it.
+    /// Whether the set has an effect.
     pub const fn has(self, effect: LightEffect) -> bool {
         self.0 >> effect as u32 & 1 == 1
     }
 
-    /// With one more.
+    /// The set with one more effect.
     pub const fn with(self, effect: LightEffect) -> Self {
         Self(self.0 | 1 << effect as u32)
     }
@@ -148,20 +146,20 @@ impl LightEffects {
         Self(self.0 & !(1 << effect as u32))
     }
 
-    /// Those that are in both.
+    /// The effects in both sets.
     pub const fn and(self, other: Self) -> Self {
         Self(self.0 & other.0)
     }
 }
 
-/// Radiance of the brightest texels of the night map, a white sheet that faces the Sun in space being 1.
-///
-/// How far above and below the clouds an eye still sees them from both sides, metres, at most.
+/// Largest height above or below the clouds at which an eye still sees them from both sides, metres.
 const CLOUD_FADE_M: f64 = 200.0;
 
-/// The Day/Night Band of VIIRS (0.5 to 0.9 µm) finds 50 to 150 nW/(cm² sr) over the hearts of large cities at the scale of
-/// some kilometres (Miller et al. 2013, Remote Sens. 5, 6717; Elvidge et al. 2017, Int. J. Remote Sens. 38, 5860), here 80,
-/// that is 8e-4 W/(m² sr). In that band the Sun gives some 620 W/m², and a white sheet 620/π = 197 W/(m² sr).
+/// Radiance of the brightest texels of the night map, relative to a white sheet that faces the Sun in space.
+///
+/// The Day/Night Band of VIIRS (0.5 to 0.9 µm) measures 50 to 150 nW/(cm² sr) over the centres of large cities at a scale of some kilometres
+/// (Miller et al. 2013, Remote Sens. 5, 6717; Elvidge et al. 2017, Int. J. Remote Sens. 38, 5860); we use 80, that is 8e-4 W/(m² sr). In that band
+/// the Sun's irradiance is some 620 W/m², and the radiance of a white sheet 620/π = 197 W/(m² sr).
 pub const CITY_RADIANCE: f64 = 4.1e-6;
 
 /// Equatorial radius that altitudes of clouds count from, metres.
@@ -176,7 +174,7 @@ impl Default for SurfaceLight {
 }
 
 impl SurfaceLight {
-    /// A steady breeze, true slopes, clouds at 6 km, made-up detail, directional reflectance, and city lights that show at a daylight
+    /// A steady breeze, true slopes, clouds at 6 km, synthetic detail, directional reflectance, and city lights that are visible at a daylight
     /// exposure.
     pub const DEFAULT: Self = Self {
         wind_m_s: 7.0,
@@ -194,7 +192,7 @@ impl SurfaceLight {
         night_fades_by_day: true,
     };
 
-    /// The same without any effect: Lambertian, and only what the maps show, with one gain for all views. To measure by.
+    /// The default without any effect: Lambertian, without synthetic detail, and with one gain for all views. For measurements.
     pub const PLAIN: Self = Self {
         detail: false,
         directional_reflectance: false,
@@ -202,22 +200,22 @@ impl SurfaceLight {
         ..Self::DEFAULT
     };
 
-    /// Of [`Self::wind_m_s`].
+    /// Range of [`Self::wind_m_s`].
     pub const WIND_M_S: RangeInclusive<f64> = 0.0..=30.0;
-    /// Of [`Self::relief_exaggeration`].
+    /// Range of [`Self::relief_exaggeration`].
     pub const RELIEF_EXAGGERATION: RangeInclusive<f64> = 0.0..=20.0;
-    /// Of [`Self::cloud_height_m`].
+    /// Range of [`Self::cloud_height_m`].
     pub const CLOUD_HEIGHT_M: RangeInclusive<f64> = 100.0..=20_000.0;
-    /// Of [`Self::cloud_relief_m`].
+    /// Range of [`Self::cloud_relief_m`].
     pub const CLOUD_RELIEF_M: RangeInclusive<f64> = 0.0..=20_000.0;
-    /// Of [`Self::kp`].
+    /// Range of [`Self::kp`].
     pub const KP: RangeInclusive<f64> = 0.0..=9.0;
-    /// Of [`Self::night_gain`].
+    /// Range of [`Self::night_gain`].
     pub const NIGHT_GAIN: RangeInclusive<f64> = 0.0..=1e6;
 
-    /// The first number that is out of its range: its name, it, and the range.
+    /// The first number out of its range: name, value and range.
     pub(crate) fn out_of_range(&self) -> Option<(&'static str, f64, RangeInclusive<f64>)> {
-        // Packs may be stored less steep than maps are: the factor for that is taken here.
+        // Packs may store less steep slopes than maps: the compensating factor is included here.
         let relief = 0.0..=RELIEF_GAIN_MAX;
         [
             ("wind_m_s", self.wind_m_s, Self::WIND_M_S),
@@ -231,7 +229,7 @@ impl SurfaceLight {
         .find(|(_, value, range)| !range.contains(value))
     }
 
-    /// How many times brighter than in truth the air's own light is drawn; `None` where none is.
+    /// Gain of airglow and aurora; `None` if neither is drawn.
     pub(crate) fn glow_gain(&self) -> Option<f64> {
         (self.airglow || self.kp.is_some()).then_some(self.night_gain)
     }
@@ -244,7 +242,7 @@ impl SurfaceLight {
             && self.kp.is_some() == other.kp.is_some()
     }
 
-    /// How many times brighter than in truth moonlight is drawn; 0 where none is.
+    /// Gain of moonlight; 0 if it is not drawn.
     pub(crate) fn moon_gain(&self) -> f64 {
         match self.moonlight {
             true => self.night_gain,
@@ -257,8 +255,8 @@ impl SurfaceLight {
         CITY_RADIANCE * self.night_gain
     }
 
-    /// How much of the clouds an eye at a height sees before the ground: 1 above them, 0 below. It changes within a part of their height, as
-    /// they have no thickness to fly through.
+    /// Fraction of the clouds that is in front of the ground for an eye at this height: 1 above them, 0 below. The transition covers a part of
+    /// their height, as they have no thickness to fly through.
     pub(crate) fn clouds_before(&self, eye_height_m: f64) -> f64 {
         let within_m = CLOUD_FADE_M.min(0.1 * self.cloud_height_m);
         let x = 0.5 + 0.5 * (eye_height_m - self.cloud_height_m) / within_m;
@@ -266,10 +264,10 @@ impl SurfaceLight {
         x * x * (3.0 - 2.0 * x)
     }
 
-    /// As the shader takes it.
+    /// Its uniforms.
     pub(crate) fn uniforms(&self) -> SurfaceLightUniforms {
         let wave_slope_squared = 0.003 + 0.00512 * self.wind_m_s;
-        // Of one axis, root mean square.
+        // Root mean square along one axis.
         let sigma = (0.5 * wave_slope_squared).sqrt();
         let cloud_height = self.cloud_height_m / RADIUS_M;
         SurfaceLightUniforms {
@@ -291,23 +289,23 @@ impl SurfaceLight {
 pub struct SurfaceLightUniforms {
     /// Mean square slope of the sea's waves.
     pub wave_slope_squared: f32,
-    /// Part of the light that the sea's foam throws back.
+    /// Reflectance of the sea's foam.
     pub foam: f32,
-    /// Of the sky mirrored by waves: the power of 1 − cos θ.
+    /// Exponent of 1 − cos θ in the reflectance of waves for sky light.
     pub mirror_power: f32,
-    /// What that power is multiplied by.
+    /// Factor of that power.
     pub mirror_scale: f32,
-    /// What the normal map's slopes are multiplied by.
+    /// Factor of the normal map's slopes.
     pub slope_gain: f32,
     /// Height of the clouds, equatorial radii.
     pub cloud_height: f32,
-    /// How far the tops of thick clouds rise over thin ones, equatorial radii.
+    /// Height of the tops of thick clouds above thin ones, equatorial radii.
     pub cloud_relief: f32,
-    /// Sine of the Sun's depression at which it sets for the clouds.
+    /// Sine of the Sun's depression at which it sets at cloud height.
     pub cloud_dip: f32,
 }
 
-/// Largest factor to the slopes of a map that is stored [`SLOPE_EXAGGERATION`] times too steep: of one stored a hundred times
+/// Largest factor of slopes, relative to a map that is stored [`SLOPE_EXAGGERATION`] times too steep: allows a map that is stored a hundred times
 /// too flat.
 const RELIEF_GAIN_MAX: f64 = 8_000.0;
 

@@ -8,7 +8,7 @@ use terrella_frames::{Ellipsoid, MOON_RADIUS_M, MoonShadow};
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub struct FrameUniforms {
-    /// Takes eye-relative ITRF metres to clip space.
+    /// Transform from eye-relative ITRF metres to clip space.
     pub clip_from_eye: Mat4,
     /// The eye in scaled space, (x/a, y/a, z/b).
     pub eye_scaled: Vec3,
@@ -22,23 +22,23 @@ pub struct FrameUniforms {
     pub corner_ray: Vec3,
     /// a/b.
     pub polar_stretch: f32,
-    /// The ray's change to the next pixel right.
+    /// Increment of the ray to the next pixel right.
     pub pixel_right: Vec3,
-    /// What light is multiplied by before an 8-bit target shows it.
+    /// Exposure factor of light on 8-bit targets.
     pub exposure: f32,
-    /// The ray's change to the next pixel down.
+    /// Increment of the ray to the next pixel down.
     pub pixel_down: Vec3,
-    /// Light of the Moon as a part of the Sun's, times how much brighter the night is drawn.
+    /// Moonlight as a fraction of sunlight, times its gain.
     pub moon_light: f32,
     /// Unit vector to the Moon, ITRF axes.
     pub moon_itrf: Vec3,
-    /// How much of the clouds the eye sees before the ground: 1 above them, 0 below.
+    /// Fraction of the clouds that is in front of the ground: 1 for an eye above them, 0 below.
     pub clouds_before: f32,
-    /// Of the Moon; read where it reaches what is in view.
+    /// The Moon's shadow; read only if it reaches the view.
     pub shadow: MoonShadowUniforms,
-    /// Radiance of the brightest city lights, a white sheet that faces the Sun in space being 1.
+    /// Radiance of the brightest city lights, relative to a white sheet that faces the Sun in space.
     pub lamp_light: f32,
-    /// Fills the row.
+    /// Pads the row.
     pub padding: [f32; 3],
 }
 
@@ -46,17 +46,17 @@ pub struct FrameUniforms {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct MoonShadowUniforms {
-    /// The Moon's centre from the Earth's.
+    /// From the Earth's centre to the Moon's.
     pub moon: Vec3,
     pub radius: f32,
     /// From the Sun through the Moon, unit.
     pub axis: Vec3,
-    /// Distance of Sun and Moon in radii of the Sun.
+    /// Distance between Sun and Moon, in radii of the Sun.
     pub spread: f32,
 }
 
 impl MoonShadowUniforms {
-    /// What shaders read of a shadow; all zero without one.
+    /// Uniforms of a shadow; all zero without one.
     pub(crate) fn new(shadow: Option<&MoonShadow>, ellipsoid: &Ellipsoid) -> Self {
         let Some(shadow) = shadow else {
             return Self::zeroed();
@@ -79,23 +79,23 @@ pub struct AirUniforms {
     pub across_x: Vec3,
     /// Distance of the eye from the centre, at least 1.
     pub eye_distance: f32,
-    /// Second axis, across.
+    /// Second axis, across, perpendicular to the first.
     pub across_y: Vec3,
     /// `eye_distance` − 1, without cancellation.
     pub eye_height: f32,
     /// Third axis, to the Earth's centre.
     pub toward_center: Vec3,
-    /// What light is multiplied by before an 8-bit target shows it.
+    /// Exposure factor of light on 8-bit targets.
     pub exposure: f32,
     /// Unit vector to the Sun, ITRF axes.
     pub sun: Vec3,
     /// a/b.
     pub polar_stretch: f32,
-    /// Horizontally towards the Sun at the eye, of length 1, scaled space.
+    /// Horizontal direction to the Sun at the eye, of length 1, scaled space.
     pub sun_level: Vec3,
     /// Cosine of the Sun's zenith angle at the eye.
     pub eye_sun: f32,
-    /// The part of light going up from the ground that the air sends back.
+    /// Fraction of upward light from the ground that the air scatters back.
     pub sky_albedo: Vec3,
     /// Sine of the angle at the eye between the Earth's centre and the limb.
     pub limb_sin: f32,
@@ -103,9 +103,9 @@ pub struct AirUniforms {
     pub molecules: Vec3,
     /// Cosine of that angle.
     pub limb_cos: f32,
-    /// Absorption by ozone where it is densest, per equatorial radius.
+    /// Maximum absorption by ozone, per equatorial radius.
     pub ozone: Vec3,
-    /// Fills the row.
+    /// Pads the row.
     pub padding_e: f32,
     /// Scattering by aerosol at the ground, per equatorial radius.
     pub aerosol_scattering: Vec3,
@@ -117,20 +117,20 @@ pub struct AirUniforms {
     pub moon_light: f32,
     /// Unit vector to the Moon, ITRF axes.
     pub moon: Vec3,
-    /// Fills the row.
+    /// Pads the row.
     pub padding_a: f32,
-    /// Horizontally towards the Moon at the eye, of length 1, scaled space.
+    /// Horizontal direction to the Moon at the eye, of length 1, scaled space.
     pub moon_level: Vec3,
-    /// Fills the row.
+    /// Pads the row.
     pub padding_b: f32,
-    /// Of the optical depth between an eye in the air and the ground, the part that is before the clouds; between an eye below them and
-    /// space likewise.
+    /// Fraction of the optical depth between an eye in the air and the ground that is in front of the clouds; for an eye below them, between the
+    /// eye and space.
     pub before_clouds: Vec3,
-    /// Fills the row.
+    /// Pads the row.
     pub padding_c: f32,
-    /// The part of light going up from the clouds that the air above them sends back.
+    /// Fraction of upward light from the clouds that the air above them scatters back.
     pub sky_albedo_of_clouds: Vec3,
-    /// Fills the row.
+    /// Pads the row.
     pub padding_d: f32,
     /// As in [`FrameUniforms`].
     pub shadow: MoonShadowUniforms,

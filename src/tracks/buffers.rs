@@ -1,4 +1,4 @@
-//! What of a satellite stands in a frame: points of lines, marks, fills and labels, made eye-relative for the GPU.
+//! Elements of a satellite in a frame: points of lines, marks, fills and labels, made eye-relative for the GPU.
 
 use super::curve::TimeWindow;
 use super::ink::Ink;
@@ -8,16 +8,16 @@ use crate::gpu::{Fill, LinePoint, Mark, Triangle};
 use crate::gpu::{TRACK_FROM_PREVIOUS, TRACK_ON_GROUND};
 use glam::DVec3;
 
-/// Nearer than this a satellite is no dot, metres: it is then the eye's own, or a craft that is seen.
+/// Distance below which a satellite has no marker, metres: it is then the eye's own or a visible spacecraft.
 pub const NEAREST_MARKER_M: f64 = 1000.0;
 
-/// What is lower than this is marked as a place on the ground, by a ring about a point, metres.
+/// Height below which a satellite is marked as a place on the ground, by a ring around a point, metres.
 const GROUND_MARKER_M: f64 = 10_000.0;
 
-/// Radii of a marker and of the ring on the ground, pixels, for lines 2 pixels wide.
+/// Radii of a marker and of the ring on the ground, pixels, for lines of width 2 pixels.
 const MARKER_PX: f32 = 4.0;
 pub(super) const RING_PX: f32 = 6.0;
-/// What the edge of a mark adds to its radius, with much to spare, pixels.
+/// Generous limit of the width of a mark's edge, pixels.
 const MARK_EDGE_PX: f64 = 4.0;
 /// Opacity of a trail's oldest point, of the first after now, and of the last.
 const OLDEST: f64 = 0.12;
@@ -27,42 +27,42 @@ const LATEST: f64 = 0.15;
 pub(super) const OUTLINE_OPACITY: f64 = 0.863;
 pub(super) const FILL_OPACITY: f64 = 0.173;
 
-/// Where a satellite's name belongs: beside its dot, which is in the picture and not hidden.
+/// Position of a satellite's name: beside its dot, which is inside the image and not hidden.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrackLabel {
-    /// The satellite's place among the styles.
+    /// Index of the satellite's style.
     pub satellite: usize,
-    /// The dot's middle, pixels from the viewport's upper left corner.
+    /// Centre of the dot, pixels from the viewport's upper left corner.
     pub at_px: [f32; 2],
     /// Its colour, display values.
     pub color: [u8; 3],
 }
 
-/// Where a station's name belongs: beside its mark, which is in the picture and not hidden.
+/// Position of a station's name: beside its mark, which is inside the image and not hidden.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StationLabel {
-    /// The station's place in the list that was set.
+    /// Index of the station in the list that was set.
     pub station: usize,
-    /// The mark's middle, pixels from the viewport's upper left corner.
+    /// Centre of the mark, pixels from the viewport's upper left corner.
     pub at_px: [f32; 2],
     /// Its colour, display values.
     pub color: [u8; 3],
 }
 
-/// Where the name of a marked place belongs, which is in the picture and not hidden.
+/// Position of the name of a marked place, which is inside the image and not hidden.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlaceLabel {
     /// The place's index in the list that was set.
     pub place: usize,
-    /// Its middle, pixels from the viewport's upper left corner.
+    /// Centre of its mark, pixels from the viewport's upper left corner.
     pub at_px: [f32; 2],
     /// Its colour, display values.
     pub color: [u8; 3],
-    /// How many pixels a metre across the line of sight is long at its distance.
+    /// Length in pixels of a metre across the line of sight at its distance.
     pub pixels_per_m: f32,
 }
 
-/// What is written to the GPU, kept from frame to frame for its room.
+/// Data for the GPU, kept between frames for its capacity.
 #[derive(Default)]
 pub(super) struct TrackBuffers {
     pub points: Vec<LinePoint>,
@@ -73,7 +73,7 @@ pub(super) struct TrackBuffers {
     pub station_labels: Vec<StationLabel>,
     pub place_labels: Vec<PlaceLabel>,
     pub outline: Vec<DVec3>,
-    /// Satellites that stations look for, ITRF metres.
+    /// Satellites for the stations, ITRF metres.
     pub satellites: Vec<DVec3>,
 }
 
@@ -91,7 +91,7 @@ impl TrackBuffers {
 }
 
 impl Satellite {
-    /// Adds what is to be drawn of it in this frame.
+    /// Adds the satellite's elements of this frame.
     pub fn write(
         &self,
         index: usize,
@@ -107,7 +107,7 @@ impl Satellite {
         }
         let itrf_from_inertial = axes.itrf_from(reference.frame);
         let place_itrf_m = self.now_m.map(|place| itrf_from_inertial * place);
-        // Of thousands of satellites only markers are drawn: what those do not need is not computed.
+        // With thousands of satellites only markers are drawn: nothing else is computed.
         let has_foot = self.style.subpoint || self.style.ground_track.is_some();
         let subpoint_itrf_m = place_itrf_m
             .filter(|_| has_foot)
@@ -155,7 +155,7 @@ impl Satellite {
         }
     }
 
-    /// Adds the dot and the place of its name. Of thousands of satellites most are out of sight: they cost the GPU nothing.
+    /// Adds the dot and the position of its name. Of thousands of satellites most are out of sight: they cost the GPU nothing.
     fn write_marker(
         &self,
         index: usize,
@@ -170,7 +170,7 @@ impl Satellite {
         let Some(at_px) = eye.pixel_near(place_itrf_m, reach_px) else {
             return;
         };
-        // The slope of the ground would cut a dot on it.
+        // Sloped ground would cut a dot that lies on it.
         let is_low = place_itrf_m.length() < eye.ellipsoid.equatorial_radius_m + GROUND_MARKER_M
             && eye.ellipsoid.geodetic_from_itrf(place_itrf_m).height_m < GROUND_MARKER_M;
         if !is_low && eye.hides_disc(place_itrf_m, reach_px) {
@@ -201,7 +201,7 @@ impl Satellite {
     }
 }
 
-/// Fading with age, and with what is not yet.
+/// Opacity that decreases with age and with time into the future.
 fn opacity(t_s: f64, window: TimeWindow) -> f64 {
     let part = |of: f64, whole: f64| if whole > 0.0 { of / whole } else { 0.0 };
     if t_s <= window.now_s {
@@ -211,13 +211,13 @@ fn opacity(t_s: f64, window: TimeWindow) -> f64 {
     }
 }
 
-/// Writes the points of one line.
+/// Appends the points of one line.
 pub(super) struct LineWriter<'l> {
     points: &'l mut Vec<LinePoint>,
     eye_itrf_m: DVec3,
     ink: &'l Ink,
     half_width_px: f32,
-    /// Of the next point.
+    /// Flags of the next point.
     flags: u32,
 }
 
@@ -238,7 +238,7 @@ impl<'l> LineWriter<'l> {
         }
     }
 
-    /// The next point is joined to none before it.
+    /// Starts a line: the next point has no segment from the one before.
     pub fn begin(&mut self) {
         self.flags &= !TRACK_FROM_PREVIOUS;
     }
@@ -263,7 +263,7 @@ mod tests {
     use glam::{DVec2, dcamera};
     use terrella_frames::Ellipsoid;
 
-    /// A mark that is left out has no pixel in the picture whose ray passes the globe, and few others are written.
+    /// No ray of a pixel of an omitted mark passes the globe, and few other marks are written.
     #[test]
     fn markers_are_left_out_where_nothing_of_them_is_seen() {
         let format = PassFormat {
@@ -303,7 +303,7 @@ mod tests {
                 }
                 let at = DVec2::new(at.x / at.w + 1.0, 1.0 - at.y / at.w);
                 let at = at * DVec2::new(0.5 * width, 0.5 * height);
-                // The dot, its dark edge, and half a pixel beyond.
+                // The dot, its dark outline, and half a pixel more.
                 let rim = (0..32).map(|k| at + 5.5 * DVec2::from_angle(f64::from(k) * 0.2));
                 let in_picture =
                     |px: &DVec2| (0.0..width).contains(&px.x) && (0.0..height).contains(&px.y);

@@ -1,11 +1,11 @@
-//! A feed's places over a span of time, sampled once and kept: the trail's in inertial axes, the ground track's on the ground.
+//! Positions from a feed over a span of time, sampled once and kept: those of the trail in inertial axes, those of the ground track on the ground.
 
 use glam::DVec3;
 use std::collections::VecDeque;
 
-/// What a curve is of: a place, or both edges of a swath.
+/// Value of a curve: a position, or both edges of a swath.
 pub(super) trait Place: Copy {
-    /// Part of the way to another.
+    /// Interpolates linearly.
     fn toward(self, other: Self, part: f64) -> Self;
 }
 
@@ -29,15 +29,14 @@ pub(super) struct CurvePoint<P = DVec3> {
     pub t_s: f64,
     /// Metres, in the curve's axes.
     pub point_m: P,
-    /// Time in which the satellite goes on by one [`STEP_RAD`], seconds.
+    /// Time in which the satellite moves by one [`STEP_RAD`], seconds.
     pub step_s: f64,
 }
 
-/// Angle about the Earth's centre from one sample to the next, radians: half a degree, which keeps a chord of the lowest
-/// orbit 65 m from its arc.
+/// Angle about the Earth's centre from one sample to the next, radians: half a degree. A chord of the lowest orbit is then 65 m from its arc.
 pub(super) const STEP_RAD: f64 = 0.5 * std::f64::consts::PI / 180.0;
 
-/// Shortest step, seconds: nothing outside the Earth goes half a degree in less.
+/// Shortest step, seconds: nothing outside the Earth moves by half a degree in less.
 const SHORTEST_S: f64 = 0.01;
 
 /// The span of time that a curve is drawn over, seconds since its reference.
@@ -48,15 +47,15 @@ pub(super) struct TimeWindow {
     pub to_s: f64,
 }
 
-/// A sampled curve. Between calls its samples go without a gap from the first to the last.
+/// A sampled curve. Between calls its samples have no gaps.
 #[derive(Clone, Debug)]
 pub(super) struct Curve<P = DVec3> {
     samples: VecDeque<CurvePoint<P>>,
-    /// Most samples that are kept.
+    /// Limit of the number of samples.
     max_points: usize,
-    /// Steps are this often as long as each sample says: above 1 where the span is too long for `max_points`.
+    /// Factor of all steps: above 1 if the span is too long for `max_points`.
     coarseness: f64,
-    /// Before the one and after the other the feed has answered with an error.
+    /// Times before and after which the feed has returned an error.
     rejected: (f64, f64),
 }
 
@@ -71,14 +70,14 @@ impl<P: Place> Curve<P> {
         }
     }
 
-    /// Forgets all samples: the next call begins again.
+    /// Drops all samples: the next call starts again.
     pub fn clear(&mut self) {
         self.samples.clear();
         self.coarseness = 1.0;
         self.rejected = (f64::NEG_INFINITY, f64::INFINITY);
     }
 
-    /// Forgets what lies later than `t_s`, and what was rejected: a live feed may know better by now.
+    /// Drops samples later than `t_s`, and the times of errors: a live feed may have states by now.
     pub fn forget_after(&mut self, t_s: f64) {
         while self.samples.back().is_some_and(|last| last.t_s > t_s) {
             self.samples.pop_back();
@@ -86,10 +85,10 @@ impl<P: Place> Curve<P> {
         self.rejected = (f64::NEG_INFINITY, f64::INFINITY);
     }
 
-    /// Samples what of `window` is missing, from now outwards, with at most `budget` calls of `at`, which are taken off
-    /// it. `known` is what the feed answers for, first and last. Samples outside the window go, but for one at each end.
+    /// Samples the missing parts of `window`, from now outwards, with at most `budget` calls of `at`, which are subtracted from it. `known` is the
+    /// feed's validity, first and last. Samples outside the window are dropped, except one at each end.
     ///
-    /// Answers whether all is there. Allocates nothing.
+    /// Returns whether the curve is complete. Allocates nothing.
     pub fn follow(
         &mut self,
         window: TimeWindow,
@@ -126,18 +125,18 @@ impl<P: Place> Curve<P> {
                 continue;
             };
             if self.samples.len() >= self.max_points {
-                // Longer steps from the beginning: the end that is not there yet would lack its samples.
+                // Longer steps from the start: otherwise no samples would be left for the missing end.
                 let coarser = 1.5 * self.coarseness;
                 self.clear();
                 self.coarseness = coarser;
                 continue;
             }
             let step = |sample: &CurvePoint<P>| (self.coarseness * sample.step_s).max(SHORTEST_S);
-            // The nearer end to now grows first.
+            // The end nearer to now is extended first.
             let (later, earlier) = (back.t_s < last_s, front.t_s > first_s);
             match (later, earlier) {
                 (true, other) if !other || back.t_s - now_s <= now_s - front.t_s => {
-                    // Steps may go beyond the span, not beyond what is known.
+                    // Steps may go beyond the span, but not beyond the feed's validity.
                     let t_s = (back.t_s + step(&back)).min(known.1);
                     match taken(budget, t_s) {
                         Some(sample) => self.samples.push_back(sample),
@@ -162,7 +161,7 @@ impl<P: Place> Curve<P> {
         })
     }
 
-    /// Whether the window lies so far from what is kept that going there would cost more than beginning again.
+    /// Whether the window is so far from the kept samples that extending them would cost more than starting again.
     fn is_far(&self, window: TimeWindow) -> bool {
         let (Some(front), Some(back)) = (self.samples.front(), self.samples.back()) else {
             return false;
@@ -184,8 +183,8 @@ impl<P: Place> Curve<P> {
         }
     }
 
-    /// The places in the window, in order of time, with its ends cut where they fall between samples and with `now`, the
-    /// exact place, in it. Nothing where nothing is known.
+    /// Passes the positions in the window to `give`, in order of time. Its ends are interpolated between samples, and `now`, the exact position, is
+    /// included. Passes nothing if nothing is known.
     pub fn walk(&self, window: TimeWindow, now: Option<P>, mut give: impl FnMut(f64, P)) {
         let TimeWindow {
             from_s,
@@ -220,7 +219,7 @@ impl<P: Place> Curve<P> {
             }
             before = Some(sample);
         }
-        // A feed may know of now and of nothing later.
+        // A feed may have a state for now and none later.
         if let Some(place) = now.filter(|_| before.is_some_and(|last| last.t_s < now_s)) {
             give(now_s, place);
         }
@@ -242,7 +241,7 @@ fn between<P: Place>(a: &CurvePoint<P>, b: &CurvePoint<P>, t_s: f64) -> P {
 mod tests {
     use super::*;
 
-    /// Something that goes along x at a metre a second.
+    /// A point that moves along x at a metre a second.
     fn along(t_s: f64) -> Option<CurvePoint> {
         Some(CurvePoint {
             t_s,
@@ -292,7 +291,7 @@ mod tests {
             "{times:?}"
         );
         assert!(times.contains(&3.0));
-        // A hundred seconds on, in a hundred frames: ten samples more, and as many gone.
+        // A hundred seconds later, in a hundred frames: ten new samples, and as many dropped.
         for k in 1..=100 {
             let on = f64::from(k);
             let moved = window(-95.0 + on, 3.0 + on, 205.0 + on);
@@ -305,7 +304,7 @@ mod tests {
         }
         assert_eq!(calls.get(), 42);
         assert!(curve.len() <= 33, "{}", curve.len());
-        // And back, and far away.
+        // Back in time, and far away.
         let back = window(-195.0, -97.0, 105.0);
         assert!(curve.follow(back, ALWAYS, &mut budget, &mut counted));
         assert_eq!(walked(&curve, back)[0], -195.0);
@@ -332,11 +331,11 @@ mod tests {
     fn it_ends_where_the_feed_does() {
         let mut curve = Curve::new(1000);
         let whole = window(-1000.0, 0.0, 1000.0);
-        // Said beforehand, to the second.
+        // Known in advance, to the second.
         assert!(curve.follow(whole, (-33.0, 44.0), &mut 1000, along));
         let times = walked(&curve, whole);
         assert_eq!((times[0], times[times.len() - 1]), (-33.0, 44.0));
-        // Found out: the last place that it answered for, asked once.
+        // Discovered by errors: the last time with a state, requested once.
         let mut curve = Curve::new(1000);
         let mut rejected = 0;
         let mut at = |t_s: f64| {
@@ -349,7 +348,7 @@ mod tests {
         let times = walked(&curve, whole);
         assert_eq!((times[0], times[times.len() - 1]), (-40.0, 20.0));
         assert_eq!(rejected, 2);
-        // Not known at all, or not yet begun: nothing, and only what is known.
+        // Nothing known, or not yet started: no points.
         let mut none = Curve::new(10);
         assert!(none.follow(whole, ALWAYS, &mut 10, |_| None));
         assert_eq!(walked(&none, whole), [0.0; 0]);

@@ -1,21 +1,21 @@
-//! The ground that a sensor sees, and whether the globe hides a place: on the exact ellipsoid, in scaled space.
+//! The ground that a sensor sees, and whether the globe hides a point: on the exact ellipsoid, in scaled space.
 
 use glam::DVec3;
 use terrella_frames::Ellipsoid;
 use terrella_ground::globe::culling::{GroundShell, Horizon};
 
-/// Points of a footprint's outline; the first is not repeated.
+/// Number of points of a footprint's outline; the first is not repeated.
 pub const OUTLINE_POINTS: usize = 256;
 
-/// Widest half angle, radians, at which a cone about nadir is one: beyond it the whole ground in sight is meant.
+/// Widest half angle of a cone about nadir, radians: a larger value selects all visible ground.
 pub const WIDEST_HALF_ANGLE_RAD: f64 = 89.999 * std::f64::consts::PI / 180.0;
 
-/// The outline of the ground within `half_angle_rad` of straight down (the ellipsoid's normal) and in sight of a satellite:
-/// [`OUTLINE_POINTS`] points on the ellipsoid, ITRF metres, anticlockwise from above, beginning in the east.
+/// The outline of the visible ground within `half_angle_rad` of nadir (the ellipsoid's normal): [`OUTLINE_POINTS`] points on the ellipsoid, ITRF
+/// metres, anticlockwise from above, starting in the east.
 ///
-/// In each direction about nadir it is where a ray at the cone's half angle meets the ground, or where that ray passes the
-/// Earth, the horizon's place in that direction. So the horizon circle bounds it where the cone is wider; it is whole for
-/// [`WIDEST_HALF_ANGLE_RAD`]. Nothing for a satellite on or below the ground.
+/// In each direction about nadir, the point is where a ray at the cone's half angle meets the ground. If that ray misses the Earth, it is the point
+/// of the horizon in that direction. A wide cone is thus bounded by the horizon circle, entirely for [`WIDEST_HALF_ANGLE_RAD`]. Empty for a
+/// satellite on or below the ground.
 ///
 /// In scaled space (x/a, y/a, z/b) the ellipsoid is the unit sphere. With D = tH − N (N and H are the normal and a level
 /// direction scaled, t the tangent of the angle from nadir) the line e + sD touches it where (e·D)² = c|D|², c = |e|² − 1:
@@ -29,7 +29,7 @@ pub fn footprint_outline(
     let scale = ellipsoid.scaled_from_itrf();
     let e = scale * satellite_itrf_m;
     let above = (e.length() - 1.0) * (e.length() + 1.0);
-    // Also false for a place that is no number.
+    // Also false for NaN.
     if !(above > 0.0 && e.is_finite() && half_angle_rad > 0.0) {
         return;
     }
@@ -50,14 +50,14 @@ pub fn footprint_outline(
         let root = (half_linear * half_linear + square * constant)
             .max(0.0)
             .sqrt();
-        // The positive solution, in the form that adds.
+        // The positive solution, in the form without cancellation.
         let limb = match half_linear >= 0.0 {
             true => (half_linear + root) / square,
             false => constant / (root - half_linear),
         };
         let direction = (h * limb.min(wanted) - n).normalize();
         let nearest = -e.dot(direction);
-        // 1 − |e × d|² is the square of half the chord; 0 where the ray touches.
+        // 1 − |e × d|² is the square of half the chord; 0 if the ray is tangent.
         let half_chord = match limb <= wanted {
             true => 0.0,
             false => (1.0 - e.cross(direction).length_squared()).max(0.0).sqrt(),
@@ -66,19 +66,19 @@ pub fn footprint_outline(
             true => nearest,
             false => above / (nearest + half_chord),
         };
-        // Onto the ellipsoid to the last digit.
+        // Normalised, to lie on the ellipsoid to the last digit.
         give(itrf_from_scaled * (e + along * direction).normalize());
     }
 }
 
-/// Whether the globe hides `point` from `eye`, both ITRF metres and neither below the ground: the CPU's twin of `in_sight` in
+/// Whether the globe hides `point` from `eye`, both in ITRF metres and neither below the ground: the CPU version of `in_sight` in
 /// `shaders/tracks.wgsl`.
 pub fn is_hidden(eye_itrf_m: DVec3, point_itrf_m: DVec3, ellipsoid: &Ellipsoid) -> bool {
     Horizon::new(ellipsoid, eye_itrf_m, GroundShell::SMOOTH).hides_point(point_itrf_m)
 }
 
-/// Whether a point lies beyond the near boundary of the air as seen from `eye`, so that the air is drawn over it: the twin of
-/// `is_on_side` in the shaders of tracks. `air_top` is the boundary's radius in scaled space.
+/// Whether a point is beyond the near boundary of the air as seen from `eye`, so that the air is drawn over it: the CPU version of `is_on_side` in
+/// the shaders of tracks. `air_top` is the boundary's radius in scaled space.
 pub fn is_beyond_air(
     eye_itrf_m: DVec3,
     point_itrf_m: DVec3,

@@ -1,10 +1,10 @@
-//! Footprints and hiding against rays that are walked in steps of bisection.
+//! Footprints and occlusion, compared with rays that are traced by bisection.
 
 use super::*;
 use terrella_frames::Geodetic;
 
 const WGS84: Ellipsoid = Ellipsoid::WGS84;
-/// An ellipsoid so flat that taking it for a sphere anywhere is seen.
+/// An ellipsoid so flat that treating it as a sphere anywhere would fail a test.
 const FLAT: Ellipsoid = Ellipsoid {
     equatorial_radius_m: 6_378_137.0,
     polar_radius_m: 4_500_000.0,
@@ -22,8 +22,7 @@ fn height_m(point: DVec3, ellipsoid: &Ellipsoid) -> f64 {
     ellipsoid.geodetic_from_itrf(point).height_m
 }
 
-/// Least of |p/(a, a, b)|² on a ray, and where the ray first meets the ellipsoid, by brute force: a thousand steps along
-/// it, then bisection.
+/// Minimum of |p/(a, a, b)|² on a ray, and where the ray first meets the ellipsoid, by brute force: a thousand steps along it, then bisection.
 fn walk(from: DVec3, direction: DVec3, ellipsoid: &Ellipsoid) -> Option<DVec3> {
     let is_inside = |t: f64| {
         let p = ellipsoid.scaled_from_itrf() * (from + t * direction);
@@ -69,13 +68,13 @@ fn outlines_lie_on_the_cone_or_on_the_horizon() {
                     let ray = point - satellite;
                     let angle = ray.cross(down).length().atan2(ray.dot(down));
                     assert!(angle < half_rad + 1e-9, "{lat} {half_deg}: {angle}");
-                    // Nothing before it on its ray.
+                    // No ground in front of it on its ray.
                     let d = ray.normalize();
                     let met = walk(satellite, d, &ellipsoid).unwrap_or(point);
                     let normal = (ellipsoid.scaled_from_itrf().powf(2.0) * point).normalize();
                     let grazing = normal.dot(d).abs();
                     if angle > half_rad - 1e-9 {
-                        // On the cone; a bisected place is good to rounding over the sine of incidence.
+                        // On the cone; a bisected point is accurate to rounding over the sine of incidence.
                         let off = met.distance(point) * grazing;
                         assert!(off < 1e-3, "{lat} {half_deg}: {off} m off");
                     } else {
@@ -88,7 +87,7 @@ fn outlines_lie_on_the_cone_or_on_the_horizon() {
     }
 }
 
-/// Every place of the ground is within the outline exactly if a ray to it is in the cone and meets no ground before.
+/// A point of the ground is inside the outline if and only if a ray to it is inside the cone and meets no ground before.
 #[test]
 fn brute_force_finds_the_same_ground() {
     let place = Geodetic::from_degrees(48.0, 175.0, 700e3);
@@ -97,14 +96,14 @@ fn brute_force_finds_the_same_ground() {
         let down = -Ellipsoid::normal(place.lat_rad, place.lon_rad);
         let half_rad = f64::to_radians(half_deg);
         let points = outline(satellite, half_rad, &ellipsoid);
-        // Inside the polygon, seen along the satellite's axis where the cap is star-shaped: by the angle from nadir.
+        // Point-in-polygon test along the satellite's axis, where the cap is star-shaped: by the angle from nadir.
         let (east, north) = {
             let east = DVec3::new(-place.lon_rad.sin(), place.lon_rad.cos(), 0.0);
             (east, (-down).cross(east))
         };
         let mut compared = 0;
         for step in 0..4000_u32 {
-            // Places spread evenly over the half of the Earth below.
+            // Points evenly distributed over the hemisphere below.
             let k = f64::from(step);
             let (z, turn) = (1.0 - k / 4000.0, k * 2.399_963_229_728_653);
             let r = (1.0 - z * z).sqrt();
@@ -122,7 +121,7 @@ fn brute_force_finds_the_same_ground() {
             let edge = points[near % OUTLINE_POINTS];
             let edge_ray = edge - satellite;
             let edge_angle = edge_ray.cross(down).length().atan2(edge_ray.dot(down));
-            // Too near the edge to tell by a polygon.
+            // Too close to the edge for a test with a polygon.
             if (angle - edge_angle).abs() < 2e-3
                 || is_hidden(satellite, ground, &ellipsoid) && is_seen
             {
@@ -169,7 +168,7 @@ fn hiding_agrees_with_rays_that_are_walked() {
             let ray = point - eye;
             let is_before = walk(eye, ray.normalize(), &ellipsoid)
                 .is_some_and(|met| met.distance(eye) < ray.length());
-            // Steps of a four-thousandth may walk through a grazed limb.
+            // Steps of a four-thousandth may miss a grazed limb.
             let d = (ellipsoid.scaled_from_itrf() * ray).normalize();
             let q = (ellipsoid.scaled_from_itrf() * eye).cross(d).length();
             if (q - 1.0).abs() < 1e-3 {
@@ -188,14 +187,14 @@ fn the_air_lies_over_what_is_behind_its_near_side() {
     let eye = DVec3::X * 4e7;
     let beyond = |point: DVec3| is_beyond_air(eye, point, top, &WGS84);
     let a = WGS84.equatorial_radius_m;
-    // In front of the disc: above the air, in it, on the ground.
+    // In front of the disc: above the air, inside it, on the ground.
     assert!(!beyond(DVec3::X * (a + 101e3)) && beyond(DVec3::X * (a + 99e3)));
     assert!(beyond(DVec3::X * a));
-    // Past the limb: before and behind the plane of the limb.
+    // Beyond the limb: in front of and behind the plane of the limb.
     let limb = DVec3::Y * (a + 50e3);
     assert!(beyond(limb + DVec3::NEG_X * 3e6) && !beyond(limb + DVec3::X * 3e6));
     assert!(!beyond(DVec3::new(-3e6, a + 5e6, 0.0)));
-    // From within the air all else lies in or beyond it.
+    // From inside the air, every other point is inside or beyond it.
     let low = DVec3::X * (a + 10e3);
     assert!(is_beyond_air(low, DVec3::X * (a + 9e3), top, &WGS84));
 }

@@ -1,24 +1,24 @@
-//! The colour of a track, as the target of its pass stores it.
+//! The colour of a track, as its target stores it.
 
 use crate::gpu::PassFormat;
 use terrella_ground::half::half_bits;
 
-/// Steps of opacity that colours are kept for.
+/// Number of opacity steps for which colours are stored.
 const STEPS: usize = 32;
 
-/// A display colour in every opacity that a track fades through.
+/// A display colour at all opacities that a track fades through.
 #[derive(Clone)]
 pub(super) struct Ink {
     opaque: [[u16; 4]; 2],
-    /// By opacity, from 1/32; empty where the target shows a faded colour as it is.
+    /// By opacity, from 1/32; empty if the target stores display colours, which fade correctly.
     faded: Vec<InkColors>,
 }
 
-/// What a pixel gets that is covered wholly, and by half, not premultiplied: red, green and blue, half floats.
+/// Stored colours of a fully and of a half covered pixel, not premultiplied: red, green and blue, half floats.
 type InkColors = [[u16; 3]; 2];
 
 impl Ink {
-    /// This display colour in passes of this format; `fades` where other opacities than 1 will be asked for.
+    /// This display colour in passes of this format; set `fades` if opacities other than 1 are needed.
     pub fn new(format: &PassFormat, srgb: [u8; 3], fades: bool) -> Self {
         let stored = |opacity: f64| {
             let whole = format.stored_color(srgb, opacity).map(half_bits);
@@ -36,12 +36,12 @@ impl Ink {
         }
     }
 
-    /// The colour in full opacity, as [`Self::at`] has it.
+    /// The colour at full opacity, as from [`Self::at`].
     pub fn opaque(&self) -> [[u16; 4]; 2] {
         self.opaque
     }
 
-    /// The colour in an opacity of 0…1, with that opacity, and that of a pixel that is covered by half.
+    /// The colour at an opacity of 0…1, with that opacity, and that of a half covered pixel.
     pub fn at(&self, opacity: f64) -> [[u16; 4]; 2] {
         let step = ((opacity * STEPS as f64).round() as usize).clamp(1, STEPS);
         let opaque = self.opaque.map(|[red, green, blue, _]| [red, green, blue]);
@@ -98,7 +98,7 @@ mod tests {
         assert!((unbalanced - plain).abs().max_element() > 0.05);
     }
 
-    /// Over black space a faded line has the hue of a full one, though the tone curve has contrast.
+    /// Over black space, a faded line has the hue of a full one, despite the contrast of the tone curve.
     #[test]
     fn faded_light_is_developed_to_the_faded_colour() {
         let ink = Ink::new(&format(ScaledTarget::LIGHT), [244, 114, 160], true);

@@ -1,4 +1,4 @@
-//! Polylines that stand still on the turning Earth: a graticule, coast lines, borders, and those of a host.
+//! Earth-fixed polylines: a graticule, coast lines, borders, and those of a host.
 
 use super::TracksError;
 use super::limits::is_width;
@@ -9,21 +9,21 @@ use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 use terrella_frames::{Ellipsoid, Geodetic};
 
-/// Most points of all polylines that one [`Tracks`](super::Tracks) draws, after the subdivision of long segments.
+/// Largest number of points of all polylines of one [`Tracks`](super::Tracks), after the subdivision of long segments.
 pub const MAX_LINE_POINTS: usize = 1_000_000;
 
-/// Longest segment on the ground, radians of arc: its chord is 60 m below the ellipsoid at most.
+/// Longest segment on the ground, radians of arc: its chord is at most 60 m below the ellipsoid.
 const STEP_RAD: f64 = 0.5 * PI / 180.0;
-/// Most segments, and greatest length as an angle, radians, of the parts that are culled and simplified as a whole.
+/// Largest number of segments, and largest angular extent, radians, of the parts that are culled and simplified as a whole.
 const PART_SEGMENTS: usize = 128;
 const PART_RAD: f64 = 10.0 * PI / 180.0;
-/// Greatest distance of a simplified line from the one that was given, metres, by level of detail.
+/// Largest deviation of a simplified line from the original, metres, by level of detail.
 const LEVEL_ERRORS_M: [f64; 11] = [
     0.0, 125.0, 250.0, 500.0, 1000.0, 2000.0, 4000.0, 8000.0, 16_000.0, 32_000.0, 64_000.0,
 ];
-/// The same on screen, pixels.
+/// Largest deviation on screen, pixels.
 const MAX_ERROR_PX: f64 = 0.9;
-/// A line that fits into a circle of this diameter, pixels, is left out: an islet seen from afar.
+/// A line that fits into a circle of this diameter, pixels, is left out: a small island seen from afar.
 const LEAST_PX: f64 = 1.5;
 
 /// How lines are drawn.
@@ -35,12 +35,12 @@ pub struct LineStyle {
     pub opacity: f64,
     /// Width on screen, pixels: above 0 to 64.
     pub width_px: f32,
-    /// Whether a dark edge sets the lines off from bright ground.
+    /// Whether a dark outline separates the lines from bright ground.
     pub is_cased: bool,
 }
 
 impl LineStyle {
-    /// Thin lines of this colour and opacity: a pixel wide, without a dark edge.
+    /// Thin lines of this colour and opacity: a pixel wide, without outline.
     pub const fn thin(color: [u8; 3], opacity: f64) -> Self {
         Self {
             color,
@@ -65,8 +65,8 @@ impl LineStyle {
 
 /// Polylines of one style, Earth-fixed, for [`Tracks::set_lines`](super::Tracks::set_lines). Clones share their points.
 ///
-/// Long lines are divided into parts. In each frame the parts in sight are drawn with as few of their points as keep the line within 0.9
-/// pixels of the one that was given.
+/// Long lines are divided into parts. In each frame the parts in sight are drawn at the coarsest level of detail that is within 0.9 pixels of the
+/// original line.
 ///
 /// ```
 /// use terrella::frames::{Ellipsoid, Geodetic};
@@ -91,18 +91,18 @@ pub struct Polylines {
 struct Part {
     center_itrf_m: DVec3,
     radius_m: f64,
-    /// Whether it is a line by itself, which may be left out.
+    /// Whether it is a complete line, which may be left out if it is small.
     is_whole: bool,
-    /// Where its points are, first and end, by level of detail.
+    /// Range of its points, first and end, by level of detail.
     levels: [(u32, u32); LEVEL_ERRORS_M.len()],
 }
 
 impl Polylines {
-    /// Lines on the ellipsoid through places whose heights are not read. A segment is straight in latitude and longitude, as in GeoJSON
-    /// (RFC 7946, 3.1.1), and goes the shorter way around the Earth; it is subdivided so that it follows the ellipsoid.
+    /// Lines on the ellipsoid through positions whose heights are ignored. A segment is straight in latitude and longitude, as in GeoJSON (RFC
+    /// 7946, 3.1.1), and takes the shorter way around the Earth; it is subdivided so that it follows the ellipsoid.
     ///
     /// # Errors
-    /// A style out of range, a place that is not finite, and more than [`MAX_LINE_POINTS`].
+    /// A style out of range, a position that is not finite, or more than [`MAX_LINE_POINTS`].
     pub fn on_ground<L>(
         style: LineStyle,
         ellipsoid: &Ellipsoid,
@@ -137,7 +137,7 @@ impl Polylines {
         Ok(builder.finish(true))
     }
 
-    /// Lines in space through Earth-fixed positions, ITRF metres, with straight segments. The globe hides what lies behind it.
+    /// Lines in space through Earth-fixed positions, ITRF metres, with straight segments. Parts behind the globe are hidden.
     ///
     /// # Errors
     /// As [`Self::on_ground`].
@@ -158,11 +158,11 @@ impl Polylines {
         Ok(builder.finish(false))
     }
 
-    /// Meridians and parallels at multiples of `step_deg`, 1 to 90 degrees. Meridians end at the last parallel but those of 0°, 90°, 180°
-    /// and 270°, which go to the poles, so that lines do not run together there.
+    /// Meridians and parallels at multiples of `step_deg`, 1 to 90 degrees. Meridians end at the last parallel, except those of 0°, 90°, 180° and
+    /// 270°, which reach the poles, so that lines do not crowd there.
     ///
     /// # Errors
-    /// A step out of range, and those of [`Self::on_ground`].
+    /// A step out of range, or those of [`Self::on_ground`].
     pub fn graticule(
         style: LineStyle,
         ellipsoid: &Ellipsoid,
@@ -192,12 +192,12 @@ impl Polylines {
         Self::on_ground(style, ellipsoid, meridians.chain(parallels))
     }
 
-    /// How they are drawn.
+    /// Their style.
     pub fn style(&self) -> LineStyle {
         self.style
     }
 
-    /// Points at the finest level of detail.
+    /// Number of points at the finest level of detail.
     pub fn point_count(&self) -> usize {
         let counts = self
             .parts
@@ -206,7 +206,7 @@ impl Polylines {
         counts.map(|count| count as usize).sum()
     }
 
-    /// Adds the points of a frame, of these colours.
+    /// Adds the points of a frame, with these colours.
     pub(super) fn write(
         &self,
         colors: [[u16; 4]; 2],
@@ -251,7 +251,7 @@ impl Polylines {
     }
 }
 
-/// In how many pieces a segment on the ground is drawn. The chord of a piece of a parallel leaves it by R cos φ Δλ²/8.
+/// Number of pieces that a segment on the ground is drawn in. The chord of a piece of a parallel deviates from it by R cos φ Δλ²/8.
 fn steps_between(a: Geodetic, b: Geodetic) -> u32 {
     let cos = a.lat_rad.cos().max(b.lat_rad.cos()).max(0.0);
     let along_parallel = shorter_way(b.lon_rad - a.lon_rad).abs() * cos.sqrt();
@@ -261,7 +261,7 @@ fn steps_between(a: Geodetic, b: Geodetic) -> u32 {
         .max(1.0) as u32
 }
 
-/// A place on a segment that is straight in latitude and longitude.
+/// A point on a segment that is straight in latitude and longitude.
 fn between(a: Geodetic, b: Geodetic, part: f64) -> Geodetic {
     Geodetic {
         lat_rad: a.lat_rad + part * (b.lat_rad - a.lat_rad),
@@ -275,14 +275,14 @@ fn shorter_way(difference_rad: f64) -> f64 {
     difference_rad - TAU * (difference_rad / TAU).round()
 }
 
-/// Collects lines.
+/// Collects lines and their levels of detail.
 struct Builder {
     style: LineStyle,
-    /// All levels of detail, part after part.
+    /// Points of all levels of detail, part after part.
     points: Vec<DVec3>,
     parts: Vec<Part>,
     line: Vec<DVec3>,
-    /// Points at the finest level.
+    /// Number of points at the finest level.
     count: usize,
 }
 
@@ -312,7 +312,7 @@ impl Builder {
         Ok(())
     }
 
-    /// Divides the line into parts, which share their ends.
+    /// Divides the line into parts, which share their end points.
     fn end_line(&mut self) {
         let line = std::mem::take(&mut self.line);
         let mut first = 0;
@@ -348,7 +348,7 @@ impl Builder {
         for (k, error_m) in LEVEL_ERRORS_M.into_iter().enumerate() {
             let kept = kept_points(line, error_m);
             let count = kept.iter().filter(|is_kept| **is_kept).count();
-            // A level that saves nothing is the one before.
+            // A level that saves nothing reuses the one before.
             if count == before {
                 levels[k] = levels[k - 1];
                 continue;
@@ -377,7 +377,7 @@ impl Builder {
     }
 }
 
-/// The points that stay when a line is simplified to within `error_m` (Douglas and Peucker 1973), in space; both ends stay.
+/// The points that remain when a line is simplified to within `error_m` in space (Douglas and Peucker 1973); both ends remain.
 fn kept_points(line: &[DVec3], error_m: f64) -> Vec<bool> {
     let last = line.len() - 1;
     let mut kept = vec![error_m == 0.0; line.len()];

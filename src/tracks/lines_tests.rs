@@ -1,4 +1,4 @@
-//! Polylines against formulas that share nothing with them.
+//! Polylines, compared with independent formulas.
 
 use super::*;
 use crate::earth::infinite_reversed_z;
@@ -48,7 +48,7 @@ fn vertices_of_a_graticule_lie_on_the_ellipsoid_and_on_the_grid() {
     assert!(north.fold(0.0, f64::max) > 6_356_752.0);
 }
 
-/// The 49th parallel is one segment in latitude and longitude: drawn as a great circle it would lie 1.5° farther north.
+/// The 49th parallel is one segment in latitude and longitude: as a great circle it would be up to 1.5° farther north.
 #[test]
 fn segments_are_straight_in_latitude_and_longitude_and_follow_the_ellipsoid() {
     let ends = [(49.0, -123.0), (49.0, -95.0)];
@@ -65,7 +65,7 @@ fn segments_are_straight_in_latitude_and_longitude_and_follow_the_ellipsoid() {
             assert!((-61.0..=1e-6).contains(&off_ellipsoid_m(middle)));
         }
     }
-    // Across the date line the short way: 2° and not 358°.
+    // The shorter way across the date line: 2° and not 358°.
     let date_line = [(0.0, 179.0), (0.0, -179.0)];
     let line = date_line.map(|(lat, lon)| Geodetic::from_degrees(lat, lon, 0.0));
     let lines = Polylines::on_ground(STYLE, &Ellipsoid::WGS84, [line]).expect("a line");
@@ -73,7 +73,7 @@ fn segments_are_straight_in_latitude_and_longitude_and_follow_the_ellipsoid() {
     assert!(finest(&lines).flatten().all(|point| point.x < -6.3e6));
 }
 
-/// A jagged line at every level: no dropped point is farther from the level's line than the level says.
+/// A jagged line at every level: no dropped point is farther from the simplified line than the level's error.
 #[test]
 fn levels_of_detail_keep_their_error() {
     let jagged = (0..400_i32).map(|k| {
@@ -91,7 +91,7 @@ fn levels_of_detail_keep_their_error() {
             assert_eq!(level.first(), all.first());
             assert_eq!(level.last(), all.last());
             for point in all {
-                // By the area of the triangle, or the nearer end.
+                // By the area of the triangle, or the distance to the nearer end.
                 let nearest = level.windows(2).map(|pair| {
                     let along = pair[1] - pair[0];
                     let to = *point - pair[0];
@@ -109,7 +109,7 @@ fn levels_of_detail_keep_their_error() {
     assert!(counts[10] * 4 < counts[2], "{counts:?}");
 }
 
-/// What a frame draws of a line stays within a pixel of the line, and what is out of sight is not drawn.
+/// The drawn line stays within a pixel of the original, and parts out of sight are not drawn.
 #[test]
 fn a_frame_gets_what_is_in_sight_to_within_a_pixel() {
     let ellipsoid = Ellipsoid::WGS84;
@@ -137,7 +137,7 @@ fn a_frame_gets_what_is_in_sight_to_within_a_pixel() {
                 segments.push(ends.map(|end| pixel(DVec3::from(end.from_eye_m.map(f64::from)))));
             }
         }
-        // The equator and Greenwich as the eye sees them, in steps of their own.
+        // The equator and the Greenwich meridian as the eye sees them, with independent steps.
         let a = ellipsoid.equatorial_radius_m;
         let horizon = (a / (a + height_m)).acos();
         for k in -20..=20 {
@@ -155,7 +155,7 @@ fn a_frame_gets_what_is_in_sight_to_within_a_pixel() {
             let near = near.fold(f64::INFINITY, f64::min);
             assert!(near < 1.0, "{near} px at {angle} from {height_m} m");
         }
-        // None of it lies more than a part's length behind the horizon.
+        // No point is more than a part's length behind the horizon.
         for point in &points {
             let place = eye_itrf_m + DVec3::from(point.from_eye_m.map(f64::from));
             assert!(place.angle_between(DVec3::X) < horizon + 2.0 * PART_RAD);

@@ -1,4 +1,4 @@
-//! Where the Moon's shadow begins on the ground: the outlines of umbra and penumbra.
+//! The Moon's shadow on the ground: the outlines of umbra and penumbra.
 
 use super::buffers::LineWriter;
 use super::ink::Ink;
@@ -9,26 +9,26 @@ use glam::DVec3;
 use std::f64::consts::TAU;
 use terrella_frames::{Ellipsoid, MOON_RADIUS_M, MoonShadow, SUN_RADIUS_M};
 
-/// Rays of a cone of shadow; the first is not repeated.
+/// Number of rays of a shadow cone; the first is not repeated.
 pub const SHADOW_POINTS: usize = 360;
-/// Halvings of the angle between a ray that meets the ground and one that passes it: to a metre of ground.
+/// Bisections of the angle between a ray that meets the ground and one that misses it: accurate to a metre on the ground.
 const HALVINGS: usize = 40;
-/// Opacity of the outline of the penumbra in that of the style.
+/// Opacity of the penumbra's outline, relative to that of the style.
 const PENUMBRA_OPACITY: f64 = 0.6;
 
 /// A part of the Moon's shadow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ShadowPart {
-    /// Where the Moon covers the Sun; beyond the tip of the umbra, where the Sun is a ring about the Moon (the antumbra).
+    /// Where the Moon covers the Sun; beyond the tip of the umbra, where the Sun is a ring around the Moon (the antumbra).
     Umbra,
     /// Where the Moon covers a part of the Sun.
     Penumbra,
 }
 
-/// The outline of a part of the Moon's shadow on the side of the ellipsoid that faces the Sun: its points in order, ITRF metres, and
-/// whether each is joined to the one before. It is closed, or ends where the shadow leaves the Earth.
+/// The outline of a part of the Moon's shadow on the sunlit side of the ellipsoid: its points in order, ITRF metres, each with a flag that it is
+/// connected with the one before. The outline is closed, or ends where the shadow leaves the Earth.
 ///
-/// The rays are those that touch Sun and Moon. With the distance D of their centres the cone has the half angle α, sin α = (R☉ ∓ R☾)/D.
+/// The rays are tangent to Sun and Moon. With the distance D of their centres the cone has the half angle α, sin α = (R☉ ∓ R☾)/D.
 pub fn shadow_outline(
     shadow: &MoonShadow,
     part: ShadowPart,
@@ -40,7 +40,7 @@ pub fn shadow_outline(
         return;
     }
     let distance_m = shadow.spread() * SUN_RADIUS_M;
-    // Rays of the penumbra cross the axis between Sun and Moon, and go away from it behind the Moon.
+    // Rays of the penumbra cross the axis between Sun and Moon, and diverge from it behind the Moon.
     let sin = match part {
         ShadowPart::Umbra => (MOON_RADIUS_M - SUN_RADIUS_M) / distance_m,
         ShadowPart::Penumbra => (MOON_RADIUS_M + SUN_RADIUS_M) / distance_m,
@@ -73,7 +73,7 @@ pub fn shadow_outline(
     }
 }
 
-/// The last point between a ray that meets the ground and one that does not.
+/// The last point between a ray that meets the ground and one that misses it.
 fn give_end(
     ground: &impl Fn(f64) -> Option<DVec3>,
     mut hit: f64,
@@ -99,7 +99,7 @@ fn ray_on_ground(from: DVec3, direction: DVec3, ellipsoid: &Ellipsoid) -> Option
     let nearest = -from.dot(along);
     let off = from.cross(along).length();
     let half_chord = ((1.0 - off) * (1.0 + off)).sqrt();
-    // Also false for what is no number.
+    // Also false for NaN.
     let is_met = nearest > half_chord;
     let point = (from + (nearest - half_chord) * along).normalize();
     is_met.then(|| ellipsoid.itrf_from_scaled() * point)
@@ -150,7 +150,7 @@ mod tests {
     use super::*;
     use terrella_frames::ASTRONOMICAL_UNIT_M;
 
-    /// How far apart the centres of Sun and Moon stand from a place, and the sum and the difference of their radii there, radians.
+    /// Angular distance of the centres of Sun and Moon from a position, and the sum and the difference of their radii there, radians.
     fn angles(shadow: &MoonShadow, place: DVec3) -> (f64, f64, f64) {
         let moon = shadow.moon_itrf_m();
         let sun = moon - shadow.axis() * shadow.spread() * SUN_RADIUS_M;
@@ -161,8 +161,8 @@ mod tests {
         (apart, moon + sun, (moon - sun).abs())
     }
 
-    /// The discs touch at every point, from without at the edge of the penumbra, from within at that of the umbra, whether the eclipse is
-    /// total, annular or leaves the Earth.
+    /// At every point of an outline the discs touch, externally for the penumbra and internally for the umbra, whether the eclipse is total,
+    /// annular or leaves the Earth.
     #[test]
     fn discs_touch_where_the_shadow_begins() {
         let sun = DVec3::new(0.9, 0.1, 0.35).normalize() * ASTRONOMICAL_UNIT_M;
@@ -201,7 +201,7 @@ mod tests {
                 match (is_whole, part) {
                     (true, _) => assert_eq!((count, breaks), (SHADOW_POINTS + 1, 1)),
                     (false, ShadowPart::Penumbra) if off_m < 1e7 => {
-                        // It ends at sunrise and sunset, to half a degree: the Sun's disc and the slope of the cone.
+                        // The outline ends at sunrise and sunset, to half a degree: the Sun's disc and the slope of the cone.
                         assert!(count > 50 && (1..=2).contains(&breaks), "{count} {breaks}");
                         let lowest = ends.iter().copied().fold(1.0, f64::min);
                         assert!(lowest < 0.01, "{lowest}");

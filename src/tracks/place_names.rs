@@ -6,13 +6,13 @@ use terrella_frames::Geodetic;
 
 /// First bytes of a file of names.
 const MAGIC: &[u8; 8] = b"TRNAMES1";
-/// Largest file, bytes: some forty times the shipped one.
+/// Largest file, bytes: some forty times the embedded one.
 const MAX_FILE_BYTES: usize = 2_000_000;
-/// A place without its name, bytes.
+/// Size of a place without its name, bytes.
 const RECORD_BYTES: usize = 8;
-/// Whole numbers of the file in a degree.
+/// Integer units of the file per degree.
 const PER_DEGREE: f64 = 100.0;
-/// Half a turn and a quarter in these numbers.
+/// 180° and 90° in these units.
 const HALF_TURN: i16 = 18_000;
 const QUARTER_TURN: i16 = 9000;
 /// Flag of a national capital.
@@ -27,23 +27,23 @@ pub enum PlaceNamesError {
     #[error("{}: {cause}", path.display())]
     Unreadable {
         path: PathBuf,
-        /// What the system says.
+        /// Error message of the system.
         cause: String,
     },
-    /// It does not begin as such a file does.
+    /// It does not start with the magic bytes.
     #[error("{}: it is no file of place names: it does not begin with TRNAMES1", path.display())]
     Kind { path: PathBuf },
-    /// A file larger than any that is read.
+    /// The file exceeds the size limit.
     #[error("{}: it has more than {MAX_FILE_BYTES} bytes", path.display())]
     TooLarge { path: PathBuf },
-    /// Bytes are other ones than those that were written.
+    /// The checksum does not match.
     #[error("{}: it is corrupt or cut off: its checksum is not that of its bytes", path.display())]
     Checksum { path: PathBuf },
-    /// The bytes end within a place, go on after the last, or are no place.
+    /// The bytes end inside a place or continue after the last, or a place is invalid.
     #[error("{}: place {place} of it is cut off, lies off the globe or has no name", path.display())]
     Place {
         path: PathBuf,
-        /// Which place, from 1.
+        /// Number of the place, from 1.
         place: usize,
     },
 }
@@ -51,20 +51,20 @@ pub enum PlaceNamesError {
 /// A place with its name.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NamedPlace {
-    /// Where it is, to 0.005°; the height is 0.
+    /// Position, to 0.005°; the height is 0.
     pub place: Geodetic,
     /// Its name, as GeoNames has it.
     pub name: String,
     /// Whether it is the capital of a country or a territory.
     pub is_capital: bool,
-    /// Distance to the nearest place that is more important, metres: how much room its name has.
+    /// Distance to the nearest more important place, metres: the room for its name.
     pub isolation_m: f64,
 }
 
-/// Reads a file of place names, the most important first; `textures/SOURCES.md` describes the form.
+/// Reads a file of place names, the most important first; `textures/SOURCES.md` describes its format.
 ///
 /// # Errors
-/// A file that cannot be read, another kind of file, one that is corrupt or cut off, and places off the globe.
+/// A file that cannot be read, another kind of file, a corrupt or truncated file, or positions off the globe.
 pub fn read_place_names(path: &Path) -> Result<Vec<NamedPlace>, PlaceNamesError> {
     let read = files::read(path, MAX_FILE_BYTES as u64);
     let path = || path.to_owned();
@@ -86,11 +86,11 @@ pub fn read_place_names(path: &Path) -> Result<Vec<NamedPlace>, PlaceNamesError>
     })
 }
 
-/// The places after the checksum, or the number of the first that is wrong.
+/// The places after the checksum, or the number of the first invalid one.
 fn places(bytes: &[u8]) -> Result<Vec<NamedPlace>, usize> {
     let (count, mut rest) = bytes.split_first_chunk().ok_or(1_usize)?;
     let count = u32::from_le_bytes(*count) as usize;
-    // The bytes of a file bound what is allocated, not what it says.
+    // Allocation is bounded by the size of the file, not by its stated count.
     let mut places = Vec::with_capacity(count.min(rest.len() / RECORD_BYTES));
     for number in 1..=count {
         let (place, after) = place(rest).ok_or(number)?;
@@ -188,7 +188,7 @@ mod tests {
                 other => panic!("{other}"),
             }
         };
-        // More than there is room for, bytes after the last, no name, text that is no UTF-8, 90.01° N.
+        // A count beyond the data, bytes after the last place, no name, invalid UTF-8, 90.01° N.
         assert_eq!(error(u32::MAX, &VIENNA), 2);
         assert_eq!(error(1, &[&VIENNA[..], &[0]].concat()), 2);
         assert_eq!(error(1, &[0; 8]), 1);

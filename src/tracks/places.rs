@@ -1,4 +1,4 @@
-//! Marked places on the ground: a ring, and where its name belongs.
+//! Marked places on the ground: a ring, and the position of its name.
 
 use super::TracksError;
 use super::buffers::{PlaceLabel, RING_PX, TrackBuffers};
@@ -9,23 +9,23 @@ use crate::gpu::{Mark, PassFormat, TRACK_ON_GROUND};
 use glam::DVec3;
 use terrella_frames::{Ellipsoid, Geodetic};
 
-/// Most marked places.
+/// Largest number of marked places.
 pub const MAX_PLACES: usize = 20_000;
 
 /// A place on the ground.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GroundMark {
-    /// Where it is; heights below the ellipsoid are marked on it.
+    /// Position; a place below the ellipsoid is marked on it.
     pub place: Geodetic,
     /// Display values (sRGB).
     pub color: [u8; 3],
     /// Above 0 to 1.
     pub opacity: f64,
-    /// Width of the ring's line, pixels: above 0 to 64. The ring is as large as a station's with lines of that width.
+    /// Width of the ring's line, pixels: above 0 to 64. The ring has the size of a station's with lines of that width.
     pub width_px: f32,
     /// Whether a ring is drawn.
     pub is_marked: bool,
-    /// Whether it has a name, whose place is in [`Tracks::place_labels`](super::Tracks::place_labels).
+    /// Whether it has a name, whose position is in [`Tracks::place_labels`](super::Tracks::place_labels).
     pub is_named: bool,
 }
 
@@ -44,7 +44,7 @@ impl GroundMark {
     }
 }
 
-/// A marked place, ITRF metres, and its colour as the target of the pass stores it.
+/// A marked place, ITRF metres, and its colour as the target stores it.
 #[derive(Clone)]
 pub(super) struct InkedPlace {
     pub mark: GroundMark,
@@ -66,7 +66,7 @@ impl InkedPlace {
         }
     }
 
-    /// Adds what is drawn of it.
+    /// Adds its elements of a frame.
     pub fn write(
         &self,
         index: usize,

@@ -1,4 +1,4 @@
-//! Polygons on the ground, filled: areas of a map, footprints, forecasts.
+//! Filled polygons on the ground: areas of a map, footprints, forecasts.
 
 mod plane;
 mod rows;
@@ -14,9 +14,9 @@ use std::sync::Arc;
 use terrella_frames::{Ellipsoid, Geodetic};
 use triangulation::{CutPolygon, GroundTriangle, step_rad};
 
-/// Most triangles of all polygons that one [`Tracks`](super::Tracks) draws, after the subdivision of large ones.
+/// Largest number of triangles of all polygons of one [`Tracks`](super::Tracks), after the subdivision of large ones.
 pub const MAX_TRIANGLES: usize = 300_000;
-/// Triangles that are culled as a whole.
+/// Number of triangles that are culled as a whole.
 const PART_TRIANGLES: usize = 128;
 
 /// How polygons are filled.
@@ -41,8 +41,8 @@ impl FillStyle {
 
 /// Polygons of one style, Earth-fixed, for [`Tracks::set_polygons`](super::Tracks::set_polygons). Clones share their triangles.
 ///
-/// Each is divided into triangles in the plane of longitude and latitude, where its edges are straight, and these into ones small enough to
-/// follow the ellipsoid. So its edge is as sharp near the ground as from afar, whatever its size.
+/// Each polygon is triangulated in the plane of longitude and latitude, where its edges are straight, and subdivided to follow the ellipsoid. Its
+/// edge is thus as sharp near the ground as from afar, whatever its size.
 ///
 /// ```
 /// use terrella::frames::{Ellipsoid, Geodetic};
@@ -64,7 +64,7 @@ pub struct Polygons {
     crossing: usize,
 }
 
-/// Successive triangles.
+/// Consecutive triangles.
 #[derive(Clone, Debug)]
 struct Part {
     center_itrf_m: DVec3,
@@ -74,12 +74,12 @@ struct Part {
 }
 
 impl Polygons {
-    /// Polygons on the ellipsoid. Each is an outer ring and the holes in it, of places whose heights are not read; the last place of a ring
-    /// may repeat the first. Edges are straight in latitude and longitude, as in GeoJSON (RFC 7946, 3.1.1), and go the shorter way around the
-    /// Earth. Rings may be wound either way. A ring about a pole encloses that of the hemisphere that most of its corners lie in.
+    /// Polygons on the ellipsoid. Each is an outer ring and the holes in it, given as positions whose heights are ignored; the last position of a
+    /// ring may repeat the first. Edges are straight in latitude and longitude, as in GeoJSON (RFC 7946, 3.1.1), and take the shorter way around
+    /// the Earth. Rings may have either winding. A ring around a pole encloses the pole of the hemisphere that contains most of its corners.
     ///
     /// # Errors
-    /// A style out of range, a place that is not finite, and more than [`MAX_TRIANGLES`].
+    /// A style out of range, a position that is not finite, or more than [`MAX_TRIANGLES`].
     pub fn on_ground(
         style: FillStyle,
         ellipsoid: &Ellipsoid,
@@ -120,17 +120,17 @@ impl Polygons {
         }
     }
 
-    /// How they are filled.
+    /// Their fill style.
     pub fn style(&self) -> FillStyle {
         self.style
     }
 
-    /// Triangles that they are divided into.
+    /// Number of triangles.
     pub fn triangle_count(&self) -> usize {
         self.triangles.len()
     }
 
-    /// How many of them have rings that cross themselves or each other: parts of these are not filled, or filled twice.
+    /// Number of polygons whose rings cross themselves or each other: parts of them are not filled, or filled twice.
     pub fn crossing_count(&self) -> usize {
         self.crossing
     }
@@ -150,7 +150,7 @@ impl Part {
     }
 }
 
-/// Polygons, and their colour as the target of the pass stores it.
+/// Polygons, and their colour as the target stores it.
 #[derive(Clone)]
 pub(super) struct InkedPolygons {
     pub polygons: Polygons,
@@ -164,7 +164,7 @@ impl InkedPolygons {
         Self { polygons, colors }
     }
 
-    /// Adds the triangles of a frame: those of parts that are in sight.
+    /// Adds the triangles of a frame: those of parts in sight.
     pub fn write(&self, eye: &EyeProjection<'_>, out: &mut Vec<Triangle>) {
         for part in self.polygons.parts.iter() {
             if eye.faces_away(part.center_itrf_m, part.radius_m)

@@ -1,4 +1,4 @@
-//! From places to pixels: where on screen a place is, and what of the screen a ball may cover.
+//! Projection of positions to pixels, and the bounds of spheres on screen.
 
 use crate::earth::ball_bounds;
 use glam::{DMat4, DVec3, DVec4};
@@ -9,12 +9,12 @@ use terrella_ground::globe::culling::{GroundShell, Horizon};
 pub(super) struct EyeProjection<'e> {
     pub itrf_m: DVec3,
     pub clip_from_eye: DMat4,
-    /// Of the viewport, pixels.
+    /// Size of the viewport, pixels.
     pub size: (u32, u32),
     pub ellipsoid: &'e Ellipsoid,
     horizon: Horizon,
     pixels_per_radian: f64,
-    /// Angle of a pixel in the middle of the picture, where it is widest; the wider side's.
+    /// Angular size of a pixel in the middle of the image, where it is largest; that of the larger side.
     pixel_rad: f64,
 }
 
@@ -25,7 +25,7 @@ impl<'e> EyeProjection<'e> {
         size: (u32, u32),
         ellipsoid: &'e Ellipsoid,
     ) -> Self {
-        // A rotation changes no length: the ratio is the cotangent of half the field of view, in any unit of the host.
+        // Rotations preserve lengths: the ratio is the cotangent of half the field of view, in any unit of the host.
         let [right, up, depth] = [0, 1, 3].map(|row| clip_from_eye.row(row).truncate().length());
         let pixels_per_radian = |side: u32, scale: f64| 0.5 * f64::from(side) * scale / depth;
         let (across, upwards) = (
@@ -43,29 +43,29 @@ impl<'e> EyeProjection<'e> {
         }
     }
 
-    /// A place in clip space.
+    /// A position in clip space.
     #[inline]
     pub fn clip(&self, place_itrf_m: DVec3) -> DVec4 {
         self.clip_from_eye * (place_itrf_m - self.itrf_m).extend(1.0)
     }
 
-    /// How many pixels an angle of one radian is long in the middle of the picture.
+    /// Length in pixels of an angle of one radian in the middle of the image.
     pub fn pixels_per_radian(&self) -> f64 {
         self.pixels_per_radian
     }
 
-    /// Whether the globe hides a place; see [`is_hidden`](super::is_hidden).
+    /// Whether the globe hides a position; see [`is_hidden`](super::is_hidden).
     pub fn is_hidden(&self, place_itrf_m: DVec3) -> bool {
         self.horizon.hides_point(place_itrf_m)
     }
 
-    /// Whether the globe hides all of a disc about a place that is no lower than 10 km.
+    /// Whether the globe hides all of a disc around a position that is no lower than 10 km.
     pub fn hides_disc(&self, place_itrf_m: DVec3, radius_px: f64) -> bool {
         self.horizon
             .hides_around(place_itrf_m, radius_px * self.pixel_rad)
     }
 
-    /// Whether all of a ball lies on ground that faces away: p·e < 1 in scaled space.
+    /// Whether all of a sphere lies on ground that faces away: p·e < 1 in scaled space.
     pub fn faces_away(&self, center_itrf_m: DVec3, radius_m: f64) -> bool {
         let scale = self.ellipsoid.scaled_from_itrf();
         let eye_scaled = scale * self.itrf_m;
@@ -74,12 +74,12 @@ impl<'e> EyeProjection<'e> {
         facing + reach < 1.0
     }
 
-    /// Pixels from the viewport's upper left corner; `None` outside the picture.
+    /// Pixels from the viewport's upper left corner; `None` outside the image.
     pub fn pixel(&self, place_itrf_m: DVec3) -> Option<[f32; 2]> {
         self.pixel_near(place_itrf_m, 0.0)
     }
 
-    /// The same; `None` farther outside the picture than so many pixels.
+    /// As [`Self::pixel`], with a margin: `None` if it is more than this many pixels outside the image.
     #[inline]
     pub fn pixel_near(&self, place_itrf_m: DVec3, outside_px: f64) -> Option<[f32; 2]> {
         let clip = self.clip(place_itrf_m);
@@ -93,13 +93,13 @@ impl<'e> EyeProjection<'e> {
         })
     }
 
-    /// Whether a pixel lies in the picture.
+    /// Whether a pixel is inside the image.
     pub fn is_inside(&self, [x, y]: [f32; 2]) -> bool {
         let (width, height) = (self.size.0 as f32, self.size.1 as f32);
         (0.0..=width).contains(&x) && (0.0..=height).contains(&y)
     }
 
-    /// The part of the screen that a ball may cover: least x and y, greatest x and y; `None` where it covers none.
+    /// Bounds of a sphere on screen: least x and y, greatest x and y; `None` if it is off screen.
     pub fn bounds(&self, center_itrf_m: DVec3, radius_m: f64) -> Option<[f32; 4]> {
         ball_bounds(&self.clip_from_eye, center_itrf_m - self.itrf_m, radius_m)
     }

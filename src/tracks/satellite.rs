@@ -1,4 +1,4 @@
-//! One satellite: its curves followed through time.
+//! One satellite: its curves over time.
 
 use super::curve::{Curve, CurvePoint, STEP_RAD, TimeWindow};
 use super::ink::Ink;
@@ -10,12 +10,12 @@ use terrella_frames::{Duration, EARTH_ROTATION_RATE_RAD_S, Ellipsoid, Epoch, Ori
 use terrella_orbit::constants::EARTH_GM_M3_S2;
 use terrella_orbit::{Feed, FieldOfView, Frame, Freshness, OrbitState};
 
-/// Longest revolution that spans are counted in, seconds; the span of what takes longer is counted in days.
+/// Longest revolution for spans in revolutions, seconds; for longer periods, spans are counted in days.
 const LONGEST_REVOLUTION_S: f64 = 2.0 * 86_400.0;
-/// Of a feed that is live, what lies later than so long before now is asked again: late packets change it.
+/// For a live feed, states later than this time before now are requested again: late packets change them.
 const UNSETTLED_S: f64 = 10.0;
 
-/// Now, and the rotations from inertial axes to the Earth as it stands now, each made when it is first asked for.
+/// The current time, and the rotations from inertial axes to the present Earth-fixed axes, each computed on first use.
 pub(super) struct Axes {
     pub now: Epoch,
     orientation: Orientation,
@@ -48,32 +48,32 @@ impl Axes {
         })
     }
 
-    /// How fast the Earth turns, radians per second.
+    /// Rotation rate of the Earth, radians per second.
     fn rate_rad_s(&self) -> f64 {
         self.turn
             .map_or(EARTH_ROTATION_RATE_RAD_S, |turn| turn.rate_rad_s)
     }
 }
 
-/// A satellite with the curves that are kept of it.
+/// A satellite with its sampled curves.
 #[derive(Clone)]
 pub(super) struct Satellite {
     pub style: TrackStyle,
     pub ink: Ink,
-    // Beside them: most of thousands of satellites have none.
+    // Boxed: most of thousands of satellites have none.
     pub trail: Option<Box<Curve>>,
     pub ground: Option<Box<Curve>>,
-    /// Left and right edge of the ground that its sensor passes over.
+    /// Left and right edge of the swath.
     pub swath: Option<Box<Curve<[DVec3; 2]>>>,
     pub reference: Option<CurveReference>,
-    /// Where it is, in the reference's axes, if that is known.
+    /// Its current position, in the reference's axes, if known.
     pub now_m: Option<DVec3>,
-    /// Where it flies to, in these axes.
+    /// Direction of its motion, in these axes.
     pub flight: DVec3,
     pub now_s: f64,
 }
 
-/// What times and places of curves are counted from.
+/// Origin of the times and axes of the curves.
 #[derive(Clone, Copy)]
 pub(super) struct CurveReference {
     epoch: Epoch,
@@ -109,7 +109,7 @@ impl CurveReference {
     }
 }
 
-/// A state in axes that do not turn with the Earth: its own, or TEME, which costs least to come to.
+/// A state in non-rotating axes: its own, or TEME, which is the cheapest to transform to.
 fn inertial(state: &OrbitState, orientation: &Orientation) -> OrbitState {
     match state.frame.is_earth_fixed() {
         true => state.in_frame(Frame::Teme, orientation),
@@ -117,13 +117,13 @@ fn inertial(state: &OrbitState, orientation: &Orientation) -> OrbitState {
     }
 }
 
-/// Whether a place can be drawn: division by a radius of 0, and what is no number, end here.
+/// Whether a position can be drawn: a radius of 0 and non-finite values are rejected here.
 fn is_sound(position_m: DVec3) -> bool {
     position_m.is_finite() && position_m != DVec3::ZERO
 }
 
-/// Whether an instant lies between two others or is one of them. Epochs of one time scale are compared as they are: to compare any two,
-/// hifitime converts both.
+/// Whether a time is between two others, or equal to one. Epochs of one time scale are compared directly: the general comparison of hifitime
+/// converts both.
 fn is_within(now: Epoch, first: Epoch, last: Epoch) -> bool {
     match [first, last]
         .iter()
@@ -134,7 +134,7 @@ fn is_within(now: Epoch, first: Epoch, last: Epoch) -> bool {
     }
 }
 
-/// Time of a revolution by the energy, T = 2π√(a³/μ) with 1/a = 2/r − v²/μ; a day where there is none or it is too long.
+/// Period from the energy, T = 2π√(a³/μ) with 1/a = 2/r − v²/μ; a day if there is none or it is too long.
 fn revolution_s(state: &OrbitState) -> f64 {
     const DAY_S: f64 = 86_400.0;
     let inverse =
@@ -164,7 +164,7 @@ impl Satellite {
         }
     }
 
-    /// Follows the feed to now; without anything to draw only if `is_looked_for`, by stations. Answers whether its curves are whole.
+    /// Updates the curves to the current time; if nothing is drawn, only if `is_looked_for` by stations. Returns whether the curves are complete.
     pub fn follow(
         &mut self,
         feed: &dyn Feed,
@@ -191,7 +191,7 @@ impl Satellite {
         let is_known = is_within(axes.now, first, last);
         let state = match is_known {
             true => state_at(axes.now),
-            // Without a state of now there may be one to count from.
+            // If there is no state for now, another time may serve as reference.
             false if self.reference.is_none() && first <= last => {
                 state_at(axes.now.clamp(first, last))
             }
@@ -226,7 +226,7 @@ impl Satellite {
         let itrf_from_inertial = axes.itrf_from(reference.frame);
         let rate_rad_s = axes.rate_rad_s();
         let moving = |t_s: f64| {
-            // Seconds are rounded; the ends of what is known are not to be missed for that.
+            // Seconds are rounded; clamped so that the ends of the validity are not missed.
             let epoch = (reference.epoch + Duration::from_seconds(t_s)).clamp(first, last);
             Some(state_at(epoch)?.in_frame(reference.frame, &orientation))
         };
@@ -234,10 +234,10 @@ impl Satellite {
             let speed = state.velocity_m_s.length();
             STEP_RAD * state.position_m.length() / speed.max(1.0)
         };
-        // The ground turns below what hardly moves.
+        // For a slow satellite the rotation of the ground sets the step.
         let ground_step_s =
             |state: &OrbitState| 1.0 / (1.0 / step_s(state) + EARTH_ROTATION_RATE_RAD_S / STEP_RAD);
-        // The Earth turns on from where it stands now.
+        // The Earth rotates from its present orientation.
         let itrf_at =
             |t_s: f64| DMat3::from_rotation_z(-rate_rad_s * (t_s - now_s)) * itrf_from_inertial;
         let sample = |t_s: f64| {
@@ -280,7 +280,7 @@ impl Satellite {
         is_whole
     }
 
-    /// Follows the feed to now where there is no curve: what thousands of satellites do in each frame.
+    /// Updates the position only, without curves: the usual case for thousands of satellites.
     fn follow_place(&mut self, feed: &dyn Feed, axes: &Axes) {
         let (first, last) = feed.validity();
         if !is_within(axes.now, first, last) {
@@ -306,7 +306,7 @@ impl Satellite {
         }
     }
 
-    /// Where it is, ITRF metres, if that is known.
+    /// Its current position, ITRF metres, if known.
     pub fn place_itrf_m(&self, axes: &mut Axes) -> Option<DVec3> {
         let (reference, now_m) = (self.reference?, self.now_m?);
         Some(axes.itrf_from(reference.frame) * now_m)
@@ -318,7 +318,7 @@ impl Satellite {
     }
 }
 
-/// Left and right edge of the swath of a satellite at a place; `None` where its field of view meets no ground.
+/// Left and right edge of the swath of a satellite at a position; `None` if the field of view misses the ground.
 pub(super) fn swath_edges(
     field: &FieldOfView,
     place_itrf_m: DVec3,
@@ -330,7 +330,7 @@ pub(super) fn swath_edges(
     Some([edge(-1.0)?, edge(1.0)?])
 }
 
-/// The sub-satellite point: where the ellipsoid's normal through a place stands.
+/// The sub-satellite point: the foot of the ellipsoid's normal through a position.
 pub(super) fn subpoint(place_itrf_m: DVec3, ellipsoid: &Ellipsoid) -> DVec3 {
     let place = ellipsoid.geodetic_from_itrf(place_itrf_m);
     ellipsoid.surface_point(Ellipsoid::normal(place.lat_rad, place.lon_rad))

@@ -1,4 +1,4 @@
-//! Curves of real orbits: where they lie, how smooth they are, where they end.
+//! Curves of real orbits: position, smoothness and ends.
 
 use super::*;
 use terrella_frames::{Geodetic, utc_from_rfc3339};
@@ -55,7 +55,7 @@ fn both(trail: TrackSpan, ground_track: TrackSpan) -> TrackStyle {
     }
 }
 
-/// Follows a feed to an instant: whether its curves are whole, and the states that it took.
+/// Updates a satellite to a time: whether its curves are complete, and the number of states requested.
 fn follow(satellite: &mut Satellite, feed: &dyn Feed, at: Epoch) -> (bool, usize) {
     let mut axes = Axes::new(at, Orientation::default(), None);
     let mut budget = 100_000;
@@ -63,7 +63,7 @@ fn follow(satellite: &mut Satellite, feed: &dyn Feed, at: Epoch) -> (bool, usize
     (is_whole, 100_000 - budget)
 }
 
-/// The trail in Earth-fixed axes of that instant, and the ground track, with seconds from then.
+/// The trail in the Earth-fixed axes of that time, and the ground track, with seconds relative to it.
 fn curves(satellite: &Satellite, at: Epoch) -> [Vec<(f64, DVec3)>; 2] {
     let mut axes = Axes::new(at, Orientation::default(), None);
     let reference = satellite
@@ -124,7 +124,7 @@ fn the_trail_of_a_molniya_orbit_is_a_smooth_closed_ellipse_with_the_satellite_on
             "not closed by {}",
             trail[0].1.distance(place)
         );
-        // Steps are half a degree of the radius; at the apogee the path turns r(1 + e)/(a(1 − e²)), four times, faster.
+        // Steps are half a degree of the radius vector; at the apogee the path turns r(1 + e)/(a(1 − e²)) times as fast, a factor of four.
         assert!(sharpest(&trail) < 0.04, "{hours}: {}", sharpest(&trail));
         assert!(ground.len() > 700, "{}", ground.len());
     }
@@ -148,7 +148,7 @@ fn ground_tracks_are_the_feet_of_later_and_earlier_places() {
         assert!((ground[ground.len() - 1].0 - 12_000.0).abs() < 1e-6);
         let mut crossings = 0;
         for pair in ground.windows(2) {
-            // In space there is neither date line nor pole: the next point is near.
+            // In space there is neither date line nor pole: consecutive points are close.
             assert!(
                 pair[0].1.distance(pair[1].1) < 70e3,
                 "{} {}",
@@ -168,7 +168,7 @@ fn ground_tracks_are_the_feet_of_later_and_earlier_places() {
                 height_m: 0.0,
                 ..exact
             });
-            // Cut ends lie on chords; the Earth is turned by its mean rate.
+            // Cut ends lie on chords; the Earth rotates at its mean rate.
             let allowed = if k == 0 || k + 1 == ground.len() {
                 100.0
             } else {
@@ -194,7 +194,7 @@ fn in_steady_state_few_states_are_asked_for() {
     let (_, first) = follow(&mut satellite, &iss, at);
     let mut then = 0;
     for frame in 1..=600 {
-        // Sixty times as fast as it is, sixty frames a second.
+        // Sixty times real time, sixty frames a second.
         let (is_whole, taken) = follow(
             &mut satellite,
             &iss,
@@ -208,16 +208,16 @@ fn in_steady_state_few_states_are_asked_for() {
         (1200..1800).contains(&first) && then < 200,
         "{first} {then}"
     );
-    // A jump to another day begins again; backwards too.
+    // A jump to another day starts again; backwards too.
     let (is_whole, taken) = follow(&mut satellite, &iss, at - Duration::from_seconds(86_400.0));
     assert!(is_whole && taken < 2000, "{taken}");
 }
 
-/// The space station, known for a while only.
+/// The space station, with a limited validity.
 struct Known {
     iss: Sgp4Feed,
     span: (Epoch, Epoch),
-    /// Whether it says so beforehand.
+    /// Whether it declares the validity.
     is_honest: bool,
 }
 
@@ -236,7 +236,7 @@ impl Feed for Known {
     fn state_at(&self, epoch: Epoch) -> Result<OrbitState, OrbitError> {
         let at = match (self.span.0..=self.span.1).contains(&epoch) {
             true => epoch,
-            // Far outside of what SGP4 answers for.
+            // Far outside SGP4's validity.
             false => utc("2099-01-01T00:00:00Z"),
         };
         self.iss.state_at(at)
@@ -278,13 +278,13 @@ fn curves_end_with_what_is_known() {
                 "{first} {last}"
             );
         }
-        // Later than it is known: the past stays, there is no place of now.
+        // After the validity: past samples remain, and there is no current position.
         let later = at + Duration::from_seconds(700.0);
         assert!(follow(&mut satellite, &feed, later).0);
         assert_eq!(satellite.now_m, None);
         let [trail, _] = curves(&satellite, later);
         assert!(trail[trail.len() - 1].0 <= -500.0);
-        // And long after nothing is left.
+        // Long after, nothing is left.
         follow(&mut satellite, &feed, later + hour);
         assert!(curves(&satellite, later + hour)[0].is_empty());
     }
@@ -304,7 +304,7 @@ fn spans_count_revolutions_by_the_energy() {
         DVec3::Y * (EARTH_GM_M3_S2 / radius_m).sqrt(),
     );
     assert!((revolution_s(&circular) - 86_164.0).abs() < 20.0);
-    // What escapes, and what takes a year: a day.
+    // An escape orbit, and a period of a year: a day.
     assert_eq!(
         revolution_s(&state(DVec3::X * 7e6, DVec3::Y * 2e4)),
         86_400.0
@@ -315,7 +315,7 @@ fn spans_count_revolutions_by_the_energy() {
     );
 }
 
-/// The edges of a swath at each of its instants against all points of the footprint that the state has then: none lies farther out.
+/// The edges of a swath at each time, compared with all points of the footprint of that state: none lies farther out.
 #[test]
 fn a_swath_reaches_as_far_as_the_footprint_at_each_instant() {
     let feed = Sgp4Feed::built_in_iss().unwrap_or_else(|error| panic!("{error}"));
@@ -351,7 +351,7 @@ fn a_swath_reaches_as_far_as_the_footprint_at_each_instant() {
         .unwrap_or_else(|| panic!("a swath"));
     swath.walk(window, None, |t_s, edges| {
         times.push(t_s);
-        // The ends are cut between samples.
+        // The ends are interpolated between samples.
         if t_s == window.from_s || t_s == window.to_s {
             return;
         }
@@ -366,7 +366,7 @@ fn a_swath_reaches_as_far_as_the_footprint_at_each_instant() {
             least = least.min(point.dot(right));
             most = most.max(point.dot(right));
         });
-        // Points of the outline are kilometres apart, and about its extremes it is flat; at corners they are exact.
+        // Points of the outline are kilometres apart; near an extremum the outline is flat, and corners are exact.
         for (edge, outline) in edges.into_iter().zip([least, most]) {
             farthest = farthest.max((edge.dot(right) - outline).abs());
         }

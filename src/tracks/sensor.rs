@@ -1,4 +1,4 @@
-//! What a satellite's sensor sees now, on the ground and as lines in space, and the swath that it passes over.
+//! A satellite's sensor: its footprint, its field of view as lines in space, and its swath.
 
 use super::buffers::{FILL_OPACITY, OUTLINE_OPACITY, TrackBuffers};
 use super::footprint::{WIDEST_HALF_ANGLE_RAD, footprint_outline};
@@ -10,16 +10,16 @@ use glam::DVec3;
 use terrella_frames::Ellipsoid;
 use terrella_orbit::{AimedField, FieldOfView, FieldShape};
 
-/// Lines that show a cone in space.
+/// Number of lines that show a cone in space.
 const CONE_LINES: usize = 12;
 /// Opacity of these lines.
 const EDGE_OPACITY: f64 = 0.6;
-/// Longest edge of a swath's triangle across it, radians about the Earth's centre.
+/// Longest edge of a swath's triangle across the track, radians about the Earth's centre.
 const ACROSS_RAD: f64 = 1.3 * std::f64::consts::PI / 180.0;
-/// Most triangles across.
+/// Largest number of triangles across the track.
 const MOST_ACROSS: f64 = 64.0;
 
-/// What the fill's shader tests: a cone, or with a second tangent a pyramid.
+/// Field of view for the fill's shader: a cone, or with a second tangent a pyramid.
 struct FillField {
     axis: DVec3,
     across: DVec3,
@@ -27,7 +27,7 @@ struct FillField {
 }
 
 impl Satellite {
-    /// Adds the ground that is seen from `place`.
+    /// Adds the ground that is visible from `place`.
     pub(super) fn write_footprint(
         &self,
         place_itrf_m: DVec3,
@@ -39,7 +39,7 @@ impl Satellite {
         let outline = &mut buffers.outline;
         outline.clear();
         let add = |point| outline.push(point);
-        // About nadir the outline has a closed form, and no direction of flight is asked for.
+        // About nadir the outline has a closed form, which does not need the direction of motion.
         let nadir_rad = match footprint.field {
             None => Some(WIDEST_HALF_ANGLE_RAD),
             Some(field) => nadir_cone(&field),
@@ -80,7 +80,7 @@ impl Satellite {
         }
     }
 
-    /// `None` where none of it can be on screen.
+    /// `None` if none of it can be on screen.
     fn fill(
         &self,
         place_itrf_m: DVec3,
@@ -88,7 +88,7 @@ impl Satellite {
         outline: &[DVec3],
         eye: &EyeProjection<'_>,
     ) -> Option<Fill> {
-        // The area lies in the ball about a place of the ground in its midst that reaches its outline.
+        // The area lies inside the sphere around its middle that reaches its outline.
         let middle = outline.iter().sum::<DVec3>() / outline.len() as f64;
         let center = subpoint(middle, eye.ellipsoid);
         let reach = outline.iter().map(|point| point.distance_squared(center));
@@ -112,7 +112,7 @@ impl Satellite {
         })
     }
 
-    /// Adds the ground that is passed over in the swath's time.
+    /// Adds the ground that is swept in the swath's time.
     pub(super) fn write_swath(
         &self,
         eye: &EyeProjection<'_>,
@@ -171,14 +171,14 @@ impl FillField {
     }
 }
 
-/// Triangles between successive pairs of edges.
+/// Triangles between consecutive pairs of edges.
 struct Strip<'s> {
     colors: [[u16; 4]; 2],
     before: Option<[DVec3; 2]>,
     eye: &'s EyeProjection<'s>,
-    /// Where its triangles begin.
+    /// Index of its first triangle.
     first: usize,
-    /// Triangles of the row that was added last.
+    /// Number of triangles in the last row.
     row: usize,
     triangles: &'s mut Vec<Triangle>,
 }
@@ -232,7 +232,7 @@ impl Strip<'_> {
         self.row = 2 * columns as usize;
     }
 
-    /// Smooths the end of the row that was added last.
+    /// Antialiases the end of the last row.
     fn end(self) {
         let row = self.triangles.len() - self.row;
         // The second triangle of each pair has its first two corners there.

@@ -1,4 +1,4 @@
-//! Ground stations: a mark with a place for its name, the ground from which a satellite is in view, and lines of access.
+//! Ground stations: a mark with the position of its name, the visibility circle of a satellite, and access lines.
 
 use super::TracksError;
 use super::buffers::{LineWriter, OUTLINE_OPACITY, RING_PX, StationLabel, TrackBuffers};
@@ -12,19 +12,19 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 use terrella_frames::{Ellipsoid, Epoch, Geodetic, Orientation};
 use terrella_orbit::{Frame, Observer, OrbitState};
 
-/// Most stations.
+/// Largest number of stations.
 pub const MAX_STATIONS: usize = 1000;
-/// Points of a visibility circle; the first is not repeated.
+/// Number of points of a visibility circle; the first is not repeated.
 pub const CIRCLE_POINTS: usize = 128;
-/// Opacity of a line of access.
+/// Opacity of an access line.
 const ACCESS_OPACITY: f64 = 0.9;
 
 /// A ground station.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Station {
-    /// Where it stands; its height is above the ellipsoid.
+    /// Its position; the height is above the ellipsoid.
     pub place: Geodetic,
-    /// Elevation mask: how high above the horizon a satellite has to stand to be in view, radians, 0 to below π/2.
+    /// Elevation mask: the least elevation angle of a satellite in view, radians, 0 to below π/2.
     pub min_elevation_rad: f64,
     /// Display values (sRGB).
     pub color: [u8; 3],
@@ -46,10 +46,9 @@ impl Station {
         Err(TracksError::Lines { what })
     }
 
-    /// Whether a satellite at an Earth-fixed position, ITRF metres, is in view: as [`Observer`] of passes has it, without refraction and
-    /// hills.
+    /// Whether a satellite at an Earth-fixed position, ITRF metres, is in view: as for the [`Observer`] of passes, without refraction and terrain.
     pub fn sees(&self, satellite_itrf_m: DVec3, ellipsoid: &Ellipsoid) -> bool {
-        // In Earth-fixed axes neither the instant nor the orientation is read.
+        // In Earth-fixed axes neither time nor orientation is used.
         let orientation = |_: Epoch| Orientation::default();
         let observer = Observer::new(self.place, ellipsoid, self.min_elevation_rad, &orientation);
         let state = OrbitState {
@@ -61,15 +60,15 @@ impl Station {
         observer.look_angles(&state).elevation_rad >= self.min_elevation_rad
     }
 
-    /// The ground below the places, `height_m` above the ellipsoid, at which a satellite stands just at the elevation mask:
-    /// [`CIRCLE_POINTS`] points on the ellipsoid, ITRF metres, clockwise from the north. Nothing if the station is as high as that.
+    /// The ground below the positions at `height_m` above the ellipsoid where a satellite is exactly at the elevation mask: [`CIRCLE_POINTS`]
+    /// points on the ellipsoid, ITRF metres, clockwise from the north. Empty if the station is at least as high.
     pub fn visibility_circle(
         &self,
         height_m: f64,
         ellipsoid: &Ellipsoid,
         mut give: impl FnMut(DVec3),
     ) {
-        // Also false for a height that is no number.
+        // Also false for NaN.
         if !(height_m > self.place.height_m && height_m.is_finite()) {
             return;
         }
@@ -79,7 +78,7 @@ impl Station {
         let east = DVec3::new(-sin, cos, 0.0);
         let north = up.cross(east);
         let (sin_mask, cos_mask) = self.min_elevation_rad.sin_cos();
-        // Nearly the surface of that height: the ellipsoid with longer axes.
+        // An approximation of the surface of that height: the ellipsoid with longer axes.
         let shell = Ellipsoid {
             equatorial_radius_m: ellipsoid.equatorial_radius_m + height_m,
             polar_radius_m: ellipsoid.polar_radius_m + height_m,
@@ -91,7 +90,7 @@ impl Station {
             let (sin, cos) = (TAU * k as f64 / CIRCLE_POINTS as f64).sin_cos();
             let direction = cos_mask * (cos * north + sin * east) + sin_mask * up;
             let d = scale * direction;
-            // |p + s d| = 1, the positive solution in the form that adds.
+            // |p + s d| = 1, the positive solution in the form without cancellation.
             let (square, half_linear) = (d.length_squared(), p.dot(d));
             let root = (half_linear * half_linear + square * inside)
                 .max(0.0)
@@ -100,7 +99,7 @@ impl Station {
                 true => inside / (half_linear + root),
                 false => (root - half_linear) / square,
             };
-            // To the height itself, by Newton's method: the height grows by the sine of the angle to the level.
+            // Refined to the exact height by Newton's method: the height changes by the sine of the elevation angle.
             for _ in 0..2 {
                 let at = ellipsoid.geodetic_from_itrf(place + along_m * direction);
                 let slope = direction.dot(Ellipsoid::normal(at.lat_rad, at.lon_rad));
@@ -111,7 +110,7 @@ impl Station {
     }
 }
 
-/// A station, and its colour as the target of the pass stores it.
+/// A station, and its colour as the target stores it.
 #[derive(Clone)]
 pub(super) struct InkedStation {
     pub station: Station,
@@ -124,7 +123,7 @@ impl InkedStation {
         Self { station, ink }
     }
 
-    /// Adds what is drawn of it: `followed` is the satellite whose height its circle is of. Answers how many satellites are in view.
+    /// Adds its elements of a frame: `followed` is the satellite whose altitude sets the circle. Returns the number of satellites in view.
     pub fn write(
         &self,
         index: usize,

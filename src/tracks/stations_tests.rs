@@ -1,4 +1,4 @@
-//! Stations against closed forms and geometry that share nothing with them.
+//! Stations, compared with closed forms and independent geometry.
 
 use super::*;
 use glam::{DMat3, DVec2};
@@ -65,7 +65,7 @@ fn circles_on_a_sphere_have_the_radius_of_the_textbook() {
     }
 }
 
-/// On the ellipsoid: a satellite above a point of the circle stands at the mask, from any place, the poles and the date line among them.
+/// On the ellipsoid: a satellite above a point of the circle is at the elevation mask, for any station, including poles and date line.
 #[test]
 fn satellites_above_the_circle_stand_at_the_mask() {
     for (lat_deg, lon_deg) in [(0.0, 0.0), (52.0, 13.0), (-78.0, 179.9), (90.0, 0.0)] {
@@ -88,7 +88,7 @@ fn satellites_above_the_circle_stand_at_the_mask() {
     }
 }
 
-/// The space station over a day: in view just within the passes, and just where the geometry by brute force says so.
+/// The space station over a day: in view exactly during passes, and exactly when the brute-force geometry agrees.
 #[test]
 fn access_is_that_of_passes_and_of_brute_force() {
     let iss = Sgp4Feed::built_in_iss().expect("built in");

@@ -1,4 +1,4 @@
-//! What stands still on the globe and is set by the host: lines, polygons, stations, marked places, twilight.
+//! Earth-fixed elements that the host sets: lines, polygons, stations, marked places, twilight.
 
 use super::ink::Ink;
 use super::lines::{LineStyle, MAX_LINE_POINTS, Polylines};
@@ -10,7 +10,7 @@ use super::twilight::InkedTwilight;
 use super::{Tracks, TracksError};
 use crate::gpu::{PassFormat, TrackKinds};
 
-/// Polylines, and their colour as the target of the pass stores it.
+/// Polylines, and their colour as the target stores it.
 #[derive(Clone)]
 pub(super) struct InkedLines {
     pub lines: Polylines,
@@ -27,11 +27,11 @@ impl InkedLines {
 }
 
 impl Tracks {
-    /// Draws these polylines from the next [`Self::prepare`] on, in place of those before, beneath all of the satellites. Makes the
-    /// pipeline of lines if no style needed it.
+    /// Replaces the polylines from the next [`Self::prepare`] on; they are drawn beneath all satellites. Makes the pipeline of lines if no style
+    /// needed it.
     ///
     /// # Errors
-    /// More than [`MAX_LINE_POINTS`] in all. Then nothing has changed.
+    /// More than [`MAX_LINE_POINTS`] in total. Nothing is changed then.
     pub fn set_lines(&mut self, lines: Vec<Polylines>) -> Result<(), TracksError> {
         if lines.iter().map(Polylines::point_count).sum::<usize>() > MAX_LINE_POINTS {
             let what = "they have more than 1 000 000 points; leave some out";
@@ -48,11 +48,11 @@ impl Tracks {
         Ok(())
     }
 
-    /// Fills these polygons from the next [`Self::prepare`] on, in place of those before, beneath all else. Makes the pipeline of polygons if
-    /// there was none.
+    /// Replaces the polygons from the next [`Self::prepare`] on; they are drawn beneath everything else. Makes the pipeline of polygons if there
+    /// was none.
     ///
     /// # Errors
-    /// More than [`MAX_TRIANGLES`] in all. Then nothing has changed.
+    /// More than [`MAX_TRIANGLES`] in total. Nothing is changed then.
     pub fn set_polygons(&mut self, polygons: Vec<Polygons>) -> Result<(), TracksError> {
         let triangles = polygons.iter().map(Polygons::triangle_count);
         if triangles.sum::<usize>() > MAX_TRIANGLES {
@@ -72,12 +72,11 @@ impl Tracks {
         Ok(())
     }
 
-    /// Draws these stations from the next [`Self::prepare`] on, in place of those before: each with a mark, the ground from which the
-    /// satellite number `followed` is in view at the height that it has, and a line to every satellite in view, those without tracks
-    /// among them.
+    /// Replaces the stations from the next [`Self::prepare`] on. Each has a mark, the visibility circle of satellite number `followed` at its
+    /// current altitude, and a line to every satellite in view, also to those without tracks.
     ///
     /// # Errors
-    /// A station that has no meaning, and more than [`MAX_STATIONS`]. Then nothing has changed.
+    /// An invalid station, or more than [`MAX_STATIONS`]. Nothing is changed then.
     pub fn set_stations(
         &mut self,
         stations: &[Station],
@@ -103,10 +102,10 @@ impl Tracks {
         Ok(())
     }
 
-    /// Marks these places from the next [`Self::prepare`] on, in place of those before.
+    /// Replaces the marked places from the next [`Self::prepare`] on.
     ///
     /// # Errors
-    /// A place that has no meaning, and more than [`MAX_PLACES`]. Then nothing has changed.
+    /// An invalid place, or more than [`MAX_PLACES`]. Nothing is changed then.
     pub fn set_places(&mut self, places: &[GroundMark]) -> Result<(), TracksError> {
         if places.len() > MAX_PLACES {
             let what = "there are more than 20 000 marked places; leave some out";
@@ -126,11 +125,11 @@ impl Tracks {
         Ok(())
     }
 
-    /// Draws the terminator and the ends of twilight ([`TWILIGHT_DEG`](super::TWILIGHT_DEG)) from the next [`Self::prepare`] on, or no longer, by the direction
-    /// to the Sun of [`Self::set_sun`].
+    /// Shows or hides the terminator and the ends of twilight ([`TWILIGHT_DEG`](super::TWILIGHT_DEG)) from the next [`Self::prepare`] on, for the
+    /// direction to the Sun of [`Self::set_sun`].
     ///
     /// # Errors
-    /// A style out of range. Then nothing has changed.
+    /// A style out of range. Nothing is changed then.
     pub fn set_twilight(&mut self, style: Option<LineStyle>) -> Result<(), TracksError> {
         style.iter().try_for_each(LineStyle::check)?;
         let kinds = TrackKinds {
@@ -143,11 +142,11 @@ impl Tracks {
         Ok(())
     }
 
-    /// Draws the outlines of the Moon's umbra and penumbra on the ground ([`shadow_outline`](super::shadow_outline)) from the next
-    /// [`Self::prepare`] on, or no longer, by the shadow of [`Self::set_moon_shadow`].
+    /// Shows or hides the outlines of the Moon's umbra and penumbra on the ground ([`shadow_outline`](super::shadow_outline)) from the next
+    /// [`Self::prepare`] on, for the shadow of [`Self::set_moon_shadow`].
     ///
     /// # Errors
-    /// A style out of range. Then nothing has changed.
+    /// A style out of range. Nothing is changed then.
     pub fn set_shadow_lines(&mut self, style: Option<LineStyle>) -> Result<(), TracksError> {
         style.iter().try_for_each(LineStyle::check)?;
         let kinds = TrackKinds {

@@ -1,22 +1,21 @@
-//! What is drawn of a satellite, and how: spans of curves, the footprint, colours and widths.
+//! Style of a satellite's tracks: spans of curves, footprint, colours and widths.
 
 use super::ink::Ink;
 use super::limits::is_width;
 use crate::gpu::{PassFormat, TrackKinds};
 use terrella_orbit::FieldOfView;
 
-/// Time before and after now that a curve is drawn over.
+/// Time before and after now that a curve covers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TrackSpan {
-    /// So many revolutions, by the orbit's energy when it was first seen; of an orbit that does not close or takes more
-    /// than two days, so many days.
+    /// A number of revolutions, from the orbit's energy at its first state; for an open orbit or a period of more than two days, a number of days.
     Revolutions {
         /// Before now, 0 or more.
         before: f64,
         /// After now, 0 or more.
         after: f64,
     },
-    /// So many seconds of simulated time.
+    /// Seconds of simulated time.
     Seconds {
         /// Before now, 0 or more.
         before_s: f64,
@@ -26,12 +25,12 @@ pub enum TrackSpan {
 }
 
 impl TrackSpan {
-    /// What a trail has where nothing is said: the last revolution, which closes the ellipse.
+    /// Default of a trail: the last revolution, which closes the ellipse.
     pub const TRAIL: Self = Self::Revolutions {
         before: 1.0,
         after: 0.0,
     };
-    /// What a ground track has: half a revolution to each side.
+    /// Default of a ground track: half a revolution to each side.
     pub const GROUND_TRACK: Self = Self::Revolutions {
         before: 0.5,
         after: 0.5,
@@ -41,17 +40,18 @@ impl TrackSpan {
 /// The ground that a sensor sees.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Footprint {
-    /// The sensor's field of view; `None` is all the ground in sight.
+    /// The sensor's field of view; `None` is all visible ground.
     pub field: Option<FieldOfView>,
-    /// Whether the ground within is tinted.
+    /// Whether the ground inside is tinted.
     pub is_filled: bool,
     /// Whether lines from the satellite show the field of view in space.
     pub has_edges: bool,
-    /// The swath: the ground that is passed over in this time, tinted.
+    /// The swath: the ground that is swept in this time, tinted.
     pub swath: Option<TrackSpan>,
 }
 
-/// What is drawn of one satellite. What is off is not sampled, not uploaded, and if it is off for all not compiled.
+/// The elements of one satellite. An element that is off is not sampled and not uploaded, and if it is off for all satellites, its shader is not
+/// compiled.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrackStyle {
     /// Colour of lines, marks and fills, display values (sRGB).
@@ -60,19 +60,19 @@ pub struct TrackStyle {
     pub width_px: f32,
     /// The trail: the orbit's shape.
     pub trail: Option<TrackSpan>,
-    /// Where it passed and will pass overhead.
+    /// The ground track, past and future.
     pub ground_track: Option<TrackSpan>,
-    /// What its sensor sees.
+    /// The ground that its sensor sees.
     pub footprint: Option<Footprint>,
-    /// A ring where it is overhead now.
+    /// A ring at the current sub-satellite point.
     pub subpoint: bool,
-    /// A dot where it is, and a place for its name.
+    /// A dot at its position, and a position for its name.
     pub marker: bool,
 }
 
 impl TrackStyle {
-    /// Nothing, in a colour of its own for each satellite of a scene, legible on the day and the night side: seven that
-    /// differ for the colour-blind too (after Okabe and Ito 2008, made lighter), again from the first beyond.
+    /// No elements, in a separate colour for each satellite of a scene, legible on the day and the night side: seven colours, also distinct for the
+    /// colour-blind (after Okabe and Ito 2008, lightened), repeated beyond.
     pub fn new(index: usize) -> Self {
         const COLORS: [[u8; 3]; 7] = [
             [255, 196, 46],
@@ -94,7 +94,7 @@ impl TrackStyle {
         }
     }
 
-    /// The sensor's field of view: by default all the ground in sight.
+    /// The sensor's field of view; by default all visible ground.
     pub(super) fn field(&self) -> FieldOfView {
         let field = self.footprint.and_then(|footprint| footprint.field);
         field.unwrap_or(FieldOfView::nadir(std::f64::consts::FRAC_PI_2))
@@ -111,7 +111,7 @@ impl TrackStyle {
         !(kinds.lines || kinds.marks)
     }
 
-    /// Which pipelines it needs.
+    /// The pipelines that it needs.
     pub(super) fn kinds(&self) -> TrackKinds {
         let footprint = self.footprint;
         TrackKinds {
@@ -127,7 +127,7 @@ impl TrackStyle {
         Ink::new(format, self.color, self.kinds().lines)
     }
 
-    /// Rejects angles, spans and widths that have no meaning: says what they must be.
+    /// Rejects angles, spans and widths out of range; the error states the requirement.
     pub(super) fn check(&self) -> Result<(), &'static str> {
         let is_sound = |span: TrackSpan| {
             let (before, after) = match span {

@@ -1,12 +1,12 @@
-//! An Earth that turns by its own law.
+//! An Earth with its own rotation.
 
 use glam::DMat3;
 
-/// How an Earth stands and turns that does so by its own law and not by the date.
+/// Orientation and rotation rate of an Earth that does not follow the date.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EarthTurn {
-    /// Rotation from inertial axes, taken as GCRF, to Earth-fixed ones, now.
+    /// Present rotation from inertial axes, taken as GCRF, to Earth-fixed axes.
     pub itrf_from_gcrf: DMat3,
-    /// How fast it turns about its pole, radians per second.
+    /// Rotation rate about its pole, radians per second.
     pub rate_rad_s: f64,
 }

@@ -1,4 +1,4 @@
-//! Where the Sun rises and sets, and where twilight ends: lines on the ground of equal elevation of the Sun.
+//! The terminator and the ends of twilight: lines on the ground of equal elevation of the Sun.
 
 use super::buffers::LineWriter;
 use super::ink::Ink;
@@ -12,13 +12,13 @@ use terrella_frames::Ellipsoid;
 /// Elevations of the Sun's centre at which [`Tracks::set_twilight`](super::Tracks::set_twilight) draws lines, degrees: the terminator, and
 /// the ends of civil, nautical and astronomical twilight.
 pub const TWILIGHT_DEG: [f64; 4] = [0.0, -6.0, -12.0, -18.0];
-/// Points of a line; the first is not repeated.
+/// Number of points of a line; the first is not repeated.
 pub const TWILIGHT_POINTS: usize = 720;
-/// Opacity of these lines in that of their style.
+/// Opacity of these lines, relative to that of their style.
 const OPACITIES: [f64; 4] = [1.0, 0.7, 0.5, 0.35];
 
-/// The places at which the Sun's centre stands `elevation_rad` above the plane across the ellipsoid's normal: [`TWILIGHT_POINTS`] points on
-/// the ellipsoid, ITRF metres. `sun_itrf` is the direction to the Sun, unit. Without refraction and parallax.
+/// The points where the Sun's centre is `elevation_rad` above the plane normal to the ellipsoid's normal: [`TWILIGHT_POINTS`] points on the
+/// ellipsoid, ITRF metres. `sun_itrf` is the direction to the Sun, unit. Without refraction and parallax.
 ///
 /// With the Sun's direction s the normals of these places are n·s = sin h: a circle about s, whatever the figure.
 pub fn twilight_line(
@@ -35,7 +35,7 @@ pub fn twilight_line(
     }
 }
 
-/// The lines, and their colour as the target of the pass stores it.
+/// The lines, and their colour as the target stores it.
 #[derive(Clone)]
 pub(super) struct InkedTwilight {
     pub style: LineStyle,

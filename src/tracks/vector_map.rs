@@ -8,12 +8,12 @@ use terrella_frames::Geodetic;
 const MAGIC: &[u8; 8] = b"TRLINES1";
 /// The magic, the checksum and three counts.
 const HEADER_BYTES: usize = 24;
-/// Largest file, bytes, and most lines in it: ten times those of Natural Earth at 1:10 million.
+/// Largest file, bytes, and largest number of lines in it: ten times those of Natural Earth at 1:10 million.
 const MAX_FILE_BYTES: usize = 16_000_000;
 const MAX_LINES: usize = 200_000;
-/// Whole numbers of the file in a degree.
+/// Integer units of the file per degree.
 const PER_DEGREE: f64 = 1000.0;
-/// Half a turn and a quarter in these numbers.
+/// 180° and 90° in these units.
 const HALF_TURN: i64 = 180_000;
 const QUARTER_TURN: i64 = 90_000;
 
@@ -26,44 +26,44 @@ pub enum VectorMapError {
     #[error("{}: {cause}", path.display())]
     Unreadable {
         path: PathBuf,
-        /// What the system says.
+        /// Error message of the system.
         cause: String,
     },
-    /// It does not begin as such a file does.
+    /// It does not start with the magic bytes.
     #[error("it is not a file of lines: it does not begin with TRLINES1 and {HEADER_BYTES} bytes")]
     Kind,
-    /// A file larger than any that is read.
+    /// The file exceeds the size limit.
     #[error("it has more than {MAX_FILE_BYTES} bytes")]
     TooLarge,
-    /// It says more than it can hold.
+    /// Its counts exceed its size or the limits.
     #[error(
         "it says {lines} lines of {points} points and has {bytes} bytes for them, or they are more than {MAX_LINES} lines"
     )]
     Counts {
         lines: usize,
         points: usize,
-        /// Bytes after the header.
+        /// Number of bytes after the header.
         bytes: usize,
     },
-    /// Bytes are other ones than those that were written.
+    /// The checksum does not match.
     #[error("it is corrupt or truncated: its checksum does not match")]
     Checksum,
-    /// The bytes end within a line, or go on after the last.
+    /// The bytes end inside a line, or continue after the last.
     #[error("line {line} has a different length than it declares")]
     Length {
-        /// Which line, from 1.
+        /// Number of the line, from 1.
         line: usize,
     },
     /// A latitude beyond a pole, or a number out of range.
     #[error("line {line} leaves the globe")]
     Place {
-        /// Which line, from 1.
+        /// Number of the line, from 1.
         line: usize,
     },
 }
 
 impl VectorMapError {
-    /// With the file's name before it.
+    /// The message with the file's name in front.
     pub fn named(&self, path: &Path) -> String {
         match self {
             Self::Unreadable { .. } => self.to_string(),
@@ -75,17 +75,17 @@ impl VectorMapError {
 /// Coast lines and national borders, on the ground: for [`Polylines::on_ground`](super::Polylines::on_ground).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct VectorMap {
-    /// Where land meets the sea.
+    /// Boundaries between land and sea.
     pub coast_lines: Vec<Vec<Geodetic>>,
-    /// Where two countries meet.
+    /// Boundaries between countries.
     pub borders: Vec<Vec<Geodetic>>,
 }
 
 impl VectorMap {
-    /// Reads a file of lines; `textures/SOURCES.md` describes the form.
+    /// Reads a file of lines; `textures/SOURCES.md` describes its format.
     ///
     /// # Errors
-    /// A file that is not there, and those of [`Self::from_bytes`].
+    /// A missing file, and the errors of [`Self::from_bytes`].
     pub fn read(path: &Path) -> Result<Self, VectorMapError> {
         let unreadable = |cause: std::io::Error| VectorMapError::Unreadable {
             path: path.to_owned(),
@@ -97,10 +97,10 @@ impl VectorMap {
         }
     }
 
-    /// The same of a file's bytes.
+    /// As [`Self::read`], from a file's bytes.
     ///
     /// # Errors
-    /// Another kind of file, one that is corrupt or cut off, and places off the globe.
+    /// Another kind of file, a corrupt or truncated file, or positions off the globe.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, VectorMapError> {
         if bytes.len() > MAX_FILE_BYTES {
             return Err(VectorMapError::TooLarge);
@@ -119,7 +119,7 @@ impl VectorMap {
         };
         let [coasts, borders, points] = [0, 1, 2].map(count);
         let count = coasts.saturating_add(borders);
-        // A point has two bytes at least, and a line one more.
+        // A point has at least two bytes, and a line one more.
         let needed = points.saturating_mul(2).saturating_add(count);
         if count > MAX_LINES || needed > lines.len() {
             return Err(VectorMapError::Counts {
@@ -144,12 +144,12 @@ impl VectorMap {
     }
 }
 
-/// What is not read yet.
+/// The bytes that have not been read yet.
 struct Reader<'b> {
     bytes: &'b [u8],
-    /// Points that the header promises.
+    /// Points remaining according to the header.
     points: usize,
-    /// Which line is read, from 1.
+    /// Number of the line that is read, from 1.
     line: usize,
 }
 
@@ -158,7 +158,7 @@ impl Reader<'_> {
         (0..count).map(|_| self.line()).collect()
     }
 
-    /// The number of points, then longitude and latitude of the first, then how much they change to each of the others.
+    /// The number of points, then longitude and latitude of the first, then increments to each of the others.
     fn line(&mut self) -> Result<Vec<Geodetic>, VectorMapError> {
         self.line += 1;
         let length = VectorMapError::Length { line: self.line };
@@ -172,7 +172,7 @@ impl Reader<'_> {
         for _ in 0..count {
             lon += self.change().ok_or_else(|| length.clone())?;
             lat += self.change().ok_or_else(|| length.clone())?;
-            // Beyond 180° lines go on, by one turn at most.
+            // Beyond 180° lines continue, by at most one turn.
             if lon.abs() > 3 * HALF_TURN || lat.abs() > QUARTER_TURN {
                 return Err(VectorMapError::Place { line: self.line });
             }
@@ -183,13 +183,13 @@ impl Reader<'_> {
         Ok(line)
     }
 
-    /// A signed number: 0, −1, 1, −2, 2 … stand for 0, 1, 2, 3, 4 …
+    /// A zigzag-encoded number: 0, 1, 2, 3, 4 … encode 0, −1, 1, −2, 2 …
     fn change(&mut self) -> Option<i64> {
         let number = i64::from(self.number()?);
         Some((number >> 1) ^ -(number & 1))
     }
 
-    /// Seven bits a byte, the lowest first; the highest bit says that more follow.
+    /// Seven bits a byte, the lowest first; the highest bit marks that more follow.
     fn number(&mut self) -> Option<u32> {
         let mut number = 0_u32;
         for shift in [0, 7, 14, 21] {
@@ -273,7 +273,7 @@ mod tests {
         assert!(near(&border, &[[0.0, 179.9], [0.0, -179.9]]), "{border:?}");
     }
 
-    /// The check value of the catalogue of CRCs (Greg Cook), CRC-32/ISO-HDLC.
+    /// The check value from the catalogue of CRCs (Greg Cook), CRC-32/ISO-HDLC.
     #[test]
     fn the_checksum_is_that_of_zip() {
         assert_eq!(crc32fast::hash(b"123456789"), 0xcbf4_3926);
@@ -304,7 +304,7 @@ mod tests {
             of(&[], [u32::MAX, u32::MAX, u32::MAX]),
             VectorMapError::Counts { .. }
         ));
-        // A number without an end; more points than the header says; bytes after the last line.
+        // A number without an end; more points than in the header; bytes after the last line.
         for lines in [&[0x80; 9][..], &[4, 0, 0, 0, 0, 0, 0, 0, 0], &[1, 0, 0, 0]] {
             let error = of(lines, [1, 0, 1]);
             assert_eq!(error, VectorMapError::Length { line: 1 }, "{lines:?}");

@@ -41,7 +41,7 @@ pub fn placed(set: AirSet, figure: Figure) -> Option<Vec<Vec<(AirRow, PlacedView
     Some(by_albedo.into_values().collect())
 }
 
-/// Draws all rows of a set over a figure and says how wrong each is.
+/// Draws all rows of a set over a figure and returns their errors.
 fn drawn(set: AirSet, figure: Figure) -> Option<AirErrors> {
     let mut rows = Vec::new();
     // Ground of each albedo is another Earth.

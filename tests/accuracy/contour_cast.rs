@@ -1,5 +1,4 @@
-//! Contours that rays are cast at: no ray is lost, each meets the ground where the data have it, and the GPU answers as the
-//! CPU does.
+//! Ray-cast contours: no ray is lost, each meets the ground where the data have it, and the GPU agrees with the CPU.
 
 use crate::common::{self, down, tilted};
 use glam::DVec3;
@@ -96,7 +95,7 @@ fn views() -> Vec<(&'static str, EyeView)> {
     let at = Geodetic::from_degrees;
     let aspect = f64::from(SIZE.0) / f64::from(SIZE.1);
     vec![
-        // The eye stands in the planes of walls: rays run along them.
+        // The eye is in the planes of walls: rays run along them.
         ("corner of blocks", down(at(22.5, -90.0, 3e4), 50.0, aspect)),
         (
             "low over it",
@@ -139,7 +138,7 @@ fn settle(surface: &mut ContourPages, view: &GroundView, ground: &dyn Elevation)
     panic!("it still reads");
 }
 
-/// Whether a ray goes through the ellipsoid of that height.
+/// Whether a ray crosses the ellipsoid of that height.
 fn goes_through(eye_m: DVec3, towards: DVec3, height_m: f64) -> bool {
     let scale = DVec3::ONE
         / DVec3::new(
@@ -176,7 +175,7 @@ fn no_ray_is_lost_and_each_meets_the_data() {
             let seen = ground_view(&view, 1.0);
             let eye_m = seen.eye_itrf_m;
             let mut surface = ContourPages::new(PageOptions::default());
-            // From the first frame on nothing is open.
+            // From the first frame on there are no open nodes.
             for frame in 0..4 {
                 let stats = surface.prepare(&seen, &ground);
                 let floor_m = floor_m(&ground, &seen, &stats);
@@ -269,7 +268,7 @@ fn rays_along_the_borders_of_pages_are_not_lost() {
     assert_eq!(worst, 0);
 }
 
-/// What a ray met, for messages.
+/// The hit of a ray, for messages.
 fn met(surface: &ContourPages, eye_m: DVec3, towards: DVec3) -> String {
     let draw = surface.draw();
     let mut text = String::new();
@@ -367,7 +366,7 @@ fn whatever_is_asked_the_answer_is_finite_and_bounded() {
     }
 }
 
-/// An eye in the ground sees ground wherever it looks, and one above it none above itself.
+/// An eye below the ground sees ground in every direction, and one above it none above itself.
 #[test]
 fn an_eye_in_the_ground_sees_nothing_else() {
     let all = grounds();
@@ -452,7 +451,7 @@ fn the_gpu_answers_as_the_cpu_does() {
         if apart.len() < 300 || other > 3 || at(0.99) > 1e-4 || errors.holes > 0 {
             wrong.push(place);
         }
-        // What grazes is far along the ray: pixels are the measure.
+        // A grazing error is long along the ray: it is measured in pixels.
         if errors.p99_px > 1.0 {
             wrong.push(place);
         }
@@ -460,8 +459,8 @@ fn the_gpu_answers_as_the_cpu_does() {
     assert!(wrong.is_empty(), "{wrong:?}");
 }
 
-/// The heights over Trinidad on the flights of the report: no hole, errors within the tolerance; and what it takes beside
-/// triangles in the same view.
+/// The terrain of Trinidad on the flights of the report: no hole, errors within the tolerance; and its cost compared with triangles in the same
+/// view.
 #[test]
 fn trinidad_has_no_holes_in_descent_low_flight_and_horizon() {
     use std::time::Instant;

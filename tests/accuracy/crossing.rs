@@ -1,4 +1,4 @@
-//! Ground whose triangles lie in several blocks, drawn with the tiles of each: every pixel with those of its own block.
+//! Terrain whose triangles span several blocks, drawn with the tiles of each: every pixel with those of its own block.
 
 use crate::common::tiles::FunctionTiles;
 use crate::common::{Rig, gpu, looks_at, map, plain, ray, tilted};
@@ -28,13 +28,13 @@ const HILLS: Hills = Hills {
     finest_spacing_rad: 1e-5,
 };
 
-/// Tiles of one colour each, which tells block and level. Two levels and the whole map, which is grey.
+/// Tiles of a uniform colour, which encodes block and level. Two levels and the whole map, which is grey.
 struct Coloured(Vec<LayerLayout>);
 
-/// Of the whole map. No tile has it.
+/// Colour of the whole map. No tile has it.
 const GREY: [u8; 3] = [100; 3];
 
-/// Blocks lie in threes by this colour: no two neighbours have the same.
+/// Colours repeat with a period of three: no two neighbours have the same.
 fn color(level: u8, block: u8) -> [u8; 3] {
     let (row, column) = (block / 16, block % 16);
     let places = [20, 120, 220].map(|value: u8| value - level * 15);
@@ -130,7 +130,7 @@ fn ground(surface: SurfaceSettings) -> GroundOptions {
     }
 }
 
-/// Colours as they are in the maps, one tenth lighter, where the Sun stands high.
+/// Colours as in the maps, one tenth lighter, under a high Sun.
 fn options(surface: SurfaceSettings, with_tiles: bool) -> EarthOptions {
     let day = map(512, |_, _| GREY);
     let mut options = EarthOptions::new(EarthLayers { day, ..plain(GREY) });
@@ -167,7 +167,7 @@ fn views() -> Vec<(&'static str, EyeView)> {
     ]
 }
 
-/// Where a pixel of the ground lies.
+/// Place of a pixel of the ground.
 fn place(places: &GeolocationBuffer, view: &EyeView, x: u32, y: u32) -> Option<Geodetic> {
     let along = places.along(x, y)?;
     let forward = (view.view_from_world.inverse() * glam::DVec3::NEG_Z).normalize();
@@ -239,7 +239,7 @@ fn every_pixel_has_its_own_block_s_tile() {
             if others + undrawn > 0 || pixels < 15_000 {
                 wrong.push(format!("{name}, {view_name}"));
             }
-            // What the tiles of several blocks cost: parts of the list, not the list for each.
+            // Cost of tiles in several blocks: parts of the list, not the list for each.
             let most = match found.len() {
                 1 => 1.2,
                 2..5 => 3.0,
@@ -268,7 +268,7 @@ fn it_shows_what_blocks_show() {
         let differ = differ.filter(|(a, b)| (0..3).any(|k| a[k].abs_diff(b[k]) > 12));
         let differ = differ.count();
         println!("{name}: {differ} of {} pixels", SIZE.0 * SIZE.1);
-        // Along edges of blocks, where heights differ by the surfaces' errors.
+        // Along edges of blocks, where elevations differ by the surfaces' errors.
         assert!(differ < 600, "{name}: {differ}");
     }
 }
@@ -320,7 +320,7 @@ fn lie_where_the_whole_map_says<F: Fn(f64, f64) -> [u8; 3] + Send + Sync + 'stat
         let views = views()
             .into_iter()
             .filter(|(name, _)| *name != "north pole");
-        // Each surface from every second view, by turns.
+        // Each surface from every second view, alternating.
         for (view_name, view) in views.skip(nth % 2).step_by(2) {
             let (expected, _) = drawn(&mut whole, &view);
             let (picture, stats) = drawn(&mut tiled, &view);

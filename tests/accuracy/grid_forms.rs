@@ -79,7 +79,7 @@ fn views() -> Vec<(&'static str, EyeView)> {
     ]
 }
 
-/// Draws until all heights that a view needs are there.
+/// Draws until all elevation tiles of a view are resident.
 fn places(earth: &mut GeolocationRenderer, view: &EyeView) -> GeolocationBuffer {
     for _ in 0..400 {
         let places = earth.draw(view, SIZE).expect("places");
@@ -137,7 +137,7 @@ fn both_forms_draw_the_same_ground() {
             cpu.holes,
             on_gpu.holes
         );
-        // About a pole a window of all longitudes is cut, and a coarser level serves the rest of the turn.
+        // Around a pole a window of all longitudes is clipped, and a coarser level covers the rest.
         let near_pole = name.starts_with("south pole");
         let (most, most_p99, most_p99_px) = match near_pole {
             true => (1.0, 5.0, 5.0),

@@ -1,4 +1,4 @@
-//! The reference renderer against closed forms: limb, light, filters, places. No GPU, but for the last test.
+//! The reference renderer, compared with closed forms: limb, light, filters, places. No GPU, except for the last test.
 
 use crate::common::{day_only, down, map, plain, tilted};
 use glam::{DMat4, DVec2, DVec3, DVec4};

@@ -8,7 +8,7 @@ use terrella_measure::clear_air::{
 };
 use terrella_measure::reference::{Reference, ReferenceOptions};
 
-/// What the reference renderer finds, of every `step`th row.
+/// Errors of the reference renderer for every `step`th row.
 fn by_reference(set: AirSet, step: usize) -> Option<AirErrors> {
     let mut rows = Vec::new();
     for same in placed(set, Figure::Sphere)? {

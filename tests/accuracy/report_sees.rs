@@ -1,5 +1,4 @@
-//! What the report measures is there to be seen: a faultless picture is close to the true one, and each fault that is put
-//! in on purpose shows in the number that is meant for it.
+//! The report detects errors: a faultless image is close to the true one, and each deliberate fault increases its number.
 
 use crate::common::{down, gpu, map, tilted};
 use glam::DAffine3;
@@ -94,7 +93,7 @@ fn geolocation_renderer(subdivision: u32) -> GeolocationRenderer {
     GeolocationRenderer::new(gpu(), figure, subdivision, rule).expect("sound options")
 }
 
-/// Places and limb of an Earth that is drawn with a view that `alter` has changed, against those of the true view.
+/// Geolocation and limb of an Earth drawn with a view changed by `alter`, compared with those of the true view.
 fn geometry(
     subdivision: u32,
     alter: fn(&EyeView) -> EyeView,

@@ -1,4 +1,4 @@
-//! docs/surfaces.md says what was measured, and the default surface follows from it.
+//! docs/surfaces.md agrees with the measurements, and the default surface follows from them.
 
 use std::collections::BTreeMap;
 use terrella::SurfaceKind;
@@ -44,13 +44,13 @@ fn the_default_surface_is_the_one_that_the_rule_gives() {
 fn the_rule_looks_at_holes_error_and_cost() {
     let (study, _) = recorded();
     let default = SurfaceKind::default();
-    // With a hole it is not chosen.
+    // A surface with a hole is not chosen.
     let mut holed = study.clone();
     let rows = holed.errors.iter_mut();
     for row in rows.filter(|row| row.surface == default) {
         row.holes = 1;
     }
-    // Of one that is exact beside it.
+    // Among those that are as exact.
     let other = SurfaceKind::ALL
         .iter()
         .find(|kind| **kind != default)
@@ -69,7 +69,7 @@ fn the_rule_looks_at_holes_error_and_cost() {
     let double = |row: &mut TimeRow| row.frame_ms *= if row.surface == other { 0.5 } else { 2.0 };
     dear.times.iter_mut().for_each(double);
     assert_eq!(dear.default_surface(), Some(other));
-    // What is not timed is not chosen by cost.
+    // A surface without frame times is not chosen by cost.
     dear.times.retain(|row| row.path != SurfacePath::Low);
     assert_eq!(dear.default_surface(), None);
 }

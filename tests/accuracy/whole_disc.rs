@@ -46,7 +46,7 @@ fn the_whole_earth_is_as_bright_as_published() {
     assert!((geometric - 0.242).abs() < 0.012, "{geometric}");
     assert!((spherical - 0.294).abs() < 0.012, "{spherical}");
     assert!((integral - 1.22).abs() < 0.08, "{integral}");
-    // Directions share the light out anew; they neither add nor lose any.
+    // Directional reflectance redistributes light; it does not change the total.
     options.light.directional_reflectance = false;
     let [_, lambertian, _] = albedos(&options);
     assert!((spherical / lambertian - 1.0).abs() < 0.01, "{lambertian}");

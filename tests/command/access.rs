@@ -63,7 +63,7 @@ fn accesses_are_passes_and_the_same_in_every_layout() {
     }
     assert!(!text.contains("ISS (ZARYA) to polar"), "{text}");
 
-    // Less of all of it in range and in the sun; none without stations.
+    // Fewer accesses with a limited range and in sunlight; none without stations.
     let near = ask(&["--max-range", "700", "--sunlit", "--csv"]);
     assert!(near.lines().count() - 1 < counts[0] + counts[1], "{near}");
     place.scene(
@@ -79,7 +79,7 @@ fn accesses_are_passes_and_the_same_in_every_layout() {
     );
 }
 
-/// The numbers of the table are those of the cells, and a scene draws the map.
+/// The table has the numbers of the cells, and a scene draws the map.
 #[test]
 fn coverage_is_printed_by_latitude_and_by_cell_and_drawn() {
     let place = Place::new();

@@ -1,4 +1,4 @@
-//! What is wrong is told with its place, and nothing is left behind.
+//! Errors are reported with their place, and no files are left behind.
 
 use crate::{Place, SMALL};
 use std::time::{Duration, Instant};
@@ -48,7 +48,7 @@ fn a_bad_scene_is_2_with_file_line_and_key_and_nothing_written() {
     }
     let words = place.fail(2, &["check", "missing.toml"]);
     assert!(words.contains("missing.toml"), "{words}");
-    // A date asked for on the command line, outside the same reach.
+    // A date requested on the command line, outside the same validity.
     place.scene("iss.toml", "");
     let late = [
         "frame",
@@ -127,7 +127,7 @@ fn a_bad_star_file_is_named_and_left_out_unless_strict() {
 fn what_cannot_be_written_is_told_before_drawing() {
     let place = Place::new();
     place.scene("a_file", "");
-    // The adapter that is asked for does not exist: a message about the file shows that it was looked at first.
+    // The requested adapter does not exist: an error about the file shows that it was checked first.
     let adapter = ["--adapter", "no such adapter"];
     for (arguments, must_say) in [
         (

@@ -29,7 +29,7 @@ fn free_port() -> u16 {
     listener.local_addr().expect("bound").port()
 }
 
-/// A simulator that asks as Basilisk's module does.
+/// A simulator that sends requests like Basilisk's module.
 struct Simulator(TcpStream);
 
 fn frame(flags: u8, body: &[u8]) -> Vec<u8> {
@@ -77,7 +77,7 @@ impl Simulator {
         Some((head[0], body))
     }
 
-    /// The answer, behind its empty frame; `None` where the connection ends.
+    /// The reply after its empty frame; `None` if the connection ends.
     fn ask(&mut self, frames: &[&[u8]]) -> Option<Vec<Vec<u8>>> {
         let mut bytes = frame(1, b"");
         for (index, body) in frames.iter().enumerate() {

@@ -122,7 +122,7 @@ fn a_run_is_written_and_compared_with_an_earlier_one() {
         let baseline = ["--baseline", name, "--smallest-effect", "0.5", "-q"];
         place.run(&[&RUN[..], &baseline].concat())
     };
-    // Eight tiny frames on a shared machine tell little: the baselines' figures are far away on either side.
+    // Eight tiny frames on a shared machine have large noise: the baselines' values are far away on either side.
     let ratios = |report: &mut Value, fast: Option<usize>| {
         let rows = report["rows"].as_array_mut().expect("rows");
         for (n, row) in rows.iter_mut().enumerate() {
@@ -315,7 +315,7 @@ fn what_cannot_be_written_or_read_is_told_before_measuring() {
     let large = std::fs::File::create(place.path("large.json")).expect("makes");
     large.set_len(65 << 20).expect("grows");
     let before = place.names();
-    // The adapter that is asked for does not exist: another message shows that the file was looked at first.
+    // The requested adapter does not exist: another error shows that the file was checked first.
     let adapter = ["--adapter", "no such adapter"];
     for (arguments, must_say) in [
         (["--json", "missing/a.json"], "missing"),
@@ -352,7 +352,7 @@ fn a_bad_scene_is_2() {
     assert_eq!(place.names(), ["small.toml", "wrong.toml"]);
 }
 
-/// Stopped by Ctrl-C after a row: the files hold the complete rows, say so, and are no baseline.
+/// Stopped by Ctrl-C after a row: the files have the complete rows, are marked as partial, and cannot be a baseline.
 #[cfg(unix)]
 #[test]
 fn a_run_that_is_interrupted_keeps_its_complete_rows() {

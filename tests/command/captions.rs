@@ -1,4 +1,4 @@
-//! Captions in images and films, and not in what is measured.
+//! Captions in images and films, and not in measurements.
 
 use crate::{Place, SMALL, names, words};
 use std::path::Path;
@@ -33,7 +33,7 @@ fn captions_are_in_films() {
         let magenta = frame.pixels().filter(|pixel| pixel.0 == [255, 0, 255]);
         assert_eq!(magenta.count(), 32);
     }
-    // Light has none, and says so.
+    // Light has none, with a message.
     let output = place.run(&[
         "play",
         "captions.toml",

@@ -1,4 +1,4 @@
-//! Maps that change with the date: which are drawn when, how they pass into each other, and what is wrong with their files.
+//! Maps that change with the date: selection, blending, and errors in their files.
 
 use crate::Place;
 use image::{GrayImage, Luma, Rgb, RgbImage};
@@ -92,7 +92,7 @@ fn each_instant_has_the_maps_of_its_date() {
     ];
     let played = pictures(&flight(folder.path(), noon, HOURS), &instants);
     for (instant, played) in instants.iter().zip(&played) {
-        // A scene that begins then is drawn with what lies between the maps, mixed on the processor.
+        // A scene that begins then is drawn with the blend of the maps, computed on the CPU.
         let begun = flight(folder.path(), instant, HOURS);
         let gpu = pollster::block_on(GpuContext::open(None)).expect("an adapter");
         let options = begun.earth_options(gpu.bc_support()).expect("maps");
@@ -110,7 +110,7 @@ fn each_instant_has_the_maps_of_its_date() {
         "they pass into each other"
     );
     assert!(played[1] == played[5], "back in time it is the same");
-    // Without passing, a map stands until the next one's date.
+    // Without fading, a map stays until the next one's date.
     let hard = format!("{HOURS}\nmap_fade = false");
     let hard = pictures(
         &flight(folder.path(), noon, &hard),

@@ -73,7 +73,7 @@ impl Film {
         command.output().expect("starts")
     }
 
-    /// Draws a part of the film, lets `change` change files, and goes on: both must end with this code.
+    /// Draws a part of the film, lets `change` change files, and continues: both must end with this code.
     fn resumed_after(&self, change: impl FnOnce(), code: i32) -> String {
         let begun = self.play(&["--overwrite", "--range", "0..1"]);
         assert_eq!(begun.status.code(), Some(0), "{}", words(&begun));
@@ -128,7 +128,7 @@ fn a_film_with_another_default_or_sidecar_is_another() {
         || std::fs::remove_file(starter("water.png")).expect("removes"),
         "missing files: water.png (earth.textures)",
     );
-    // What no picture comes from may change.
+    // Files that do not affect any image may change.
     film.resumed_after(
         || std::fs::write(starter("SOURCES.md"), "new").expect("writes"),
         0,
@@ -197,8 +197,8 @@ fn every_file_that_a_film_opens_is_in_its_key() {
             let is_input = known.iter().any(|input| {
                 input["file"] == *name && input["blake3"] == blake3::hash(&bytes).to_hex().as_str()
             });
-            // The scene has a checksum of its own, and the manifest of a pack those of its files.
-            // Shaders of a development build are, where they are not those compiled in, in the name of the program.
+            // The scene has a separate checksum, and the manifest of a pack has those of its files. Shaders of a development build, if they differ
+            // from the embedded ones, are in the name of the program.
             let shaders = Path::new(crate::REPOSITORY).join("shaders");
             let is_shader = path.starts_with(shaders.canonicalize().expect("the folder"));
             let is_known = is_input || is_shader || path.ends_with("s.toml") || path.starts_with(film.path("earth"));
@@ -218,7 +218,7 @@ fn strace_works() -> bool {
     traced.is_ok_and(|output| output.status.success())
 }
 
-/// The regular files that a film opens, but for those of the system and its own folder.
+/// The regular files that a film opens, except those of the system and its own folder.
 #[cfg(target_os = "linux")]
 fn opened_by(film: &Film) -> Vec<PathBuf> {
     let play = film.place.command(&[]);
@@ -245,7 +245,7 @@ fn opened_by(film: &Film) -> Vec<PathBuf> {
     let output = strace.output().expect("strace starts");
     assert_eq!(output.status.code(), Some(0), "{}", words(&output));
     let trace = std::fs::read_to_string(film.path("opened.txt")).expect("a trace");
-    // What was opened stands behind the number: = 5</path/of/a/file>
+    // The opened path is after the number: = 5</path/of/a/file>
     let opened = trace.lines().filter_map(|line| {
         let (_, path) = line.rsplit_once("= ")?.1.split_once('<')?;
         Some(PathBuf::from(path.strip_suffix('>')?))

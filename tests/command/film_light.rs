@@ -1,4 +1,4 @@
-//! Pictures of films that are made of light: formats, alpha, many pixels for one, motion blur.
+//! Film images made of light: formats, alpha, supersampling, motion blur.
 
 use crate::{Place, REPOSITORY, SMALL, names};
 use image::DynamicImage;
@@ -184,7 +184,7 @@ fn radiance_and_truth_have_no_white_balance_and_no_grain() {
     }
 }
 
-/// The same in each run, another in each frame, and that of the film in a picture of its instant.
+/// The same in each run, different in each frame, and equal to that of an image at the same time.
 #[test]
 fn grain_is_that_of_the_frame() {
     let place = Place::new();
@@ -245,7 +245,7 @@ fn many_pixels_for_one_are_the_mean_of_their_light() {
         let off = largest_difference(&one, &mean);
         assert!(off < 1e-5, "{side}: {off}");
     }
-    // What one pixel shows is another thing.
+    // One sample a pixel gives another image.
     frame("plain.exr", &[]);
     let one = exr(&place.path("one.exr"), 3, (64, 36));
     assert!(largest_difference(&one, &exr(&place.path("plain.exr"), 3, (64, 36))) > 0.01);
@@ -295,7 +295,7 @@ fn an_open_shutter_gathers_the_light_of_its_instants() {
     assert_eq!(page["film"]["pictures"]["shutter"]["subframes"], 2);
 }
 
-/// Of a view that stands still, an open shutter changes nothing.
+/// In a static view, an open shutter changes nothing.
 #[test]
 fn what_stands_still_is_not_blurred() {
     let place = Place::new();

@@ -63,7 +63,7 @@ fn a_range_gives_the_frames_of_the_whole_film() {
     }
     let ev = |n: usize| all["frames"][n]["exposure_ev"].as_f64().expect("a number");
     assert!(ev(0) != ev(3), "the exposure changes");
-    // Of a video too.
+    // For a video too.
     place.succeed(&[
         "play",
         "auto.toml",
@@ -219,7 +219,7 @@ fn films_are_not_mixed() {
     );
 }
 
-/// A page that is cut off keeps its entries up to the cut, and the film becomes that of one run.
+/// A truncated page keeps its entries up to the cut, and the film becomes that of a single run.
 #[test]
 fn a_film_whose_page_is_cut_goes_on() {
     let place = Place::new();
@@ -252,7 +252,7 @@ fn a_film_whose_page_is_cut_goes_on() {
         assert!(words(&output).contains(&said), "{cut}: {}", words(&output));
         assert_same_folders(&place.path("whole"), &place.path("a"));
     }
-    // Of one that is cut before its first frame nobody knows what film it is.
+    // A page that is cut before its first frame does not identify the film.
     std::fs::write(place.path("a/frames.json"), &text[..list - 100]).expect("writes");
     let words = place.fail(1, &["play", "small.toml", "--frames", "a", "--resume"]);
     assert!(
@@ -291,7 +291,7 @@ fn a_film_that_is_killed_goes_on() {
     assert_same_folders(&place.path("a"), &place.path("b"));
 }
 
-/// A file may not become larger than so many bytes, which is to a program what a full disk is.
+/// A file size limit, which acts like a full disk.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_disk_that_fills_keeps_what_was_done() {

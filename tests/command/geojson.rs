@@ -2,7 +2,7 @@
 
 use crate::{Place, SMALL, words};
 
-/// A square around the middle of the picture, a point, and a feature that is at fault.
+/// A square around the middle of the image, a point, and an invalid feature.
 const AREAS: &str = r##"{"type":"FeatureCollection","features":[
   {"type":"Feature","properties":{"stroke":"#ff00ff","stroke-width":3,"stroke-opacity":1,"fill":"#004000","fill-opacity":1,"marker-symbol":"x"},
    "geometry":{"type":"Polygon","coordinates":[[[0,0],[30,0],[30,40],[0,40],[0,0]]]}},

@@ -1,16 +1,16 @@
-//! Golden pictures: every scene in `tests/goldens/`, and some of `config/`, against the picture of the same name in
-//! `tests/goldens/`. The scene `pack` is drawn from a pack that is built for it, of `light` the file of its radiance is held.
+//! Golden images: every scene in `tests/goldens/`, and some of `config/`, compared with the image of the same name in `tests/goldens/`. The scene
+//! `pack` is drawn from a pack that is built for it; for `light` the radiance file is compared.
 //!
-//! The pictures are made by the command itself, `terrella frame`, on a software adapter if there is one. They are
-//! compared by FLIP, NVIDIA's perceptual measure, because drivers round differently. A scene without its picture
-//! fails, so does a picture without its scene. `TERRELLA_UPDATE_GOLDENS=1` writes the pictures instead: look at each
-//! before it is committed. A failing picture is left in the target folder's `goldens/` beside its FLIP map.
+//! The images are made by the command itself, `terrella frame`, on a software adapter if there is one. They are compared by FLIP, NVIDIA's
+//! perceptual measure, because drivers round differently. A scene without its image fails, so does an image without its scene.
+//! `TERRELLA_UPDATE_GOLDENS=1` writes the images instead: look at each before it is committed. A failing image is left in the target folder's
+//! `goldens/` beside its FLIP map.
 
 use image::RgbImage;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// The one tolerance of all golden pictures.
+/// The tolerance of all golden images.
 const MOST_MEAN: f32 = 0.008;
 /// A pixel is an outlier above this FLIP value …
 const OUTLIER: f32 = 0.15;
@@ -98,7 +98,7 @@ fn names(extension: &str) -> Vec<String> {
 /// The end of a golden's name that shows the edges of triangles alone.
 const EDGES: &str = "_edges";
 
-/// Names of all scenes that have a golden. Surfaces with relief have another of their edges, where they have triangles.
+/// Names of all scenes that have a golden. Terrain surfaces with triangles have another of their edges.
 fn scenes() -> Vec<String> {
     let mut scenes = names("toml");
     let surfaces = scenes.iter().filter(|name| name.starts_with("surface_"));
@@ -198,7 +198,7 @@ fn of_light(path: &Path) -> RgbImage {
     RgbImage::from_raw(width as u32, height as u32, codes.collect()).expect("of that size")
 }
 
-/// The name of a software adapter, or what `TERRELLA_TEST_ADAPTER` says.
+/// The name of a software adapter, or `TERRELLA_TEST_ADAPTER`.
 fn software_adapter() -> Option<String> {
     std::env::var("TERRELLA_TEST_ADAPTER").ok().or_else(|| {
         let reports = pollster::block_on(terrella::internals::gpu::adapter_reports());

@@ -1,9 +1,9 @@
-//! Pictures of high dynamic range: what another decoder reads of them, and what is rejected.
+//! High dynamic range images: as decoded by another program, and rejected settings.
 
 use crate::{Place, SMALL};
 use std::path::Path;
 
-/// What a PNG of 16 bits holds: parts of the scale, and its chunks before the data.
+/// Content of a PNG of 16 bits: fractions of the scale, and its chunks before the data.
 struct Read {
     pixels: Vec<[f64; 3]>,
     info: png::Info<'static>,
@@ -51,7 +51,7 @@ fn srgb_light(code: f64) -> f64 {
     }
 }
 
-/// The dark parts of a picture are those that others see, its bright parts shine, and its captions stand at reference white.
+/// Dark parts of an image equal those of ordinary images, bright parts exceed white, and captions are at reference white.
 #[test]
 fn another_decoder_reads_the_light_of_hdr_pictures() {
     let place = Place::new();

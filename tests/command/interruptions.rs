@@ -1,4 +1,4 @@
-//! SIGINT, SIGTERM and SIGHUP at any moment of every command: nothing unfinished is left, and the exit code says which it was.
+//! SIGINT, SIGTERM and SIGHUP at any time of every command: no unfinished file is left, and the exit code identifies the signal.
 
 use crate::window::Display;
 use crate::{Place, words};
@@ -74,7 +74,7 @@ fn unfinished(folder: &Path) -> Vec<String> {
     found
 }
 
-/// Interrupts a command at every moment, by each signal in turn, and looks at what is left.
+/// Interrupts a command at every time, with alternating signals, and checks the remaining files.
 fn interrupt(arguments: &[&str]) {
     let mut interrupted = 0;
     for (moment_ms, (signal, code)) in MOMENTS_MS.into_iter().zip(SIGNALS.into_iter().cycle()) {
@@ -95,7 +95,7 @@ fn interrupt(arguments: &[&str]) {
             words(&output)
         );
         assert!(!told.contains("panicked"), "{told}");
-        // Before it listens, the signal itself ends it; and what has just been finished has no time to say otherwise.
+        // Before its handler is installed, the signal itself ends it; and a run that has just finished exits normally.
         use std::os::unix::process::ExitStatusExt;
         let by_signal =
             output.status.signal().map(|number| 128 + number) == Some(code) && moment_ms < 50;
@@ -202,7 +202,7 @@ fn ephemerides() {
 #[test]
 fn packs() {
     let (day, heights) = (textures("day.jpg"), textures("elevation.png"));
-    // So little memory that heights go through scratch files.
+    // So little memory that elevation data goes through scratch files.
     interrupt(&[
         "pack",
         "build",
@@ -250,7 +250,7 @@ fn a_second_signal_ends_at_once() {
     assert_eq!(unfinished(place.folder.path()), [""; 0]);
 }
 
-/// As `nohup` starts programs: those who asked for it are not ended by a terminal that is closed.
+/// As `nohup` starts programs: they are not ended when the terminal is closed.
 #[cfg(target_os = "linux")]
 #[test]
 fn an_ignored_signal_stays_ignored() {

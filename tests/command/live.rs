@@ -1,4 +1,4 @@
-//! Scenes whose states a simulator sends: films of exactly what it asks for, stills, rejections, a player that is killed.
+//! Scenes whose states a simulator sends: films of exactly the requested frames, stills, rejections, a player that is killed.
 
 use crate::{Place, frame_names, words};
 use std::io::{BufRead, BufReader, Read, Write};
@@ -92,7 +92,7 @@ impl Player {
     }
 }
 
-/// Asks for a picture; gives the answer, which is empty where the connection ended.
+/// Requests an image; returns the reply, which is empty if the connection ended.
 fn ask(mut stream: &TcpStream, seq: u64) -> String {
     if stream.write_all(line("frame", seq).as_bytes()).is_err() {
         return String::new();
@@ -106,7 +106,7 @@ fn is_drawn(answer: &str, seq: u64) -> bool {
     answer == format!("{{\"message\":\"ack\",\"seq\":{seq}}}\n")
 }
 
-/// Each is written and none is the same as another.
+/// Each is written and no two are equal.
 fn assert_frames(place: &Place, count: usize) {
     let files = frame_names(&place.path("frames"));
     let expected: Vec<_> = (0..count).map(|k| format!("frame_{k:05}.png")).collect();
@@ -168,7 +168,7 @@ fn a_lockstep_film_has_one_frame_for_each_that_is_asked_for() {
     ];
     let player = Player::start(&place, &arguments, None);
     let stream = player.connect();
-    // In the middle of it: garbage, a simulator that dies, another that goes on.
+    // Meanwhile: garbage, a simulator that dies, another that continues.
     assert!(is_drawn(&ask(&stream, 1), 1));
     (&stream).write_all(b"{\"garbage\n").expect("sends");
     let mut answer = String::new();

@@ -131,12 +131,12 @@ impl Place {
         output
     }
 
-    /// Runs, expects success and answers what was printed.
+    /// Runs, expects success and returns the output.
     fn printed(&self, arguments: &[&str]) -> String {
         String::from_utf8(self.succeed(arguments).stdout).expect("UTF-8")
     }
 
-    /// Runs and expects an exit code and a message; answers the message.
+    /// Runs and expects an exit code and a message; returns the message.
     fn fail(&self, code: i32, arguments: &[&str]) -> String {
         let output = self.run(arguments);
         let words = words(&output);

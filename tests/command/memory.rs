@@ -1,20 +1,20 @@
-//! What a start costs: memory at its peak and processor time, of a process of its own.
+//! Cost of a start: peak memory and processor time of a separate process.
 
 use crate::{Place, REPOSITORY, words};
 use std::process::{Child, Stdio};
 use std::time::Duration;
 
-/// What a process has taken so far.
+/// Resources used by a process so far.
 #[derive(Clone, Copy, Debug, Default)]
 struct Cost {
-    /// Most memory at once, megabytes.
+    /// Peak memory, megabytes.
     peak_mb: f64,
     /// Processor time of all its threads, seconds.
     processor_s: f64,
 }
 
 impl Cost {
-    /// As Linux tells it; `None` of a process that has ended.
+    /// As reported by Linux; `None` for a process that has ended.
     fn of(process: u32) -> Option<Self> {
         let read = |file: &str| std::fs::read_to_string(format!("/proc/{process}/{file}")).ok();
         let status = read("status")?;
@@ -36,7 +36,7 @@ impl Cost {
         })
     }
 
-    /// Follows a process to its end. Both figures only grow, and what is missed of them is the last milliseconds.
+    /// Follows a process to its end. Both values only increase, and only the last milliseconds are missed.
     fn until_end(child: &mut Child) -> Self {
         let mut cost = Self::default();
         loop {
@@ -51,8 +51,7 @@ impl Cost {
     }
 }
 
-/// A still of the scene that comes with the program, from the maps that come with it, by the software adapter. `None` where there is
-/// none.
+/// A still of the built-in scene, from the built-in maps, with the software adapter. `None` if there is none.
 fn still(more: &[&str]) -> Option<Cost> {
     let place = Place::new();
     let scene = format!("{REPOSITORY}/config/iss.toml");
@@ -72,9 +71,9 @@ fn still(more: &[&str]) -> Option<Cost> {
     Some(cost)
 }
 
-/// Most memory that a still may take, megabytes: between what it takes with maps that are uploaded while they are read (about 360, of which
-/// the maps on the software adapter have 110 and files in memory, most of them the driver's compiler and the program, 100), and what it takes
-/// with all maps in memory until they are uploaded (430).
+/// Limit of a still's memory, megabytes: between that with maps that are uploaded while they are read (about 360, of which the maps on the software
+/// adapter take 110 and files in memory, mostly the driver's compiler and the program, 100), and that with all maps in memory until they are
+/// uploaded (430).
 const MOST_MB: f64 = 385.0;
 
 /// Most processor time of a small still, seconds: three times what a development build takes, for slow machines.

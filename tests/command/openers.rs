@@ -1,4 +1,4 @@
-//! A pipe, a device and a folder in the place of every file that a command reads: an error at once, never a wait.
+//! A pipe, a device and a folder in place of every file that a command reads: an error immediately, never a wait.
 
 use crate::{Place, words};
 use std::process::{Command, Stdio};
@@ -61,7 +61,7 @@ const SCENES: &[&str] = &[
     "[quality]\ntarget_ms = 30\nladder = \"@\"\n",
 ];
 
-/// What it says, within some seconds, as an error.
+/// Its error message, within some seconds.
 fn rejection(place: &Place, arguments: &[&str]) -> String {
     let mut command = place.command(arguments);
     let mut child = command
@@ -127,7 +127,7 @@ fn what_is_no_file_is_rejected_by_every_reader() {
     }
 }
 
-/// A sidecar lies beside a file without being named.
+/// A sidecar is found beside a file without being named.
 #[test]
 fn a_sidecar_that_is_a_pipe_is_rejected() {
     let place = Place::new();

@@ -14,7 +14,7 @@ const BURN: &str = "MAN_EPOCH_IGNITION = 2018-01-01T00:30:00\nMAN_DURATION = 0\n
 fn a_parameter_message_is_flown_from_its_state() {
     let place = Place::new();
     place.scene("sat.opm", &format!("{STATE}{BURN}"));
-    // What the file is its text says; the scene begins with the state.
+    // The format is detected from the text; the scene begins with the state.
     let arguments = ["orbit", "sat.opm", "--frame", "eme2000", "--csv"];
     let feed = read_table(&place.printed(&arguments));
     let (first, last) = feed.validity();
@@ -38,7 +38,7 @@ fn a_parameter_message_is_flown_from_its_state() {
         "{pushed} {coasting}"
     );
 
-    // Of another source it is an error that names the right one; a scene of its own may begin before the state.
+    // For another source it is an error that names the right one; an explicit scene may begin before the state.
     place.scene(
         "wrong.toml",
         "[orbit]\nsource = \"oem\"\nfile = \"sat.opm\"\n",

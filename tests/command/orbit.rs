@@ -132,7 +132,7 @@ fn an_ephemeris_message_flies_as_the_satellite_does() {
         // of its positions, by up to 1.6 cm/s, half a metre in the windows at the ends.
         assert!(worst_m < 1.0, "{frame}: {worst_m} m");
     }
-    // What is said of states far apart is what a reader finds half-way between them.
+    // The reported interpolation error of distant states equals that of a reader half-way between them.
     let output = place.succeed(&["orbit", "iss.toml", "--every", "300", "--oem", "iss.oem"]);
     let told = words(&output);
     let told_m = told
@@ -211,7 +211,7 @@ fn every_source_has_a_scene_that_flies() {
     assert!(rejection.contains("did you mean \"Long\"?"), "{rejection}");
 }
 
-/// Files made from one scene and flown by another say the same.
+/// Files written from one scene and flown by another give the same states.
 #[test]
 fn the_files_of_the_scenes_are_of_the_scenes_that_they_name() {
     for (made, from, within_m) in [
@@ -384,7 +384,7 @@ fn the_table_of_orientation_moves_places_on_the_ground() {
     // Half a second of the Earth's rotation, 7.3e-5 rad/s at up to 6780 km.
     assert!((150.0..260.0).contains(&moved_m), "{moved_m} m");
 
-    // What is drawn goes the same way.
+    // Images use the same source.
     let open = |name: &str| {
         let scene = Scene::load(&place.path(name)).expect("a good scene");
         Flight::open(scene).expect("opens")
@@ -537,7 +537,7 @@ fn burns_change_a_motion_and_its_events_are_told() {
         rows.windows(2).all(|pair| pair[0][1] <= pair[1][1]),
         "in order of time"
     );
-    // Of motion that is not integrated nothing is known.
+    // For a motion that is not integrated there are no events.
     place.scene(
         "kepler.toml",
         "[orbit]\nsource = \"kepler\"\nperiapsis_km = 7000\n",

@@ -217,7 +217,7 @@ fn a_pack_without_time_to_read_it_is_drawn_coarse_and_said_so() {
     let text = std::fs::read_to_string(place.path("a.toml")).expect("a scene");
     place.scene("a.toml", &(text + "wait_s = 0\n"));
     let output = place.succeed(&["frame", "a.toml", "-o", "a.png", "--stats", "a.json"]);
-    // The first frame cannot have a tile: nothing was asked for before.
+    // The first frame cannot have a tile: none was requested before.
     assert!(words(&output).contains("wait_s"), "{}", words(&output));
     assert!(
         !stats(&place, "a.json")
@@ -228,7 +228,7 @@ fn a_pack_without_time_to_read_it_is_drawn_coarse_and_said_so() {
     );
 }
 
-/// Levels are counted, and each map and the tiles themselves are switched off in turn.
+/// Levels are counted, and each map and the tiles themselves are switched off one after another.
 #[test]
 fn a_pack_is_measured_with_its_levels() {
     let place = with_pack();
@@ -264,7 +264,7 @@ fn a_pack_is_measured_with_its_levels() {
         assert!(most(row) <= row.blocks_drawn, "{row:?}");
         assert!(row.levels.len() <= 3, "{row:?}");
     }
-    // From far away the coarsest level will do.
+    // From far away the coarsest level suffices.
     let far = report.rows.iter().find(|row| row.height_km > 1e5);
     let far = far.expect("the Moon's distance");
     assert!(
@@ -274,8 +274,8 @@ fn a_pack_is_measured_with_its_levels() {
     assert!(report.rows.iter().map(most).max() > Some(20));
 }
 
-/// Writes the heights of some mountains, 300 × 300 samples over 5.9° × 5.9°, whole metres from 0 to 6000 m; a pack of heights of 18 432 round
-/// the Earth has samples at the same places.
+/// Writes the elevations of some mountains, 300 × 300 samples over 5.9° × 5.9°, whole metres from 0 to 6000 m; an elevation pack of 18 432 samples
+/// around the Earth has samples at the same places.
 fn mountains(place: &Place) {
     let heights: ImageBuffer<Luma<u16>, _> = ImageBuffer::from_fn(300, 300, |x, y| {
         let (x, y) = (f64::from(x), f64::from(y));
@@ -288,7 +288,7 @@ fn mountains(place: &Place) {
     std::fs::write(place.path("alps.toml"), text).expect("writes");
 }
 
-/// A pack's heights are the ground of a scene as those of the file that they were made from are.
+/// Terrain from a pack's elevation data equals that from the original file.
 #[test]
 fn heights_of_a_pack_are_drawn_as_those_of_their_file() {
     let place = Place::new();
@@ -321,7 +321,7 @@ fn heights_of_a_pack_are_drawn_as_those_of_their_file() {
     println!(
         "pack against file: worst {worst}, mean {mean:.4}; against none: mean {without:.2} of 255"
     );
-    // Triangles are not the same: coarser heights of a pack are means of the finer ones, those of a file are evened out besides.
+    // Triangles differ: coarser elevations of a pack are means of the finer ones, those of a file are also smoothed.
     assert!(mean < 1.5, "worst {worst}, mean {mean}");
     assert!(without > 5.0, "{without}");
 }

@@ -1,9 +1,9 @@
 //! The shell blocks of the pages, run as they are printed.
 //!
-//! The blocks of a page run one after another in one folder, with the program on the PATH: pages of `docs/start/` in an empty folder, others in
-//! one that shows the scenes of `config/`. A block whose fence says `sh no-run: REASON` is listed and not run. A `text` block below a shell
-//! block is what it prints, both streams together, where a line `…` stands for any lines. Sizes in bytes, and seconds at the end of a line,
-//! depend on the machine and are not compared. The maps are the small ones of the other tests.
+//! The blocks of a page run one after another in one folder, with the program on the PATH: pages of `docs/start/` in an empty folder, others in one
+//! that contains the scenes of `config/`. A block whose fence says `sh no-run: REASON` is listed and not run. A `text` block below a shell block is
+//! its expected output, both streams together, where a line `…` matches any lines. Sizes in bytes, and seconds at the end of a line, depend on the
+//! machine and are not compared. The maps are the small ones of the other tests.
 
 use crate::{REPOSITORY, small_maps};
 use std::path::{Path, PathBuf};
@@ -23,7 +23,7 @@ struct Block {
     /// Why it is not run.
     no_run: Option<String>,
     script: String,
-    /// What it prints, where the page shows that.
+    /// Its expected output, if the page shows it.
     printed: Option<String>,
 }
 
@@ -46,7 +46,7 @@ fn relative(file: &Path, root: &Path) -> String {
     path.to_string_lossy().replace('\\', "/")
 }
 
-/// Pages in a folder and below it, or only those of these names in it.
+/// Pages in a folder and below it, or only those with these names.
 fn collect(folder: &Path, names: &[&str], files: &mut Vec<PathBuf>) {
     if !names.is_empty() {
         files.extend(names.iter().map(|name| folder.join(name)));
@@ -100,7 +100,7 @@ fn blocks(text: &str) -> Vec<Block> {
     blocks
 }
 
-/// What fails of a page: blocks that end with an error, that print something else, and markers without a reason.
+/// Failures of a page: blocks that end with an error, that print something else, and markers without a reason.
 fn faults(page: &Page) -> Vec<String> {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let home = tempfile::tempdir().expect("a temporary folder");

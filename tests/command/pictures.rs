@@ -127,7 +127,7 @@ fn white_maps(place: &Place) {
 fn light_is_written_as_an_array_in_which_a_white_sheet_is_one() {
     let place = Place::new();
     white_maps(&place);
-    // The Sun over the equator; the eye where it stands highest.
+    // The Sun over the equator; the eye at the subsolar point.
     let scene = "[camera]\nmode = \"geodetic\"\nlat_deg = 0\nlon_deg = 1.9\nheight_km = 500\nfov_deg = 1\n\
         [time]\nstart = \"2018-03-20T12:00:00Z\"\n\
         [earth]\ntextures = \"white\"\natmosphere = \"none\"\ndirectional_reflectance = false\n[output]\nsize = [30, 20]\nexposure_ev = -7.5\n";
@@ -151,7 +151,7 @@ fn light_is_written_as_an_array_in_which_a_white_sheet_is_one() {
     for value in &values {
         assert!((value - 1.0).abs() < 1e-3, "{value}");
     }
-    // The last channel of the last line, R, stands last.
+    // The last channel of the last row, R, comes last.
     let exr = std::fs::read(place.path("b.exr")).expect("reads");
     assert_eq!(exr[..4], [0x76, 0x2f, 0x31, 0x01]);
     let last = exr[exr.len() - 4..].try_into().expect("four bytes");
@@ -462,6 +462,33 @@ fn the_suns_veil_is_dithered() {
         runs.len() > 1000 && median <= 2 && longest <= 24,
         "{median} {longest}"
     );
+}
+
+/// By the rule of thumb a sheet in the Sun takes 1/100 s at f/16. At 1/4000 s the Sun's disc alone is white, and what the lens scatters about
+/// it is little, with the spikes of an aperture too.
+#[test]
+fn the_suns_core_is_small_at_a_4000th_of_a_second() {
+    let place = Place::new();
+    let exposure_ev = (100.0_f64 / 4000.0).log2();
+    for (lens, most_bright) in [("", 0.02), ("[lens]\nblades = 6\nf_number = 16\n", 0.04)] {
+        let scene = format!(
+            "[time]\nstart = \"2018-03-20T03:40:00Z\"\n[camera]\nmode = \"geodetic\"\nlat_deg = -20\nlon_deg = 66\nheight_km = 410\n\
+             look_at = \"sun\"\nfov_deg = 10\n[sky]\nstars = false\nglare = true\n{lens}[output]\nsize = [640, 360]\nsamples = 1\nbloom = 0.03\n\
+             exposure_ev = {exposure_ev}\n"
+        );
+        place.scene("sun.toml", &scene);
+        place.succeed(&["frame", "sun.toml", "-o", "a.png"]);
+        let picture = image::open(place.path("a.png")).expect("a PNG").to_rgb8();
+        let count = |is: &dyn Fn([u8; 3]) -> bool| picture.pixels().filter(|p| is(p.0)).count();
+        let white = count(&|code| code.into_iter().min() >= Some(250)) as f64;
+        let bright = count(&|code| code.into_iter().max() >= Some(20)) as f64 / (640.0 * 360.0);
+        let across = 2.0 * (white / std::f64::consts::PI).sqrt();
+        // The Sun is 0.535° wide on that day, and a pixel at the axis tan 5° / 180.
+        let disc = 0.535_f64.to_radians() / (5.0_f64.to_radians().tan() / 180.0);
+        println!("white: {across:.1} pixels, disc {disc:.1}; {bright:.4} brighter than 20");
+        assert!((0.9..1.25).contains(&(across / disc)), "{across} {disc}");
+        assert!(bright < most_bright, "{bright}");
+    }
 }
 
 /// From day into night and into sunrise at 24 frames a second and 30 times real time, metered as a film is and not drawn: the exposure

@@ -12,7 +12,7 @@ const SIZE: (u32, u32) = (96, 54);
 const LADDER: &str =
     "give_up,cost,error\nsamples,0.7,0\nscale_50,0.4,0.01\nair,0.25,0.05\nclouds,0.2,0.06\n";
 
-/// A scene with a ladder of its own, from a folder that must live as long.
+/// A scene with a separate ladder, from a folder that must live as long.
 fn scene(folder: &Path, target_ms: f64) -> Scene {
     std::fs::write(folder.join("ladder.csv"), LADDER).expect("writes");
     let text = format!(
@@ -22,8 +22,8 @@ fn scene(folder: &Path, target_ms: f64) -> Scene {
     Scene::from_toml(&text, &folder.join("scene.toml")).expect("a good scene")
 }
 
-/// Frames of an Earth that is really drawn, with made-up times: so many milliseconds in full quality, and as much less as the
-/// ladder says on each level.
+/// Frames of an Earth that is really drawn, with simulated times: the given milliseconds at full quality, and less on each level according to the
+/// ladder.
 struct Player {
     renderer: OffscreenRenderer,
     control: QualityControl,
@@ -46,7 +46,7 @@ impl Player {
         }
     }
 
-    /// Plays frames that take `full_ms` in full quality; answers the frames at which the level changed, and to which.
+    /// Plays frames that take `full_ms` at full quality; returns the frames at which the level changed, and the new levels.
     fn play(&mut self, frames: usize, full_ms: impl Fn(usize) -> f64) -> Vec<(usize, usize)> {
         let mut changes = Vec::new();
         for frame in 0..frames {

@@ -105,7 +105,7 @@ fn without_any_adapter_the_reference_draws() {
         words(&output)
     );
     assert_eq!(png_size(&place.path("a.png")), (16, 9));
-    // An adapter that was asked for is not replaced.
+    // An adapter that was requested by name is not replaced.
     let output = run(&["frame", "small.toml", "-o", "b.png", "--adapter", "any"]);
     assert_eq!(output.status.code(), Some(1), "{}", words(&output));
     assert_eq!(place.names(), ["a.png", "small.toml"]);
@@ -171,7 +171,7 @@ fn what_is_left_out_is_named() {
 #[test]
 fn ground_with_relief_is_drawn() {
     let place = Place::new();
-    // Along the Andes from the Pacific, and the same without heights.
+    // Along the Andes from the Pacific, and the same without terrain.
     let scene = |earth: &str| {
         format!(
             "[time]\nstart = \"2018-07-15T15:00:00Z\"\n[camera]\nlat_deg = -33\nlon_deg = -72\nheight_km = 5\nheading_deg = 90\n\

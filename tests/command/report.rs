@@ -152,7 +152,7 @@ fn a_pack_is_reported_by_its_tiles() {
     assert!(of("4 px", 8) > 1.5 * of("1 px", 8));
 }
 
-/// Interrupted: what is complete stays and says that it is not all.
+/// Interrupted: complete rows stay, marked as partial.
 #[cfg(unix)]
 #[test]
 fn an_interrupted_report_is_whole_rows_and_says_so() {
@@ -307,7 +307,7 @@ fn surfaces_are_compared() {
     let said = String::from_utf8_lossy(&output.stdout);
     assert!(said.contains("globe, low flight: blocks"), "{said}");
     let folder = place.path("out");
-    // Two grounds, for the scene names no heights.
+    // Two terrains, as the scene names no elevation data.
     let errors = table(&folder.join("surfaces_errors.csv"));
     assert_eq!(errors.len(), 2);
     for row in &errors {
@@ -345,7 +345,7 @@ fn surfaces_are_compared() {
             && page.contains("After a jump")
     );
 
-    // What is measured later stands beside; the same again takes its place.
+    // Later measurements are added; repeated ones replace the old.
     let again = [
         "--parts",
         "errors",

@@ -218,7 +218,7 @@ fn a_frame_of_space_has_the_noise_that_was_asked_for() {
             .all(|(png, number)| f64::from(*png) == *number)
     );
     assert!(raw(&place.path("d.npy")) != numbers);
-    // Uncompressed, so that the numbers lie in the file as they are.
+    // Uncompressed, so that the values are stored directly.
     let tiff = std::fs::read(place.path("b.tiff")).expect("reads");
     let row: Vec<u8> = numbers[..320]
         .iter()
@@ -227,7 +227,7 @@ fn a_frame_of_space_has_the_noise_that_was_asked_for() {
     assert!(tiff.windows(row.len()).any(|bytes| bytes == row));
 }
 
-/// Electrons of a white sheet, through the whole chain: light of the pinhole picture times what the page says white makes.
+/// Electrons of a white sheet, through the whole chain: light of the pinhole image times the page's electrons of white.
 #[test]
 fn a_frame_has_the_electrons_of_its_light() {
     let place = Place::new();
@@ -269,7 +269,7 @@ fn a_frame_has_the_electrons_of_its_light() {
     );
 }
 
-/// A satellite over the equator flies across the rows: each row lies farther along by its time and the ground speed.
+/// A satellite over the equator flies across the rows: each row is displaced by its time times the ground speed.
 #[test]
 fn a_rolling_shutter_shears_the_ground_by_the_motion() {
     const ROWS: usize = 64;

@@ -1,4 +1,4 @@
-//! `terrella orbit` of several satellites, of corrupt files, of falls, and of dates that satellites do not answer for.
+//! `terrella orbit` with several satellites, corrupt files, impacts, and dates outside the validity.
 
 use crate::{Place, words};
 use std::path::Path;
@@ -54,7 +54,7 @@ fn several_satellites_come_in_one_table() {
     place.fail(2, &["orbit", "three.toml", "--all", "--satellite", "Three"]);
 }
 
-/// A scene that flies an ephemeris of ten minutes with error estimates, and in it one date that is none.
+/// A scene that flies an ephemeris of ten minutes with error estimates, with one invalid date in it.
 fn corrupt(place: &Place) {
     place.scene(
         "made.toml",
@@ -134,7 +134,7 @@ fn the_source_s_own_error_is_shown() {
         error_m.is_some_and(|m| (m - 17.320_508).abs() < 1e-5),
         "{stats}"
     );
-    // Where nothing is known of it nothing is said.
+    // Unknown values are omitted.
     let json = place.printed(&["orbit", "made.toml", "--json"]);
     assert!(json.contains("\"error_m\": null"), "{json}");
 }
@@ -144,7 +144,7 @@ const FALL: &str = "[orbit]\nsource = \"numerical\"\nname = \"Fall\"\nsemi_major
 #[test]
 fn an_impact_is_told_with_its_time_and_place() {
     let place = Place::new();
-    // A duration that is asked for is rejected, with what ends it.
+    // An explicit duration is rejected, with the event that limits the validity.
     place.scene("asked.toml", &format!("[time]\nduration_s = 20000\n{FALL}"));
     let rejection = place.fail(2, &["orbit", "asked.toml"]);
     for needle in [
@@ -248,7 +248,7 @@ fn a_scene_of_another_year_flies_a_stand_in() {
     );
     let highest = lats.iter().copied().fold(0.0, f64::max);
     assert!((51.0..52.0).contains(&highest), "{highest}");
-    // Its elements are nobody's: they are not given out as the station's.
+    // Its elements belong to a stand-in: they are not written as the station's.
     let rejection = place.fail(2, &["orbit", "today.toml", "--omm", "iss.omm"]);
     assert!(rejection.contains("ISS stand-in"), "{rejection}");
     // Where the station's own reach, they are flown.
@@ -321,7 +321,7 @@ fn one_table_flies_many_satellites_of_a_file() {
     }
     assert_eq!(text.matches("[[orbit]]").count(), 2, "{text}");
     assert!(text.lines().count() < 400, "{text}");
-    // States of all of a file of orbits.
+    // States of all satellites of a file.
     let output = place.succeed(&[
         "orbit",
         "sets.tle",

@@ -4,13 +4,13 @@ use crate::{Place, words};
 use std::path::Path;
 use terrella::internals::gpu::SHADER_FILES;
 
-/// What is drawn last, and what the tests make of it.
+/// The last shader file drawn, and its modification by the tests.
 const LAST: &str = "earth/fragment.wgsl";
 const DRAWN: &str = "    return drawn(vec4f(color, 1.0), at);";
 const RED: &str = "    return drawn(vec4f(9.0, 0.0, 0.0, 1.0), at);";
 const BROKEN: &str = "    return drawn(vec4f(colour, 1.0), at);";
 
-/// Writes all files, the last line of what is drawn replaced. Answers the number of that line.
+/// Writes all files, with the last line of the last shader replaced. Returns the number of that line.
 fn write_shaders(folder: &Path, last: &str) -> usize {
     let mut changed = 0;
     for (name, text) in SHADER_FILES {

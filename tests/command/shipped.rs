@@ -22,7 +22,7 @@ fn scenes() -> Vec<PathBuf> {
     scenes
 }
 
-/// Whether `goldens.rs` draws a scene of `config/`: its picture there has no scene of its own beside it.
+/// Whether `goldens.rs` draws a scene of `config/`: its image there has no scene beside it.
 fn has_golden(scene: &Path) -> bool {
     let name = Path::new(scene.file_name().expect("a file"));
     let goldens = Path::new(crate::REPOSITORY).join("tests/goldens");

@@ -1,4 +1,4 @@
-//! Ephemerides of other programs, drawn: what those programs say is below the satellite is in the middle of the picture.
+//! Ephemerides of other programs, drawn: their sub-satellite point is in the middle of the image.
 
 use crate::Place;
 use crate::truth::numpy;

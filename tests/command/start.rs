@@ -1,4 +1,4 @@
-//! When a scene begins, and what is flown without one: files of orbits, the scene that comes with the program.
+//! Start of a scene, and runs without a scene: files of orbits, the built-in scene.
 
 use crate::{Place, names, words};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
@@ -57,7 +57,7 @@ fn orbits() -> Place {
     place
 }
 
-/// What is said of a scene, and when its first state is.
+/// Output of the check of a scene, and the time of its first state.
 fn checked(place: &Place, arguments: &[&str]) -> String {
     let output = place.succeed(&[&["check"], arguments].concat());
     String::from_utf8(output.stdout).expect("UTF-8")
@@ -90,7 +90,7 @@ fn a_scene_without_a_start_begins_at_its_satellites_own_time() {
         let line = line.expect("a line of the start");
         assert!(line.contains("2026-11-25T12:00:00Z"), "{line}");
         assert!(line.contains(told), "{line}");
-        // What is given stands.
+        // Explicit values take precedence.
         let given = format!("[time]\nstart = \"2026-11-25T12:30:00Z\"\nduration_s = 60\n{text}");
         place.scene("a.toml", &given);
         assert_eq!(
@@ -107,7 +107,7 @@ fn a_scene_without_a_start_begins_at_its_satellites_own_time() {
     place.scene("a.toml", &epoch);
     assert_eq!(first_state(&place, &["a.toml"]), NOON);
     assert!(checked(&place, &["a.toml"]).contains("epoch of Mine"));
-    // Nothing of its own: as ever.
+    // Without any of its own: as usual.
     place.scene("a.toml", "");
     assert_eq!(first_state(&place, &["a.toml"]), "2018-01-15T12:00:00.000Z");
     assert!(checked(&place, &["a.toml"]).contains("\"2018-01-15T12:00:00Z\"       default"));
@@ -222,7 +222,7 @@ fn one_of_several_satellites_is_chosen_by_name_or_number() {
     place.succeed(&[&film[..], &one].concat());
     let told = place.fail(1, &[&film[..], &both, &["--resume"]].concat());
     assert!(told.contains("the scene has changed"), "{told}");
-    // Of scenes the scene says it.
+    // For scenes the message refers to the scene.
     let told = place.fail(2, &["check", "small.toml", "--satellite", "X"]);
     assert!(told.contains("follow under [camera]"), "{told}");
 }
@@ -242,7 +242,7 @@ fn what_is_neither_a_scene_nor_a_file_of_orbits_is_said_to_be_so() {
             assert!(told.contains("nor is it an orbit file"), "{told}");
         }
     }
-    // A message that is known and not read is named, with what to do.
+    // A known but unsupported message is named, with the remedy.
     place.scene("sat.txt", "CCSDS_OCM_VERS = 3.0\nORIGINATOR = X\n");
     for command in ["check", "play", "orbit"] {
         let told = place.fail(1, &[command, "sat.txt"]);
@@ -251,7 +251,7 @@ fn what_is_neither_a_scene_nor_a_file_of_orbits_is_said_to_be_so() {
             "{told}"
         );
     }
-    // Endings that promise something are held to it, and those of scenes too.
+    // Files with a known extension must have its format, scenes too.
     place.scene("a.tle", "nothing\n");
     let told = place.fail(1, &["check", "a.tle"]);
     assert!(
@@ -339,7 +339,7 @@ fn films_of_now_are_not_mixed() {
     let told = place.fail(1, &[&film[..], &["--resume"]].concat());
     assert!(told.contains(&format!("it begins at {start}")), "{told}");
     assert!(told.contains(&format!("--start {start}")), "{told}");
-    // As it says.
+    // According to the message.
     place.succeed(&[&film[..], &["--resume", "--start", &start]].concat());
     let page = std::fs::read_to_string(place.path("a/frames.json")).expect("a page");
     let page: serde_json::Value = serde_json::from_str(&page).expect("JSON");
@@ -371,7 +371,7 @@ fn equinox(true_anomaly_deg: u32, duration_s: u32) -> String {
 #[test]
 fn a_films_light_size_and_encoder_are_told_before_and_its_files_after() {
     let place = Place::new();
-    // A revolution takes 5553.6 s; 39.1 % of it lies behind the disc, and 0.1 % in the penumbra.
+    // A revolution takes 5553.6 s; 39.1 % of it is behind the disc, and 0.1 % in the penumbra.
     place.scene("round.toml", &equinox(0, 5554));
     let film = [
         "play",
@@ -431,14 +431,14 @@ fn a_picture_of_night_says_when_it_is_day() {
         let frame = ["frame", file, "-o", "a.png", "--size", "32x18"];
         words(&place.succeed(&[&frame[..], more].concat()))
     };
-    // The Sun stands at 241° of right ascension. At a node of 208.9° the station is at 307.6°, at one of 142.9° below the Sun, at one of
-    // 322.9° on the far side.
+    // The Sun is at 241° of right ascension. With a node of 208.9° the station is at 307.6°, with one of 142.9° below the Sun, with one of 322.9°
+    // on the far side.
     let with_node = |node: &str| {
         let line = STATION[2].replace("208.9163", node);
         elements([STATION[0], STATION[1], &line])
     };
     place.scene("my.tle", &with_node("142.9163"));
-    // In daylight only what was written is reported.
+    // In daylight only the written file is reported.
     let is_picture_alone = |said: &str| {
         let line = said.strip_suffix(" s\n").unwrap_or_default();
         line.starts_with("a.png: 32 × 18 pixels, ") && line.lines().count() == 1
@@ -455,7 +455,7 @@ fn a_picture_of_night_says_when_it_is_day() {
         .filter(|_| said_so)
         .and_then(|from| from.lines().next());
     let from = from.unwrap_or_else(|| panic!("{said}"));
-    // At the time that it says it is day, and nothing is said of a time that was asked for.
+    // At the time in the message it is day, and there is no message for an explicit time.
     let day = frame("my.tle", &["--at", from.trim()]);
     assert!(is_picture_alone(&day), "{day}");
     let json = place.succeed(&["orbit", "my.tle", "--json", "--at", from.trim()]);

@@ -52,7 +52,7 @@ const FILES: [&str; 13] = [
 #[test]
 fn a_folder_of_truth_says_what_each_pixel_shows() {
     let place = Place::new();
-    // What lies beyond the limb is black.
+    // Everything beyond the limb is black.
     let dark = "[sky]\nstars = false\nsun = false\nmoon = false\n";
     place.scene("dark.toml", &(SMALL.to_owned() + dark));
     let arguments = ["frame", "dark.toml", "-o", "a.png", "--truth", "new/truth"];
@@ -75,7 +75,7 @@ fn a_folder_of_truth_says_what_each_pixel_shows() {
     assert!(limb.iter().all(|value| value.is_finite()));
     let picture = image::open(place.path("a.png")).expect("opens").to_rgb8();
     let lat = read("lat_deg").values;
-    // 12 000 km over 20° N, 15° E: that is what the middle shows, and the corner shows none of it.
+    // 12 000 km over 20° N, 15° E: the centre shows that place, and the corner no ground.
     let middle = 18 * 64 + 32;
     assert!((lat[middle] - 20.0).abs() < 5.0, "{}", lat[middle]);
     assert!(lat[0].is_nan() && limb[0] > 0.0);
@@ -96,7 +96,7 @@ fn a_folder_of_truth_says_what_each_pixel_shows() {
     }
     let normal = read("normal_itrf");
     assert_eq!(normal.shape, [36, 64, 3]);
-    // What is far beyond the limb and its air is black; what is well inside and lit is not.
+    // Pixels far beyond the limb and its air are black; those well inside and lit are not.
     let sun = read("sun_elevation_deg").values;
     let mut days = 0;
     for (n, (x, y, pixel)) in picture.enumerate_pixels().enumerate() {
@@ -115,7 +115,7 @@ fn a_folder_of_truth_says_what_each_pixel_shows() {
         );
     }
     assert!(days > 100, "{days}");
-    // The picture's channels stand in the order of their names; latitude's two make the whole of it.
+    // The image's channels are in the order of their names; the two of latitude add up to the full value.
     let exr = std::fs::read(folder.join("truth.exr")).expect("reads");
     let mut channels: Vec<String> = layers
         .iter()
@@ -156,7 +156,7 @@ fn truth_of_ground_with_relief_has_its_heights() {
     let heights = numpy(&place.path("truth/height_m.npy")).values;
     let highest = heights.iter().copied().fold(f64::NAN, f64::max);
     assert!((1500.0..4900.0).contains(&highest), "{highest}");
-    // There is no map of open water: what is land is not known.
+    // Without a map of open water the land fraction is unknown.
     let land = numpy(&place.path("truth/land.npy")).values;
     assert!(land.iter().all(|value| value.is_nan()));
 }

@@ -30,7 +30,7 @@ fn check_video(path: &Path) {
     check_video_of(path, "h264", ["64", "36"]);
 }
 
-/// An index before the data, four frames, and the tags by which players know their colours.
+/// An index before the data, four frames, and the colour tags for players.
 fn check_video_of(path: &Path, codec: &str, [width, height]: [&str; 2]) {
     let file = std::fs::read(path).expect("reads");
     let boxes = boxes(&file);
@@ -118,7 +118,7 @@ fn ffmpeg_writes_a_video_where_it_is_installed() {
     check_video(&place.path("a.mp4"));
 }
 
-/// A file may not become larger than so many bytes, which is to ffmpeg what a full disk is: it ends without an error all the same.
+/// A file size limit, which acts like a full disk for ffmpeg: it ends without an error nevertheless.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_video_by_ffmpeg_on_a_full_disk_is_not_kept() {
@@ -252,7 +252,7 @@ fn without_ffmpeg_the_built_in_encoder_is_taken() {
     }
 }
 
-/// A film of many frames and the same as pictures, in the middle of it. `folder` is where the pictures go.
+/// A film of many frames, and the same as images, interrupted in the middle. `folder` is the output folder of the images.
 #[cfg(unix)]
 fn in_the_middle_of_a_film(place: &Place, encoder: &str, folder: &str) -> std::process::Child {
     place.scene(
@@ -282,7 +282,7 @@ fn in_the_middle_of_a_film(place: &Place, encoder: &str, folder: &str) -> std::p
     child
 }
 
-/// Stopped the hard way: nothing stands under a final name.
+/// Killed: no file has a final name.
 #[cfg(unix)]
 #[test]
 fn a_film_that_is_killed_leaves_nothing_under_its_name() {

@@ -12,7 +12,7 @@ pub struct Display {
     pub name: String,
 }
 
-/// Set where Xvfb cannot be installed: the window's tests are skipped then, and say so.
+/// Set if Xvfb cannot be installed: the window's tests are then skipped with a message.
 const WITHOUT: &str = "TERRELLA_NO_DISPLAY";
 
 impl Display {
@@ -152,7 +152,7 @@ struct Session {
 
 impl Drop for Session {
     fn drop(&mut self) {
-        // Where a test fails the window is still open; where it has ended this is no news.
+        // If a test fails the window is still open; if it has ended, this has no effect.
         let _ = self.window.kill();
         let _ = self.window.wait();
     }
@@ -237,7 +237,7 @@ fn pause() {
     std::thread::sleep(Duration::from_millis(400));
 }
 
-/// By how many pixels, right and down, a patch around `from` in one picture lies away from `to` in another.
+/// Offset in pixels, right and down, of a patch around `from` in one image relative to `to` in another.
 fn offset(
     before: &image::RgbImage,
     after: &image::RgbImage,
@@ -405,7 +405,7 @@ fn esc_closes_the_help_and_not_the_window() {
     session.hand.escape();
     pause();
     session.picture();
-    // Esc once more asks, and Esc again stays.
+    // Esc once more opens the question, and Esc again closes it.
     session.hand.escape();
     pause();
     session.hand.escape();

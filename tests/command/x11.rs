@@ -1,4 +1,4 @@
-//! As much of the X protocol as keys and a mouse take: the program under test meets them as those of a user.
+//! The part of the X protocol for keys and a mouse: the program under test receives them like those of a user.
 //!
 //! Numbers are those of the X protocol, version 11, and of its extension XTEST, version 2.2.
 
@@ -6,7 +6,7 @@ use std::io::{Read, Write};
 use std::os::unix::net::UnixStream;
 
 const GET_WINDOW_ATTRIBUTES: u8 = 3;
-/// Its answer's map state of a window that is seen.
+/// Map state of a visible window in its reply.
 const VIEWABLE: u8 = 2;
 const QUERY_TREE: u8 = 15;
 const WARP_POINTER: u8 = 41;
@@ -150,7 +150,7 @@ impl Keyboard {
         self.stream.write_all(&bytes).expect("the display listens");
     }
 
-    /// Sends a request and reads its answer. An event that comes before is skipped, an error ends the test.
+    /// Sends a request and reads its reply. An event that arrives before is skipped, an error ends the test.
     fn ask(&mut self, request: u8, detail: u8, body: &[u8]) -> Vec<u8> {
         self.send(request, detail, body);
         loop {

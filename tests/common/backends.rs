@@ -38,7 +38,7 @@ pub enum Backend {
     Hlsl,
     /// WebGL 2.
     GlslEs300,
-    /// OpenGL ES 3.1, the least that wgpu takes outside of browsers with storage buffers.
+    /// OpenGL ES 3.1, wgpu's minimum outside browsers with storage buffers.
     GlslEs310,
 }
 

@@ -1,4 +1,4 @@
-//! What the picture tests share: one device for the process, synthetic maps, and a drawn picture in one call.
+//! Common code of the picture tests: one device for the process, synthetic maps, and a drawn image in one call.
 
 use glam::DVec3;
 use image::RgbaImage;
@@ -24,7 +24,7 @@ pub fn gpu() -> &'static GpuContext {
         };
         let context = context
             .expect("picture tests need an adapter: `cargo xtask test` installs a software one");
-        // Whatever a test asks of the device, it must be allowed.
+        // A test must only make valid requests to the device.
         let handler = |error: wgpu::Error| panic!("{error}");
         context
             .device
@@ -175,7 +175,7 @@ impl Rig {
         light.expect("a picture")
     }
 
-    /// The same by night, with what is beyond the Earth.
+    /// The same at night, with the sky.
     pub fn draw_light_with(
         &mut self,
         behind: &mut terrella::celestial::Celestial,

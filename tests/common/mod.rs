@@ -1,4 +1,4 @@
-//! What the picture tests share.
+//! Common code of the picture tests.
 #![allow(dead_code, unused_imports)] // Each test crate uses its own part.
 
 mod canvas;

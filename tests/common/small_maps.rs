@@ -9,7 +9,7 @@ use std::sync::OnceLock;
 /// Maps of 4096 texels round the Earth and more.
 const SHRUNK: [&str; 3] = ["day.jpg", "clouds.jpg", "water.png"];
 
-/// The folder, made by the first test that asks for it, in `target/tmp`; made again when a starter map changes.
+/// The folder in `target/tmp`, made by the first test that needs it; made again when a starter map changes.
 pub fn folder() -> &'static Path {
     static FOLDER: OnceLock<PathBuf> = OnceLock::new();
     FOLDER.get_or_init(|| {

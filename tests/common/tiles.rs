@@ -1,4 +1,4 @@
-//! Tiles of maps that are functions, made when they are asked for.
+//! Tiles of maps that are functions, made on request.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use terrella_imagery::LayerImage;
@@ -46,7 +46,7 @@ impl<F: Fn(f64, f64) -> [u8; 3] + Send + Sync> FunctionTiles<F> {
         self
     }
 
-    /// Keeps a level's tile only where `keep` says so, given the block's index.
+    /// Keeps a level's tile only if `keep` returns true for the block's index.
     pub fn keep(mut self, level: usize, keep: impl Fn(u8) -> bool) -> Self {
         let mut present = BlockSet::default();
         (0..128)

@@ -1,8 +1,8 @@
-//! No circle of files: where two files use what the other defines, neither can be understood, moved or tested alone.
+//! No circles of files: if two files use each other's items, neither can be understood, moved or tested alone.
 //!
-//! A file uses another where it names an item that the other defines, by whatever path and re-exports the name goes; to hand a
-//! name on is no use. What a file uses of a module that it is a part of does not count: a module and the folder of its
-//! name are one thing in several files. Tests do not count, nor do methods, which are named without a path.
+//! A file uses another if it names an item that the other defines, through any path and re-exports; a re-export itself is not a use. Uses of a
+//! parent module do not count: a module and the folder of its name are one unit in several files. Tests do not count, nor do methods, which are
+//! named without a path.
 
 use crate::source::{File, Token, Word, after_group};
 use std::collections::{BTreeMap, BTreeSet};
@@ -10,22 +10,22 @@ use std::collections::{BTreeMap, BTreeSet};
 /// A path of names, or of modules from the crate's root.
 type Path = Vec<String>;
 
-/// What a source file defines and names.
+/// Items that a source file defines and names.
 struct Module {
     file: String,
     defines: BTreeSet<String>,
-    /// What `use` brings: the path, and the name that it has here; `None` brings all that is there.
+    /// Imports by `use`: the path, and the local name; `None` is a glob import.
     imports: Vec<(Path, Option<String>)>,
-    /// Names that stand elsewhere than in `use`.
+    /// Names outside `use`.
     names: BTreeSet<String>,
-    /// Paths of more than one name that stand elsewhere than in `use`.
+    /// Paths of more than one name outside `use`.
     paths: BTreeSet<Path>,
 }
 
-/// All modules, each in a file of its own, by their paths from the crate's root.
+/// All modules, one per file, by their paths from the crate's root.
 struct Modules(BTreeMap<Path, Module>);
 
-/// Where a path leads.
+/// Target of a path.
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum Place {
     Module(Path),
@@ -75,7 +75,7 @@ impl Modules {
         uses
     }
 
-    /// What a module names outside of `use`, and where that leads.
+    /// Names in a module outside `use`, and their targets.
     fn named_by(&self, path: &Path, module: &Module) -> Vec<(Place, String)> {
         let mut named = Vec::new();
         for (import, name) in &module.imports {
@@ -105,13 +105,13 @@ impl Modules {
         named
     }
 
-    /// Where a path leads that stands in this module.
+    /// Target of a path in this module.
     fn resolve(&self, module: &Path, names: &[String]) -> Option<Place> {
         self.resolve_within(module, names, 0)
     }
 
     fn resolve_within(&self, module: &Path, names: &[String], depth: usize) -> Option<Place> {
-        // Imports that lead to each other: the compiler knows such as errors, this is only to end.
+        // Circular imports are compile errors; this only ensures termination.
         if depth > 16 {
             return None;
         }
@@ -178,7 +178,7 @@ impl Module {
             names: BTreeSet::new(),
             paths: BTreeSet::new(),
         };
-        // Items stand at the file's own level or in its inline modules, not in bodies.
+        // Items are at the file's top level or in its inline modules, not in bodies.
         let mut bodies = 0;
         let mut i = 0;
         while i < tokens.len() {
@@ -199,7 +199,7 @@ impl Module {
                     let leads_out = usize::from(i >= 2 && is_path(&tokens, i - 2));
                     if path.len() > 1 && leads_out == 0 {
                         let supers = path.iter().take_while(|name| *name == "super").count();
-                        // From an inline module the first ones lead to the file's own.
+                        // From an inline module the first ones refer to the file's own modules.
                         let own = supers.min(token.inline_modules);
                         module.paths.insert(path[own..].to_vec());
                     }
@@ -215,7 +215,7 @@ impl Module {
         module
     }
 
-    /// Takes the tree of a `use` from `i` on; answers where it ends.
+    /// Parses the tree of a `use` from `i` on; returns its end.
     fn import(&mut self, tokens: &[Token], mut i: usize, path: &mut Path) -> usize {
         let depth = path.len();
         while let Some(token) = tokens.get(i) {
@@ -414,7 +414,7 @@ mod tests {
             found(&[LIB, whole, of_two, two]),
             [["src/a/one.rs", "src/a/two.rs"]]
         );
-        // From outside it is a file as any other.
+        // From outside it is an ordinary file.
         let of_b = part("use crate::b::B; pub struct One(B);");
         let b = ("src/b.rs", "use crate::a::A; pub struct B(A);");
         assert_eq!(

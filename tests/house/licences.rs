@@ -1,7 +1,7 @@
-//! What `deny.toml` lets in is told to users in THIRD-PARTY.md, and its lists do not go stale.
+//! Licences allowed by `deny.toml` are listed for users in THIRD-PARTY.md, and its lists are up to date.
 
-/// Packages with terms beyond their licence expression: of `sofars` those of the IAU SOFA software, of `openh264-sys2` that patent
-/// licences for H.264 are the user's matter.
+/// Packages with terms beyond their licence expression: for `sofars` those of the IAU SOFA software; for `openh264-sys2` the user is responsible
+/// for patent licences of H.264.
 const EXTRA_TERMS: &[&str] = &["sofars", "openh264-sys2"];
 
 /// Names after `crate = "` in a text of TOML.

@@ -1,6 +1,6 @@
 //! The house rules, compared with the repository's own files.
 //!
-//! What clippy can hold, clippy holds (`[workspace.lints]`); here is what it cannot.
+//! Rules that clippy can check are checked by clippy (`[workspace.lints]`); this checks the others.
 
 mod circles;
 mod licences;
@@ -32,7 +32,7 @@ fn holds_in_products(rule: Rule) {
     holds_in(&["src", "crates"], rule);
 }
 
-/// The sources of all crates that the table of modules is about.
+/// The sources of all crates in the table of modules.
 fn sources(repository: &Repository) -> Vec<source::File> {
     let files = modules::folders().map(|folder| repository.rust_files(folder));
     files.flatten().collect()
@@ -79,7 +79,7 @@ fn the_printed_table_of_modules_is_the_enforced_one() {
 #[test]
 fn no_files_use_each_other_in_a_circle() {
     let repository = Repository::open();
-    // Cargo allows none between crates.
+    // Cargo allows no circles between crates.
     let others = [
         "crates/bevy_terrella/src",
         "crates/terrella-c/src",
@@ -212,7 +212,7 @@ fn terms_of_dependencies_are_told() {
 fn what_pages_name_is_there() {
     let repository = Repository::open();
     let pages = repository.pages();
-    // The list of changes tells of what is gone.
+    // The list of changes names removed items.
     let pages = pages.iter().filter(|page| page.path != "CHANGELOG.md");
     none(
         pages
@@ -336,7 +336,7 @@ fn pages_of_registries_show_their_pictures() {
     none(relative.map(str::to_owned).collect());
 }
 
-/// A crate's package holds only what lies in its folder.
+/// A crate's package has only the files in its folder.
 #[test]
 fn the_built_in_elements_are_the_shipped_ones() {
     let repository = Repository::open();

@@ -54,7 +54,7 @@ struct Crate {
     name: &'static str,
     /// Its sources.
     folder: &'static str,
-    /// The module that what stands beside its other modules belongs to; a crate without one has modules only.
+    /// The module of the files beside its other modules; a crate without one has only modules.
     first: Option<&'static str>,
     modules: &'static [&'static str],
 }
@@ -75,7 +75,7 @@ const CRATES: &[Crate] = &[
     Crate { name: "terrella_cli", folder: "crates/terrella-cli/src/", first: Some("cli"), modules: &[] },
 ];
 
-/// The folders of all sources that the table is about.
+/// The folders of all sources in the table.
 pub fn folders() -> impl Iterator<Item = &'static str> {
     CRATES.iter().map(|one| one.folder.trim_end_matches('/'))
 }
@@ -136,7 +136,7 @@ fn depth(path: &str) -> usize {
     }
 }
 
-/// What in this file uses a module that it may not know.
+/// Uses of modules in this file that are not allowed.
 pub fn violations(file: &File, exports: &BTreeMap<String, String>) -> Vec<String> {
     let Some(module) = module_of(&file.path) else {
         return Vec::new();
@@ -166,7 +166,7 @@ pub fn violations(file: &File, exports: &BTreeMap<String, String>) -> Vec<String
     violations
 }
 
-/// What the table allows and no file does.
+/// Allowed uses that no file has.
 pub fn unused(files: &[File], exports: &BTreeMap<String, String>) -> Vec<String> {
     let pairs: BTreeSet<_> = files
         .iter()
@@ -253,7 +253,7 @@ fn uses(file: &File) -> Vec<(&'static Crate, &str, &Token)> {
         if follows_path {
             i += 1;
         } else if let Some(root) = root {
-            // The modules that hosts do not see stand one name deeper.
+            // Modules that are hidden from hosts are one name deeper.
             let through_internals =
                 is_path(tokens, i + 1) && tokens.get(i + 3).is_some_and(|t| t.is_name("internals"));
             let end = if through_internals { i + 4 } else { i + 1 };
@@ -292,7 +292,7 @@ fn is_path(tokens: &[Token], i: usize) -> bool {
         .all(|i| tokens.get(*i).is_some_and(|t| t.is_mark(':')))
 }
 
-/// What follows `::` at this place: one name, or the first names of a group in braces.
+/// The names after `::` at this place: one name, or the first names of a group in braces.
 fn heads(tokens: &[Token], i: usize) -> Vec<(&str, &Token)> {
     let named = |i: usize| tokens.get(i).and_then(|t| Some((t.name()?, t)));
     if !is_path(tokens, i) {

@@ -1,10 +1,10 @@
-//! What is published: names, versions and addresses stand in the manifests, and everything else that says them must agree.
+//! Published packages: names, versions and addresses are in the manifests, and all other places must agree.
 
 use crate::repository::{Page, Repository};
 
 /// The page that PyPI shows.
 pub const PYPI_PAGE: &str = "crates/terrella-py/README.md";
-/// The name of the module, and on PyPI that of a stranger's distribution.
+/// The name of the module, which on PyPI belongs to another distribution.
 const MODULE: &str = "terrella";
 /// Features that change nothing in the public items of the library.
 const NOT_DOCUMENTED: &[&str] = &[
@@ -37,7 +37,7 @@ pub fn string<'t>(toml: &'t str, table: &str, key: &str) -> &'t str {
     found.unwrap_or_else(|| panic!("[{table}] has no {key}"))
 }
 
-/// Places where something other than the distribution of this name would be installed: `pip install terrella`, `terrella[farm]`.
+/// Places where a distribution other than this one would be installed: `pip install terrella`, `terrella[farm]`.
 pub fn other_distributions(page: &Page, distribution: &str) -> Vec<String> {
     let is_name = |c: char| c.is_ascii_alphanumeric() || "-_".contains(c);
     let mut faults = Vec::new();
@@ -69,7 +69,7 @@ pub fn other_distributions(page: &Page, distribution: &str) -> Vec<String> {
     faults
 }
 
-/// Addresses of the source that differ from that of the workspace, or lead to files that are not there.
+/// Addresses of the source that differ from that of the workspace, or refer to missing files.
 pub fn other_sources(page: &Page, address: &str, repository: &Repository) -> Vec<String> {
     let starts = page.text.match_indices("https://github.com/");
     let links = starts.filter_map(|(start, _)| {

@@ -52,7 +52,7 @@ pub fn is_measured(path: &str) -> bool {
     path == "README.md" || path == "config/README.md" || path.starts_with("docs/") && !is_generated
 }
 
-/// What makes the page hard to read: long sentences, a high median of their lengths, private idioms.
+/// Readability faults of the page: long sentences, a high median of their lengths, private idioms.
 pub fn hard_to_read(page: &Page) -> Vec<String> {
     let text = without_code(&without_numbers(&page.text));
     let paragraphs = paragraphs(&without_targets(&text));
@@ -114,7 +114,7 @@ fn without_targets(text: &str) -> String {
     out
 }
 
-/// Paragraphs and items of lists; headings, tables, pictures and HTML are none.
+/// Paragraphs and items of lists; headings, tables, images and HTML are excluded.
 fn paragraphs(text: &str) -> Vec<String> {
     let mut paragraphs = vec![String::new()];
     for line in text.lines().map(str::trim) {
@@ -161,8 +161,8 @@ pub fn missing_paths(page: &Page, repository: &Repository) -> Vec<String> {
         .collect()
 }
 
-/// Lines of Rust on the page that no example has: the lines of each block must stand in one of the examples, in the same order.
-/// The examples are compiled and run, so such lines cannot rot.
+/// Lines of Rust on the page that no example has: the lines of each block must occur in one of the examples, in the same order. The examples are
+/// compiled and run, so such lines cannot become stale.
 pub fn lines_of_no_example(page: &Page, examples: &[String]) -> Vec<String> {
     let blocks = page.text.split("```rust").skip(1);
     let blocks = blocks.filter_map(|rest| rest.split_once('\n')?.1.split("```").next());
@@ -171,7 +171,7 @@ pub fn lines_of_no_example(page: &Page, examples: &[String]) -> Vec<String> {
             let furthest = examples
                 .iter()
                 .map(|example| first_line_not_in(block, example));
-            // Of the example that has most of the block.
+            // For the example that has most of the block.
             let missing = furthest.min_by_key(|missing| missing.map_or(0, |(left, _)| left))??;
             Some(format!("{}: no example has {:?}", page.path, missing.1))
         })

@@ -1,5 +1,5 @@
-//! What differs between platforms stands in few files: a web page has one thread, no clock of the standard library, and in WebGL2 no base
-//! vertex. What uses one of them compiles for a page, and panics in it.
+//! Platform differences are confined to few files: a web page has one thread, no clock of the standard library, and in WebGL2 no base vertex. Code
+//! that uses one of them compiles for a page, but panics in it.
 
 use crate::source::{File, Token, after_group};
 
@@ -13,7 +13,7 @@ pub const FOLDERS: &[&str] = &[
     "src",
 ];
 
-/// The files that know the clock and the threads of a platform.
+/// The files that use the clock and the threads of a platform.
 pub const KNOWING: &[&str] = &[
     "crates/terrella-files/src/clock.rs",
     "crates/terrella-files/src/loaders.rs",

@@ -38,7 +38,7 @@ impl Repository {
         self.exists(path).then(|| self.text(path))
     }
 
-    /// There is such a file or folder.
+    /// Whether the file or folder exists.
     pub fn exists(&self, path: &str) -> bool {
         self.root.join(path).exists()
     }
@@ -64,7 +64,7 @@ impl Repository {
             let entry = entry.unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
             let path = folder.join(entry.file_name());
             if entry.file_name() == "target" {
-                // What a build left in a package that is a workspace of its own.
+                // Build output in a package that is a separate workspace.
                 continue;
             }
             if entry.path().is_dir() {
@@ -75,7 +75,7 @@ impl Repository {
         }
     }
 
-    /// The texts of all files below a folder that end so, as pages.
+    /// The texts of all files below a folder with this extension, as pages.
     pub fn texts(&self, folder: &str, extension: &str) -> Vec<Page> {
         let mut paths = Vec::new();
         self.collect(Path::new(folder), &mut paths);
@@ -101,7 +101,7 @@ impl Repository {
         names
     }
 
-    /// The pages at the top, those of `docs/` and of the folders below it, and those of the folders that have one.
+    /// The pages at the root, those of `docs/` and of the folders below it, and the page of each other folder that has one.
     pub fn pages(&self) -> Vec<Page> {
         let top = self.file_names(".", "md");
         let docs = ["docs", "docs/embedding", "docs/reference", "docs/start"];

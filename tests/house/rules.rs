@@ -27,7 +27,7 @@ const WITHOUT_GPU: &[&str] = &[
 /// Longer files hold more than one concern.
 const LINES: usize = 600;
 
-/// Bytes of one tracked file and of all.
+/// Size limits of one tracked file and of all, bytes.
 const FILE_BYTES: u64 = 3_000_000;
 const ALL_BYTES: u64 = 40_000_000;
 
@@ -36,7 +36,7 @@ fn all(file: &File, words: &[&str], message: &str) -> Vec<String> {
     found.map(|i| file.at(&file.tokens[i], message)).collect()
 }
 
-/// No `wgpu` in a module that must do without.
+/// No `wgpu` in a module without a GPU.
 pub fn names_no_gpu(file: &File) -> Vec<String> {
     let is_without =
         modules::module_of(&file.path).is_some_and(|module| WITHOUT_GPU.contains(&module));
@@ -46,7 +46,7 @@ pub fn names_no_gpu(file: &File) -> Vec<String> {
     all(file, &["wgpu"], "this module must not know wgpu")
 }
 
-/// A `mod.rs` lists its modules and what they export. A module with code of its own is a file beside the folder of its name.
+/// A `mod.rs` lists its modules and exports. A module with code is a file beside the folder of its name.
 pub fn lists_modules(file: &File) -> Vec<String> {
     if !file.path.ends_with("/mod.rs") {
         return Vec::new();
@@ -141,7 +141,7 @@ pub fn labels_gpu_objects(file: &File) -> Vec<String> {
 /// The one file that reaches the network on its own account.
 const HTTP_FILE: &str = "crates/terrella-pack/src/fetch/http.rs";
 
-/// Only one file asks servers for anything: nothing reaches the network unless `pack fetch` or `elements fetch` is run.
+/// Only one file sends requests to servers: there is no network access except in `pack fetch` and `elements fetch`.
 pub fn asks_no_server(file: &File) -> Vec<String> {
     if file.path == HTTP_FILE {
         return Vec::new();
@@ -152,7 +152,7 @@ pub fn asks_no_server(file: &File) -> Vec<String> {
 /// The module whose opener rejects pipes, devices and folders.
 const FILES_FOLDER: &str = "crates/terrella-files/src/";
 
-/// It opens nothing from outside: it reads what the system says of itself.
+/// It reads no user files, only the system's description of itself.
 const MACHINE_FILE: &str = "crates/terrella-measure/src/machine.rs";
 
 /// Files are opened and read by one opener.
@@ -199,7 +199,7 @@ pub fn keeps_anyhow_in_the_command(file: &File) -> Vec<String> {
     )
 }
 
-/// No `unwrap()` outside tests: `expect` says why it cannot fail, an error says what to do.
+/// No `unwrap()` outside tests: `expect` gives the reason why it cannot fail, an error gives the remedy.
 pub fn unwraps_nothing(file: &File) -> Vec<String> {
     let found = file.find(&[".", "unwrap", "("]).into_iter();
     found
@@ -266,7 +266,7 @@ pub fn dead_links(page: &Page, repository: &Repository) -> Vec<String> {
         .collect()
 }
 
-/// Where the links and pictures of a Markdown text lead.
+/// Targets of the links and images of a Markdown text.
 pub fn targets(text: &str) -> Vec<&str> {
     let after = |opening: &'static str, closing: [char; 2]| {
         let parts = text.split(opening).skip(1);

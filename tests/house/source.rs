@@ -11,7 +11,7 @@ pub enum Word {
     Mark(char),
 }
 
-/// A word and where it stands.
+/// A word and its position.
 #[derive(Clone, Debug)]
 pub struct Token {
     pub word: Word,
@@ -19,7 +19,7 @@ pub struct Token {
     pub line: usize,
     /// It belongs to an item under `#[cfg(test)]`.
     pub in_test: bool,
-    /// Depth of inline modules that it stands in.
+    /// Depth of its enclosing inline modules.
     pub inline_modules: usize,
 }
 
@@ -88,7 +88,7 @@ impl File {
     }
 }
 
-/// The position after the bracket that closes the one at `open`; the end of the tokens if none does.
+/// The position after the bracket that closes the one at `open`; the end of the tokens if there is none.
 pub fn after_group(tokens: &[Token], open: usize) -> usize {
     let mut depth = 0_usize;
     for (i, token) in tokens.iter().enumerate().skip(open) {

@@ -1,7 +1,7 @@
-//! The same bodies for as long as is asked for, on other inputs each time: `cargo xtask fuzz`.
+//! The same bodies for a given time, on new inputs each time: `cargo xtask fuzz`.
 //!
-//! Some inputs join the seeds, so that later ones lie farther from the first. There is no coverage to choose them by, as
-//! `cargo fuzz` has: any that took longer than the mean, so was not rejected at once, is a candidate.
+//! Some inputs are added to the seeds, so that later ones are farther from the first. There is no coverage to select them by, unlike in `cargo
+//! fuzz`: any that took longer than the mean, so was not rejected immediately, is a candidate.
 
 use crate::fuzz_short::{Random, TARGETS, mutated};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -15,7 +15,7 @@ const LONGEST_ADDED: usize = 1 << 16;
 /// An input that takes longer is a finding.
 const HANGS: Duration = Duration::from_secs(5);
 
-/// What a target was run for.
+/// Result of a target's run.
 struct Outcome {
     runs: u64,
     seconds: f64,
@@ -112,7 +112,7 @@ fn all_targets_for_a_time() {
     assert!(findings.is_empty(), "inputs in fuzz/findings: {findings:?}");
 }
 
-/// The loop finds what is to be found: a body that panics at one byte and hangs at none.
+/// The loop finds panics: a body that panics for one byte and never hangs.
 #[test]
 fn a_panic_is_found_and_kept() {
     fn body(input: &[u8]) {

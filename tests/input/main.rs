@@ -1,4 +1,4 @@
-//! What comes from outside as text or bytes: scene files, and every reader under mutated input.
+//! Untrusted text and bytes: scene files, and every reader with mutated input.
 
 mod fuzz_long;
 mod fuzz_short;

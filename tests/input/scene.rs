@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 use terrella::frames::{Epoch, utc_from_rfc3339};
 use terrella_play::scene::{Scene, SceneError};
 
-/// A folder with what the scenes of these tests refer to: `sat.tle` and `maps/`.
+/// A folder with the files of these tests' scenes: `sat.tle` and `maps/`.
 struct Folder(tempfile::TempDir);
 
 impl Folder {
@@ -69,7 +69,7 @@ impl Folder {
     }
 }
 
-/// A scene without a file of its own.
+/// A scene without a file.
 fn scene(text: &str) -> Scene {
     match Scene::from_toml(text, Path::new("scene.toml")) {
         Ok(scene) => scene,
@@ -81,5 +81,5 @@ fn utc(text: &str) -> Epoch {
     utc_from_rfc3339(text).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// Text, the line to be named, and what the message must hold: key, value, remedy.
+/// Text, the expected line, and the expected parts of the message: key, value, remedy.
 type Bad = (&'static str, usize, &'static [&'static str]);

@@ -1,4 +1,4 @@
-//! Simulations of Basilisk: a stand-in that speaks as its module does, over the machine's own network.
+//! Simulations of Basilisk: a stand-in with the same protocol as its module, over the local network.
 
 mod answers;
 mod hostile;
@@ -106,7 +106,7 @@ impl Peer {
         self.0.write_all(&bytes).expect("writes");
     }
 
-    /// What comes next; `None` where the connection ends.
+    /// The next message; `None` if the connection ends.
     pub fn receive(&mut self) -> Option<Vec<Vec<u8>>> {
         let mut frames = Vec::new();
         loop {
@@ -118,7 +118,7 @@ impl Peer {
         }
     }
 
-    /// Asks as a REQ socket does, and takes the answer behind its empty frame.
+    /// Sends a request like a REQ socket, and receives the reply after its empty frame.
     pub fn ask(&mut self, frames: &[&[u8]]) -> Option<Vec<Vec<u8>>> {
         self.send(&[&[b"".as_slice()], frames].concat());
         let mut answer = self.receive()?;
@@ -131,7 +131,7 @@ impl Peer {
         assert_eq!(answer, Some(vec![b"OK".to_vec()]));
     }
 
-    /// The file of a picture; empty where there is none.
+    /// The file of an image; empty if there is none.
     pub fn picture(&mut self, id: u64) -> Vec<u8> {
         let answer = self.ask(&[format!("REQUEST_IMAGE_{id}").as_bytes()]);
         let [length, file] = <[Vec<u8>; 2]>::try_from(answer.expect("an answer")).expect("two");

@@ -112,7 +112,7 @@ fn the_playback_follows_the_simulator_at_its_delay() {
         let before_s = begun.elapsed().as_secs_f64() * 10.0;
         let shown_s = (feed.playback_epoch().unwrap() - at(0.0)).to_seconds();
         let after_s = begun.elapsed().as_secs_f64() * 10.0;
-        // Ten times real time, 0.2 s late: 2 s behind, and what the quickest packet took. Earlier it stands at the first state.
+        // Ten times real time, 0.2 s late: 2 s behind, plus the latency of the fastest packet. Earlier it stays at the first state.
         if last_s > 3.0 {
             assert!(shown_s < after_s - 2.0 + 1e-6, "{shown_s} at {after_s}");
             assert!(shown_s > before_s - 2.0 - 3.0, "{shown_s} at {before_s}");
@@ -120,7 +120,7 @@ fn the_playback_follows_the_simulator_at_its_delay() {
         feed.state_at(feed.playback_epoch().unwrap()).unwrap();
         std::thread::sleep(Duration::from_millis(15));
     }
-    // Silent: it stands at the limit, where there still is a state.
+    // Silent: it stays at the limit, where there still is a state.
     until("the limit", || {
         feed.playback_epoch().unwrap() >= at(last_s + 4.999)
     });

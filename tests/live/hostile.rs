@@ -1,4 +1,4 @@
-//! Whatever comes over the network: no panic, no memory, no picture held up.
+//! Any network input: no panic, no memory growth, no delayed image.
 
 use super::*;
 use std::io::Read;
@@ -17,8 +17,8 @@ impl Random {
     }
 }
 
-/// Sends `count` packets, one in twenty of them garbage or damaged, and compares what arrives with what was sent. Returns by how much the
-/// memory of this process grew, in KiB, which says nothing while other tests run in it.
+/// Sends `count` packets, one in twenty of them garbage or damaged, and compares the received states with those sent. Returns the growth of this
+/// process's memory, in KiB, which has no meaning while other tests run in it.
 fn soak(count: u64) -> u64 {
     let (feed, address) = open(LiveOptions {
         max_packets_per_s: 1_000_000,

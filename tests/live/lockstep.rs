@@ -88,7 +88,7 @@ fn a_player_can_say_why_there_is_no_picture() {
     let request = feed.wait_request(PATIENCE).unwrap();
     assert!(feed.reject(&request, "below the ground"));
     assert_eq!(answer_line(&stream)["error"], "below the ground");
-    // Nor does a packet that cannot be read leave its sender waiting.
+    // A packet that cannot be read gets a reply too.
     (&stream).write_all(b"{\"seq\":2}\n").unwrap();
     let answer = answer_line(&stream);
     assert_eq!(answer["seq"], serde_json::Value::Null);
@@ -173,7 +173,7 @@ fn a_simulator_that_is_gone_holds_nobody_up() {
     assert!(begun.elapsed() < Duration::from_secs(5));
 }
 
-/// Asks for a frame over a line of JSON, draws it, and reads the answer.
+/// Requests a frame by a line of JSON, draws it, and reads the reply.
 fn ask_and_draw(feed: &LiveFeed, stream: &TcpStream, seq: u64) {
     send_line(stream, &frame(seq, seq as f64));
     assert_eq!(draw(feed, 1), [seq]);
@@ -214,7 +214,7 @@ fn who_waits_for_a_frame_is_not_dismissed_for_simulators_that_send() {
     others
         .iter()
         .for_each(|other| send_line(other, &packet(1, 2.0)));
-    // Of those that wait for nothing the longest silent leaves.
+    // Of those without a pending reply the one silent longest is dismissed.
     until("2 are dismissed", || feed.counters().rejected >= 2);
     assert!(feed.acknowledge(&request));
     assert_eq!(answer_line(&simulator)["seq"], 1);
@@ -258,7 +258,7 @@ fn a_frame_in_broadcast_is_rejected_and_says_why() {
     assert_eq!(feed.counters().bad, 1);
 }
 
-/// Set for the child, so that it runs for nobody else.
+/// Set for the child process only.
 const CHILD: &str = "TERRELLA_TEST_LIVE_CHILD";
 
 #[test]
@@ -290,7 +290,7 @@ fn frames_come_on_standard_input() {
         .spawn()
         .unwrap();
     let mut simulator = child.stdin.take().unwrap();
-    // The test's own words come before the answers.
+    // Output of the test itself comes before the replies.
     let mut answers = BufReader::new(child.stdout.take().unwrap()).lines();
     for seq in 1..=2 {
         simulator

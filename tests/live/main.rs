@@ -105,7 +105,7 @@ fn answer_line(stream: &TcpStream) -> serde_json::Value {
     serde_json::from_str(&line).unwrap_or_else(|e| panic!("{line:?}: {e}"))
 }
 
-/// Memory of this process, KiB; `None` where the system does not say.
+/// Memory of this process, KiB; `None` if the system does not report it.
 fn resident_kib() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find(|line| line.starts_with("VmRSS:"))?;

@@ -1,4 +1,4 @@
-//! What is sent arrives, to the last bit, over every transport and in both forms.
+//! Sent states arrive, to the last bit, over every transport and in both formats.
 
 use super::*;
 use std::net::UdpSocket;
@@ -228,7 +228,7 @@ fn a_feed_that_is_dropped_frees_its_port_at_once() {
         let (feed, address) = open(options.clone());
         let kept = matches!(options.transport, Transport::Tcp(_)).then(|| connect(address));
         if let Some(stream) = &kept {
-            // In lockstep it waits for a picture that will not be drawn.
+            // In lockstep it waits for an image that will not be drawn.
             send_line(stream, &frame(1, 1.0));
             std::thread::sleep(Duration::from_millis(50));
         }

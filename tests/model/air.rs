@@ -73,7 +73,7 @@ fn tables_keep_to_physics() {
         let sound = |t: &Vec4| t.is_finite() && t.min_element() >= 0.0;
         assert!(table.iter().all(sound));
     }
-    // Nothing shines brighter than the white sheet's worth of scattered sunlight, and nothing lets through more than all.
+    // No value exceeds the light of the white sheet, and no transmittance exceeds 1.
     for table in [&tables.transmittance, &tables.through] {
         assert!(table.iter().all(|t| t.truncate().max_element() <= 1.0));
     }

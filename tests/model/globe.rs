@@ -202,7 +202,7 @@ fn the_conservative_test_loses_no_visible_point_and_no_facing_facet() {
 
 #[test]
 fn counts_on_an_equatorial_path_are_the_exact_ones() {
-    // Exact counts without facets' help, from the horizon condition alone, in `papers` notation: heights in km.
+    // Exact counts from the horizon condition alone, without facets, in `papers` notation: heights in km.
     let ranges = [
         (100, 2, 4),
         (200, 4, 6),

@@ -1,4 +1,4 @@
-//! The ring that carries the halo: where it begins and ends, and where it stands.
+//! The ring of the halo: its inner and outer edge, and its distance.
 
 use glam::{DMat4, DVec3};
 use terrella::frames::Ellipsoid;
@@ -44,7 +44,7 @@ fn from_outside_the_ring_just_holds_the_air_and_not_the_disc() {
             let next = outer[(n + 1) % outer.len()];
             let middle = passes(&billboard, b.ray + next.ray);
             assert!((middle - TOP).abs() < 1e-9 * l, "{eye}: {middle}");
-            // It stands beyond the point nearest to the centre, where relief can still be.
+            // It is beyond the point nearest to the centre, where terrain can still be.
             let along = l * a.ray.z / a.ray.length();
             assert!(a.ray.length() > along + 0.15, "{eye}");
         }

@@ -61,7 +61,7 @@ fn built<V: ShaderVariant + Sync>() -> Vec<Result<Shader, String>> {
     })
 }
 
-/// All legal variants of all shaders, and what is wrong with those that are.
+/// All legal variants of all shaders, and the errors of the illegal ones.
 static ALL: LazyLock<(Vec<Shader>, Vec<String>)> = LazyLock::new(|| {
     let mut all = built::<EarthVariant>();
     all.extend(built::<AirVariant>());
@@ -89,7 +89,7 @@ pub fn all_shaders() -> &'static [Shader] {
     &ALL.0
 }
 
-/// Fails with what is wrong, if anything is.
+/// Fails with the given errors, if any.
 pub fn hold(failures: &[String]) {
     assert!(
         failures.is_empty(),
@@ -397,7 +397,7 @@ fn a_picture_s_shader_draws_no_geolocation() {
     assert!(!code(sunlit(BLOCKS, LAYERS)).contains(written));
 }
 
-/// Of truth the shader has the maps that it is read from and no light; a picture's has nothing of truth.
+/// A truth variant has its maps and no light; an image variant has nothing of truth.
 #[test]
 fn truth_has_no_light_and_light_no_truth() {
     let truth = |layers| {
@@ -496,7 +496,7 @@ fn development_has_what_is_on_alone() {
     }
 }
 
-/// From outside the air tables are read, from inside what was drawn of it; neither knows the other's.
+/// From outside the air tables are read, from inside the sky view; neither has the other's bindings.
 #[test]
 fn an_eye_on_one_side_of_the_air_has_nothing_of_the_other() {
     let of = |air| {

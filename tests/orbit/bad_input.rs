@@ -19,7 +19,7 @@ fn message(text: &str, name: Option<&str>) -> String {
         .to_string()
 }
 
-/// Asserts that the message is about this place and says this.
+/// Asserts that the message is about this place and contains this text.
 fn rejected(text: &str, place: &str, says: &str) {
     let message = message(text, None);
     assert!(
@@ -222,7 +222,7 @@ fn corrupt_lines_are_named() {
         ":1",
         "200 characters; names have at most 128",
     );
-    // A corrupt line of a satellite that nobody asked for.
+    // A corrupt line of another satellite.
     let other = format!(
         "{name}\n{one}\n{two}\nGOES 16\n{}\n{}",
         GOES[0],

@@ -58,7 +58,7 @@ fn the_good_are_used_and_the_bad_are_listed() {
     let [one, two] = ISS;
     let named = |name: &str| format!("{name}\n{one}\n{two}\n");
     let corrupt = two.replace("51.6424", "51.6425");
-    // What stands in the file, how many are good, and the lines that are named.
+    // The file, the number of valid sets, and the reported lines.
     let cases: [(String, usize, &[&str]); 9] = [
         (
             format!("A\n{one}\n{corrupt}\n{}", named("B")),

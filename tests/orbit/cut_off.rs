@@ -56,7 +56,7 @@ fn read(text: &str, is_strict: bool) -> Result<Vec<String>, String> {
     read.map(told).map_err(|error| error.to_string())
 }
 
-/// The last instant that a file answers for, seconds after its first one.
+/// End of a file's validity, seconds after its start.
 fn span_s(text: &str) -> f64 {
     let read = Ephemerides::from_text(text, Path::new("x"), false).expect("reads");
     let feed = read.feeds.first().expect("an object");
@@ -86,7 +86,7 @@ fn a_line_that_is_cut_within_is_left_out() {
     }
 }
 
-/// Many programs leave out the last line feed: the state is used, with a notice, and `strict` asks for the line feed.
+/// Many programs leave out the last line feed: the state is used, with a notice, and `strict` requires the line feed.
 #[test]
 fn a_whole_line_without_its_line_feed_is_used_and_noticed() {
     for text in [oem(&rows(4, " ", 1.0)), csv(&rows(4, ",", 1.0))] {
@@ -125,13 +125,13 @@ fn metres_for_kilometres_and_states_below_the_ground_are_noticed() {
         for text in [oem(&rows(4, " ", scale)), csv(&rows(4, ",", scale))] {
             let told = read(&text, false).expect("flown");
             assert!(told.iter().any(|told| told.contains(words)), "{told:?}");
-            // The form of the file is good, so reading it strictly says the same.
+            // The file's format is valid, so strict reading gives the same result.
             assert_eq!(read(&text, true), Ok(told));
         }
     }
 }
 
-/// What a mean-elements message loses from its last number cannot be seen, so its missing line feed is noticed.
+/// A loss in the last number of a mean-elements message is undetectable, so its missing line feed is reported.
 #[test]
 fn elements_without_their_last_line_feed_are_noticed() {
     let text = "CCSDS_OMM_VERS = 2.0\nCREATION_DATE = 2026-01-01T00:00:00\nORIGINATOR = TEST\nOBJECT_NAME = SAT\nOBJECT_ID = 2026-001A\nCENTER_NAME = EARTH\nREF_FRAME = TEME\nTIME_SYSTEM = UTC\nMEAN_ELEMENT_THEORY = SGP4\nEPOCH = 2026-01-01T00:00:00\nMEAN_MOTION = 15.5\nECCENTRICITY = 0.001\nINCLINATION = 51.6\nRA_OF_ASC_NODE = 10\nARG_OF_PERICENTER = 20\nMEAN_ANOMALY = 30\nBSTAR = 0.0001\nMEAN_MOTION_DOT = 0.00001\nMEAN_MOTION_DDOT = 0.0\n";

@@ -408,7 +408,7 @@ fn bad_samples_are_listed_and_the_good_ones_used() {
         let strict = Ephemerides::from_text(&text, origin, true).expect_err(what);
         assert_eq!(strict.to_string(), fault, "{what}");
     }
-    // A number too few: nothing says which sample lacks it.
+    // One number too few: it is unknown which sample lacks it.
     let text = with(3, "180, 3600, 0");
     let error = Ephemerides::from_text(&text, origin, false).expect_err("27 numbers");
     assert!(error.to_string().contains("27 numbers"), "{error}");

@@ -191,7 +191,7 @@ fn intervals_samples_and_availabilities_have_no_order() {
             (Some(7_570_000.0), Some(7_031_500.0))
         );
     }
-    // What is said later goes over what has been said before.
+    // Later packets replace earlier ones.
     let over = piece("02", "04", &on_line(0..=20, 50.0));
     let feed = &feeds(&[positions(&[piece("00", "10", &line(0..=10)), over])])[0];
     let read = [90.0, 150.0, 270.0].map(|s| x(feed, s));
@@ -216,7 +216,7 @@ fn intervals_samples_and_availabilities_have_no_order() {
     )])[0];
     assert_eq!(feed.validity(), (at(0.0), at(1200.0)));
     assert_eq!(feed.gaps(), [(at(300.0), at(600.0))]);
-    // Before, between and behind samples a point that stands still holds while its interval lasts.
+    // Before, between and after samples a fixed point applies during its interval.
     let still =
         r#"{"interval":"2026-03-01T00:10Z/2026-03-01T00:15Z","cartesian":[1,2,3]}"#.to_owned();
     let feed = &feeds(&[positions(&[first, still])])[0];
@@ -292,7 +292,7 @@ fn extrapolation_is_followed() {
     assert!(told.faults[0].is_notice());
 }
 
-/// An OEM has no extrapolation: what is written of such an object holds within its samples.
+/// An OEM has no extrapolation: such an object is written within its samples only.
 #[test]
 fn what_is_extrapolated_is_not_written() {
     let more = r#","forwardExtrapolationType":"EXTRAPOLATE","forwardExtrapolationDuration":60"#;
@@ -402,7 +402,7 @@ fn a_reference_is_where_the_other_object_is() {
             &format!("\"name\":\"Follower\",\"position\":{{\"reference\":\"{reference}\"}}"),
         )
     };
-    // The object that is meant may stand behind it; its id holds a backslash and a number sign.
+    // The referenced object may come later; its id contains a backslash and a number sign.
     for packets in [
         [moving.clone(), follower("S\\\\\\\\\\\\#1#position")],
         [follower("S\\\\\\\\\\\\#1#position"), moving.clone()],
@@ -415,7 +415,7 @@ fn a_reference_is_where_the_other_object_is() {
             (x(&feed, 90.0), feed.validity()),
             (Some(7_090_000.0), (at(0.0), at(600.0)))
         );
-        // Without a name the one that moves of its own is meant.
+        // Without a name the one that moves by itself is selected.
         let all = read(&document(&packets)).unwrap();
         assert_eq!(all.feeds.len(), 1);
         let only = all.into_one(Path::new("sat.czml"), None).unwrap();

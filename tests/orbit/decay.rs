@@ -1,7 +1,7 @@
-//! Elements whose satellite decays within the days that they are given out for: nothing is answered beyond that.
+//! Elements whose satellite decays within their nominal validity: there is no state beyond that.
 //!
-//! The minutes are those of the first error, or the first radius below 6378.135 km, of the reference code in C++ (the Python
-//! package sgp4 2.27, WGS72), looked for at every second from the epoch on.
+//! The minutes are those of the first error, or the first radius below 6378.135 km, of the reference code in C++ (the Python package sgp4 2.27,
+//! WGS72), searched every second from the epoch on.
 
 use crate::{from_text, with_checksum};
 use terrella_frames::{Duration, Epoch};
@@ -45,7 +45,7 @@ fn validity_ends_where_the_reference_code_first_fails() {
             Some(1590.05),
             Some(-1018.0333),
         ),
-        // By an eccentricity that no ellipse has.
+        // By an invalid eccentricity.
         (
             made_up(" 10000-2", " 51.6000", "0010000", "16.30000000"),
             Some(5327.4167),
@@ -86,7 +86,7 @@ fn validity_ends_where_the_reference_code_first_fails() {
         let expected = [before.unwrap_or(-month), after.unwrap_or(month)];
         println!("{}: {found:?}, the reference {expected:?}", feed.name());
         for (found, expected) in found.iter().zip(expected) {
-            // The reference was looked at once a second, so its instant is up to a second farther out.
+            // The reference was sampled once a second, so its time is up to a second farther out.
             assert!(
                 (found - expected).abs() < 1.1 / 60.0,
                 "{}: {found}, {expected}",
@@ -102,7 +102,7 @@ fn validity_ends_where_the_reference_code_first_fails() {
     }
 }
 
-/// Each day is asked for by a feed that has been asked for nothing else.
+/// Each day is requested from a fresh feed.
 #[test]
 fn nothing_is_answered_after_a_decay() {
     for b_star in [" 50000-1", "-50000-1", " 20000-1", " 90000+0"] {

@@ -6,9 +6,9 @@ use terrella_frames::{
 };
 use terrella_orbit::{Feed, TleFeed};
 
-/// Contacts of whole disc and shadow by another program: skyfield 1.55 flies the sets of `config/orbits`, JPL's DE421 gives the
-/// Sun as it is seen from the Earth, and of 1 440 rays to its limb those count that do not meet the ellipsoid. The times at which
-/// the first and the last of them is hidden were found by bisection to a millisecond.
+/// Contacts of the whole disc and the shadow by another program: skyfield 1.55 propagates the sets of `config/orbits`, JPL's DE421 gives the
+/// apparent Sun from the Earth, and of 1 440 rays to its limb those count that miss the ellipsoid. The times at which the first and the last of
+/// them is hidden were found by bisection to a millisecond.
 const CONTACTS: [(&str, Illumination, &str); 12] = {
     use Illumination::{Penumbra, Umbra};
     [
@@ -33,7 +33,7 @@ fn state(feed: &TleFeed, epoch: Epoch) -> (Illumination, f64) {
     illumination(position, sun, &Ellipsoid::WGS84)
 }
 
-/// Whether a place is at least as dark.
+/// Whether a position is at least as dark.
 fn is_in(light: Illumination, shadow: Illumination) -> bool {
     light == shadow || light == Illumination::Umbra
 }

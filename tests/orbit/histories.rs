@@ -103,7 +103,7 @@ fn a_set_that_comes_twice_is_one() {
     let twice = read(&format!("{first}{first}"), true).unwrap();
     assert_eq!((twice.feeds.len(), twice.faults.len()), (1, 0));
     assert!(from_text(&format!("{first}{first}"), None).is_ok());
-    // Of two sets of one epoch the later one counts.
+    // Of two sets of one epoch the later one is used.
     let corrected = set("020.50000000", "100.0000");
     let read = read(&format!("{first}{corrected}"), true).unwrap();
     assert_eq!(read.feeds[0].elements().mean_anomaly_deg, 100.0);
@@ -146,7 +146,7 @@ fn a_satellite_that_has_decayed_stays_decayed() {
         let before = feed.validity().0 - Duration::from_seconds(days * 86_400.0);
         assert!(feed.state_at(before).is_err(), "-{days}");
     }
-    // All that it answers is near the Earth.
+    // All states are near the Earth.
     for hour in -40..40 {
         let at = feed.epoch() + Duration::from_seconds(f64::from(hour) * 3600.0);
         if let Ok(state) = feed.state_at(at) {

@@ -269,7 +269,7 @@ fn the_ends_use_whole_windows() {
             assert_eq!(same.position_m, at(t).position_m);
         }
     }
-    // Fewer samples than the degree asks for: all of them.
+    // Fewer samples than the degree needs: all of them.
     let two = sampled(&KeplerOrbit::LOW, &every(60.0, 2), HERMITE(27));
     let off = two.state_at(start() + seconds(30.0)).unwrap();
     assert!(

@@ -14,6 +14,7 @@ mod oem;
 mod oem_bad_input;
 mod oem_of_others;
 mod omm;
+mod omm_of_others;
 mod opm;
 mod opm_motion;
 mod simulators;

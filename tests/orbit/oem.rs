@@ -14,7 +14,7 @@ pub(crate) fn epoch(t_s: f64) -> Epoch {
     utc("2016-12-31T23:50:00Z") + Duration::from_seconds(t_s)
 }
 
-/// What is said of a segment, in the order of the standard; an empty value leaves the line out.
+/// Metadata of a segment, in the order of the standard; an empty value leaves the line out.
 pub(crate) struct Meta<'m> {
     keys: Vec<(&'m str, String)>,
     scale: TimeScale,
@@ -209,7 +209,7 @@ fn frames_are_known_by_all_their_names() {
     }
 }
 
-/// An engine fires at 600 s: the segments meet there, and neither knows of the other's states.
+/// An engine fires at 600 s: the segments meet there, and neither uses the other's states.
 #[test]
 fn nothing_is_interpolated_across_segments() {
     let first = meta(TimeScale::Utc, 0.0, 600.0);
@@ -235,7 +235,7 @@ fn nothing_is_interpolated_across_segments() {
         };
         assert_eq!(both.state_at(t).unwrap(), expected.unwrap(), "{k}");
     }
-    // Where they meet, the later one answers; a nanosecond before, the earlier one.
+    // Where they meet, the later one applies; a nanosecond before, the earlier one.
     let before = epoch(600.0) - Duration::from_total_nanoseconds(1);
     let jump =
         both.state_at(before).unwrap().position_m - both.state_at(epoch(600.0)).unwrap().position_m;
@@ -367,7 +367,7 @@ fn what_is_written_reads_back_to_the_last_digit() {
             .map(|k| {
                 let t = f64::from(k) * 61.234_567_891;
                 let (position_m, velocity) = KeplerOrbit::MOLNIYA.state(t);
-                // The third axis has numbers of all sizes.
+                // The third axis has numbers of all magnitudes.
                 let z = DVec3::Z * (f64::from(k) * 0.7).sin() * 10_f64.powi(k as i32 % 17 - 9);
                 StateSample {
                     epoch: epoch(t),
@@ -407,7 +407,7 @@ fn what_is_written_reads_back_to_the_last_digit() {
         assert!(a.samples.samples().eq(b.samples.samples()));
     }
     assert_eq!(write_oem(&read, &header), text);
-    // With covariances: their sum comes back.
+    // With covariances: the sum is preserved.
     let with = one(&(kvn(&meta(TimeScale::Utc, 0.0, 600.0), &every_minute(0, 10)) + COVARIANCE));
     let again = one(&write_oem(&with, &header));
     let (a, b) = (

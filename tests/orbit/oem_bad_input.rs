@@ -5,7 +5,7 @@ use std::path::Path;
 use terrella_frames::TimeScale;
 use terrella_orbit::{Ephemerides, Feed, OrbitError};
 
-/// Each with one thing wrong: what is replaced by what, where, and what is said.
+/// Each with one error: the replaced text, its replacement, the place, and the message.
 #[test]
 fn wrong_messages_are_named() {
     let good = kvn(&meta(TimeScale::Utc, 0.0, 600.0), &every_minute(0, 10)) + COVARIANCE;
@@ -328,7 +328,7 @@ fn a_bad_state_costs_that_state() {
         let feed = loose.into_one(origin, None).expect(to);
         assert_eq!(feed.segments()[0].samples.len(), states, "{to}");
     }
-    // A mark that is out of place corrupts the message: nothing says what its other lines are of.
+    // A misplaced keyword corrupts the message: the meaning of its other lines is unknown.
     let text = kvn.replacen("META_START\n", "", 1);
     assert!(Ephemerides::from_text(&text, Path::new("sat.oem"), false).is_err());
 }

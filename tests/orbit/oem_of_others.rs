@@ -7,7 +7,7 @@ use terrella_frames::TimeScale;
 use terrella_orbit::interpolated::KeplerOrbit;
 use terrella_orbit::{Ephemerides, Feed, Frame};
 
-/// A message of two states that stand still.
+/// A message of two fixed states.
 fn of_position(frame: &str, system: &str, date: &str, km: [f64; 3]) -> String {
     let [x, y, z] = km;
     let state = |date: &str| format!("{date} {x} {y} {z} 0 0 0\n");

@@ -234,7 +234,7 @@ fn several_satellites_and_a_bad_one() {
     }
 }
 
-/// Each with one thing wrong: what is replaced by what, where, and what is said.
+/// Each with one error: the replaced text, its replacement, the place, and the message.
 #[test]
 fn wrong_messages_are_named() {
     for (from, to, place, says) in [
@@ -472,7 +472,13 @@ fn wrong_xml_json_and_csv_are_named() {
             "2:31",
             "SGP4's elements are in TEME",
         ),
-        (&csv, "BSTAR", "B_STAR", "2:1", "the row without BSTAR"),
+        (
+            &csv,
+            "BSTAR",
+            "B_STAR",
+            "1:1",
+            "the header has no column BSTAR",
+        ),
     ] {
         assert!(text.contains(from), "{from}: {text}");
         let text = text.replacen(from, to, 1);

@@ -1,4 +1,4 @@
-//! Orbit parameter messages: the standard's own example, all forms, manoeuvres, and what is wrong.
+//! Orbit parameter messages: the standard's own example, all formats, manoeuvres, and errors.
 
 use crate::utc;
 use glam::DVec3;
@@ -11,8 +11,8 @@ use terrella_orbit::{
     ParameterMessages,
 };
 
-/// CCSDS 502.0-B-2, figure 3-2, its manoeuvres moved behind the state's epoch. The standard calls the mean anomaly TRUE_ANOMALY:
-/// the elements are those of the state with the anomaly as the mean one.
+/// CCSDS 502.0-B-2, figure 3-2, with its manoeuvres moved after the state's epoch. The standard labels the mean anomaly TRUE_ANOMALY: the elements
+/// are those of the state with the anomaly as the mean one.
 const W4: &str = "\
 CCSDS_OPM_VERS = 2.0
 COMMENT GEOCENTRIC, CARTESIAN, EARTH FIXED
@@ -90,7 +90,7 @@ fn with(line: &str, by: &str) -> String {
     W4.replacen(line, by, 1)
 }
 
-/// In low orbit, where drag acts, with what follows its state.
+/// In low orbit, where drag acts, followed by `more`.
 pub fn low(more: &str) -> String {
     let head = without(&["MAN_", "SEMI", "ECC", "INC", "RA_", "ARG", "MEAN", "GM"]);
     let head = head
@@ -340,7 +340,7 @@ fn errors_name_line_key_and_remedy() {
             assert!(error.contains(told), "{told}: {error}");
         }
     }
-    // What is no start is an error of the message, with its line.
+    // An impossible start is an error of the message, with its line.
     let deep = with("X = 6655.9942", "X = 1.0")
         .replace("-40218.5751", "2.0")
         .replace("-82.9177", "3.0");
@@ -353,7 +353,7 @@ fn errors_name_line_key_and_remedy() {
             && error.contains("below the ground"),
         "{error}"
     );
-    // Other readers say what it is.
+    // Other readers identify it.
     let origin = Path::new("w4.opm");
     for error in [
         Ephemerides::from_text(W4, origin, false).unwrap_err(),

@@ -13,7 +13,7 @@ fn hours(hours: f64) -> Duration {
     Duration::from_seconds(hours * 3600.0)
 }
 
-/// What acts on a satellite with mass, areas and coefficients.
+/// All forces on a satellite with mass, areas and coefficients.
 fn all_forces(thrusts: Vec<Thrust>, orientation: Orientation) -> ForceModel {
     ForceModel {
         gravity: Gravity::Field {

@@ -58,8 +58,8 @@ fn places(file: &str) -> Vec<Place> {
     places
 }
 
-/// The largest distance between our positions and the program's, metres, over all rows at which the file tells of
-/// the satellite: in the file's own frame, and in ITRF by the Earth's measured orientation.
+/// The largest distance between our positions and the program's, metres, over all rows of the file: in the file's own frame, and in ITRF by the
+/// Earth's measured orientation.
 fn worst_m(feed: &EphemerisFeed, frame: Frame, columns: &str, places: &[Place]) -> (f64, f64) {
     let extract = data("finals2000A.extract");
     let orientation = EarthOrientation::from_file(&extract).unwrap();
@@ -105,8 +105,8 @@ fn hold(table: &str, most_below_m: f64, cases: &[Case]) {
     assert!(wrong.is_empty(), "{wrong:?}");
 }
 
-/// States of a minute or two by Hermite's polynomials: what is left is the tolerance of Orekit's own integrator. The leap
-/// second 2016-12-31T23:59:60 lies within. Our axes of the equator of date are 0.03″ from those that the IERS measures.
+/// States of a minute or two by Hermite's polynomials: the remaining error is the tolerance of Orekit's own integrator. The leap second
+/// 2016-12-31T23:59:60 is inside. Our axes of the equator of date are 0.03″ from those that the IERS measures.
 #[test]
 fn orekit() {
     hold(
@@ -154,7 +154,7 @@ fn nyx_space() {
     );
 }
 
-/// The velocities of SGP4 are not quite the change of its positions. skyfield leaves polar motion out unless told of it.
+/// The velocities of SGP4 are not exactly the derivatives of its positions. skyfield neglects polar motion by default.
 #[test]
 fn tables_of_skyfield_and_astropy() {
     hold(
@@ -174,7 +174,7 @@ fn tables_of_skyfield_and_astropy() {
 fn covariances_of_orekit() {
     for file in ["orekit_gcrf_tai.oem", "orekit_itrf.xml"] {
         let feed = flown(file);
-        // √75 m at the start; the second matrix is of the twentieth state, and those of XML are two minutes apart.
+        // √75 m at the start; the second matrix is that of the twentieth state, and those of XML are two minutes apart.
         let hours = 20.0 / 60.0 * if file.ends_with("xml") { 2.0 } else { 1.0 };
         let start = utc("2016-12-31T23:10:00Z");
         let epoch = start + Duration::from_seconds(hours * 3600.0);

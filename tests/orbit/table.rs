@@ -90,10 +90,10 @@ fn errors_are_read_back_and_bad_ones_cost_no_state() {
         assert!((error_m - expected).abs() < 1e-6, "{minute}: {error_m}");
     };
     for minute in 0..12 {
-        // Where none is said it is that between its neighbours'.
+        // A missing value is interpolated between its neighbours.
         near(minute, 10.0 + f64::from(minute));
     }
-    // An error that is none is reported; the state is flown all the same, without it.
+    // An invalid error estimate is reported; the state is used without it.
     for wrong in ["-1", "much", "inf"] {
         let bad = text.replacen(",15\n", &format!(",{wrong}\n"), 1);
         assert_ne!(bad, text);
@@ -261,7 +261,7 @@ fn wrong_tables_are_named() {
     );
 }
 
-/// What the command prints: the header first, a name and a frame in every row.
+/// Output of the command: the header first, a name and a frame in every row.
 #[test]
 fn a_table_of_several_satellites_says_in_each_row_whose_it_is() {
     let row = |name: &str, frame: &str, minute: u32, x: &str| {

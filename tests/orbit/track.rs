@@ -76,7 +76,7 @@ fn goes_16_stands_over_75_degrees_west() {
             "{g:?}"
         );
         let days = (t - goes.epoch()).to_seconds() / 86_400.0;
-        // It is steered within 0.1°; elements cannot know of later burns, so far from their epoch it drifts.
+        // It is controlled within 0.1°; elements do not include later burns, so far from their epoch it drifts.
         let tolerance = if days.abs() < 7.0 { 0.1 } else { 1.0 };
         assert!(
             (lon + 75.2).abs() < tolerance,

@@ -84,7 +84,7 @@ fn positions_and_velocities_are_the_reference_codes() {
             if satellite == "23599" && row.minutes > 410.0 {
                 continue;
             }
-            // 20413 a second time, 1281 days on: outside what a feed answers for. See below.
+            // 20413 again, 1281 days later: outside a feed's validity. See below.
             if row.minutes > 1e6 {
                 continue;
             }
@@ -224,8 +224,7 @@ fn errors_come_at_the_reference_codes_times() {
     );
 }
 
-/// 33334 is made up with a mean motion of 1e-5 a day. The reference code reports an error at once and prints the row
-/// of the case before it.
+/// 33334 is synthetic, with a mean motion of 1e-5 a day. The reference code reports an error immediately and prints the row of the case before it.
 #[test]
 fn a_set_that_fails_at_its_own_epoch_is_rejected_when_read() {
     let all = cases();

@@ -1,4 +1,4 @@
-//! Ground, light and air that are changed while the Earth is drawn: its pictures are then those of one that was made so.
+//! Terrain, light and air that change while the Earth is drawn: its images then equal those of an Earth created with them.
 
 use crate::common::{self, gpu, map, plain};
 use crate::views::{alone, eyes, hills, together};
@@ -21,7 +21,7 @@ fn with_appearance(options: &EarthOptions, appearance: &Appearance) -> EarthOpti
     options
 }
 
-/// Gives an Earth one appearance after the other, and has it drawn from two eyes with each as an Earth that was made so.
+/// Gives an Earth one appearance after another, and compares its images from two eyes with those of an Earth created with it.
 fn each_appearance_is_as_made(options: &EarthOptions, appearances: &[Appearance]) {
     let eyes = [eyes()[0], eyes()[2]];
     let gpu = gpu();
@@ -35,7 +35,7 @@ fn each_appearance_is_as_made(options: &EarthOptions, appearances: &[Appearance]
         earth.set_ready(&gpu.queue, ready).expect("of this Earth");
         let drawn = together(&mut earth, &mut views, &eyes);
         let made_so = with_appearance(options, appearance);
-        // A surface's mesh depends on what it drew before: each eye has an Earth that drew nothing else.
+        // A surface's mesh depends on its history: each eye has an Earth that drew nothing else.
         for (view, drawn) in drawn.iter().enumerate() {
             let expected = alone(&made_so, &eyes[view..=view]);
             assert!(*drawn == expected[0], "view {view} of appearance {n}");
@@ -110,7 +110,7 @@ fn tiles_stay_when_the_ground_changes() {
         let is_settled = ready.settle(&eye[0], SIZE, Duration::from_secs(20));
         assert!(is_settled, "{kind:?}");
         earth.set_ready(&gpu.queue, ready).expect("of this Earth");
-        // The first frame has all its tiles: they are those of before.
+        // The first frame has all its tiles: they are still resident.
         let stats = earth.prepare(&gpu.queue, FrameRequest::new(&eye[0], &sky(), SIZE));
         assert_eq!(stats.tiles.requested, stats.tiles.resident, "{kind:?}");
         let drawn = together(&mut earth, &mut [], &eye);

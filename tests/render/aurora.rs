@@ -1,4 +1,4 @@
-//! The aurora: where it stands, how high and how bright it is, and that it moves.
+//! The aurora: position, height, brightness and motion.
 
 use crate::common::{Rig, down, plain, tilted};
 use glam::DVec3;
@@ -103,7 +103,7 @@ fn seen_from_above_it_is_as_bright_as_its_power() {
         (0.5..1.8).contains(&(green / wanted)),
         "{green}, not {wanted}"
     );
-    // Curtains stand out of what is diffuse.
+    // Curtains are brighter than the diffuse aurora.
     let most = lit.iter().map(|texel| texel[1]).fold(0.0, f32::max);
     assert!(f64::from(most) > 3.0 * green, "{most} of {green}");
 }

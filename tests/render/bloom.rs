@@ -1,4 +1,4 @@
-//! Light that a lens scatters: none is lost, and it lies where the lens puts it.
+//! Bloom: no light is lost, and it has the expected distribution.
 
 use crate::common;
 use terrella::internals::gpu::{color_texture, read_halves};
@@ -40,7 +40,7 @@ fn scattered(strength: f64, size: (u32, u32), lights: &[((u32, u32), f32)]) -> V
     read.iter().map(|pixel| f64::from(pixel[0])).collect()
 }
 
-/// Sums of what is within these radii of a place, pixels.
+/// Sums within these radii around a place, pixels.
 fn within(light: &[f64], size: (u32, u32), place: (u32, u32), radii: &[f64]) -> Vec<f64> {
     let distance = |index: usize| {
         let (x, y) = (index as u32 % size.0, index as u32 / size.0);
@@ -62,7 +62,7 @@ fn no_light_is_lost_whatever_the_size_and_the_place() {
             let place = (size.0 / 2 + offset.0, size.1 / 2 + offset.1);
             let light = scattered(0.2, size, &[(place, 60.0)]);
             let sum: f64 = light.iter().sum();
-            // What goes over the edges is what the widest levels hold beyond them, and comes back from there.
+            // Light beyond the edges is that of the widest levels there, and some of it returns.
             assert!(
                 (sum / 60.0 - 1.0).abs() < 0.005,
                 "{size:?} {place:?}: {sum}"

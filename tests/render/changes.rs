@@ -1,4 +1,4 @@
-//! What is changed while the Earth is drawn: maps, quality made ready by another thread, and a device that is lost.
+//! Changes while the Earth is drawn: maps, quality prepared by another thread, and a lost device.
 
 use crate::common::{self, Rig, gpu, map, tilted};
 use glam::DVec3;
@@ -99,7 +99,7 @@ fn a_fade_begins_with_one_map_and_ends_with_the_other() {
         rig.draw(&view(), SUN).0
     };
     let ends = [set(&from, &mut rig), set(&to, &mut rig)];
-    // What clouds lend to the light of the air stays that of the last map that was uploaded.
+    // The clouds' contribution to the light of the air stays that of the last uploaded map.
     let mut faded = |weight, base: &GpuMap| {
         set(base, &mut rig);
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
@@ -230,7 +230,7 @@ fn a_quality_is_made_by_another_thread_while_frames_go_on() {
     set.set_quality(&quality);
     let after = rig.draw(&view(), SUN).0;
     assert!(after != before && after == set.draw(&view(), SUN).0);
-    // What was made for the Earth as it was before does not fit any more, nor does it another Earth.
+    // A change prepared for the Earth's earlier state is rejected, and so is one for another Earth.
     let foreign = rig.earth.change_maker(&gpu.queue).quality(&quality);
     let foreign = set.earth.set_ready(&gpu.queue, foreign.expect("sound"));
     assert!(matches!(foreign, Err(EarthError::OutOfDate)));
@@ -257,7 +257,7 @@ fn a_lost_device_is_survived_by_an_earth_of_the_same_options() {
     };
     let mut earth = Earth::new(&lost.device, &lost.queue, &options).expect("sound options");
     let before = draw(&lost, &mut earth).expect("a picture");
-    // As a host must: without a handler wgpu panics at an error that nobody looks for.
+    // As a host must: without a handler wgpu panics at an uncaptured error.
     let errors = Arc::new(AtomicU32::new(0));
     let counted = errors.clone();
     let count = move |_: wgpu::Error| {
@@ -265,7 +265,7 @@ fn a_lost_device_is_survived_by_an_earth_of_the_same_options() {
     };
     lost.device.on_uncaptured_error(Arc::new(count));
     lost.device.destroy();
-    // The frame in which the host learns of it, and what it may still ask of it: nothing panics, whatever is answered.
+    // The frame in which the host is notified, and further calls: nothing panics, whatever they return.
     for _ in 0..2 {
         earth.prepare(&lost.queue, FrameRequest::new(&view(), &sky, SIZE));
         let quality = *earth.quality();

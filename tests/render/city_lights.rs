@@ -97,7 +97,7 @@ fn air_and_clouds_before_points_take_as_much_as_before_the_map() {
         let left = [true, false].map(|as_points| {
             let mut before = options(atmosphere, clouds, as_points);
             let mut clear = options(Atmosphere::None, None, as_points);
-            // Of clouds too: it changes their mean.
+            // For clouds too: it changes their mean.
             (before.light.detail, clear.light.detail) = (true, true);
             mean_light(&before, SIZE, &view) / mean_light(&clear, SIZE, &view)
         });

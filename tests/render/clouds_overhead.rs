@@ -30,7 +30,7 @@ fn view(height_m: f64, pitch_deg: f64) -> EyeView {
     tilted(place, 90.0, pitch_deg, 40.0, 16.0 / 9.0)
 }
 
-/// Mean light of a picture, under a Sun that stands high behind the eye.
+/// Mean light of an image, under a high Sun behind the eye.
 fn mean(rig: &mut Rig, view: &EyeView) -> DVec3 {
     let sun = Ellipsoid::normal(10_f64.to_radians(), -10_f64.to_radians());
     let light = rig.draw_light(view, sun);
@@ -52,7 +52,7 @@ fn an_eye_below_clouds_sees_them_in_its_sky_alone() {
     assert!(sky[1].x > sky[0].x && sky[2].x > sky[0].x);
     assert!(sky[1].x > sky[2].x, "a thick layer lets less light down");
 
-    // The ground is that under a clear sky but for the light that clouds and air send to and fro.
+    // The ground equals that under a clear sky except for the light reflected between clouds and air.
     let [below, above] = [1000.0, 20_000.0].map(|height_m| view(height_m, -40.0));
     let (clear, under, over) = (
         mean(&mut clear, &below),
@@ -76,7 +76,7 @@ fn the_way_through_their_height_is_no_step() {
         let steps = light.windows(2).map(|pair| (pair[1] - pair[0]).abs());
         let most = steps.fold(0.0, f64::max);
         println!("{pitch_deg}: {most} of {whole}");
-        // A smooth step of 400 m in steps of 25 m changes by 0.094 of all at most.
+        // A smooth step of 400 m changes by at most 0.094 of the whole in steps of 25 m.
         assert!(
             whole > 0.05 && most < 0.13 * whole,
             "{pitch_deg}: {light:?}"

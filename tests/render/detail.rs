@@ -131,7 +131,7 @@ fn the_wind_makes_the_glint_uneven() {
         .collect();
     assert!(middle.len() > 300, "{} pixels of glint", middle.len());
     assert!(spread(&middle) > 0.2, "{}", spread(&middle));
-    // Of Gaussian slopes the mean grows with the variance of the wind.
+    // For Gaussian slopes the mean increases with the variance of the wind.
     let ratio = mean(&made) / mean(&even);
     assert!((0.95..1.15).contains(&ratio), "{ratio}");
 }

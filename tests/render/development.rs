@@ -279,7 +279,7 @@ fn composition_and_bloom_cost_little() {
     }
 }
 
-/// Bytes of the textures of a picture of 8 bits a channel without samples: itself, its depth, and what is drawn to before it.
+/// Size of the textures of an 8-bit image without multisampling, bytes: itself, its depth, and the intermediate texture.
 fn drawn_bytes(pass: &PassFormat, size: (u32, u32), drawn_size: (u32, u32)) -> u64 {
     let pixels = |(width, height): (u32, u32)| u64::from(width) * u64::from(height);
     let is_developed = pass.development == Development::AfterPass;

@@ -39,7 +39,7 @@ fn view() -> EyeView {
 
 const SUN: DVec3 = DVec3::new(0.5, 0.7, 0.51);
 
-/// A host with targets of its own and a full-screen sheet at one depth.
+/// A host with its own targets and a full-screen sheet at one depth.
 struct Host {
     options: EarthOptions,
     size: (u32, u32),
@@ -413,7 +413,7 @@ fn what_is_nearer_hides_the_earth_and_what_is_farther_is_hidden() {
             front.pixels().all(|p| p.0 == red),
             "{depth:?}: something in front of the nearer sheet"
         );
-        // 100 000 km away: behind everything. Space stays red, the ground does not, the halo lies over it.
+        // 100 000 km away: behind everything. Space stays red, the ground does not, the halo covers it.
         let behind = host.draw(&view, SIZE.into(), Some(depth_of(1e8) as f32));
         assert_eq!(behind.get_pixel(2, 2).0, red, "{depth:?}");
         let center = behind.get_pixel(SIZE.0 / 2, SIZE.1 / 2).0;

@@ -75,7 +75,7 @@ fn no_pixel_differs_by_more_than_dithering_makes_of_half_a_code() {
         different += sum;
     }
     assert!(different > 1000, "nothing was interpolated: {different}");
-    // By night nothing is.
+    // At night no cell is.
     let night = down(
         Geodetic::from_degrees(0.0, 180.0, 6e5),
         45.0,
@@ -85,7 +85,7 @@ fn no_pixel_differs_by_more_than_dithering_makes_of_half_a_code() {
     assert!(one == other && DVec3::X.dot(sun) > 0.5);
 }
 
-/// Cells of nothing but land or open sea are drawn by shaders that know nothing of the other: until a map is set that says otherwise.
+/// Cells with only land or only open sea are drawn by shaders without the other: until a new map changes that.
 #[test]
 fn land_and_sea_follow_a_map_that_is_set() {
     let uniform = |value: u8| LayerImage::from_r8(64, 32, vec![value; 64 * 32]).expect("a map");

@@ -1,4 +1,4 @@
-//! Light and what is shown of it: radiance on float targets, exposure, tone curves, dithering.
+//! Light and its display: radiance on float targets, exposure, tone curves, dithering.
 
 use crate::common::{Rig, day_only, down, map, plain};
 use glam::DVec3;
@@ -7,7 +7,7 @@ use terrella::{Atmosphere, EarthOptions, Exposure, EyeView, SurfaceLight, Tone, 
 
 const SIZE: (u32, u32) = (64, 64);
 
-/// Straight down from above 0° N, 0° E, where the Sun stands in the zenith.
+/// Straight down from above 0° N, 0° E, with the Sun in the zenith.
 fn below(height_m: f64) -> EyeView {
     down(Geodetic::from_degrees(0.0, 0.0, height_m), 20.0, 1.0)
 }
@@ -101,7 +101,7 @@ fn extreme_exposures_show_black_and_white() {
         .filter(|pixel| pixel.0[..3] != [0; 3])
         .count();
     assert!(lit < 20, "{lit} pixels");
-    // A number that is none would be black.
+    // NaN would be black.
     let white = picture(20.0);
     assert!(
         white
@@ -117,7 +117,7 @@ fn the_mean_of_dithered_pixels_is_the_light() {
         let options = bare([color; 3]);
         let light = Rig::of_light(&options, SIZE).draw_light(&below(2e4), DVec3::X);
         for part in [0.1, 0.5, 0.8] {
-            // Exposed so that the light lies between codes.
+            // Exposed so that the light is between two codes.
             let linear = f64::from(light[0][0]);
             let code = f64::from(color) + part;
             let wanted = code / 255.0;

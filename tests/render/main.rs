@@ -1,4 +1,4 @@
-//! What the Earth draws, through its public interface on a real adapter: places, tiles, relief, tracks, the host's formats.
+//! Rendering of the Earth through its public interface on a real adapter: places, tiles, terrain, tracks, the host's formats.
 
 mod appearances;
 mod aurora;

@@ -30,8 +30,7 @@ fn moon(direction: DVec3, sun: DVec3) -> Sky {
     }
 }
 
-/// The Moon is a Sun of its own brightness: what it lights is what the Sun lights from there, in its proportion, through the same
-/// air.
+/// The Moon acts as a fainter Sun: it lights the same as the Sun from there, in proportion, through the same air.
 #[test]
 fn a_full_moon_lights_as_a_faint_sun_does() {
     lights_as_a_faint_sun(&down(Geodetic::from_degrees(0.0, 0.0, 2e6), 40.0, 1.0));
@@ -84,11 +83,11 @@ const LAYERS: [(f64, f64, f64); 3] = [
     (250e3, 70e3, 8.07e-11),
 ];
 
-/// Luminance of all of them seen from straight below.
+/// Luminance of all layers seen from directly below.
 const COLUMN: f64 = LAYERS[0].2 + LAYERS[1].2 + LAYERS[2].2;
 
-/// Luminance of the layers along a ray that passes the ground at a height, summed in steps of 200 m: of all of it, or as far as the
-/// point nearest to the ground.
+/// Luminance of the layers along a ray that passes the ground at a height, summed in steps of 200 m: along all of it, or up to the point nearest to
+/// the ground.
 fn summed(height_m: f64, is_whole: bool) -> f64 {
     let step_m = 200.0;
     let mut sum = 0.0;
@@ -111,8 +110,8 @@ fn luminance(texel: &[f32]) -> f64 {
     (0.2126 * r + 0.7152 * g + 0.0722 * b) / GAIN
 }
 
-/// Luminance of a column of pixels that looks past the limb from 400 km, and the heights at which their rays pass the ground: below
-/// the limb less than 0.
+/// Luminance of a column of pixels that looks past the limb from 400 km, and the heights at which their rays pass the ground: negative below the
+/// limb.
 fn past_the_limb(airglow: bool, sun: DVec3) -> Vec<(f64, f64, [f32; 3])> {
     let (eye_m, lines) = (4e5, 512);
     let place = Geodetic::from_degrees(0.0, 0.0, eye_m);
@@ -181,7 +180,7 @@ fn the_air_glows_before_the_ground_too() {
     let (_, light, _) = *inside.expect("ground in the picture");
     let half = summed(0.0, false);
     assert!((light / half - 1.0).abs() < 0.05, "{light}, not {half}");
-    // Rays that pass just above the ground have that half too, and what the air below leaves of the other.
+    // Rays just above the ground have that half too, and the other half through the lower air.
     let outside = night.iter().rfind(|(height, _, _)| *height > 5e4);
     let (height_m, light, _) = *outside.expect("air in the picture");
     let wanted = summed(height_m, true);
@@ -191,7 +190,7 @@ fn the_air_glows_before_the_ground_too() {
     let texel = rig.draw_light(&view, -DVec3::X)[16 * 32 + 16];
     let column = luminance(&texel[..]);
     assert!((column / COLUMN - 1.0).abs() < 0.02, "{column}");
-    // An eye on the ground has it all above it, and none before the ground.
+    // An eye on the ground has all of it above itself, and none in front of the ground.
     let place = Geodetic::from_degrees(0.0, 0.0, 100.0);
     let mut low = Rig::of_light(&options(false, true), (32, 64));
     let light = low.draw_light(&tilted(place, 90.0, 0.0, 60.0, 0.5), -DVec3::X);

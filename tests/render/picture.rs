@@ -1,4 +1,4 @@
-//! What the picture shows against the exact ray: right place, right way up, no seams, no holes, halo joined to limb.
+//! The image compared with the exact ray: right place, right way up, no seams, no holes, halo joined to limb.
 
 use crate::common::{Rig, day_only, down, looks_at, map, plain, ray, tilted};
 use glam::DVec3;
@@ -8,8 +8,8 @@ use terrella_imagery::{EarthLayers, LayerImage};
 
 const SIZE: (u32, u32) = (320, 180);
 
-/// Waves of latitude and longitude, one a block, and one of longitude round the whole Earth to tell blocks apart. One
-/// unit of 255 is 0.04° at the steepest, a ninth of a texel. Display values below saturation after the paper's × 1.1.
+/// Waves of latitude and longitude, one a block, and one of longitude around the whole Earth to distinguish blocks. One unit of 255 is 0.04° at the
+/// steepest, a ninth of a texel. Display values below saturation after the paper's × 1.1.
 fn waves(lat_rad: f64, lon_rad: f64) -> [f64; 3] {
     let wave = |angle: f64| 110.0 + 100.0 * angle.sin();
     [wave(16.0 * lat_rad), wave(16.0 * lon_rad), wave(lon_rad)]
@@ -98,7 +98,7 @@ fn the_disc_has_no_holes_and_no_fringe() {
         options.subdivision = terrella::Subdivision::Cells(subdivision);
         options.visibility = visibility;
         let mut rig = Rig::new(&options, SIZE);
-        // A cell's middle lies this far below the ellipsoid: there, and only there, the limb may be short.
+        // A cell's middle is this far below the ellipsoid: only there the limb may be short.
         let sagitta = 6_378_137.0
             * (1.0 - (std::f64::consts::PI / (16.0 * f64::from(subdivision))).cos())
             * 2.1;
@@ -130,7 +130,7 @@ fn the_disc_has_no_holes_and_no_fringe() {
 fn the_papers_shading_is_the_printed_formula() {
     let color = [120, 80, 200];
     let cover = 90_u8;
-    // Slopes to the east and to the north: none, and two that turn the normal by 14° and 27°.
+    // Slopes to the east and to the north: none, and two that rotate the normal by 14° and 27°.
     for slopes in [None, Some([0_i8, 32]), Some([-64, 16])] {
         let slope_map = slopes.map(|slopes| {
             let texel = slopes.map(|slope| slope as u8);
@@ -203,7 +203,7 @@ fn the_sunlit_side_is_lit_and_the_night_is_dark() {
         options.atmosphere = atmosphere;
         let mut rig = Rig::new(&options, SIZE);
         let view = down(Geodetic::from_degrees(0.0, 0.0, 2e7), 30.0, rig.aspect());
-        // The Sun stands over 90° E: right half of the picture.
+        // The Sun is above 90° E: right half of the image.
         let (picture, _) = rig.draw(&view, DVec3::Y);
         let level = |x: u32| f64::from(picture.get_pixel(x, SIZE.1 / 2).0[1]);
         assert!(level(205) > 90.0, "day {}", level(205));
@@ -324,7 +324,7 @@ fn strange_eyes_give_a_defined_picture() {
             }
         }
     }
-    // What is not finite draws nothing, and the Earth recovers from it.
+    // Non-finite input draws nothing, and the Earth recovers from it.
     let good = down(Geodetic::from_degrees(0.0, 0.0, 2e7), 30.0, 1.0);
     let (expected, _) = rig.draw(&good, DVec3::X);
     let bad = EyeView {
@@ -339,7 +339,7 @@ fn strange_eyes_give_a_defined_picture() {
         assert!(stats.texture_bytes > 0);
     }
     assert_eq!(rig.draw(&good, DVec3::X).0, expected);
-    // The day side from 2 m above the ground is neither black nor blown out.
+    // The day side from 2 m above the ground is neither black nor overexposed.
     let view = tilted(Geodetic::from_degrees(0.0, 0.0, 2.0), 90.0, 5.0, 60.0, 1.0);
     let (sky, _) = rig.draw(&view, DVec3::X);
     let p = sky.get_pixel(32, 10).0;

@@ -39,7 +39,7 @@ fn ground_points_stay_within_a_tenth_of_a_pixel() {
         let aspect = rig.aspect();
         for height_m in [100.0, 1e4, 4e5, 3.6e7, 3.84e8] {
             let (mut worst, mut count) = (0.0_f64, 0);
-            // Vertices stand every 22.5°/n: choose places on, beside and between them, poles and date line included.
+            // Vertices are every 22.5°/n: choose places on, beside and between them, poles and date line included.
             for (lat, lon) in [
                 (0.0, 0.0),
                 (45.0, 90.0),

@@ -226,7 +226,7 @@ struct Off {
     /// From the same vertex in f64, as the eye sees it: of 99 in 100, and at most.
     nearly: f64,
     most: f64,
-    /// Their heights from those of the same tiles at the same places in f64, besides two ulps.
+    /// Difference of their elevations from those of the same tiles at the same places in f64, in addition to two ulps.
     height: f64,
     /// Vertices behind the base's limb or on it.
     behind: u32,

@@ -69,7 +69,7 @@ fn made_so(options: &EarthOptions, quality: &Quality) -> EarthOptions {
     options
 }
 
-/// All that the Earth itself gives up, one after the other.
+/// All reductions of the Earth itself, one after another.
 const LADDER: &str = "give_up,cost,error\nsamples,0.9,0\nanisotropy,0.8,0\ndetail,0.7,0\nroundness,0.6,0\nrelief,0.5,0\n\
                       lights,0.4,0\nair,0.3,0\nclouds,0.2,0\n";
 
@@ -98,7 +98,7 @@ fn follows_the_levels(options: &EarthOptions, count: usize) {
         pictures.push(picture);
     }
     for (level, pair) in levels.iter().skip(1).zip(pictures.windows(2)) {
-        // A software adapter filters once anyway, and what lies beyond the limb is lifted to it, however coarse the mesh.
+        // A software adapter always filters trilinearly, and the part beyond the limb is lifted to it, however coarse the mesh.
         let is_seen = pair[0] != pair[1];
         let may_be_alike = [QualityReduction::Anisotropy, QualityReduction::Roundness];
         assert!(

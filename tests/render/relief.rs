@@ -146,14 +146,14 @@ fn hit(eye: DVec3, direction: DVec3, height_m: f64) -> Option<Geodetic> {
     Some(Ellipsoid::WGS84.geodetic_from_itrf(eye + direction * far))
 }
 
-/// What a pixel that sees level ground must show: each channel's value, and by how much it may miss it; `None` is not compared.
+/// Expected values of a pixel that shows level ground: each channel's value, and its tolerance; `None` is not compared.
 struct Expected {
     x: u32,
     y: u32,
     channels: [Option<(f64, f64)>; 3],
 }
 
-/// The pixels of a view that see level ground, but for those near the limb. One for all surfaces: most of the time goes in here.
+/// The pixels of a view that show level ground, except those near the limb. Shared by all surfaces, as most of the time is spent here.
 fn expected(name: &str, view: &EyeView, height_m: f64) -> Vec<Expected> {
     let sun = view.eye_world.normalize();
     let middle = (SIZE.0 / 2, SIZE.1 / 2);
@@ -202,7 +202,7 @@ fn level_ground_is_where_the_exact_ray_meets_it() {
         let aspect = rigs[0].1.aspect();
         for (of, (name, view)) in views(aspect).into_iter().enumerate() {
             let expected = expected(name, &view, height_m);
-            // Each surface from each view, by turns high and deep.
+            // Each surface from each view, alternating between high and deep.
             for (kind, rig) in rigs.iter_mut().skip((of + above) % 2).step_by(2) {
                 let (picture, stats, _) = rig.draw_complete(&view, view.eye_world.normalize());
                 assert!(stats.ground.triangles > 0, "{kind}, {name}");
@@ -218,7 +218,7 @@ fn level_ground_is_where_the_exact_ray_meets_it() {
                 }
                 println!("{kind} at {height_m} m, {name}: {worst:.1} of 255 in {count}");
                 assert!(count > 5000, "{kind} at {height_m} m, {name}: {count}");
-                // The mesh stands a sagitta below the ground between its vertices; pixels near the limb are left out.
+                // The mesh is a sagitta below the ground between its vertices; pixels near the limb are left out.
                 if worst >= 3.0 {
                     wrong.push(format!("{kind} at {height_m} m, {name}: {worst} of 255"));
                 }
@@ -242,7 +242,7 @@ fn hills_have_no_holes() {
     let aspect = rigs[0].1.aspect();
     for (name, view) in views(aspect) {
         let pixels = (0..SIZE.1).flat_map(|y| (0..SIZE.0).map(move |x| (x, y)));
-        // Black where a ray goes through what lies below the lowest hill.
+        // Black where a ray crosses the space below the lowest hill.
         let ground: Vec<_> = pixels
             .filter(|(x, y)| hit(view.eye_world, ray(&view, *x, *y, SIZE), -8300.0).is_some())
             .collect();

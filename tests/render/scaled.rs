@@ -88,7 +88,7 @@ fn a_smaller_picture_is_enlarged_to_the_same_view() {
             (options.color_format, options.samples) = (format, samples);
             let mut rig = Rig::with_color(&options, SIZE);
             let (full, ..) = rig.draw_complete(&view(), sun());
-            // At full scale nothing stands in between: byte for byte the same.
+            // At full scale there is no intermediate texture: byte for byte the same.
             assert!(scaled(&options, 1.0) == full, "{format:?} {samples}");
             let apart = [0.85, 0.5, 0.25].map(|scale| apart(&scaled(&options, scale), &full));
             println!("{format:?} {samples}: {apart:?}");
@@ -154,7 +154,7 @@ fn a_target_with_bloom_follows_other_sizes() {
     assert!(drawn(&target) != drawn(&none.expect("shaders")));
 }
 
-/// Between black and white stands half the light, and not half the code, also where the hardware does not know of codes.
+/// Between black and white there is half the light, and not half the code, also in formats without hardware encoding.
 #[test]
 fn a_picture_is_enlarged_in_light() {
     let gpu = common::gpu();

@@ -1,4 +1,4 @@
-//! Ground over heights that are streamed: frames never wait for them, pictures do, and come out as if they had always been there.
+//! Terrain with streamed elevation data: frames never wait for it, images do, and equal those with all data in memory.
 
 use crate::common::{Rig, down, gpu, plain, tilted};
 use glam::DVec3;

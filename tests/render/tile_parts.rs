@@ -1,4 +1,4 @@
-//! Blocks drawn with tiles of their parts: each part where it lies, without seams, and as fine as it is asked for.
+//! Blocks drawn with tiles of their parts: each part in place, without seams, and at the required level.
 
 use crate::common::tiles::FunctionTiles;
 use crate::common::{Rig, day_only, tilted};
@@ -104,7 +104,7 @@ fn parts_are_as_fine_as_they_are_near() {
     println!("{:?} of {:?}", stats.day_levels, stats.tiles.requested);
     let levels = stats.day_levels;
     assert!(levels[0] > 0 && levels[1] > levels[0], "{levels:?}");
-    // From afar no part is asked for.
+    // From afar no part is requested.
     let (_, far) = drawn(&mut rig, &over(20.0, 100.0, 2e7, -90.0));
     assert_eq!(far.tiles.requested[..2], [0, 0]);
 }
@@ -115,7 +115,7 @@ fn where_parts_are_not_there_their_block_s_tile_is() {
     let blocks = FunctionTiles::new(&[64, 32, 16], waves as Map);
     let mut whole = Rig::new(&options_of_blocks(blocks), SIZE);
     let (expected, _) = drawn(&mut whole, &view);
-    // No part can be read: those of the whole block stand in for all of them, and nothing else is waited for.
+    // No part can be read: the tiles of the whole blocks stand in for all of them, and nothing else is waited for.
     let none = source(true).keep(0, |_| false).keep(1, |_| false);
     let mut rig = Rig::new(&options(none, 1e-9), SIZE);
     let (picture, stats) = drawn(&mut rig, &view);

@@ -138,7 +138,7 @@ fn tiles_lie_where_the_map_says() {
 
 #[test]
 fn tiles_draw_the_same_as_the_whole_map() {
-    // From afar the detail would be as fine as the smallest mip level, whose texels lie half a texel aside in a tile.
+    // From afar the detail would be as fine as the smallest mip level, whose texels are displaced by half a texel in a tile.
     for (map, is_for_near) in [(detail as Map, true), (hills as Map, false)] {
         let tiles = Arc::new(source(map));
         let whole = EarthLayers {
@@ -160,8 +160,8 @@ fn tiles_draw_the_same_as_the_whole_map() {
                 let Some(place) = is_steady(&view, x, y) else {
                     continue;
                 };
-                // A tile has four mip levels. Its finest level is forced here on a view that wants a coarser one, and
-                // towards the limb would want a fifth mip level.
+                // A tile has four mip levels. Its finest level is forced here on a view that needs a coarser one, and towards the limb would need a
+                // fifth mip level.
                 let up = Ellipsoid::normal(place.lat_rad, place.lon_rad);
                 if name == "whole disc" && -up.dot(ray(&view, x, y, SIZE)) < 0.6 {
                     continue;
@@ -252,8 +252,8 @@ fn edges_between_blocks_are_no_steps_whatever_their_levels() {
                         "{name} {fine}|{coarse} {place}: mean {:.2} inside, {:.2} across; worst {} and {}",
                         mean[0], mean[1], worst[0], worst[1]
                     );
-                    // Edges are few and meet the waves at a few phases only: their mean may differ by chance. Where a
-                    // sharp block meets one that can only just hold the waves, part of their contrast ends there.
+                    // Edges are few and meet the waves at a few phases only: their mean may differ by chance. Where a sharp block meets one that
+                    // barely resolves the waves, part of their contrast ends there.
                     let blur = if name == "detail" && coarse > fine {
                         1.35
                     } else {
@@ -361,7 +361,7 @@ fn a_night_under_the_moon_wants_day_tiles() {
     assert_eq!(requested(&given, Some(DVec3::X)), 0);
     given.light.moonlight = true;
     assert!(requested(&given, Some(DVec3::X)) > 0);
-    // On the other side, and none at all.
+    // On the other side, and no Moon at all.
     assert_eq!(requested(&given, Some(DVec3::new(-0.8, 0.6, 0.0))), 0);
     assert_eq!(requested(&given, None), 0);
 }
@@ -385,7 +385,7 @@ fn expected_views_are_loaded_before_they_come() {
     let (_, stats) = rig.draw(&there, sun);
     assert_eq!(stats.tiles.fallbacks, 0, "{:?}", stats.tiles);
     assert!(stats.tiles.hits > 0);
-    // A place that nobody expected is not there.
+    // A place that was not expected is not resident.
     let (_, stats) = rig.draw(&at(-60.0), sun);
     assert!(stats.tiles.fallbacks > 0);
 }

@@ -1,4 +1,4 @@
-//! Pictures of tracks: what the globe hides, what the air lies over, where lines stand on screen, what is absent when off.
+//! Images of tracks: occlusion by the globe, the air in front, positions of lines on screen, and the absence of disabled elements.
 
 mod lines;
 mod rig;
@@ -42,7 +42,7 @@ fn a_trail_is_where_it_is_and_the_globe_hides_it_exactly() {
             // A line is as wide beyond the limb, where its middle is just hidden.
             let is_shown = !is_hidden || limb_px(view, place) < 6.0;
             if is_shown {
-                // Where half the width and its casing may reach.
+                // Reach of half the width and its outline.
                 for (dx, dy) in (-6..=6).flat_map(|dx| (-6..=6).map(move |dy| (dx, dy))) {
                     let (x, y) = (x as i32 + dx, y as i32 + dy);
                     if (0..SIZE.0 as i32).contains(&x) && (0..SIZE.1 as i32).contains(&y) {
@@ -61,7 +61,7 @@ fn a_trail_is_where_it_is_and_the_globe_hides_it_exactly() {
                 hidden += 1;
             }
         }
-        // Nowhere else: not behind the globe, and no streaks of what lies behind the eye.
+        // Nowhere else: not behind the globe, and no streaks of parts behind the eye.
         for y in 0..SIZE.1 {
             for x in 0..SIZE.0 {
                 let may = shown[(y * SIZE.0 + x) as usize]
@@ -114,7 +114,7 @@ fn the_air_tints_what_lies_behind_it_and_nothing_before_it() {
                 }
                 let air = without.get_pixel(x as u32, y as u32).0;
                 let line = with.get_pixel(x as u32, y as u32).0;
-                // The freshest part is opaque enough to tell.
+                // The most recent part is opaque enough for the test.
                 match is_beyond_air(eye, place, TOP, &WGS84) {
                     true => behind.push((air, line)),
                     false => before.push((air, line)),
@@ -210,7 +210,7 @@ fn a_ground_track_lies_on_the_ground_at_any_height_and_up_to_the_limb() {
                 continue;
             };
             let difference = differs(&with, &without, x as u32, y as u32);
-            // What the limb smooths is left out.
+            // Pixels antialiased by the limb are left out.
             if !is_hidden(eye, place * 1.000_001, &WGS84) && limb_px(&view, place) > 2.0 {
                 assert!(
                     difference > 8,

@@ -1,5 +1,5 @@
-//! Truth layers, as a host draws and reads them: places, ranges and light against rays of this file's own, land and clouds against
-//! the functions that their maps are made of.
+//! Truth layers, as a host draws and reads them: places, distances and light compared with independent rays, land and clouds with the functions of
+//! their maps.
 
 use crate::common::{down, gpu, map, plain, ray, tilted};
 use glam::DVec3;
@@ -200,7 +200,7 @@ fn twenty_eyes_see_what_their_rays_meet() {
                 continue;
             };
             worst.ground += 1;
-            // In pixels of the ground: as large as one would be that faces the eye.
+            // In pixels of the ground, as if it faced the eye.
             let pixel_m = exact_m * pixel_rad;
             let point = eye + exact_m * direction;
             let (lat_rad, lon_rad) = lat_lon(point);
@@ -213,14 +213,14 @@ fn twenty_eyes_see_what_their_rays_meet() {
             let sun_deg = (found.sun_elevation_rad.to_degrees() - elevation).abs();
             worst.sun_deg = worst.sun_deg.max(sun_deg);
             assert_eq!(found.place.height_m, 0.0);
-            // Without a normal map the ground is the ellipsoid; 16-bit floats know no slope better than this.
+            // Without a normal map the ground is the ellipsoid; 16-bit floats resolve slopes no better than this.
             assert!(found.normal_itrf.distance(up) < 1e-6, "{name}: {x}, {y}");
             if elevation.abs() > 0.5 {
                 assert_eq!(found.sunlit, f64::from(u8::from(elevation > 0.0)));
                 let is_lit = texel.marks & TruthTexel::SUNLIT != 0;
                 assert_eq!(is_lit, elevation > 0.0, "{name}: {x}, {y}");
             }
-            // What a host reads without the rays: where the ground is not seen edge on.
+            // Values that a host reads without the rays: where the ground is not seen edge-on.
             if -up.dot(direction) > 0.1 {
                 let [u, v, drawn_m, _] = texel.place.map(f64::from);
                 let block = (texel.marks & 0xff) - 1;
@@ -493,7 +493,7 @@ mod relief {
                     let data_m = Hills.height_m(there.lat_rad, there.lon_rad, 0.0);
                     let pixel_m = pixel_rad * found.range_m;
                     worst_px = worst_px.max((there.height_m - data_m).abs() / pixel_m);
-                    // The drawn ground itself is as much off the height that it says.
+                    // The drawn ground itself deviates equally from the height in its texel.
                     let drawn = view.eye_world + f64::from(texel.place[2]) * direction;
                     let drawn = Ellipsoid::WGS84.geodetic_from_itrf(drawn);
                     drawn_px = drawn_px.max((drawn.height_m - height_m).abs() / pixel_m);

@@ -1,4 +1,4 @@
-//! Several views of one Earth in a frame: each is, byte for byte, the picture that an Earth of its own gives.
+//! Several views of one Earth in a frame: each is, byte for byte, the image of a separate Earth.
 
 use crate::common::{Rig, gpu, map, plain, tilted};
 use glam::DVec3;
@@ -36,7 +36,7 @@ pub fn sky() -> Sky {
     Sky::new(DVec3::new(0.8, 0.55, 0.25).normalize())
 }
 
-/// What an Earth of its own draws of each eye, when it has all it wants.
+/// Complete images of a separate Earth for each eye.
 pub fn alone(options: &EarthOptions, eyes: &[EyeView]) -> Vec<RgbaImage> {
     let mut rig = Rig::new(options, SIZE);
     let sun = sky().sun_itrf;
@@ -59,7 +59,7 @@ fn read(draw: impl FnOnce(&mut wgpu::RenderPass<'_>), samples: u32) -> RgbaImage
     RgbaImage::from_raw(SIZE.0, SIZE.1, texels).expect("of that size")
 }
 
-/// Prepares all eyes at once, the first by the Earth itself, and draws them in the order of the views.
+/// Prepares all eyes in one call, the first by the Earth itself, and draws them in the order of the views.
 pub fn together(earth: &mut Earth, views: &mut [EarthView], eyes: &[EyeView]) -> Vec<RgbaImage> {
     let sky = sky();
     let mut frames: Vec<_> = views
@@ -99,7 +99,7 @@ fn each_is_as_alone(options: &EarthOptions) {
     for (a, b) in (1..4).map(|n| (n - 1, n)) {
         assert!(drawn[a] != drawn[b], "views {a} and {b} must differ");
     }
-    // In another order: what a view drew before leaves nothing behind.
+    // In another order: a view's history has no effect.
     let back: Vec<_> = eyes.into_iter().rev().collect();
     let drawn = together(&mut earth, &mut views, &back);
     for (n, (drawn, expected)) in drawn.iter().zip(expected.iter().rev()).enumerate() {
@@ -158,7 +158,7 @@ fn views_of_relief_are_as_alone() {
         options.ground = Some(crate::common::waves(kind));
         let eyes = [eyes()[0], eyes()[2]];
         let gpu = gpu();
-        // A surface's mesh depends on what it drew before: each eye has an Earth that drew nothing else.
+        // A surface's mesh depends on its history: each eye has an Earth that drew nothing else.
         let mut expected = alone(&options, &eyes[..1]);
         expected.extend(alone(&options, &eyes[1..]));
         let mut earth = Earth::new(&gpu.device, &gpu.queue, &options).expect("sound options");

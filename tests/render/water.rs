@@ -37,8 +37,8 @@ fn light(picture: &RgbaImage, x: u32, y: u32) -> f64 {
     }
 }
 
-/// Where the ellipsoid mirrors the Sun into the eye: there the bisector of both directions has no part along the ground.
-/// Newton's method on latitude and longitude, from the eye's own.
+/// Where the ellipsoid reflects the Sun into the eye: there the bisector of both directions has no horizontal component. Newton's method on
+/// latitude and longitude, starting below the eye.
 fn specular_point(eye_m: DVec3, sun: DVec3) -> Geodetic {
     let start = Ellipsoid::WGS84.geodetic_from_itrf(eye_m);
     let mut at = DVec2::new(start.lat_rad, start.lon_rad);
@@ -139,12 +139,12 @@ fn the_glint_lies_where_the_ellipsoid_mirrors_the_sun() {
             place.lat_rad + f64::to_radians(sun_north_deg),
             place.lon_rad + f64::to_radians(sun_east_deg),
         );
-        // Two winds: all but the waves' slopes is the same in both pictures, and the ratio is greatest where none is needed.
+        // Two winds: everything except the waves' slopes is the same in both images, and the ratio is greatest where none is needed.
         let mut pictures = [0.0, 4.0].map(|wind_m_s| {
             let mut options = options([0; 3], ocean());
             options.light.wind_m_s = wind_m_s;
             options.exposure = terrella::Exposure::Ev(-1.0);
-            // Light as it is, so that ratios are those of light.
+            // Linear light, so that ratios are those of light.
             options.tone = terrella::Tone::Linear;
             let (picture, _) = Rig::new(&options, SIZE).draw(&view, sun);
             picture
@@ -232,7 +232,7 @@ fn land_keeps_its_light_and_the_sea_is_its_own() {
 
 #[test]
 fn shelves_are_turquoise_in_the_tropics_and_green_beyond() {
-    // 8 m of water. The Sun stands in the zenith of each place, and its glint beside the picture.
+    // 8 m of water. The Sun is in the zenith of each place, and its glint outside the image.
     let color_at = |lat_deg: f64| {
         let mut options = options([0; 3], ocean());
         let day = LayerImage::from_rgba8(64, 32, [0, 0, 0, 51].repeat(64 * 32));

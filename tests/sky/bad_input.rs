@@ -1,4 +1,4 @@
-//! Star files that are none.
+//! Invalid star files.
 
 use terrella::celestial::{StarCatalogue, StarError};
 
@@ -9,7 +9,7 @@ fn file(count: u32, records: &[[u8; 24]]) -> Vec<u8> {
     bytes
 }
 
-/// Sirius, with what is written over it.
+/// Sirius, with some bytes overwritten.
 fn record(at: usize, bytes: &[u8]) -> [u8; 24] {
     let mut record = [0; 24];
     record[0..4].copy_from_slice(&32_349_u32.to_le_bytes());

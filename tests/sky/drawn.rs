@@ -1,4 +1,4 @@
-//! What is drawn of it: where, and how bright.
+//! The drawn sky: positions and brightness.
 
 use crate::common::{Rig, gpu, plain};
 use crate::{stars, utc};
@@ -122,7 +122,7 @@ fn a_star_is_as_bright_at_any_size_and_between_pixels() {
     }
     println!("place {:.4} px, light {:.5}", worst.0, worst.1);
     assert!(worst.0 < 0.02, "{worst:?}");
-    // Of half floats as light is stored: 0.05 % a pixel. The solid angle of the star's pixel stands for that of its neighbours.
+    // Half floats store light to 0.05 % a pixel. The solid angle of the star's pixel is used for its neighbours too.
     assert!(worst.1 < 0.01, "{worst:?}");
 }
 
@@ -193,14 +193,14 @@ fn sun_and_moon_give_the_light_that_they_give() {
     let view = EyeView::itrf(eye, observer.moon_m(), DVec3::Z, 0.02, 1.0);
     let light = drawn(&mut rig, &moon, &view, before, size);
     let (_, full) = measured(&light, &view, size);
-    // Allen's full Moon, −12.73, is 2.5e-6 of the Sun's light; this one stands near.
+    // Allen's full Moon, −12.73, is 2.5e-6 of the Sun's light; this one is near it.
     let expected = PI * 2.5e-6 / 0.4923;
     println!("Moon: full {full:e} for {expected:e}, eclipsed {eclipsed:e}");
     assert!((0.8..1.3).contains(&(full / expected)), "{full}");
     assert!(eclipsed < 1e-3 * full, "{eclipsed}");
 }
 
-/// What the aperture sends to spikes is lacking in the disc, and arrives outside of it.
+/// Light that the aperture diffracts into spikes is missing from the disc, and arrives outside it.
 #[test]
 fn an_aperture_moves_light_from_the_disc_to_spikes() {
     let size = (256, 256);
@@ -264,7 +264,7 @@ fn ghosts_have_their_part_of_the_sun() {
     let part = 1e-3;
     let mut light = |blades: Option<u32>, disc: bool, sun_deg: f64| {
         let (sin, cos) = f64::to_radians(sun_deg).sin_cos();
-        // The Sun stands left of the middle.
+        // The Sun is left of the middle.
         let forward = cos * sun + sin * right;
         let view = EyeView::itrf(eye, forward, DVec3::Z, 24_f64.to_radians(), 1.0);
         let mut drawn_with = |ghosts: Option<Ghosts>| {
@@ -282,7 +282,7 @@ fn ghosts_have_their_part_of_the_sun() {
         let more = pairs.map(|(a, b)| [0, 1, 2].map(|n| f64::from(a[n] - b[n])));
         (more.collect::<Vec<_>>(), with, without)
     };
-    // Over the plane of the picture.
+    // In the plane of the image.
     let pixel = 2.0 * 12_f64.to_radians().tan() / 256.0;
     for blades in [None, Some(5)] {
         let (more, ..) = light(blades, false, 6.0);
@@ -292,7 +292,7 @@ fn ghosts_have_their_part_of_the_sun() {
             let ratio = sum * pixel * pixel / (PI * part * shares);
             assert!((ratio - 1.0).abs() < 0.02, "{blades:?} {channel}: {ratio}");
         }
-        // The Sun stands 6° of 12° left, 63 pixels: a ghost is as far to the right, and none left of the Sun.
+        // The Sun is 6° of 12° left, 63 pixels: a ghost is as far to the right, and none left of the Sun.
         let at = |x: usize| more[127 * 256 + x][1];
         assert!(at(128 + 75) > 1e-3 && at(128 - 75) == 0.0, "{blades:?}");
     }
@@ -301,7 +301,7 @@ fn ghosts_have_their_part_of_the_sun() {
     let kept = f64::from(brightest(&with)) / f64::from(brightest(&without));
     // Light of 16 bits has steps of 5e-4.
     assert!((kept - (1.0 - part)).abs() < 4e-4, "{kept}");
-    // Far outside of the picture it makes none.
+    // Far outside the image it has no ghosts.
     let (more, ..) = light(None, false, 30.0);
     assert!(more.iter().flatten().all(|more| *more == 0.0));
 }

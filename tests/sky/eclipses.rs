@@ -1,4 +1,4 @@
-//! The Moon's shadow where another program has it: skyfield with JPL's DE421, three eclipses; the tables' heads say how they were made.
+//! The Moon's shadow compared with another program: skyfield with JPL's DE421, three eclipses; the tables' heads describe how they were made.
 
 use crate::common::{Rig, gpu, plain};
 use crate::drawn::above;
@@ -59,7 +59,7 @@ fn the_shadows_middle_is_where_it_was() {
     }
     println!("{count} instants: middle within {worst:.0} m");
     assert!(count >= 12 && worst < 3e3);
-    // As published (F. Espenak, NASA GSFC), with other radii and an older theory; 20 km were asked for.
+    // As published (F. Espenak, NASA GSFC), with other radii and an older theory; the requirement is 20 km.
     for (date, lat, lon) in [
         (
             "2017-08-21T18:25:32",

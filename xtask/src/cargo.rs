@@ -7,17 +7,17 @@ use std::io::{BufRead, BufReader};
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
 
-/// The cargo that runs us, in the repository's root.
+/// The running cargo, started in the repository's root.
 pub fn cargo() -> Command {
     let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     command.current_dir(repository_root());
     command
 }
 
-/// A program of tests.
+/// A test program.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct TestProgram {
-    /// Name of the library, the program or the file of tests.
+    /// Name of the library, program or test file.
     pub name: String,
     /// Folder of its package, where cargo starts it.
     pub package: PathBuf,
@@ -25,23 +25,23 @@ pub struct TestProgram {
     pub executable: PathBuf,
 }
 
-/// What a building cargo command made.
+/// Products of a cargo build command.
 #[derive(Debug, Default)]
 pub struct Built {
-    /// The `terrella` executable; `None` where the arguments made none.
+    /// The `terrella` executable; `None` if it was not built.
     pub terrella: Option<PathBuf>,
-    /// The last example; `None` where the arguments made none.
+    /// The last example; `None` if none was built.
     pub example: Option<PathBuf>,
-    /// Programs of tests.
+    /// Test programs.
     pub tests: Vec<TestProgram>,
 }
 
-/// Runs a building cargo command and gives what it made.
+/// Runs a cargo build command and returns its products.
 pub fn build(arguments: &[&str]) -> anyhow::Result<Built> {
     let what = shown(cargo().args(arguments));
     say(&what);
-    // Asked of cargo itself: the folder depends on the profile, the target and the user's configuration. First, since the last
-    // arguments may be for the compiler.
+    // Cargo itself reports the path: the folder depends on the profile, the target and the user's configuration. The option comes first, since the
+    // last arguments may be for the compiler.
     let (first, rest) = arguments.split_at(arguments.len().min(1));
     let mut command = cargo();
     let mut child = command
@@ -68,7 +68,7 @@ pub fn build(arguments: &[&str]) -> anyhow::Result<Built> {
     Ok(built)
 }
 
-/// The program of tests in one of cargo's messages, if it is about one.
+/// The test program in one of cargo's messages, if there is one.
 fn test_in(line: &str) -> Option<TestProgram> {
     let message: Value = serde_json::from_str(line).ok()?;
     let is_test = message.get("reason")? == "compiler-artifact"
@@ -83,7 +83,7 @@ fn test_in(line: &str) -> Option<TestProgram> {
     is_test.then_some(program)
 }
 
-/// The output of a cargo command that only tells.
+/// The output of a cargo query.
 pub fn output(arguments: &[&str]) -> anyhow::Result<String> {
     let mut command = cargo();
     command.args(arguments).stderr(Stdio::inherit());
@@ -100,7 +100,7 @@ pub fn output(arguments: &[&str]) -> anyhow::Result<String> {
     }
 }
 
-/// What an executable is, unless it is a program of tests.
+/// Kind of an executable other than a test program.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Kind {
     /// The program `terrella`.
@@ -108,7 +108,7 @@ enum Kind {
     Example,
 }
 
-/// The path in one of cargo's messages, if it is about an executable of this kind (not about its unit tests).
+/// The path in one of cargo's messages, if it names an executable of this kind (not its unit tests).
 fn executable_in(line: &str, kind: Kind) -> Option<PathBuf> {
     let message: Value = serde_json::from_str(line).ok()?;
     let target = message.get("target")?;

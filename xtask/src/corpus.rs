@@ -1,5 +1,5 @@
-//! `cargo xtask corpus`: every file of a folder given to the program as a user would give it, and what became of each. By hand: the
-//! files are those of the field, which no repository holds.
+//! `cargo xtask corpus`: passes every file of a folder to the program as a user would, and reports each outcome. By hand: the files come from the
+//! field and are in no repository.
 
 use crate::cargo;
 use crate::process::{repository_root, say};
@@ -10,19 +10,19 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
-/// Most files, so that a wrong folder is noticed.
+/// Limit on files, so that a wrong folder is noticed.
 const MOST_FILES: usize = 20_000;
 
-/// How often a child is looked at.
+/// Interval between checks of a child process.
 const STEP: Duration = Duration::from_millis(20);
 
 /// Longest message in the table, characters.
 const MOST_MESSAGE: usize = 240;
 
-/// Most of a child's standard error that is kept, bytes.
+/// Limit on the kept standard error of a child process, bytes.
 const MOST_ERROR_BYTES: u64 = 1 << 20;
 
-/// Name endings of files of orbits, of elevation and of maps.
+/// File name extensions of orbits, elevation and maps.
 const ORBITS: [&str; 14] = [
     "tle", "3le", "txt", "omm", "opm", "oem", "ocm", "kvn", "xml", "json", "csv", "czml", "sp3",
     "e",
@@ -34,14 +34,14 @@ const MAPS: [&str; 9] = [
     "tif", "tiff", "vrt", "png", "jpg", "jpeg", "webp", "mbtiles", "pmtiles",
 ];
 
-/// What a child may take.
+/// Limits of a child process.
 #[derive(Clone, Copy, Debug)]
 pub struct Limits {
     pub seconds: u64,
     pub memory_mb: u64,
 }
 
-/// What became of a file.
+/// Outcome of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Outcome {
     Accepted,
@@ -62,7 +62,7 @@ impl Outcome {
         }
     }
 
-    /// By how a child ended and what it wrote to standard error. A rejection is exit code 1 or 2 with a message.
+    /// Classifies a child's exit status and standard error. A rejection is exit code 1 or 2 with a message.
     fn of(status: Option<ExitStatus>, error: &str) -> Self {
         let Some(status) = status else {
             return Self::TimedOut;
@@ -77,13 +77,13 @@ impl Outcome {
         }
     }
 
-    /// Whether the program is at fault, and not the file.
+    /// Whether the fault is the program's, not the file's.
     fn is_fault(self) -> bool {
         matches!(self, Self::WrongExit | Self::Panicked | Self::TimedOut)
     }
 }
 
-/// The line of an error, on one line; of a panic, where it was.
+/// The error message on one line; for a panic, its location.
 fn message(error: &str) -> String {
     let mut lines = error.lines().map(str::trim).filter(|line| !line.is_empty());
     let found = lines.clone().find(|line| line.contains("panicked at"));
@@ -107,7 +107,7 @@ struct Row {
     message: String,
 }
 
-/// The table, the worst first, and how many of each there are.
+/// The table, worst first, and the count of each outcome.
 fn table(mut rows: Vec<Row>) -> String {
     rows.sort_by(|a, b| (b.outcome, &a.file, a.reader).cmp(&(a.outcome, &b.file, b.reader)));
     let mut text =
@@ -137,7 +137,7 @@ fn table(mut rows: Vec<Row>) -> String {
     text + "\n" + &counts.join(", ") + "\n"
 }
 
-/// The readers that a file is given to, with the arguments of each. `scratch` is a folder of its own, with `day.png`.
+/// The readers for a file, with the arguments of each. `scratch` is a temporary folder that contains `day.png`.
 fn readers(file: &Path, scratch: &Path) -> Vec<(&'static str, Vec<PathBuf>)> {
     let ending = file.extension().unwrap_or_default().to_string_lossy();
     let ending = ending.to_ascii_lowercase();
@@ -183,7 +183,7 @@ fn readers(file: &Path, scratch: &Path) -> Vec<(&'static str, Vec<PathBuf>)> {
     readers
 }
 
-/// Runs a child until its end or its limit; how it ended, unless it was ended, and what it wrote to standard error.
+/// Runs a child process until its end or its limit. Returns its exit status, unless it was killed, and its standard error.
 fn child(
     program: &Path,
     arguments: &[PathBuf],
@@ -192,7 +192,7 @@ fn child(
 ) -> anyhow::Result<(Option<ExitStatus>, String)> {
     let mut command = match cfg!(unix) {
         true => {
-            // The shell's limit holds for the program that takes its place.
+            // The shell's limit also applies to the program that replaces it.
             let script = format!("ulimit -v {}; exec \"$0\" \"$@\"", limits.memory_mb * 1024);
             let mut command = Command::new("sh");
             command.args(["-c", &script]).arg(program);
@@ -227,7 +227,7 @@ fn child(
     Ok((status, String::from_utf8_lossy(&error).into_owned()))
 }
 
-/// All files below a folder, in the order of their names; links are not followed.
+/// All files below a folder, sorted by name; links are not followed.
 fn files(folder: &Path, found: &mut Vec<PathBuf>) -> anyhow::Result<()> {
     let entries = std::fs::read_dir(folder).with_context(|| folder.display().to_string())?;
     let mut paths: Vec<_> = entries
@@ -248,10 +248,10 @@ fn files(folder: &Path, found: &mut Vec<PathBuf>) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Gives every file below a folder to the readers of its kind and prints what became of each.
+/// Passes every file below a folder to the readers of its kind and prints each outcome.
 ///
 /// # Errors
-/// A build that failed, a folder that cannot be read, and any file at which the program panicked, ran too long or ended otherwise than it says.
+/// The build failed, a folder cannot be read, or the program panicked, ran too long or exited inconsistently for a file.
 pub fn run(from: &Path, program: Option<PathBuf>, limits: Limits) -> anyhow::Result<()> {
     let from = from
         .canonicalize()
@@ -278,7 +278,7 @@ pub fn run(from: &Path, program: Option<PathBuf>, limits: Limits) -> anyhow::Res
             .to_string();
         let count = readers(file, Path::new("")).len();
         for n in 0..count {
-            // One each: a pack that is left behind would be gone on with.
+            // One folder per run: an existing pack would be resumed.
             let scratch = tempfile::tempdir()?;
             let day = image::RgbImage::from_pixel(512, 256, image::Rgb([90; 3]));
             day.save(scratch.path().join("day.png"))?;
@@ -317,7 +317,7 @@ mod tests {
     #[cfg(unix)]
     fn outcome(script: &str) -> (Outcome, String) {
         let scratch = tempfile::tempdir().unwrap();
-        // Long on a machine with much to do, but for what never ends.
+        // Long enough for a busy machine, except for the case that never ends.
         let limits = Limits {
             seconds: if script.contains("sleep") { 1 } else { 60 },
             memory_mb: 500,
@@ -337,7 +337,7 @@ mod tests {
             outcome(said),
             (Outcome::Rejected, text("a.tif: is damaged"))
         );
-        // A rejection has words.
+        // A rejection has a message.
         assert_eq!(outcome("exit 2"), (Outcome::WrongExit, text("")));
         assert_eq!(outcome("echo 'error: x' >&2; exit 7").0, Outcome::WrongExit);
         assert_eq!(outcome("kill -SEGV $$").0, Outcome::WrongExit);

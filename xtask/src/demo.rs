@@ -8,13 +8,13 @@ use anyhow::Context;
 use std::path::Path;
 use std::process::Command;
 
-/// The scene that is shown.
+/// The scene of the demonstration.
 const SCENE: &str = "config/iss.toml";
-/// Where the picture and the video go, from the repository's root.
+/// Paths of the image and the video, from the repository's root.
 const PICTURE: &str = "out/iss.png";
 const VIDEO: &str = "out/iss.mp4";
 
-/// The program without what the demonstration does not show: measuring, and building packs.
+/// The program without features that the demonstration omits: measurements and pack building.
 const BUILD: [&str; 6] = [
     "build",
     "--release",
@@ -24,7 +24,7 @@ const BUILD: [&str; 6] = [
     "--no-default-features",
 ];
 
-/// Draws picture and video and opens the window where there is a display. `terrella` starts the program.
+/// Draws image and video, and opens the window if there is a display. `terrella` creates the command that starts the program.
 fn draw(
     root: &Path,
     terrella: &dyn Fn() -> Command,
@@ -63,7 +63,7 @@ fn draw(
     Ok(())
 }
 
-/// The whole demonstration.
+/// Runs the whole demonstration.
 pub fn run(policy: Policy, open_window: bool) -> anyhow::Result<()> {
     let window = if open_window {
         Window::IfDisplay
@@ -90,7 +90,7 @@ mod tests {
     use crate::process::exit_code;
     use std::process::ExitCode;
 
-    /// A stand-in for the program: notes its arguments, then does what `script` says.
+    /// A substitute for the program: records its arguments, then runs `script`.
     fn stand_in(script: &str) -> impl Fn() -> Command {
         let script = format!("echo \"$@\" >> calls; {script}");
         move || {

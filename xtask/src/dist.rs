@@ -1,4 +1,4 @@
-//! `cargo xtask dist`: what a release consists of, as archives with their checksums.
+//! `cargo xtask dist`: the parts of a release, as archives with checksums.
 
 mod archive;
 #[cfg(test)]
@@ -13,12 +13,12 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Instant;
 
-/// Largest program, bytes, stripped.
+/// Limit on the size of the stripped program, bytes.
 const MAX_PROGRAM_BYTES: u64 = 30_000_000;
 /// The file of checksums, as `sha256sum --check` reads it.
 const CHECKSUMS: &str = "SHA256SUMS";
-/// The build of the program. Its last stage, over all crates, inlines as sparingly as without it: functions that are hot across crates
-/// are marked so, and the usual threshold makes the program larger than without that stage.
+/// The build of the program. Its last stage, LTO over all crates, inlines sparingly: functions that are hot across crates are marked, and the usual
+/// threshold would make the program larger than without LTO.
 const BUILD: [&str; 11] = [
     "rustc",
     "--profile",
@@ -44,14 +44,13 @@ pub enum Part {
     Wheel,
 }
 
-/// Builds the parts and writes them to a folder with the checksums of all that is there. `program` is archived instead of one
-/// that is built.
+/// Builds the parts and writes them to a folder with the checksums of all files there. `program` is archived instead of a new build.
 pub fn run(parts: &[Part], program: Option<PathBuf>, out: &Path) -> anyhow::Result<()> {
     if parts.contains(&Part::CLibrary) && !cfg!(target_os = "linux") {
         bail!("the C library is packed on Linux only; choose other parts with --parts");
     }
     if parts.contains(&Part::Wheel) {
-        // Before the builds, which take minutes.
+        // Check before the builds, which take minutes.
         faces::check_wheel_tools()?;
     }
     for part in parts {
@@ -70,14 +69,14 @@ pub fn run(parts: &[Part], program: Option<PathBuf>, out: &Path) -> anyhow::Resu
     write_checksums(out)
 }
 
-/// Builds the program as it is released.
+/// Builds the program for release.
 pub fn build_program() -> anyhow::Result<PathBuf> {
     cargo::build(&BUILD)?
         .terrella
         .context("cargo built the program and did not say where it is")
 }
 
-/// Archives a program with all that belongs to it.
+/// Archives a program with its files.
 fn pack_program(
     program: &Path,
     start: &dyn Fn(&Path) -> Command,
@@ -106,7 +105,7 @@ fn pack_c_library(out: &Path) -> anyhow::Result<()> {
     archive(staged.path(), &versioned("terrella-c")?, out, begun)
 }
 
-/// Builds the wheel elsewhere, and takes it when it is whole.
+/// Builds the wheel in another folder, and moves it when it is complete.
 fn pack_wheel(out: &Path) -> anyhow::Result<()> {
     let built = tempfile::tempdir()?;
     faces::wheel(built.path())?;
@@ -125,7 +124,7 @@ fn versioned(name: &str) -> anyhow::Result<String> {
     Ok(format!("{name}-{}-{host}", env!("CARGO_PKG_VERSION")))
 }
 
-/// Archives a folder under a name, and reports that.
+/// Archives a folder under a name, and reports it.
 fn archive(folder: &Path, name: &str, out: &Path, begun: Instant) -> anyhow::Result<()> {
     let path = out.join(format!("{name}.tar.gz"));
     archive::write(folder, name, &path)?;
@@ -145,7 +144,7 @@ fn write_checksums(out: &Path) -> anyhow::Result<()> {
         let file = file?;
         let name = file.file_name().to_string_lossy().into_owned();
         if name.starts_with("terrella") && (name.ends_with(".tar.gz") || name.ends_with(".whl")) {
-            // Two blanks: the form of a file that is read byte by byte.
+            // Two spaces between checksum and name, as `sha256sum` writes them.
             lines.push((name.clone(), archive::sha256(&file.path())?));
         }
     }

@@ -1,4 +1,4 @@
-//! What other languages call: the C library with its header, and the wheel for Python.
+//! Packages for other languages: the C library with its header, and the wheel for Python.
 
 use crate::cargo;
 use crate::files::{copy_whole, write_bytes};
@@ -12,10 +12,10 @@ use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// Largest wheel, bytes: maps and all.
+/// Limit on the size of the wheel with its maps, bytes.
 const MAX_WHEEL_BYTES: u64 = 25_000_000;
 
-/// Builds the C library by a profile and puts it below a prefix, with header, maps, and what pkg-config and CMake look for.
+/// Builds the C library with a profile and installs it below a prefix, with header, maps, and the files for pkg-config and CMake.
 pub fn c_library(prefix: &Path, profile: &str) -> anyhow::Result<()> {
     if !cfg!(target_os = "linux") {
         bail!(
@@ -32,17 +32,17 @@ pub fn c_library(prefix: &Path, profile: &str) -> anyhow::Result<()> {
         "--package",
         "terrella-c",
         "--lib",
-        // Without the library that Rust links, which no profile can optimise across crates.
+        // Omit the Rust library, for which no profile can optimise across crates.
         "--crate-type",
         "cdylib,staticlib",
     ]);
-    // Cargo says where the libraries are, the compiler what a program needs beside the static one.
+    // Cargo reports the paths of the libraries; the compiler reports the libraries that a program needs beside the static one.
     command.args([
         "--message-format=json-render-diagnostics",
         "--",
         "--print",
         "native-static-libs",
-        // Of the shared library, what only debuggers read.
+        // Strip the symbols that only debuggers read from the shared library.
         "-C",
         "strip=symbols",
     ]);
@@ -53,7 +53,7 @@ pub fn c_library(prefix: &Path, profile: &str) -> anyhow::Result<()> {
         .stderr(Stdio::piped())
         .spawn();
     let mut child = child.with_context(|| format!("cannot start `{what}`"))?;
-    // What it says is shown as it comes: this takes minutes.
+    // Show its messages as they arrive: the build takes minutes.
     let errors = child.stderr.take();
     let reader = std::thread::spawn(move || {
         let lines = errors
@@ -151,7 +151,7 @@ fn lay_out(root: &Path, built: &[PathBuf], prefix: &Path, libraries: &str) -> an
     Ok(())
 }
 
-/// Takes what only debuggers read out of a static library, Rust's own included: no profile does that. It comes with the C compiler.
+/// Strips debug information from a static library, including Rust's own: no profile does that. The tool comes with the C compiler.
 fn strip_debug_lines(archive: &Path) -> anyhow::Result<()> {
     let mut command = Command::new("strip");
     command.arg("--strip-debug").arg(archive);
@@ -175,7 +175,7 @@ fn python() -> OsString {
     std::env::var_os("TERRELLA_PYTHON").unwrap_or_else(|| "python3".into())
 }
 
-/// Fails where the packages that build the wheel are missing, and says how to have them.
+/// Fails if the packages that build the wheel are missing, and explains how to install them.
 pub fn check_wheel_tools() -> anyhow::Result<()> {
     let python = python();
     let ready = Command::new(&python)
@@ -191,7 +191,7 @@ pub fn check_wheel_tools() -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Builds the wheel: one for Python 3.10 and later, for every Linux with glibc 2.28 or later. Needs maturin and zig, as Python packages.
+/// Builds one wheel for Python 3.10 and later, for every Linux with glibc 2.28 or later. Needs maturin and zig, as Python packages.
 pub fn wheel(out: &Path) -> anyhow::Result<()> {
     let root = repository_root();
     check_wheel_tools()?;

@@ -1,11 +1,11 @@
-//! Files that get their final name when they are whole.
+//! Files that get their final names only when complete.
 
 use anyhow::Context;
 use std::fs::{self, File};
 use std::io::Write;
 use std::path::Path;
 
-/// Writes a file beside its final place, then renames it: an error leaves what was there before. `is_program` makes it executable.
+/// Writes a file beside its final path, then renames it: after an error the previous file is unchanged. `is_program` makes it executable.
 pub fn write_whole(
     path: &Path,
     is_program: bool,

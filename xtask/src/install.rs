@@ -33,7 +33,7 @@ pub fn run(prefix: Option<PathBuf>, program: Option<PathBuf>) -> anyhow::Result<
     Ok(())
 }
 
-/// Whether shells look for programs in a folder.
+/// Whether a folder is in the shell's search path.
 fn is_on_path(folder: &Path) -> bool {
     let path = std::env::var_os("PATH").unwrap_or_default();
     std::env::split_paths(&path).any(|one| one == folder)

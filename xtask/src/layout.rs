@@ -1,4 +1,4 @@
-//! Where an installed program has its files, below a prefix: the same in archives and on a machine.
+//! Paths of an installed program below a prefix: the same in archives and on a machine.
 
 use crate::files::{copy_whole, write_bytes};
 use crate::process::ChildFailed;
@@ -7,12 +7,12 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// Where the program finds its maps: `../share/terrella/textures` beside it.
+/// The program's maps: `../share/terrella/textures` beside it.
 pub const MAPS: &str = "share/terrella/textures";
 const SCENES: &str = "share/terrella/config";
 const DOC: &str = "share/doc/terrella";
 const MAN: &str = "share/man/man1";
-/// What travels with everything that is built from the sources.
+/// Documents in every package that is built from the sources.
 const DOCUMENTS: [&str; 4] = [
     "README.md",
     "LICENSE-APACHE",
@@ -20,7 +20,7 @@ const DOCUMENTS: [&str; 4] = [
     "THIRD-PARTY.md",
 ];
 
-/// Shells, each with the file that it reads its completions from.
+/// Shells, each with its completion file.
 const COMPLETIONS: [(&str, &str); 5] = [
     ("bash", "share/bash-completion/completions/terrella"),
     ("elvish", "share/elvish/lib/terrella.elv"),
@@ -29,15 +29,15 @@ const COMPLETIONS: [(&str, &str); 5] = [
     ("zsh", "share/zsh/site-functions/_terrella"),
 ];
 
-/// The program's file below a prefix.
+/// The path of the program below a prefix.
 pub fn program_below(prefix: &Path) -> PathBuf {
     prefix
         .join("bin")
         .join(format!("terrella{}", std::env::consts::EXE_SUFFIX))
 }
 
-/// Puts the program with all that belongs to it below a prefix. The program comes last: one that is there has its maps.
-/// `start` makes a command of a program's file.
+/// Installs the program with its files below a prefix. The program comes last, so that an installed one always has its maps. `start` makes a
+/// command from a program's path.
 pub fn put_program(
     root: &Path,
     program: &Path,
@@ -65,9 +65,9 @@ pub fn put_program(
     copy_whole(program, &program_below(prefix), true)
 }
 
-/// Puts the maps, with their sources and licences.
+/// Installs the maps, with their sources and licences.
 pub fn put_maps(root: &Path, prefix: &Path) -> anyhow::Result<()> {
-    // The files of the crate that the folder is as well.
+    // Excludes the crate files of the folder, which is a crate too.
     let is_map = |path: &Path| {
         let ending = path.extension().unwrap_or_default();
         let is_manifest = path.file_name().is_some_and(|name| name == "Cargo.toml");
@@ -79,7 +79,7 @@ pub fn put_maps(root: &Path, prefix: &Path) -> anyhow::Result<()> {
     copy_folder(&root.join("textures"), &prefix.join(MAPS), &is_map)
 }
 
-/// Puts the first page and the licences.
+/// Installs the README and the licences.
 pub fn put_documents(root: &Path, prefix: &Path) -> anyhow::Result<()> {
     for name in DOCUMENTS {
         copy_whole(&root.join(name), &prefix.join(DOC).join(name), false)?;
@@ -87,7 +87,7 @@ pub fn put_documents(root: &Path, prefix: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Copies the files of a folder and of those in it.
+/// Copies a folder recursively.
 fn copy_folder(from: &Path, to: &Path, is_wanted: &dyn Fn(&Path) -> bool) -> anyhow::Result<()> {
     for entry in fs::read_dir(from).with_context(|| from.display().to_string())? {
         let entry = entry.with_context(|| from.display().to_string())?;
@@ -101,7 +101,7 @@ fn copy_folder(from: &Path, to: &Path, is_wanted: &dyn Fn(&Path) -> bool) -> any
     Ok(())
 }
 
-/// What a program prints; nothing is a failure.
+/// The output of a program; empty output is an error.
 fn printed_by(command: &mut Command) -> anyhow::Result<Vec<u8>> {
     let what = crate::process::shown(command);
     let output = command.stderr(Stdio::inherit()).output();

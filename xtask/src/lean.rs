@@ -1,4 +1,4 @@
-//! `cargo xtask lean`: what a host pays that draws the Earth and nothing else.
+//! `cargo xtask lean`: the cost for a host that draws the Earth and nothing else.
 
 use crate::cargo;
 use crate::process::{self, repository_root, say};
@@ -8,8 +8,8 @@ use std::fs;
 use std::path::Path;
 use std::time::Instant;
 
-/// Builds `examples/minimal.rs` as a program of its own, outside the workspace, from nothing, and says what it costs. The example
-/// itself would be built with all that tests need.
+/// Builds `examples/minimal.rs` from scratch as a separate program outside the workspace, and reports its cost. As an example it would be built
+/// with all dependencies of the tests.
 pub fn run(features: &str) -> anyhow::Result<()> {
     let root = repository_root();
     let host = root.join("target/lean");
@@ -31,7 +31,7 @@ pub fn run(features: &str) -> anyhow::Result<()> {
         "none",
         "--no-dedupe",
     ])?;
-    // What is fetched is fetched before the clock runs.
+    // Fetch everything before the clock starts.
     process::run(cargo::cargo().args(["fetch", "--manifest-path", &manifest]))?;
     let begin = Instant::now();
     let mut build = cargo::cargo();
@@ -52,7 +52,7 @@ pub fn run(features: &str) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Packages in a listing of `cargo tree`, the first one not counted.
+/// Packages in the output of `cargo tree`, except the first.
 fn crates(tree: &str) -> usize {
     let packages: BTreeSet<_> = tree
         .lines()
@@ -65,7 +65,7 @@ fn crates(tree: &str) -> usize {
     packages.len()
 }
 
-/// The program, in a folder that is no member of the workspace, with the versions of our lock file.
+/// Writes the program to a folder outside the workspace, with the versions of our lock file.
 fn write_host(root: &Path, host: &Path, features: &str) -> std::io::Result<()> {
     fs::create_dir_all(host.join("src"))?;
     fs::write(host.join("Cargo.toml"), manifest(root, features))?;

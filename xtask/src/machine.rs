@@ -1,14 +1,14 @@
-//! What this machine has of what building and drawing need.
+//! The state of this machine: what is installed of the tools and libraries for building and drawing.
 
 use crate::vulkan::{Host, Vulkan};
 use std::ffi::OsString;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-/// Where a window would open.
+/// The kind of display for a window.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Display {
-    /// Nowhere.
+    /// No display.
     None,
     /// An X server.
     X11,
@@ -23,9 +23,9 @@ pub enum Display {
 pub enum Installer {
     /// apt-get as root.
     Apt,
-    /// apt-get through `sudo`, which asks for no password.
+    /// apt-get through `sudo` without a password.
     AptThroughSudo,
-    /// apt-get is here, but only the user can become root.
+    /// apt-get exists, but only the user can become root.
     AptForbidden,
     /// Not a Debian-like system.
     Unknown,
@@ -34,33 +34,32 @@ pub enum Installer {
 /// The state of the machine.
 #[derive(Clone, Debug)]
 pub struct Machine {
-    /// Drivers; `None` where the system brings its own graphics interface (Windows, macOS).
+    /// Drivers; `None` if the system has its own graphics interface (Windows, macOS).
     pub vulkan: Option<Vulkan>,
-    /// A C++ compiler is there (openh264 and the picture comparison of the tests are C++).
+    /// Whether a C++ compiler exists (openh264 and the image comparison of the tests are C++).
     pub cxx: bool,
-    /// Where a window would open.
+    /// The display for a window.
     pub display: Display,
-    /// Debian names of the packages with libraries that a window opens at run time and that are missing.
+    /// Debian names of missing packages with libraries that a window opens at run time.
     pub window_packages: Vec<&'static str>,
-    /// Debian names of the packages that are missing of what a window of the tests needs: a display server without a screen, and
-    /// the libraries.
+    /// Debian names of missing packages for the window of the tests: a display server without a screen, and the libraries.
     pub test_window_packages: Vec<&'static str>,
-    /// Debian names of the packages that are missing of what the tests of the C and Python packages run.
+    /// Debian names of missing packages for the tests of the C and Python packages.
     pub face_packages: Vec<&'static str>,
     /// How packages can be installed.
     pub installer: Installer,
 }
 
-/// Pythons that the tests try, as `crates/terrella-py/tests/python.rs` does.
+/// Python programs that the tests try, like `crates/terrella-py/tests/python.rs`.
 const PYTHONS: [&str; 2] = ["python3", "/usr/bin/python3"];
 
-/// What a Python must have for the tests.
+/// Exits with 0 if a Python satisfies the tests.
 const PYTHON_TESTS: &str = "import sys, numpy, pytest; sys.exit(sys.version_info < (3, 10))";
 
 /// The display server of the tests.
 const DISPLAY_SERVER: (&str, &str) = ("Xvfb", "xvfb");
 
-/// Library and the Debian package that has it: what winit and wgpu open at run time on X11.
+/// Libraries that winit and wgpu open at run time on X11, each with its Debian package.
 const X11_LIBRARIES: &[(&str, &str)] = &[
     ("libX11.so.6", "libx11-6"),
     ("libX11-xcb.so.1", "libx11-xcb1"),
@@ -77,7 +76,7 @@ const WAYLAND_LIBRARIES: &[(&str, &str)] = &[
     ("libxkbcommon.so.0", "libxkbcommon0"),
 ];
 
-/// Where a window would open, from the environment.
+/// The display for a window, from the environment.
 pub fn display(env: &dyn Fn(&str) -> Option<OsString>) -> Display {
     let set = |name: &str| env(name).is_some_and(|value| !value.is_empty());
     if !cfg!(target_os = "linux") {
@@ -92,7 +91,7 @@ pub fn display(env: &dyn Fn(&str) -> Option<OsString>) -> Display {
 }
 
 impl Machine {
-    /// Looks at the machine. Nothing is changed.
+    /// Examines the machine without changing it.
     pub fn look() -> Self {
         let env = |name: &str| std::env::var_os(name);
         let host = Host {
@@ -103,7 +102,7 @@ impl Machine {
         let linux = cfg!(target_os = "linux");
         Self {
             vulkan: linux.then(|| host.vulkan()),
-            // Elsewhere the compiler comes with the linker that has just built this program.
+            // On other systems the compiler comes with the linker that has just built this program.
             cxx: !linux || has_cxx(),
             display,
             window_packages: missing(display, &|library| host.has_library(library)),
@@ -173,13 +172,13 @@ fn has_file(path: &str) -> bool {
     Path::new(path).is_file()
 }
 
-/// The program is in one of the folders of programs.
+/// Whether a program is in the search path.
 fn has_program(name: &str) -> bool {
     let folders = std::env::var_os("PATH").unwrap_or_default();
     std::env::split_paths(&folders).any(|folder| folder.join(name).is_file())
 }
 
-/// The program can be started and ends well.
+/// Whether a program starts and succeeds.
 fn works(program: &str, arguments: &[&str]) -> bool {
     Command::new(program)
         .args(arguments)
@@ -190,10 +189,10 @@ fn works(program: &str, arguments: &[&str]) -> bool {
         .is_ok_and(|status| status.success())
 }
 
-/// The compiler that the `cc` crate would call.
+/// Whether the compiler that the `cc` crate would call works.
 fn has_cxx() -> bool {
     match std::env::var("CXX") {
-        // The variable may hold a wrapper or options too.
+        // The variable may contain a wrapper or options too.
         Ok(chosen) if !chosen.trim().is_empty() => chosen
             .split_whitespace()
             .next()
@@ -220,7 +219,7 @@ fn installer() -> Installer {
     }
 }
 
-/// By the ID and ID_LIKE lines of os-release(5).
+/// Decides by the ID and ID_LIKE lines of os-release(5).
 fn is_debian_like(os_release: &str) -> bool {
     os_release
         .lines()
@@ -248,7 +247,7 @@ mod tests {
         assert_eq!(for_faces(&|_| false, &|_, _| true), ["libvulkan-dev"]);
         let python = ["python3", "python3-numpy", "python3-pytest"];
         assert_eq!(for_faces(&|_| true, &|_, _| false), python);
-        // The system's own does where the first is without.
+        // The system's Python is accepted if the first one lacks the packages.
         assert_eq!(
             for_faces(&|_| true, &|python, _| python.starts_with('/')),
             [""; 0]

@@ -1,7 +1,8 @@
-//! `cargo xtask numbers`: numbers on the pages are made from runs that are recorded in `docs/recorded/`.
+//! `cargo xtask numbers`: generates the numbers on the pages from the runs recorded in `docs/recorded/`.
 //!
-//! To add a figure: a line in a [`recordings::Found::Figures`]. To add a table: an entry in [`tables::TABLES`] (and one in [`recordings::RECORDINGS`] where its run is not recorded yet), the lines
-//! `<!-- numbers NAME -->` and `<!-- end numbers -->` on a page, then `cargo xtask numbers --measure RECORDING`.
+//! To add a figure: a line in a [`recordings::Found::Figures`]. To add a table: an entry in [`tables::TABLES`] (and one in
+//! [`recordings::RECORDINGS`] if its run is not recorded yet), the lines `<!-- numbers NAME -->` and `<!-- end numbers -->` on a page, then `cargo
+//! xtask numbers --measure RECORDING`.
 //!
 //! | file | what |
 //! |---|---|
@@ -36,7 +37,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use tables::{TABLES, Table};
 
-/// Rewrites the pages, after measuring what is asked for: `None` nothing, an empty list all that can be.
+/// Rewrites the pages, after the requested measurements: `None` for no measurement, an empty list for all.
 pub fn run(wanted: Option<&[String]>) -> anyhow::Result<()> {
     let root = repository_root();
     if let Some(names) = wanted {
@@ -53,26 +54,26 @@ pub fn run(wanted: Option<&[String]>) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// A page that has markers.
+/// A page with markers.
 struct Page {
     path: PathBuf,
-    /// As it is.
+    /// The current text.
     now: String,
-    /// As the recorded runs have it.
+    /// The text generated from the recorded runs.
     made: String,
 }
 
 impl Page {
-    /// Its path from the root.
+    /// The page's path from the root.
     fn name(&self, root: &Path) -> String {
         let path = self.path.strip_prefix(root).unwrap_or(&self.path);
         path.display().to_string()
     }
 }
 
-/// All pages with what the recorded runs make of them.
+/// All pages with markers, with the text generated from the recorded runs.
 ///
-/// A marker without a table and a table without a marker are errors.
+/// Returns an error for a marker without a table and for a table without a marker.
 fn pages(root: &Path) -> anyhow::Result<Vec<Page>> {
     let mut paths = vec![root.join("README.md")];
     let docs = root.join("docs");
@@ -110,7 +111,7 @@ fn pages(root: &Path) -> anyhow::Result<Vec<Page>> {
     Ok(pages)
 }
 
-/// The text of each table by its name, and of each figure by those of its recording and itself.
+/// The text of each table by its name, and of each figure by its recording's name and its own.
 fn texts(root: &Path) -> anyhow::Result<BTreeMap<String, String>> {
     let mut recorded = BTreeMap::new();
     for recording in RECORDINGS {

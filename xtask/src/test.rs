@@ -1,4 +1,4 @@
-//! `cargo xtask test`: the same preparation as the demonstration, then the whole suite.
+//! `cargo xtask test`: the preparation of the demonstration, then the whole suite.
 
 mod pool;
 
@@ -6,7 +6,7 @@ use crate::cargo;
 use crate::prepare::{self, Policy, Window};
 use crate::process::{self, say};
 
-/// Prepares, builds the tests, opens the adapter once, runs the tests.
+/// Prepares the machine, builds the tests, opens the adapter once, and runs the tests.
 pub fn run(policy: Policy, arguments: &[String]) -> anyhow::Result<()> {
     prepare::run(policy, Window::ForTests)?;
     let (for_cargo, for_tests) = split(arguments);
@@ -16,12 +16,12 @@ pub fn run(policy: Policy, arguments: &[String]) -> anyhow::Result<()> {
     }
     cargo_arguments.extend(for_cargo.iter().map(String::as_str));
 
-    // With the tests and not by a build of its own, which would compile other variants of the dependencies.
+    // Build it with the tests: a separate build would compile other variants of the dependencies.
     let mut build = cargo_arguments.clone();
     build.push("--no-run");
     let built = cargo::build(&build)?;
     match built.terrella {
-        // Said once and plainly, instead of by every test that draws.
+        // Report a missing adapter once and plainly, not in every test that draws.
         Some(terrella) => prepare::check_adapter(policy, &terrella)?,
         None => say("the adapter is not tried: these arguments do not build the program"),
     }
@@ -41,7 +41,7 @@ fn split(arguments: &[String]) -> (&[String], &[String]) {
     arguments.split_at(end)
 }
 
-/// The user has chosen packages, so `--workspace` would widen the choice again.
+/// Whether the user selected packages; then `--workspace` would widen the selection again.
 fn chooses_packages(arguments: &[String]) -> bool {
     arguments
         .iter()

@@ -1,6 +1,6 @@
-//! `cargo xtask vector-map`: makes `textures/lines.bin`, coast lines and borders, from Natural Earth as the npm package world-atlas has it.
+//! `cargo xtask vector-map`: generates `textures/lines.bin`, coastlines and borders, from Natural Earth in the npm package world-atlas.
 //!
-//! `textures/SOURCES.md` describes source and form.
+//! `textures/SOURCES.md` describes source and format.
 
 use crate::files::write_bytes;
 use crate::process::repository_root;
@@ -8,24 +8,24 @@ use anyhow::{Context, Result, bail, ensure};
 use serde_json::Value;
 use std::path::Path;
 
-/// The file of the package: countries at 1:50 million.
+/// The package's file: countries at 1:50 million.
 const SOURCE: &str = "countries-50m.json";
-/// The file that is made.
+/// The generated file.
 const PRODUCT: &str = "textures/lines.bin";
-/// Whole numbers of the file in a degree.
+/// Integer steps of the file per degree.
 const PER_DEGREE: f64 = 1000.0;
 const HALF_TURN: i64 = 180_000;
 const QUARTER_TURN: i64 = 90_000;
-/// How near to the date line or to the South Pole a point is on an edge that the source has cut there, in these numbers.
+/// Distance from the date line or the South Pole below which a point lies on a cut of the source, in steps.
 const EDGE: i64 = 2;
 
 /// Longitude and latitude.
 type Point = [i64; 2];
 
-/// Makes the file, or compares it with the one in the repository.
+/// Generates the file, or compares it with the one in the repository.
 ///
 /// # Errors
-/// A package that is missing or not as expected, a file that differs or cannot be written.
+/// The package is missing or not as expected, or the file differs or cannot be written.
 pub fn run(atlas: &Path, check: bool) -> Result<()> {
     let source = atlas.join(SOURCE);
     let text = std::fs::read_to_string(&source).with_context(|| source.display().to_string())?;
@@ -54,7 +54,7 @@ pub fn run(atlas: &Path, check: bool) -> Result<()> {
     Ok(())
 }
 
-/// Arcs of one country are coast, those of two are borders.
+/// Arcs of one country are coastlines; those of two are borders.
 fn lines(topology: &Value) -> Result<[Vec<Vec<Point>>; 2]> {
     let transform = &topology["transform"];
     let pair = |value: &Value| -> Result<[f64; 2]> {
@@ -94,7 +94,7 @@ fn lines(topology: &Value) -> Result<[Vec<Vec<Point>>; 2]> {
             );
             match line.last() {
                 Some(last) if *last == point => continue,
-                // Along the cut there is neither coast nor border.
+                // A cut is neither coastline nor border.
                 Some(last) if is_cut(*last, point) => {
                     kinds[kind].push(std::mem::replace(&mut line, vec![point]));
                 }
@@ -106,14 +106,14 @@ fn lines(topology: &Value) -> Result<[Vec<Vec<Point>>; 2]> {
     Ok(kinds.map(|lines| lines.into_iter().filter(|line| line.len() > 1).collect()))
 }
 
-/// Whether a segment runs along the date line or at the South Pole, where polygons of a flat map end.
+/// Whether a segment lies on the date line or at the South Pole, where a flat map cuts polygons.
 fn is_cut(a: Point, b: Point) -> bool {
     let is_at_date_line = |point: Point| point[0].abs() >= HALF_TURN - EDGE;
     let is_at_pole = |point: Point| point[1] <= EDGE - QUARTER_TURN;
     is_at_date_line(a) && is_at_date_line(b) || is_at_pole(a) || is_at_pole(b)
 }
 
-/// Notes a country with each of its arcs; arcs in reverse are −1 − n.
+/// Records a country for each of its arcs; reversed arcs are −1 − n.
 fn note_owners(arcs: &Value, country: usize, owners: &mut [Vec<usize>]) -> Result<()> {
     if let Some(list) = arcs.as_array() {
         return list
@@ -130,7 +130,7 @@ fn note_owners(arcs: &Value, country: usize, owners: &mut [Vec<usize>]) -> Resul
     Ok(())
 }
 
-/// `TRLINES1`, the checksum of what follows, three counts, then the lines.
+/// `TRLINES1`, the checksum of the rest, three counts, then the lines.
 fn file(coasts: &[Vec<Point>], borders: &[Vec<Point>]) -> Vec<u8> {
     let lines = coasts.iter().chain(borders);
     let points: usize = lines.clone().map(Vec::len).sum();
@@ -143,7 +143,7 @@ fn file(coasts: &[Vec<Point>], borders: &[Vec<Point>]) -> Vec<u8> {
         let mut before = [0, 0];
         for point in line {
             let east = point[0] - before[0];
-            // The shorter way around the Earth.
+            // Take the shorter way round the Earth.
             let turns = (east as f64 / (2 * HALF_TURN) as f64).round() as i64;
             change(east - 2 * HALF_TURN * turns, &mut rest);
             change(point[1] - before[1], &mut rest);
@@ -158,12 +158,12 @@ fn file(coasts: &[Vec<Point>], borders: &[Vec<Point>]) -> Vec<u8> {
     file
 }
 
-/// 0, −1, 1, −2, 2 … as 0, 1, 2, 3, 4 …
+/// Zigzag coding: 0, −1, 1, −2, 2 … become 0, 1, 2, 3, 4 …
 fn change(value: i64, bytes: &mut Vec<u8>) {
     number(((value << 1) ^ (value >> 63)) as u64, bytes);
 }
 
-/// Seven bits a byte, the lowest first; the highest bit says that more follow.
+/// Seven bits per byte, lowest first; the highest bit means that more bytes follow.
 fn number(mut value: u64, bytes: &mut Vec<u8>) {
     while value > 0x7f {
         bytes.push((value & 0x7f) as u8 | 0x80);
@@ -177,7 +177,7 @@ mod tests {
     use super::*;
     use serde_json::json;
 
-    /// Two squares side by side: the arc between them is a border, and the edge at the date line is none.
+    /// Two adjacent squares: the arc between them is a border, and the edge at the date line is not.
     #[test]
     fn shared_arcs_are_borders_and_cuts_are_left_out() {
         let topology = json!({

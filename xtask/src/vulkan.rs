@@ -1,8 +1,7 @@
-//! Is there a Vulkan driver that has its device? Answered from files alone, before anything is built.
+//! Checks for a Vulkan driver with a device, from files only, before anything is built.
 //!
-//! The Vulkan loader finds drivers through JSON manifests. Distributions install the manifests of all makers together, so
-//! a manifest says nothing about the machine: each is compared with the devices that are there.
-//! The last word has `terrella doctor`, which opens the adapter.
+//! The Vulkan loader finds drivers by JSON manifests. Distributions install the manifests of all vendors, so a manifest proves nothing about the
+//! machine: each is compared with the existing devices. The final check is `terrella doctor`, which opens the adapter.
 
 use serde_json::Value;
 use std::ffi::OsString;
@@ -10,23 +9,23 @@ use std::fmt;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// No manifest is anywhere near this long; a longer file is something else.
+/// No manifest is nearly this long; a longer file is something else.
 const MANIFEST_LIMIT_BYTES: u64 = 64 * 1024;
 
-/// What a driver draws with.
+/// The device that a driver needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Needs {
-    /// The processor.
+    /// None: the CPU renders.
     Nothing,
-    /// A render node of the PCI maker with this number.
+    /// A render node with this PCI vendor number.
     Maker(&'static str),
     /// A device file.
     Device(&'static str),
-    /// Any render node: a driver that the table does not know.
+    /// Any render node: the driver is not in the table.
     RenderNode,
 }
 
-/// Parts of library names and what such a driver needs. The first that fits counts.
+/// Parts of library names and the device that such a driver needs. The first match counts.
 const DRIVERS: &[(&str, Needs)] = &[
     ("vulkan_lvp", Needs::Nothing),
     ("swiftshader", Needs::Nothing),
@@ -44,9 +43,9 @@ const DRIVERS: &[(&str, Needs)] = &[
 pub struct Driver {
     /// File name of the manifest.
     pub name: String,
-    /// It draws on the processor.
+    /// It renders on the CPU.
     pub software: bool,
-    /// Why it cannot be used; `None` if it can.
+    /// The reason why it cannot be used; `None` if it can.
     pub problem: Option<String>,
 }
 
@@ -59,17 +58,17 @@ impl fmt::Display for Driver {
     }
 }
 
-/// What was found on the machine.
+/// The Vulkan installation of the machine.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Vulkan {
-    /// `libvulkan.so.1` is there.
+    /// Whether `libvulkan.so.1` exists.
     pub loader: bool,
     /// All drivers whose manifests the loader would read.
     pub drivers: Vec<Driver>,
 }
 
 impl Vulkan {
-    /// The drivers that can be used. A device's own come before software.
+    /// The usable drivers. Hardware drivers come before software.
     pub fn usable(&self) -> Vec<&Driver> {
         let mut usable: Vec<_> = self
             .drivers
@@ -80,7 +79,7 @@ impl Vulkan {
         if self.loader { usable } else { Vec::new() }
     }
 
-    /// A software driver is there.
+    /// Whether a software driver exists.
     pub fn has_software(&self) -> bool {
         self.usable().iter().any(|driver| driver.software)
     }
@@ -112,7 +111,7 @@ impl Host<'_> {
             .unwrap_or_default()
     }
 
-    /// A shared library is in one of the folders that the dynamic linker reads.
+    /// Whether a shared library is in one of the dynamic linker's folders.
     pub fn has_library(&self, file_name: &str) -> bool {
         let architecture = std::env::consts::ARCH;
         let mut folders = self.paths("LD_LIBRARY_PATH");
@@ -196,7 +195,7 @@ impl Host<'_> {
         {
             return broken("made for another processor".into());
         }
-        // By the loader's rule, a bare name is looked up by the dynamic linker and anything else is a path.
+        // The loader's rule: the dynamic linker resolves a bare name; anything else is a path.
         let there = if !library.contains('/') {
             self.has_library(&library)
         } else if library.starts_with('/') {
@@ -225,7 +224,7 @@ impl Host<'_> {
         }
     }
 
-    /// What the driver would miss on this machine.
+    /// The device that a driver lacks on this machine.
     fn lacks(&self, needs: Needs) -> Option<String> {
         match needs {
             Needs::Nothing => None,
@@ -257,7 +256,7 @@ impl Host<'_> {
         }
     }
 
-    /// Names of the render nodes with the number of each one's maker (empty where it is not on PCI).
+    /// Names of the render nodes with their vendor numbers (empty if not on PCI).
     fn render_nodes(&self) -> Vec<(String, String)> {
         let Ok(entries) = fs::read_dir(self.at("/sys/class/drm")) else {
             return Vec::new();
@@ -275,7 +274,7 @@ impl Host<'_> {
     }
 }
 
-/// A manifest, or all manifests of a folder.
+/// A manifest, or all manifests in a folder.
 fn manifests_at(path: &Path) -> Vec<PathBuf> {
     if path.is_file() {
         return vec![path.to_path_buf()];
@@ -293,7 +292,7 @@ fn manifests_at(path: &Path) -> Vec<PathBuf> {
         .collect()
 }
 
-/// `library_path` and `library_arch` of a manifest, or why it is of no use.
+/// `library_path` and `library_arch` of a manifest, or the reason why it is unusable.
 fn read_manifest(path: &Path) -> Result<(String, Option<String>), String> {
     let size_bytes = fs::metadata(path).map_err(|error| error.to_string())?.len();
     if size_bytes > MANIFEST_LIMIT_BYTES {
@@ -308,7 +307,7 @@ fn read_manifest(path: &Path) -> Result<(String, Option<String>), String> {
     }
 }
 
-/// Device files must be opened to know: in containers they are often visible and forbidden.
+/// Whether a device file can be opened: in containers many are visible but forbidden.
 fn can_open(path: &Path) -> bool {
     fs::OpenOptions::new()
         .read(true)

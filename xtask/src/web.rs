@@ -15,9 +15,9 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use toolchain::Toolchain;
 
-/// The backends of pages: each is a wasm file of its own.
+/// The backends of pages, each with its own wasm file.
 const BACKENDS: [&str; 2] = ["webgpu", "webgl"];
-/// Files of the starter maps that a page draws.
+/// The starter maps that a page uses.
 const MAPS: [&str; 6] = [
     "day.jpg",
     "clouds.jpg",
@@ -26,7 +26,7 @@ const MAPS: [&str; 6] = [
     "water.png",
     "stars.bin",
 ];
-/// The driver's browser library, which brings no browser.
+/// The browser automation library, which includes no browser.
 const PLAYWRIGHT: &str = "playwright-core@1.65.1";
 
 #[derive(Args)]
@@ -97,7 +97,7 @@ fn package() -> PathBuf {
     repository_root().join("crates/terrella-web")
 }
 
-/// Compiles for wasm32 without making a file. Says so where the machine cannot.
+/// Checks that the crates compile for wasm32, without output. Reports if the machine cannot compile them.
 fn check() -> anyhow::Result<()> {
     let toolchain = match Toolchain::find() {
         Ok(toolchain) => toolchain,
@@ -114,7 +114,7 @@ fn check() -> anyhow::Result<()> {
     Ok(())
 }
 
-/// A cargo command for the crate with one backend. The folder of what it builds is a backend's own: features are part of what is built.
+/// A cargo command for the crate with one backend. Each backend has its own build folder, because features change the build.
 fn compile(toolchain: &Toolchain, what: &str, backend: &str) -> Command {
     let mut command = toolchain.cargo(what);
     command.current_dir(package());
@@ -153,7 +153,7 @@ fn build(dist: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The files that are not compiled.
+/// Copies the files that are not compiled.
 fn copy_pages(dist: &Path) -> anyhow::Result<()> {
     let (root, package) = (repository_root(), package());
     for (from, to) in [
@@ -211,7 +211,7 @@ fn test(dist: &Path, program: Option<PathBuf>, only: Option<String>) -> anyhow::
     process::run(node.current_dir(&tools))
 }
 
-/// Draws each view of the list with the program.
+/// Draws each view of the list with the native program.
 fn draw_natively(program: &Path, views: &Path, to: &Path) -> anyhow::Result<()> {
     let text = fs::read_to_string(views).with_context(|| views.display().to_string())?;
     let views: Vec<Value> = serde_json::from_str(&text).context("views.json is no list")?;
@@ -229,7 +229,7 @@ fn draw_natively(program: &Path, views: &Path, to: &Path) -> anyhow::Result<()> 
     Ok(())
 }
 
-/// The scene file of a view: nothing but the Earth, its air, stars and Sun, as a page draws them.
+/// The scene file of a view: only the Earth, its atmosphere, stars and Sun, as a page draws them.
 fn scene_of(view: &Value) -> String {
     let kilometres = view["altitude"].as_f64().unwrap_or_default() / 1000.0;
     format!(

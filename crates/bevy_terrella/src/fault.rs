@@ -33,6 +33,31 @@ pub enum EarthFault {
     #[cfg(feature = "tracks")]
     #[error("tracks cannot be made: {0}")]
     Tracks(#[from] terrella::tracks::TracksError),
+    /// The sensor's parameters do not fit each other.
+    #[cfg(feature = "sensor")]
+    #[error("the sensor: {0}")]
+    Sensor(#[from] terrella_sensor::SensorError),
+    /// A shutter that needs a pose for each row.
+    #[cfg(feature = "sensor")]
+    #[error(
+        "the sensor has a rolling shutter, and a Bevy frame has one pose; use Shutter::Global, or a scene's [sensor]"
+    )]
+    RollingShutter,
+    /// A sensor whose picture the device cannot hold.
+    #[cfg(feature = "sensor")]
+    #[error(
+        "the sensor needs a picture of {width} × {height}, and the device has {side} pixels a side and {megabytes} MiB a buffer; lower oversampling or size"
+    )]
+    SensorSize {
+        /// Pixels of a row of the picture.
+        width: u32,
+        /// Rows of the picture.
+        height: u32,
+        /// Most pixels of a side.
+        side: u32,
+        /// Most that is read back at once.
+        megabytes: u64,
+    },
     /// The Earth cannot be drawn as its component says.
     #[error("the Earth cannot be made: {0}")]
     Earth(#[from] EarthError),

@@ -25,6 +25,7 @@
 //! | `EarthCelestial` (feature `celestial`) | the Earth's entity | stars, Milky Way, Sun and Moon are drawn |
 //! | `EarthTrack` (feature `tracks`) | an entity for each satellite | its trail, ground track, footprint and marker |
 //! | `EarthStation`, `EarthLines` (feature `tracks`) | entities of their own | ground stations; lines on the globe |
+//! | `EarthSensor` (feature `sensor`) | a camera's entity | lens and detector: raw frames |
 //!
 //! # One frame
 //!
@@ -51,6 +52,8 @@ mod fault;
 mod frame;
 mod maps;
 mod render;
+#[cfg(feature = "sensor")]
+mod sensor;
 mod sun;
 mod time;
 #[cfg(feature = "tracks")]
@@ -62,8 +65,12 @@ pub use earth::{Earth, EarthCamera, EarthCameraStatus};
 pub use fault::EarthFault;
 pub use frame::EarthFrame;
 pub use maps::EarthMaps;
+#[cfg(feature = "sensor")]
+pub use sensor::{EarthSensor, RawFrameTaken, TakeRawFrame};
 pub use sun::EarthSun;
 pub use terrella;
+#[cfg(feature = "sensor")]
+pub use terrella_sensor;
 pub use time::{EarthClock, EarthEpoch, EarthSky};
 #[cfg(feature = "tracks")]
 pub use tracks::{EarthLines, EarthStation, EarthTrack};
@@ -78,6 +85,8 @@ pub mod prelude {
     };
     #[cfg(feature = "tracks")]
     pub use crate::{EarthLines, EarthStation, EarthTrack};
+    #[cfg(feature = "sensor")]
+    pub use crate::{EarthSensor, RawFrameTaken, TakeRawFrame};
     pub use terrella::frames::{Epoch, Geodetic};
 }
 
@@ -127,6 +136,8 @@ impl Plugin for TerrellaPlugin {
                 PostUpdate,
                 (time::compute_skies.in_set(sky), sun::aim_suns.in_set(sun)),
             );
+        #[cfg(feature = "sensor")]
+        sensor::build(app);
         render::build(app);
     }
 }
@@ -162,6 +173,8 @@ mod tests {
             TypeId::of::<EarthStation>(),
             #[cfg(feature = "tracks")]
             TypeId::of::<EarthLines>(),
+            #[cfg(feature = "sensor")]
+            TypeId::of::<EarthSensor>(),
         ] {
             let registration = registry.get(id).expect("a registered component");
             assert!(registration.data::<ReflectComponent>().is_some());

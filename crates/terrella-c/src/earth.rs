@@ -1,4 +1,4 @@
-//! The Earth on a device of its own.
+//! The Earth with its own device.
 
 use crate::camera::TerrellaCamera;
 use crate::failure::{Failure, TerrellaStatus, answer};
@@ -84,7 +84,7 @@ impl Draws for View<'_> {
     }
 }
 
-/// View and sky of a call.
+/// View and sky for a call.
 ///
 /// # Safety
 /// `camera` is null or points to a camera.

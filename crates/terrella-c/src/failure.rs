@@ -1,4 +1,4 @@
-//! Statuses, and the words that go with them.
+//! Statuses and their error messages.
 
 use std::cell::RefCell;
 use std::ffi::{CStr, CString, c_char};
@@ -105,7 +105,7 @@ fn tell(words: String) {
     });
 }
 
-/// Does the work of a call, lets no panic out and keeps the words of what failed.
+/// Runs the work of a call, catches panics and stores the error message.
 pub(crate) fn answer(work: impl FnOnce() -> Result<(), Failure>) -> TerrellaStatus {
     match catch_unwind(AssertUnwindSafe(work)) {
         Ok(Ok(())) => TerrellaStatus::TERRELLA_OK,

@@ -1,12 +1,12 @@
-//! Handles: numbers in a table of what is alive. What C holds is the number, in the shape of a pointer: nothing is ever read through it,
-//! so that one that is freed or was never one is found out.
+//! Handles: numbers that index a table of live objects. C holds the number in the type of a pointer. The library never dereferences it, so that it
+//! detects a freed or invalid handle.
 
 use crate::failure::{Failure, TerrellaStatus};
 use std::any::Any;
 use std::collections::HashMap;
 use std::sync::{Arc, LazyLock, Mutex, MutexGuard};
 
-/// What a handle stands for: used by one thread at a time, in the process that made it.
+/// The object behind a handle. One thread at a time uses it, in the process that created it.
 struct Entry {
     kind: &'static str,
     process: u32,
@@ -21,18 +21,18 @@ struct Table {
 
 static TABLE: LazyLock<Mutex<Table>> = LazyLock::new(Mutex::default);
 
-/// Between two numbers, so that they look like no small whole numbers that a program might hold by mistake.
+/// Difference between two handles. It keeps them unlike the small integers that a program might pass by mistake.
 const STEP: usize = 0x10;
 
 fn table() -> MutexGuard<'static, Table> {
-    // What it holds is whole between any two statements: a panic leaves nothing half done.
+    // Every statement leaves the table consistent, so a panic cannot leave a partial change.
     TABLE.lock().unwrap_or_else(|broken| broken.into_inner())
 }
 
-/// A new handle.
+/// Creates a handle.
 pub fn insert<H, T: Send + 'static>(kind: &'static str, value: T) -> *mut H {
     let mut table = table();
-    // Never given twice: there is no end of them.
+    // Numbers are never reused.
     table.last += STEP;
     let number = table.last;
     let value = Arc::new(Mutex::new(value));
@@ -78,7 +78,7 @@ fn check<'t>(
     }
 }
 
-/// Does something with what a handle stands for. Other threads that want the same wait.
+/// Calls `work` with the object behind a handle. Other threads that use the same handle wait.
 pub fn with<H, T: Send + 'static, R>(
     handle: *const H,
     kind: &'static str,
@@ -111,7 +111,7 @@ pub fn with<H, T: Send + 'static, R>(
     }
 }
 
-/// Takes a handle back. What it stands for goes away when no other thread uses it any more.
+/// Frees a handle. Its object is dropped when no other thread uses it any more.
 pub fn remove<H>(handle: *const H, kind: &'static str, name: &str) -> Result<(), Failure> {
     let mut table = table();
     let here = check(&table, handle.addr(), kind, name)?.process == std::process::id();
@@ -119,7 +119,7 @@ pub fn remove<H>(handle: *const H, kind: &'static str, name: &str) -> Result<(),
     drop(table);
     match here {
         true => drop(entry),
-        // In a fork its driver would wait for threads that are not there.
+        // In a forked process the driver would wait for threads that do not exist there.
         false => std::mem::forget(entry),
     }
     Ok(())

@@ -1,7 +1,7 @@
 //! The C interface of Terrella; `include/terrella.h` is made from it by cbindgen, and `docs/embedding/c.md` shows how it is used.
 //!
-//! No function lets a panic out. Handles are no addresses but numbers in a table, so that one that is null, freed or of another kind
-//! is seen and answered with a status.
+//! No function lets a panic escape. Handles are not addresses but numbers in a table. A handle that is null, freed or of another kind is detected
+//! and reported with a status.
 
 mod camera;
 mod earth;

@@ -1,4 +1,4 @@
-//! What an Earth is made of, and where maps are.
+//! Options of an Earth, and the folder of its maps.
 
 use crate::failure::{Failure, TerrellaStatus, answer};
 use crate::pointers::{read, text_if_any, write};
@@ -68,7 +68,7 @@ pub unsafe extern "C" fn terrella_options_default(options: *mut TerrellaOptions)
     answer(|| unsafe { write(options, "options", default) })
 }
 
-/// The same as the library has them.
+/// The options in the library's types.
 pub(crate) struct Wanted {
     pub size: (u32, u32),
     pub adapter: Option<String>,

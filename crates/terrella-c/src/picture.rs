@@ -42,10 +42,10 @@ impl TerrellaDrawn {
     }
 }
 
-/// Tells C, where it wants to know.
+/// Writes the statistics of a drawing to `drawn`, unless it is null.
 ///
 /// # Safety
-/// `drawn` is null or has room.
+/// `drawn` is null or points to writable memory.
 pub(crate) unsafe fn tell_drawn(
     drawn: *mut TerrellaDrawn,
     drawing: &Drawing,
@@ -66,17 +66,17 @@ pub(crate) fn wait(wait_s: f64) -> Result<Duration, Failure> {
     }
 }
 
-/// What draws the two kinds of pictures.
+/// A source of displayed images and of linear light.
 pub(crate) trait Draws {
     fn size(&self) -> (u32, u32);
     fn color(&mut self, rgba: &mut [u8]) -> Result<Drawing, Failure>;
     fn light(&mut self, light: &mut [f32]) -> Result<Drawing, Failure>;
 }
 
-/// Draws into a buffer of C.
+/// Draws into a buffer from C.
 ///
 /// # Safety
-/// `pixels` is null or points to so many bytes, which nobody else uses during the call; `drawn` is null or has room.
+/// `pixels` is null or points to `bytes` bytes, which nobody else uses during the call; `drawn` is null or points to writable memory.
 pub(crate) unsafe fn draw_into(
     source: &mut dyn Draws,
     format: TerrellaFormat,
@@ -155,7 +155,7 @@ pub unsafe extern "C" fn terrella_write_png(
         // SAFETY: the caller's promise: so many bytes.
         let rgba = unsafe { row(rgba, bytes, "rgba") }?;
         let write = PendingFile::create(Path::new(path), "pictures", "png").and_then(|file| {
-            // The length is that of the size.
+            // The length matches the size.
             let rgba = RgbaImage::from_raw(width, height, rgba.to_vec()).unwrap_or_default();
             file.write_png(&rgba)
         });

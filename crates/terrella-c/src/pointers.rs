@@ -1,4 +1,4 @@
-//! Pointers that C gives, checked as far as that can be, and turned into references for the time of a call.
+//! Checks pointers from C as far as possible, and turns them into references for the duration of a call.
 
 use crate::failure::{Failure, TerrellaStatus};
 use std::ffi::{CStr, c_char};
@@ -20,36 +20,36 @@ fn check<T>(pointer: *const T, name: &str) -> Result<(), Failure> {
     }
 }
 
-/// What the pointer points to.
+/// The value that the pointer points to.
 ///
 /// # Safety
-/// If it is not null it points to a value of this type that nobody changes during the call.
+/// A pointer that is not null points to a value of this type that nobody changes during the call.
 pub unsafe fn read<'a, T>(pointer: *const T, name: &str) -> Result<&'a T, Failure> {
     check(pointer, name)?;
     // SAFETY: not null and aligned; the rest is the caller's promise.
     Ok(unsafe { &*pointer })
 }
 
-/// Writes to where the pointer points.
+/// Writes a value through the pointer.
 ///
 /// # Safety
-/// If it is not null there is room for a value of this type, which nobody else uses during the call.
+/// A pointer that is not null points to memory for a value of this type, which nobody else uses during the call.
 pub unsafe fn write<T>(pointer: *mut T, name: &str, value: T) -> Result<(), Failure> {
     check(pointer, name)?;
-    // SAFETY: not null and aligned; that there is room is the caller's promise. What was there is of C and needs no drop.
+    // SAFETY: not null and aligned; the caller promises the memory. The old value belongs to C and needs no drop.
     unsafe { pointer.write(value) };
     Ok(())
 }
 
-/// Whether something can be written there.
+/// Checks that the pointer is aligned and not null.
 pub fn check_out<T>(pointer: *mut T, name: &str) -> Result<(), Failure> {
     check(pointer.cast_const(), name)
 }
 
-/// A buffer of so many values.
+/// A buffer of `count` values.
 ///
 /// # Safety
-/// If it is not null it points to so many values that are initialized, and nobody else uses them during the call.
+/// A pointer that is not null points to `count` initialized values, and nobody else uses them during the call.
 pub unsafe fn buffer<'a, T: Copy>(
     pointer: *mut T,
     count: usize,
@@ -68,7 +68,7 @@ pub unsafe fn buffer<'a, T: Copy>(
     Ok(unsafe { std::slice::from_raw_parts_mut(pointer, count) })
 }
 
-/// A row of values that are only read; none is needed where there are none.
+/// A read-only slice of `count` values. The pointer is not read if `count` is 0.
 ///
 /// # Safety
 /// As [`buffer`], but others may read them.
@@ -89,10 +89,10 @@ pub unsafe fn row<'a, T>(pointer: *const T, count: usize, name: &str) -> Result<
     Ok(unsafe { std::slice::from_raw_parts(pointer, count) })
 }
 
-/// A text in UTF-8; `None` for null.
+/// A UTF-8 text; `None` for null.
 ///
 /// # Safety
-/// If it is not null it points to bytes that end with a zero byte and that nobody changes during the call.
+/// A pointer that is not null points to bytes that end with a zero byte and that nobody changes during the call.
 pub unsafe fn text_if_any<'a>(
     pointer: *const c_char,
     name: &str,
@@ -100,7 +100,7 @@ pub unsafe fn text_if_any<'a>(
     if pointer.is_null() {
         return Ok(None);
     }
-    // SAFETY: not null; that a zero byte ends it is the caller's promise.
+    // SAFETY: not null; the caller promises the final zero byte.
     let text = unsafe { CStr::from_ptr(pointer) };
     match text.to_str() {
         Ok(text) => Ok(Some(text)),
@@ -108,7 +108,7 @@ pub unsafe fn text_if_any<'a>(
     }
 }
 
-/// The same where null is rejected.
+/// Same as [`text_if_any`], but rejects null.
 ///
 /// # Safety
 /// As [`text_if_any`].

@@ -94,7 +94,7 @@ pub unsafe extern "C" fn terrella_scene_parse(
     })
 }
 
-/// Opens what a scene names, and an adapter.
+/// Opens a scene's inputs, and an adapter.
 ///
 /// # Safety
 /// Texts end with zero bytes; `scene` has room.
@@ -118,7 +118,7 @@ unsafe fn open(
     unsafe { write(scene, "scene", handles::insert(KIND, pictures)) }
 }
 
-/// Works with the pictures of a scene.
+/// Calls `work` with the images of a scene.
 pub(crate) fn with_scene<T>(
     scene: *mut TerrellaScene,
     work: impl FnOnce(&mut ScenePictures) -> Result<T, Failure>,
@@ -192,7 +192,7 @@ pub unsafe extern "C" fn terrella_scene_satellite(
     })
 }
 
-/// Asks a satellite of a scene.
+/// Calls `work` with the feed of a scene's satellite.
 pub(crate) fn with_satellite<T>(
     scene: *mut TerrellaScene,
     index: usize,

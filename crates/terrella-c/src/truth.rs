@@ -1,4 +1,4 @@
-//! What is where pixels look: names of layers, and their numbers.
+//! Truth layers: their names, and their values at the pixels.
 
 use crate::failure::{Failure, TerrellaStatus, answer};
 use crate::pointers::{buffer, row, text, write};
@@ -82,7 +82,7 @@ pub unsafe extern "C" fn terrella_layer(index: usize, layer: *mut TerrellaLayer)
     })
 }
 
-/// The layers that are wanted, checked before anything is drawn.
+/// The requested layers, checked before anything is drawn.
 pub(crate) struct WantedLayers<'c> {
     layers: Vec<&'static TruthLayer>,
     values: Vec<Values<'c>>,
@@ -94,12 +94,11 @@ enum Values<'c> {
 }
 
 impl<'c> WantedLayers<'c> {
-    /// Reads what C wants of a picture of this size.
+    /// Reads the layers that C requests for an image of this size.
     ///
     /// # Safety
-    /// `wanted` is null or points to so many values; their texts end with zero bytes, their rooms have so many bytes and do not overlap,
-    /// and nobody
-    /// else uses them during the call.
+    /// `wanted` is null or points to `count` values; their texts end with zero bytes; their buffers have the given number of bytes, do not overlap,
+    /// and nobody else uses them during the call.
     pub unsafe fn read(
         wanted: *const TerrellaLayerBuffer,
         count: usize,
@@ -145,34 +144,34 @@ impl<'c> WantedLayers<'c> {
         Ok(Self { layers, values })
     }
 
-    /// Which they are.
+    /// The requested layers, in order.
     pub fn layers(&self) -> &[&'static TruthLayer] {
         &self.layers
     }
 
-    /// Writes their numbers at the pixels of a picture.
+    /// Writes the layers' values at the pixels of an image.
     pub fn fill_from(self, truth: &TruthPicture) {
         let values = truth.layers(&self.layers);
         self.fill(values);
     }
 
-    /// Writes their numbers, given in the order of [`Self::layers`].
+    /// Writes the layers' values, given in the order of [`Self::layers`].
     pub fn fill(self, values: Vec<LayerValues>) {
         for (to, from) in self.values.into_iter().zip(values) {
             match (to, from) {
                 (Values::F32(to), LayerValues::F32(from)) => to.copy_from_slice(&from),
                 (Values::F64(to), LayerValues::F64(from)) => to.copy_from_slice(&from),
-                // Both are chosen by the layer's own type.
+                // The layer's type selects both.
                 (Values::F32(_), LayerValues::F64(_)) | (Values::F64(_), LayerValues::F32(_)) => {}
             }
         }
     }
 }
 
-/// Writes depth to a buffer of C.
+/// The caller's buffer for depth, checked for its size.
 ///
 /// # Safety
-/// `depth_m` is null or points to so many floats, which nobody else uses during the call.
+/// `depth_m` is null or points to `count` floats, which nobody else uses during the call.
 pub(crate) unsafe fn depth_buffer<'c>(
     depth_m: *mut f32,
     count: usize,

@@ -1,4 +1,4 @@
-//! Drawing with a program's own Vulkan device into its own images: nothing goes through the processor.
+//! Drawing with a program's own Vulkan device into its own images, without a copy through the CPU.
 
 use crate::camera::TerrellaCamera;
 use crate::failure::{Failure, TerrellaStatus, answer};
@@ -72,7 +72,7 @@ pub struct TerrellaVulkanImage {
     pub layout: TerrellaLayout,
 }
 
-/// The Earth, and what keeps its device.
+/// An Earth and the objects that keep its device alive.
 struct VulkanEarth {
     earth: Earth,
     format: wgpu::TextureFormat,
@@ -80,19 +80,19 @@ struct VulkanEarth {
     attachments: Option<((u32, u32), Attachments)>,
     device: wgpu::Device,
     queue: wgpu::Queue,
-    // After the device.
+    // Dropped after the device.
     _adapter: wgpu::Adapter,
     _instance: wgpu::Instance,
 }
 
 impl Drop for VulkanEarth {
     fn drop(&mut self) {
-        // What is still drawn uses objects that go away now. A lost device has nothing to wait for.
+        // The GPU may still use objects that are dropped now. A lost device needs no wait.
         let _ = self.device.poll(wgpu::PollType::wait_indefinitely());
     }
 }
 
-/// The formats of images by their numbers in Vulkan.
+/// Image formats by their VkFormat numbers.
 const FORMATS: [(u32, wgpu::TextureFormat); 5] = [
     (37, wgpu::TextureFormat::Rgba8Unorm),
     (43, wgpu::TextureFormat::Rgba8UnormSrgb),
@@ -107,10 +107,10 @@ struct Opened {
     exposed: hal::ExposedAdapter<hal::api::Vulkan>,
 }
 
-/// Looks at a program's physical device.
+/// Opens the program's instance and exposes its physical device.
 ///
 /// # Safety
-/// As the fields of [`TerrellaVulkanHost`] say.
+/// As the fields of [`TerrellaVulkanHost`] require.
 unsafe fn open(host: &TerrellaVulkanHost) -> Result<Opened, Failure> {
     let null = |name: &str| Failure::new(TerrellaStatus::TERRELLA_NULL, format!("{name} is null"));
     let function = host
@@ -402,7 +402,7 @@ impl VulkanEarth {
                 size.0, size.1
             )));
         }
-        // Lets go of what earlier frames used and is done.
+        // Frees resources of earlier frames that are finished.
         self.device
             .poll(wgpu::PollType::Poll)
             .map_err(Failure::device)?;
@@ -436,7 +436,7 @@ impl VulkanEarth {
         Ok(Drawing { stats, missing })
     }
 
-    /// The host's image as wgpu has it.
+    /// Wraps the host's image as a wgpu texture.
     ///
     /// # Safety
     /// As [`terrella_vulkan_draw`].

@@ -1,5 +1,5 @@
-//! `include/terrella.h` is what cbindgen makes of the sources, and names the version; `docs/reference/c.md` is made of it, and
-//! `docs/reference/truth.md` of the truth layers.
+//! `include/terrella.h` matches the output of cbindgen and names the version. `docs/reference/c.md` matches the header, and
+//! `docs/reference/truth.md` the truth layers.
 
 use std::ffi::CStr;
 use std::fmt::Write;
@@ -18,7 +18,7 @@ fn the_version_is_that_of_the_package() {
     ];
     let text = parts.map(|part| part.to_string()).join(".");
     assert_eq!(text, env!("CARGO_PKG_VERSION"));
-    // SAFETY: the function gives a text that ends with a zero and lives as long as the library.
+    // SAFETY: the function returns a text that ends with a zero byte and lives as long as the library.
     let loaded = unsafe { CStr::from_ptr(terrella_version()) };
     assert_eq!(loaded.to_str(), Ok(text.as_str()));
     for file in [
@@ -47,7 +47,7 @@ fn the_header_is_that_of_the_sources() {
     is_committed("../../docs/reference/truth.md", &truth_layers());
 }
 
-/// Holds that a file of the repository is what was made, or writes it where the environment asks for that.
+/// Asserts that a file of the repository equals the generated text, or writes the file if the environment requests it.
 #[track_caller]
 fn is_committed(path: &str, made: &str) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(path);
@@ -69,7 +69,7 @@ struct Declaration {
     lines: Vec<String>,
 }
 
-/// The declarations of a header, in its order.
+/// The declarations of a header, in order.
 fn declarations(header: &str) -> Vec<Declaration> {
     let mut found = Vec::new();
     let (mut comment, mut lines): (Vec<String>, Vec<String>) = (Vec::new(), Vec::new());
@@ -79,7 +79,7 @@ fn declarations(header: &str) -> Vec<Declaration> {
                 comment.push(words.strip_prefix(' ').unwrap_or(words).to_owned());
                 continue;
             }
-            // What guards the header has no comment; blank lines end that of the file.
+            // Include guards have no comment; a blank line ends the comment of the file.
             if line.trim().is_empty() || comment.is_empty() {
                 comment.clear();
                 continue;
@@ -98,7 +98,7 @@ fn declarations(header: &str) -> Vec<Declaration> {
     found
 }
 
-/// The name that a declaration declares.
+/// The declared name.
 fn name(lines: &[String]) -> String {
     let (first, last) = (&lines[0], &lines[lines.len() - 1]);
     let declared = if let Some(constant) = first.strip_prefix("#define ") {

@@ -1,4 +1,4 @@
-//! What a call from C costs beyond the library's own. By hand, on a quiet machine:
+//! Cost of a call from C over the native call. By hand, on a quiet machine:
 //! `cargo test --release -p terrella-c --test overhead -- --ignored --nocapture`.
 
 use std::time::Instant;
@@ -10,7 +10,7 @@ const ROUNDS: usize = 60;
 #[test]
 #[ignore = "a measurement"]
 fn a_still_through_c_takes_as_long_as_one_without() {
-    // A small one too: what a call costs does not depend on the size, and the noise of drawing does.
+    // A small image too: the cost of a call does not depend on the size, but the noise of drawing does.
     for size in [(16, 9), (800, 450)] {
         measure(size);
     }
@@ -26,7 +26,7 @@ fn measure(size: (u32, u32)) {
     let mut earth = std::ptr::null_mut();
     let mut camera = std::mem::MaybeUninit::uninit();
     let mut time = std::mem::MaybeUninit::uninit();
-    // SAFETY: all of them have room, and the text ends with a zero byte.
+    // SAFETY: all pointers are valid for writes, and the text ends with a zero byte.
     let (camera, time) = unsafe {
         terrella_options_default(options.as_mut_ptr());
         (*options.as_mut_ptr()).width = size.0;
@@ -60,7 +60,7 @@ fn measure(size: (u32, u32)) {
         let first = begin.elapsed().as_secs_f64() * 1e3;
         drawn.expect("drawn");
         let begin = Instant::now();
-        // SAFETY: the buffer has as many bytes as is said.
+        // SAFETY: the buffer has the given number of bytes.
         let status = unsafe {
             let pixels = rgba.as_mut_ptr().cast();
             terrella_earth_draw(

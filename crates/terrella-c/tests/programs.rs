@@ -1,5 +1,5 @@
-//! Programs in C and C++, built by the machine's compiler against the shared library and run, plain and under AddressSanitizer. A
-//! machine without a C compiler skips them, and says so.
+//! Programs in C and C++, built by the machine's compiler against the shared library and run, plain and under AddressSanitizer. Without a C
+//! compiler they are skipped with a message.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -8,7 +8,7 @@ fn folder() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// Where cargo has put the shared library of this test.
+/// The folder where cargo put the shared library of this test.
 fn library_folder() -> PathBuf {
     let this = std::env::current_exe().expect("this program");
     let folder = this.parent().expect("a folder").to_owned();
@@ -49,7 +49,7 @@ struct Build<'b> {
     name: &'b str,
 }
 
-/// Compiles a program and gives where it is.
+/// Compiles a program and returns its path.
 fn build(build: &Build<'_>, out: &Path) -> PathBuf {
     let (libraries, program) = (library_folder(), out.join(build.name));
     let cpp = build.source.ends_with(".cpp");
@@ -73,7 +73,7 @@ fn build(build: &Build<'_>, out: &Path) -> PathBuf {
         "{}",
         String::from_utf8_lossy(&output.stderr)
     );
-    // As it is named where it is installed.
+    // The file name of the installed library.
     let named = out.join("libterrella_c.so.0");
     if !named.exists() {
         std::fs::copy(libraries.join("libterrella_c.so"), named).expect("copied");
@@ -87,7 +87,7 @@ fn run(program: &Path, out: &Path, arguments: &[&Path]) -> Output {
         .args(arguments)
         .env("LD_LIBRARY_PATH", out)
         .env("TERRELLA_TEXTURES", root.join("textures"))
-        // What drivers keep to the end is not ours.
+        // Memory that drivers keep until exit is not ours.
         .env("ASAN_OPTIONS", "detect_leaks=0:abort_on_error=0")
         .output()
         .expect("the program runs");
@@ -106,7 +106,7 @@ fn picture(path: &Path) -> image::RgbImage {
     image::open(path).expect("a picture").to_rgb8()
 }
 
-/// Mean of what two pictures differ by, in steps of 8 bits.
+/// Mean difference of two images, in steps of 8 bits.
 fn difference(one: &image::RgbImage, other: &image::RgbImage) -> f64 {
     assert_eq!(one.dimensions(), other.dimensions());
     let steps = one.as_raw().iter().zip(other.as_raw());
@@ -129,7 +129,7 @@ fn examples_draw_the_same_earth() {
     let png = out.path().join("still.png");
     run(&build(&still, out.path()), out.path(), &[&png]);
     let drawn = picture(&png);
-    // The Earth in the middle, and nearly no black picture.
+    // The centre shows the Earth, and the image is not nearly black.
     let [red, green, blue] = drawn.get_pixel(320, 250).0.map(u32::from);
     assert!(red + green + blue > 60, "{red} {green} {blue}");
 
@@ -160,10 +160,10 @@ fn examples_draw_the_same_earth() {
     };
     let vulkan = out.path().join("vulkan.png");
     run(&build(&host, out.path()), out.path(), &[&vulkan]);
-    // The same view with one sample a pixel in place of four: edges differ, nothing else.
+    // The same view with one sample per pixel instead of four: only edges differ.
     let off = difference(&drawn, &picture(&vulkan));
     assert!(off < 1.0, "{off}");
-    // Drawn into memory that another process has: not one byte is another.
+    // Drawn into memory that another process owns: every byte is the same.
     for (name, arguments) in [
         ("share_vulkan", &[][..]),
         ("share_vulkan_asan", &["-fsanitize=address,undefined"][..]),

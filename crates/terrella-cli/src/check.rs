@@ -7,7 +7,7 @@ use terrella::frames::rfc3339;
 use terrella_orbit::Feed;
 use terrella_play::{Flight, LightOutlook};
 
-/// Most satellites that are listed one by one.
+/// Limit on satellites that are listed one by one.
 const MAX_LISTED: usize = 50;
 
 /// Arguments of `terrella check`.
@@ -22,7 +22,7 @@ pub struct CheckArgs {
     all: bool,
 }
 
-/// Loads the scene with all that it names and prints a summary.
+/// Loads the scene and its files and prints a summary.
 pub fn run(args: &CheckArgs, common: &Common) -> anyhow::Result<()> {
     let scene = args.scene.load(&args.satellites.satellite)?;
     args.satellites.reject_scenes(&scene);
@@ -110,7 +110,7 @@ pub fn run(args: &CheckArgs, common: &Common) -> anyhow::Result<()> {
     print(&text)
 }
 
-/// What light the scene's film is in, where no simulator gives the time.
+/// Light conditions during the scene's film; empty if a simulator gives the time.
 fn light(flight: &Flight) -> String {
     let scene = flight.scene();
     if scene.is_live() {
@@ -124,10 +124,10 @@ fn light(flight: &Flight) -> String {
     format!("\nlight\n{}", lines.collect::<String>())
 }
 
-/// How many gaps of an ephemeris are printed.
+/// Limit on printed gaps of an ephemeris.
 const GAPS_TOLD: usize = 10;
 
-/// Where a satellite is not known within the time that its file speaks of.
+/// Times within a satellite's file at which its state is not known.
 fn limits(feed: &dyn Feed) -> String {
     let mut text = String::new();
     let (before, after) = feed.decay();

@@ -69,7 +69,7 @@ impl CoverageArgs {
 
 /// Prints the coverage of a region and writes the map.
 pub fn run(args: &CoverageArgs, _: &Common) -> anyhow::Result<()> {
-    // Before anything is computed: a file that cannot be written is found at once.
+    // Create the file before any computation, so that a file that cannot be written fails at once.
     let map_file = args
         .geojson
         .as_ref()

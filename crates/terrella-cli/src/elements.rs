@@ -83,7 +83,7 @@ fn fetch(args: &FetchArgs, common: &Common) -> anyhow::Result<()> {
         (None, [ElementQuery::Group(group)]) => PathBuf::from(format!("{group}.{ending}")),
         (None, _) => bail!("--output: give the file for the elements of several satellites"),
     };
-    // Before anything is asked for: a file that cannot be written is found at once.
+    // Create the file before any request, so that a file that cannot be written fails at once.
     let file = PendingFile::create(&output, "elements of this source", ending)?;
     let options = ClientOptions {
         timeout: Duration::from_secs(args.timeout),
@@ -103,7 +103,7 @@ fn fetch(args: &FetchArgs, common: &Common) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Where downloads are kept.
+/// The folder for downloads.
 fn cache(args: &FetchArgs) -> anyhow::Result<PathBuf> {
     if let Some(cache) = &args.cache {
         return Ok(cache.clone());
@@ -118,7 +118,7 @@ fn cache(args: &FetchArgs) -> anyhow::Result<PathBuf> {
     Ok(user.join("terrella").join("elements"))
 }
 
-/// Whether an answer has the elements that were asked for: servers answer with a sentence where they have none.
+/// Checks that a response has the requested elements: servers that have none respond with a sentence.
 fn check(query: &ElementQuery, text: &str) -> Result<(), String> {
     let read = Catalogue::from_text(text, Path::new("the answer"), false);
     let catalogue = read.map_err(|error| {
@@ -152,7 +152,7 @@ fn said(fetched: &FetchedElements, source: &ElementSource) -> String {
     }
 }
 
-/// What there is: the satellite's name, or how many there are.
+/// The satellite's name, or the number of satellites.
 fn satellites(catalogue: &Catalogue) -> String {
     match catalogue.feeds.as_slice() {
         [one] => one.name().to_owned(),

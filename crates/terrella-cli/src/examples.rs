@@ -2,10 +2,10 @@
 
 use clap::Command;
 
-/// A command line, and what it does.
+/// A command line and its meaning.
 type Example = (&'static str, &'static str);
 
-/// The examples of each command, by its name behind those of its parents; the program's own stand under "".
+/// The examples of each command, by its full name; those of the program itself are under "".
 const EXAMPLES: &[(&str, &[Example])] = &[
     (
         "",
@@ -297,14 +297,14 @@ const EXAMPLES: &[(&str, &[Example])] = &[
     ),
 ];
 
-/// The command with the examples of all its commands above what their help ends with.
+/// Adds each command's examples before the rest of its after-help.
 pub fn added_to(root: Command) -> Command {
     EXAMPLES
         .iter()
         .fold(root, |root, (path, examples)| at(root, path, examples))
 }
 
-/// The same for the examples of one command; one that this build leaves out stays so.
+/// Adds the examples of one command. Commands that this build omits are skipped.
 fn at(command: Command, path: &str, examples: &[Example]) -> Command {
     if path.is_empty() {
         return with(command, examples);
@@ -317,7 +317,7 @@ fn at(command: Command, path: &str, examples: &[Example]) -> Command {
 }
 
 fn with(command: Command, examples: &[Example]) -> Command {
-    /// Longer command lines have their meaning on a line of its own.
+    /// The meaning of a longer command line goes on the next line.
     const LONGEST: usize = 60;
     let lengths = examples.iter().map(|(line, _)| line.len());
     let width = lengths.filter(|length| *length <= LONGEST).max();
@@ -340,7 +340,7 @@ mod tests {
     use super::*;
     use crate::command;
 
-    /// The commands with their children, by name behind those of their parents.
+    /// All commands by their full names.
     fn names(parent: &Command, before: &str, all: &mut Vec<String>) {
         for child in parent.get_subcommands() {
             let name = format!("{before}{}", child.get_name());

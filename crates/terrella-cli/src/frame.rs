@@ -56,7 +56,7 @@ pub struct FrameArgs {
     wireframe: bool,
 }
 
-/// Draws the picture. Where there is no graphics adapter at all, and none was asked for by name, the reference draws.
+/// Draws the image. If there is no graphics adapter and none was named, the reference renderer draws it.
 pub fn run(args: &FrameArgs, common: &Common) -> anyhow::Result<()> {
     reject_conflicts(args, common);
     let scene = args.scene.load(&args.satellites.satellite)?;
@@ -97,7 +97,7 @@ pub fn run(args: &FrameArgs, common: &Common) -> anyhow::Result<()> {
     }
 }
 
-/// Ends the program, as clap does, where options have no meaning together.
+/// Exits, as clap does, if options conflict.
 fn reject_conflicts(args: &FrameArgs, common: &Common) {
     #[cfg(feature = "measure")]
     if let Some(message) = reference::conflict(args, common) {

@@ -1,7 +1,7 @@
-//! Requests to end: Ctrl-C, SIGTERM, and a terminal that is closed.
+//! Interruptions: Ctrl-C, SIGTERM, and a closed terminal.
 //!
-//! Work that has something to save stops by itself and says so before ([`stop_by_itself`]); any other ends at once. Either way nothing
-//! unfinished is left, and the exit code is 128 and the number of the signal. The second request ends everything at once.
+//! Work with results to save stops by itself and registers for it ([`stop_by_itself`]); any other work ends at once. In both cases no partial file
+//! is left, and the exit code is 128 plus the signal number. A second request ends any work at once.
 
 use std::io::Write;
 use std::process::exit;
@@ -13,23 +13,23 @@ use terrella_files::remove_unfinished;
 
 /// The number of the first signal; 0 before.
 static ASKED_BY: AtomicU8 = AtomicU8::new(0);
-/// Whether the work under way stops by itself.
+/// Whether the current work stops by itself.
 static STOPS_BY_ITSELF: AtomicBool = AtomicBool::new(false);
-/// What is done first of all.
+/// Work to do at the first request.
 static FIRST: Mutex<Option<Box<dyn FnOnce() + Send>>> = Mutex::new(None);
 
-/// Whether the program ends now, whatever its work is at.
+/// Whether the program is ending, regardless of its work.
 static IS_ENDING: AtomicBool = AtomicBool::new(false);
 
-/// What a shell adds to the number of a signal.
+/// Added to a signal number in exit codes, as shells do.
 const SIGNALLED: u8 = 128;
 
-/// The work that now begins asks [`is_asked`] again and again, and stops then.
+/// Registers work that polls [`is_asked`] and stops by itself.
 pub fn stop_by_itself() {
     STOPS_BY_ITSELF.store(true, Ordering::SeqCst);
 }
 
-/// Does this at once at the first request, whatever the program is busy with.
+/// Registers work to do at the first request, whatever the program is doing.
 pub fn do_first(first: impl FnOnce() + Send + 'static) {
     *FIRST.lock().unwrap_or_else(PoisonError::into_inner) = Some(Box::new(first));
 }
@@ -60,7 +60,7 @@ fn ask(number: u8) {
     }
     IS_ENDING.store(true, Ordering::SeqCst);
     remove_unfinished();
-    // Nobody is left to tell if standard error is closed.
+    // No one can be informed if standard error is closed.
     let _ = writeln!(
         std::io::stderr(),
         "error: interrupted; no partial file is left"
@@ -68,14 +68,14 @@ fn ask(number: u8) {
     end(SIGNALLED + number);
 }
 
-/// Ends the program while its other threads work. The C library's `exit` would take down the graphics driver's tables under them,
-/// which has been seen to crash: another program takes this one's place, and that ends at once.
+/// Ends the program while its other threads run. The C library's `exit` would free the graphics driver's tables under them, and crashes were
+/// observed. So a shell replaces the process and exits at once.
 #[cfg(unix)]
 fn end(code: u8) -> ! {
     use std::os::unix::process::CommandExt;
     let mut shell = std::process::Command::new("/bin/sh");
     let _ = shell.args(["-c", "exit \"$0\"", &code.to_string()]).exec();
-    // There is no shell.
+    // Reached only without a shell.
     exit(code.into())
 }
 
@@ -84,26 +84,26 @@ fn end(code: u8) -> ! {
     exit(code.into())
 }
 
-/// Where the program ends, its work fails because its files are gone. That is not reported.
+/// Blocks while the program is ending: work that fails because its files were removed is not reported.
 pub fn wait_for_end() {
     while IS_ENDING.load(Ordering::SeqCst) {
         std::thread::park();
     }
 }
 
-/// From here on requests are heard. Called before there is another thread, which would be ended by a signal.
+/// Starts to handle interruptions. Call it before any other thread exists, because a signal would end the process there.
 #[cfg(unix)]
 pub fn listen() {
     use nix::sys::signal::{SigSet, Signal};
     let ignored = ignored_signals();
     let mut signals = SigSet::empty();
     for signal in [Signal::SIGINT, Signal::SIGTERM, Signal::SIGHUP] {
-        // As `nohup` asks, and a shell for what it starts in the background.
+        // Signals stay ignored for `nohup` and for background jobs of a shell.
         if ignored & (1 << (signal as u32 - 1)) == 0 {
             signals.add(signal);
         }
     }
-    // No handler: a thread takes the signals, and may lock, write and remove files like any other.
+    // A thread instead of a handler: it may lock, write and remove files like any other.
     let heard = signals
         .thread_block()
         .map_err(std::io::Error::from)
@@ -122,7 +122,7 @@ pub fn listen() {
     }
 }
 
-/// Signals that this program was started to ignore, one bit each from the lowest.
+/// Signals that were ignored at the program's start, one bit each from the lowest.
 #[cfg(target_os = "linux")]
 fn ignored_signals() -> u64 {
     let status = read_text("/proc/self/status".as_ref(), 1 << 16);
@@ -133,13 +133,13 @@ fn ignored_signals() -> u64 {
         .unwrap_or_default()
 }
 
-/// Not known without a call that is not safe.
+/// Unknown without an unsafe call.
 #[cfg(all(unix, not(target_os = "linux")))]
 fn ignored_signals() -> u64 {
     0
 }
 
-/// From here on Ctrl-C and the end of the console are heard.
+/// Starts to handle Ctrl-C and the closing of the console.
 #[cfg(windows)]
 pub fn listen() {
     const INTERRUPT: u8 = 2;

@@ -115,7 +115,7 @@ enum Command {
 }
 
 impl Command {
-    /// Whether it looks for graphics adapters.
+    /// Whether the command uses a graphics adapter.
     fn draws(&self) -> bool {
         match self {
             Self::New(_) | Self::Check(_) | Self::Orbit(_) => false,
@@ -168,7 +168,7 @@ fn main() -> ExitCode {
         Ok(()) => asked.map_or(ExitCode::SUCCESS, ExitCode::from),
         Err(error) => {
             let mut stderr = std::io::stderr().lock();
-            // Nobody is left to tell if standard error is closed.
+            // No one can be informed if standard error is closed.
             let _ = writeln!(stderr, "error: {}", message(&error));
             ExitCode::from(asked.unwrap_or_else(|| exit_code(&error)))
         }
@@ -187,8 +187,8 @@ fn parse(args: Vec<OsString>) -> Cli {
     Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit())
 }
 
-/// The arguments, with those that Basilisk's scripts start their viewer with (`--args -directComm tcp://localhost:5556`, or `-noDisplay`)
-/// put as ours.
+/// The arguments, with those of Basilisk's scripts for their viewer (`--args -directComm tcp://localhost:5556`, or `-noDisplay`) translated to
+/// ours.
 fn vizard_args(args: impl Iterator<Item = OsString>) -> Vec<OsString> {
     let mut args: Vec<_> = args.collect();
     let is = |index: usize, word: &str| args.get(index).is_some_and(|arg| arg == word);
@@ -202,7 +202,7 @@ fn vizard_args(args: impl Iterator<Item = OsString>) -> Vec<OsString> {
     args
 }
 
-/// The error and its causes on one line; most messages name their cause already, and none is given twice.
+/// The error and its causes on one line. Most messages already include their cause; none is repeated.
 fn message(error: &anyhow::Error) -> String {
     let mut text = error.to_string();
     for cause in error.chain().skip(1) {
@@ -234,14 +234,14 @@ fn log_to_stderr(common: &Common) {
     use tracing_subscriber::EnvFilter;
     let default = match (common.quiet, common.verbose) {
         (true, _) => "error",
-        // winit warns of displays without settings of their own, which work.
+        // winit warns of displays without per-display settings, which work.
         (false, 0) => "warn,winit=error",
         // wgpu's own messages are for its developers.
         (false, 1) => "warn,winit=error,terrella=info",
         (false, _) => "info,terrella=debug",
     };
     let asked = std::env::var("RUST_LOG");
-    // Which part of the program says it is for those who ask for its parts.
+    // Show module names to users who select log levels by module.
     let names_parts = common.verbose > 1 || asked.is_ok();
     let filter = match asked {
         Ok(directives) => EnvFilter::try_new(&directives).unwrap_or_else(|error| {

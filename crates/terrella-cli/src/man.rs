@@ -21,7 +21,7 @@ pub struct ManArgs {
 /// Prints a page, or the commands that have one.
 pub fn run(args: &ManArgs) -> anyhow::Result<()> {
     let mut root = command().disable_help_subcommand(true);
-    // Names the pages of commands after the program, and hands them the global options.
+    // Gives pages their full names, and commands the global options.
     root.build();
     if args.list {
         let mut text = String::new();
@@ -35,7 +35,7 @@ pub fn run(args: &ManArgs) -> anyhow::Result<()> {
         })?;
     }
     let mut text = Vec::new();
-    // What the help ends with would be filled like prose.
+    // The after-help would be filled like prose.
     let without_end = page.clone().after_help(None::<&str>);
     clap_mangen::Man::new(without_end).render(&mut text)?;
     let end = page.get_after_help().map(ToString::to_string);
@@ -43,7 +43,7 @@ pub fn run(args: &ManArgs) -> anyhow::Result<()> {
     print(&(String::from_utf8(text)? + &end))
 }
 
-/// What a command's help ends with, as sections of its page: the examples as they are typed, then the rest.
+/// A command's after-help as sections of its page: the examples verbatim, then the notes.
 fn ending(help: &str) -> String {
     let (examples, rest) = help.split_once("\n\n").unwrap_or((help, ""));
     let mut text = String::new();
@@ -65,7 +65,7 @@ fn ending(help: &str) -> String {
     text
 }
 
-/// A line of text in which troff finds no command.
+/// A line of text without troff commands.
 fn escaped(line: &str) -> String {
     let text = line.replace('\\', "\\e").replace('-', "\\-");
     match text.starts_with(['.', '\'']) {
@@ -74,7 +74,7 @@ fn escaped(line: &str) -> String {
     }
 }
 
-/// Writes the names of the commands below `parent`, each with those of its parents before it.
+/// Writes the full names of all commands below `parent`.
 fn list(parent: &Command, names: &str, text: &mut String) {
     for command in parent.get_subcommands().filter(|one| !one.is_hide_set()) {
         let names = format!("{names}{} ", command.get_name());

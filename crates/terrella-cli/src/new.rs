@@ -8,7 +8,7 @@ use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use terrella_play::scene::Scene;
 
-/// What the built-in scene calls itself in its text.
+/// The name of the built-in scene in its own text.
 const SHIPPED: &str = "config/iss.toml";
 
 /// Arguments of `terrella new`.
@@ -28,7 +28,7 @@ pub fn run(args: &NewArgs, common: &Common) -> anyhow::Result<()> {
         .and_then(|()| file.sync_all())
     {
         drop(file);
-        // What is there is ours and incomplete.
+        // The file is ours and incomplete.
         let _ = std::fs::remove_file(&path);
         return Err(error).with_context(|| format!("{}: it cannot be written", path.display()));
     }
@@ -59,18 +59,18 @@ fn file_name(name: &Path) -> anyhow::Result<PathBuf> {
     }
 }
 
-/// The built-in scene as a file of this path says it.
+/// The text of the built-in scene with this path as its name.
 fn text(path: &Path) -> anyhow::Result<String> {
     let scene = Scene::shipped()?;
     let text = scene.own_text().unwrap_or_default();
-    // The schema lies beside the scenes of a checkout alone.
+    // Only a checkout has the schema beside its scenes.
     let lines = text.lines().filter(|line| !line.starts_with("#:schema"));
     let name = path.display().to_string();
     let lines = lines.map(|line| line.replace(SHIPPED, &name) + "\n");
     Ok(lines.collect())
 }
 
-/// Makes the file, if there is none.
+/// Creates the file; fails if it exists.
 fn create(path: &Path) -> anyhow::Result<File> {
     let made = OpenOptions::new().write(true).create_new(true).open(path);
     made.map_err(|error| match error.kind() {

@@ -103,9 +103,9 @@ impl FrameName {
     }
 }
 
-/// Prints states, passes or writes messages, as the arguments ask.
+/// Prints states or passes, or writes messages.
 pub fn run(args: &OrbitArgs, common: &Common) -> anyhow::Result<()> {
-    // Before anything is computed: a file that cannot be written is found at once.
+    // Create the files before any computation, so that a file that cannot be written fails at once.
     let oem_file = pending(args.oem.as_ref(), "ephemeris messages", "oem")?;
     let omm_file = pending(args.omm.as_ref(), "element messages", "omm")?;
     let mut scene = args.scene.load(&args.satellite)?;

@@ -1,10 +1,10 @@
-//! Options of pictures that are written: their format, and what light they are made of.
+//! Options of written images: their format, and the light that they store.
 
 use super::values;
 use clap::{Args, ValueEnum};
 use terrella_play::{PictureFormat, PictureSettings, Shutter};
 
-/// Instants of a picture with an open shutter where their number is not given.
+/// Default number of averaged instants for an open shutter.
 const DEFAULT_SUBFRAMES: u32 = 16;
 
 /// Options of pictures that are written.
@@ -50,7 +50,7 @@ pub enum Format {
 }
 
 impl PictureArgs {
-    /// What they say.
+    /// The settings that these options select.
     pub fn settings(&self) -> PictureSettings {
         PictureSettings {
             format: match self.format {

@@ -234,7 +234,7 @@ fn reject_conflicts(args: &PlayArgs) {
         );
         reject(ErrorKind::ValueValidation, message);
     }
-    // Of other formats a video has the same picture.
+    // Videos show the same image for all other formats.
     let is_hdr = pictures.settings().hdr().is_some();
     if pictures.format.is_some() && !is_hdr && args.frames.is_none() {
         let message = "--format needs --frames, except pq and hlg".to_owned();

@@ -65,7 +65,7 @@ impl Progress for Bars {
 
     fn say(&self, line: &str) {
         if !self.hidden {
-            // Nobody is left to tell if standard error is closed.
+            // No one can be informed if standard error is closed.
             let _ = writeln!(std::io::stderr(), "{line}");
         }
     }

@@ -50,7 +50,7 @@ fn page() -> String {
     page
 }
 
-/// Visits the commands below one, by name behind those of their parents.
+/// Visits all commands below `parent`, with their full names.
 fn walk(parent: &Command, names: &str, visit: &mut impl FnMut(&str, &Command)) {
     for one in parent.get_subcommands().filter(|one| !one.is_hide_set()) {
         let name = format!("{names}{}", one.get_name());
@@ -59,7 +59,7 @@ fn walk(parent: &Command, names: &str, visit: &mut impl FnMut(&str, &Command)) {
     }
 }
 
-/// The table of a command's arguments and options: the global ones, or its own. Nothing where there are none.
+/// The table of a command's arguments and options, global or its own. Empty if there are none.
 fn options(command: &Command, are_global: bool) -> String {
     let is_listed = |arg: &&Arg| {
         let is_usual = ["help", "version"].contains(&arg.get_id().as_str());
@@ -86,7 +86,7 @@ fn options(command: &Command, are_global: bool) -> String {
 
 /// An option as it is typed: `-o, --output <FILE>`.
 fn name(arg: &Arg) -> String {
-    // clap's own, without what it says of repetition.
+    // clap's own text, without the mark of repetition.
     let text = arg.to_string();
     let text = text.trim_end_matches("...").replace('|', "\\|");
     match (arg.get_short(), arg.get_long()) {
@@ -131,7 +131,7 @@ fn value(value: &clap::builder::PossibleValue) -> String {
     }
 }
 
-/// What stands below a command's options: its examples, then its notes.
+/// The text below a command's options: its examples, then its notes.
 fn ending(command: &Command, name: &str) -> String {
     let help = text(command.get_after_help());
     let (examples, notes) = help.split_once("\n\n").unwrap_or((&help, ""));

@@ -1,4 +1,4 @@
-//! What a command flies: a scene file, a file of orbits, or the scene that comes with the program.
+//! The input of a command: a scene file, an orbit file, or the built-in scene.
 
 use super::Cli;
 use clap::error::ErrorKind;
@@ -39,7 +39,7 @@ pub struct SatelliteArgs {
 }
 
 impl SatelliteArgs {
-    /// Ends the program, as clap does, where satellites are chosen of what is no file of orbits.
+    /// Exits, as clap does, if satellites are selected from a scene file.
     pub fn reject_scenes(&self, scene: &Scene) {
         if self.satellite.is_empty() || scene.is_of_orbits() {
             return;
@@ -55,12 +55,12 @@ impl SatelliteArgs {
 }
 
 impl SceneArgs {
-    /// Reads the scene. `satellites` are those of a file of orbits.
+    /// Reads the scene. `satellites` selects satellites of an orbit file.
     pub fn load(&self, satellites: &[String]) -> Result<Scene, SceneError> {
         self.load_with(satellites, &[])
     }
 
-    /// The same with more keys set, which count before those of `--set`.
+    /// Same as [`Self::load`], with more keys, which override those of `--set`.
     pub fn load_with(&self, satellites: &[String], more: &[Setting]) -> Result<Scene, SceneError> {
         let settings = [&self.settings.set[..], more].concat();
         load(self.path.as_deref(), satellites, self.strict, &settings)
@@ -112,14 +112,14 @@ pub fn load(
     Ok(scene)
 }
 
-/// Makes a scene ready by `open`, and says by which option one of several satellites of a file of orbits is chosen.
+/// Opens a scene with `open`. If an orbit file has several satellites, the error names the option that selects one.
 pub fn open_flight(
     scene: Scene,
     open: impl FnOnce(Scene) -> Result<Flight, PlayError>,
 ) -> anyhow::Result<Flight> {
     let is_of_orbits = scene.is_of_orbits();
     open(scene).map_err(|error| match &error {
-        // Where the file itself is to be changed, no name chooses.
+        // No name selects a satellite if the file itself must be changed.
         PlayError::Orbit(OrbitError::Ambiguous { remedy, .. })
             if is_of_orbits && (remedy.starts_with("name ") || remedy.starts_with("give the ")) =>
         {

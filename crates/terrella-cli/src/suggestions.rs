@@ -1,9 +1,9 @@
-//! What to write instead of words that people know from other programs.
+//! Suggestions for options and commands that users know from other programs.
 
 use clap::Error;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 
-/// Unknown options, and what to do.
+/// Unknown options, and suggestions for them.
 const OPTIONS: &[(&str, &str)] = &[
     ("--fps", "set frame_rate_hz under [time] in the scene"),
     ("--framerate", "set frame_rate_hz under [time] in the scene"),
@@ -47,7 +47,7 @@ const OPTIONS: &[(&str, &str)] = &[
     ("--out", "use --output, or -o"),
 ];
 
-/// Unknown commands, and what to use.
+/// Unknown commands, and suggestions for them.
 const COMMANDS: &[(&str, &str)] = &[
     ("render", "terrella frame SCENE -o OUT.png"),
     ("image", "terrella frame SCENE -o OUT.png"),

@@ -76,7 +76,7 @@ fn side(text: &str) -> Result<u32, String> {
         })
 }
 
-/// Metres, none negative.
+/// A tolerance in metres, not negative.
 fn tolerance_m(text: &str) -> Result<f64, String> {
     let metres = text.trim().parse::<f64>().ok();
     metres

@@ -75,7 +75,7 @@ pub fn instant(text: &str) -> Result<Epoch, String> {
     read.map_err(|error| error.to_string())
 }
 
-/// Seconds of the wall clock, more than none and at most a day.
+/// Seconds of wall-clock time, greater than 0 and at most a day.
 pub fn seconds(text: &str) -> Result<f64, String> {
     number(
         text,
@@ -84,7 +84,7 @@ pub fn seconds(text: &str) -> Result<f64, String> {
     )
 }
 
-/// Seconds of simulated time. Which are too many, the scene says.
+/// Seconds of simulated time. The scene checks the upper limit.
 pub fn simulated_seconds(text: &str) -> Result<f64, String> {
     number(
         text,
@@ -246,7 +246,7 @@ pub fn time_zone_min(text: &str) -> Result<i32, String> {
     }
 }
 
-/// Days, more than none and at most ten years.
+/// Days, greater than 0 and at most ten years.
 pub fn days(text: &str) -> Result<f64, String> {
     number(
         text,

@@ -8,29 +8,29 @@ use std::fs::{self, File};
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
-/// Gives a complete file its final name, replacing what had it. Both outlast a power failure.
+/// Gives a complete file its final name, replacing an existing file. Both survive a power failure.
 ///
 /// # Errors
-/// What the system says. The file then has its old name, unless only the folder could not be synced.
+/// Error of the system. The file then has its old name, unless only the folder could not be synced.
 pub fn replace(from: &Path, to: &Path) -> io::Result<()> {
     sync_file(from)?;
     fs::rename(from, to)?;
     sync_folder_of(to)
 }
 
-/// Syncs a file that is complete, whoever wrote it.
+/// Syncs a complete file of any origin.
 ///
 /// # Errors
-/// What the system says; a full disk may be noticed only here.
+/// Error of the system; a full disk may be detected only here.
 pub fn sync_file(path: &Path) -> io::Result<()> {
     // Windows syncs only what may be written to.
     File::options().write(true).open(path)?.sync_data()
 }
 
-/// Syncs the names in the folder of a path.
+/// Syncs the directory of a path.
 ///
 /// # Errors
-/// What the system says. A file system that cannot sync folders is none.
+/// Error of the system. A file system that cannot sync folders is not an error.
 pub fn sync_folder_of(path: &Path) -> io::Result<()> {
     match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => sync_folder(folder),
@@ -59,10 +59,10 @@ fn sync_folder(folder: &Path) -> io::Result<()> {
     }
 }
 
-/// Makes a folder and those above it where they are missing. Their names outlast a power failure.
+/// Creates a folder and its missing parents. Their names survive a power failure.
 ///
 /// # Errors
-/// What the system says.
+/// Error of the system.
 pub fn make_folders(folder: &Path) -> io::Result<()> {
     let missing: Vec<PathBuf> = folder
         .ancestors()
@@ -96,7 +96,7 @@ mod tests {
         assert!(!from.exists());
     }
 
-    /// Without a folder in its name a file lies in the working directory.
+    /// A file name without a folder refers to the working directory.
     #[test]
     fn a_bare_name_has_a_folder() {
         sync_folder_of(Path::new("Cargo.toml")).expect("the folder of the package");

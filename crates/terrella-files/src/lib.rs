@@ -1,8 +1,7 @@
-//! What every crate of Terrella does alike with files and with text from outside: opening files, writing files that outlast a power
-//! failure, removing those that were not finished, quoting text in messages, loading in the background; and what differs between
-//! platforms: the clock and threads.
+//! Common handling of files and of untrusted text in every crate of Terrella: opening files, writing files that survive a power failure, removing
+//! unfinished ones, quoting text in messages, loading in the background; and platform differences: the clock and threads.
 
-// docs.rs says of each item which feature it needs.
+// docs.rs shows the required feature of each item.
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
 pub mod clock;

@@ -1,4 +1,4 @@
-//! Threads that load tiles beside the frame, and locks for what they share with it.
+//! Threads that load tiles in the background, and locks for their shared state.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError, TryLockError};
@@ -8,7 +8,7 @@ use std::time::Duration;
 /// How long threads are waited for at the end. One that is stuck in a read is left to itself then.
 const JOIN_TIMEOUT: Duration = Duration::from_secs(2);
 
-/// Locks what nobody panics under, so that a poisoned mutex is as good.
+/// Locks a mutex under which no code panics, so that poisoning can be ignored.
 pub fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -22,11 +22,10 @@ pub fn try_lock<T>(mutex: &Mutex<T>) -> Option<MutexGuard<'_, T>> {
     }
 }
 
-/// What loader threads share with who draws. One mutex guards lists of keys and loaded tiles: nobody reads, decodes or frees a tile
-/// under it.
+/// State shared by loader threads and the renderer. One mutex guards lists of keys and loaded tiles: no tile is read, decoded or freed under it.
 pub struct LoadQueue<W> {
     work: Mutex<W>,
-    /// There may be something to do for a thread.
+    /// Signals that a thread may have work.
     to_do: Condvar,
     ended: Condvar,
     is_stopped: AtomicBool,
@@ -58,12 +57,12 @@ impl<W> LoadQueue<W> {
         self.to_do.notify_all();
     }
 
-    /// Whether it is time for the threads to stop.
+    /// Whether the threads must stop.
     pub fn is_stopped(&self) -> bool {
         self.is_stopped.load(Ordering::Relaxed)
     }
 
-    /// For a thread: waits until `next` finds something to do; `None` when it is time to stop.
+    /// For a thread: waits until `next` finds work; `None` when it must stop.
     pub fn take<T>(&self, mut next: impl FnMut(&mut W) -> Option<T>) -> Option<T> {
         let mut work = self.lock();
         while !self.is_stopped() {
@@ -77,7 +76,7 @@ impl<W> LoadQueue<W> {
         None
     }
 
-    /// For a thread: notes that a load has ended.
+    /// For a thread: records that a load has ended.
     pub fn end(&self, note: impl FnOnce(&mut W)) {
         note(&mut self.lock());
         self.ended.notify_all();
@@ -149,12 +148,12 @@ impl Loaders {
         }
     }
 
-    /// Whether the system gave no thread.
+    /// Whether the system provided no thread.
     pub fn is_empty(&self) -> bool {
         self.threads.is_empty()
     }
 
-    /// Waits for threads that were asked to stop, and leaves those behind that do not.
+    /// Waits for threads that were requested to stop, and detaches those that do not.
     pub fn join(&mut self) {
         let count = lock(&self.running.count);
         let waited = self
@@ -188,7 +187,7 @@ fn lower_priority() {
     use thread_priority::{ThreadPriority, ThreadPriorityValue};
     const PRIORITY: u8 = 25;
     if let Ok(priority) = ThreadPriorityValue::try_from(PRIORITY) {
-        // Some systems do not let a program choose: then the frame and the threads share as equals.
+        // Some systems do not allow it: then the frame and the threads have equal priority.
         let _ = ThreadPriority::Crossplatform(priority).set_for_current();
     }
 }

@@ -17,8 +17,7 @@ pub fn printable(text: &str) -> String {
     bounded(text, MAX_QUOTED_CHARS)
 }
 
-/// What is wrong with a file, in a sentence of ours that may hold several texts from outside: 600 characters at most, otherwise as
-/// [`printable`].
+/// A sentence about an error in a file, which may contain several untrusted texts: at most 600 characters, otherwise as [`printable`].
 pub fn cause(text: impl Display) -> String {
     bounded(&text.to_string(), CAUSE_CHARS)
 }

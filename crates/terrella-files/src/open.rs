@@ -16,14 +16,14 @@ pub fn open(path: &Path) -> io::Result<File> {
     open_with(File::options().read(true), path)
 }
 
-/// Opens a file for what `options` say, and makes it if they allow that.
+/// Opens a file with `options`, and creates it if they allow that.
 ///
 /// # Errors
 /// Those of [`open`].
 pub fn open_with(options: &OpenOptions, path: &Path) -> io::Result<File> {
     match fs::metadata(path) {
         Ok(found) => check_is_file(&found)?,
-        // For the options to say whether it may be made.
+        // The options decide whether it may be created.
         Err(error) if error.kind() == ErrorKind::NotFound => {}
         Err(error) => return Err(error),
     }
@@ -43,7 +43,7 @@ pub fn read(path: &Path, limit: u64) -> io::Result<Option<Vec<u8>>> {
     if length > limit {
         return Ok(None);
     }
-    // The length is not to be trusted, since the file may grow and those of /proc have none: the reading is bounded too.
+    // The length is not trustworthy, since the file may grow and those of /proc have none: the read is bounded too.
     let mut bytes = Vec::with_capacity(usize::try_from(length).unwrap_or_default());
     file.take(limit.saturating_add(1)).read_to_end(&mut bytes)?;
     Ok((bytes.len() as u64 <= limit).then_some(bytes))
@@ -61,7 +61,7 @@ pub fn read_text(path: &Path, limit: u64) -> io::Result<Option<String>> {
         .transpose()
 }
 
-/// The first 8 bytes of a file, which say what it is; fewer where it ends. The reader goes back to where the file begins.
+/// The first 8 bytes of a file, which identify its format; fewer if it is shorter. The reader is reset to the start of the file.
 pub fn first_bytes<R: Read + Seek>(mut reader: R) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::with_capacity(8);
     (&mut reader).take(8).read_to_end(&mut bytes)?;
@@ -69,7 +69,7 @@ pub fn first_bytes<R: Read + Seek>(mut reader: R) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// What is wrong with a path that a file names, before the system is asked and its message repeats the path.
+/// The error in a path that a file names, found before a system call whose message would repeat the path.
 pub fn path_complaint(path: &Path) -> Option<String> {
     let bytes = path.as_os_str().len();
     (bytes > MAX_PATH_BYTES)

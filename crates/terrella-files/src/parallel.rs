@@ -1,8 +1,8 @@
-//! Work shared out over the cores, and done in turn where a program has one thread, as in a web page.
+//! Work distributed over the cores, or done in sequence in a single-threaded program such as a web page.
 
 pub use platform::{HAS_THREADS, ThreadSend, ThreadSync, join, map_on};
 
-/// What `f` makes of 0…`count`, in order, on as many threads as the machine has cores: see [`map_on`].
+/// Results of `f` for 0…`count`, in order, on as many threads as the machine has cores: see [`map_on`].
 pub fn map<T: ThreadSend>(count: usize, f: impl Fn(usize) -> T + ThreadSync) -> Vec<T> {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     map_on(cores, count, f)
@@ -24,8 +24,8 @@ mod platform {
     pub trait ThreadSync: Sync {}
     impl<T: Sync + ?Sized> ThreadSync for T {}
 
-    /// What `f` makes of 0…`count`, in order, by at most `threads` threads, each of which takes what is next. Panics of `f` are passed
-    /// on.
+    /// Results of `f` for 0…`count`, in order, computed by at most `threads` threads, each of which takes the next item. Panics of `f` are
+    /// propagated.
     pub fn map_on<T: ThreadSend>(
         threads: usize,
         count: usize,
@@ -54,7 +54,7 @@ mod platform {
         made.into_iter().map(|(_, value)| value).collect()
     }
 
-    /// What both make. `beside` runs on another thread, or before `here` where there is none, and so must not wait for it.
+    /// Results of both. `beside` runs on another thread, or before `here` if there is none, and so must not wait for it.
     pub fn join<A: ThreadSend, B>(
         beside: impl FnOnce() -> A + ThreadSend,
         here: impl FnOnce() -> B,

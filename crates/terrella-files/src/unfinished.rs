@@ -54,7 +54,7 @@ impl Unfinished {
 }
 
 impl Unfinished {
-    /// Where it is.
+    /// Its path.
     pub fn path(&self) -> &Path {
         &self.path
     }
@@ -82,7 +82,7 @@ pub fn remove_unfinished() {
     for file in files {
         let _ = std::fs::remove_file(file);
     }
-    // A path sorts before what lies in it.
+    // A path sorts before its children.
     for folder in folders.into_iter().rev() {
         let _ = std::fs::remove_dir(folder);
     }

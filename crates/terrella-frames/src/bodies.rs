@@ -7,10 +7,10 @@ use glam::{DMat3, DVec3};
 /// Metres in an astronomical unit (IAU 2012 resolution B2).
 pub const ASTRONOMICAL_UNIT_M: f64 = 149_597_870_700.0;
 
-/// The Sun's centre from the Earth's in GCRF axes, metres; geometric, without light time and aberration.
+/// Position of the Sun's centre relative to the Earth's in GCRF axes, metres; geometric, without light time and aberration.
 ///
-/// From 1900 to 2100 by VSOP2000 (simplified): within 7 km and 0.01″ of DE440 in the tests' dates. Outside these years by
-/// Meeus' low-precision formula: 0.012° and 0.0001 au near them, worse with every century.
+/// From 1900 to 2100 by VSOP2000 (simplified): within 7 km and 0.01″ of DE440 for the dates of the tests. Outside these years by Meeus'
+/// low-precision formula: accurate to 0.012° and 0.0001 au near them, less with every century.
 pub fn sun_position_gcrf_m(epoch: Epoch) -> DVec3 {
     let tt = JulianDate::tt(epoch);
     match sofars::eph::epv00(tt.midnight, tt.fraction) {
@@ -25,8 +25,8 @@ pub fn sun_position_gcrf_m(epoch: Epoch) -> DVec3 {
     }
 }
 
-/// Rotation that takes GCRF axes to those of the celestial intermediate pole and origin (IAU 2000B): what precession and
-/// nutation do, without the daily turn. With R3(ERA) and polar motion it makes [`super::itrf_from_gcrf_oriented`].
+/// Rotation from GCRF axes to those of the celestial intermediate pole and origin (IAU 2000B): precession and nutation, without the daily rotation.
+/// Combined with R3(ERA) and polar motion it gives [`super::itrf_from_gcrf_oriented`].
 pub fn intermediate_from_gcrf(epoch: Epoch) -> DMat3 {
     let tt = JulianDate::tt(epoch);
     let rows = sofars::pnp::c2i00b(tt.midnight, tt.fraction);
@@ -140,7 +140,7 @@ mod tests {
         assert!(sun_km < 7.0 && sun_arcsec < 0.01);
     }
 
-    /// Against JPL DE423, 1800 to 2200; the table's head says how it was made.
+    /// Compared with JPL DE423, 1800 to 2200; the head of the table states how it was made.
     #[test]
     fn sun_and_moon_hold_for_two_hundred_years() {
         let table = include_str!("../../../tests/data/sky/sun_moon_de423.csv");

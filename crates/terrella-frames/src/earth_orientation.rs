@@ -9,11 +9,11 @@ use terrella_files as files;
 /// UT1 − UTC and polar motion by date: `finals2000A.all` or `finals2000A.daily` of the IERS (Bulletin A), one row a day at
 /// 0 h UTC, from 1973 to a year ahead.
 ///
-/// Between rows all three are linear in time; of UT1 it is UT1 − TAI, which leap seconds do not break. What that leaves
-/// out, as shifts on the ground at the equator: the curvature from day to day, at most 0.06 ms of UT1 (3 cm) and 0.2 mas of
-/// the pole (6 mm) since 1990; ocean tides within a day, 0.07 ms (3 cm) and 0.5 mas (1.5 cm). Predicted rows err more, by
-/// Bulletin A's own rule 0.25 ms·d^0.75 and 0.68 mas·d^0.8 after d days: 1.4 ms (65 cm) and 4 mas (13 cm) after ten days,
-/// 21 ms (10 m) and 76 mas (2.4 m) after a year. Without any table: 420 m and 20 m ([`Orientation`]).
+/// Between rows all three are interpolated linearly; for UT1 it is UT1 − TAI, which has no steps at leap seconds. Neglected effects, as shifts on
+/// the ground at the equator: the curvature from day to day, at most 0.06 ms of UT1 (3 cm) and 0.2 mas of the pole (6 mm) since 1990; ocean tides
+/// within a day, 0.07 ms (3 cm) and 0.5 mas (1.5 cm). Predicted rows have larger errors, by Bulletin A's own rule 0.25 ms·d^0.75 and 0.68 mas·d^0.8
+/// after d days: 1.4 ms (65 cm) and 4 mas (13 cm) after ten days, 21 ms (10 m) and 76 mas (2.4 m) after a year. Without a table: 420 m and 20 m
+/// ([`Orientation`]).
 #[derive(Clone, Debug)]
 pub struct EarthOrientation {
     /// One a day, no day left out.
@@ -30,7 +30,7 @@ struct Row {
     is_predicted: bool,
 }
 
-/// What can be wrong with a table of the Earth's orientation.
+/// Why a table of the Earth's orientation is rejected.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 #[allow(missing_docs, reason = "the messages say what fields are")]
@@ -59,7 +59,7 @@ pub enum EarthOrientationError {
         /// Name of the field.
         field: &'static str,
         text: String,
-        /// What is accepted there.
+        /// The expected value.
         expected: &'static str,
     },
     /// A day is missing or comes twice.
@@ -70,7 +70,7 @@ pub enum EarthOrientationError {
         line: usize,
         /// Modified Julian date of the row before.
         before: i64,
-        /// Of this row.
+        /// Day of this row.
         found: i64,
     },
     /// No row with values.
@@ -220,7 +220,7 @@ impl Line<'_> {
         }
     }
 
-    /// The modified Julian date, which must be that of the date beside it: so columns that have moved are found.
+    /// The modified Julian date, which must agree with the calendar date beside it: this detects shifted columns.
     fn day(&self) -> Result<i64, EarthOrientationError> {
         let fault = || {
             self.fault(

@@ -1,4 +1,4 @@
-//! Whether the Sun lights a place in space.
+//! Whether a position in space is sunlit.
 
 use super::{Ellipsoid, Epoch, Orientation, sun_direction_itrf_oriented, sun_position_gcrf_m};
 use glam::DVec3;
@@ -34,10 +34,10 @@ pub fn sun_position_itrf_m(epoch: Epoch, orientation: &Orientation) -> DVec3 {
     sun_direction_itrf_oriented(epoch, orientation) * sun_position_gcrf_m(epoch).length()
 }
 
-/// What the Earth leaves of the Sun at a position, and the part of its disc, 0…1; position and Sun in ITRF metres.
+/// How much of the Sun is visible at a position: its class, and the visible fraction of the disc, 0…1. Position and Sun in ITRF metres.
 ///
-/// The Earth is the ellipsoid, its limb that in the plane of the position, the Earth's centre and the Sun's. Without air, which lets
-/// red light reach some ten seconds of low flight further in.
+/// The Earth is the ellipsoid, with its limb in the plane of the position, the Earth's centre and the Sun's. The air is neglected, which refracts
+/// red light further in, by some ten seconds of flight in low orbit.
 pub fn illumination(
     position_itrf_m: DVec3,
     sun_itrf_m: DVec3,
@@ -45,11 +45,11 @@ pub fn illumination(
 ) -> (Illumination, f64) {
     let to_sun = sun_itrf_m - position_itrf_m;
     let sun = (SUN_RADIUS_M / to_sun.length()).asin();
-    // Where the ellipsoid is a unit sphere planes are planes and tangents are tangents.
+    // The transformation to the unit sphere preserves planes and tangents.
     let scale = ellipsoid.itrf_from_scaled();
     let (eye, towards) = (position_itrf_m / scale, to_sun / scale);
     if eye.length_squared() < 1.0 {
-        // In the ground.
+        // Below the ground.
         return (Illumination::Umbra, 0.0);
     }
     if to_sun.length() <= SUN_RADIUS_M {

@@ -95,10 +95,10 @@ impl Ellipsoid {
 
     /// Geodetic coordinates of an ITRF position, metres.
     ///
-    /// Bowring's iteration for the parametric latitude from his start of 1985, to the last digit: the error is a few
-    /// roundings of the coordinates (2e-9 m near the surface) from 100 km off the centre to beyond the planets. On the
-    /// axis the longitude is 0. Within 43 km of the centre several normals of the ellipsoid pass through a point; the
-    /// answer is then finite but not unique, and at the centre itself the north pole with height −b.
+    /// Bowring's iteration for the parametric latitude, with his starting value of 1985, to the last digit: the error is a few roundings of the
+    /// coordinates (2e-9 m near the surface) from 100 km off the centre to beyond the planets. On the axis the longitude is 0. Within 43 km of the
+    /// centre several normals of the ellipsoid pass through a point. The result is then finite but not unique, and at the centre itself it is the
+    /// north pole with height −b.
     pub fn geodetic_from_itrf(&self, p: DVec3) -> Geodetic {
         let (a, b) = (self.equatorial_radius_m, self.polar_radius_m);
         let rho = DVec2::new(p.x, p.y).length();

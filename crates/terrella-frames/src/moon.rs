@@ -23,7 +23,7 @@ const MEAN_LONGITUDE: [f64; 5] = [
     3.110_249_449_106_061_6e-8,
     -2.032_823_764_892_284_5e-10,
 ];
-/// How the ecliptic of date leans against that of J2000, powers 1…5 (Laskar 1986).
+/// Inclination of the ecliptic of date to that of J2000, coefficients of powers 1…5 (Laskar 1986).
 const LEAN_P: [f64; 6] = [
     0.0,
     0.101_803_91e-4,
@@ -77,11 +77,10 @@ pub fn moon_position_gcrf_m(epoch: Epoch) -> DVec3 {
     rotation_about_z(-NODE * ARCSEC) * equator_from_ecliptic * j2000_from_date * of_date
 }
 
-/// Rotation that takes GCRF axes to those of the Moon, fixed in it: x to the middle of the near side, z to the north pole (mean Earth
-/// and mean axis of rotation).
+/// Rotation from GCRF axes to axes fixed in the Moon: x to the middle of the near side, z to the north pole (mean Earth and mean axis of rotation).
 ///
-/// The report of the IAU's working group on cartographic coordinates of 2009 (Archinal et al. 2011), its physical librations' largest
-/// terms: within 0.03° of JPL's DE421.
+/// By the report of the IAU's working group on cartographic coordinates of 2009 (Archinal et al. 2011), with the largest terms of its physical
+/// librations: within 0.03° of JPL's DE421.
 pub fn moon_from_gcrf(epoch: Epoch) -> DMat3 {
     let days = centuries(epoch) * 36_525.0;
     let angle = |at_j2000: f64, per_day: f64| (at_j2000 + per_day * days).to_radians();

@@ -30,7 +30,7 @@ impl MoonShadow {
             self.moon_itrf_m - place_itrf_m,
         );
         let radius = |radius_m: f64, to: DVec3| (radius_m / to.length()).min(1.0).asin();
-        // Of vectors as near each other as these, an arc cosine knows little.
+        // An arc cosine loses precision for such a small angle.
         let apart = sun.cross(moon).length().atan2(sun.dot(moon));
         uncovered(
             radius(SUN_RADIUS_M, sun),
@@ -68,7 +68,7 @@ impl MoonShadow {
         self.moon_itrf_m.distance(self.sun_itrf_m) / SUN_RADIUS_M
     }
 
-    /// Whether the penumbra comes to any place of a ball.
+    /// Whether the penumbra reaches any point of a sphere.
     pub fn reaches(&self, center_itrf_m: DVec3, radius_m: f64) -> bool {
         let from_moon = center_itrf_m - self.moon_itrf_m;
         let behind = from_moon.dot(self.axis());

@@ -1,4 +1,4 @@
-//! An eye among the stars: where it sees the Sun, the Moon and what is infinitely far.
+//! An observer: the apparent directions of the Sun, the Moon and the stars.
 
 use super::rotation::EARTH_ROTATION_RATE_RAD_S;
 use super::sun::aberrated;
@@ -13,10 +13,10 @@ const LIGHT_M_S: f64 = 299_792_458.0;
 /// An eye farther away than this does not turn with the Earth, unless its velocity is given, metres.
 const TURNS_WITH_THE_EARTH_M: f64 = 1e8;
 
-/// An eye at an instant, and the axes between it and the stars.
+/// An observer at a time, and the rotation between Earth-fixed axes and those of the stars.
 ///
-/// What it sees is where light comes from: light time and the aberration by the Earth's and the eye's own motion are in it. Left out are
-/// the bending of light by the Sun (0.03″ at 15° from it, 1.75″ at its limb) and refraction by the air.
+/// Apparent directions include light time and the aberration by the Earth's and the observer's motion. They neglect the deflection of light by the
+/// Sun (0.03″ at 15° from it, 1.75″ at its limb) and refraction by the air.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Observer {
     epoch: Epoch,
@@ -33,7 +33,7 @@ pub struct Observer {
 }
 
 impl Observer {
-    /// An eye at an ITRF position, metres, that stands still over the turning Earth; beyond 100 000 km it stands still to the Earth's centre.
+    /// An observer at an ITRF position, metres, at rest on the rotating Earth; beyond 100 000 km at rest relative to the Earth's centre.
     pub fn at_rest(epoch: Epoch, orientation: &Orientation, eye_itrf_m: DVec3) -> Self {
         let turn = DVec3::Z * EARTH_ROTATION_RATE_RAD_S;
         let velocity = match eye_itrf_m.length() < TURNS_WITH_THE_EARTH_M {
@@ -43,8 +43,8 @@ impl Observer {
         Self::moving(epoch, orientation, eye_itrf_m, velocity)
     }
 
-    /// An eye at an ITRF position, metres, with a velocity relative to the Earth's centre that is counted in axes which do not turn and
-    /// written along those of ITRF, metres a second.
+    /// An observer at an ITRF position, metres, with a velocity relative to the Earth's centre, metres a second, in non-rotating axes that are
+    /// aligned with ITRF at this time.
     pub fn moving(
         epoch: Epoch,
         orientation: &Orientation,
@@ -63,7 +63,7 @@ impl Observer {
             eye_gcrf_m,
             beta: velocity / LIGHT_M_S,
             sun_gcrf_m,
-            // Then the Earth was elsewhere.
+            // At that earlier time the Earth was at another place.
             moon_gcrf_m: moon_gcrf_m - earth_m_s * seconds,
             moon_epoch: epoch - Duration::from_seconds(seconds),
         }
@@ -74,12 +74,12 @@ impl Observer {
         self.epoch
     }
 
-    /// Rotation from the axes of the stars to those of the Earth.
+    /// Rotation from GCRF to ITRF axes.
     pub fn itrf_from_gcrf(&self) -> DMat3 {
         self.itrf_from_gcrf
     }
 
-    /// Where a thing is seen whose light comes along a unit direction of GCRF axes: a unit vector in the same axes.
+    /// Apparent direction of an object whose light arrives along a unit direction of GCRF axes: a unit vector in the same axes.
     pub fn seen(&self, natural: DVec3) -> DVec3 {
         let sun_au = (self.sun_gcrf_m - self.eye_gcrf_m).length() / ASTRONOMICAL_UNIT_M;
         // Nearer than a hundredth of its distance the Sun's potential would be all of it.
@@ -97,7 +97,7 @@ impl Observer {
         self.apparent_m(self.moon_gcrf_m - self.eye_gcrf_m)
     }
 
-    /// Rotation from ITRF axes to those of the Moon as it was when its light left it.
+    /// Rotation from ITRF axes to those of the Moon at the time when its light was emitted.
     pub fn moon_from_itrf(&self) -> DMat3 {
         moon::moon_from_gcrf(self.moon_epoch) * self.itrf_from_gcrf.transpose()
     }

@@ -1,4 +1,4 @@
-//! What is measured of the Earth's rotation and cannot be computed ahead: UT1 − UTC and polar motion.
+//! The measured part of the Earth's rotation, which cannot be computed in advance: UT1 − UTC and polar motion.
 
 /// The Earth's orientation at an instant, as the IERS publishes it. The default is zero in all.
 ///

@@ -9,13 +9,12 @@ use glam::{DMat3, DVec3};
 /// Angular velocity of the Earth about ITRF z, radians per second of UT1 (Vallado 2013, eq. 3-40; length of day 86 400 s).
 pub const EARTH_ROTATION_RATE_RAD_S: f64 = 7.292_115_146_706_98e-5;
 
-/// Rotation that takes TEME axes (true equator, mean equinox: what SGP4 gives) to ITRF axes at `epoch`, UT1 taken as UTC.
+/// Rotation from TEME axes (true equator, mean equinox: the output of SGP4) to ITRF axes at `epoch`, with UT1 = UTC.
 ///
 /// R = R3(θ), θ = Greenwich mean sidereal time of UT1, IAU 1982 (Vallado, Crawford, Hujsak & Kelso 2006, appendix C).
-/// What it leaves out, as the greatest shift of a point at the equator:
-/// - UT1 − UTC is held below 0.9 s by leap seconds: 13.5″, 420 m. [`itrf_from_teme_with_ut1`] takes the true value.
-///   While UT1 = UTC is used, a leap second is a real step: the Earth turns on through 23:59:60 and is then one second,
-///   15″, back at 0 h.
+/// Neglected effects, as the largest shift of a point at the equator:
+/// - UT1 − UTC, which leap seconds keep below 0.9 s: 13.5″, 420 m. [`itrf_from_teme_with_ut1`] takes the true value. With UT1 = UTC, a leap second
+///   is a real step: the Earth rotates through 23:59:60 and then jumps back by one second, 15″, at 0 h.
 /// - Polar motion, 0.6″, 20 m.
 pub fn itrf_from_teme(epoch: Epoch) -> DMat3 {
     itrf_from_teme_with_ut1(epoch, 0.0)
@@ -27,10 +26,10 @@ pub fn itrf_from_teme_with_ut1(epoch: Epoch, ut1_minus_utc_s: f64) -> DMat3 {
     rotation_about_z(sofars::erst::gmst82(ut1.midnight, ut1.fraction))
 }
 
-/// Rotation that takes GCRF axes (J2000 to within 0.02″) to ITRF axes at `epoch`, UT1 taken as UTC.
+/// Rotation from GCRF axes (J2000 to within 0.02″) to ITRF axes at `epoch`, with UT1 = UTC.
 ///
-/// IAU 2000B precession and nutation, good to 0.001″ in 1995…2050 and to 0.1″ over 1900…2100, with the Earth rotation
-/// angle of 2000. What it leaves out is what [`itrf_from_teme`] leaves out: UT1 − UTC up to 13.5″ and polar motion 0.6″.
+/// IAU 2000B precession and nutation, accurate to 0.001″ in 1995…2050 and to 0.1″ over 1900…2100, with the Earth rotation angle of 2000. Neglected
+/// effects are those of [`itrf_from_teme`]: UT1 − UTC up to 13.5″ and polar motion 0.6″.
 pub fn itrf_from_gcrf(epoch: Epoch) -> DMat3 {
     itrf_from_gcrf_with_ut1(epoch, 0.0)
 }
@@ -50,7 +49,7 @@ pub fn itrf_from_gcrf_with_ut1(epoch: Epoch, ut1_minus_utc_s: f64) -> DMat3 {
     DMat3::from_cols_array_2d(&rows).transpose()
 }
 
-/// As [`itrf_from_gcrf`], with what is measured of the Earth's rotation.
+/// As [`itrf_from_gcrf`], with the measured part of the Earth's rotation.
 pub fn itrf_from_gcrf_oriented(epoch: Epoch, orientation: &Orientation) -> DMat3 {
     let ut1 = ut1(epoch, orientation.ut1_minus_utc_s);
     let tt = JulianDate::tt(epoch);
@@ -117,8 +116,8 @@ mod tests {
     use super::*;
     use crate::utc_from_rfc3339;
 
-    /// Vallado, Fundamentals of Astrodynamics and Applications (2013), example 3-15: by the theory of 1976 and 1980 with the
-    /// IERS's corrections of nutation, from which that of 2000 differs by thousandths of an arc second.
+    /// Vallado, Fundamentals of Astrodynamics and Applications (2013), example 3-15: by the theory of 1976 and 1980 with the IERS's nutation
+    /// corrections, from which that of 2000 differs by thousandths of an arc second.
     #[test]
     fn axes_of_date_lie_as_published() {
         let epoch = utc_from_rfc3339("2004-04-06T07:51:28.386009Z").unwrap();

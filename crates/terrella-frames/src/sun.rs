@@ -17,7 +17,7 @@ pub fn sun_direction_itrf(epoch: Epoch) -> DVec3 {
     sun_direction_itrf_oriented(epoch, &Orientation::default())
 }
 
-/// As [`sun_direction_itrf`], with what is measured of the Earth's rotation: from 1900 to 2100 good to 0.1″.
+/// As [`sun_direction_itrf`], with the measured part of the Earth's rotation: accurate to 0.1″ from 1900 to 2100.
 pub fn sun_direction_itrf_oriented(epoch: Epoch, orientation: &Orientation) -> DVec3 {
     let tt = JulianDate::tt(epoch);
     match sofars::eph::epv00(tt.midnight, tt.fraction) {
@@ -31,10 +31,10 @@ pub fn sun_direction_itrf_oriented(epoch: Epoch, orientation: &Orientation) -> D
     }
 }
 
-/// The place where the Sun stands in the zenith: geodetic latitude and longitude, height 0.
+/// The subsolar point, where the Sun is in the zenith: geodetic latitude and longitude, height 0.
 ///
-/// On an ellipsoid the zenith is the surface normal, so the latitude is that of the Sun's direction (its declination),
-/// not of the point where the line to the Earth's centre meets the surface, which is up to 0.07° from it.
+/// On an ellipsoid the zenith is the direction of the surface normal, so the latitude is that of the Sun's direction (its declination). The point
+/// where the line to the Earth's centre meets the surface is up to 0.07° away.
 pub fn subsolar_point(epoch: Epoch) -> Geodetic {
     let sun = sun_direction_itrf(epoch);
     Geodetic {
@@ -45,7 +45,7 @@ pub fn subsolar_point(epoch: Epoch) -> Geodetic {
     }
 }
 
-/// The Sun's direction in GCRF from where the Earth stands, au, and how it moves, au per day.
+/// The Sun's direction in GCRF from the Earth's position, au, and velocity, au per day.
 fn apparent_direction(earth_au: [f64; 3], velocity_au_day: [f64; 3]) -> DVec3 {
     // The Sun itself moves 7 km while its light is on the way: 0.01″, left out.
     let to_sun = -DVec3::from(earth_au);
@@ -64,7 +64,7 @@ pub(super) fn aberrated(natural: DVec3, beta: DVec3, sun_au: f64) -> DVec3 {
     DVec3::from(sofars::astro::ab(&natural, &beta, sun_au, inverse_gamma))
 }
 
-/// What aberration moves the Sun back by, degrees of longitude: 20.5″.
+/// Displacement of the Sun by aberration, degrees of longitude: 20.5″.
 const ABERRATION_DEG: f64 = 0.005_69;
 
 /// Meeus, Astronomical Algorithms (1998), chapter 25, with mean equator and equinox of date turned by mean sidereal time, moved back by
@@ -129,7 +129,7 @@ mod tests {
     #[test]
     fn the_sun_moves_with_the_earths_clock_and_pole() {
         let arcsecond = 1f64.to_radians() / 3600.0;
-        // Inside the ephemeris and outside it. At noon UTC the Sun stands near 0° E.
+        // Inside the ephemeris and outside it. At noon UTC the Sun is near 0° E.
         for year in [2018, 2150] {
             let noon = Epoch::from_gregorian_utc(year, 4, 15, 12, 0, 0, 0);
             let place = |orientation| {
@@ -142,7 +142,7 @@ mod tests {
                 sun_direction_itrf(noon).y.atan2(sun_direction_itrf(noon).x),
                 still.1
             );
-            // UT1 ahead by half a second: the Earth has turned 15.041″ a second further, and the Sun stands farther west.
+            // UT1 ahead by half a second: the Earth has rotated 15.041″ a second further, and the Sun is farther west.
             let ahead = place(Orientation {
                 ut1_minus_utc_s: 0.5,
                 ..Orientation::default()
@@ -152,7 +152,7 @@ mod tests {
                 "{year}"
             );
             assert!((ahead.0 - still.0).abs() / arcsecond < 1e-3);
-            // The pole leans 0.3″ towards 0° E: what stands there is that much nearer to it than to ITRF's z axis.
+            // The pole is displaced by 0.3″ towards 0° E: the Sun there is that much nearer to it than to ITRF's z axis.
             let leaning = place(Orientation {
                 x_pole_rad: 0.3 * arcsecond,
                 ..Orientation::default()

@@ -1,14 +1,12 @@
 //! UTC as people write it, leap seconds included, to and from a typed epoch.
 //!
-//! Epochs made here count in TAI: adding a duration to one adds elapsed seconds, through a leap second too. An epoch
-//! that a host made in another scale is accepted everywhere; `hifitime` turns it into TAI correctly. The way back,
-//! TAI to UTC, is done here with a table of our own: `hifitime` 4.3 takes a leap second away as many seconds too early
-//! as TAI is ahead (its `to_gregorian_utc` is one second late from 23:59:24 UTC on 31 December 2016), and it has no
-//! reading for 23:59:60.
+//! Epochs made here count in TAI: adding a duration adds elapsed seconds, also across a leap second. Epochs of a host in another scale are accepted
+//! everywhere; `hifitime` converts them to TAI correctly. The conversion back from TAI to UTC is done here with our own table: `hifitime` 4.3
+//! removes a leap second too early, by as many seconds as TAI is ahead (its `to_gregorian_utc` is one second late from 23:59:24 UTC on 31 December
+//! 2016), and it cannot represent 23:59:60.
 //!
-//! Before 1972 UTC and TAI are counted as equal, as `hifitime` does. A date written in UTC comes back unchanged and
-//! turns the Earth by that reading; only the Sun's own motion is then up to 42 s out (1.7″). The ten seconds that this
-//! convention leaves over at the end of 1971 all read 23:59:59.999.
+//! Before 1972 UTC and TAI are treated as equal, as in `hifitime`. A date in UTC is preserved and determines the Earth's rotation; only the Sun's
+//! own motion is then up to 42 s off (1.7″). The ten seconds that this convention leaves over at the end of 1971 all read 23:59:59.999.
 
 use super::calendar::Calendar;
 use super::{Duration, Epoch};
@@ -124,15 +122,15 @@ pub fn utc_from_rfc3339(text: &str) -> Result<Epoch, TimeError> {
     Ok(tai_from_utc_day(reading.mjd, reading.ns_of_day()))
 }
 
-/// What the system's clock says, in whole seconds of UTC, so that the instant can be written down and used again.
+/// The system clock in whole seconds of UTC, so that the time can be written down and used again.
 ///
 /// # Errors
-/// A clock that is not set: before 1970 or after 2099.
+/// A system clock before 1970 or after 2099.
 pub fn utc_now() -> Result<Epoch, TimeError> {
     let since_1970 = std::time::UNIX_EPOCH.elapsed();
     let seconds = since_1970.map_err(|_| TimeError::Clock)?.as_secs();
     let seconds = i64::try_from(seconds).map_err(|_| TimeError::Clock)?;
-    // POSIX counts days of 86 400 s: no leap second has a number of its own.
+    // POSIX counts days of 86 400 s: a leap second has no number.
     let (mjd, second) = (MJD_1970 + seconds / 86_400, seconds % 86_400);
     match mjd < MJD_2100 {
         true => Ok(tai_from_utc_day(mjd, second * NS_PER_SECOND)),
@@ -140,7 +138,7 @@ pub fn utc_now() -> Result<Epoch, TimeError> {
     }
 }
 
-/// What a clock shows, whatever scale it keeps.
+/// The reading of a clock in any time scale.
 pub(super) struct Reading {
     /// Day, as a modified Julian date.
     pub mjd: i64,
@@ -229,7 +227,7 @@ pub fn rfc3339_with_offset(epoch: Epoch, offset_min: i32) -> String {
     // The leap second belongs to the last minute of its day.
     let minute_of_day = (second_of_day / 60).min(1439);
     let second = second_of_day - minute_of_day * 60;
-    // Minutes of all zones begin together, and leap seconds end them.
+    // Minutes start at the same time in all zones, and leap seconds end them.
     let minute = minute_of_day + i64::from(offset_min);
     let date = Calendar::from_mjd(mjd + minute.div_euclid(1440));
     let minute_of_day = minute.rem_euclid(1440);
@@ -254,7 +252,7 @@ pub fn rfc3339_with_offset(epoch: Epoch, offset_min: i32) -> String {
     )
 }
 
-/// A Julian date in two parts, midnight and what has passed since, which together lose no precision.
+/// A Julian date in two parts, midnight and the time since then, which together lose no precision.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct JulianDate {
     /// Julian date of the midnight before.
@@ -395,7 +393,7 @@ fn number(text: &[u8], first: usize, len: usize) -> Option<i64> {
     })
 }
 
-/// A text that is no date, as it stands if it is short: blanks around it may be what is wrong.
+/// Quotes an invalid text, unless it is long: blanks around it may be the error.
 fn quoted(text: &str) -> String {
     const SHORT: usize = 40;
     match text.len() <= SHORT && !text.contains(is_unprintable) {

@@ -17,6 +17,7 @@ pub mod geo_tags;
 pub mod geoid;
 mod grid;
 mod ground;
+mod land;
 mod placed;
 pub mod projection;
 pub mod read;
@@ -30,6 +31,7 @@ mod tiles;
 pub mod vrt;
 pub mod warp;
 pub mod wkt;
+pub mod world_file;
 
 pub use change::{COARSEST_STEP_RAD, HeightChange};
 pub use denoise::{Denoise, Denoised};
@@ -40,6 +42,7 @@ pub use grid::{
 };
 pub use grid::{joins::Joins, placement::Placement};
 pub use ground::Ground;
+pub use land::LandShares;
 pub use placed::PlacedBounds;
 pub use read::{
     HeightFile, HeightFileError, check_heights, height_files, height_set, open_heights,

@@ -1,5 +1,5 @@
-//! What the ground and its clouds reflect, averaged over neighbourhoods of some hundred kilometres: the air scatters light that
-//! comes from all of them, not from the pixel behind it.
+//! Mean albedo of the ground and its clouds over neighbourhoods of some hundred kilometres: the air scatters light from all of them, not only from
+//! the pixel behind it.
 
 use super::layer::{EarthLayers, LayerImage};
 use super::mips::level_count;
@@ -28,7 +28,7 @@ pub struct NeighbourhoodAlbedo {
 }
 
 impl NeighbourhoodAlbedo {
-    /// Of these maps. The day map is taken for the land's albedo.
+    /// From these maps. The day map serves as the land's albedo.
     pub fn new(layers: &EarthLayers) -> Self {
         let part = |layer| {
             let map = layers.get(layer)?;
@@ -37,7 +37,7 @@ impl NeighbourhoodAlbedo {
         Self::of_parts(part)
     }
 
-    /// Of what each map contributes; black land without a day map.
+    /// From the contribution of each map; black land without a day map.
     pub fn of_parts(part: impl Fn(MapLayer) -> Option<MapAlbedo>) -> Self {
         let means = |layer| part(layer).map(|part| part.means);
         Self {
@@ -83,7 +83,7 @@ impl NeighbourhoodAlbedo {
     }
 
     /// Light of lamps in the same texels, that of the brightest being 1; empty without a map of them. It is the fourth root of the mean fourth
-    /// power, which the hearts of towns decide: what is dark between them is larger.
+    /// power, which is dominated by the centres of towns: the dark remainder has a larger area.
     pub fn lamps(&self) -> Vec<f32> {
         let lamps = self.lamps.as_deref();
         lamps.map_or_else(Vec::new, |lamps| {
@@ -94,7 +94,7 @@ impl NeighbourhoodAlbedo {
     }
 }
 
-/// What one map has a part in it with.
+/// The contribution of one map.
 #[derive(Clone, Debug)]
 pub struct MapAlbedo {
     layer: MapLayer,
@@ -109,8 +109,8 @@ impl MapAlbedo {
         Self::of_texels(layer, texels, map.level_size(level), map.format)
     }
 
-    /// The level of a map that it is found from: the smallest with a texel for each neighbourhood. Of lamps, whose light is no mean of what
-    /// texels hold, one of many.
+    /// The mip level that it is computed from: the smallest with a texel for each neighbourhood. For lamps a larger one, as their light is not
+    /// linear in the texels' values.
     pub(super) fn level(layer: MapLayer, map: &LayerImage) -> usize {
         let finer = if layer == MapLayer::NightLights { 8 } else { 1 };
         let is_large = |level: &usize| {
@@ -138,7 +138,7 @@ impl MapAlbedo {
         Some(Self { layer, means })
     }
 
-    /// What lies between two: `weight` 0 is `from`, 1 is `to`.
+    /// Blend of two contributions: `weight` 0 is `from`, 1 is `to`.
     pub fn between(from: &Self, to: &Self, weight: f32) -> Self {
         let pairs = from.means.iter().zip(&to.means);
         Self {
@@ -171,8 +171,8 @@ fn cells_around() -> impl Iterator<Item = usize> {
     (0..HEIGHT).flat_map(row)
 }
 
-/// Means of a map's texels over the cells, each texel by the area that it shares with a cell. Cells are as wide on the ground as at the
-/// equator, and each pole has one: narrower ones meet there in a fan of wedges.
+/// Means of a map's texels over the cells, each texel weighted by the area that it shares with a cell. Cells are as wide on the ground as at the
+/// equator, and each pole has one: narrower ones would converge there as wedges.
 fn means(
     texels: &[u8],
     (width, height): (u32, u32),
@@ -298,7 +298,7 @@ mod tests {
         assert!(off.fold(0.0, f32::max) < 1e-3, "{lamps:?}");
     }
 
-    /// The first channel of a map of 128 x 64 texels, as [`NeighbourhoodAlbedo::texels`] gives it, by what texels are white.
+    /// The first channel of a map of 128 x 64 texels, as from [`NeighbourhoodAlbedo::texels`], given its white texels.
     fn of_white(is_white: impl Fn(usize, usize) -> bool) -> Vec<f32> {
         let white = |at: usize| [if is_white(at % 128, at / 128) { 255 } else { 0 }; 4];
         let texels = (0..128 * 64).flat_map(white).collect();
@@ -339,7 +339,7 @@ mod tests {
 
     #[test]
     fn texels_on_the_edge_of_two_cells_count_in_both_by_their_parts() {
-        // 96 columns: of three texels the middle one lies half in each of two cells.
+        // 96 columns: of three texels the middle one is split between two cells.
         let texels = (0..96 * 48).flat_map(|at| [if at % 96 == 1 { 255 } else { 0 }; 4]);
         let found = means(&texels.collect::<Vec<u8>>(), (96, 48), 4, color);
         let row = &found[HEIGHT / 2 * WIDTH..][..WIDTH];

@@ -1,12 +1,12 @@
-//! What lies between two maps.
+//! Blends of two maps.
 
 use super::layer::LayerImage;
 use super::srgb::{LINEAR_FROM_SRGB, SrgbEncoder};
 use super::texel::TexelFormat;
 
 impl LayerImage {
-    /// What lies between two maps of one size and format: `weight` 0 is `from`, 1 is `to`. Colours are mixed in linear light. `None`
-    /// of maps that are unlike.
+    /// Blend of two maps of the same size and format: `weight` 0 is `from`, 1 is `to`. Colours are mixed in linear light. `None` if size or format
+    /// differ.
     pub fn between(from: &Self, to: &Self, weight: f32) -> Option<Self> {
         if (from.width, from.height, from.format) != (to.width, to.height, to.format) {
             return None;

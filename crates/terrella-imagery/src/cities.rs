@@ -35,12 +35,12 @@ use std::ops::Range;
 use std::sync::{Arc, LazyLock, OnceLock};
 use terrella_files::parallel;
 
-/// All points, by cells of some 600 km: in a cell the finest first, each fineness from bright to faint.
+/// All points, by cells of some 600 km: in a cell the finest level of detail first, each level from bright to faint.
 ///
-/// Every fineness has all of the light of the map's texels above [`LEAST_LIGHT`]; points never lie outside the texel whose light they
-/// have, and those of sums lie in the middle of that light.
+/// Every level of detail has all of the light of the map's texels above [`LEAST_LIGHT`]. Points are never outside the texel whose light they have;
+/// a point for a sum is at the centre of its light.
 ///
-/// The points of a cell are made when they are first asked for: a view by night has some per cent of all, one by day none.
+/// The points of a cell are computed on first use: a view at night needs some per cent of all, one by day none.
 pub struct CityLights {
     source: LazyLock<LightSource, Box<dyn FnOnce() -> LightSource + Send>>,
     cells: Box<[OnceLock<CellPoints>]>,
@@ -76,11 +76,11 @@ impl CityLights {
         }
     }
 
-    /// Reads the places and the night map of a folder; `None` where it lacks one of them. The files stay in memory as they are until
-    /// points are asked for.
+    /// Reads the places and the night map of a folder; `None` if it lacks one of them. The files stay in memory unchanged until points are
+    /// requested.
     ///
     /// # Errors
-    /// A file that is there and cannot be used.
+    /// A file that exists and cannot be used.
     pub fn load<'f>(folder: impl Into<MapFolder<'f>>) -> Result<Option<Arc<Self>>, ImageryError> {
         let folder = folder.into();
         if !folder.has(super::load::NIGHT_LIGHTS_NAME) {
@@ -110,7 +110,7 @@ impl CityLights {
         Ok(Some(Arc::new(Self::of(Box::new(make)))))
     }
 
-    /// Makes the points of all cells, on all cores.
+    /// Computes the points of all cells, on all cores.
     pub fn make_all(&self) {
         parallel::map(CITY_CELLS, |cell| {
             self.cell(cell);
@@ -122,13 +122,12 @@ impl CityLights {
         Some(points.get_or_init(|| self.source.cell(cell)))
     }
 
-    /// All points of a cell, of all finenesses; none beyond.
+    /// All points of a cell, at all levels of detail; none for an invalid index.
     pub fn points(&self, cell: usize) -> &[CityLight] {
         self.cell(cell).map_or(&[], CellPoints::all)
     }
 
-    /// How finely the light has to be divided where the smallest pixel is so wide, metres: points of a texel that is as large as a pixel or
-    /// two lie in each other's place.
+    /// The required level of detail for the smallest pixel size, metres: the points of a texel of one or two pixels would overlap.
     pub fn fineness(&self, pixel_m: f64) -> usize {
         let texel_m = PI * EARTH_M / self.source.rows() as f64;
         let texels = [1.0, COARSEST_TEXELS as f64];
@@ -151,7 +150,7 @@ mod tests {
     use super::*;
     use lamps::LIGHT_OF_MAP;
 
-    /// A map with lights of all strengths, and places in some of them.
+    /// A map with lights of all intensities, and places in some of them.
     fn lights() -> (LayerImage, Vec<Place>, CityLights) {
         let (width, height) = (256, 128);
         let mut noise = noise::Noise::new(1);
@@ -234,7 +233,7 @@ mod tests {
                 assert!(points.is_sorted_by(|a, b| a.light >= b.light));
                 for point in points {
                     let off_rad = point.up.as_dvec3().angle_between(cell.up);
-                    // The middle of a sum's light may lie beside its first texel.
+                    // The centre of a sum's light may be outside its first texel.
                     let room_rad = [1e-6, 1e-6, 0.1][fineness];
                     assert!(
                         off_rad <= cell.radius_rad + room_rad,

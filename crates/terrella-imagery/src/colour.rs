@@ -1,14 +1,14 @@
-//! What a file says of its colours and of how its texels lie, beside the texels: gamma, colour profiles, orientation.
+//! Colour metadata of a file and its orientation: gamma, colour profiles, Exif.
 //!
-//! Colours are drawn as sRGB. Others are not converted; they are reported, so that nobody takes them for what they are not.
+//! Colours are drawn as sRGB. Other colour spaces are not converted but reported.
 //! Sources: PNG (W3C, third edition) 11.3.2, ICC.1:2022 (7.2, 8.3, 10.6, 10.18), Exif 2.32 (4.5.4).
 
-/// What a file says.
+/// Metadata of a file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Said {
     /// How its colours differ from sRGB, if they do.
     pub colours: Option<String>,
-    /// How its texels lie: 1…8, 1 as they are drawn.
+    /// Orientation of its texels: 1…8, 1 is upright.
     pub orientation: Option<u16>,
 }
 
@@ -41,7 +41,7 @@ impl Said {
         }
     }
 
-    /// Of the Exif data and the colour profile of a JPEG or TIFF.
+    /// From the Exif data and the colour profile of a JPEG or TIFF.
     pub fn of_parts(exif: Option<&[u8]>, profile: Option<&[u8]>) -> Self {
         Self {
             colours: profile.and_then(foreign_profile),
@@ -126,13 +126,13 @@ impl<'a> Tags<'a> {
         })
     }
 
-    /// Whether a curve takes one half to nearly what sRGB's takes it to.
+    /// Whether a curve maps one half to nearly the same value as sRGB's.
     fn is_near_srgb_curve(&self, name: &[u8; 4]) -> bool {
         let half = self.find(name).and_then(light_of_half);
         half.is_some_and(|light| (light - 0.214).abs() < 0.01)
     }
 
-    /// What the profile calls itself, at most 60 characters.
+    /// The profile's name, at most 60 characters.
     fn description(&self) -> Option<String> {
         let tag = self.find(b"desc")?;
         let number = |at: usize| Some(u32::from_be_bytes(*tag.get(at..)?.first_chunk()?) as usize);
@@ -225,7 +225,7 @@ fn exif_orientation(exif: &[u8]) -> Option<u16> {
 mod tests {
     use super::*;
 
-    /// A profile of these tags, the header empty but for its colour space.
+    /// A profile of these tags, with an empty header except for its colour space.
     fn profile(space: &[u8; 4], tags: &[(&[u8; 4], Vec<u8>)]) -> Vec<u8> {
         let mut bytes = vec![0; 128];
         bytes[16..20].copy_from_slice(space);

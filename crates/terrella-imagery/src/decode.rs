@@ -17,7 +17,7 @@ const MAX_DECODED_BYTES: usize = 1 << 31;
 const PNG_SIGNATURE: &[u8] = b"\x89PNG\r\n\x1a\n";
 const JPEG_SIGNATURE: &[u8] = &[0xFF, 0xD8, 0xFF];
 
-/// What the first bytes of a file say that it is.
+/// Format of a file, from its first bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum FileKind {
     Png,
@@ -34,7 +34,7 @@ impl FileKind {
     }
 }
 
-/// What a texel holds: 1…4 channels (grey, grey and alpha, colour, colour and alpha) of 8 or 16 bits.
+/// Content of a texel: 1…4 channels (grey, grey and alpha, colour, colour and alpha) of 8 or 16 bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct TexelKind {
     pub channels: u8,
@@ -70,7 +70,7 @@ pub(super) enum Picture<'a> {
 }
 
 impl<'a> Picture<'a> {
-    /// Reads the header. An error is what the decoder says of it.
+    /// Reads the header. The error is the decoder's message.
     pub fn open(kind: FileKind, contents: &'a [u8]) -> Result<Self, String> {
         match kind {
             FileKind::Png => {
@@ -105,7 +105,7 @@ impl<'a> Picture<'a> {
         }
     }
 
-    /// Walks a JPEG to its end, and gives what the file says of its colours. Its size must have been found good before.
+    /// Walks a JPEG to its end, and returns the file's colour metadata. Its size must have been checked before.
     pub fn check_whole(&self) -> Result<Said, String> {
         match self {
             // Its checksums are looked at as its texels are read.
@@ -157,8 +157,8 @@ impl<'a> Picture<'a> {
         }
     }
 
-    /// Row-major texels; 16-bit ones with the high byte first. The size must have been found good before: it is allocated
-    /// here. An error is what the decoder says.
+    /// Row-major texels; 16-bit ones with the high byte first. The size must have been checked before: memory is allocated here. The error is the
+    /// decoder's message.
     pub fn texels(self) -> Result<Vec<u8>, String> {
         let ((width, height), kind) = (self.size(), self.texel_kind());
         let texel_bytes = usize::from(kind.channels) * usize::from(kind.bits) / 8;
@@ -166,7 +166,7 @@ impl<'a> Picture<'a> {
         match self {
             Self::Png(mut reader) => {
                 reader.next_frame(&mut texels).map_err(one_line)?;
-                // What is left must be whole too: checksums and the end chunk.
+                // The rest must be complete too: checksums and the end chunk.
                 reader.finish().map_err(one_line)?;
             }
             Self::Jpeg {
@@ -181,7 +181,7 @@ impl<'a> Picture<'a> {
         Ok(texels)
     }
 
-    /// The same row by row from the north, as far as they are whole.
+    /// The texels row by row from the north, as far as they are complete.
     pub fn rows(self, mut take: impl FnMut(&[u8])) -> Result<(), String> {
         let (width, kind) = (self.size().0 as usize, self.texel_kind());
         let row_bytes = width * usize::from(kind.channels) * usize::from(kind.bits) / 8;
@@ -190,7 +190,7 @@ impl<'a> Picture<'a> {
                 while let Some(row) = reader.next_row().map_err(one_line)? {
                     take(row.data());
                 }
-                // What is left must be whole too: checksums and the end chunk.
+                // The rest must be complete too: checksums and the end chunk.
                 reader.finish().map_err(one_line)
             }
             whole => {
@@ -210,14 +210,14 @@ fn jpeg_options() -> DecoderOptions {
         .set_max_height(usize::MAX)
 }
 
-/// What a decoder says, in one line.
+/// A decoder's message, on one line.
 fn one_line(error: impl fmt::Display) -> String {
     let text = error.to_string();
     printable(&text.split_whitespace().collect::<Vec<_>>().join(" "))
 }
 
-/// The size that a PNG declares, looked up in its header (always the first chunk) because the decoder's own answer to
-/// one that is too large does not tell the size.
+/// The size that a PNG declares, read from its header (always the first chunk) because the decoder's error for a size that is too large does not
+/// contain it.
 pub(super) fn png_size(contents: &[u8]) -> Option<(u32, u32)> {
     let rest = contents.strip_prefix(PNG_SIGNATURE)?;
     let header = rest.get(4..)?.strip_prefix(b"IHDR")?;

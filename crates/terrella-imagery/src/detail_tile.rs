@@ -32,7 +32,7 @@ pub fn detail_tile() -> LayerImage {
     }
 }
 
-/// What is compiled in decodes: a test says so.
+/// The embedded tile decodes: a test checks it.
 fn decoded() -> Option<((u32, u32), Vec<u8>)> {
     let jpeg = include_bytes!("../data/detail_tile.jpg");
     let picture = Picture::open(FileKind::Jpeg, jpeg).ok()?;

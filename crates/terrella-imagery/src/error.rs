@@ -1,9 +1,9 @@
-//! What can be wrong with a map, said with its path, its cause and what to do.
+//! Errors of maps, with path, cause and remedy.
 
 use super::texel::{MAX_HEIGHT, MIN_HEIGHT, TexelFormat};
 use std::path::PathBuf;
 
-/// What can be wrong with a map.
+/// Errors of a map.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 #[allow(missing_docs, reason = "the messages say what fields are")]
@@ -23,10 +23,10 @@ pub enum ImageryError {
         path.display()
     )]
     FolderMissing {
-        /// What the variable holds.
+        /// Value of the variable.
         path: PathBuf,
     },
-    /// A map that was asked for is not in the folder.
+    /// A requested map is not in the folder.
     #[error("the {layer} map {} is missing; add it or, unless it is the day map, turn the layer off", path.display())]
     Missing {
         /// The file looked for.
@@ -69,7 +69,7 @@ pub enum ImageryError {
     #[error("{} is not an image: {cause}; a map is a PNG or JPEG file", path.display())]
     NotAnImage {
         path: PathBuf,
-        /// What speaks against it.
+        /// The evidence against it.
         cause: String,
     },
     /// Not an equirectangular map of the whole Earth, or too small or large.
@@ -91,18 +91,18 @@ pub enum ImageryError {
         path: PathBuf,
         /// Which map it is.
         layer: &'static str,
-        /// What the file holds.
+        /// The format of the file.
         found: String,
         needed: &'static str,
     },
-    /// Its texels do not lie as they are drawn.
+    /// Its texels are not stored upright.
     #[error(
         "{} is stored {how} (orientation {orientation}); rotate it (`magick IN -auto-orient OUT`)",
         path.display()
     )]
     Turned {
         path: PathBuf,
-        /// How its texels lie.
+        /// Orientation of its texels.
         how: &'static str,
         /// The number in the file, 2…8.
         orientation: u16,
@@ -123,7 +123,7 @@ pub enum ImageryError {
         height: u32,
         /// Stated format.
         format: TexelFormat,
-        /// Bytes (for elevations: values) that the size asks for.
+        /// Bytes (for elevations: values) required by the size.
         needed: usize,
         /// Those given.
         got: usize,

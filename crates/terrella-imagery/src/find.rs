@@ -1,4 +1,4 @@
-//! Where the starter pack is.
+//! Search for the starter pack.
 
 use super::error::ImageryError;
 use std::ffi::OsString;
@@ -66,7 +66,7 @@ fn find_in(
 mod tests {
     use super::*;
 
-    /// A folder with a file that stands for the day map.
+    /// A folder with a file in place of the day map.
     fn pack(dir: PathBuf) -> PathBuf {
         std::fs::create_dir_all(&dir).expect("temporary folder");
         std::fs::write(dir.join("day.jpg"), b"x").expect("temporary file");

@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 pub(super) struct GreyFile<'a> {
     pub path: PathBuf,
     pub contents: Cow<'a, [u8]>,
-    /// What messages call the map.
+    /// Name of the map in messages.
     pub layer: &'static str,
 }
 
@@ -33,7 +33,7 @@ impl<'a> GreyFile<'a> {
         })
     }
 
-    /// The same, with contents of its own.
+    /// The same file, with owned contents.
     pub fn into_owned(self) -> GreyFile<'static> {
         GreyFile {
             path: self.path,
@@ -69,6 +69,13 @@ impl<'a> GreyFile<'a> {
             format: TexelFormat::R8Unorm,
             levels: [texels].into(),
         })
+    }
+
+    /// Hands over its rows, with its width and height.
+    pub fn rows(&self, mut take: impl FnMut((u32, u32), &[u8])) -> Result<(), ImageryError> {
+        let file = self.open()?;
+        let size = file.size();
+        rows(file, |row| take(size, row))
     }
 
     /// Decodes all of it and keeps nothing.
@@ -122,11 +129,11 @@ fn amounts<const N: usize>(texels: &[u8], to: &mut Vec<u8>, parts: impl Fn(&[u8;
     }));
 }
 
-/// Loads a map of cover or intensity (8-bit grey) of a whole round; `layer` is what messages call it. Of a map with alpha it is what
-/// the map shows times its alpha: white with the cover in alpha, as most maps of clouds have it, or grey.
+/// Loads a map of cover or intensity (8-bit grey) of the whole Earth; `layer` is its name in messages. For a map with alpha it is the value times
+/// alpha: white with the cover in alpha, like most cloud maps, or grey.
 ///
 /// # Errors
-/// A map that fails, with its path, the cause and what to do.
+/// An invalid map, with its path, the cause and the remedy.
 pub fn load_grey_map(path: &Path, layer: &'static str) -> Result<LayerImage, ImageryError> {
     let file = GreyFile {
         path: path.into(),

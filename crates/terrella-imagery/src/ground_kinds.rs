@@ -4,7 +4,7 @@ use super::layer::{EarthLayers, LayerImage};
 use super::tile::MapLayer;
 use std::ops::Range;
 
-/// What a cell of the Earth is.
+/// Kind of a cell of the Earth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum GroundKind {
@@ -36,12 +36,12 @@ const LEAST_TEXELS: u32 = 2048;
 const HAS_WATER: u8 = 1;
 const HAS_LAND: u8 = 2;
 
-/// What one map says of the cells.
+/// Kinds of the cells according to one map.
 #[derive(Clone, Debug)]
 pub struct MapGroundKinds(Vec<u8>);
 
 impl MapGroundKinds {
-    /// That of a map; `None` of one that says nothing of land and sea.
+    /// From a map; `None` for one without information about land and sea.
     pub fn of(layer: MapLayer, map: &LayerImage) -> Option<Self> {
         let mut rows = GroundKindRows::new(layer, map)?;
         let texels = map.levels.get(rows.level).map_or(&[][..], Vec::as_slice);
@@ -51,7 +51,7 @@ impl MapGroundKinds {
 }
 
 impl GroundKinds {
-    /// Of maps of the whole Earth; `None` without a map of water.
+    /// From maps of the whole Earth; `None` without a map of water.
     pub fn new(layers: &EarthLayers) -> Option<Self> {
         let part = |layer| MapGroundKinds::of(layer, layers.get(layer)?);
         Some(Self::of_parts(
@@ -60,7 +60,7 @@ impl GroundKinds {
         ))
     }
 
-    /// Of what a map of water and a day map say.
+    /// From the kinds according to a map of water and a day map.
     pub fn of_parts(water: &MapGroundKinds, day: &MapGroundKinds) -> Self {
         let pairs = water.0.iter().zip(&day.0);
         let found: Vec<u8> = pairs.map(|(water, day)| water | day).collect();
@@ -74,7 +74,7 @@ impl GroundKinds {
         }
     }
 
-    /// What all of a cell is, of so many cells a block edge, that is the `column`th from 180° W and the `row`th from the north.
+    /// The common kind of a cell, for this many cells a block edge, the `column`th from 180° W and the `row`th from the north.
     pub fn of(&self, cells_per_block: u32, (column, row): (u32, u32)) -> GroundKind {
         let finest = CELLS_AROUND / 16;
         if cells_per_block == 0 || !finest.is_multiple_of(cells_per_block) {
@@ -105,7 +105,7 @@ pub(super) struct GroundKindRows {
 }
 
 impl GroundKindRows {
-    /// For a map of this size and format; `None` of one that says nothing of land and sea.
+    /// For a map of this size and format; `None` for one without information about land and sea.
     pub fn new(layer: MapLayer, map: &LayerImage) -> Option<Self> {
         let kind: fn(&[u8]) -> u8 = match layer {
             MapLayer::Water => |texel| match texel.first() {
@@ -113,7 +113,7 @@ impl GroundKindRows {
                 Some(255) => HAS_WATER,
                 _ => HAS_LAND | HAS_WATER,
             },
-            // Where the floor shows it is not the open sea.
+            // Where the floor is visible it is not the open sea.
             MapLayer::Day => |texel| match texel.get(3) {
                 Some(255) => 0,
                 _ => HAS_LAND,
@@ -159,13 +159,13 @@ impl GroundKindRows {
     }
 }
 
-/// The cells of a line that a texel reaches: it is seen for one and a half of its own size from its middle on both sides.
+/// The cells of a line that a texel affects: up to one and a half of its size from its centre on both sides.
 fn reach(texel: usize, texels: usize, cells: usize) -> Range<usize> {
     let (low, high) = ((2 * texel).saturating_sub(1), 2 * texel + 3);
     low * cells / (2 * texels)..(high * cells).div_ceil(2 * texels).min(cells)
 }
 
-/// What is found in each cell and in [`MARGIN`] cells about.
+/// The kinds found in each cell and in [`MARGIN`] cells around it.
 fn spread(found: &[u8]) -> Vec<u8> {
     let margin = MARGIN as isize;
     let around = |x: usize, by: isize| (x as isize + by).rem_euclid(WIDTH as isize) as usize;

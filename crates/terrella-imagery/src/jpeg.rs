@@ -1,16 +1,15 @@
-//! Whether the scans of a JPEG hold the whole picture.
+//! Checks that the scans of a JPEG contain the whole image.
 //!
-//! Decoders fill what is missing with grey and say nothing, as long as an end marker follows. So the coded data are walked
-//! here before a decoder sees them: every block of every scan must be there, restart markers must follow each other in
-//! order, nothing may be left over between the last block and the next marker, and the scans of a progressive picture
-//! must bring all bits of all coefficients. No sample is computed. Bits that are wrong and still decode cannot be distinguished
-//! from a picture (ITU-T T.81).
+//! Decoders silently fill missing parts with grey as long as an end marker follows. The coded data are therefore checked here before decoding:
+//! every block of every scan must be present, restart markers must be in order, nothing may be left over between the last block and the next
+//! marker, and the scans of a progressive image must contain all bits of all coefficients. No sample is computed. Wrong bits that still decode
+//! cannot be detected (ITU-T T.81).
 //!
-//! | file | what |
+//! | file | content |
 //! |---|---|
 //! | `bits.rs` | bytes, and the bits of a scan up to its marker |
 //! | `huffman.rs` | tables of codes |
-//! | `frame.rs` | components, their blocks, and which bits of them have come |
+//! | `frame.rs` | components, their blocks, and the bits received |
 //! | `scan.rs` | a scan's blocks |
 
 mod bits;
@@ -58,15 +57,15 @@ impl Fault {
     }
 }
 
-/// Walks a JPEG from its first byte to its end marker, and gives what it says of its colours. Holds eight bytes a block of a
-/// progressive picture: the size in its header must have been checked before.
+/// Walks a JPEG from its first byte to its end marker, and returns its colour metadata. Allocates eight bytes a block of a progressive image: the
+/// size in its header must have been checked before.
 pub fn check(reader: impl Read) -> Result<Said, Fault> {
     let mut walk = Walk::new(reader);
     walk.run()?;
     Ok(walk.said())
 }
 
-/// What a JPEG says of its colours, by its segments up to the first scan.
+/// Colour metadata of a JPEG, from its segments up to the first scan.
 pub(super) fn said(reader: impl Read) -> Result<Said, Fault> {
     let mut walk = Walk::new(reader);
     walk.header()?;
@@ -156,7 +155,7 @@ impl<R: Read> Walk<R> {
             0xE1 => self.exif = self.exif.take().or_else(|| stripped(&segment, b"Exif\0\0")),
             0xE2 => {
                 let piece = stripped(&segment, b"ICC_PROFILE\0").unwrap_or_default();
-                // After its number and the number of all.
+                // After its number and the total number.
                 let piece = piece.get(2..).unwrap_or_default();
                 if self.profile.len() + piece.len() <= PROFILE_BYTES {
                     self.profile.extend_from_slice(piece);

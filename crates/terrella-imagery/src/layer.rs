@@ -82,7 +82,7 @@ impl LayerImage {
         (shrink(self.width), shrink(self.height))
     }
 
-    /// Bytes of all levels together, be they here or not.
+    /// Size of all levels together, present or not, bytes.
     pub fn bytes(&self) -> u64 {
         let texels = |level| {
             let (width, height) = self.level_size(level);
@@ -100,14 +100,14 @@ impl LayerImage {
         }
     }
 
-    /// The last level at least so wide, texels; level 0 where none is.
+    /// The last level with at least this width, texels; level 0 if there is none.
     pub(super) fn level_of_width(&self, width: usize) -> usize {
         let is_wide = |level: &usize| self.level_size(*level).0 as usize >= width;
         let levels = 0..mips::level_count(self.width, self.height);
         levels.take_while(is_wide).last().unwrap_or(0)
     }
 
-    /// Whether any level is there.
+    /// Whether any level is in memory.
     pub fn has_texels(&self) -> bool {
         !self.levels.is_empty()
     }
@@ -184,7 +184,7 @@ impl EarthLayers {
     }
 }
 
-/// The size limits of maps in memory: those of files, but of any proportion.
+/// The size limits of maps in memory: those of files, with any aspect ratio.
 pub(super) fn check_dimensions(width: u32, height: u32) -> Result<(), ImageryError> {
     if width == 0 || height == 0 || width > 2 * MAX_HEIGHT || height > MAX_HEIGHT {
         return Err(ImageryError::Dimensions { width, height });

@@ -1,34 +1,34 @@
-//! Maps of the Earth as texels in memory: finding, reading, checking, mip levels, slopes. Knows nothing of the GPU.
+//! Maps of the Earth as texels in memory: finding, reading, checking, mip levels, slopes. Independent of the GPU.
 //!
-//! | file | what |
+//! | file | content |
 //! |---|---|
 //! | `texel.rs` | how texels are stored |
 //! | `layer.rs` | a map in memory with its mip levels, and all maps of an Earth |
-//! | `between.rs` | what lies between two maps |
-//! | `albedo.rs` | what neighbourhoods reflect, for the air over them |
-//! | `ground_kinds.rs` | where there is nothing but land, or nothing but open sea |
-//! | `detail_tile.rs` | detail smaller than texels |
+//! | `between.rs` | blends of two maps |
+//! | `albedo.rs` | mean albedo of neighbourhoods, for the air over them |
+//! | `ground_kinds.rs` | cells with only land or only open sea |
+//! | `detail_tile.rs` | synthetic detail |
 //! | `cities.rs`, `cities/` | city lights as points |
 //! | `load.rs` | a folder of maps read from disk |
 //! | `grey.rs` | maps of one byte a texel |
 //! | `map_file.rs` | one map file, opened with limits before every allocation |
-//! | `map_rows.rs` | maps given to a host row by row as they are read |
+//! | `map_rows.rs` | maps passed to a host row by row while they are read |
 //! | `decode.rs` | PNG and JPEG files |
-//! | `picture.rs` | pictures that are no maps |
-//! | `jpeg/` | whether a JPEG is whole |
-//! | `colour.rs` | what files say of their colours and of how they are turned |
-//! | `find.rs` | where the starter pack is |
+//! | `picture.rs` | images that are not maps |
+//! | `jpeg/` | check that a JPEG is complete |
+//! | `colour.rs` | colour metadata and orientation of files |
+//! | `find.rs` | search for the starter pack |
 //! | `slopes.rs` | terrain slopes from elevations, and those of cloud tops |
-//! | `sea.rs` | the day map's land and the sea kept apart, where there is a water map |
+//! | `sea.rs` | separation of land and sea in the day map, with a water map |
 //! | `mips.rs`, `srgb.rs` | smaller levels, averaged in linear light |
-//! | `summary.rs` | what is known of a map without its texels |
+//! | `summary.rs` | properties of a map without its texels |
 //! | `tile.rs` | tiles of a pack: names, sizes, formats |
-//! | `residency.rs` | what streaming hands to drawing |
+//! | `residency.rs` | interface between streaming and drawing |
 //! | `pack/` | packs on disk, with the feature `packs` |
-//! | `stream/` | tiles streamed into memory: what is requested, loaded, resident and drawn; with that feature too |
-//! | `error.rs` | what can be wrong |
+//! | `stream/` | tiles streamed into memory: requested, loaded, resident and drawn; with that feature too |
+//! | `error.rs` | errors |
 
-// docs.rs says of each item which feature it needs.
+// docs.rs shows the required feature of each item.
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
 mod albedo;
@@ -49,6 +49,7 @@ mod map_folder;
 mod map_rows;
 mod mips;
 #[cfg(feature = "packs")]
+mod open_water;
 pub mod pack;
 mod picture;
 pub mod residency;
@@ -80,6 +81,7 @@ pub use load::{colour_note, day_file};
 pub use map_file::MAX_FILE_BYTES;
 pub use map_folder::MapFolder;
 pub use map_rows::{KeptInMemory, MapRows, MapSink};
+pub use open_water::open_water;
 pub use picture::{RgbaPicture, decode_rgba};
 pub use sea::FLOOR_SEEN_M;
 pub use slopes::{

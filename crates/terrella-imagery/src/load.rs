@@ -41,11 +41,14 @@ const OPTIONAL_FILES: [(MapLayer, &[&str]); 4] = [
     (MapLayer::Clouds, &CLOUD_NAMES),
     (MapLayer::Normals, &[ELEVATION_NAME]),
     (MapLayer::NightLights, &[NIGHT_LIGHTS_NAME]),
-    (MapLayer::Water, &["water.png"]),
+    (MapLayer::Water, &[WATER_NAME]),
 ];
 
 /// The file of the map of night lights.
 pub(super) const NIGHT_LIGHTS_NAME: &str = "night_lights.png";
+
+/// The file of the map of open water.
+pub(super) const WATER_NAME: &str = "water.png";
 
 /// The file of the elevation map.
 const ELEVATION_NAME: &str = "elevation.png";
@@ -92,7 +95,7 @@ impl LayerSelection {
             .collect()
     }
 
-    /// The files that [`load_layers`] reads of a folder for these maps, as far as they are there.
+    /// The existing files that [`load_layers`] reads from a folder for these maps.
     pub fn files_in(self, dir: &Path) -> Vec<PathBuf> {
         // The depth of the sea is from the elevation map too.
         let is_read = |layer| self.has(layer) || layer == MapLayer::Normals && self.water;
@@ -129,8 +132,7 @@ impl Default for LayerSelection {
     }
 }
 
-/// Reads the selected maps of a folder, two at a time, and makes their mip levels. Files of maps that are not selected are not
-/// opened.
+/// Reads the selected maps of a folder, two at a time, and computes their mip levels. Files of other maps are not opened.
 ///
 /// | map | file | texels |
 /// |---|---|---|
@@ -143,11 +145,11 @@ impl Default for LayerSelection {
 /// All are equirectangular maps of the whole Earth, north row first, left edge at 180° W, [`MIN_HEIGHT`](super::MIN_HEIGHT) to
 /// [`MAX_HEIGHT`](super::MAX_HEIGHT) texels high and twice as wide. Slopes are stored [`SLOPE_EXAGGERATION`] times too steep.
 ///
-/// With a water map the day map's colours are the land's, carried some way over the coast, and its alpha is the depth of the
-/// sea's floor (see [`EarthLayers::day`]), from `elevation.png` where there is one.
+/// With a water map the day map's colours are the land's, extended some way over the coast, and its alpha is the depth of the sea's floor (see
+/// [`EarthLayers::day`]), from `elevation.png` if it exists.
 ///
 /// # Errors
-/// The first map that fails, in the order of the table, with its path, the cause and what to do.
+/// The first invalid map, in the order of the table, with its path, the cause and the remedy.
 pub fn load_layers(dir: &Path, selection: LayerSelection) -> Result<EarthLayers, ImageryError> {
     let (layers, damaged) = load_whole_layers(dir, selection)?;
     match damaged.into_iter().next() {
@@ -161,14 +163,14 @@ pub fn load_layers(dir: &Path, selection: LayerSelection) -> Result<EarthLayers,
 pub struct DamagedLayer {
     /// The map; the terrain's also where the sea alone is without its floor.
     pub layer: MapLayer,
-    /// What is wrong with its file.
+    /// The error in its file.
     pub error: ImageryError,
 }
 
-/// The same without the maps whose files are damaged. The day map must be whole.
+/// As [`load_layers`], without the maps whose files are corrupt. The day map must be valid.
 ///
 /// # Errors
-/// As [`load_layers`], but for damage of other maps than the day map.
+/// As [`load_layers`], except corrupt maps other than the day map.
 pub fn load_whole_layers(
     dir: &Path,
     selection: LayerSelection,
@@ -176,11 +178,12 @@ pub fn load_whole_layers(
     load_layers_to(dir, selection, &KeptInMemory)
 }
 
-/// The same from a folder or from files in memory, with maps that are given to a sink while they are read: those that it takes have no
-/// texels in the answer ([`LayerImage::without_texels`]). So no map is in memory as a whole but the day map, and that only until it is given away.
+/// As [`load_whole_layers`], from a folder or from files in memory, with maps that are passed to a sink while they are read: maps that it accepts
+/// have no texels in the result ([`LayerImage::without_texels`]). No map is in memory as a whole except the day map, and that only until it is
+/// passed on.
 ///
 /// # Errors
-/// As [`load_whole_layers`]; the sink may then have maps of it.
+/// As [`load_whole_layers`]; the sink may then have received some of the maps.
 pub fn load_layers_to<'f>(
     folder: impl Into<MapFolder<'f>>,
     selection: LayerSelection,
@@ -226,7 +229,7 @@ pub fn load_layers_to<'f>(
     Ok((layers, damaged))
 }
 
-/// What was read, unless its file is damaged.
+/// The map, unless its file is corrupt.
 fn whole<T>(
     read: Option<Result<T, ImageryError>>,
     layer: MapLayer,
@@ -272,10 +275,10 @@ fn read_day(folder: MapFolder<'_>) -> Result<DayTexels, ImageryError> {
     color_texels(&folder.path(name), &folder.read(name, "day")?, "day")
 }
 
-/// Loads a colour map (8 bits, sRGB) of a whole round, as [`load_layers`] does the day map; `layer` is what messages call it.
+/// Loads a colour map (8 bits, sRGB) of the whole Earth, as [`load_layers`] does the day map; `layer` is its name in messages.
 ///
 /// # Errors
-/// A map that fails, with its path, the cause and what to do.
+/// An invalid map, with its path, the cause and the remedy.
 pub fn load_color_map(path: &Path, layer: &'static str) -> Result<LayerImage, ImageryError> {
     let texels = read_color(path, layer)?;
     LayerImage::from_rgba8(texels.width, texels.height, texels.rgba)
@@ -352,7 +355,7 @@ impl DayTexels {
         Ok(map.finish().0)
     }
 
-    /// What is left where the texels are not wanted.
+    /// The description that remains if the texels are not needed.
     fn description(self) -> LayerImage {
         LayerImage {
             width: self.width,
@@ -363,7 +366,7 @@ impl DayTexels {
     }
 }
 
-/// What alpha says is not there is black.
+/// Transparent texels become black.
 fn without_alpha(mut rgba: Vec<u8>) -> Vec<u8> {
     let (texels, _) = rgba.as_chunks_mut::<4>();
     for texel in texels {
@@ -388,11 +391,10 @@ fn to_rgba<const N: usize>(texels: &[u8], rgb_of: impl Fn(&[u8; N]) -> [u8; 3]) 
     rgba
 }
 
-/// Loads a day map from a file of its own, in place of that of a folder: with the sea of the folder's water map and elevations, where
-/// they are selected.
+/// Loads a day map from a separate file instead of that of a folder: with the sea of the folder's water map and elevations, if they are selected.
 ///
 /// # Errors
-/// A map that fails, with its path, the cause and what to do.
+/// An invalid map, with its path, the cause and the remedy.
 pub fn load_day_map(
     path: &Path,
     dir: &Path,
@@ -429,7 +431,7 @@ pub(super) fn night_file(folder: MapFolder<'_>) -> Result<GreyFile<'_>, ImageryE
     GreyFile::read(folder, NIGHT_LIGHTS_NAME, "night lights")
 }
 
-/// What elevations and the water map give.
+/// Maps computed from elevations and the water map.
 #[derive(Default)]
 struct Terrain {
     normals: Option<LayerImage>,
@@ -445,7 +447,7 @@ fn load_terrain(
     selection: LayerSelection,
     sink: &dyn MapSink,
 ) -> Result<Terrain, ImageryError> {
-    // Normals that are asked for must be there; the sea does without its floor.
+    // Explicitly requested normals must exist; the sea can be drawn without its floor.
     let is_needed = selection.normals || selection.water && folder.has(ELEVATION_NAME);
     let mut damaged = Vec::new();
     // In the order in which errors are reported; but the largest map is read first.
@@ -482,7 +484,7 @@ fn load_water(folder: MapFolder<'_>, sink: &dyn MapSink) -> Result<Option<Water>
     let widths = day.chain([ELEVATION_NAME]);
     let widths = widths.filter_map(|name| folder.width(name));
     let widest = widths.max().unwrap_or(0) as usize;
-    let file = match GreyFile::read(folder, "water.png", "water") {
+    let file = match GreyFile::read(folder, WATER_NAME, "water") {
         Err(ImageryError::Missing { path, .. }) => {
             tracing::info!(
                 "{} is missing: the sea has the day map's colours",

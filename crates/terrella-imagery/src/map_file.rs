@@ -41,7 +41,7 @@ pub(super) fn read_file(path: &Path, layer: &'static str) -> Result<Vec<u8>, Ima
 }
 
 impl<'a> MapFile<'a> {
-    /// Width in the header of a file, texels; `None` of one that has none. Reading the map reports what is wrong with it.
+    /// Width in a file's header, texels; `None` if it has none. Reading the map reports the error.
     pub fn width(path: &Path) -> Option<u32> {
         Self::width_of(&files::read(path, MAX_FILE_BYTES).ok()??)
     }
@@ -89,7 +89,7 @@ impl<'a> MapFile<'a> {
                 needed,
             });
         }
-        // The decoder would fill what is missing with grey and say nothing.
+        // The decoder would silently fill missing parts with grey.
         let said = picture.check_whole().map_err(&damaged)?;
         if let Some(how) = said.turned() {
             return Err(ImageryError::Turned {
@@ -120,7 +120,7 @@ impl<'a> MapFile<'a> {
         self.picture.texels().map_err(damaged(self.path))
     }
 
-    /// The same row by row from the north, as far as they are whole.
+    /// The rows from the north, as far as they are complete.
     pub fn rows(self, take: impl FnMut(&[u8])) -> Result<(), ImageryError> {
         self.picture.rows(take).map_err(damaged(self.path))
     }

@@ -28,7 +28,7 @@ impl<'a> From<&'a HashMap<String, Vec<u8>>> for MapFolder<'a> {
 }
 
 impl<'a> MapFolder<'a> {
-    /// What messages call a file.
+    /// Name of a file in messages.
     pub(super) fn path(self, name: &str) -> PathBuf {
         match self {
             Self::Disk(dir) => dir.join(name),
@@ -72,7 +72,7 @@ impl<'a> MapFolder<'a> {
         Ok(contents.into())
     }
 
-    /// Width in the header of a file, texels; `None` of one that has none.
+    /// Width in a file's header, texels; `None` if it has none.
     pub(super) fn width(self, name: &str) -> Option<u32> {
         match self {
             Self::Disk(dir) => MapFile::width(&dir.join(name)),

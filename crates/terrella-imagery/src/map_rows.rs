@@ -6,7 +6,7 @@ use super::texel::TexelFormat;
 use super::tile::MapLayer;
 use terrella_files::parallel::ThreadSync;
 
-/// Holds maps outside this process's memory. Maps are read by several threads at once.
+/// Stores maps outside this process's memory. Maps are read by several threads at the same time.
 pub trait MapSink: ThreadSync {
     /// Begins a map of this size, texels. `None` keeps it in memory.
     fn begin(
@@ -23,7 +23,7 @@ pub trait MapRows {
     /// the south.
     fn rows(&mut self, level: usize, first: u32, texels: &[u8]);
 
-    /// All rows of all levels were given.
+    /// Called after all rows of all levels.
     fn finish(self: Box<Self>);
 }
 
@@ -37,7 +37,7 @@ impl MapSink for KeptInMemory {
 }
 
 impl LayerImage {
-    /// Gives all rows of all levels, level 0 first.
+    /// Passes all rows of all levels, level 0 first.
     pub fn rows_to(&self, to: &mut dyn MapRows) {
         for (level, texels) in self.levels.iter().enumerate() {
             to.rows(level, 0, texels);
@@ -111,12 +111,12 @@ impl<'s> MapBuilder<'s> {
         }
     }
 
-    /// Whether no sink takes the map.
+    /// Whether no sink accepts the map.
     pub fn is_in_memory(&self) -> bool {
         matches!(self.target, Target::Memory(_))
     }
 
-    /// Keeps in memory the last level at least so wide, texels, and all smaller ones; all where none is.
+    /// Keeps in memory the last level with at least this width, texels, and all smaller ones; all levels if there is none.
     pub fn keep(&mut self, width: usize) {
         let finest = self.map.level_of_width(width);
         self.kept = Some(KeptLevels {
@@ -171,7 +171,7 @@ impl<'s> MapBuilder<'s> {
         }
     }
 
-    /// The map, or its description where the sink has it, and the map that [`Self::keep`] asked for; without that, a second description.
+    /// The map, or its description if the sink has it, and the map requested by [`Self::keep`]; without that, a second description.
     pub fn finish(self) -> (LayerImage, LayerImage) {
         let mut map = self.map;
         match self.target {
@@ -238,7 +238,7 @@ mod tests {
             let (levels, at) = (&mut self.1[level], first as usize * texels.len());
             match at == 0 && levels.is_empty() || at == levels.len() {
                 true => levels.extend_from_slice(texels),
-                // From the south: what is not there yet is north of it.
+                // From the south: the missing rows are north of it.
                 false => {
                     levels.resize(levels.len().max(at + texels.len()), 0);
                     levels[at..at + texels.len()].copy_from_slice(texels);

@@ -119,7 +119,7 @@ impl<const CHANNELS: usize> Rows<CHANNELS> {
     }
 }
 
-/// A level while it is made: rows of the level above go in from the north, and one unrounded row of its own is in memory.
+/// A level during its computation: rows of the level above are added from the north, and one unrounded row of its own is in memory.
 struct Halved<const CHANNELS: usize> {
     /// Size of the level above.
     width: usize,
@@ -166,7 +166,7 @@ fn take_line<const CHANNELS: usize>(
     };
     let y = level.taken;
     level.taken += 1;
-    // Of an odd height every second row belongs to two rows: it ends the one and begins the other.
+    // At an odd height every second row contributes to two rows: it completes the one and starts the other.
     for target in (y / 2).saturating_sub(1)..=y / 2 {
         let (first, weights) = taps(level.height, target);
         let is_own = target < (level.height / 2).max(1) && (first..first + 3).contains(&y);
@@ -191,7 +191,7 @@ fn take_line<const CHANNELS: usize>(
     }
 }
 
-/// What the bytes of texels mean.
+/// Values of texels' bytes.
 pub(super) fn decode_row(bytes: &[u8], format: TexelFormat, values: &mut [f32]) {
     fn decode<const N: usize>(bytes: &[u8], values: &mut [f32], of: impl Fn([u8; N]) -> [f32; N]) {
         let (texels, _) = bytes.as_chunks();
@@ -298,7 +298,7 @@ fn halve_row<const CHANNELS: usize>(row: &[f32], width: usize, line: &mut [f32])
     for (x, out) in line.iter_mut().enumerate() {
         let (first, weights) = taps(width, x);
         *out = [0.0; CHANNELS];
-        // Of one texel the others are beyond its row.
+        // The other channels of a texel are beyond its row.
         for (texel, weight) in texels[first..].iter().zip(weights) {
             for (out, value) in out.iter_mut().zip(texel) {
                 *out += weight * value;
@@ -327,7 +327,7 @@ mod tests {
         (100, 50),
     ];
 
-    /// What each byte of each channel means.
+    /// Values of each byte of each channel.
     fn decode_tables<const CHANNELS: usize>(format: TexelFormat) -> [[f32; 256]; CHANNELS] {
         std::array::from_fn(|channel| match format {
             TexelFormat::Rgba8Srgb if channel < 3 => *LINEAR_FROM_SRGB,

@@ -11,10 +11,10 @@ pub struct RgbaPicture {
     pub rgba: Vec<u8>,
 }
 
-/// Decodes a file that is whole. `accept` gets width and height before anything is allocated for them.
+/// Decodes a complete file. `accept` gets width and height before anything is allocated for them.
 ///
 /// # Errors
-/// What is wrong with the file: neither PNG nor JPEG, cut off or corrupt, of a size that is not accepted.
+/// The error in the file: neither PNG nor JPEG, truncated or corrupt, or of a size that is not accepted.
 pub fn decode_rgba(
     contents: &[u8],
     accept: impl FnOnce(u32, u32) -> Result<(), String>,
@@ -25,7 +25,7 @@ pub fn decode_rgba(
         Some(accept) => accept(width, height),
         None => Ok(()),
     };
-    // The decoder's own answer to a size that is too large does not tell it.
+    // The decoder's error for a size that is too large does not contain it.
     if let (FileKind::Png, Some(size)) = (kind, png_size(contents)) {
         check(size)?;
     }
@@ -38,7 +38,7 @@ pub fn decode_rgba(
     let decoded = picture.texels()?;
     let mut rgba = Vec::with_capacity(size.0 as usize * size.1 as usize * 4);
     for texel in decoded.chunks_exact(channels * bytes) {
-        // Of sixteen bits the high byte comes first.
+        // Of 16-bit values the high byte comes first.
         let channel = |at: usize| texel.get(at * bytes).copied().unwrap_or(255);
         rgba.extend(match channels {
             1 => [channel(0), channel(0), channel(0), 255],
@@ -103,7 +103,7 @@ mod tests {
     #[test]
     fn a_size_is_looked_at_before_it_is_allocated() {
         let mut file = png(png::ColorType::Rgb, png::BitDepth::Eight, &[0; 6]);
-        // Width of the header; its checksum is wrong then, which nobody gets to see.
+        // Width of the header; its checksum is wrong then, but is never reached.
         file[16..20].copy_from_slice(&u32::MAX.to_be_bytes());
         let small = |width: u32, _| match width > 100 {
             true => Err(format!("{width} is too wide")),

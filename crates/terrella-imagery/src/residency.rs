@@ -43,11 +43,11 @@ pub struct TileSlot {
 pub struct ResidentTile {
     /// Its level, 0 the finest.
     pub level: u8,
-    /// Where its texels are.
+    /// Slot of its texels.
     pub slot: TileSlot,
 }
 
-/// A square of a block, and the tile that it is drawn with: that of a part that holds it, or the whole block's.
+/// A square of a block, and its tile: that of a part that contains it, or the whole block's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PartCell {
     /// The tile's slot, in the pool of the block's own tile.
@@ -56,7 +56,7 @@ pub struct PartCell {
     pub depth: u8,
 }
 
-/// What the parts of a block are drawn with.
+/// Tiles of the parts of a block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PartTable {
     /// The map.
@@ -71,12 +71,12 @@ pub struct PartTable {
     pub first: u32,
 }
 
-/// What blocks are drawn with whose tiles are in pools with parts: a table for each map of each of these.
+/// Tiles of the blocks whose tiles are in pools with parts: a table for each map of each of these.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct PartTables {
     /// The tables.
     pub tables: Vec<PartTable>,
-    /// The cells of all of them.
+    /// The cells of all tables.
     pub cells: Vec<PartCell>,
 }
 
@@ -104,7 +104,7 @@ impl PartTables {
 /// A part of a tile on its way into a slot: whole rows of one mip level.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Upload<'a> {
-    /// Where it goes.
+    /// Its destination.
     pub slot: TileSlot,
     /// The tile.
     pub key: TileKey,
@@ -120,10 +120,10 @@ pub struct Upload<'a> {
     pub texels: &'a [u8],
 }
 
-/// What a stream is doing. Per level counts run over all maps; the coarsest level is never counted, it is always there.
+/// Counters of a stream. Counts per level are over all maps; the coarsest level is never counted, as it is always resident.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct StreamCounters {
-    /// Tiles requested in this frame at the level that is asked for, drawn or expected soon, each once.
+    /// Tiles requested in this frame at the required level, drawn or expected soon, each once.
     pub requested: [u32; MAX_LEVELS],
     /// Tiles that can be drawn.
     pub resident: [u32; MAX_LEVELS],
@@ -141,8 +141,8 @@ pub struct StreamCounters {
     pub uploaded_bytes: u64,
     /// Resident tiles that made room for another, since the start.
     pub evictions: u64,
-    /// Draws in this frame at the level asked for after allocation, or finer. What no pool could have held
-    /// and what the source does not have is no miss; a tile that cannot be read is.
+    /// Draws in this frame at the allocated level, or finer. A tile that no pool could have held, or that the source does not have, is not a miss;
+    /// a tile that cannot be read is.
     pub hits: u32,
     /// Draws in this frame of something coarser than that.
     pub fallbacks: u32,

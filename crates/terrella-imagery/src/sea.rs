@@ -1,8 +1,8 @@
-//! Land and sea kept apart: under a water map the day map's colours are the land's alone, and its alpha is the depth of the sea.
+//! Separation of land and sea: with a water map the day map's colours are the land's alone, and its alpha is the depth of the sea.
 //!
-//! The coast is drawn by the water map, which is sharper than the day map. The day map's own coast is a soft passage from land
-//! to painted sea; it must not show on either side. So texels at the coast get the colour of the land near by, some way out
-//! to sea. What lies farther out stays as it is, and is seen only where the water map is not drawn.
+//! The coast is drawn from the water map, which is sharper than the day map. The day map's own coast is a soft transition from land to painted sea,
+//! which must not be visible on either side. Texels at the coast therefore get the colour of the nearby land, some way out to sea. Colours farther
+//! out are kept, and are visible only where the water map is not drawn.
 
 use super::layer::LayerImage;
 use std::borrow::Cow;
@@ -11,7 +11,7 @@ use std::borrow::Cow;
 const DRY: u8 = 10;
 /// Land beside texels with more water than this is darkened by it.
 const NO_LONGER_DRY: u8 = 50;
-/// Of texels with more water than this the colour says nothing about land.
+/// Water value above which a texel's colour is not representative of land.
 const MOSTLY_WET: u8 = 215;
 /// A texel with more water than this is sea and nothing else.
 const WET: u8 = 250;
@@ -20,7 +20,7 @@ const RINGS: [usize; 2] = [8, 12];
 /// Texels around one in which the colour of its sea is looked for.
 const SEA_REACH: isize = 3;
 
-/// Depth of the sea's floor that alpha 1 stands for, metres: deeper floors reflect no light that leaves the water.
+/// Depth of the sea's floor for alpha 1, metres: deeper floors reflect no light that leaves the water.
 pub const FLOOR_SEEN_M: f64 = 40.0;
 
 /// How much of each texel of a map of this size is water, 0…255, from the water map's level that is nearest in size.
@@ -45,7 +45,7 @@ fn water_at(water: &LayerImage, width: usize, height: usize) -> Cow<'_, [u8]> {
 /// Texels of a row that are looked at together.
 const RUN: usize = 16;
 
-/// What is known of a texel while land grows.
+/// State of a texel while land grows.
 const IS_LAND: u8 = 1;
 const IS_QUEUED: u8 = 2;
 
@@ -172,7 +172,7 @@ fn each_row_near(map: &[u8], width: usize, mut take: impl FnMut(&[u8], &[u8])) {
     }
 }
 
-/// The mean colour of those of some texels that are land; `None` of none.
+/// The mean colour of the land among some texels; `None` if there is none.
 fn mean_land(rgba: &[u8], known: &[u8], texels: &[usize]) -> Option<[u8; 3]> {
     let (rgba, _) = rgba.as_chunks::<4>();
     // Sums of up to 257 bytes in three lanes of 16 bits.
@@ -189,7 +189,7 @@ fn mean_land(rgba: &[u8], known: &[u8], texels: &[usize]) -> Option<[u8; 3]> {
     (count > 0).then(|| [mean(0), mean(1), mean(2)])
 }
 
-/// The mean colour of texels; `None` of none.
+/// The mean colour of texels; `None` if there are none.
 fn mean_color(rgba: &[u8], texels: impl Iterator<Item = usize>) -> Option<[u8; 3]> {
     let (rgba, _) = rgba.as_chunks::<4>();
     let (mut sums, mut count) = ([0_u32; 3], 0);
@@ -201,7 +201,7 @@ fn mean_color(rgba: &[u8], texels: impl Iterator<Item = usize>) -> Option<[u8; 3
     (count > 0).then(|| sums.map(|sum| ((sum + count / 2) / count) as u8))
 }
 
-/// What is left of a mixed texel's colour when the share of sea is taken from it.
+/// A mixed texel's colour after the sea's share is subtracted.
 fn without_sea(rgba: &[u8], n: usize, water: &[u8], width: usize) -> [u8; 3] {
     let (x, y) = ((n % width) as isize, (n / width) as isize);
     let height = (water.len() / width) as isize;
@@ -219,7 +219,7 @@ fn without_sea(rgba: &[u8], n: usize, water: &[u8], width: usize) -> [u8; 3] {
         let (here, sea) = (f32::from(here[channel]), f32::from(sea[channel]));
         (sea + (here - sea) / dry).clamp(0.0, 255.0)
     });
-    // What the mixture's noise leaves bluer than any land is greyed.
+    // Noise of the mixture that is bluer than any land is desaturated.
     color[2] = color[2].min(0.9 * color[1].max(color[0]));
     color[0] = color[0].max(0.8 * color[1]);
     color.map(|value| value as u8)
@@ -272,8 +272,8 @@ fn neighbours(n: usize, width: usize, height: usize) -> Near {
     Near { texels, count }
 }
 
-/// Latitude to which the sea is taken to be clear, and from which on to hide its floor, degrees. Shelf seas of higher
-/// latitudes are green or brown with what lives and drifts in them (Case 2 waters), and no map here says where.
+/// Latitude up to which the sea is assumed to be clear, and from which on it hides its floor, degrees. Shelf seas of higher latitudes are green or
+/// brown with plankton and suspended matter (Case 2 waters), and there is no map of them here.
 const CLEAR_DEG: [f64; 2] = [28.0, 40.0];
 /// Texels that depths are carried on towards a coast.
 const FLOOR_RINGS: usize = 3;
@@ -294,7 +294,7 @@ const DARK_M: f32 = 250.0;
 impl SeaFloor {
     /// From elevations of the whole Earth, metres + `offset_m`.
     ///
-    /// A texel at the coast holds the mean of land and sea floor, which is no depth: it gets that of open water near by.
+    /// A texel at the coast holds the mean of land and sea floor, which is not a depth: it gets that of nearby open water.
     pub fn new(
         width: usize,
         height: usize,
@@ -399,7 +399,7 @@ impl SeaFloor {
             let depth_m = -(light as f64 / 255.0).max(1e-9).ln() / ATTENUATION_PER_M;
             (255.0 * (depth_m / FLOOR_SEEN_M).min(1.0)).round() as u8
         });
-        // Where texels of the target lie: the first of two, and the second's weight in 256.
+        // Position of texels of the target: the first of two, and the second's weight in 256.
         let place = |at: usize, from: usize, to: usize| {
             let place = ((2 * at + 1) * from * 128) as isize / to as isize - 128;
             (place.div_euclid(256), place.rem_euclid(256) as u32)
@@ -527,7 +527,7 @@ mod tests {
 
     #[test]
     fn depths_are_open_water_s_and_carried_to_the_coast() {
-        // 10 m deep; at the coast the mean with the land stands 100 m above the sea.
+        // 10 m deep; at the coast the mean with the land is 100 m above the sea.
         let elevation: Vec<u16> = (0..WIDTH * HEIGHT)
             .map(|n| match n % WIDTH {
                 0..50 => 11_200,
@@ -540,7 +540,7 @@ mod tests {
         let mut rgba = vec![7; 4 * WIDTH * HEIGHT];
         floor.write_alpha(&mut rgba, WIDTH);
         let at = |x: usize, y: usize| rgba[(y * WIDTH + x) * 4 + 3];
-        // A quarter of what is seen.
+        // A quarter of the visible depth.
         for x in [52, 55, 87] {
             assert!(at(x, 32).abs_diff(64) < 2, "{x}: {}", at(x, 32));
         }

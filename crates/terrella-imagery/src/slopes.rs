@@ -4,29 +4,28 @@ use super::error::ImageryError;
 use super::layer::{LayerImage, check_dimensions};
 use super::texel::TexelFormat;
 
-/// What the stored elevations have added to them, so that the sea floor is not negative, metres.
+/// Offset of the stored elevations, so that the sea floor is not negative, metres.
 pub const ELEVATION_OFFSET_M: u16 = 11_000;
 
-/// How many times steeper than the truth the stored slopes are.
+/// Exaggeration of the stored slopes.
 ///
-/// A texel of the starter pack is 20 km wide, over which real slopes are mostly below 1 : 20, and a stored slope has 127
-/// steps: a larger scale loses less of them. What is lit is another matter
-/// (`SurfaceLight::relief_exaggeration`). At 4 none of the starter pack's texels saturates, at
-/// 8 it is 36 of two million.
+/// A texel of the starter pack is 20 km wide, over which real slopes are mostly below 1 : 20, and a stored slope has 127 steps: a larger scale
+/// loses less precision. The exaggeration in shading is separate (`SurfaceLight::relief_exaggeration`). At 4 none of the starter pack's texels
+/// saturates, at 8 it is 36 of two million.
 pub const SLOPE_EXAGGERATION: f64 = 4.0;
 
 /// Over this distance from each pole slopes fade to nothing, degrees: the direction "east" turns round there
 /// within a few texels.
 pub const POLE_FADE_DEG: f64 = 2.0;
 
-/// Beyond this latitude heights are averaged along their row over the ground size that a texel has here, degrees.
-/// Otherwise differences of whole metres between ever closer neighbours would draw rays to the pole.
+/// Latitude beyond which elevations are averaged along their row over the ground size of a texel at this latitude, degrees. Otherwise differences
+/// of whole metres between ever closer neighbours would produce rays towards the pole.
 const GRAIN_LATITUDE_DEG: f64 = 60.0;
 
 /// IUGG mean radius R1 of the Earth, metres. The ellipsoid differs by 0.6 %, far less than the exaggeration.
 const MEAN_RADIUS_M: f64 = 6_371_008.8;
 
-/// Slopes of a map and what was lost in storing them.
+/// Slopes of a map, and the number of saturated ones.
 #[derive(Clone, Debug)]
 pub struct SlopeMap {
     /// The slopes, `Rg8Snorm`.
@@ -37,12 +36,12 @@ pub struct SlopeMap {
 
 /// Slopes (dh/d east, dh/d north), times `exaggeration`, saturated at ±1.
 ///
-/// `elevation` is width × height values in metres plus [`ELEVATION_OFFSET_M`], cell-centred, north row first, left edge
-/// at 180° W. Differences are central and periodic in longitude; spacings are the local ones in metres. Ground below
-/// sea level counts as sea: flat at 0 m, also the few dry places that lie lower (around the Dead and the Caspian Sea).
+/// `elevation` is width × height values in metres plus [`ELEVATION_OFFSET_M`], cell-centred, north row first, left edge at 180° W. Differences are
+/// central and periodic in longitude; spacings are the local ones in metres. Ground below sea level counts as sea: flat at 0 m, also the few dry
+/// places that are lower (around the Dead and the Caspian Sea).
 ///
 /// # Errors
-/// [`ImageryError::Dimensions`] or [`ImageryError::Length`] if size and values do not fit.
+/// [`ImageryError::Dimensions`] or [`ImageryError::Length`] if size and values do not match.
 pub fn slopes_from_elevation(
     width: u32,
     height: u32,
@@ -119,8 +118,8 @@ pub fn slopes_from_clouds(cover: &LayerImage) -> Result<LayerImage, ImageryError
     LayerImage::from_slopes(cover.width, cover.height, bytes)
 }
 
-/// Makes slopes a row at a time, three rows of heights in memory. Rows go in from the north; each row's slopes come out
-/// when the row south of it is known.
+/// Computes slopes row by row, with three rows of elevations in memory. Rows are added from the north; each row's slopes are output when the row
+/// south of it is known.
 pub struct SlopeRows {
     rows: usize,
     row_spacing_m: f64,
@@ -174,7 +173,7 @@ impl SlopeRows {
         self.taken += 1;
     }
 
-    /// The slopes of the last row; nothing if there was none.
+    /// The slopes of the last row; none if there was no row.
     pub fn finish(&mut self, store: impl FnMut([f64; 2])) {
         if let Some(y) = self.taken.checked_sub(1) {
             self.slopes(y, &self.middle_m, store);
@@ -410,7 +409,7 @@ mod tests {
                 .max()
                 .unwrap_or(0)
         };
-        // At 50° the true slope; beyond 60° no more than the texel at 60° would show.
+        // At 50° the true slope; beyond 60° at most that of the texel at 60°.
         assert!(steepest_of_row(455) >= 1);
         for y in (0..341).chain(1707..height) {
             assert!(steepest_of_row(y) <= 2, "row {y}: {}", steepest_of_row(y));

@@ -25,8 +25,8 @@ const BUCKETS: usize = 4096;
 /// Linear values of one part in [`BUCKETS`].
 #[derive(Clone, Copy)]
 struct Bucket {
-    /// From this value on the code is one more: a bucket spans at most one such bound where the curve is steepest (12.92 · 255/4096 = 0.8
-    /// codes). NaN, which nothing reaches, where it spans none.
+    /// Value from which on the code is higher by one: a bucket contains at most one such bound where the curve is steepest (12.92 · 255/4096 = 0.8
+    /// codes). NaN, which no value reaches, if it contains none.
     bound: f32,
     /// The code of its darkest value.
     first: u8,
@@ -63,7 +63,7 @@ impl SrgbEncoder {
 
     /// The code, 0…255, of a linear value of 0…1.
     pub fn code(&self, linear: f32) -> u8 {
-        // `as` saturates and takes NaN to 0; by way of i32, which processors have an instruction for.
+        // `as` saturates and maps NaN to 0; via i32, which processors convert to in one instruction.
         let bucket = ((linear * BUCKETS as f32) as i32).clamp(0, BUCKETS as i32 - 1);
         let Bucket { bound, first } = self.0[bucket as usize];
         first + u8::from(linear >= bound)

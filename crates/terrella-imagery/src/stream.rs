@@ -1,10 +1,10 @@
-//! Streaming and residency: which tiles are in memory, and the threads that bring them. Knows nothing of the GPU.
+//! Streaming and residency: which tiles are in memory, and the threads that load them. Independent of the GPU.
 //!
-//! | file | what |
+//! | file | content |
 //! |---|---|
 //! | `pools.rs` | the budget of texture memory, split into pools of slots |
-//! | `cache/` | what is requested, loaded, resident and drawn: a state machine without threads or a clock |
-//! | `loader.rs` | decoder threads and what they share with the frame |
+//! | `cache/` | requested, loaded, resident and drawn tiles: a state machine without threads or a clock |
+//! | `loader.rs` | decoder threads and their shared state with the frame |
 //!
 //! # A tile's way
 //!
@@ -13,20 +13,19 @@
 //!                        (thread)   (waits)    (upload budget)         (drawn)
 //! ```
 //!
-//! A slot is taken only when the first part of a decoded tile is written, so that what it held before is drawn until
-//! then. A tile that is no longer requested leaves this way wherever it is.
+//! A slot is taken only when the first part of a decoded tile is written, so that its previous content is drawn until then. A tile that is no
+//! longer requested leaves this sequence at any point.
 //!
 //! # Why nothing waits forever
 //!
-//! Slots are allocated to requests, and a pool never promises more slots than it has. So a tile that lacks a slot can only be
-//! kept out by tiles that nobody asked for and that are drawn as stand-ins. A stand-in that is coarser than its block's
-//! own tile waits for a finer pool than the one it is in, and in the finest pool there is none: the waiting ends there,
-//! and from there in each coarser pool. A stand-in that is finer than its block's own tile gives way as soon as its slot
-//! is needed. Decoded tiles can fill their memory while the very tile that would free a slot is still queued; then the
-//! coarser stand-ins of their pools give way too, and tiles that are only expected soon are dropped.
+//! Slots are allocated to requests, and a pool never promises more slots than it has. A tile without a slot can therefore only be blocked by tiles
+//! that are not requested and are drawn as stand-ins. A stand-in that is coarser than its block's allocated tile waits for a pool finer than its
+//! own, and in the finest pool there is none: the wait ends there, and from there in each coarser pool. A stand-in that is finer than its block's
+//! allocated tile is released as soon as its slot is needed. Decoded tiles can fill their memory while the tile that would free a slot is still
+//! queued; then the coarser stand-ins of their pools are released too, and tiles that are only expected soon are dropped.
 //!
-//! In a pool with parts of blocks a block's own tile is requested wherever its parts are, and stands in for all of them. So whatever
-//! else is drawn in their place, finer or coarser, gives way as soon as its slot is needed.
+//! In a pool with parts of blocks a block's own tile is requested wherever its parts are, and stands in for all of them. Any other tile drawn in
+//! their place, finer or coarser, is therefore released as soon as its slot is needed.
 
 mod cache;
 mod loader;
@@ -45,13 +44,13 @@ use std::time::Duration;
 use terrella_files::clock::Instant;
 use terrella_ground::globe::Part;
 
-/// What a [`TileStream`] may use. Fixed when it is made.
+/// Resources of a [`TileStream`]. Fixed at creation.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct StreamOptions {
-    /// Bytes of all pools: texture memory. 512 MiB by default.
+    /// Texture memory of all pools, bytes. 512 MiB by default.
     pub texture_bytes: u64,
-    /// Bytes of tiles that are being decoded or wait for upload; one tile is always allowed. 64 MiB by default. More
-    /// keeps the threads busy when much is requested at once, less keeps the process small.
+    /// Memory of tiles that are being decoded or wait for upload, bytes; one tile is always allowed. 64 MiB by default. More keeps the threads busy
+    /// when many tiles are requested at the same time, less keeps the process small.
     pub decoded_bytes: u64,
     /// Decoder threads, 1…16. By default 1 on a machine of one or two cores, else half of the cores and at most 4.
     pub threads: usize,
@@ -68,10 +67,10 @@ impl Default for StreamOptions {
     }
 }
 
-/// A tile that is asked for.
+/// A request for a tile.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TileRequest {
-    /// The tile; its level is the one that the eye asks for.
+    /// The tile, at the level that the eye requires.
     pub key: TileKey,
     /// It is in this frame's picture. Otherwise it is expected to be soon.
     pub drawn: bool,
@@ -79,8 +78,8 @@ pub struct TileRequest {
 
 /// Tiles of a source, streamed into pools.
 ///
-/// A frame is [`Self::update`], then [`Self::draw`] for each map of each block drawn, then [`Self::upload`], then the
-/// submission of what was drawn and written. A slot that was drawn is not written in the same frame.
+/// A frame is [`Self::update`], then [`Self::draw`] for each map of each block drawn, then [`Self::upload`], then the submission of all draws and
+/// writes. A slot that was drawn is not written in the same frame.
 pub struct TileStream {
     cache: TileCache,
     loader: Loader,
@@ -119,19 +118,18 @@ impl TileStream {
         self.loader.hand_over(&mut self.cache);
     }
 
-    /// The tile to draw a block of a map with; `None` is the whole coarsest map. Marks the slot as
-    /// drawn in this frame. A block without a drawn request in this frame has `None`.
+    /// The tile to draw a block of a map with; `None` is the whole coarsest map. Marks the slot as drawn in this frame. A block without a drawn
+    /// request in this frame has `None`.
     ///
-    /// That is the tile that a slot is allocated to if it is resident, else the next coarser one, else a finer one whose slot
-    /// nobody waits for.
+    /// That is the tile with an allocated slot if it is resident, else the next coarser one, else a finer one whose slot is not needed.
     pub fn draw(&mut self, layer: MapLayer, block: u8) -> Option<ResidentTile> {
         self.cache.draw(layer, block)
     }
 
-    /// Adds a table of what the parts of a block are drawn with, `own` being what [`Self::draw`] answered for it; none if that is not the
-    /// tile that parts are finer than. `wanted` are parts of it in sight, each with the level asked for, whose parts are as large as it
-    /// or larger; of those that lie in one another the last counts. Where the
-    /// level that a slot is promised at is not resident a finer part that nobody waits for is drawn, else a coarser one, else the block's own tile.
+    /// Adds a table with the tiles of the parts of a block, where `own` is the result of [`Self::draw`] for it; no table if `own` is not the tile
+    /// that parts refine. `wanted` are parts of it in sight, each with the required level, whose parts are at least as large; of nested ones the
+    /// last applies. If the allocated level is not resident, a finer part whose slot is not needed is drawn, else a coarser one, else the block's
+    /// own tile.
     pub fn draw_parts(
         &mut self,
         layer: MapLayer,
@@ -154,13 +152,12 @@ impl TileStream {
         self.cache.counters()
     }
 
-    /// Drawn requests of this frame that are not resident at the level asked for after allocation, though they
-    /// could be. For export.
+    /// Drawn requests of this frame that are not resident at the allocated level, although they could be. For export.
     pub fn missing(&self) -> impl Iterator<Item = TileKey> + '_ {
         self.cache.missing()
     }
 
-    /// Whether there is nothing left to wait for: what is missing could not be read. For export.
+    /// Whether there is nothing left to wait for: missing tiles could not be read. For export.
     pub fn is_settled(&self) -> bool {
         self.cache.is_settled()
     }

@@ -1,4 +1,4 @@
-//! What an Earth knows of a map without its texels: found row by row, so that the texels need not be in memory.
+//! Properties of a map that an Earth needs without its texels: computed row by row, so that the texels need not be in memory.
 
 use super::albedo::MapAlbedo;
 use super::ground_kinds::{GroundKindRows, MapGroundKinds};
@@ -7,12 +7,12 @@ use super::map_rows::MapRows;
 use super::texel::TexelFormat;
 use super::tile::MapLayer;
 
-/// What is known of a map without its texels.
+/// Properties of a map without its texels.
 #[derive(Clone, Debug)]
 pub struct MapSummary {
-    /// What it has a part in the light of the air with; `None` of a map that has none.
+    /// Its contribution to the light of the air; `None` for a map without one.
     pub albedo: Option<MapAlbedo>,
-    /// Where it says that there is land or sea; `None` of a map that says nothing of it.
+    /// Land and sea according to it; `None` for a map without this information.
     pub kinds: Option<MapGroundKinds>,
 }
 
@@ -57,7 +57,7 @@ impl MapSummaryRows {
         }
     }
 
-    /// What was found, when all rows have come.
+    /// The result after all rows.
     pub fn summary(self) -> MapSummary {
         let size = self.map.level_size(self.albedo_level);
         let format = self.map.format;
@@ -119,7 +119,7 @@ mod tests {
                 for (level, texels) in map.levels.iter().enumerate() {
                     let row_bytes = map.level_size(level).0 as usize * map.format.texel_bytes();
                     let numbered: Vec<_> = (0..).zip(texels.chunks_exact(row_bytes)).collect();
-                    // From the south: the order is of no account.
+                    // From the south: the order does not matter.
                     for (number, row) in numbered.into_iter().rev() {
                         rows.rows(level, number, row);
                     }

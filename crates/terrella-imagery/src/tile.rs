@@ -1,13 +1,12 @@
 //! Tiles: a block of a map at one level, with its border and mip levels. Names, sizes and formats; no files here.
 //!
-//! A map of a pack is kept at several levels, the finest first. At each level it is cut into 16 × 8 tiles, one for each
-//! [`Block`]. A tile has `pixels` × `pixels` texels of its block and around them a border of its neighbours' texels, so
-//! that a filter finds the same texels on both sides of an edge: round the date line, and over a pole on the opposite
-//! meridian. Its side is padded to a multiple of eight (more border on the east and south), so that four mip levels
-//! halve it exactly and the base level is a whole number of compressed 4 × 4 blocks.
+//! A map of a pack is stored at several levels, the finest first. Each level is cut into 16 × 8 tiles, one for each [`Block`]. A tile has `pixels`
+//! × `pixels` texels of its block and a border of its neighbours' texels, so that a filter finds the same texels on both sides of an edge: across
+//! the date line, and over a pole on the opposite meridian. Its side is padded to a multiple of eight (more border on the east and south), so that
+//! four mip levels halve it exactly and the base level is a whole number of compressed 4 × 4 blocks.
 //!
-//! Levels too fine for a tile of that size are cut further: each block into 2 × 2, 4 × 4 … *parts*, tiles of the same size as those of
-//! the finest level that is not cut. Parts of a block are numbered row by row from its north-west corner.
+//! Levels too fine for a tile of that size are cut further: each block into 2 × 2, 4 × 4 … *parts*, tiles of the same size as those of the finest
+//! uncut level. Parts of a block are numbered row by row from its north-west corner.
 
 use std::fmt;
 use terrella_ground::globe::Block;
@@ -205,8 +204,7 @@ pub struct TileShape {
 }
 
 impl TileShape {
-    /// The shape of tiles of whole blocks with so many texels of their own a side; `None` outside
-    /// [`MIN_PIXELS`]…[`MAX_PIXELS`].
+    /// The shape of whole-block tiles with this many texels of their own a side; `None` outside [`MIN_PIXELS`]…[`MAX_PIXELS`].
     pub fn new(pixels: u32) -> Option<Self> {
         (MIN_PIXELS..=MAX_PIXELS)
             .contains(&pixels)
@@ -389,7 +387,7 @@ impl TileSet {
         self.words.iter().map(|word| word.count_ones()).sum()
     }
 
-    /// Whether there is none.
+    /// Whether there are no texels.
     pub fn is_empty(&self) -> bool {
         self.words.iter().all(|word| *word == 0)
     }
@@ -421,9 +419,8 @@ pub struct LayerLayout {
     pub layer: MapLayer,
     /// How [`TileSource::read`] gives its texels.
     pub format: TileFormat,
-    /// Its levels, the finest first, 1…[`MAX_LEVELS`]. The last has all blocks and at most [`MAX_COARSEST_PIXELS`]. Levels that are cut
-    /// into parts come first, and their tiles are as large as those of the finest level that is not cut, which has a tile of
-    /// every block that has parts.
+    /// Its levels, the finest first, 1…[`MAX_LEVELS`]. The last has all blocks and at most [`MAX_COARSEST_PIXELS`]. Levels that are cut into parts
+    /// come first, and their tiles are as large as those of the finest uncut level, which has a tile of every block that has parts.
     pub levels: Vec<LevelLayout>,
 }
 
@@ -463,8 +460,8 @@ pub trait TileSource: Send + Sync {
     /// The maps that there are, in the order of [`MapLayer::index`], each once.
     fn layers(&self) -> &[LayerLayout];
 
-    /// Reads and decodes a tile. Called from decoder threads; may take long. `cancelled` is asked between its steps
-    /// and, once true, ends the reading with [`TileError::Cancelled`].
+    /// Reads and decodes a tile. Called from decoder threads; may take long. `cancelled` is called between its steps and, once true, ends the
+    /// reading with [`TileError::Cancelled`].
     fn read(&self, key: TileKey, cancelled: &dyn Fn() -> bool) -> Result<Tile, TileError>;
 }
 
@@ -482,11 +479,11 @@ pub enum TileError {
         path: std::path::PathBuf,
         source: std::io::Error,
     },
-    /// The file does not hold what the manifest says.
+    /// The file does not match the manifest.
     #[error("{}: {cause}; run `terrella pack verify` and build the pack again", path.display())]
     Corrupt {
         path: std::path::PathBuf,
-        /// What the decoder found wrong.
+        /// The decoder's error.
         cause: String,
     },
     /// No longer wanted.

@@ -1,4 +1,4 @@
-//! Axes of charts: where a value stands, and which values are named.
+//! Axes of charts: positions of values, and their tick labels.
 
 use plotters::coord::ranged1d::{DefaultFormatting, KeyPointHint, Ranged};
 use std::ops::Range;
@@ -25,7 +25,7 @@ impl Ranged for Axis {
         let along = |value: f64| if self.is_log { value.log10() } else { value };
         let (low, high) = (along(self.range.start), along(self.range.end));
         let part = (along(*value) - low) / (high - low);
-        // A cast clamps; what is not finite stands at the axis' beginning.
+        // A cast clamps; a non-finite value is placed at the start of the axis.
         let along = (part * f64::from(limit.1 - limit.0)).round() as i32;
         limit.0.saturating_add(along)
     }

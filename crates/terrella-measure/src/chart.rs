@@ -17,7 +17,7 @@ pub struct Point {
     pub x_error_bar: Option<(f64, f64)>,
     /// A short text beside it; empty for none.
     pub label: String,
-    /// Whether it stands on the Pareto front.
+    /// Whether it is on the Pareto front.
     pub on_front: bool,
 }
 
@@ -41,7 +41,7 @@ pub struct Series {
     pub name: String,
     /// The points, in the order in which they are joined.
     pub points: Vec<Point>,
-    /// Whether a line joins them.
+    /// Whether a line connects them.
     pub joined: bool,
 }
 
@@ -57,7 +57,7 @@ pub struct Chart {
     pub x_log: bool,
     /// Whether the vertical axis is logarithmic.
     pub y_log: bool,
-    /// What is drawn.
+    /// Data series.
     pub series: Vec<Series>,
 }
 
@@ -71,7 +71,7 @@ pub enum ChartError {
     #[error("the chart \"{title}\" cannot be drawn: {cause}")]
     Drawing {
         title: String,
-        /// What the library says.
+        /// Error message of the library.
         cause: String,
     },
 }
@@ -80,9 +80,9 @@ pub enum ChartError {
 const SIZE: (u32, u32) = (840, 520);
 /// Width of the legend, of [`SIZE`].
 const LEGEND_PX: u32 = 150;
-/// What the legend is drawn on.
+/// Drawing area of the legend.
 type LegendArea<'t> = DrawingArea<SVGBackend<'t>, plotters::coord::Shift>;
-/// Colours that people who confuse red and green can tell apart (Okabe and Ito 2008).
+/// Colours that are distinct for people with red-green colour blindness (Okabe and Ito 2008).
 const COLORS: [RGBColor; 7] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
@@ -120,7 +120,7 @@ impl Chart {
         fits(point.x, self.x_log) && fits(point.y, self.y_log)
     }
 
-    /// From below the least to above the largest value.
+    /// From below the smallest to above the largest value.
     fn range(
         &self,
         log: bool,
@@ -146,7 +146,7 @@ impl Chart {
     fn draw(&self, text: &mut String, x: Axis, y: Axis) -> Result<(), String> {
         let whole = SVGBackend::with_string(text, SIZE).into_drawing_area();
         whole.fill(&WHITE).map_err(error_text)?;
-        // The legend stands beside the chart, where it covers nothing.
+        // The legend is beside the chart, where it covers nothing.
         let (root, legend) = match self.series.len() {
             0 | 1 => (whole.clone(), None),
             _ => {
@@ -197,7 +197,7 @@ impl Chart {
             let labels = points.iter().filter(|p| !p.label.is_empty());
             chart
                 .draw_series(labels.map(|p| {
-                    // Text beside a point at the right edge stand on its left.
+                    // Text beside a point at the right edge is placed on its left.
                     let (side, offset) = match x.map(&p.x, (0, 100)) > 80 {
                         true => (HPos::Right, -7),
                         false => (HPos::Left, 7),
@@ -212,7 +212,7 @@ impl Chart {
                 let marks = marks.map(|p| Circle::new((p.x, p.y), 4, color.filled()));
                 chart.draw_series(marks).map_err(error_text)?;
             } else {
-                // Colours come again: other marks tell the series apart.
+                // Colours repeat: different markers distinguish the series.
                 let marks = points.iter();
                 let marks = marks.map(|p| TriangleMarker::new((p.x, p.y), 6, color.filled()));
                 chart.draw_series(marks).map_err(error_text)?;

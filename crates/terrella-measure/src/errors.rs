@@ -1,11 +1,11 @@
-//! How wrong a picture is: its colours, where its pixels look, and where its limb lies.
+//! Errors of an image: its colours, the geolocation of its pixels, and the position of its limb.
 //!
-//! | file | what |
+//! | file | content |
 //! |---|---|
-//! | `difference.rs` | colours against the true picture: FLIP, and the root mean square error in linear light |
-//! | `geolocation.rs` | the geolocation buffer: where each pixel says that it looks; its distance from the exact ray's place |
-//! | `relief.rs` | drawn terrain against its heights: metres, pixels, holes |
-//! | `silhouette.rs` | the drawn limb against the analytic one, to 1/64 pixel |
+//! | `difference.rs` | colours compared with the true image: FLIP, and the root mean square error in linear light |
+//! | `geolocation.rs` | the geolocation buffer: the place of each pixel, and its distance from that of the exact ray |
+//! | `relief.rs` | drawn terrain compared with its elevation data: metres, pixels, holes |
+//! | `silhouette.rs` | the drawn limb compared with the analytic one, to 1/64 pixel |
 
 mod difference;
 mod geolocation;

@@ -1,8 +1,7 @@
-//! Pictures that nobody would ask for, each with what it must show: a defined picture or a clear error, never a pixel that
-//! is not a number.
+//! Extreme views, each with its expected result: a defined image or a clear error, never a pixel that is not finite.
 //!
-//! [`cases()`] is the list, [`run()`] draws one case on any device. Pictures are drawn to half floats, which show what an
-//! 8-bit target would hide.
+//! [`cases()`] is the list, [`run()`] draws one case on any device. Images are rendered to half floats, which reveal values that an 8-bit target
+//! would clamp.
 
 mod case;
 mod cases;
@@ -26,7 +25,7 @@ pub struct LinearPicture {
 }
 
 impl LinearPicture {
-    /// Whether any channel of a pixel can be seen on black.
+    /// Whether any channel of a pixel is visible on black.
     fn is_lit(pixel: &[f32; 4]) -> bool {
         pixel[..3].iter().any(|value| *value > MIN_VISIBLE_LIGHT)
     }
@@ -64,13 +63,13 @@ pub enum ExtremeError {
     Device(String),
 }
 
-/// What a case drew, and whether that is what it must show.
+/// Result of a case.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CaseResult {
     pub name: &'static str,
-    /// What must be seen, as text for the report.
+    /// The expected result, as text for the report.
     pub expected: &'static str,
-    /// What was seen, as text for the report.
+    /// The actual result, as text for the report.
     pub what_was_drawn: String,
     /// Pixels that are not black.
     pub lit_pixels: usize,
@@ -78,11 +77,11 @@ pub struct CaseResult {
     pub nan_pixels: usize,
     /// The error, where one was answered.
     pub error: Option<String>,
-    /// Whether it is what was expected.
+    /// Whether it is the expected one.
     pub passed: bool,
 }
 
-/// Draws a case and compares it with what it must show.
+/// Draws a case and compares it with its expected result.
 pub fn run(case: &ExtremeCase, gpu: &GpuContext, layers: &EarthLayers) -> CaseResult {
     let (picture, error) = match draw(case, gpu, layers) {
         Ok(picture) => (Some(picture), None),
@@ -121,7 +120,7 @@ pub fn run(case: &ExtremeCase, gpu: &GpuContext, layers: &EarthLayers) -> CaseRe
     }
 }
 
-/// What a picture shows, as text for the report.
+/// Content of an image, as text for the report.
 fn describe(picture: &LinearPicture, lit: usize) -> String {
     let all = picture.pixels.len();
     let (width, height) = picture.size;
@@ -147,7 +146,7 @@ fn describe(picture: &LinearPicture, lit: usize) -> String {
 /// Draws a case.
 ///
 /// # Errors
-/// What the Earth or the device rejects.
+/// Errors of the Earth or the device.
 pub fn draw(
     case: &ExtremeCase,
     gpu: &GpuContext,

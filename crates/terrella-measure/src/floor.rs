@@ -1,9 +1,9 @@
-//! What the texture samples of a frame cost alone: a pass to hold frames against.
+//! The cost of a frame's texture samples alone: a reference pass for frame times.
 //!
-//! | file | what |
+//! | file | content |
 //! |---|---|
-//! | `samples` | which textures are sampled how often, and the shader |
-//! | `view` | where the eye is and where the Earth's edge lies on screen |
+//! | `samples` | the sampled textures with their number of samples, and the shader |
+//! | `view` | position of the eye, and the Earth's edge on screen |
 
 mod samples;
 mod view;
@@ -15,26 +15,25 @@ use view::{CORNERS, FloorView};
 
 /// A pass that takes the texture samples of a frame and computes no light.
 ///
-/// It covers the disc of the Earth as seen from the eye, a pixel at a time as frames do, in the same targets, with as many samples
-/// a pixel and the same resolve. On each pixel it finds the place where the ray meets the exact ellipsoid, as the Earth's shader
-/// does, and samples there: each map with the place's texture coordinates and the footprint of the pixel, so that as many texels are
-/// read from the same mip levels; clouds once more where they throw shadows; the air's tables at coordinates that grow with the
-/// zenith angles of ray and Sun. It counts one sample of each map that the shading reads, two of the sunlight table, one more of it for clouds, and
-/// one of each other table of the air; where the Sun is down one of the city lights too, and with moonlight those that are read for the Moon.
+/// It covers the disc of the Earth as seen from the eye, one pixel at a time as frames do, in the same targets, with the same number of samples a
+/// pixel and the same resolve. For each pixel it computes where the ray meets the exact ellipsoid, as the Earth's shader does, and samples there:
+/// each map with its texture coordinates and the footprint of the pixel, so that as many texels are read from the same mip levels; clouds once more
+/// if they cast shadows; the air's tables at coordinates that increase with the zenith angles of ray and Sun. It takes one sample of each map that
+/// the shading reads, two of the sunlight table, one more of it for clouds, and one of each other table of the air; on the night side also one of
+/// the city lights, and with moonlight those that are read for the Moon.
 ///
-/// It is no bound of what any program could reach: another might need fewer samples or smaller maps. It is what this picture's
-/// samples cost where nothing is made of them, so that a frame over its floor says what light, air, meshes, sky and the processor's work
-/// cost in units of the reading. It is less than what a frame reads in these: shadows of clouds and clouds themselves are
-/// sampled where the place is, moved by one fixed amount and not by their height; by day's edge the Earth reads city lights in blocks that are partly by night; tables hold nothing, which hardware may
-/// compress; an Earth of a pack has the floor of its coarsest whole maps; terrain that of the smooth ellipsoid; made
-/// detail, stars, the Milky Way and tracks are not in it. From as far as the Moon most of both is what any pass costs that
-/// clears and waits.
+/// It is not a lower bound for all programs: another one might need fewer samples or smaller maps. It is the cost of this image's samples without
+/// any use of them, so that the ratio of frame to floor gives the cost of light, air, meshes, sky and CPU work in units of sampling. It omits some
+/// reads of a frame: cloud shadows and clouds are sampled at the place itself, displaced by a constant and not by their height; near the terminator
+/// the Earth reads city lights in blocks that are partly dark; tables are empty, which hardware may compress; an Earth of a pack has the floor of
+/// its coarsest whole maps; terrain has that of the smooth ellipsoid; synthetic detail, stars, the Milky Way and tracks are not included. From the
+/// distance of the Moon, both are mostly the cost of any pass that clears and waits.
 pub struct Floor {
     pipeline: wgpu::RenderPipeline,
     bind_group: wgpu::BindGroup,
     view: wgpu::Buffer,
     ellipsoid: terrella::frames::Ellipsoid,
-    /// Whether the eye is above the ground; else nothing is drawn.
+    /// Whether the eye is above the ground; otherwise nothing is drawn.
     sees_ground: bool,
 }
 

@@ -8,9 +8,9 @@ use terrella::internals::gpu::{GpuContext, GpuTimer};
 use terrella::{EarthOptions, EyeView, FrameStats, Sky};
 use terrella_play::{Moment, OffscreenRenderer, PlayError, TimedFrame};
 
-/// An Earth, textures of one size, and what its frames are compared with.
+/// An Earth, textures of one size, and the reference passes of its frames.
 ///
-/// Absolute times on a shared machine say little; the ratio of a frame to its floor, taken in the same moment, does.
+/// Absolute times on a shared machine have little meaning; the ratio of a frame to its floor, measured at the same moment, does.
 pub struct FrameTimer {
     picture: OffscreenRenderer,
     floor: Floor,
@@ -19,7 +19,7 @@ pub struct FrameTimer {
 /// Times of one frame and its floor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrameTimes {
-    /// What was drawn.
+    /// Statistics of the frame.
     pub stats: FrameStats,
     /// `prepare` alone, milliseconds.
     pub prepare_ms: f64,
@@ -46,12 +46,12 @@ impl FrameTimer {
         })
     }
 
-    /// What draws the frames.
+    /// The renderer of the frames.
     pub fn picture(&self) -> &OffscreenRenderer {
         &self.picture
     }
 
-    /// What draws the frames, to draw others with.
+    /// The renderer of the frames, mutable, for drawing other ones.
     pub fn picture_mut(&mut self) -> &mut OffscreenRenderer {
         &mut self.picture
     }
@@ -70,8 +70,7 @@ impl FrameTimer {
         self.picture.read()
     }
 
-    /// Draws a view when its tiles have come, or `wait` is over; answers how many are missing. Without tiles it does
-    /// nothing.
+    /// Draws a view when its tiles have arrived, or `wait` is over; returns the number of missing tiles. Does nothing without tiles.
     pub fn wait_for_tiles(&mut self, view: &EyeView, sky: &Sky, wait: Duration) -> usize {
         if !self.picture.earth().has_tiles() {
             return 0;
@@ -156,7 +155,7 @@ impl FrameTimer {
 /// A view without a craft as an instant of a flight.
 pub(super) fn moment(view: &EyeView, sky: &Sky) -> Moment {
     Moment {
-        // Nothing that is drawn without a craft asks for it.
+        // Without spacecraft nothing depends on the epoch.
         epoch: Epoch::from_gregorian_utc(2000, 1, 1, 12, 0, 0, 0),
         frame: 0,
         view: *view,

@@ -10,7 +10,7 @@ pub struct LogHistogram {
     max: f64,
 }
 
-/// What is below counts as this.
+/// Smaller values count as this.
 const LEAST: f64 = 1e-6;
 /// Natural logarithm of a bin's width.
 const WIDTH: f64 = 0.01;
@@ -34,17 +34,17 @@ impl LogHistogram {
         self.len
     }
 
-    /// Whether none was.
+    /// Whether there are no values.
     pub fn is_empty(&self) -> bool {
         self.len == 0
     }
 
-    /// The largest, exactly; 0 of none.
+    /// The exact maximum; 0 if empty.
     pub fn max(&self) -> f64 {
         self.max
     }
 
-    /// A value that at least `part` (0…1) of all do not exceed, at most a hundredth above the smallest such; 0 of none.
+    /// A value that at least `part` (0…1) of all do not exceed, at most one per cent above the smallest such value; 0 if empty.
     pub fn quantile(&self, part: f64) -> f64 {
         let rank = ((part * self.len as f64).ceil() as u64).max(1);
         let mut below = 0;

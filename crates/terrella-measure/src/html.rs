@@ -1,4 +1,4 @@
-//! Pages of reports: HTML templates, filled with what was measured. All text is escaped but charts, which are SVG.
+//! HTML pages of reports: templates filled with measurements. All text is escaped except charts, which are SVG.
 
 use minijinja::syntax::SyntaxConfig;
 use minijinja::value::Serde;
@@ -8,21 +8,20 @@ use serde::Serialize;
 /// Colours and sizes of all pages.
 pub(super) const STYLE: &str = include_str!("page.css");
 
-/// A page could not be made of its template.
+/// A page template could not be rendered.
 #[derive(Debug, thiserror::Error)]
 #[error("the page {name} cannot be made: {cause}")]
 pub struct PageError {
     /// The template.
     name: &'static str,
-    /// What the template engine says.
+    /// Error of the template engine.
     cause: minijinja::Error,
 }
 
-/// Fills a template, an HTML file's text, with values by name. A value that the template asks for and is not given is an
-/// error; text is escaped unless the template says otherwise.
+/// Renders a template, an HTML file's text, with values by name. A missing value is an error; text is escaped unless the template disables it.
 ///
 /// # Errors
-/// A template that does not fit its values: the page's tests see to it that there is none.
+/// A template that does not match its values: tests of the pages prevent it.
 pub(super) fn page(
     name: &'static str,
     template: &str,
@@ -50,7 +49,7 @@ pub(super) fn page(
 pub(super) struct ChartFigure<'p> {
     name: &'p str,
     alt_text: &'p str,
-    /// The SVG element without its first tag's name, so that attributes can stand before the others.
+    /// The SVG element without the name of its first tag, so that attributes can be inserted.
     svg_rest: &'p str,
 }
 
@@ -66,7 +65,7 @@ impl<'p> ChartFigure<'p> {
     }
 }
 
-/// A value with a mark that says whether it is good enough.
+/// A value with a mark whether it is good enough.
 #[derive(Debug, PartialEq, Eq, Serialize)]
 pub(super) struct Marked {
     text: String,

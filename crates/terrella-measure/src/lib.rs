@@ -1,22 +1,22 @@
-//! Measuring: how long a picture takes, how wrong it is, and where a formula stops being stable.
+//! Measurements: the time and the errors of images, and the stability of formulas.
 //!
-//! | module | what |
+//! | module | content |
 //! |---|---|
-//! | `viewpoints` | where frames are measured from: the heights of the paper's Table 2 and farther |
+//! | `viewpoints` | positions of the eye: the heights of the paper's Table 2 and beyond |
 //! | `frame_timer` | frames and their floor, timed interleaved |
-//! | `floor` | what a frame's texture samples cost alone |
+//! | `floor` | the cost of a frame's texture samples alone |
 //! | [`mod@bench`] | the frame-rate harness |
-//! | [`mod@reference`] | the true picture: ray casting in f64 on the processor |
+//! | [`mod@reference`] | the true image: ray casting in f64 on the CPU |
 //! | [`numeric`] | formulas compared with arbitrary precision, methods compared by error and cost |
-//! | [`extreme`] | pictures that nobody would ask for, and what they must show |
-//! | [`clear_air`] | the air's light against tables of a radiative-transfer program |
-//! | [`errors`] | how wrong a picture is: colours, places, silhouette |
+//! | [`extreme`] | extreme views, and their expected results |
+//! | [`clear_air`] | the air's light, compared with tables of a radiative-transfer program |
+//! | [`errors`] | errors of an image: colours, geolocation, silhouette |
 //! | [`mod@report`] | error against run time over a scene's settings: tables, charts, a page |
-//! | [`quality`] | what each reduction of quality saves and costs in error, and the ladder that follows |
-//! | [`surfaces`] | surfaces with relief: error beside run time, holes, popping |
-//! | [`terrain`] | trees over heights on their own: what they save, build times, storage |
-//! | [`orbits`] | propagators: error beside run time |
-//! | `machine` | where and when something is measured |
+//! | [`quality`] | saving and error of each quality reduction, and the resulting ladder |
+//! | [`surfaces`] | terrain surfaces: error against run time, holes, popping |
+//! | [`terrain`] | terrain trees alone: savings, build times, storage |
+//! | [`orbits`] | propagators: error against run time |
+//! | `machine` | machine, source and time of a measurement |
 //! | `statistics`, `histogram`, `pareto` | medians, quartiles, jank; quantiles of many values; the Pareto front |
 //! | `chart`, `axis`, `html`, `output` | measurements as charts, pages and tables, and the folder they are written to |
 

@@ -1,4 +1,4 @@
-//! On what machine, of what source and when something is measured. Plain `std`: `xtask` includes this file too.
+//! Machine, source revision and time of a measurement. Plain `std`: `xtask` includes this file too.
 
 use std::path::Path;
 use std::process::Command;
@@ -30,7 +30,7 @@ pub fn commit(root: &Path) -> String {
     let Some(commit) = git(&["rev-parse", "HEAD"]) else {
         return "unknown".to_owned();
     };
-    // What is measured is code: pages and recorded runs are rewritten on the way.
+    // Only code counts: pages and recorded runs are rewritten during the measurement.
     match git(&["status", "--porcelain", "--", ".", ":!docs", ":!README.md"]).as_deref() {
         Some("") => commit,
         _ => commit + " with changes",

@@ -1,10 +1,10 @@
-//! Propagators compared: error against run time, and what is kept that should be kept.
+//! Propagators compared: error against run time, and conserved quantities.
 //!
-//! | file | what |
+//! | file | content |
 //! |---|---|
-//! | `reference.rs`, `double_double.rs` | where the satellite truly is, in 32 digits |
+//! | `reference.rs`, `double_double.rs` | the true orbit, to 32 digits |
 //! | `table.rs` | the comparison as a table |
-//! | `stiff.rs` | a fall through the air that is stiff |
+//! | `stiff.rs` | a stiff problem: a fall through the air |
 //! | `interpolation.rs` | interpolated ephemerides by degree and step, as a table |
 
 mod double_double;
@@ -121,7 +121,7 @@ impl OrbitCase {
         })
     }
 
-    /// From the state to the sampled instants by one method; `None` where it fails.
+    /// From the state to the sampled times by one method; `None` if it fails.
     fn propagate(&self, solver: Option<Solver>, relative_tolerance: f64) -> Option<PropagatedRun> {
         let (first, last) = (self.start.epoch, self.start.epoch + self.span);
         let states = |feed: &dyn Feed| -> Option<Vec<OrbitState>> {
@@ -185,7 +185,7 @@ impl OrbitCase {
         (0.5 * v.length_squared() - potential, r.cross(v).z)
     }
 
-    /// How far energy and momentum drift, relative to what they were.
+    /// Relative drift of energy and angular momentum.
     fn drifts(&self, run: &PropagatedRun) -> (f64, f64) {
         let (energy, momentum) = self.conserved(&self.start);
         run.states.iter().fold((0.0_f64, 0.0_f64), |(e, m), state| {

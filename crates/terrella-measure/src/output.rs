@@ -66,10 +66,10 @@ impl OutputFolder {
         Ok(opened)
     }
 
-    /// Begins a file; its extension is whatever its name says.
+    /// Begins a file of that name, with any extension.
     ///
     /// # Errors
-    /// A file that cannot be made.
+    /// A file that cannot be created.
     pub fn pending(&self, name: &str) -> Result<PendingFile, OutputError> {
         let (what, extension) = match name.rsplit_once('.') {
             Some((_, "csv")) => ("tables", "csv"),
@@ -81,10 +81,10 @@ impl OutputFolder {
         PendingFile::create(&self.path.join(name), what, extension)
     }
 
-    /// A file's text; `None` where there is none.
+    /// A file's text; `None` if there is none.
     ///
     /// # Errors
-    /// A file that cannot be read, or is none of a report: of more than 64 MB.
+    /// A file that cannot be read, or exceeds the limit of 64 MB.
     pub fn read(&self, name: &str) -> Result<Option<String>, OutputError> {
         let path = self.path.join(name);
         let failed = |source| OutputError::Read {

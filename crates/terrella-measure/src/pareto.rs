@@ -1,8 +1,8 @@
-//! Which of several choices is beaten by none: the Pareto front of error and cost.
+//! The Pareto front of error and cost.
 
 /// For each (cost, error), whether no other has both at most as large and one of them smaller. Smaller is better.
 ///
-/// Points that are equal stand on the front together. What is not finite never does.
+/// Equal points are on the front together. Non-finite ones never are.
 pub fn pareto_front(points: &[(f64, f64)]) -> Vec<bool> {
     let is_finite = |(cost, error): (f64, f64)| cost.is_finite() && error.is_finite();
     let beats = |a: (f64, f64), b: (f64, f64)| a.0 <= b.0 && a.1 <= b.1 && a != b;

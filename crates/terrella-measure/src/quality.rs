@@ -1,16 +1,15 @@
-//! What each reduction of quality saves and what it costs in error, and the ladder that follows.
+//! Saving and error of each quality reduction, and the resulting ladder.
 //!
-//! A search from the full quality down: every reduction that is left is tried on top of what is given up already, each timed interleaved
-//! with the full quality in the same views and compared with its pictures, and the one that saves most for the error that
-//! it adds is taken; then again from there. What is on the Pareto front of error and cost of all that was tried, and saves
-//! enough, is a step of the [`QualityLadder`](terrella::QualityLadder).
+//! A greedy search from full quality downwards. Each remaining reduction is tried in addition to those already applied, timed interleaved with full
+//! quality in the same views, and compared with its images. The one with the largest saving per added error is taken, and the search continues from
+//! there. Combinations on the Pareto front of error and cost that save enough become steps of the [`QualityLadder`](terrella::QualityLadder).
 //!
-//! | file | what |
+//! | file | content |
 //! |---|---|
-//! | `views.rs` | where it is seen from |
+//! | `views.rs` | the views |
 //! | `run.rs` | drawing, timing and comparing |
-//! | `search.rs` | which reduction is taken next, and the ladder |
-//! | `study.rs` | what is found, as tables and a chart |
+//! | `search.rs` | choice of the next reduction, and the ladder |
+//! | `study.rs` | results as tables and a chart |
 
 mod run;
 mod search;
@@ -64,8 +63,8 @@ pub enum QualityError {
 /// chart.
 ///
 /// # Errors
-/// A folder that cannot be written to, before anything is drawn; all that drawing can meet. After an interrupt the table of
-/// what was measured is written anyway.
+/// A folder that cannot be written to, before anything is drawn; all errors of drawing. After an interrupt the table of complete measurements is
+/// written anyway.
 pub fn study_quality(
     flight: &Flight,
     request: &QualityRequest<'_>,

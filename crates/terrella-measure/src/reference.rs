@@ -1,36 +1,34 @@
-//! The true picture: exact ray casting on the processor in f64. It shares constants and maps with the drawables, no code.
+//! The true image: exact ray casting on the CPU in f64. It shares constants and maps with the drawables, but no code.
 //!
-//! What the graphics processor draws is judged against it, so nothing of the shaders, the air's model and tables, the mesh or
-//! the filters is used here; only the figure, views and maps are.
+//! GPU rendering is compared with it, so it uses no shaders, air model, tables, mesh or filters of the drawables; only the figure, views and maps.
 //!
-//! - **Geometry.** Every ray meets the exact ellipsoid, or the heights at their finest where there is relief. Inside it no ground is seen, as from inside a one-sided mesh,
-//!   and the air is that over the ground above the eye. Near and far plane cut nothing off.
-//! - **Maps** are piecewise bilinear functions of their full-resolution texels, without mip levels. A pixel is its box
-//!   average: N × N rays, and where a ray's part of the pixel covers more than half a texel, taps no farther apart than half a
-//!   texel, up to [`MAX_TAPS`] a side. The whole light model is evaluated at each tap and its light averaged, not its inputs: the
-//!   mean of what is there, not what is there in the mean.
-//! - **Light** by wavelength, in 16 bands, and from them linear sRGB with the Sun as white. A map's colour is a factor on each
-//!   channel of what white ground would show.
-//! - **Air** by quadrature along each ray, in scaled space as the drawables' air is ([`terrella_ground::air`]): molecules, ozone and
-//!   aerosol of this renderer's own sources, all orders of scattering, ground as bright as the maps about it. It is compared with
-//!   tables of another program ([`super::clear_air`]).
+//! - **Geometry.** Every ray meets the exact ellipsoid, or with terrain the elevation data at full resolution. From inside the ellipsoid no ground
+//!   is visible, as from inside a one-sided mesh, and the air is that over the ground above the eye. Near and far plane do not clip.
+//! - **Maps** are piecewise bilinear functions of their full-resolution texels, without mip levels. A pixel is its box average: N × N rays. If a
+//!   ray's part of the pixel covers more than half a texel, it is sampled at taps no farther apart than half a texel, up to [`MAX_TAPS`] a side. The
+//!   complete light model is evaluated at each tap and its result averaged, not its inputs.
+//! - **Light** by wavelength, in 16 bands, converted to linear sRGB with the Sun as white. A map's colour is a factor on each channel of the light
+//!   of white ground.
+//! - **Air** by quadrature along each ray, in scaled space like that of the drawables ([`terrella_ground::air`]): molecules, ozone and aerosol from
+//!   this renderer's own sources, all orders of scattering, ground with the local albedo of the maps. It is compared with tables of another program
+//!   ([`super::clear_air`]).
 //!
-//! | file | what |
+//! | file | content |
 //! |---|---|
 //! | `geometry` | rays of a view, the ellipsoid, the limb |
-//! | `maps` | full-resolution maps as functions of the place |
-//! | `shading` | the light of a place on the ground |
+//! | `maps` | full-resolution maps as functions of position |
+//! | `shading` | the light of a point on the ground |
 //! | `over_ground` | the sea's light, and clouds |
-//! | `light` | Sun and sky on the ground, and what comes from there to the eye |
-//! | `surroundings` | how bright the ground is about a place |
-//! | `spectrum`, `matter` | wavelengths and colours; what the air is made of |
+//! | `light` | Sun and sky on the ground, and the light that reaches the eye |
+//! | `surroundings` | mean albedo of the ground around a point |
+//! | `spectrum`, `matter` | wavelengths and colours; composition of the air |
 //! | `air`, `path` | light and transmittance along rays |
-//! | `orders`, `field` | light that is scattered more than once, and its tables |
+//! | `orders`, `field` | multiple scattering, and its tables |
 //! | `grid` | quadrature and interpolation |
 //! | `render`, `picture` | rays to pixels |
-//! | `relief` | where rays meet terrain |
+//! | `relief` | intersection of rays with terrain |
 //! | `pack` | whole maps of a pack's finest levels |
-//! | `still` | one picture of a scene into a file |
+//! | `still` | one image of a scene into a file |
 
 mod air;
 #[cfg(test)]
@@ -85,22 +83,21 @@ use terrella_imagery::{EarthLayers, ImageryError, TexelFormat};
 /// Rays along each side of a pixel.
 pub const SAMPLES: RangeInclusive<u32> = 1..=16;
 
-/// What is fixed when a reference is made.
+/// Options that are fixed when a reference is made.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ReferenceOptions {
     pub figure: Figure,
     /// How the ground is shaded.
     pub shading: Shading,
-    /// What of the light on the surface can be chosen.
+    /// Options of the light on the surface.
     pub surface: SurfaceLight,
     /// Whether there is air.
     pub atmosphere: Atmosphere,
     /// Optical depth of the air's aerosol at 550 nm, 0 or more.
     pub aerosol_optical_depth: f64,
-    /// What light is multiplied by before it is shown; 0 or more. The paper's shading works in display values and is not
-    /// touched by it, the air is.
+    /// Exposure factor, 0 or more. It does not affect the paper's shading, which uses display values, but does affect the air.
     pub exposure: f64,
-    /// By which curve exposed light is shown.
+    /// Tone curve of exposed light.
     pub tone: Tone,
     /// N: each pixel is the mean of N × N rays, N in [`SAMPLES`].
     pub samples: u32,
@@ -123,11 +120,11 @@ impl ReferenceOptions {
     }
 }
 
-/// What can be wrong with a reference's maps and options.
+/// Errors in a reference's maps and options.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReferenceError {
-    /// A map does not hold what it says.
+    /// A map's texels do not fit its description.
     #[error(transparent)]
     Layer(#[from] ImageryError),
     /// A map has the wrong format or length.
@@ -177,11 +174,11 @@ impl fmt::Debug for Reference {
 }
 
 impl Reference {
-    /// Copies the full-resolution texels of the maps (4096 × 2048 colour texels are 34 MB) and makes the air ready, once
-    /// per process, if there is any.
+    /// Copies the full-resolution texels of the maps (4096 × 2048 colour texels are 34 MB) and computes the tables of the air, once per process, if
+    /// there is any.
     ///
     /// # Errors
-    /// Maps that do not hold what they say or have another format than their layer, options out of range.
+    /// Maps whose texels do not fit their description or have another format than their layer, or options out of range.
     pub fn new(layers: &EarthLayers, options: ReferenceOptions) -> Result<Self, ReferenceError> {
         Self::with_maps(FullMaps::copied(layers)?, options)
     }
@@ -225,7 +222,7 @@ impl Reference {
         &self.options
     }
 
-    /// What an Earth with these options is drawn with and its reference is not, by name.
+    /// Names of features that an Earth with these options draws and its reference does not.
     pub fn left_out(options: &EarthOptions) -> Vec<&'static str> {
         let is_sunlit = options.shading == Shading::Sunlit;
         let has_clouds = is_sunlit && options.layers.clouds.is_some();
@@ -244,7 +241,7 @@ impl Reference {
         left_out.map(|(name, _)| name).collect()
     }
 
-    /// Whether its ground has relief.
+    /// Whether it has terrain.
     pub fn has_relief(&self) -> bool {
         self.relief.is_some()
     }
@@ -273,7 +270,7 @@ impl Reference {
         self.render_unless(view, sky, size, row_done, &is_stopped)
     }
 
-    /// As [`Self::render_with`], with a question in place of the flag, asked at every pixel.
+    /// As [`Self::render_with`], with a function in place of the flag, called at every pixel.
     pub fn render_unless(
         &self,
         view: &EyeView,

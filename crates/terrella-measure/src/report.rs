@@ -1,19 +1,19 @@
-//! Error against run time: what each setting of a scene costs and what it buys.
+//! Error against run time: cost and benefit of each setting of a scene.
 //!
-//! The scene is seen from several heights, each setting changed by itself, and every picture is compared with the true
-//! one. Every setting but the swept one is the scene's. From this come a table, charts, and a page.
+//! The scene is seen from several heights, one setting is changed at a time, and every image is compared with the true one. All other settings are
+//! the scene's. The results are a table, charts, and a page.
 //!
-//! | file | what |
+//! | file | content |
 //! |---|---|
-//! | `change.rs` | what is swept |
+//! | `change.rs` | the swept settings |
 //! | `run.rs` | drawing, timing and comparing |
-//! | `truth.rs` | the true pictures |
-//! | `geometry.rs` | errors of limb and places |
-//! | `rows.rs` | what is found, as tables |
+//! | `truth.rs` | the true images |
+//! | `geometry.rs` | errors of limb and geolocation |
+//! | `rows.rs` | results as tables |
 //! | `standalone.rs` | formulas, propagators and extreme views, which need no scene |
-//! | `plots.rs`, `method_plots.rs` | as charts |
-//! | `page.rs`, `page_standalone.rs` and their templates | as a page |
-//! | `text.rs`, `format.rs` | as sentences; numbers as text |
+//! | `plots.rs`, `method_plots.rs` | results as charts |
+//! | `page.rs`, `page_standalone.rs` and their templates | results as a page |
+//! | `text.rs`, `format.rs` | results as sentences; number formatting |
 
 mod change;
 mod format;
@@ -50,7 +50,7 @@ pub struct ReportRequest<'r> {
     pub folder: &'r Path,
     /// Fewer heights and values.
     pub quick: bool,
-    /// Those of [`PARAMETERS`] that are swept, beside the scene as it is and without [`StandaloneStudy`]; none sweeps all.
+    /// The swept parameters of [`PARAMETERS`], besides the scene itself and without [`StandaloneStudy`]; empty sweeps all.
     pub sweeps: Vec<&'static str>,
     /// Width and height of the pictures, pixels.
     pub size: (u32, u32),
@@ -64,7 +64,7 @@ pub struct ReportRequest<'r> {
     pub adapter: Option<&'r str>,
 }
 
-/// Why there is no report, or none that is complete.
+/// Why there is no report, or no complete one.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReportError {
@@ -101,7 +101,7 @@ pub enum ReportError {
     },
 }
 
-/// What was measured, and with what.
+/// Results of a measurement, and its settings.
 #[derive(Clone, Debug)]
 pub struct Study {
     /// Name of the scene's file.
@@ -118,19 +118,19 @@ pub struct Study {
     pub samples: u32,
     /// Heights, kilometres.
     pub heights_km: Vec<f64>,
-    /// What was found.
+    /// Measured rows.
     pub rows: Vec<SweepRow>,
     /// Rows that were wanted; more than there are if it was stopped.
     pub wanted: usize,
-    /// Whether it was stopped before the end.
+    /// Whether it was stopped early.
     pub is_stopped: bool,
-    /// What could not be swept here.
+    /// Sweeps that are not possible here.
     pub unavailable: Vec<UnavailableSweep>,
-    /// What the reader must know besides, a sentence each.
+    /// Further remarks for the reader, one sentence each.
     pub notes: Vec<String>,
     /// Heights of which the folder `pictures` holds the view, the true picture and their difference.
     pub pictured_km: Vec<f64>,
-    /// What needs no scene.
+    /// Measurements that need no scene.
     pub standalone: StandaloneStudy,
 }
 
@@ -138,7 +138,7 @@ pub struct Study {
 const FAR_KM: f64 = 1e5;
 
 impl Study {
-    /// Whether everything that was wanted is there.
+    /// Whether everything requested is there.
     pub fn is_complete(&self) -> bool {
         !self.is_stopped && self.rows.len() >= self.wanted
     }
@@ -170,8 +170,7 @@ impl Study {
         })
     }
 
-    /// At most so many of the heights that are measured, from the lowest to the highest of which the Earth is more than a
-    /// few pixels large.
+    /// At most this many of the measured heights, from the lowest to the highest at which the Earth is more than a few pixels large.
     fn some_heights(&self, count: usize) -> Vec<f64> {
         let mut heights: Vec<f64> = self.scene_rows().map(|row| row.height_km).collect();
         if heights.iter().any(|km| *km < FAR_KM) {
@@ -186,7 +185,7 @@ impl Study {
         some
     }
 
-    /// What other meshes are compared with: the scene's own mesh, measured in the sweep beside them where it is there.
+    /// The row that other meshes are compared with: the scene's own mesh, from the same sweep if possible.
     fn scene_mesh(&self, height_km: f64) -> Option<&SweepRow> {
         self.row("subdivision", &self.subdivision.to_string(), height_km)
             .or_else(|| self.row("scene", "as it is", height_km))
@@ -198,11 +197,11 @@ impl Study {
     }
 }
 
-/// Measures a scene and writes the report. `print_line` is given text for the user as it comes.
+/// Measures a scene and writes the report. `print_line` gets text for the user as it becomes available.
 ///
 /// # Errors
-/// A folder that cannot be written to, before anything is drawn; all that drawing can meet. After an interrupt what was
-/// complete is written anyway, marked as partial, and [`ReportError::Interrupted`] is answered.
+/// A folder that cannot be written to, before anything is drawn; all errors of drawing. After an interrupt the complete part is written anyway,
+/// marked as partial, and [`ReportError::Interrupted`] is returned.
 pub fn report(
     flight: &Flight,
     request: &ReportRequest<'_>,

@@ -53,14 +53,14 @@ impl SortedSample {
 #[serde(deny_unknown_fields)]
 pub struct Quantiles {
     pub median: f64,
-    /// The value that 95 of a hundred do not exceed; none of fewer than 20 values, where it would be the largest.
+    /// 95th percentile; `None` for fewer than 20 values, for which it would be the maximum.
     pub p95: Option<f64>,
-    /// The value that 99 of a hundred do not exceed; none of fewer than 100 values.
+    /// 99th percentile; `None` for fewer than 100 values.
     pub p99: Option<f64>,
 }
 
 impl Quantiles {
-    /// The quantiles of a sample; the median of an empty one is zero, because JSON has nothing for what is not a number.
+    /// The quantiles of a sample; the median of an empty one is zero, because JSON cannot represent NaN.
     pub fn of(sample: &[f64]) -> Self {
         let sorted = SortedSample::new(sample.to_vec());
         let beyond =

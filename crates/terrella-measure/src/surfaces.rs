@@ -48,7 +48,7 @@ use terrella_ground::elevation::GridError;
 use terrella_ground::globe::SurfaceKind;
 use terrella_play::{Flight, OutputError, PlayError, Progress};
 
-/// What of surfaces is compared.
+/// Parts of the comparison.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SurfacesPart {
     /// Errors, popping and `prepare` of whole flights.
@@ -94,7 +94,7 @@ pub enum SettingsWanted {
 }
 
 impl SettingsWanted {
-    /// Whether a setting is compared; a flight of none is all together.
+    /// Whether a setting is compared; without a flight it counts for all together.
     fn takes(self, setting: &Setting, ground: &TestGround, path: Option<SurfacePath>) -> bool {
         let is_documented = ground.name == test_grounds::SCENE && path == Some(SurfacePath::Low);
         match self {
@@ -108,21 +108,20 @@ impl SettingsWanted {
 /// How a comparison is wanted.
 #[derive(Clone, Debug)]
 pub struct SurfacesRequest<'r> {
-    /// The folder that it is written to; made if it is not there. Of tables that lie there rows that are measured now are
-    /// replaced and others kept.
+    /// Output folder; created if it does not exist. In existing tables, measured rows are replaced and others kept.
     pub folder: &'r Path,
     pub settings: SettingsWanted,
-    /// The surfaces; none takes all.
+    /// The surfaces; empty means all.
     pub only: &'r [SurfaceKind],
-    /// What is measured.
+    /// The measured parts.
     pub parts: &'r [SurfacesPart],
-    /// The grounds by name; none takes all.
+    /// The test terrains by name; empty means all.
     pub grounds: &'r [String],
-    /// The flights; none takes all.
+    /// The flights; empty means all.
     pub flights: &'r [SurfacePath],
     /// Frames of each flight that are timed, 1 or more.
     pub places: u32,
-    /// Width and height of all pictures, pixels.
+    /// Width and height of all images, pixels.
     pub size: (u32, u32),
     /// Part of the adapter's name; `None` takes the best.
     pub adapter: Option<&'r str>,
@@ -144,7 +143,7 @@ pub enum SurfacesError {
         /// The names that there are.
         known: String,
     },
-    /// A table in the folder that is none of these.
+    /// An invalid table in the folder.
     #[error("{file} in the output folder: {source}; move it away, or give another folder")]
     Table {
         /// Its name.
@@ -160,10 +159,10 @@ pub enum SurfacesError {
     Page(#[from] PageError),
 }
 
-/// Measures what is asked for and writes tables, charts, `surfaces.json` and `surfaces.html`. The scene gives maps, air and date.
+/// Makes the requested measurements and writes tables, charts, `surfaces.json` and `surfaces.html`. The scene sets maps, air and date.
 ///
 /// # Errors
-/// A folder that cannot be written to, before anything is drawn; all that drawing can meet.
+/// A folder that cannot be written to, before anything is drawn; all errors of drawing.
 pub fn compare_surfaces(
     flight: &Flight,
     request: &SurfacesRequest<'_>,
@@ -212,7 +211,7 @@ pub fn compare_surfaces(
         progress.begin(part.name(), Some(steps as u64));
         for ground in &grounds {
             let is_whole = measure(part, &meter, ground, &of_part, &wanted, &mut study)?;
-            // What is complete stays, whatever comes.
+            // Complete rows are saved immediately.
             folder.write(part.file(), study.csv(part).as_bytes())?;
             if !is_whole {
                 study.is_partial = true;

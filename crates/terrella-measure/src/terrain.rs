@@ -1,13 +1,13 @@
-//! Trees over heights measured on their own: what they save, how fast they are built, chosen and drawn, what they take.
+//! Terrain trees measured alone: savings, times of building, selection and drawing, and storage.
 //!
-//! | file | what |
+//! | file | content |
 //! |---|---|
-//! | `field.rs` | the heights: of files, or synthetic |
+//! | `field.rs` | elevation data: from files, or synthetic |
 //! | [`quadtree`], [`contours`], [`patches`] | the trees |
 //! | [`qbernstein`] | the basis of the patches |
 //! | `workers.rs` | building in parts, on threads |
 //! | `trees.rs` | trees of a field, built within a memory limit |
-//! | `tables.rs` | what is measured |
+//! | `tables.rs` | the measurements |
 //! | `draw.rs` | drawing the quadtree's triangles |
 //! | `table.rs` | tables as text and CSV |
 
@@ -41,10 +41,10 @@ use terrella_ground::elevation::HeightFileError;
 use terrella_play::{OutputError, PendingFile, PlayError, Progress};
 use trees::TreeBuilds;
 
-/// Which heights are measured, how, and where the results go.
+/// The measured elevation data, the methods, and the output.
 #[derive(Clone, Debug)]
 pub struct TerrainRequest<'r> {
-    /// Files of heights.
+    /// Elevation files.
     pub files: &'r [PathBuf],
     /// A synthetic ground, after the files.
     pub synthetic: Option<SyntheticGround>,
@@ -54,7 +54,7 @@ pub struct TerrainRequest<'r> {
     pub threads: &'r [usize],
     /// Most memory that building one tree takes, bytes.
     pub memory_bytes: u64,
-    /// Where tables and pictures are written to.
+    /// Output folder of tables and images.
     pub output: Option<&'r Path>,
     /// Part of the adapter's name; `None` takes the best.
     pub adapter: Option<&'r str>,
@@ -67,10 +67,10 @@ pub enum TerrainError {
     /// Heights that cannot be read.
     #[error(transparent)]
     Heights(#[from] HeightFileError),
-    /// Heights that these trees cannot be made of.
+    /// Elevation data that these trees do not support.
     #[error("{}: {error}; cut out a part: `gdal_translate -projwin WEST NORTH EAST SOUTH IN OUT.tif`", path.display())]
     Field { path: PathBuf, error: DemError },
-    /// Heights of a synthetic ground, or of every so many samples of a file, that these trees cannot be made of.
+    /// A synthetic terrain, or a subsampled file, that these trees do not support.
     #[error("{ground}: {error}")]
     Ground { ground: String, error: DemError },
     /// The quadtree was rejected.
@@ -105,12 +105,11 @@ impl HeightField {
     }
 }
 
-/// Measures all fields. `report` is given each table when it is complete.
+/// Measures all fields. `report` gets each table when it is complete.
 ///
 /// # Errors
-/// Files that cannot be read, a folder that cannot be written to, before anything is built; trees beyond the
-/// memory; a lost device; an interrupt. A missing adapter is a warning, and its columns stay empty; one that was
-/// asked for by name and is not there is an error.
+/// Files that cannot be read, a folder that cannot be written to, before anything is built; trees that exceed the memory limit; a lost device; an
+/// interrupt. A missing adapter is a warning, and its columns stay empty; a missing adapter that was requested by name is an error.
 pub fn measure_terrain(
     request: &TerrainRequest<'_>,
     progress: &dyn Progress,
@@ -185,7 +184,7 @@ fn timed_tolerance_m(tolerances_m: &[f64]) -> f64 {
     *usual.or(tolerances_m.first()).unwrap_or(&5.0)
 }
 
-/// What draws; `None`, with a warning, where there is no adapter at all.
+/// The canvas; `None`, with a warning, if there is no adapter at all.
 fn canvas(adapter: Option<&str>) -> Result<Option<Canvas>, TerrainError> {
     match pollster::block_on(GpuContext::open(adapter)) {
         Ok(gpu) => Ok(Some(Canvas::new(gpu))),

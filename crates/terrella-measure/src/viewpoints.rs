@@ -1,4 +1,4 @@
-//! Where the harness looks from: the heights of the paper's Table 2 and farther, along two ground paths.
+//! Viewpoints of the harness: the heights of the paper's Table 2 and beyond, along two ground paths.
 
 use std::f64::consts::TAU;
 use terrella::EyeView;
@@ -87,8 +87,8 @@ impl GroundPath {
         }
     }
 
-    /// What is seen from there with a camera of this mode: `Nadir` and `Horizon` as in a scene, `Chase` as `Horizon`
-    /// (there is no craft), `Geodetic` as `Nadir` with north upwards.
+    /// The view from there with a camera of this mode: `Nadir` and `Horizon` as in a scene, `Chase` as `Horizon` (there is no spacecraft),
+    /// `Geodetic` as `Nadir` with north upwards.
     pub fn view(
         self,
         ellipsoid: &Ellipsoid,

@@ -37,7 +37,7 @@ impl Component {
         }
     }
 
-    /// The number in these bytes; integers that stand for parts of one by the equations of section 3.6.2.2.
+    /// The number in these bytes; normalized integers are converted by the equations of section 3.6.2.2.
     fn number(self, bytes: &[u8], normalized: bool) -> f32 {
         let (value, most) = match (self, bytes) {
             (Self::I8, [a]) => (f32::from(i8::from_le_bytes([*a])), 127.0),
@@ -194,7 +194,7 @@ impl Container {
         Ok(rows.filter_map(move |row| row.get(..row_bytes)))
     }
 
-    /// A count as the machine has it.
+    /// A count as `usize`.
     fn count(&self, count: u64, pointer: &str) -> Result<usize, ModelError> {
         let limit = super::MAX_VERTICES;
         match usize::try_from(count) {

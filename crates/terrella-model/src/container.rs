@@ -11,13 +11,13 @@ use terrella_files::{cause, printable};
 const GLB_MAGIC: &[u8] = b"glTF";
 const JSON_CHUNK: u32 = u32::from_le_bytes(*b"JSON");
 const BINARY_CHUNK: u32 = u32::from_le_bytes(*b"BIN\0");
-/// Most values of a document's text, by the marks that stand before each: bounds what parsing it allocates.
+/// Limit of values in a document's text, by the marks before each: bounds the parser's allocation.
 const MAX_VALUES: usize = 2_000_000;
 
 /// Extensions that are read, so that files may require them.
 const READ_EXTENSIONS: [&str; 2] = ["KHR_mesh_quantization", "KHR_materials_emissive_strength"];
 
-/// Extensions that files may require and that change nothing of what is read: lights, which a scene has of its own.
+/// Extensions that files may require without effect on the model: lights, which the scene provides.
 const HARMLESS_EXTENSIONS: [&str; 1] = ["KHR_lights_punctual"];
 
 /// A document with its buffers.
@@ -113,7 +113,7 @@ impl Container {
         })
     }
 
-    /// The bytes of what a URI names.
+    /// The bytes of the resource at a URI.
     pub fn resource(&self, uri: &str, pointer: &str) -> Result<Vec<u8>, ModelError> {
         resource(&self.path, uri, pointer)
     }
@@ -136,7 +136,7 @@ impl Container {
     }
 }
 
-/// A model's file and the files that it names, so that a change of any of them is noticed. A file that cannot be read names none.
+/// A model's file and the files that it refers to, so that a change of any of them is detected. A file that cannot be read refers to none.
 pub fn model_files(path: &Path) -> Vec<PathBuf> {
     let mut all = vec![path.to_owned()];
     let document = files::read(path, MAX_BYTES).ok().flatten();

@@ -1,4 +1,4 @@
-//! What is wrong with a file: where, what, and what to do.
+//! Errors of a file: place, error and remedy.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -11,7 +11,7 @@ pub struct ModelError {
     pub path: PathBuf,
     /// JSON pointer (RFC 6901) to the object that is wrong; empty where it is the whole file.
     pub pointer: String,
-    /// What is wrong with it, and what to do.
+    /// The error, and the remedy.
     pub fault: Box<ModelFault>,
 }
 
@@ -27,7 +27,7 @@ impl fmt::Display for At<'_> {
     }
 }
 
-/// What can be wrong with a model.
+/// Errors of a model.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 #[allow(missing_docs, reason = "the messages say what fields are")]
@@ -66,7 +66,7 @@ pub enum ModelFault {
         "index {index} at position {at}, and there are {count} vertices; export the model again"
     )]
     Index { at: usize, index: u32, count: usize },
-    /// Bytes beyond the end of what holds them.
+    /// Bytes beyond the end of their container.
     #[error("needs {needed} bytes of {what}, which has {had}; the file is cut off or corrupt")]
     Bounds {
         what: &'static str,
@@ -99,7 +99,7 @@ pub enum ModelFault {
         "{uri:?} leads out of the model's folder; put the file beside the model and export it with relative names"
     )]
     Outside { uri: String },
-    /// A picture that is none.
+    /// An invalid image.
     #[error("the picture: {0}; PNG and JPEG are read")]
     Image(String),
     /// No triangle.

@@ -1,4 +1,4 @@
-//! The objects of a glTF document, as far as they are read. Keys that stand here and nowhere else are named where they are ignored.
+//! The objects of a glTF document, as far as they are read. Keys that are only declared here are reported where they are ignored.
 
 use serde::Deserialize;
 use serde::de::IgnoredAny;

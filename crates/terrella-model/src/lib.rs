@@ -1,10 +1,10 @@
-//! Models of spacecraft: glTF 2.0 files (`.glb`, and `.gltf` with its data inside or beside it) as triangles, materials and pictures.
+//! Models of spacecraft: glTF 2.0 files (`.glb`, and `.gltf` with its data inside or beside it) as triangles, materials and textures.
 //!
-//! [`Model::load`] reads a file whole and flattens its node hierarchy: all vertices are in the axes of the model, metres. What is
-//! read is what a spacecraft in sunlight needs: positions, normals, texture coordinates, metallic-roughness materials. All else is
-//! named in [`Model::ignored`]; an extension that the file requires and that is not read rejects the file.
+//! [`Model::load`] reads a whole file and flattens its node hierarchy: all vertices are in the model's axes, metres. It reads the properties needed
+//! for a spacecraft in sunlight: positions, normals, texture coordinates, metallic-roughness materials. Everything else is listed in
+//! [`Model::ignored`]; a file that requires an unsupported extension is rejected.
 //!
-//! | file | what |
+//! | file | content |
 //! |---|---|
 //! | `json` | the objects of a glTF document |
 //! | `container` | GLB chunks, data URIs, files beside the model |
@@ -12,10 +12,10 @@
 //! | `nodes` | the node hierarchy |
 //! | `mesh` | triangles and normals |
 //! | `materials` | materials, textures, pictures |
-//! | `error` | what is wrong with a file, with its JSON pointer |
+//! | `error` | errors of a file, with their JSON pointer |
 //!
-//! The reader is our own: limits before allocation, files opened in one way, normals and flattening would be ours with the crate
-//! `gltf` too, which brings five crates.
+//! The reader is our own: limits before allocation, a single way to open files, normals and flattening would also be ours with the crate `gltf`,
+//! which adds five crates.
 //!
 //! Source: Khronos, glTF 2.0 Specification (ISO/IEC 12113:2022).
 
@@ -38,7 +38,7 @@ use std::collections::BTreeSet;
 use std::ops::Range;
 use std::path::Path;
 
-/// Most bytes of a model's file, and of all its buffers together.
+/// Size limit of a model's file, and of all its buffers together, bytes.
 pub const MAX_BYTES: u64 = 256 << 20;
 /// Most vertices of a model after its nodes are flattened.
 pub const MAX_VERTICES: u64 = 4_000_000;
@@ -48,7 +48,7 @@ pub const MAX_INDICES: u64 = 12_000_000;
 pub const MAX_DEPTH: usize = 128;
 /// Most texels along a side of a picture.
 pub const MAX_SIDE: u32 = 8192;
-/// Most texels of all pictures of a model.
+/// Limit of texels of all textures of a model.
 pub const MAX_TEXELS: u64 = 1 << 26;
 
 /// A vertex, in the axes of the model.
@@ -104,7 +104,7 @@ pub struct Model {
     pub images: Vec<ModelImage>,
     /// Lower and upper corner of the box around all vertices, metres.
     pub bounds_m: [Vec3; 2],
-    /// What the file has and the model has not, each once, by the names of glTF.
+    /// Features of the file that the model lacks, each once, by the names of glTF.
     pub ignored: BTreeSet<String>,
 }
 

@@ -9,7 +9,7 @@ use std::collections::{BTreeSet, HashMap};
 use terrella_files::cause;
 use terrella_imagery::decode_rgba;
 
-/// What a surface is made of.
+/// Material of a surface.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
     /// Linear red, green, blue and alpha, 0…1; multiplies the texture.
@@ -26,7 +26,7 @@ pub struct Material {
     pub emissive: Vec3,
     /// Texels are sRGB.
     pub emissive_texture: Option<TextureUse>,
-    /// Whether both sides of a triangle are seen.
+    /// Whether both sides of a triangle are visible.
     pub double_sided: bool,
     /// What alpha does.
     pub alpha: AlphaMode,
@@ -72,11 +72,11 @@ impl Default for Material {
 pub struct TextureUse {
     /// Its place in [`Model::images`](super::Model::images).
     pub image: usize,
-    /// What is beyond its sides, across and down.
+    /// Wrapping beyond its sides, across and down.
     pub wrap: [Wrap; 2],
 }
 
-/// What is beyond the side of a picture.
+/// Wrapping of a texture beyond its side.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Wrap {
     /// The picture again.
@@ -136,7 +136,7 @@ pub fn read(
 struct Reader<'c, 'i> {
     container: &'c Container,
     images: Vec<ModelImage>,
-    /// By their places in the document.
+    /// By index in the document.
     places: HashMap<u64, usize>,
     texels: u64,
     ignored: &'i mut BTreeSet<String>,

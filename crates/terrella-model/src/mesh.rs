@@ -14,7 +14,7 @@ const MAX_PRIMITIVES: u64 = 100_000;
 const MAX_MATERIALS: u64 = 4096;
 /// Most rows of accessors that are read: primitives may share accessors, which are then read more than once.
 const MAX_ROWS: u64 = 16 * MAX_VERTICES;
-/// Most names of what is ignored.
+/// Limit of names of ignored features.
 const MAX_IGNORED: usize = 64;
 
 /// Modes of primitives that are triangles.
@@ -26,7 +26,7 @@ pub struct Drawn {
     pub vertices: Vec<Vertex>,
     pub indices: Vec<u32>,
     pub parts: Vec<Part>,
-    /// For each part's material its place in the document; `None` is the default material.
+    /// Index of each part's material in the document; `None` is the default material.
     pub materials: Vec<Option<u64>>,
 }
 
@@ -290,7 +290,7 @@ impl Builder<'_> {
         }
     }
 
-    /// Adds a vertex and answers its index.
+    /// Adds a vertex and returns its index.
     fn vertex(
         &mut self,
         rows: &Rows,

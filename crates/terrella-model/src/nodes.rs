@@ -154,7 +154,7 @@ fn names(nodes: &[Node], is_shown: &[bool]) -> String {
     }
 }
 
-/// Nodes that are nobody's child.
+/// Nodes without a parent.
 fn roots(nodes: &[Node]) -> Vec<u64> {
     let mut is_child = vec![false; nodes.len()];
     for child in nodes.iter().flat_map(|node| &node.children) {

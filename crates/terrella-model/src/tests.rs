@@ -1,4 +1,4 @@
-//! Files made in the tests: what is read of good ones, and that hostile ones are errors that say where.
+//! Files made in the tests: reading of valid ones, and errors with a position for hostile ones.
 
 use super::*;
 use glam::Vec4;
@@ -57,7 +57,7 @@ fn read(document: &Value, buffer: &[u8]) -> Result<Model, ModelError> {
     Model::of_bytes(glb(document, buffer), Path::new("a.glb"))
 }
 
-/// What the error says of a square that is changed at this pointer.
+/// The error for a square that is changed at this pointer.
 fn rejected(pointer: &str, value: Value) -> String {
     let (buffer, mut document) = square();
     set(&mut document, pointer, value);

@@ -17,7 +17,7 @@ const STEP_S: std::ops::RangeInclusive<f64> = 1.0..=120.0;
 /// Most accesses of one search.
 pub const MAX_ACCESSES: usize = 100_000;
 
-/// What else an access needs, beside a line of sight.
+/// Conditions of an access besides a line of sight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AccessRule {
     /// Longest range, metres.
@@ -45,11 +45,11 @@ impl Default for AccessRule {
 pub struct Access {
     /// Its first instant.
     pub begin: Epoch,
-    /// Whether it begins there; else the search or what a feed knows does.
+    /// Whether the access begins here; otherwise the search or the feed's validity does.
     pub starts: bool,
     /// Its last instant.
     pub end: Epoch,
-    /// Whether it ends there.
+    /// Whether the access ends here.
     pub stops: bool,
     /// Least and greatest range at steps within it and at its ends, metres.
     pub range_m: (f64, f64),
@@ -66,12 +66,12 @@ pub enum AccessFrom<'a> {
 
 /// The times in which `from` has access to a satellite, in order, from `first` to `last` and within the feeds' validity.
 ///
-/// The margin of each requirement is a number that is negative where it fails. The search goes in steps of 0.02 rad of motion. It finds ends
-/// by bisection, and the greatest or least margin between steps by golden section, so that short accesses and interruptions are found too.
-/// A feed's gaps ([`OrbitError::NotCovered`]) interrupt accesses. At most [`MAX_ACCESSES`].
+/// The margin of each condition is a number that is negative if it fails. The search advances in steps of 0.02 rad of motion. It finds ends by
+/// bisection, and the extremes of the margin between steps by golden section, so that short accesses and interruptions are found too. A feed's gaps
+/// ([`OrbitError::NotCovered`]) interrupt accesses. At most [`MAX_ACCESSES`].
 ///
 /// # Errors
-/// What else a feed rejects within its validity: a satellite that has decayed.
+/// Errors of a feed within its validity: a satellite that has decayed.
 pub fn accesses(
     from: AccessFrom<'_>,
     to: &dyn Feed,
@@ -101,10 +101,10 @@ pub fn accesses(
     search.run()
 }
 
-/// What one instant says.
+/// The geometry at one time.
 #[derive(Clone, Copy)]
 struct Sight {
-    /// The least margin of all requirements: not negative where there is access.
+    /// Minimum of the margins of all conditions: not negative during an access.
     margin: f64,
     range_m: f64,
     step_s: f64,
@@ -152,7 +152,7 @@ impl AccessSearch<'_> {
                         .sight(extreme)?
                         .is_some_and(|sight| (sight.margin < 0.0) != (b.margin < 0.0))
                     {
-                        // Before or after the middle step: both ends of the change are crossed in turn.
+                        // Before or after the middle of the step: both ends of the change are crossed one after the other.
                         if extreme < t {
                             self.cross(from_t, extreme, &mut open, &mut found)?;
                             self.cross(extreme, t, &mut open, &mut found)?;
@@ -286,7 +286,7 @@ impl AccessSearch<'_> {
         if self.rule.needs_sunlight && margin >= 0.0 {
             let sun_m = sun_position_itrf_m(epoch, &orientation);
             let (light, part) = illumination(to_m, sun_m, self.ellipsoid);
-            // In the penumbra there is light.
+            // The penumbra counts as sunlit.
             margin = margin.min(if light == Illumination::Umbra {
                 -1.0
             } else {

@@ -45,7 +45,7 @@ fn seconds(access: &Access) -> (f64, f64) {
 /// Points of the longest line are 230 km apart: between them it may pass 1 km below the limb, for half a second.
 const MISSED_S: f64 = 0.6;
 
-/// Every second: whether 200 points of the line lie outside of the ellipsoid, in range, and not all of the Sun is hidden.
+/// For every second: whether 200 points of the line are outside the ellipsoid, the distance is in range, and the Sun is not completely hidden.
 fn brute_force(a: &dyn Feed, b: &dyn Feed, rule: &AccessRule, end_s: u32) -> Vec<(f64, f64)> {
     let mut found: Vec<(f64, f64)> = Vec::new();
     let mut is_open = false;

@@ -1,7 +1,7 @@
-//! Attitudes from files: how the axes of a spacecraft lie in a frame at an epoch.
+//! Attitudes from files: the orientation of a spacecraft's axes in a frame at an epoch.
 //!
-//! Read are attitude ephemeris messages (AEM, CCSDS 504.0-B) in KVN and XML with quaternions or Euler angles, and tables of quaternions in CSV. Between two
-//! samples the attitude turns evenly about one axis, the shorter way (slerp). Between segments of a message it is not known.
+//! Supported are attitude ephemeris messages (AEM, CCSDS 504.0-B) in KVN and XML with quaternions or Euler angles, and tables of quaternions in
+//! CSV. Between two samples the attitude rotates uniformly about one axis, the shorter way (slerp). Between segments of a message it is unknown.
 
 mod aem;
 mod table;
@@ -34,7 +34,7 @@ struct Segment {
     /// The time for which it may be used.
     first: Epoch,
     last: Epoch,
-    /// Rotations from the axes of the body to those of the frame, in order of time; at least one.
+    /// Rotations from the body's axes to those of the frame, in order of time; at least one.
     samples: Vec<(Epoch, DQuat)>,
 }
 
@@ -46,7 +46,7 @@ pub enum AttitudeError {
     /// The file cannot be read.
     #[error(transparent)]
     Read(#[from] Box<OrbitError>),
-    /// What the file says is wrong.
+    /// An error in a record of the file.
     #[error(transparent)]
     Record(#[from] RecordError),
     /// An epoch outside of the file's time.
@@ -68,19 +68,19 @@ pub enum AttitudeError {
 }
 
 impl AttitudeHistory {
-    /// Reads a file, which gzip may have compressed.
+    /// Reads a file, which may be compressed by gzip.
     ///
     /// # Errors
-    /// A file that cannot be read, and what is wrong with it, by line and column.
+    /// A file that cannot be read, or an error in it, with line and column.
     pub fn open(path: &Path) -> Result<Self, AttitudeError> {
         let text = file::read_text(path, MAX_BYTES).map_err(Box::new)?;
         Ok(Self::of_text(&text, path)?)
     }
 
-    /// Reads the text of a file; `origin` is what errors name.
+    /// Parses the text of a file; `origin` names it in errors.
     ///
     /// # Errors
-    /// What is wrong with it, by line and column.
+    /// An error in it, with line and column.
     pub fn of_text(text: &str, origin: &Path) -> Result<Self, RecordError> {
         let text = text::unmarked(text);
         let segments = match aem::is_aem(text) {
@@ -110,12 +110,12 @@ impl AttitudeHistory {
         })
     }
 
-    /// Rotation from the axes of the body to those of the frame that is answered with it.
+    /// The frame, and the rotation from the body's axes to it.
     ///
     /// # Errors
-    /// An epoch at which it is not known.
+    /// An epoch at which the attitude is unknown.
     pub fn frame_from_body(&self, epoch: Epoch) -> Result<(Frame, DQuat), AttitudeError> {
-        // Where two segments meet the later one holds.
+        // Where two segments meet, the later one applies.
         let mut segments = self.segments.iter().rev();
         let segment = segments.find(|one| (one.first..=one.last).contains(&epoch));
         match segment {

@@ -18,11 +18,11 @@ use std::sync::{Arc, OnceLock};
 /// The satellites of a file of elements, in its order.
 #[derive(Debug)]
 pub struct Catalogue {
-    /// What kind of file it was: [`FileFormat::Tle`] or [`FileFormat::Omm`].
+    /// Format of the file: [`FileFormat::Tle`] or [`FileFormat::Omm`].
     pub format: FileFormat,
     /// Satellites that can be propagated.
     pub feeds: Vec<Sgp4Feed>,
-    /// What is wrong with the others: the first thousand faults.
+    /// Errors of the rejected sets: the first thousand.
     pub faults: Vec<OrbitError>,
     /// How many faults there are beyond those.
     pub faults_left_out: usize,
@@ -65,8 +65,8 @@ impl Groups {
     }
 }
 
-/// Whether two sets of one catalogue number are of one satellite. Numbers of objects that are not catalogued yet come to many; and
-/// satellites are renamed, but have one name at a time.
+/// Whether two sets with the same catalogue number belong to the same satellite. Numbers of uncatalogued objects are shared by many; and satellites
+/// are renamed, but have one name at a time.
 fn is_same_satellite(one: &MeanElements, other: &MeanElements) -> bool {
     let is_one_name = one.name.to_lowercase() == other.name.to_lowercase();
     let is_renamed = one.object_id.is_some() && one.object_id == other.object_id;
@@ -81,24 +81,23 @@ impl Catalogue {
     /// Most satellites read from a file.
     pub const MAX_SATELLITES: usize = MAX_ENTRIES;
 
-    /// Reads every set of a file of two-line elements (with name lines or without) or of an OMM (CCSDS 502.0: KVN, XML,
-    /// JSON, CSV). Which it is, the text itself says: XML begins with `<`, JSON with `[` or `{`, KVN with `CCSDS_OMM_VERS`,
-    /// and CSV's first line names `MEAN_MOTION` between commas.
+    /// Reads every set of a file of two-line elements (with name lines or without) or of an OMM (CCSDS 502.0: KVN, XML, JSON, CSV). The format is
+    /// detected from the text: XML starts with `<`, JSON with `[` or `{`, KVN with `CCSDS_OMM_VERS`, and the first line of CSV has `MEAN_MOTION`
+    /// between commas, semicolons or tabs. JSON is an array of objects, an object that contains one, or one object per line.
     ///
-    /// Sets of several epochs of one satellite are one feed, in which each answers for the instants to which its epoch is the
-    /// nearest; a notice says so. Sets that are faulty, or that SGP4 cannot fly, are listed and the others used; `is_strict`
-    /// rejects the file instead.
+    /// Sets of several epochs of one satellite form one feed, in which each applies to the times nearest to its epoch; a notice reports it. Faulty
+    /// sets, and sets that SGP4 cannot propagate, are listed and the others used; `is_strict` rejects the file instead.
     ///
     /// # Errors
-    /// If no set is good, or, when strict, if one is not: says which line and column is wrong, how, and what to do.
+    /// If no set is valid, or, when strict, if any is invalid: names line and column, the error, and the remedy.
     pub fn from_file(path: &Path, is_strict: bool) -> Result<Self, OrbitError> {
         Self::from_text(&read_text(path, Self::MAX_FILE_BYTES)?, path, is_strict)
     }
 
-    /// As [`Self::from_file`], from text that is already in memory; `origin` is named in errors.
+    /// As [`Self::from_file`], from text that is already in memory; `origin` names it in errors.
     ///
     /// # Errors
-    /// As [`Self::from_file`], but for what is wrong with the file itself.
+    /// As [`Self::from_file`], except errors of the file itself.
     pub fn from_text(text: &str, origin: &Path, is_strict: bool) -> Result<Self, OrbitError> {
         let text = with_line_feeds(text);
         let text = text.as_ref();
@@ -110,6 +109,7 @@ impl Catalogue {
             faults.note(cut.into())?;
         }
         Self::read(text, origin, faults)
+            .map_err(|error| of_another_kind(text, origin).unwrap_or(error))
     }
 
     fn read(text: &str, origin: &Path, mut faults: Faults<OrbitError>) -> Result<Self, OrbitError> {
@@ -154,7 +154,7 @@ impl Catalogue {
         }
         let feeds = groups.feeds();
         if feeds.is_empty() {
-            // What is wrong with a set says more than a remark, and that more than that there is nothing.
+            // An error in a set is more informative than a notice, and a notice more than an empty result.
             let first = faults.kept.iter().position(|error| !error.is_notice());
             return Err(match faults.kept.is_empty() {
                 true => OrbitError::NoElements {
@@ -215,7 +215,7 @@ impl Catalogue {
     }
 }
 
-/// Names and numbers that only one satellite of a catalogue has, by which it is found at once.
+/// Names and numbers that are unique in a catalogue, for direct lookup.
 #[derive(Debug, Default)]
 struct Index {
     by_number: HashMap<u64, Option<usize>>,
@@ -234,7 +234,7 @@ impl Index {
         index
     }
 
-    /// The one that a name or number means; `None` where that is to be looked into.
+    /// The satellite with this name or number; `None` if a search is needed.
     fn find(&self, wanted: &str) -> Option<usize> {
         let number = catalogue_number(wanted).and_then(|number| self.by_number.get(&number));
         let name = self.by_name.get(&wanted.to_lowercase());
@@ -246,33 +246,52 @@ impl Index {
     }
 }
 
+/// Why there are no elements in a text that has none: it is an ephemeris, or a table of other columns.
+fn of_another_kind(text: &str, origin: &Path) -> Option<OrbitError> {
+    match FileFormat::of_text(text) {
+        None => omm::missing_columns(text, origin).map(OrbitError::from),
+        Some(FileFormat::Tle | FileFormat::Omm | FileFormat::Opm) => None,
+        Some(
+            FileFormat::Oem
+            | FileFormat::Czml
+            | FileFormat::Csv
+            | FileFormat::Sp3
+            | FileFormat::Stk,
+        ) => Some(OrbitError::NotRead {
+            path: origin.to_owned(),
+            kind: "an ephemeris",
+            remedy: "has no mean elements; a scene reads it with source = \"oem\", \"czml\", \"csv\", \"sp3\" or \"stk\"",
+        }),
+    }
+}
+
 impl Sgp4Feed {
-    /// Reads a file of element sets and takes the one that `name` names: by its name, letter case aside, or by its
-    /// catalogue number. `None` takes the only set there is.
+    /// Reads a file of element sets and selects the satellite `name`: by its name, letter case aside, or by its catalogue number. `None` selects
+    /// the only set.
     ///
-    /// The file holds two-line elements or an OMM in any of its forms ([`Catalogue`] says which). Two-line sets may have a
-    /// name line first, with or without a leading `0 `. Empty lines and lines that begin with `#` are skipped. Every
-    /// line is checked, also those of other satellites.
+    /// The file holds two-line elements or an OMM in any of its formats (see [`Catalogue`]). Two-line sets may have a name line first, with or
+    /// without a leading `0 `. Empty lines and lines that begin with `#` are skipped. Every line is checked, also those of other satellites.
     ///
     /// # Errors
-    /// Says which file, line and column is wrong, how, and what to do.
+    /// Names file, line and column, the error, and the remedy.
     pub fn from_file(path: &Path, name: Option<&str>) -> Result<Self, OrbitError> {
         Self::from_text(&read_text(path, Self::MAX_FILE_BYTES)?, path, name)
     }
 
-    /// As [`Self::from_file`], from text that is already in memory; `origin` is named in errors.
+    /// As [`Self::from_file`], from text that is already in memory; `origin` names it in errors.
     ///
     /// # Errors
-    /// Says which line and column is wrong, how, and what to do.
+    /// Names line and column, the error, and the remedy.
     pub fn from_text(text: &str, origin: &Path, name: Option<&str>) -> Result<Self, OrbitError> {
         let text = with_line_feeds(text);
         let text = text.as_ref();
         if omm::is_omm(text) {
             return Catalogue::read(text, origin, Faults::new(true))?.into_one(origin, name);
         }
-        let sets = element_sets(text, origin)?;
+        let sets = element_sets(text, origin)
+            .map_err(|error| of_another_kind(text, origin).unwrap_or(error))?;
         let path: Arc<Path> = Arc::from(origin);
-        // Sets of one satellite stand together; fields of others are not looked into.
+        // Groups sets of one satellite; the fields of others are not parsed.
         let mut of_label: HashMap<(&str, &str), usize> = HashMap::new();
         let mut groups: Vec<Vec<&ElementSet<'_>>> = Vec::new();
         for set in &sets {

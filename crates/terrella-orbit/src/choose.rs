@@ -11,12 +11,12 @@ const NAMES_LISTED: usize = 5;
 /// One of several satellites to choose from.
 pub(super) struct Candidate<'c> {
     pub label: Cow<'c, str>,
-    /// What is its own where names repeat, as the file writes it.
+    /// A unique key for repeated names, as the file writes it.
     pub key: Option<Cow<'c, str>>,
     pub line: usize,
 }
 
-/// What satellites of a file are known by beside their names.
+/// The key of satellites in a file, besides their names.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Key {
     /// The number in the US catalogue.
@@ -27,7 +27,7 @@ pub(super) enum Key {
     Id,
 }
 
-/// The index of the satellite that is meant, or an error that helps to say which.
+/// The index of the requested satellite, or an error that lists the choices.
 pub(super) fn choose(
     sets: &[Candidate<'_>],
     key: Key,
@@ -91,8 +91,7 @@ pub(super) fn choose(
     }
 }
 
-/// Which answer to a name: those whose key it is to the letter; else those whose name it is to the letter; else those whose name or
-/// key it is, letter case aside.
+/// Matches for a name: those whose key is equal; else those whose name is equal; else those whose name or key is equal, letter case aside.
 fn matching(sets: &[Candidate<'_>], key: Key, wanted: &str) -> Vec<usize> {
     let folded = wanted.to_lowercase();
     let number = match key {

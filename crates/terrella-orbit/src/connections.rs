@@ -1,10 +1,10 @@
-//! Which connections a server of simulators keeps: one rule for live feeds and for simulations of Basilisk.
+//! The rule by which a server of simulators keeps connections: the same for live feeds and for Basilisk simulations.
 //!
-//! A connection counts from its first good packet on. Of those that count, [`MAX_SIMULATORS`] are kept; where there are more, the one
-//! that has been silent longest leaves. Connections that have sent nothing good never displace one that has: [`MAX_SILENT`] of them are
-//! kept, the oldest leaves first, and each leaves after [`FIRST_PACKET_TIME`]. A connection that waits for an answer is never dismissed.
+//! A connection counts from its first valid packet on. Of those that count, [`MAX_SIMULATORS`] are kept; if there are more, the one that has been
+//! silent longest is dismissed. Connections without a valid packet never displace one that has sent some: [`MAX_SILENT`] of them are kept, the
+//! oldest is dismissed first, and each is dismissed after [`FIRST_PACKET_TIME`]. A connection that waits for a reply is never dismissed.
 //!
-//! Dismissal is a request to the connection's own thread, which answers what has already arrived and closes the connection then.
+//! Dismissal is a request to the connection's own thread, which replies to everything already received and then closes the connection.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -19,14 +19,14 @@ pub const MAX_SILENT: usize = 8;
 pub const FIRST_PACKET_TIME: Duration = Duration::from_secs(300);
 /// How long a dismissed connection may take to complete a packet that it has begun.
 pub const GRACE: Duration = Duration::from_secs(1);
-/// How many threads may run, those of dismissed connections included. Whoever connects beyond that waits in the system's queue.
+/// Limit of running threads, including those of dismissed connections. Further clients wait in the system's queue.
 const MAX_THREADS: usize = 24;
 
-/// What is known of one connection; its thread writes it, the listening thread reads it.
+/// State of one connection; its thread writes it, the listening thread reads it.
 #[derive(Debug)]
 pub struct Standing {
     came: Instant,
-    /// Milliseconds after `came` of the last good packet or its answer, at least 1; 0 before the first.
+    /// Milliseconds from `came` to the last valid packet or its reply, at least 1; 0 before the first.
     active_ms: AtomicU64,
     is_waiting: AtomicBool,
     is_dismissed: AtomicBool,
@@ -50,13 +50,13 @@ impl Standing {
         self.active_ms.store(ms.max(1), Ordering::Release);
     }
 
-    /// From now until this is dropped the other side waits for an answer.
+    /// Marks the connection as waiting for a reply until the result is dropped.
     pub fn wait(&self) -> Waiting<'_> {
         self.is_waiting.store(true, Ordering::Release);
         Waiting(self)
     }
 
-    /// Whether the connection is to end once what has arrived is answered.
+    /// Whether the connection must end after replying to everything received.
     pub fn is_dismissed(&self) -> bool {
         self.is_dismissed.load(Ordering::Acquire)
     }
@@ -72,13 +72,13 @@ impl Standing {
     }
 }
 
-/// An answer that is waited for.
+/// A pending reply.
 #[derive(Debug)]
 pub struct Waiting<'s>(&'s Standing);
 
 impl Drop for Waiting<'_> {
     fn drop(&mut self) {
-        // Whoever has waited long for an answer was not silent meanwhile.
+        // A client that has waited long for a reply does not count as silent.
         if self.0.active_ms.load(Ordering::Acquire) > 0 {
             self.0.took_good();
         }
@@ -86,7 +86,7 @@ impl Drop for Waiting<'_> {
     }
 }
 
-/// What the rule looks at.
+/// Input of the rule.
 #[derive(Clone, Copy, Debug)]
 struct Facts {
     came: Instant,
@@ -116,7 +116,7 @@ fn leaving(all: &[Facts], now: Instant) -> Vec<usize> {
     silent.chain(counting.iter().map(|(_, at)| *at)).collect()
 }
 
-/// Those that wait for no answer and of which a time is known, with their index.
+/// Connections without a pending reply for which `time` is known, with their index.
 fn idle(
     all: &[Facts],
     time: impl Fn(&Facts) -> Option<Instant>,
@@ -125,7 +125,7 @@ fn idle(
     idle.filter_map(move |(at, one)| Some((time(one)?, at)))
 }
 
-/// The connections of one server. `C` is what ends a connection at once.
+/// The connections of one server. `C` closes a connection immediately.
 #[derive(Debug)]
 pub struct Connections<C>(Vec<Connection<C>>);
 
@@ -157,7 +157,7 @@ impl<C> Connections<C> {
         self.0.len() >= MAX_THREADS
     }
 
-    /// Forgets connections that have ended and dismisses those that the rule says. Answers how many it dismissed.
+    /// Removes connections that have ended and dismisses those selected by the rule. Returns the number of dismissed ones.
     pub fn tidy(&mut self) -> usize {
         self.0.retain(|one| !one.thread.is_finished());
         let kept = self.0.iter().filter(|one| !one.standing.is_dismissed());

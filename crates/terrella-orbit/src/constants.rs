@@ -11,6 +11,5 @@ pub const EGM96_J2: f64 = 1.082_626_683_553_151_3e-3;
 pub const SUN_GM_M3_S2: f64 = 1.327_124_4e20;
 /// GM of the Moon, m³/s²: the Earth's over 81.300 568 (DE421 and later; Folkner, Williams & Boggs 2009).
 pub const MOON_GM_M3_S2: f64 = 4.902_800e12;
-/// Pressure of sunlight on what takes it all up, at one astronomical unit, N/m²: 1361 W/m² (IAU 2015 resolution B3) over
-/// the speed of light.
+/// Pressure of sunlight on a perfect absorber at one astronomical unit, N/m²: 1361 W/m² (IAU 2015 resolution B3) over the speed of light.
 pub const SUNLIGHT_PRESSURE_N_M2: f64 = 1361.0 / 299_792_458.0;

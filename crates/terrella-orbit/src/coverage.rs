@@ -15,12 +15,12 @@ const SHORTEST_STEP_S: f64 = 0.5;
 /// A sensor passes over a place in this many steps or more.
 const STEPS_ACROSS: f64 = 8.0;
 
-/// What a sensor has in view: the ground within its field of view from which the satellite stands high enough.
+/// Visibility by a sensor: the ground within its field of view where the satellite's elevation angle is large enough.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GroundSensor {
     /// Its field of view on a satellite that flies level.
     pub field: FieldOfView,
-    /// How high the satellite stands above the ground's horizon at least, radians, 0 to π/2.
+    /// Least elevation angle of the satellite above the ground's horizon, radians, 0 to π/2.
     pub min_elevation_rad: f64,
 }
 
@@ -68,10 +68,10 @@ pub fn coverage_grid(step_rad: f64, region: [f64; 4]) -> Vec<Cell> {
     cells
 }
 
-/// What a cell has of a span.
+/// Coverage of a cell in a span.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CellCoverage {
-    /// Times in which one satellite or more has it in view.
+    /// Number of times in which at least one satellite sees it.
     pub accesses: u32,
     /// Seconds of these times.
     pub covered_s: f64,
@@ -208,7 +208,7 @@ fn step(
     Ok(step_s.max(SHORTEST_STEP_S))
 }
 
-/// What a satellite has in view at an instant.
+/// The ground that a satellite sees at a time.
 struct Reach {
     place_itrf_m: DVec3,
     field: AimedField,
@@ -218,7 +218,7 @@ struct Reach {
 }
 
 impl Reach {
-    /// `None` for what sees nothing.
+    /// `None` if it sees nothing.
     fn new(
         place_itrf_m: DVec3,
         flight_itrf: DVec3,
@@ -286,7 +286,7 @@ impl View {
         if (before >= 0.0) == (margin >= 0.0) {
             return;
         }
-        // Out of all sight the margin is no number to interpolate by.
+        // Completely out of sight, the margin is not finite and cannot be interpolated.
         let part = match before.is_finite() && margin.is_finite() {
             true => before / (before - margin),
             false => 0.5,
@@ -321,7 +321,7 @@ impl View {
 }
 
 impl Cell {
-    /// The corners from the south-west eastwards, degrees of longitude and latitude; longitudes may lie beyond 180°.
+    /// The corners, from the south-west eastwards, degrees of longitude and latitude; longitudes may exceed 180°.
     pub fn corners_deg(&self) -> [[f64; 2]; 4] {
         let (lat, lon) = (self.lat_rad.to_degrees(), self.lon_rad.to_degrees());
         let (up, out) = (
@@ -332,7 +332,7 @@ impl Cell {
             .map(|[east, north]| [lon + east * out, (lat + north * up).clamp(-90.0, 90.0)])
     }
 
-    /// Its area in that of all cells, but for a factor.
+    /// Its area relative to that of all cells, up to a constant factor.
     pub fn weight(&self) -> f64 {
         self.lat_rad.cos() * self.height_rad * self.width_rad
     }

@@ -36,7 +36,7 @@ impl<'a> CsvRow<'a> {
         Err(row.place().error(origin, fault))
     }
 
-    /// Where it begins.
+    /// Position of its first character.
     pub fn place(&self) -> TextPosition {
         TextPosition {
             line: self.line,

@@ -1,8 +1,8 @@
-//! Files that end before their text does: a transfer or a disk that stopped half-way.
+//! Detection of truncated files: an interrupted transfer or a full disk.
 //!
-//! A file of lines that ends without a line feed may have lost digits of its last number, and what is left reads as a good
-//! one. Many programs leave the line feed out of whole files, too. So the last line is used where it is written as finely as
-//! those before it, and otherwise left out; either way the user is reported.
+//! A text file that ends without a line feed may have lost digits of its last number, and the rest is still a valid number. Many programs also omit
+//! the line feed from complete files. The last line is therefore used if it has the precision of the lines before it, and otherwise left out. In
+//! either case the user is notified.
 
 /// Signs that a file is truncated, or may be.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -30,21 +30,21 @@ pub enum CutOff {
     Stop {
         /// Instant of the last state, UTC.
         last: String,
-        /// The key that says how far the states go.
+        /// The key with the end of the states.
         key: &'static str,
-        /// What it says, UTC.
+        /// Its value, UTC.
         stop: String,
     },
     /// Something has begun and does not end.
     #[error("the file is truncated: {what} is not closed; fetch or write it again")]
     Unclosed {
-        /// What has begun.
+        /// The record that has begun.
         what: String,
     },
 }
 
 impl CutOff {
-    /// Whether something that the file holds is not used for that.
+    /// Whether some of the file's content is therefore not used.
     pub fn leaves_out(&self) -> bool {
         matches!(self, Self::Line | Self::Unclosed { .. })
     }
@@ -84,7 +84,7 @@ impl LastLine {
     }
 }
 
-/// The number, from 1, of the last line if no line feed stands behind it.
+/// The number, from 1, of the last line if it does not end with a line feed.
 pub(super) fn open_line(text: &str) -> Option<usize> {
     let last = text
         .lines()
@@ -119,13 +119,13 @@ impl Fineness {
         self.last.push_str(number);
     }
 
-    /// Whether a number has lost nothing that the numbers before it have.
+    /// Whether a number has at least the precision of the numbers before it.
     pub fn is_met_by(&self, number: &str) -> bool {
         let Some((fewest, short, long)) = self.bounds else {
             return false;
         };
         let (digits, exponent) = written(number);
-        // Of numbers with and without exponents a lost exponent cannot be detected.
+        // In a mix of numbers with and without exponents, a lost exponent cannot be detected.
         let has_exponent = exponent >= short && (long == 0 || short > 0);
         let is_fine = digits >= Self::FINE_DIGITS || (fewest > 0 && digits >= fewest);
         number == self.last || (has_exponent && is_fine)

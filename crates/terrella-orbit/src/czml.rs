@@ -1,6 +1,6 @@
 //! CZML: the positions of its objects (github.com/AnalyticalGraphicsInc/czml-writer, CZML Structure and CZML Guide).
 //!
-//! Packets of one identifier tell of one object, the later ones adding to the earlier ones or replacing them, as Cesium does.
+//! Packets with the same identifier describe one object; later ones add to earlier ones or replace them, as in Cesium.
 
 mod position;
 mod sampled;
@@ -36,12 +36,12 @@ pub(super) fn each_object(
     let read = document.each_object::<RecordError>(MAX_PACKETS, "packets", &mut |value| {
         objects.packet(&document, value, each)
     });
-    // What ends a whole text is one more fault where others are good.
+    // An error that ends the text is one more fault if other objects are valid.
     read.or_else(|error| each(Found::Corrupt(error)))?;
     objects.finish(&document, each)
 }
 
-/// What has been read of the objects, in the order of their first packets.
+/// The objects read so far, in the order of their first packets.
 #[derive(Default)]
 struct Objects<'t> {
     all: Vec<Thing<'t>>,
@@ -57,13 +57,13 @@ struct Thing<'t> {
     availability: Option<Vec<Span>>,
     /// Later ones over earlier ones.
     pieces: Vec<Piece<'t>>,
-    /// Where its position was said last.
+    /// Its last position property.
     position: Option<&'t RawValue>,
     /// A fault has been reported: it is not flown.
     is_faulty: bool,
 }
 
-/// What holds in an interval, or at all times.
+/// A value that applies in an interval, or at all times.
 struct Piece<'t> {
     interval: Option<Span>,
     place: &'t RawValue,
@@ -169,19 +169,19 @@ impl<'t> Thing<'t> {
         }
     }
 
-    /// Whether it does more than stand still.
+    /// Whether it moves.
     fn moves(&self) -> bool {
         let mut motions = self.pieces.iter().map(|piece| &piece.motion);
         motions.any(|motion| matches!(motion, Motion::Sampled(_) | Motion::As(_)))
     }
 
-    /// Whether it moves of its own.
+    /// Whether it has its own samples.
     fn has_samples(&self) -> bool {
         let mut motions = self.pieces.iter().map(|piece| &piece.motion);
         motions.any(|motion| matches!(motion, Motion::Sampled(_)))
     }
 
-    /// Adds what a packet says.
+    /// Applies a packet.
     fn add(
         &mut self,
         document: &Document<'t>,
@@ -207,7 +207,7 @@ impl<'t> Thing<'t> {
         each: &mut Each<'_>,
     ) -> Result<(), RecordError> {
         let Some(value) = given.value else {
-            // Without a value it says how the samples that are there are meant.
+            // A property without a value changes the interpretation of the existing samples.
             let meant = self
                 .pieces
                 .iter_mut()
@@ -269,7 +269,7 @@ impl<'t> Thing<'t> {
             motion,
         };
         if given.interval.is_none() {
-            // What holds at all times leaves nothing of what has been said before.
+            // A value for all times replaces everything before.
             self.pieces.clear();
         }
         if self.pieces.len() >= MAX_INTERVALS {
@@ -280,7 +280,7 @@ impl<'t> Thing<'t> {
         Ok(())
     }
 
-    /// The feed of what is known of it; `None` if it stands still.
+    /// The feed of its known positions; `None` if it is fixed.
     fn feed(
         &self,
         document: &Document<'t>,
@@ -303,7 +303,7 @@ impl<'t> Thing<'t> {
         };
         if within_availability.is_empty() {
             if !self.has_samples() {
-                // It is where something stands that does not move.
+                // It follows a fixed object.
                 return Ok(None);
             }
             let fault = RecordFault::Unexpected {
@@ -410,7 +410,7 @@ impl<'t> Timelines<'_, 't> {
         Ok(in_order(all))
     }
 
-    /// A point that stands still while its interval or the availability lasts.
+    /// A fixed point for the duration of its interval or of the availability.
     fn still(
         &self,
         thing: &Thing<'t>,
@@ -429,7 +429,7 @@ impl<'t> Timelines<'_, 't> {
         Ok(vec![Known { samples, span }])
     }
 
-    /// What is known of the object that a piece refers to.
+    /// Known positions of the object that a piece refers to.
     fn followed(
         &mut self,
         piece: &Piece<'t>,

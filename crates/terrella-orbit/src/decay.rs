@@ -1,8 +1,8 @@
-//! How long SGP4 can be believed: from its epoch to the first instant, forwards or backwards, at which it gives no orbit.
+//! Validity of SGP4: from the epoch to the first time, forwards or backwards, at which it returns no orbit.
 //!
-//! SGP4 takes drag as a polynomial in time. Behind a decay the polynomial rises again, and with it the orbit: weeks later a
-//! satellite that has burnt up would stand millions of kilometres away. So what follows a failure is never used, however good
-//! it looks. The instant does not depend on what is asked for: it is searched for from the epoch outwards.
+//! SGP4 models drag as a polynomial in time. After a decay the polynomial rises again, and the orbit with it: weeks later a satellite that has
+//! burnt up would be millions of kilometres away. Results after a failure are therefore never used, however plausible. The limit does not depend on
+//! the requested time: the search starts at the epoch and proceeds outwards.
 
 use super::OrbitState;
 
@@ -47,7 +47,7 @@ impl Osculating {
         }
     }
 
-    /// Whether drag can have made this orbit of the one at the epoch.
+    /// Whether drag can have changed the orbit at the epoch into this one.
     pub fn is_like(&self, at_epoch: &Self) -> bool {
         self.axis_m <= MOST_GROWTH * at_epoch.axis_m
     }
@@ -59,7 +59,7 @@ impl Osculating {
 
 /// The search from the epoch to one side.
 pub(super) struct DecaySearch<'s> {
-    /// The orbit so many milliseconds from the epoch; `None` where there is none.
+    /// The orbit at this many milliseconds from the epoch; `None` if there is none.
     pub orbit_at: &'s dyn Fn(i64) -> Option<Osculating>,
     /// Radius of the ground, metres.
     pub ground_m: f64,
@@ -68,12 +68,11 @@ pub(super) struct DecaySearch<'s> {
 }
 
 impl DecaySearch<'_> {
-    /// The last instant before the first without an orbit, milliseconds from the epoch; `None` if there is an orbit all the
-    /// time until the end of the search, or none at the epoch.
+    /// The last time before the first failure, milliseconds from the epoch; `None` if there is no failure until the end of the search, or no orbit
+    /// at the epoch.
     ///
-    /// While the perigee is well above the ground the search leaps: twice as far each time, and never so far that the
-    /// perigee loses half of what it is above the ground. Else it goes on in small steps and looks for the lowest place
-    /// between two of them.
+    /// While the perigee is well above the ground, the step doubles each time, but is limited so that the perigee does not lose half of its height.
+    /// Otherwise the search proceeds in small steps and looks for the minimum height between two of them.
     pub fn last_good_ms(&self) -> Option<i64> {
         let first = (self.orbit_at)(0)?;
         let step_ms = (first.period_ms() / STEPS_A_REVOLUTION).clamp(1.0, 1e9) as i64;

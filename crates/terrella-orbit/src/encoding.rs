@@ -1,9 +1,9 @@
-//! Encodings of texts: UTF-8, UTF-16 by its mark, and what XML says of itself.
+//! Text encodings: UTF-8, UTF-16 by its byte order mark, and the declared encoding of XML.
 
 use super::OrbitError;
 use std::path::Path;
 
-/// In which bytes a text is written.
+/// Encoding of a text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Encoding {
     Utf8,
@@ -12,10 +12,10 @@ enum Encoding {
     Windows1252,
 }
 
-/// The text that bytes hold.
+/// Decodes a text.
 ///
 /// # Errors
-/// If they are in another encoding, or not in the one that they say.
+/// If it has another encoding, or violates the declared one.
 pub(super) fn decode(bytes: Vec<u8>, path: &Path) -> Result<String, OrbitError> {
     let not_text = |before: usize| OrbitError::NotText {
         path: path.to_owned(),
@@ -89,7 +89,7 @@ fn encoding(bytes: &[u8]) -> Result<Encoding, String> {
     }
 }
 
-/// What the declaration of XML says of the encoding.
+/// The encoding in the XML declaration.
 fn declared(bytes: &[u8]) -> Option<String> {
     const LONGEST: usize = 256;
     let start = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);

@@ -1,5 +1,4 @@
-//! Entries of messages of the CCSDS, of CZML documents and of tables (a key, its value, where they stand), and errors that name
-//! file, line and column.
+//! Entries of CCSDS messages, CZML documents and tables (a key, its value, its position), and errors with file, line and column.
 
 use super::cut::CutOff;
 use super::interpolated::{Doubt, InterpolationError, SegmentError};
@@ -14,7 +13,7 @@ use terrella_frames::{Epoch, TimeError, TimeScale, epoch_from_ccsds};
 /// Most entries read from a file.
 pub(super) const MAX_ENTRIES: usize = 1_000_000;
 
-/// A record of a file is wrong: where, how, and what to do.
+/// An error in a record of a file: its position, the fault, and the remedy.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{}:{line}:{column}: {fault}", path.display())]
 pub struct RecordError {
@@ -24,12 +23,12 @@ pub struct RecordError {
     pub line: usize,
     /// Column, in bytes, from 1.
     pub column: usize,
-    /// What is wrong with it, and what to do.
+    /// The fault, and the remedy.
     pub fault: Box<RecordFault>,
 }
 
 impl RecordError {
-    /// Whether the file is as its format wants it, so that reading it strictly does not change that.
+    /// Whether the file conforms to its format, so that strict reading would not change the result.
     pub(super) fn is_of_good_form(&self) -> bool {
         matches!(
             &*self.fault,
@@ -37,7 +36,7 @@ impl RecordError {
         )
     }
 
-    /// Whether it says only that nothing is left, which an earlier fault explains.
+    /// Whether it only states that nothing is left, which an earlier fault explains.
     pub(super) fn is_of_emptiness(&self) -> bool {
         matches!(
             &*self.fault,
@@ -46,7 +45,7 @@ impl RecordError {
         )
     }
 
-    /// Whether all that the file holds is used anyway.
+    /// Whether all content of the file is used in spite of it.
     pub fn is_notice(&self) -> bool {
         match &*self.fault {
             RecordFault::CutOff(cut) => !cut.leaves_out(),
@@ -55,7 +54,7 @@ impl RecordError {
     }
 }
 
-/// What can be wrong with a record.
+/// Faults of a record.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 #[allow(missing_docs, reason = "the messages say what fields are")]
@@ -71,9 +70,9 @@ pub enum RecordFault {
     /// Something else belongs here.
     #[error("{text:?} is not allowed here; expected {expected}")]
     Unexpected {
-        /// What stands here.
+        /// The text found.
         text: String,
-        /// What is accepted there.
+        /// The accepted values.
         expected: &'static str,
     },
     /// A value is not what it should be.
@@ -81,12 +80,12 @@ pub enum RecordFault {
     Field {
         /// The field's name.
         key: String,
-        /// What stands there.
+        /// The text found.
         text: String,
-        /// What should stand there.
+        /// The expected text.
         expected: &'static str,
     },
-    /// A date is none.
+    /// A date is invalid.
     #[error("{key}: {cause}")]
     Time {
         /// The field's name.
@@ -98,9 +97,9 @@ pub enum RecordFault {
     Unsupported {
         /// The field's name.
         key: String,
-        /// What stands there.
+        /// The text found.
         text: String,
-        /// Why, and what to do.
+        /// The reason and the remedy.
         remedy: &'static str,
     },
     /// A unit other than the one that the format prescribes.
@@ -116,10 +115,18 @@ pub enum RecordFault {
     /// Something that must be there is not.
     #[error("{what} without {key}{remedy}")]
     Missing {
-        /// What lacks it.
+        /// The container that lacks it.
         what: &'static str,
         key: &'static str,
-        /// What to do, after a semicolon, or nothing.
+        /// The remedy after a semicolon, or nothing.
+        remedy: &'static str,
+    },
+    /// The header of a table lacks columns.
+    #[error("the header has no {}{remedy}", Columns(columns))]
+    MissingColumns {
+        /// Their names.
+        columns: Vec<&'static str>,
+        /// What to do, after a semicolon.
         remedy: &'static str,
     },
     /// Something comes twice that may come once.
@@ -142,14 +149,14 @@ pub enum RecordFault {
     /// States that can be used and are not likely to be meant.
     #[error(transparent)]
     Doubt(Doubt),
-    /// A value that says something which is not followed.
+    /// A value whose meaning is not supported.
     #[error("{key} = {text} is not followed: {why}")]
     NotFollowed {
         /// The field's name.
         key: &'static str,
-        /// What stands there.
+        /// The text found.
         text: String,
-        /// What happens instead.
+        /// The consequence.
         why: &'static str,
     },
     /// Keplerian elements that no orbit has.
@@ -163,6 +170,16 @@ pub enum RecordFault {
     TooMany { what: &'static str, limit: usize },
 }
 
+/// `column a`, or `columns a, b`.
+struct Columns<'c>(&'c [&'static str]);
+
+impl std::fmt::Display for Columns<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let plural = if self.0.len() == 1 { "" } else { "s" };
+        write!(f, "column{plural} {}", self.0.join(", "))
+    }
+}
+
 /// A name and its value, as all formats have them.
 #[derive(Clone, Debug)]
 pub(super) struct Entry<'t> {
@@ -170,7 +187,7 @@ pub(super) struct Entry<'t> {
     pub value: Cow<'t, str>,
     /// Without brackets.
     pub unit: Option<Cow<'t, str>>,
-    /// Where the value begins.
+    /// Position of the value's first character.
     pub place: TextPosition,
 }
 
@@ -213,7 +230,7 @@ impl Entry<'_> {
         self.place.error(origin, fault)
     }
 
-    /// Rejects a unit other than `expected`; none is fine.
+    /// Rejects a unit other than `expected`; a missing unit is accepted.
     pub fn check_unit(&self, origin: &Path, expected: &'static str) -> Result<(), RecordError> {
         match &self.unit {
             Some(unit) if !unit.trim().eq_ignore_ascii_case(expected) => {
@@ -228,7 +245,7 @@ impl Entry<'_> {
         }
     }
 
-    /// A date as the CCSDS writes it, or with a blank in place of the `T`; in UTC with a zone other than `Z`, too.
+    /// A date in CCSDS format, or with a blank in place of the `T`; in UTC also with a zone other than `Z`.
     pub fn epoch(&self, origin: &Path, scale: TimeScale) -> Result<Epoch, RecordError> {
         let text = match self.value.trim().split_once(' ') {
             Some((date, time)) => Cow::Owned(format!("{date}T{}", time.trim_start())),
@@ -258,12 +275,12 @@ impl Entry<'_> {
     }
 }
 
-/// Keys that are looked at, and the units they may say they are in (empty: not checked).
+/// Keys that are read, and their accepted units (empty: not checked).
 pub(super) type Keys = [(&'static str, &'static str)];
 
 /// The entries of one record (a message, a segment's metadata, a state) by key; entries of other keys are skipped.
 pub(super) struct Fields {
-    /// What it is, for errors: "the message".
+    /// Its name in errors: "the message".
     what: &'static str,
     place: TextPosition,
     keys: &'static Keys,
@@ -281,7 +298,7 @@ impl Fields {
         }
     }
 
-    /// Where the record begins.
+    /// Position of the record's first character.
     pub fn place(&self) -> TextPosition {
         self.place
     }
@@ -316,7 +333,7 @@ impl Fields {
         self.values.get(at)?.as_ref()
     }
 
-    /// The entry of that key, or the error that there is none; `remedy` follows a semicolon.
+    /// The entry with this key, or the error that it is missing; `remedy` follows a semicolon.
     pub fn must(
         &self,
         key: &'static str,

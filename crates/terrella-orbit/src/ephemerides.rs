@@ -5,20 +5,19 @@ use super::entry::{Faults, RecordError};
 use super::file::read_text;
 use super::found::Found;
 use super::interpolated::EphemerisFeed;
-use super::recognise::message_of_another_kind;
+use super::recognise::{has_elements, message_of_another_kind};
 use super::text::{unmarked, with_line_feeds};
-use super::{Feed, FileFormat, OrbitError, czml, ephemeris_csv, oem, sp3, stk};
+use super::{Feed, FileFormat, OrbitError, czml, ephemeris_csv, oem, omm, sp3, stk};
 use std::path::Path;
 
 /// The objects of a file of sampled states, in its order.
 #[derive(Debug)]
 pub struct Ephemerides {
-    /// What kind of file it was: [`FileFormat::Oem`], [`FileFormat::Czml`], [`FileFormat::Csv`], [`FileFormat::Sp3`] or
-    /// [`FileFormat::Stk`].
+    /// Format of the file: [`FileFormat::Oem`], [`FileFormat::Czml`], [`FileFormat::Csv`], [`FileFormat::Sp3`] or [`FileFormat::Stk`].
     pub format: FileFormat,
     /// Satellites that can be propagated.
     pub feeds: Vec<EphemerisFeed>,
-    /// What is wrong with others, and with states that these are flown without: the first thousand faults.
+    /// Errors of rejected objects and of skipped states: the first thousand.
     pub faults: Vec<OrbitError>,
     /// How many faults there are beyond those.
     pub faults_left_out: usize,
@@ -32,43 +31,42 @@ impl Ephemerides {
     /// Largest file read, bytes.
     pub const MAX_FILE_BYTES: u64 = 128 << 20;
 
-    /// Reads a file of states. Which kind it is, the text itself says:
+    /// Reads a file of states. The format is detected from the text:
     ///
-    /// - an OEM of CCSDS 502.0 begins with `CCSDS_OEM_VERS` (KVN) or `<` (XML). States in ICRF, GCRF, EME2000, TEME,
-    ///   TOD, MOD, ITRF… or GTOD, times in UTC, TAI, TT, TDB or GPS; others are rejected. Where it names no interpolation,
-    ///   [`Interpolation::WITH_VELOCITIES`](super::interpolated::Interpolation::WITH_VELOCITIES) is taken.
-    /// - CZML begins with `[`. Every `id` with a sampled `position`, in one packet or several, is an object; `INERTIAL` is taken
-    ///   as GCRF, `FIXED` as ITRF. Fixed points are skipped; objects whose position refers to another's, as those of
-    ///   sensors do, are not among [`Self::feeds`], but [`Self::one`] finds them by name.
-    /// - CSV has a header that names `epoch_utc,x_km,y_km,z_km`, and optionally `vx_km_s,vy_km_s,vz_km_s`, in any order,
-    ///   others being skipped (`epoch_tai`, `…_tt`, `…_gps`; `x_m` with `vx_m_s`). A column `error_m` says how far a state may be
-    ///   off, one standard deviation, and may be empty. Columns `name` and `frame` say of
-    ///   which satellite a row is and in which frame; or a comment before the header says it of all rows, and what else
-    ///   the numbers do not: `# frame = TEME, name = ISS, interpolation = HERMITE, degree = 7`. The frame must be said.
-    /// - SP3 begins with `#` and a version, a to d. Its frames are taken as ITRF; every satellite is an object by its identifier
-    ///   (`G01`). Positions of zeros are gaps.
-    /// - An ephemeris of STK begins with `stk.v.`; its systems ICRF, J2000, Fixed and TEMEOfDate are read.
+    /// - an OEM of CCSDS 502.0 starts with `CCSDS_OEM_VERS` (KVN) or `<` (XML). States may be in ICRF, GCRF, EME2000, TEME, TOD, MOD, ITRF… or
+    ///   GTOD, times in UTC, TAI, TT, TDB or GPS; others are rejected. The default interpolation is
+    ///   [`Interpolation::WITH_VELOCITIES`](super::interpolated::Interpolation::WITH_VELOCITIES).
+    /// - CZML starts with `[`. Every `id` with a sampled `position`, in one packet or several, is an object; `INERTIAL` is read as GCRF, `FIXED` as
+    ///   ITRF. Fixed points are skipped. Objects whose position refers to another's, such as sensors, are not among [`Self::feeds`], but
+    ///   [`Self::one`] finds them by name.
+    /// - CSV, with commas, semicolons or tabs, has a header with `epoch_utc,x_km,y_km,z_km`, and optionally `vx_km_s,vy_km_s,vz_km_s`, in any order (also `epoch_tai`, `…_tt`,
+    ///   `…_gps`; `x_m` with `vx_m_s`); other columns are skipped. A column `error_m` is the uncertainty of a state, one standard deviation, and may
+    ///   be empty. Columns `name` and `frame` give the satellite and the frame of a row. A comment before the header can give them for all rows,
+    ///   together with the interpolation: `# frame = TEME, name = ISS, interpolation = HERMITE, degree = 7`. The frame is required.
+    /// - SP3 starts with `#` and a version, a to d. Its frames are read as ITRF; every satellite is an object named by its identifier (`G01`).
+    ///   Positions of zeros are gaps.
+    /// - An STK ephemeris starts with `stk.v.`; its coordinate systems ICRF, J2000, Fixed and TEMEOfDate are supported.
     ///
-    /// States that cannot be read, and those out of the order of time, are listed and their objects flown
-    /// without them. Objects that are faulty are listed and the others used. `is_strict` rejects the file instead.
+    /// Unreadable states, and those out of the order of time, are listed and skipped. Faulty objects are listed and the others used. `is_strict`
+    /// rejects the file instead.
     ///
     /// # Errors
-    /// If no object is good, or, when strict, if anything is not: says which line and column is wrong, how, and what to do.
+    /// If no object is valid, or, when strict, if anything is invalid: names line and column, the error, and the remedy.
     pub fn from_file(path: &Path, is_strict: bool) -> Result<Self, OrbitError> {
         Self::from_text(&read_text(path, Self::MAX_FILE_BYTES)?, path, is_strict)
     }
 
-    /// As [`Self::from_file`], from text that is already in memory; `origin` is named in errors.
+    /// As [`Self::from_file`], from text that is already in memory; `origin` names it in errors.
     ///
     /// # Errors
-    /// As [`Self::from_file`], but for what is wrong with the file itself.
+    /// As [`Self::from_file`], except errors of the file itself.
     pub fn from_text(text: &str, origin: &Path, is_strict: bool) -> Result<Self, OrbitError> {
         let text = with_line_feeds(unmarked(text));
         let text = text.as_ref();
         if let Some(other) = message_of_another_kind(text) {
             return Err(other.error(origin));
         }
-        // Read to its end when strict as well: what corrupts an object says more than a fault before it that does not.
+        // It is read to its end even when strict: an error that invalidates an object is more informative than an earlier one that does not.
         let mut faults = Faults::<RecordError>::new(false);
         let mut first_fault = None;
         let mut feeds = Vec::new();
@@ -114,7 +112,18 @@ impl Ephemerides {
                 ephemeris_csv::each_object(text, origin, &mut each)
                     .or_else(|error| each(Found::Corrupt(error)))?;
             }
-            _ => {}
+            _ if omm::is_omm(text) || has_elements(text) => {
+                return Err(OrbitError::NotRead {
+                    path: origin.to_owned(),
+                    kind: "a file of mean elements",
+                    remedy: "has no ephemeris; a scene reads it with source = \"tle\" or \"omm\"",
+                });
+            }
+            _ => {
+                if let Some(error) = ephemeris_csv::missing_columns(text, origin) {
+                    return Err(error.into());
+                }
+            }
         }
         let telling = faulty.clone().filter(|error| !error.is_of_emptiness());
         if let Some(first) = first_fault.filter(|_| is_strict) {
@@ -122,7 +131,7 @@ impl Ephemerides {
         }
         let mut kept: Vec<_> = faults.kept.into_iter().map(OrbitError::from).collect();
         if feeds.is_empty() {
-            // What corrupts an object says more than a fault of one state, and that more than that there is nothing.
+            // An error that invalidates an object is more informative than one of a single state, and that more than an empty result.
             return Err(match (telling, kept.is_empty()) {
                 (Some(faulty), _) => faulty.into(),
                 (None, true) => OrbitError::NoEphemeris {

@@ -1,4 +1,4 @@
-//! Ephemerides as CSV with a header that says what the columns are.
+//! Ephemerides as CSV with a header that names the columns.
 
 use super::Frame;
 use super::csv_row::CsvRow;
@@ -22,7 +22,7 @@ use terrella_frames::TimeScale;
 /// Most rows of a table.
 const MAX_ROWS: usize = 2_000_000;
 
-/// What comments before the header may say.
+/// Keys that comments before the header may have.
 const KEYS: &Keys = &[
     ("frame", ""),
     ("scale", ""),
@@ -31,18 +31,29 @@ const KEYS: &Keys = &[
     ("degree", ""),
 ];
 
-/// Lines that say something, with their numbers.
+/// Lines with content, with their numbers.
 fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
     let numbered = text.lines().enumerate();
     numbered
-        .map(|(index, line)| (index + 1, line.trim_end()))
+        .map(|(index, line)| (index + 1, line.trim_end_matches([' ', '\r'])))
         .filter(|(_, line)| !line.trim().is_empty())
 }
 
-/// Whether a text is such a table: its first line without `#` names an epoch between commas.
+/// Whether a text is such a table: its first line without `#` has separators and an epoch column.
 pub(super) fn is_table(text: &str) -> bool {
-    let header = lines(text).find(|(_, line)| !line.starts_with('#'));
-    header.is_some_and(|(_, line)| line.contains(',') && line.contains("epoch_"))
+    csv::header(text).is_some_and(|(_, header, _)| header.contains("epoch_"))
+}
+
+/// What a table lacks whose header names no epoch; `None` of a text that is no table.
+pub(super) fn missing_columns(text: &str, origin: &Path) -> Option<RecordError> {
+    let (line, header, separator) = csv::header(text)?;
+    let header = csv::fields(header, separator).filter(|fields| fields.len() > 2)?;
+    let is_missing = |name: &&str| header.iter().all(|field| field.text != *name);
+    let columns = ["epoch_utc", "x_km", "y_km", "z_km"];
+    let columns: Vec<_> = columns.into_iter().filter(is_missing).collect();
+    let remedy = "; a table of states needs them, with these units (or x_m, epoch_tai …), and a column frame or a line \"# frame = TEME\" before the header";
+    let place = TextPosition { line, column: 1 };
+    Some(place.error(origin, RecordFault::MissingColumns { columns, remedy }))
 }
 
 /// The columns that are used.
@@ -61,10 +72,10 @@ struct Columns {
     count: usize,
 }
 
-/// What holds for all rows.
+/// Properties of all rows.
 struct Table {
     columns: Columns,
-    /// What rows have that name none.
+    /// Name of the rows without one.
     name: String,
     /// Of all rows, where they have no column of it.
     frame: Option<Frame>,
@@ -78,7 +89,7 @@ struct Rows {
     samples: Vec<StateSample>,
     /// Lines of the samples.
     lines: Vec<usize>,
-    /// How far each may be off, metres, where its row says so.
+    /// Uncertainty of each state, metres, if its row has one.
     errors_m: Vec<Option<f64>>,
 }
 
@@ -95,6 +106,7 @@ pub(super) fn each_object(
     let mut by_name: HashMap<String, usize> = HashMap::new();
     let mut count = 0;
     let mut last_line = LastLine::of(text);
+    let separator = csv::header(text).map_or(',', |(_, _, separator)| separator);
     for (line, text) in lines(text) {
         let place = TextPosition { line, column: 1 };
         if let Some(comment) = text.strip_prefix('#') {
@@ -103,7 +115,7 @@ pub(super) fn each_object(
             }
             continue;
         }
-        let row = csv::fields(text).ok_or_else(|| {
+        let row = csv::fields(text, separator).ok_or_else(|| {
             let fault = RecordFault::Syntax {
                 format: "CSV",
                 cause: "a quotation mark without its partner".to_owned(),
@@ -237,7 +249,7 @@ impl Rows {
     }
 }
 
-/// What comments and header together say of all rows.
+/// Properties of all rows, from comments and header together.
 fn whole_table(said: &Fields, columns: Columns, origin: &Path) -> Result<Table, RecordError> {
     for (key, column) in [("frame", columns.frame), ("name", columns.name)] {
         if let (Some(entry), Some(_)) = (said.get(key), column) {
@@ -281,13 +293,13 @@ fn whose(
             origin,
         )?,
         (None, Some(frame)) => frame,
-        // The header has no such column only where the table says its frame.
+        // The header may lack this column only if a comment gives the frame.
         (None, None) => return Err(no_frame(TextPosition { line, column: 1 }, origin)),
     };
     Ok((name.unwrap_or_else(|| table.name.clone()), frame))
 }
 
-/// `key = value, key = value`; comments without an equals sign say nothing.
+/// `key = value, key = value`; comments without an equals sign are ignored.
 fn declare(
     said: &mut Fields,
     comment: &str,
@@ -388,7 +400,7 @@ fn sample(
     })
 }
 
-/// How far a row's state may be off, metres; `None` where it does not say.
+/// Uncertainty of a row's state, metres; `None` if the row has none.
 fn error_m(
     columns: &Columns,
     row: &[csv::CsvField],
@@ -414,7 +426,7 @@ fn error_m(
         .ok_or_else(|| entry.wrong(origin, "metres, 0 or more"))
 }
 
-/// The frame of all rows; `None` where each row says its own.
+/// The frame of all rows; `None` if each row has its own.
 fn frame(said: &Fields, columns: &Columns, origin: &Path) -> Result<Option<Frame>, RecordError> {
     if let Some(scale) = said.get("scale")
         && TimeScale::from_name(&scale.value) != Some(columns.scale)

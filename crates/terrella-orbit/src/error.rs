@@ -32,7 +32,7 @@ pub enum OrbitError {
         /// Line of the first byte that is not UTF-8, or UTF-16 where that is marked, from 1.
         line: usize,
     },
-    /// The file says that it is in an encoding that is not read.
+    /// The file declares an encoding that is not supported.
     #[error("{}: its encoding is {encoding:?}; UTF-8, UTF-16, ISO-8859-1 and Windows-1252 are read: save it in UTF-8", path.display())]
     Encoding {
         path: PathBuf,
@@ -68,7 +68,7 @@ pub enum OrbitError {
     #[error("{}: {count} {what}{}: {}{}; {remedy}", path.display(), Answering(wanted.as_deref()), names.join(", "), if *count > names.len() { ", …" } else { "" })]
     Ambiguous {
         path: PathBuf,
-        /// What there is to choose from.
+        /// The choices.
         what: &'static str,
         /// The name looked for, if one was.
         wanted: Option<String>,
@@ -76,7 +76,7 @@ pub enum OrbitError {
         count: usize,
         /// The first of them, with catalogue number and line.
         names: Vec<String>,
-        /// What the user can do about it.
+        /// The remedy.
         remedy: &'static str,
     },
     /// The record of the satellite that is wanted cannot be used.
@@ -84,7 +84,7 @@ pub enum OrbitError {
     Unusable {
         /// The name looked for.
         wanted: String,
-        /// What is wrong with its record, and where.
+        /// The error in its record, and its position.
         cause: String,
     },
     /// A file has sets of several epochs of a satellite.
@@ -136,7 +136,7 @@ pub enum OrbitError {
         epoch: String,
         /// Last instant with an orbit, UTC.
         lost: String,
-        /// On which side of it there is none: `before` or `after`.
+        /// The side without a state: `before` or `after`.
         side: &'static str,
     },
     /// A record of a CCSDS message, of a CZML document or of a table is wrong.
@@ -149,9 +149,9 @@ pub enum OrbitError {
     #[error("{}: {kind} {remedy}", path.display())]
     NotRead {
         path: PathBuf,
-        /// What it is.
+        /// Its kind.
         kind: &'static str,
-        /// Why it is not read, and what to do.
+        /// Why it is not read, and the remedy.
         remedy: &'static str,
     },
     /// The file has contains no orbit parameter message.
@@ -163,19 +163,19 @@ pub enum OrbitError {
     )]
     NotCovered {
         satellite: String,
-        /// The epoch asked for, UTC.
+        /// The requested epoch, UTC.
         epoch: String,
         /// When it is known, UTC.
         known: String,
     },
-    /// The orbit meets the ground: asked for on the far side of that.
+    /// The requested epoch is beyond the orbit's impact on the ground.
     #[error("{satellite} meets the ground at {impact}, {place}; {asked} is beyond that")]
     Impact {
         satellite: String,
-        /// When it meets the ground, UTC.
+        /// Time of impact, UTC.
         impact: String,
         place: String,
-        /// What was asked for, UTC.
+        /// The requested epoch, UTC.
         asked: String,
     },
     /// Keplerian elements are wrong.
@@ -194,16 +194,16 @@ pub enum OrbitError {
     )]
     OutsideValidity {
         satellite: String,
-        /// The epoch asked for, UTC.
+        /// The requested epoch, UTC.
         epoch: String,
-        /// First epoch that the feed answers for, UTC.
+        /// First epoch of the feed's validity, UTC.
         first: String,
         /// Last, UTC.
         last: String,
     },
 }
 
-/// What can be wrong with a line of a file of two-line elements.
+/// Faults of a line in a file of two-line elements.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 #[allow(missing_docs, reason = "the messages say what fields are")]
@@ -225,7 +225,7 @@ pub enum LineFault {
     #[error("{character:?} is not allowed here; {expected}")]
     Character {
         character: char,
-        /// What can stand there.
+        /// The accepted characters.
         expected: &'static str,
     },
     /// A name line of a length that no name has.
@@ -238,7 +238,7 @@ pub enum LineFault {
     /// A line that looks like elements but has another line number than 1 or 2.
     #[error("line number {digit:?} where an element line has 1 or 2")]
     LineNumber {
-        /// What stands there.
+        /// The character found.
         digit: char,
     },
     /// Line 1 without a line 2 after it.
@@ -279,15 +279,15 @@ pub enum LineFault {
     Field {
         /// Name of the field.
         field: &'static str,
-        /// What stands there.
+        /// The text found.
         text: String,
-        /// What should stand there.
+        /// The expected text.
         expected: &'static str,
     },
 }
 
 impl OrbitError {
-    /// Whether it only remarks on a file of which everything is used.
+    /// Whether it is only a notice about a file that is used completely.
     pub fn is_notice(&self) -> bool {
         match self {
             Self::Record(record) => record.is_notice(),

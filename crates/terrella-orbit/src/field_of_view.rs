@@ -1,6 +1,6 @@
-//! Fields of view of sensors, conical and rectangular, at any angle off nadir: which ground lies in them.
+//! Fields of view of sensors, conical and rectangular, at any off-nadir angle: the ground inside them.
 //!
-//! In scaled space (x/a, y/a, z/b) the ellipsoid is the unit sphere. Rays, planes and tangents stay what they are there.
+//! In scaled space (x/a, y/a, z/b) the ellipsoid is the unit sphere. Rays, planes and tangents are preserved.
 
 use super::one_dimension::{bisect, greatest};
 use glam::DVec3;
@@ -55,7 +55,7 @@ impl FieldOfView {
         }
     }
 
-    /// What is wrong with its angles, if anything: says what they must be.
+    /// The requirement that its angles violate, if any.
     pub fn fault(&self) -> Option<&'static str> {
         let is_half = |angle: f64| angle > 0.0 && angle <= FRAC_PI_2;
         let is_sound = match self.shape {
@@ -73,10 +73,10 @@ impl FieldOfView {
             .then_some("a sensor's boresight must be from 0 to π/2 off nadir, in a finite azimuth")
     }
 
-    /// The field at a place of the satellite, ITRF metres, that flies in a direction, ITRF axes, as seen from the stars.
+    /// The field at a satellite's position, ITRF metres, with a direction of motion relative to the stars, ITRF axes.
     ///
-    /// The axes of the field are those of a level satellite, turned by the shortest way with the boresight. `None` below the ground, and for
-    /// what moves straight up or down.
+    /// The axes of the field are those of a level satellite, rotated with the boresight by the shortest way. `None` below the ground, and for
+    /// vertical motion.
     pub fn aimed(
         &self,
         satellite_itrf_m: DVec3,
@@ -118,7 +118,7 @@ pub struct AimedField {
     shape: FieldShape,
     /// Direction of the boresight, unit, ITRF axes.
     pub boresight: DVec3,
-    /// Axis of the field that lies in the direction of flight where the boresight is not turned, unit.
+    /// Axis of the field that points in the direction of motion if the boresight is not rotated, unit.
     pub along: DVec3,
     /// The axis across, unit: to the right.
     pub across: DVec3,
@@ -129,7 +129,7 @@ pub struct AimedField {
 }
 
 impl AimedField {
-    /// How far a direction from the satellite lies within the field, radians; negative outside.
+    /// Angular distance of a direction from the edge of the field, radians; negative outside.
     pub fn margin_rad(&self, ray: DVec3) -> f64 {
         let ahead = ray.dot(self.boresight);
         let off = |axis: DVec3| ray.dot(axis).abs().atan2(ahead);
@@ -165,7 +165,7 @@ impl AimedField {
         (0..count).map(move |k| self.edge(first + k as f64 / count as f64))
     }
 
-    /// Where a direction from the satellite meets the ground, ITRF metres; `None` where it passes the Earth.
+    /// Where a direction from the satellite meets the ground, ITRF metres; `None` if it misses the Earth.
     pub fn ground(&self, direction: DVec3) -> Option<DVec3> {
         let d = (self.ellipsoid.scaled_from_itrf() * direction).normalize();
         let nearest = -self.eye.dot(d);
@@ -187,13 +187,13 @@ impl AimedField {
         self.horizon_point(up, level)
     }
 
-    /// The outline of the ground within the field and in sight, points on the ellipsoid, ITRF metres, clockwise from above: where the edge of
-    /// the field meets the ground, and where it passes the Earth the horizon in its place. Nothing where no ground is in the field.
+    /// The outline of the visible ground in the field, points on the ellipsoid, ITRF metres, clockwise from above: where the edge of the field
+    /// meets the ground, or the horizon where the edge misses the Earth. Empty if the field contains no ground.
     pub fn outline(&self, mut give: impl FnMut(DVec3)) {
         let at = |k: usize| k as f64 / EDGE_POINTS as f64;
         let meets = |s: f64| self.ground(self.edge(s));
         let Some(first) = (0..EDGE_POINTS).find(|k| meets(at(*k)).is_some()) else {
-            // All of the Earth is in the field, or none of it.
+            // All of the Earth is inside the field, or none of it.
             if self.margin_rad(-(self.ellipsoid.itrf_from_scaled() * self.eye)) > 0.0 {
                 self.horizon_arc(0.0, TAU, &mut give);
             }
@@ -263,7 +263,7 @@ impl AimedField {
         let [along, across] = self.tangents();
         let (u, v) = match self.shape {
             FieldShape::Cone { .. } => (along * cos, along * sin),
-            // A circle drawn out to the square: its corners lie halfway between its sides.
+            // A circle mapped to the square: its corners are halfway between its sides.
             FieldShape::Rectangle { .. } => {
                 let most = cos.abs().max(sin.abs());
                 (along * cos / most, across * sin / most)
@@ -272,7 +272,7 @@ impl AimedField {
         (self.boresight + u * self.along + v * self.across).normalize()
     }
 
-    /// Where the edge crosses the limb between two parts of it, of which the second meets the ground or not.
+    /// Where the edge crosses the limb between two of its points; `meets` is whether the second one meets the ground.
     fn crossing(&self, from: f64, to: f64, meets: bool) -> DVec3 {
         let has_turned = |s: f64| Ok::<_, Infallible>(self.ground(self.edge(s)).is_some() == meets);
         let (_, s) = bisect(from, to, EXACT, has_turned).unwrap_or_else(|never| match never {});

@@ -109,8 +109,7 @@ fn swath_edges_are_those_of_the_plane_triangle() {
     assert_eq!(aimed.swath_edge(ahead, 1.0), None);
 }
 
-/// Every point of an outline is where its own direction meets the ground, to a metre, and at the field's edge; or on the horizon within the
-/// field.
+/// Every point of an outline is where its direction meets the ground, to a metre, at the field's edge; or on the horizon inside the field.
 #[test]
 fn outlines_are_at_the_edge_or_on_the_horizon() {
     let mut horizon = 0;
@@ -167,7 +166,7 @@ fn outlines_are_at_the_edge_or_on_the_horizon() {
 #[test]
 fn outlines_enclose_what_is_seen() {
     let (at, [up, ahead, right]) = satellite(&WGS84, [48.0, 175.0, 700e3], 30.0);
-    // Seen from the satellite everything lies before a plane below it.
+    // Seen from the satellite, everything is in front of a plane below it.
     let seen = |point: DVec3| {
         let ray = point - at;
         DVec2::new(ray.dot(ahead), ray.dot(right)) / -ray.dot(up)

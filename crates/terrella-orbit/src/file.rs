@@ -7,10 +7,10 @@ use std::io::Read;
 use std::path::Path;
 use terrella_files as files;
 
-/// What a file that gzip has compressed begins with.
+/// First bytes of a file that is compressed by gzip.
 const GZIP: &[u8] = b"\x1f\x8b";
 
-/// The text of a file of at most `limit` bytes, which may be compressed by gzip; the limit is then on what comes of it.
+/// The text of a file of at most `limit` bytes, which may be compressed by gzip; the limit then applies to the decompressed size.
 pub(super) fn read_text(path: &Path, limit: u64) -> Result<String, OrbitError> {
     let read_error = |source| OrbitError::Read {
         path: path.to_owned(),
@@ -32,7 +32,7 @@ pub(super) fn read_text(path: &Path, limit: u64) -> Result<String, OrbitError> {
     decode(whole.ok_or_else(too_large)?, path)
 }
 
-/// What gzip has compressed; `None` if it is more than `limit` bytes, of which no more than that is ever held.
+/// Decompresses gzip; `None` if the result exceeds `limit` bytes. At most that much memory is used.
 fn decompressed(bytes: &[u8], limit: u64) -> std::io::Result<Option<Vec<u8>>> {
     let mut whole = Vec::new();
     let mut decoder = MultiGzDecoder::new(bytes).take(limit + 1);
@@ -40,7 +40,7 @@ fn decompressed(bytes: &[u8], limit: u64) -> std::io::Result<Option<Vec<u8>>> {
     Ok((whole.len() as u64 <= limit).then_some(whole))
 }
 
-/// The text that a file begins with, as far as `head` reaches: decompressed, and without what is no text.
+/// The first part of a file's text, as far as `head` reaches: decompressed, and without invalid characters.
 pub(super) fn first_text(head: &[u8]) -> String {
     const MOST: u64 = 1 << 16;
     let mut first = Vec::new();
@@ -51,7 +51,7 @@ pub(super) fn first_text(head: &[u8]) -> String {
         let _ = decoder.read_to_end(&mut first);
     }
     let first = if is_compressed { &first } else { head };
-    // Half a character at the end is none.
+    // Half of a character at the end is dropped.
     let even = first.get(..first.len() & !1).unwrap_or_default();
     let lossy = String::from_utf8_lossy(first);
     decode(even.to_vec(), Path::new("")).unwrap_or_else(|_| lossy.into_owned())
@@ -80,7 +80,7 @@ mod tests {
         };
         let text = "CCSDS_OEM_VERS = 2.0\n".repeat(40_000);
         assert_eq!(read(&compressed(text.as_bytes())).unwrap(), text);
-        // Two files behind one another are one, as gzip has it.
+        // Two concatenated gzip files are one, by its specification.
         let two = [compressed(b"one\n"), compressed(b"two\n")].concat();
         assert_eq!(read(&two).unwrap(), "one\ntwo\n");
         // Sixty-four megabytes of nothing.

@@ -1,4 +1,4 @@
-//! What the readers of ephemerides find in a file.
+//! Results of the readers of ephemerides.
 
 use super::entry::RecordError;
 use super::interpolated::EphemerisFeed;
@@ -24,5 +24,5 @@ impl From<Result<EphemerisFeed, RecordError>> for Found {
     }
 }
 
-/// What is done with each find; its error ends the reading.
+/// Callback for each result; its error ends the reading.
 pub(super) type Each<'e> = dyn FnMut(Found) -> Result<(), RecordError> + 'e;

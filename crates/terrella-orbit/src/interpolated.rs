@@ -44,11 +44,11 @@ impl Interpolation {
     /// The highest degree.
     pub const MAX_DEGREE: usize = MAX_NODES - 1;
 
-    /// For files with velocities that name none: four states. See [`interpolation_error()`] for how good it is: in low orbit
-    /// 30 nm at one minute from state to state, 1 cm at five.
+    /// Default for files with velocities: four states. [`interpolation_error()`] lists its accuracy: in low orbit 30 nm at one minute from state to
+    /// state, 1 cm at five.
     pub const WITH_VELOCITIES: Self = Self::Hermite { degree: 7 };
 
-    /// For files with positions only that name none: eight positions; in low orbit 4 µm at one minute, 1.4 m at five.
+    /// Default for files with positions only: eight positions; in low orbit 4 µm at one minute, 1.4 m at five.
     pub const WITHOUT_VELOCITIES: Self = Self::Lagrange { degree: 7 };
 
     /// How many samples one evaluation uses.
@@ -139,7 +139,7 @@ pub enum InterpolationError {
         /// The instant after it, UTC.
         after: String,
     },
-    /// A number that is none, or is too large for any orbit about the Earth.
+    /// A number that is not finite, or is too large for any orbit around the Earth.
     #[error("the sample is not finite, is farther than 1e13 m, or is faster than light")]
     NotAState {
         /// Which sample, from 0.
@@ -180,9 +180,8 @@ impl InterpolationError {
 
 /// An interpolated ephemeris: samples in one frame and the interpolation between them.
 ///
-/// The window of samples is centred on the instant and shifted, not shortened, at the ends; where there are fewer samples
-/// than the degree asks for, all are used. Instants are kept as whole nanoseconds, so a long ephemeris is as sharp at its end
-/// as at its beginning.
+/// The window of samples is centred on the time. At the ends it is shifted, not shortened. If there are fewer samples than the degree needs, all
+/// are used. Times are stored as whole nanoseconds, so a long ephemeris is as precise at its end as at its beginning.
 #[derive(Clone, Debug)]
 pub struct InterpolatedStates {
     frame: Frame,
@@ -287,8 +286,7 @@ impl InterpolatedStates {
         (first - nanoseconds(before), last + nanoseconds(after))
     }
 
-    /// With the polynomials at its ends going on so many seconds before the first sample and after the last; two centuries at
-    /// most.
+    /// Extends the polynomials at its ends by this many seconds before the first sample and after the last; at most two centuries.
     pub(super) fn extrapolated(self, before_s: f64, after_s: f64) -> Self {
         let ns = |seconds: f64| (seconds.clamp(0.0, 6.3e9) * 1e9).round() as i64;
         Self {
@@ -307,9 +305,8 @@ impl InterpolatedStates {
         })
     }
 
-    /// The state at `epoch`; `None` outside [`Self::reach`]. At a sample it is the sample, bit for bit;
-    /// only the velocity is the interpolation's where samples have none (zero for a single sample). Also `None` where
-    /// samples lie so unevenly that f64 cannot hold their polynomial.
+    /// The state at `epoch`; `None` outside [`Self::reach`]. At a sample it is the sample, bit for bit; if samples have no velocities, the velocity
+    /// is interpolated (zero for a single sample). Also `None` if samples are so unevenly spaced that f64 cannot represent their polynomial.
     pub fn state_at(&self, epoch: Epoch) -> Option<OrbitState> {
         let at = ns_between(self.first, epoch)?;
         let behind = self.at_ns.partition_point(|&ns| ns <= at);
@@ -338,7 +335,7 @@ impl InterpolatedStates {
         is_finite.then(|| state(position_m, velocity_m_s))
     }
 
-    /// Position and velocity from the window around `at`, which lies before sample `behind`.
+    /// Position and velocity from the window around `at`, which is before sample `behind`.
     fn interpolated(&self, at: i64, behind: usize) -> (DVec3, DVec3) {
         let count = self.interpolation.samples().min(self.at_ns.len());
         // An even count has as many samples on either side; an odd one has one more on the side of the nearer sample.

@@ -10,10 +10,10 @@ const YEARS: std::ops::RangeInclusive<i64> = 1900..=2099;
 /// Days of half a millennium, by which an unbounded interval goes beyond 1900.
 const FAR_DAYS: i128 = 500 * 365;
 
-/// The instant of a date in UTC; a date without a zone is in UTC too. A blank may stand in place of the `T`.
+/// Parses a date in UTC; a date without a zone is in UTC too. A blank may replace the `T`.
 ///
 /// # Errors
-/// Says what is wrong with the text and how to write it.
+/// Names the error in the text, and how to write it.
 pub(super) fn epoch(text: &str) -> Result<Epoch, TimeError> {
     Written::of(text)?.epoch(text)
 }
@@ -210,7 +210,7 @@ fn calendar(date: &str) -> Option<(i64, i64, i64)> {
     }
 }
 
-/// The day of a week, Monday being 1: the first week is that of 4 January.
+/// The day in an ISO week, Monday being 1: the first week contains 4 January.
 fn by_week(january: Calendar, week: i64, weekday: i64) -> Option<i64> {
     if !(1..=53).contains(&week) || !(1..=7).contains(&weekday) {
         return None;

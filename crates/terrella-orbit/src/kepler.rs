@@ -27,10 +27,10 @@ use elements::{angles, plane};
 use glam::DVec3;
 use terrella_frames::{Duration, Ellipsoid, Epoch, rfc3339};
 
-/// What is taken of the Earth's flattening.
+/// How the Earth's flattening is modelled.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Drift {
-    /// Nothing: the conic stands still.
+    /// Not at all: the conic is fixed.
     #[default]
     None,
     /// Node, periapsis and mean anomaly drift as J2 makes them on average. Ellipses only.
@@ -40,11 +40,11 @@ pub enum Drift {
     J2,
 }
 
-/// A satellite on a conic about the Earth's centre.
+/// A satellite on a conic around the Earth's centre.
 ///
-/// Left out: everything but the Earth's mass and, with [`Drift::J2`], the average of its flattening. No short-period
-/// terms, no air, no Sun and Moon. The place is that of two bodies to a few roundings of the axis and of time: 1 mm after thirty
-/// years in low orbit. The equator is the frame's: in GCRF that of J2000, from which the true one moves 0.006° a year.
+/// Neglected: everything except the Earth's mass and, with [`Drift::J2`], the secular effect of its flattening. No short-period terms, drag, Sun or
+/// Moon. The two-body position is accurate to a few roundings of the axis and of time: 1 mm after thirty years in low orbit. The equator is the
+/// frame's: in GCRF that of J2000, from which the true one drifts by 0.006° a year.
 #[derive(Clone, Debug)]
 pub struct KeplerFeed {
     name: String,
@@ -59,7 +59,7 @@ pub struct KeplerFeed {
 /// How a [`KeplerFeed`] moves and how long it is good for.
 #[derive(Clone, Copy, Debug)]
 pub struct KeplerOptions {
-    /// What is taken of the Earth's flattening.
+    /// How the Earth's flattening is modelled.
     pub drift: Drift,
     /// First epoch of validity.
     pub first: Epoch,
@@ -71,8 +71,8 @@ impl KeplerFeed {
     /// From classical elements at `epoch`, in the axes of `frame` (TEME, GCRF or EME2000).
     ///
     /// # Errors
-    /// What [`KeplerElements::conic`] rejects, a turning frame, a drift of what is no ellipse, an empty span, an epoch under
-    /// the ground.
+    /// Errors of [`KeplerElements::conic`], a rotating frame, a drift for a conic that is not an ellipse, an empty span, or an epoch below the
+    /// ground.
     pub fn from_elements(
         name: impl Into<String>,
         frame: Frame,
@@ -158,7 +158,7 @@ impl KeplerFeed {
         self.epoch
     }
 
-    /// When it meets the ground (WGS84), if it does so after its epoch and within its span.
+    /// Time of impact on the ground (WGS84), if it is after the epoch and within the span.
     pub fn impact(&self) -> Option<Epoch> {
         self.validity.impacts.after
     }
@@ -170,9 +170,9 @@ impl KeplerFeed {
         Ellipsoid::WGS84.geodetic_from_itrf(position).height_m
     }
 
-    /// Where the conic dips under the ground it is left on one side and met on the other.
+    /// If the conic dips below the ground, the satellite leaves the ground on one side and hits it on the other.
     ///
-    /// Only where the radius is below the equator's can this be: there the height is looked at from the epoch outwards.
+    /// This is only possible if the periapsis radius is below the equatorial radius: then the height is searched from the epoch outwards.
     fn find_impacts(&mut self) {
         let radius = Ellipsoid::WGS84.equatorial_radius_m;
         let (q, e, alpha) = (
@@ -199,7 +199,7 @@ impl KeplerFeed {
                 .into_iter()
                 .filter(|from| from.is_finite())
                 .find_map(|from| {
-                    // In units of `direction`: 0 is the periapsis of this turn.
+                    // In units of `direction`: 0 is the periapsis of this revolution.
                     let first = (direction * now - from).max(-edge);
                     self.dip(first, edge, |x| direction * (x + from))
                 })

@@ -1,26 +1,27 @@
-//! Orbits: where a satellite is at an epoch, propagated, interpolated or sent; whatever says so is a [`Feed`].
+//! Orbits: the state of a satellite at an epoch, propagated, interpolated or received. A source of states is a [`Feed`].
 //!
-//! | to | look in |
+//! | task | look in |
 //! |---|---|
-//! | propagate an orbit from mean elements (TLE, OMM) by SGP4 | `sgp4_feed.rs`, `sgp4_set.rs`; read them: `tle_text.rs`, `tle_fields.rs`, `omm/`, `catalogue.rs`, `choose.rs`; how long they fly: `decay.rs` |
+//! | propagate an orbit from mean elements (TLE, OMM) by SGP4 | `sgp4_feed.rs`, `sgp4_set.rs`; read them: `tle_text.rs`, `tle_fields.rs`, `omm/`,
+//! `catalogue.rs`, `choose.rs`; their validity: `decay.rs` |
 //! | propagate Keplerian elements, with J2 or without | [`kepler`] |
-//! | integrate under forces; eclipses, nodes, apsides and impact on the way | [`numerical`] |
+//! | integrate the motion under forces, with eclipses, nodes, apsides and impact | [`numerical`] |
 //! | propagate the state of an OPM over its manoeuvres | [`ParameterMessages`], `opm/` |
 //! | interpolate an ephemeris (Lagrange, Hermite) | [`interpolated`]; read one: `oem/`, `czml.rs`, `ephemeris_csv.rs`, `sp3.rs`, `stk.rs`, `runs.rs`, `ephemerides.rs`, `found.rs` |
 //! | read attitudes (AEM, CSV of quaternions) | [`AttitudeHistory`], `attitude/` |
-//! | take many satellites from a file | [`OrbitFiles`], `orbit_files.rs` |
-//! | notice a file that was cut off | `cut.rs` |
-//! | read dates in any form of ISO 8601 | `iso8601.rs` |
-//! | take states that a simulator sends | [`live`] |
+//! | read many satellites from a file | [`OrbitFiles`], `orbit_files.rs` |
+//! | detect a truncated file | `cut.rs` |
+//! | parse dates in any form of ISO 8601 | `iso8601.rs` |
+//! | receive states from a simulator | [`live`] |
 //! | find passes over a place | `passes.rs` |
-//! | turn a state vector from frame to frame | `state.rs` |
-//! | tell what kind of orbits a file holds | `recognise.rs` |
-//! | see how long a feed answers | [`Feed::validity`], `validity.rs` |
+//! | transform a state vector between frames | `state.rs` |
+//! | detect the format of a file | `recognise.rs` |
+//! | find the validity of a feed | [`Feed::validity`], `validity.rs` |
 //!
-//! Time scales and leap seconds are in [`frames`](terrella_frames). Why the readers of OEM and OMM and the
-//! integrators are our own stands in `oem.rs`, `omm.rs` and `numerical/integrate.rs`.
+//! Time scales and leap seconds are in [`frames`](terrella_frames). `oem.rs`, `omm.rs` and `numerical/integrate.rs` explain why the readers of OEM
+//! and OMM and the integrators are our own.
 
-// docs.rs says of each item which feature it needs.
+// docs.rs shows the required feature of each item.
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
 mod access;
@@ -102,7 +103,7 @@ pub use visible::{VisibilityRule, VisibleInterval, visible_intervals};
 pub use write_ccsds::Header;
 pub use write_csv::{csv_field, csv_header, csv_row};
 
-/// Kinds of files of orbits. What kind a file is: [`FileFormat::of_text`].
+/// Formats of orbit files. [`FileFormat::of_text`] detects the format of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FileFormat {
     /// Two-line elements.
@@ -127,16 +128,16 @@ pub enum FileFormat {
 pub trait Feed: Send + Sync {
     /// The satellite's name, for panels and pictures.
     fn name(&self) -> &str;
-    /// First and last epoch that the feed answers for.
+    /// First and last epoch at which the feed has a state.
     fn validity(&self) -> (Epoch, Epoch);
     /// The state at `epoch`; an epoch outside the validity interval is an error that names the interval.
     fn state_at(&self, epoch: Epoch) -> Result<OrbitState, OrbitError>;
-    /// How far the position may be off at `epoch`, metres (one standard deviation), where the source knows.
+    /// Uncertainty of the position at `epoch`, metres (one standard deviation), if the source knows it.
     fn error_m(&self, epoch: Epoch) -> Option<f64> {
         let _ = epoch;
         None
     }
-    /// When it meets the ground after its start, if it does so in the time that it is known of: its validity ends there.
+    /// Time of impact on the ground, if it happens after the start; the validity ends there.
     fn impact(&self) -> Option<Epoch> {
         None
     }
@@ -149,8 +150,8 @@ pub trait Feed: Send + Sync {
     fn gaps(&self) -> Vec<(Epoch, Epoch)> {
         Vec::new()
     }
-    /// Instants within the validity, in order, at which the motion is not smooth: an engine fires, or another record begins. The state
-    /// of such an instant is that behind it.
+    /// Times within the validity, in order, at which the motion is not smooth: an engine fires, or another record begins. The state at such a time
+    /// is the one after the change.
     fn breaks(&self) -> Vec<Epoch> {
         Vec::new()
     }
@@ -158,7 +159,7 @@ pub trait Feed: Send + Sync {
     fn object_id(&self) -> Option<&str> {
         None
     }
-    /// Whether what it says now is up to date; only live feeds can be late.
+    /// Whether its current state is up to date; only live feeds can be late.
     fn freshness(&self) -> Freshness {
         Freshness::Settled
     }

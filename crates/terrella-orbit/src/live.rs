@@ -1,7 +1,7 @@
-//! States that a simulator sends while the picture is drawn.
+//! States that a simulator sends during rendering.
 //!
-//! A simulator sends packets over standard input, TCP, UDP or WebSocket; the player asks for states and never waits for the
-//! network. On a stream both forms may be mixed, and on WebSocket a message, on UDP a datagram holds whole packets.
+//! A simulator sends packets over standard input, TCP, UDP or WebSocket. The player requests states and never waits for the network. On a stream
+//! both formats may be mixed; a WebSocket message or UDP datagram holds whole packets.
 //!
 //! # JSON
 //!
@@ -11,28 +11,28 @@
 //! {"seq":1,"epoch":"2018-01-15T12:00:00.000Z","frame":"GCRF","position_m":[6778136.3,0,0],"velocity_m_s":[0,7668.6,0]}
 //! ```
 //!
-//! | key | what |
+//! | key | value |
 //! |---|---|
 //! | `epoch` | UTC as RFC 3339, years 1900…2099, up to nine decimals |
 //! | `frame` | `GCRF`, `EME2000`, `TEME`, `ITRF` or `PEF` |
 //! | `position_m` | three numbers, metres from the Earth's centre, length 1…1e13 |
 //! | `velocity_m_s` | three numbers, metres per second as seen in `frame`, below the speed of light |
-//! | `seq` | the simulator's count, 0…2⁶⁴ − 1; needed for a frame only |
-//! | `message` | `"state"`, which is taken where there is none, or `"frame"` |
-//! | `name` | the satellite's, at most 64 characters; the first one stays |
+//! | `seq` | the simulator's count, 0…2⁶⁴ − 1; required for a frame only |
+//! | `message` | `"state"`, the default, or `"frame"` |
+//! | `name` | name of the satellite, at most 64 characters; the first one is kept |
 //!
-//! Other keys are skipped. Answers are `{"message":"ack","seq":1}` and `{"message":"error","seq":1,"error":"…"}`, with
-//! `"seq":null` where the packet could not be read.
+//! Other keys are skipped. Replies are `{"message":"ack","seq":1}` and `{"message":"error","seq":1,"error":"…"}`, with `"seq":null` for a packet
+//! that could not be read.
 //!
 //! # Binary
 //!
 //! 84 bytes, little endian:
 //!
-//! | byte | type | what |
+//! | byte | type | content |
 //! |---|---|---|
 //! | 0 | 4 bytes | `89 54 52 4C`, that is `\x89TRL` |
 //! | 4 | u8 | version, 1 |
-//! | 5 | u8 | kind: 1 state, 2 frame; answers: 3 drawn, 4 error |
+//! | 5 | u8 | kind: 1 state, 2 frame; replies: 3 drawn, 4 error |
 //! | 6 | u16 | length of the whole packet, 84 |
 //! | 8 | u64 | seq |
 //! | 16 | i64 | epoch, nanoseconds of TAI since 1970-01-01T00:00:00 TAI (as IEEE 1588 counts) |
@@ -42,27 +42,26 @@
 //! | 56 | 3 × f64 | velocity, metres per second |
 //! | 80 | u32 | CRC-32 (zlib's) of the bytes before |
 //!
-//! An answer has the first 16 bytes, for an error up to 512 bytes of UTF-8, and the CRC-32; seq is 2⁶⁴ − 1 where it is not known.
-//! Packets are answered in the form that they came in.
+//! A reply has the first 16 bytes, for an error up to 512 bytes of UTF-8, and the CRC-32; seq is 2⁶⁴ − 1 if it is unknown. The format of a reply is
+//! that of the packet.
 //!
 //! # Pacing
 //!
-//! *Broadcast*: the simulator never waits. Pictures show [`LiveFeed::playback_epoch`], a little behind the simulator, so that
-//! late packets still come in time. Between states Hermite's cubic is taken; beyond the last one the satellite goes on by
-//! itself, and [`Feed::freshness`] says so, until the limit. Then the answer is an error, and the playback stands.
+//! *Broadcast*: the simulator never waits. Images show [`LiveFeed::playback_epoch`], a little behind the simulator, so that late packets still
+//! arrive in time. Between states Hermite's cubic interpolates. Beyond the last one the motion is extrapolated up to the limit, and
+//! [`Feed::freshness`] reports it. After the limit the feed returns an error, and playback stops.
 //!
-//! *Lockstep*: the simulator sends frames and waits for each answer. The player takes one with [`LiveFeed::next_request`], draws
-//! its state, and calls [`LiveFeed::acknowledge`]. A frame that is not drawn in time is answered with an error; so is a packet
-//! that cannot be read.
+//! *Lockstep*: the simulator sends frames and waits for each reply. The player takes a frame with [`LiveFeed::next_request`], draws its state, and
+//! calls [`LiveFeed::acknowledge`]. A frame that is not drawn in time gets an error as reply; so does a packet that cannot be read.
 //!
 //! # Trust
 //!
 //! Ports are bound to this machine only unless [`LiveOptions::allow_remote`] is set; web pages cannot connect unless
-//! [`LiveOptions::allowed_origins`] names them. Nothing is encrypted and nobody is asked who he is. A bad packet is counted and
-//! dropped; memory is bounded: 256 states, 4 KiB a packet, 4 simulators.
+//! [`LiveOptions::allowed_origins`] lists them. There is no encryption and no authentication. A bad packet is counted and dropped; memory is
+//! bounded: 256 states, 4 KiB a packet, 4 simulators.
 //!
-//! A connection counts as a simulator from its first good packet on. Of more than four the one silent longest is dismissed, and never
-//! one that waits for a frame. Eight more may be connected that have sent nothing good; each has 300 s for its first packet.
+//! A connection counts as a simulator from its first valid packet on. With more than four, the one that has been silent longest is dismissed, but
+//! never one that waits for a frame. Eight more connections without a valid packet are allowed; each has 300 s for its first packet.
 
 mod buffer;
 mod clock;
@@ -94,10 +93,10 @@ use std::time::{Duration, Instant};
 use terrella_files::printable;
 use terrella_frames::{Epoch, rfc3339, utc_from_rfc3339};
 
-/// A feed whose states come while it is asked. See the [module](self) for what simulators send.
+/// A feed whose states arrive while it is in use. The [module](self) describes what simulators send.
 ///
-/// Dropping it answers whoever waits for a frame with an error, ends its threads and closes its port, within 0.4 s; a
-/// thread that reads standard input ends with that.
+/// Dropping it replies to all pending frames with an error, ends its threads and closes its port, within 0.4 s; a thread that reads standard input
+/// ends with that.
 #[derive(Debug)]
 pub struct LiveFeed {
     shared: Arc<SharedFeed>,
@@ -183,12 +182,12 @@ impl LiveFeed {
         &self.shared.options
     }
 
-    /// What has come and what became of it.
+    /// Counters of received packets and their results.
     pub fn counters(&self) -> PacketCounters {
         self.shared.lock().counters
     }
 
-    /// What was wrong with the last bad packet.
+    /// The error of the last bad packet.
     pub fn last_fault(&self) -> Option<String> {
         self.shared.lock().last_fault.clone()
     }
@@ -198,7 +197,7 @@ impl LiveFeed {
         self.shared.lock().last_came.map(|came| came.elapsed())
     }
 
-    /// Whether no packet can come any more: the stream that it reads has ended. A port never ends.
+    /// Whether no more packets can arrive: the input stream has ended. A port never ends.
     pub fn has_ended(&self) -> bool {
         self.shared.has_ended()
     }
@@ -208,16 +207,16 @@ impl LiveFeed {
         self.shared.lock().buffer.newest().copied()
     }
 
-    /// The instant that a picture of now shows, broadcast: as far behind the simulator as the delay says, and not beyond the
-    /// limit of extrapolation, where it remains until new states arrive. `None` before the first state.
+    /// The time of the current image in broadcast: behind the simulator by the delay, and at most at the limit of extrapolation, where it stays
+    /// until new states arrive. `None` before the first state.
     ///
-    /// It steps back when a simulator went on after a pause, and jumps where the simulator does.
+    /// It steps back when a simulator continues after a pause, and jumps when the simulator jumps.
     pub fn playback_epoch(&self) -> Option<Epoch> {
         let inner = self.shared.lock();
         let options = &self.shared.options;
         let newest = inner.buffer.newest()?.epoch;
         let oldest = inner.buffer.oldest()?.epoch;
-        // In lockstep nobody plays: the frame that was asked for last.
+        // There is no playback in lockstep: the frame that was last requested.
         let Some(now) = inner.clock.at(Instant::now()) else {
             return Some(newest);
         };
@@ -236,12 +235,12 @@ impl LiveFeed {
         self.shared.lockstep.wait(timeout)
     }
 
-    /// Tells the simulator that the picture is drawn. `false` where it waits no more.
+    /// Reports to the simulator that the image is drawn. Returns `false` if it no longer waits.
     pub fn acknowledge(&self, request: &FrameRequest) -> bool {
         self.shared.lockstep.end(request, Outcome::Drawn)
     }
 
-    /// Tells the simulator why there is no picture. `false` where it waits no more.
+    /// Reports to the simulator why there is no image. Returns `false` if it no longer waits.
     pub fn reject(&self, request: &FrameRequest, reason: &str) -> bool {
         let reason = printable(reason);
         self.shared.lockstep.end(request, Outcome::Rejected(reason))
@@ -263,7 +262,7 @@ impl Feed for LiveFeed {
         name.unwrap_or(&self.shared.options.name)
     }
 
-    /// From the oldest state kept to the limit beyond the newest; it moves on. Before the first state nothing is ruled out.
+    /// From the oldest kept state to the limit after the latest one; it moves with time. Before the first state it is unbounded.
     fn validity(&self) -> (Epoch, Epoch) {
         let inner = self.shared.lock();
         match (inner.buffer.oldest(), inner.buffer.newest()) {

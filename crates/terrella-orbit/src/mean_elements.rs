@@ -63,7 +63,7 @@ impl MeanElements {
     }
 }
 
-/// What UTC reads, from which SGP4 takes sidereal time; a leap second is the first of the next day.
+/// The UTC date from which SGP4 computes sidereal time; a leap second becomes the first second of the next day.
 fn datetime(epoch: Epoch) -> NaiveDateTime {
     let (mjd, ns_of_day) = utc_day(epoch);
     let date = Calendar::from_mjd(mjd);

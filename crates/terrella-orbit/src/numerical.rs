@@ -1,11 +1,11 @@
 //! Numerical orbit propagation: motion under forces, integrated.
 //!
-//! | folder or file | what |
+//! | folder or file | content |
 //! |---|---|
 //! | `force/` | gravity, air, Sun, Moon, sunlight, thrust |
 //! | `integrate/` | solvers of differential equations |
 //! | `event.rs` | impact, nodes, apsides, eclipses |
-//! | `trajectory.rs` | the steps with what lies between |
+//! | `trajectory.rs` | the steps with their dense output |
 //! | `integration.rs` | from a state to a trajectory |
 
 mod error;
@@ -64,9 +64,8 @@ impl NumericalOptions {
 
 /// A satellite whose motion has been integrated.
 ///
-/// All of the span is integrated when the feed is made; after that it is immutable and answers by the dense output, in
-/// GCRF. [`Feed::error_m`] says nothing: how far the forces themselves are off, the air's above all, is not known here.
-/// What the integration adds is in [`Self::integration_error_m`].
+/// The whole span is integrated at creation; after that the feed is immutable and evaluates the dense output, in GCRF. [`Feed::error_m`] returns
+/// nothing: the error of the force models, above all of the air's, is not known here. The integration error is in [`Self::integration_error_m`].
 #[derive(Clone, Debug)]
 pub struct NumericalFeed {
     name: String,
@@ -83,13 +82,12 @@ pub struct NumericalFeed {
 }
 
 impl NumericalFeed {
-    /// Integrates from a state, in any frame, over a span that holds its epoch.
+    /// Integrates from a state, in any frame, over a span that contains its epoch.
     ///
-    /// A trajectory that meets the ground ends there; that is no error, see [`Self::impact`].
+    /// A trajectory that reaches the ground ends there. That is not an error, see [`Self::impact`].
     ///
     /// # Errors
-    /// Numbers that make no sense, a span without the epoch, a start under the ground; where the integration cannot go on,
-    /// the epoch and the cause.
+    /// Invalid parameters, a span without the epoch, or a start below the ground; if the integration fails, the epoch and the cause.
     pub fn new(
         name: impl Into<String>,
         state: &OrbitState,
@@ -145,7 +143,7 @@ impl NumericalFeed {
         })
     }
 
-    /// When it meets the ground, if it does so after the epoch of its state.
+    /// Time of impact on the ground, if it is after the epoch of the state.
     pub fn impact(&self) -> Option<Epoch> {
         self.validity.impacts.after
     }
@@ -155,7 +153,7 @@ impl NumericalFeed {
         &self.events
     }
 
-    /// What the integration took.
+    /// Work of the integration.
     pub fn counts(&self) -> Counts {
         self.counts
     }

@@ -4,19 +4,20 @@
 //! and remedy and cost its own record only.
 
 mod fields;
+mod json;
+mod table;
 mod write;
 
 use super::cut::{CutOff, open_line};
 use super::entry::{Entry, MAX_ENTRIES, RecordError, RecordFault, TextPosition};
-use super::text::json::Document;
 use super::text::xml::XmlItem;
-use super::text::{csv, kvn, unmarked, xml};
+use super::text::{kvn, unmarked, xml};
 use super::{MeanElements, OrbitError};
 use fields::{ElementEntries, OmmSource};
-use std::borrow::Cow;
 use std::path::Path;
 use terrella_files::excerpt;
 
+pub(super) use table::{has_element_columns, missing_columns};
 pub use write::write_omm;
 
 /// A record that cannot be used.
@@ -62,8 +63,8 @@ fn notation(text: &str) -> Option<OmmNotation> {
         b'[' | b'{' => Some(OmmNotation::Json),
         _ => match kvn::lines(text).next()? {
             kvn::KvnLine::Entry(entry) => (entry.key == VERSION).then_some(OmmNotation::Kvn),
-            kvn::KvnLine::Other { text, .. } => {
-                (text.contains(',') && text.contains("MEAN_MOTION")).then_some(OmmNotation::Csv)
+            kvn::KvnLine::Other { .. } => {
+                table::has_element_columns(text).then_some(OmmNotation::Csv)
             }
         },
     }
@@ -94,8 +95,8 @@ pub(super) fn each_elements(
     let text = unmarked(text);
     let read = match notation(text) {
         Some(OmmNotation::Xml) => from_xml(text, origin, each),
-        Some(OmmNotation::Json) => from_json(text, origin, each),
-        Some(OmmNotation::Csv) => from_csv(text, origin, each),
+        Some(OmmNotation::Json) => json::each_elements(text, origin, each),
+        Some(OmmNotation::Csv) => table::each_elements(text, origin, each),
         Some(OmmNotation::Kvn) | None => from_kvn(text, origin, each),
     };
     // What ends a whole text is one more fault where the others are good.
@@ -191,88 +192,4 @@ fn from_xml(text: &str, origin: &Path, each: &mut Each<'_>) -> Result<(), OrbitE
         }
         Ok(())
     })
-}
-
-fn from_json(text: &str, origin: &Path, each: &mut Each<'_>) -> Result<(), OrbitError> {
-    let document = Document::new(text, origin);
-    let read = |value| -> Read {
-        let object = document
-            .object(value, "an object with the elements of a satellite")
-            .map_err(|error| BadRecord::new(Vec::new(), error))?;
-        let mut record = ElementEntries::new("the object", document.place(value));
-        for (key, value) in &object.0 {
-            if let Some(entry) = document.entry(key, value)
-                && let Err(error) = record.add(entry, origin)
-            {
-                let names = ElementEntries::NAMES.iter().filter_map(|key| {
-                    let entry = document.entry(key, object.get(key)?)?;
-                    Some(entry.value.into_owned())
-                });
-                return Err(BadRecord::new(names.collect(), error));
-            }
-        }
-        elements(&record, origin, OmmSource::Catalogue)
-    };
-    document.each_object::<OrbitError>(MAX_ENTRIES, "satellites", &mut |value| each(read(value)))
-}
-
-fn from_csv(text: &str, origin: &Path, each: &mut Each<'_>) -> Result<(), OrbitError> {
-    let mut rows = text
-        .lines()
-        .enumerate()
-        .map(|(index, line)| (index + 1, line.trim_end()))
-        .filter(|(_, line)| !line.is_empty() && !line.starts_with('#'));
-    let fields = |line: usize, text: &str| {
-        csv::fields(text).ok_or_else(|| {
-            let fault = RecordFault::Syntax {
-                format: "CSV",
-                cause: "a quotation mark without its partner".to_owned(),
-            };
-            TextPosition { line, column: 1 }.error(origin, fault)
-        })
-    };
-    let Some((at, header)) = rows.next() else {
-        return Ok(());
-    };
-    let header = fields(at, header)?;
-    for (count, (line, text)) in rows.enumerate() {
-        let place = TextPosition { line, column: 1 };
-        check_count(count + 1, place, origin)?;
-        let read = || -> Read {
-            let nameless = |error: RecordError| BadRecord::new(Vec::new(), error);
-            let row = fields(line, text).map_err(nameless)?;
-            if row.len() != header.len() {
-                let fault = RecordFault::Unexpected {
-                    text: format!("{} fields", row.len()),
-                    expected: "as many as the header has",
-                };
-                let named = header.iter().zip(&row);
-                let names = named
-                    .filter(|(key, _)| ElementEntries::NAMES.contains(&key.text.as_str()))
-                    .map(|(_, field)| field.text.clone());
-                return Err(BadRecord::new(names.collect(), place.error(origin, fault)));
-            }
-            let mut record = ElementEntries::new("the row", place);
-            for (name, field) in header.iter().zip(row) {
-                if field.text.is_empty() {
-                    continue;
-                }
-                let entry = Entry {
-                    key: Cow::Borrowed(&name.text),
-                    value: Cow::Owned(field.text),
-                    unit: None,
-                    place: TextPosition {
-                        line,
-                        column: field.column,
-                    },
-                };
-                record
-                    .add(entry, origin)
-                    .map_err(|error| BadRecord::new(record.names(), error))?;
-            }
-            elements(&record, origin, OmmSource::Catalogue)
-        };
-        each(read())?;
-    }
-    Ok(())
 }

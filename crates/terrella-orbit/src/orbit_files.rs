@@ -5,9 +5,9 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Files of orbits as they have been read, for as long as satellites are taken from them.
+/// Cache of parsed orbit files, from which satellites are selected.
 ///
-/// A file is read again where another strictness is wanted. What has changed on disk meanwhile is not seen.
+/// A file is read again if another strictness is requested. Changes on disk are not detected.
 #[derive(Debug, Default)]
 pub struct OrbitFiles {
     catalogues: HashMap<(PathBuf, bool), Arc<Catalogue>>,
@@ -18,7 +18,7 @@ pub struct OrbitFiles {
 /// A file that has been read.
 #[derive(Clone, Debug)]
 pub struct OrbitFile<T> {
-    /// What is in it.
+    /// Its content.
     pub content: Arc<T>,
     /// Whether it has just been read, so that its faults have not been reported.
     pub is_new: bool,

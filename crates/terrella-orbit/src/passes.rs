@@ -1,4 +1,4 @@
-//! Passes: when a satellite stands above an observer's horizon, and its azimuth and elevation.
+//! Passes: when a satellite is above an observer's horizon, and its azimuth and elevation angle.
 
 use super::constants::EARTH_GM_M3_S2;
 use super::one_dimension::{bisect, greatest};
@@ -12,7 +12,7 @@ use terrella_frames::{
 const EXACT_S: f64 = 1e-3;
 /// From the end of one pass to where the next one is looked for, seconds.
 const SEPARATION_S: f64 = 1.0;
-/// Step where the feed knows nothing, seconds.
+/// Step where the feed has no state, seconds.
 const GAP_STEP_S: f64 = 30.0;
 /// Shortest steps, as an angle that the satellite moves about the Earth's centre, radians: within it the elevation turns
 /// at most once.
@@ -21,11 +21,10 @@ const STEP_RAD: f64 = 0.01;
 const STEP_S: std::ops::RangeInclusive<f64> = 0.5..=120.0;
 /// Gravity at the ground is nowhere greater, m/s².
 const MAX_GRAVITY_M_S2: f64 = 9.9;
-/// What else may pull: all bounds of acceleration are taken so much larger.
+/// Factor of all acceleration bounds, for other forces.
 const MARGIN: f64 = 1.1;
 
-/// An observer on the ground: a place, and the elevation mask, how high above its horizon a satellite has to stand. No refraction,
-/// no hills.
+/// An observer on the ground: a position, and the elevation mask, the least elevation angle of a visible satellite. No refraction, no terrain.
 #[derive(Clone, Copy)]
 pub struct Observer<'o> {
     place_itrf_m: DVec3,
@@ -36,7 +35,7 @@ pub struct Observer<'o> {
     orientation: &'o dyn Fn(Epoch) -> Orientation,
 }
 
-/// Look angles: where a satellite stands, seen from a place.
+/// Look angles: direction and range of a satellite, seen from a position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LookAngles {
     /// Clockwise from north, radians, 0…2π. At the poles north is along the meridian of the place's longitude.
@@ -52,11 +51,11 @@ pub struct LookAngles {
 pub struct Pass {
     /// Its first instant: acquisition of signal.
     pub begin: Epoch,
-    /// Whether it rises at `begin`; else the search, the feed or what it knows begins there.
+    /// Whether it rises at `begin`; otherwise the search or the feed's validity begins there.
     pub rises: bool,
     /// Time of the greatest elevation.
     pub highest: Epoch,
-    /// How high it then stands, radians.
+    /// Elevation angle at that time, radians.
     pub elevation_rad: f64,
     /// Its last instant: loss of signal.
     pub end: Epoch,
@@ -95,7 +94,7 @@ impl<'o> Observer<'o> {
         self.up
     }
 
-    /// The sine of the elevation of a position, ITRF metres, above that of the mask.
+    /// The sine of the elevation angle of a position, ITRF metres, minus that of the mask.
     pub(super) fn sine_above_mask(&self, position_itrf_m: DVec3) -> f64 {
         let line = position_itrf_m - self.place_itrf_m;
         line.normalize_or_zero().dot(self.up) - self.sin_least
@@ -106,12 +105,12 @@ impl<'o> Observer<'o> {
         &self.ellipsoid
     }
 
-    /// How the Earth stands.
+    /// The Earth's orientation.
     pub(super) fn orientation(&self, epoch: Epoch) -> Orientation {
         (self.orientation)(epoch)
     }
 
-    /// Where a satellite stands.
+    /// Look angles of a satellite.
     pub fn look_angles(&self, state: &OrbitState) -> LookAngles {
         let itrf = state.in_frame(Frame::Itrf, &(self.orientation)(state.epoch));
         let line = itrf.position_m - self.place_itrf_m;
@@ -125,21 +124,20 @@ impl<'o> Observer<'o> {
     }
 }
 
-/// The first pass at or after `from` and before `until`, within the feed's validity. A satellite that is already high
-/// enough at `from` is in its first pass; one that always is has a pass that neither rises nor sets.
+/// The first pass at or after `from` and before `until`, within the feed's validity. A satellite that is already above the mask at `from` is in its
+/// first pass; one that always is has a pass that neither rises nor sets.
 ///
-/// While it is too low, with h = ρ·u − |ρ| sin e (ρ from the place to the satellite, u upwards) and |a| its
-/// acceleration, the satellite cannot rise within Δ where h + h′Δ + ½|a|(1 + sin e)Δ² < 0, for |ρ|″ ≥ −|a|: so far
-/// the search leaps. Where that is short it goes on by 0.01 radians of motion and looks for a summit between two
-/// steps where h′ changes its sign. Ends of passes are found by bisection and summits by golden section, to a
-/// millisecond. It rests on velocities that belong to the positions and on no more acceleration than gravity's, a
-/// tenth, and the turn of the Earth: two burns within minutes may hide a pass between them.
+/// With h = ρ·u − |ρ| sin e (ρ from the position to the satellite, u upwards) and |a| the satellite's acceleration, a satellite below the mask
+/// cannot rise within Δ while h + h′Δ + ½|a|(1 + sin e)Δ² < 0, as |ρ|″ ≥ −|a|: the search skips this time. Where it is short, the search advances
+/// by 0.01 radians of motion and looks for a maximum between two steps where h′ changes sign. Ends of passes are found by bisection and maxima by
+/// golden section, to a millisecond. This assumes that velocities match positions, and an acceleration of at most gravity's, a tenth more, and that
+/// of the Earth's rotation: two burns within minutes may hide a pass between them.
 ///
-/// Work is bounded: at most one state for half a second of the span, as a rule one for some minutes. A feed's gaps
-/// ([`OrbitError::NotCovered`]) are skipped and end passes.
+/// The work is bounded: at most one state per half second of the span, typically one per some minutes. A feed's gaps ([`OrbitError::NotCovered`])
+/// are skipped and end passes.
 ///
 /// # Errors
-/// What else the feed rejects in its validity before the end of a pass: a satellite that has decayed.
+/// Errors of the feed within its validity before the end of a pass: a satellite that has decayed.
 pub fn next_pass(
     feed: &dyn Feed,
     observer: &Observer<'_>,
@@ -180,10 +178,10 @@ pub fn passes<'a>(
     })
 }
 
-/// What one state says of the elevation and of how fast it changes.
+/// Elevation and its rate at one state.
 #[derive(Clone, Copy)]
 struct ElevationState {
-    /// h = ρ·u − |ρ| sin e, metres: not negative where it stands high enough.
+    /// h = ρ·u − |ρ| sin e, metres: not negative above the mask.
     above_m: f64,
     /// h′, metres per second.
     rate_m_s: f64,
@@ -230,7 +228,7 @@ impl Search<'_> {
             let is_above = next.is_some_and(|sight| sight.above_m >= 0.0);
             let summit = match (before, next) {
                 _ if is_above => Some(next_t),
-                // Where a leap was made nothing rises.
+                // Within a skipped interval the satellite cannot rise.
                 (Some(a), Some(b)) if a.leap_s < step && a.rate_m_s > 0.0 && b.rate_m_s <= 0.0 => {
                     Some(self.turn(t, next_t, |sight| sight.rate_m_s <= 0.0)?.1)
                 }
@@ -293,7 +291,7 @@ impl Search<'_> {
             (before_t, before_sine) = (t, a.sin_elevation);
             (t, before) = (next_t, next);
         };
-        // A satellite in a gap at once is known at `begin` anyway.
+        // A satellite that enters a gap immediately still has a state at `begin`.
         Ok(Pass {
             begin: self.epoch(begin),
             rises,
@@ -357,7 +355,7 @@ impl Observer<'_> {
             let most = MARGIN * (gravity + 2.0 * omega * speed + omega * omega * radius);
             leap_s(above_m, rate_m_s, 0.5 * most * (1.0 + self.sin_least))
         };
-        // Within this time it loses at most a third of its height: gravity is then twice of what it is.
+        // Within this time it loses at most a third of its geocentric distance: gravity at most about doubles.
         let soon = 0.25 * radius / (speed + omega * radius);
         let near = leap(2.3 * EARTH_GM_M3_S2 / (radius * radius)).min(soon);
         ElevationState {

@@ -73,7 +73,7 @@ fn brute_force(path: &[DVec3], observer: &Observer<'_>) -> Vec<(f64, f64, f64, f
     let mut pass: Option<(f64, f64, f64)> = None;
     for (second, (height, sine)) in heights.iter().enumerate() {
         let t = second as f64;
-        // Where the straight line between two seconds meets 0.
+        // Where linear interpolation between two seconds crosses 0.
         let crossing = |before: f64| t - height / (height - before);
         match (&mut pass, *height >= 0.0) {
             (None, true) => {
@@ -94,7 +94,7 @@ fn brute_force(path: &[DVec3], observer: &Observer<'_>) -> Vec<(f64, f64, f64, f
     found
 }
 
-/// Compares passes of some days over all places; answers how many there were.
+/// Compares passes of some days over all positions; returns their number.
 fn compare(feed: &dyn Feed, from: Epoch, days: f64, least_deg: f64) -> usize {
     let seconds = (days * DAY_S) as i32;
     let path: Vec<_> = (0..=seconds)
@@ -139,7 +139,7 @@ fn compare(feed: &dyn Feed, from: Epoch, days: f64, least_deg: f64) -> usize {
                 pass.elevation_rad > elevation - 1e-9,
                 "{place}: {pass:?} {elevation}"
             );
-            // Whole seconds stand beside the highest one, but where the elevation hardly changes.
+            // The maximum at whole seconds is within a second of the true one, unless the elevation hardly changes.
             let near_s = if pass.elevation_rad - elevation < 1e-9 {
                 60.0
             } else {
@@ -185,7 +185,7 @@ fn a_geostationary_satellite_is_always_there_or_never() {
     let feed = released("geostationary.tle");
     let from = instant("2018-01-18T00:00:00Z");
     let until = from + Duration::from_days(10.0);
-    // GOES 16 stands over 75° W.
+    // GOES 16 is above 75° W.
     let quito = observer(0.0, -78.5, 10.0);
     let pass = next_pass(&feed, &quito, from, until)
         .expect("known")
@@ -204,7 +204,7 @@ fn a_geostationary_satellite_is_always_there_or_never() {
     );
 }
 
-/// A feed that counts how often it is asked.
+/// A feed that counts its calls.
 struct Counting<F>(F, std::sync::atomic::AtomicUsize);
 
 impl<F: Feed> Feed for Counting<F> {
@@ -235,7 +235,7 @@ fn the_work_is_bounded() {
     let (states, count) = asked(released("iss.tle"), &observer(48.2, 16.4, 10.0));
     assert!(count > 200, "{count}");
     assert!(states < 80_000, "{states}");
-    // A satellite that hangs at the very edge: every step is a short one, and none is shorter than that.
+    // A satellite at the very edge: every step is short, and none is shorter than that.
     let goes = released("geostationary.tle");
     let edge = |lon_deg: f64| {
         let observer = observer(0.0, lon_deg, 0.0);
@@ -348,7 +348,7 @@ fn spans_outside_the_validity_have_no_pass() {
         feed.epoch() - Duration::from_days(9.0),
     );
     assert_eq!(backwards.expect("no rejection"), None);
-    // Across the end of the validity nothing is asked behind it.
+    // At the end of the validity, no later state is requested.
     let last = feed.validity().1 - Duration::from_seconds(60.0);
     assert!(next_pass(&feed, &place, last, late).is_ok());
 }

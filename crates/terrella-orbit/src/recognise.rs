@@ -1,15 +1,15 @@
-//! What kind of file of orbits a text or a name is of.
+//! Detects the format of an orbit file from its text or name.
 
 use super::file::first_text;
 use super::text::{kvn, unmarked, with_line_feeds};
-use super::{FileFormat, OrbitError, ephemeris_csv, sp3, stk};
+use super::{FileFormat, OrbitError, ephemeris_csv, omm, sp3, stk};
 use std::path::Path;
 
 /// Shortest line of two-line elements: 69 columns, of which the checksum and blanks at the end may be missing.
 const TLE_LINE: usize = 60;
 
 impl FileFormat {
-    /// What kind a text is of by how it begins; `None` where it is no kind of orbits. The first tens of kilobytes are enough.
+    /// The format of a text from its beginning; `None` if it is not an orbit file. The first tens of kilobytes are enough.
     pub fn of_text(text: &str) -> Option<Self> {
         let text = with_line_feeds(unmarked(text));
         let text = text.trim_start();
@@ -31,16 +31,15 @@ impl FileFormat {
         Self::of_text(&first_text(head))
     }
 
-    /// Whether a file begins as a message of the CCSDS that no reader takes, as an OCM or a CDM. What to do with it,
-    /// [`Ephemerides`](crate::Ephemerides) says.
+    /// Whether a file starts as a CCSDS message without a reader, such as an OCM or a CDM. [`Ephemerides`](crate::Ephemerides) describes the
+    /// remedy.
     pub fn is_unread_message(head: &[u8]) -> bool {
         let text = first_text(head);
         let text = with_line_feeds(&text);
         Self::of_text(&text).is_none() && message_of_another_kind(&text).is_some()
     }
 
-    /// What kind the ending of a file's name promises, without its dot and in any case. Endings that say no more than how a text
-    /// is written (`txt`, `xml`, `json`) promise nothing.
+    /// The format of a file name's extension, without its dot and in any case. Generic extensions (`txt`, `xml`, `json`) give none.
     pub fn of_ending(ending: &str) -> Option<Self> {
         Some(match ending.to_lowercase().as_str() {
             "tle" | "2le" | "3le" => Self::Tle,
@@ -56,7 +55,7 @@ impl FileFormat {
     }
 }
 
-/// A message of the CCSDS that neither has mean elements nor an ephemeris.
+/// A CCSDS message that has neither mean elements nor an ephemeris.
 pub(super) struct OtherMessage {
     key: &'static str,
     element: &'static str,
@@ -98,7 +97,7 @@ const OTHER_MESSAGES: [OtherMessage; 5] = [
 ];
 
 impl OtherMessage {
-    /// The error that it cannot be read as what is wanted.
+    /// The error that it is not of the requested kind.
     pub fn error(&self, origin: &Path) -> OrbitError {
         OrbitError::NotRead {
             path: origin.to_owned(),
@@ -108,7 +107,7 @@ impl OtherMessage {
     }
 }
 
-/// What a message of the CCSDS is that has neither mean elements nor an ephemeris, by its first key or its elements.
+/// The kind of a CCSDS message without mean elements and ephemeris, from its first key or its elements.
 pub(super) fn message_of_another_kind(text: &str) -> Option<&'static OtherMessage> {
     let start = unmarked(text).trim_start();
     let mut kinds = OTHER_MESSAGES.iter();
@@ -120,7 +119,7 @@ pub(super) fn message_of_another_kind(text: &str) -> Option<&'static OtherMessag
         return kinds.find(|other| first_key == other.key);
     }
     let head: String = start.chars().take(HEAD_CHARS).collect();
-    // Messages may stand in an <ndm> beside those that are wanted.
+    // An <ndm> may contain such messages beside the requested ones.
     let is_other = !["<oem", "<omm"].iter().any(|wanted| head.contains(wanted));
     kinds.find(|other| is_other && (head.contains(other.element) || head.contains(other.key)))
 }
@@ -128,7 +127,7 @@ pub(super) fn message_of_another_kind(text: &str) -> Option<&'static OtherMessag
 /// How far into a message in XML its kind is looked for, characters.
 const HEAD_CHARS: usize = 4096;
 
-/// The first of the words that a text has, each with what it says.
+/// The format of the first of these words in a text.
 fn first_of(text: &str, words: &[(&str, FileFormat)]) -> Option<FileFormat> {
     let found = words.iter().filter_map(|(word, format)| {
         let at = text.find(word)?;
@@ -139,7 +138,7 @@ fn first_of(text: &str, words: &[(&str, FileFormat)]) -> Option<FileFormat> {
 
 fn of_xml(text: &str) -> Option<FileFormat> {
     use FileFormat::{Oem, Omm, Opm};
-    // Messages may stand in an <ndm>, and tags may have prefixes.
+    // Messages may be inside an <ndm>, and tags may have prefixes.
     first_of(
         text,
         &[
@@ -175,7 +174,7 @@ fn of_json(text: &str) -> Option<FileFormat> {
     )
 }
 
-/// What messages in keys and values begin with.
+/// First keys of messages in KVN.
 const VERSIONS: [&str; 3] = ["CCSDS_OMM_VERS", "CCSDS_OEM_VERS", "CCSDS_OPM_VERS"];
 
 fn of_lines(text: &str) -> Option<FileFormat> {
@@ -189,12 +188,10 @@ fn of_lines(text: &str) -> Option<FileFormat> {
         Some(kvn::KvnLine::Entry(entry)) if entry.key == VERSIONS[2] => {
             return Some(FileFormat::Opm);
         }
-        Some(kvn::KvnLine::Other { text, .. })
-            if text.contains(',') && text.contains("MEAN_MOTION") =>
-        {
-            return Some(FileFormat::Omm);
-        }
         _ => {}
+    }
+    if omm::has_element_columns(text) {
+        return Some(FileFormat::Omm);
     }
     if ephemeris_csv::is_table(text) {
         return Some(FileFormat::Csv);
@@ -202,8 +199,8 @@ fn of_lines(text: &str) -> Option<FileFormat> {
     has_elements(text).then_some(FileFormat::Tle)
 }
 
-/// Whether two lines that follow one another are those of an element set.
-fn has_elements(text: &str) -> bool {
+/// Whether two consecutive lines are those of an element set.
+pub(super) fn has_elements(text: &str) -> bool {
     let is = |line: &str, number: &str| line.starts_with(number) && line.len() >= TLE_LINE;
     let mut lines = text.lines().map(str::trim);
     let mut before = lines.next().unwrap_or_default();
@@ -268,6 +265,11 @@ mod tests {
             ("[\n {\"id\":\"document\",\"version\":\"1.0\"}]", Some(Czml)),
             ("{\"name\":\"x\"}", None),
             ("OBJECT_NAME,OBJECT_ID,EPOCH,MEAN_MOTION\n", Some(Omm)),
+            ("OBJECT_NAME\tEPOCH\tMEAN_MOTION\n", Some(Omm)),
+            ("NORAD_CAT_ID;EPOCH;INCLINATION\n", Some(Omm)),
+            ("OBJECT_ID,EPOCH,epoch_utc,x_km,y_km,z_km\n", Some(Csv)),
+            ("epoch_utc;x_km;y_km;z_km\n", Some(Csv)),
+            ("{\"data\": [{\"OBJECT_NAME\":\"ISS\"}]}", Some(Omm)),
             ("# frame = ITRF\nepoch_utc,x_km,y_km,z_km\n", Some(Csv)),
             ("a,b,c\n1,2,3\n", None),
             ("[time]\nstart = \"now\"\n", None),

@@ -1,4 +1,4 @@
-//! Records of a file that cannot be used, kept by name with the reason, for whoever asks for one of them.
+//! Records of a file that cannot be used, kept by name with the reason, for later requests.
 
 use super::OrbitError;
 use super::tle_fields::catalogue_number;
@@ -6,7 +6,7 @@ use super::tle_fields::catalogue_number;
 /// A record that cannot be used.
 #[derive(Debug)]
 pub(super) struct Rejected {
-    /// Name and number, as far as they are known.
+    /// Name and number, as far as known.
     names: Vec<String>,
     cause: String,
 }
@@ -26,7 +26,7 @@ impl Rejected {
         })
     }
 
-    /// Why the one that is meant cannot be used, where that is why there is none of its name.
+    /// Explains a missing name by the reason why its record was rejected.
     pub fn explain(rejected: &[Self], error: OrbitError) -> OrbitError {
         match error {
             OrbitError::UnknownName { wanted, .. }

@@ -19,13 +19,13 @@ pub(super) struct Run {
     pub lines: Vec<usize>,
 }
 
-/// What holds for all runs of an object.
+/// Properties of all runs of an object.
 pub(super) struct Motion<'o> {
     pub name: String,
     pub frame: Frame,
     pub interpolation: Interpolation,
     pub origin: &'o Path,
-    /// Where the object begins.
+    /// Position of the object's first character.
     pub place: TextPosition,
 }
 

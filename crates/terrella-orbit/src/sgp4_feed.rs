@@ -10,15 +10,14 @@ use terrella_frames::{Duration, Epoch, rfc3339};
 /// One satellite's mean elements, propagated by SGP4 with the constants WGS72 and in the mode that agrees with the
 /// operational code of the US Space Force ("AFSPC"), for which published elements are made.
 ///
-/// States are in TEME. Near their epoch published elements are good to about a kilometre, and the error grows by one to
-/// three kilometres a day in low orbit (Vallado et al., AIAA 2006-6753).
+/// States are in TEME. Near their epoch published elements are accurate to about a kilometre, and the error grows by one to three kilometres a day
+/// in low orbit (Vallado et al., AIAA 2006-6753).
 ///
-/// Time runs in elapsed seconds: the satellite flies on through a leap second. Code that counts days of UTC instead
-/// lets it wait for that second.
+/// Time is in elapsed seconds: the satellite moves during a leap second. Code that counts days of UTC instead stops it for that second.
 ///
-/// It is valid for 30 days before and after the epoch, but not beyond the first time, on either side, at which
-/// SGP4 fails or puts the satellite below the ground. Beyond that its series is no orbit, even if it looks like one.
-/// That instant is found when it is first needed, in some tens of states.
+/// It is valid for 30 days before and after the epoch, but not beyond the first time, on either side, at which SGP4 fails or puts the satellite
+/// below the ground. Beyond that its series is not an orbit, even if it looks like one. That time is computed on first use, from some tens of
+/// states.
 ///
 /// If a file has sets of several epochs for one satellite, each applies to the times to which its epoch is nearest.
 #[derive(Clone, Debug)]
@@ -35,14 +34,14 @@ pub type TleFeed = Sgp4Feed;
 const BUILT_IN_ISS: &str = include_str!("../data/iss.tle");
 
 impl Sgp4Feed {
-    /// Validity of elements before and after their epoch: 30 days. By then a low satellite is tens of
-    /// kilometres, or hundreds in a restless atmosphere, from where SGP4 says.
+    /// Validity of elements before and after their epoch: 30 days. By then the true position of a low satellite differs from SGP4's by tens of
+    /// kilometres, or hundreds in a disturbed atmosphere.
     pub const VALIDITY: Duration = sgp4_set::VALIDITY;
 
     /// Largest file read for one satellite, bytes: more than a hundred thousand two-line sets.
     pub const MAX_FILE_BYTES: u64 = 16 << 20;
 
-    /// From elements that the program has; `origin` and `line` are named in errors.
+    /// A feed from elements in memory; `origin` and `line` name them in errors.
     ///
     /// # Errors
     /// If SGP4 cannot start from them, or the satellite has decayed at their own epoch.
@@ -56,7 +55,7 @@ impl Sgp4Feed {
         Ok(Self { earlier, newest })
     }
 
-    /// Of sets of one satellite in the order of their file; `None` of none. Of two of one epoch the later one counts.
+    /// A feed of sets of one satellite in the order of their file; `None` if there is none. Of two sets of one epoch, the later one is used.
     pub(super) fn of_sets(mut sets: Vec<Sgp4Set>) -> Option<Self> {
         sets.sort_by_key(|set| set.elements.epoch);
         // The last of each epoch is kept.
@@ -109,7 +108,7 @@ impl Sgp4Feed {
         &self.newest.elements
     }
 
-    /// The line of the file at which its elements begin, from 1; those of the newest set where there are several.
+    /// The line of the file at which its elements begin, from 1; with several sets, those of the latest.
     pub fn line(&self) -> usize {
         self.newest.line
     }
@@ -131,7 +130,7 @@ impl Sgp4Feed {
         before.filter(is_nearer).unwrap_or(after)
     }
 
-    /// The times that the sets answer for, in order, each for those to which its epoch is the nearest.
+    /// The intervals of the sets, in order, each the times nearest to its epoch.
     fn spans(&self) -> Vec<(Epoch, Epoch)> {
         let sets: Vec<_> = self.sets().collect();
         let middle = |a: Option<&&Sgp4Set>, b: Option<&&Sgp4Set>| {
@@ -172,7 +171,7 @@ impl Feed for Sgp4Feed {
         let spans = self.spans();
         let pairs = spans.iter().zip(spans.iter().skip(1));
         let between = pairs.map(|(a, b)| (a.1, b.0));
-        // Spans that meet share an instant, to a nanosecond.
+        // Adjacent intervals share a time, to a nanosecond.
         let is_gap = |(end, begin): &(Epoch, Epoch)| (*begin - *end).to_seconds() > 1e-6;
         between.filter(is_gap).collect()
     }

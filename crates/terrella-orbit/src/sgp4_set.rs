@@ -1,4 +1,4 @@
-//! One set of mean elements and what SGP4 makes of it.
+//! One set of mean elements, propagated by SGP4.
 
 use super::decay::{DecaySearch, Osculating};
 use super::mean_elements::MeanElements;
@@ -8,10 +8,10 @@ use std::path::Path;
 use std::sync::{Arc, OnceLock};
 use terrella_frames::{Duration, Epoch, rfc3339};
 
-/// How far from the epoch of the elements a set answers, both ways: 30 days.
+/// Validity of a set before and after the epoch of its elements: 30 days.
 pub(super) const VALIDITY: Duration = Duration::from_parts(0, 30 * 86_400 * 1_000_000_000);
 
-/// Radius below which the reference code says "decayed": one equatorial radius of WGS72, kilometres.
+/// Radius below which the reference code reports a decay: one equatorial radius of WGS72, kilometres.
 const DECAYED_BELOW_KM: f64 = 6378.135;
 
 /// A set of a satellite that SGP4 flies.
@@ -29,7 +29,7 @@ pub(super) struct Sgp4Set {
 pub(super) struct Reach {
     pub before: Option<Epoch>,
     pub after: Option<Epoch>,
-    /// First and last instant that the set answers for, elapsed time from its epoch.
+    /// Validity of the set, first and last, elapsed time from its epoch.
     span: (Duration, Duration),
 }
 
@@ -68,7 +68,7 @@ impl Sgp4Set {
         }
     }
 
-    /// What SGP4 says of an instant, however far away.
+    /// Result of SGP4 at any time, however far away.
     fn propagated(&self, epoch: Epoch) -> Result<OrbitState, OrbitError> {
         // Both in TAI: elapsed time, leap seconds included.
         let elapsed = epoch.to_tai_duration() - self.elements.epoch.to_tai_duration();
@@ -142,7 +142,7 @@ impl Sgp4Set {
 
     /// Rejects an epoch outside the validity.
     fn check(&self, epoch: Epoch) -> Result<(), OrbitError> {
-        // Thousands of sets are asked in a frame: comparing elapsed times costs least.
+        // Thousands of sets are evaluated in a frame: comparing elapsed times is cheapest.
         let elapsed = epoch.to_tai_duration() - self.elements.epoch.to_tai_duration();
         let span = self.reach().span;
         if span.0 <= elapsed && elapsed <= span.1 {
@@ -188,7 +188,7 @@ impl Sgp4Set {
     pub fn state_at(&self, epoch: Epoch) -> Result<OrbitState, OrbitError> {
         match self.check(epoch) {
             Ok(()) => self.propagated(epoch),
-            // Where SGP4 itself fails its reason says more.
+            // If SGP4 itself fails, its reason is more informative.
             Err(lost @ OrbitError::Lost { .. }) => {
                 Err(self.propagated(epoch).err().unwrap_or(lost))
             }

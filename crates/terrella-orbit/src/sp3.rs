@@ -119,7 +119,7 @@ struct Reader<'o> {
     by_id: HashMap<String, usize>,
 }
 
-/// What is done with a satellite and the three numbers of its line; whether it has fired an engine.
+/// Callback for a satellite, the three numbers of its line, their position, and whether it has fired an engine.
 type UseColumns<'o> =
     fn(&mut Reader<'o>, &str, [&str; 3], TextPosition, bool) -> Result<(), RecordError>;
 
@@ -166,7 +166,7 @@ impl<'o> Reader<'o> {
         }
     }
 
-    /// The first line `%c` says the time system in columns 10 to 12.
+    /// The first line `%c` has the time system in columns 10 to 12.
     fn time_system(&mut self, line: &str, place: TextPosition) -> Result<(), RecordError> {
         self.is_headed = true;
         let name = line.get(9..12).unwrap_or_default().trim();
@@ -269,7 +269,7 @@ impl<'o> Reader<'o> {
         Ok(DVec3::from(numbers))
     }
 
-    /// Kilometres; zeros are no position. A run ends where the satellite has none, and at a manoeuvre.
+    /// In kilometres; zeros mean no position. A run ends where the satellite has none, and at a manoeuvre.
     fn position(
         &mut self,
         id: &str,

@@ -1,6 +1,6 @@
 //! Why no motion can start.
 
-/// What a user has most often done who gives a state that cannot be meant.
+/// The most common cause of an implausible state.
 pub(super) const METRES_FOR_KILOMETRES: &str = "metres may have been taken for kilometres";
 
 /// Why no motion can start from a state or from elements, whether on a conic or integrated.

@@ -42,7 +42,7 @@ impl Frame {
     /// (Greenwich rotating coordinates) is taken with polar motion as Orekit takes it.
     pub fn from_ccsds_name(name: &str) -> Option<Self> {
         let name = name.to_ascii_uppercase();
-        // Behind the name stands at most the year or number of a realisation.
+        // The name is followed at most by the year or number of a realisation.
         let begins = |with: &str| {
             name.strip_prefix(with).is_some_and(|rest| {
                 let number = rest.strip_prefix('-').unwrap_or(rest);
@@ -61,7 +61,7 @@ impl Frame {
         }
     }
 
-    /// Whether it turns with the Earth.
+    /// Whether it rotates with the Earth.
     pub fn is_earth_fixed(self) -> bool {
         matches!(self, Self::Pef | Self::Itrf)
     }

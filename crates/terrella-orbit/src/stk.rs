@@ -14,10 +14,10 @@ use terrella_frames::{Duration, Ellipsoid, Epoch, Geodetic, TimeError};
 
 /// Most states of a file.
 const MAX_STATES: usize = 2_000_000;
-/// Most times at which segments meet.
+/// Limit of boundaries between segments.
 const MAX_BOUNDARIES: usize = MAX_RUNS;
 
-/// Whether a text is in this format: it begins with its version.
+/// Whether a text is in this format: it starts with its version.
 pub(super) fn is_stk(text: &str) -> bool {
     let start = text.trim_start().get(..6);
     start.is_some_and(|start| start.eq_ignore_ascii_case("stk.v."))
@@ -31,7 +31,7 @@ pub(super) fn each_object(
 ) -> Result<(), RecordError> {
     let mut reader = Reader::new(origin);
     for (index, line) in text.lines().enumerate() {
-        // What follows a # is a comment.
+        // A # starts a comment.
         let line = line.split('#').next().unwrap_or_default().trim();
         let place = TextPosition {
             line: index + 1,
@@ -166,7 +166,7 @@ impl<'o> Reader<'o> {
         place.error(self.origin, fault)
     }
 
-    /// A keyword before the states; those that say nothing of the motion are skipped.
+    /// A keyword before the states; those unrelated to the motion are skipped.
     fn header(
         &mut self,
         key: &str,
@@ -191,7 +191,7 @@ impl<'o> Reader<'o> {
             }
             "coordinatesystem" => {
                 self.axes = match value.to_ascii_lowercase().as_str() {
-                    // About the Earth, STK's inertial axes are those of the ICRF.
+                    // For the Earth, STK's inertial axes are those of the ICRF.
                     "icrf" | "inertial" => Axes::Of(Frame::Gcrf),
                     "j2000" => Axes::Of(Frame::Eme2000),
                     "fixed" => Axes::Of(Frame::Itrf),
@@ -370,7 +370,7 @@ impl<'o> Reader<'o> {
             .boundaries_s
             .binary_search_by(|known| known.total_cmp(&seconds));
         match (boundary.is_ok(), self.last_s == Some(seconds)) {
-            // What follows begins with this state, unless it comes again.
+            // The next segment starts with this state, unless it is repeated.
             (true, false) => {
                 if self.runs.is_empty() {
                     self.begin_run(place)?;
@@ -410,7 +410,7 @@ impl<'o> Reader<'o> {
         }
     }
 
-    /// Leaves out what a boundary at an end has made of its one state.
+    /// Drops single states that a boundary at an end has copied.
     fn drop_copies(&mut self) {
         let ends_at = |run: Option<&Run>| run.and_then(|run| run.samples.last()).map(|s| s.epoch);
         let begins_at =

@@ -8,8 +8,8 @@ pub mod xml;
 use super::entry::TextPosition;
 use std::borrow::Cow;
 
-/// Finds the line of a byte. Holds a mark for every so many bytes, so that neither a text of one line nor one of nothing but
-/// line breaks costs much memory or time.
+/// Finds the line of a byte. It stores a mark at regular distances, so that neither a text of one line nor a text of line breaks only costs much
+/// memory or time.
 pub struct Lines<'t> {
     text: &'t [u8],
     /// Of each block's first byte: its line, from 1, and where that line begins.
@@ -45,7 +45,7 @@ impl<'t> Lines<'t> {
     }
 }
 
-/// Line and its beginning behind `bytes`, which stand at `first`.
+/// Line number and start of line after `bytes`, which begin at `first`.
 fn through(bytes: &[u8], first: usize, mark: (usize, usize)) -> (usize, usize) {
     let breaks = bytes.iter().enumerate().filter(|&(_, &b)| b == b'\n');
     breaks.fold(mark, |(line, _), (at, _)| (line + 1, first + at + 1))

@@ -8,7 +8,7 @@ const LINE_LENGTH: usize = 69;
 /// Longest name line; catalogues use 24 characters.
 const MAX_NAME_CHARS: usize = 128;
 
-/// One element set as it stands in a file: both lines whole, of one satellite, with good checksums.
+/// One element set in a file: both lines complete, of the same satellite, with valid checksums.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ElementSet<'t> {
     /// The name line, if there is one, without the leading "0 ".
@@ -40,8 +40,7 @@ pub(super) fn columns(line: &str, first: usize, last: usize) -> &str {
     line.get(first - 1..last).unwrap_or("")
 }
 
-/// All sets of a file. Every line is checked, also of satellites that nobody asks for: a file with one corrupt line is
-/// not to be trusted.
+/// All sets of a file. Every line is checked, also for other satellites: a file with one corrupt line is not trustworthy.
 pub(super) fn element_sets<'t>(
     text: &'t str,
     origin: &Path,
@@ -55,7 +54,7 @@ pub(super) fn element_sets<'t>(
     }
 }
 
-/// What is done with a fault and the names of the satellite that it costs, as far as they are known; its error ends the reading.
+/// Callback for a fault and the names of the satellite that is lost, as far as known; its error ends the reading.
 pub(super) type Reject<'r> = dyn FnMut(Vec<String>, OrbitError) -> Result<(), OrbitError> + 'r;
 
 /// The sets that are whole; what is wrong with the others goes to `reject`, which may end the reading.
@@ -109,7 +108,7 @@ struct SetReader<'t, 'o> {
 }
 
 impl<'t> SetReader<'t, '_> {
-    /// What the set in work is called.
+    /// Names of the current set.
     fn names(&self) -> [Option<&'t str>; 2] {
         let number = self.first.map(|(_, line)| columns(line, 3, 7).trim());
         [self.name.map(|(_, name)| name), number]

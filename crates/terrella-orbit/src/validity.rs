@@ -1,10 +1,10 @@
-//! The interval that a feed answers for, and the impacts on the ground that cut it short.
+//! Validity of a feed, limited by impacts on the ground.
 
 use super::{OrbitError, OrbitState};
 use glam::DVec3;
 use terrella_frames::{Ellipsoid, Epoch, rfc3339};
 
-/// First and last epoch to answer for, and where in between the ground ends the motion.
+/// First and last epoch with a state, and impacts in between.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Validity {
     pub first: Epoch,
@@ -12,8 +12,7 @@ pub(super) struct Validity {
     pub impacts: Impacts,
 }
 
-/// When a satellite left the ground before the epoch of its start, and when it meets it after that, if it does so within the
-/// interval.
+/// When the satellite left the ground before its epoch, and when it hits the ground after it, if within the interval.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Impacts {
     pub before: Option<Epoch>,
@@ -30,7 +29,7 @@ impl Validity {
         }
     }
 
-    /// What the impacts leave of the interval.
+    /// The interval between the impacts.
     pub fn interval(&self) -> (Epoch, Epoch) {
         (
             self.impacts.before.unwrap_or(self.first),
@@ -38,7 +37,7 @@ impl Validity {
         )
     }
 
-    /// The state at an epoch that it answers for; `inside` propagates.
+    /// The state at a valid epoch; `inside` propagates.
     ///
     /// # Errors
     /// As [`Self::check`].

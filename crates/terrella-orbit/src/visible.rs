@@ -1,4 +1,4 @@
-//! Visible passes: when a sunlit satellite stands in a dark sky, and how bright it is.
+//! Visible passes: when a sunlit satellite is in a dark sky, and its brightness.
 
 use super::one_dimension::bisect;
 use super::{Feed, Frame, Observer, OrbitError, Pass};
@@ -61,11 +61,11 @@ pub struct VisibleInterval {
 
 /// The times of a pass in which a satellite is visible, in order.
 ///
-/// The pass is looked at every 0.005 radians of the satellite's motion, each half a second to a minute: two changes within a step are missed. Ends are
-/// found by bisection, to a millisecond. The Earth is its ellipsoid, without air: sunlight that the air bends into the shadow is left out.
+/// The pass is sampled every 0.005 radians of the satellite's motion, at steps of half a second to a minute: two changes within a step are missed.
+/// Ends are found by bisection, to a millisecond. The Earth is its ellipsoid without air: sunlight refracted into the shadow is neglected.
 ///
 /// # Errors
-/// What the feed rejects; its gaps count as invisible.
+/// Errors of the feed; its gaps count as invisible.
 pub fn visible_intervals(
     feed: &dyn Feed,
     observer: &Observer<'_>,
@@ -101,7 +101,7 @@ pub fn visible_intervals(
     Ok(found)
 }
 
-/// What is seen at an instant.
+/// Visibility at a time.
 #[derive(Clone, Copy)]
 enum Look {
     /// The sky is bright, the satellite in the umbra, or the feed has a gap.

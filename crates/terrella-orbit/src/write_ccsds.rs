@@ -1,4 +1,4 @@
-//! What all messages that are written have in common.
+//! Common parts of all messages that are written.
 
 use terrella_frames::{Epoch, TimeScale, ccsds_time};
 

@@ -9,9 +9,9 @@ pub fn csv_header() -> &'static str {
     "name,frame,epoch_utc,x_km,y_km,z_km,vx_km_s,vy_km_s,vz_km_s,lat_deg,lon_deg,height_km,error_m\n"
 }
 
-/// One row of the satellite of that name, ended. The state, in its own frame, has as many digits as it takes to read the same
-/// one back, the place below it is to a centimetre and for people. `error_m`, metres, is how far it may be off
-/// ([`Feed::error_m`](super::Feed::error_m)); empty where the source does not know.
+/// One row for the satellite of that name, with a line feed. The state, in its own frame, has enough digits for an exact round trip; the
+/// sub-satellite point has centimetres and is for people. `error_m`, metres, is the uncertainty ([`Feed::error_m`](super::Feed::error_m)); empty if
+/// the source does not know it.
 pub fn csv_row(name: &str, state: &OrbitState, place: &Geodetic, error_m: Option<f64>) -> String {
     let mut row = csv_field(name);
     for text in [state.frame.name(), &ccsds_time(state.epoch, TimeScale::Utc)] {

@@ -20,7 +20,7 @@ pub(super) fn row_texels(shape: TileShape, columns: &Range<u32>) -> usize {
     columns.len() * shape.pixels as usize + overlap(shape)
 }
 
-/// The first column of the level that is kept; it may lie west of the map's edge.
+/// The first column of the level that is kept; it may be west of the map's edge.
 pub(super) fn first_texel(shape: TileShape, columns: &Range<u32>) -> i64 {
     i64::from(columns.start) * i64::from(shape.pixels) - i64::from(TILE_BORDER)
 }
@@ -134,7 +134,7 @@ impl<const C: usize> Bands<C> {
         true
     }
 
-    /// Where row `y` of the level lies in the current band.
+    /// Index of row `y` of the level in the current band.
     fn place(&self, y: u32) -> usize {
         (y + TILE_BORDER - self.tile_row * self.shape.pixels) as usize
     }

@@ -101,8 +101,8 @@ impl<'a> Padded<'a> {
 /// Values are compared in fifths of sevenths, in which both palettes are whole numbers.
 const SCALE: i32 = 35;
 
-/// The better of the two palettes: eight steps from the largest to the smallest value; or six between the values that
-/// lie inside the range, and the range's two ends exactly.
+/// The better of the two palettes: eight steps from the largest to the smallest value, or six steps between the values strictly inside the range,
+/// plus the range's two ends exactly.
 fn bc4_block<const SIGNED: bool>(values: [i32; 16]) -> [u8; 8] {
     let (low, high) = if SIGNED { (-127, 127) } else { (0, 255) };
     let min_max = |values: &mut dyn Iterator<Item = i32>| {
@@ -211,7 +211,7 @@ mod tests {
     #[test]
     fn blocks_decode_to_within_half_a_step() {
         for seed in 1..400u64 {
-            // Of narrow and wide spread.
+            // With narrow and wide spread.
             let spread = 1 + (seed % 254) as i32;
             let bytes = noise(16, seed * 7919);
             let unsigned: [i32; 16] = std::array::from_fn(|n| i32::from(bytes[n]) % (spread + 1));
@@ -252,7 +252,7 @@ mod tests {
         }
         let two = std::array::from_fn(|n| if n % 3 == 0 { 17 } else { 201 });
         assert_eq!(decode::<false>(&bc4_block::<false>(two)), two);
-        // A coast in a mask: the ends exact, what lies between close by.
+        // A coast in a mask: the ends exact, values in between approximate.
         let coast = [
             0, 0, 0, 255, 0, 0, 120, 255, 0, 130, 255, 255, 255, 255, 255, 255,
         ];

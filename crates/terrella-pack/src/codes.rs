@@ -26,7 +26,7 @@ pub(super) fn encode<const C: usize>(values: &[f32], bytes: &mut [u8]) {
     }
 }
 
-/// What each byte stands for.
+/// The value of each byte.
 pub(super) fn decoded<const C: usize>() -> [f32; 256] {
     match C {
         3 => *LINEAR_FROM_SRGB,

@@ -1,4 +1,4 @@
-//! Why a pack could not be built, said with the file, the cause and what to do.
+//! Why a pack could not be built, with the file, the cause and the remedy.
 
 use std::path::PathBuf;
 use terrella_ground::elevation::HeightFileError;
@@ -20,9 +20,9 @@ pub enum BuildError {
     #[error("{}: {cause}; {advice}", path.display())]
     Source {
         path: PathBuf,
-        /// What was found wrong with the file.
+        /// The error in the file.
         cause: String,
-        /// What the user can do about it.
+        /// The remedy.
         advice: String,
     },
     /// A map began well and then broke.
@@ -35,11 +35,11 @@ pub enum BuildError {
     /// A ladder of levels that cannot be.
     #[error("--pixels {}={pixels}: {cause}", layer.name())]
     Pixels {
-        /// Map whose levels were asked for.
+        /// Map whose levels were requested.
         layer: MapLayer,
-        /// Levels that were asked for, as written.
+        /// The requested levels, as written.
         pixels: String,
-        /// What is wrong and what is allowed.
+        /// The error, and the allowed values.
         cause: String,
     },
     /// An option that cannot be.
@@ -47,7 +47,7 @@ pub enum BuildError {
     Option {
         /// Name of the option.
         option: &'static str,
-        /// What is wrong and what is allowed.
+        /// The error, and the allowed values.
         cause: String,
     },
     /// Not enough memory allowed.
@@ -58,15 +58,15 @@ pub enum BuildError {
     Memory {
         /// Map that does not fit.
         layer: MapLayer,
-        /// What is allowed, megabytes.
+        /// Memory allowed, megabytes.
         allowed_mb: u64,
-        /// What is needed, megabytes.
+        /// Memory required, megabytes.
         needed_mb: u64,
     },
     /// Heights could not be read.
     #[error(transparent)]
     Heights(#[from] HeightFileError),
-    /// Not enough memory to read heights part by part.
+    /// Not enough memory to read elevation data in parts.
     #[error(
         "--memory {allowed_mb}: {} has {columns} x {rows} heights and needs {needed_mb} MB at least to be read part by part; allow \
          that much or write it in tiles (`gdal_translate -co TILED=YES -co BIGTIFF=IF_SAFER IN OUT.tif`)", path.display()
@@ -76,21 +76,21 @@ pub enum BuildError {
         /// Samples of a row.
         columns: u32,
         rows: u32,
-        /// What is allowed, megabytes.
+        /// Memory allowed, megabytes.
         allowed_mb: u64,
-        /// What is needed, megabytes.
+        /// Memory required, megabytes.
         needed_mb: u64,
     },
-    /// No room for the scratch file that heights are read through.
+    /// No room for the scratch file through which elevation data is read.
     #[error(
         "{}: heights that do not fit into --memory are kept there while their tiles are made, {needed_mb} MB, and {free_mb} MB are \
          free; make room or allow more memory, then run the same command again to go on", path.display()
     )]
     ScratchRoom {
         path: PathBuf,
-        /// What is needed, megabytes.
+        /// Space required, megabytes.
         needed_mb: u64,
-        /// What is free, megabytes.
+        /// Space available, megabytes.
         free_mb: u64,
     },
     /// A scratch file could not be written or read.

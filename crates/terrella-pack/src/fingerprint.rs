@@ -1,4 +1,4 @@
-//! What distinguishes one build from another: all that decides what is written, and the maps by size, time and their ends.
+//! Identity of a build: all settings that determine its output, and the maps by size, time and their ends.
 
 use super::error::BuildError;
 use super::input::MapInput;
@@ -56,7 +56,7 @@ pub(super) fn of(options: &BuildOptions, maps: &[Map<'_>]) -> Result<String, Bui
     Ok(blake3::hash(text.as_bytes()).to_hex().to_string())
 }
 
-/// Of what a mosaic is made of, and of sizes and times of all its files.
+/// Of a mosaic's content, and of sizes and times of all its files.
 fn of_mosaic(mosaic: &Mosaic) -> String {
     format!("{} {}", mosaic.identity(), by_times(mosaic.files()))
 }
@@ -72,7 +72,7 @@ fn by_times(files: impl Iterator<Item = PathBuf>) -> String {
     hasher.finalize().to_hex().to_string()
 }
 
-/// Of a map and what lies beside it.
+/// Of a map and the files beside it.
 fn with_beside(path: &Path) -> Result<String, BuildError> {
     let mut text = of_file(path)?;
     for file in files_beside(path).iter().filter(|file| file.is_file()) {

@@ -17,7 +17,7 @@ use terrella_imagery::pack::{
 /// Folder of the tiles.
 const TILES: &str = "tiles";
 
-/// Folder of what a build needs besides memory, while it runs.
+/// Folder for temporary data of a running build.
 const SCRATCH: &str = "scratch";
 
 /// Ending of a file that is being written.
@@ -32,7 +32,7 @@ pub(super) trait Writer: Sync {
     fn free_bytes(&self, folder: &Path) -> Option<u64>;
 }
 
-/// Writes to disk: first beside the file, then renames. What is written outlasts a power failure.
+/// Writes to disk: first to a temporary file, which is then renamed. Written files survive a power failure.
 pub(super) struct Disk;
 
 impl Writer for Disk {
@@ -94,7 +94,7 @@ pub(super) struct BuildFolder<'a> {
 struct FolderState {
     journal: Journal,
     done: BTreeMap<TileName, TileFile>,
-    /// Tiles of heights; before they are taken over, as noted.
+    /// Elevation tiles; as recorded, until they are taken over.
     heights: BTreeMap<HeightPlace, HeightRecord>,
 }
 
@@ -120,11 +120,11 @@ impl<'a> BuildFolder<'a> {
         }
         let mut journal = Journal::open(dir, JOURNAL_FILE)?;
         if present.scratch {
-            // Of a build that was killed: they are made again.
+            // Left over from a build that was killed: it is created again.
             let path = dir.join(SCRATCH);
             fs::remove_dir_all(&path).map_err(|source| BuildError::Write { path, source })?;
         }
-        // Whoever makes a share is let finish.
+        // Processes that make a share may finish.
         for name in &present.shares {
             drop(Journal::open(dir, name)?);
         }
@@ -163,8 +163,8 @@ impl<'a> BuildFolder<'a> {
         Ok(Self::with(dir, writer, journal, noted))
     }
 
-    /// Opens the folder for a share of a build, by a process that makes that share alone: it notes its tiles in a journal of its own. What
-    /// others have noted counts as done.
+    /// Opens the folder for a share of a build, in a process that makes only that share: it records its tiles in its own journal. Tiles recorded by
+    /// others count as done.
     pub(super) fn open_share(
         dir: &Path,
         fingerprint: &str,
@@ -217,7 +217,7 @@ impl<'a> BuildFolder<'a> {
         }
     }
 
-    /// Keeps of the tiles of heights that were noted those that are whole.
+    /// Keeps those of the recorded elevation tiles that are complete.
     pub(super) fn take_over_heights(&self, entry: &HeightsEntry) {
         let is_whole = |record: &HeightRecord| {
             entry.contains(record.place)
@@ -226,12 +226,12 @@ impl<'a> BuildFolder<'a> {
         self.state().heights.retain(|_, record| is_whole(record));
     }
 
-    /// A tile of heights, once it is there.
+    /// An elevation tile, if it exists.
     pub(super) fn height(&self, place: HeightPlace) -> Option<HeightRecord> {
         self.state().heights.get(&place).copied()
     }
 
-    /// The bytes of a tile of heights that is there.
+    /// The bytes of an existing elevation tile.
     pub(super) fn read_height(
         &self,
         entry: &HeightsEntry,
@@ -252,7 +252,7 @@ impl<'a> BuildFolder<'a> {
         Ok(bytes)
     }
 
-    /// Writes a tile of heights and notes it.
+    /// Writes an elevation tile and records it.
     pub(super) fn put_height(
         &self,
         entry: &HeightsEntry,
@@ -266,7 +266,7 @@ impl<'a> BuildFolder<'a> {
         Ok(())
     }
 
-    /// Writes the index of heights.
+    /// Writes the index of elevation tiles.
     pub(super) fn put_height_index(&self, contents: &[u8]) -> Result<(), BuildError> {
         self.write(&HeightsEntry::index_path(), contents)
     }
@@ -297,7 +297,7 @@ impl<'a> BuildFolder<'a> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Whether a tile is there.
+    /// Whether a tile exists.
     pub(super) fn has(&self, name: TileName) -> bool {
         self.state().done.contains_key(&name)
     }
@@ -317,7 +317,7 @@ impl<'a> BuildFolder<'a> {
         Ok(())
     }
 
-    /// What has been noted survives a fall of the machine.
+    /// Records written before this call survive a system crash.
     pub(super) fn sync(&self) -> Result<(), BuildError> {
         self.state().journal.sync()
     }
@@ -340,7 +340,7 @@ impl<'a> BuildFolder<'a> {
     }
 }
 
-/// What of a pack is in the folder.
+/// Existing content of the folder.
 struct Present {
     manifest: bool,
     journal: bool,
@@ -400,12 +400,12 @@ impl Present {
         Ok(present)
     }
 
-    /// Whether a pack is there and nothing is being built.
+    /// Whether there is a complete pack and no build in progress.
     fn is_finished(&self) -> bool {
         self.manifest && !self.journal && self.shares.is_empty()
     }
 
-    /// What processes that make shares of this build have noted.
+    /// Tiles recorded by processes that make shares of this build.
     fn noted_by_shares(&self, dir: &Path, fingerprint: &str) -> Vec<Noted> {
         let shares = self.shares.iter();
         shares

@@ -30,13 +30,13 @@ use terrella_imagery::pack::{
 };
 
 pub(super) struct BuiltHeights {
-    /// What the manifest says of them.
+    /// Their entry in the manifest.
     pub entry: HeightsEntry,
     /// Whom to name for them.
     pub attribution: Vec<String>,
 }
 
-/// Makes all tiles of files, and of those of folders and patterns, that are not there yet, the finest level first, and their index.
+/// Makes all missing tiles of files, folders and patterns, the finest level first, and their index.
 pub(super) fn build(
     paths: &[PathBuf],
     above: Option<VerticalDatum>,
@@ -103,7 +103,7 @@ fn make(
     Ok(())
 }
 
-/// Writes a tile and notes it with the range of all that it holds and all beneath it.
+/// Writes a tile and records it, with the elevation range of itself and all tiles beneath it.
 fn write(
     maker: &TileMaker<'_>,
     place: HeightPlace,

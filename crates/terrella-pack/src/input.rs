@@ -14,7 +14,7 @@ use terrella_ground::elevation::vrt::is_vrt;
 pub(super) enum MapInput {
     /// One file of the whole Earth.
     File(PathBuf),
-    /// Several that say where they lie.
+    /// Several georeferenced maps.
     Mosaic(Box<Mosaic>),
 }
 
@@ -38,7 +38,7 @@ impl MapInput {
         Ok(Self::Mosaic(Box::new(mosaic)))
     }
 
-    /// Rejects a file that what lies beside it says to be no map of the whole Earth.
+    /// Rejects a file that is not a map of the whole Earth according to the files beside it.
     pub(super) fn check_place(&self, info: &SourceInfo) -> Result<(), BuildError> {
         match self {
             Self::File(path) => check_whole_earth(path, (info.width, info.height)),
@@ -46,7 +46,7 @@ impl MapInput {
         }
     }
 
-    /// How its colours differ from sRGB, where `source`, its rows, or the files of its parts say so; a few of them.
+    /// Differences of its colours from sRGB, according to `source`, its rows, or the files of its parts; a few of them.
     pub(super) fn colour_notes(&self, source: &dyn RowSource) -> Vec<String> {
         const MOST: usize = 8;
         match self {
@@ -76,7 +76,7 @@ impl MapInput {
         }
     }
 
-    /// Rejects elevations for what heights are rejected for, as far as its files are read as they are.
+    /// Applies the checks of elevation files to elevations, if its files are read directly.
     pub(super) fn check_metres(&self, path: &Path) -> Result<(), BuildError> {
         match self {
             Self::File(_) => check_metres(path, false)?,
@@ -89,7 +89,7 @@ impl MapInput {
         Ok(())
     }
 
-    /// What packs call it: its own name, or that of its file.
+    /// Its name in packs: its own, or that of its file.
     pub(super) fn name(&self, path: &Path) -> String {
         match self {
             Self::Mosaic(mosaic) if mosaic.name().is_some() => {
@@ -111,7 +111,7 @@ impl MapInput {
         }
     }
 
-    /// Whose data it is, as far as it says.
+    /// Attribution of its data, as far as given.
     pub(super) fn attribution(&self) -> &[String] {
         match self {
             Self::File(_) => &[],

@@ -1,4 +1,4 @@
-//! What a build has done so far, line by line, so that it can go on after any end.
+//! Progress of a build, line by line, so that it can be continued after any interruption.
 //!
 //! ```text
 //! terrella build 1
@@ -8,10 +8,10 @@
 //! heights 0 37 120 23456 <checksum> <lowest> <highest>
 //! ```
 //!
-//! Storage, map, texels per block, block, bytes; of levels that are cut with the parts along a block's side, and the part. Of heights level, row and
-//! column, bytes, and the bits of the lowest and the highest height.
+//! Storage, map, texels per block, block, bytes; for levels that are cut into parts also the number of parts along a block's side, and the part.
+//! For elevation tiles level, row and column, bytes, and the bits of the lowest and the highest elevation.
 //!
-//! A line that has no end, or is not understood, was cut off: it and all after it do not count.
+//! A line without a line feed, or with invalid content, was truncated: it and all lines after it do not count.
 
 use super::error::BuildError;
 use super::locked_journal::{LockedJournal, read_text};
@@ -26,19 +26,19 @@ use terrella_imagery::tile::{MapLayer, Storage};
 /// Name of the journal in the pack's folder.
 pub(super) const JOURNAL_FILE: &str = "build.journal";
 
-/// How the journal of a share of a build is called, which a process of its own makes.
+/// File name of the journal for a share of a build, which a separate process makes.
 pub(super) fn share_journal_file(share: &str) -> String {
     format!("build-{share}.journal")
 }
 
-/// Whether a file is called like the journal of a share.
+/// Whether a file name is that of a share's journal.
 pub(super) fn is_share_journal(name: &str) -> bool {
     name.starts_with("build-") && name.ends_with(".journal")
 }
 
 const FIRST_LINE: &str = "terrella build 1";
 
-/// First word of the line of a tile of heights.
+/// First word of a line about an elevation tile.
 const HEIGHTS: &str = "heights";
 
 /// A line of the journal.
@@ -66,7 +66,7 @@ impl Journal {
         }
     }
 
-    /// The tiles noted in a journal that is another process's or of another run; none where it is of another build.
+    /// The tiles recorded in the journal of another process or run; none if it belongs to another build.
     pub(super) fn tiles_of(path: &Path, fingerprint: &str) -> Vec<Noted> {
         match files::open(path).and_then(|mut file| read_text(&mut file)) {
             Ok((text, _)) if begins_with(&text, fingerprint) => parse_all(&text).0,
@@ -79,7 +79,7 @@ impl Journal {
         self.lines.is_empty(&beginning(fingerprint))
     }
 
-    /// Whether it is of this build.
+    /// Whether it belongs to this build.
     pub(super) fn has_fingerprint(&self, fingerprint: &str) -> bool {
         begins_with(self.lines.text(), fingerprint)
     }
@@ -90,7 +90,7 @@ impl Journal {
         begun.map_err(|error| self.fail(error))
     }
 
-    /// The tiles noted when it was opened. What was cut off is taken away, so that new lines begin well.
+    /// The tiles recorded when it was opened. A truncated line is removed, so that new lines start correctly.
     pub(super) fn tiles(&mut self) -> Vec<Noted> {
         let (tiles, good) = parse_all(self.lines.text());
         self.lines.cut(good);
@@ -114,7 +114,7 @@ impl Journal {
         self.append(&line)
     }
 
-    /// Notes a tile of heights.
+    /// Records an elevation tile.
     pub(super) fn note_heights(&mut self, record: &HeightRecord) -> Result<(), BuildError> {
         let HeightPlace { level, row, column } = record.place;
         let [low, high] = [record.low_m, record.high_m].map(f32::to_bits);
@@ -154,7 +154,7 @@ fn begins_with(text: &str, fingerprint: &str) -> bool {
     text.starts_with(&beginning(fingerprint))
 }
 
-/// What a journal notes, and how many of its bytes are understood.
+/// The records of a journal, and the length of its valid part in bytes.
 fn parse_all(text: &str) -> (Vec<Noted>, usize) {
     let mut tiles = Vec::new();
     let mut good = 0;
@@ -207,7 +207,7 @@ fn parse(line: &str) -> Option<Noted> {
         block: block.parse().ok()?,
         part: part.parse().ok()?,
     };
-    // Of a tile that can be.
+    // Only a valid tile.
     name.path()?;
     Some(Noted::Tile(name, parse_file(bytes, digits)?))
 }
@@ -257,7 +257,7 @@ mod tests {
                 if !journal.has_fingerprint("abc") {
                     continue;
                 }
-                // What is noted from now on is understood the next time.
+                // Records added from now on are valid the next time.
                 assert_eq!(journal.tiles().len(), noted, "{length}");
                 journal.append(TILES[0]).expect("notes");
                 drop(journal);

@@ -7,7 +7,7 @@ use terrella_imagery::tile::{
     MAX_COARSEST_PIXELS, MAX_LEVELS, MAX_PART_PIXELS, MAX_PARTS, MIN_PIXELS, MapLayer, TileShape,
 };
 
-/// Levels of a map and those of the usual ladder that are left out.
+/// Levels of a map, and the default levels that are left out.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) struct Ladder {
     /// The finest first.
@@ -21,7 +21,7 @@ pub(super) struct Ladder {
 #[derive(Debug, PartialEq, Eq)]
 pub(super) struct Dropped {
     layer: MapLayer,
-    /// Texels of the map round the Earth, and those of its finest level.
+    /// Width of the map in texels, and that of its finest level.
     source_width: u32,
     finest_width: u32,
     /// Levels that hold more, if there can be any.
@@ -52,15 +52,15 @@ impl fmt::Display for Dropped {
     }
 }
 
-/// Whether a level of so many texels round the Earth holds so much of the map as makes it worth while: a tenth may be empty.
+/// Whether the map fills a level of this width sufficiently: at most a tenth may be without detail.
 fn is_filled(level_width: u64, source_width: u32) -> bool {
     10 * level_width <= 11 * u64::from(source_width)
 }
 
-/// The levels for a map of this width: those asked for; or the paper's up to the first that holds all its detail, and of a map that is
-/// finer those that are cut into 2, 4, 8 and 16 parts as far as the map fills them.
+/// The levels for a map of this width: the requested ones; by default the paper's up to the first that holds all its detail, and for a finer map
+/// also those that are cut into 2, 4, 8 and 16 parts, as far as the map fills them.
 ///
-/// Levels of more than `most_pixels` texels a block are cut into parts: [`MAX_PART_PIXELS`], fewer in tests.
+/// Levels of more than `most_pixels` texels per block are cut into parts: [`MAX_PART_PIXELS`], fewer in tests.
 pub(super) fn ladder(
     layer: MapLayer,
     source_width: u32,
@@ -94,7 +94,7 @@ fn usual(layer: MapLayer, source_width: u32) -> Result<(Vec<TileShape>, Vec<u32>
     Ok((levels, paper[..finest].to_vec()))
 }
 
-/// What of a map these levels do not hold, and the next levels that would.
+/// Detail of a map that these levels lose, and the next levels that would keep it.
 fn dropped(
     layer: MapLayer,
     source_width: u32,

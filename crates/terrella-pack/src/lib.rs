@@ -1,27 +1,26 @@
 //! Building packs from maps of any size in bounded memory.
 //!
-//! | file | what |
+//! | file | content |
 //! |---|---|
 //! | `source/` | PNG, JPEG and TIFF read a row at a time |
-//! | `mosaic/` | several of them as one map |
+//! | `mosaic/` | several maps as one |
 //! | `input.rs` | a map of either kind |
 //! | `values.rs` | texels as linear light, cover or slopes |
 //! | `resample.rs` | rows at another size |
 //! | `bands.rs` | rows gathered into rows of blocks with borders |
 //! | `cut.rs`, `codes.rs` | tiles with mip levels; values as bytes |
-//! | `bc.rs` | tiles compressed in blocks |
-//! | `ladder.rs` | which levels a map gets |
-//! | `plan.rs`, `memory.rs` | passes, and who may hold how much |
-//! | `heights/` | heights of the ground |
-//! | `folder.rs`, `journal.rs`, `locked_journal.rs` | whole files, and going on after an end |
+//! | `bc.rs` | block compression of tiles |
+//! | `ladder.rs` | the levels of a map |
+//! | `plan.rs`, `memory.rs` | passes, and their memory budget |
+//! | `heights/` | elevation data |
+//! | `folder.rs`, `journal.rs`, `locked_journal.rs` | complete files, and continuing after an interruption |
 //! | `shares.rs` | a build that several processes share |
 //! | `run.rs` | one map, from its file to its tiles |
 //!
-//! A source is read once for all levels; if the bands of all levels do not fit into the memory allowed, it is read
-//! several times, for some columns of blocks each. What is written does not depend on that, nor on the number of
-//! threads.
+//! A source is read once for all levels. If the bands of all levels do not fit into the allowed memory, it is read several times, for some columns
+//! of blocks each. The output does not depend on that, nor on the number of threads.
 
-// docs.rs says of each item which feature it needs.
+// docs.rs shows the required feature of each item.
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
 mod bands;
@@ -74,7 +73,7 @@ use values::{Meaning, ValueRows};
 /// Memory that a build takes by default, bytes.
 pub const DEFAULT_MEMORY_BYTES: u64 = 512_000_000;
 
-/// Where terrain slopes come from.
+/// Source of terrain slopes.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Relief {
     /// A tangent-space normal map: red east, green north, blue up. A slope up to the east has red below its middle
@@ -84,15 +83,14 @@ pub enum Relief {
     Elevation {
         /// 16-bit PNG, or TIFF of 16-bit or float samples.
         path: PathBuf,
-        /// What is subtracted from the samples, metres. By default 11 000 for PNG, which cannot hold depths below
-        /// zero, and 0 for TIFF.
+        /// Offset that is subtracted from the samples, metres. By default 11 000 for PNG, which cannot store negative values, and 0 for TIFF.
         offset_m: Option<f64>,
         /// How many times steeper than the truth slopes are stored.
         exaggeration: f64,
     },
 }
 
-/// What is built from what, and how. Maps are files of the whole Earth or mosaics: see [`mosaic`].
+/// Inputs, outputs and settings of a build. Maps are files of the whole Earth or mosaics: see [`mosaic`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct BuildOptions {
     /// Surface colour, sRGB.
@@ -105,14 +103,14 @@ pub struct BuildOptions {
     pub night_lights: Option<PathBuf>,
     /// Open water: white where there is some.
     pub water: Option<PathBuf>,
-    /// Heights of the ground, files of one part of the Earth or of all of it, finer ones over coarser ones: see
+    /// Elevation files of a part of the Earth or all of it, finer ones layered over coarser ones: see
     /// [`elevation::read`](terrella_ground::elevation::read).
     pub heights: Vec<PathBuf>,
-    /// What `heights` stand above in files that do not say it, nor their sidecars; `None` is the sea.
+    /// Vertical datum of `heights` in files that do not name one, nor their sidecars; `None` is the sea.
     pub heights_above: Option<VerticalDatum>,
     /// The pack's folder: new, empty, or of the same build stopped before.
     pub out: PathBuf,
-    /// What the pack is called; by default as its folder.
+    /// Name of the pack; by default that of its folder.
     pub name: Option<String>,
     /// Whose data it is, a line each.
     pub attribution: Vec<String>,
@@ -235,7 +233,7 @@ impl BuildOptions {
         asked.map(|(_, pixels)| pixels.as_slice())
     }
 
-    /// The name asked for, else the folder's.
+    /// The requested name, else the folder's.
     fn pack_name(&self) -> String {
         let folder = || {
             self.out
@@ -249,7 +247,7 @@ impl BuildOptions {
     }
 }
 
-/// Told how far a build is, and asked whether to go on. The command shows bars; `()` shows nothing and never stops.
+/// Receives the progress of a build, and decides whether to continue. The command shows progress bars; `()` shows nothing and never stops.
 pub trait BuildProgress: Sync {
     /// A pass over a map begins, of so many rows.
     fn begin(&self, what: &str, steps: Option<u64>);
@@ -282,15 +280,15 @@ struct Map<'a> {
     plan: Plan,
 }
 
-/// Builds a pack, or continues with one whose building was stopped. The folder holds a manifest only when all is done.
+/// Builds a pack, or continues an interrupted build. The folder has a manifest only when the build is complete.
 ///
 /// # Errors
-/// [`BuildError`] with what is wrong and what to do. What has been built stays for the next run.
+/// [`BuildError`] with the error and the remedy. Finished tiles stay for the next run.
 pub fn build(options: &BuildOptions, progress: &dyn BuildProgress) -> Result<Manifest, BuildError> {
     build_with(options, progress, &Disk, Division::default())
 }
 
-/// How work and maps are divided; other than by default in tests.
+/// How work and maps are divided; differs from the default in tests.
 #[derive(Clone, Copy, Debug)]
 struct Division {
     /// Columns of blocks a pass; by default what the memory allows.
@@ -317,7 +315,7 @@ fn build_with(
 ) -> Result<Manifest, BuildError> {
     let prepared = Prepared::of(options, progress, division)?;
     let folder = BuildFolder::open(&options.out, &prepared.fingerprint, options.restart, writer)?;
-    // First, and let go of before the maps take the memory.
+    // First, and freed before the maps need the memory.
     let heights = match options.heights.as_slice() {
         [] => None,
         paths => {
@@ -567,7 +565,7 @@ fn manifest(
     }
 }
 
-/// The lines asked for, then those that maps bring along, each once.
+/// The requested lines, then those of the maps, each once.
 fn attribution(
     options: &BuildOptions,
     maps: &[Map<'_>],

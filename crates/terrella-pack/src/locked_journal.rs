@@ -1,12 +1,12 @@
-//! A file of lines that says what has been done so far, locked against other processes.
+//! A line-based progress file, locked against other processes.
 
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 use terrella_files as files;
 
-/// A build of every tile that can be has a shorter one: 5 maps × 128 blocks × 346 tiles of all levels × 2 storages × 100 bytes, and as
-/// much for each of 2 097 152 tiles of heights. A fetch of a million tiles has 90 MB.
+/// The journal of a build of every possible tile is shorter: 5 maps × 128 blocks × 346 tiles of all levels × 2 storages × 100 bytes, and as much
+/// for each of 2 097 152 elevation tiles. That of a fetch of a million tiles has 90 MB.
 const MAX_BYTES: u64 = 256 << 20;
 
 /// An open journal.
@@ -31,12 +31,12 @@ impl LockedJournal {
         Ok(Self { file, text, bytes })
     }
 
-    /// What it held when it was opened, as far as it is text.
+    /// Its content when it was opened, as far as it is text.
     pub(super) fn text(&self) -> &str {
         &self.text
     }
 
-    /// Whether all that it held was the start of this beginning: nothing was ever noted.
+    /// Whether its content was only a part of this beginning: nothing was ever recorded.
     pub(super) fn is_empty(&self, beginning: &str) -> bool {
         self.text.len() as u64 == self.bytes && beginning.starts_with(&self.text)
     }
@@ -50,11 +50,11 @@ impl LockedJournal {
         self.file.sync_all()
     }
 
-    /// Takes away what is behind the first `good` bytes of what it held, so that new lines begin well, and gives back the memory of its text.
+    /// Truncates its content to the first `good` bytes, so that new lines start correctly, and frees its text.
     pub(super) fn cut(&mut self, good: usize) {
         self.text = String::new();
         if (good as u64) < self.bytes {
-            // If this fails, the next line is joined to what was cut off and is not understood next time: its work is done again.
+            // If this fails, the next line is appended to the truncated one and will be invalid: its work is done again.
             let _ = self.file.set_len(good as u64);
             let _ = self.file.seek(SeekFrom::End(0));
         }
@@ -71,7 +71,7 @@ impl LockedJournal {
     }
 }
 
-/// What a journal holds, as far as it is text, and how many bytes it has: a power failure may leave anything behind its last line.
+/// Content of a journal, as far as it is text, and its length in bytes: a power failure may leave arbitrary bytes after its last line.
 pub(super) fn read_text(file: &mut File) -> io::Result<(String, u64)> {
     let mut bytes = Vec::new();
     file.take(MAX_BYTES).read_to_end(&mut bytes)?;

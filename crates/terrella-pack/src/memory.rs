@@ -67,7 +67,7 @@ impl Pool {
         self.0.changed.notify_all();
     }
 
-    /// Whether the work has stopped.
+    /// Whether the work has been stopped.
     pub(super) fn is_stopped(&self) -> bool {
         self.state().is_stopped
     }

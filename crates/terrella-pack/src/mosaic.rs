@@ -1,20 +1,20 @@
-//! Several maps as one: files and tiles that say where they lie, over one another, on one grid of latitudes and longitudes.
+//! Several maps as one: georeferenced files and tiles, layered over one another, on one grid of latitudes and longitudes.
 //!
-//! | file | what |
+//! | file | content |
 //! |---|---|
-//! | `description.rs` | what a mosaic is made of: a TOML file, or a folder |
+//! | `description.rs` | the description of a mosaic: a TOML file, or a folder |
 //! | `virtual_raster.rs` | GDAL's `.vrt` as such a description, and windows of files |
-//! | `archive.rs`, `archive_part.rs` | files that hold tiles, MBTiles and PMTiles, and such a file as a part |
-//! | `place.rs`, `georeference.rs` | where a part lies, where files say it, and in which coordinate system |
-//! | `target.rs`, `axis.rs` | the grid that is made, and what its texels are made of |
+//! | `archive.rs`, `archive_part.rs` | tile archives, MBTiles and PMTiles, and such a file as a part |
+//! | `place.rs`, `georeference.rs` | position of a part, sources of the georeference, and coordinate systems |
+//! | `target.rs`, `axis.rs` | the target grid, and the sources of its texels |
 //! | `raster.rs`, `tiles.rs`, `row.rs`, `texels.rs` | rows of a file or of tiles, and their texels as numbers |
 //! | `held.rs` | maps that run from south to north, and projected ones |
-//! | `piece.rs`, `compose.rs` | a part on the grid; all of them over one another |
-//! | `matching.rs` | colours of a part scaled to those below it |
+//! | `piece.rs`, `compose.rs` | a part on the grid; all parts layered |
+//! | `matching.rs` | colours of a part scaled to those beneath it |
 //!
-//! Parts are read once, from north to south, and hold a few rows each. A row of one part that lies texel on texel on the grid is taken
-//! over byte for byte; all others are averaged or interpolated in linear light. Damaged parts and tiles are left out and reported; parts
-//! that are not there, or do not say where they lie, are errors.
+//! Parts are read once, from north to south, with a few rows of each in memory. A row of one part whose texels coincide with the grid is copied
+//! byte for byte; all others are averaged or interpolated in linear light. Damaged parts and tiles are left out and reported. Missing parts, and
+//! parts without georeference, are errors.
 
 mod archive;
 mod archive_part;
@@ -56,7 +56,7 @@ use piece::Piece;
 use std::path::{Path, PathBuf};
 use texels::{TexelKind, Writer};
 
-/// A mosaic that has been looked at: all parts are there and say where they lie.
+/// A checked mosaic: all parts exist and are georeferenced.
 #[derive(Clone, Debug)]
 pub struct Mosaic {
     path: PathBuf,
@@ -69,10 +69,10 @@ pub struct Mosaic {
 }
 
 impl Mosaic {
-    /// Looks at the mosaic at a path, a description or a folder, for the whole Earth or a part of it.
+    /// Opens the mosaic at a path, a description or a folder, for the whole Earth or a part of it.
     ///
     /// # Errors
-    /// [`BuildError`] with the part and what to do.
+    /// [`BuildError`] with the part and the remedy.
     pub fn open(
         path: &Path,
         window: Option<&Bounds>,
@@ -105,7 +105,7 @@ impl Mosaic {
             }
         }
         if description.is_unordered {
-            // The coarsest lies lowest; equal ones in the order of their names.
+            // The coarsest is lowest; equal ones are in order of their names.
             pieces.sort_by(|a, b| b.place.column_deg.total_cmp(&a.place.column_deg));
         }
         let Some(first) = pieces.first() else {
@@ -186,7 +186,7 @@ impl Mosaic {
         self.target
     }
 
-    /// What it is called, if it says so.
+    /// Its name, if given.
     pub fn name(&self) -> Option<&str> {
         self.description.name.as_deref()
     }
@@ -196,12 +196,12 @@ impl Mosaic {
         &self.description.attribution
     }
 
-    /// What was left out or changed when it was looked at.
+    /// Remarks about parts that were left out or changed when it was opened.
     pub fn notes(&self) -> &[String] {
         &self.notes
     }
 
-    /// How the colours of parts differ from sRGB, where their files say so.
+    /// Differences of parts' colours from sRGB, according to their files.
     pub(super) fn colour_notes(&self) -> impl Iterator<Item = String> + '_ {
         self.pieces.iter().filter_map(|piece| {
             let note = piece.colour_note.as_ref()?;
@@ -209,7 +209,7 @@ impl Mosaic {
         })
     }
 
-    /// All files that it is made of; of tiles those that are there, of files what lies beside them too.
+    /// All its files; for tiles the existing ones, for files also those beside them.
     pub(super) fn files(&self) -> impl Iterator<Item = PathBuf> + '_ {
         self.description.parts.iter().flat_map(|part| {
             let files: Box<dyn Iterator<Item = PathBuf>> = match &part.from {
@@ -241,7 +241,7 @@ impl Mosaic {
             })
     }
 
-    /// What it is made of, in words that differ for what gives other texels.
+    /// Its identity: a text that differs whenever its texels may differ.
     pub(super) fn identity(&self) -> String {
         format!("{:?} {:?}", self.description, self.target)
     }
@@ -265,16 +265,16 @@ impl Mosaic {
     }
 }
 
-/// So many columns are made of any parts: that takes seconds.
+/// Number of columns below which the size is not checked: the work takes seconds.
 const UNPROVEN_COLUMNS: u32 = 8192;
 
 /// So many times as wide a map may be made as its finest part would make it. More is interpolation and nothing else.
 const MOST_ENLARGED: f64 = 8.0;
 
-/// So many texels may be made of each that the parts have. Small parts of a very fine map take hours and fill next to nothing of it.
+/// Largest ratio of target texels to source texels. Small parts of a very fine map would take hours and fill almost nothing of it.
 const MOST_MADE: u64 = 4096;
 
-/// Rejects a map that is out of all proportion to what it is made of.
+/// Rejects a map that is far too large for its parts.
 fn check_worth(pieces: &[Piece], target: &Target, context: &FileContext) -> Result<(), BuildError> {
     let texels = |width: u32, height: u32| u64::from(width) * u64::from(height);
     let given: u64 = pieces
@@ -294,7 +294,7 @@ fn check_worth(pieces: &[Piece], target: &Target, context: &FileContext) -> Resu
     ))
 }
 
-/// The grid: the width asked for, or as fine as the finest part.
+/// The grid: the requested width, or as fine as the finest part.
 fn target(
     description: &Description,
     window: Option<&Bounds>,
@@ -376,7 +376,7 @@ fn most_bytes(pieces: &[Piece], target: &Target) -> u64 {
         now = now.saturating_add(change);
         most = most.max(now);
     }
-    // The row that is made: values, weights and what is left.
+    // The target row: values, weights and remaining visibility.
     most as u64 + u64::from(target.columns) * 20
 }
 

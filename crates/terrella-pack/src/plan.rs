@@ -7,10 +7,10 @@ use super::source::SourceInfo;
 use std::ops::Range;
 use terrella_imagery::tile::{MapLayer, Storage, TileShape};
 
-/// What the program itself takes, and what the allocator keeps of what was given back.
+/// Memory of the program itself, and of freed blocks that the allocator keeps.
 pub(super) const BASE_BYTES: u64 = 48 << 20;
 
-/// What is kept of each tile that is there: its line of the journal, its name and its file.
+/// Memory for each existing tile: its line of the journal, its name and its file.
 const NOTED_BYTES: u64 = 250;
 
 /// How much may be held and by how many.
@@ -92,7 +92,7 @@ pub(super) fn plan<const C: usize>(
     })
 }
 
-/// Bytes for what is known of the tiles of a map.
+/// Memory for the records of a map's tiles, bytes.
 fn noted_bytes(levels: &[TileShape], storages: &[Storage]) -> u64 {
     let tiles = levels
         .iter()
@@ -100,9 +100,9 @@ fn noted_bytes(levels: &[TileShape], storages: &[Storage]) -> u64 {
     tiles.sum::<u64>() * storages.len() as u64 * NOTED_BYTES
 }
 
-/// Bytes for the source, its rows and the rows of all levels.
+/// Memory for the source, its rows and the rows of all levels, bytes.
 fn reading_bytes<const C: usize>(info: &SourceInfo, levels: &[TileShape], columns: u32) -> u64 {
-    // The row as it is read, as numbers, and a few rows of heights.
+    // The row as read, as numbers, and a few rows of elevations.
     let rows = info.row_bytes() as u64 + u64::from(info.width) * (4 * C as u64 + 48);
     let of_level = |shape: &TileShape| {
         let texels = row_texels(*shape, &tile_columns(*shape, &(0..columns)));

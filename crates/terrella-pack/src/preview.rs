@@ -18,26 +18,26 @@ const SHOWN_STEEPER: f32 = 4.0;
 
 const BACKGROUND: Rgb<u8> = Rgb([24, 24, 28]);
 
-/// Where a block has no tile of a level.
+/// Colour of a missing tile.
 const ABSENT: Rgb<u8> = Rgb([48, 48, 54]);
 
-/// Where a tile is bad.
+/// Colour of a bad tile.
 const BAD: Rgb<u8> = Rgb([255, 0, 255]);
 
 /// Italy, Greece and the coast of Africa: land, sea, mountains and city lights.
 const SAMPLE: Block = Block { column: 8, row: 2 };
 
-/// A contact sheet, and what is bad of the tiles that are on it.
+/// A contact sheet, and its bad tiles.
 ///
-/// A row for each map, in the manifest's order. In it, from left to right: the coarsest level as a whole, the block
-/// that is shown framed; then that block, from 0° to 22.5° E and 22.5° to 45° N, at every level, the finest first. A
-/// level without the block, or a part of it, is a grey square, a bad tile a magenta one. Clouds, lights and water are shown as grey,
-/// slopes as the colours of a normal map, four times steeper than stored, for most ground is nearly flat.
+/// A row for each map, in the manifest's order. From left to right: the coarsest level of the whole map, with a frame around the selected block;
+/// then that block, from 0° to 22.5° E and 22.5° to 45° N, at every level, the finest first. A level without the block, or a part of it, is a grey
+/// square, a bad tile a magenta one. Clouds, lights and water are shown as grey, slopes as the colours of a normal map, four times steeper than
+/// stored, as most terrain is nearly flat.
 ///
-/// `storage` is the one that is shown, or else the pack's first.
+/// `storage` is the displayed one; by default the pack's first.
 ///
 /// # Errors
-/// A storage that the pack has not, and a block of the coarsest level that no level has.
+/// A storage that the pack does not have, or a block of the coarsest level that no level has.
 pub fn preview(
     pack: Arc<Pack>,
     storage: Option<Storage>,
@@ -130,7 +130,7 @@ fn map_of(maps: &EarthLayers, layer: MapLayer) -> Option<&LayerImage> {
     }
 }
 
-/// Draws texels scaled to a width and height: each pixel the mean of the texels it covers, as stored, or the one it lies in.
+/// Draws texels scaled to a width and height: each pixel is the mean of the texels it covers, as stored, or the texel that contains it.
 fn draw(
     sheet: &mut RgbImage,
     (left, top): (u32, u32),

@@ -1,13 +1,12 @@
-//! A map's rows at another size, made while they are read.
+//! Resampling of a map's rows to another size while they are read.
 //!
-//! Where the source is at least as fine as the level, a texel is the mean over its footprint, source texels at the edge
-//! counted in part. Where it is coarser, values are interpolated by cubic convolution (Catmull–Rom), which passes
-//! through the source's texels and has no facets; it is held between the two texels on either side, in each direction,
-//! because its overshoot would draw black lines along bright coasts. Longitude is periodic. Beyond a pole the rows come
-//! back on the opposite meridian, where slopes point the other way.
+//! If the source is at least as fine as the level, a texel is the mean over its footprint, with partial weights for source texels at the edge. If
+//! it is coarser, values are interpolated by cubic convolution (Catmull–Rom), which passes through the source's texels and has no facets. The
+//! result is clamped between the two texels on either side, in each direction, because its overshoot would draw black lines along bright coasts.
+//! Longitude is periodic. Beyond a pole the rows continue on the opposite meridian, where slopes have the opposite sign.
 //!
-//! Each value is computed from its own source texels in one order, whichever columns are asked for: passes over parts of
-//! a map give the same bits as one pass over all.
+//! Each value is computed from its own source texels in one order, whichever columns are requested: passes over parts of a map give the same bits
+//! as one pass over all of it.
 
 use std::collections::VecDeque;
 
@@ -18,10 +17,10 @@ pub(super) struct Sizes {
     pub level: (u32, u32),
 }
 
-/// The columns that are wanted, and those half a turn away, which lie beyond the poles.
+/// The requested columns, and those half a turn away, which are beyond the poles.
 pub(super) const LANES: usize = 2;
 
-/// Where the edge of a texel lies on a line of the source: whole texels and the part beyond, 0…1.
+/// Position of the edge of a texel on a line of the source: whole texels and the fraction, 0…1.
 fn edge(texel: u32, source: u32, level: u32) -> (u32, f32) {
     let place = u64::from(texel) * u64::from(source);
     let level = u64::from(level);
@@ -31,8 +30,7 @@ fn edge(texel: u32, source: u32, level: u32) -> (u32, f32) {
     )
 }
 
-/// Where the centre of a texel lies between two centres of the source: the first of them, and the part of the way to
-/// the second.
+/// Position of a texel's centre between two centres of the source: the index of the first, and the fraction of the way to the second.
 fn centre(texel: u32, source: u32, level: u32) -> (i64, f32) {
     let twice = (2 * i64::from(texel) + 1) * i64::from(source) - i64::from(level);
     let step = 2 * i64::from(level);
@@ -50,7 +48,7 @@ pub(super) fn cubic([a, b, c, d]: [f32; 4], t: f32) -> f32 {
     value.clamp(b.min(c), b.max(c))
 }
 
-/// How the columns of a lane are made of a source row.
+/// How the columns of a lane are computed from a source row.
 enum Columns {
     /// First texel and its weight, the one after the last whole texel and its weight.
     Box(Vec<(u32, f32, u32, f32)>),
@@ -59,7 +57,7 @@ enum Columns {
 }
 
 impl Columns {
-    /// `count` columns from `first` on, which may lie beyond the edges.
+    /// `count` columns from `first` on, which may extend beyond the edges.
     fn new(source: u32, level: u32, first: i64, count: usize) -> Self {
         let columns = (first..)
             .take(count)
@@ -147,8 +145,7 @@ struct Lane {
 }
 
 impl<const C: usize> Resampler<C> {
-    /// For `count` columns of the level from `first` on. Of the opposite meridian only the first and last
-    /// `polar_rows` rows are made.
+    /// For `count` columns of the level from `first` on. On the opposite meridian only the first and last `polar_rows` rows are computed.
     pub(super) fn new(sizes: Sizes, first: i64, count: usize, polar_rows: u32) -> Self {
         let (source, level) = (sizes.source, sizes.level);
         let lane = |first: i64| Lane {
@@ -201,7 +198,7 @@ impl<const C: usize> Resampler<C> {
             }
         }
         if !self.is_box() {
-            // Both lanes have their rows: what lies beyond the north pole is known.
+            // Both lanes have their rows: the values beyond the north pole are known.
             if y == 1 {
                 self.mirror([0, 1], |place| -1 - place, true);
             }

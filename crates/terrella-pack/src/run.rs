@@ -21,7 +21,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use terrella_imagery::pack::write_ktx2;
 use terrella_imagery::tile::{MapLayer, Storage, TileShape};
 
-/// One map and what is made of it.
+/// One map and its outputs.
 pub(super) struct Job<'a> {
     pub layer: MapLayer,
     pub path: &'a Path,
@@ -50,15 +50,15 @@ impl Failure {
     }
 }
 
-/// What is known when a pass is over.
+/// Result of a pass.
 struct PassDone {
     /// Slopes beyond what can be stored.
     saturated_texels: u64,
-    /// What was left out of the map.
+    /// Remarks about omitted parts of the map.
     notes: Vec<String>,
 }
 
-/// What the threads of a pass share.
+/// State that the threads of a pass share.
 struct SharedRun<'a> {
     job: &'a Job<'a>,
     pool: Pool,

@@ -1,5 +1,5 @@
-//! A build that several processes share: each makes some columns of blocks of a map, and [`super::build`] then finds all tiles there and
-//! writes the manifest. What is written does not depend on who makes which share.
+//! A build shared by several processes: each makes some columns of blocks of a map, and [`super::build`] then finds all tiles and writes the
+//! manifest. The output does not depend on the assignment of shares.
 
 use super::folder::{BuildFolder, Disk};
 use super::{BuildError, BuildOptions, BuildProgress, Division, Prepared, run};
@@ -14,7 +14,7 @@ pub struct BuildShare {
     pub layer: MapLayer,
     /// Its columns of blocks, from the west, 16 in all.
     pub columns: Range<u32>,
-    /// About what its making costs: the texels of its tiles, of all levels, times what one of its map costs.
+    /// Approximate cost: the texels of its tiles, of all levels, times the cost of a texel of its map.
     pub cost: u64,
     /// Tiles of it that are not there yet.
     pub missing: u64,
@@ -29,8 +29,8 @@ pub struct SharesPlan {
     pub tiles: u64,
 }
 
-/// What a texel of a map costs over one of water, about: measured for the starter maps, 10 to 14 ns, in plain, compressed and both
-/// kinds of tiles. Colours are 5, 12 and 11 times that.
+/// Approximate cost of a map's texel relative to one of water: measured for the starter maps, 10 to 14 ns, in plain, compressed and both kinds of
+/// tiles. Colours cost 5, 12 and 11 times that.
 fn texel_cost(layer: MapLayer) -> u64 {
     match layer {
         MapLayer::Day => 10,
@@ -41,7 +41,7 @@ fn texel_cost(layer: MapLayer) -> u64 {
 }
 
 impl BuildShare {
-    /// Its name among those of the build.
+    /// Its name among the shares of the build.
     fn name(&self) -> String {
         let Range { start, end } = self.columns;
         format!("{}-{start}-{end}", self.layer.name())
@@ -75,7 +75,7 @@ pub fn begin_shares(
         .sum();
     let (mut shares, mut tiles) = (Vec::new(), 0);
     for map in &prepared.maps {
-        // A share reads all of its map: as many as keep every worker at work, and no more.
+        // A share reads all of its map: there are as many as keep every worker busy, and no more.
         let whole = cost(map, u64::from(COLUMNS));
         let due = (whole * u64::from(workers)).div_ceil(all.max(1));
         let count = (due.clamp(1, u64::from(COLUMNS)) as u32).next_power_of_two();

@@ -1,4 +1,4 @@
-//! Tests of what a build is made of, and of builds that are stopped.
+//! Tests of a build's parts, and of interrupted builds.
 
 mod geometry;
 mod parts;

@@ -1,11 +1,11 @@
-//! What a tile's file is named by.
+//! Name of a tile's file.
 
 use std::path::PathBuf;
 use terrella_ground::globe::{BLOCK_COUNT, Block, COLUMNS};
 use terrella_imagery::pack::tile_path;
 use terrella_imagery::tile::{MapLayer, Storage, TileShape};
 
-/// A tile's file, by what its path is made of.
+/// A tile's file, by the parts of its path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct TileName {
     pub storage: Storage,
@@ -21,7 +21,7 @@ pub(super) struct TileName {
 }
 
 impl TileName {
-    /// Of the tile in a row and column of all tiles of a level.
+    /// For the tile in a row and column of all tiles of a level.
     pub(super) fn new(
         storage: Storage,
         layer: MapLayer,

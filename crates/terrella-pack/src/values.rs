@@ -9,10 +9,10 @@ use terrella_imagery::srgb::linear_from_encoded;
 /// Heights beyond this are marks for "no data", metres.
 const HIGHEST_M: f64 = 20_000.0;
 
-/// What most programs write for "no data" that is not beyond that.
+/// The usual value for "no data" that is within the range.
 const NO_DATA: f32 = -9999.0;
 
-/// What is made of a map's texels.
+/// Meaning of a map's texels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Meaning {
     /// sRGB colour to linear light: three values.
@@ -23,7 +23,7 @@ pub(super) enum Meaning {
     Normals,
     /// Elevations to slopes: two values.
     Elevation {
-        /// What is subtracted, metres; `None`: what the file's kind is wont to have.
+        /// Offset that is subtracted, metres; `None`: the default of the file format.
         offset_m: Option<f64>,
         /// How many times steeper than the truth.
         exaggeration: f64,
@@ -98,12 +98,12 @@ struct Heights {
     heights_m: Vec<f64>,
     taken: u32,
     saturated_texels: u64,
-    /// Samples of [`NO_DATA`] that the file does not say are none.
+    /// Number of samples of [`NO_DATA`] in a file that does not declare it.
     undeclared: u64,
 }
 
 impl ValueRows {
-    /// Of a source whose texels must mean this; `path` is its name in messages.
+    /// For a source whose texels must have this meaning; `path` is its name in messages.
     pub(super) fn new(
         source: Box<dyn RowSource>,
         meaning: Meaning,
@@ -149,7 +149,7 @@ impl ValueRows {
         }
     }
 
-    /// What was left out of the map, to be reported.
+    /// Remarks about omitted parts of the map, for reports.
     pub(super) fn notes(&mut self) -> Vec<String> {
         let mut notes = self.source.notes();
         if let Convert::Elevation(heights) = &mut self.convert {
@@ -255,7 +255,7 @@ fn read_colour(info: &SourceInfo, bytes: &[u8], linear: &[f32], out: &mut [f32])
     clear_nothing::<3>(info, bytes, out);
 }
 
-/// Makes 0 of the texels that alpha says are not there.
+/// Sets texels to 0 that are transparent.
 fn clear_nothing<const C: usize>(info: &SourceInfo, bytes: &[u8], out: &mut [f32]) {
     if info.opacity.is_some() {
         let (texels, _) = out.as_chunks_mut::<C>();
@@ -267,12 +267,12 @@ fn clear_nothing<const C: usize>(info: &SourceInfo, bytes: &[u8], out: &mut [f32
     }
 }
 
-/// Whether alpha says that a texel is not there.
+/// Whether a texel is transparent.
 fn is_nothing(info: &SourceInfo, bytes: &[u8], x: usize) -> bool {
     info.opacity.is_some() && sample(info.sample, bytes, (x + 1) * info.channels - 1) == 0.0
 }
 
-/// What alpha says, 0…1, in a sample.
+/// The alpha of a sample, 0…1.
 pub(super) fn opaque_part(kind: SampleKind, bytes: &[u8], index: usize) -> f32 {
     let full = match kind {
         SampleKind::U8 => 255.0,
@@ -310,7 +310,7 @@ fn read_amount(info: &SourceInfo, bytes: &[u8], out: &mut [f32]) {
             None => 1.0,
         };
         *value = if amount.is_nan() {
-            // Where there are no data there is nothing.
+            // Missing data is zero.
             0.0
         } else {
             amount.clamp(0.0, 1.0) * part
@@ -318,8 +318,7 @@ fn read_amount(info: &SourceInfo, bytes: &[u8], out: &mut [f32]) {
     }
 }
 
-/// Of a surface z(east, north) the normal is (−dz/d east, −dz/d north, 1) but for its length; 128 (of 16 bits, 32 768)
-/// stands for 0.
+/// The normal of a surface z(east, north) is proportional to (−dz/d east, −dz/d north, 1); 128 (of 16 bits, 32 768) represents 0.
 fn read_normals(info: &SourceInfo, bytes: &[u8], fade: f32, out: &mut [f32]) {
     let (zero, full) = if info.sample == SampleKind::U8 {
         (128.0, 127.0)

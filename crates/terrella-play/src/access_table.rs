@@ -15,11 +15,11 @@ const MAX_TABLES: usize = 10_000;
 /// Which accesses are wanted.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AccessRequest {
-    /// What they need beside a line of sight.
+    /// Conditions of an access besides a line of sight.
     pub rule: AccessRule,
-    /// Those between satellites too, beside those of stations.
+    /// Whether accesses between satellites are included, besides those of stations.
     pub has_crosslinks: bool,
-    /// For how long from the scene's first instant on; `None` is to its last.
+    /// Length of the search from the scene's first epoch; `None` is to its last.
     pub length: Option<Duration>,
 }
 
@@ -32,10 +32,10 @@ pub struct AccessTable<'f> {
 }
 
 impl<'f> AccessTable<'f> {
-    /// Looks for the accesses of every station of the scene to each of these satellites, then of the satellites to each other.
+    /// Finds the accesses of every station of the scene to each of these satellites, and of the satellites to each other.
     ///
     /// # Errors
-    /// Neither stations nor two satellites, too many of both, and what a feed rejects.
+    /// No stations and fewer than two satellites, too many of both, or an error of a feed.
     pub fn all(
         flight: &'f Flight,
         satellites: &[&'f Satellite],

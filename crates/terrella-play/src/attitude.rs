@@ -8,7 +8,7 @@ use terrella::Sky;
 use terrella::frames::{Ellipsoid, Epoch, Orientation};
 use terrella_orbit::{AttitudeError, AttitudeHistory, Frame};
 
-/// What turns a spacecraft, ready to be asked.
+/// Source of a spacecraft's attitude, opened.
 #[derive(Clone)]
 pub enum Attitude {
     Rule(AttitudeName),
@@ -17,7 +17,7 @@ pub enum Attitude {
     File(Arc<AttitudeHistory>),
 }
 
-/// What attitudes depend on.
+/// Inputs of an attitude.
 pub struct AttitudeMoment<'m> {
     pub epoch: Epoch,
     pub motion: &'m OrbitalMotion,
@@ -35,10 +35,10 @@ impl Attitude {
         })
     }
 
-    /// Whether it is known from one epoch to another.
+    /// Checks that the attitude is known from one epoch to another.
     ///
     /// # Errors
-    /// The first epoch at which it is not, and the time of the file.
+    /// The first epoch at which it is unknown, and the time span of the file.
     pub fn check_span(&self, first: Epoch, last: Epoch) -> Result<(), AttitudeError> {
         match self {
             Self::Rule(_) | Self::Spinning(..) => Ok(()),
@@ -46,10 +46,10 @@ impl Attitude {
         }
     }
 
-    /// Rotation from the axes of the craft to ITRF.
+    /// Rotation from the spacecraft's axes to ITRF.
     ///
     /// # Errors
-    /// An epoch at which a file does not know it.
+    /// An epoch at which a file has no attitude.
     pub fn itrf_from_craft(&self, moment: &AttitudeMoment<'_>) -> Result<DMat3, AttitudeError> {
         let level = || moment.motion.itrf_from_level(moment.ellipsoid);
         match self {
@@ -57,7 +57,7 @@ impl Attitude {
             Self::Rule(AttitudeName::Sun) => Ok(facing(moment.sky.sun_itrf, &level())),
             Self::Rule(AttitudeName::Inertial) => {
                 let of_date = || Frame::Gcrf.itrf_from(moment.epoch, moment.orientation);
-                // A simulation says how its Earth stands.
+                // A simulation has its own Earth orientation.
                 Ok(moment.sky.itrf_from_gcrf.unwrap_or_else(of_date))
             }
             Self::Spinning(rule, spin, start) => {
@@ -73,7 +73,7 @@ impl Attitude {
     }
 }
 
-/// Axes with −z to the Sun and x as near to that of level flight as it can be, or to its y where the Sun is straight ahead.
+/// Axes with −z to the Sun and x as close as possible to that of level flight, or to its y if the Sun is straight ahead.
 fn facing(sun_itrf: DVec3, level: &DMat3) -> DMat3 {
     let down = -sun_itrf.normalize_or(-level.z_axis);
     let ahead = level.x_axis.reject_from_normalized(down);

@@ -1,7 +1,7 @@
-//! Where the eye stands and looks: pure f64 functions from a satellite's motion, or a place, to a [`Pose`].
+//! Position and view of the eye: pure f64 functions from a satellite's motion, or a position, to a [`Pose`].
 //!
-//! "Down" is the ellipsoid's own vertical, so that the middle of a nadir picture is the point whose geodetic latitude
-//! and longitude the satellite has, and a horizon is as far below level as the actual figure has it.
+//! "Down" is the ellipsoid normal. The centre of a nadir image is thus the point with the satellite's geodetic latitude and longitude, and the
+//! horizon has the depression of the actual figure.
 
 pub use super::pose::Pose;
 use super::pose::north_of;
@@ -11,16 +11,16 @@ use terrella::frames::{Ellipsoid, Geodetic};
 
 /// Distance of the eye from the satellite in chase mode, metres.
 pub const CHASE_DISTANCE_M: f64 = 40.0;
-/// How high the chasing eye stands above the satellite's level, seen from it, radians (25°).
+/// Elevation of the chase camera above the satellite's level, seen from the satellite, radians (25°).
 pub const CHASE_ELEVATION_RAD: f64 = 25.0 * std::f64::consts::PI / 180.0;
-/// Where the limb lies in horizon mode: this part of the picture's height below its top edge.
+/// Position of the limb in horizon mode: this fraction of the image height below its top edge.
 pub const LIMB_FROM_TOP: f64 = 1.0 / 3.0;
 /// Narrowest view that zooming reaches, radians (a thousandth of a degree), unless the scene itself is narrower.
 pub const NARROWEST_RAD: f64 = 0.001 * std::f64::consts::PI / 180.0;
 /// Widest view that zooming reaches, radians (150°), unless the scene itself is wider.
 pub const WIDEST_RAD: f64 = 150.0 * std::f64::consts::PI / 180.0;
 
-/// Where a satellite is and where it flies.
+/// Position and velocity of a satellite.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OrbitalMotion {
     /// Position, ITRF, metres.
@@ -29,7 +29,7 @@ pub struct OrbitalMotion {
     pub velocity_m_s: DVec3,
 }
 
-/// What the user changed about a view.
+/// Changes of a view by the user.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HeadTurn {
     /// Magnification, 1 is the scene's own; the picture's half height on a plane ahead is divided by it.
@@ -71,11 +71,11 @@ impl OrbitalMotion {
         ellipsoid.geodetic_from_itrf(self.position_itrf_m)
     }
 
-    /// Level direction of flight; north where the satellite stands still or flies straight up or down.
+    /// Horizontal direction of flight; north if the satellite is at rest or moves vertically.
     fn ahead(&self, place: Geodetic) -> DVec3 {
         let vertical = Ellipsoid::normal(place.lat_rad, place.lon_rad);
         let level = self.velocity_m_s.reject_from_normalized(vertical);
-        // What is left of a vertical velocity by rounding is no direction.
+        // The rounding error of a vertical velocity is not a direction.
         if level.length() > 1e-9 * self.velocity_m_s.length() {
             level.normalize_or(north_of(place))
         } else {
@@ -106,7 +106,7 @@ impl Pose {
         }
     }
 
-    /// At the satellite, forwards along its track, pitched so that the limb ahead lies [`LIMB_FROM_TOP`] from the top.
+    /// At the satellite, looking forwards along its track, with the limb ahead at [`LIMB_FROM_TOP`] from the top.
     pub fn horizon(motion: &OrbitalMotion, ellipsoid: &Ellipsoid, fov_rad: f64) -> Self {
         let place = motion.place(ellipsoid);
         let vertical = Ellipsoid::normal(place.lat_rad, place.lon_rad);

@@ -1,11 +1,11 @@
-//! What a scene's camera does in the course of time, by its keys.
+//! Motion of a scene's camera over time, from its keyframes.
 //!
-//! A key with a cut begins a shot: nothing goes from the keys before it to those after it.
+//! A keyframe with a cut begins a shot: nothing is interpolated across it.
 //!
-//! Each quantity goes through the keys that set it, and is as `[camera]` says where none does. Places go along the sphere and not
-//! through it: the vertical's direction by a curve of great arcs, the height by its logarithm. Attitudes over the ground are carried
-//! along with the vertical, in axes that turn with it by the shortest way and not with north, so that a camera that looks straight
-//! down, or level, at two keys does so between them, and nothing turns about at the poles.
+//! Each quantity is interpolated through the keyframes that set it; without one it has the value of `[camera]`. Positions follow the sphere: the
+//! vertical by a curve of great-circle arcs, the height by its logarithm. Attitudes over the ground are transported with the vertical, in axes that
+//! rotate with it by the shortest way and not with north. A camera that looks straight down, or level, at two keyframes thus does so between them,
+//! and nothing spins at the poles.
 
 use super::camera::{HeadTurn, OrbitalMotion, Pose};
 use super::spline::{NumberTrack, SphereTrack};
@@ -101,7 +101,7 @@ impl CameraPath {
         shot.chase_pose(time_s, motion, ellipsoid)
     }
 
-    /// The head turned as keys say, and the camera rolled.
+    /// The user's head turn as set by keyframes, and the camera's roll.
     pub fn turned(&self, epoch: Epoch, pose: Pose) -> Pose {
         let (shot, time_s) = self.shot(epoch);
         shot.turned(time_s, pose)
@@ -121,7 +121,7 @@ impl CameraPath {
 }
 
 impl Shot {
-    /// By these of the camera's keys.
+    /// A path through these keyframes of the camera.
     fn new(camera: &Camera, keys: &[CameraKey]) -> Self {
         let degrees =
             |[lat, lon, height_km]: [f64; 3]| Geodetic::from_degrees(lat, lon, height_km * 1e3);
@@ -156,7 +156,7 @@ impl Shot {
         let attitudes: Vec<_> = places
             .iter()
             .map(|(time_s, [heading_deg, pitch_deg], place)| {
-                // What the eye's distance from the Earth's centre is does not matter to where it looks.
+                // The eye's distance from the Earth's centre does not affect its viewing direction.
                 let pose = Pose::geodetic(*place, &Ellipsoid::WGS84)
                     .facing(heading_deg.to_radians(), pitch_deg.to_radians());
                 let carried = DQuat::from_rotation_arc(from, vertical(place));
@@ -228,7 +228,7 @@ impl Shot {
         };
         match (&self.roll_rad, self.camera.roll_deg) {
             (Some(track), _) => pose.rolled(track.at(time_s)),
-            // Exact where it is none.
+            // Exact if there is no roll.
             (None, 0.0) => pose,
             (None, roll_deg) => pose.rolled(roll_deg.to_radians()),
         }
@@ -366,11 +366,11 @@ mod tests {
         );
         let at = |time_s: f64| path.start + time_s * Unit::Second;
         let lat_deg = |time_s| pose_at(&path, time_s).1.lat_rad.to_degrees();
-        // Before the cut the camera stays at the last key, behind it it is at the next at once.
+        // Before the cut the camera stays at the last keyframe; after it, it is at the next immediately.
         for (time_s, wanted) in [(5.0, 51.0), (19.999, 52.0), (20.0, -30.0), (25.0, -31.0)] {
             assert!((lat_deg(time_s) - wanted).abs() < 1e-6, "{time_s}");
         }
-        // What the shot does not key is the camera's own.
+        // A quantity without a keyframe in the shot has the camera's own value.
         for (time_s, wanted) in [(19.0, 60.0), (20.0, 40.0)] {
             let fov_deg = path.fov_rad(at(time_s)).to_degrees();
             assert!((fov_deg - wanted).abs() < 1e-9, "{time_s}: {fov_deg}");

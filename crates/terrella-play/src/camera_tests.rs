@@ -1,4 +1,4 @@
-//! Each camera, asked through the matrices that the renderer gets.
+//! Each camera, tested through the matrices that the renderer gets.
 
 use super::*;
 use glam::{DVec2, DVec4};
@@ -65,7 +65,7 @@ fn nadir_has_the_sub_satellite_point_in_the_middle_and_flight_upwards() {
             ahead.y > 1e-3 && ahead.x.abs() < 1e-4,
             "{lat} {lon}: {ahead}"
         );
-        // What lies to the right of the flight is at the right of the picture.
+        // Objects to the right of the flight direction are on the right of the image.
         let right = motion.velocity_m_s.cross(motion.position_itrf_m);
         let right = screen(&view, ground_towards(&motion, right)).expect("right");
         assert!(right.x > 1e-3, "{lat} {lon}: {right}");

@@ -61,7 +61,7 @@ pub(super) fn scaled(mut image: image::RgbaImage, width_px: Option<f64>) -> Colo
         pixel.0 = Color32::from_rgba_unmultiplied(red, green, blue, alpha).to_array();
     }
     let (width, height) = image.dimensions();
-    // Both lie in ranges that are checked.
+    // Both ranges have been checked.
     let new_width = width_px.map_or(width, |width| width.round() as u32).max(1);
     let new_height = f64::from(height) * f64::from(new_width) / f64::from(width.max(1));
     let new_height = (new_height.round() as u32).clamp(1, MAX_IMAGE_PX);
@@ -87,7 +87,7 @@ mod tests {
         assert_eq!(scaled(read.clone(), None).size, [40, 20]);
         let small = scaled(read, Some(10.0));
         assert_eq!(small.size, [10, 5]);
-        // Colours are multiplied by alpha; that of egui is in its own gamma.
+        // Colours are premultiplied by alpha, in egui's gamma space.
         let [red, _, blue, alpha] = small.pixels[0].to_array();
         assert!(alpha == 128 && blue == 0 && (120..=195).contains(&red));
         let bytes = std::fs::read(&path).expect("read");

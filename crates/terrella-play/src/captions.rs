@@ -1,4 +1,4 @@
-//! Captions over finished pictures: what they say of an instant, and where they stand.
+//! Captions over finished images: their text and position.
 
 use super::caption_image::{read_image, scaled};
 use super::caption_legend::{LaidLegend, rgb};
@@ -16,18 +16,18 @@ use std::sync::Arc;
 use terrella::frames::{Epoch, Geodetic, TimeScale, ccsds_time};
 use terrella::{FrameStats, GpuContext};
 
-/// Height of letters where a scene gives none, as a fraction of the picture's, and its bounds, pixels.
+/// Default letter height, as a fraction of the image height, and its bounds, pixels.
 const LETTER_FRACTION: f32 = 0.03;
 const LETTER_PX: std::ops::RangeInclusive<f32> = 12.0..=200.0;
 /// Letters are made no smaller than this to fit into a picture, pixels.
 const LEAST_PX: f32 = 5.0;
 /// And all else no smaller than this part of its size.
 const LEAST_SCALE: f32 = 0.02;
-/// By how much at a time.
+/// Factor of each step.
 const SHRINKING: f32 = 0.85;
 /// Distance from the picture's edges, as a fraction of its shorter side.
 const MARGIN_FRACTION: f32 = 0.02;
-/// Space within a plate, and between captions of one place, in heights of letters.
+/// Padding within a plate, and spacing of captions at the same position, in letter heights.
 const PADDING: f32 = 0.35;
 /// Times of frames are rounded: what is nearly a second is one.
 const ROUNDING_S: f64 = 0.0005;
@@ -65,7 +65,7 @@ enum Shown {
     Legend(CoverageScale),
 }
 
-/// What captions show of an instant.
+/// Values that captions show.
 struct CaptionState<'m> {
     epoch: Epoch,
     start: Epoch,
@@ -225,7 +225,7 @@ fn date(utc: &str) -> &str {
     utc.split('T').next().unwrap_or(utc)
 }
 
-/// To whole seconds.
+/// Truncates to whole seconds.
 fn clock(utc: &str) -> &str {
     let time = utc.split('T').nth(1).unwrap_or_default();
     time.split('.').next().unwrap_or(time)

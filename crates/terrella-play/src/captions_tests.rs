@@ -38,7 +38,7 @@ fn values_are_those_of_the_instant() {
     assert_eq!(text(CaptionValue::SpeedKmS), "7.658");
 }
 
-/// Frames thirty times a second do not lie on whole nanoseconds.
+/// At thirty frames a second, frame times are not whole nanoseconds.
 #[test]
 fn a_second_begins_with_its_frame() {
     let start = epoch("2018-01-15T00:00:00Z");

@@ -32,7 +32,7 @@ pub(super) fn epoch_after(time: &Time, frames: f64) -> Epoch {
 /// Shortest range that is played by itself, as a fraction of the span.
 const MIN_RANGE_FRACTION: f64 = 1e-3;
 
-/// What the clock does at the end of what it plays.
+/// Behaviour of the clock at the end of the playback range.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AtEnd {
     /// Begins again, in either direction.
@@ -63,7 +63,7 @@ pub struct Clock {
 }
 
 impl Clock {
-    /// A clock that stands at the scene's start and runs at its speed.
+    /// A clock at the scene's start that runs at the scene's speed.
     pub fn new(time: &Time, at_end: AtEnd) -> Self {
         let now_s = if time.speed < 0.0 {
             time.duration_s
@@ -109,12 +109,12 @@ impl Clock {
         self.speed
     }
 
-    /// Whether it stands still.
+    /// Whether it is paused.
     pub fn is_paused(&self) -> bool {
         self.paused
     }
 
-    /// What it does at the end.
+    /// Its behaviour at the end.
     pub fn at_end(&self) -> AtEnd {
         self.at_end
     }
@@ -124,7 +124,7 @@ impl Clock {
         self.at_end = at_end;
     }
 
-    /// How much of the span lies before the present instant, 0…1.
+    /// Fraction of the span before the current time, 0…1.
     pub fn progress(&self) -> f64 {
         self.now_s / self.duration_s
     }
@@ -205,7 +205,7 @@ impl Clock {
         is_number.then(|| progress.clamp(0.0, 1.0) * self.duration_s)
     }
 
-    /// Whether from one to the other is long enough to be played: a thousandth of the span.
+    /// Whether a range is long enough for playback: a thousandth of the span.
     fn is_long_enough(&self, from_s: f64, to_s: f64) -> bool {
         to_s - from_s > MIN_RANGE_FRACTION * self.duration_s
     }
@@ -242,7 +242,7 @@ impl Clock {
         }
     }
 
-    /// Where it ends if it goes on.
+    /// Where it would end if it continued.
     fn end_ahead_s(&self) -> f64 {
         let (from_s, to_s) = self.range_ends_s();
         match self.speed < 0.0 {
@@ -253,9 +253,9 @@ impl Clock {
         }
     }
 
-    /// Pauses or goes on.
+    /// Pauses or resumes.
     ///
-    /// At the end, where it would stop again at once, it goes on from the other end.
+    /// At the end, where it would stop again immediately, it resumes from the other end.
     pub fn set_paused(&mut self, paused: bool) {
         self.paused = paused;
         if !paused && self.at_end == AtEnd::Stop && self.now_s == self.end_ahead_s() {
@@ -271,13 +271,13 @@ impl Clock {
         }
     }
 
-    /// To the next higher power of two of real time.
+    /// Increases the speed to the next power of two of real time.
     pub fn faster(&mut self) {
         let exponent = self.speed.abs().log2().floor() + 1.0;
         self.set_magnitude(exponent.exp2());
     }
 
-    /// To the next lower power of two of real time.
+    /// Decreases the speed to the next power of two of real time.
     pub fn slower(&mut self) {
         let exponent = self.speed.abs().log2().ceil() - 1.0;
         self.set_magnitude(exponent.exp2());
@@ -313,7 +313,7 @@ impl Clock {
         self.jump();
     }
 
-    /// Moves the clock by simulated seconds, as far as the span reaches.
+    /// Moves the clock by simulated seconds, clamped to the span.
     pub fn seek_by(&mut self, simulated_s: f64) {
         self.seek((self.now_s + simulated_s) / self.duration_s);
     }
@@ -486,7 +486,7 @@ mod tests {
         clock.set_paused(false);
         clock.advance(0.5);
         assert!((seconds(&clock) - 70.0).abs() < 1e-9);
-        // One that stands in the middle goes on from there.
+        // A clock in the middle resumes from there.
         clock.set_paused(true);
         clock.set_paused(false);
         assert!((seconds(&clock) - 70.0).abs() < 1e-9);

@@ -1,11 +1,11 @@
-//! What the files of a scene's maps say of their colours: those that are not sRGB's are reported, not converted.
+//! Colour spaces of a scene's map files: other spaces than sRGB are reported, not converted.
 
 use super::sky_parts::map_files;
 use crate::scene::{DatedLayer, Scene};
 use std::path::PathBuf;
 use terrella_imagery::{colour_note, day_file, find_textures};
 
-/// How the colours of the files that a scene draws differ from sRGB, as far as their headers say it.
+/// Differences from sRGB of the files that a scene draws, according to their headers.
 pub(super) fn colour_notes(scene: &Scene) -> Vec<String> {
     let earth = &scene.earth;
     let days = earth.dated_maps.iter();

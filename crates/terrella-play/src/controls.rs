@@ -1,4 +1,4 @@
-//! What the user has set: clock, camera, view, and what is shown. Knows nothing of windows.
+//! State set by the user: clock, camera, view, and displayed layers. Independent of windows.
 
 use super::camera::HeadTurn;
 use super::clock::{AtEnd, Clock};
@@ -21,7 +21,7 @@ const MAX_PITCH_RAD: f64 = 89.0 * std::f64::consts::PI / 180.0;
 /// Longest step of the wall clock that counts, seconds: a window that was hidden or held goes on where it stood.
 const MAX_STEP_S: f64 = 0.25;
 
-/// What the user has set.
+/// State set by the user.
 #[derive(Clone, Debug)]
 pub struct Controls {
     /// Simulated time.
@@ -29,25 +29,25 @@ pub struct Controls {
     /// Zoom and direction of view.
     pub look: HeadTurn,
     pub mode: CameraMode,
-    /// What the user has done to the camera by hand.
+    /// Manual camera movements.
     pub hand: Hand,
-    /// What the user has selected.
+    /// The selection.
     pub picked: Option<Picked>,
-    /// What is said of it.
+    /// Information about the selection.
     pub read_out: Option<ReadOut>,
-    /// What the scene's satellites are found by.
+    /// Search index of the scene's satellites.
     pub names: SatelliteNames,
-    /// How often the user has asked to search them.
+    /// Number of times that the user has opened the search.
     pub searches: u32,
-    /// What is drawn, and how it is exposed.
+    /// Displayed layers, and exposure.
     pub switches: Switches,
-    /// Whether the panel is shown.
+    /// Whether the panel is visible.
     pub panel: bool,
-    /// Whether the help is shown.
+    /// Whether the help is visible.
     pub help: bool,
-    /// Whether the user is being asked to close the window.
+    /// Whether the question to close the window is open.
     pub asks_to_close: bool,
-    /// Whether scale bar and compass are shown.
+    /// Whether scale bar and compass are visible.
     pub map_scale: bool,
     pub line: TimeLine,
     /// The message on screen.
@@ -63,7 +63,7 @@ pub struct Controls {
     scene_switches: Switches,
 }
 
-/// What the window itself must do for an action.
+/// Part of an action that the window itself must perform.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WindowTask {
     /// Write a picture.
@@ -85,7 +85,7 @@ pub enum WindowTask {
 }
 
 impl Controls {
-    /// As the scene has it.
+    /// The initial state from the scene.
     pub fn new(flight: &Flight) -> Self {
         let scene = flight.scene();
         Self {
@@ -150,12 +150,12 @@ impl Controls {
         self.switches != self.scene_switches
     }
 
-    /// Whether the exposure follows the view.
+    /// Whether the exposure is metered.
     pub fn meters_exposure(&self) -> bool {
         self.switches.exposure.unwrap_or(self.scene_exposure) == Exposure::Auto
     }
 
-    /// Whether the time line is on screen.
+    /// Whether the time line is visible.
     pub fn shows_line(&self) -> bool {
         self.panel && self.line.shown && self.live.is_none()
     }
@@ -165,7 +165,7 @@ impl Controls {
         self.help || self.asks_to_close || self.picked.is_some()
     }
 
-    /// Closes the topmost dialog, or drops the selection; where there is neither, asks whether to close the window.
+    /// Closes the topmost dialog, or clears the selection; without either, opens the question to close the window.
     fn dismiss(&mut self) {
         match (self.asks_to_close, self.help, self.picked) {
             (true, _, _) => self.asks_to_close = false,
@@ -196,7 +196,7 @@ impl Controls {
         (0.5 * self.scene_fov_rad).tan() / (0.5 * fov_rad).tan()
     }
 
-    /// Does what the user asks; what only the window can do is handed back. `height_px` is the picture's, for drags.
+    /// Performs a user action; returns the part that only the window can do. `height_px` is the image height, for drags.
     pub fn apply(&mut self, action: Action, height_px: f64) -> Option<WindowTask> {
         if sets_clock(action) {
             self.line.leave_real_time();

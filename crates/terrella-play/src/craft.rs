@@ -89,7 +89,7 @@ impl CraftPose {
     }
 }
 
-/// (cos, sin) of the turn about y that brings the wings' cells, −z at rest, as near to the Sun as it can.
+/// (cos, sin) of the rotation about y that turns the solar cells, −z at rest, towards the Sun as far as possible.
 fn wing_turn(sun_craft: DVec3) -> Vec2 {
     // (x, z) ↦ (c x + s z, c z − s x) takes (0, −1) to (−s, −c).
     let across = sun_craft.x.hypot(sun_craft.z);
@@ -138,7 +138,7 @@ pub struct CraftLayer {
 }
 
 impl CraftLayer {
-    /// For the pass that an Earth of these options is drawn in.
+    /// For the pass of an Earth with these options.
     pub fn new(gpu: &GpuContext, options: &EarthOptions) -> Result<Self, EarthError> {
         let format = options.pass_format();
         Ok(Self {
@@ -180,7 +180,7 @@ impl CraftLayer {
         stats.uploaded_bytes += size_of::<CraftFrame>() as u64;
     }
 
-    /// Draws it. Before the Earth, so that the air lies behind it.
+    /// Draws it. Call it before the Earth, so that the air is behind it.
     pub fn render(&self, pass: &mut wgpu::RenderPass<'_>) {
         if let (true, Some(drawable)) = (self.is_shown, &self.drawable) {
             drawable.render(pass);

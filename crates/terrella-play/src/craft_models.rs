@@ -14,7 +14,7 @@ use terrella_orbit::AttitudeError;
 #[derive(Default)]
 pub struct CraftModels {
     models: Vec<Arc<Model>>,
-    /// For each satellite of the scene.
+    /// Index of the model for each satellite of the scene.
     places: Vec<Option<usize>>,
     /// For each satellite, too.
     attitudes: Vec<Attitude>,
@@ -74,10 +74,10 @@ impl CraftModels {
         attitude.unwrap_or(Attitude::Rule(AttitudeName::default()))
     }
 
-    /// Whether all attitudes are known from one epoch to another.
+    /// Checks that all attitudes are known from one epoch to another.
     ///
     /// # Errors
-    /// The first epoch at which one is not, and the time of its file.
+    /// The first epoch at which one is unknown, and the time span of its file.
     pub fn check_span(&self, first: Epoch, last: Epoch) -> Result<(), AttitudeError> {
         let mut attitudes = self.attitudes.iter();
         attitudes.try_for_each(|attitude| attitude.check_span(first, last))

@@ -1,11 +1,11 @@
-//! Maps that change with the date: loaded ahead of time by a thread, and passed into each other on the GPU.
+//! Maps that change with the date: loaded in advance by a thread, and blended on the GPU.
 //!
 //! ```text
 //! files ─► MapLoader, a thread: decoded, uploaded ─► DatedMapsLayer: which two, how much of each ─► MapFade ─► Earth::set_map
 //! ```
 //!
-//! An Earth begins with what lies between the maps of its first instant (`at_once`); from then on a frame draws with what has
-//! come, and with what it had as long as nothing has.
+//! An Earth starts with the blend of maps for its first epoch (`at_once`). From then on a frame uses the maps that have arrived, and the previous
+//! ones until then.
 
 mod at_once;
 mod loader;
@@ -31,10 +31,10 @@ pub struct DatedMapsLayer {
 }
 
 impl DatedMapsLayer {
-    /// Those of a flight's scene; `None` where no map changes. The thread of each begins.
+    /// The dated maps of a flight's scene; `None` if no map changes. Starts the thread of each.
     ///
     /// # Errors
-    /// A thread that cannot begin, and what the device rejects.
+    /// A thread that cannot be started, or an error of the device.
     pub fn of(flight: &Flight, gpu: &GpuContext) -> Result<Option<Self>, PlayError> {
         let scene = flight.scene();
         let tables = scene.earth.dated_maps.iter();
@@ -43,8 +43,7 @@ impl DatedMapsLayer {
         Ok((!layers.is_empty()).then_some(Self { layers }))
     }
 
-    /// Has the Earth drawn with the maps of an epoch, as far as they have come; waits for them at most for so long. Before
-    /// [`Earth::prepare`].
+    /// Sets the maps of an epoch on the Earth, as far as they have arrived; waits for them at most this long. Call it before [`Earth::prepare`].
     pub fn prepare(&mut self, gpu: &GpuContext, earth: &mut Earth, epoch: Epoch, wait: Duration) {
         let deadline = Instant::now() + wait;
         for layer in &mut self.layers {
@@ -52,7 +51,7 @@ impl DatedMapsLayer {
         }
     }
 
-    /// Whether maps of the last epoch have not come yet.
+    /// Whether maps of the last epoch have not arrived yet.
     #[cfg(feature = "window")]
     pub fn is_loading(&self) -> bool {
         self.layers.iter().any(|layer| layer.is_loading)

@@ -1,13 +1,13 @@
-//! What egui has laid out, drawn over a finished picture.
+//! Draws the layout of egui over a finished image.
 
 use egui_wgpu::{Renderer, ScreenDescriptor as Screen};
 
 /// The picture that egui draws over, and how commands are recorded.
 pub struct EguiTarget<'c> {
-    /// The device of all that follows.
+    /// The device of all other fields.
     pub device: &'c wgpu::Device,
     pub queue: &'c wgpu::Queue,
-    /// What the pass is recorded in.
+    /// Encoder of the pass.
     pub encoder: &'c mut wgpu::CommandEncoder,
     /// The picture.
     pub view: &'c wgpu::TextureView,

@@ -30,7 +30,7 @@ pub enum Span {
 pub enum Axes {
     /// Position and velocity in a frame.
     Frame(Frame),
-    /// Latitude, longitude and height; tables with columns of position have those of ITRF.
+    /// Latitude, longitude and height; tables with position columns use ITRF.
     Geodetic,
 }
 
@@ -101,7 +101,7 @@ pub enum Selection<'n> {
 pub struct EphemerisRequest {
     /// First and last epoch, and the step.
     pub span: Span,
-    /// In which axes.
+    /// Axes of the states.
     pub axes: Axes,
     /// Whether instants at which the satellite is not known are left out and counted, as long as one is left.
     pub where_known: bool,
@@ -117,10 +117,10 @@ pub struct Ephemeris<'f> {
 }
 
 impl<'f> Ephemeris<'f> {
-    /// Asks the satellite for all states, before anything is printed.
+    /// Requests all states from the satellite before anything is printed.
     ///
     /// # Errors
-    /// If an instant lies outside its validity (the error says the interval), or there are more than a million.
+    /// If an epoch is outside its validity (the error states the interval), or there are more than a million.
     pub fn new(
         flight: &'f Flight,
         satellite: &'f Satellite,
@@ -167,7 +167,7 @@ impl<'f> Ephemeris<'f> {
         self.left_out
     }
 
-    /// The states, in the frame that was asked for.
+    /// The states, in the requested frame.
     pub fn states(&self) -> &[OrbitState] {
         &self.states
     }
@@ -265,7 +265,7 @@ impl<'f> Ephemeris<'f> {
         })
     }
 
-    /// What the Earth leaves of the Sun there, and the part of its disc.
+    /// How much of the Sun is visible at a state: its class, and the fraction of the disc.
     fn illumination(&self, state: &OrbitState) -> (Illumination, f64) {
         let orientation = self.flight.orientation_at(state.epoch);
         let sun_itrf_m = sun_position_itrf_m(state.epoch, &orientation);
@@ -343,12 +343,12 @@ pub fn omm(wanted: &[&Satellite], path: &Path, header: &Header) -> Result<String
     }
 }
 
-/// With all its decimals: a thousandth of a second is metres of flight.
+/// With all decimals: a millisecond is metres of flight.
 fn utc(epoch: Epoch) -> String {
     ccsds_time(epoch, TimeScale::Utc) + "Z"
 }
 
-/// What a program reads: an object for one satellite, an array of them for more.
+/// Machine-readable output: an object for one satellite, an array for several.
 fn json(mut documents: Vec<serde_json::Value>) -> String {
     let document = match documents.len() {
         1 => documents.swap_remove(0),
@@ -357,10 +357,10 @@ fn json(mut documents: Vec<serde_json::Value>) -> String {
     format!("{document:#}\n")
 }
 
-/// The satellites of a scene that are asked for, each once.
+/// The requested satellites of a scene, each once.
 ///
 /// # Errors
-/// A name that none has, or more than one, or a scene without satellites.
+/// A name that is unknown or ambiguous, or a scene without satellites.
 pub fn select<'f>(
     flight: &'f Flight,
     selection: Selection<'_>,

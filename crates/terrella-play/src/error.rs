@@ -1,4 +1,4 @@
-//! What can go wrong between a scene and a picture.
+//! Errors between a scene and its image.
 
 use super::film::FilmError;
 use super::output::OutputError;
@@ -18,7 +18,7 @@ use terrella_orbit::basilisk::RecordingError;
 use terrella_orbit::{AttitudeError, OrbitError};
 use terrella_sensor::SensorError;
 
-/// What can go wrong between a scene and a picture. The messages are those of the modules they come from.
+/// Errors between a scene and its image. The messages come from the modules.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 #[allow(missing_docs, reason = "the messages say what fields are")]
@@ -44,7 +44,7 @@ pub enum PlayError {
     /// The tracks of the scene's satellites.
     #[error(transparent)]
     Tracks(#[from] TracksError),
-    /// What is beyond the Earth cannot be drawn.
+    /// The sky cannot be drawn.
     #[error(transparent)]
     Celestial(#[from] CelestialError),
     /// The table of the Earth's orientation.
@@ -56,13 +56,13 @@ pub enum PlayError {
     /// The imagery pack.
     #[error(transparent)]
     Pack(#[from] PackError),
-    /// The heights.
+    /// An elevation file.
     #[error(transparent)]
     Heights(#[from] HeightFileError),
-    /// The heights of the scene's pack cannot be the ground.
+    /// The elevation data of the scene's pack cannot be used as terrain.
     #[error("elevation data of the pack: {0}")]
     PackHeights(#[from] StreamedGroundError),
-    /// The scene asks for heights that its pack has not.
+    /// The scene requests elevation data that its pack does not have.
     #[error(
         "{}:{line}: [earth] pack_heights: the pack {} has no elevation data; omit it and list files in elevation = [\"FILE\", …], or build \
          the pack with --heights",
@@ -73,7 +73,7 @@ pub enum PlayError {
         line: usize,
         folder: PathBuf,
     },
-    /// The scene asks for a map that its pack has not.
+    /// The scene requests a map that its pack does not have.
     #[error(
         "{}:{line}: [earth] {layer}: the pack {} has no such map; write {layer} = false, leave it out, or build the pack with it",
         scene.display(), folder.display()
@@ -115,7 +115,7 @@ pub enum PlayError {
         file.display()
     )]
     CaptionImage { file: PathBuf, why: String },
-    /// The scene asks for a storage that its pack has not.
+    /// The scene requests a storage format that its pack does not have.
     #[error(
         "the pack {} stores its tiles only as {kept}; write storage = \"auto\" in [earth], or build the pack with the other",
         folder.display()
@@ -123,7 +123,7 @@ pub enum PlayError {
     NoStorage {
         /// The pack's folder.
         folder: PathBuf,
-        /// What it keeps.
+        /// The storage formats that it has.
         kept: String,
     },
     /// Two maps of a layer that change into each other and are not alike.
@@ -142,7 +142,7 @@ pub enum PlayError {
     /// The renderer.
     #[error(transparent)]
     Earth(#[from] EarthError),
-    /// Textures and what is drawn to them.
+    /// Textures and render targets.
     #[error(transparent)]
     Offscreen(#[from] OffscreenError),
     /// The adapter.
@@ -186,13 +186,13 @@ pub enum PlayError {
         /// Frames wanted, where that is known.
         wanted: Option<u64>,
     },
-    /// No satellite of the name that is asked for, or no satellite at all.
+    /// No satellite with the requested name, or no satellite at all.
     #[error("{}: satellite {wanted:?}: {remedy}", scene.display())]
     UnknownSatellite {
         scene: PathBuf,
         /// The name.
         wanted: String,
-        /// What the user can do about it.
+        /// The remedy.
         remedy: String,
     },
     /// An ephemeris of so many rows.
@@ -210,10 +210,10 @@ pub enum PlayError {
     NoEphemeris {
         path: PathBuf,
         satellite: String,
-        /// Why not, and what to do.
+        /// The reason and the remedy.
         cause: String,
     },
-    /// Elements are asked of satellites that have none.
+    /// Elements are requested of satellites without any.
     #[error("{}: an element message is for satellites with mean elements, of source = \"tle\" or \"omm\"; {satellite} has none: write its states by --oem", path.display())]
     NoElements { path: PathBuf, satellite: String },
     /// A simulator gives the time of a scene, and this work needs another.
@@ -223,7 +223,7 @@ pub enum PlayError {
         listens_on: String,
         /// The work that cannot be done.
         work: &'static str,
-        /// What the user can do about it.
+        /// The remedy.
         remedy: &'static str,
     },
     /// A simulator sent nothing, or nothing more.
@@ -231,7 +231,7 @@ pub enum PlayError {
         "nothing came from a simulator on {listens_on} {when}; start it, or give it more time by wait_s in [output]"
     )]
     Silent {
-        /// Where it was listened for.
+        /// The endpoint that listened.
         listens_on: String,
         /// How long, as text.
         when: String,
@@ -276,7 +276,7 @@ pub enum PlayError {
         wide: u32,
         adapter: String,
         limit: u32,
-        /// What would work.
+        /// The remedy.
         remedy: String,
     },
     /// Events of a motion that is not integrated.
@@ -288,7 +288,7 @@ pub enum PlayError {
     #[error("{}: {problem}; give a ladder.csv that `terrella report SCENE --quality` wrote, or leave `ladder` out of [quality]", path.display())]
     Ladder {
         path: PathBuf,
-        /// What is wrong with it, with the line where there is one.
+        /// The error, with its line if there is one.
         problem: String,
     },
     /// The device stopped answering.
@@ -300,7 +300,7 @@ pub enum PlayError {
 }
 
 impl PlayError {
-    /// Whether the scene, or a date asked for, is at fault, and not the machine.
+    /// Whether the error is in the scene, or a requested date, and not on the machine.
     pub fn is_bad_scene(&self) -> bool {
         if matches!(
             self,
@@ -349,7 +349,7 @@ impl PlayError {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum WindowError {
-    /// No display, or none that answers.
+    /// No display, or no reply from it.
     #[error(
         "no window can be opened: {0}; without a display, write a film with --video FILE.mp4 or --frames FOLDER, or \
          one picture with `terrella frame`"
@@ -373,7 +373,7 @@ pub enum WindowError {
          write --video or --frames"
     )]
     NoFormat {
-        /// What it offers.
+        /// The formats that it offers.
         present: Vec<wgpu::TextureFormat>,
     },
 }
@@ -420,7 +420,7 @@ pub enum VideoError {
         /// Its words.
         cause: String,
     },
-    /// `ffmpeg` was asked for and is not there.
+    /// `ffmpeg` is requested and not installed.
     #[error(
         "ffmpeg was not found on the search path; install it (on Debian and Ubuntu `apt-get install ffmpeg`), or \
          choose --encoder builtin"
@@ -447,7 +447,7 @@ pub enum VideoError {
         path: PathBuf,
         /// How it ended.
         status: String,
-        /// The end of what it printed.
+        /// The end of its output.
         words: String,
     },
 }

@@ -1,4 +1,4 @@
-//! What was found along the integrated motions of a scene's satellites: tables for people and programs.
+//! Events along the integrated motions of a scene's satellites: tables for people and programs.
 
 use super::ephemeris::Layout;
 use super::{PlayError, Satellite};

@@ -31,12 +31,12 @@ use terrella_orbit::live::Pacing;
 /// Frames that may wait to be written: one in the writer's hands, this many more drawn ahead of it.
 const FRAMES_AHEAD: usize = 2;
 
-/// What a flight is written to.
+/// Output of a flight.
 #[derive(Clone, Debug, Default)]
 pub struct ExportRequest<'r> {
     /// Folder for PNG frames.
     pub frames: Option<&'r Path>,
-    /// What becomes of what that folder holds already.
+    /// Handling of existing files in that folder.
     pub existing: Existing,
     /// How pictures are made and kept.
     pub pictures: PictureSettings,
@@ -252,16 +252,16 @@ fn say_written(written: &[Written], frames: u64, begun: Instant, progress: &dyn 
     }
 }
 
-/// How many frames a film has. A simulation of Basilisk says itself when it ends: without a duration in the scene there is one
-/// for each of its steps, and nobody knows how many.
+/// Number of frames of a film. A Basilisk simulation determines its own end: without a duration in the scene there is one frame for each of its
+/// steps, and the number is unknown.
 fn frames_wanted(flight: &Flight) -> Option<u64> {
     let scene = flight.scene();
     let is_given = scene.line("time", "duration_s").is_some();
     (flight.simulation().is_none() || is_given).then(|| scene.time.frame_count())
 }
 
-/// One frame for each picture that a simulator asks for and gets: until the scene's number of frames, or until it is
-/// silent for as long as the scene waits, or its stream ends. Answers what is written, and how many frames.
+/// One frame for each image that a simulator requests: until the scene's number of frames, until it is silent for the scene's timeout, or until its
+/// stream ends. Returns the written files and the number of frames.
 fn export_lockstep(
     flight: &Flight,
     sinks: Vec<Box<dyn FrameSink>>,
@@ -346,8 +346,8 @@ impl MissingTiles {
     }
 }
 
-/// Runs `produce` on this thread and the sinks on one of their own. `produce` is given a function that takes frames and
-/// answers whether more are wanted. The sinks are finished only if both sides were without error.
+/// Runs `produce` on this thread and the sinks on another. `produce` gets a function that takes frames and returns whether more are needed. The
+/// sinks are finished only if both sides had no error.
 fn write_while_drawing(
     mut sinks: Vec<Box<dyn FrameSink>>,
     produce: impl FnOnce(&mut dyn FnMut(FilmFrame) -> bool) -> Result<(), PlayError>,

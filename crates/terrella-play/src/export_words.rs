@@ -1,4 +1,4 @@
-//! What is said of a film before it is made.
+//! Summary of a film before it is made.
 
 use super::film::PictureFormat;
 use super::outlook::LightOutlook;
@@ -7,13 +7,13 @@ use std::path::Path;
 
 /// A film that is about to be made.
 pub(super) struct FilmWords<'w> {
-    /// The video to be written, and what encodes it.
+    /// The video file, and its encoder.
     pub video: Option<(&'w Path, &'w str)>,
     /// The folder of pictures, and their format.
     pub pictures: Option<(&'w Path, PictureFormat)>,
     /// Width and height, pixels.
     pub size: (u32, u32),
-    /// Frames that are wanted, and those of them that are there; `None` where a simulator says how many there are.
+    /// Number of requested frames, and of those that exist; `None` if a simulator determines it.
     pub frames: Option<(u64, u64)>,
     /// Frames a second.
     pub frame_rate_hz: f64,

@@ -6,7 +6,7 @@ use super::quality_control::ladder_of;
 use super::relief::check_ground;
 
 impl Flight {
-    /// Looks at them: the ladder of quality, the measured response of the tone, the kernel of a sensor, and the headers and sidecars of heights.
+    /// Checks the quality ladder, the measured response of the tone, the kernel of a sensor, and the headers and sidecars of elevation files.
     pub fn check_files(&self) -> Result<(), PlayError> {
         ladder_of(self.scene())?;
         self.scene().output.tone.open()?;

@@ -1,4 +1,4 @@
-//! A scene made ready to be played: where the eye is and what lights it at any instant.
+//! A scene prepared for playback: the eye and the sky at any time.
 
 use super::attitude::AttitudeMoment;
 use super::camera::{HeadTurn, OrbitalMotion, Pose};
@@ -37,7 +37,7 @@ pub struct Flight {
     models: CraftModels,
     orientation: Option<EarthOrientation>,
     ellipsoid: Ellipsoid,
-    /// What the scene's camera does in the course of time.
+    /// Motion of the scene's camera over time.
     path: CameraPath,
     look_target: Option<LookTarget>,
     coverage: SharedCoverage,
@@ -48,7 +48,7 @@ pub struct Flight {
 pub struct ViewRequest {
     /// The camera.
     pub mode: CameraMode,
-    /// What the user changed about it.
+    /// Changes of the view by the user.
     pub look: HeadTurn,
     /// Width over height of the picture.
     pub aspect: f64,
@@ -61,20 +61,20 @@ pub struct Moment {
     pub epoch: Epoch,
     /// The number of the scene's frame that is nearest to it, by which grain differs from frame to frame.
     pub frame: u32,
-    /// Where the eye is and what it sees.
+    /// Position and view of the eye.
     pub view: EyeView,
-    /// What lights the Earth.
+    /// Sun, Moon and stars.
     pub sky: Sky,
     /// Where the satellite is, if there is one.
     pub satellite: Option<SatelliteState>,
     /// The spacecraft to draw, if the camera looks at it.
     pub craft: Option<CraftPose>,
-    /// How the eye moves about the Earth's centre, metres a second, in axes that do not turn, written along those of ITRF; `None`
-    /// stands over the ground.
+    /// Velocity of the eye relative to the Earth's centre, metres a second, in non-rotating axes that are aligned with ITRF at this time; `None`
+    /// for an eye at rest over the ground.
     pub eye_velocity_m_s: Option<DVec3>,
-    /// How the Earth stands and turns where a simulation says so and not the date.
+    /// Orientation and rotation of the Earth if a simulation sets them instead of the date.
     pub turn: Option<EarthTurn>,
-    /// Whether stars and Milky Way are left out, as a simulation may ask.
+    /// Whether stars and Milky Way are hidden, as a simulation may request.
     pub is_starless: bool,
     /// The exposure value of the instant, where the scene keys it.
     pub exposure_ev: Option<f64>,
@@ -87,19 +87,17 @@ pub struct SatelliteState {
     pub place: Geodetic,
     /// Its speed seen from the stars, metres per second.
     pub speed_m_s: f64,
-    /// What the Earth leaves of the Sun there, and the part of its disc, 0…1.
+    /// How much of the Sun is visible at the satellite: its class, and the fraction of the disc, 0…1.
     pub illumination: (Illumination, f64),
-    /// How far the place may be off, metres (one standard deviation), where the satellite's source says so.
+    /// Uncertainty of the position, metres (one standard deviation), if the satellite's source has it.
     pub error_m: Option<f64>,
 }
 
 impl Flight {
-    /// Opens the scene's satellites and checks that the one that cameras fly with is known for all of the scene's dates,
-    /// and that its pack, if it has one, holds what it asks for. A scene that gives no start begins at its satellite's own time,
-    /// if that has one ([`Scene::begin_at`]). A duration that the scene does not give is shortened to what
-    /// that satellite is known for; where the built-in satellite's elements do not reach, a stand-in flies
-    /// ([`Scene::notices`]). Live satellites begin to listen; where there are any,
-    /// their simulators give the time and the scene's dates are not checked.
+    /// Opens the scene's satellites and checks that the followed one has states for all of the scene's dates, and that its pack, if any, has the
+    /// requested content. A scene without a start begins at its satellite's own time, if that has one ([`Scene::begin_at`]). A default duration is
+    /// shortened to the satellite's validity. Where the built-in satellite's elements are not valid, a stand-in replaces it ([`Scene::notices`]).
+    /// Live satellites start to listen; with any of them, the simulators control the time and the scene's dates are not checked.
     pub fn open(scene: Scene) -> Result<Self, PlayError> {
         Self::open_with(scene, Listener::Open)
     }
@@ -185,8 +183,8 @@ impl Flight {
         &self.models
     }
 
-    /// Every satellite's name and its state at an instant, in the scene's order. Those that are not followed need not be
-    /// known for all of the scene: their error says when they are.
+    /// Every satellite's name and its state at a time, in the scene's order. Satellites that are not followed need not be valid for all of the
+    /// scene: their error states the validity.
     pub fn states_at(
         &self,
         epoch: Epoch,
@@ -196,10 +194,10 @@ impl Flight {
             .map(move |satellite| (satellite.name(), satellite.feed().state_at(epoch)))
     }
 
-    /// How a satellite moves at an instant, by its place in [`Self::satellites`].
+    /// Motion of a satellite at a time, by its index in [`Self::satellites`].
     ///
     /// # Errors
-    /// Where that is not known.
+    /// A time outside its validity.
     pub(super) fn motion_of(
         &self,
         satellite: usize,
@@ -213,13 +211,13 @@ impl Flight {
         Ok(motion(&state, &self.orientation_at(epoch)))
     }
 
-    /// When and where a satellite meets the ground, if it does so in the time that it is known of.
+    /// Time and place of a satellite's impact on the ground, if it is within the validity.
     pub fn impact(&self, satellite: &Satellite) -> Option<(Epoch, GroundPlace)> {
         impact(satellite.feed(), self.orientation.as_ref(), &self.ellipsoid)
     }
 
-    /// The Earth's orientation by the scene's table, through which states come into Earth-fixed axes; without a table, or
-    /// outside it, UT1 is taken as UTC and polar motion as none.
+    /// The Earth's orientation from the scene's table, which transforms states to Earth-fixed axes. Without a table, or outside it, UT1 = UTC and
+    /// polar motion is zero.
     pub fn orientation_at(&self, epoch: Epoch) -> Orientation {
         orientation_at(self.orientation.as_ref(), epoch).unwrap_or_default()
     }
@@ -229,12 +227,12 @@ impl Flight {
         self.orientation.as_ref()
     }
 
-    /// What lights the Earth at an instant, by the scene's table of the Earth's orientation.
+    /// Sun and Moon at a time, by the scene's table of the Earth's orientation.
     pub fn sky_at(&self, epoch: Epoch) -> Sky {
         Sky::with_orientation(epoch, &self.orientation_at(epoch))
     }
 
-    /// The figure that heights are above.
+    /// The reference ellipsoid of heights.
     pub fn ellipsoid(&self) -> &Ellipsoid {
         &self.ellipsoid
     }
@@ -248,7 +246,7 @@ impl Flight {
         }
     }
 
-    /// The view as the scene asks for it. `aspect` is width over height.
+    /// The view of the scene's camera. `aspect` is width over height.
     pub fn at(&self, epoch: Epoch, aspect: f64) -> Result<Moment, PlayError> {
         let request = ViewRequest {
             mode: self.scene.camera.mode,
@@ -307,10 +305,10 @@ impl Flight {
         Ok(path.turned(epoch, pose))
     }
 
-    /// The pose turned to what the scene's camera looks at. `state` is the motion of the satellite that cameras fly with.
+    /// The pose turned to the camera's target. `state` is the motion of the followed satellite.
     ///
     /// # Errors
-    /// Where the satellite that is looked at is not known at that time.
+    /// The target satellite has no state at that time.
     pub(super) fn aimed(
         &self,
         pose: Pose,
@@ -336,10 +334,10 @@ impl Flight {
         Ok(point.map_or(pose, |point| pose.looking_at(point, self.ellipsoid())))
     }
 
-    /// Where the eye stands and looks for a satellite that moves so.
+    /// Position and view of the eye for this motion of a satellite.
     ///
     /// # Errors
-    /// Without a satellite, a mode that flies with one.
+    /// A mode that needs a satellite, without one.
     pub(super) fn pose(
         &self,
         mode: CameraMode,
@@ -419,7 +417,7 @@ impl Flight {
         }
     }
 
-    /// The followed craft; none where a simulation's time is outside of its file of attitudes.
+    /// The followed spacecraft; `None` if a simulation's time is outside its attitude file.
     fn craft_pose(&self, epoch: Epoch, motion: &OrbitalMotion, sky: &Sky) -> Option<CraftPose> {
         let attitude = self.models.attitude(self.followed);
         let axes = attitude.itrf_from_craft(&AttitudeMoment {
@@ -432,7 +430,7 @@ impl Flight {
         Some(CraftPose::new(motion, &self.ellipsoid, sky).turned(axes.ok()?))
     }
 
-    /// The maps that the scene wants by default and is drawn without, because they are not there. Reads no map.
+    /// Maps that the scene wants by default but that are missing. Reads no map.
     ///
     /// # Errors
     /// With `strict = true` the first of them.
@@ -444,14 +442,13 @@ impl Flight {
         Ok(dropped)
     }
 
-    /// How the colours of the scene's maps differ from sRGB, as far as their headers say it.
+    /// Differences of the scene's maps from sRGB, according to their headers.
     #[cfg(feature = "window")]
     pub fn colour_notes(&self) -> Vec<String> {
         super::colours::colour_notes(&self.scene)
     }
 
-    /// Loads the maps that the scene wants and no others, and gathers its options. `bc` is what the adapter does with
-    /// compressed textures; it matters to packs alone.
+    /// Loads the scene's maps and builds its options. `bc` is the adapter's support of compressed textures; it only affects packs.
     pub fn earth_options(&self, bc: BcSupport) -> Result<EarthOptions, PlayError> {
         earth_options(&self.scene, bc)
     }
@@ -461,8 +458,8 @@ impl Flight {
         earth_options_at(&self.scene, epoch, bc)
     }
 
-    /// As [`Self::earth_options`] with maps that are on this device, and none in memory: they are uploaded while they are read. For
-    /// programs that draw on one device and look at no texels.
+    /// As [`Self::earth_options`], with maps that are uploaded to this device while they are read, and not kept in memory. For programs that draw
+    /// on one device and do not read texels.
     pub fn uploaded_options(&self, gpu: &GpuContext) -> Result<EarthOptions, PlayError> {
         uploaded_options_at(&self.scene, self.scene.time.start, gpu)
     }

@@ -6,7 +6,7 @@
 
 use std::io::{self, Write};
 
-/// Bytes of a header before the array; a multiple of 64, as the format asks for.
+/// Length of a header before the array, bytes; the format requires a multiple of 64.
 pub(super) const NPY_HEADER: usize = 128;
 
 /// Begins an array of numbers of this type (`<f4`, `<f8`), the last axis varying fastest; it follows.
@@ -42,7 +42,7 @@ pub(super) fn write_exr_header(
     Ok(())
 }
 
-/// The next line, all of a channel's values after those of the one before.
+/// Writes the next row, channel after channel.
 pub(super) fn write_exr_line<'c>(
     out: &mut impl Write,
     y: u32,

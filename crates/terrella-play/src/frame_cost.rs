@@ -1,4 +1,4 @@
-//! What frames cost: how long this program and the device work on each, apart from waiting for the screen.
+//! Cost of frames: the time that this program and the device work on each, without waiting for the screen.
 
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread::{Builder, JoinHandle};

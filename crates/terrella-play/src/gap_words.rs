@@ -1,4 +1,4 @@
-//! What is said before a film of satellites that are not known for all of it.
+//! Warning before a film of satellites that have no state for part of it.
 
 use super::Flight;
 use super::scene::Track;

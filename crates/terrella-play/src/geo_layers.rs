@@ -1,4 +1,4 @@
-//! `[[geojson]]` of a scene: its files as lines, polygons, marks and names on the globe, and what of them is not drawn.
+//! `[[geojson]]` of a scene: its files as lines, polygons, marks and names on the globe, and their parts that are not drawn.
 
 use super::error::PlayError;
 use super::geojson::{GeoJson, GeoPolygon, GeoStyle, UsualStyle};
@@ -11,22 +11,22 @@ use terrella::tracks::{
     Polylines,
 };
 
-/// The word of these files in lists of what is left out.
+/// Name of these files in lists of dropped layers.
 const LAYER: &str = "geojson";
 /// Least width that marks are drawn for, pixels: smaller rings look like dots.
 const LEAST_MARK_PX: f64 = 1.5;
 
-/// What is drawn of a scene's files.
+/// Elements of a scene's files.
 #[derive(Default)]
 pub(super) struct GeoLayers {
     pub lines: Vec<Polylines>,
     pub polygons: Vec<Polygons>,
     pub marks: Vec<GroundMark>,
-    /// Of each mark, empty where it has none.
+    /// Name of each mark, empty if it has none.
     pub names: Vec<String>,
-    /// What is left out.
+    /// Parts that are left out.
     pub dropped: Vec<DroppedLayer>,
-    /// What is drawn otherwise than the file says.
+    /// Parts whose style differs from the file.
     pub notes: Vec<String>,
 }
 
@@ -39,10 +39,10 @@ pub(super) fn geo_files(scene: &Scene) -> Vec<PathBuf> {
         .collect()
 }
 
-/// Reads a scene's files; `points_taken` are those of its other lines.
+/// Reads a scene's files; `points_taken` is the number of points of its other lines.
 ///
 /// # Errors
-/// In a strict scene the first thing that is wrong in a file.
+/// In a strict scene, the first error in a file.
 pub(super) fn geo_layers(
     scene: &Scene,
     ellipsoid: &Ellipsoid,
@@ -101,7 +101,7 @@ impl GeoLayers {
                 width_px: style.width_px as f32,
                 ..LineStyle::thin(style.color, style.opacity)
             };
-            // Polylines have a limit of their own, at which they cease to be read.
+            // Polylines stop reading at their own limit.
             let lines = Polylines::on_ground(style, ellipsoid, lines)
                 .ok()
                 .filter(|lines| lines.point_count() <= *points_left);
@@ -156,7 +156,7 @@ impl GeoLayers {
         polygons: Vec<GeoPolygon>,
     ) -> Result<(), PlayError> {
         let taken: usize = self.polygons.iter().map(Polygons::triangle_count).sum();
-        // Polygons have a limit of their own, at which they cease to be divided.
+        // Polygons stop subdividing at their own limit.
         let polygons = Polygons::on_ground(style, ellipsoid, polygons).ok();
         let Some(polygons) = polygons.filter(|new| taken + new.triangle_count() <= MAX_TRIANGLES)
         else {

@@ -4,7 +4,7 @@
 //! bytes ─► features, each kept as text ─► one geometry after the other ─► lines by style, points, remarks
 //! ```
 //!
-//! A feature that is at fault is left out and named by its index, the rest is read.
+//! An invalid feature is left out and reported by its index; the others are read.
 
 mod geometry;
 mod style;
@@ -35,7 +35,7 @@ const MAX_REMARKS: usize = 20;
 /// Longest name, characters.
 const MAX_NAME_CHARS: usize = 100;
 
-/// What is drawn of a file.
+/// Elements of a file.
 #[derive(Clone, Debug, Default)]
 pub struct GeoJson {
     /// Lines and rings by their style.
@@ -43,7 +43,7 @@ pub struct GeoJson {
     /// Polygons that are filled, by their style: each is its rings, the outer one first.
     pub fills: Vec<(FillStyle, Vec<GeoPolygon>)>,
     pub points: Vec<GeoPoint>,
-    /// What is wrong with features, by their order.
+    /// Errors of features, in order.
     pub remarks: Vec<Remark>,
     /// Further remarks that are not kept.
     pub more_remarks: usize,
@@ -66,7 +66,7 @@ pub struct GeoPoint {
     pub is_marked: bool,
 }
 
-/// What is wrong with a feature.
+/// An error in a feature.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Remark {
     /// Its index, from 0; `None` is about the file.
@@ -101,10 +101,10 @@ pub enum GeoJsonError {
 }
 
 impl GeoJson {
-    /// Reads a file. Features without a style of their own have `usual`; `name_key` is the property with names, by default `title`.
+    /// Reads a file. Features without a style get `usual`; `name_key` is the property with names, by default `title`.
     ///
     /// # Errors
-    /// A file that cannot be read, has more than [`MAX_BYTES`], or is no GeoJSON.
+    /// A file that cannot be read, exceeds [`MAX_BYTES`], or is not GeoJSON.
     pub fn read(
         path: &Path,
         usual: UsualStyle,
@@ -242,7 +242,7 @@ impl Reader<'_> {
             let what = "its type is not Feature".to_owned();
             return self.remark(Some(index), what, false);
         }
-        // One without a place is none to draw (RFC 7946, 3.2).
+        // A feature without a geometry is not drawn (RFC 7946, 3.2).
         let Some(geometry) = feature.geometry else {
             return;
         };
@@ -275,7 +275,7 @@ impl Reader<'_> {
         for what in read.faults {
             self.remark(Some(index), what, true);
         }
-        // The name of a line or a polygon stands once, at its longest part.
+        // The name of a line or a polygon is drawn once, at its longest part.
         let is_point = |shape: &&Shape| matches!(shape, Shape::Point(_));
         let longest = read.shapes.iter().filter(|shape| !is_point(shape));
         let anchor = longest.max_by_key(|shape| shape.len()).map(Shape::anchor);
@@ -337,7 +337,7 @@ impl Reader<'_> {
     }
 }
 
-/// What the JSON reader says of a feature, without lines and columns, which would be those of the feature.
+/// The JSON parser's message about a feature, without line and column, which are relative to the feature.
 fn json_fault(error: &serde_json::Error) -> String {
     let text = error.to_string();
     let text = text.split(" at line ").next().unwrap_or(&text);
@@ -347,8 +347,8 @@ fn json_fault(error: &serde_json::Error) -> String {
     }
 }
 
-/// The text with `null` in place of `NaN` and `Infinity`, which JSON has not and programs write anyway: so that of such a file the one
-/// feature is at fault.
+/// The text with `null` in place of `NaN` and `Infinity`, which are not valid JSON but occur in files: only the feature that contains them is then
+/// invalid.
 fn without_nan(text: &str) -> Cow<'_, str> {
     if !(text.contains("NaN") || text.contains("Infinity")) {
         return Cow::Borrowed(text);

@@ -1,5 +1,4 @@
-//! What the user's hand does with the camera: takes the eye off the scene's camera, over the globe or around a satellite. Knows no
-//! window.
+//! Manual camera control: takes the eye off the scene's camera, over the globe or around a satellite. Independent of windows.
 
 use super::camera::{OrbitalMotion, Pose};
 use super::orbit_camera::{Globe, MIN_CLEARANCE_M, OrbitCamera, Screen, pick_from};
@@ -11,9 +10,9 @@ use terrella::EyeView;
 const FOLLOW_RANGE_M: (f64, f64) = (5.0, 1e9);
 /// Greatest distance at which following begins, metres.
 const FOLLOW_FROM_M: f64 = 2e6;
-/// How far above and below a satellite's level the eye stands at most, radians (89°).
+/// Largest elevation of the eye above and below a satellite's level, radians (89°).
 const MAX_FOLLOW_PITCH_RAD: f64 = 89.0 * PI / 180.0;
-/// How high above a satellite's level the eye stands at first, radians (25°).
+/// Initial elevation of the eye above a satellite's level, radians (25°).
 const FOLLOW_PITCH_RAD: f64 = 25.0 * PI / 180.0;
 
 /// An eye that looks at a satellite and moves with it.
@@ -21,7 +20,7 @@ const FOLLOW_PITCH_RAD: f64 = 25.0 * PI / 180.0;
 pub struct Follower {
     /// The satellite's place in the scene.
     pub satellite: usize,
-    /// The direction of view, radians clockwise from that of flight.
+    /// Viewing direction, radians clockwise from the direction of flight.
     pub yaw_rad: f64,
     /// How far above level it is; negative looks down.
     pub pitch_rad: f64,
@@ -92,7 +91,7 @@ impl Hand {
         self.grabbed_itrf_m = None;
     }
 
-    /// The camera over the ground, begun from the present view where there is none.
+    /// The camera over the ground, initialised from the current view.
     fn orbit(&self, view: &EyeView, globe: &Globe<'_>) -> OrbitCamera {
         match self.eye {
             Some(FreeEye::Orbit(camera)) => camera,
@@ -113,7 +112,7 @@ impl Hand {
         self.eye = Some(FreeEye::Orbit(self.orbit(view, globe)));
     }
 
-    /// The pointer has moved with what it holds.
+    /// The pointer has moved with the grabbed place.
     pub fn drag(&mut self, globe: &Globe<'_>, screen: &Screen, from_px: DVec2, to_px: DVec2) {
         match &mut self.eye {
             Some(FreeEye::Orbit(camera)) => {
@@ -136,7 +135,7 @@ impl Hand {
         }
     }
 
-    /// Comes closer to what is under the pointer, by steps of a power of two.
+    /// Approaches the place under the pointer, by steps of a power of two.
     pub fn approach(
         &mut self,
         view: &EyeView,
@@ -229,7 +228,7 @@ impl Hand {
         };
     }
 
-    /// The pose of the eye that the user has moved. `motion` is that of the satellite which is followed, where it is known.
+    /// The pose of the user's eye. `motion` is that of the followed satellite, if known.
     pub fn pose(&self, globe: &Globe<'_>, motion: Option<&OrbitalMotion>) -> Option<Pose> {
         match (self.eye?, motion) {
             (FreeEye::Orbit(camera), _) => {
@@ -243,7 +242,7 @@ impl Hand {
 }
 
 impl Follower {
-    /// By pixels of a drag; the picture's height is half a turn.
+    /// Turns by a drag in pixels; the image height is half a turn.
     fn turn(&mut self, screen: &Screen, by_px: DVec2) {
         let by_rad = by_px * PI / screen.size_px.y.max(1.0);
         if by_rad.is_finite() {

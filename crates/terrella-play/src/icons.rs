@@ -15,7 +15,7 @@ const LINE: f32 = 1.5;
 /// Points of a circle.
 const CIRCLE: usize = 24;
 
-/// What a button does.
+/// Icon of a button.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Icon {
     Play,
@@ -36,7 +36,7 @@ pub enum Icon {
     Help,
 }
 
-/// A button with an icon and, when the pointer rests on it, the words of what it does.
+/// A button with an icon and a tooltip that describes its action.
 pub fn icon_button(ui: &mut Ui, icon: Icon, is_on: bool, is_enabled: bool, does: &str) -> Response {
     let sense = match is_enabled {
         true => Sense::click(),

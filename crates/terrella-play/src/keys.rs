@@ -1,14 +1,14 @@
-//! What each key does in the window. One table serves the keyboard and the help.
+//! Key bindings of the window. One table serves the keyboard and the help.
 
 use super::switches::Layer;
 use terrella::frames::Epoch;
 use terrella::{Exposure, Tone};
 use winit::keyboard::{Key, NamedKey};
 
-/// What a user can ask of the window.
+/// User actions in the window.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Action {
-    /// Stops time or lets it go on.
+    /// Pauses or resumes time.
     Pause,
     /// Doubles the speed, to the next power of two.
     Faster,
@@ -26,7 +26,7 @@ pub enum Action {
     Skip(f64),
     /// Stops time and sets the clock by so many frames of a film.
     Step(f64),
-    /// Shows so many times less of the span on the time line about a fraction of it, 0…1, moved on by a part of what is shown.
+    /// Zooms the time line by a factor about a fraction of the span, 0…1, and shifts it by a fraction of the visible part.
     ZoomLine { at: f64, factor: f64, by: f64 },
     /// The next camera that makes sense for the scene.
     NextCamera,
@@ -34,7 +34,7 @@ pub enum Action {
     Zoom(f64),
     /// Turns the head by pixels of a drag: to the right, downwards.
     Drag(f64, f64),
-    /// The camera as the scene has it.
+    /// Resets the camera to the scene's.
     ResetView,
     /// North upwards on screen.
     NorthUp,
@@ -50,7 +50,7 @@ pub enum Action {
     SceneLook,
     /// Writes the picture without the panel.
     Screenshot,
-    /// To full screen or back.
+    /// Toggles full screen.
     FullScreen,
     /// Shows or hides the help.
     Help,
@@ -62,17 +62,17 @@ pub enum Action {
     MapScale,
     /// Begins again at the end, or stops there.
     Loop,
-    /// The played range begins at a fraction of the span, 0…1; `None` is where the clock stands.
+    /// Sets the start of the playback range as a fraction of the span, 0…1; `None` is the current time.
     RangeStart(Option<f64>),
     /// The played range ends there.
     RangeEnd(Option<f64>),
     /// Plays all of the span.
     RangeAll,
-    /// Follows the clock on the wall, or no more.
+    /// Toggles following the wall clock.
     RealTime,
     /// Back to the scene's flight, from real time or from a pass.
     SceneSpan,
-    /// To the next pass of the satellite over the place.
+    /// Moves to the next pass of the satellite over the place.
     NextPass,
     /// The place of passes: latitude and longitude, degrees.
     Place(f64, f64),
@@ -86,19 +86,19 @@ pub enum Action {
     Select(usize),
     /// Selects a satellite, and flies with it.
     Follow(usize),
-    /// Closes what is open over the picture; where nothing is, asks whether to close the window.
+    /// Closes the topmost dialog; without one, opens the question to close the window.
     Dismiss,
-    /// Closes the window where that is being asked.
+    /// Confirms that question.
     Confirm,
     /// Closes the window.
     Quit,
 }
 
-/// One line of the help: the keys, and what they do.
+/// A line of the help: keys and their action.
 pub struct Binding {
     /// The keys as the help names them.
     pub keys: &'static str,
-    /// What they do.
+    /// Their action.
     pub does: &'static str,
     patterns: &'static [KeyPattern],
     action: Action,
@@ -337,7 +337,7 @@ pub const BINDINGS: &[Binding] = &[
     },
 ];
 
-/// What the mouse does, for the help.
+/// Mouse actions, for the help.
 pub const MOUSE: &[(&str, &str)] = &[
     (
         "drag",
@@ -363,7 +363,7 @@ pub const MOUSE: &[(&str, &str)] = &[
     ),
 ];
 
-/// What a key does, letter case aside.
+/// The action of a key, letter case aside.
 pub fn action_of(key: &Key) -> Option<Action> {
     let means = |pattern: &KeyPattern| match (pattern, key) {
         (Named(wanted), Key::Named(pressed)) => wanted == pressed,
@@ -381,7 +381,7 @@ fn binding_of(action: &Action) -> Option<&'static Binding> {
     BINDINGS.iter().find(|binding| binding.action == *action)
 }
 
-/// What a button does and its key, as the help has them.
+/// The tooltip of a button: its action and its key, as in the help.
 pub fn tooltip(action: &Action) -> String {
     binding_of(action).map_or(String::new(), |binding| {
         format!("{} ({})", binding.does, binding.keys)

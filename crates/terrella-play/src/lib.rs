@@ -1,11 +1,10 @@
 //! Playing a scene: clock, cameras, window, stills and video.
 //!
-//! [`Flight`] is a scene made ready; at any instant it gives a [`Moment`]: where the eye is and what lights the Earth.
-//! An [`OffscreenRenderer`] draws moments without a display. Three ways lead out: [`write_still`], [`export()`] (frames and video)
-//! and [`play_in_window`]. Those two, and pictures with their files, are of the feature `command`; without it [`ScenePictures`] gives the
-//! pictures of a scene in memory.
+//! [`Flight`] is a scene prepared for playback; for any time it returns a [`Moment`]: the eye and the sky. An [`OffscreenRenderer`] draws moments
+//! without a display. There are three outputs: [`write_still`], [`export()`] (frames and video) and [`play_in_window`]. The first two, and image
+//! files, need the feature `command`; without it [`ScenePictures`] returns the images of a scene in memory.
 //!
-//! | file | what |
+//! | file | content |
 //! |---|---|
 //! | `clock` | simulated time, exact frame instants |
 //! | `camera` | the four cameras of scenes, pure functions |
@@ -22,28 +21,28 @@
 //! | `pass_table` | when they pass over a place |
 //! | `event_table` | what was found along integrated motions |
 //! | `maps` | the scene's maps: a folder or a pack |
-//! | `colours` | what their files say of their colours |
-//! | `dated_maps/` | those of them that change with the date |
-//! | `relief` | its heights |
+//! | `colours` | colour spaces of their files |
+//! | `dated_maps/` | maps that change with the date |
+//! | `relief` | its elevation data |
 //! | `craft/` | the spacecraft that the chase camera follows |
 //! | `attitude`, `articulation` | how spacecraft and parts of their models are turned |
 //! | `craft_models`, `model_layer/` | models of its satellites: the files, and how they are drawn |
 //! | `tracks/` | trails, ground tracks, footprints and names of its satellites |
-//! | `sky`, `sky_parts` | what is beyond the Earth |
-//! | `scene_files` | every file that its pictures come from |
-//! | `pictures` | a scene's pictures in memory, for programs that call us |
-//! | `scene_painter` | what pictures of a scene hold, and the order in which it is prepared and drawn |
-//! | `offscreen`, `still`, `stats`, `export`, `video/` | the offscreen renderer; pictures, their numbers, films |
-//! | `outlook`, `export_words`, `written` | what light a film will be in; what is said of it before, and of its files after |
-//! | `film/` | films and their pictures: formats, averaged light, ranges, going on with a film, the page `frames.json` |
-//! | `file_checks` | files that are read later, looked at before |
-//! | `radiance` | a picture's light as a file |
-//! | `sensor_bands`, `raw_picture`, `seen_truth` | what a sensor sees, row by row; its raw frame; what is where its pixels look |
-//! | `raw`, `raw_format`, `raw_manifest`, `raw_film` | the frame as a file, its format, the page of all its parameters, and those of a film |
-//! | `truth`, `truth_manifest` | what is where its pixels look, as files |
-//! | `float_files` | arrays and pictures of floats |
-//! | `mp4` | whether a film is complete |
-//! | `output` | files that are complete or not there |
+//! | `sky`, `sky_parts` | stars, Milky Way, Sun and Moon |
+//! | `scene_files` | all input files of its images |
+//! | `pictures` | a scene's images in memory, for calling programs |
+//! | `scene_painter` | the layers of an image, and their order of preparation and drawing |
+//! | `offscreen`, `still`, `stats`, `export`, `video/` | the offscreen renderer; images, their statistics, films |
+//! | `outlook`, `export_words`, `written` | lighting of a film; summaries before it and of its files |
+//! | `film/` | films and their images: formats, averaged light, ranges, continuing a film, the page `frames.json` |
+//! | `file_checks` | early checks of files that are read later |
+//! | `radiance` | an image's light as a file |
+//! | `sensor_bands`, `raw_picture`, `seen_truth` | a sensor's view, row by row; its raw frame; ground truth of its pixels |
+//! | `raw`, `raw_format`, `raw_manifest`, `raw_film` | the frame as a file, its format, the page of all its parameters, and raw films |
+//! | `truth`, `truth_manifest` | ground truth as files |
+//! | `float_files` | arrays and images of floats |
+//! | `mp4` | checks that a video file is complete |
+//! | `output` | files that are either complete or absent |
 //! | `window`, `window_renderer`, `surface` | the window: its events, its renderer, its surface |
 //! | `controls`, `keys`, `panel`, `overlay` | what the user has set, by which keys; the panel, and egui under it |
 //! | `picture_change` | what the user switches, made by a thread while the window goes on |
@@ -53,10 +52,10 @@
 //! | `egui_pass` | panel and names, drawn over pictures |
 //! | `place_text` | places as a person reads them |
 //! | `timeline/` | the time line along the bottom: scrubbing, real time, passes |
-//! | `quality_control` | the scene's resolution, and what is given up to hold its frame time |
-//! | `frame_cost` | what its frames cost, for adaptive quality |
+//! | `quality_control` | the scene's resolution, and adaptive quality |
+//! | `frame_cost` | cost of frames, for adaptive quality |
 
-// docs.rs says of each item which feature it needs.
+// docs.rs shows the required feature of each item.
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
 mod access_table;

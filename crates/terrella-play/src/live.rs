@@ -1,4 +1,4 @@
-//! Scenes whose time a simulator gives: which instant a picture shows, who is answered, and what the window reports.
+//! Scenes whose time a simulator controls: the time of an image, replies to simulators, and status in the window.
 
 use super::camera::HeadTurn;
 use super::error::PlayError;
@@ -14,7 +14,7 @@ use terrella_orbit::{Feed, Freshness};
 
 /// How often a window without a picture to draw polls for a simulator's next frame.
 pub(super) const POLL_INTERVAL: Duration = Duration::from_millis(4);
-/// How often a window that stands still checks the age of its states.
+/// Interval at which a paused window checks the age of its states.
 const AGE_CHECK_INTERVAL: Duration = Duration::from_millis(250);
 
 /// The window's time where a simulator gives it.
@@ -27,7 +27,7 @@ pub(super) struct LivePlay<'f> {
     last: Option<Moment>,
     /// The instant at which the user stopped the picture.
     held: Option<Epoch>,
-    /// Why the last picture that was asked for could not be drawn.
+    /// Why the last requested image could not be drawn.
     fault: Option<String>,
     age_checked: Instant,
 }
@@ -50,7 +50,7 @@ impl<'f> LivePlay<'f> {
         self.feed.options().pacing == Pacing::Lockstep
     }
 
-    /// Whether a new picture is due. Where it is hidden, whoever waits for one is rejected.
+    /// Whether a new image is due. If the window is hidden, pending requests are rejected.
     pub fn is_due(&mut self, is_hidden: bool, is_paused: bool) -> bool {
         if !self.is_lockstep() && !is_paused {
             return !is_hidden;
@@ -71,7 +71,7 @@ impl<'f> LivePlay<'f> {
         self.request.is_some() || is_time
     }
 
-    /// How long the window may sleep before it asks again; `None` draws on and on.
+    /// Time for which the window may sleep before the next check; `None` draws continuously.
     pub fn pause(&self, is_paused: bool) -> Option<Duration> {
         match (self.is_lockstep(), is_paused) {
             (true, _) => Some(POLL_INTERVAL),
@@ -80,7 +80,7 @@ impl<'f> LivePlay<'f> {
         }
     }
 
-    /// Simulated seconds in a second, where they go by evenly.
+    /// Simulated seconds per second, if time runs uniformly.
     pub fn rate(&self) -> Option<f64> {
         (!self.is_lockstep()).then_some(self.feed.options().rate)
     }
@@ -106,7 +106,7 @@ impl<'f> LivePlay<'f> {
                 self.fault = Some(error.to_string());
                 self.last.map(|last| last.epoch)
             }
-            // In lockstep the frame before stays on screen.
+            // In lockstep the previous frame stays on screen.
             None => self.last.map(|last| last.epoch),
         };
         // The same instant, as the user looks at it now.
@@ -136,7 +136,7 @@ impl<'f> LivePlay<'f> {
         }
     }
 
-    /// The message for a user who asks for something that only the simulator can do; `None` where it can be done.
+    /// The message for an action that only the simulator can perform; `None` for other actions.
     pub fn denial(&self, action: Action) -> Option<String> {
         let what = match action {
             Action::Pause if self.is_lockstep() => "stopped",
@@ -221,7 +221,7 @@ fn rows(feed: &LiveFeed, is_named: bool) -> Vec<(&'static str, String)> {
     rows
 }
 
-/// Packets taken and what became of the others, as far as there are any.
+/// Numbers of packets received, and of bad and dropped ones if there are any.
 fn packets_text(counters: &PacketCounters) -> String {
     let dropped = [
         (counters.bad, "bad"),
@@ -248,8 +248,8 @@ fn packets_text(counters: &PacketCounters) -> String {
 }
 
 impl Flight {
-    /// The feed whose simulator gives the time of all pictures: the one that waits for them, else the one that cameras
-    /// fly with, else the first. `None` where the scene has its own time.
+    /// The feed whose simulator controls the time of all images: the one in lockstep, else the followed satellite's, else the first. `None` if the
+    /// scene has its own time.
     pub fn live_clock(&self) -> Option<&LiveFeed> {
         let live = || self.satellites().iter().filter_map(|one| one.live());
         let waits = live().find(|feed| feed.options().pacing == Pacing::Lockstep);
@@ -257,10 +257,10 @@ impl Flight {
         waits.or_else(followed).or_else(|| live().next())
     }
 
-    /// Rejects a scene whose time a simulator gives, for work that needs a time of its own.
+    /// Rejects a scene whose time a simulator controls, for operations that need their own time.
     ///
     /// # Errors
-    /// Says what cannot be done and what to do.
+    /// Names the operation and the remedy.
     pub fn reject_live(&self, work: &'static str, remedy: &'static str) -> Result<(), PlayError> {
         let simulation = self.simulation().map(|one| one.endpoint().to_string());
         let feed = || Some(self.live_clock()?.listens_on().to_string());
@@ -275,7 +275,7 @@ impl Flight {
         }
     }
 
-    /// Whether a simulator gives the time of all pictures.
+    /// Whether a simulator controls the time of all images.
     pub fn is_timed_by_simulator(&self) -> bool {
         self.simulation().is_some() || self.live_clock().is_some()
     }
@@ -289,11 +289,11 @@ impl Flight {
         self.moment(epoch, &request, self.ground_pose(), None)
     }
 
-    /// Waits for the picture of a simulator: the next one that it asks for in lockstep; in broadcast the one of now, once
-    /// a state has come. At most as long as the scene says.
+    /// Waits for the next image of a simulator: in lockstep the next requested one; in broadcast the current one, once there is a state. At most
+    /// for the scene's timeout.
     ///
     /// # Errors
-    /// If nothing comes, or the satellite is not known at the instant; a simulator that asked is rejected.
+    /// If nothing arrives, or the satellite has no state at the time; a pending request is then rejected.
     pub(super) fn await_moment(
         &self,
         aspect: f64,
@@ -330,7 +330,7 @@ impl Flight {
         }
     }
 
-    /// The same of a simulation: its next step, which waits until it is drawn; of one that waits for nobody the newest.
+    /// Waits for a simulation's next step, which is pending until it is drawn; in subscriber mode for the latest one.
     fn await_step<'f>(
         &self,
         simulation: &'f Simulation,
@@ -371,7 +371,7 @@ impl Flight {
         }
     }
 
-    /// What comes next; `None` where nothing comes in time, or ever.
+    /// The next input; `None` if nothing arrives in time, or ever.
     fn wait_for_input(
         &self,
         feed: &LiveFeed,
@@ -393,7 +393,7 @@ impl Flight {
                     std::thread::sleep(POLL_INTERVAL);
                 }
             }
-            // A stream ends when all that it asked for is answered.
+            // A stream ends after replies to all its requests.
             if is_cancelled() || feed.has_ended() || begun.elapsed() >= wait {
                 return None;
             }
@@ -401,7 +401,7 @@ impl Flight {
     }
 }
 
-/// What a simulator sends that gives a picture its instant.
+/// Input of a simulator that sets an image's time.
 enum LiveInput {
     /// It waits for this picture.
     Frame(FrameRequest),
@@ -410,17 +410,17 @@ enum LiveInput {
 
 /// A picture that a simulator waits for.
 pub(super) enum AwaitedFrame<'f> {
-    /// Of a satellite's state.
+    /// A frame request with a satellite's state.
     Frame {
         feed: &'f LiveFeed,
         request: FrameRequest,
     },
-    /// Of a simulation's step.
+    /// A step of a simulation.
     Step(StepRequest<'f>),
 }
 
 impl AwaitedFrame<'_> {
-    /// It is drawn. `false` where nobody waits for it any more.
+    /// Reports that it is drawn. Returns `false` if no one waits for it any more.
     pub fn drawn(&self) -> bool {
         match self {
             Self::Frame { feed, request } => feed.acknowledge(request),
@@ -428,13 +428,13 @@ impl AwaitedFrame<'_> {
         }
     }
 
-    /// There is no picture.
+    /// Reports that there is no image.
     pub fn reject(&self, reason: &str) {
         match self {
             Self::Frame { feed, request } => {
                 feed.reject(request, reason);
             }
-            // A simulation is told nothing and goes on; the reason is the user's to hear.
+            // A simulation is not notified and continues; the reason is for the user.
             Self::Step(step) => {
                 step.drawn();
             }

@@ -1,6 +1,6 @@
-//! What the window reports where a simulator gives the time.
+//! Status in the window when a simulator controls the time.
 
-/// What the window reports of simulators.
+/// Status of simulators.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LiveStatus {
     /// The satellite whose simulator gives the time.
@@ -9,6 +9,6 @@ pub struct LiveStatus {
     pub pace: String,
     /// Lines of the panel, for every live satellite: what, and how it is.
     pub rows: Vec<(&'static str, String)>,
-    /// What must not be overlooked: nothing has come yet, or nothing comes any more.
+    /// An important notice: nothing has arrived yet, or nothing arrives any longer.
     pub notice: Option<String>,
 }

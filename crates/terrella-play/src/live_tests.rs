@@ -1,4 +1,4 @@
-//! Simulators that are killed, stalled, restarted, flooding or slow, and what the window shows meanwhile.
+//! Simulators that are killed, stalled, restarted, flooding or slow, and the display meanwhile.
 
 use super::*;
 use crate::camera::HeadTurn;
@@ -85,7 +85,7 @@ fn answer(stream: &TcpStream) -> serde_json::Value {
     serde_json::from_str(&line).unwrap_or_else(|error| panic!("{line:?}: {error}"))
 }
 
-/// A simulator in real time from `start_s` after noon, until it is asked to stop; then it dies in the middle of a packet.
+/// A simulator in real time from `start_s` after noon, until it is stopped; then it dies in the middle of a packet.
 struct Simulator {
     stop: Arc<AtomicBool>,
     thread: JoinHandle<()>,
@@ -197,7 +197,7 @@ fn a_simulator_that_is_killed_and_started_again_never_stops_the_picture() {
             words.iter().any(|(_, value)| value.starts_with("STALE")),
             "{words:?}"
         );
-        // It falls on to the limit and stands there.
+        // It is extrapolated to the limit and stays there.
         let newest = flight
             .live_clock()
             .and_then(LiveFeed::newest)
@@ -258,7 +258,7 @@ fn a_flood_and_garbage_in_the_middle_of_a_flight_are_dropped_and_counted() {
         dropped && (moment.epoch - before).to_seconds() > 1.0
     });
     assert!(slowest < STUMBLE, "{slowest:?}");
-    // The true simulator is heard through it, and what was dropped is reported.
+    // The true simulator gets through, and the dropped packets are reported.
     assert!((feed.newest().expect("states").epoch - before).to_seconds() > 0.5);
     let rows = play.status(false).rows;
     let packets = rows
@@ -341,7 +341,7 @@ fn in_lockstep_each_picture_is_of_the_frame_that_is_asked_for() {
             seen.push(moment.epoch);
             play.drawn();
         }
-        // Nothing is asked for: the same picture again.
+        // Nothing is requested: the same image again.
         let again = play.moment(&view(), false).epoch;
         assert!(seen.last().is_none_or(|last| *last == again));
     }
@@ -356,7 +356,7 @@ fn a_lockstep_partner_gets_an_error_when_the_player_is_slow_hidden_or_gone() {
     let flight = flight("pacing = \"lockstep\"\ntimeout_s = 0.4");
     let stream = connect(address(&flight));
     let mut play = LivePlay::of(&flight).expect("live");
-    // Slow: nobody draws.
+    // Slow: no one draws.
     let begun = Instant::now();
     send(&stream, &packet(PacketKind::Frame, 1, 1.0));
     assert_eq!(answer(&stream)["error"], "not drawn within 0.4 s");
@@ -365,7 +365,7 @@ fn a_lockstep_partner_gets_an_error_when_the_player_is_slow_hidden_or_gone() {
         "{:?}",
         begun.elapsed()
     );
-    // Hidden: at once.
+    // Hidden: immediately.
     send(&stream, &packet(PacketKind::Frame, 2, 2.0));
     let begun = Instant::now();
     while flight.live_clock().expect("live").counters().frames < 2 {

@@ -1,11 +1,11 @@
-//! What a scene's camera keeps in the middle of the picture.
+//! Target of a scene's camera, kept in the image centre.
 
 use super::pose::Pose;
 use crate::scene::{LookAt, Scene, SceneError};
 use glam::DVec3;
 use terrella::frames::{Ellipsoid, Geodetic};
 
-/// What is looked at.
+/// Target of the camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LookTarget {
     /// The Sun's middle.
@@ -21,10 +21,10 @@ pub enum LookTarget {
 }
 
 impl LookTarget {
-    /// That of a scene with satellites of these names; `None` where the camera's mode gives the direction of view.
+    /// The target in a scene with satellites of these names; `None` if the camera's mode sets the viewing direction.
     ///
     /// # Errors
-    /// Where the scene has no satellite of the name, or none at all, or the camera is on board of it.
+    /// If the scene has no satellite with the name, or none at all, or the camera is on board of it.
     pub fn of(scene: &Scene, names: &[&str], followed: usize) -> Result<Option<Self>, SceneError> {
         let Some(target) = &scene.camera.look_at else {
             return Ok(None);

@@ -1,4 +1,4 @@
-//! What the scene's camera looks at is in the middle of the picture.
+//! The camera's target is in the image centre.
 
 use super::camera::HeadTurn;
 use super::error::PlayError;

@@ -1,4 +1,4 @@
-//! Lines that stand still on the globe: the graticule, coast lines and borders of a scene.
+//! Earth-fixed lines of a scene: the graticule, coast lines and borders.
 
 use super::error::PlayError;
 use super::maps::DroppedLayer;
@@ -12,10 +12,10 @@ use terrella_imagery::find_textures;
 /// Its file in the starter pack.
 const VECTOR_MAP: &str = "lines.bin";
 
-/// What a scene's `[layers]` is drawn without.
+/// Parts of a scene's `[layers]` that are missing.
 ///
 /// # Errors
-/// The first of it in a strict scene.
+/// In a strict scene, the first of them.
 pub(super) fn dropped_lines(scene: &Scene) -> Result<Vec<DroppedLayer>, PlayError> {
     let (_, mut dropped) = vector_map(scene)?;
     dropped.extend(place_names(scene)?.1);
@@ -39,7 +39,7 @@ fn file_of(scene: &Scene) -> Result<PathBuf, String> {
     }
 }
 
-/// Reads coast lines and borders where a scene asks for them, and says which of them are not there.
+/// Reads the requested coast lines and borders, and reports missing ones.
 ///
 /// # Errors
 /// A file that is missing or corrupt, in a strict scene.
@@ -95,7 +95,7 @@ fn style(scene: &Scene, look: LineLook) -> LineStyle {
     }
 }
 
-/// The lines that a scene asks for, on this figure of the Earth. What is missing is reported where the scene is opened.
+/// The lines that a scene requests, on this figure of the Earth. Missing ones are reported when the scene is opened.
 ///
 /// # Errors
 /// A file that is missing or corrupt, in a strict scene.
@@ -144,7 +144,7 @@ mod tests {
         chords.fold(f64::INFINITY, f64::min).sqrt().to_degrees()
     }
 
-    /// Capes by their published coordinates, points where three countries meet, and what is far from any of it.
+    /// Capes at their published coordinates, tripoints of countries, and places far from any line.
     #[test]
     fn coasts_and_borders_are_where_atlases_have_them() {
         let (_, map) = shipped();

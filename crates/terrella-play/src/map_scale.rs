@@ -111,7 +111,7 @@ fn draw_bar(painter: &Painter, bar: Rect, text: &str) {
     painter.text(above, Align2::CENTER_BOTTOM, text, font, Color32::WHITE);
 }
 
-/// Whether it is clicked.
+/// Draws the compass; returns whether it is clicked.
 fn compass(ui: &Ui, middle: Pos2, north: DVec2) -> bool {
     let area = Rect::from_center_size(middle, Vec2::splat(2.0 * COMPASS));
     let response = ui.interact(area, Id::new("compass"), Sense::click());
@@ -145,7 +145,7 @@ mod tests {
     const SIZE: DVec2 = DVec2::new(1280.0, 720.0);
     const FOV_RAD: f64 = 0.8;
 
-    /// Straight down a pixel is 2 h tan(fov/2) / height wide; north is where the camera's up axis has it.
+    /// Straight down, a pixel is 2 h tan(fov/2) / height wide; north follows from the camera's up axis.
     #[test]
     fn the_scale_is_that_of_a_pinhole_above_the_ground() {
         let ellipsoid = Ellipsoid::WGS84;

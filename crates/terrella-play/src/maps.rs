@@ -2,7 +2,7 @@
 
 use super::dated_maps::set_dated_layers;
 use super::error::PlayError;
-use super::relief::ground_options;
+use super::relief::{WaterMap, ground_options};
 use crate::scene::{DatedLayer, PackTable, Scene, StorageChoice};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -16,8 +16,7 @@ use terrella_imagery::{
     SLOPE_EXAGGERATION, find_textures, load_layers_to, slopes_from_clouds,
 };
 
-/// Loads the maps that a scene wants at its start and no others, and gathers its options. `bc` is what the adapter does with
-/// compressed textures.
+/// Loads the maps of a scene at its start and builds its options. `bc` is the adapter's support of compressed textures.
 pub fn earth_options(scene: &Scene, bc: BcSupport) -> Result<EarthOptions, PlayError> {
     earth_options_at(scene, scene.time.start, bc)
 }
@@ -31,7 +30,7 @@ pub(super) fn earth_options_at(
     options_of(scene, epoch, bc, None)
 }
 
-/// The same with maps that are on this device, and none in memory: they are uploaded while they are read.
+/// As [`earth_options`], with maps that are uploaded to this device while they are read, and not kept in memory.
 pub(super) fn uploaded_options_at(
     scene: &Scene,
     epoch: Epoch,
@@ -43,7 +42,7 @@ pub(super) fn uploaded_options_at(
     Ok(options)
 }
 
-/// Loads maps, those of a folder to a device where one is given.
+/// Loads maps; those of a folder directly to a device, if one is given.
 fn options_of(
     scene: &Scene,
     epoch: Epoch,
@@ -63,7 +62,7 @@ fn options_of(
     options.atmosphere = table.atmosphere;
     options.air.aerosol_optical_depth = table.aerosol_optical_depth;
     if let Some(light) = table.light {
-        // Of a pack the options hold by how much its slopes are stored too steep or too flat.
+        // For a pack, the options compensate the exaggeration of its stored slopes.
         options.light = SurfaceLight {
             relief_exaggeration: light.relief_exaggeration * options.light.relief_exaggeration,
             eclipses: scene.sky.eclipses,
@@ -76,18 +75,26 @@ fn options_of(
     options.bloom = scene.output.bloom;
     options.grade = scene.output.grade;
     options.ground = match &table.relief {
-        Some(relief) => Some(ground_options(relief, table.pack.as_ref())?),
+        Some(relief) => {
+            let folder = maps_folder(scene);
+            let water = match (&options.layers.water, &folder) {
+                (Some(map), _) if map.has_texels() => Some(WaterMap::Map(map)),
+                // It has been uploaded.
+                (Some(_), Ok(folder)) => Some(WaterMap::Folder(folder)),
+                _ => None,
+            };
+            Some(ground_options(relief, table.pack.as_ref(), water)?)
+        }
         None => None,
     };
     Ok(options)
 }
 
-/// The maps that a scene wants by default and that its folder or pack has not: they are left out, with the names of their files
-/// in a folder.
+/// Maps that a scene wants by default but that its folder or pack lacks: they are left out. For a folder they include the file names.
 ///
 /// # Errors
-/// With `strict = true` any of them. A pack that cannot be opened; of a folder that cannot be found, only in a strict scene: it
-/// is looked for again when maps are loaded.
+/// With `strict = true` any of them. A pack that cannot be opened. A missing folder is an error only in a strict scene: it is searched again when
+/// maps are loaded.
 pub(super) fn dropped_layers(scene: &Scene) -> Result<Vec<DroppedLayer>, PlayError> {
     let table = &scene.earth;
     if let Some(pack) = &table.pack {
@@ -136,11 +143,11 @@ fn maps_folder(scene: &Scene) -> Result<PathBuf, PlayError> {
 pub struct DroppedLayer {
     /// Its name, as its key.
     pub layer: &'static str,
-    /// What is not there.
+    /// The missing item.
     pub missing: String,
 }
 
-/// The maps that a scene wants of a folder and that are there, and those that are not.
+/// The requested maps that a folder has, and those that it lacks.
 fn selection_in(
     scene: &Scene,
     folder: &Path,
@@ -148,7 +155,7 @@ fn selection_in(
     let table = &scene.earth;
     let wanted = LayerSelection {
         clouds: table.clouds && !is_dated(scene, DatedLayer::Clouds),
-        // The paper's are those of its clouds.
+        // The paper's normals are those of its clouds.
         normals: table.normals && !table.is_paper(),
         night_lights: table.night_lights && !is_dated(scene, DatedLayer::NightLights),
         water: table.water,
@@ -162,7 +169,7 @@ fn selection_in(
     Ok((wanted.without(&missing), dropped))
 }
 
-/// Whether a map comes from files with dates.
+/// Whether a map comes from dated files.
 fn is_dated(scene: &Scene, layer: DatedLayer) -> bool {
     let maps = &scene.earth.dated_maps;
     maps.iter().any(|maps| maps.layer == layer)
@@ -190,7 +197,7 @@ fn warn_of(dropped: &[DroppedLayer]) {
     }
 }
 
-/// Opens a scene's pack, if it has one, to see that it holds what the scene asks for. Reads no tile.
+/// Opens a scene's pack, if it has one, to check that it has the requested content. Reads no tile.
 pub(super) fn check_pack(scene: &Scene) -> Result<(), PlayError> {
     let Some(table) = &scene.earth.pack else {
         return Ok(());
@@ -306,7 +313,7 @@ fn pack_options(
     let is_paper = scene.earth.is_paper();
     layers.retain(|layer| *layer != MapLayer::Normals || !is_paper);
     let entry = pack.manifest().layer(MapLayer::Normals);
-    // Normals that came as such, not from heights, are true.
+    // Normals that were supplied as such, not derived from elevation, are not exaggerated.
     let stored = entry.and_then(|entry| entry.exaggeration).unwrap_or(1.0);
     tracing::info!(
         "tiles from {}, {}{}",
@@ -336,8 +343,7 @@ fn pack_options(
     Ok(options)
 }
 
-/// The maps that the scene wants of a pack and that are there, and those that are not. One that it asks for by name must be
-/// there.
+/// The requested maps that a pack has, and those that it lacks. An explicitly requested one must exist.
 fn wanted_layers(
     scene: &Scene,
     table: &PackTable,
@@ -378,7 +384,7 @@ fn wanted_layers(
     Ok((layers, told(scene, dropped)?))
 }
 
-/// Rejects a scene that asks for heights of a pack that has none.
+/// Rejects a scene that requests elevation data of a pack without any.
 fn check_heights(scene: &Scene, table: &PackTable, pack: &Pack) -> Result<(), PlayError> {
     let relief = scene.earth.relief.as_ref();
     let is_wanted = relief.is_some_and(|relief| relief.pack_heights_mb.is_some());
@@ -394,8 +400,7 @@ fn check_heights(scene: &Scene, table: &PackTable, pack: &Pack) -> Result<(), Pl
     }
 }
 
-/// Which of the storages that a pack keeps is read, and whether it is decoded before it goes to the adapter; `None` if
-/// the one asked for is not kept.
+/// Which of a pack's storage formats is read, and whether tiles are decoded before the upload; `None` if the requested one does not exist.
 fn choose_storage(
     kept: &[Storage],
     choice: StorageChoice,

@@ -98,7 +98,7 @@ pub struct CraftLight {
     pub disc: EarthDisc,
 }
 
-/// Where a model is drawn and how large.
+/// Position and size of a model.
 #[derive(Clone, Copy)]
 pub struct Placement {
     pub position_itrf_m: DVec3,
@@ -134,7 +134,7 @@ pub fn body_from_model(axes: ModelAxes) -> DMat3 {
 }
 
 impl ModelLayer {
-    /// The layer of a scene's satellites; `None` where none has a model.
+    /// The layer of a scene's satellites; `None` if none has a model.
     pub fn of(flight: &Flight, gpu: &GpuContext, earth: &Earth) -> Result<Option<Self>, PlayError> {
         let scene = flight.scene();
         let models = flight.craft_models();
@@ -199,13 +199,13 @@ impl ModelLayer {
         self.pipelines.shader_bytes()
     }
 
-    /// Whether the craft that cameras fly with has a model.
+    /// Whether the followed spacecraft has a model.
     pub fn has_followed(&self) -> bool {
         self.craft.iter().any(|craft| craft.is_followed)
     }
 
-    /// Writes the models of an instant, exposed as their Earth is, and counts them. A satellite that is not known then has none, nor one
-    /// whose attitude is not, nor one that the eye is in.
+    /// Uploads the models of a moment, with the exposure of the Earth, and counts them. A satellite without a state or attitude has no model, nor
+    /// one that the eye is inside.
     pub fn prepare(
         &mut self,
         gpu: &GpuContext,
@@ -352,7 +352,7 @@ impl ModelledCraft {
     }
 }
 
-/// What lights a craft of this pose.
+/// Light on a spacecraft with this pose.
 pub fn craft_light(
     pose: &CraftPose,
     ellipsoid: &Ellipsoid,
@@ -376,7 +376,7 @@ pub fn craft_light(
     }
 }
 
-/// What the shader gets of a model.
+/// Uniforms of a model.
 pub fn model_frame(
     placement: &Placement,
     light: &CraftLight,

@@ -1,4 +1,4 @@
-//! Whether an MP4 is complete: ffmpeg may end without an error although the disk was full.
+//! Checks that an MP4 is complete: ffmpeg may end without an error although the disk was full.
 
 use std::fs::File;
 use std::io::{self, ErrorKind, Read, Seek, SeekFrom};
@@ -6,10 +6,10 @@ use std::ops::Range;
 use std::path::Path;
 use terrella_files as files;
 
-/// Where the number of frames of a video is.
+/// Path of boxes to the number of frames of a video.
 const TO_SAMPLE_SIZES: [&[u8; 4]; 6] = [b"moov", b"trak", b"mdia", b"minf", b"stbl", b"stsz"];
 
-/// What an MP4 of `frames` frames lacks, in words; `None` where it is complete. Without an index of its frames it is not.
+/// What an MP4 of `frames` frames lacks, as text; `None` if it is complete. A file without an index of its frames is incomplete.
 pub fn mp4_problem(path: &Path, frames: u64) -> Option<String> {
     match frames_in(path) {
         Ok(count) if count == frames => None,
@@ -33,7 +33,7 @@ fn frames_in(path: &Path) -> io::Result<u64> {
         let (_, contents) = found.ok_or_else(|| incomplete("its index of frames is missing"))?;
         inside = contents;
     }
-    // Version and flags, the size of all or 0, their number.
+    // Version and flags, the common size or 0, and their number.
     file.seek(SeekFrom::Start(inside.start + 8))?;
     let mut count = [0; 4];
     file.read_exact(&mut count)?;

@@ -13,7 +13,7 @@ struct Row<'f> {
     name: &'f str,
     catalogue_number: Option<u64>,
     designator: Option<&'f str>,
-    /// When it is known; `None` where a simulator says that meanwhile.
+    /// Its validity; `None` for states from a simulator.
     known: Option<(Epoch, Epoch)>,
 }
 
@@ -44,8 +44,7 @@ impl<'f> Row<'f> {
     }
 }
 
-/// The names of all satellites of a scene in its order, with catalogue number and designator as far as they have them, and the time for
-/// which each is known.
+/// The names of all satellites of a scene in order, with catalogue number and designator as far as known, and the validity of each.
 pub fn names(flight: &Flight, layout: Layout) -> String {
     let rows: Vec<_> = flight.satellites().iter().map(Row::of).collect();
     match layout {

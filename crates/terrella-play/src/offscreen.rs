@@ -1,4 +1,4 @@
-//! The offscreen renderer, of stills, frames and video: an adapter of its own, an Earth, and textures to draw into.
+//! The offscreen renderer for stills, frames and video: an adapter, an Earth, and render targets.
 
 use super::error::PlayError;
 use super::flight::{Flight, Moment};
@@ -17,9 +17,9 @@ pub struct OffscreenRenderer {
     painter: ScenePainter,
     textures: PictureTextures,
     samples: u32,
-    /// Whether space hides nothing.
+    /// Whether space is transparent.
     is_space_transparent: bool,
-    /// Pictures drawn before all heights were there.
+    /// Number of images drawn before all elevation data was loaded.
     pictures_without_heights: u64,
 }
 
@@ -52,7 +52,7 @@ impl PictureTarget for PictureTextures {
 /// A frame and how long it took.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TimedFrame {
-    /// What was drawn.
+    /// Statistics of the frame.
     pub stats: FrameStats,
     /// Time of [`Earth::prepare`], and of the craft's where there is one.
     pub prepare: Duration,
@@ -63,7 +63,7 @@ pub struct TimedFrame {
 impl OffscreenRenderer {
     /// Uploads the maps to an adapter.
     ///
-    /// Where the adapter cannot do the samples asked for, one sample a pixel is drawn, with a warning.
+    /// If the adapter does not support the requested samples, one sample a pixel is drawn, with a warning.
     pub fn open(
         gpu: GpuContext,
         mut options: EarthOptions,
@@ -140,11 +140,11 @@ impl OffscreenRenderer {
         })
     }
 
-    /// Draws better or worse from now on, at the quality's scale of the picture's size. Where the adapter cannot do the samples asked
-    /// for, one sample a pixel is drawn, with a warning.
+    /// Uses another quality from now on, at its scale of the image size. If the adapter does not support the requested samples, one sample a pixel
+    /// is drawn, with a warning.
     ///
     /// # Errors
-    /// A quality that the Earth rejects, and textures that the device has no room for.
+    /// A quality that the Earth rejects, or textures that do not fit into the device's memory.
     pub fn set_quality(&mut self, quality: &Quality) -> Result<(), PlayError> {
         let format = self.earth().format().color;
         let samples = match quality.samples == self.samples {
@@ -167,10 +167,10 @@ impl OffscreenRenderer {
         }
     }
 
-    /// Draws pictures of another size from now on.
+    /// Draws images of another size from now on.
     ///
     /// # Errors
-    /// A size that takes more memory than this program does, or that the device has no room for.
+    /// A size that exceeds this program's memory limit or the device's memory.
     pub fn resize(&mut self, size: (u32, u32)) -> Result<(), PlayError> {
         if size == self.size() {
             return Ok(());
@@ -191,7 +191,7 @@ impl OffscreenRenderer {
         Ok(())
     }
 
-    /// Space hides nothing from now on: alpha of light is how much of what is behind is hidden. At full resolution alone.
+    /// Makes space transparent from now on: alpha of light is the opacity over the background. Only at full resolution.
     pub fn make_space_transparent(&mut self) {
         self.is_space_transparent = true;
         self.textures.make_space_transparent();
@@ -212,7 +212,7 @@ impl OffscreenRenderer {
         self.painter.show_models(flight)
     }
 
-    /// Draws what is beyond the Earth from now on, where a flight's scene asks for any of it.
+    /// Draws the sky from now on, if a flight's scene requests any of it.
     pub fn show_sky(&mut self, flight: &Flight) -> Result<(), PlayError> {
         self.painter.show_sky(flight)
     }
@@ -222,12 +222,12 @@ impl OffscreenRenderer {
         self.painter.show_sky_without(flight, part)
     }
 
-    /// Bytes of the WGSL that the driver got, of the Earth and of what is beside it.
+    /// Bytes of the WGSL that the driver got, for the Earth and all other layers.
     pub fn shader_bytes(&self) -> u64 {
         self.painter.shader_bytes()
     }
 
-    /// Draws the tracks of a flight's satellites from now on, where its scene asks for any.
+    /// Draws the tracks of a flight's satellites from now on, if its scene requests any.
     pub fn show_tracks(&mut self, flight: &Flight) -> Result<(), PlayError> {
         self.painter.show_tracks(flight)
     }
@@ -258,7 +258,7 @@ impl OffscreenRenderer {
         self.painter.earth()
     }
 
-    /// Names of what is drawn beyond the Earth, and of what is not.
+    /// Names of the parts of the sky that are drawn, and of those that are not.
     pub fn sky_features(&self) -> [Vec<&'static str>; 2] {
         self.painter.sky_features()
     }
@@ -268,7 +268,7 @@ impl OffscreenRenderer {
         self.painter.gpu()
     }
 
-    /// Whether pictures are exposed as what is in view asks for.
+    /// Whether the exposure of images is metered.
     pub fn meters_exposure(&self) -> bool {
         self.painter.meters_exposure()
     }
@@ -285,7 +285,7 @@ impl OffscreenRenderer {
         stats
     }
 
-    /// Draws an instant when all tiles that it wants have come, or `wait` is over. Answers the tiles that are missing.
+    /// Draws a moment when all requested tiles have arrived, or `wait` is over. Returns the missing tiles.
     pub fn draw_complete(&mut self, moment: &Moment, wait: Duration) -> (FrameStats, Vec<TileKey>) {
         let patience = Patience::Complete(wait);
         let drawn = self.painter.prepare(moment, self.drawn_size(), patience);
@@ -294,7 +294,7 @@ impl OffscreenRenderer {
         drawn
     }
 
-    /// Says that a picture's ground is coarser than its heights: of a film's pictures the first, and ever fewer of those after it.
+    /// Warns that an image's terrain is coarser than its data: for the first image of a film, and increasingly seldom for later ones.
     fn warn_of_missing_heights(&mut self) {
         let missing = self.earth().missing_heights();
         let Some(first) = missing.first() else {
@@ -311,8 +311,8 @@ impl OffscreenRenderer {
         }
     }
 
-    /// Where exposure is metered, exposes the next picture as its view asks for, followed in the time since the last, seconds,
-    /// and not at once: for pictures of a film. Answers the exposure value, where one is metered.
+    /// If exposure is metered, adapts the next image's exposure over the time since the last, seconds, instead of instantly: for images of a film.
+    /// Returns the exposure value, if metered.
     pub fn follow_light(
         &mut self,
         moment: &Moment,
@@ -321,10 +321,10 @@ impl OffscreenRenderer {
         Ok(self.painter.follow_light(moment, elapsed_s)?)
     }
 
-    /// Exposes the next pictures so, those apart that have an exposure of their own ([`Moment::exposure_ev`]).
+    /// Sets the exposure of the next images, except those with their own exposure ([`Moment::exposure_ev`]).
     ///
     /// # Errors
-    /// An exposure value out of [`Exposure::RANGE_EV`].
+    /// An exposure value outside [`Exposure::RANGE_EV`].
     pub fn set_exposure(&mut self, exposure: Exposure) -> Result<(), PlayError> {
         Ok(self.painter.set_exposure(exposure)?)
     }
@@ -351,7 +351,7 @@ impl OffscreenRenderer {
         Ok(rgba_image(width, height, texels)?)
     }
 
-    /// The same as light, of a renderer that is open for it: red, green, blue and what is no light, rows from the top.
+    /// Reads the light of a renderer that was opened for it: red, green, blue and an unused value, rows from the top.
     pub fn read_light(&self) -> Result<Vec<[f32; 4]>, PlayError> {
         self.earth().check_pipelines()?;
         let read = self

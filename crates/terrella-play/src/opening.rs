@@ -1,7 +1,7 @@
-//! Opens the satellites of a scene, in an order in which one of them may say when the scene begins.
+//! Opens the satellites of a scene, in an order that allows one of them to set the start of the scene.
 //!
-//! Files know their own time and are opened first. A scene without a start then begins with the satellite that cameras fly with
-//! ([`Scene::begin_at`]). Everything else that flies gets that start: motions that the scene describes, simulations, stand-ins.
+//! Files have their own times and are opened first. A scene without a start then begins at the followed satellite's time ([`Scene::begin_at`]). All
+//! other sources get that start: motions described in the scene, simulations, stand-ins.
 
 use super::error::PlayError;
 use super::satellites::{self, Integrated, Listener, Satellite, Sources, stand_in};
@@ -44,7 +44,7 @@ pub(super) fn open_all(
     stand_in(scene)?;
     let all = scene.orbits.iter().zip(files).enumerate();
     all.map(|(index, (orbit, opened))| match opened {
-        // What is propagated from a state is known to its epoch only.
+        // A state without propagation is valid at its epoch only.
         Some(satellite) if satellite.state_epoch().is_none() => Ok(satellite),
         _ => satellites::open(scene, index, orbit, Integrated::OverScene, &mut sources),
     })
@@ -81,8 +81,7 @@ fn open_many(
     Ok(opened)
 }
 
-/// When a scene begins that does not say so, and what says it: the satellite that cameras fly with, or where that flies at any
-/// time the first of the others that does not.
+/// Default start of a scene, and its source: the followed satellite, or, if that is valid at any time, the first of the others that is not.
 fn own_start(scene: &Scene, files: &[Option<Satellite>]) -> Option<(Epoch, String)> {
     let all = scene.orbits.iter().zip(files);
     let names = all.clone().map(|(orbit, opened)| match opened {
@@ -90,7 +89,7 @@ fn own_start(scene: &Scene, files: &[Option<Satellite>]) -> Option<(Epoch, Strin
         None => orbit.name.as_deref().unwrap_or_default(),
     });
     let names: Vec<_> = names.collect();
-    // A name that nobody has is rejected when all are open.
+    // An unknown name is rejected after all are open.
     let followed = scene.followed(&names).unwrap_or(0);
     let backwards = scene.time.speed < 0.0;
     let is_given = |index| scene.orbit_line(index, "epoch").is_some();

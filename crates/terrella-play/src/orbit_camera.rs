@@ -1,12 +1,12 @@
-//! The camera that a user moves over the globe by hand: pure f64 functions that know no window.
+//! The camera that a user moves over the globe: pure f64 functions, independent of windows.
 //!
-//! An [`OrbitCamera`] is an eye above the ground that stands still in Earth-fixed axes. Every movement keeps a promise:
+//! An [`OrbitCamera`] is an eye above the ground, at rest in Earth-fixed axes. Every movement has an invariant:
 //!
-//! - [`OrbitCamera::drag`]: the grabbed place is under the pointer. Height, heading and pitch stay. Where no eye with this
-//!   heading sees it so, as near the poles, the heading gives way. Beyond the limb the pointer counts as on it.
-//! - [`OrbitCamera::approach`]: the distance is multiplied. The place under the pointer stays there where that turns the globe
-//!   little, else the place in the middle does.
-//! - [`OrbitCamera::tilt`]: the eye moves around the place in the middle. Where there is none, it turns its head.
+//! - [`OrbitCamera::drag`]: the grabbed place stays under the pointer, with the same height, heading and pitch. If no eye with this heading sees it
+//!   there, as near the poles, the heading changes. Beyond the limb the pointer is clamped to it.
+//! - [`OrbitCamera::approach`]: the distance is multiplied. The place under the pointer stays there if that turns the globe little, otherwise the
+//!   place in the middle does.
+//! - [`OrbitCamera::tilt`]: the eye moves around the place in the middle. Without one, it turns its head.
 //! - No eye comes closer to the ground than [`MIN_CLEARANCE_M`].
 
 // The path is said for the web page's crate, which has this file too.
@@ -24,7 +24,7 @@ pub const MIN_CLEARANCE_M: f64 = 10.0;
 pub const MAX_HEIGHT_M: f64 = 1e9;
 /// The Earth's highest and lowest ground, with room to spare, metres.
 const GROUND_RANGE_M: (f64, f64) = (-600.0, 9_500.0);
-/// Steps in which a ray is followed through the heights between.
+/// Number of steps for tracing a ray through the elevation range.
 const MARCH_STEPS: u32 = 256;
 /// Least elevation of the eye above the level of the place that it turns around, radians (1°).
 const MIN_ELEVATION_RAD: f64 = PI / 180.0;
@@ -45,7 +45,7 @@ pub struct Screen {
 /// Height of the ground above the ellipsoid, metres, at a geodetic latitude and longitude, radians.
 pub type GroundHeight<'g> = &'g dyn Fn(f64, f64) -> f64;
 
-/// The Earth that a camera stands over.
+/// The Earth beneath a camera.
 #[derive(Clone, Copy)]
 pub struct Globe<'g> {
     /// The figure.
@@ -108,7 +108,7 @@ impl Globe<'_> {
         place.height_m - self.height_m(place.lat_rad, place.lon_rad)
     }
 
-    /// Where a ray from an eye first meets the ground, ITRF metres. `ray` is a unit vector.
+    /// First intersection of a ray from an eye with the ground, ITRF metres. `ray` is a unit vector.
     pub fn meet(&self, eye_itrf_m: DVec3, ray: DVec3) -> Option<DVec3> {
         if !(eye_itrf_m.is_finite() && ray.is_finite()) {
             return None;
@@ -195,7 +195,7 @@ fn facing(place: &Geodetic, forward: DVec3, up: DVec3) -> (f64, f64) {
     let north = vertical.cross(east);
     let sin = forward.dot(vertical).clamp(-1.0, 1.0);
     let pitch_rad = sin.atan2(forward.reject_from_normalized(vertical).length());
-    // Of an eye that looks straight down what is upwards on screen is ahead.
+    // For an eye that looks straight down, up on screen is ahead.
     let ahead = pitch_rad.cos() * forward - sin * up;
     (ahead.dot(east).atan2(ahead.dot(north)), pitch_rad)
 }
@@ -223,7 +223,7 @@ impl OrbitCamera {
         (axes(&pose), pose.eye_itrf_m)
     }
 
-    /// Where a point is on screen, pixels; `None` behind the eye. Whether something hides it is not asked.
+    /// Position of a point on screen, pixels; `None` behind the eye. Occlusion is ignored.
     #[cfg(test)]
     pub fn pixel_of(
         &self,
@@ -257,7 +257,7 @@ impl OrbitCamera {
         let ellipsoid = &globe.ellipsoid;
         let above_m = self.place.height_m - self.height_below_m(globe);
         let radius_m = ellipsoid.polar_radius_m;
-        // Never more than the turn that takes a point from the middle to the limb for the picture's height.
+        // Limited to the rotation that moves a point from the middle to the limb within the image height.
         let by_rad = (by_px * screen.pixel_rad() * above_m.max(MIN_CLEARANCE_M) / radius_m)
             .clamp_length_max(by_px.length() * PI / screen.size_px.y.max(1.0));
         if !by_rad.is_finite() {
@@ -267,7 +267,7 @@ impl OrbitCamera {
         let vertical = Ellipsoid::normal(self.place.lat_rad, self.place.lon_rad);
         let right = pose.forward.cross(pose.up);
         let ahead = vertical.cross(right).normalize_or(pose.up);
-        // What is dragged to the right or downwards comes from the left and from above.
+        // Content dragged to the right or downwards comes from the left or from above.
         let turn =
             DQuat::from_axis_angle(ahead, -by_rad.x) * DQuat::from_axis_angle(right, -by_rad.y);
         self.turned(ellipsoid, turn).held_above(globe)
@@ -289,8 +289,7 @@ impl OrbitCamera {
         }
     }
 
-    /// Multiplies the distance from the place in the middle, or the height where there is none there. The place under the
-    /// pointer stays under it if it can.
+    /// Multiplies the distance to the place in the middle, or the height if there is none. The place under the pointer stays under it if possible.
     pub fn approach(&self, globe: &Globe<'_>, screen: &Screen, at_px: DVec2, factor: f64) -> Self {
         let is_lowest =
             || self.place.height_m - self.height_below_m(globe) < 1.01 * MIN_CLEARANCE_M;

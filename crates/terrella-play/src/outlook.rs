@@ -1,4 +1,4 @@
-//! What light a film will be in, found before any of it is drawn.
+//! Lighting of a film, determined before it is drawn.
 
 use super::clock::frame_epoch;
 use super::error::PlayError;
@@ -12,7 +12,7 @@ const MOST_FRAMES: u64 = 1_000;
 /// How far beyond a film that is dark to its end light is looked for, and in which steps.
 const FURTHER: Duration = Duration::from_parts(0, 86_400 * NS_PER_S);
 const STEP: Duration = Duration::from_parts(0, 60 * NS_PER_S);
-/// To what an instant is found.
+/// Precision of the times.
 const TO: Duration = Duration::from_parts(0, NS_PER_S);
 const NS_PER_S: u64 = 1_000_000_000;
 
@@ -21,7 +21,7 @@ const NS_PER_S: u64 = 1_000_000_000;
 pub struct LightOutlook {
     /// When the satellite that cameras fly with is out of the Earth's shadow; `None` where no camera flies with one.
     pub satellite: Option<LightTimes>,
-    /// When the Sun stands above the horizon of the place below the eye.
+    /// When the Sun is above the horizon of the place below the eye.
     pub ground: LightTimes,
 }
 
@@ -36,7 +36,7 @@ pub struct LightTimes {
     pub light_from: Option<Epoch>,
 }
 
-/// What is light or dark.
+/// The place that is lit or dark.
 #[derive(Clone, Copy)]
 enum Lit {
     Satellite,
@@ -44,7 +44,7 @@ enum Lit {
 }
 
 impl Lit {
-    /// Whether it is light there; `None` without a satellite.
+    /// Whether it is lit; `None` without a satellite.
     fn is_light(self, moment: &Moment, ellipsoid: &Ellipsoid) -> Option<bool> {
         match self {
             Self::Satellite => {
@@ -62,10 +62,10 @@ impl Lit {
 }
 
 impl LightOutlook {
-    /// Of these frames of a scene's film.
+    /// Lighting of these frames of a scene's film.
     ///
     /// # Errors
-    /// A frame that cannot be drawn, because its satellite is not known.
+    /// A frame that cannot be drawn because its satellite has no state.
     pub fn of(flight: &Flight, frames: Range<u64>) -> Result<Self, PlayError> {
         let epochs = looked_at(flight, &frames);
         let moments = epochs.iter().map(|epoch| flight.at(*epoch, 1.0));
@@ -90,7 +90,7 @@ impl LightOutlook {
 }
 
 impl LightOutlook {
-    /// What to do about a film of nothing but night; `None` for others.
+    /// Advice for a film that is entirely at night; `None` for others.
     pub fn advice(&self) -> Option<String> {
         let from = self
             .ground
@@ -109,7 +109,7 @@ impl LightTimes {
         }
     }
 
-    /// Whether it is dark in all frames.
+    /// Whether all frames are dark.
     pub fn is_all_dark(&self) -> bool {
         self.dark_share == 1.0
     }
@@ -132,7 +132,7 @@ impl LightTimes {
     }
 }
 
-/// What is said of a picture of a scene's start where that is no choice of the scene's and the ground below is in night.
+/// Note about an image at a default start time with the ground below in darkness.
 pub fn night_note(flight: &Flight) -> Option<String> {
     let scene = flight.scene();
     let is_chosen = !matches!(
@@ -214,7 +214,7 @@ fn is_light_at(flight: &Flight, place: Lit, epoch: Epoch) -> Option<bool> {
     place.is_light(&moment, flight.ellipsoid())
 }
 
-/// The change to what is wanted between two instants, of which the second has it.
+/// Time of the change to `wanted` between two times, of which the second has it.
 fn narrowed(flight: &Flight, place: Lit, before: Epoch, after: Epoch, wanted: bool) -> Epoch {
     let (mut before, mut after) = (before, after);
     while (after - before).abs() > TO {
@@ -228,7 +228,7 @@ fn narrowed(flight: &Flight, place: Lit, before: Epoch, after: Epoch, wanted: bo
     after
 }
 
-/// A share that is neither nothing nor all, and is not called so.
+/// A percentage that is not rounded to 0 or 100.
 fn percent(share: f64) -> String {
     match share * 100.0 {
         less if less < 1.0 => "less than 1 %".to_owned(),
@@ -281,7 +281,7 @@ mod tests {
         );
         // Straight below it is night on half of the equator.
         assert!((told.ground.dark_share - 0.5).abs() < 2e-3, "{told:?}");
-        // Perigee at 0° of right ascension, where the Sun stands: in light from the start to a quarter and more.
+        // Perigee at the Sun's right ascension of 0°: sunlit from the start to beyond a quarter of the orbit.
         let (light, dark) = (satellite.light_from, satellite.dark_from.expect("shadow"));
         let start = flight("[time]\nstart = \"2018-03-20T16:15:00Z\"\n")
             .scene()

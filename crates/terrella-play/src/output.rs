@@ -1,8 +1,8 @@
-//! Output files: complete, or not there.
+//! Output files that are either complete or absent.
 //!
-//! A file is written under a temporary name in its own folder, synced, and renamed when it is complete, so that its final name
-//! never holds half of it, whatever stops the program or the machine. The temporary file is made before anything is drawn: a folder
-//! that cannot be written to is found at once and not after an hour.
+//! A file is written under a temporary name in its own folder, synced, and renamed when it is complete. Its final name thus never refers to a
+//! partial file, whatever stops the program or the machine. The temporary file is created before anything is drawn: an unwritable folder is
+//! detected immediately and not after an hour.
 
 use image::{ImageEncoder, RgbaImage};
 use std::fs::File;
@@ -17,22 +17,22 @@ use terrella_files::durable;
 #[non_exhaustive]
 #[allow(missing_docs, reason = "the messages say what fields are")]
 pub enum OutputError {
-    /// Another kind of file than its name says.
+    /// The file name has the extension of another format.
     #[error("{}: {what} are written as .{extension}; name it {}", path.display(), path.with_extension(extension).display())]
     Extension {
-        /// The name asked for.
+        /// The requested name.
         path: PathBuf,
-        /// What is to be written.
+        /// The content.
         what: &'static str,
         extension: &'static str,
     },
-    /// A file of light whose name says no kind of it.
+    /// A light file without a known extension.
     #[error(
         "{}: radiance is written as .npy (NumPy) or .exr (OpenEXR); name it {} or {}",
         path.display(), path.with_extension("npy").display(), path.with_extension("exr").display()
     )]
     RadianceName { path: PathBuf },
-    /// A raw frame whose name says no kind of it.
+    /// A raw frame without a known extension.
     #[error(
         "{}: raw frames are written as .png (16 bits), .tiff or .npy (NumPy); name it {}",
         path.display(), path.with_extension("png").display()
@@ -45,7 +45,7 @@ pub enum OutputError {
     #[error("{}: cannot be written: {found} of that name already exists; choose another name", path.display())]
     InTheWay {
         path: PathBuf,
-        /// What stands at the path instead of a file.
+        /// The object at the path that is not a file.
         found: &'static str,
     },
     /// A file of an earlier run cannot be read.
@@ -64,7 +64,7 @@ pub enum OutputError {
         /// Error of the operating system.
         source: std::io::Error,
     },
-    /// There is no room.
+    /// The disk is full.
     #[error("{}: cannot be written: {source}; free some space. Finished files are kept, and `terrella play --resume` renders the missing frames", path.display())]
     Full {
         path: PathBuf,
@@ -75,7 +75,7 @@ pub enum OutputError {
     #[error("{}: the image could not be encoded: {source}", path.display())]
     NotEncoded {
         path: PathBuf,
-        /// What the encoder says.
+        /// Error of the encoder.
         source: std::io::Error,
     },
     /// A picture could not be encoded.
@@ -88,7 +88,7 @@ pub enum OutputError {
 }
 
 impl OutputError {
-    /// For what the system does not start of a file or folder.
+    /// For an error of the system with a file or folder.
     pub fn write(path: &Path, source: std::io::Error) -> Self {
         use std::io::ErrorKind::{FileTooLarge, QuotaExceeded, StorageFull};
         let path = path.to_owned();
@@ -165,7 +165,7 @@ impl PendingFile {
         }
         let mut builder = tempfile::Builder::new();
         builder.prefix(prefix).suffix(".part");
-        // Made by hand for the rights of any new file: those of the crate are for secrets.
+        // Created by hand to get the permissions of an ordinary new file: those of the crate are for secrets.
         let made = builder.make_in(folder, |path| {
             Unfinished::create(path, |path| File::create_new(path))
         });
@@ -240,11 +240,11 @@ pub(super) fn png_of(picture: &RgbaImage) -> Result<Vec<u8>, image::ImageError> 
     png_bytes(picture.dimensions(), picture.as_raw())
 }
 
-/// The bytes of the PNG that the command writes of a picture: width and height in pixels, and four bytes a pixel (red, green and blue in
-/// sRGB, and an opacity that is left out), rows from the top.
+/// The PNG that the command writes for an image: width and height in pixels, and four bytes a pixel (red, green and blue in sRGB, and an opacity
+/// that is dropped), rows from the top.
 ///
 /// # Errors
-/// Pixels that are more or fewer than the size says, or a size that PNG does not hold.
+/// A number of pixels that does not match the size, or a size that PNG does not support.
 pub fn png_bytes((width, height): (u32, u32), rgba: &[u8]) -> Result<Vec<u8>, image::ImageError> {
     let (pixels, rest) = rgba.as_chunks::<4>();
     if rest.is_empty() && pixels.len() as u64 == u64::from(width) * u64::from(height) {

@@ -7,18 +7,18 @@ use std::time::Duration;
 use winit::event::WindowEvent;
 use winit::window::Window;
 
-/// egui's input, its renderer, and what it wants drawn.
+/// egui's input, renderer and output.
 pub struct Overlay {
     state: egui_winit::State,
     renderer: Renderer,
     output: Option<egui::FullOutput>,
 }
 
-/// Whether egui has taken an event.
+/// Whether egui has consumed an event.
 pub struct EventResponse {
-    /// egui wants it for itself.
+    /// egui has consumed it.
     pub consumed: bool,
-    /// The picture is to be drawn again.
+    /// The image must be drawn again.
     pub repaint: bool,
 }
 
@@ -53,7 +53,7 @@ impl Overlay {
         }
     }
 
-    /// Whether the pointer is over the panel or holds something of it.
+    /// Whether the pointer is over the panel or drags a part of it.
     pub fn wants_pointer(&self) -> bool {
         self.state.egui_ctx().egui_wants_pointer_input()
     }
@@ -63,7 +63,7 @@ impl Overlay {
         self.state.egui_ctx().text_edit_focused()
     }
 
-    /// Lays out one frame. Answers how long it may stand before egui wants another.
+    /// Lays out one frame. Returns the time until egui needs another.
     pub fn lay_out(&mut self, window: &Window, mut add: impl FnMut(&egui::Context)) -> Duration {
         let input = self.state.take_egui_input(window);
         let context = self.state.egui_ctx().clone();

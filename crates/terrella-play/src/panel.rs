@@ -23,7 +23,7 @@ use terrella::{AdaptiveQuality, FrameStats};
 
 /// Longer notices take several lines, points.
 const NOTICE_WIDTH: f32 = 420.0;
-/// Space between the window's edge and what is laid over the picture, points.
+/// Margin between the window's edge and overlays, points.
 const MARGIN: f32 = 8.0;
 /// Height of a window of egui without its content: title, frame, spacing, points.
 const WINDOW_CHROME: f32 = 44.0;
@@ -40,7 +40,7 @@ const RATES: [f64; 6] = [1.0, 10.0, 60.0, 300.0, 1000.0, 3600.0];
 /// Radius of the ring around what is selected, points.
 const RING_RADIUS: f32 = 9.0;
 
-/// What the panel shows beside the controls.
+/// Data for the panel besides the controls.
 pub struct PanelData<'p> {
     /// The satellite's name, if there is one.
     pub satellite: Option<&'p str>,
@@ -52,7 +52,7 @@ pub struct PanelData<'p> {
     pub stats: FrameStats,
     /// Whether the tiles of a pack are drawn.
     pub has_tiles: bool,
-    /// Adapts the quality, if a frame time is to be held.
+    /// Adaptive quality, if a frame time is set.
     pub adaptive: Option<&'p AdaptiveQuality>,
     /// Milliseconds between frames, smoothed; `None` before there are two.
     pub interval_ms: Option<f64>,
@@ -62,8 +62,8 @@ pub struct PanelData<'p> {
     pub adapter: &'p str,
 }
 
-/// Lays everything out and answers what the user clicked. Nothing reaches over the window's edge down to 640 × 360 points:
-/// what is too high is scrolled, what is too wide takes several lines.
+/// Lays out everything and returns the user's actions. Nothing exceeds the window's edge down to 640 × 360 points: high content is scrolled, wide
+/// content is wrapped.
 pub fn show(context: &Context, controls: &Controls, data: &PanelData<'_>) -> Vec<Action> {
     let mut actions = Vec::new();
     let screen = context.content_rect();
@@ -71,7 +71,7 @@ pub fn show(context: &Context, controls: &Controls, data: &PanelData<'_>) -> Vec
     if controls.shows_line() {
         bottom += timeline::show(context, &controls.line, &controls.clock, &mut actions);
     }
-    // What is said stands above the scale.
+    // The message is above the scale.
     let mut message_bottom = bottom;
     if controls.map_scale
         && let Some(scale) = scale_of(context, data)
@@ -99,7 +99,7 @@ pub fn show(context: &Context, controls: &Controls, data: &PanelData<'_>) -> Vec
     }
     if let Some(message) = &controls.message {
         egui::Area::new("message".into())
-            // In the middle of the room beside the panel.
+            // Centred in the space beside the panel.
             .anchor(
                 Align2::CENTER_BOTTOM,
                 Vec2::new(0.5 * (panel_right - screen.left()), -message_bottom),
@@ -127,7 +127,7 @@ fn scale_of(context: &Context, data: &PanelData<'_>) -> Option<MapScale> {
     MapScale::of(&data.moment.view, &data.ellipsoid, size_px)
 }
 
-/// What must not be overlooked, at the right, in the room beside the panel. Answers its height, points.
+/// An important notice, on the right, in the space beside the panel. Returns its height, points.
 fn show_notice(context: &Context, notice: &str, room: f32) -> f32 {
     let width = NOTICE_WIDTH.min(room - 4.0 * MARGIN).max(0.0);
     let area = egui::Area::new("notice".into())
@@ -142,7 +142,7 @@ fn show_notice(context: &Context, notice: &str, room: f32) -> f32 {
     area.response.rect.height()
 }
 
-/// What is selected, at the right, and a ring around it in the picture.
+/// Information about the selection, on the right, and a ring around it in the image.
 fn show_read_out(context: &Context, read_out: &ReadOut, top: f32, room: f32) {
     let screen = context.content_rect();
     if let Some(at) = read_out.at {
@@ -184,7 +184,7 @@ fn show_help(context: &Context, actions: &mut Vec<Action>) {
     }
 }
 
-/// The question that Esc asks.
+/// The question that Esc opens.
 fn ask_to_close(context: &Context, actions: &mut Vec<Action>) {
     egui::Window::new("Close Terrella?")
         .order(egui::Order::Foreground)
@@ -220,7 +220,7 @@ fn panel(
     buttons(ui, controls, actions);
 }
 
-/// What is higher than `height` points is scrolled, with a bar that shows it.
+/// Content higher than `height` points is scrolled, with a scroll bar.
 fn scrolled(ui: &mut Ui, height: f32, add: impl FnOnce(&mut Ui)) {
     ui.style_mut().spacing.scroll = egui::style::ScrollStyle::solid();
     ScrollArea::vertical().max_height(height).show(ui, add);
@@ -257,7 +257,7 @@ fn rows(ui: &mut Ui, name: &str, rows: &[(&str, String)]) {
     });
 }
 
-/// What is seen, and when.
+/// Rows about the view and its time.
 fn scene_rows<'p>(controls: &'p Controls, data: &PanelData<'_>) -> Vec<(&'p str, String)> {
     let clock = &controls.clock;
     let mut rows = vec![
@@ -313,7 +313,7 @@ fn scene_rows<'p>(controls: &'p Controls, data: &PanelData<'_>) -> Vec<(&'p str,
     rows
 }
 
-/// What a frame costs, and what it is made of.
+/// Rows about the cost and content of a frame.
 fn detail_rows(data: &PanelData<'_>) -> Vec<(&'static str, String)> {
     let mut rows = vec![
         ("frame", frame_text(data.interval_ms, data.work_ms)),

@@ -1,4 +1,4 @@
-//! The panel and all that is laid over the picture: where it lies at every size of window, and how it looks.
+//! The panel and all overlays: layout at every window size, and appearance.
 
 use super::*;
 use crate::egui_pass::{self, EguiTarget};
@@ -10,7 +10,7 @@ use egui::{RawInput, Rect};
 use std::path::{Path, PathBuf};
 use terrella::internals::gpu::{GpuContext, read_texture};
 
-/// Widths and heights of windows in pixels, with the pixels of a point.
+/// Sizes of windows in pixels, with the pixels per point.
 const SIZES: [(u32, u32, f32); 6] = [
     (640, 360, 1.0),
     (1280, 720, 1.0),
@@ -19,10 +19,10 @@ const SIZES: [(u32, u32, f32); 6] = [
     (1280, 720, 2.0),
     (3840, 2160, 2.0),
 ];
-/// Of these there are pictures.
+/// Number of sizes with golden images.
 const PICTURES: usize = 2;
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
-/// What the panel lies over, display values.
+/// Background of the panel, display values.
 const SKY: wgpu::Color = wgpu::Color {
     r: 0.36,
     g: 0.5,
@@ -71,7 +71,7 @@ fn window((width, height, scale): (u32, u32, f32)) -> Window {
     theme::apply(&context);
     let size = egui::vec2(width as f32, height as f32) / scale;
     let mut output = egui::FullOutput::default();
-    // A window of egui knows its size after it has been laid out once, and is opaque after a part of a second.
+    // An egui window knows its size after one layout pass, and is opaque after a fraction of a second.
     for second in 0..3 {
         let mut input = RawInput {
             time: Some(f64::from(second)),

@@ -76,14 +76,13 @@ impl Longest {
         }
     }
 
-    /// Lays out a few frames, as sizes settle, and returns the last one's text with where it may be seen, and the rectangles
-    /// of all windows.
+    /// Lays out a few frames, until sizes settle, and returns the last one's text with its visible area, and the rectangles of all windows.
     fn lay_out(&self, size: Vec2, change: impl Fn(&mut Controls)) -> (Vec<LaidText>, Vec<Rect>) {
         let (texts, areas, _) = self.lay_out_and_click(size, None, change);
         (texts, areas)
     }
 
-    /// The same with a click in the middle of the first text that reads so; returns also what it asks for.
+    /// As [`Self::lay_out`], with a click on the first text that reads so; also returns the resulting action.
     fn lay_out_and_click(
         &self,
         size: Vec2,
@@ -301,7 +300,7 @@ fn exposure_is_metered_by_a_click_and_then_held() {
     };
     use terrella::Exposure;
     assert_eq!(click(nothing), [Action::Expose(Some(Exposure::Auto))]);
-    // What was metered last, which the test has at 0.
+    // The last metered value, which the test keeps at 0.
     let is_metered = |controls: &mut Controls| {
         controls.apply(Action::Expose(Some(Exposure::Auto)), 720.0);
     };

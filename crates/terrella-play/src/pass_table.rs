@@ -22,7 +22,7 @@ pub struct PassRequest {
     pub place: Geodetic,
     /// Minimum elevation of a pass, radians, 0…π/2.
     pub min_elevation_rad: f64,
-    /// For how long from the scene's first instant on; `None` is to its last.
+    /// Length of the search from the scene's first epoch; `None` is to its last.
     pub length: Option<Duration>,
     /// When the satellite counts as visible in a pass.
     pub visibility: VisibilityRule,
@@ -40,10 +40,10 @@ pub struct PassTable<'f> {
     time_zone_min: i32,
 }
 
-/// A pass, with what is seen of it.
+/// A pass, with its visibility.
 struct Row {
     pass: Pass,
-    /// Where the satellite stands when the pass begins, when it is highest and when it ends.
+    /// Look angles at the start of the pass, at its maximum elevation and at its end.
     stands: [LookAngles; 3],
     visible: Vec<VisibleInterval>,
 }
@@ -60,10 +60,10 @@ impl Row {
 }
 
 impl<'f> PassTable<'f> {
-    /// Looks for them, as far as the satellite is known.
+    /// Finds the passes within the satellite's validity.
     ///
     /// # Errors
-    /// If the satellite is not known in any of the time (the error says when it is), or its feed fails in it.
+    /// If the satellite has no state in all of the time (the error states its validity), or its feed fails.
     pub fn new(
         flight: &'f Flight,
         satellite: &'f Satellite,
@@ -73,7 +73,7 @@ impl<'f> PassTable<'f> {
         let known = satellite.feed().validity();
         let span = (first.max(known.0), last.min(known.1));
         if span.0 > span.1 {
-            // It says when it is known.
+            // The error states the validity.
             satellite.feed().state_at(first)?;
         }
         let orientation = |epoch| flight.orientation_at(epoch);

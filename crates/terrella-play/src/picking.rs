@@ -1,4 +1,4 @@
-//! What is under a click, and what is said of it.
+//! The object under a click, and the information about it.
 
 use super::flight::{Flight, Moment};
 use super::orbit_camera::Globe;
@@ -10,7 +10,7 @@ use terrella::frames::{Epoch, Geodetic};
 /// How far from a satellite's marker a click still means it, pixels.
 pub const MARKER_PX: f64 = 10.0;
 
-/// What the user has selected.
+/// The selection.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Picked {
     /// A satellite, by its place in the scene.
@@ -19,12 +19,12 @@ pub enum Picked {
     Place(Geodetic),
 }
 
-/// What is said of it.
+/// Information about it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReadOut {
     /// The satellite's name, or what it is.
     pub title: String,
-    /// What, and its value.
+    /// Labels and values.
     pub rows: Vec<(&'static str, String)>,
     /// Where it is on screen, parts of the picture's width and height; `None` where it is not to be seen.
     pub at: Option<DVec2>,
@@ -89,7 +89,7 @@ pub fn ray(view: &EyeView, size_px: DVec2, at_px: DVec2) -> Option<DVec3> {
     ray.try_normalize()
 }
 
-/// What is said of a selection at a moment; `None` where it is known no more.
+/// Information about a selection at a moment; `None` if it has no state any longer.
 pub fn read_out(
     flight: &Flight,
     moment: &Moment,
@@ -142,7 +142,7 @@ fn clock_text(hours: f64) -> String {
     format!("{:02}:{:02}", minutes / 60, minutes % 60)
 }
 
-/// Metres where kilometres would say little.
+/// In metres if kilometres would be too coarse.
 pub fn altitude_text(height_m: f64) -> String {
     match height_m.abs() < 10_000.0 {
         // No negative zero.
@@ -194,7 +194,7 @@ mod tests {
             panic!("not the ground");
         };
         assert!(place.height_m.abs() < 1e-3, "{place:?}");
-        // Where the place is drawn is where the click was.
+        // The place is drawn at the position of the click.
         let point = Ellipsoid::WGS84.itrf_from_geodetic(place);
         let drawn = on_screen(&moment.view, point).expect("ahead") * SIZE;
         assert!(

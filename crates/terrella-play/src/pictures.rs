@@ -18,8 +18,8 @@ use terrella::{
 use terrella_imagery::tile::TileKey;
 use terrella_sensor::{RawFrame, Sensor};
 
-/// Has a scene take what it names no file for (maps, stars, heights) from this folder, in place of the starter pack that is looked for:
-/// for programs that bring one along.
+/// Makes a scene use this folder for maps, stars and elevation data without a file name, instead of searching for the starter pack: for programs
+/// that include one.
 pub fn take_starter_files(scene: &mut Scene, folder: &Path) {
     let earth = &mut scene.earth;
     if earth.textures.is_none() && earth.pack.is_none() {
@@ -37,20 +37,20 @@ pub fn take_starter_files(scene: &mut Scene, folder: &Path) {
     }
 }
 
-/// What is pictured: an instant, by the scene's camera and exposure or by others.
+/// Time, camera and exposure of an image; by default those of the scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shot {
     /// The instant.
     pub epoch: Epoch,
-    /// Where the eye is and what it sees; `None` is the scene's camera. A camera of the caller's flies with no satellite: it needs none
-    /// to be known at the instant, and no craft is before it.
+    /// Position and view of the eye; `None` is the scene's camera. A custom camera is not attached to a satellite: it needs no state at the time,
+    /// and no spacecraft is drawn in front of it.
     pub view: Option<EyeView>,
     /// The exposure value; `None` is the scene's exposure.
     pub exposure_ev: Option<f64>,
 }
 
 impl From<Epoch> for Shot {
-    /// By the scene's camera and exposure.
+    /// With the scene's camera and exposure.
     fn from(epoch: Epoch) -> Self {
         Self {
             epoch,
@@ -60,10 +60,10 @@ impl From<Epoch> for Shot {
     }
 }
 
-/// A scene with a device of its own, drawn into memory at any instant.
+/// A scene with its own device, drawn into memory at any time.
 ///
-/// As for [`OffscreenEarth`], what draws a kind of picture is made when the first of that kind is asked for. Scenes whose time a
-/// simulator gives are rejected: they are played by the command.
+/// As in [`OffscreenEarth`], the resources of a kind of image are created on the first request for it. Scenes whose time a simulator controls are
+/// rejected: use the command for them.
 pub struct ScenePictures {
     flight: Flight,
     gpu: GpuContext,
@@ -78,10 +78,10 @@ pub struct ScenePictures {
 }
 
 impl ScenePictures {
-    /// Reads a scene file and opens what it names, and an adapter. `size` is width and height in pixels; `None` is the scene's.
+    /// Reads a scene file, opens its files, and opens an adapter. `size` is width and height in pixels; `None` is the scene's.
     ///
     /// # Errors
-    /// What is wrong with the scene or its files; a live scene; no adapter.
+    /// An error in the scene or its files; a live scene; no adapter.
     pub fn open(
         path: &Path,
         adapter: Option<&str>,
@@ -169,11 +169,11 @@ impl ScenePictures {
         f64::from(self.size.0) / f64::from(self.size.1)
     }
 
-    /// Draws an instant as it is shown and writes it to `rgba`: four bytes a pixel, rows from the top. With all that the scene shows:
-    /// craft, sky, tracks and names. Waits for tiles as long as the scene says.
+    /// Draws a moment as displayed colour into `rgba`: four bytes a pixel, rows from the top. It includes all layers of the scene: spacecraft, sky,
+    /// tracks and names. Waits for tiles up to the scene's timeout.
     ///
     /// # Errors
-    /// An instant at which the satellite is not known, maps that cannot be read, a buffer of another length, a device without room.
+    /// A time at which the satellite has no state, maps that cannot be read, a buffer of the wrong length, or a device that is out of memory.
     pub fn draw_color(
         &mut self,
         shot: impl Into<Shot>,
@@ -210,7 +210,7 @@ impl ScenePictures {
             Some(renderer) => renderer,
             None => {
                 let mut options = self.options()?.clone();
-                // What is measured is what is known.
+                // Measurements use data only.
                 options.light.detail = false;
                 let gpu = self.gpu.clone();
                 let mut made = OffscreenRenderer::open_for_radiance(gpu, options, self.size)?;
@@ -263,12 +263,12 @@ impl ScenePictures {
         Ok(self.sensor_table()?.size().into())
     }
 
-    /// Draws the raw frame of the scene's sensor at an instant: by the scene's camera the frame of `terrella frame --raw`. Its size is the
-    /// sensor's. A camera of the caller's stands still while rows are exposed; its field of view is the sensor's, and its exposure the
-    /// sensor's. Also returns the tiles that its light lacks.
+    /// Draws the raw frame of the scene's sensor at a time: with the scene's camera it is the frame of `terrella frame --raw`. Its size is the
+    /// sensor's. A custom camera is at rest while rows are exposed; its field of view and exposure are the sensor's. Also returns the tiles that
+    /// its light lacks.
     ///
     /// # Errors
-    /// A scene without a sensor; an instant at which the satellite is not known, maps that cannot be read, a device without room.
+    /// A scene without a sensor; a time at which the satellite has no state, maps that cannot be read, or a device that is out of memory.
     pub fn draw_raw(
         &mut self,
         shot: impl Into<Shot>,
@@ -315,7 +315,7 @@ impl ScenePictures {
         scene.sensor.as_ref().ok_or_else(lacks)
     }
 
-    /// What the sensor sees at an instant, and the moment of its first row.
+    /// The sensor's view at a time, and the moment of its first row.
     fn seen(&mut self, shot: Shot) -> Result<(SensorView, Moment), PlayError> {
         let sensor = match self.sensor.take() {
             Some(sensor) => sensor,

@@ -9,7 +9,7 @@ use terrella_imagery::find_textures;
 
 /// Their file in the starter pack.
 const PLACE_NAMES: &str = "place_names.bin";
-/// The key, as lists of what is left out have it.
+/// Name of the key in lists of dropped layers.
 const LAYER: &str = "place_names";
 
 /// The file that [`place_names`] reads, if it is there.
@@ -23,7 +23,7 @@ fn file() -> Result<PathBuf, String> {
     Ok(folder.join(PLACE_NAMES))
 }
 
-/// The places that a scene may name, the most important first, and what is missing where there are none.
+/// The places that a scene may label, the most important first, and a report if they are missing.
 ///
 /// # Errors
 /// A file that is missing or corrupt, in a strict scene.
@@ -57,7 +57,7 @@ mod tests {
     use super::*;
     use std::path::Path;
 
-    /// Coordinates of capitals as their national surveys have them, and what an atlas names first.
+    /// Coordinates of capitals according to national surveys, and the first names of an atlas.
     #[test]
     fn the_shipped_names_are_where_atlases_have_them() {
         let scene = Scene::from_toml("[layers]\nplace_names = true\n", Path::new("a.toml"));

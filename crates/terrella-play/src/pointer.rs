@@ -1,4 +1,4 @@
-//! What the buttons of a mouse mean: clicks, double clicks and drags. Knows no window; time comes from outside.
+//! Interprets mouse buttons: clicks, double clicks and drags. Independent of windows; time is a parameter.
 
 use glam::DVec2;
 use std::time::{Duration, Instant};
@@ -17,7 +17,7 @@ pub enum Hold {
     Turn,
 }
 
-/// What a pointer has done.
+/// A gesture of the pointer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Gesture {
     /// It has moved away from where it was pressed: a drag begins there.
@@ -65,12 +65,12 @@ impl Pointer {
         }
     }
 
-    /// Whatever is held is let go without effect.
+    /// Releases the pressed button without effect.
     pub fn let_go(&mut self) {
         self.held = None;
     }
 
-    /// The pointer has left the window. What is held stays held: its drag goes on outside.
+    /// The pointer has left the window. A drag continues outside.
     pub fn leave(&mut self) {
         if self.held.is_none() {
             self.at_px = None;
@@ -97,7 +97,7 @@ impl Pointer {
 
     /// A button is released at an instant.
     pub fn release(&mut self, hold: Hold, now: Instant) -> Option<Gesture> {
-        // Shift may have been let go meanwhile: the button is what counts, and only one holds at a time.
+        // Shift may have been released meanwhile: the button counts, and only one is held at a time.
         let held = self
             .held
             .take_if(|held| held.hold == hold || hold == Hold::Grab)?;

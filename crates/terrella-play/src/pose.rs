@@ -1,4 +1,4 @@
-//! An eye over the globe and what it faces: pure f64 functions.
+//! Position and orientation of an eye over the globe: pure f64 functions.
 
 use glam::DVec3;
 use terrella::EyeView;

@@ -1,6 +1,6 @@
 //! Progress of long work, and the wish to stop it.
 
-/// Receives the progress of long work, and says whether to go on. The command shows bars; `()` shows nothing and never stops.
+/// Receives the progress of long work, and decides whether to continue. The command shows progress bars; `()` shows nothing and never stops.
 pub trait Progress: Sync {
     /// Work begins; `steps` is how many there will be, where that is known.
     fn begin(&self, what: &str, steps: Option<u64>);
@@ -8,7 +8,7 @@ pub trait Progress: Sync {
     fn step(&self);
     /// The work that was begun last is over.
     fn end(&self);
-    /// A line about the work for whoever watches it, said before it or after it.
+    /// A message about the work for the user, before or after it.
     fn say(&self, line: &str) {
         let _ = line;
     }

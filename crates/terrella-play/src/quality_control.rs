@@ -1,4 +1,4 @@
-//! Quality of the window and of pictures: the scene's resolution, and what is given up to hold its frame time.
+//! Quality of the window and of images: the scene's resolution, and reductions to hold its frame time.
 
 use super::error::PlayError;
 use super::flight::Moment;
@@ -18,10 +18,10 @@ pub struct QualityControl {
 }
 
 impl QualityControl {
-    /// For an Earth whose full quality is this; `None` where the scene holds no frame time.
+    /// For an Earth with this full quality; `None` if the scene sets no frame time.
     ///
     /// # Errors
-    /// A file of the scene's ladder that cannot be read or is none.
+    /// A quality ladder file that cannot be read or is invalid.
     pub fn of(scene: &Scene, full: Quality, has_tiles: bool) -> Result<Option<Self>, PlayError> {
         let Some(target_ms) = scene.quality.target_ms else {
             return Ok(None);
@@ -37,8 +37,8 @@ impl QualityControl {
         &self.adaptive
     }
 
-    /// Takes note of what frames cost, milliseconds, in their order; answers the quality to draw with from now on where it is
-    /// another. All of them count; of several changes the last is made.
+    /// Records the costs of frames, milliseconds, in order; returns the new quality if it changes. All costs count; of several changes the last one
+    /// applies.
     pub fn observe(&mut self, costs_ms: impl IntoIterator<Item = f64>) -> Option<Quality> {
         let costs_ms = costs_ms.into_iter();
         let change = costs_ms
@@ -57,7 +57,7 @@ impl QualityControl {
         Some(self.adaptive.levels()[change.level].quality)
     }
 
-    /// What is given up now, as a person reads it.
+    /// Current reductions, in human-readable form.
     pub fn given_up(&self) -> Vec<String> {
         self.adaptive
             .reductions()
@@ -66,23 +66,23 @@ impl QualityControl {
     }
 }
 
-/// What the quality that a scene's frame time asks for would be for one picture.
+/// The quality that would hold a scene's frame time for one image.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct HeldQuality {
     /// The frame time to hold, milliseconds.
     pub target_ms: f64,
-    /// Whether not even the last level holds it.
+    /// Whether even the last level exceeds it.
     pub out_of_reach: bool,
     /// Time of a frame on the first level that holds it, else on the last, milliseconds.
     pub frame_ms: f64,
-    /// What that level gives up.
+    /// Reductions of that level.
     pub given_up: Vec<String>,
 }
 
 impl HeldQuality {
-    /// Draws a moment on one level after the other until one holds the scene's frame time; `None` where it holds none. The
-    /// renderer is left with the quality that it had.
+    /// Draws a moment at one level after another until one holds the scene's frame time; `None` if the scene sets none. The renderer's quality is
+    /// restored.
     ///
     /// # Errors
     /// As [`QualityControl::of`]; a lost device.
@@ -112,7 +112,7 @@ impl HeldQuality {
                 .map(|_| Ok(renderer.time(moment)?.frame.as_secs_f64() * 1e3))
                 .collect::<Result<Vec<f64>, PlayError>>()?;
             times.sort_by(f64::total_cmp);
-            // To the microsecond: more digits would be noise.
+            // Rounded to microseconds: further digits would be noise.
             found.frame_ms = (times[TIMED_FRAMES / 2] * 1e3).round() / 1e3;
             found.out_of_reach = found.frame_ms > target_ms;
             if !found.out_of_reach {
@@ -124,7 +124,7 @@ impl HeldQuality {
     }
 }
 
-/// The quality that a scene asks for of an Earth that is made with `made`.
+/// The quality that a scene sets for an Earth that is created with `made`.
 pub fn scene_quality(table: &QualityTable, made: Quality) -> Quality {
     Quality {
         scale: table.scale,

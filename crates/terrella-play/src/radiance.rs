@@ -1,4 +1,4 @@
-//! A picture's light as a file: linear, scene-referred, before exposure and tone curve.
+//! An image's light as a file: linear, scene-referred, before exposure and tone curve.
 //!
 //! Two kinds, both with 32-bit floats, rows from the top:
 //! - `.npy`, NumPy's: an array of height × width × 3, red, green and blue.
@@ -29,12 +29,12 @@ pub struct Radiance<'p> {
     pub width: u32,
     /// Height, pixels.
     pub height: u32,
-    /// As many as width × height; what stands after the third channel is not written.
+    /// Width × height pixels; values after the third channel are not written.
     pub pixels: &'p [[f32; 4]],
 }
 
 impl RadianceFile {
-    /// Begins the file whose name's ending says of which kind it is.
+    /// Creates the file in the format of its extension.
     pub fn create(path: &Path) -> Result<Self, OutputError> {
         let ends = |ending: &str| {
             let given = path.extension();

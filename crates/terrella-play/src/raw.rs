@@ -1,6 +1,6 @@
-//! A sensor's raw frame as a file, and the page beside it that says what it is.
+//! A sensor's raw frame as a file, and the page beside it that describes it.
 //!
-//! Numbers are those of the converter, from 0 to 2^bits − 1, not stretched to 16 bits:
+//! Values are those of the converter, from 0 to 2^bits − 1, not scaled to 16 bits:
 //! - `.png`: greyscale of 16 bits.
 //! - `.tiff`, `.tif`: greyscale of 16 bits, without compression.
 //! - `.npy`, NumPy's: an array of height × width of unsigned 16-bit integers.
@@ -21,7 +21,7 @@ pub struct RawFile {
     manifest: PendingFile,
 }
 
-/// Endings of names, in small letters, and what they say.
+/// File name extensions in lower case, and their formats.
 const ENDINGS: [(&str, RawFormat); 4] = [
     ("png", RawFormat::Png),
     ("tiff", RawFormat::Tiff),
@@ -30,7 +30,7 @@ const ENDINGS: [(&str, RawFormat); 4] = [
 ];
 
 impl RawFile {
-    /// Begins the file whose name's ending says of which kind it is, and a page of the same name with the ending `.json`.
+    /// Creates the file in the format of its extension, and a page of the same name with the extension `.json`.
     pub fn create(path: &Path) -> Result<Self, OutputError> {
         let given = path.extension().unwrap_or_default();
         let mut endings = ENDINGS.iter();
@@ -53,7 +53,7 @@ impl RawFile {
         let path = self.file.target().to_owned();
         let bytes = encoded(frame, self.kind);
         let bytes = bytes.map_err(|source| OutputError::NotEncoded { path, source })?;
-        // That of an earlier frame tells of another one.
+        // The page of an earlier frame describes another one.
         match std::fs::remove_file(self.manifest.target()) {
             Err(source) if source.kind() != io::ErrorKind::NotFound => {
                 return Err(OutputError::write(self.manifest.target(), source));

@@ -29,7 +29,7 @@ use terrella_sensor::Sensor;
 pub struct RawFilmRequest<'r> {
     /// The folder for frames and their pages.
     pub folder: &'r Path,
-    /// What becomes of what that folder holds already.
+    /// Handling of existing files in that folder.
     pub existing: Existing,
     /// The format of the frames.
     pub format: RawFormat,
@@ -43,7 +43,7 @@ pub struct RawFilmRequest<'r> {
 struct RawTimes<'f> {
     flight: &'f Flight,
     aspect: f64,
-    /// From the first row to the last.
+    /// Time from the first row to the last.
     readout: Duration,
     /// Instants after which the satellite is not known for a time, or ever.
     ends: Vec<Epoch>,
@@ -63,8 +63,8 @@ impl<'f> RawTimes<'f> {
         }
     }
 
-    /// The moment of a frame's first row: that of the film's frame, or as much earlier as the last row would lie behind the end of what
-    /// is known. All rows are then exposed at the instants that the frame's page says.
+    /// The moment of a frame's first row: that of the film's frame, or earlier if the last row would otherwise be after the end of the validity.
+    /// All rows are then exposed at the times in the frame's page.
     fn at(&self, index: u64) -> Result<Moment, PlayError> {
         let epoch = frame_epoch(&self.flight.scene().time, index);
         let is_cut = |end: &&Epoch| epoch <= **end && epoch + self.readout > **end;
@@ -101,7 +101,7 @@ pub fn write_raw_film(
     let wanted = request.range.of(frame_count)?;
     let aspect = f64::from(scene.output.size[0]) / f64::from(scene.output.size[1]);
     let times = RawTimes::new(flight, &sensor, aspect);
-    // Whether the satellite is known is found before the maps are loaded.
+    // The satellite's validity is checked before the maps are loaded.
     let ends = [times.at(wanted.start)?, times.at(wanted.end - 1)?];
     let [first, last] = ends.map(|moment| moment.epoch);
     let gaps = gap_words(flight, (first, last));
@@ -222,7 +222,7 @@ mod tests {
                 }
             }
         }
-        // Those of 9:15 and 9:45 forwards, and that of 19:15, with which the film backwards begins.
+        // Those of 9:15 and 9:45 forwards, and that of 19:15, with which the reversed film starts.
         let [gap, end] = ["00:09:10.100Z", "00:19:10.100Z"];
         assert_eq!(moved, [gap, gap, end, gap, gap]);
     }

@@ -1,4 +1,4 @@
-//! The page beside a raw frame: every parameter of the sensor, the camera's pose, and what the frame came to.
+//! The page beside a raw frame: every parameter of the sensor, the camera's pose, and statistics of the frame.
 
 use super::flight::{Flight, Moment};
 use super::sensor_bands::{SensorBands, axes};
@@ -20,7 +20,7 @@ pub struct SensorCamera {
     distortion: Vec<f64>,
     /// Rows that were drawn at one instant, from the top.
     poses: Vec<BandPose>,
-    /// How far the picture moves at most between a row's own instant and that of its pose, pixels.
+    /// Largest image motion between a row's own time and that of its pose, pixels.
     motion_px: f64,
 }
 
@@ -80,12 +80,12 @@ impl SensorCamera {
     }
 }
 
-/// What the page of a raw frame holds.
+/// Content of a raw frame's page.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct RawManifest {
-    /// What kind of file it is.
+    /// Identifier of the file format.
     format: &'static str,
-    /// Of the program.
+    /// Version of the program.
     version: &'static str,
     /// The scene's file.
     scene: String,
@@ -93,7 +93,7 @@ pub struct RawManifest {
     file: String,
     /// The middle of the first row's exposure, UTC, RFC 3339.
     epoch: String,
-    /// Number of the frame, by which its noise differs from that of others.
+    /// Number of the frame, which selects its noise.
     frame: u32,
     seed: u64,
     camera: SensorCamera,
@@ -162,7 +162,7 @@ struct FrameResult {
 /// Most hot pixels that are listed.
 const MAX_HOT: usize = 1000;
 
-/// What a page is made of.
+/// Inputs of a page.
 pub struct RawParts<'p> {
     /// The frame's file name.
     pub file: String,
@@ -174,14 +174,14 @@ pub struct RawParts<'p> {
     pub bands: &'p SensorBands,
     /// Number of the frame.
     pub number: u32,
-    /// What was read out.
+    /// The raw frame.
     pub raw: &'p RawFrame,
-    /// What it was read from.
+    /// The wells that it was read from.
     pub wells: &'p Wells,
 }
 
 impl RawManifest {
-    /// What is to be said of a frame.
+    /// The page of a frame.
     pub fn new(flight: &Flight, parts: &RawParts<'_>) -> Self {
         let sensor = parts.sensor;
         let (lens, optics, detector) = (&sensor.lens, &sensor.radiometry, &sensor.detector);

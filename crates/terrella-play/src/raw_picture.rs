@@ -11,7 +11,7 @@ use terrella::{EarthOptions, GpuContext};
 use terrella_imagery::tile::TileKey;
 use terrella_sensor::{ASTRONOMICAL_UNIT_M, PinholePicture, RawFrame, Wells};
 
-/// A raw frame and what it was read from.
+/// A raw frame and its wells.
 pub struct RawPicture {
     /// The frame.
     pub raw: RawFrame,
@@ -30,21 +30,21 @@ pub struct RawPainter {
 }
 
 impl RawPainter {
-    /// For a flight's scene. Made detail is left out: what is measured is what is known.
+    /// For a flight's scene. Synthetic detail is off: measurements use data only.
     ///
     /// # Errors
-    /// Maps that cannot be read, a device without room.
+    /// Maps that cannot be read, or a device that is out of memory.
     pub fn new(
         flight: &Flight,
         gpu: GpuContext,
         mut options: EarthOptions,
     ) -> Result<Self, PlayError> {
         options.light.detail = false;
-        // Each band has a size of its own.
+        // Each band has its own size.
         let mut renderer = OffscreenRenderer::open_for_radiance(gpu, options, (1, 1))?;
         renderer.show_dated_maps(flight)?;
         renderer.show_models(flight)?;
-        // Ghosts lie about the middle of a picture, which that of a band is not.
+        // Ghosts are centred on the full image, not on a band.
         renderer.show_sky_without(flight, "ghosts")?;
         Ok(Self {
             renderer,

@@ -13,7 +13,7 @@ const WIDTH: f32 = 220.0;
 /// Longest text that is searched for, characters.
 const LONGEST_QUERY: usize = 64;
 
-/// What satellites are found by.
+/// Search index of satellites.
 #[derive(Clone, Debug, Default)]
 pub struct SatelliteNames {
     names: Arc<[Name]>,
@@ -34,7 +34,7 @@ struct Found {
 }
 
 impl SatelliteNames {
-    /// Of the satellites of a scene.
+    /// For the satellites of a scene.
     pub fn of(satellites: &[Satellite]) -> Self {
         let named = satellites.iter().map(|satellite| {
             let number = satellite.elements().map(|set| set.catalogue_number);
@@ -69,8 +69,7 @@ impl SatelliteNames {
     }
 }
 
-/// Shows the list where there are several satellites. `selected` is the one that is selected; `searches` counts how often the
-/// user has asked to search.
+/// Shows the list if there are several satellites. `selected` is the selected one; `searches` counts how often the user has opened the search.
 pub fn show(
     ui: &mut Ui,
     names: &SatelliteNames,
@@ -190,7 +189,7 @@ mod tests {
         assert!(names.find("hubble").is_empty());
     }
 
-    /// One layout with these events, at a second of its own.
+    /// One layout with these events, at a separate second.
     fn lay_out(
         context: &egui::Context,
         names: &SatelliteNames,

@@ -44,7 +44,7 @@ pub(super) enum Listener {
     Closed,
 }
 
-/// What satellites are opened with.
+/// Inputs for opening satellites.
 pub(super) struct Sources<'t> {
     /// The Earth's orientation.
     pub table: Option<&'t EarthOrientation>,
@@ -53,10 +53,10 @@ pub(super) struct Sources<'t> {
     pub files: OrbitFiles,
 }
 
-/// Over what time the states of files are propagated that have to be integrated.
+/// Time span over which states of files are integrated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Integrated {
-    /// Not at all: they are known at their epoch, which is asked for.
+    /// None: they are valid at their epoch only, which is the requested time.
     AtEpoch,
     /// Over the time of the scene.
     OverScene,
@@ -102,7 +102,7 @@ impl Satellite {
         self.state_epoch
     }
 
-    /// What a simulator sends, if its states come from one.
+    /// The live feed, if its states come from a simulator.
     pub fn live(&self) -> Option<&LiveFeed> {
         self.live.as_deref()
     }
@@ -117,7 +117,7 @@ impl Satellite {
         self.recording.as_ref()
     }
 
-    /// What was found along its motion, in order of time, if that is integrated.
+    /// Events along its motion, in order of time, if it is integrated.
     pub fn events(&self) -> Option<&[Event]> {
         self.events.as_deref()
     }
@@ -128,12 +128,12 @@ impl Satellite {
     }
 }
 
-/// What a reader says of a file that is flown anyway.
+/// A reader's remark about a file that is used anyway.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FileRemark {
     /// "skipped" where something in the file is not used, else "noticed".
     pub label: &'static str,
-    /// Where, what, and what to do.
+    /// Position, problem and remedy.
     pub text: String,
 }
 
@@ -152,7 +152,7 @@ impl FileRemark {
 /// How long before and after the scene a motion is integrated, so that instants at its edges have neighbours.
 const MARGIN_S: f64 = 60.0;
 
-/// The orientation at an instant; none where there is no table or it does not reach.
+/// The orientation at a time; the default without a table or outside it.
 pub(super) fn orientation_at(
     table: Option<&EarthOrientation>,
     epoch: Epoch,
@@ -163,7 +163,7 @@ pub(super) fn orientation_at(
     }
 }
 
-/// Lets a stand-in fly for every satellite of the built-in elements where those do not reach to the scene's start.
+/// Adds a stand-in for every satellite whose built-in elements are not valid at the scene's start.
 pub(super) fn stand_in(scene: &mut Scene) -> Result<(), PlayError> {
     if scene.is_live() || !scene.orbits.iter().any(Orbit::is_built_in) {
         return Ok(());

@@ -1,4 +1,4 @@
-//! What is where each pixel looks, drawn: of a pinhole camera line by line, of a sensor through its lens.
+//! Rendering of ground truth: of a pinhole camera row by row, of a sensor through its lens.
 
 use super::error::PlayError;
 use super::flight::{Flight, Moment};
@@ -16,10 +16,10 @@ use terrella::{
 use terrella_imagery::tile::TileKey;
 use terrella_sensor::SensorError;
 
-/// Some layers of what a sensor sees, in memory, as the folder of `terrella frame --truth` holds them. Answers tiles that are missing besides.
+/// Some truth layers of a sensor's view, in memory, as in the folder of `terrella frame --truth`. Also returns the missing tiles.
 ///
 /// # Errors
-/// A sensor whose layers take more memory than this program does, a device without room.
+/// A sensor whose layers exceed this program's memory limit, or a device that is out of memory.
 pub fn seen_layers(
     flight: &Flight,
     gpu: &GpuContext,
@@ -142,7 +142,7 @@ impl<'g> TruthEarth<'g> {
     }
 }
 
-/// Bytes of texels that are read back and worked on at once.
+/// Size of the texels that are read back and processed at once, bytes.
 const BAND_BYTES: u64 = 64 << 20;
 /// Of a pixel, with all copies on the way.
 const BAND_PIXEL_BYTES: u64 = 400;

@@ -39,9 +39,9 @@ impl SensorBand {
 
 /// All rows of a frame.
 pub struct SensorBands {
-    /// From the top.
+    /// From the top down.
     pub bands: Vec<SensorBand>,
-    /// How far the picture moves at most between the instant of a row and that of its band, pixels.
+    /// Largest image motion between the time of a row and that of its band, pixels.
     pub motion_px: f64,
 }
 
@@ -59,10 +59,10 @@ const MOST_MOTION_PX: f64 = 0.05;
 const MOST_PIXELS: usize = 4 << 20;
 
 impl SensorBands {
-    /// The bands of a frame whose first row is exposed at a moment. `aspect` is that of the scene's picture.
+    /// The bands of a frame whose first row is exposed at a moment. `aspect` is that of the scene's image.
     ///
     /// # Errors
-    /// Instants at which the satellite is not known; a simulator's time with a rolling shutter; rows that are wider than the device draws.
+    /// Times at which the satellite has no state; a simulator's time with a rolling shutter; rows that are wider than the device supports.
     pub fn new(
         flight: &Flight,
         sensor: &Sensor,
@@ -82,10 +82,10 @@ impl SensorBands {
         Self::along(&at, flight.ellipsoid(), sensor, moment, gpu)
     }
 
-    /// The same of a camera that is at an instant where a function says.
+    /// The bands for a camera whose moments a function returns.
     ///
     /// # Errors
-    /// Those of the function; rows that are wider than the device draws.
+    /// Errors of the function; rows that are wider than the device supports.
     pub fn along(
         moment_at: &dyn Fn(Epoch) -> Result<Moment, PlayError>,
         ellipsoid: &Ellipsoid,
@@ -192,7 +192,7 @@ pub fn axes(view: &EyeView) -> [DVec3; 3] {
     [right, down, rays.corner + right + down]
 }
 
-/// How far points of the ground, and directions where there is none, move on the sensor between two instants, pixels.
+/// Motion on the sensor between two times, of points of the ground, or of directions where there is none, pixels.
 fn motion_px(sensor: &Sensor, [first, last]: &[Moment; 2], ellipsoid: &Ellipsoid) -> f64 {
     let [width, height] = sensor.lens.size().map(f64::from);
     let (eye, _) = first.view.to_itrf();
@@ -211,7 +211,7 @@ fn motion_px(sensor: &Sensor, [first, last]: &[Moment; 2], ellipsoid: &Ellipsoid
             None => ray,
         };
         let [x, y, z] = later.map(|axis| axis.dot(to));
-        // What is behind the camera moves out of the picture.
+        // A point that moves behind the camera leaves the image.
         let moved = match z > 0.0 {
             true => pixel.distance(sensor.lens.project(DVec2::new(x, y) / z)),
             false => f64::INFINITY,
@@ -238,7 +238,7 @@ fn range(ellipsoid: &Ellipsoid, eye: DVec3, ray: DVec3) -> Option<f64> {
 mod tests {
     use super::*;
 
-    /// Corners of the picture are those of the rectangle.
+    /// Corners of the image are those of the rectangle.
     #[test]
     fn a_view_shows_its_rectangle() {
         let eye = DVec3::new(7e6, 1e6, -2e6);

@@ -14,7 +14,7 @@ pub struct ShaderWatch {
 }
 
 impl ShaderWatch {
-    /// Looks at these files; at none where they are compiled in.
+    /// Watches these files; none if they are compiled in.
     pub fn new(files: ShaderFiles) -> Self {
         Self {
             written: files.written(),
@@ -23,7 +23,7 @@ impl ShaderWatch {
         }
     }
 
-    /// Whether files have changed since this was last asked. It looks a few times a second, however often it is asked.
+    /// Whether files have changed since the last call. It checks a few times a second, however often it is called.
     pub fn has_changed(&mut self, now: Instant) -> bool {
         if self.files == ShaderFiles::Embedded || self.looks_at.is_some_and(|time| now < time) {
             return false;

@@ -10,7 +10,7 @@ use winit::keyboard::Key;
 
 /// The window's time where a simulator gives it.
 pub(super) enum SimulatorTime<'f> {
-    /// Of live states.
+    /// Time of live states.
     Live(Box<LivePlay<'f>>),
     Basilisk(SimulationPlay<'f>),
 }
@@ -22,7 +22,7 @@ impl<'f> SimulatorTime<'f> {
         simulation.or_else(|| LivePlay::of(flight).map(Box::new).map(Self::Live))
     }
 
-    /// Whether a new picture is due.
+    /// Whether a new image is due.
     pub fn is_due(&mut self, is_hidden: bool, is_paused: bool) -> bool {
         match self {
             Self::Live(live) => live.is_due(is_hidden, is_paused),
@@ -30,7 +30,7 @@ impl<'f> SimulatorTime<'f> {
         }
     }
 
-    /// How long the window may sleep before it asks again; `None` draws on and on.
+    /// Time for which the window may sleep before the next check; `None` draws continuously.
     pub fn pause(&self, is_paused: bool) -> Option<Duration> {
         match self {
             Self::Live(live) => live.pause(is_paused),
@@ -38,7 +38,7 @@ impl<'f> SimulatorTime<'f> {
         }
     }
 
-    /// Whether whoever gives the time has asked the window to close.
+    /// Whether the simulator has requested the window to close.
     pub fn is_over(&self) -> bool {
         match self {
             Self::Live(_) => false,
@@ -46,7 +46,7 @@ impl<'f> SimulatorTime<'f> {
         }
     }
 
-    /// Simulated seconds in a second, where they go by evenly.
+    /// Simulated seconds per second, if time runs uniformly.
     pub fn rate(&self) -> Option<f64> {
         match self {
             Self::Live(live) => live.rate(),
@@ -71,7 +71,7 @@ impl<'f> SimulatorTime<'f> {
         }
     }
 
-    /// A key was pressed: what to tell of it where it goes to whoever gives the time and not to the window.
+    /// Handles a pressed key. Returns a message if the key goes to the simulator instead of the window.
     pub fn press(&self, key: &Key) -> Option<String> {
         match self {
             Self::Live(_) => None,
@@ -79,7 +79,7 @@ impl<'f> SimulatorTime<'f> {
         }
     }
 
-    /// The message for a user who asks for something that only the simulator can do; `None` where it can be done.
+    /// The message for an action that only the simulator can perform; `None` for other actions.
     pub fn denial(&self, action: Action) -> Option<String> {
         match self {
             Self::Live(live) => live.denial(action),

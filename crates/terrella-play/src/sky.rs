@@ -1,4 +1,4 @@
-//! What is beyond the Earth in pictures and the window: the player draws it as any host of [`terrella::celestial`] would.
+//! The sky in images and the window: the player draws it as any host of [`terrella::celestial`] would.
 
 use super::error::PlayError;
 use super::flight::{Flight, Moment};
@@ -10,18 +10,18 @@ use terrella::celestial::{Celestial, CelestialMoment};
 use terrella::frames::EarthOrientation;
 use terrella::{Earth, FrameStats, GpuContext};
 
-/// What is beyond the Earth in a picture or a window.
+/// The sky in an image or a window.
 pub struct SkyLayer {
     celestial: Celestial,
     orientation: Option<EarthOrientation>,
 }
 
 impl SkyLayer {
-    /// The layer of a flight's scene, or of another with the same flight; `None` where it has none. What cannot be read is left out, with a
+    /// The layer of a flight's scene, or of another scene with the same flight; `None` if it has none. Unreadable parts are left out, with a
     /// warning.
     ///
     /// # Errors
-    /// The same in a strict scene.
+    /// In a strict scene, an unreadable part.
     pub fn of_scene(
         scene: &Scene,
         flight: &Flight,

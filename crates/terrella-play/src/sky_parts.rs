@@ -1,4 +1,4 @@
-//! The files of what is beyond the Earth.
+//! The files of the sky.
 
 use super::error::PlayError;
 use super::maps::DroppedLayer;
@@ -9,10 +9,10 @@ use terrella::DiffractionPattern;
 use terrella::celestial::{CelestialOptions, MILKY_WAY_FILE, MOON_FILE, STARS_FILE, StarCatalogue};
 use terrella_imagery::{LayerImage, find_textures, load_color_map};
 
-/// What a scene's sky is drawn without.
+/// Missing parts of a scene's sky.
 ///
 /// # Errors
-/// The first of it in a strict scene.
+/// In a strict scene, the first of them.
 pub(super) fn dropped_parts(scene: &Scene) -> Result<Vec<DroppedLayer>, PlayError> {
     match scene.sky.is_on() {
         true => Ok(read(scene, Reading::Names)?.1),
@@ -20,7 +20,7 @@ pub(super) fn dropped_parts(scene: &Scene) -> Result<Vec<DroppedLayer>, PlayErro
     }
 }
 
-/// The files that [`read`] reads, as far as they are there.
+/// The files that [`read`] reads, as far as they exist.
 pub(super) fn sky_files(scene: &Scene) -> Vec<PathBuf> {
     let sky = &scene.sky;
     let Ok(folder) = folder_of(scene) else {
@@ -57,14 +57,14 @@ pub(super) fn map_files(scene: &Scene, folder: &Path) -> Vec<std::path::PathBuf>
 pub(super) enum Reading {
     /// All of them.
     Whole,
-    /// Whether maps are there; stars are read.
+    /// Checks that maps exist; stars are read.
     Names,
 }
 
-/// Reads what a scene asks for, and says what of it is not there.
+/// Reads the requested parts, and reports missing ones.
 ///
 /// # Errors
-/// What is not there, in a strict scene.
+/// In a strict scene, a missing part.
 pub(super) fn read(
     scene: &Scene,
     depth: Reading,

@@ -46,7 +46,7 @@ impl NumberTrack {
     }
 }
 
-/// Slopes of a monotone cubic: none where the values turn, else the weighted harmonic mean of those to both sides.
+/// Slopes of a monotone cubic: zero at extremes, else the weighted harmonic mean of the slopes on both sides.
 fn slopes(times: &[f64], values: &[f64]) -> Vec<f64> {
     let steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let rises = values.windows(2).zip(&steps);
@@ -149,7 +149,7 @@ impl SphereTrack {
             None => (2.0 * k2 - k1, slerp(p1, p2, 2.0)),
         };
         let u = self.along.at(time).clamp(k1, k2);
-        // Of two points that are one the curve is that point.
+        // Between two equal points the curve is that point.
         let between = |(ka, a): (f64, DVec4), (kb, b): (f64, DVec4)| match kb > ka {
             true => slerp(a, b, (u - ka) / (kb - ka)),
             false => a,
@@ -171,7 +171,7 @@ fn angle(a: DVec4, b: DVec4) -> f64 {
 
 /// The point on the great arc from `a` to `b`, at `s` of its length; beyond 0…1 it goes on.
 fn slerp(a: DVec4, b: DVec4, s: f64) -> DVec4 {
-    // Across `a`, towards `b`; of opposite and of equal points there is none.
+    // Perpendicular to `a`, towards `b`; undefined for opposite and equal points.
     let across = b - a * a.dot(b);
     let length = across.length();
     if length < 1e-150 {
@@ -228,7 +228,7 @@ mod tests {
         );
     }
 
-    /// Neither place nor speed jumps, at keys or between them.
+    /// Neither position nor speed jumps, at keyframes or between them.
     #[test]
     fn speed_has_no_jump() {
         let track = SphereTrack::new(&places()).expect("points");

@@ -39,17 +39,16 @@ pub struct PictureStats {
     pub draw_calls: u32,
     /// Bytes of all textures, mip levels included.
     pub texture_bytes: u64,
-    /// What light was multiplied by before it was shown, as an exposure value: 2 to the power of it. Left out where the scene
-    /// says it.
+    /// Exposure value: light is multiplied by 2 to the power of it before display. Omitted if the scene sets it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub exposure_ev: Option<f64>,
-    /// Terrain; left out where there is none.
+    /// Terrain; omitted if there is none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub relief: Option<ReliefStats>,
-    /// What the scene's frame time would ask for in the window; left out where it has none.
+    /// The quality that would hold the scene's frame time in the window; omitted without one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub quality: Option<HeldQuality>,
-    /// The tiles of the pack; left out where there is none.
+    /// The tiles of the pack; omitted if there is none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tiles: Option<TileStats>,
     /// Features that are drawn.
@@ -59,12 +58,12 @@ pub struct PictureStats {
     /// Maps that are not there and without which it is drawn.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub layers_missing: Vec<String>,
-    /// Where the eye is.
+    /// Position of the eye.
     pub eye: EyePosition,
-    /// What light the satellite is in; left out where there is none.
+    /// Illumination of the satellite; omitted if there is none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub satellite: Option<SatelliteLight>,
-    /// Where the Sun stands in the zenith.
+    /// Position of the subsolar point.
     pub sun: SubsolarPoint,
     /// The instant, UTC, RFC 3339.
     pub epoch: String,
@@ -80,8 +79,7 @@ pub struct ReliefStats {
     pub triangles: u32,
     /// Bytes that it holds in memory.
     pub resident_bytes: u64,
-    /// By its own account, the largest vertical distance between what is drawn and the data, metres; left out by surfaces that know
-    /// no bound.
+    /// Upper bound of the vertical distance between the drawn terrain and the data, metres; omitted by surfaces without a bound.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error_m: Option<f64>,
     /// The same, pixels of the picture.
@@ -89,17 +87,17 @@ pub struct ReliefStats {
     pub error_px: Option<f64>,
 }
 
-/// How the picture's tiles stand. Lists are by level, the finest first.
+/// State of the image's tiles. Lists are by level, the finest first.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TileStats {
     /// Texels of the day map per pixel, where there are fewest; 1 and more is sharp.
     pub texels_per_pixel: f64,
-    /// Tiles that the picture asks for.
+    /// Tiles that the image needs.
     pub wanted: Vec<u32>,
     /// Tiles on the GPU.
     pub resident: Vec<u32>,
-    /// Maps of blocks drawn with the tile that was asked for.
+    /// Maps of blocks drawn with the requested tile.
     pub hits: u32,
     /// Maps of blocks drawn with something coarser.
     pub fallbacks: u32,
@@ -145,7 +143,7 @@ pub struct EyePosition {
     pub height_km: f64,
 }
 
-/// What light the satellite is in, and how well its place is known.
+/// Illumination of the satellite, and the uncertainty of its position.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SatelliteLight {
@@ -153,12 +151,12 @@ pub struct SatelliteLight {
     pub light: String,
     /// Part of the Sun's disc that the Earth leaves in sight, 0…1.
     pub sunlight: f64,
-    /// How far the satellite may be off, metres (one standard deviation); left out where its source does not say.
+    /// Uncertainty of the position, metres (one standard deviation); omitted if its source has none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error_m: Option<f64>,
 }
 
-/// Where the Sun stands in the zenith.
+/// The subsolar point.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SubsolarPoint {
@@ -169,8 +167,7 @@ pub struct SubsolarPoint {
 }
 
 impl PictureStats {
-    /// The numbers of a picture of `moment` that was measured, the tiles that it lacks, and the maps. Not [`Self::quality`], which
-    /// takes pictures of its own.
+    /// Statistics of a measured image of `moment`, its missing tiles, and the maps. Without [`Self::quality`], which needs further images.
     pub fn new(
         renderer: &OffscreenRenderer,
         moment: &Moment,
@@ -256,7 +253,7 @@ impl SubsolarPoint {
     }
 }
 
-/// To the microsecond: more digits would be noise.
+/// Rounded to microseconds: further digits would be noise.
 fn milliseconds(duration: Duration) -> f64 {
     (duration.as_secs_f64() * 1e6).round() / 1e3
 }

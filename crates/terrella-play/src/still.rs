@@ -43,7 +43,7 @@ pub struct StillRequest<'r> {
     pub stats: Option<&'r Path>,
     /// How the picture is made and kept.
     pub pictures: PictureSettings,
-    /// Whether the edges of the surface's triangles are drawn alone.
+    /// Whether only the edges of the surface's triangles are drawn.
     pub wireframe: bool,
 }
 
@@ -71,7 +71,7 @@ pub fn write_still(
     let epoch = request.epoch.unwrap_or(scene.time.start);
     let size = request.size.unwrap_or(scene.output.size.into());
     let aspect = f64::from(size.0) / f64::from(size.1);
-    // In the order of what is cheapest to find out: the date, the files, the maps, the adapter.
+    // The cheapest checks come first: the date, the files, the maps, the adapter.
     let known = match flight.is_timed_by_simulator() {
         false => Some(flight.at(epoch, aspect)?),
         true => None,
@@ -113,7 +113,7 @@ pub fn write_still(
         let mut options = options.clone();
         if options.light.detail {
             tracing::info!("the radiance is without made detail");
-            // What is measured is what is known.
+            // Measurements use data only.
             options.light.detail = false;
         }
         (gpu.clone(), options)

@@ -1,4 +1,4 @@
-//! States cut where a motion is not smooth: nothing may be interpolated across such an instant.
+//! States divided where a motion is not smooth: interpolation must not cross such a time.
 
 use terrella::frames::{Duration, Epoch};
 use terrella_orbit::interpolated::StateSample;
@@ -22,7 +22,7 @@ pub(super) fn stretches(
     let (Some(first), Some(last)) = (states.first(), states.last()) else {
         return Ok(Vec::new());
     };
-    // Where a stretch ends and where the next begins.
+    // End of one piece and start of the next.
     let breaks = feed.breaks().into_iter().map(|at| (at, at));
     let mut cuts: Vec<(Epoch, Epoch)> = feed.gaps().into_iter().chain(breaks).collect();
     cuts.retain(|(end, begin)| first.epoch <= *end && first.epoch < *begin && *begin <= last.epoch);

@@ -6,7 +6,7 @@ use terrella::internals::offscreen::supported_samples;
 use terrella::{EarthError, EarthOptions, Quality};
 use wgpu::TextureFormat::{Bgra8Unorm, Bgra8UnormSrgb, Rgba8Unorm, Rgba8UnormSrgb};
 
-/// A configured surface and what is drawn with it.
+/// A configured surface and its render targets.
 pub struct WindowSurface {
     surface: wgpu::Surface<'static>,
     config: wgpu::SurfaceConfiguration,
@@ -59,7 +59,7 @@ impl WindowSurface {
         })
     }
 
-    /// The format of what is shown.
+    /// Format of the displayed image.
     pub fn format(&self) -> wgpu::TextureFormat {
         self.format
     }
@@ -80,10 +80,10 @@ impl WindowSurface {
         self.set_target(device, quality.drawn_size(self.size()), quality.samples);
     }
 
-    /// Shows passes of these options from now on, of the same formats.
+    /// Uses passes with these options from now on, with the same formats.
     ///
     /// # Errors
-    /// A shader file that is at fault; it is then as it was.
+    /// An invalid shader file. It is then unchanged.
     pub fn set_pass(
         &mut self,
         device: &wgpu::Device,
@@ -138,7 +138,7 @@ impl WindowSurface {
         self.configure(device);
     }
 
-    /// Configures the surface again, as it asks for when it is outdated.
+    /// Configures the surface again, as required when it is outdated.
     pub fn configure(&self, device: &wgpu::Device) {
         self.surface.configure(device, &self.config);
     }

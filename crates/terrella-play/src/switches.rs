@@ -1,4 +1,4 @@
-//! What the user switches in the picture while it is drawn: layers, exposure and tone curve.
+//! Layers, exposure and tone curve that the user switches during display.
 
 use super::error::PlayError;
 use super::map_lines::dropped_lines;
@@ -8,7 +8,7 @@ use std::path::Path;
 use terrella::{Exposure, Quality, QualityReduction, Tone};
 use terrella_imagery::tile::MapLayer;
 
-/// All that is off in most scenes, as it is drawn where a scene says no more than that it is on.
+/// All layers that are off in most scenes, with their default style.
 const USUAL: &str = "[tracks]\ntrail = true\nground_track = true\nmarker = true\n\
                      [layers]\ngraticule = true\ncoast_lines = true\nborders = true\nterminator = true\nmoon_shadow = true\nplace_names = true\n";
 
@@ -89,7 +89,7 @@ impl Layer {
     }
 }
 
-/// What is drawn, as the user has set it.
+/// Layers as set by the user.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Switches {
     is_on: [bool; Layer::ALL.len()],
@@ -100,7 +100,7 @@ pub struct Switches {
 }
 
 impl Switches {
-    /// As a scene has it.
+    /// The initial state from a scene.
     pub fn of(scene: &Scene) -> Self {
         let (earth, layers) = (&scene.earth, &scene.layers);
         let has_satellites = !scene.orbits.is_empty();
@@ -150,7 +150,7 @@ impl Switches {
         self.is_on[layer as usize]
     }
 
-    /// Whether there is anything of it in the scene.
+    /// Whether the scene has any of this layer.
     pub fn is_offered(&self, layer: Layer) -> bool {
         self.is_offered[layer as usize]
     }
@@ -166,8 +166,8 @@ impl Switches {
         self.tone = Some(Tone::ALL[next]);
     }
 
-    /// The scene with all that is to be loaded or made: what is on and off in `base` is as it would be where the key was `true`. What of
-    /// `[layers]` is off is taken out; other layers that are off stay, since they are loaded and only hidden.
+    /// The scene with everything that must be loaded or created: layers that are off in `base` are included as if their key were `true`. Disabled
+    /// parts of `[layers]` are removed; other disabled layers stay, since they are loaded and only hidden.
     ///
     /// # Errors
     /// A layer whose file is missing, as in a strict scene.
@@ -260,7 +260,7 @@ impl Switches {
         Ok(())
     }
 
-    /// Whether a map has to be loaded that a scene is without. What the scene asks for and has no file of is not looked for again.
+    /// Whether a map must be loaded that a scene does not have. Requested maps without a file are not searched again.
     pub fn needs_maps(&self, base: &Scene, loaded: &Quality) -> bool {
         let lacks = |layer: Layer, map: MapLayer, is_loaded: bool| {
             self.is_on(layer) && !is_loaded && !loaded.maps[map.index()]
@@ -385,7 +385,7 @@ mod tests {
         let less = switches.quality(quality);
         assert!(!less.maps[MapLayer::Clouds.index()]);
         assert_ne!(less.atmosphere, quality.atmosphere);
-        // What the scene asks for and has no file of.
+        // A requested map without a file.
         let default = scene("");
         quality.maps[MapLayer::Clouds.index()] = false;
         assert!(!Switches::of(&default).needs_maps(&default, &quality));

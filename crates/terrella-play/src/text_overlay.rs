@@ -11,7 +11,7 @@ pub struct TextOverlay {
 }
 
 impl TextOverlay {
-    /// For pictures of this format.
+    /// For images of this format.
     pub fn new(device: &wgpu::Device, format: wgpu::TextureFormat) -> Self {
         Self {
             context: egui::Context::default(),
@@ -41,7 +41,7 @@ impl TextOverlay {
         });
         let renderer = &mut self.renderer;
         let callbacks = egui_pass::draw(renderer, &self.context, output, target);
-        // Command buffers come of paint callbacks alone; there are none.
+        // Only paint callbacks create command buffers; there are none.
         debug_assert!(callbacks.is_empty());
     }
 }

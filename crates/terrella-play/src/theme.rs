@@ -1,19 +1,19 @@
-//! The look of panel, help and messages: dark, rounded plates that let the picture through.
+//! Appearance of panel, help and messages: dark, rounded, translucent plates.
 
 use egui::{
     Color32, Context, CornerRadius, FontFamily, FontId, Shadow, Stroke, Style, TextStyle, Theme,
     Vec2, Visuals,
 };
 
-/// What lies below text. Windows blend light: white clouds show through the more.
+/// Background of text. It is blended in linear light: white clouds show through more.
 const PLATE: Color32 = Color32::from_rgba_unmultiplied_const(13, 18, 26, 248);
 /// Fields of text, rails of sliders and bars.
 const WELL: Color32 = Color32::from_rgba_unmultiplied_const(4, 6, 10, 200);
 const TEXT: Color32 = Color32::from_rgb(208, 216, 226);
 const STRONG_TEXT: Color32 = Color32::from_rgb(244, 248, 252);
-/// What is selected, pointed at or held.
+/// Accent of selected, hovered or dragged elements.
 const ACCENT: Color32 = Color32::from_rgb(92, 168, 236);
-/// Corners of plates and of what stands on them, points.
+/// Corner radius of plates and their elements, points.
 const PLATE_RADIUS: u8 = 10;
 const WIDGET_RADIUS: u8 = 6;
 /// Heights of letters, points.

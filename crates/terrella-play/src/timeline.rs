@@ -1,12 +1,12 @@
-//! The time line along the bottom of the window: its state, and what it says.
+//! The time line along the bottom of the window: its state and labels.
 //!
-//! | file | what |
+//! | file | content |
 //! |---|---|
 //! | `ticks.rs` | marks at round times |
-//! | `bar.rs` | what is drawn, and what the pointer does on it |
-//! | `zoom.rs` | the part of the span that it shows |
+//! | `bar.rs` | drawing, and pointer interaction |
+//! | `zoom.rs` | the visible part of the span |
 //! | `light.rs` | night below the satellite, and the Earth's shadow |
-//! | `pass_search.rs` | passes and light, on a thread of their own |
+//! | `pass_search.rs` | passes and light, on a separate thread |
 
 mod bar;
 mod light;
@@ -34,9 +34,9 @@ const DEFAULT_MIN_ELEVATION_DEG: f64 = 10.0;
 const NEXT_PASS_SEARCH_DAYS: f64 = 60.0;
 /// Shortest span around the present in real time, seconds.
 const REAL_TIME_SPAN_S: f64 = 5400.0;
-/// How much of the span may lie behind before real time moves it on.
+/// Fraction of the span before now at which real time scrolls it.
 const REAL_TIME_MAX_FRACTION: f64 = 0.75;
-/// How much of a span that is moved to a pass lies before it.
+/// Fraction of a span before the pass that it is moved to.
 const PASS_LEAD_FRACTION: f64 = 0.05;
 
 /// The satellite that cameras fly with, and when it is known.
@@ -64,7 +64,7 @@ impl<'f> Coverage<'f> {
     }
 }
 
-/// What the time line knows beside the clock.
+/// State of the time line besides the clock.
 #[derive(Clone, Debug)]
 pub struct TimeLine {
     /// Whether it is shown, where there is a panel.
@@ -73,16 +73,16 @@ pub struct TimeLine {
     pub place: Option<Geodetic>,
     /// Minimum elevation of a pass over it, degrees.
     pub min_elevation_deg: f64,
-    /// Whether only passes are shown in which the satellite can be seen.
+    /// Whether only visible passes are shown.
     pub visible_only: bool,
     /// Passes of the span.
     pub passes: Vec<Pass>,
     /// Night and shadow in the span.
     pub light: LightBands,
     zoom: Option<Zoom>,
-    /// Whether the clock follows the one on the wall.
+    /// Whether the clock follows the wall clock.
     real_time: bool,
-    /// What the present passes were searched for.
+    /// Query of the current passes.
     asked: Option<(PassSite, (Epoch, Epoch))>,
     /// The span that the present light was searched for.
     asked_light: Option<(Epoch, Epoch)>,
@@ -90,7 +90,7 @@ pub struct TimeLine {
 }
 
 impl TimeLine {
-    /// As the scene has it: its passes are over its first ground station, else over the place of its geodetic camera, where it has one.
+    /// The initial state from the scene: passes are over its first ground station, else over the place of its geodetic camera, if it has one.
     pub fn new(flight: &Flight) -> Self {
         let scene = flight.scene();
         let camera = &scene.camera;
@@ -117,12 +117,12 @@ impl TimeLine {
         }
     }
 
-    /// Whether the clock follows the one on the wall.
+    /// Whether the clock follows the wall clock.
     pub fn is_real_time(&self) -> bool {
         self.real_time
     }
 
-    /// The user has set the clock: it follows no more.
+    /// Stops following the wall clock, after the user has set the clock.
     pub fn leave_real_time(&mut self) {
         self.real_time = false;
     }
@@ -215,7 +215,7 @@ impl TimeLine {
         Zoom::part(self.zoom, clock.span())
     }
 
-    /// Shows `factor` times less of the span about a fraction of it, moved on by `by` of what is shown.
+    /// Zooms by `factor` about a fraction of the span, and shifts by the fraction `by` of the visible part.
     pub fn zoom(&mut self, clock: &Clock, at: f64, factor: f64, by: f64) {
         self.zoom = Zoom::changed(self.zoom, clock.span(), at, factor, by);
     }
@@ -236,7 +236,7 @@ impl TimeLine {
         Some(PassQuery::Light(span))
     }
 
-    /// Finds night and shadow in the span at once.
+    /// Computes night and shadow in the span synchronously.
     #[cfg(test)]
     pub fn find_light(&mut self, flight: &Flight, clock: &Clock) {
         self.light = LightBands::of(flight, clock.span(), &|| true).unwrap_or_default();
@@ -342,7 +342,7 @@ impl TimeLine {
     }
 }
 
-/// Sets a span as long as the present one around an instant, as far as the satellite is known.
+/// Centres a span of the same length on a time, within the satellite's validity.
 fn center_span_on(clock: &mut Clock, now: Epoch, coverage: Option<Coverage<'_>>) {
     let half = clock.duration_s().max(REAL_TIME_SPAN_S) * 0.5 * Unit::Second;
     let (mut first, mut last) = (now - half, now + half);

@@ -1,7 +1,7 @@
-//! The tracks of a scene's satellites in pictures and the window: the player draws them as any host of
-//! [`terrella::tracks`] would, and writes their names over the finished picture.
+//! The tracks of a scene's satellites in images and the window: the player draws them as any host of [`terrella::tracks`] would, and writes their
+//! names over the finished image.
 //!
-//! Lines of `[layers]` and ground stations are drawn with them. A scene that shows nothing of all that has no layer: nothing is made.
+//! Lines of `[layers]` and ground stations are drawn with them. A scene without any of these has no layer: nothing is created.
 
 mod labels;
 mod roster;
@@ -25,7 +25,7 @@ use terrella::tracks::{
 };
 use terrella::{Earth, FrameStats, GpuContext, Tone};
 
-/// In a scene of more satellites those of a table that flies many have markers without names.
+/// Limit of satellites above which those of a table for many satellites have markers without names.
 const MAX_NAMED: usize = 100;
 /// And these are smaller by as much.
 const CROWD_WIDTH: f32 = 0.4;
@@ -34,17 +34,17 @@ const CROWD_WIDTH: f32 = 0.4;
 pub struct TracksLayer {
     tracks: Tracks,
     swarm: Swarm,
-    /// Whether each has its name written; all have where this is empty.
+    /// Whether the name of each is written; empty if all are.
     is_named: Vec<bool>,
     /// The place of each in the scene; none where a simulation says what there is.
     scene_places: Vec<usize>,
     orientation: Option<EarthOrientation>,
     /// Made for the first name.
     labels: Option<Labels>,
-    /// Of the pictures that names are written on.
+    /// Format of the images that names are written on.
     format: wgpu::TextureFormat,
     is_complete: bool,
-    /// Where a simulation says what there is.
+    /// Present if a simulation defines the objects.
     roster: Option<RosterTracks>,
     still: Still,
     stations: Vec<Station>,
@@ -56,7 +56,7 @@ pub struct TracksLayer {
     shown: ShownTracks,
 }
 
-/// What of the tracks that are there is drawn.
+/// Which of the existing tracks are drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct ShownTracks {
     /// Those of satellites.
@@ -76,14 +76,14 @@ impl Default for ShownTracks {
 /// How much of a curve is computed within a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TrackDetail {
-    /// What the frame's time allows; the rest in the frames to come.
+    /// Within the frame's time; the rest in later frames.
     Live,
     /// All of it: for pictures that are kept.
     Complete,
 }
 
 impl TracksLayer {
-    /// Whether a flight's scene asks for any.
+    /// Whether a flight's scene requests any.
     pub fn is_wanted(flight: &Flight) -> bool {
         let scene = flight.scene();
         has_tracks(scene)
@@ -98,7 +98,7 @@ impl TracksLayer {
         self.tracks.shader_bytes()
     }
 
-    /// The layer of a scene's satellites, with names on pictures of the format `shown`; `None` where none of them shows anything.
+    /// The layer of a scene's satellites, with names on images of the format `shown`; `None` if none of them shows anything.
     pub fn of(
         flight: &Flight,
         gpu: &GpuContext,
@@ -119,7 +119,7 @@ impl TracksLayer {
         Self::with_options(scene, flight, gpu, &TracksOptions::of(earth), shown)
     }
 
-    /// The layer for pictures of the format `shown` that stand over an Earth's light once it is developed by this curve.
+    /// The layer for images of the format `shown`, drawn over an Earth's light after its development with this curve.
     pub fn over_light(
         flight: &Flight,
         gpu: &GpuContext,
@@ -215,15 +215,15 @@ impl TracksLayer {
         }))
     }
 
-    /// Whether it has what a scene of the same flight shows of satellites; lines can be changed.
+    /// Whether it has all satellite elements of a scene with the same flight; lines can be changed.
     pub fn has_tracks_of(&self, scene: &Scene) -> bool {
         self.has_tracks || !has_tracks(scene)
     }
 
-    /// Draws the lines of a scene from the next picture on, and of all else what is to be shown.
+    /// Draws the lines of a scene from the next image on, and shows or hides all other elements.
     ///
     /// # Errors
-    /// As [`Self::of`]; what was drawn then stays.
+    /// As [`Self::of`]. The tracks are then unchanged.
     pub(crate) fn show(
         &mut self,
         scene: &Scene,
@@ -247,7 +247,7 @@ impl TracksLayer {
         Ok(self.tracks.set_stations(stations, self.followed)?)
     }
 
-    /// Whether anything of it is drawn.
+    /// Whether any of it is drawn.
     pub fn is_shown(&self) -> bool {
         (self.has_tracks && self.shown.satellites)
             || !shown_stations(&self.stations, self.shown).is_empty()
@@ -271,7 +271,7 @@ impl TracksLayer {
                 self.tracks = tracks;
                 self.swarm = Swarm::of(feeds);
             }
-            // The styles are those of a scene, which are checked; the shaders were good before.
+            // The styles come from a scene and have been checked; the shaders compiled before.
             Err(error) => tracing::warn!("tracks stay as they were: {error}"),
         }
     }
@@ -358,7 +358,7 @@ impl TracksLayer {
             let at_px = scaled(label.at_px);
             Some((TrackLabel { at_px, ..*label }, name, place))
         };
-        // Names that come first have the room: that of the followed satellite, stations, the others in their order.
+        // Names that come first have priority: the followed satellite, stations, the others in order.
         let all = || self.tracks.labels().iter();
         let is_followed = |label: &&TrackLabel| label.satellite == self.followed;
         let first = all().find(is_followed);

@@ -1,7 +1,7 @@
-//! What is where each pixel looks, as files: a folder of arrays, one picture of all of them, and a page that says what they are.
+//! Ground truth as files: a folder of arrays, one image of all of them, and a page that describes them.
 //!
-//! `docs/truth.md` is the contract. Arrays are NumPy's; the picture is OpenEXR's, which has no 64-bit floats: such a layer
-//! stands there as two channels, the nearest 32-bit float and what is left.
+//! `docs/truth.md` is the contract. Arrays are in NumPy's format; the image is OpenEXR, which has no 64-bit floats: such a layer is stored as two
+//! channels, the nearest 32-bit float and the remainder.
 
 use super::error::PlayError;
 use super::flight::{Flight, Moment};
@@ -20,7 +20,7 @@ use terrella::{EarthOptions, GpuContext, TruthView};
 use terrella_files::Unfinished;
 use terrella_imagery::tile::TileKey;
 
-/// The page that says what they are.
+/// The page that describes them.
 const MANIFEST: &str = "truth.json";
 
 /// A folder of truth on its way: its files are there under temporary names, and vanish if they are not committed.
@@ -33,7 +33,7 @@ pub struct TruthFolder {
     made: MadeFolders,
 }
 
-/// Folders that were made for what comes into them: taken away again, as far as they are empty.
+/// Folders that were created for the output: removed again if they are empty.
 #[derive(Debug, Default)]
 struct MadeFolders(Vec<Unfinished>);
 
@@ -117,8 +117,8 @@ impl TruthFolder {
         Ok(missing)
     }
 
-    /// The same of what a sensor sees: the rays of its pixels through its lens, each row at its own instant. What the GPU says of the ground
-    /// (height, slope, land, clouds) is that of the nearest of its samples; the place is computed on the pixel's own ray.
+    /// Draws the ground truth of a sensor's view: the rays of its pixels through its lens, each row at its own time. The surface properties from
+    /// the GPU (elevation, slope, land, clouds) are those of the nearest sample; the position is computed on the pixel's own ray.
     pub fn draw_seen(
         &self,
         flight: &Flight,

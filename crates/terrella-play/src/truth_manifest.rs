@@ -6,13 +6,13 @@ use terrella::TRUTH_LAYERS;
 use terrella::TruthView;
 use terrella::frames::{Ellipsoid, rfc3339};
 
-/// The picture of all layers.
+/// The image of all layers.
 pub const PICTURE: &str = "truth.exr";
 
-/// What `truth.json` holds.
+/// Content of `truth.json`.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct TruthManifest {
-    /// What kind of file it is.
+    /// Identifier of the file format.
     format: &'static str,
     /// The scene's file.
     scene: String,
@@ -31,7 +31,7 @@ pub struct TruthManifest {
     /// The Moon's centre from the Earth's, ITRF axes, metres.
     moon_itrf_m: Option<[f64; 3]>,
     layers: Vec<LayerEntry>,
-    /// The picture of all layers.
+    /// The image of all layers.
     picture: Picture,
 }
 
@@ -78,7 +78,7 @@ struct Picture {
 }
 
 impl TruthManifest {
-    /// What is to be said of a moment's layers.
+    /// The page for a moment's layers.
     pub fn new(
         flight: &Flight,
         moment: &Moment,

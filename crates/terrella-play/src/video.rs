@@ -1,7 +1,7 @@
-//! Video in MP4: H.264, H.265 or AV1 by `ffmpeg` where it is installed, else H.264 by the built-in encoder.
+//! Video in MP4: H.264, H.265 or AV1 by `ffmpeg` if it is installed, else H.264 by the built-in encoder.
 //!
-//! Both write 4:2:0 in BT.709, limited range, tagged as such; of high dynamic range ffmpeg alone writes 10 bits in BT.2020. All come with the
-//! index before the data, so that a browser can begin to play at once. Half-size colour needs an even width and height.
+//! Both write 4:2:0 in BT.709, limited range, tagged as such; for high dynamic range only ffmpeg is used, with 10 bits in BT.2020. The index comes
+//! before the data, so that a browser can start playback immediately. Subsampled chroma requires an even width and height.
 
 mod builtin;
 mod ffmpeg;
@@ -15,9 +15,9 @@ use terrella::Hdr;
 
 /// A frame of a film, drawn.
 pub struct FilmFrame {
-    /// What its page says of it, but for its file.
+    /// Its record without the file.
     pub record: FrameRecord,
-    /// What is drawn.
+    /// The image.
     pub picture: FilmPicture,
 }
 
@@ -25,15 +25,15 @@ pub struct FilmFrame {
 pub trait FrameSink: Send {
     /// Takes the next frame.
     fn push(&mut self, frame: &FilmFrame) -> Result<(), PlayError>;
-    /// All frames were given: completes what is written, gives it its name and says what it is. A sink that is dropped without it
-    /// leaves no incomplete file under a final name.
+    /// Called after all frames: completes the file, renames it and describes it. A sink that is dropped without this call leaves no incomplete file
+    /// under a final name.
     fn finish(self: Box<Self>) -> Result<Written, PlayError>;
 }
 
-/// What encodes a video.
+/// Choice of a video encoder.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum EncoderChoice {
-    /// `ffmpeg` with libx264 if the search path has it, else the built-in one.
+    /// `ffmpeg` with libx264 if it is on the search path, else the built-in one.
     #[default]
     Auto,
     /// `ffmpeg` with libx264, or an error.
@@ -163,7 +163,7 @@ pub fn open_video(
         EncoderChoice::Builtin => ffmpeg::FfmpegInstalled::No,
         EncoderChoice::Auto | EncoderChoice::Ffmpeg => ffmpeg::find(encoder),
     };
-    // What the built-in encoder cannot do is not left out without a word.
+    // Settings that the built-in encoder does not support are not dropped silently.
     let needs_ffmpeg = format.coding != VideoCoding::default();
     match (choice, found) {
         (EncoderChoice::Ffmpeg | EncoderChoice::Auto, ffmpeg::FfmpegInstalled::WithEncoder) => {

@@ -31,7 +31,7 @@ use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop};
 use winit::keyboard::ModifiersState;
 use winit::window::{Fullscreen, WindowId};
 
-/// Wait before a surface that gave no texture is asked again.
+/// Wait before a surface that returned no texture is tried again.
 const RETRY: Duration = Duration::from_millis(100);
 /// Pixels of a touchpad that magnify like one notch of a wheel.
 const PIXELS_PER_NOTCH: f64 = 50.0;
@@ -41,7 +41,7 @@ const ZOOM_PER_NOTCH: f64 = 0.25;
 const EXPECTED_S: [f64; 3] = [0.5, 1.5, 4.0];
 /// How long a message stays.
 const MESSAGE_TIME: Duration = Duration::from_secs(4);
-/// How long a window in which nothing moves may go on after the program was asked to end.
+/// Time after which a window without activity checks whether the program must end.
 const LOOK_FOR_END: Duration = Duration::from_millis(250);
 
 /// How the window is opened.
@@ -61,7 +61,7 @@ pub fn play_in_window(
     request: &WindowRequest<'_>,
     progress: &dyn Progress,
 ) -> Result<(), PlayError> {
-    // Before the maps are loaded: whether there is a display is known at once.
+    // Before the maps are loaded: a missing display is detected immediately.
     let event_loop =
         EventLoop::new().map_err(|error| WindowError::NoDisplay(no_display(&error)))?;
     with_camera_service(flight, request.adapter, || {
@@ -77,7 +77,7 @@ fn run_window(
 ) -> Result<(), PlayError> {
     std::thread::scope(|scope| {
         let proxy = event_loop.create_proxy();
-        // A loop that has ended is woken no more.
+        // A loop that has ended is not woken.
         let wake = move || {
             let _ = proxy.send_event(());
         };
@@ -137,7 +137,7 @@ fn no_display(error: &winit::error::EventLoopError) -> String {
 
 struct App<'a> {
     flight: &'a Flight,
-    /// Where a simulator gives the time.
+    /// Present if a simulator controls the time.
     live: Option<SimulatorTime<'a>>,
     pass_search: PassSearch,
     /// Makes pictures of other layers and tone curves.
@@ -154,15 +154,15 @@ struct App<'a> {
     /// When the last frame began; `None` after a time without frames.
     last_frame: Option<Instant>,
     message_ends: Option<Instant>,
-    /// When egui, or a surface without a texture, wants another frame.
+    /// When egui, or a surface without a texture, needs another frame.
     repaint_at: Option<Instant>,
-    /// When a surface that gave no texture is asked again.
+    /// When a surface that returned no texture is tried again.
     retry_at: Option<Instant>,
     pointer: Pointer,
     modifiers: ModifiersState,
     /// Minimised or covered.
     hidden: bool,
-    /// Where the eye will be soon.
+    /// Expected positions of the eye.
     expected: Vec<EyeView>,
     shader_watch: ShaderWatch,
 }
@@ -348,7 +348,7 @@ impl<'a> App<'a> {
         self.message_ends = Some(Instant::now() + MESSAGE_TIME);
     }
 
-    /// Draws with shaders that have changed on disk, and says so, or why not.
+    /// Draws with shaders that have changed on disk, and reports it, or why not.
     fn reload_shaders(&mut self) {
         let Some(renderer) = &mut self.renderer else {
             return;

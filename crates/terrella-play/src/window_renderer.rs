@@ -49,11 +49,11 @@ pub struct WindowRenderer {
     satellite: Option<String>,
     ellipsoid: Ellipsoid,
     has_tiles: bool,
-    /// The heights that the ground is drawn with.
+    /// Elevation data of the drawn terrain.
     relief: Option<Arc<dyn Elevation>>,
     quality_control: Option<TimedQuality>,
     samples: SamplesByView,
-    /// What the Earth was made with; its maps are on the GPU alone.
+    /// Options of the Earth; its maps are only on the GPU.
     options: EarthOptions,
     /// The Earth's quality with all layers.
     full: Quality,
@@ -70,7 +70,7 @@ struct SamplesByView {
     without: u32,
 }
 
-/// Quality that is adapted to hold a frame time, and what frames cost.
+/// Adaptive quality that holds a frame time, and the cost of frames.
 struct TimedQuality {
     control: QualityControl,
     costs: FrameCosts,
@@ -79,7 +79,7 @@ struct TimedQuality {
 /// Whether a frame reached the screen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Presented {
-    /// It is on screen and may stand this long.
+    /// It is on screen and may stay for this time.
     Until(Duration),
     /// The surface had no texture for it; draw again later.
     Skipped,
@@ -161,10 +161,10 @@ impl WindowRenderer {
         Ok(renderer)
     }
 
-    /// Draws with the shaders of the files as they are now: all that is drawn is made again.
+    /// Draws with the current shader files: all drawables are created again.
     ///
     /// # Errors
-    /// A file that cannot be read, compiled or drawn with. What was drawn then stays as it was.
+    /// A file that cannot be read, compiled or drawn with. Everything is then unchanged.
     pub fn reload_shaders(&mut self, flight: &Flight) -> Result<(), PlayError> {
         let scene = self.switches.scene(flight.scene())?;
         self.make_again(flight, &scene, self.options.clone())?;
@@ -226,7 +226,7 @@ impl WindowRenderer {
         &self.window
     }
 
-    /// Whether the device has stopped for good.
+    /// The device error, if the device has stopped permanently.
     pub fn fault(&self) -> Option<GpuFault> {
         self.painter.gpu().check().err()
     }
@@ -247,7 +247,7 @@ impl WindowRenderer {
         self.has_tiles
     }
 
-    /// The heights that the ground is drawn with; `None` is the bare ellipsoid.
+    /// Elevation data of the drawn terrain; `None` is the smooth ellipsoid.
     pub fn relief(&self) -> Option<&Arc<dyn Elevation>> {
         self.relief.as_ref()
     }
@@ -308,7 +308,7 @@ impl WindowRenderer {
         }
     }
 
-    /// Whether the pointer is over the panel or holds something of it, as far as the last layout knows.
+    /// Whether the pointer was over the panel, or dragging a part of it, in the last layout.
     pub fn wants_pointer(&self) -> bool {
         self.overlay.wants_pointer()
     }
@@ -408,10 +408,10 @@ impl WindowRenderer {
         }
     }
 
-    /// Exposes as the view asks for, followed in the time since the frame before.
+    /// Adapts the exposure to the view over the time since the last frame.
     fn follow_light(&mut self, moment: &Moment, interval: Option<Duration>) {
         let elapsed_s = interval.unwrap_or_default().as_secs_f64();
-        // What was metered lies in the range.
+        // Metered values are in the range.
         if let Err(error) = self.painter.follow_light(moment, elapsed_s) {
             tracing::warn!("the exposure is unchanged: {error}");
         }
@@ -431,7 +431,7 @@ impl WindowRenderer {
         changed.is_ok()
     }
 
-    /// Gives up quality, or takes it back, as the last frames' costs ask for.
+    /// Reduces or restores quality according to the costs of the last frames.
     fn govern(&mut self) {
         let Some(TimedQuality { control, costs }) = &mut self.quality_control else {
             return;
@@ -512,7 +512,7 @@ fn smooth(before: Option<f64>, newest: f64) -> f64 {
 
 /// `terrella-<time of the picture>.png`, with a number where that is taken.
 fn free_name(folder: PathBuf, epoch: &str) -> PathBuf {
-    // Colons cannot stand in file names everywhere.
+    // Colons are not allowed in file names on all systems.
     let stem = format!("terrella-{}", epoch.replace(':', "-"));
     let first = folder.join(format!("{stem}.png"));
     let numbered = (2_u32..).map(|n| folder.join(format!("{stem}-{n}.png")));

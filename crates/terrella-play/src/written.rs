@@ -1,4 +1,4 @@
-//! Files that have been written, and what is said of them.
+//! Written files, and their description.
 
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -6,7 +6,7 @@ use std::time::Duration;
 /// A file, or the files of a folder, written.
 pub struct Written {
     pub path: PathBuf,
-    /// Bytes of all that was written.
+    /// Total size, bytes.
     pub bytes: u64,
     /// Pictures that were written, where it is a folder.
     pub pictures: Option<u64>,

@@ -123,7 +123,7 @@ def parts():
         told("encode", rate=len(FILM["frames"]) / (time.monotonic() - begin))
         begin = time.monotonic()
         farm.pack(out / "small", ROOT / "textures/day.jpg", storage="plain", pixels={"day": [32]}, workers=1)
-        # Of 4096 × 2048 texels; the program's own start is in it.
+        # A map of 4096 × 2048 texels; the time includes the start of the program.
         told("pack read", wall_s=time.monotonic() - begin)
     os.sched_setaffinity(0, cores)
 

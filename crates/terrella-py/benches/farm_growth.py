@@ -18,7 +18,7 @@ RECORDED = HERE.parents[2] / "docs/recorded"
 DISK_BYTES_S = 1e9
 MAPS_BYTES = 7.5e6
 MANY = 86_400
-# Texels of a tile row of the finest level of a map that is 86 400 round the Earth, and those of the coarser ones.
+# Texels of a tile's row at each level, finest first, for a map of 86 400 texels round the Earth.
 DAY_LEVELS = [5400, 2700, 1350, 675, 256]
 JPEG_TEXELS = 86_400 * 43_200
 WORKERS = [1, 2, 10, 100, 1000]
@@ -124,7 +124,7 @@ def limits(runs, workers):
             "the last task": task / rate,
         }
     made["film with video"] = {**made["film"], "one ffmpeg": MANY / middle("encode")}
-    # Of the day map alone, compressed for graphics cards: what a texel costs, and what it costs to read the map once.
+    # The day map alone, compressed for GPUs: the cost per texel, and the cost of reading the map once.
     small = texels([675, 256]) + 3 * texels([256])
     cost_s = middle("pack bc", 1, "wall_s") / small
     read_s = middle("pack read", key="wall_s") / (4096 * 2048) * JPEG_TEXELS

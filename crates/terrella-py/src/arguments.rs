@@ -1,4 +1,4 @@
-//! Arguments as they come from Python: checked, and named where they are wrong.
+//! Arguments from Python: checked, with errors that name them.
 
 use crate::units::in_unit_of;
 use glam::{DMat3, DMat4, DVec3};
@@ -7,7 +7,7 @@ use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 
-/// Most numbers that one call takes.
+/// Limit on the numbers that one call accepts.
 const MAX_NUMBERS: usize = 1 << 28;
 
 pub fn numpy<'py>(py: Python<'py>) -> PyResult<Bound<'py, PyModule>> {

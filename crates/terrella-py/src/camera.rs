@@ -1,4 +1,4 @@
-//! Cameras: plain values that say where the eye stands and what it sees.
+//! Cameras: plain values for position, attitude and projection.
 
 use crate::arguments::{matrix_3, matrix_4, vector, within};
 use glam::{DAffine3, DMat4, DQuat, DVec3};
@@ -18,9 +18,9 @@ pub struct PyCamera(Lens);
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Lens {
-    /// A vertical field of view; the picture's size says how wide it is.
+    /// A vertical field of view; the image's size gives the horizontal one.
     Looking { pose: Pose, fov_rad: f64 },
-    /// A projection of the caller's.
+    /// A projection from the caller.
     Matrices(EyeView),
 }
 
@@ -54,7 +54,7 @@ impl PyCamera {
     #[staticmethod]
     #[pyo3(
         signature = (lat_deg, lon_deg, height_m, *, heading_deg = 0.0, pitch_deg = -90.0, fov_deg = 45.0),
-        // Of a number below zero pyo3 writes none.
+        // pyo3 writes no default for a negative number.
         text_signature = "(lat_deg, lon_deg, height_m, *, heading_deg=0.0, pitch_deg=-90.0, fov_deg=45.0)"
     )]
     fn geodetic(
@@ -190,7 +190,7 @@ fn fov(fov_deg: f64) -> PyResult<f64> {
 }
 
 impl PyCamera {
-    /// What it is made of, as [`Self::_restored`] takes it.
+    /// The camera's values, in the order that [`Self::_restored`] reads.
     fn numbers(&self) -> Vec<f64> {
         match &self.0 {
             Lens::Looking { pose, fov_rad } => {

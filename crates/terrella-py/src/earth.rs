@@ -1,4 +1,4 @@
-//! The Earth on a device of its own, seen by a camera.
+//! The Earth with its own device, seen by a camera.
 
 use crate::arguments::wait;
 use crate::camera::PyCamera;

@@ -1,4 +1,4 @@
-//! Satellites of files: where they are at any instants, as arrays.
+//! Satellites from files: their states at any instants, as arrays.
 
 use crate::arguments::vectors;
 use crate::errors::{of_orbit, of_start};
@@ -19,9 +19,9 @@ use terrella_orbit::{
     Catalogue, Ephemerides, EphemerisFeed, Feed, Frame, OrbitError, ParameterMessages,
 };
 
-/// What messages name where a text is no file.
+/// Name of a text without a file, in messages.
 const TEXT: &str = "<text>";
-/// Most states that one call gives.
+/// Limit on the states that one call returns.
 const MAX_STATES: usize = 1 << 27;
 const FRAMES: [Frame; 5] = [
     Frame::Itrf,
@@ -50,7 +50,7 @@ pub fn frame_named(wanted: &str, argument: &str) -> PyResult<Frame> {
 
 type Pair<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>);
 
-/// Positions and velocities, satellites × instants × 3. `outside` says what becomes of instants at which one is not known.
+/// Positions and velocities, satellites × instants × 3. `outside` selects the handling of instants for which a state is not known.
 pub fn states_of<'py>(
     py: Python<'py>,
     feeds: &[&dyn Feed],
@@ -131,7 +131,7 @@ impl PySatellites {
         }
     }
 
-    /// As a kind of its own, with what that kind knows beside.
+    /// Turns these satellites into a Python subclass with data of its own.
     pub fn with_kind<T: PyClass<BaseType = Self>>(self, kind: T) -> PyClassInitializer<T> {
         PyClassInitializer::from(self).add_subclass(kind)
     }
@@ -181,7 +181,7 @@ impl PySatellites {
         signature = (
             lat_deg, lon_deg, height_m = 0.0, *, first, last, min_elevation_deg = 10.0, sun_below_deg = -6.0, standard_magnitude = None
         ),
-        // Of a number below zero pyo3 writes none.
+        // pyo3 writes no default for a negative number.
         text_signature = "($self, lat_deg, lon_deg, height_m=0.0, *, first, last, min_elevation_deg=10.0, sun_below_deg=-6.0, standard_magnitude=None)"
     )]
     // One keyword each.

@@ -1,4 +1,4 @@
-//! Films that several processes draw into one folder: what draws a frame, and what keeps the folder's page.
+//! Films that several processes draw into one folder: the painter of frames, and the writer of the folder's page.
 
 use crate::errors::{SceneError, of_any, of_play};
 use crate::owned::Owned;
@@ -180,7 +180,7 @@ impl PyFilmFrames {
 #[pyclass(frozen, name = "FilmFolder", module = "terrella")]
 pub struct PyFilmFolder(Mutex<Option<(Flight, SharedFolder)>>);
 
-/// The folder while nobody else uses it.
+/// The locked folder.
 type Held<'f> = MutexGuard<'f, Option<(Flight, SharedFolder)>>;
 
 #[pymethods]

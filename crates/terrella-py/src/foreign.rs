@@ -1,4 +1,4 @@
-//! Instants of astropy and skyfield, by the attributes that they have. Neither library is imported before a caller asks for one of its objects.
+//! Instants of astropy and skyfield, recognised by their attributes. Neither library is imported before a caller passes one of its objects.
 
 use crate::arguments::numbers;
 use pyo3::exceptions::PyValueError;
@@ -33,7 +33,7 @@ pub fn epochs_of(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Option<Vec<Ep
     };
     let (_, whole) = numbers(&whole, name)?;
     let (_, fraction) = numbers(&fraction, name)?;
-    // Of an array skyfield has whole days in common where all are the same.
+    // skyfield stores a single whole day if all instants of an array share it.
     let days = match (whole.as_slice(), fraction.len()) {
         (days, count) if days.len() == count => days.to_vec(),
         ([day], count) => vec![*day; count],

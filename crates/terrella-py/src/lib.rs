@@ -1,9 +1,8 @@
-//! The native part of the Python package `terrella`: what the package in `python/terrella` stands on.
+//! The native part of the Python package `terrella`, which `python/terrella` is built on.
 //!
-//! Everything that takes long lets go of the interpreter. Arrays that come back are written once, by the library, and handed to NumPy
-//! as they are.
+//! Long calls release the interpreter. The library writes each returned array once and passes it to NumPy without a copy.
 
-// Its classes have their names in Python.
+// Its classes are named in Python.
 #![allow(unnameable_types)]
 
 mod arguments;

@@ -3,7 +3,7 @@
 use log::{Level, LevelFilter, Log, Metadata, Record};
 use pyo3::prelude::*;
 
-/// Of a process: gives warnings and errors of our crates to Python.
+/// The process's logger: forwards warnings and errors of Terrella's crates to Python.
 struct PythonLogger;
 
 impl Log for PythonLogger {
@@ -19,7 +19,7 @@ impl Log for PythonLogger {
             Level::Error => "error",
             _ => "warning",
         };
-        // At the interpreter's end there is nobody to tell.
+        // At the interpreter's exit no logger is left.
         let _ = Python::try_attach(|py| -> PyResult<()> {
             let logger = py
                 .import("logging")?
@@ -32,7 +32,7 @@ impl Log for PythonLogger {
     fn flush(&self) {}
 }
 
-/// Begins to give warnings to Python, if no other logger has this process.
+/// Starts to forward warnings to Python, unless the process has another logger.
 pub fn begin() {
     if log::set_logger(&PythonLogger).is_ok() {
         log::set_max_level(LevelFilter::Warn);

@@ -1,12 +1,12 @@
-//! What holds a device, and may be used in one process alone.
+//! Objects that hold a device, and work in one process only.
 
 use crate::errors::Error;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use std::sync::Mutex;
 
-/// A renderer, one thread at a time, in the process that made it. Drivers do not live through `fork`: their threads are not there in
-/// the child, which would wait for them forever.
+/// A renderer, used by one thread at a time, in the process that created it. Drivers do not survive `fork`: the child lacks their threads and would
+/// wait for them forever.
 pub struct Owned<T> {
     /// `None` only while it is dropped.
     value: Option<Mutex<T>>,
@@ -21,7 +21,7 @@ impl<T: Send> Owned<T> {
         }
     }
 
-    /// Does something long with it, the interpreter let go: a thread that waits here holds nobody up.
+    /// Runs long work on the renderer without the interpreter, so that a thread that waits here blocks no other.
     pub fn with<R: Send>(
         &self,
         py: Python<'_>,
@@ -46,7 +46,7 @@ impl<T: Send> Owned<T> {
 
 impl<T> Drop for Owned<T> {
     fn drop(&mut self) {
-        // In a fork it stays: its driver would wait for threads that are not there.
+        // In a forked process it is leaked: its driver would wait for threads that do not exist.
         if std::process::id() != self.process {
             std::mem::forget(self.value.take());
         }

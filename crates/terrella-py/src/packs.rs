@@ -1,4 +1,4 @@
-//! Imagery packs that several processes cut.
+//! Imagery packs that several processes build.
 
 use crate::arguments::within;
 use crate::errors::{Error, of_any};
@@ -11,7 +11,7 @@ use terrella_pack::{
     build, build_share,
 };
 
-/// A share as Python has it: the map's name, its columns from the first to before the last, its texels, the tiles that it lacks.
+/// A share as a Python tuple: the map's name, its first column, the column after its last, its texels, its missing tiles.
 type Share = (String, u32, u32, u64, u64);
 
 /// A pack that is built from maps, as `terrella pack build` does.
@@ -145,7 +145,7 @@ fn layer(name: &str) -> PyResult<MapLayer> {
 fn of_build(error: BuildError) -> PyErr {
     let words = error.to_string();
     match error {
-        // With the number by which a full disk is known.
+        // With the OS error number, by which Python recognises a full disk.
         BuildError::Write { path, source } => match source.raw_os_error() {
             Some(number) => PyOSError::new_err((number, source.to_string(), path)),
             None => Error::new_err(words),

@@ -11,10 +11,10 @@ use terrella_orbit::{
     visible_intervals,
 };
 
-/// Most passes of one satellite that one call gives.
+/// Limit on the passes that one call returns for one satellite.
 const MAX_PASSES: usize = 100_000;
 
-/// Over which place passes are looked for, and what counts as visible.
+/// The place and the time span of a search for passes, and the rule for visibility.
 pub struct PassSearch {
     place: Geodetic,
     min_elevation_rad: f64,
@@ -22,7 +22,7 @@ pub struct PassSearch {
     span: (Epoch, Epoch),
 }
 
-/// A pass, where the satellite stands at its beginning, when it is highest and at its end, and when it is visible.
+/// A pass, the look angles at its begin, culmination and end, and its visible intervals.
 type Found = (Pass, [LookAngles; 3], Vec<VisibleInterval>);
 
 impl PassSearch {

@@ -1,4 +1,4 @@
-//! Pictures as arrays, and as PNG.
+//! Images as arrays, and as PNG.
 
 use crate::errors::of_any;
 use numpy::ndarray::{Array2, Array3};
@@ -9,10 +9,10 @@ use pyo3::types::{PyBytes, PyDict, PySlice};
 use terrella::{LayerValues, TRUTH_LAYERS, TruthLayer, TruthPicture};
 use terrella_play::png_bytes;
 
-/// Longest side that is asked of any device.
+/// Longest side of an image, in pixels, that is requested from any device.
 const LONGEST_SIDE_PX: i64 = 65_536;
 
-/// Width and height as they come from Python.
+/// Checks width and height from Python.
 pub fn size((width, height): (i64, i64)) -> PyResult<(u32, u32)> {
     let side = |side: i64| match (1..=LONGEST_SIDE_PX).contains(&side) {
         true => Ok(side as u32),
@@ -23,12 +23,12 @@ pub fn size((width, height): (i64, i64)) -> PyResult<(u32, u32)> {
     Ok((side(width)?, side(height)?))
 }
 
-/// How many pixels a picture has.
+/// The number of pixels of an image.
 pub fn pixels((width, height): (u32, u32)) -> usize {
     width as usize * height as usize
 }
 
-/// Height × width × 4 bytes, handed over as they are.
+/// Height × width × 4 bytes, passed on without a copy.
 pub fn color(
     py: Python<'_>,
     (width, height): (u32, u32),
@@ -40,7 +40,7 @@ pub fn color(
         .into_pyarray(py))
 }
 
-/// Height × width × 3 floats: a view of the red, green and blue of four.
+/// Height × width × 3 floats: a view of red, green and blue in an array of four channels.
 pub fn light(
     py: Python<'_>,
     (width, height): (u32, u32),
@@ -65,11 +65,11 @@ pub fn plane<T: Element>(
         .into_pyarray(py))
 }
 
-/// Truth layers that were asked for.
+/// The requested truth layers.
 pub struct Layers(Vec<&'static TruthLayer>);
 
 impl Layers {
-    /// By their names; all of them by default.
+    /// The layers with these names; all of them by default.
     pub fn named(names: Option<Vec<String>>) -> PyResult<Self> {
         let Some(names) = names else {
             return Ok(Self(TRUTH_LAYERS.iter().collect()));
@@ -87,12 +87,12 @@ impl Layers {
         Ok(Self(found.collect::<PyResult<_>>()?))
     }
 
-    /// Which they are.
+    /// The requested layers, in order.
     pub fn wanted(&self) -> &[&'static TruthLayer] {
         &self.0
     }
 
-    /// Their numbers.
+    /// Their values.
     pub fn of(&self, truth: &TruthPicture) -> Vec<LayerValues> {
         truth.layers(&self.0)
     }

@@ -17,7 +17,7 @@ use terrella_play::clock::frame_epoch;
 use terrella_play::scene::Scene;
 use terrella_play::{ScenePictures, Shot, take_starter_files};
 
-/// A scene of a file, or of a text in place of what `path` holds. What it names no file for comes from `textures`.
+/// Reads a scene from `path`, or from `text` if it is given. `textures` supplies the files that the scene does not name.
 pub fn read_scene(path: &Path, text: Option<&str>, textures: &Path) -> PyResult<Scene> {
     let read = match text {
         Some(text) => Scene::from_toml(text, path),
@@ -251,7 +251,7 @@ impl PyScene {
 }
 
 impl PyScene {
-    /// What is pictured.
+    /// The image to draw.
     fn shot(&self, time: Option<&Bound<'_, PyAny>>, camera: Option<PyCamera>) -> PyResult<Shot> {
         let aspect = f64::from(self.size.0) / f64::from(self.size.1);
         Ok(Shot {
@@ -260,7 +260,7 @@ impl PyScene {
         })
     }
 
-    /// The instant that is meant: the scene's start, one of its own, or so long after its start.
+    /// An instant from Python: the scene's start by default, an instant, or a duration after the start.
     fn instant(&self, time: Option<&Bound<'_, PyAny>>) -> PyResult<Epoch> {
         let start = self.scene.time.start;
         match time {

@@ -164,7 +164,7 @@ pub fn elapsed_of(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Duration> {
     })
 }
 
-/// The same; `None` of what is no elapsed time.
+/// Same as [`elapsed_of`]; `None` if the value is no duration.
 fn elapsed(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Option<Duration>> {
     let wrong = || PyValueError::new_err(format!("{name}: {value} s is no elapsed time"));
     if kind_of(value).as_deref() == Some("m") {
@@ -187,7 +187,7 @@ fn elapsed(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Option<Duration>> {
     };
     match seconds {
         Ok(seconds) if seconds.is_finite() && seconds.abs() < 1e10 => {
-            // To the nearest nanosecond: differences of Julian dates are a little short of whole ones.
+            // Rounds to the nearest nanosecond: differences of Julian dates fall slightly short of whole ones.
             let ns = (seconds * NS_PER_S as f64).round() as i128;
             Ok(Some(Duration::from_total_nanoseconds(ns)))
         }
@@ -196,7 +196,7 @@ fn elapsed(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Option<Duration>> {
     }
 }
 
-/// An instant from what [`PyEpoch`] is made of.
+/// An instant from any value that [`PyEpoch`] accepts.
 pub fn epoch(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Epoch> {
     if let Ok(epoch) = value.cast::<PyEpoch>() {
         return Ok(epoch.get().0);
@@ -238,7 +238,7 @@ pub fn epoch(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Epoch> {
     )))
 }
 
-/// Instants in a row: an array of datetime64, or a sequence of what [`epoch`] takes, or one alone.
+/// A sequence of instants from a datetime64 array, from a sequence of values that [`epoch`] accepts, or from a single one.
 pub fn epochs(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<Epoch>> {
     if kind_of(value).as_deref() == Some("M") {
         let row = numpy(value.py())?.call_method1("atleast_1d", (value,))?;

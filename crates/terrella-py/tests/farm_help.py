@@ -8,7 +8,7 @@ import sys
 import time
 from pathlib import Path
 
-# Frames that differ, with an exposure that follows the light from day into night.
+# Different frames, with an exposure that follows the light from day into night.
 SCENE = """
 [time]
 start = "2018-06-21T16:00:00Z"

@@ -1,5 +1,5 @@
-//! The tests in Python, run by the machine's `python3` (or that of TERRELLA_PYTHON) with pytest on the package as it lies here. A machine without
-//! skips them, and says so.
+//! Runs the tests in Python with pytest on this package, by the machine's `python3` or that of TERRELLA_PYTHON. Without Python 3.10, numpy and
+//! pytest they are skipped with a message.
 
 #[path = "../../../tests/common/small_maps.rs"]
 mod small_maps;

@@ -63,7 +63,7 @@ def test_a_local_cluster_is_heard_by_nobody_else_and_outlives_a_worker(film, tmp
     wait_for(lambda: out.is_dir() and len(contents(out, ".png")) >= 3, "three frames")
     before = inodes(out, ".png")
     addresses = listening([run.pid, *descendants(run.pid)])
-    # 127.0.0.1, in the kernel's order of bytes; scheduler, nannies and workers listen.
+    # 127.0.0.1 in the kernel's byte order; scheduler, nannies and workers listen.
     assert addresses == {"0100007F"}, addresses
     workers = programs(run.pid, "multiprocessing.spawn") or programs(run.pid, "spawn_main")
     assert len(workers) == 2
@@ -102,7 +102,7 @@ def test_a_cluster_by_its_address(film, tmp_path):
             address = client.scheduler.address
             report = farm.film(film / "scene.toml", tmp_path / "a", address=address, size=(256, 160), frames=range(0, 6))
             assert report.done == 6 and report.bytes_moved > 0
-            # The workers stay, and so do their renderers.
+            # The workers and their renderers stay.
             report = farm.sweep(film / "scene.toml", tmp_path / "b", 9, address=client, size=(32, 32), layers=["lit"], samples_a_shard=3)
             assert report.done == 9 and client.status == "running"
         farm.sweep(film / "scene.toml", tmp_path / "c", 9, workers=1, size=(32, 32), layers=["lit"], samples_a_shard=3)

@@ -33,7 +33,7 @@ def test_the_sun_stands_as_high_as_was_drawn(swept):
     for index in range(COUNT):
         known, elevation = data.known(index), data[index]["sun_elevation_deg"]
         assert 20 <= known["sun_elevation_deg"] <= 70
-        # The truth layer's own geometry, of the middle of the picture: the four pixels around it.
+        # The truth layer at the centre of the image: the four pixels around it.
         middle = elevation[7:9, 11:13]
         if np.isfinite(middle).all():
             assert abs(middle.mean() - known["sun_elevation_deg"]) < 0.5, known
@@ -44,7 +44,7 @@ def test_times_are_moved_to_an_elevation(is_morning):
     chosen = Chosen(0, {"place": (48.0, 16.0), "height_m": 5e5, "heading_deg": 0.0, "pitch_deg": -90.0, "fov_deg": 45.0, "time": "2018-03-20T02:00:00Z"})
     assert chosen.move_time(30.0, is_morning)
     assert chosen.sun_elevation_deg() == pytest.approx(30.0, abs=1e-3)
-    # Apparent noon of 16° E is at about 11:03 UTC then.
+    # Apparent noon at 16° E is at about 11:03 UTC on this date.
     assert (terrella.Epoch(chosen.values["time"]) < terrella.Epoch("2018-03-20T11:03:00Z")) == is_morning
     assert not chosen.move_time(60.0, is_morning)
 
@@ -98,7 +98,7 @@ def test_masks_are_those_of_the_layers(swept):
         if not land.any():
             continue
         one = found[index, 1]
-        # As pycocotools reads uncompressed run lengths: by turns outside and inside, down the columns.
+        # As pycocotools reads uncompressed run lengths: alternately outside and inside, in column order.
         counts = one["segmentation"]["counts"]
         pixels = np.repeat(np.arange(len(counts)) % 2, counts)
         assert np.array_equal(pixels.reshape(16, 24, order="F"), land) and one["area"] == land.sum()

@@ -36,7 +36,7 @@ def test_two_workers_draw_what_one_draws(film, tmp_path):
     assert contents(tmp_path / "two", ".png") == contents(film / "one", ".png")
     assert (tmp_path / "two/frames.json").read_text() == (film / "one/frames.json").read_text()
     assert told[0] == (0, FRAMES) and told[-1] == (FRAMES, FRAMES) and told == sorted(told)
-    # The frames differ, and their exposure follows the light: else this would say little.
+    # The frames differ and their exposure follows the light; otherwise this test would prove little.
     assert len(set(contents(film / "one", ".png").values())) == FRAMES
     exposures = [frame["exposure_ev"] for frame in frames_of(film / "one")]
     assert max(exposures) - min(exposures) > 1, exposures
@@ -52,7 +52,7 @@ def test_films_are_those_of_the_command(film, tmp_path):
     assert contents(tmp_path / "whole", ".png") == contents(film / "one", ".png")
     pages = [json.loads((folder / "frames.json").read_text()) for folder in (tmp_path / "whole", film / "one")]
     assert pages[0] == pages[1]
-    # Each continues with what the other has done.
+    # Each resumes the other's film.
     subprocess.run([*play, tmp_path / "half", "--range", "0..9"], check=True, env=environment)
     before = inodes(tmp_path / "half", ".png")
     report = farm.film(scene, tmp_path / "half", workers=2)
@@ -102,12 +102,12 @@ def test_who_began_the_run_may_be_killed(film, tmp_path):
     assert len(workers) == 2
     kill(run.pid)
     run.communicate()
-    # Nobody draws for nobody.
+    # Workers exit with their parent.
     wait_for(lambda: not any(map(is_alive, workers)), "the workers' end", 20)
     before = inodes(out, ".png")
     assert 6 <= len(before) < FRAMES
     report = farm.film(film / "scene.toml", out, workers=2)
-    # All that stood under its name is kept, also what the page had not heard of.
+    # All finished frames are kept, including those that the page does not list yet.
     assert (report.kept, report.done) == (len(before), FRAMES - len(before))
     after = inodes(out, ".png")
     assert {name: after[name] for name in before} == before
@@ -237,11 +237,11 @@ def test_the_video_is_that_of_the_frames(film, tmp_path):
         told = subprocess.run(["ffmpeg", "-v", "error", *arguments, "-f", "framemd5", "-"], capture_output=True, text=True, check=True).stdout
         return [line.split(",")[-1] for line in told.splitlines() if not line.startswith("#")]
 
-    # With crf 0 nothing is lost but by the conversion to 4:2:0, which is done here once more.
+    # With crf 0 only the conversion to 4:2:0 is lossy; repeat it here.
     picked = ["-framerate", "10", "-i", str(film / "one/frame_%05d.png"), "-vf", "scale=out_color_matrix=bt709:out_range=tv,format=yuv420p"]
     assert sums("-i", str(video)) == sums(*picked) and len(sums(*picked)) == FRAMES
 
-    # What ffmpeg leaves on a full disk, with status 0.
+    # Files like those that ffmpeg leaves on a full disk, with status 0.
     from terrella._native import mp4_problem
 
     contents, cut = video.read_bytes(), tmp_path / "cut.mp4"

@@ -68,7 +68,7 @@ def test_workers_and_who_began_the_run_may_be_killed(packed, maps, tmp_path):
     report = farm.pack(out, workers=2, **maps, **OPTIONS)
     after = identities(out)
     repeated = [name for name in before if after[name] != before[name]]
-    # A tile that had its name and not yet its line in a journal, one for each worker at most.
+    # Tiles with their final name but no line in a journal yet: at most one per worker.
     assert len(repeated) <= 2 * os.cpu_count() and report.kept >= len(before) - len(repeated)
     assert files(out) == files(packed)
 

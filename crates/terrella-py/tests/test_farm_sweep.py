@@ -75,7 +75,7 @@ def test_samples_are_what_they_say(swept):
         assert list(layers) == list(LAYERS)
         for name in LAYERS:
             assert layers[name].dtype == truth[name].dtype and np.array_equal(layers[name], truth[name], equal_nan=True)
-    # They differ, and the places go round the globe.
+    # The images differ, and the places span the globe.
     assert len({png for _, png, *_ in read}) > COUNT - 5  # The sea by night is black.
     assert np.ptp([known["camera"]["lon_deg"] for *_, known in read]) > 180
 
@@ -123,7 +123,7 @@ def test_zarr_reads_it(swept, tmp_path):
     lines = [json.loads(line) for path in sorted((tmp_path / "z/samples").iterdir()) for line in path.read_text().splitlines()]
     known = [known for *_, known in samples(swept / "one")]
     assert [{name: value for name, value in line.items() if name != "chunks"} for line in lines] == known
-    # Whole chunks, without a library.
+    # Complete chunks, readable without a library.
     one = np.fromfile(tmp_path / "z/lat_deg/3.0.0", "<f8").reshape(32, 40)
     layers = [layers for _, _, layers, _ in samples(swept / "one")]
     assert np.array_equal(one, layers[3]["lat_deg"], equal_nan=True)
@@ -210,7 +210,7 @@ def test_bad_arguments_are_named(swept, tmp_path):
         with pytest.raises(ValueError, match=words):
             sample = {**CHOSEN, **options}
             farm.sweep(scene, tmp_path / "out", workers=1, **sample)
-            # What only drawing tells comes back in the report's words.
+            # Errors that only drawing can detect are in the report.
     with pytest.raises(farm.FarmError, match="exposure_ev") as raised:
         farm.sweep(scene, tmp_path / "out", workers=1, **{**CHOSEN, "count": 1, "exposure_ev": 99.0})
     assert raised.value.report.failed[0].name == "shard 0"
@@ -236,7 +236,7 @@ def test_distributions_draw_what_they_say():
     # The mean of a Gaussian cut to 1…2: (φ(1) − φ(2)) / (Φ(2) − Φ(1)).
     assert 1 <= cut.min() and cut.max() <= 2 and abs(cut.mean() - 1.3832) < 0.02
     places = np.array([farm.OnSphere().draw(random) for _ in range(4000)])
-    # As much of the sphere between the equator and 30° N as beyond.
+    # Half of a hemisphere's area lies between the equator and 30°.
     assert abs(np.mean(np.abs(places[:, 0]) < 30) - 0.5) < 0.03 and abs(np.mean(places[:, 1] > 90) - 0.25) < 0.03
     box = np.array([farm.OnSphere((40, 50), (5, 15)).draw(random) for _ in range(500)])
     assert 40 <= box[:, 0].min() and box[:, 0].max() <= 50 and 5 <= box[:, 1].min() and box[:, 1].max() <= 15
@@ -260,7 +260,7 @@ def test_functions_of_modules_draw_too(swept, tmp_path, monkeypatch):
     known = [known for *_, known in samples(tmp_path / "out")]
     assert [one["camera"]["lon_deg"] for one in known] == [0.0, 5.0, 10.0, 15.0, 20.0, 25.0]
     assert all(3e5 <= one["camera"]["height_m"] <= 4e5 and one["exposure_ev"] == -2.0 for one in known)
-    # Another function is another sweep.
+    # A changed function makes a different sweep.
     (tmp_path / "flown.py").write_text((tmp_path / "flown.py").read_text().replace("10.0", "11.0"))
     import importlib
     import linecache

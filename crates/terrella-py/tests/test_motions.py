@@ -25,10 +25,10 @@ def test_a_conic_comes_round():
     distances = np.linalg.norm(positions[0], axis=1)
     np.testing.assert_allclose(distances, [6.93e6, 7.07e6, 6.93e6], atol=1e-3)
     np.testing.assert_allclose(positions[0, 2], positions[0, 0], atol=0.05)
-    # As a state, the same conic.
+    # The state gives the same conic.
     again = terrella.KeplerOrbit.from_state(START, positions[0, 0], velocities[0, 0], last=LAST)
     np.testing.assert_allclose(again.propagate([LAST], "gcrf")[0], orbit.propagate([LAST], "gcrf")[0], atol=1e-3)
-    # Its node moves west with the Earth's flattening: 5.0 degrees a day.
+    # J2 moves the node west by 5.0 degrees a day.
     drifted = elements(j2=True).propagate([LAST], "gcrf")
     node = np.cross(drifted[0][0, 0], drifted[1][0, 0])
     assert -5.1 < np.degrees(np.arctan2(node[0], -node[1])) < -4.3
@@ -43,7 +43,7 @@ def test_a_point_mass_is_integrated_to_the_conic():
     off_m = np.linalg.norm(point.propagate(times, "gcrf")[0] - orbit.propagate(times, "gcrf")[0], axis=2)
     assert off_m.max() < 0.1
     assert point.steps > 100
-    # The field, the air, the Sun, the Moon and light each move it.
+    # Gravity field, air, Sun, Moon and sunlight each change the orbit.
     ends = [point.propagate([LAST], "gcrf")[0]]
     for more in [dict(gravity_degree=8), dict(air="us1976"), dict(sun=True), dict(moon=True), dict(sunlight=True)]:
         moved = terrella.IntegratedOrbit(*state, last=LAST, **{"gravity_degree": 0, **more})

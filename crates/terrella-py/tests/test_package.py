@@ -74,7 +74,7 @@ def test_a_film(scene, tmp_path):
     probe = subprocess.run(
         [shutil.which("ffmpeg"), "-i", str(path), "-f", "framemd5", "-"], capture_output=True, text=True, check=True)
     assert sum(not line.startswith("#") for line in probe.stdout.splitlines()) == 5
-    # Tags by which players know the colours.
+    # Tags from which players know the colours.
     assert "yuv420p(tv, bt709" in probe.stderr
 
 
@@ -117,7 +117,7 @@ def test_the_widget_turns_under_the_mouse(earth, monkeypatch):
     assert before.shape == (144, 256, 3) and before.dtype == np.uint8
     lat_deg, lon_deg, height_m = view.place
     loops = []
-    # Outside a loop the widget's own would do nothing.
+    # Outside an event loop the widget's own method would do nothing.
     monkeypatch.setattr(view, "request_draw", lambda: loops.append(asyncio.get_running_loop()))
 
     async def kernel():

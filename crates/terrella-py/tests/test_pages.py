@@ -15,16 +15,16 @@ import pytest
 import terrella
 from conftest import ROOT
 
-# These need a viewer beside them. The tests named here take the program from the page too.
+# These programs need a viewer. The tests named here run them from the page too.
 RUN_ELSEWHERE = {
     "docs/basilisk.md": "tests/command/basilisk/real.rs",
     "docs/live.md": "tests/command/live.rs",
 }
-# Files that a package's program reads and that nobody may ship with us.
+# Files that a package's program reads and that we may not redistribute.
 KERNELS = {"nyx_space": ["de405.bsp", "constants.pca"]}
-# What our own modules need that is not installed with them.
+# Packages that our modules need and that are not installed with them.
 NEEDED_BY = {"terrella.notebook": "jupyter_rfb"}
-# Packages of Java, which Orekit's own import makes known.
+# Java packages, importable after Orekit's import.
 NOT_PYTHON = {"java", "org"}
 WRITTEN = (".png", ".mp4", ".oem", ".csv")
 
@@ -143,7 +143,7 @@ def test_each_program_runs(page, number, program, folder_of):
         assert (folder / name).stat().st_size > 1000, f"{page}, program {number}: {name}"
     if "print(" in program:
         assert ran.stdout.strip(), f"{page}, program {number} prints nothing"
-    # Files of other programs, which this page says are flown.
+    # Files from other programs that Terrella can fly, according to this page.
     for flown in [*folder.glob("*.oem"), *folder.glob("*.csv")]:
         [(first, last)] = terrella.Ephemerides(flown).validity
         assert last - first == pytest.approx(5400.0, abs=1e-3), flown.name

@@ -32,7 +32,7 @@ def test_the_radiance_is_light_itself(earth):
     assert light.shape == (144, 256, 3) and light.dtype == np.float32
     assert np.isfinite(light).all()
     assert 0.01 < light[72, 128].mean() < 2
-    # No noise of an 8-bit picture: space is dark to the last digit.
+    # Unlike in an 8-bit image, space has no noise.
     assert light[2, 2].max() < 1e-3
 
 
@@ -46,7 +46,7 @@ def test_depth_is_that_of_a_pinhole_camera(earth):
     y, x = np.mgrid[:144, :256]
     u, v = ((x + 0.5) / 72 - 256 / 144) * half, ((y + 0.5) / 72 - 1) * half
     np.testing.assert_allclose(depth[seen], (truth / np.sqrt(1 + u**2 + v**2))[seen], rtol=1e-5)
-    # Straight down is the height.
+    # Straight down, the depth is the height.
     assert abs(depth[71:73, 127:129].mean() - 1.2e7) < 5e4
 
 
@@ -123,7 +123,7 @@ def test_other_threads_run_while_a_picture_is_drawn(earth):
     during = counted[0] - before
     stop.set()
     thread.join()
-    # Held for whole calls, it would count some tens.
+    # If calls held the interpreter, the thread would count to some tens only.
     assert during > 80, during
 
 
@@ -196,13 +196,13 @@ def test_an_earth_gives_raw_frames_of_a_sensor(earth):
     frame = earth.raw(CAMERA, noon, sensor)
     assert frame.shape == (32, 48) and frame.dtype == np.uint16
     assert 0 < frame.max() < 4096 and frame.std() > 0
-    # The limb has the angle of a globe at this height: of a pixel at r from the middle the angle is atan(r / 60).
+    # The limb has the angle of a globe at this height. A pixel at r from the centre has the angle atan(r / 60).
     seen = np.isfinite(earth.raw_truth(CAMERA, noon, sensor, ["lat_deg"])["lat_deg"])
     y, x = np.mgrid[:32, :48]
     radius = np.hypot(x - 23.5, y - 15.5)
     limb = 60 * np.tan(np.arcsin(6371 / (6371 + 12000)))
     assert seen[radius < limb - 1].all() and not seen[radius > limb + 1].any()
-    # That of a scene with its camera at the same place and no sky.
+    # The same frame as of a scene with the camera at the same place and no sky.
     scene = terrella.Scene.from_dict({
         "camera": {"mode": "geodetic", "lat_deg": 10, "lon_deg": 0, "height_km": 12000},
         "sky": {"stars": False, "sun": False, "moon": False, "eclipses": False},
@@ -212,7 +212,7 @@ def test_an_earth_gives_raw_frames_of_a_sensor(earth):
     elsewhere = terrella.Camera.geodetic(10, 90, 1.2e7)
     np.testing.assert_array_equal(scene.raw(noon, camera=elsewhere), earth.raw(elsewhere, noon, sensor))
     assert (scene.raw(noon, camera=elsewhere) != frame).any()
-    # Rows one after the other, by a camera that stands still over the turning Earth.
+    # Rows are exposed one after the other by a fixed camera over the rotating Earth.
     rolling = earth.raw(CAMERA, noon, {**sensor, "shutter": "rolling", "line_time_us": 100})
     assert rolling.shape == frame.shape
 

@@ -24,7 +24,7 @@ All classes and functions of the modules `terrella` and `terrella.farm`. [embedd
 are one or several. `Elapsed` is a `timedelta`, a `numpy.timedelta64` or seconds. `Vectors` are an array, a `Quantity` of astropy, or a `Distance` or
 `Velocity` of skyfield. A `FrameName` is `"itrf"`, `"teme"`, `"gcrf"`, `"eme2000"` or `"pef"`.
 """
-# What every exception has.
+# Members that every exception inherits.
 INHERITED = (Exception,)
 
 

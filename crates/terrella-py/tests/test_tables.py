@@ -74,6 +74,6 @@ def test_an_earth_of_a_dict_has_terrain():
 def test_pictures_are_written_as_the_command_writes_them():
     color = np.arange(4 * 5 * 4, dtype=np.uint8).reshape(4, 5, 4)
     png = terrella.Frame(color, "2018-06-21T06:00:00Z").png()
-    # Of the 20 pixels no opacity is left: colour type 2.
+    # The PNG has no alpha channel: colour type 2.
     assert png[:8] == b"\x89PNG\r\n\x1a\n" and png[24:26] == b"\x08\x02"
     assert terrella.Frame(color[:, ::-1], "2018-06-21T06:00:00Z").png() != png

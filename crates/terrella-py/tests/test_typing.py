@@ -42,7 +42,7 @@ def test_mypy_sees_them_all(config):
 
 def test_the_stubs_are_exact(config, tmp_path):
     allowed = tmp_path / "allowed"
-    # Of modules that are compiled: every name is in it.
+    # Compiled modules have it; it lists every name.
     allowed.write_text(r"terrella\._native\.__all__")
     options = ["--ignore-disjoint-bases", "--allowlist", str(allowed), "--mypy-config-file", str(config)]
     ran = subprocess.run([sys.executable, "-m", "mypy.stubtest", "terrella._native", *options], cwd=tmp_path, capture_output=True, text=True)

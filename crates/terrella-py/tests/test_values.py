@@ -84,7 +84,7 @@ def test_orbits_of_texts_and_arrays(root):
     one = terrella.Ephemerides.from_states(times, positions[0], velocities[0], frame="gcrf", name="ISS")
     assert one.names == ["ISS"] and one.validity == [(times[0], times[-1])] and one.faults == []
     between = [begin + 630.0]
-    # Minutes apart a low orbit is interpolated to a few ten nanometres: docs/orbits.md.
+    # Samples of a low orbit at intervals of minutes are interpolated to a few tens of nanometres: docs/orbits.md.
     np.testing.assert_allclose(one.propagate(between)[0], catalogue.propagate(between)[0], atol=1e-5)
     bare = terrella.Ephemerides.from_states(times, positions[0], frame="gcrf")
     np.testing.assert_allclose(bare.propagate(between)[0], catalogue.propagate(between)[0], atol=1e-3)

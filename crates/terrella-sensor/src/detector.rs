@@ -5,12 +5,12 @@ use crate::limits;
 use crate::philox::{PixelRandom, Stream};
 use rayon::prelude::*;
 
-/// What a detector does with electrons. The terms are those of EMVA 1288.
+/// Parameters of a detector. The terms are those of EMVA 1288.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Detector {
     /// Electrons that a pixel holds.
     pub full_well_e: f64,
-    /// Whether what a pixel cannot hold goes to its neighbours in the column; else it is lost.
+    /// Whether electrons beyond a pixel's full well spill to its neighbours in the column; otherwise they are lost.
     pub blooming: bool,
     /// Mean dark current, electrons per second.
     pub dark_current_e_s: f64,
@@ -18,7 +18,7 @@ pub struct Detector {
     pub dsnu_e: f64,
     /// Photo response nonuniformity (PRNU): standard deviation of the pixels' gains, a part of 1.
     pub prnu: f64,
-    /// The part of all pixels that are hot, 0…1.
+    /// Fraction of hot pixels, 0…1.
     pub hot_pixel_fraction: f64,
     /// Their dark current, electrons per second.
     pub hot_pixel_e_s: f64,
@@ -45,7 +45,7 @@ pub struct RawFrame {
     pub data: Vec<u16>,
 }
 
-/// What lies in the wells before they are read.
+/// Content of the wells before they are read.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Wells {
     /// Electrons of each pixel, row by row.
@@ -109,7 +109,7 @@ impl Detector {
         ((1_u32 << self.bits.clamp(1, 16)) - 1) as u16
     }
 
-    /// Whether a pixel is hot: the same in all frames of a seed.
+    /// Whether a pixel is hot: constant for a seed.
     pub fn is_hot(&self, seed: u64, pixel: u32) -> bool {
         let mut random = PixelRandom::new(seed, pixel, 0, Stream::Hot);
         random.uniform() < self.hot_pixel_fraction
@@ -155,7 +155,7 @@ impl Detector {
         lost
     }
 
-    /// Half of what a pixel cannot hold goes up its column and half down, to the first pixels that have room.
+    /// Half of a pixel's excess charge goes up its column and half down, to the first pixels with free capacity.
     fn bloom(&self, electrons: &mut [f64], width: usize) -> f64 {
         let height = electrons.len() / width.max(1);
         let mut lost = 0.0;
@@ -241,7 +241,7 @@ mod tests {
         }
     }
 
-    /// Mean and temporal variance of flat fields, from the difference of two frames as EMVA 1288 has it.
+    /// Mean and temporal variance of flat fields, from the difference of two frames as in EMVA 1288.
     fn flat(detector: &Detector, mean_e: f64) -> (f64, f64) {
         let frames = [0, 1].map(|frame| {
             let wells = detector.collect(&[mean_e; PIXELS], WIDTH, 0.01, 42, frame);

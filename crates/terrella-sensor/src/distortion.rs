@@ -1,7 +1,7 @@
-//! Lens distortion: where a ray meets the image plane, and the ray of a point of that plane.
+//! Lens distortion: maps a ray to the image plane, and a point of that plane to its ray.
 //!
-//! Both models take x = X/Z and y = Y/Z of a direction (x right, y down, z ahead) to distorted coordinates of the plane at unit
-//! focal length. Coefficients stand in OpenCV's order.
+//! Both models map x = X/Z and y = Y/Z of a direction (x right, y down, z ahead) to distorted coordinates in the plane at unit focal length.
+//! Coefficients are in OpenCV's order.
 
 use glam::{DMat2, DVec2};
 
@@ -92,10 +92,10 @@ impl Distortion {
         )
     }
 
-    /// Distances from the axis, undistorted and distorted, up to which the radial curve rises: to the distorted one asked for, or as far
-    /// as it can be followed.
+    /// Undistorted and distorted distance from the axis up to which the radial curve increases: at most to `distorted`, or as far as the curve can
+    /// be followed.
     pub(crate) fn rising(&self, distorted: f64, farthest: f64) -> (f64, f64) {
-        /// Steps to the distance asked for where nothing is distorted.
+        /// Number of steps to `distorted` without distortion.
         const STEPS: f64 = 1024.0;
         let step = distorted.max(1e-9) / STEPS;
         let (mut r, mut at) = (0.0, 0.0);
@@ -112,10 +112,10 @@ impl Distortion {
         (r, at)
     }
 
-    /// The undistorted point of a distorted one, on the branch that contains the axis; `reach` is the undistorted distance up to which
-    /// the radial curve rises. `None` where no point of that branch is found.
+    /// The undistorted point of a distorted one, on the branch that contains the axis; `reach` is the undistorted distance up to which the radial
+    /// curve increases. `None` if no point of that branch is found.
     ///
-    /// An answer has a residual below 1e-12 and a positive Jacobian determinant, whatever the way that led to it.
+    /// A result has a residual below 1e-12 and a positive Jacobian determinant, however it was found.
     pub fn undistort(&self, distorted: DVec2, reach: f64) -> Option<DVec2> {
         let length = distorted.length();
         if length == 0.0 && self.tangential() == [0.0; 2] {

@@ -1,4 +1,4 @@
-//! Errors of sensors. Each names the parameter and says which value would work.
+//! Errors of sensors. Each names the parameter and a value that would work.
 
 /// Why a sensor is rejected, or a picture for it.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -12,7 +12,7 @@ pub enum SensorError {
         value: f64,
         least: f64,
         most: f64,
-        /// With a space before it; empty for plain numbers.
+        /// With a leading space; empty for plain numbers.
         unit: &'static str,
     },
     /// A list of coefficients of a length that the model does not have.
@@ -22,7 +22,7 @@ pub enum SensorError {
         wanted: &'static str,
         count: usize,
     },
-    /// Two places of the scene on one pixel, or none.
+    /// A pixel that shows several directions of the scene, or none.
     #[error(
         "the coefficients fold the picture over itself: at pixel ({x:.0}, {y:.0}) they have no unique inverse; all of them times {scale:.3} \
          would work"
@@ -31,7 +31,7 @@ pub enum SensorError {
         /// The first pixel that has no inverse.
         x: f64,
         y: f64,
-        /// The greatest scale of all coefficients that works, to 0.001.
+        /// The largest scale of all coefficients that works, to 0.001.
         scale: f64,
     },
     /// A field of view that one plane cannot show.
@@ -48,7 +48,7 @@ pub enum SensorError {
         "the point spread has detail that {oversampling} samples per pixel cannot show; {remedy}"
     )]
     Undersampled { oversampling: u32, remedy: String },
-    /// A kernel that is none.
+    /// An invalid kernel.
     #[error("the kernel of the point spread {problem}")]
     Kernel { problem: String },
     /// A band outside the solar spectrum.
@@ -61,13 +61,13 @@ pub enum SensorError {
         least: f64,
         most: f64,
     },
-    /// A picture of another size or extent than the sensor asks for.
+    /// An image whose size or extent differs from the sensor's request.
     #[error("the picture has {found} pixels, not {wanted}")]
     PictureSize { found: usize, wanted: usize },
 }
 
 impl SensorError {
-    /// The parameter at fault, by the name that scene files use.
+    /// The invalid parameter, by its name in scene files.
     pub fn key(&self) -> &'static str {
         match self {
             Self::Range { key, .. } => key,
@@ -81,7 +81,7 @@ impl SensorError {
     }
 }
 
-/// Checks that a number lies in a range.
+/// Checks that a number is in a range.
 pub(crate) fn check_range(
     key: &'static str,
     value: f64,

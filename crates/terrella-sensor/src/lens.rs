@@ -22,7 +22,7 @@ pub struct Lens {
     focal_px: f64,
     principal_point_px: DVec2,
     distortion: Distortion,
-    /// Undistorted distance from the axis up to which the radial curve rises, as far as the picture needs it.
+    /// Undistorted distance from the axis up to which the radial curve increases, as far as the image needs it.
     reach: f64,
 }
 
@@ -36,10 +36,10 @@ pub struct PlaneRect {
 }
 
 impl Lens {
-    /// Checks a lens over its whole picture. Without a principal point the middle of the picture is taken.
+    /// Checks a lens over its whole image. The default principal point is the middle of the image.
     ///
     /// # Errors
-    /// Numbers out of range; coefficients that fold the picture over itself; a field too wide to be drawn.
+    /// Numbers out of range; coefficients that fold the image over itself; a field of view that is too wide.
     pub fn new(
         size: [u32; 2],
         focal_length_mm: f64,
@@ -109,7 +109,7 @@ impl Lens {
         self.focal_px
     }
 
-    /// Where the axis meets the sensor, pixels.
+    /// Where the optical axis meets the sensor, pixels.
     pub fn principal_point_px(&self) -> DVec2 {
         self.principal_point_px
     }
@@ -124,10 +124,10 @@ impl Lens {
         self.principal_point_px + self.focal_px * self.distortion.distort(direction)
     }
 
-    /// The direction (X/Z, Y/Z) that a point of the sensor shows, pixels.
+    /// The direction (X/Z, Y/Z) that a point of the sensor shows, given in pixels.
     ///
     /// # Errors
-    /// A point without a unique inverse; within the picture of a checked lens there is none.
+    /// A point without a unique inverse. Inside the image of a checked lens there is none.
     pub fn direction(&self, pixel: DVec2) -> Result<DVec2, SensorError> {
         let found = self.find_direction(pixel);
         found.ok_or_else(|| SensorError::Folds {
@@ -227,7 +227,7 @@ impl Lens {
         })
     }
 
-    /// The greatest scale of all coefficients that folds nothing.
+    /// The largest scale of all coefficients without folding.
     fn greatest_scale(&self) -> f64 {
         let works = |scale: f64| {
             let mut lens = self.clone();
@@ -259,7 +259,7 @@ impl Lens {
         found.fold(1.0, f64::max)
     }
 
-    /// The part of the plane that some rows show, and `margin_px` rows and columns about them as far as the picture reaches.
+    /// The part of the plane that some rows show, extended by `margin_px` rows and columns as far as the image reaches.
     ///
     /// # Errors
     /// As [`Self::direction`].

@@ -1,4 +1,4 @@
-//! What the numbers of a sensor may be, each with the unit of its name. Scene files have the same ranges.
+//! Ranges of a sensor's parameters, each in the unit of its name. Scene files use the same ranges.
 
 use std::ops::RangeInclusive;
 

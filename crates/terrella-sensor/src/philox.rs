@@ -24,7 +24,7 @@ fn philox(mut counter: [u32; 4], mut key: [u32; 2]) -> [u32; 4] {
     counter
 }
 
-/// What a number is drawn for. Streams of one pixel are independent of each other.
+/// Purpose of a random number. Streams of one pixel are independent of each other.
 #[derive(Clone, Copy, Debug)]
 #[repr(u32)]
 pub(crate) enum Stream {

@@ -7,18 +7,17 @@ use glam::DVec2;
 /// A picture on the plane at unit focal length, of square pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PinholeFrame {
-    /// What of the plane it shows: x right, y down.
+    /// The part of the plane that it shows: x right, y down.
     pub rect: PlaneRect,
     /// Width and height, pixels.
     pub size: [u32; 2],
 }
 
-/// Pixels beyond what is asked for, that interpolation reads.
+/// Additional pixels around the requested ones, for interpolation.
 const MARGIN_PX: f64 = 3.0;
 
 impl PinholeFrame {
-    /// A picture of at least a part of the plane, with this many pixels per unit. Their edges lie where (x, y) · `scale` + `origin` are
-    /// whole.
+    /// An image of at least a part of the plane, with this many pixels per unit. Pixel edges are where (x, y) · `scale` + `origin` is an integer.
     pub(crate) fn around(rect: PlaneRect, scale: f64, origin: DVec2) -> Self {
         let least = (rect.least * scale + origin).floor() - MARGIN_PX;
         let most = (rect.most * scale + origin).ceil() + MARGIN_PX;
@@ -37,7 +36,7 @@ impl PinholeFrame {
         self.size[0] as usize * self.size[1] as usize
     }
 
-    /// Whether it has none.
+    /// Whether it has no pixels.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -56,7 +55,7 @@ impl PinholeFrame {
     }
 }
 
-/// A frame with its light: red, green, blue and what is no light, rows from the top.
+/// An image with its light: red, green, blue and an unused value, rows from the top.
 #[derive(Clone, Copy, Debug)]
 pub struct PinholePicture<'p> {
     frame: PinholeFrame,

@@ -95,7 +95,7 @@ impl Psf {
             Self::None | Self::Measured(_) => Ok(()),
             Self::Gaussian { sigma_px } => {
                 check_range("psf_sigma_px", *sigma_px, limits::PSF_SIGMA_PX, " pixels")?;
-                // exp(−2π²σ²f²) at f = n/2 is to be at most 0.01.
+                // exp(−2π²σ²f²) at f = n/2 must be at most 0.01.
                 let needed = (2.0 * (1.0 / MOST_ALIASED).ln()).sqrt() / (PI * sigma_px);
                 match needed > samples {
                     true => undersampled(needed, "write psf = \"none\", or a larger psf_sigma_px"),
@@ -119,7 +119,7 @@ impl Psf {
         }
     }
 
-    /// The modulation transfer of the lens at spatial frequencies across and down, cycles per pixel; of a measured kernel, none.
+    /// The modulation transfer of the lens at spatial frequencies across and down, cycles per pixel; `None` for a measured kernel.
     pub fn transfer(&self, across: f64, down: f64) -> Option<f64> {
         let frequency = across.hypot(down);
         match self {
@@ -134,7 +134,7 @@ impl Psf {
         }
     }
 
-    /// Distance that the point spread reaches, pixels: light that goes farther is spread evenly over the part that is filtered at once.
+    /// Radius of the point spread function, pixels: light beyond it is spread evenly over the tile that is filtered.
     pub(crate) fn reach_px(&self, oversampling: u32) -> f64 {
         match self {
             Self::None => 0.0,

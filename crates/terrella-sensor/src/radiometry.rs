@@ -1,6 +1,6 @@
-//! From the light of a scene to electrons.
+//! Conversion from the light of a scene to electrons.
 //!
-//! Light of a scene is relative: 1 is the radiance E/π of a white diffuse sheet that faces the Sun in space, in each band by itself.
+//! The light of a scene is relative: 1 is the radiance E/π of a white diffuse sheet that faces the Sun in space, in each band separately.
 
 use crate::error::{SensorError, check_range};
 use crate::lens::Lens;
@@ -18,7 +18,7 @@ pub const ASTRONOMICAL_UNIT_M: f64 = 149_597_870_700.0;
 /// Wavelength at which [`SOLAR`] begins, and the width of its intervals, nanometres.
 const SOLAR_FIRST_NM: f64 = 300.0;
 const SOLAR_STEP_NM: f64 = 10.0;
-/// Where it ends.
+/// Its last wavelength.
 const SOLAR_LAST_NM: f64 = SOLAR_FIRST_NM + SOLAR_STEP_NM * SOLAR.len() as f64;
 
 /// Irradiance of the Sun outside the air at 1 au, W/m²/µm, means over intervals: the extraterrestrial spectrum of ASTM G173-03.
@@ -37,7 +37,7 @@ const SOLAR: [f64; 80] = [
 /// Wavelengths from the shorter to the longer one, nanometres.
 pub type Band = [f64; 2];
 
-/// What of the light becomes electrons.
+/// Conversion of light to electrons.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Radiometry {
     /// Focal length over the diameter of the aperture.
@@ -46,7 +46,7 @@ pub struct Radiometry {
     pub exposure_s: f64,
     /// The part of the light that passes lens and filters, 0…1.
     pub transmission: f64,
-    /// The wavelengths that the red, green and blue light of a scene stand for.
+    /// Wavelength ranges of the red, green and blue light of a scene.
     pub bands_nm: [Band; 3],
     /// Electrons per photon in each of the bands, 0…1.
     pub quantum_efficiency: [f64; 3],
@@ -97,11 +97,11 @@ impl Radiometry {
         1.0 + r2 * (v1 + r2 * (v2 + r2 * v3))
     }
 
-    /// The part of the light at the axis that a pixel gets, which looks in this direction (X/Z, Y/Z).
+    /// Fraction of the on-axis light that a pixel receives which looks in this direction (X/Z, Y/Z).
     ///
-    /// With `cos4` it is E(θ)/E(0) = cos θ · dΩ/dΩ₀: the aperture is seen at an angle, and a pixel sees cos³ θ / |J| of the solid angle of one
-    /// at the axis, where J is the Jacobian of the distortion. Without distortion that is cos⁴ θ; of an equidistant fisheye sin θ cos θ / θ.
-    /// So the light of a star is the same wherever distortion puts it, but for the cosine.
+    /// With `cos4` it is E(θ)/E(0) = cos θ · dΩ/dΩ₀: the aperture is foreshortened, and a pixel covers cos³ θ / |J| of the solid angle of one at
+    /// the axis, where J is the Jacobian of the distortion. Without distortion that is cos⁴ θ; for an equidistant fisheye sin θ cos θ / θ. The
+    /// light of a star is thus independent of the distortion, except for the cosine.
     pub fn falloff(&self, lens: &Lens, pixel: DVec2, direction: DVec2) -> f64 {
         let natural = match self.cos4 {
             true => {
@@ -129,7 +129,7 @@ impl Radiometry {
     }
 }
 
-/// Photons of the Sun at 1 au in a band, per square metre and second. 0 for what lies outside 300 to 1100 nm.
+/// Photons of the Sun at 1 au in a band, per square metre and second. The spectrum is 0 outside 300 to 1100 nm.
 pub fn solar_photons_m2_s([first, last]: Band) -> f64 {
     let intervals = SOLAR.iter().zip(0_u16..).map(|(irradiance, k)| {
         let start = SOLAR_FIRST_NM + SOLAR_STEP_NM * f64::from(k);
@@ -147,7 +147,7 @@ mod tests {
     use super::*;
     use crate::distortion::Distortion;
 
-    /// Trapezoidal sums over all 2002 wavelengths of ASTM G173-03 as pvlib 0.16.1 has it, of E λ / (hc).
+    /// Trapezoidal sums of E λ / (hc) over all 2002 wavelengths of ASTM G173-03, as in pvlib 0.16.1.
     #[test]
     fn photons_are_those_of_the_whole_spectrum() {
         for (band, photons) in [

@@ -20,7 +20,7 @@ use std::ops::Range;
 pub struct Sensor {
     /// Pixels to rays.
     pub lens: Lens,
-    /// What the lens makes of a point.
+    /// Image of a point through the lens.
     pub psf: Psf,
     /// Samples of light across a pixel.
     pub oversampling: u32,
@@ -36,7 +36,7 @@ pub struct Sensor {
     pub seed: u64,
 }
 
-/// Samples of a side that are filtered at once, where the picture is not smaller.
+/// Side of a tile that is filtered in one transform, in samples, unless the image is smaller.
 const TILE: usize = 1024;
 
 impl Sensor {
@@ -123,9 +123,9 @@ impl Sensor {
         Ok(PinholeFrame::around(rect, scale, origin))
     }
 
-    /// Mean light on the pixels of some rows, behind lens and point spread: red, green and blue.
+    /// Mean light on the pixels of some rows, after lens and point spread: red, green and blue.
     ///
-    /// Light from beside the sensor's area is taken to be that of its nearest edge.
+    /// Beyond the edge of the sensor's area, the light of the nearest edge is assumed.
     ///
     /// # Errors
     /// As [`Lens::direction`].
@@ -189,7 +189,7 @@ impl Sensor {
     fn filter(&self, across: usize, down: usize) -> Filter {
         let samples = f64::from(self.oversampling);
         let is_even = self.oversampling.is_multiple_of(2);
-        // The middle of a pixel of an even number of samples lies half a sample further.
+        // With an even number of samples, the centre of a pixel is half a sample further.
         let shift = |f: f64| match (is_even, f.abs() == 0.5) {
             (false, _) => Complex64::ONE,
             (true, true) => Complex64::ZERO,
@@ -230,7 +230,7 @@ impl Sensor {
         filter.apply(&mut first);
         filter.apply(&mut second);
         let values = first.iter().zip(&second);
-        // Sharp edges swing below 0 by what the samples cut off.
+        // At sharp edges the truncated spectrum undershoots below 0.
         values
             .map(|(first, second)| {
                 [first.re, first.im, second.re].map(|light| light.max(0.0) as f32)
@@ -254,10 +254,10 @@ impl Sensor {
         sum.map(|sum| sum as f32)
     }
 
-    /// Mean electrons of all pixels, by light as [`Self::expose`] gives it for all rows.
+    /// Mean electrons of all pixels, for light as from [`Self::expose`] for all rows.
     ///
     /// # Errors
-    /// Light of another number of pixels; as [`Lens::direction`].
+    /// Light of another number of pixels; otherwise as [`Lens::direction`].
     pub fn mean_electrons(
         &self,
         light: &[[f32; 3]],
@@ -318,7 +318,7 @@ struct Rays {
 }
 
 impl Rays {
-    /// Those of some rows and a margin about them, as far as the sensor reaches.
+    /// Light of some rows and a margin around them, as far as the sensor reaches.
     fn new(lens: &Lens, rows: Range<u32>, margin: i64) -> Result<Self, SensorError> {
         let [width, height] = lens.size().map(i64::from);
         let top = (i64::from(rows.start) - margin).max(0);

@@ -164,7 +164,7 @@ fn pixels_alone_have_the_transfer_of_their_area() {
     }
 }
 
-/// A point of the scene lands where the formula has it, whatever lies between: blobs in the scene, and their centroids in the frame.
+/// A point of the scene lands where the formula puts it, through all steps: blobs in the scene, and their centroids in the frame.
 #[test]
 fn blobs_land_where_the_formula_has_them() {
     let distortions = [
@@ -205,7 +205,7 @@ fn blobs_land_where_the_formula_has_them() {
                         moment += value * DVec2::new(f64::from(x), f64::from(y));
                     }
                 }
-                // Rays of the blob, each where the formula has it, by the area that it covers there.
+                // Rays of the blob, each mapped by the formula and weighted by the area that it covers.
                 let (mut weights, mut places) = (0.0, DVec2::ZERO);
                 for k in 0..41 * 41 {
                     let step = DVec2::new(f64::from(k % 41 - 20), f64::from(k / 41 - 20)) * 0.25;
@@ -224,8 +224,8 @@ fn blobs_land_where_the_formula_has_them() {
     assert!(worst < 0.005, "{worst}");
 }
 
-/// A star of constant flux makes the same electrons wherever it stands, but for the aperture that it sees at an angle: neither distortion nor
-/// point spread makes or loses light.
+/// A star of constant flux gives the same electrons at any position, except for the foreshortened aperture: neither distortion nor point spread
+/// creates or loses light.
 #[test]
 fn a_star_keeps_its_energy_through_the_lens() {
     for distortion in [
@@ -247,7 +247,7 @@ fn a_star_keeps_its_energy_through_the_lens() {
                 let center = sensor.lens.direction(target).expect("within");
                 let width = 1.5 / sensor.lens.focal_px();
                 let cos = |direction: DVec2| (1.0 + direction.length_squared()).sqrt().recip();
-                // A small disc whose light is that of one flux: a solid angle is cos³ θ of the plane's area.
+                // A small disc whose radiance is that of a constant flux: a solid angle is cos³ θ of the plane's area.
                 let light = exposed(&sensor, |direction| {
                     let away = (direction - center) / width;
                     (0.01 * (-0.5 * away.length_squared()).exp() / cos(direction).powi(3)) as f32
@@ -267,7 +267,7 @@ fn a_star_keeps_its_energy_through_the_lens() {
     }
 }
 
-/// Mean electrons of a white sheet are those of the radiometric equation; of a mosaic each pixel has its own band's.
+/// Mean electrons of a white sheet follow the radiometric equation; with a mosaic each pixel has its own band.
 #[test]
 fn a_white_sheet_makes_the_electrons_of_the_equation() {
     let mut sensor = sensor([8, 6], Psf::None, 1);

@@ -5,20 +5,20 @@ use std::ops::Range;
 /// A shutter.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Shutter {
-    /// All rows at once.
+    /// All rows at the same time.
     #[default]
     Global,
     /// Row by row.
     Rolling {
         /// Time from one row to the next, seconds.
         line_time_s: f64,
-        /// Whether the lowest row is the first.
+        /// Whether the bottom row is read first.
         from_below: bool,
     },
 }
 
 impl Shutter {
-    /// The middle of a row's exposure after that of the first one that is read, seconds.
+    /// Centre of a row's exposure after that of the first row read, seconds.
     pub fn row_time_s(&self, row: f64, height: u32) -> f64 {
         match *self {
             Self::Global => 0.0,

@@ -1,17 +1,17 @@
-// Pointer, wheel and keys on a canvas: what is grabbed stays under the pointer.
+// Pointer, wheel and keys on a canvas: the grabbed place stays under the pointer.
 
-/** Factor of the distance for a wheel's pixel. */
+/** Distance factor per pixel of wheel motion. */
 const WHEEL_FACTOR = 1.0015;
-/** Pixels that a wheel's line and page stand for. */
+/** Pixels per unit of wheel motion: pixel, line, page. */
 const WHEEL_UNITS_PX = [1, 20, 400];
-/** Pixels of a key that turns, and the factor of one that approaches. */
+/** Pixels per press of a rotation key, and the distance factor per press of a zoom key. */
 const KEY_PX = 40;
 const KEY_FACTOR = 1.25;
 
 export class Controls {
   #canvas;
   #earth;
-  /** Pointers that are down, by their number: where they are, pixels of the canvas. */
+  /** Positions of the pressed pointers by id, in canvas pixels. */
   #pointers = new Map();
   #isTilting = false;
   #abort = new AbortController();
@@ -42,7 +42,7 @@ export class Controls {
     ];
   }
 
-  /** The middle of the pointers that are down, and their distance from it. */
+  /** Centre of the pressed pointers, and their distance from it. */
   #pinch() {
     const all = [...this.#pointers.values()];
     const middle = [0, 1].map((axis) => all.reduce((sum, at) => sum + at[axis], 0) / all.length);
@@ -55,7 +55,7 @@ export class Controls {
     try {
       this.#canvas.setPointerCapture(event.pointerId);
     } catch {
-      // A pointer made by a script cannot be captured.
+      // A synthetic pointer cannot be captured.
     }
     this.#isTilting = event.button === 2 || event.shiftKey || event.ctrlKey;
     this.#pointers.set(event.pointerId, this.#pixel(event));

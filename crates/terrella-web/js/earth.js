@@ -5,7 +5,7 @@ import { Controls } from "./controls.js";
 /** Files of the maps; all but the first may be missing. */
 const MAP_FILES = ["day.jpg", "clouds.jpg", "elevation.png", "night_lights.png", "water.png", "stars.bin"];
 
-/** What the wasm files of the backends are beside this module. Literals, so that bundlers find them. */
+/** The wasm files of the backends, relative to this module. Literals, so that bundlers find them. */
 const BACKENDS = {
   webgpu: {
     module: () => import("./webgpu.js"),
@@ -17,14 +17,14 @@ const BACKENDS = {
   },
 };
 
-/** How often the device is asked for faults while nothing is drawn, milliseconds. */
+/** Interval between checks for device faults while nothing is drawn, milliseconds. */
 const FAULT_INTERVAL_MS = 1000;
-/** The names and order of the numbers of a view. */
+/** Names of a view's numbers, in order. */
 const VIEW_KEYS = ["lat", "lon", "altitude", "heading", "pitch", "fov"];
 
-/** The backend of this browser. A canvas asked for one context never gives another, so no canvas is touched here. */
+/** The backend of this browser. A canvas never gives a second type of context, so no canvas is touched here. */
 async function availableBackend() {
-  // `navigator.gpu` may be there without an adapter.
+  // `navigator.gpu` may exist without an adapter.
   const adapter = await navigator.gpu?.requestAdapter().catch(() => null);
   if (adapter) return "webgpu";
   const probe = document.createElement("canvas").getContext("webgl2");
@@ -35,7 +35,7 @@ async function availableBackend() {
   );
 }
 
-/** The bytes of a map: as given, or fetched; `undefined` where a map that may be missing is not there. */
+/** The bytes of a map, as given or fetched; `undefined` if an optional map is missing. */
 async function mapBytes(name, source, signal, count) {
   if (source instanceof ArrayBuffer) return new Uint8Array(source);
   if (ArrayBuffer.isView(source)) return new Uint8Array(source.buffer, source.byteOffset, source.byteLength);
@@ -65,7 +65,7 @@ async function mapBytes(name, source, signal, count) {
   return bytes;
 }
 
-/** All maps by name. `maps` is the address of a folder, or an object of addresses or bytes. */
+/** All maps by name. `maps` is the URL of a folder, or an object of URLs or bytes. */
 async function loadMaps(maps, signal, progress) {
   const isFolder = typeof maps === "string" || maps instanceof URL;
   const folder = isFolder ? new URL(maps, document.baseURI) : null;
@@ -100,13 +100,13 @@ export class TerrellaEarth extends EventTarget {
   #request = 0;
   #rate = 0;
   #exposure = "auto";
-  /** The instant shown at a time of the page's clock. */
+  /** The displayed instant at a time of the page's clock. */
   #shown = { ms: Date.now(), at: performance.now() };
   #isVisible = true;
   #isLost = false;
   #names = [];
 
-  /** Makes the Earth on a canvas that has no context yet; see terrella.d.ts. */
+  /** Creates the Earth on a canvas without a context; see terrella.d.ts. */
   static async create(canvas, options = {}) {
     const { maps = new URL("./maps/", import.meta.url), backend = "auto", samples = 4, anisotropy = 8, signal, controls = true } = options;
     const progress = options.progress ?? (() => {});
@@ -153,13 +153,13 @@ export class TerrellaEarth extends EventTarget {
 
   #visibilityChanged = () => this.invalidate();
 
-  /** The wasm object; an error once it is given back. */
+  /** The wasm object; throws after it is freed. */
   get #alive() {
     if (!this.#globe) throw new Error("This Earth was freed; make another.");
     return this.#globe;
   }
 
-  /** What draws, in words. */
+  /** Name of the adapter. */
   get adapter() {
     return this.#alive.adapter();
   }
@@ -207,25 +207,25 @@ export class TerrellaEarth extends EventTarget {
     this.invalidate();
   }
 
-  /** Names of the satellites drawn. */
+  /** Names of the drawn satellites. */
   get satellites() {
     return [...this.#names];
   }
 
-  /** Draws the satellites of two-line elements or an OMM; with a name or number that one alone; none of an empty text. */
+  /** Draws the satellites of two-line elements or an OMM; only the one of `name`, if given. An empty text removes them. */
   setSatellites(text, name) {
     this.#names = this.#alive.setSatellites(text, name ?? undefined);
     this.invalidate();
     return this.satellites;
   }
 
-  /** The instant of a satellite's elements. */
+  /** The epoch of a satellite's elements. */
   elementsEpoch(index = 0) {
     const ms = this.#alive.epochOf(index);
     return ms === undefined ? undefined : new Date(ms);
   }
 
-  /** Where names belong in the frame drawn last, in pixels of the canvas. */
+  /** Label positions in the last frame, in canvas pixels. */
   get labels() {
     const numbers = this.#alive.labels();
     const labels = [];
@@ -235,7 +235,7 @@ export class TerrellaEarth extends EventTarget {
     return labels;
   }
 
-  /** Latitude and longitude of the ground under a pixel of the canvas, degrees; null beside the globe. */
+  /** Latitude and longitude of the surface under a canvas pixel, degrees; null off the globe. */
   pick(x, y) {
     const place = this.#alive.pick(x, y);
     return place ? { lat: place[0], lon: place[1] } : null;
@@ -270,7 +270,7 @@ export class TerrellaEarth extends EventTarget {
     this.#moved();
   }
 
-  /** Follows the canvas to another size in pixels. */
+  /** Resizes the canvas, in pixels. */
   resize(width, height) {
     this.#canvas.width = Math.max(1, Math.round(width));
     this.#canvas.height = Math.max(1, Math.round(height));
@@ -278,13 +278,13 @@ export class TerrellaEarth extends EventTarget {
     this.draw();
   }
 
-  /** Whether the canvas is in sight: out of sight nothing is drawn. */
+  /** Whether the canvas is visible; otherwise nothing is drawn. */
   set isVisible(isVisible) {
     this.#isVisible = isVisible;
     this.invalidate();
   }
 
-  /** Draws before the next paint, if anything can be seen. */
+  /** Draws before the next paint, if the canvas is visible. */
   invalidate() {
     const isSeen = this.#isVisible && document.visibilityState === "visible";
     if (this.#request || !this.#globe || this.#isLost || !isSeen) return;
@@ -295,7 +295,7 @@ export class TerrellaEarth extends EventTarget {
     });
   }
 
-  /** Draws now. Answers whether the frame is whole: curves of satellites grow over some frames. */
+  /** Draws now. Returns whether the frame is complete: satellite curves grow over several frames. */
   draw(ms = this.#epochAt(performance.now())) {
     if (!this.#globe || this.#isLost) return true;
     let isWhole = true;
@@ -308,16 +308,16 @@ export class TerrellaEarth extends EventTarget {
     return isWhole;
   }
 
-  /** The picture of now as an image file. */
+  /** The current image as a file. */
   toBlob(type = "image/png") {
-    // A canvas may be read in the task that drew it, and not later.
+    // A canvas can only be read in the task that drew it.
     this.draw();
     return new Promise((resolve, reject) => {
       this.#canvas.toBlob((blob) => (blob ? resolve(blob) : reject(new Error(`The browser writes no ${type}.`))), type);
     });
   }
 
-  /** Gives memory and device back. */
+  /** Frees memory and device. */
   free() {
     if (!this.#globe) return;
     this.#controls?.detach();

@@ -4,15 +4,15 @@ import { TerrellaEarth } from "./earth.js";
 
 export { TerrellaEarth };
 
-/** Attributes that the Earth follows while it is there. */
+/** Attributes whose changes apply to a live Earth. */
 const VIEW = ["lat", "lon", "altitude", "heading", "pitch", "fov"];
 const LIVE = [...VIEW, "epoch", "rate", "exposure"];
-/** Most names of satellites written at once: more would hide the globe. */
+/** Limit on satellite labels: more would hide the globe. */
 const MAX_LABELS = 50;
-/** A device that is lost again so soon is not opened again, milliseconds. */
+/** A device that is lost again within this time is not reopened, milliseconds. */
 const RETRY_AFTER_MS = 10_000;
 
-// A sheet made by script, which a strict content policy allows.
+// A constructed style sheet, which a strict content security policy allows.
 const sheet = new CSSStyleSheet();
 sheet.replaceSync(`
   :host { display: block; position: relative; overflow: hidden; background: #000; min-height: 10em; }
@@ -37,7 +37,7 @@ export class TerrellaEarthElement extends HTMLElement {
   #observers = [];
   #lastLoss = -Infinity;
   #satellites = null;
-  /** What `maps` and `wasm` were set to as properties: bytes have no attribute. */
+  /** Values of the properties `maps` and `wasm`: bytes cannot be attributes. */
   #sources = {};
 
   constructor() {
@@ -99,7 +99,7 @@ export class TerrellaEarthElement extends HTMLElement {
     else this.#earth[name] = value;
   }
 
-  /** A number that is said once; undefined where it is left to the default. */
+  /** A number that is read once; undefined for the default. */
   #number(name) {
     return this.hasAttribute(name) ? Number(this.getAttribute(name)) : undefined;
   }
@@ -217,7 +217,7 @@ export class TerrellaEarthElement extends HTMLElement {
   }
 }
 
-// Numbers, dates and words as properties too: of the Earth where it is there, else of the attribute.
+// Numbers, dates and words as properties too: read from the Earth if it exists, else from the attribute.
 for (const name of LIVE) {
   Object.defineProperty(TerrellaEarthElement.prototype, name, {
     configurable: true,

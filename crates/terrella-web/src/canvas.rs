@@ -1,4 +1,4 @@
-//! The canvas as wgpu sees it: device, surface, and what is drawn to before it.
+//! The canvas for wgpu: device, surface, and intermediate render target.
 
 use std::sync::{Arc, Mutex, PoisonError};
 use terrella::{Bloom, EarthOptions, ScaledTarget, ShaderError, Tone, wgpu};
@@ -20,7 +20,7 @@ pub enum CanvasError {
     /// The adapter cannot show what it draws.
     #[error("the graphics adapter cannot draw to a canvas")]
     NoFormat,
-    /// A shader is at fault.
+    /// A shader is invalid.
     #[error(transparent)]
     Shader(#[from] ShaderError),
     /// The frame cannot be had just now.
@@ -28,11 +28,11 @@ pub enum CanvasError {
     Frame(&'static str),
 }
 
-/// What has gone wrong on the device since the page asked last.
+/// Errors of the device since the page last asked.
 #[derive(Clone, Default)]
 pub struct Faults(Arc<Mutex<Vec<String>>>);
 
-/// What faults of a lost device begin with.
+/// Prefix of the error of a lost device.
 pub const LOST: &str = "lost: ";
 /// Most faults that are kept: those after the first follow from it.
 const MOST_FAULTS: usize = 16;
@@ -167,10 +167,10 @@ impl Canvas {
         (self.config.width, self.config.height)
     }
 
-    /// Follows the canvas to another size, within what the device can draw.
+    /// Resizes with the canvas, within the limits of the device.
     ///
     /// # Errors
-    /// A shader at fault.
+    /// An invalid shader.
     pub fn resize(&mut self, width: u32, height: u32) -> Result<(), CanvasError> {
         let most = self.device.limits().max_texture_dimension_2d;
         let size = (width.clamp(1, most), height.clamp(1, most));

@@ -76,7 +76,7 @@ impl Eye {
         })
     }
 
-    /// Where it is now.
+    /// Its current position.
     pub fn view(&self) -> View {
         let OrbitCamera {
             place,
@@ -128,7 +128,7 @@ impl Eye {
         self.grabbed_itrf_m = None;
     }
 
-    /// The pointer has moved: the held place comes under it, or the globe spins where none is held.
+    /// The pointer has moved: the grabbed place follows it, or the globe spins if none is grabbed.
     pub fn drag(&mut self, size_px: (u32, u32), from_px: DVec2, to_px: DVec2) {
         let screen = self.screen(size_px);
         self.camera = match self.grabbed_itrf_m {

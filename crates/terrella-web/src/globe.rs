@@ -133,15 +133,15 @@ impl Globe {
         self.canvas.adapter.clone()
     }
 
-    /// Follows the canvas to another size, pixels.
+    /// Resizes with the canvas, pixels.
     ///
     /// # Errors
-    /// A shader at fault.
+    /// An invalid shader.
     pub fn resize(&mut self, width: u32, height: u32) -> Result<(), JsValue> {
         self.canvas.resize(width, height).map_err(thrown)
     }
 
-    /// Sets the camera: degrees and metres. What is not finite leaves it as it is, and is answered with false.
+    /// Sets the camera: degrees and metres. Returns false for non-finite values, which change nothing.
     #[wasm_bindgen(js_name = setView)]
     pub fn set_view(
         &mut self,
@@ -232,11 +232,11 @@ impl Globe {
         self.eye.north_up(self.canvas.size());
     }
 
-    /// Draws the satellites of two-line elements or an OMM, or one of them by name or catalogue number; an empty text draws none. Answers
-    /// their names.
+    /// Draws the satellites of two-line elements or an OMM, or one of them by name or catalogue number; an empty text draws none. Returns their
+    /// names.
     ///
     /// # Errors
-    /// What is wrong with the text, with its line; the satellites are then as they were.
+    /// The error in the text, with its line. The satellites are then unchanged.
     #[wasm_bindgen(js_name = setSatellites)]
     pub fn set_satellites(
         &mut self,
@@ -326,25 +326,25 @@ impl Globe {
         parts.flatten().collect()
     }
 
-    /// What has gone wrong on the device since it was asked last.
+    /// Errors of the device since the last call.
     #[wasm_bindgen(js_name = takeFaults)]
     pub fn take_faults(&self) -> Vec<String> {
         self.canvas.faults.take()
     }
 
-    /// What a fault begins with that no frame can be drawn after.
+    /// Prefix of an error after which no frame can be drawn.
     #[wasm_bindgen(js_name = lostPrefix)]
     pub fn lost_prefix() -> String {
         LOST.to_owned()
     }
 
-    /// Gives the device back at once; nothing can be drawn any more.
+    /// Releases the device immediately; nothing can be drawn any more.
     pub fn destroy(&self) {
         self.canvas.device.destroy();
     }
 }
 
-/// Tells the page which step begins, and lets it draw.
+/// Reports the next step to the page, and lets it draw.
 async fn said(step: &js_sys::Function, what: &str) -> Result<(), JsValue> {
     let answer = step.call1(&JsValue::NULL, &JsValue::from_str(what))?;
     JsFuture::from(js_sys::Promise::resolve(&answer)).await?;

@@ -9,10 +9,10 @@ const WITH_TRACKS: usize = 10;
 /// Most satellites drawn of one text.
 pub const MOST: usize = 20_000;
 
-/// The satellites of two-line elements or an OMM; with a name or catalogue number that one alone. Sets with faults are left out.
+/// The satellites of two-line elements or an OMM; with a name or catalogue number only that one. Faulty sets are left out.
 ///
 /// # Errors
-/// A text that has no satellite, or none of that name: says where and why.
+/// A text without a satellite, or without one of that name: names the place and the reason.
 pub fn read(text: &str, name: Option<&str>) -> Result<Vec<Sgp4Feed>, OrbitError> {
     let origin = Path::new("elements");
     let catalogue = Catalogue::from_text(text, origin, false)?;

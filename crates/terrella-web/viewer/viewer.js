@@ -1,13 +1,13 @@
-// The viewer: the globe, a time line, satellites from a file, and a link that holds all of it.
+// The viewer: the globe, a time line, satellites from a file, and a link that stores all of these.
 
 import "./terrella/terrella.js";
 
 const element = document.querySelector("terrella-earth");
 const $ = (id) => document.getElementById(id);
 const VIEW = ["lat", "lon", "altitude", "heading", "pitch", "fov"];
-/** Longest text of satellites that a link holds, characters: servers and browsers cut longer addresses. */
+/** Limit on the satellite text in a link, characters: servers and browsers truncate longer addresses. */
 const LINK_TEXT = 4000;
-/** Digits of a view's numbers in a link. */
+/** Decimals of a view's numbers in a link. */
 const DIGITS = { lat: 6, lon: 6, altitude: 1, heading: 3, pitch: 3, fov: 3 };
 
 /** The middle of the time line. */
@@ -18,7 +18,7 @@ const notice = (text) => {
   $("notice").textContent = text;
 };
 
-/** What the address holds: of a view, an instant, a speed, satellites. */
+/** Restores view, instant, speed and satellites from the address. */
 function restore() {
   const state = new URLSearchParams(location.hash.slice(1));
   const view = VIEW.filter((key) => state.has(key)).map((key) => [key, Number(state.get(key))]);

@@ -1,8 +1,8 @@
-// The aurora: curtains of green oxygen light from 95 km up, and red oxygen light above them, in an oval about either geomagnetic pole.
+// The aurora: curtains of green oxygen light from 95 km up, and red oxygen light above them, in an oval around each geomagnetic pole.
 //
-// The oval is a ring about a centre that is fixed to the Sun as the Earth turns. Midnight has four times as much light as noon. A ray is
-// summed in steps, exactly in height; what is finer across the oval or along it than a step or a pixel is spread over that. Curtains
-// stand upright; the field lines of the oval lean by up to 20°.
+// The oval is a ring around a centre that is fixed relative to the Sun while the Earth rotates. Midnight has four times as much light as noon. Rays
+// are integrated in steps, exactly in height; structure across or along the oval that is finer than a step or a pixel is averaged. Curtains are
+// vertical; the true field lines are inclined by up to 20°.
 import rust::AIR_RADIUS_M;
 
 // Mirrored by `AuroraUniforms` in src/plan/aurora.rs.
@@ -11,10 +11,10 @@ struct AuroraUniforms {
     pole: vec3f,
     // Angles of the oval's boundaries from its centre.
     inner: f32,
-    // Unit vector across that, towards the Sun.
+    // Unit vector perpendicular to that, towards the Sun.
     noon: vec3f,
     outer: f32,
-    // Mean radiances of the two lines seen from straight below.
+    // Mean radiances of the two lines seen from directly below.
     green: vec3f,
     // Of the angle between the oval's centre and the pole.
     center_sin: f32,
@@ -27,7 +27,7 @@ struct AuroraUniforms {
 
 @group(0) @binding(3) var<uniform> aurora_now: AuroraUniforms;
 
-// Emission begins at a height and goes as x e^(−x), x being the height above that in scale heights: it is greatest one scale height up.
+// Emission starts at a height and is x e^(−x), with x the height above it in scale heights: it is greatest one scale height up.
 const GREEN_BASE: f32 = 95e3 / AIR_RADIUS_M;
 const GREEN_SCALE: f32 = 14e3 / AIR_RADIUS_M;
 const GREEN_TOP: f32 = 180e3 / AIR_RADIUS_M;
@@ -37,15 +37,15 @@ const RED_TOP: f32 = 400e3 / AIR_RADIUS_M;
 const GREEN_STEPS: i32 = 12;
 const RED_STEPS: i32 = 4;
 
-// Curtains: where they stand across the oval, 0 at its poleward boundary and 1 at the other, and how thick they are.
+// Curtains: their positions across the oval, 0 at its poleward boundary and 1 at the other, and their thickness.
 const CURTAINS: vec3f = vec3f(0.3, 0.52, 0.76);
 const CURTAIN_WIDTH: f32 = 0.012;
-// The part of all light that is theirs.
+// Their fraction of all light.
 const CURTAIN_SHARE: f32 = 0.35;
-// How far their folds may reach.
+// Limit of the displacement by their folds.
 const FOLDS_REACH: f32 = 0.15;
 
-// `angle`: of a pixel. `far`: what the air below leaves of the light from beyond the point nearest to the Earth.
+// `angle`: of a pixel. `far`: transmittance of the lower air for light from beyond the point nearest to the Earth.
 fn aurora(ray: GlowRay, angle: f32, far: vec3f) -> vec3f {
     let along = ray.pass_.along;
     let green = vec2f(half_chord(ray, GREEN_BASE), half_chord(ray, GREEN_TOP));
@@ -65,11 +65,11 @@ struct Oval {
     // Across that, towards midnight and dusk.
     midnight: vec3f,
     dusk: vec3f,
-    // How much of it is not outshone by twilight; 0 where a part of a ray does not pass it.
+    // Fraction that is not outshone by twilight; 0 if this part of a ray misses the oval.
     night: f32,
 }
 
-// The one that a part of a ray passes.
+// The oval that this part of a ray crosses.
 fn oval_at(ray: GlowRay, begin: f32, end: f32) -> Oval {
     let middle = glow_place(ray, 0.5 * (begin + end));
     let place = aurora_up(middle);
@@ -95,7 +95,7 @@ fn small_angle(cosine: f32) -> f32 {
     return sqrt(chord2) * (1.0 + chord2 * (0.04167 + chord2 * 0.0047));
 }
 
-// Where a place lies across the oval, 0 at its poleward boundary and 1 at the other.
+// Position across the oval, 0 at its poleward boundary and 1 at the other.
 fn across_oval(cosine: f32) -> f32 {
     return (small_angle(cosine) - aurora_now.inner) / (aurora_now.outer - aurora_now.inner);
 }
@@ -105,25 +105,25 @@ fn height_at(ray: GlowRay, along: f32) -> f32 {
     return ray.height + off * off / (ray.pass_.q + sqrt(ray.pass_.q * ray.pass_.q + off * off));
 }
 
-// The part of a column that lies below a height, given in scale heights above where emission begins.
+// Fraction of a column below a height, given in scale heights above the base of emission.
 fn column_below(x: f32) -> f32 {
     return 1.0 - (1.0 + max(x, 0.0)) * exp(-max(x, 0.0));
 }
 
-// Mean emission for each scale height between two such heights with their columns below.
+// Mean emission per scale height between two such heights, from the columns below them.
 fn mean_emission(low: vec2f, high: vec2f) -> f32 {
     let rise = high.x - low.x;
     let middle = max(0.5 * (low.x + high.x), 0.0);
     return select((high.y - low.y) / rise, middle * exp(-middle), abs(rise) < 0.02);
 }
 
-// Height in scale heights above where emission begins, and the column below it.
+// Height in scale heights above the base of emission, and the column below it.
 fn level_at(ray: GlowRay, along: f32, base: f32, scale: f32) -> vec2f {
     let x = (height_at(ray, along) - base) / scale;
     return vec2f(x, column_below(x));
 }
 
-// Green emission along a part of a ray, for each unit of the oval's mean vertical column.
+// Green emission along a part of a ray, per unit of the oval's mean vertical column.
 fn curtains(ray: GlowRay, from_: f32, to: f32, angle: f32) -> f32 {
     let begin = max(from_, 0.0);
     let end = max(to, 0.0);
@@ -149,7 +149,7 @@ fn curtains(ray: GlowRay, from_: f32, to: f32, angle: f32) -> f32 {
         }
         let sine = sqrt(max(1.0 - cosine * cosine, 1e-9));
         let level = vec2f(dot(up, oval.midnight), dot(up, oval.dusk)) / sine;
-        // What place and direction across and along the oval change by in a step, and in a pixel.
+        // Change of the position across and along the oval in a step, and in a pixel.
         let slope = (dot(ahead, up) * cosine - dot(ahead, oval.center)) / sine;
         let turn = (dot(ahead, oval.dusk) * level.x - dot(ahead, oval.midnight) * level.y) / sine;
         let spread = step_ * abs(vec2f(slope / width, turn)) + at * angle / vec2f(width, sine);
@@ -158,21 +158,21 @@ fn curtains(ray: GlowRay, from_: f32, to: f32, angle: f32) -> f32 {
     return oval.night * sum * step_ / GREEN_SCALE;
 }
 
-// Light of diffuse aurora and curtains at a place of the oval, its mean over the oval being about 1. `spread`: how much of the oval that
-// is the mean of; a curtain is drawn at least as wide as half of it, so that steps do not show.
+// Light of diffuse aurora and curtains at a point of the oval, with a mean of about 1 over the oval. `spread`: width over which it is averaged; a
+// curtain is drawn at least half as wide, so that steps are invisible.
 fn curtain_light(at: vec2f, spread: vec2f) -> f32 {
     let phi = at.y;
     let folds = aurora_now.folds;
-    // Each curtain has folds of its own, of four sizes, crowded in some places and stretched in others.
+    // Each curtain has separate folds, at four scales, with varying density.
     let own = vec3f(0.0, 2.1, 4.2) + folds.x;
     let warped = phi + 0.06 * sin(vec3f(7.0, 8.0, 6.0) * phi + 2.0 * own);
     let fold = 0.05 * sin(vec3f(4.0, 5.0, 3.0) * phi + own) + 0.028 * sin(vec3f(13.0, 11.0, 16.0) * warped + folds.y)
         + 0.011 * sin(vec3f(41.0, 34.0, 47.0) * warped + folds.z + own) + 0.006 * sin(vec3f(150.0, 130.0, 170.0) * warped + folds.w);
-    // Folds lean by about a unit across for each radian along.
+    // Folds are inclined by about one unit across per radian along.
     let wide = spread.x + spread.y;
     let width2 = CURTAIN_WIDTH * CURTAIN_WIDTH + 0.5 * wide * wide;
     let off = vec3f(at.x) - CURTAINS - fold;
-    // Curtains begin and end.
+    // Curtains have ends.
     let lit = 0.5 + 0.5 * sin(vec3f(7.0, 9.0, 5.0) * warped + 3.0 * own + folds.y);
     let ray_waves = vec3f(410.0, 1100.0, 2900.0);
     let bends = vec3f(4.0, 5.0, 6.0) * sin(vec3f(53.0, 97.0, 190.0) * phi + aurora_now.rays.w);
@@ -185,7 +185,7 @@ fn curtain_light(at: vec2f, spread: vec2f) -> f32 {
     return mix(band(at.x), of_curtains, CURTAIN_SHARE);
 }
 
-// Diffuse aurora across the oval, its mean being 1.
+// Diffuse aurora across the oval, with mean 1.
 fn band(across: f32) -> f32 {
     return smoothstep(0.0, 0.25, across) * (1.0 - smoothstep(0.75, 1.0, across)) / 0.75;
 }

@@ -1,14 +1,14 @@
-// What the Moon leaves of the sunlight that the air before the eye scatters: the mean over two or three points of a ray, by Gauss's rules
-// for a density that falls exponentially. Lengths are equatorial radii of scaled space.
+// Fraction of sunlight that the Moon leaves for scattering in the air in front of the eye: the mean over two or three points of a ray, by Gauss's
+// rules for an exponentially falling density. Lengths are equatorial radii of scaled space.
 import common/eclipse.wgsl;
 import rust::{AIR_RADIUS_M, AIR_SCALE_HEIGHT_M};
 
 const SCALE_HEIGHT: f32 = AIR_SCALE_HEIGHT_M / AIR_RADIUS_M;
-// Gauss and Laguerre: heights in scale heights, and their weights.
+// Gauss–Laguerre: heights in scale heights, and their weights.
 const LOW: vec2f = vec2f(0.5858, 0.8536);
 const HIGH: vec2f = vec2f(3.4142, 0.1464);
 
-// On a ray that meets no ground and is nearest to it at `nearest`. Where the eye looks up, all of the air is beyond it.
+// For a ray that misses the ground and is nearest to it at `nearest`. If the eye looks up, all of the air is beyond it.
 fn sun_on_air(pass_: Pass, nearest: vec3f) -> vec3f {
     if pass_.along <= 0.0 {
         let eye = -air.eye_distance * air.toward_center;
@@ -17,22 +17,22 @@ fn sun_on_air(pass_: Pass, nearest: vec3f) -> vec3f {
     return sun_on_passed_air(nearest, pass_.direction, pass_.along);
 }
 
-// On a ray that rises from `start` in the direction `outwards` at a cosine to the vertical, for `reach` at most.
+// For a ray that rises from `start` in the direction `outwards` at a cosine to the vertical, over at most `reach`.
 fn sun_on_rising_air(start: vec3f, outwards: vec3f, cosine: f32, reach: f32) -> vec3f {
     let low = min(way_up(LOW.x * SCALE_HEIGHT, cosine), reach);
     let high = min(way_up(HIGH.x * SCALE_HEIGHT, cosine), reach);
     return LOW.y * sun_at(start + low * outwards) + HIGH.y * sun_at(start + high * outwards);
 }
 
-// On a ray that passes the ground, nearest to it at `nearest`, from the eye, which is `back` before that.
+// For a ray past the ground, nearest to it at `nearest`, from the eye, which is `back` before that point.
 fn sun_on_passed_air(nearest: vec3f, direction: vec3f, back: f32) -> vec3f {
-    // Gauss and Hermite: of a density e^(−x²/2) at 0 and ±√3.
+    // Gauss–Hermite: for a density e^(−x²/2) at 0 and ±√3.
     let step = sqrt(3.0 * SCALE_HEIGHT) * direction;
     let before = nearest - min(back, length(step)) * direction;
     return (4.0 * sun_at(nearest) + sun_at(before) + sun_at(nearest + step)) / 6.0;
 }
 
-// How far a ray goes until it is so much higher.
+// Length of a ray until it is this much higher.
 fn way_up(height: f32, cosine: f32) -> f32 {
     let above = height * (2.0 + height);
     return above / (sqrt(cosine * cosine + above) + cosine);

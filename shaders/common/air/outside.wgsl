@@ -1,7 +1,7 @@
-// An eye outside the air: looks into the tables of rays that come from space.
+// For an eye outside the air: samples the tables of rays from space.
 import rust::{AIR_RAYS, AIR_TOP, PI, SCATTERING_SIZE};
 
-// Coordinate of a ray in the tables: rays that meet the ground by their zenith cosine there, others by their height.
+// Coordinate of a ray in the tables: for rays that meet the ground by their zenith cosine there, for others by their height.
 fn ray_coordinate(pass_: Pass) -> f32 {
     let over = quarter_of_rays(1.0, sqrt(max(pass_.q - 1.0, 0.0) / (AIR_TOP - 1.0)));
     return select(over, ground_coordinate(pass_.mu), meets_ground(pass_));
@@ -11,7 +11,7 @@ fn ground_coordinate(mu: f32) -> f32 {
     return quarter_of_rays(0.0, sqrt(mu));
 }
 
-// Of a ray that meets the layer of clouds, by its zenith cosine there.
+// For a ray that meets the layer of clouds, by its zenith cosine there.
 fn cloud_coordinate(mu: f32) -> f32 {
     return quarter_of_rays(2.0, sqrt(mu));
 }
@@ -20,21 +20,21 @@ fn quarter_of_rays(quarter: f32, at: f32) -> f32 {
     return 0.25 * (quarter + table_coordinate(at, AIR_RAYS));
 }
 
-// `x` is the ray's coordinate, `mu` and `mu_s` are the cosines of its zenith angle and of the Sun's where that is counted; `ray`
-// and `sun` are unit vectors, ITRF axes.
+// `x` is the ray's coordinate, `mu` and `mu_s` are the cosines of its zenith angle and of the Sun's at the reference point; `ray` and `sun` are
+// unit vectors, ITRF axes.
 fn scattered(x: f32, mu: f32, ray: vec3f, sun: vec3f, mu_s: f32, uv: vec2f) -> vec4f {
     let parts = scattered_parts(x, mu, ray, sun, mu_s);
     return vec4f(parts.black.rgb + sent_up(uv) * parts.bounce, parts.black.a);
 }
 
-// The same over black ground, and what is added for each unit of light that the ground sends up.
+// Light over black ground, and the addition per unit of light from the ground.
 struct Scattered {
     black: vec4f,
     bounce: vec3f,
 }
 
 fn scattered_parts(x: f32, mu: f32, ray: vec3f, sun: vec3f, mu_s: f32) -> Scattered {
-    // Azimuth of the Sun, from the ray's horizontal direction.
+    // Azimuth of the Sun relative to the ray's horizontal direction.
     let flat = sqrt(max((1.0 - mu * mu) * (1.0 - mu_s * mu_s), 1e-12));
     let cosine = clamp((dot(ray, sun) + mu * mu_s) / flat, -1.0, 1.0);
     let y = table_coordinate(sun_coordinate(mu_s), SCATTERING_SIZE.y);

@@ -10,22 +10,22 @@ struct AirUniforms {
     // Height of the eye above the surface, without cancellation.
     eye_height: f32,
     toward_center: vec3f,
-    // What a white sheet that faces the Sun in space is drawn with.
+    // Exposure factor: the value of a white sheet that faces the Sun in space.
     exposure: f32,
     // Unit vector to the Sun, ITRF axes.
     sun: vec3f,
     // a/b.
     polar_stretch: f32,
-    // Horizontally towards the Sun at the eye, of length 1, scaled space.
+    // Horizontal direction to the Sun at the eye, of length 1, scaled space.
     sun_level: vec3f,
     // Cosine of the Sun's zenith angle at the eye.
     eye_sun: f32,
-    // The part of light going up from the ground that the air sends back.
+    // Fraction of upward light from the ground that the air scatters back.
     sky_albedo: vec3f,
     // Sine and cosine of the angle at the eye between the Earth's centre and the limb.
     limb_sin: f32,
-    // Scattering by molecules at the ground, absorption by ozone where it is densest, scattering and extinction by aerosol at the
-    // ground; per equatorial radius.
+    // Scattering by molecules at the ground, maximum absorption by ozone, scattering and extinction by aerosol at the ground; per equatorial
+    // radius.
     molecules: vec3f,
     limb_cos: f32,
     ozone: vec3f,
@@ -38,14 +38,14 @@ struct AirUniforms {
     moon_light: f32,
     moon: vec3f,
     padding_a: f32,
-    // Horizontally towards the Moon at the eye, as for the Sun.
+    // Horizontal direction to the Moon at the eye, as for the Sun.
     moon_level: vec3f,
     padding_b: f32,
-    // Of the optical depth between an eye in the air and the ground, the part that is before the clouds; between an eye below them and
-    // space likewise.
+    // Fraction of the optical depth between an eye in the air and the ground that is in front of the clouds; for an eye below them, between the eye
+    // and space.
     before_clouds: vec3f,
     padding_c: f32,
-    // The part of light going up from the clouds that the air above them sends back.
+    // Fraction of upward light from the clouds that the air above them scatters back.
     sky_albedo_of_clouds: vec3f,
     padding_d: f32,
     shadow: MoonShadow,

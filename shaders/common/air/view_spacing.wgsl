@@ -1,5 +1,5 @@
-// How what an eye in the air sees is spaced on either side of the limb: by the tangent x of half the angle from it, 0…1, as
-// √(x(1 + k)/(x + k)), so that the limb has most of it, also where all air lies within 10° of it.
+// Spacing of the sky view on either side of the limb: by the tangent x of half the angle from it, 0…1, as √(x(1 + k)/(x + k)), so that most samples
+// are near the limb, even if all air is within 10° of it.
 const VIEW_CROWDING: f32 = 0.25;
 
 fn view_spacing(x: f32) -> f32 {

@@ -1,4 +1,4 @@
-// What the air does to the light of clouds: that above their layer, which has tables of its own as if the layer were the ground.
+// Effect of the air on the light of clouds: the air above their layer, which has its own tables as if the layer were the ground.
 import earth/shading/light.wgsl;
 
 // At a cloud over a place whose normal is `up`, seen along `ray`, under a Sun.
@@ -11,7 +11,7 @@ fn air_above_clouds(up: vec3f, ray: vec3f, sun: vec3f) -> AirOfClouds {
     return AirOfClouds(sunlight(mu_s, OF_CLOUDS), sunlight(mu_s, OF_SKY_ON_CLOUDS), through_at(x), parts.black.rgb, parts.bounce);
 }
 
-// To an eye in the air, what is before the clouds is counted as a part of what is before the ground.
+// For an eye in the air, the air in front of the clouds is computed as a fraction of that in front of the ground.
 @if(inside)
 fn air_above_clouds(up: vec3f, ray: vec3f, sun: vec3f) -> AirOfClouds {
     let mu_s = dot(up, sun);
@@ -19,7 +19,7 @@ fn air_above_clouds(up: vec3f, ray: vec3f, sun: vec3f) -> AirOfClouds {
     return AirOfClouds(sunlight(mu_s, OF_CLOUDS), sunlight(mu_s, OF_SKY_ON_CLOUDS), none, none, none);
 }
 
-// Sunlight and skylight on a cloud, with what goes to and fro between clouds and air. `about`: albedo of the neighbourhood.
+// Sunlight and skylight on a cloud, including multiple reflection between clouds and air. `about`: albedo of the neighbourhood.
 fn light_on_clouds(air_: AirOfClouds, mu_s: f32, about: vec3f) -> Light {
     let again = sent_up_by(about, air.sky_albedo_of_clouds) * air.sky_albedo_of_clouds;
     return Light(air_.sun, air_.sky * (1.0 + again) + air_.sun * max(mu_s, 0.0) * again);

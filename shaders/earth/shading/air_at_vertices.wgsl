@@ -1,6 +1,5 @@
-// What the air does, looked up at the vertices of the block sphere and interpolated between them: for cells where the difference is not
-// seen, which src/plan/cells.rs chooses, and for an eye outside the air. What it is multiplied by, the albedo of the ground about, is
-// looked up for each pixel.
+// The air's light, sampled at the vertices of the block sphere and interpolated: for cells where the difference is invisible, which
+// src/plan/cells.rs selects, and for an eye outside the air. Its factor, the albedo of the surrounding ground, is sampled for each pixel.
 import earth/shading/light.wgsl;
 @if(clouds) import earth/shading/air_above_clouds.wgsl;
 

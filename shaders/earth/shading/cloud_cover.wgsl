@@ -1,8 +1,8 @@
-// How much of a pixel clouds cover.
+// Cloud cover of a pixel.
 import rust::{CLOUDS, PI};
 @if(detail) import earth/shading/detail_tile.wgsl;
 
-// Where the ray from the eye to a place goes through the clouds' layer.
+// Where the ray from the eye to a place crosses the clouds' layer.
 fn lifted_before(at: SurfacePoint) -> Lifted {
     let to_eye = normalize(at.to_eye);
     return lifted(at, to_eye, max(dot(to_eye, at.up), 0.0), surface_light.cloud_height);
@@ -18,7 +18,7 @@ fn cover_with_detail(at: SurfacePoint, lift: Lifted, mapped: f32) -> f32 {
     return uneven_cover(mapped, structure(lift.up, cloud_texel_radii(at), pixel_radii(at)));
 }
 
-// For shadows, whose edges are soft: with the larger of the detail alone.
+// For shadows, whose edges are soft: only with the larger scale of detail.
 @if(cloud_shadows)
 fn soft_cover_at(at: SurfacePoint, lift: Lifted) -> f32 {
     @if(!detail) return mapped_cover(at, lift);
@@ -42,22 +42,22 @@ fn cloud_texel_radii(at: SurfacePoint) -> f32 {
 
 @if(detail) const CLOUD_CONTRAST: f32 = 1.6;
 
-// A point of a layer above the ground, seen from a place of the ground.
+// A point of a layer above the ground, seen from a place on the ground.
 struct Lifted {
     // Normal of the ellipsoid below the point.
     up: vec3f,
-    // The point's texture coordinates less the place's.
+    // The point's texture coordinates relative to the place's.
     uv: vec2f,
 }
 
-// The same so far along the ground, equatorial radii: steps are short, and near the poles as if they were made a little before them.
+// Moved by a step along the ground, equatorial radii: steps are short, and near the poles they are bounded.
 fn moved(at: SurfacePoint, lift: Lifted, step: vec3f) -> Lifted {
     let east = dot(at.east, step) / max(length(at.up.xy), 0.03);
     return Lifted(normalize(lift.up + step), lift.uv + vec2f(0.5 * east, -dot(at.north, step)) / PI);
 }
 
-// Where the ray from `at` in a direction at this cosine to the vertical reaches the height, equatorial radii. The Earth is a
-// sphere for it: a height of 10 km is moved by 30 m at most.
+// Where the ray from `at` in a direction at this cosine to the vertical reaches the height, equatorial radii. The Earth is approximated by a
+// sphere: a height of 10 km is displaced by 30 m at most.
 fn lifted(at: SurfacePoint, towards: vec3f, cosine: f32, height: f32) -> Lifted {
     // (1 + h)² = 1 + 2 s cos + s² without cancellation.
     let above = height * (2.0 + height);

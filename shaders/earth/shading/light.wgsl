@@ -4,13 +4,13 @@
 @else import rust::SUN_RADIUS_RAD;
 @if(eclipse) import common/eclipse.wgsl;
 
-// The Sun's after the air, and the sky's.
+// Sunlight after the air, and skylight.
 struct Light {
     sun: vec3f,
     sky: vec3f,
 }
 
-// Sunlight that arrives and the sky's light on level ground, with what goes to and fro between the ground and the air.
+// Direct sunlight and skylight on horizontal ground, including multiple reflection between ground and air.
 @if(air)
 fn light_at(at: SurfacePoint, mu_s: f32) -> Light {
     @if(interpolated) let sun = at.air.sun;
@@ -26,7 +26,7 @@ fn light_at(at: SurfacePoint, mu_s: f32) -> Light {
     return Light(light_of_disc(mu_s), vec3f(0.0));
 }
 
-// Rows of the table: transmittance of the Sun's light to the ground, the sky's light on black ground, the same two of the clouds.
+// Rows of the table: transmittance of sunlight to the ground, skylight on black ground, and the same two for the clouds.
 @if(air) const OF_GROUND: f32 = 0.5 / 4.0;
 @if(air) const OF_SKY: f32 = 1.5 / 4.0;
 @if(air && clouds) const OF_CLOUDS: f32 = 2.5 / 4.0;
@@ -44,8 +44,8 @@ fn light_of_disc(above_horizon: f32) -> vec3f {
     return vec3f(smoothstep(-SUN_RADIUS_RAD, SUN_RADIUS_RAD, above_horizon));
 }
 
-// What the Moon leaves of the light on a place of the ground, and on the clouds before it. The sky there is as dark as the place: light
-// from beyond the shadow does not come in.
+// Fraction of light that the Moon leaves at a place on the ground, and at the clouds in front of it. The sky there is as dark as the place: light
+// from beyond the shadow is neglected.
 @if(eclipse)
 fn eclipsed(light: Light, at: SurfacePoint) -> Light {
     @if(relief) let height = at.height_m / frame.radius_m;

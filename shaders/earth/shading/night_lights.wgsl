@@ -1,5 +1,5 @@
-// City lights of a map. Its values are brightness in a published picture whose tone curve is not known and
-// shows hamlets beside cities; their fourth power spans the hundredfold range that radiometers find between these.
+// City lights of a map. Its values come from a published image with an unknown tone curve that shows hamlets beside cities; their fourth power
+// spans the hundredfold range that radiometers measure between these.
 import rust::{LAMP_COLOR, NIGHT_LIGHTS};
 import earth/shading/lamps.wgsl;
 @if(detail) import earth/shading/detail.wgsl;
@@ -15,19 +15,19 @@ fn city_light(at: SurfacePoint, mu_s: f32) -> vec3f {
     return frame.lamp_light * is_on * light * LAMP_COLOR;
 }
 
-// Between the map's texels lamps stand close in a town's heart and along its streets. How much towns differ from what is about
-// them, down to spacings of 1 km (equatorial radii).
+// Below the map's texel size, lamps are dense in a town's centre and along its streets. Contrast of towns with their surroundings, down to spacings
+// of 1 km (equatorial radii).
 @if(detail) const TOWN_CONTRAST: f32 = 2.0;
 @if(detail) const FINEST_TOWN: f32 = 1.6e-4;
-// Streets run where noise changes its sign: those between towns and those in them, lattices of 5 and 1.2 km. What of the light
-// stands in them.
+// Streets are the zero crossings of noise: those between towns and those inside them, on lattices of 5 and 1.2 km. Fraction of the light along
+// them.
 @if(detail) const STREETS: array<f32, 2> = array<f32, 2>(8e-4, 1.9e-4);
 @if(detail) const STREET_SHARE: f32 = 0.65;
-// Half the width of a street, in values of the noise, and the noise's density at 0 times √π.
+// Half the width of a street, in values of the noise, and the noise's probability density at 0 times √π.
 @if(detail) const STREET_WIDTH: f32 = 0.06;
 @if(detail) const STREET_DENSITY: f32 = 1.758;
 
-// How much brighter a place is than the map has it; the mean is 1.
+// Brightness of a place relative to the map; the mean is 1.
 @if(detail)
 fn lamps_apart(at: SurfacePoint) -> f32 {
     let pixel = pixel_radii(at);

@@ -1,8 +1,8 @@
-// How much of a pixel is water.
+// Water fraction of a pixel.
 import rust::WATER;
 @if(detail) import earth/shading/detail.wgsl;
 
-// How much a coast is bent between the map's texels.
+// Strength of the displacement of coasts below the map's texel size.
 @if(detail) const COAST_CONTRAST: f32 = 2.3;
 
 @if(detail)
@@ -11,8 +11,8 @@ fn coast_detail(at: SurfacePoint, share: f32) -> f32 {
     return uneven_share(share, COAST_CONTRAST, detail(at.up, texel, pixel_radii(at), 0.4));
 }
 
-// The map is one half at the coast, which is drawn as wide as a pixel where texels are larger than pixels; else the map's own
-// mean is what the pixel shows.
+// The map is one half at the coast, which is drawn as wide as a pixel if texels are larger than pixels; otherwise the pixel shows the map's own
+// mean.
 fn open_water(at: SurfacePoint) -> f32 {
     var share = sample_map(water_map, water_sampler, WATER, at).r;
     @if(detail) if share > 0.02 && share < 0.98 {

@@ -17,7 +17,7 @@ fn shade(at: SurfacePoint) -> vec3f {
     return blend * ninfo;
 }
 
-// Display values under our air: both as the target stores them.
+// Display values seen through our air: both as the target stores them.
 @if(air)
 fn paper_through_air(color: vec3f, at: SurfacePoint, pixel: vec2f) -> vec3f {
     let air_ = air_before(at, dot(at.up, air.sun));

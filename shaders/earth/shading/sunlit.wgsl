@@ -9,11 +9,11 @@ import earth/shading/light.wgsl;
 @if(detail && !open_sea) import earth/shading/detail_tile.wgsl;
 @if(directional_reflectance && !open_sea) import earth/shading/directional.wgsl;
 
-// What of a place shows, whatever lights it.
+// Surface properties of a place that do not depend on the light source.
 struct Surface {
-    // Colour of the land; in alpha the depth of the sea's floor.
+    // Colour of the land; alpha is the depth of the sea's floor.
     @if(!open_sea) day: vec4f,
-    // How the ground leans.
+    // Normal of the ground.
     normal: vec3f,
     @if(water && !open_sea) water: f32,
     @if(clouds) clouds: CloudsBefore,
@@ -26,7 +26,7 @@ fn surface_at(at: SurfacePoint) -> Surface {
     @else out.normal = surface_normal(at);
     @if(water && !open_sea) out.water = open_water(at);
     @if(detail && !water) out = with_detail(at, out);
-    // Nothing of the land shows where there is none.
+    // Land details are skipped where there is no land.
     @if(detail && water && !open_sea) if out.water < 0.98 {
         out = with_detail(at, out);
     }
@@ -35,10 +35,10 @@ fn surface_at(at: SurfacePoint) -> Surface {
 }
 
 @if(detail && !open_sea) const LAND_CONTRAST: f32 = 0.12;
-// The clouds' own structures lie elsewhere: their axes turned about.
+// Axes permuted, so that the structures differ from those of the clouds.
 @if(detail && !open_sea) const LAND_AXES: vec3f = vec3f(-1.0, 1.0, -1.0);
 
-// The same surface with its land brighter and darker.
+// The same surface with unevenly bright land.
 @if(detail && !open_sea)
 fn with_detail(at: SurfacePoint, surface: Surface) -> Surface {
     let texel = texel_radii(DAY, at, textureDimensions(day_map));
@@ -48,14 +48,14 @@ fn with_detail(at: SurfacePoint, surface: Surface) -> Surface {
     return out;
 }
 
-// The ground's light by a Sun in this direction.
+// Light of the ground under a Sun in this direction.
 fn lit(at: SurfacePoint, surface: Surface, sun: vec3f) -> vec3f {
     let mu_s = dot(at.up, sun);
     @if(eclipse) let above = eclipsed(light_at(at, mu_s), at);
     @else let above = light_at(at, mu_s);
     @if(clouds) let light = below_clouds(at, above, sun, mu_s);
     @else let light = above;
-    // The floor of the open sea is as deep as the map tells.
+    // The floor of the open sea has the map's maximum depth.
     @if(open_sea) return sea(at, light, sun, mu_s, 1.0);
     @if(!open_sea) var falls = max(dot(surface.normal, sun), 0.0);
     @if(directional_reflectance && !open_sea) falls *= opposition(dot(normalize(at.to_eye), sun), max(mu_s, 0.0));
@@ -77,7 +77,7 @@ fn shade(at: SurfacePoint) -> vec3f {
     return color;
 }
 
-// The ground's light as the eye sees it, through the air before smooth ground.
+// Light of the ground at the eye, through the air in front of smooth ground.
 @if(air)
 fn through_air(color: vec3f, at: SurfacePoint, smooth_: AirBefore) -> vec3f {
     @if(relief) let before = air_before_relief(at, smooth_);

@@ -1,7 +1,7 @@
-// What detail that is made up does to what a map says.
+// Effect of synthetic detail on a map's value.
 
 struct Detail {
-    // Of mean 0, and its variance, for pixels of one size.
+    // With mean 0, and its variance, for pixels of one size.
     value: f32,
     variance: f32,
 }
@@ -11,7 +11,7 @@ fn uneven_factor(contrast: f32, made: Detail) -> f32 {
     return exp(contrast * made.value - 0.5 * contrast * contrast * made.variance);
 }
 
-// A share of a pixel, 0…1, made uneven: none stays none and all stays all, and the mean over the ground stays about the same.
+// Makes a fraction of a pixel, 0…1, uneven: 0 and 1 are kept, and the mean over the ground is approximately preserved.
 fn uneven_share(share: f32, contrast: f32, made: Detail) -> f32 {
     let odds = exp(contrast * made.value + (share - 0.5) * contrast * contrast * made.variance);
     return share * odds / (1.0 - share + share * odds);

@@ -1,4 +1,4 @@
-// Casting rays at trees of contours: the walk of `contour_cast` in crates/terrella-ground/src/globe/contours/gpu_layout.rs, with its names.
+// Ray casting in trees of contours: the traversal of `contour_cast` in crates/terrella-ground/src/globe/contours/gpu_layout.rs, with its names.
 // Positions are metres from the origin of a tree.
 import rust::CONTOUR_STACK;
 
@@ -6,14 +6,14 @@ const NO_NODE: u32 = 0xffffffffu;
 
 struct ContourNode {
     normal: vec3f,
-    // Nothing drawn below rises over this signed distance from the centroid's plane.
+    // Upper bound of the signed distance from the centroid's plane of everything drawn below the node.
     ceiling: f32,
     at: vec3f,
     // Signed distance of the plane halfway between the contours.
     middle: f32,
     // West, east, south, north: inside is where xyz·p >= w.
     walls: array<vec4f, 4>,
-    // First child, counted from the root, 0 for a leaf, and how many.
+    // First child, counted from the root, 0 for a leaf, and number of children.
     first: u32,
     children: u32,
     thickness: f32,
@@ -25,26 +25,26 @@ struct ContourNode {
 struct ContourRay {
     // Metres from the tree's origin.
     start: vec3f,
-    // Nothing beyond is of interest, metres.
+    // Largest distance of interest, metres.
     most: f32,
     // Of length 1.
     towards: vec3f,
     // A node whose slab is thinner than this times its distance counts as a leaf.
     cone: f32,
-    // Columns are wider by this on all sides, metres.
+    // Margin by which columns are wider on all sides, metres.
     slack: f32,
-    // A ray that enters the tree's column deeper in the ground than this came from below other ground: it meets nothing.
+    // A ray that enters the tree's column deeper in the ground than this came from below other ground: it hits nothing.
     step: f32,
 }
 
 struct ContourHit {
     // Along the ray, metres.
     t: f32,
-    // NO_NODE if it meets nothing.
+    // NO_NODE if it hits nothing.
     node: u32,
 }
 
-// The stretch of a ray inside a node's column; x > y if there is none.
+// The interval of a ray inside a node's column; x > y if there is none.
 fn contour_column(node: u32, ray: ContourRay) -> vec2f {
     var t0 = 0.0;
     var t1 = ray.most;
@@ -63,7 +63,7 @@ fn contour_column(node: u32, ray: ContourRay) -> vec2f {
     return vec2f(t0, t1);
 }
 
-// Where a ray first meets the ground of the tree at `root`.
+// First intersection of a ray with the ground of the tree at `root`.
 fn contour_cast(ray: ContourRay, root: u32) -> ContourHit {
     let nothing = ContourHit(ray.most, NO_NODE);
     let whole = contour_column(root, ray);
@@ -110,7 +110,7 @@ fn contour_cast(ray: ContourRay, root: u32) -> ContourHit {
             }
             continue;
         }
-        // Near children on top.
+        // Near children on top of the stack.
         let first = root + contour_nodes[index].first;
         let bottom = height;
         for (var k = first; k < first + children; k++) {
@@ -131,7 +131,7 @@ fn contour_cast(ray: ContourRay, root: u32) -> ContourHit {
     return best;
 }
 
-// Rise of the ground to the east and to the north at a place inside a node's column, between its corners.
+// Slope of the ground to the east and to the north at a place inside a node's column, interpolated between its corners.
 fn contour_slope(node: u32, p: vec3f) -> vec2f {
     var inside: array<f32, 4>;
     for (var k = 0u; k < 4u; k++) {

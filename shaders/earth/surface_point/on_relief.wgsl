@@ -1,7 +1,7 @@
-// A point of terrain, on the pixel's ray.
+// A point of terrain on the pixel's ray.
 @if(cast) import earth/surface_point/contour_tree.wgsl;
 
-// Where the ray meets the contours of the page whose prism is drawn; no pixel where it meets none.
+// Intersection of the ray with the contours of the page whose prism is drawn; the pixel is discarded if there is none.
 @if(cast)
 fn surface_point(in: Varying) -> SurfacePoint {
     let ray = pixel_ray(in.clip.xy);
@@ -21,11 +21,11 @@ fn surface_point(in: Varying) -> SurfacePoint {
     return point_on_relief(in, ray, along, height_m, slope);
 }
 
-// Where the mesh is drawn.
+// At the drawn mesh.
 @else
 fn surface_point(in: Varying) -> SurfacePoint {
     let ray = pixel_ray(in.clip.xy);
-    // The mesh's own place, moved onto the pixel's ray, so that what is interpolated can be wrong along the ray only.
+    // The mesh's interpolated position, projected onto the pixel's ray, so that interpolation errors only act along the ray.
     let along = dot(in.from_eye_m, ray) / dot(ray, ray);
     return point_on_relief(in, ray, along, in.height_m, in.slope);
 }
@@ -46,7 +46,7 @@ fn point_on_relief(in: Varying, ray: vec3f, along: f32, height_m: f32, slope: ve
     return out;
 }
 
-// Longitude and latitude of a normal from the centre: a patch may be wider than a block.
+// Longitude and latitude of a normal relative to the centre: a patch may be wider than a block.
 fn longitude_latitude(in: Varying, up: vec3f, across: f32) -> vec2f {
     let y = in.center_lon.x * up.y - in.center_lon.y * up.x;
     let longitude = atan2(y, dot(in.center_lon, up.xy));

@@ -1,4 +1,4 @@
-// Where the whole Earth's maps show a point whose normal alone is known.
+// Coordinates on the whole Earth's maps for a point of which only the normal is known.
 import rust::PI;
 
 fn on_whole_map(point: SurfacePoint) -> SurfacePoint {

@@ -1,4 +1,4 @@
-// Where the pixel's ray meets the exact ellipsoid.
+// Intersection of the pixel's ray with the exact ellipsoid.
 
 fn surface_point(in: Varying) -> SurfacePoint {
     let ray = pixel_ray(in.clip.xy);
@@ -13,8 +13,8 @@ fn surface_point(in: Varying) -> SurfacePoint {
     return point_on_ray(in, ray, t / length(scaled), normalize(p * to_scaled));
 }
 
-// Longitude and latitude of a normal from the block's centre: 11.25° at most in the block, and more where a coarse mesh covers
-// pixels at the limb that look at the next one. By half angles, tan(φ/2) = sin φ/(1 + cos φ).
+// Longitude and latitude of a normal relative to the block's centre: at most 11.25° inside the block, and more where a coarse mesh covers pixels at
+// the limb that show the next block. By half angles, tan(φ/2) = sin φ/(1 + cos φ).
 fn longitude_latitude(in: Varying, up: vec3f, across: f32) -> vec2f {
     let y = in.center_lon.x * up.y - in.center_lon.y * up.x;
     let x = max(dot(in.center_lon, up.xy), 1e-7);

@@ -1,7 +1,7 @@
 // The block sphere: a lattice of vertices on the ellipsoid.
 
 struct BlockVertex {
-    // From the eye, ITRF metres: subtracted in f64.
+    // Position relative to the eye, ITRF metres: subtracted in f64.
     @location(0) from_eye_m: vec3f,
 }
 

@@ -1,14 +1,14 @@
-// Prisms that pages of contours lie in: behind their faces each pixel's ray is cast. `PageInstance` in src/gpu/contours.rs.
+// Prisms of contour pages: each pixel's ray is cast behind their faces. `PageInstance` in src/gpu/contours.rs.
 
 struct PrismVertex {
-    // A corner of the page's prism from the eye, ITRF metres: subtracted in f64.
+    // A corner of the page's prism relative to the eye, ITRF metres: subtracted in f64.
     @location(0) from_eye_m: vec3f,
 }
 
 struct PagePrism {
-    // The eye less the page's origin, ITRF metres: subtracted in f64.
+    // From the page's origin to the eye, ITRF metres: subtracted in f64.
     @location(5) eye_from_origin_m: vec3f,
-    // Where the page's tree begins among all nodes.
+    // Index of the page's root among all nodes.
     @location(6) root: u32,
     // Slack, cone and step of its rays: see ContourRay.
     @location(7) ray: vec3f,
@@ -20,7 +20,7 @@ fn vertex(in: PrismVertex, reference: BlockInstance, page: PagePrism) -> Varying
     out.eye_from_origin_m = page.eye_from_origin_m;
     out.root = page.root;
     out.ray = page.ray;
-    // Only what lies behind the eye is cut off: the prism is no part of the picture, the ground in it may be.
+    // Only parts behind the eye are clipped: the prism itself is invisible, but the ground in it may be visible.
     out.clip = frame.clip_from_eye * vec4f(in.from_eye_m, 1.0);
     out.clip.z = 0.5 * out.clip.w;
     return out;

@@ -1,15 +1,15 @@
-// The projected grid: no vertex buffer, and the instance's number says whose tiles are drawn. A vertex's number is a grid point; its
-// ray is cast on the base, the vertex is displaced along the normal by the height of the resident tiles. Formulas and names are those of
+// The projected grid: there is no vertex buffer, and the instance index selects the tiles. A vertex index is a grid point: its ray is cast on the
+// base, and the vertex is displaced along the normal by the elevation of the resident tiles. Formulas and names are those of
 // crates/terrella-ground/src/globe/projected_grid/cast.rs.
 //
-// Single precision holds because nothing here is a difference of large numbers. Angles from the limb come as their sines
-// and cosines; the place is kept as its offset from the place under the eye, Δm, whose relative error is a few 1e-7 at every
-// distance; what joins eye and ground there, `to_base_m`, is as small as the eye's height over the base and computed in
-// f64. So a vertex is off by a few 1e-7 of its distance from the eye, plus half an ulp of its height (0.25 mm at 5 km).
+// Single precision suffices because there is no difference of large numbers. Angles from the limb are given as sines and cosines. The place is
+// stored as its offset from the place under the eye, Δm, whose relative error is a few 1e-7 at every distance. The vector from eye to ground there,
+// `to_base_m`, is as small as the eye's height over the base and computed in f64. A vertex error is thus a few 1e-7 of its distance from the eye,
+// plus half an ulp of its elevation (0.25 mm at 5 km).
 import rust::{ATLAS_COLUMNS, GRID_LEVELS, GRID_SHARPER, GRID_TILE_CELLS, GRID_TILE_TEXELS, GRID_WINDOW_TILES, NO_SLOT, PI};
 
-// What a frame's projected grid is made from. Mirrored by `GridLevel` and `GridUniforms` in crates/terrella-ground/src/globe/projected_grid/uniforms.rs,
-// where members are explained.
+// Parameters of a frame's projected grid. Mirrored by `GridLevel` and `GridUniforms` in
+// crates/terrella-ground/src/globe/projected_grid/uniforms.rs, which document the members.
 struct GridLevel {
     eye_cells: vec2f,
     per_radian: f32,
@@ -50,7 +50,7 @@ struct GridUniforms {
     slots: array<vec4u, GRID_WINDOW_TILES / 4u * GRID_LEVELS>,
 }
 
-// The direction of a place on the grid's plane, and the angle of a grid cell there.
+// The direction of a point on the grid's plane, and the angle of a grid cell there.
 struct GridRay {
     direction: vec3f,
     cell_rad: f32,
@@ -68,11 +68,11 @@ fn ray_at(at: vec2f) -> GridRay {
     return GridRay(cos(angle) * grid.forward + aside * (sin(angle) / q), sqrt(grid.cell_area * part));
 }
 
-// A place on the ground, about the place under the eye.
+// A place on the ground, relative to the place under the eye.
 struct Foot {
     // Offset on the unit sphere of scaled space.
     offset: vec3f,
-    // Change of θ with the ray's angle, and the same across.
+    // Derivative of θ with respect to the ray's angle, and the stretch across.
     stretch: vec2f,
 }
 
@@ -89,7 +89,7 @@ fn foot_of(direction: vec3f) -> Foot {
     var cosine: f32;
     var along: f32;
     if below > 0.0 {
-        // Drawn towards the limb: δ → δ²g/(δ + κ).
+        // Concentrated towards the limb: δ → δ²g/(δ + κ).
         let gain = 1.0 + grid.spread_rad / grid.limb_rad;
         let sum = below + grid.spread_rad;
         let pulled = below * (below / sum) * gain;
@@ -129,7 +129,7 @@ fn foot_of(direction: vec3f) -> Foot {
     return out;
 }
 
-// Latitude and longitude from the eye's place, and the outward normal less the one there.
+// Latitude and longitude relative to the eye's place, and the difference of the outward normals.
 struct GridPlace {
     north_rad: f32,
     east_rad: f32,
@@ -168,7 +168,7 @@ fn texel(corner: vec2u, at: vec2u) -> f32 {
     return textureLoad(height_tiles, corner + at, 0).x;
 }
 
-// The height of a level, and whether it is there.
+// The elevation of a level, and whether its tile is resident.
 fn level_height(level: u32, at: GridPlace) -> vec2f {
     let here = grid.levels[level];
     var cell = here.eye_cells + vec2f(at.east_rad, at.north_rad) * here.per_radian;
@@ -195,7 +195,7 @@ fn level_height(level: u32, at: GridPlace) -> vec2f {
     return vec2f(mix(south, north, part.y), 1.0);
 }
 
-// The finest height that is there, from a level (counted from 0) to coarser ones.
+// The finest resident elevation, from a level (counted from 0) to coarser ones.
 fn height_from(level: u32, at: GridPlace) -> f32 {
     for (var k = i32(min(level, GRID_LEVELS - 1u)); k >= 0; k--) {
         let found = level_height(u32(k), at);
@@ -206,7 +206,7 @@ fn height_from(level: u32, at: GridPlace) -> f32 {
     return 0.0;
 }
 
-// Averaged over about `spacing` radians to each side: between the two levels that are averaged over less and over more.
+// Averaged over about `spacing` radians to each side: interpolated between the levels with less and with more averaging.
 fn height_at(at: GridPlace, spacing: f32) -> f32 {
     let level = clamp(log2(PI / f32(GRID_TILE_CELLS) / max(2.0 * GRID_SHARPER * spacing, 1e-12)), 0.0, f32(GRID_LEVELS - 1u));
     let coarse = u32(level);
@@ -218,15 +218,15 @@ fn height_at(at: GridPlace, spacing: f32) -> f32 {
     return mix(height, height_from(coarse + 1u, at), part);
 }
 
-// A vertex: where it stands from the eye, ITRF metres, its outward normal and what it was made from.
+// A vertex: its position relative to the eye, ITRF metres, its outward normal and its sources.
 struct GridPoint {
     from_eye_m: vec3f,
     height_m: f32,
     normal: vec3f,
     spacing_rad: f32,
-    // Rise of the ground to the east and to the north.
+    // Slope of the ground to the east and to the north.
     slope: vec2f,
-    // Latitude and longitude from the eye's place.
+    // Latitude and longitude relative to the eye's place.
     north_rad: f32,
     east_rad: f32,
 }

@@ -1,16 +1,15 @@
-// Patches of terrain, their vertices displaced on the CPU: `GroundVertex` about the origin of each, `PatchInstance`
-// in src/gpu/ground.rs.
+// Patches of terrain, with vertices displaced on the CPU: `GroundVertex` relative to the origin of each, `PatchInstance` in src/gpu/ground.rs.
 
 struct PatchVertex {
     // From the patch's origin, ITRF metres.
     @location(0) from_origin_m: vec3f,
-    // Above the ellipsoid, and rise of the ground to the east and to the north.
+    // Elevation above the ellipsoid, and slope of the ground to the east and to the north.
     @location(5) height_m: f32,
     @location(6) slope: vec2f,
 }
 
 struct PatchOrigin {
-    // The patch's origin from the eye in two parts, subtracted in f64.
+    // From the eye to the patch's origin in two parts, subtracted in f64.
     @location(7) origin_from_anchor_m: vec3f,
     @location(8) anchor_from_eye_m: vec3f,
 }

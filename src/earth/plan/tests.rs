@@ -60,7 +60,7 @@ fn a_plan_holds_what_is_drawn_and_no_gpu_was_asked() {
         assert_eq!(plan.vertices[n * per_block], first.as_vec3());
     }
     assert!(plan.air.is_some());
-    // The Sun stands over 0° E, and all of the view is by day.
+    // The Sun is above 0° E, and the whole view is in daylight.
     assert_eq!(plan.daylit.len(), stats.blocks_drawn);
     let dusk = Sky::new(
         DVec3::new(20_f64.to_radians().cos(), 20_f64.to_radians().sin(), 0.0).cross(DVec3::Z),
@@ -92,7 +92,7 @@ fn draws_and_their_costs_are_those_of_the_plan() {
     let ring = plan.air.expect("air").ring.triangles();
     assert_eq!(stats.triangles, triangles.sum::<u32>() + ring);
     assert_eq!(stats.draw_calls, stats.blocks_drawn + 1);
-    // The three kinds of blocks lie one after another in one list.
+    // The three kinds of blocks follow each other in one list.
     let kinds = [BlockRow::North, BlockRow::Middle].map(|kind| 3 * grid.triangles(kind));
     for draw in &plan.draws {
         let start = match draw.block.map(Block::kind) {
@@ -104,7 +104,7 @@ fn draws_and_their_costs_are_those_of_the_plan() {
     }
 }
 
-/// The triangles of a plan, as vertices among all of the plan's, and how they are drawn.
+/// The triangles of a plan, with indices into all of the plan's vertices, and their lighting.
 fn triangles(planner: &Planner, plan: &FramePlan) -> Vec<([u32; 3], DrawLight)> {
     let grid = planner.meshes().grid();
     let kinds = [BlockRow::North, BlockRow::Middle, BlockRow::South];
@@ -128,7 +128,7 @@ fn every_cell_is_drawn_once_and_by_what_light_its_place_needs() {
     for (view, interpolates) in [
         (nadir(80.0, 20.0, 6e5), true),
         (nadir(0.0, 0.0, 2e6), true),
-        // Under a Sun that is too low for so large cells, on the night side, in the air, far away.
+        // The Sun is too low for cells of this size; then the night side, inside the air, far away.
         (nadir(-60.0, 5.0, 7e6), false),
         (nadir(0.0, 180.0, 6e5), false),
         (nadir(0.0, 0.0, 5e4), false),

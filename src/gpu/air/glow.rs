@@ -1,16 +1,16 @@
-//! The drawable of the air's own light: a rectangle about the upper air, added to what is behind it.
+//! The drawable of airglow and aurora: a rectangle around the upper air, added to what is behind it.
 
 use super::super::shader::ShaderModule;
 use super::super::{GlowVariant, PassFormat, PipelineDescription, ShaderError};
 use super::{AirTextures, Binding};
 use crate::plan::{AirPlan, AirSide, AuroraUniforms, GlowUniforms, SurfaceLight};
 
-/// What the air's own light is drawn with.
+/// Pipelines and buffers of airglow and aurora.
 pub(super) struct Glow {
     uniforms: wgpu::Buffer,
-    /// Of the aurora; `None` where that is not drawn.
+    /// Uniforms of the aurora; `None` if it is not drawn.
     aurora: Option<wgpu::Buffer>,
-    /// The eye outside of the air below, and inside.
+    /// For the eye outside the lower air, and inside.
     sides: [Side; 2],
 }
 
@@ -24,7 +24,7 @@ struct Side {
 const LABEL: &str = "terrella glow";
 
 impl Glow {
-    /// `None` where none is drawn; makes no pipeline yet.
+    /// `None` if neither is drawn; creates no pipeline yet.
     pub fn new(
         device: &wgpu::Device,
         format: PassFormat,
@@ -56,7 +56,7 @@ impl Glow {
         })
     }
 
-    /// The same for another view, with that view's textures.
+    /// The same glow for another view, with that view's textures.
     pub fn for_another_view(&self, device: &wgpu::Device, textures: &AirTextures) -> Self {
         let uniforms = crate::gpu::uniform_buffer::<GlowUniforms>(device, LABEL);
         let aurora = self.aurora.as_ref().map(|_| aurora_buffer(device));
@@ -81,12 +81,12 @@ impl Glow {
         self.sides.iter().map(|side| side.variant)
     }
 
-    /// Whether it can be drawn from this side.
+    /// Whether the pipeline for this side exists.
     pub fn is_ready(&self, side: AirSide) -> bool {
         self.sides[side as usize].pipeline.is_some()
     }
 
-    /// Makes what it is drawn with from this side, if that is not there.
+    /// Creates the pipeline for this side if it does not exist.
     pub fn make(
         &mut self,
         device: &wgpu::Device,
@@ -115,7 +115,7 @@ impl Glow {
         Ok(())
     }
 
-    /// Writes what is drawn from now on. Returns the bytes written.
+    /// Uploads the uniforms of this frame. Returns the bytes written.
     pub fn write(&self, queue: &wgpu::Queue, plan: &AirPlan) -> usize {
         let mut bytes = 0;
         if let Some(uniforms) = &plan.glow {

@@ -1,4 +1,4 @@
-//! The air's tables on the GPU, with what else its shaders read, shared by all that draw through it.
+//! The air's tables on the GPU and the other inputs of its shaders, shared by everything that draws through it.
 
 use crate::gpu::{GpuLayer, VIEW_ANGLES, VIEW_AZIMUTHS};
 use crate::plan::{AirSide, AirUniforms};
@@ -7,20 +7,20 @@ use std::sync::Arc;
 use terrella_ground::air::{self, AirAboveClouds, AirModel, AirTables, TableSize};
 use terrella_imagery::NEIGHBOURHOODS;
 
-/// A binding of group 0: what its layout has, and what is bound.
+/// A binding of group 0: its layout entry and its resource.
 pub(crate) type Binding<'a> = (wgpu::BindGroupLayoutEntry, wgpu::BindGroupEntry<'a>);
 
-/// Targets of what an eye in the air sees of it.
+/// Number of targets of the sky view for an eye in the air.
 pub(super) const VIEW_TARGETS: usize = 3;
 
-/// The air on the GPU as one view draws through it. A clone is the same.
+/// The air on the GPU as one view draws through it. Clones share it.
 #[derive(Clone)]
 pub(crate) struct AirTextures {
     tables: Arc<Tables>,
     eye: Arc<Eye>,
 }
 
-/// What all views share.
+/// The part that all views share.
 struct Tables {
     model: AirModel,
     sky_albedo: Vec3,
@@ -30,13 +30,13 @@ struct Tables {
     sunlight: GpuLayer,
     /// Scattering, bounce and through.
     outside: [GpuLayer; VIEW_TARGETS],
-    /// What is drawn from for an eye in the air: transmittance, sources and profile.
+    /// Inputs of the sky view for an eye in the air: transmittance, sources and profile.
     march: [GpuLayer; 3],
-    /// Whether that is drawn under the Moon too.
+    /// Whether the sky view includes moonlight.
     moonlight: bool,
 }
 
-/// The air above clouds, besides what its tables hold.
+/// The air above clouds, apart from its tables.
 #[derive(Clone, Copy)]
 pub(crate) struct AboveClouds {
     pub height_m: f64,
@@ -44,10 +44,10 @@ pub(crate) struct AboveClouds {
     pub sky_albedo: Vec3,
 }
 
-/// What depends on where a view's eye is.
+/// The part that depends on the eye's position.
 struct Eye {
     uniforms: wgpu::Buffer,
-    /// What is drawn in place of [`Tables::outside`] for an eye in the air.
+    /// Textures that replace [`Tables::outside`] for an eye in the air.
     view: [GpuLayer; VIEW_TARGETS],
 }
 
@@ -68,8 +68,8 @@ impl Eye {
 }
 
 impl AirTextures {
-    /// Uploads the tables of an air, over ground of this albedo, and of the air above clouds at a height, metres, where there are some;
-    /// for views under the Moon too if `moonlight`.
+    /// Uploads the tables of an air over ground of this albedo, and those of the air above clouds at a height, metres, if there are clouds. With
+    /// `moonlight` for views under the Moon too.
     pub fn new(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
@@ -158,7 +158,7 @@ impl AirTextures {
         tables.chain(&held.march).map(|layer| layer.bytes).sum()
     }
 
-    /// Has the air stand over ground of another albedo.
+    /// Places the air over ground of another albedo.
     pub fn set_albedo(&self, queue: &wgpu::Queue, albedo: &[Vec4]) {
         self.tables.albedo.write_table(queue, albedo);
     }
@@ -168,7 +168,7 @@ impl AirTextures {
         &self.eye.uniforms
     }
 
-    /// What is drawn of an eye's view.
+    /// Targets of the sky view.
     pub(super) fn view_targets(&self) -> &[GpuLayer; VIEW_TARGETS] {
         &self.eye.view
     }
@@ -180,7 +180,7 @@ impl AirTextures {
             wgpu::TextureViewDimension::D2,
             wgpu::TextureViewDimension::D3,
         );
-        // Of rays from outside the light scattered depends on the Sun's azimuth too.
+        // For rays from outside, scattered light also depends on the Sun's azimuth.
         let (tables, dimension) = match side {
             AirSide::Outside => (&held.outside, d3),
             AirSide::Inside => (&self.eye.view, d2),
@@ -196,7 +196,7 @@ impl AirTextures {
         bindings
     }
 
-    /// What the ground binds besides, for the light that falls on it.
+    /// Binding for ground shaders: the light that falls on the ground.
     pub fn sunlight_binding(&self) -> Binding<'_> {
         texture(11, wgpu::TextureViewDimension::D2, &self.tables.sunlight)
     }
@@ -231,7 +231,7 @@ impl AirTextures {
 }
 
 impl PartialEq for AirTextures {
-    /// Whether they are the same air for the same view, not ones like them.
+    /// Whether both are the same air for the same view, by identity.
     fn eq(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.tables, &other.tables) && Arc::ptr_eq(&self.eye, &other.eye)
     }
@@ -245,7 +245,7 @@ impl std::fmt::Debug for AirTextures {
     }
 }
 
-/// Rows of rays that meet the ground or pass it, each followed by that of rays that meet clouds: nothing where there are none.
+/// Joins each row of rays that meet or pass the ground with the row of rays that meet clouds, which is zero without clouds.
 fn beside(of_ground: &[Vec4], of_clouds: Option<&[Vec4]>) -> Vec<Vec4> {
     const RAYS: usize = air::RAYS as usize;
     let rows = of_ground.chunks_exact(2 * RAYS).enumerate();
@@ -256,7 +256,7 @@ fn beside(of_ground: &[Vec4], of_clouds: Option<&[Vec4]>) -> Vec<Vec4> {
     .collect()
 }
 
-/// Size of the map of neighbourhoods, a column more on either side.
+/// Size of the map of neighbourhoods, with one more column on either side.
 const ALBEDO: TableSize = TableSize {
     x: NEIGHBOURHOODS + 2,
     y: NEIGHBOURHOODS / 2,

@@ -1,4 +1,4 @@
-//! What an eye in the air sees of it in each direction: a small picture that ground, sky and tracks are then drawn from.
+//! The sky view for an eye in the air: a small image of the air in each direction, from which ground, sky and tracks are then drawn.
 
 use super::textures::{AirTextures, VIEW_TARGETS};
 use crate::gpu::shader::ShaderModule;
@@ -11,8 +11,8 @@ pub(super) struct AirView {
     pipeline: wgpu::RenderPipeline,
     layout: wgpu::BindGroupLayout,
     bind_group: wgpu::BindGroup,
-    /// Height of the eye and cosines of the zenith angles of the Sun and, where it lights the air, the Moon that were drawn last:
-    /// nothing else changes it.
+    /// Height of the eye, and cosines of the zenith angles of the Sun and, if it lights the air, of the Moon, when the view was last drawn. It
+    /// depends on nothing else.
     drawn: Option<[f32; 3]>,
     moonlight: bool,
 }
@@ -77,7 +77,7 @@ impl AirView {
         }
     }
 
-    /// Draws it for an eye whose uniforms are written, if it is not the one that is there.
+    /// Draws the sky view for an eye whose uniforms are uploaded, unless it is up to date.
     pub fn draw(
         &mut self,
         device: &wgpu::Device,

@@ -3,14 +3,14 @@
 use super::variant::{SWITCH, ShaderVariant, TargetColor};
 use crate::plan::AirSide;
 
-/// What the halo's shader is made of.
+/// Variant of the halo's shader.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct AirVariant {
-    /// Where the eye is.
+    /// Side of the air that the eye is on.
     pub side: AirSide,
     /// Whether moonlight is scattered too.
     pub moonlight: bool,
-    /// Whether the Moon stands before the Sun.
+    /// Whether the Moon is in front of the Sun.
     pub eclipse: bool,
     /// What the target stores.
     pub target: TargetColor,
@@ -47,10 +47,10 @@ impl ShaderVariant for AirVariant {
     }
 }
 
-/// What the shader of the air's own light is made of.
+/// Variant of the shader of airglow and aurora.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct GlowVariant {
-    /// Where the eye is.
+    /// Side of the air that the eye is on.
     pub side: AirSide,
     /// Whether the airglow is drawn.
     pub airglow: bool,
@@ -81,7 +81,7 @@ impl ShaderVariant for GlowVariant {
     fn conditions(&self) -> Vec<(&'static str, bool)> {
         let mut conditions = vec![
             ("inside", self.side == AirSide::Inside),
-            // Of light through the air, not of light in it.
+            // It reads only light through the air, not light scattered in it.
             ("moonlight", false),
             ("airglow", self.airglow),
             ("aurora", self.aurora),
@@ -91,10 +91,10 @@ impl ShaderVariant for GlowVariant {
     }
 }
 
-/// The shader that draws what an eye in the air sees of it in each direction.
+/// The shader of the sky view for an eye in the air.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct AirViewVariant {
-    /// Whether it is drawn under the Moon too, below what it is under the Sun.
+    /// Whether it also draws the view under the Moon, in rows below those under the Sun.
     pub moonlight: bool,
 }
 

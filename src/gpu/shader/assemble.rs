@@ -1,4 +1,4 @@
-//! Puts the text of a shader together: imports and conditions, see the module above.
+//! Assembles the text of a shader from imports and conditions, see the module above.
 
 use super::constants;
 use super::files::{ShaderError, ShaderFiles};
@@ -9,20 +9,19 @@ use crate::gpu::scopes::{ErrorScope, resolved};
 pub struct ShaderText {
     /// The lines of the shader.
     pub text: String,
-    /// For each of its lines the file below `shaders/` that it comes from, and its number there, from 1.
+    /// For each line, the file below `shaders/` that it comes from, and its line number there, from 1.
     pub origins: Vec<(&'static str, usize)>,
 }
 
 type Conditions<'a> = &'a [(&'static str, bool)];
 
 impl ShaderText {
-    /// The text of a file and of all that it imports, of [`ShaderFiles::chosen`]. `conditions` are those that `@if` may ask for;
-    /// others are errors.
+    /// The text of a file and its imports, from [`ShaderFiles::chosen`]. `conditions` are the only ones that `@if` may use; others are errors.
     pub fn assemble(entry: &str, conditions: Conditions<'_>) -> Result<Self, ShaderError> {
         Self::assemble_from(&ShaderFiles::chosen(), entry, conditions)
     }
 
-    /// The same of other files.
+    /// As [`Self::assemble`], from these files.
     fn assemble_from(
         files: &ShaderFiles,
         entry: &str,
@@ -37,7 +36,7 @@ impl ShaderText {
         })
     }
 
-    /// False if there is no such file. `done` are files and constants that are in the text already.
+    /// Returns false if there is no such file. `done` lists the files and constants that are already in the text.
     fn import(
         &mut self,
         files: &ShaderFiles,
@@ -93,7 +92,7 @@ impl ShaderText {
     /// Compiles it for a device.
     ///
     /// # Errors
-    /// What the compiler rejects first, with the file and the line that it stands in.
+    /// The compiler's first error, with its file and line.
     pub fn compile(
         &self,
         device: &wgpu::Device,
@@ -128,25 +127,25 @@ impl ShaderText {
     }
 }
 
-/// Reads a file line by line and leaves out what is behind a condition that does not hold.
+/// Reads a file line by line and leaves out the parts whose condition does not hold.
 struct Branches<'a> {
     conditions: Conditions<'a>,
     /// Lines that were read.
     lines: usize,
-    /// Brackets that are open.
+    /// Depth of open brackets.
     depth: usize,
-    /// Declarations, members and statements behind conditions that have not ended yet, outermost first.
+    /// Open declarations, members and statements under conditions, outermost first.
     open: Vec<Branch>,
-    /// Whether the condition held whose declaration, member or statement has just ended: for an `@else` after it.
+    /// For a following `@else`: whether the condition held for the declaration, member or statement that has just ended.
     ended: Option<bool>,
 }
 
-/// What an `@if` or `@else` decides about.
+/// A construct under an `@if` or `@else`.
 struct Branch {
     is_kept: bool,
-    /// Brackets that were open at its start, and so are at its end.
+    /// Depth of brackets at its start, and at its end.
     depth: usize,
-    /// The line that it begins in.
+    /// Line of its start.
     line: usize,
     has_else: bool,
 }
@@ -162,7 +161,7 @@ impl<'a> Branches<'a> {
         }
     }
 
-    /// What the next line gives to the text. Comments are for people; the driver need not read them.
+    /// The text of the next line that is kept. Comments are dropped: the driver need not read them.
     fn kept<'t>(&mut self, line: &'t str) -> Result<Option<&'t str>, String> {
         self.lines += 1;
         let trimmed = line.trim_start();
@@ -228,7 +227,7 @@ impl<'a> Branches<'a> {
 mod tests {
     use super::*;
 
-    /// What is left of a text where `a` holds and `b` does not.
+    /// The lines that are kept if `a` holds and `b` does not.
     fn kept(text: &str) -> Result<Vec<&str>, String> {
         let mut branches = Branches::new(&[("a", true), ("b", false)]);
         let lines = text.lines().map(|line| branches.kept(line));

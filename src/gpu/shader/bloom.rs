@@ -1,15 +1,15 @@
-//! Variants of the shader that scatters light.
+//! Variants of the bloom shader.
 
 use super::variant::ShaderVariant;
 
-/// What is drawn of a picture of light.
+/// The step of the bloom.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum BloomVariant {
-    /// Half its size.
+    /// Downsamples to half the size.
     Coarser,
-    /// The same of the light itself, whose brightest is cut off.
+    /// Downsamples the light itself, with its brightest values clamped.
     CoarserLight,
-    /// Twice its size.
+    /// Upsamples to twice the size.
     Finer,
 }
 

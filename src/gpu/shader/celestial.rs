@@ -1,23 +1,23 @@
-//! Variants of the shader of what is beyond the Earth.
+//! Variants of the shader of stars, Milky Way, Sun and Moon.
 
 use super::variant::{SWITCH, ShaderVariant, TargetColor};
 use crate::plan::AirSide;
 
-/// What a shader of stars, Sun and Moon is made of.
+/// Variant of the shader of celestial objects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct CelestialVariant {
     /// What it draws.
     pub kind: CelestialKind,
     /// What the target stores.
     pub target: TargetColor,
-    /// The air before it, and where the eye is.
+    /// The side of the air that the eye is on; `None` without air.
     pub air: Option<AirSide>,
-    /// Of glare: with the diffraction pattern of an aperture.
+    /// For glare: with the diffraction pattern of an aperture.
     pub aperture: bool,
 }
 
 impl CelestialVariant {
-    /// `has_map` where a texture is bound: of glare it is the pattern of an aperture.
+    /// `has_map` if a texture is bound; for glare it is the diffraction pattern of an aperture.
     pub fn new(
         kind: CelestialKind,
         has_map: bool,
@@ -33,24 +33,24 @@ impl CelestialVariant {
     }
 }
 
-/// What is beyond the Earth, each with a shader of its own.
+/// A kind of celestial object, each with its own shader.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum CelestialKind {
-    /// The light of faint stars.
+    /// The light of unresolved stars.
     MilkyWay,
-    /// Stars, and Sun and Moon where they are as small.
+    /// Stars, and Sun and Moon when they are point-like.
     Stars,
     /// The Sun's disc.
     Sun,
     Moon,
-    /// The Sun's light in the lens.
+    /// Glare of the Sun in the lens.
     Glare,
-    /// Images of the aperture that reflections in the lens make of the Sun.
+    /// Lens ghosts: images of the aperture by reflected sunlight.
     Ghosts,
 }
 
 impl CelestialKind {
-    /// All of them, in the order in which they are drawn.
+    /// All kinds, in drawing order.
     pub const ALL: [Self; 6] = [
         Self::MilkyWay,
         Self::Stars,
@@ -60,7 +60,7 @@ impl CelestialKind {
         Self::Ghosts,
     ];
 
-    /// As shaders and labels call it.
+    /// Its name in shaders and labels.
     pub fn name(self) -> &'static str {
         match self {
             Self::MilkyWay => "milky_way",
@@ -83,7 +83,7 @@ impl ShaderVariant for CelestialVariant {
                 for has_map in SWITCH {
                     let variants = TargetColor::USUAL.into_iter();
                     let variants = variants.map(|target| Self::new(kind, has_map, target, air));
-                    // Others have a map always or never.
+                    // Other kinds always or never have a map.
                     let is_own = !has_map || kind == CelestialKind::Glare;
                     all.extend(variants.filter(|_| is_own));
                 }
@@ -101,7 +101,7 @@ impl ShaderVariant for CelestialVariant {
             ("aperture", self.aperture),
             ("air", self.air.is_some()),
             ("inside", self.air == Some(AirSide::Inside)),
-            // Of light through the air, not of light in it.
+            // It reads only light through the air, not light scattered in it.
             ("moonlight", false),
         ];
         conditions.extend(CelestialKind::ALL.map(|kind| (kind.name(), kind == self.kind)));

@@ -1,4 +1,4 @@
-//! Constants that shaders and Rust both know: shaders import them from here by name.
+//! Constants that shaders and Rust share: shaders import them by name.
 
 #[cfg(feature = "terrain")]
 use super::relief_constants::RELIEF;
@@ -18,42 +18,42 @@ use terrella_imagery::{
     CLOUD_ALBEDO, CityLight, DETAIL_MEAN, DETAIL_STEP, FLOOR_SEEN_M, LAMP_COLOR, NEIGHBOURHOODS,
 };
 
-/// Words of four numbers that cells of blocks with parts may take, each with eight of them: with all else that says where tiles lie a
-/// buffer of 16 KiB, which every adapter takes.
+/// Size limit of the cells of blocks with parts, in vectors of four words, each word with two cells. Together with the other placement data this
+/// fits a buffer of 16 KiB, which every adapter supports.
 pub const PART_CELL_WORDS: u32 = 380;
-/// Bits of such a cell that say which layer of the array it is drawn with.
+/// Bits of such a cell that hold the layer of the array texture.
 pub const PART_INDEX_BITS: u32 = 12;
 
-/// Flag of a truth texel whose place is land, by half at least.
+/// Flag of a truth texel: at least half of it is land.
 pub const TRUTH_LAND: u32 = 1 << 8;
-/// Flag of one where the middle of the Sun's disc is above the horizon.
+/// Flag of a truth texel: the centre of the Sun's disc is above the horizon.
 pub const TRUTH_SUNLIT: u32 = 1 << 9;
 
-/// Flag of a point of a track to which a segment comes from the one before.
+/// Flag of a track point: a segment connects it with the point before.
 pub(crate) const FROM_PREVIOUS: u32 = 1;
-/// Flag of what of a track lies on the ground.
+/// Flag of track elements that are on the ground.
 pub(crate) const ON_GROUND: u32 = 2;
-/// Flag of a point of a line without a dark edge.
+/// Flag of a line point: the line has no dark outline.
 pub(crate) const UNCASED: u32 = 4;
 
-/// Sine of the Sun's elevation above which city lights are out: at sunset.
+/// Sine of the Sun's elevation above which city lights are off: at sunset.
 pub const LAMPS_OUT_SIN: f64 = 0.0;
-/// Sine of the Sun's elevation below which they are all on: −6°, the end of civil twilight.
+/// Sine of the Sun's elevation below which all city lights are on: −6°, the end of civil twilight.
 pub(crate) const LAMPS_FULL_SIN: f64 = -0.104_528_463;
-/// Sine of the Sun's elevation below which the sea mirrors no Sun.
+/// Sine of the Sun's elevation below which the sea has no sunglint.
 #[cfg(feature = "packs")]
 pub(crate) const GLINT_ENDS_SIN: f64 = -0.01;
 
-/// Colour that maps of city lights are drawn in.
+/// Colour of city lights.
 const LAMP_COLOR_RGB: DVec3 = {
     let [red, green, blue] = LAMP_COLOR;
     DVec3::new(red as f64, green as f64, blue as f64)
 };
 
-/// Refractive index of sea water in the middle of visible light: 1.3408 at 550 nm, 35 ‰ and 20 °C by Quan and Fry 1995 (Appl. Opt. 34,
+/// Refractive index of sea water in the middle of the visible spectrum: 1.3408 at 550 nm, 35 ‰ and 20 °C by Quan and Fry 1995 (Appl. Opt. 34,
 /// 3477).
 const SEA_WATER_INDEX: f64 = 1.34;
-/// Reflectance of its smooth surface for light that falls straight down, by Fresnel's equations.
+/// Fresnel reflectance of its smooth surface at normal incidence.
 const SEA_REFLECTANCE: f64 = {
     let root = (SEA_WATER_INDEX - 1.0) / (SEA_WATER_INDEX + 1.0);
     root * root
@@ -61,28 +61,28 @@ const SEA_REFLECTANCE: f64 = {
 
 /// Angle from the Sun within which its glare is drawn, radians.
 pub(crate) const GLARE_RADIUS_RAD: f64 = 0.25;
-/// Of the diffraction pattern, by channel.
+/// Scales of the diffraction pattern, by channel.
 const APERTURE_SCALES: DVec3 = DVec3::from_array(DiffractionPattern::SCALES);
 const APERTURE_FADING: DVec3 = DVec3::from_array(DiffractionPattern::FADING);
-/// Radiance of the Milky Way's map where it is 1, and of the sky where it is 0 (23.5 magnitudes a square arc second), a white sheet that
-/// faces the Sun in space being 1; see `textures/SOURCES.md`.
+/// Radiance of the Milky Way's map where its value is 1, and of the sky where it is 0 (23.5 magnitudes a square arc second), relative to a white
+/// sheet that faces the Sun in space; see `textures/SOURCES.md`.
 const MILKY_WAY_LIGHT: f64 = 3.097e-8;
 const MILKY_WAY_FLOOR: f64 = 1.052e-9;
 
-/// Most exposed light that a layer adds to a float target that is developed later: the light of two of them is still a number of 16 bits.
+/// Limit of the exposed light that a layer adds to a float target that is developed later: the sum of two layers must fit a half float.
 const BRIGHTEST_EXPOSED: f64 = 30_000.0;
 
-/// Directions below the limb and above it, together, that an eye in the air is shown the air in.
+/// Number of directions below and above the limb in the sky view, together.
 pub const VIEW_ANGLES: u32 = 96;
-/// Azimuths of the Sun that it is shown in.
+/// Number of azimuths from the Sun in the sky view.
 pub const VIEW_AZIMUTHS: u32 = 32;
 
-/// Texels of a table along its axes, as shaders count.
+/// Size of a table along its axes, for shaders.
 const fn texels(size: TableSize) -> DVec3 {
     DVec3::new(size.x as f64, size.y as f64, size.z as f64)
 }
 
-/// A constant and its name.
+/// The constant with this name.
 pub(super) fn shared(name: &str) -> Option<(&'static str, &'static Value)> {
     let mut all = SHARED.iter().chain(RELIEF);
     let (name, value) = all.find(|(known, _)| *known == name)?;
@@ -92,7 +92,7 @@ pub(super) fn shared(name: &str) -> Option<(&'static str, &'static Value)> {
 #[cfg(not(feature = "terrain"))]
 const RELIEF: &[(&str, Value)] = &[];
 
-/// All but those of relief, by name.
+/// All shared constants except those of terrain, by name.
 const SHARED: &[(&str, Value)] = &[
     ("PI", F32(PI)),
     // Blocks, and maps in the order of their bindings.
@@ -132,7 +132,7 @@ const SHARED: &[(&str, Value)] = &[
     ("SEA_REFLECTANCE", F32(SEA_REFLECTANCE)),
     ("BRIGHTEST_EXPOSED", F32(BRIGHTEST_EXPOSED)),
     ("BRIGHTEST_SCATTERED", F32(Bloom::BRIGHTEST_SCATTERED)),
-    // What is shown: the largest value of eight bits, and tone curves.
+    // Display: the largest 8-bit value, and tone curves.
     ("LAST_CODE", F32(u8::MAX as f64)),
     ("GRAIN_BITS", U32(light::GRAIN_BITS)),
     ("GRAIN_INCREMENT", U32(light::GRAIN_INCREMENT)),
@@ -186,7 +186,7 @@ const SHARED: &[(&str, Value)] = &[
         )),
     ),
     ("TONE_AGX_DISPLAY_POWER", F32(agx::DISPLAY_POWER)),
-    // The air and its tables; heights are equatorial radii where they say no unit.
+    // The air and its tables; heights without a unit are in equatorial radii.
     ("LOWEST_SUN", F32(air::LOWEST_SUN)),
     ("SUN_SPACING", F32(air::SUN_SPACING)),
     ("AIR_TOP", F32(air::TOP)),
@@ -221,7 +221,7 @@ const SHARED: &[(&str, Value)] = &[
     ("CLOUD_ALBEDO", F32(CLOUD_ALBEDO)),
     ("VIEW_ANGLES", F32(VIEW_ANGLES as f64)),
     ("VIEW_AZIMUTHS", F32(VIEW_AZIMUTHS as f64)),
-    // The air's own light; heights and widths of its layers are equatorial radii.
+    // Airglow and aurora; heights and widths of layers are in equatorial radii.
     ("AIRGLOW_LOW_LIGHT", Vec3(LOW_LIGHT)),
     ("AIRGLOW_GREEN_LIGHT", Vec3(GREEN_LIGHT)),
     ("AIRGLOW_RED_LIGHT", Vec3(RED_LIGHT)),

@@ -3,12 +3,12 @@
 use super::variant::{SWITCH, ShaderVariant, TargetColor};
 use terrella_ground::light::{Grade, Tone};
 
-/// How light is read, and what is shown of it.
+/// How light is read and developed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct DevelopVariant {
-    /// What the target stores. Of a measured response it has the tone [`Tone::Linear`].
+    /// Content of the target. For a measured response its tone is [`Tone::Linear`].
     pub target: TargetColor,
-    /// The target is larger: light is blended by a sampler.
+    /// The target is larger than the light texture, which a sampler filters.
     pub sampled: bool,
     /// The tone curve is a measured response.
     pub measured: bool,
@@ -51,11 +51,11 @@ impl ShaderVariant for DevelopVariant {
         let all =
             shown.flat_map(|target| SWITCH.map(|sampled| Self::new(target, sampled, &Grade::NONE)));
         let all: Vec<_> = all.collect();
-        // The rest of the text knows nothing of the curves.
+        // The rest of the text does not depend on the tone curve.
         let straight = all.iter();
         let straight = straight.filter(|variant| variant.target.tone() == Some(Tone::Linear));
         let more = straight.flat_map(|variant| {
-            // A bit for each; without any of them the variant is there already.
+            // One bit for each; the variant without any of them is already listed.
             (1..8).map(|bits| Self {
                 measured: bits & 1 != 0,
                 balanced: bits & 2 != 0,

@@ -4,77 +4,77 @@ use super::capability::ShaderCapability;
 use super::variant::{SWITCH, ShaderVariant, TargetColor};
 use crate::plan::{AirSide, LightEffect, LightEffects};
 
-/// What the surface's shader is made of.
+/// Variant of the surface's shader.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct EarthVariant {
-    /// How its mesh is made, and with it how a pixel's point of the surface is found.
+    /// How the mesh is made, which also determines how a pixel's surface point is found.
     pub form: VertexForm,
     /// What the fragment stage writes.
     pub output: EarthOutput,
-    /// Whether blocks that have tiles may be cut into parts with tiles of their own.
+    /// Whether blocks with tiles may be cut into parts, each with its own tiles.
     pub parts: bool,
 }
 
-/// How the surface's mesh is made.
+/// Form of the surface's mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum VertexForm {
-    /// The block sphere on the ellipsoid, each block with tiles of its own if `tiles`.
+    /// The block sphere on the ellipsoid; with `tiles`, each block has its own tiles.
     BlockLattice {
         /// Whether blocks have tiles.
         tiles: bool,
     },
     /// Patches of terrain.
     ReliefPatches(PatchTiles),
-    /// A grid whose vertices the GPU makes; its triangles lie in several blocks.
+    /// A grid whose vertices the GPU computes; its triangles span several blocks.
     ProjectedGrid {
         /// Whether blocks have tiles.
         tiles: bool,
     },
-    /// City lights, points that are drawn over the block sphere.
+    /// City lights as points over the block sphere.
     CityPoints,
-    /// No mesh: all of the sky, for clouds in it.
+    /// No mesh: the whole sky, for clouds overhead.
     Sky,
-    /// Prisms behind which rays are cast at pages of contours. Each lies in one block.
+    /// Prisms behind whose faces rays are cast at pages of contours. Each lies in one block.
     ContourPrisms {
         /// Whether blocks have tiles.
         tiles: bool,
-        /// Whether the pass has a depth buffer: the shader says how deep a pixel lies.
+        /// Whether the pass has a depth buffer: the shader then writes the depth of each pixel.
         writes_depth: bool,
     },
 }
 
-/// What maps patches of relief are drawn with.
+/// Imagery of terrain patches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum PatchTiles {
     /// Whole maps.
     None,
     /// Tiles of the one block that each patch lies in.
     OfOneBlock,
-    /// Tiles of each block that a patch lies in.
+    /// Tiles of each block that a patch overlaps.
     OfSeveralBlocks,
 }
 
-/// What the surface's pixels get.
+/// Output of the surface's pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum EarthOutput {
-    /// Where they look: no map is read.
+    /// Geolocation: no map is read.
     Geolocation,
-    /// What is there, as numbers.
+    /// Ground truth as numbers.
     Truth(TruthLayers),
-    /// What that looks like.
+    /// The shaded image.
     Picture(ShadingVariant, TargetColor),
 }
 
-/// How a picture is shaded.
+/// Shading of the image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum ShadingVariant {
-    /// Real light.
+    /// Physical light.
     Sunlit(SunlitLayers),
-    /// As the paper prints it, in display values.
+    /// As printed in the paper, in display values.
     Paper(PaperLayers),
 }
 
-/// What real light falls on and through, besides the day map.
+/// Layers under physical light besides the day map.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub struct SunlitLayers {
     /// Cloud cover.
@@ -85,15 +85,15 @@ pub struct SunlitLayers {
     pub night_lights: bool,
     /// Open water.
     pub water: bool,
-    /// Of [`LightEffect::OF_SURFACE`]; without clouds they throw no shadows.
+    /// The effects of [`LightEffect::OF_SURFACE`]; without clouds there are no cloud shadows.
     pub effects: LightEffects,
-    /// The Moon before the Sun.
+    /// The Moon in front of the Sun.
     pub eclipse: bool,
-    /// The air's light is looked up at vertices and interpolated, for an eye outside the air that looks at the block sphere.
+    /// The air's light is sampled at vertices and interpolated, for an eye outside the air that looks at the block sphere.
     pub interpolated: bool,
-    /// All of it is deep water, with the map of water.
+    /// Everything is deep water; the map of water is present.
     pub open_sea: bool,
-    /// The air between the Sun, the ground and the eye, and where the eye is.
+    /// The side of the air that the eye is on; `None` without air.
     pub air: Option<AirSide>,
 }
 
@@ -104,11 +104,11 @@ pub struct PaperLayers {
     pub clouds: bool,
     /// The normal map.
     pub normals: bool,
-    /// The air between the ground and the eye, and where the eye is. The paper's own is a picture over it.
+    /// The side of the air that the eye is on; `None` without air. The paper's own air is an image drawn over it.
     pub air: Option<AirSide>,
 }
 
-/// The maps that what is written as numbers is read from.
+/// The maps that ground truth is read from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub struct TruthLayers {
     /// Cloud cover.
@@ -129,7 +129,7 @@ impl EarthVariant {
         }
     }
 
-    /// The same while the Moon's shadow is in view; `None` where nothing knows of it. Then the Moon is new, and lights nothing.
+    /// The variant for frames with the Moon's shadow; `None` if it has no light that the shadow affects. The Moon is then new and gives no light.
     pub fn eclipsed(self) -> Option<Self> {
         self.with_sunlit(|layers| {
             Some(SunlitLayers {
@@ -140,7 +140,7 @@ impl EarthVariant {
         })
     }
 
-    /// The same without what shows by night alone, for ground by day; `None` where it has nothing of that.
+    /// The variant for ground in daylight, without layers that are visible only at night; `None` if it has no such layers.
     pub fn daylit(self) -> Option<Self> {
         self.with_sunlit(|layers| {
             let has_moonlight = layers.effects.has(LightEffect::Moonlight);
@@ -153,8 +153,8 @@ impl EarthVariant {
         })
     }
 
-    /// The same for cells by day whose light from and through the air is interpolated between their vertices; `None` of what has no such
-    /// light, no such vertices, or a target that measures it.
+    /// The variant for cells in daylight that interpolates the light from and through the air between vertices; `None` if it has no such light, no
+    /// such vertices, or a target for measurements.
     pub fn interpolated(self) -> Option<Self> {
         let is_shown = match self.output {
             EarthOutput::Picture(_, target) => target != TargetColor::Radiance,
@@ -171,7 +171,7 @@ impl EarthVariant {
         interpolated.filter(|_| is_shown && has_vertices)
     }
 
-    /// The same for cells of nothing but land and of nothing but open sea; `None` without a map of water.
+    /// The variants for cells that have only land and only open sea; `None` without a map of water.
     pub fn of_one_kind(self) -> Option<(Self, Self)> {
         let land = self.with_sunlit(|layers| {
             layers.water.then_some(SunlitLayers {
@@ -189,7 +189,8 @@ impl EarthVariant {
         Some((land, open_sea))
     }
 
-    /// City lights as points over ground that is drawn so; `None` where it has no such lights, tiles, or another mesh than the block sphere.
+    /// The variant of city lights as points over ground of this variant; `None` if it has no such lights, has tiles, or has a mesh other than the
+    /// block sphere.
     pub fn lights_as_points(self) -> Option<Self> {
         match (self.form, self.output) {
             (
@@ -200,7 +201,7 @@ impl EarthVariant {
         }
     }
 
-    /// The clouds of what is drawn so in the sky, seen from below; `None` where there are none, or no eye is below them.
+    /// The variant of this variant's clouds in the sky, seen from below; `None` if there are no clouds or the eye cannot be below them.
     pub fn clouds_overhead(self, eclipse: bool) -> Option<Self> {
         match self.output {
             EarthOutput::Picture(ShadingVariant::Sunlit(layers), target)
@@ -224,7 +225,7 @@ impl EarthVariant {
         }
     }
 
-    /// The same without the map of city lights.
+    /// The variant without the map of city lights.
     pub fn without_night_map(self) -> Self {
         let without = self.with_sunlit(|layers| {
             Some(SunlitLayers {
@@ -235,7 +236,7 @@ impl EarthVariant {
         without.unwrap_or(self)
     }
 
-    /// City lights as points, behind what of these layers is before the ground.
+    /// City lights as points, behind the layers that lie in front of the ground.
     fn of_city_lights((layers, target): (SunlitLayers, TargetColor)) -> Self {
         let detail = LightEffects::NONE.with(LightEffect::Detail);
         let layers = SunlitLayers {
@@ -252,7 +253,7 @@ impl EarthVariant {
         }
     }
 
-    /// The same with other layers in real light; `None` where it has no such light, or there are none.
+    /// The variant with other layers under physical light; `None` if it has no such light or `layers` is `None`.
     fn with_sunlit(
         self,
         change: impl FnOnce(SunlitLayers) -> Option<SunlitLayers>,
@@ -268,7 +269,7 @@ impl EarthVariant {
 }
 
 impl VertexForm {
-    /// All that the surface is drawn by.
+    /// All variants of the surface.
     pub fn all() -> Vec<Self> {
         let mut all = Vec::new();
         for tiles in SWITCH {
@@ -294,7 +295,7 @@ impl VertexForm {
         }
     }
 
-    /// Whether triangles that lie in several blocks are drawn with the tiles of each.
+    /// Whether triangles that span several blocks are drawn with the tiles of each.
     pub fn has_per_block_tiles(self) -> bool {
         matches!(
             self,
@@ -304,7 +305,7 @@ impl VertexForm {
 }
 
 impl EarthOutput {
-    /// All of them, and of parts that have nothing to do with each other, not each with each.
+    /// All of them. Independent parts are not combined exhaustively.
     pub fn all() -> Vec<Self> {
         use LightEffect::{CloudShadows, Detail, DirectionalReflectance, Moonlight};
         let none = LightEffects::NONE;
@@ -327,12 +328,12 @@ impl EarthOutput {
             });
             layers
                 .filter(|layers| layers.clouds || !layers.effects.has(CloudShadows))
-                // It meets the clouds and the air, and nothing else of these.
+                // It interacts only with clouds and air.
                 .filter(|l| {
                     let has = |effect| l.effects.has(effect);
                     !l.eclipse || l.water && l.normals && has(Detail) && !has(Moonlight)
                 })
-                // It meets clouds, land and moonlight.
+                // It interacts with clouds, land and moonlight.
                 .filter(|l| {
                     let beside = l.water && l.normals && l.night_lights;
                     !l.effects.has(DirectionalReflectance) || beside && l.effects.has(Detail)
@@ -348,7 +349,7 @@ impl EarthOutput {
                 })
             })
         };
-        // Other tone curves with one set of layers.
+        // Other tone curves with only one set of layers.
         let bare = ShadingVariant::Sunlit(SunlitLayers::default());
         let usual = TargetColor::USUAL;
         let others = TargetColor::all().into_iter();
@@ -357,7 +358,7 @@ impl EarthOutput {
             .into_iter()
             .flat_map(|air| sunlit(air).chain(paper(air)))
             .flat_map(|shading| {
-                // Nothing of moonlight, detail and eclipses meets the target: one is enough.
+                // Moonlight, detail and eclipses do not interact with the target: one target is enough.
                 let targets = usual.into_iter().take(match shading {
                     ShadingVariant::Sunlit(layers)
                         if layers.eclipse || layers.effects.without(CloudShadows) != none =>
@@ -383,7 +384,7 @@ impl EarthOutput {
     }
 }
 
-/// What city lights are drawn behind and to.
+/// Layers and targets of city lights.
 fn outputs_of_city_lights() -> impl Iterator<Item = (SunlitLayers, TargetColor)> {
     let layers = SWITCH.into_iter().flat_map(|clouds| {
         AirSide::OR_NONE.map(|air| SunlitLayers {
@@ -409,7 +410,7 @@ impl ShaderVariant for EarthVariant {
                 parts: false,
             })
         });
-        // What parts are read by meets maps alone: outputs with all of them and with none.
+        // Parts only interact with maps: outputs with all maps and with none.
         let reads_all = |output: &EarthOutput| match output {
             EarthOutput::Picture(ShadingVariant::Sunlit(layers), target) => {
                 let all = layers.clouds
@@ -437,7 +438,7 @@ impl ShaderVariant for EarthVariant {
         let all: Vec<Self> = whole.chain(cut).collect();
         let interpolated = all.iter().filter(|variant| variant.daylit().is_none());
         let interpolated: Vec<_> = interpolated.filter_map(|v| v.interpolated()).collect();
-        // Open sea has no slopes, and those without tiles are known.
+        // Open sea has no slopes, and cells are classified only without tiles.
         let open_sea = interpolated
             .iter()
             .filter(|variant| !variant.form.has_tiles());
@@ -470,7 +471,7 @@ impl ShaderVariant for EarthVariant {
             EarthOutput::Geolocation | EarthOutput::Truth(_) => (None, None),
             EarthOutput::Picture(shading, target) => (Some(shading), Some(target)),
         };
-        // The paper has no lamps and no water.
+        // The paper has no city lights and no water.
         let layers = match self.output {
             EarthOutput::Picture(ShadingVariant::Sunlit(layers), _) => layers,
             EarthOutput::Picture(ShadingVariant::Paper(layers), _) => SunlitLayers {
@@ -537,7 +538,7 @@ impl ShaderVariant for EarthVariant {
             ("open_sea", layers.open_sea),
             ("air", layers.air.is_some()),
             ("inside", layers.air == Some(AirSide::Inside)),
-            // The paper's display values, for a target of anything else.
+            // The paper's display values, for a target that stores something else.
             (
                 "decode",
                 is_paper && !matches!(target, Some(TargetColor::Display(_))),
@@ -545,7 +546,7 @@ impl ShaderVariant for EarthVariant {
         ];
         let effects = LightEffect::OF_SURFACE.iter();
         conditions.extend(effects.map(|effect| (effect.name(), layers.effects.has(*effect))));
-        // What is measured is stored as it is.
+        // Measured values are stored unchanged.
         let target = target.unwrap_or(TargetColor::Radiance);
         conditions.extend(target.conditions());
         conditions

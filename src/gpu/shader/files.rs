@@ -8,7 +8,7 @@ use terrella_files::{cause, read_text};
 /// Most bytes of a file in a folder.
 const MOST_BYTES: u64 = 1 << 20;
 
-/// What is wrong with a shader file.
+/// An error in a shader file.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("shaders/{file}:{line}: {problem}")]
 pub struct ShaderError {
@@ -19,7 +19,7 @@ pub struct ShaderError {
     pub problem: String,
 }
 
-/// Where the files are that shaders are put together from.
+/// Where shader files are read from.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ShaderFiles {
     /// In the program.
@@ -29,8 +29,8 @@ pub enum ShaderFiles {
 }
 
 impl ShaderFiles {
-    /// Those in the folder that the environment variable `TERRELLA_SHADERS` names. Without it a debug build takes the folder that
-    /// it was compiled from, if that is still there, and a release build what is compiled in.
+    /// The folder in the environment variable `TERRELLA_SHADERS`. Without it, a debug build uses the folder it was compiled from, if it still
+    /// exists, and a release build uses the embedded files.
     pub fn chosen() -> Self {
         let own = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/shaders"));
         match std::env::var_os("TERRELLA_SHADERS") {
@@ -70,7 +70,7 @@ impl ShaderFiles {
         Ok(Some((name, text)))
     }
 
-    /// The names and texts that are not those compiled in.
+    /// The names and texts of files that differ from the embedded ones.
     ///
     /// # Errors
     /// The first file that cannot be read.
@@ -86,8 +86,7 @@ impl ShaderFiles {
         Ok(changed)
     }
 
-    /// When each file of a folder was written last, as far as it is there: after an edit the answer is another. What is compiled in
-    /// has none.
+    /// Modification time of each file of a folder, if it exists: an edit changes the result. Embedded files have none.
     pub fn written(&self) -> Vec<Option<SystemTime>> {
         let Self::Folder(folder) = self else {
             return Vec::new();
@@ -99,7 +98,7 @@ impl ShaderFiles {
 
 macro_rules! files {
     ($($name:literal),* $(,)?) => {
-        /// Name below `shaders/` and text of each file that shaders are put together from.
+        /// Name below `shaders/` and text of each shader file.
         pub const FILES: &[(&str, &str)] = &[
             $(($name, include_str!(concat!("../../../shaders/", $name)))),*
         ];

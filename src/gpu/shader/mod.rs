@@ -1,30 +1,29 @@
-//! Shaders: WGSL files of one concern each, put together for a variant.
+//! Shaders: WGSL files with one concern each, assembled for a variant.
 //!
-//! A [`ShaderVariant`] is a value of enums: it expresses legal combinations only and enumerates all of them, for production
-//! and for tests alike. Its entry file lists the files that it is made of. Two things are not WGSL:
+//! A [`ShaderVariant`] is a value of enums: it expresses legal combinations only and enumerates all of them, for production and for tests alike.
+//! Its entry file lists its files. Two constructs extend WGSL:
 //!
-//! - `import FILE.wgsl;` puts that file of `shaders/` here, once per shader, and `import rust::{A, B};` declares constants that
-//!   Rust knows (`constants`), so that no number is typed twice;
-//! - `@if(a && !b)` before a member, a statement, a declaration or an import keeps it where these conditions hold, down to its
-//!   last line; `@else` directly after it keeps the next one where they do not.
+//! - `import FILE.wgsl;` inserts that file of `shaders/`, once per shader, and `import rust::{A, B};` declares constants of Rust (`constants`), so
+//!   that no number is written twice;
+//! - `@if(a && !b)` before a member, a statement, a declaration or an import keeps it, to its last line, if these conditions hold; `@else` directly
+//!   after it keeps the next one if they do not.
 //!
-//! So what is off is not in the text that the driver sees. Set `TERRELLA_SHADER_DUMP` to a folder to have every shader written
-//! there as the driver gets it.
+//! A feature that is off is thus not in the text that the driver sees. Set `TERRELLA_SHADER_DUMP` to a folder to have every assembled shader
+//! written there.
 //!
-//! `TERRELLA_SHADERS` names a folder that the files are read from in place of those compiled in; a debug build reads them from
-//! `shaders/` without it ([`ShaderFiles`]). The player's window draws with them again when they change.
+//! `TERRELLA_SHADERS` names a folder that replaces the embedded files; a debug build reads `shaders/` without it ([`ShaderFiles`]). The player's
+//! window redraws with the files when they change.
 //!
 //! # Why our own resolver
 //!
-//! `wesl` 0.4 (the last for this Rust) and `naga_oil` 0.23 were tried. The conditions are WESL's, so that its files read alike;
-//! the resolver is ours, 150 lines:
+//! `wesl` 0.4 (the last for this Rust) and `naga_oil` 0.23 were tried. The conditions follow WESL's syntax. The resolver is our own, 150 lines:
 //!
-//! - `wesl` parses all of WGSL and names errors well, but is 48 crates more, a parser generator among them; it prints the text
-//!   again with mangled names, and a condition that nobody declared is false without a word.
-//! - `naga_oil` is 7 crates more and hands over naga's IR instead of text: nothing to dump, nothing to count bytes of. Its
-//!   `#ifdef` takes lines of its own, which is what made functions here unreadable.
-//! - Here a line of the driver's text is a line of a file, [`ShaderText::origins`] says which, unknown names are errors, and
-//!   constants come from Rust.
+//! - `wesl` parses all of WGSL and reports errors well, but adds 48 crates, a parser generator among them. It prints the text again with mangled
+//!   names, and silently treats an undeclared condition as false.
+//! - `naga_oil` adds 7 crates and returns naga's IR instead of text: there is nothing to dump, and no text length to count. Its `#ifdef` takes
+//!   separate lines, which made functions here unreadable.
+//! - Here a line of the driver's text is a line of a file, [`ShaderText::origins`] maps one to the other, unknown names are errors, and constants
+//!   come from Rust.
 
 mod air;
 mod assemble;

@@ -1,15 +1,15 @@
-//! Constants that only shaders of terrain and Rust both know.
+//! Constants that terrain shaders and Rust share.
 
 use super::value::Value::{self, F32, U32};
 use terrella_ground::globe::contours::STACK;
 use terrella_ground::globe::projected_grid as grid;
 
-/// Slots in a row of the atlas of height tiles.
+/// Number of slots in a row of the atlas of elevation tiles.
 pub(crate) const ATLAS_COLUMNS: u32 = 16;
 
 /// All of them by name.
 pub(super) const RELIEF: &[(&str, Value)] = &[
-    // The projected grid's windows of height tiles.
+    // The projected grid's windows of elevation tiles.
     ("GRID_LEVELS", U32(grid::LEVELS as u32)),
     ("GRID_WINDOW_TILES", U32(grid::WINDOW_TILES as u32)),
     ("GRID_TILE_CELLS", U32(grid::TILE_CELLS)),
@@ -17,6 +17,6 @@ pub(super) const RELIEF: &[(&str, Value)] = &[
     ("GRID_SHARPER", F32(grid::SHARPER)),
     ("ATLAS_COLUMNS", U32(ATLAS_COLUMNS)),
     ("NO_SLOT", U32(grid::NO_SLOT)),
-    // Contours that rays are cast at.
+    // Contours for ray casting.
     ("CONTOUR_STACK", U32(STACK as u32)),
 ];

@@ -1,20 +1,20 @@
-//! Variants of the shader of satellites' tracks.
+//! Variants of the shader of satellite tracks.
 
 use super::variant::{ShaderVariant, TargetColor};
 use crate::plan::AirSide;
 
-/// What a shader of tracks is made of.
+/// Variant of the tracks shader.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct TracksVariant {
     /// Lines, marks, fills or polygons.
     pub kind: TrackKind,
     /// What the target stores.
     pub target: TargetColor,
-    /// The air between a track and the eye, and where the eye is.
+    /// The side of the air that the eye is on; `None` without air.
     pub air: Option<AirSide>,
 }
 
-/// What of tracks is drawn, each with a shader of its own.
+/// A kind of track element, each with its own shader.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum TrackKind {
     /// Trails and ground tracks.
@@ -53,7 +53,7 @@ impl ShaderVariant for TracksVariant {
             ("polygons", self.kind == TrackKind::Polygons),
             ("air", self.air.is_some()),
             ("inside", self.air == Some(AirSide::Inside)),
-            // Craft in moonlit air are drawn as by a night without a Moon.
+            // Spacecraft in moonlit air are drawn as in a night without the Moon.
             ("moonlight", false),
         ];
         conditions.extend(self.target.conditions());

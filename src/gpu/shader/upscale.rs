@@ -1,15 +1,15 @@
-//! Variants of the shader that draws a picture over a larger target.
+//! Variants of the shader that draws an image over a larger target.
 
 use super::variant::ShaderVariant;
 
-/// How the shader of an enlarged picture reads its texels.
+/// How the upscaling shader reads texels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum UpscaleVariant {
-    /// Through a sampler that blends them: formats that the hardware filters and, where they are sRGB, decodes.
+    /// With a filtering sampler: formats that the hardware can filter and, if they are sRGB, decodes.
     Sampled,
-    /// One by one: formats that are not filtered.
+    /// One by one: formats that cannot be filtered.
     Loaded,
-    /// The same of display values that the hardware neither decodes nor encodes.
+    /// One by one, as display values that the hardware neither decodes nor encodes.
     LoadedDisplay,
 }
 

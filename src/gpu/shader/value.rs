@@ -1,4 +1,4 @@
-//! Values of constants that shaders and Rust both know.
+//! Values of constants that shaders and Rust share.
 
 use glam::DVec3;
 
@@ -13,7 +13,7 @@ impl Value {
     /// The line that declares it.
     pub fn declaration(&self, name: &str) -> String {
         match self {
-            // `{:?}` has a decimal point or an exponent always, and digits enough to come back to the bit.
+            // `{:?}` always writes a decimal point or an exponent, and enough digits for an exact round trip.
             Self::U32(value) => format!("const {name}: u32 = {value}u;"),
             Self::F32(value) => format!("const {name}: f32 = {:?};", *value as f32),
             Self::Vec3(value) => {

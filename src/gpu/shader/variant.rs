@@ -1,27 +1,26 @@
-//! What all variants have in common: conditions, a name, a text, a compiled module.
+//! The common part of all variants: conditions, name, text and compiled module.
 
 use super::assemble::ShaderText;
 use super::capability::ShaderCapability;
 use super::files::ShaderError;
 use terrella_ground::light::Tone;
 
-/// What the colour target stores.
+/// Content of the colour target.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum TargetColor {
-    /// Light itself: a float format. Values that are meant for a display are decoded.
+    /// Scene-referred light: a float format. Display values are decoded.
     Radiance,
-    /// Light times the exposure: a float format that is developed after the pass. Values that are meant for a display come as the light that
-    /// the tone curve shows as them.
+    /// Light multiplied by the exposure: a float format that is developed after the pass. Display values are stored as the light that the tone
+    /// curve maps to them.
     Exposed,
-    /// What is shown of light by a tone curve, dithered for 8 bits, linear: the hardware encodes it (sRGB formats). Values that
-    /// are meant for a display are decoded.
+    /// Tone-mapped light, dithered for 8 bits, linear: the hardware encodes it (sRGB formats). Display values are decoded.
     Linear(Tone),
-    /// The same as display values, which the shader must encode itself.
+    /// Tone-mapped light as display values, which the shader must encode.
     Display(Tone),
 }
 
 impl TargetColor {
-    /// The most usual ones: between them they have every condition but those of other tone curves.
+    /// The most common ones: together they have every condition except those of other tone curves.
     pub const USUAL: [Self; 4] = [
         Self::Exposed,
         Self::Linear(Tone::Camera),
@@ -37,7 +36,7 @@ impl TargetColor {
         light.into_iter().chain(shown).collect()
     }
 
-    /// The curve by which light is shown; `None` where light itself is stored.
+    /// The tone curve; `None` if light itself is stored.
     pub fn tone(self) -> Option<Tone> {
         match self {
             Self::Radiance | Self::Exposed => None,
@@ -60,18 +59,18 @@ impl TargetColor {
     }
 }
 
-/// A legal combination of what a shader is made of.
+/// A legal combination of shader options.
 pub trait ShaderVariant: Copy {
-    /// The file that lists the others, below `shaders/`.
+    /// The entry file, below `shaders/`.
     const ENTRY: &'static str;
 
-    /// Every legal combination, each once. Tone curves, of which no other part of a text knows, are not combined with every part.
+    /// Every legal combination, each once. Tone curves are independent of the rest and not combined with every part.
     fn all() -> Vec<Self>;
 
-    /// All conditions that its files may ask for, and whether they hold.
+    /// All conditions that its files may use, and whether they hold.
     fn conditions(&self) -> Vec<(&'static str, bool)>;
 
-    /// What it needs of a device that not every device has.
+    /// Capabilities that it needs beyond those of every device.
     fn needs(&self) -> Vec<ShaderCapability> {
         Vec::new()
     }

@@ -1,33 +1,33 @@
-//! Rings on the globe as polygons of the plane of longitude and latitude: unrolled across the date line, cut open at a pole.
+//! Rings on the globe as polygons in the plane of longitude and latitude: unwrapped across the date line, cut open at a pole.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use terrella_frames::Geodetic;
 
-/// Rounding of longitudes of the date line and of latitudes of the poles, radians.
+/// Tolerance for longitudes of the date line and latitudes of the poles, radians.
 const ROUNDING_RAD: f64 = 1e-9;
 
 /// Longitude and latitude, radians. Longitudes may lie beyond ±π.
 pub(super) type PlanePoint = [f64; 2];
 
-/// A polygon of the plane.
+/// A polygon in the plane.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct FlatPolygon {
-    /// Corners of all rings; none repeats its first.
+    /// Corners of all rings; no ring repeats its first corner.
     pub points: Vec<PlanePoint>,
-    /// Where each ring begins; the first is the outer one.
+    /// Index of each ring's first corner; the first ring is the outer one.
     pub rings: Vec<usize>,
-    /// Of each corner, whether the edge to the next of its ring is an edge on the globe, not a cut of the map.
+    /// For each corner, whether the edge to the next corner is an edge on the globe and not a cut of the map.
     pub is_edge: Vec<bool>,
 }
 
-/// A ring that is unrolled.
+/// An unwrapped ring.
 struct Unrolled {
     points: Vec<PlanePoint>,
-    /// How far it goes around the poles, radians: 0, or a turn to the east or to the west.
+    /// Angle by which it winds around the poles, radians: 0, or ±2π to the east or west.
     turn: f64,
 }
 
-/// The polygon of these rings. Rings of fewer than three corners are left out, with all of their polygon where the outer one is.
+/// The polygon of these rings. Rings with fewer than three corners are left out; with such an outer ring, the whole polygon.
 pub(super) fn flatten(rings: &[Vec<Geodetic>]) -> FlatPolygon {
     let mut flat = FlatPolygon::default();
     let mut unrolled = rings.iter().map(|ring| unroll(ring));
@@ -51,7 +51,7 @@ pub(super) fn flatten(rings: &[Vec<Geodetic>]) -> FlatPolygon {
         }
     }
     for mut hole in holes {
-        // Into the same turn as what it lies in.
+        // Shifted by full turns into its outer ring.
         let [lon, _] = middle_of(&hole.points);
         let shift = TAU * ((middle[0] - lon) / TAU).round();
         hole.points.iter_mut().for_each(|point| point[0] += shift);
@@ -107,7 +107,7 @@ fn unroll(ring: &[Geodetic]) -> Unrolled {
         return Unrolled { points, turn: 0.0 };
     };
     let end = last[0] + shorter_way(first[0] - last[0]);
-    // All steps go the shorter way, so that they add up to whole turns.
+    // All steps take the shorter way, so that they add up to full turns.
     let turn = TAU * ((end - first[0]) / TAU).round();
     if points.len() > 1 && (end - last[0]).abs() < ROUNDING_RAD && first[1] == last[1] {
         points.pop();
@@ -115,8 +115,8 @@ fn unroll(ring: &[Geodetic]) -> Unrolled {
     Unrolled { points, turn }
 }
 
-/// A ring about a pole, cut open: from its first corner around to that again, and back along the pole or along a hole about the pole. The
-/// cut, the edge after that corner and the last one, is the same meridian or segment on both sides, so that nothing is missing there.
+/// A ring around a pole, cut open: from its first corner around to the same corner, and back along the pole or along a hole around the pole. The
+/// cut, which is the edge after that corner and the last edge, is the same meridian or segment on both sides, so that there is no gap.
 fn strip(outer: Unrolled, hole: Option<Unrolled>) -> Vec<PlanePoint> {
     let Unrolled { mut points, turn } = outer;
     let first = points[0];
@@ -131,7 +131,7 @@ fn strip(outer: Unrolled, hole: Option<Unrolled>) -> Vec<PlanePoint> {
             if hole.turn.signum() == turn.signum() {
                 hole.points.reverse();
             }
-            // From the end of the outer ring back by a turn.
+            // From the end of the outer ring back by a full turn.
             let shift = TAU * ((first[0] + turn - hole.points[0][0]) / TAU).round();
             let start = [hole.points[0][0] + shift, hole.points[0][1]];
             points.extend(hole.points.iter().map(|[lon, lat]| [lon + shift, *lat]));
@@ -206,7 +206,7 @@ mod tests {
         // The edge of a map: along 180° and the pole.
         let half = flat(&[&[(90.0, -70.0), (90.0, -90.0), (180.0, -90.0), (180.0, -70.0)]]);
         assert_eq!(half.is_edge, [true, false, false, true]);
-        // Around a pole with a hole about it, wound the same way.
+        // Around a pole with a hole around it, with the same winding.
         let hole: Vec<_> = [10.0, 130.0, -110.0].map(|lon| (lon, -80.0)).into();
         let flat = flat(&[&south, &hole]);
         let expected = [

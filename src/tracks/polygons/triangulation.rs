@@ -1,4 +1,4 @@
-//! Polygons of the plane as small triangles on the ellipsoid.
+//! Polygons in the plane as small triangles on the ellipsoid.
 
 use super::plane::{FlatPolygon, PlanePoint};
 use earcut::Earcut;
@@ -7,20 +7,20 @@ use std::collections::HashSet;
 use std::f64::consts::PI;
 use terrella_frames::Ellipsoid;
 
-/// Longest edge of a triangle, radians of arc: as that of lines, so that outlines lie on the edges; and that of polygons that would need
-/// more than [`USUAL_TRIANGLES`] of these.
+/// Longest edge of a triangle, radians of arc: equal to that of lines, so that outlines lie on the edges; longer for polygons that would need more
+/// than [`USUAL_TRIANGLES`].
 const STEP_RAD: std::ops::RangeInclusive<f64> = 0.5 * PI / 180.0..=1.3 * PI / 180.0;
-/// Triangles of all polygons of a style from which on edges are longer.
+/// Number of triangles of all polygons of a style above which edges are longer.
 const USUAL_TRIANGLES: f64 = 20_000.0;
-/// Greatest part of a polygon's area by which its triangles may differ from it.
+/// Largest relative difference between a polygon's area and that of its triangles.
 const MAX_DEVIATION: f64 = 1e-6;
 
 /// A triangle on the ellipsoid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct GroundTriangle {
     pub itrf_m: [DVec3; 3],
-    /// Bit i: the edge opposite to corner i is an edge of the polygon. Bit 3 + i: corner i lies on one, and none of the triangle's edges there
-    /// does.
+    /// Bit i: the edge opposite to corner i is an edge of the polygon. Bit 3 + i: corner i lies on such an edge, and none of the triangle's own
+    /// edges does.
     pub edges: u32,
 }
 
@@ -43,11 +43,11 @@ pub(super) fn mark_corners(triangles: &mut [GroundTriangle]) {
     }
 }
 
-/// A polygon of the plane cut into triangles between its corners.
+/// A triangulated polygon in the plane, without further corners.
 pub(super) struct CutPolygon {
     triangles: Vec<PlaneTriangle>,
     twice_area: f64,
-    /// Whether the triangles have its area: not where rings cross.
+    /// Whether the triangles have the polygon's area: false if rings cross.
     pub is_sound: bool,
 }
 
@@ -86,7 +86,7 @@ impl CutPolygon {
         }
     }
 
-    /// Adds triangles on the ellipsoid with edges of at most a step until there are more than `most` in all.
+    /// Adds triangles on the ellipsoid with edges of at most one step, until there are more than `most` in total.
     pub fn subdivide(
         &self,
         step_rad: f64,
@@ -138,9 +138,9 @@ fn twice_ring_area(flat: &FlatPolygon) -> f64 {
     areas.sum()
 }
 
-/// Which corners of triangles are neighbours in a ring. Corners on a straight line are in no triangle, and their neighbours are each other's.
+/// Which corners of triangles are neighbours in a ring. Corners on a straight line are in no triangle: their two neighbours count as adjacent.
 struct RingEdges {
-    /// The next corner of a triangle in the ring, where the edge to it is one on the globe.
+    /// The next corner of a triangle in the ring, if the edge to it is an edge on the globe.
     next: Vec<Option<u32>>,
 }
 
@@ -175,7 +175,7 @@ pub(super) struct PlaneTriangle {
 }
 
 impl PlaneTriangle {
-    /// Halves the longest edge until none is longer than a step. Whether an edge is halved depends on its ends alone, and so its two triangles
+    /// Halves the longest edge until none is longer than a step. The decision depends only on the edge's end points, so both of its triangles
     /// agree: there are no gaps.
     pub fn subdivide(
         self,
@@ -204,7 +204,7 @@ impl PlaneTriangle {
         }
     }
 
-    /// The two on both sides of the line from corner `i` to the middle of its opposite edge.
+    /// The two halves on either side of the line from corner `i` to the middle of its opposite edge.
     fn halves(self, i: usize) -> [Self; 2] {
         let (j, k) = ((i + 1) % 3, (i + 2) % 3);
         let bit = |edge: usize, to: usize| (self.edges >> edge & 1) << to;
@@ -222,7 +222,7 @@ impl PlaneTriangle {
     }
 }
 
-/// The arc that counts for a step, as `steps_between` of lines has it.
+/// Arc length for comparison with a step, as in `steps_between` of lines.
 fn length(a: PlanePoint, b: PlanePoint) -> f64 {
     let cos = a[1].cos().max(b[1].cos()).max(0.0);
     let along_parallel = (b[0] - a[0]).abs() * cos.sqrt();
@@ -271,7 +271,7 @@ mod tests {
 
     fn close(triangles: &[GroundTriangle], expected: f64) {
         let area = area_m2(triangles);
-        // Chords of 1.3° at most.
+        // Chords of at most 1.3°.
         assert!((area / expected - 1.0).abs() < 3e-4, "{area} {expected}");
     }
 
@@ -288,7 +288,7 @@ mod tests {
         };
         let simple = rectangle(10.0, 30.0, 40.0, 50.0);
         close(&triangles(&[&simple]).0, zone_m2(40.0, 50.0, 20.0));
-        // The other way round, across the date line, with a hole, which may be wound either way.
+        // The other winding, across the date line, with a hole of either winding.
         let mut across = rectangle(170.0, -170.0, 40.0, 50.0);
         let hole = rectangle(-179.0, -174.0, 42.0, 47.0);
         for _ in 0..2 {
@@ -300,7 +300,7 @@ mod tests {
             );
             across.reverse();
         }
-        // About both poles, and between two rings about one.
+        // Around both poles, and between two rings around one.
         let parallel = |lat: f64| [0.0, 90.0, 180.0, -90.0].map(|lon| (lon, lat));
         for south in [parallel(-60.0), parallel(60.0)] {
             close(&triangles(&[&south]).0, zone_m2(60.0, 90.0, 360.0));
@@ -321,7 +321,7 @@ mod tests {
         close(&whole, zone_m2(-90.0, 90.0, 360.0));
     }
 
-    /// Each edge inside has two triangles with the very same ends, each edge of the polygon one: nothing shows through.
+    /// Each inner edge has two triangles with identical end points, each polygon edge one: there are no gaps.
     #[test]
     fn triangles_meet_without_gaps() {
         let star: Vec<_> = (0..20)
@@ -353,7 +353,7 @@ mod tests {
         }
     }
 
-    /// By their latitudes and longitudes: a corner on the rectangle's edge is at an edge of its triangle, or marked.
+    /// By latitude and longitude: a corner on the rectangle's edge is on such an edge of its triangle, or marked.
     #[test]
     fn corners_on_edges_are_marked() {
         let rectangle = [(10.0, 40.0), (14.0, 40.0), (14.0, 43.0), (10.0, 43.0)];

@@ -2,8 +2,8 @@
 
 use terrella_measure::numeric::{StabilityRow, formulas, measure, stability_table};
 
-/// What is claimed of the forms that are only compared with: by how many times they break the bound; 1 where they keep
-/// it as well and the stable form is a matter of taste.
+/// Expected errors of the forms that are only compared with, relative to the bound; 1 if they meet it as well and the stable form is a matter of
+/// taste.
 const COMPARED: &[(&str, &[f64])] = &[
     ("billboard, distance L2", &[1e8]),
     ("billboard, side S", &[5e7]),

@@ -1,4 +1,4 @@
-//! What is above the horizon, from a millimetre up.
+//! Visibility above the horizon, from a height of a millimetre.
 
 use glam::{DMat4, DVec3, DVec4};
 use std::f64::consts::PI;
@@ -56,8 +56,8 @@ fn the_horizon_is_where_it_is_from_a_millimetre_up() {
 
 #[test]
 fn a_block_is_kept_from_a_millimetre_above_its_corner() {
-    // The eye stands on the meeting point of four blocks: all four must be drawn, however low, and their neighbours'
-    // neighbours need not. The paper's rule looks at corners alone and keeps these too.
+    // The eye is above the common corner of four blocks: all four must be drawn, at any height, and their neighbours' neighbours need not. The
+    // paper's rule only tests corners and keeps these too.
     for figure in [Ellipsoid::WGS84, Ellipsoid::PAPER_SPHERE] {
         let grid = BlockGrid::new(figure, 6).unwrap();
         for height_m in [1e-3, 1e-2, 1.0, 100.0] {

@@ -1,5 +1,4 @@
-//! The extremes: formulas at the ends of their ranges, compared with arbitrary precision, and pictures that nobody
-//! would ask for.
+//! Extremes: formulas at the ends of their ranges, compared with arbitrary precision, and extreme views.
 
 mod formulas;
 mod horizon;

@@ -33,13 +33,13 @@ fn every_extreme_case_gives_a_defined_picture_or_a_clear_error() {
     );
 }
 
-/// Facets lie below the ground between their corners, so that an outline of them would end short of the horizon and leave a black
-/// line under the sky: what lies beyond the limb is lifted to it.
+/// Facets are below the ground between their corners, so that an outline of them would end short of the horizon and leave a black line under the
+/// sky: the part beyond the limb is lifted to it.
 #[test]
 fn ground_and_sky_meet_at_the_horizon() {
     let (lines, fov_deg) = (256, 8.0);
     let ellipsoid = Ellipsoid::WGS84;
-    // With one cell a block the ground under an eye near it lies 30 km below the ellipsoid.
+    // With one cell a block the ground under a nearby eye is 30 km below the ellipsoid.
     for subdivision in [6, 24, 48] {
         for atmosphere in [Atmosphere::Billboard, Atmosphere::None] {
             let mut options = EarthOptions::new(plain([120, 130, 140]));

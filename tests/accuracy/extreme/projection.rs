@@ -6,7 +6,7 @@ use terrella_measure::numeric::{log_spaced, reversed_depth, standard_depth};
 
 #[test]
 fn depth_is_monotone_and_tells_near_from_far() {
-    // Distances one rounding of f32 apart never swap; two that differ by a millionth are told apart from 0.1 m to 1e12 m.
+    // Distances one rounding of f32 apart never swap; two that differ by a millionth are distinguished from 0.1 m to 1e12 m.
     for distance_m in log_spaced(0.1, 1e12, 40) {
         let near = distance_m as f32;
         let mut farther = near;
@@ -28,7 +28,7 @@ fn depth_is_monotone_and_tells_near_from_far() {
             "{distance_m} m: {a} {b}"
         );
     }
-    // The usual depth knows nothing beyond 3355 km = 0.1 m × 2²⁵.
+    // Standard depth does not resolve distances beyond 3355 km = 0.1 m × 2²⁵.
     assert_eq!(standard_depth(4e6), standard_depth(1e12));
     assert!(standard_depth(1e3) == standard_depth(1e3 * (1.0 + 1e-6)));
     assert!(reversed_depth(4e6) > reversed_depth(4.000_01e6));
@@ -63,7 +63,7 @@ fn a_tenth_of_a_pixel_holds_from_a_metre_to_1e12_m_down_to_a_view_of_a_tenth_of_
             .into_iter()
             .fold(0.0, f64::max);
         println!("{fov_deg}°: {worst:.5} px");
-        // f32 knows a direction to 6e-8 rad: a tenth of a pixel where a pixel is 6e-7 rad, 0.035° over 1000 lines.
+        // f32 resolves a direction to 6e-8 rad: a tenth of a pixel where a pixel is 6e-7 rad, 0.035° over 1000 lines.
         if fov_deg >= 0.1 {
             assert!(worst < 0.1, "{fov_deg}°: {worst} px");
         } else {

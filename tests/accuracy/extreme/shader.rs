@@ -24,7 +24,7 @@ fn run_place() {
 }
 ";
 
-/// The shader's answers, one for each pixel.
+/// Results of the shader, one for each pixel.
 fn on_the_adapter(pixels: &[PixelRay]) -> Vec<Placed> {
     let (device, queue) = (&gpu().device, &gpu().queue);
     let text = EarthVariant {

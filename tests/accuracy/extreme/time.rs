@@ -51,8 +51,8 @@ fn third(v: &[f64]) -> f64 {
 
 #[test]
 fn the_sun_s_path_is_smooth_from_1800_to_2200() {
-    // Every two days. A jump of the path stands in a third difference at its full height; the path itself leaves 0.001° of
-    // latitude there, 23.4° × (2 days × 2π/year)³, and 0.002° of longitude.
+    // Every two days. A jump appears in a third difference at its full height; the path itself contributes 0.001° of latitude there, 23.4° × (2
+    // days × 2π/year)³, and 0.002° of longitude.
     let step = Duration::from_days(2.0);
     let first = j2000() - Duration::from_days(73_000.0);
     let path: Vec<_> = (0..73_000)

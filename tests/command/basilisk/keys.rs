@@ -29,7 +29,7 @@ fn a_key_that_the_script_listens_to_is_the_scripts_and_no_others() {
     let begun = Instant::now();
     for frame in 1.. {
         assert!(begun.elapsed() < PATIENCE, "no key comes");
-        // S would save a picture, were it not the script's.
+        // S would save an image if the script did not listen to it.
         let settings = messages::bytes(7, &messages::bytes(52, b"s"));
         let step = [messages::step(frame, frame as f64), settings].concat();
         assert!(simulator.update(&step));
@@ -47,7 +47,7 @@ fn a_key_that_the_script_listens_to_is_the_scripts_and_no_others() {
         !names.iter().any(|name| name.ends_with(".png")),
         "{names:?}"
     );
-    // Q is the window's, as ever.
+    // Q belongs to the window, as usual.
     while window.try_wait().expect("a child").is_none() {
         assert!(begun.elapsed() < PATIENCE, "Q does nothing");
         keyboard.focus_window();

@@ -68,7 +68,7 @@ fn message(cameras: &[Vec<u8>]) -> Vec<u8> {
     )
 }
 
-/// What the service of a scene with these further tables answers to requests for these cameras.
+/// Replies of the service for a scene with these additional tables to requests for these cameras.
 fn answers(tables: &str, cameras: &[(u64, Vec<u8>)]) -> Vec<DynamicImage> {
     let text = scene(
         "listen = \"tcp://127.0.0.1:0\"\ntimeout_s = 120",
@@ -107,7 +107,7 @@ fn answers(tables: &str, cameras: &[(u64, Vec<u8>)]) -> Vec<DynamicImage> {
     pictures.collect()
 }
 
-/// The answer to one camera without a sensor.
+/// The reply for one camera without a sensor.
 fn asked(mode: u64) -> RgbImage {
     let camera = messages::camera(3, "sat", FOV_DEG, WIDE, mode);
     answers("", &[(3, camera)]).remove(0).into_rgb8()
@@ -155,7 +155,7 @@ fn a_camera_sees_what_one_sees_from_there() {
     }
 }
 
-/// The scene's sensor stands behind the simulation's cameras: of their size, field of view, focal length and f-number.
+/// The scene's sensor applies to the simulation's cameras: with their size, field of view, focal length and f-number.
 #[test]
 fn a_sensor_makes_the_pictures_of_cameras() {
     let sensor = "[sensor]\nsize = [8, 8]\nfocal_length_mm = 20\npixel_pitch_um = 5\nf_number = 4\nexposure_s = 4e-7\nfull_well_e = 40000\n\
@@ -232,7 +232,7 @@ fn a_film_has_one_frame_for_each_step_and_its_simulator_goes_on() {
         let picture = image::load_from_memory(&answer[1]).expect("a picture");
         assert_eq!((picture.width(), picture.height()), (96, 64));
     }
-    // It leaves: the film ends whole, at once.
+    // It disconnects: the film is completed immediately.
     drop(simulator);
     let output = player.wait_with_output().expect("ends");
     assert!(output.status.success());
@@ -243,7 +243,7 @@ fn a_film_has_one_frame_for_each_step_and_its_simulator_goes_on() {
     assert_eq!(pictures.len(), 5, "two frames are the same");
 }
 
-/// A scene without a duration has the simulation's: no step is left out, and nobody is left waiting.
+/// A scene without a duration has the simulation's: no step is left out, and no peer is left waiting.
 #[test]
 fn a_film_without_a_duration_is_as_long_as_the_simulation() {
     const STEPS: u64 = 12;

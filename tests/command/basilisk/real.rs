@@ -1,6 +1,6 @@
-//! The real simulator, where Python has it: the page's own script, unchanged, and a camera.
+//! The real simulator, if Python has it: the page's own script, unchanged, and a camera.
 //!
-//! `TERRELLA_BASILISK_PYTHON` names the interpreter, by default `python3`. Without `bsk` these tests say loudly that they are skipped.
+//! `TERRELLA_BASILISK_PYTHON` names the interpreter, by default `python3`. Without `bsk` these tests are skipped with a message.
 
 use super::scene;
 use crate::{Place, frame_names};

@@ -49,14 +49,14 @@ fn assignment() -> impl Strategy<Value = String> {
     (proptest::sample::select(KEYS), value).prop_map(|(key, value)| format!("{key} = {value}\n"))
 }
 
-/// What must hold of any text: no panic, and either a scene that can be told or one line of message.
+/// Invariants for any text: no panic, and either a scene with a summary or a one-line message.
 fn holds(text: &str) -> Result<(), TestCaseError> {
     match Scene::from_toml(text, Path::new("scene.toml")) {
         Ok(scene) => {
             prop_assert!(scene.summary().contains("leaves out"));
             prop_assert!(scene.time.frame_count() >= 1);
             let start = scene.time.start;
-            // Whether it is rejected does not matter here: it must not panic.
+            // It may be rejected here, but must not panic.
             let _ = scene.check_dates((start, start), None);
         }
         Err(error) => {

@@ -55,7 +55,7 @@ const BAD: &[Bad] = &[
     ("[orbit]\nsource = \"numerical\"\nperiapsis_km = 7000\nmass_kg = 0", 4, &["[orbit] mass_kg = 0:", "kilograms"]),
     ("[orbit]\nsource = \"numerical\"\nperiapsis_km = 7000\ntolerance = 1", 4, &["[orbit] tolerance = 1:", "must be from 1e-14 to 0.001"]),
     ("[orbit]\nsource = \"numerical\"\nperiapsis_km = 7000\ndrag = false\ncd = 2", 5, &["[orbit] cd = 2:", "no meaning with drag = false"]),
-    // What belongs to satellites elsewhere.
+    // Keys in other tables that refer to satellites.
     ("[camera]\nfollow = \"ISS\"", 2, &["[camera] follow = \"ISS\":", "[orbit]"]),
     ("[orbit]\n[camera]\nfollow = \" \"", 3, &["[camera] follow = \" \":", "must not be empty"]),
     ("[time]\norientation = \"nowhere\"", 2, &["[time] orientation = \"nowhere\":", "cannot be opened"]),
@@ -239,7 +239,7 @@ const BAD_LIVE: &[Bad] = &[
     ("[orbit]\nsource = \"live\"\nlisten = \"stdin\"\nextrapolation = \"cubic\"", 4, &["[orbit] extrapolation = \"cubic\":", "\"two-body\", \"linear\""]),
     ("[orbit]\nsource = \"live\"\nlisten = \"stdin\"\ngap_s = 0", 4, &["[orbit] gap_s = 0:", "seconds"]),
     ("[orbit]\nsource = \"live\"\nlisten = \"stdin\"\npackets_per_s = 0", 4, &["[orbit] packets_per_s = 0:", "1 to 1000000 packets"]),
-    // Several in one scene; the second is at fault.
+    // Several in one scene; the second is invalid.
     ("[[orbit]]\nsource = \"live\"\nlisten = \"stdin\"\n[[orbit]]\nsource = \"live\"\nlisten = \"stdin\"", 6, &["[orbit] listen = \"stdin\":", "one standard input", "give this one a port"]),
     ("[[orbit]]\nsource = \"live\"\nlisten = \"tcp://127.0.0.1:5005\"\n[[orbit]]\nsource = \"live\"\nlisten = \"ws://127.0.0.1:5005\"", 6, &["[orbit] listen = \"ws://127.0.0.1:5005\":", "another port"]),
     ("[[orbit]]\nsource = \"live\"\nlisten = \"udp://0.0.0.0:5005\"\nallow_remote = true\n[[orbit]]\n[[orbit]]\nsource = \"live\"\nlisten = \"udp://127.0.0.1:5005\"", 8, &["[orbit] listen", "another port"]),

@@ -1,4 +1,4 @@
-//! Parts of scenes that the pages print are taken as they are printed, or their fence says why they are no scene.
+//! Parts of scenes on the pages are valid as printed, or their fence gives the reason why they are not scenes.
 
 use std::path::{Path, PathBuf};
 use terrella_play::scene::Scene;
@@ -21,7 +21,7 @@ fn pages() -> Vec<(PathBuf, String)> {
     pages
 }
 
-/// Blocks of TOML: their lines, what stands on the fence after the language, and the text.
+/// Blocks of TOML: their lines, the rest of the fence after the language, and the text.
 fn blocks(page: &str) -> Vec<(usize, &str, String)> {
     let mut blocks: Vec<(usize, &str, String)> = Vec::new();
     // Whether the line is in a block, and in one of TOML.
@@ -48,7 +48,7 @@ fn blocks(page: &str) -> Vec<(usize, &str, String)> {
     blocks
 }
 
-/// What is wrong with the blocks of a page, and how many are scenes.
+/// Faults of a page's blocks, and the number of scenes.
 fn faults(path: &Path, page: &str) -> (Vec<String>, usize) {
     let (mut faults, mut scenes) = (Vec::new(), 0);
     for (line, rest, text) in blocks(page) {
@@ -96,7 +96,7 @@ fn a_block_that_is_no_scene_is_found() {
     );
     assert_eq!(count("```toml no-run:\n[dependencies]\n```\n"), 1);
     assert_eq!(count("```toml\n[dependencies]\n```\n"), 1);
-    // Another block's lines are none of it.
+    // Lines of another block are not part of it.
     assert_eq!(
         count("```sh\n[dependencies]\n```\n```toml\n```\n[more]\n"),
         0

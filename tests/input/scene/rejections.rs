@@ -1,4 +1,4 @@
-//! What is rejected, where, and with which remedy.
+//! Rejected scenes, with place and remedy.
 
 use super::{Bad, Folder};
 use std::path::Path;
@@ -44,7 +44,7 @@ const BAD: &[Bad] = &[
     ("[earth]\ncloud_maps = [{ date = 2018-01-15T12:00:00Z, file = \".\" }]", 2, &["map 1:", "is no file"]),
     ("[earth]\ncloud_maps = [{ date = 2018-01-15T12:00:00Z, file = \"a.png\", layer = 1 }]", 2, &["map 1: a map has date and file, not layer"]),
     ("[earth]\nclouds = false\ncloud_maps = [{ date = 2018-01-15T12:00:00Z, file = \"a.png\" }]", 3, &["[earth] cloud_maps", "the scene leaves out"]),
-    ("[earth]\nlook = \"paper\"\ncloud_maps = [{ date = 2018-01-15T12:00:00Z, file = \"a.png\" }]", 3, &["[earth] cloud_maps", "are for shading = \"sunlit\""]),
+    ("[earth]\nlook = \"paper\"\ncloud_maps = [{ date = 2018-01-15T12:00:00Z, file = \"a.png\" }]", 3, &["[earth] cloud_maps", "has no maps that change with the date", "look = \"standard\""]),
     ("[earth]\nmap_fade = false", 2, &["[earth] map_fade", "of which there are none"]),
     ("[earth]\nclouds = 1", 2, &["[earth] clouds = 1", "must be true or false"]),
     ("[earth]\nsubdivision = 6.5", 2, &["[earth] subdivision = 6.5", "must be \"auto\" or from 1 to 48"]),
@@ -103,7 +103,7 @@ const BAD: &[Bad] = &[
     ("[sky]\nfolder = \"nowhere\"", 2, &["[sky] folder", "nowhere"]),
     ("[sky]\nstars = 1", 2, &["[sky] stars = 1:", "true or false"]),
     ("[earth]\nnight_gain = 2e6", 2, &["[earth] night_gain = 2e6:", "from 0 to 1e6"]),
-    ("[earth]\nlook = \"paper\"\nwind_m_s = 3", 3, &["[earth] wind_m_s = 3:", "the paper's shading has no wind_m_s", "\"sunlit\""]),
+    ("[earth]\nlook = \"paper\"\nwind_m_s = 3", 3, &["[earth] wind_m_s = 3:", "the paper's shading has no wind_m_s", "look = \"standard\""]),
     ("[earth]\nshading = \"paper\"\ncloud_shadows = true", 3, &["[earth] cloud_shadows = true:", "the paper's shading"]),
     ("[sky]\neclipses = true\n[earth]\nshading = \"paper\"", 2, &["[sky] eclipses = true:", "the paper's shading has no eclipses"]),
     ("[output]\nexposure_ev = 20.1", 2, &["[output] exposure_ev = 20.1:", "from −20 to 20"]),
@@ -181,7 +181,7 @@ const BAD: &[Bad] = &[
     ("[camera]\nup = \"left\"", 2, &["[camera] up", "left", "flight", "north"]),
     ("[camera]\nmode = \"nadir\"\nlat_deg = 10", 3, &["[camera] lat_deg = 10:", "no meaning with mode = \"nadir\"", "mode = \"geodetic\""]),
     ("[camera]\nheight_km = 400\nmode = \"chase\"", 2, &["[camera] height_km = 400:", "no meaning with mode = \"chase\""]),
-    ("[earth]\nshading = \"paper\"\nnight_lights = true", 3, &["[earth] night_lights = true:", "no night lights", "shading = \"sunlit\""]),
+    ("[earth]\nshading = \"paper\"\nnight_lights = true", 3, &["[earth] night_lights = true:", "no night lights", "look = \"standard\""]),
     ("[orbit]\nname = \"ISS (ZARYA)\"", 2, &["[orbit] name = \"ISS (ZARYA)\":", "add file"]),
     ("[orbit]\nfile = \"sat.tle\"\nname = \" \"", 3, &["[orbit] name = \" \":", "must not be empty"]),
     // Files and folders.

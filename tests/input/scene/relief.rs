@@ -1,4 +1,4 @@
-//! Terrain: when it is drawn, and by what.
+//! Terrain: when it is drawn, and with which surface.
 
 use super::Folder;
 use terrella_ground::globe::clipmap::Trim;
@@ -71,7 +71,7 @@ fn relief_is_drawn_where_heights_or_its_surface_are_named() {
         panic!("not a grid");
     };
     assert_eq!((options.samples, options.on_gpu), ((65, 1025), false));
-    // What is not said stays as it is, and the summary tells all of it.
+    // Keys that are not given keep their defaults, and the summary lists everything.
     let scene = folder
         .load("[earth]\nsurface = \"clipmap\"\nclipmap = { levels = 6 }\n")
         .expect("good");

@@ -81,7 +81,7 @@ fn the_summary_tells_values_origins_use_and_what_is_left_out() {
 
     let summary = scene("").summary();
     assert!(summary.ends_with("leaves out\n  nothing\n"), "{summary}");
-    // What is in force, and no more: the rest is counted, and told when asked for.
+    // Only values in effect: the rest is counted, and listed on request.
     assert!(!summary.contains("not used"), "{summary}");
     let full = scene("").full_summary();
     let has = |words: &[&str]| {

@@ -1,4 +1,4 @@
-//! `[tracks]` and what `[orbit]` says of tracks.
+//! `[tracks]` and the keys of `[orbit]` about tracks.
 
 use super::{Bad, Folder, scene};
 use terrella_orbit::FieldOfView;

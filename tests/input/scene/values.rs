@@ -1,4 +1,4 @@
-//! What a scene comes to: defaults, and what follows from the keys that are given.
+//! Values of a scene: defaults, and values derived from the given keys.
 
 use super::{Folder, scene, utc};
 use glam::DVec3;
@@ -150,6 +150,10 @@ fn a_look_sets_what_the_scene_leaves_open() {
     assert!(!paper.night_lights);
     let own = earth("look = \"paper\"\nshading = \"sunlit\"");
     assert_eq!((own.shading, own.night_lights), (Shading::Sunlit, true));
+    assert_eq!(paper.visibility, Visibility::Paper);
+    assert_eq!(own.visibility, Visibility::Paper);
+    let terrain = earth("look = \"paper\"\nsurface = \"clipmap\"");
+    assert_eq!(terrain.visibility, Visibility::Conservative);
     let full = earth("look = \"full\"");
     assert_eq!(full.shading, Shading::Sunlit);
     let shadows = |earth: &EarthTable| earth.light.map(|light| light.cloud_shadows);
@@ -171,7 +175,7 @@ fn a_look_sets_what_the_scene_leaves_open() {
     let eclipses = |text: &str| scene(text).sky.eclipses;
     assert!(eclipses("") && !eclipses("[sky]\neclipses = false"));
     assert!(!eclipses("[earth]\nlook = \"paper\""));
-    // Haze: a clear day's, none in the paper's picture, and what is asked for in both.
+    // Haze: that of a clear day by default, none in the paper's image, and the given value in both.
     let haze = |text: &str| earth(text).aerosol_optical_depth;
     assert_eq!((haze(""), haze("look = \"paper\"")), (0.1, 0.0));
     assert_eq!(haze("look = \"paper\"\naerosol_optical_depth = 5"), 5.0);
@@ -307,9 +311,15 @@ fn a_pack_has_defaults_of_its_own() {
         (scene.earth.subdivision, output.wait_s),
         (Subdivision::Auto, 30.0)
     );
+    let paper = folder.load("[earth]\npack = \"maps\"\nlook = \"paper\"\n");
+    let paper = paper.expect("good");
+    let levels = paper.earth.pack.as_ref().map(|pack| pack.levels);
+    assert_eq!((levels, paper.notices.len()), (Some(LevelRule::Paper), 0));
     let scene = folder
         .load("[earth]\npack = \"maps\"\nlevels = \"paper\"\nstorage = \"bc\"\nwater = false\nsubdivision = 6\n")
         .expect("good");
+    let notice = scene.notices.concat();
+    assert!(notice.starts_with("[earth] levels: deprecated"), "{notice}");
     let pack = scene.earth.pack.as_ref().expect("a pack");
     assert_eq!(
         (pack.levels, pack.storage),
@@ -334,7 +344,7 @@ fn the_mode_of_the_camera_follows_from_the_keys_that_are_given() {
     assert_eq!((place.camera.lat_deg, place.camera.lon_deg), (0.0, 0.0));
     assert!(place.orbits.is_empty());
 
-    // An orbit that is asked for is kept, and asking takes no more than the table's head.
+    // An explicit orbit is kept, for which the head of the table suffices.
     let kept = scene("[orbit]\n[camera]\nmode = \"geodetic\"").orbits;
     assert_eq!(kept.len(), 1);
     for mode in ["nadir", "horizon", "chase"] {

@@ -1,4 +1,4 @@
-//! What each request is answered with, and when.
+//! Replies to each request, and their timing.
 
 use super::*;
 use crate::until;
@@ -101,7 +101,7 @@ fn a_picture_is_of_the_step_just_received() {
             let counters = simulation.counters();
             counters.pictures + counters.no_pictures == 20
         });
-        // Whatever came before the painter is asked for again, so that it ends.
+        // Requests from before the painter are repeated, so that it ends.
         let mut peer = Peer::connect(address);
         peer.update(&messages::step(1, 1.0));
         for _ in 0..simulation.counters().no_pictures {
@@ -121,7 +121,7 @@ fn a_step_that_is_to_be_drawn_is_answered_when_it_is() {
         }
         peer
     });
-    // Nothing is lost while nobody has said whether steps are drawn.
+    // Nothing is lost while it is undecided whether steps are drawn.
     std::thread::sleep(Duration::from_millis(200));
     assert_eq!(simulation.counters().steps, 1);
     simulation.set_pace(StepPace::Drawn);
@@ -165,7 +165,7 @@ fn a_simulation_may_end_its_viewer() {
     assert!(simulation.is_over());
 }
 
-/// Steps without pictures in a second, over the machine's own network; printed, and far above what is asked.
+/// Steps without images per second, over the local network; printed, and far above the requirement.
 #[test]
 fn steps_go_by_quickly() {
     let (simulation, address) = open(options());

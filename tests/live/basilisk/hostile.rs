@@ -120,7 +120,7 @@ fn a_flood_takes_no_memory_and_stops_nobody() {
     assert_eq!(simulation.latest().expect("a step").frame_number, 1000);
 }
 
-/// Whether the other side has closed the connection; waits a little for it.
+/// Whether the peer has closed the connection; waits a little for it.
 fn is_closed(peer: &mut Peer, patience: Duration) -> bool {
     peer.0.set_read_timeout(Some(patience)).expect("sets");
     matches!(peer.0.read(&mut [0]), Ok(0))
@@ -151,7 +151,7 @@ fn connections_that_ask_nothing_leave_a_simulator_alone() {
     simulation.set_pace(StepPace::Drawn);
     let mut simulator = Peer::connect(address);
     simulator.ask(&[b"PING"]).expect("an answer");
-    // Six that say nothing, six that greet, six that ask what there is not: more than are kept of each.
+    // Six that are silent, six that greet, six with invalid requests: more than are kept of each.
     let _silent: Vec<_> = (0..6).map(|_| TcpStream::connect(address)).collect();
     let _greeted: Vec<_> = (0..6).map(|_| Peer::connect(address)).collect();
     let _strangers: Vec<_> = (0..6)

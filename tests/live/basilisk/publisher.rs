@@ -1,4 +1,4 @@
-//! A simulation that publishes and waits for nobody.
+//! A simulation that publishes and does not wait.
 
 use super::*;
 use crate::until;

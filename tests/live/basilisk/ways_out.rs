@@ -1,4 +1,4 @@
-//! However this side ends, whoever waits is answered, and the connection ends with an answer and not before.
+//! However this side ends, every waiting peer gets a reply, and the connection ends with a reply and not before.
 
 use super::*;
 use crate::until;
@@ -139,7 +139,7 @@ fn one_that_asks_on_is_answered_once_more_and_sees_the_end_with_the_answer() {
     peer.update(&messages::step(2, 20.0));
     assert_eq!(peer.receive(), None, "it goes on after its end");
     ends.join().expect("no panic");
-    // And one that asks nothing does not hold anybody up.
+    // A peer without a request delays nothing.
     let (simulation, address) = open(options());
     let mut idle = Peer::connect(address);
     idle.ask(&[b"PING"]).expect("an answer");

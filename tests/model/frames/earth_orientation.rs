@@ -152,7 +152,7 @@ fn wrong_tables_are_named() {
     assert!(read("é7 1 1 57754.00").is_err() && read("hello").is_err());
 }
 
-/// The whole table of the IERS, and the documented bound of what linear interpolation leaves out.
+/// The whole table of the IERS, and the documented bound of the error of linear interpolation.
 #[test]
 fn the_whole_table_is_read() {
     let shared = std::env::var_os("TERRELLA_SHARED").map_or_else(
@@ -180,7 +180,7 @@ fn the_whole_table_is_read() {
         let (a, b, c) = (at(-1.0), at(0.0), at(1.0));
         let middle = |f: fn(&Orientation) -> f64| ((f(&a) + f(&c)) / 2.0 - f(&b)).abs() / 4.0;
         let ut1 = middle(|o| o.ut1_minus_utc_s);
-        // Where a leap second lies between, UTC's own step is in it.
+        // If a leap second is in between, UTC's own step is included.
         if ut1 < 0.1 {
             ut1_s = ut1_s.max(ut1);
         }

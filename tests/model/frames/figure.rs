@@ -20,7 +20,7 @@ fn geodetic_round_trip_from_deep_below_to_far_beyond() {
                     let p = figure.itrf_from_geodetic(g);
                     let back = figure.geodetic_from_itrf(p);
                     let again = figure.itrf_from_geodetic(back);
-                    // In units of what one rounding of the coordinates is worth.
+                    // In units of one rounding of the coordinates.
                     let rounding_m = f64::EPSILON * p.length().max(6.4e6);
                     let moved = (again - p).length() / rounding_m;
                     let height = (back.height_m - height_m).abs() / rounding_m;
@@ -69,7 +69,7 @@ fn geodetic_at_axis_equator_and_centre() {
         assert_eq!((g.lat_rad, g.lon_rad.to_degrees()), (0.0, lon_deg));
         assert!((g.height_m - 10.0).abs() < 2e-9);
     }
-    // Within a e² = 43 km of the centre several normals meet; the answer stays in range.
+    // Within a e² = 43 km of the centre several normals meet; the result stays in range.
     for rho in [1.0, 2e4, 4e4, 4.3e4] {
         let g = e.geodetic_from_itrf(DVec3::new(-rho, 0.0, 0.0));
         assert!(
@@ -152,7 +152,7 @@ proptest! {
         let e = Ellipsoid::WGS84;
         let g = e.geodetic_from_itrf(p);
         prop_assert!(g.lat_rad.abs() <= std::f64::consts::FRAC_PI_2 && g.lon_rad.abs() <= std::f64::consts::PI && g.height_m.is_finite());
-        // Within 43 km of the centre a point has several normals and no unique answer.
+        // Within 43 km of the centre a point has several normals and the result is not unique.
         if p.length() > 5e4 {
             prop_assert!(e.itrf_from_geodetic(g).distance(p) < 16.0 * f64::EPSILON * p.length().max(6.4e6), "{:?}", g);
         }

@@ -68,7 +68,7 @@ fn teme_to_earth_fixed_is_vallados_example() {
     let rounded = DMat3::from_rotation_z(-theta) * teme_km;
     assert!((w(rounded) - itrf_km).length() < 1e-7, "{}", w(rounded));
 
-    // What the documentation says that leaving out polar motion, then UT1 − UTC too, costs.
+    // The documented error of neglecting polar motion, and then UT1 − UTC too.
     assert!((pef_km - itrf_km).length() < 0.02);
     let plain = itrf_from_teme(epoch) * teme_km;
     assert!((plain - pef_km).length() > 0.2 && (plain - pef_km).length() < 0.42);

@@ -123,7 +123,7 @@ proptest! {
     #[test]
     fn milliseconds_survive_writing_and_reading(ms in -2_200_000_000_000_i64..4_000_000_000_000) {
         let epoch = utc("1972-01-01T00:00:00Z") + Duration::from_truncated_nanoseconds(ms * 1_000_000);
-        // The ten seconds that pre-1972 UTC leaves over have no reading of their own.
+        // The ten seconds that pre-1972 UTC leaves over have no separate readings.
         prop_assume!(!(-10_001..0).contains(&ms));
         prop_assert_eq!(utc(&rfc3339(epoch)), epoch);
     }

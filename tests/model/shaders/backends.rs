@@ -5,7 +5,7 @@ use super::{Shader, all_shaders, hold};
 use terrella::internals::gpu::ShaderCapability;
 use terrella_files::parallel;
 
-/// What a backend cannot have, whatever the machine.
+/// Capabilities that a backend lacks on every machine.
 fn lacks(backend: Backend) -> &'static [ShaderCapability] {
     match backend {
         Backend::GlslEs300 => &[ShaderCapability::StorageBuffers],

@@ -1,11 +1,11 @@
-//! No number that both sides know is typed twice.
+//! No number that both sides use is written twice.
 
 use super::all_shaders;
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 use std::path::{Path, PathBuf};
 use terrella::internals::gpu::SHADER_FILES;
 
-/// Folders of what feeds shaders.
+/// Folders of code that feeds shaders.
 const FEEDING: [&str; 7] = [
     "crates/terrella-frames/src",
     "crates/terrella-ground/src/globe",
@@ -56,8 +56,8 @@ fn constants(text: &str) -> impl Iterator<Item = &str> {
     })
 }
 
-/// A constant of a shader must not have the name of one in what feeds shaders: it would be the same thing typed twice. (The
-/// reference renderer and the arithmetic of `measure` are oracles: they share nothing on purpose.)
+/// A constant of a shader must not have the name of one in the code that feeds shaders: it would be written twice. (The reference renderer and the
+/// arithmetic of `measure` are oracles: they share nothing on purpose.)
 #[test]
 fn no_constant_of_a_shader_stands_in_rust_too() {
     let mut in_rust: BTreeMap<String, PathBuf> = BTreeMap::new();
@@ -107,7 +107,7 @@ fn numbers(text: &str) -> BTreeSet<String> {
     .collect()
 }
 
-/// By value: what has three digits or more in a shader is not written in the Rust code that feeds it.
+/// By value: a number with three digits or more in a shader is not written in the Rust code that feeds it.
 #[test]
 fn no_number_of_a_shader_stands_in_rust_too() {
     // Formulas of standards, written out on both sides where they are computed: sRGB's curve; the air's phase functions and
@@ -157,7 +157,7 @@ fn no_number_of_a_shader_stands_in_rust_too() {
     super::hold(&twice);
 }
 
-/// Constants that are imported are used, and so are those of a shader's own.
+/// Imported constants are used, and so are those of a shader itself.
 #[test]
 fn every_constant_is_used_where_it_is_declared() {
     let is_of_a_word = |byte: u8| byte.is_ascii_alphanumeric() || byte == b'_';

@@ -1,4 +1,4 @@
-//! What variants bind, against the limits that wgpu promises of devices.
+//! Bindings of variants, compared with wgpu's guaranteed device limits.
 
 use super::{Shader, all_shaders, hold};
 use naga::valid::GlobalUse;
@@ -13,7 +13,7 @@ const DEVICES: [(&str, Limits); 3] = [
     ("WebGL 2", Limits::downlevel_webgl2_defaults()),
 ];
 
-/// What one stage of a shader uses.
+/// Resources of one shader stage.
 #[derive(Clone, Copy, Debug, Default)]
 struct Used {
     textures: u32,
@@ -52,7 +52,7 @@ fn used_in(shader: &Shader, entry: usize) -> Used {
     used
 }
 
-/// Locations of what a struct or single value carries.
+/// Locations used by a struct or single value.
 fn locations(shader: &Shader, ty: naga::Handle<naga::Type>, binding: &Option<Binding>) -> Vec<u32> {
     let of = |binding: &Option<Binding>| match binding {
         Some(Binding::Location { location, .. }) => Some(*location),
@@ -67,7 +67,7 @@ fn locations(shader: &Shader, ty: naga::Handle<naga::Type>, binding: &Option<Bin
     }
 }
 
-/// What of a device's limits a shader goes beyond.
+/// Device limits that a shader exceeds.
 fn beyond(shader: &Shader, limits: &Limits) -> Vec<String> {
     let mut beyond = Vec::new();
     let mut most = |what: &str, used: u64, limit: u64| {
@@ -171,7 +171,7 @@ fn every_variant_keeps_to_the_limits_or_names_what_it_needs() {
     hold(&failures);
 }
 
-/// What a device must do beyond the limits of WebGL 2 is named, each need by some variant.
+/// Requirements beyond the limits of WebGL 2 are declared, and some variant needs each.
 #[test]
 fn every_capability_is_needed() {
     let shaders = all_shaders();

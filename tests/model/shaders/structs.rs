@@ -11,7 +11,7 @@ use terrella::internals::plan::{
 use terrella_ground::globe::contours::ContourNode;
 use terrella_ground::globe::projected_grid::{GridLevel, GridUniforms};
 
-/// Member offsets and size of a struct, of a shader that has it.
+/// Member offsets and size of a struct, from a shader that has it.
 fn reflected(name: &str) -> (Vec<(String, usize)>, usize) {
     for shader in all_shaders() {
         let mut types = shader.module.types.iter().map(|(_, ty)| ty);
@@ -33,7 +33,7 @@ fn structs_match_the_shaders() {
         ($name:literal, $ty:ident, [$($member:ident),* $(,)?]) => {{
             let (members, span) = reflected($name);
             let ours = vec![$((stringify!($member).to_owned(), offset_of!($ty, $member))),*];
-            // Padding stands only on the Rust side or on both; every named member must agree.
+            // Padding is only on the Rust side or on both; every named member must agree.
             let ours: Vec<_> = ours.into_iter().filter(|(name, _)| !name.starts_with("padding")).collect();
             let members: Vec<_> = members.into_iter().filter(|(name, _)| !name.starts_with("padding")).collect();
             assert_eq!(members, ours);

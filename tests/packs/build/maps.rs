@@ -12,7 +12,7 @@ use tiff::tags::Tag;
 pub const WIDTH: u32 = 64;
 pub const HEIGHT: u32 = 32;
 
-/// Texels with something in all channels; those of the files in tests/data/maps.
+/// Texels with non-zero channels; those of the files in tests/data/maps.
 pub fn rgb(x: u32, y: u32) -> [u8; 3] {
     [(x * 4) as u8, (y * 8) as u8, (x * y % 256) as u8]
 }
@@ -142,7 +142,7 @@ pub fn wide_tiff() -> Vec<u8> {
     )
 }
 
-/// Unsigned heights.
+/// Unsigned elevations.
 pub fn u16_tiff(values: &[u16], geo: &Geo) -> Vec<u8> {
     tiff::<Gray16>(
         (WIDTH, HEIGHT),
@@ -153,7 +153,7 @@ pub fn u16_tiff(values: &[u16], geo: &Geo) -> Vec<u8> {
     )
 }
 
-/// Signed heights.
+/// Signed elevations.
 pub fn i16_tiff(values: &[i16]) -> Vec<u8> {
     let deflate = Compression::Deflate(Default::default());
     tiff::<GrayI16>((WIDTH, HEIGHT), values, deflate, true, &Geo::default())

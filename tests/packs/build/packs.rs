@@ -180,7 +180,7 @@ fn the_map_s_own_texels_are_kept_where_the_level_has_its_size() {
     }
 }
 
-/// What the first channel of a map's tiles is, texel by texel, in a level of the map's own size.
+/// First channel of a map's tiles, texel by texel, at a level of the map's own size.
 fn first_channels(pack: &Path, layer: MapLayer, channels: usize) -> Vec<u8> {
     let pack = Arc::new(Pack::open(pack).expect("a pack"));
     let tiles = PackTiles::new(pack, Storage::Plain, false, &[layer]).expect("has it");

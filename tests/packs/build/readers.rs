@@ -102,8 +102,7 @@ fn tiff_in_strips_and_tiles() {
             holds(&bytes, FileKind::Tiff, 3, SampleKind::U8, &colour);
         }
     }
-    // 48 × 16 and, in the other byte order, 16 × 48: wider or higher than what is left of the map.
-    // The last keeps its channels in planes.
+    // 48 × 16 and, in the other byte order, 16 × 48: wider or higher than the rest of the map. The last stores its channels in planes.
     for name in ["tiled_lzw.tif", "tiled_deflate.tif", "planar.tif"] {
         holds(&fixture(name), FileKind::Tiff, 3, SampleKind::U8, &colour);
     }
@@ -145,7 +144,7 @@ fn tiff_heights() {
     );
 }
 
-/// Texels with a channel that says which are there; the others are 0.
+/// Texels with a mask channel; the others are 0.
 fn with_mask<T: Copy + Default>(
     texels: &[T],
     full: T,
@@ -181,7 +180,7 @@ fn what_a_tiff_says_is_nothing_is_not_there() {
     let is_there = |x: u32, y: u32| !(x + y).is_multiple_of(3);
     let expected = with_mask(&colour, 255, is_there);
     holds_in_part("mask.tif", SampleKind::U8, &expected);
-    // 16 bits in planes, 7 of all channels is nothing; of one channel alone it is a colour.
+    // 16 bits in planes, where 7 in all channels marks missing data; in a single channel it is a colour.
     let mut wide = wide_map(3);
     wide[3 * (WIDTH as usize + 1)] = 7;
     let expected = with_mask(&wide, u16::MAX, is_there);

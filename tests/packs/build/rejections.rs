@@ -1,4 +1,4 @@
-//! Bad files: an error that names the file and says what to do, and nothing large allocated.
+//! Bad files: an error with the file and the remedy, and no large allocation.
 
 use super::maps::{
     Geo, HEIGHT, LIMITS, WIDTH, fixture, jpeg, open, png, read, read_within, rgb_map, rgb_tiff,
@@ -12,7 +12,7 @@ use tiff::encoder::Compression;
 use tiff::encoder::colortype::{Gray8, RGB8};
 use tiff::tags::Tag;
 
-/// What is said of a file that must be rejected.
+/// The error of a file that must be rejected.
 fn complaint(bytes: &[u8]) -> String {
     match read(bytes) {
         Ok((info, _)) => panic!("taken as {info:?}"),

@@ -1,4 +1,4 @@
-//! What bad servers give is named, asked for again where that may help, and never kept.
+//! Replies of bad servers are reported, requested again if that may help, and never kept.
 
 use super::server::{Answer, Server};
 use super::{Notes, colour, description, files, layer, options, place, png, tile};
@@ -16,7 +16,7 @@ fn is_bad(path: &str) -> bool {
     path.ends_with("/2/1/3.png")
 }
 
-/// Fetches from a server that answers one tile with this, always.
+/// Fetches from a server that always replies this for one tile.
 fn fetch(
     folder: &Path,
     bad: impl Fn(&str) -> Answer + Send + Sync + 'static,
@@ -26,7 +26,7 @@ fn fetch(
     (done, server)
 }
 
-/// What is told of a server that answers one tile with this, and how often it was asked for.
+/// The message about a server that replies this for one tile, and the number of requests.
 fn told(bad: impl Fn(&str) -> Answer + Send + Sync + 'static) -> (String, usize) {
     let folder = tempfile::tempdir().expect("a folder");
     let (done, server) = fetch(folder.path(), bad);
@@ -206,7 +206,7 @@ fn a_server_that_asks_for_patience_gets_it() {
         } else if path.ends_with("/2/0/0.png") && nth == 0 {
             Answer::failure("500 Internal Server Error")
         } else if path.ends_with("/2/0/1.png") && nth == 0 {
-            // To where it may lead.
+            // An allowed redirect.
             Answer::failure("307 Temporary Redirect").with("Location", "/moved/2/0/1.png")
         } else {
             good(path)
@@ -293,7 +293,7 @@ fn pictures_that_stand_for_nothing_are_noticed_and_left_out_where_they_are_named
     let key = told.split('`').nth(1).expect("the key to give");
     assert!(told.matches("same picture").count() == 1, "{told}");
 
-    // In the cache already, and on a fetch of its own.
+    // In the cache already, and in a separate fetch.
     let named = format!("{text}{key}\n");
     let elsewhere = tempfile::tempdir().expect("a folder");
     for cache in [folder.path(), elsewhere.path()] {

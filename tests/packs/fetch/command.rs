@@ -133,7 +133,7 @@ fn a_fetch_that_is_killed_goes_on_to_the_same_pack() {
     assert_eq!(manifest("killed"), manifest("whole"));
 }
 
-/// A limit of one kilobyte a file stands for a full disk: a tile has three.
+/// A limit of one kilobyte a file acts like a full disk: a tile has three.
 #[cfg(unix)]
 #[test]
 fn a_disk_that_is_full_is_named_and_nothing_half_written_stays() {
@@ -167,7 +167,7 @@ fn a_disk_that_is_full_is_named_and_nothing_half_written_stays() {
 
 #[test]
 fn heights_become_a_file_that_relief_reads() {
-    // Web Mercator: heights are the latitude, in tenths of a degree.
+    // Web Mercator: elevations are the latitude, in tenths of a degree.
     let server = Server::new(|path, _| {
         let [level, row, _] = place(path);
         let step = 360.0 / f64::from(SIDE << level);
@@ -317,7 +317,7 @@ fn bad_usage_is_named() {
     );
 }
 
-/// All that is below a folder, journals too, as text where it is none.
+/// All content below a folder, journals too, as text where possible.
 fn contents(folder: &std::path::Path) -> String {
     let mut all = String::new();
     for entry in fs::read_dir(folder).expect("a folder") {
@@ -369,7 +369,7 @@ fn tokens_come_from_the_environment_and_stand_in_no_file_and_no_message() {
     let in_address = with_token(&server).replace(".png\"", ".png?key={token}\"");
     let (code, said) = fetch(in_address.clone(), true);
     assert_eq!(code, Some(0), "{said}");
-    // Servers repeat what they are told.
+    // Servers repeat the request in replies.
     let (code, said) = fetch(in_address.replace("?key=", "?other="), true);
     assert!(
         code == Some(1) && said.contains("sends on to http://127.0.0.1:1/?key={token}"),

@@ -1,4 +1,4 @@
-//! What good servers give: whole maps, regions, several protocols; asked gently, and once.
+//! Good servers: whole maps, regions, several protocols; requested with rate limits, and once.
 
 use super::server::{Answer, Server};
 use super::{Notes, SIDE, colour, description, files, jpeg, layer, options, place, png, tile};
@@ -18,7 +18,7 @@ fn good() -> Server {
     })
 }
 
-/// All rows of a mosaic, and what is reported.
+/// All rows of a mosaic, and the reports.
 fn read(mosaic: &Mosaic) -> (Vec<u8>, Vec<String>) {
     let info = mosaic.info();
     let mut rows = mosaic.rows(LIMITS);
@@ -220,7 +220,7 @@ fn wmts_tms_and_lists_are_spoken() {
                 (f64::from(x) + 0.5) * step - 180.0,
                 90.0 - (f64::from(y) + 0.5) * step,
             );
-            // JPEG loses a little; the list's maps are north–south stretched, as their bounds say.
+            // JPEG loses a little; the maps of the list are stretched north–south, according to their bounds.
             if width == 4 * SIDE {
                 assert!(
                     texel[0].abs_diff(expected[0]) < 24,

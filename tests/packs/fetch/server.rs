@@ -1,4 +1,4 @@
-//! A server of tiles on this machine, as good or as bad as a test wants it.
+//! A tile server on this machine, as good or as bad as a test needs it.
 
 use rustls::pki_types::{CertificateDer, PrivateKeyDer, pem::PemObject};
 use std::collections::HashMap;
@@ -8,13 +8,13 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-/// What is sent back.
+/// A reply.
 #[derive(Clone, Debug)]
 pub struct Answer {
     pub status: &'static str,
     pub headers: Vec<(&'static str, String)>,
     pub body: Vec<u8>,
-    /// What the header says of the length; nothing for `None`, and the connection's end is the body's.
+    /// Length in the header; with `None` none, and the connection's end is the body's.
     pub length: Option<usize>,
     /// Pause after every byte.
     pub pause: Duration,
@@ -46,7 +46,7 @@ impl Answer {
     }
 }
 
-/// What answers a path, asked for the n-th time, from 0 on.
+/// Function that replies to a path's n-th request, from 0 on.
 type Answering = dyn Fn(&str, usize) -> Answer + Send + Sync;
 
 pub struct Server {
@@ -124,7 +124,7 @@ impl Server {
         format!("http://127.0.0.1:{}{path}", self.port)
     }
 
-    /// How often each path was asked for.
+    /// Number of requests for each path.
     pub fn asked(&self) -> HashMap<String, usize> {
         self.state.asked.lock().expect("whole").clone()
     }
@@ -144,7 +144,7 @@ impl Server {
         self.state.requests.lock().expect("whole").clone()
     }
 
-    /// Most requests that were under way at once.
+    /// Largest number of simultaneous requests.
     pub fn most_busy(&self) -> usize {
         self.state.most_busy.load(Ordering::Relaxed)
     }
@@ -194,7 +194,7 @@ fn answer_one(stream: &mut (impl Read + Write), state: &State) -> Option<()> {
     sent
 }
 
-/// `None` once the connection is of no more use.
+/// `None` if the connection is no longer usable.
 fn send(stream: &mut impl Write, answer: &Answer) -> Option<()> {
     let mut head = format!("HTTP/1.1 {}\r\n", answer.status);
     for (name, value) in &answer.headers {

@@ -81,7 +81,7 @@ fn a_bad_block_is_made_of_the_next_finer_level() {
     let tiles = tiles(&fixture, Storage::Plain, false);
     let (whole, _) = tiles.coarsest_maps().expect("good");
 
-    // One block from the level of 33 (no whole ratio), one from that of 64, one of the normals.
+    // One block from the level of 33 (no integer ratio), one from that of 64, one of the normals.
     write(
         &fixture.path(Storage::Plain, key(MapLayer::Day, 2, 20)),
         b"bad",

@@ -11,14 +11,14 @@ use terrella_imagery::tile::{
     MapLayer, Storage, TILE_BORDER, TILE_MIPS, Tile, TileFormat, TileKey, TileShape,
 };
 
-/// A pack in a folder of its own.
+/// A pack in a separate folder.
 pub struct Fixture {
     folder: TempDir,
     pub manifest: Manifest,
 }
 
 impl Fixture {
-    /// The maps of [`texel`] with these levels in these storages; `gap` says which blocks have no tile.
+    /// The maps of [`texel`] with these levels in these storages; `gap` selects the blocks without a tile.
     pub fn new(
         storages: &[Storage],
         layers: &[(MapLayer, &[u32])],

@@ -19,7 +19,7 @@ static TILES: LazyLock<Vec<Tile>> = LazyLock::new(|| {
 
 static MANIFEST: LazyLock<String> = LazyLock::new(|| Fixture::shared().manifest.to_toml());
 
-/// What may happen to a file.
+/// A change of a file.
 #[derive(Clone, Debug)]
 enum Change {
     Set(prop::sample::Index, u8),
@@ -107,7 +107,7 @@ proptest! {
         in_head in any::<bool>(),
     ) {
         let mut bytes = MANIFEST.as_bytes().to_vec();
-        // Most of it are checksums: half of the changes go to what stands before them.
+        // Most of it is checksums: half of the changes go to the part before them.
         let tail = if in_head { bytes.split_off(1200) } else { Vec::new() };
         for change in &changes {
             apply(&mut bytes, change);

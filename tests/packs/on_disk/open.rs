@@ -1,4 +1,4 @@
-//! Opening what is and what is not a pack.
+//! Opening valid and invalid packs.
 
 use super::fixture::{Fixture, write};
 use std::path::Path;

@@ -95,7 +95,7 @@ fn bad_parts_and_strangers_among_them_are_named() {
     assert_eq!(report.strangers, [stranger]);
 }
 
-/// What stands in for a block is a tile of it; nothing is lost while there is one.
+/// Only a tile of the whole block stands in for a block; nothing is lost while there is one.
 #[test]
 fn whole_blocks_stand_in_for_the_coarsest_level_and_parts_do_not() {
     let fixture = fixture();

@@ -129,7 +129,7 @@ fn a_file_that_is_not_as_listed_gives_no_tile() {
         corrupt(read(), &path),
         format!("it is longer than {} bytes", good.len())
     );
-    // Of a file that has become endless no more is read than can be right.
+    // Of a file that has become endless no more is read than can be valid.
     let file = std::fs::File::create(&path).expect("made");
     file.set_len(1 << 40).expect("a long file of nothing");
     assert!(corrupt(read(), &path).contains("it is longer"));
@@ -190,7 +190,7 @@ fn a_checksum_does_not_make_a_tile_good() {
     assert!(good.len() < MAX_OVERHEAD_BYTES);
 }
 
-/// A file rewritten between any two steps of the reading: the old texels or none.
+/// A file rewritten between any two steps of the reading: the old texels or an error.
 #[test]
 fn a_file_replaced_while_it_is_read_never_gives_other_texels() {
     let fixture = Fixture::day();

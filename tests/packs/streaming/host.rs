@@ -1,4 +1,4 @@
-//! The host of a cache: a simulated loader and textures, with books of its own that each frame is compared with.
+//! The host of a cache: a simulated loader and textures, with separate bookkeeping that each frame is compared with.
 
 use super::source::{scramble, tile};
 use std::collections::{HashMap, HashSet};
@@ -31,7 +31,7 @@ struct Load {
     frames_left: u64,
 }
 
-/// What a slot of the simulated textures holds.
+/// Content of a slot of the simulated textures.
 #[derive(Default)]
 struct Held {
     key: Option<TileKey>,
@@ -57,11 +57,11 @@ pub struct Host {
     uploaded: u64,
     evictions: u64,
     truth: Truth,
-    /// The parts asked for in the last frame that were drawn, each with the coarsest level that any of it was drawn with.
+    /// The parts requested in the last frame that were drawn, each with its coarsest drawn level.
     pub parts_drawn: Vec<(TileKey, u8)>,
 }
 
-/// What the tiles must be.
+/// Expected content of the tiles.
 struct Truth {
     layers: Vec<LayerLayout>,
     tiles: HashMap<TileKey, Tile>,
@@ -124,7 +124,7 @@ impl Host {
         self.slots.values().any(is_it)
     }
 
-    /// Nothing fails any more, and what failed is due to be tried again.
+    /// No load fails any more, and failed ones are due for a retry.
     pub fn heal(&mut self) {
         self.loading.failing = 0;
         self.now += Duration::from_secs(61);
@@ -144,7 +144,7 @@ impl Host {
         layout.levels[usize::from(level)].shape.parts
     }
 
-    /// Draws the parts that are asked for of a block; each cell must be there. Returns the coarsest level that each is drawn with.
+    /// Draws the requested parts of a block; each cell must be resident. Returns the coarsest drawn level of each.
     fn draw_parts(
         &mut self,
         requests: &[TileRequest],
@@ -210,7 +210,7 @@ impl Host {
             pictures.push((slot, key));
             levels.push((place, level));
         }
-        // Each part by the cells in it, or the one that it lies in.
+        // Each part by the cells in it, or the cell that contains it.
         let drawn = wanted.iter().zip(keys).map(|((part, _), key)| {
             let depth = part.depth.min(table.depth);
             let in_part = levels
@@ -328,7 +328,7 @@ impl Host {
         match self.random(4) {
             0 => Err(LoadError::Panicked("on purpose".to_owned())),
             1 => Err(LoadError::Source(TileError::Absent(key))),
-            // Without having been told to.
+            // Without a request to cancel.
             2 => Err(LoadError::Source(TileError::Cancelled)),
             _ => Ok(Tile {
                 shape: TileShape::new(16).unwrap(),

@@ -1,4 +1,4 @@
-//! Random eye paths over a simulated loader that is slow, fails and is told to stop.
+//! Random eye paths over a simulated loader that is slow, fails and is cancelled.
 
 use super::host::{Host, Loading};
 use super::source::{cut_layout, layout, scramble};
@@ -16,7 +16,7 @@ struct Step {
     level: u8,
     /// Blocks further away than this are not in the picture.
     reach: u32,
-    /// What else is asked for.
+    /// Additional requests.
     noise: u64,
     /// How long it lasts, frames.
     frames: u32,
@@ -32,7 +32,7 @@ fn distance(one: u8, other: u8) -> u32 {
     u32::from(columns.min(16 - columns).max(rows))
 }
 
-/// Requests parts of a part, none in another, some of it not at all.
+/// Requests parts of a part, none in another, and leaves some of it out.
 fn push_parts(
     layer: &LayerLayout,
     part: Part,
@@ -64,7 +64,7 @@ fn push_parts(
     }
 }
 
-/// What an eye requests: nearest blocks first and finest, then what is expected beyond.
+/// Requests of an eye: nearest blocks first and finest, then those expected beyond.
 fn requests(layers: &[LayerLayout], step: &Step) -> Vec<TileRequest> {
     let mut blocks: Vec<u8> = (0..128)
         .filter(|block| distance(*block, step.eye) <= step.reach + 1)
@@ -93,7 +93,7 @@ fn requests(layers: &[LayerLayout], step: &Step) -> Vec<TileRequest> {
             };
             requests.push(TileRequest { key, drawn });
             if noise % 5 == 1 {
-                // The same block is soon to be asked for finer.
+                // The same block will be requested at a finer level soon.
                 let level = key.level.saturating_sub(1).max(cut);
                 let key = TileKey { level, ..key };
                 requests.push(TileRequest { key, drawn: false });
@@ -157,7 +157,7 @@ fn holds(layout: &LayerLayout, key: TileKey, other: TileKey) -> bool {
     }
 }
 
-/// What the rules say that each map of each block is allocated to when every tile can be read: the oracle.
+/// Allocation of each map of each block by the rules when every tile can be read: the oracle.
 fn allocated(
     layers: &[LayerLayout],
     pools: &[Pool],
@@ -239,7 +239,7 @@ fn steps() -> impl Strategy<Value = Vec<Step>> {
     prop::collection::vec(step, 1..14)
 }
 
-/// Few slots or many; a pool of none is left out, as [`plan_pools`] does.
+/// Few slots or many; an empty pool is left out, as in [`plan_pools`].
 fn pools(maps: &[LayerLayout], seed: u64) -> Vec<Pool> {
     let mut pools = plan_pools(maps, u64::MAX);
     for pool in &mut pools {
@@ -336,7 +336,7 @@ proptest! {
                 host.frame(&requests, step.draws, step.budget);
             }
         }
-        // The disk is mended and the eye stands still: in the end everything that fits is there.
+        // All loads succeed and the eye is at rest: in the end everything that fits is resident.
         let still = requests(&maps, steps.last().expect("one at least"));
         host.heal();
         let promised = allocated(&maps, &pools, &still);
@@ -345,7 +345,7 @@ proptest! {
             counters.queued + counters.loading + counters.waiting_upload == 0
         };
         let bytes: u64 = promised.keys().map(|key| host.bytes(*key)).sum();
-        // Each tile in turn: its load, its upload a few rows a frame, and as many frames as stand-ins wait in a chain.
+        // Each tile in sequence: its load, its upload a few rows a frame, and as many frames as a chain of waiting stand-ins.
         let most = 100 + bytes / 100 + promised.len() as u64 * 16;
         let mut frames = 0;
         while !is_done(&host) || frames < 2 {
@@ -370,7 +370,7 @@ proptest! {
             prop_assert!(host.is_resident(*key), "{} was promised", key);
         }
         for (asked, level) in &host.parts_drawn {
-            // What was promised in its place, or the block's own tile; or something finer that is still there.
+            // The allocated replacement, or the block's own tile; or a finer one that is still resident.
             let layout = maps.iter().find(|map| map.layer == asked.layer).expect("a map");
             let holders = promised.keys().filter(|key| holds(layout, **key, *asked));
             let target = holders.map(|key| key.level).min();

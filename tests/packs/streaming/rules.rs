@@ -72,7 +72,7 @@ fn stand_ins_in_two_pools_do_not_block_each_other() {
     }
 }
 
-/// A finer tile is drawn in place of a coarser one as long as nobody waits for its slot.
+/// A finer tile is drawn in place of a coarser one as long as its slot is not needed.
 #[test]
 fn a_finer_stand_in_is_better_than_none() {
     let mut host = host(1, 1, QUICK);
@@ -112,7 +112,7 @@ fn a_decoded_tile_that_is_only_expected_makes_room() {
     assert_eq!(host.counters().cancelled, 1);
 }
 
-/// What is only expected takes no slot from the picture, though it comes first in the list.
+/// An expected tile takes no slot from the image, even if it is first in the list.
 #[test]
 fn what_is_expected_evicts_nothing_that_is_drawn() {
     let mut host = host(2, 1, QUICK);
@@ -131,7 +131,7 @@ fn what_is_expected_evicts_nothing_that_is_drawn() {
 fn what_is_expected_waits_for_the_picture() {
     let mut host = host(1, 2, QUICK);
     frames(&mut host, 10, &[request(1, 1)]);
-    // One of the two slots holds block 1's stand-in; block 2 is to have the other.
+    // One of the two slots holds block 1's stand-in; block 2 must get the other.
     host.stuck = vec![key(0, 1), key(1, 2)];
     let requests = [request(0, 1), request(1, 2), expect(1, 3)];
     frames(&mut host, 10, &requests);
@@ -207,7 +207,7 @@ fn failures_are_tried_again_more_and_more_seldom() {
             assert_eq!((host.counters().fallbacks, host.missing()), (1, 1));
         }
     }
-    // Trying again did not take the stand-in's load away.
+    // The retry did not cancel the stand-in's load.
     assert_eq!(host.counters().cancelled, 0);
     let pauses: Vec<_> = failed_at.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let due = [1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 60.0, 60.0, 60.0];

@@ -1,4 +1,4 @@
-//! Small maps whose every texel tells which tile it is of.
+//! Small maps whose every texel encodes its tile.
 
 use terrella_imagery::tile::{
     BlockSet, LayerLayout, LevelLayout, MapLayer, Storage, Tile, TileKey, TileShape,
@@ -24,8 +24,8 @@ pub fn layout(layer: MapLayer, storage: Storage, pixels: &[u32]) -> LayerLayout 
     }
 }
 
-/// A map whose finest levels are cut: texels of a tile's side, and how many parts lie along a block's side at each of them, the finest
-/// first; and the sides of the coarser ones.
+/// A map whose finest levels are cut: texels of a tile's side, and number of parts along a block's side at each of them, the finest first; and the
+/// sides of the coarser ones.
 pub fn cut_layout(layer: MapLayer, pixels: u32, parts: &[u32], coarser: &[u32]) -> LayerLayout {
     let whole = [&[pixels][..], coarser].concat();
     let mut layout = layout(layer, Storage::Plain, &whole);

@@ -12,12 +12,12 @@ use terrella_imagery::tile::{
 
 type Read = dyn Fn(TileKey, &dyn Fn() -> bool) -> Result<Tile, TileError> + Send + Sync;
 
-/// A source of small tiles that does something before it gives one, and watches that no tile is read twice at once.
+/// A source of small tiles with a side effect, which checks that no tile is read twice at the same time.
 struct Source {
     layers: Vec<LayerLayout>,
     under_way: Mutex<HashSet<TileKey>>,
     reads: AtomicU32,
-    /// A tile was read twice at once. To panic in a read would be caught.
+    /// A tile was read twice at the same time. A panic in a read would be caught.
     is_doubled: AtomicBool,
     read: Box<Read>,
 }
@@ -219,7 +219,7 @@ fn wrong_tiles_are_failures() {
             2 => tile.texels.push(0),
             3 => tile.format = tile.format.decoded(),
             4 => tile.shape = maps()[0].levels[1].shape,
-            // Without having been told to.
+            // Without a request to cancel.
             5 => return Err(TileError::Cancelled),
             _ => {}
         }
@@ -237,7 +237,7 @@ fn wrong_tiles_are_failures() {
     let requests: Vec<_> = (1..7).map(clouds).collect();
     let start = Instant::now();
     while stream.counters().completed + stream.counters().failures < 6 {
-        // The clock stands still: nothing is tried again.
+        // The clock is stopped: there are no retries.
         stream.update(start, &requests);
         stream.upload(u64::MAX, &mut |part| assert_eq!(part.key.block, 6));
         stream.wait(Duration::from_millis(20));
@@ -291,7 +291,7 @@ fn a_stream_can_be_dropped_while_it_loads() {
         let start = Instant::now();
         drop(stream);
         assert!(start.elapsed() < Duration::from_secs(1));
-        // All threads have ended: none holds the source.
+        // All threads have ended: none references the source.
         assert_eq!(Arc::strong_count(&source), 1);
     }
 }
@@ -337,7 +337,7 @@ fn a_busy_queue_doubles_and_loses_nothing() {
     }
     let requests: Vec<_> = (0..4).map(day).collect();
     settle(&mut stream, &requests, LONG);
-    // Threads may still be about to tell of loads that were not wanted any more.
+    // Threads may still be about to report cancelled loads.
     for _ in 0..100 {
         stream.update(Instant::now(), &requests);
         std::thread::sleep(Duration::from_millis(1));

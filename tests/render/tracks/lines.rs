@@ -1,4 +1,4 @@
-//! Lines that stand still on the globe, and ground stations.
+//! Earth-fixed lines, and ground stations.
 
 use super::rig::{
     Circle, MAGENTA, Rig, SIZE, WGS84, aspect, differs, limb_px, options, pixel, style,
@@ -23,7 +23,7 @@ fn circle() -> Circle {
     }
 }
 
-/// A graticule of 30° is on screen where its places are, as far as the globe does not hide them, and nowhere else.
+/// A graticule of 30° is on screen at its places, as far as the globe does not hide them, and nowhere else.
 #[test]
 fn a_graticule_is_where_it_is_and_the_globe_hides_it() {
     let mut rig = Rig::new(options(Atmosphere::None), style(|_| {}));
@@ -147,7 +147,7 @@ fn marked_places_are_drawn_on_the_side_that_is_seen() {
     assert!(with == without && stats.marks == 0);
 }
 
-/// A station under the satellite has a line to it, a circle and a place for its name; one on the far side has none of them.
+/// A station below the satellite has a line to it, a circle and a position for its name; one on the far side has none of them.
 #[test]
 fn a_station_shows_the_satellite_that_it_sees() {
     let circle = circle();
@@ -189,7 +189,7 @@ fn a_station_shows_the_satellite_that_it_sees() {
     for k in 2..=9 {
         assert!(is_drawn(at.lerp(satellite, f64::from(k) / 10.0)), "{k}");
     }
-    // Places at which the satellite would stand at the mask, found by halving.
+    // Positions at which the satellite would be at the mask, found by bisection.
     let height_m = foot.height_m;
     for azimuth in [0.3, 1.7, 3.1, 5.5_f64] {
         let there = |angle: f64| {

@@ -1,4 +1,4 @@
-//! A satellite on a circle, an Earth with its tracks, and where places stand on screen.
+//! A satellite on a circle, an Earth with its tracks, and positions on screen.
 
 use crate::common;
 use glam::{DVec2, DVec3, DVec4};
@@ -62,7 +62,7 @@ impl Feed for Circle {
     }
 }
 
-/// What a frame of a view shows.
+/// The moment of a view's frame.
 fn moment(view: &EyeView) -> TrackMoment<'_> {
     TrackMoment {
         epoch: now(),
@@ -92,7 +92,7 @@ impl Rig {
         }
     }
 
-    /// The picture with tracks, the one without, and what was drawn.
+    /// The image with tracks, the one without, and the statistics.
     pub fn draw(&mut self, view: &EyeView, feed: &dyn Feed) -> (RgbaImage, RgbaImage, TrackStats) {
         let gpu = common::gpu();
         let sky = Sky::new(self.sun);
@@ -209,7 +209,7 @@ pub fn options(atmosphere: Atmosphere) -> EarthOptions {
     }
 }
 
-/// Nothing but what `change` turns on, in a colour that no Earth has.
+/// Only the elements that `change` turns on, in a colour that no Earth has.
 pub fn style(change: impl FnOnce(&mut TrackStyle)) -> TrackStyle {
     let mut style = TrackStyle {
         color: MAGENTA,
@@ -233,7 +233,7 @@ pub fn aspect() -> f64 {
     f64::from(SIZE.0) / f64::from(SIZE.1)
 }
 
-/// Where a place stands on screen, pixels, if it stands before the eye.
+/// Position of a place on screen, pixels, if it is in front of the eye.
 pub fn any_pixel(view: &EyeView, place: DVec3) -> Option<(f64, f64)> {
     let (eye, clip_from_eye) = view.to_itrf();
     let clip: DVec4 = clip_from_eye * (place - eye).extend(1.0);
@@ -250,7 +250,7 @@ pub fn pixel(view: &EyeView, place: DVec3) -> Option<(f64, f64)> {
     any_pixel(view, place).filter(|(x, y)| inside(*x, SIZE.0) && inside(*y, SIZE.1))
 }
 
-/// How far from the limb a place stands, about, pixels.
+/// Approximate distance of a place from the limb, pixels.
 pub fn limb_px(view: &EyeView, place: DVec3) -> f64 {
     let eye = view.eye_world;
     let pixel_rad = 2.0 / (view.clip_from_view.y_axis.y * f64::from(SIZE.1));

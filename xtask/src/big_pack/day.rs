@@ -1,8 +1,8 @@
-//! The day map enlarged, its coasts drawn again from the land mask and its slopes shaded.
+//! The enlarged day map, with coasts redrawn from the land mask and shaded slopes.
 //!
-//! An enlarged coast is a soft passage from the colour of the land to that of the sea. How much of each texel should be
-//! sea is known from the land mask, once exactly and once as soft as the map is. Where the two differ, the difference
-//! between the colours of pure sea and pure land near by is added in that proportion.
+//! An enlarged coast is a soft transition from the colour of the land to that of the sea. The land mask gives the share of sea in each texel,
+//! exactly and with the map's softness. The difference between the two shares scales the difference between the colours of pure sea and pure land
+//! near by, which is added.
 
 use super::enlarge::{Bytes, Enlarger};
 use super::mask::{self, Mask};
@@ -11,22 +11,22 @@ use crate::starter_pack::map::{Map, open};
 use anyhow::{Result, ensure};
 use std::path::Path;
 
-/// How far from a coast colours of pure land and sea are looked for, texels of the source.
+/// Radius of the search for pure land and sea colours near a coast, source texels.
 const REACH: isize = 4;
 
-/// How much a slope of 1 towards the north-west brightens the land, of its colour.
+/// Relative brightening of land by a slope of 1 towards the north-west.
 const RELIEF: f32 = 2.5;
-/// Brightest and darkest that relief makes the land.
+/// Limit on the relative change of brightness by relief.
 const MOST_RELIEF: f32 = 0.25;
 
-/// Gives the rows of the large map.
+/// Produces the rows of the large map.
 pub struct Day<R> {
     colour: Enlarger,
-    /// How much is sea, 0…255, as soft as the colours.
+    /// Share of sea, 0…255, as soft as the colours.
     soft_sea: Enlarger,
-    /// Half of the sea's colour less the land's, 128 being none.
+    /// Half of the sea's colour minus the land's, plus 128.
     contrast: Enlarger,
-    /// Brightness of the land, 128 being flat.
+    /// Brightness of the land; 128 is flat.
     relief: Enlarger,
     mask: Mask<R>,
     width: usize,
@@ -70,7 +70,7 @@ pub fn open_day(data: &Path) -> Result<Day<impl std::io::Read>> {
 }
 
 impl<R: std::io::Read> Day<R> {
-    /// Row `y`; rows come one after the other.
+    /// Writes row `y`; rows must be requested in order.
     pub fn row(&mut self, y: usize, out: &mut [u8]) -> Result<()> {
         let [colour, soft_sea, contrast, relief] = &mut self.rows;
         self.colour.row(y, colour);
@@ -111,7 +111,7 @@ fn softened(sea: &Bytes) -> Bytes {
     }
 }
 
-/// Half of the colour of pure sea less that of pure land near each texel, plus 128; 128 where one of them is not near.
+/// Half of the mean colour of pure sea minus that of pure land near each texel, plus 128; 128 if either is missing there.
 fn contrast(colour: &Bytes, sea: &Bytes) -> Bytes {
     let (width, height) = (colour.width as isize, colour.height as isize);
     let mut values = vec![128; colour.values.len()];
@@ -124,7 +124,7 @@ fn contrast(colour: &Bytes, sea: &Bytes) -> Bytes {
                     .flat_map(move |y| (x - REACH..=x + REACH).map(move |x| (x, y)))
             };
             let is_uniform = |other: u8| (other == 0 || other == 255).then_some(other);
-            // Most texels are far from any coast: the corners and the middles of the sides tell.
+            // Most texels are far from any coast: test the corners and edge centres first.
             let far = [-REACH, 0, REACH];
             let mut probes = far.iter().flat_map(|dy| far.iter().map(move |dx| (dx, dy)));
             let first = sea.values[place(x, y)];
@@ -161,7 +161,7 @@ fn contrast(colour: &Bytes, sea: &Bytes) -> Bytes {
     Bytes { values, ..*colour }
 }
 
-/// Brightness of the land with light from the north-west, of elevations in metres + 11 000.
+/// Brightness of the land under light from the north-west, from elevations in metres + 11 000.
 fn relief(path: &Path) -> Result<Bytes> {
     let picture = open(path)?;
     let (width, height) = (picture.width() as usize, picture.height() as usize);
@@ -177,12 +177,12 @@ fn relief(path: &Path) -> Result<Bytes> {
     for y in 0..height {
         let (north, south) = (y.saturating_sub(1), (y + 1).min(height - 1));
         let latitude = (0.5 - (y as f32 + 0.5) / height as f32) * std::f32::consts::PI;
-        // Rows shrink to nothing at a pole, and slopes along them grow without bound.
+        // Rows shrink to zero length at a pole, and slopes along them would grow without bound.
         let east_m = 2.0 * texel_m * latitude.cos().max(0.1);
         for x in 0..width {
             let east = (at(x + 1, y) - at(x + width - 1, y)) / east_m;
             let north = (at(x, north) - at(x, south)) / (2.0 * texel_m);
-            // Ground that falls towards the light is the brighter.
+            // Terrain that falls towards the light is brighter.
             let light = RELIEF * (east - north) * std::f32::consts::FRAC_1_SQRT_2 / MOST_RELIEF;
             values.push((128.0 + 127.0 * light.clamp(-1.0, 1.0)) as u8);
         }

@@ -1,4 +1,4 @@
-//! Maps enlarged a row at a time.
+//! Maps enlarged row by row.
 
 use crate::starter_pack::map::{Map, cubic_taps};
 
@@ -11,7 +11,7 @@ pub struct Bytes {
 }
 
 impl Bytes {
-    /// The nearest bytes of a map.
+    /// The map rounded to bytes.
     pub fn of(map: &Map) -> Self {
         Self {
             width: map.width,
@@ -22,18 +22,18 @@ impl Bytes {
     }
 }
 
-/// Gives the rows of an enlarged map by the Catmull–Rom cubic, periodic in longitude.
+/// Produces the rows of a map enlarged by the Catmull–Rom cubic, periodic in longitude.
 pub struct Enlarger {
     source: Bytes,
     height: usize,
-    /// For each target column its first source column and four weights.
+    /// First source column and four weights of each target column.
     columns: Vec<(isize, [f32; 4])>,
-    /// Source rows already enlarged along themselves, row n in place n mod 4.
+    /// Source rows already enlarged horizontally; row n is in slot n mod 4.
     wide: [(Option<usize>, Vec<f32>); 4],
 }
 
 impl Enlarger {
-    /// To a width and height that are not smaller than the source's.
+    /// Enlarges to a width and height not smaller than the source's.
     pub fn new(source: Bytes, width: usize, height: usize) -> Self {
         let columns = (0..width).map(|x| four_taps(x, width, source.width));
         let wide = || (None, vec![0.0; width * source.channels]);
@@ -45,7 +45,7 @@ impl Enlarger {
         }
     }
 
-    /// Row `y` of the enlarged map; values may lie a little outside 0…255 beside an edge.
+    /// Writes row `y` of the enlarged map; values may lie slightly outside 0…255 at an edge.
     pub fn row(&mut self, y: usize, out: &mut [f32]) {
         out.fill(0.0);
         let (first, weights) = four_taps(y, self.height, self.source.height);
@@ -84,11 +84,11 @@ impl Enlarger {
     }
 }
 
-/// The taps of a cubic that is not stretched: four, or three and a zero where the target hits a source texel.
+/// The taps of an unstretched cubic: four, or three and a zero if the target coincides with a source texel.
 fn four_taps(index: usize, target: usize, source: usize) -> (isize, [f32; 4]) {
     let (first, taps) = cubic_taps(index, target, source);
     let mut weights = [0.0; 4];
-    // Exactly on a texel there are five, the outer ones zero.
+    // At a source texel there are five taps; the outer ones are zero.
     let skip = taps.len().saturating_sub(4);
     for (weight, tap) in weights.iter_mut().zip(&taps[skip..]) {
         *weight = *tap;

@@ -45,7 +45,7 @@ impl<R: Read> Mask<R> {
         Ok(Self { texels: npy, width })
     }
 
-    /// The next `size` rows as one row of squares of `size` × `size` texels: how much of each is water, 0…255.
+    /// The next `size` rows, reduced to one row of `size` × `size` squares: the share of water in each, 0…255.
     pub fn next_row(&mut self, size: usize) -> Result<Vec<u8>> {
         let mut sums = vec![0_u32; self.width / size];
         let mut row = vec![0; self.width];
@@ -61,7 +61,7 @@ impl<R: Read> Mask<R> {
     }
 }
 
-/// A compressed file of a zip archive, by its local headers; archives without sizes in them are rejected.
+/// A compressed file of a zip archive, found by its local headers. Archives whose local headers lack sizes are rejected.
 fn entry<R: Read>(mut archive: R, name: &str) -> Result<DeflateDecoder<std::io::Take<R>>> {
     loop {
         let mut head = [0; 30];

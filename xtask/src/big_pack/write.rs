@@ -1,4 +1,4 @@
-//! Large pictures written a row at a time, under their final names only when they are whole.
+//! Large images written row by row; they get their final names only when complete.
 
 use anyhow::{Context, Result};
 use image::{GenericImageView, Rgb};
@@ -13,7 +13,7 @@ const JPEG_QUALITY: u8 = 92;
 /// Fills one row of a picture.
 pub type Row<'a> = dyn FnMut(usize, &mut [u8]) -> Result<()> + 'a;
 
-/// Writes what `contents` writes, unless the file is there already.
+/// Writes a file with `contents`, unless it exists already.
 fn file(path: &Path, contents: impl FnOnce(&mut BufWriter<File>) -> Result<()>) -> Result<()> {
     let name = path.display();
     if path.exists() {
@@ -74,10 +74,10 @@ pub fn jpeg(path: &Path, (width, height): (usize, usize), row: &mut Row<'_>) -> 
     })
 }
 
-/// Rows that the encoder looks at together.
+/// Rows that the encoder reads together.
 const STRIP: usize = 8;
 
-/// A picture that is never whole in memory: the encoder reads it in strips from the top.
+/// An image that is never complete in memory: the encoder reads it in strips from the top.
 struct Rows<'a> {
     width: usize,
     height: usize,
@@ -89,7 +89,7 @@ struct Strip<'a> {
     end: usize,
     texels: Vec<u8>,
     row: &'a mut Row<'a>,
-    /// What went wrong; what comes after it does not matter.
+    /// The first error; later rows are ignored.
     error: Option<anyhow::Error>,
 }
 

@@ -1,4 +1,4 @@
-//! Archives that are the same byte for byte where their files are the same.
+//! Archives that are identical byte for byte if their files are.
 
 use crate::files::write_whole;
 use anyhow::Context;
@@ -15,7 +15,7 @@ use tar::{Builder, EntryType, Header};
 pub fn write(folder: &Path, name: &str, path: &Path) -> anyhow::Result<()> {
     let mut files = Vec::new();
     collect(folder, &mut files)?;
-    // The order in which a file system lists them is its own.
+    // The order of a directory listing depends on the file system.
     files.sort();
     write_whole(path, false, |file| {
         let packed = GzEncoder::new(file, Compression::best());
@@ -29,7 +29,7 @@ pub fn write(folder: &Path, name: &str, path: &Path) -> anyhow::Result<()> {
     })
 }
 
-/// Adds a file, or a link, without its owner and its date.
+/// Adds a file or link without its owner and date.
 fn append(archive: &mut Builder<impl Write>, file: &Path, inside: &Path) -> anyhow::Result<()> {
     let found = fs::symlink_metadata(file)?;
     let mut header = Header::new_gnu();

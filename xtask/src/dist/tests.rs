@@ -1,9 +1,9 @@
-//! Archives are whole, and what is in them runs in a folder where nothing else is.
+//! Archives are complete, and their contents work in a folder without any other files.
 
 use super::*;
 use std::fs::File;
 
-/// A stand-in for the program, which prints what is asked for.
+/// A substitute for the program that prints the expected texts.
 const STAND_IN: &str = "case \"$1 $2\" in
 'man --list') echo play; echo 'pack build';;
 'man '*) echo \".TH $3\";;
@@ -11,7 +11,7 @@ const STAND_IN: &str = "case \"$1 $2\" in
 *) exit 2;;
 esac";
 
-/// Runs a script as it lies there: a test beside this one may have it open.
+/// Runs a script through the shell: a parallel test may have the file open for writing.
 fn by_shell(script: &Path) -> Command {
     let mut command = Command::new("sh");
     command.arg(script);
@@ -83,7 +83,7 @@ fn an_archive_has_all_that_the_program_needs() {
         assert!(!maps.iter().any(|name| name == other), "{other}");
     }
 
-    // The same again is the same.
+    // The same input gives the same archive.
     let again = folder.path().join("again");
     pack_program(&script, &by_shell, &again).unwrap();
     assert_eq!(archive::sha256(&again.join(&archive)).unwrap(), sum);
@@ -139,8 +139,8 @@ fn checksums_are_those_of_the_standard() {
     assert_eq!(archive::sha256(&path).unwrap(), expected);
 }
 
-/// Draws a first picture with what a release holds, in an empty folder and with nothing in the environment. Builds the program, which
-/// takes many minutes; `TERRELLA_PROGRAM` names one that is built.
+/// Draws a first image with the files of a release, in an empty folder and with an empty environment. Builds the program, which takes many minutes;
+/// `TERRELLA_PROGRAM` names an existing one.
 #[test]
 #[ignore = "builds a release; run by `.ci/run --always`, or by hand"]
 fn the_archived_program_draws_a_first_picture() {
@@ -176,13 +176,13 @@ fn the_archived_program_draws_a_first_picture() {
     let scene = prefix.join("share/terrella/config/relief.toml");
     let scene = scene.to_str().unwrap();
     terrella(&["frame", scene, "-o", "relief.png", "--size", "64x36"]);
-    // The maps are its own, not those of the checkout that it was built in.
+    // It uses its own maps, not those of the checkout that it was built in.
     fs::remove_file(prefix.join(layout::MAPS).join("clouds.jpg")).unwrap();
     assert!(terrella(&["check"]).contains("missing, so left out"));
 }
 
-/// Compiles a program by pkg-config and by CMake with what a release holds, in an empty folder, and draws with it. `TERRELLA_C_LIBRARY` names a
-/// folder where the library is installed, in place of a build.
+/// Compiles a program by pkg-config and by CMake with the files of a release, in an empty folder, and draws with it. `TERRELLA_C_LIBRARY` names a
+/// folder with an installed library, instead of a build.
 #[test]
 #[ignore = "builds a release; run by `.ci/run --always`, or by hand"]
 fn the_archived_c_library_draws_a_first_picture() {
@@ -260,7 +260,7 @@ fn the_archived_c_library_draws_a_first_picture() {
         cmake(&["--build", "build"]);
         draws(&project.join("build/still"), &format!("{name}.png"));
     }
-    // A release with another interface is not taken.
+    // A release with another interface version is rejected.
     let project = empty.path().join("newer");
     fs::create_dir(&project).unwrap();
     let newer = lists.replace("terrella 0.1 ", "terrella 0.2 ");
@@ -275,14 +275,13 @@ fn the_archived_c_library_draws_a_first_picture() {
     assert!(!output.status.success() && said.contains("0.1"), "{said}");
 }
 
-/// The first block of a page in a language.
+/// The first code block of a page in a language.
 fn fenced<'p>(page: &'p str, language: &str) -> &'p str {
     let (_, block) = page.split_once(&format!("```{language}\n")).unwrap();
     block.split_once("```").unwrap().0
 }
 
-/// Installs the wheel with pip into an empty folder, and runs the first program of the page on Python there. `TERRELLA_WHEEL` names a wheel
-/// that is built.
+/// Installs the wheel with pip into an empty folder, and runs the page's first program with it. `TERRELLA_WHEEL` names an existing wheel.
 #[test]
 #[ignore = "builds a release; run by `.ci/run --always`, or by hand"]
 fn the_wheel_draws_a_first_picture() {

@@ -6,7 +6,7 @@ use anyhow::{Context, bail};
 
 const CHANNELS: [&str; 3] = ["red", "green", "blue"];
 
-/// Errors in one air, drawn and of the reference, by kind of view.
+/// Errors in one atmosphere, of the renderer and of the reference, by kind of view.
 pub fn errors(run: &Recorded, air: &str) -> anyhow::Result<String> {
     let heads = [
         match air {
@@ -42,7 +42,7 @@ pub fn errors(run: &Recorded, air: &str) -> anyhow::Result<String> {
     Ok(table(&heads, lines))
 }
 
-/// The largest median of a channel in the drawn clear air, of the views whose name begins so: "0.3 %".
+/// The largest median error of a channel in the clear atmosphere as rendered, over views with this prefix: "0.3 %".
 pub fn largest_median(run: &Recorded, begins: &str) -> anyhow::Result<String> {
     let mut largest = 0.0_f64;
     for row in of(run, "drawn", "clear")? {
@@ -58,7 +58,7 @@ pub fn largest_median(run: &Recorded, begins: &str) -> anyhow::Result<String> {
     Ok(format!("{} %", super::markdown::significant(largest, 1)))
 }
 
-/// Mean differences of colours in a set: "drawn 0.23, reference 0.20".
+/// Mean colour differences in a set: "drawn 0.23, reference 0.20".
 pub fn colors(run: &Recorded, set: &str) -> anyhow::Result<String> {
     let mut words = Vec::new();
     for by in ["drawn", "reference"] {
@@ -73,7 +73,7 @@ pub fn colors(run: &Recorded, set: &str) -> anyhow::Result<String> {
     Ok(words.join(", "))
 }
 
-/// The rows by one and in one air.
+/// The rows of one method and one atmosphere.
 fn of<'r>(run: &'r Recorded, by: &str, air: &str) -> anyhow::Result<Vec<Row<'r>>> {
     let mut rows = Vec::new();
     for row in run.rows()? {

@@ -1,11 +1,11 @@
-//! Tables of `terrella bench`: whole frames, their floor, what each feature costs.
+//! Tables of `terrella bench`: complete frames, their floor, and the cost of each feature.
 
 use super::markdown::{significant, table, thousands};
 use super::record::Recorded;
 use anyhow::{Context, bail};
 use serde_json::Value;
 
-/// The rows along the inclined path beside the paper's Table 2.
+/// The rows along the inclined path, compared with the paper's Table 2.
 pub fn table_2(run: &Recorded) -> anyhow::Result<String> {
     let heads = [
         "height, km",
@@ -41,7 +41,7 @@ pub fn table_2(run: &Recorded) -> anyhow::Result<String> {
     Ok(table(&heads, lines))
 }
 
-/// Frame over floor and frame from four heights along the inclined path: "1.16 / 1.82 × (75, 92 ms)".
+/// Ratio to the floor and frame time at four altitudes along the inclined path: "1.16 / 1.82 × (75, 92 ms)".
 pub fn heights(run: &Recorded) -> anyhow::Result<String> {
     let (mut ratios, mut times) = (Vec::new(), Vec::new());
     for height_km in [100.0, 2_000.0, 20_000.0, 35_786.0] {
@@ -56,7 +56,7 @@ pub fn heights(run: &Recorded) -> anyhow::Result<String> {
     ))
 }
 
-/// The range of frame over floor from the heights in the air, 1 and 30 km, along the inclined path.
+/// The range of the ratio of frame to floor within the atmosphere, at 1 and 30 km, along the inclined path.
 pub fn in_the_air(run: &Recorded) -> anyhow::Result<String> {
     let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
     for height_km in [1.0, 30.0] {
@@ -66,7 +66,7 @@ pub fn in_the_air(run: &Recorded) -> anyhow::Result<String> {
     Ok(format!("{least:.2}–{most:.2}"))
 }
 
-/// The row of a path and a height.
+/// The row of a path and an altitude.
 fn at<'r>(run: &'r Recorded, path: &str, height_km: f64) -> anyhow::Result<&'r Value> {
     let rows = rows(run, path)?;
     let row = rows
@@ -76,7 +76,7 @@ fn at<'r>(run: &'r Recorded, path: &str, height_km: f64) -> anyhow::Result<&'r V
         .with_context(|| format!("it has no row of {height_km} km, {path}"))
 }
 
-/// What of a frame is there whatever it shows, along the inclined path: the bare clear, and what frame and floor take beyond it.
+/// Costs that do not depend on the content of a frame, along the inclined path: the bare clear, and the costs of frame and floor beyond it.
 pub fn fixed(run: &Recorded) -> anyhow::Result<String> {
     let heads = [
         "height, km",
@@ -111,7 +111,7 @@ pub fn fixed(run: &Recorded) -> anyhow::Result<String> {
     Ok(table(&heads, lines))
 }
 
-/// The least frame over floor of all rows: "1.05 (600 km, inclined)".
+/// The smallest ratio of frame to floor of all rows: "1.05 (600 km, inclined)".
 pub fn least(run: &Recorded) -> anyhow::Result<String> {
     let mut least: Option<(f64, &Value)> = None;
     for row in list(run, "rows")? {
@@ -128,7 +128,7 @@ pub fn least(run: &Recorded) -> anyhow::Result<String> {
     ))
 }
 
-/// What each layer and effect costs, along the flight and both paths.
+/// The cost of each layer and effect, along the flight and both paths.
 pub fn features(run: &Recorded) -> anyhow::Result<String> {
     let heads = [
         "off in turn",
@@ -173,7 +173,7 @@ pub fn features(run: &Recorded) -> anyhow::Result<String> {
     Ok(table(&heads, lines))
 }
 
-/// The rows along a path, the lowest first.
+/// The rows along a path, lowest first.
 fn rows<'r>(run: &'r Recorded, path: &str) -> anyhow::Result<Vec<&'r Value>> {
     let rows = list(run, "rows")?.iter();
     Ok(rows.filter(|row| row["path"] == path).collect())
@@ -189,7 +189,7 @@ fn number(of: &Value, key: &str) -> anyhow::Result<f64> {
     number.with_context(|| format!("it has no number {key:?} where one belongs"))
 }
 
-/// A row's height with its name, kilometres.
+/// A row's altitude with its name, kilometres.
 fn height(row: &Value) -> anyhow::Result<String> {
     let height_km = number(row, "height_km")?;
     Ok(match height_km as u32 {

@@ -4,7 +4,7 @@ use super::record::Recorded;
 use anyhow::bail;
 use std::fmt::Write;
 
-/// The recorded lines as they are, a column for each of theirs.
+/// The recorded lines unchanged, with a column for each recorded one.
 pub fn as_recorded(run: &Recorded) -> anyhow::Result<String> {
     let rows = run.rows()?;
     let rows = rows.iter().map(|row| row.fields.to_vec());
@@ -15,7 +15,7 @@ pub fn as_recorded(run: &Recorded) -> anyhow::Result<String> {
 pub fn table<H: AsRef<str>>(heads: &[H], rows: impl IntoIterator<Item = Vec<String>>) -> String {
     let mut text = String::from("|");
     for head in heads {
-        // Writing to a string does not fail.
+        // Writing to a string cannot fail.
         let _ = write!(text, " {} |", head.as_ref());
     }
     let _ = writeln!(text, "\n|{}", "---|".repeat(heads.len()));
@@ -27,11 +27,11 @@ pub fn table<H: AsRef<str>>(heads: &[H], rows: impl IntoIterator<Item = Vec<Stri
         }
         text.push('\n');
     }
-    // An empty head leaves no two blanks.
+    // An empty head must not leave two spaces.
     text.replace("|  |", "| |")
 }
 
-/// One sentence: when and where a run was measured, and by what.
+/// One sentence: when and where a run was measured, and by which command.
 pub fn whereabouts(run: &Recorded) -> anyhow::Result<String> {
     let mut place = run.says("cpu").to_owned();
     if run.says("adapter") != "none" {
@@ -46,7 +46,7 @@ pub fn whereabouts(run: &Recorded) -> anyhow::Result<String> {
     ))
 }
 
-/// A commit as people write it.
+/// An abbreviated commit.
 fn short(commit: &str) -> String {
     let digits = commit.chars().take_while(char::is_ascii_hexdigit).count();
     match digits {
@@ -84,7 +84,7 @@ fn date(iso: &str) -> anyhow::Result<String> {
     }
 }
 
-/// A whole number with blanks between thousands: 35 786.
+/// A whole number with spaces between thousands: 35 786.
 pub fn thousands(value: f64) -> String {
     let digits = format!("{value:.0}");
     let mut text = String::new();
@@ -97,13 +97,13 @@ pub fn thousands(value: f64) -> String {
     text
 }
 
-/// With so many significant digits and without a power of ten.
+/// A number with this many significant digits, without an exponent.
 pub fn significant(value: f64, digits: usize) -> String {
     if value == 0.0 || !value.is_finite() {
         return format!("{value}");
     }
     let decimals = digits as i32 - 1 - value.abs().log10().floor() as i32;
-    // A number that is rounded up to one more digit is rare, and correct.
+    // Rounding up to one more digit is rare, and correct.
     format!("{value:.*}", decimals.max(0) as usize)
 }
 

@@ -1,4 +1,4 @@
-//! The text between markers of a page.
+//! The text between the markers of a page.
 
 use anyhow::{Context, bail};
 
@@ -6,9 +6,9 @@ const BEGIN: &str = "<!-- numbers ";
 const BEGIN_END: &str = " -->";
 const END: &str = "<!-- end numbers -->";
 
-/// The page with what `text_of` gives for each marker's name.
+/// The page with each marker's text replaced by the result of `text_of` for its name.
 ///
-/// Where a line ends after the first marker, the text stands on lines of its own between the markers, else within the line.
+/// If a line ends after the first marker, the text gets lines of its own; otherwise it stays within the line.
 pub fn rewritten(
     page: &str,
     text_of: &mut dyn FnMut(&str) -> anyhow::Result<String>,

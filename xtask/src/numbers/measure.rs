@@ -1,4 +1,4 @@
-//! Runs the commands of recordings and keeps what they say.
+//! Runs the commands of recordings and stores their results.
 
 use super::printed::figures;
 use super::record::{FIGURES, FOLDER, written};
@@ -12,7 +12,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// Measures the recordings of these names, of no name all that can be; writes each as soon as it is there.
+/// Measures the recordings with these names, or all without names. Writes each one as soon as it is complete.
 pub fn all(root: &Path, names: &[String]) -> anyhow::Result<()> {
     let mut outputs = Outputs::default();
     for recording in wanted(names)? {
@@ -29,7 +29,7 @@ pub fn all(root: &Path, names: &[String]) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The recordings of these names; of no name all.
+/// The recordings with these names; all without names.
 fn wanted(names: &[String]) -> anyhow::Result<Vec<&'static Recording>> {
     let known = |name: &str| RECORDINGS.iter().find(|recording| recording.name == name);
     for name in names {
@@ -51,7 +51,7 @@ fn wanted(names: &[String]) -> anyhow::Result<Vec<&'static Recording>> {
         .collect())
 }
 
-/// The file's text, measured now.
+/// The text of a newly measured recording.
 fn one(root: &Path, recording: &Recording, outputs: &mut Outputs) -> anyhow::Result<String> {
     let Source::Measured {
         method,
@@ -106,12 +106,12 @@ fn one(root: &Path, recording: &Recording, outputs: &mut Outputs) -> anyhow::Res
     written(recording.file, &head, &body)
 }
 
-/// Outputs of commands that several recordings take their numbers from.
+/// Cached outputs of commands that several recordings use.
 #[derive(Default)]
 struct Outputs(BTreeMap<&'static str, String>);
 
 impl Outputs {
-    /// What a command prints; it is run once.
+    /// The output of a command, which runs only once.
     fn of(&mut self, root: &Path, command: &'static str) -> anyhow::Result<String> {
         if let Some(output) = self.0.get(command) {
             return Ok(output.clone());
@@ -122,7 +122,7 @@ impl Outputs {
     }
 }
 
-/// What a command prints.
+/// The output of a command.
 fn output_of(root: &Path, command: &str) -> anyhow::Result<String> {
     say(command);
     let (program, arguments) = program(command)?;
@@ -136,7 +136,7 @@ fn output_of(root: &Path, command: &str) -> anyhow::Result<String> {
     Ok(String::from_utf8_lossy(&output.stdout).into_owned())
 }
 
-/// The program that a command begins with, and its arguments.
+/// The program and the arguments of a command.
 fn program(command: &str) -> anyhow::Result<(PathBuf, Vec<&str>)> {
     let mut words = command.split_whitespace();
     let program = match words.next() {

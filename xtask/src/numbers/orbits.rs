@@ -9,7 +9,7 @@ pub fn errors(run: &Recorded) -> anyhow::Result<String> {
     wide(run, |row| Ok(format!("{:.1e}", row.number("error_m")?)))
 }
 
-/// Evaluations of the force and processor time.
+/// Force evaluations and CPU time.
 pub fn times(run: &Recorded) -> anyhow::Result<String> {
     wide(run, |row| {
         let time = milliseconds(row.number("ms_median")?);
@@ -20,7 +20,7 @@ pub fn times(run: &Recorded) -> anyhow::Result<String> {
     })
 }
 
-/// Changes of energy and momentum.
+/// Changes of energy and angular momentum.
 pub fn drifts(run: &Recorded) -> anyhow::Result<String> {
     wide(run, |row| {
         let (energy, momentum) = (row.number("energy_drift")?, row.number("momentum_drift")?);
@@ -28,7 +28,7 @@ pub fn drifts(run: &Recorded) -> anyhow::Result<String> {
     })
 }
 
-/// Largest and median distance of the quartiles of a row's times, over its median, per cent: "12, mostly 3".
+/// Median and largest interquartile range of the rows' times, relative to each median: "3 % (median of the rows), 12 % at most".
 pub fn spread(run: &Recorded) -> anyhow::Result<String> {
     let mut parts = Vec::new();
     for row in run.rows()? {
@@ -43,7 +43,7 @@ pub fn spread(run: &Recorded) -> anyhow::Result<String> {
     ))
 }
 
-/// Errors of interpolation on one orbit, its name left out.
+/// Interpolation errors on one orbit, without its name.
 pub fn interpolation(run: &Recorded, orbit: &str) -> anyhow::Result<String> {
     let mut lines = Vec::new();
     for row in run.rows()? {
@@ -57,7 +57,7 @@ pub fn interpolation(run: &Recorded, orbit: &str) -> anyhow::Result<String> {
     Ok(table(&run.columns()?[1..], lines))
 }
 
-/// Two digits of a time.
+/// A time with two digits.
 fn milliseconds(ms: f64) -> String {
     match ms {
         ms if ms < 1.0 => super::markdown::significant(ms, 2),
@@ -66,7 +66,7 @@ fn milliseconds(ms: f64) -> String {
     }
 }
 
-/// A line for each orbit, a column for each method and tolerance, in the order of the file.
+/// A line for each orbit, and a column for each method and tolerance, in the file's order.
 fn wide(
     run: &Recorded,
     cell: impl Fn(&Row<'_>) -> anyhow::Result<String>,
@@ -79,7 +79,7 @@ fn wide(
             lines.push(vec![case.to_owned()]);
         }
         if lines.len() == 1 {
-            // The method is named once.
+            // Name each method only once.
             heads.push(
                 match (method == last_method, row.text("relative_tolerance")?) {
                     (_, "") => method.to_owned(),

@@ -1,19 +1,19 @@
-//! What commands print, as bodies of CSV files.
+//! Output of commands, as bodies of CSV files.
 
 use anyhow::{Context, bail};
 
-/// What of a command's output is recorded.
+/// The recorded part of a command's output.
 #[derive(Clone, Copy, Debug)]
 pub enum Printed {
-    /// Lines between the lines `--- begin csv` and `--- end csv`, of all such blocks; all have the same columns.
+    /// The lines between `--- begin csv` and `--- end csv`, in all such blocks; all blocks have the same columns.
     Csv,
-    /// Lines that this begins: what stands in braces names a column and takes all up to the text that follows it, what is
-    /// after the last one must end the line, and `{}` is skipped. Blanks at the line's ends do not count.
+    /// Lines that match a template: a name in braces is a column and matches everything up to the next literal text; text after the last one must
+    /// end the line; `{}` is skipped. Whitespace at the ends of the line is ignored.
     Lines(&'static str),
 }
 
 impl Printed {
-    /// The CSV in an output.
+    /// The CSV of an output.
     pub fn csv(self, output: &str) -> anyhow::Result<String> {
         match self {
             Self::Csv => blocks(output),
@@ -22,7 +22,7 @@ impl Printed {
     }
 }
 
-/// The figures in an output, by name with their values as they are printed: the largest of all lines like the template.
+/// The figures in an output, by name, with their values as printed: each is the largest of all lines that match the template.
 pub fn figures(template: &str, output: &str) -> anyhow::Result<Vec<(String, String)>> {
     let csv = lines(template, output)?;
     let mut reader = csv::Reader::from_reader(csv.as_bytes());
@@ -75,7 +75,7 @@ fn lines(template: &str, output: &str) -> anyhow::Result<String> {
     writer.write_record(&columns)?;
     let mut count = 0;
     for line in output.lines() {
-        // A test that runs alone is named at the beginning of its first line.
+        // A test that runs alone has its name at the start of its first line.
         let line = line
             .rsplit_once(" ... ")
             .map_or(line, |(_, line)| line)
@@ -91,7 +91,7 @@ fn lines(template: &str, output: &str) -> anyhow::Result<String> {
     Ok(String::from_utf8(writer.into_inner()?)?)
 }
 
-/// Pieces of text of a template, each with the column that follows it.
+/// The literal texts of a template, each with the column that follows it.
 fn parts(template: &str) -> Vec<(&str, Option<&str>)> {
     let mut parts = Vec::new();
     let mut rest = template;
@@ -106,7 +106,7 @@ fn parts(template: &str) -> Vec<(&str, Option<&str>)> {
     parts
 }
 
-/// The fields of a line; `None` where it is not like the template.
+/// The fields of a line; `None` if it does not match the template.
 fn fields<'l>(parts: &[(&str, Option<&str>)], line: &'l str) -> Option<Vec<&'l str>> {
     let mut fields = Vec::new();
     let mut rest = line.strip_prefix(parts[0].0)?;
@@ -114,7 +114,7 @@ fn fields<'l>(parts: &[(&str, Option<&str>)], line: &'l str) -> Option<Vec<&'l s
         let (column, next) = (pair[0].1?, pair[1].0);
         let end = match (next, pair[1].1) {
             ("", _) => rest.len(),
-            // The last text ends the line.
+            // The last literal text ends the line.
             (next, None) => rest.strip_suffix(next)?.len(),
             (next, Some(_)) => rest.find(next)?,
         };

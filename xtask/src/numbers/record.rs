@@ -1,4 +1,4 @@
-//! The file of a recorded run: where and how it was measured, then what was.
+//! The file of a recorded run: place and method of the measurement, then its results.
 //!
 //! CSV files begin with lines `# key: value`, JSON files have the keys in an object `recorded` beside the object `run`.
 
@@ -8,10 +8,10 @@ use serde_json::Value;
 use std::fs;
 use std::path::Path;
 
-/// Where recorded runs are kept, from the repository's root.
+/// Folder of recorded runs, from the repository's root.
 pub const FOLDER: &str = "docs/recorded";
 
-/// What every recorded run says of itself, in this order.
+/// The metadata keys of every recorded run, in this order.
 pub const KEYS: [&str; 8] = [
     "method", "command", "adapter", "driver", "cpu", "os", "commit", "date",
 ];
@@ -26,9 +26,9 @@ pub struct Recorded {
     body: Body,
 }
 
-/// What was measured.
+/// The measured data.
 enum Body {
-    /// The first line names the columns.
+    /// Rows; the first one names the columns.
     Csv(Vec<Vec<String>>),
     Json(Value),
 }
@@ -46,7 +46,7 @@ impl Recorded {
         Self::read(&file, &text).with_context(|| file)
     }
 
-    /// Reads a recorded run; `file` is its name, for messages.
+    /// Reads a recorded run; `file` is its name in messages.
     pub fn read(file: &str, text: &str) -> anyhow::Result<Self> {
         let (head, body) = match file.ends_with(".json") {
             true => json(text)?,
@@ -69,7 +69,7 @@ impl Recorded {
         &self.file
     }
 
-    /// What it says of itself: one of [`KEYS`].
+    /// The metadata value of one of [`KEYS`].
     pub fn says(&self, key: &str) -> &str {
         let found = self.head.iter().find(|(k, _)| k == key);
         found.map_or("", |(_, value)| value)
@@ -83,7 +83,7 @@ impl Recorded {
         }
     }
 
-    /// Whether it has single figures, by [`FIGURES`].
+    /// Whether it stores single figures, with the columns [`FIGURES`].
     pub fn has_figures(&self) -> bool {
         self.columns().is_ok_and(|columns| columns == FIGURES)
     }
@@ -113,7 +113,7 @@ impl Recorded {
 #[derive(Clone, Copy)]
 pub struct Row<'r> {
     columns: &'r [String],
-    /// Its fields in the columns' order.
+    /// The fields, in the columns' order.
     pub fields: &'r [String],
 }
 
@@ -169,7 +169,7 @@ fn json(text: &str) -> anyhow::Result<(Vec<(String, String)>, Body)> {
     Ok((head, Body::Json(run.context("it has no \"run\"")?)))
 }
 
-/// The text of a file with this head and body; the body of a JSON file is JSON itself.
+/// The text of a file with this metadata and body; the body of a JSON file is JSON.
 pub fn written(file: &str, head: &[(&str, String)], body: &str) -> anyhow::Result<String> {
     let mut text = String::new();
     if file.ends_with(".json") {
@@ -188,7 +188,7 @@ pub fn written(file: &str, head: &[(&str, String)], body: &str) -> anyhow::Resul
         text.push_str(body.trim_end());
         text.push('\n');
     }
-    // What is written is read again by the pages.
+    // Check that the pages can read the text.
     Recorded::read(file, &text)?;
     Ok(text)
 }

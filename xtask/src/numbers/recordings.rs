@@ -1,65 +1,65 @@
-//! Which runs are recorded.
+//! The recorded runs.
 
 use super::printed::Printed;
 
-/// A run that is recorded.
+/// A recorded run.
 pub struct Recording {
-    /// What `--measure` calls it.
+    /// Its name for `--measure`.
     pub name: &'static str,
     /// Its file in `docs/recorded`, `.csv` or `.json`.
     pub file: &'static str,
-    /// Where its numbers come from.
+    /// The source of its numbers.
     pub source: Source,
 }
 
-/// Where the numbers of a recorded run come from.
+/// The source of a recorded run's numbers.
 pub enum Source {
-    /// They are measured by this program's commands.
+    /// Measured by commands of this workspace.
     Measured {
-        /// What is measured and how, in a sentence.
+        /// What is measured, and how, in one sentence.
         method: &'static str,
-        /// Whether it draws: then adapter and driver are recorded with it.
+        /// Whether it renders; if so, adapter and driver are recorded.
         draws: bool,
-        /// Where the numbers are found.
+        /// The place of the numbers.
         found: Found,
     },
-    /// The file was written by hand, and says of itself how its numbers were measured.
+    /// The file was written by hand and describes how its numbers were measured.
     Kept {
-        /// Why nothing here measures it again.
+        /// Reason why it is not measured again.
         why: &'static str,
     },
 }
 
-/// Where the numbers of a measurement are found. A command begins with `cargo`, or with `terrella`, which is built for release.
+/// Where to find a measurement's numbers. A command starts with `cargo`, or with `terrella`, which is built for release.
 pub enum Found {
-    /// In what a command prints.
+    /// In the output of a command.
     Printed {
-        /// The command, its words apart by blanks.
+        /// The command, with words separated by spaces.
         command: &'static str,
-        /// What of its output is recorded.
+        /// The recorded part of its output.
         what: Printed,
     },
-    /// Single figures in what commands print: the file has a line `name,value,command` for each, and a page has its value between
-    /// the markers `<!-- numbers RECORDING NAME -->` and `<!-- end numbers -->`.
+    /// Single figures in the output of commands: the file has a line `name,value,command` for each, and a page has its value between the markers
+    /// `<!-- numbers RECORDING NAME -->` and `<!-- end numbers -->`.
     Figures(&'static [Figures]),
-    /// In a file that a command writes into the folder that stands for `{out}` in it.
+    /// In a file that a command writes into the folder `{out}`.
     Written {
-        /// The command, its words apart by blanks.
+        /// The command, with words separated by spaces.
         command: &'static str,
         /// The file's name in the folder.
         file: &'static str,
     },
 }
 
-/// Figures in what one command prints.
+/// Figures in the output of one command.
 pub struct Figures {
-    /// The command, its words apart by blanks.
+    /// The command, with words separated by spaces.
     pub command: &'static str,
-    /// Lines that hold them, as [`Printed::Lines`]: a column is a figure's name, its value the largest of all lines.
+    /// The template of their lines, as for [`Printed::Lines`]: a column is a figure's name, and its value is the largest of all lines.
     pub lines: &'static str,
 }
 
-/// A recording that nothing measures again.
+/// A recording that is not measured again.
 const fn kept(name: &'static str, file: &'static str, why: &'static str) -> Recording {
     Recording {
         name,
@@ -68,11 +68,11 @@ const fn kept(name: &'static str, file: &'static str, why: &'static str) -> Reco
     }
 }
 
-/// Draws and computes all rows of the tables in `../shared/oracle`; without them it prints nothing, which is an error here.
+/// Renders and computes all rows of the tables in `../shared/oracle`. Without them it prints nothing, which is an error here.
 const CLEAR_AIR: &str = "cargo test --release --locked --workspace --test accuracy -- clear_air::clear clear_air::hazy everywhere \
     --include-ignored --nocapture --test-threads=1";
 
-/// All of them.
+/// All recordings.
 pub const RECORDINGS: &[Recording] = &[
     Recording {
         name: "bench",

@@ -3,7 +3,7 @@
 use super::record::{Recorded, Row};
 use anyhow::Context;
 
-/// From 100 km up: the least and the largest mean FLIP, the limb's largest error, and that of places.
+/// From 100 km up: smallest and largest mean FLIP, the largest error of the limb, and that of places.
 pub fn range(run: &Recorded) -> anyhow::Result<String> {
     let rows = run.rows()?;
     let mut of_space = Vec::new();
@@ -26,7 +26,7 @@ pub fn range(run: &Recorded) -> anyhow::Result<String> {
     ))
 }
 
-/// The number that a field begins with; blanks in it part thousands.
+/// The number at the start of a field; spaces in it separate thousands.
 fn number(row: &Row<'_>, column: &str) -> anyhow::Result<f64> {
     let text = row.text(column)?;
     let digits: String = text

@@ -1,10 +1,10 @@
-//! The table of formulas against arithmetic of 320 bits.
+//! The table of formulas compared with 320-bit arithmetic.
 
 use super::markdown::table;
 use super::record::{Recorded, Row};
 use anyhow::Context;
 
-/// A line for each formula: the form in use, and the others.
+/// A line for each formula: the form in use, and the alternatives.
 pub fn forms(run: &Recorded) -> anyhow::Result<String> {
     let rows = run.rows()?;
     let mut names: Vec<&str> = Vec::new();
@@ -46,7 +46,7 @@ pub fn forms(run: &Recorded) -> anyhow::Result<String> {
     ))
 }
 
-/// The worst of a form with its unit.
+/// The largest error of a form with its unit.
 fn error(row: &Row<'_>) -> anyhow::Result<String> {
     let worst = row.number("worst")?;
     let unit = match row.text("unit")? {
@@ -62,7 +62,7 @@ fn error(row: &Row<'_>) -> anyhow::Result<String> {
     Ok(format!("{text} {unit}").trim_end().to_owned())
 }
 
-/// A form that is not in use: what it is, its worst, and where it keeps the bound all the same.
+/// An alternative form: its description, its largest error, and the range where it still keeps the bound.
 fn other(row: &Row<'_>) -> anyhow::Result<String> {
     let form = row.text("form")?;
     let form = form.split_once(": ").map_or(form, |(_, form)| form);

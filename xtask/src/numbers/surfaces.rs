@@ -1,4 +1,4 @@
-//! Texts of the comparison of surfaces: `terrella report --surfaces` makes them itself, by the types that it measures with.
+//! Texts of the comparison of surfaces: `terrella report --surfaces` writes them itself.
 
 use super::record::Recorded;
 use anyhow::Context;

@@ -1,20 +1,20 @@
-//! Which text is made of which recorded run.
+//! The generated texts and their recorded runs.
 
 use super::markdown::{as_recorded, whereabouts};
 use super::record::Recorded;
 use super::{air, bench, orbits, report, stability, surfaces, terrain};
 
-/// A text between markers.
+/// A generated text between markers.
 pub struct Table {
-    /// The name in the marker.
+    /// Name in the marker.
     pub name: &'static str,
-    /// The recorded run that it is made of.
+    /// Name of the recorded run.
     pub recording: &'static str,
-    /// Its text; [`as_recorded`] where the recorded columns are the table's.
+    /// Generates the text; [`as_recorded`] if the table's columns are the recorded ones.
     pub text: fn(&Recorded) -> anyhow::Result<String>,
 }
 
-/// A shorter way to write an entry.
+/// Shortens the entries.
 const fn table(
     name: &'static str,
     recording: &'static str,
@@ -27,7 +27,7 @@ const fn table(
     }
 }
 
-/// All of them.
+/// All tables.
 pub const TABLES: &[Table] = &[
     table("clear_air_clear", "clear_air", |run| {
         air::errors(run, "clear")

@@ -4,8 +4,8 @@ use super::markdown::table;
 use super::record::Recorded;
 use anyhow::Context;
 
-/// Orders of nodes in memory, each beside plain order: the recorded columns, and the least time of visiting all over that of plain
-/// order on the same ground.
+/// Node orders in memory, each compared with the plain order: the recorded columns, and the smallest time to visit all nodes relative to that of
+/// the plain order on the same terrain.
 pub fn orders(run: &Recorded) -> anyhow::Result<String> {
     let rows = run.rows()?;
     let mut heads = run.columns()?.to_vec();

@@ -1,4 +1,4 @@
-//! On what machine, of what source and when a run is recorded.
+//! Machine, source version and date of a recorded run.
 
 #[path = "../../../crates/terrella-measure/src/machine.rs"]
 mod machine;
@@ -8,7 +8,7 @@ use anyhow::Context;
 use std::path::Path;
 use std::process::Command;
 
-/// What a recorded run says of its machine: `cpu`, `os`, `commit` and `date`.
+/// The metadata of this run: `cpu`, `os`, `commit` and `date`.
 pub fn of_this_run() -> [(&'static str, String); 4] {
     [
         ("cpu", machine::cpu()),
@@ -18,7 +18,7 @@ pub fn of_this_run() -> [(&'static str, String); 4] {
     ]
 }
 
-/// The adapter that the program takes by default, and its driver.
+/// The program's default adapter, and its driver.
 pub fn adapter(terrella: &Path) -> anyhow::Result<(String, String)> {
     let output = Command::new(terrella).arg("doctor").output();
     let output = output.with_context(|| format!("cannot start {}", terrella.display()))?;
@@ -26,7 +26,7 @@ pub fn adapter(terrella: &Path) -> anyhow::Result<(String, String)> {
     taken(&text).context("`terrella doctor` names no adapter that is used by default")
 }
 
-/// The same from what `terrella doctor` prints.
+/// The default adapter and driver in the output of `terrella doctor`.
 fn taken(doctor: &str) -> Option<(String, String)> {
     let mut lines = doctor
         .lines()

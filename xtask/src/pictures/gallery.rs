@@ -9,7 +9,7 @@ use std::path::Path;
 
 const SIZE_PX: (u32, u32) = (320, 180);
 
-/// Those that start in the dark, with a time by day.
+/// Scenes that start in the dark, each with a time by day.
 const BY_DAY: [(&str, &str); 4] = [
     ("csv", "2018-01-15T13:00:00Z"),
     ("czml", "2018-01-15T13:00:00Z"),
@@ -54,7 +54,7 @@ pub fn draw(terrella: &Path) -> Result<()> {
     std::fs::write(&path, page(&scenes)).with_context(|| path.display().to_string())
 }
 
-/// Name and description of each scene in the table of config/README.md, in its order.
+/// Name and description of each scene in the table of config/README.md, in order.
 fn scenes(table: &str) -> Vec<(&str, &str)> {
     let rows = table.lines().filter_map(|line| {
         let (name, rest) = line.strip_prefix("| [")?.split_once(".toml](")?;
@@ -70,7 +70,7 @@ fn at(scene: &str) -> Vec<&'static str> {
     times.flat_map(|(_, time)| ["--at", *time]).collect()
 }
 
-/// Two scenes a row.
+/// The page, with two scenes per row.
 fn page(scenes: &[(&str, &str)]) -> String {
     let cell = |(name, description): &(&str, &str)| {
         let command = match WAITING.contains(name) {

@@ -1,15 +1,15 @@
-//! Pictures put together and written as JPEG.
+//! Combines images and writes them as JPEG.
 
 use anyhow::{Context, Result};
 use image::codecs::jpeg::JpegEncoder;
 use image::{RgbImage, imageops};
 use std::path::Path;
 
-/// JPEG quality of a picture that a page shows whole, and of a small one in a table.
+/// JPEG quality of a full-size image, and of a small one in a table.
 pub const WHOLE: u8 = 88;
 pub const SMALL: u8 = 82;
 
-/// Pictures of one size side by side, row by row.
+/// Images of one size in a grid, row by row.
 pub fn together(parts: &[RgbImage], columns: u32) -> RgbImage {
     let (width, height) = parts.first().map_or((0, 0), RgbImage::dimensions);
     let rows = (parts.len() as u32).div_ceil(columns);
@@ -21,7 +21,7 @@ pub fn together(parts: &[RgbImage], columns: u32) -> RgbImage {
     sheet
 }
 
-/// Writes a JPEG, and the folder for it.
+/// Writes a JPEG, and creates its folder.
 pub fn write(picture: &RgbImage, quality: u8, path: &Path) -> Result<()> {
     let mut jpeg = Vec::new();
     JpegEncoder::new_with_quality(&mut jpeg, quality).encode_image(picture)?;

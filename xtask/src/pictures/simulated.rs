@@ -1,4 +1,4 @@
-//! Scenes that wait for a simulator, as scenes that have one: states from standard input, a saved flight of Basilisk.
+//! Replaces the simulators of scenes that wait for one: with states from standard input, or with a saved Basilisk flight.
 
 use anyhow::{Context, Result, ensure};
 use std::io::Write;
@@ -8,17 +8,17 @@ use std::process::{Command, Stdio};
 #[path = "../../../tests/common/basilisk.rs"]
 mod basilisk;
 
-/// The scenes that have no picture without a simulator.
+/// The scenes that need a simulator for an image.
 pub const WAITING: [&str; 2] = ["basilisk", "live"];
 
-/// A state by day, as a simulator sends it that waits for its frame.
+/// A state by day, as sent by a simulator that waits for its frame.
 const STATE: &str = r#"{"message":"frame","seq":1,"epoch":"2018-01-15T17:30:00.000Z","frame":"GCRF","position_m":[6778137,0,0],"velocity_m_s":[0,6000,4775]}
 "#;
 const FLIGHT: &str = "flight.bin";
 const STEPS: u64 = 60;
 const STEP_S: f64 = 10.0;
 
-/// A scene's text with its simulator replaced: keys of `changed` with their lines, or without one where it is empty.
+/// A scene's text with another simulator: each key of `changed` with its new lines, or removed if they are empty.
 fn replaced(text: &str, changed: &[(&str, &str)]) -> Result<String> {
     let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
     for (key, line) in changed {
@@ -30,7 +30,7 @@ fn replaced(text: &str, changed: &[(&str, &str)]) -> Result<String> {
     Ok(lines.join("\n"))
 }
 
-/// Draws one of [`WAITING`] with a program, into a picture.
+/// Draws one of [`WAITING`] with a program into an image.
 pub fn draw(
     terrella: &Path,
     config: &Path,

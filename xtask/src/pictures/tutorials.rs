@@ -1,4 +1,4 @@
-//! The pictures of the pages of docs/start/: of the scenes and orbits that these pages print.
+//! The images of the pages of docs/start/, drawn from the scenes and orbits on these pages.
 
 use super::{frame, sheet};
 use crate::cargo;
@@ -10,26 +10,26 @@ use std::process::Command;
 
 const WIDTH_PX: u32 = 640;
 
-/// The picture of a page, from parts in two columns, or from one.
+/// The image of a page, from parts in two columns, or from one part.
 pub struct Tutorial {
-    /// Name of the page without its ending.
+    /// Name of the page without its extension.
     page: &'static str,
     parts: &'static [Part],
 }
 
-/// A part of a picture.
+/// A part of an image.
 enum Part {
-    /// `terrella frame` of a file that the page writes, or of the built-in scene, with these arguments.
+    /// `terrella frame` with these arguments, of a file that the page writes, or of the built-in scene.
     Frame(&'static str, &'static [&'static str]),
-    /// A truth layer that the part before has written, from black for its smallest value to white.
+    /// A truth layer that the previous part has written, from black at its smallest value to white.
     Layer(&'static str),
-    /// What the host of `examples/minimal.rs` draws.
+    /// The image of the host `examples/minimal.rs`.
     Host,
 }
 
 use Part::{Frame, Host, Layer};
 
-/// In the order of the pages.
+/// The images in the order of the pages.
 pub const ALL: &[Tutorial] = &[
     Tutorial {
         page: "first-still",
@@ -64,12 +64,12 @@ pub const ALL: &[Tutorial] = &[
 ];
 
 impl Tutorial {
-    /// Name of the picture below docs/.
+    /// Name of the image below docs/.
     pub fn picture(&self) -> String {
         format!("start/{}.jpg", self.page)
     }
 
-    /// Draws the picture into the folder of the documentation.
+    /// Draws the image into the documentation's folder.
     pub fn draw(&self, terrella: &Path, docs: &Path) -> Result<()> {
         let folder = tempfile::tempdir().context("no temporary folder")?;
         let folder = folder.path();
@@ -109,7 +109,7 @@ impl Tutorial {
     }
 }
 
-/// The files that a page's shell blocks write: name and text.
+/// Name and text of the files that a page's shell blocks write.
 fn files(page: &str) -> Vec<(&str, &str)> {
     let parts = page.split("\ncat > ").skip(1);
     let files = parts.filter_map(|part| {
@@ -119,7 +119,7 @@ fn files(page: &str) -> Vec<(&str, &str)> {
     files.collect()
 }
 
-/// A layer of 32-bit floats in grey; black where it has no value.
+/// A layer of 32-bit floats in grey; black where there is no value.
 fn grey(npy: &[u8], (width, height): (u32, u32)) -> Result<RgbImage> {
     // Version 1 of the format: ten bytes, the last two of them the length of the header.
     let header = npy.get(8..10).context("no NumPy array")?;
@@ -151,7 +151,7 @@ fn grey(npy: &[u8], (width, height): (u32, u32)) -> Result<RgbImage> {
 
 /// Runs the host in a folder and reads its picture.
 fn host(folder: &Path) -> Result<RgbImage> {
-    // Of the whole workspace, as the tests build it: nothing is compiled twice.
+    // Builds the whole workspace, like the tests, so that nothing is compiled twice.
     let built = cargo::build(&["build", "--locked", "--workspace", "--example", "minimal"])?;
     let program = built
         .example
@@ -162,7 +162,7 @@ fn host(folder: &Path) -> Result<RgbImage> {
     ppm(&bytes).with_context(|| format!("{}: not the host's picture", path.display()))
 }
 
-/// The picture of a binary PPM with one line of header.
+/// The image of a binary PPM with a one-line header.
 fn ppm(bytes: &[u8]) -> Option<RgbImage> {
     let end = bytes.iter().position(|byte| *byte == b'\n')?;
     let header = std::str::from_utf8(&bytes[..end]).ok()?;

@@ -1,4 +1,4 @@
-//! The cloud map: its cuts and its polar caps are mended, and its values become cover.
+//! The cloud map: mends its cuts and polar caps, and converts its values to cover.
 
 use super::map::{Map, smooth_step};
 use super::plane::Plane;
@@ -8,12 +8,12 @@ use image::ExtendedColorType;
 use image::codecs::jpeg::JpegEncoder;
 use std::path::Path;
 
-/// The map's place below the folder of source data.
+/// Path of the map in the folder of source data.
 const SOURCE: &str = "imagery/clouds_alpha_gray_4096x2048.png";
 
 const JPEG_QUALITY: u8 = 75;
 
-/// Cover below which a part of the Earth's area lies: clear sky, thin cloud and overcast in the shares that satellites find over the
+/// Cumulative distribution of cover over the Earth's area: clear sky, thin cloud and overcast in the proportions that satellites observe over the
 /// sea. The mean is 0.2475.
 const COVER_OF_SHARE: [(f64, f64); 8] = [
     (0.0, 0.0),
@@ -26,12 +26,12 @@ const COVER_OF_SHARE: [(f64, f64); 8] = [
     (1.0, 1.0),
 ];
 
-/// The source, mended.
+/// The mended source.
 pub fn source(data: &Path) -> Result<Map> {
     Ok(mended(Map::read(&data.join(SOURCE), 1)?))
 }
 
-/// Makes `clouds.jpg` of the mended source: its values as cover.
+/// Generates `clouds.jpg` from the mended source, with cover as values.
 pub fn make(mut map: Map) -> Result<Vec<u8>> {
     specify(&mut map);
     let mut jpeg = Vec::new();
@@ -46,9 +46,9 @@ pub fn make(mut map: Map) -> Result<Vec<u8>> {
 
 /// Gives the map the distribution of [`COVER_OF_SHARE`].
 ///
-/// The source's values say which place is cloudier and not how cloudy it is: nearly a third of its texels have one of seven values.
-/// So they are put in order, equal values by the means of their neighbourhoods (exact histogram specification: Coltuc, Bolon and
-/// Chassery 2006, IEEE Trans. Image Process. 15, 1143), and get the cover of their place in it.
+/// The source ranks places by cloudiness but does not measure it: nearly a third of its texels have one of seven values. So the texels are ordered,
+/// equal values by the means of their neighbourhoods (exact histogram specification: Coltuc, Bolon and Chassery 2006, IEEE Trans. Image Process.
+/// 15, 1143), and each gets the cover of its rank.
 fn specify(map: &mut Map) {
     let plane = Plane::of(map);
     let order = plane.order();
@@ -71,7 +71,7 @@ fn cover_of_share(share: f64) -> f64 {
     })
 }
 
-/// Area of a row of texels, of that of one at the equator: the cosine of its latitude by its series, the same bits on every machine.
+/// Area of a row's texels relative to the equator's: the cosine of the latitude by its series, with the same bits on every machine.
 fn row_area(y: usize, height: usize) -> f64 {
     let half_turns = (y as f64 + 0.5) / height as f64 - 0.5;
     let square = (half_turns * std::f64::consts::PI) * (half_turns * std::f64::consts::PI);
@@ -81,9 +81,9 @@ fn row_area(y: usize, height: usize) -> f64 {
     })
 }
 
-/// The map, at any size, without its cuts and with whole polar caps.
+/// The map, at any size, without its cuts and with complete polar caps.
 fn mended(mut map: Map) -> Map {
-    // The map was put together from halves: there is a slight step at 0° as well as at 180°.
+    // The map was assembled from halves: there is a slight step at 0° as well as at 180°.
     let (middle, reach) = (map.width / 2, map.width * 12 / 2048);
     map.mend_step(0, reach);
     map.mend_step(middle, reach);
@@ -98,12 +98,11 @@ fn mended(mut map: Map) -> Map {
     map
 }
 
-/// Puts the mirror image of the northern cap over the southern one, which is one white and one black sector with
-/// streaks between them, all meeting at the pole.
+/// Replaces the southern cap by the mirror image of the northern one. The source has one white and one black sector there, with streaks between
+/// them that meet at the pole.
 ///
-/// Softening such sectors only turns streaks into rings. Real clouds mirrored at the equator turn the right way for
-/// their hemisphere, and no eye sees both caps at once. The passage lies from 71° to 78° S; the turn in longitude is
-/// the one at which both maps differ least there.
+/// Softening such sectors only turns streaks into rings. Real clouds mirrored at the equator rotate correctly for their hemisphere, and both caps
+/// are never visible together. The transition lies from 71° to 78° S; the rotation in longitude minimizes the difference between both maps there.
 fn mirror_north_cap(map: &mut Map) {
     const TURN_DEG: f64 = 235.0;
     let (width, height) = (map.width, map.height);
@@ -136,7 +135,7 @@ mod tests {
 
     #[test]
     fn the_map_gets_the_wanted_shares_by_area() {
-        // Few values, as the source has.
+        // Few distinct values, like the source.
         let (width, height) = (128, 64);
         let value = |n: usize| ((n * 7919) % 9 + (n % width) / 40) as f32;
         let mut map = Map {
@@ -156,7 +155,7 @@ mod tests {
         for (expected, cover) in &COVER_OF_SHARE[2..7] {
             assert!((share(*cover) - expected).abs() < 1e-3, "{cover}");
         }
-        // The order stays.
+        // The order is preserved.
         let (_, low) = before
             .iter()
             .zip(&map.values)

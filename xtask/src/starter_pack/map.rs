@@ -1,7 +1,7 @@
-//! Maps as planes of `f32`, and what is done to any of them.
+//! Maps as planes of `f32`, and operations on them.
 //!
-//! Only +, −, ×, ÷ and rounding are used on texels: those give the same bits on every machine, while sine or power
-//! functions come from the system and may differ in the last bit, which could tip a rounding.
+//! Texels are computed with +, −, ×, ÷ and rounding only, which give the same bits on every machine. Sine and power functions come from the system
+//! and may differ in the last bit, which could change a rounding.
 
 use anyhow::{Context, Result, ensure};
 use std::path::Path;
@@ -15,7 +15,7 @@ pub struct Map {
 }
 
 impl Map {
-    /// Reads an 8-bit picture as `channels` (1 or 3) planes.
+    /// Reads an 8-bit image as `channels` (1 or 3) planes.
     pub fn read(path: &Path, channels: usize) -> Result<Self> {
         let picture = open(path)?;
         let (width, height) = (picture.width() as usize, picture.height() as usize);
@@ -27,7 +27,7 @@ impl Map {
         let bytes = match (channels, picture) {
             (1, image::DynamicImage::ImageLuma8(grey)) => grey.into_raw(),
             (3, image::DynamicImage::ImageRgb8(colour)) => colour.into_raw(),
-            // A picture without holes.
+            // An image without transparent texels.
             (3, colour @ image::DynamicImage::ImageRgba8(_)) => colour.into_rgb8().into_raw(),
             (_, other) => anyhow::bail!("{} holds {:?} texels", path.display(), other.color()),
         };
@@ -39,7 +39,7 @@ impl Map {
         })
     }
 
-    /// The nearest bytes.
+    /// The values rounded to bytes.
     pub fn to_bytes(&self) -> Vec<u8> {
         self.values
             .iter()
@@ -53,7 +53,7 @@ impl Map {
         &mut self.values[y * len..(y + 1) * len]
     }
 
-    /// Half the size, each texel the mean of four.
+    /// Half the size; each texel is the mean of four.
     pub fn halved(&self) -> Self {
         let (width, height, channels) = (self.width / 2, self.height / 2, self.channels);
         let mut values = Vec::with_capacity(width * height * channels);
@@ -76,7 +76,7 @@ impl Map {
         }
     }
 
-    /// The map at another size, by the Catmull–Rom cubic, stretched to the ratio where it shrinks; periodic in longitude.
+    /// The map at another size, by the Catmull–Rom cubic, widened by the ratio when it shrinks; periodic in longitude.
     pub fn resampled(&self, width: usize, height: usize) -> Self {
         let channels = self.channels;
         let columns: Vec<_> = (0..width)
@@ -115,15 +115,15 @@ impl Map {
         }
     }
 
-    /// Takes out the step between a column and the one west of it, where the map's source was cut and each side
-    /// processed alone. Column 0 is the seam between the left and the right edge.
+    /// Removes the step between a column and the one west of it, where the map's source was cut and each side processed separately. Column 0 is the
+    /// seam between the left and the right edge.
     ///
-    /// The step beyond what the neighbouring columns lead to expect is split between both sides and let off over
-    /// `reach` columns. It is smoothed along the cut, so that fine detail is not drawn out into streaks.
+    /// The part of the step that the slopes of the neighbouring columns do not explain is split between both sides and fades out over `reach`
+    /// columns. It is smoothed along the cut, so that fine detail leaves no streaks.
     pub fn mend_step(&mut self, column: usize, reach: usize) {
         const SMOOTHING_ROWS: isize = 3;
         let (width, height, channels) = (self.width, self.height, self.channels);
-        // Columns east of the cut, counted from it; those west of it, counted from it.
+        // Columns to the east of the cut, and to the west, both counted from it.
         let east = |k: usize| (column + k) % width;
         let west = |k: usize| (column + width - 1 - k) % width;
         for channel in 0..channels {
@@ -154,14 +154,14 @@ impl Map {
     }
 }
 
-/// Opens a picture, with its path in every error.
+/// Opens an image, with its path in every error.
 pub fn open(path: &Path) -> Result<image::DynamicImage> {
     let reader = image::ImageReader::open(path).with_context(|| path.display().to_string())?;
     let picture = reader.with_guessed_format()?.decode();
     picture.with_context(|| path.display().to_string())
 }
 
-/// First source texel and weights for one target texel when `source` texels become `target`: stretched where they shrink.
+/// First source texel and weights for a target texel when `source` texels become `target`; widened when the size shrinks.
 pub fn cubic_taps(index: usize, target: usize, source: usize) -> (isize, Vec<f32>) {
     let ratio = (source as f64 / target as f64).max(1.0);
     let centre = (index as f64 + 0.5) * source as f64 / target as f64;
@@ -183,7 +183,7 @@ pub fn cubic_taps(index: usize, target: usize, source: usize) -> (isize, Vec<f32
     (first, weights.iter().map(|w| (w / sum) as f32).collect())
 }
 
-/// 0 below `from`, 1 above `to`, smooth between; `from` may be the larger.
+/// 0 below `from`, 1 above `to`, smooth in between; `from` may be the larger one.
 pub fn smooth_step(from: f64, to: f64, value: f64) -> f64 {
     let t = ((value - from) / (to - from)).clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
@@ -209,10 +209,10 @@ mod tests {
     fn resampling_keeps_place_and_constants() {
         let flat = map(54, 27, |_, _| 77.0).resampled(40, 20);
         assert!(flat.values.iter().all(|value| (value - 77.0).abs() < 1e-3));
-        // A ramp from north to south keeps its value at every place.
+        // A ramp from north to south keeps its values.
         let ramp = map(54, 27, |_, y| (y as f32 + 0.5) * 200.0 / 27.0).resampled(40, 20);
         for y in 3..17 {
-            // A stretched cubic whose weights are made to sum to 1 is off by up to 0.022 source texels of 7.4.
+            // A widened cubic with normalized weights is off by up to 0.022 source texels of 7.4.
             let expected = (y as f32 + 0.5) * 10.0;
             assert!((ramp.values[y * 40 + 5] - expected).abs() < 0.18);
         }
@@ -236,7 +236,7 @@ mod tests {
         stepped.mend_step(100, 20);
         let row = &stepped.values[50 * 200..51 * 200];
         assert!((row[99] - row[100]).abs() < 1e-3);
-        // A slope that runs on over the seam is none.
+        // A slope that continues over the seam is not a step.
         let mut sloped = map(200, 100, |x, _| ((x + 100) % 200) as f32);
         let before = sloped.values.clone();
         sloped.mend_step(0, 20);

@@ -1,6 +1,6 @@
-//! One channel of a map or of a part of it, blurred and put in order.
+//! One channel of a map or of a part of it: blurring and ordering.
 //!
-//! As in `map.rs` only operations that give the same bits on every machine are used; a square root is one of them.
+//! As in `map.rs`, only operations with the same bits on every machine are used; the square root is one of them.
 
 use super::map::Map;
 
@@ -12,7 +12,7 @@ pub struct Plane {
 }
 
 impl Plane {
-    /// A map of one channel.
+    /// The plane of a one-channel map.
     pub fn of(map: &Map) -> Self {
         Self {
             width: map.width,
@@ -21,7 +21,7 @@ impl Plane {
         }
     }
 
-    /// A rectangle of it from a column and a row on; columns go on round the Earth.
+    /// A square part from a column and a row on; columns wrap round the Earth.
     pub fn cut(&self, (left, top): (usize, usize), size: usize) -> Self {
         let at = |n: usize| {
             let (x, y) = (left + n % size, top + n / size);
@@ -34,7 +34,7 @@ impl Plane {
         }
     }
 
-    /// The indices of its values from the least on: equal ones by the means of 3 × 3 and then of 7 × 7 values about them.
+    /// Indices of the values in ascending order; equal values are ordered by the means of their 3 × 3 and then 7 × 7 neighbourhoods.
     pub fn order(&self) -> Vec<u32> {
         let keys = self.keys();
         let mut order: Vec<u32> = (0..keys.len() as u32).collect();
@@ -45,7 +45,7 @@ impl Plane {
         order
     }
 
-    /// Where each value stands in their order, 0…1; equal keys share the middle of their places.
+    /// Rank of each value, 0…1; equal keys share their mean rank.
     pub fn ranks(&self) -> Self {
         let keys = self.keys();
         let mut order: Vec<u32> = (0..keys.len() as u32).collect();
@@ -62,8 +62,8 @@ impl Plane {
         self.with(values)
     }
 
-    /// Values to which means of their neighbourhoods add less than two different ones are apart, rounded so that blurring leaves equal
-    /// what is equal.
+    /// Sort keys: values plus neighbourhood means, scaled so that they never exceed the distance of two different values, and rounded so that
+    /// blurring preserves equality.
     fn keys(&self) -> Vec<f64> {
         let (near, wide) = (self.blurred(1, 1), self.blurred(3, 1));
         let means = near.values.iter().zip(&wide.values);
@@ -73,7 +73,7 @@ impl Plane {
         keys.collect()
     }
 
-    /// Each value the mean of the square of this radius about it, so many times over; at the border it is mirrored.
+    /// Replaces each value by the mean of the square of this radius around it, `times` times; the border is mirrored.
     pub fn blurred(&self, radius: usize, times: usize) -> Self {
         let mut values = self.values.clone();
         for _ in 0..times {
@@ -94,7 +94,7 @@ impl Plane {
         self.with(values)
     }
 
-    /// Of the same size.
+    /// Other values in the same size.
     pub fn with(&self, values: Vec<f64>) -> Self {
         Self {
             width: self.width,
@@ -103,7 +103,7 @@ impl Plane {
         }
     }
 
-    /// Combined value by value.
+    /// Combines two planes value by value.
     pub fn zip(&self, other: &Self, of: impl Fn(f64, f64) -> f64) -> Self {
         let values = self.values.iter().zip(&other.values);
         self.with(values.map(|(a, b)| of(*a, *b)).collect())
@@ -113,7 +113,7 @@ impl Plane {
 fn box_mean(line: &[f64], radius: usize) -> Vec<f64> {
     let len = line.len() as isize;
     let at = |n: isize| {
-        // Mirrored with its last value twice.
+        // Mirrored, with the last value repeated.
         let n = n.rem_euclid(2 * len);
         line[n.min(2 * len - 1 - n) as usize]
     };
@@ -149,7 +149,7 @@ mod tests {
 
     #[test]
     fn equal_values_go_by_their_neighbourhoods() {
-        // The middle one of three ones has the brighter neighbours.
+        // The middle one of the three ones has the brighter neighbours.
         let order = plane(&[1.0, 0.0, 0.0, 1.0, 3.0, 1.0], 6).order();
         assert_eq!(order[..2], [1, 2]);
         assert_eq!(order[5], 4);

@@ -1,16 +1,16 @@
-//! Mending the surroundings of the poles, where a row of texels shrinks to a point.
+//! Mends the surroundings of the poles, where a row of texels shrinks to a point.
 
 use super::map::{Map, smooth_step};
 
-/// What is done near the poles. Distances are from the nearer pole.
+/// Settings for the poles. Distances are from the nearer pole.
 pub struct PoleMend {
-    /// Where the softening begins, degrees.
+    /// Distance at which the softening begins, degrees.
     pub from_deg: f64,
-    /// From here inwards it is full, degrees.
+    /// Distance below which the softening is full, degrees.
     pub full_deg: f64,
-    /// East–west size of the finest detail left, kilometres.
+    /// East–west size of the finest remaining detail, kilometres.
     pub grain_km: f64,
-    /// Over this distance the last rows go over to one value, degrees.
+    /// Distance over which the last rows blend into one value, degrees.
     pub cap_deg: f64,
 }
 
@@ -18,10 +18,10 @@ pub struct PoleMend {
 const KM_PER_DEG: f64 = 111.2;
 
 impl PoleMend {
-    /// Softens each row along itself until no detail is finer than the grain on the ground.
+    /// Softens each row until no detail is finer than the grain on the ground.
     ///
-    /// Streaks and pinches at a pole are detail that is fine east–west because its row is short there. A row shorter than
-    /// the grain becomes its own mean, so that every row fades towards its mean at the rate at which rows get shorter.
+    /// Streaks and pinches at a pole are detail that is fine from east to west because its row is short there. A row shorter than the grain becomes
+    /// its own mean, so that rows fade towards their means as they get shorter.
     pub fn apply(&self, map: &mut Map) {
         let rows_to = |deg: f64| (deg / 180.0 * map.height as f64).ceil() as usize;
         let (softened, cap) = (rows_to(self.from_deg), rows_to(self.cap_deg));
@@ -39,7 +39,7 @@ impl PoleMend {
             for channel in 0..map.channels {
                 let mut sum = (0.0, 0.0);
                 for n in 0..cap {
-                    // Rows weigh as much as the ground that they cover.
+                    // Weight rows by their area.
                     let weight = n as f64 + 0.5;
                     let (channels, y) = (map.channels, row_at(map, n));
                     let values = map.row_mut(y).iter().skip(channel).step_by(channels);
@@ -66,8 +66,8 @@ fn sine_of_small_angle(angle_deg: f64) -> f64 {
     x * (1.0 - x * x / 6.0 * (1.0 - x * x / 20.0 * (1.0 - x * x / 42.0)))
 }
 
-/// Two box means of `size` texels one after the other: a triangle as wide at half its height. Periodic; a box as long as
-/// the row or longer gives the row's mean.
+/// Two consecutive box means of `size` texels: a triangle filter of this full width at half maximum. Periodic; a box at least as long as the row
+/// gives the row's mean.
 fn soften(row: &mut [f32], channels: usize, size: f64) {
     if size <= 1.0 {
         // A box of one texel changes nothing.
@@ -90,7 +90,7 @@ fn soften(row: &mut [f32], channels: usize, size: f64) {
     }
 }
 
-/// The mean over `size` texels round each texel, the outermost counted in part; `size` from 1 to the row's length.
+/// The mean over `size` texels around each texel, with the outermost ones in part; `size` is 1 to the row's length.
 fn box_mean(line: &[f64], size: f64) -> Vec<f64> {
     let width = line.len();
     let mut integral = Vec::with_capacity(width + 1);
@@ -99,7 +99,7 @@ fn box_mean(line: &[f64], size: f64) -> Vec<f64> {
         integral.push(integral[integral.len() - 1] + value);
     }
     let total = integral[width];
-    // ∫ from 0 to t of the line, continued periodically.
+    // Integral from 0 to t of the periodic line.
     let up_to = |t: f64| {
         let turns = (t / width as f64).floor();
         let t = t - turns * width as f64;

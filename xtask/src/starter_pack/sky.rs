@@ -9,13 +9,13 @@ use std::collections::BTreeSet;
 use std::f64::consts::{FRAC_PI_2, TAU};
 use std::path::Path;
 
-/// Faintest star that is kept, Hp.
+/// Magnitude limit, Hp.
 const FAINTEST_HP: f64 = 6.5;
-/// Hp of three stars that the catalogue has wrong: of Sirius, which saturated; of α Cen B and α¹ CVn, with a neighbour's light in it.
+/// Corrected Hp of three stars: Sirius, which saturated, and α Cen B and α¹ CVn, whose values include a neighbour's light.
 const HP: [(u32, f64); 3] = [(32_349, -1.450), (71_681, 1.509), (63_121, 5.692)];
-/// Stars whose Hp is that of a group which another entry stands for: θ¹ Ori A and D (26221), σ Ori D (26549).
+/// Stars whose Hp is that of a group, which another entry represents: θ¹ Ori A and D (26221), σ Ori D (26549).
 const OF_OTHERS: [u32; 3] = [26_220, 26_224, 26_551];
-/// A star whose B − V is missing, and written as 0.
+/// A star without B − V, which the catalogue gives as 0.
 const B_V: (u32, f64) = (32_609, 0.480);
 
 /// Makes `stars.bin`.
@@ -68,8 +68,8 @@ pub fn stars(data: &Path) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// Makes `moon.jpg`: a quarter of the size. The source's values, not the light that they mean as a picture, go with the Moon's albedo
-/// (mare to highland 1 : 1.8), so they are taken as light.
+/// Generates `moon.jpg` at a quarter of the size. The source's encoded values, not their decoded light, match the Moon's albedo (mare to highland 1
+/// : 1.8), so they are used as linear light.
 pub fn moon(data: &Path) -> Result<Vec<u8>> {
     let map = Map::read(&data.join("sky/moon_4096x2048_stellarium-data.jpg"), 3)?;
     let mut map = map.halved().halved();
@@ -79,13 +79,13 @@ pub fn moon(data: &Path) -> Result<Vec<u8>> {
     jpeg(&map, 90)
 }
 
-/// Makes `milky_way.jpg`. The source is a picture for the eye: decoded, its contrast in magnitudes is twice as large as the sky's and its
-/// colours are far too strong. So the root of its light is taken, and a third of its colour.
+/// Generates `milky_way.jpg`. The source is processed for the eye: decoded, its contrast in magnitudes is twice that of the sky, and its colours
+/// are far too strong. So the square root of its light is used, and a third of its saturation.
 pub fn milky_way(data: &Path) -> Result<Vec<u8>> {
-    /// Light below which the source has too few steps, and is blurred by so many texels.
+    /// Light below which the source has too few steps and is blurred, and the blur in texels.
     const FAINT: f64 = 0.004;
     const BLUR: usize = 8;
-    /// Light added before the root, so that noise near none does not become large.
+    /// Light added before the square root, so that it does not amplify noise near zero.
     const FOOT: f64 = 8e-4;
     const COLOR: f64 = 0.35;
     let path = data.join("sky/milkyway_2048x1024_stellarium-data.png");
@@ -94,7 +94,7 @@ pub fn milky_way(data: &Path) -> Result<Vec<u8>> {
         *value = (255.0 * decoded(f64::from(*value) / 255.0)) as f32;
     }
     let mut map = map.halved();
-    // Black rows at the poles.
+    // Rows at the poles are black.
     let row = map.width * 3;
     for (from, to) in [(4, 0..4), (map.height - 5, map.height - 4..map.height)] {
         let source = map.values[from * row..(from + 1) * row].to_vec();
@@ -129,7 +129,7 @@ fn luminance([r, g, b]: [f64; 3]) -> f64 {
     0.2126 * r + 0.7152 * g + 0.0722 * b
 }
 
-/// Light of an sRGB value, both 0…1.
+/// Linear light of an sRGB value, both 0…1.
 fn decoded(value: f64) -> f64 {
     match value <= 0.04045 {
         true => value / 12.92,
@@ -137,7 +137,7 @@ fn decoded(value: f64) -> f64 {
     }
 }
 
-/// The sRGB value of light, both 0…1.
+/// The sRGB value of linear light, both 0…1.
 fn encoded(light: f64) -> f64 {
     match light.clamp(0.0, 1.0) {
         light if light <= 0.003_130_8 => 12.92 * light,
@@ -145,7 +145,7 @@ fn encoded(light: f64) -> f64 {
     }
 }
 
-/// By a bell curve of that deviation in texels; goes round in longitude, ends at the poles.
+/// Blurs with a Gaussian of this deviation in texels; wraps in longitude, ends at the poles.
 fn blurred(map: &Map, texels: usize) -> Vec<f64> {
     let reach = 3 * texels as isize;
     let weight = |n: isize| (-0.5 * (n as f64 / texels as f64).powi(2)).exp();

@@ -1,4 +1,4 @@
-//! The water mask: how much of each texel is open water, from a land mask five times finer.
+//! The water mask: the share of open water in each texel, from a land mask five times finer.
 
 use super::map::{Map, smooth_step};
 use crate::big_pack::mask::{self, Mask};
@@ -7,11 +7,11 @@ use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder};
 use std::path::Path;
 
-/// The largest texture that WebGPU promises is 8192 texels wide.
+/// WebGPU guarantees textures up to 8192 texels wide.
 const WIDTH: usize = 8192;
 const HEIGHT: usize = 4096;
 
-/// Makes `water.png` from the folder of source data. `day` is the finished day map, mended.
+/// Generates `water.png` from the folder of source data. `day` is the mended day map.
 pub fn make(data: &Path, day: &Map) -> Result<Vec<u8>> {
     let mut mask = Mask::open(&data.join(crate::big_pack::LAND_MASK))?;
     let mut cover = shares(WIDTH, HEIGHT, (mask::WIDTH, mask::HEIGHT), || {
@@ -25,15 +25,15 @@ pub fn make(data: &Path, day: &Map) -> Result<Vec<u8>> {
     Ok(png)
 }
 
-/// How much of each of `width` × `height` texels is water, 0…1, by area: sums of whole numbers. `row` gives the rows of a mask
-/// of `from` texels, 0 or not.
+/// The share of water in each of `width` × `height` texels by area, 0…1, from integer sums. `row` returns the rows of a mask of `from` texels, 0 or
+/// not.
 fn shares(
     width: usize,
     height: usize,
     from: (usize, usize),
     mut row: impl FnMut() -> Result<Vec<u8>>,
 ) -> Result<Vec<f32>> {
-    // In units of 1/(from · to): a texel of the mask is `to` long and a target `from`. All of a target is from.0 · from.1.
+    // In units of 1/(from · to) a mask texel has the length `to` and a target the length `from`. A whole target has the area from.0 · from.1.
     let (columns, rows) = from;
     ensure!(
         u32::try_from(columns * rows).is_ok() && width <= columns && height <= rows,
@@ -51,7 +51,7 @@ fn shares(
         }
         for (target, share) in overlaps(y, rows, height) {
             let sums = &mut sums[target * width..(target + 1) * width];
-            // A row of the mask is `height` of the `rows` units of a target: `share` of them.
+            // A mask row is `height` units long and a target `rows` units; `share` units overlap.
             for (sum, part) in sums.iter_mut().zip(&line) {
                 *sum += part * share;
             }
@@ -61,7 +61,7 @@ fn shares(
     Ok(sums.into_iter().map(|sum| sum as f32 / whole).collect())
 }
 
-/// The targets that texel `at` of `from` lies in, and how much of it lies there, in parts of a texel over `to`.
+/// The targets that texel `at` of `from` overlaps, each with the overlap in 1/`to` of a texel.
 fn overlaps(at: usize, from: usize, to: usize) -> impl Iterator<Item = (usize, u32)> {
     let (start, end) = (at * to, (at + 1) * to);
     let first = start / from;
@@ -73,12 +73,12 @@ fn overlaps(at: usize, from: usize, to: usize) -> impl Iterator<Item = (usize, u
     })
 }
 
-/// White in the day map is ice: shelves and what lies fast on the sea.
+/// White in the day map is ice: shelves and fast ice.
 const ICE: (f64, f64) = (150.0, 190.0);
-/// Ice that is farther than this from water of another colour is no soft edge of a snowy coast, texels of the day map.
+/// Ice farther than this from water of another colour is not the soft edge of a snowy coast, texels of the day map.
 const ICE_DEPTH: isize = 2;
 
-/// What the day map shows white is no open water. Soft white edges of coasts are no ice.
+/// Removes ice, which is white in the day map, from open water. Soft white edges of coasts are kept.
 fn take_ice_out(cover: &mut [f32], day: &Map) -> Result<()> {
     ensure!(
         WIDTH == 2 * day.width && day.channels == 3,
@@ -101,7 +101,7 @@ fn take_ice_out(cover: &mut [f32], day: &Map) -> Result<()> {
             }
         }
     }
-    // Of sea alone, so that land beside it does not count; eroded and grown again.
+    // The share of sea; land beside it does not count.
     let sea = |x: isize, y: isize| {
         let (x, y) = (2 * x.rem_euclid(width) as usize, 2 * y as usize);
         let at = |dx: usize, dy: usize| cover[(y + dy) * WIDTH + x + dx];
@@ -110,7 +110,7 @@ fn take_ice_out(cover: &mut [f32], day: &Map) -> Result<()> {
     let is_land: Vec<bool> = (0..width * height)
         .map(|n| sea(n % width, n / width) < 0.1)
         .collect();
-    // Land is neither: it must not stop ice from reaching its coast, nor let a white edge grow out of it.
+    // Land counts as neither: it must not stop ice from reaching its coast, nor grow a white edge.
     let with_land = |land: f32, values: &[f32]| -> Vec<f32> {
         let pairs = is_land.iter().zip(values);
         pairs
@@ -136,7 +136,7 @@ fn take_ice_out(cover: &mut [f32], day: &Map) -> Result<()> {
     Ok(())
 }
 
-/// The least or the greatest value within [`ICE_DEPTH`] texels.
+/// The smallest or the largest value within [`ICE_DEPTH`] texels.
 fn extreme(values: &[f32], width: isize, height: isize, of: fn(f32, f32) -> f32) -> Vec<f32> {
     let at = |values: &[f32], x: isize, y: isize| {
         values[(y.clamp(0, height - 1) * width + x.rem_euclid(width)) as usize]
@@ -153,16 +153,15 @@ fn extreme(values: &[f32], width: isize, height: isize, of: fn(f32, f32) -> f32)
     pass(&pass(values, 1, 0), 0, 1)
 }
 
-/// Rounds of [`sharpened`].
+/// Iterations of [`sharpened`].
 const ROUNDS: usize = 16;
-/// Places in a texel along each axis at which the drawn coast is looked at.
+/// Sample positions in a texel along each axis for the drawn coast.
 const PLACES: usize = 6;
 
-/// Bytes whose drawn coast encloses as much water in each texel as there is.
+/// Bytes whose drawn coast encloses the given share of water in each texel.
 ///
-/// The coast is drawn where the map, read linearly between texels, is one half. Where texels held their own shares of water,
-/// every island and strait narrower than a texel would be lost. So each value is moved until the coast that is drawn leaves
-/// the texel its share.
+/// The coast is drawn at one half of the linearly interpolated map. If texels stored their own shares of water, every island and strait narrower
+/// than a texel would be lost. So each value is adjusted until the drawn coast gives the texel its share.
 fn sharpened(cover: &[f32], width: usize) -> Vec<u8> {
     let height = cover.len() / width;
     let mixed: Vec<usize> = (0..cover.len())
@@ -178,7 +177,7 @@ fn sharpened(cover: &[f32], width: usize) -> Vec<u8> {
         .collect();
     let mut values = cover.to_vec();
     for round in 0..ROUNDS {
-        // Smaller steps in the end: a small island's area jumps with its value.
+        // Smaller steps towards the end: a small island's area jumps with its value.
         let step = 3.0 / (round + 5) as f32;
         let drawn: Vec<f32> = mixed
             .iter()
@@ -194,11 +193,11 @@ fn sharpened(cover: &[f32], width: usize) -> Vec<u8> {
         .collect()
 }
 
-/// How much of a texel lies on the water's side of the coast that is drawn.
+/// The share of a texel on the water side of the drawn coast.
 fn drawn_water(values: &[f32], width: usize, x: usize, y: usize) -> f32 {
     let height = values.len() / width;
     let at = |x: usize, y: usize| values[y * width + x % width];
-    // The nine texels around, rows from the north.
+    // The nine texels around it, rows from the north.
     let rows = [y.saturating_sub(1), y, (y + 1).min(height - 1)];
     let near = rows.map(|y| [at(x + width - 1, y), at(x, y), at(x + 1, y)]);
     let mut sum = 0.0;
@@ -208,14 +207,14 @@ fn drawn_water(values: &[f32], width: usize, x: usize, y: usize) -> f32 {
             let (column, u) = place(i);
             let mix = |row: usize| near[row][column] * (1.0 - u) + near[row][column + 1] * u;
             let value = mix(row) * (1.0 - v) + mix(row + 1) * v;
-            // As steep as a coast is drawn at PLACES pixels a texel.
+            // The slope of a coast drawn at PLACES pixels per texel.
             sum += ((value - 0.5) * PLACES as f32 + 0.5).clamp(0.0, 1.0);
         }
     }
     sum / (PLACES * PLACES) as f32
 }
 
-/// Between which of three texels in a row a place of the middle one lies, and how far.
+/// The two of three texels in a row between which position `n` of the middle one lies, and its fraction.
 fn place(n: usize) -> (usize, f32) {
     let at = (n as f32 + 0.5) / PLACES as f32 + 0.5;
     if at < 1.0 { (0, at) } else { (1, at - 1.0) }
@@ -240,7 +239,7 @@ mod tests {
 
     #[test]
     fn small_islands_and_straits_keep_their_area() {
-        // An island of a third of a texel, alone in the sea, and a strait as wide.
+        // An island of a third of a texel, alone in the sea, and a strait of the same width.
         let (width, height) = (24, 12);
         let mut cover = vec![1.0; width * height];
         cover[5 * width + 5] = 0.67;
@@ -256,7 +255,7 @@ mod tests {
                 .map(|(x, y)| drawn_water(&values, width, x, y))
                 .sum()
         };
-        // Their texels do; a soft edge of a sixth of a texel is drawn beyond them, where there is no more than water or land.
+        // The two texels keep their shares; beyond them only a soft edge of a sixth of a texel is drawn, over full water or land.
         let island = 1.0 - sum(5..6, 5..6);
         assert!((island - 0.33).abs() < 0.02, "{island}");
         let strait = sum(18..19, 6..7);

@@ -1,5 +1,5 @@
-//! Runs the programs of tests side by side: cargo runs them one after another, and each leaves processors idle at its end and while it waits
-//! for programs of its own.
+//! Runs test programs in parallel: cargo runs them one after another, and each leaves CPU cores idle at its end and while it waits for child
+//! programs.
 
 use crate::cargo::TestProgram;
 use crate::process::{ChildFailed, say, without_session_errors};
@@ -8,7 +8,7 @@ use std::process::{Command, Output};
 use std::sync::Mutex;
 use std::time::Instant;
 
-/// Programs that take longest, the longest first, so that none is left alone at the end.
+/// The slowest programs, slowest first, so that none runs alone at the end.
 const LONGEST: [&str; 6] = [
     "command",
     "python",
@@ -18,10 +18,10 @@ const LONGEST: [&str; 6] = [
     "model",
 ];
 
-/// Runs all, as many at a time as there are processors, and prints the output of those that fail and the last line of those that pass.
+/// Runs all programs, as many at a time as there are CPU cores. Prints the output of those that fail, and the last line of those that pass.
 ///
 /// # Errors
-/// Names every program that failed.
+/// Names every failed program.
 pub fn run(mut programs: Vec<TestProgram>) -> anyhow::Result<()> {
     if programs.is_empty() {
         bail!("cargo built no tests");
@@ -71,7 +71,7 @@ fn next(waiting: &Mutex<std::vec::IntoIter<TestProgram>>) -> Option<TestProgram>
 
 fn run_one(program: &TestProgram) -> anyhow::Result<()> {
     let mut command = Command::new(&program.executable);
-    // As cargo starts it.
+    // Like cargo.
     command
         .current_dir(&program.package)
         .env("CARGO_MANIFEST_DIR", &program.package);
@@ -93,7 +93,7 @@ fn run_one(program: &TestProgram) -> anyhow::Result<()> {
     }
 }
 
-/// The whole output of a program that failed; else its result and its skipped tests.
+/// The whole output of a failed program; otherwise its result and its skipped tests.
 fn summary(program: &TestProgram, output: &Output) -> String {
     let stdout = String::from_utf8_lossy(&output.stdout);
     let stderr = String::from_utf8_lossy(&output.stderr);

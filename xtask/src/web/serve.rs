@@ -1,4 +1,4 @@
-//! A server of one folder for this machine alone, with the strictest content policy that the pages run under.
+//! A server of one folder for this machine only, with the strictest content security policy under which the pages work.
 
 use anyhow::Context;
 use std::fs;
@@ -8,9 +8,9 @@ use std::path::{Component, Path, PathBuf};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-/// Nothing from elsewhere, no script and style in pages, no `eval`; wasm alone must be allowed to compile.
+/// No external content, no inline scripts and styles, no `eval`; only wasm may compile.
 const POLICY: &str = "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; img-src 'self' blob:; connect-src 'self'";
-/// Longest request, bytes, and how long one is waited for.
+/// Limit on the length of a request, bytes, and on the wait for one.
 const MAX_REQUEST: u64 = 16 << 10;
 const PATIENCE: Duration = Duration::from_secs(10);
 
@@ -20,7 +20,7 @@ pub struct Server {
 }
 
 impl Server {
-    /// Serves a folder at a port of this machine; 0 takes a free one.
+    /// Serves a folder at a port of this machine; 0 selects a free one.
     pub fn start(folder: &Path, port: u16) -> anyhow::Result<Self> {
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port))
             .with_context(|| format!("cannot serve at port {port}; take another by --port"))?;
@@ -29,19 +29,19 @@ impl Server {
         let accepting = std::thread::spawn(move || {
             for stream in listener.incoming().flatten() {
                 let folder = folder.clone();
-                // A browser that goes away in the middle is no error.
+                // A browser that disconnects early is not an error.
                 std::thread::spawn(move || drop(answer(stream, &folder)));
             }
         });
         Ok(Self { address, accepting })
     }
 
-    /// Where it is, as a browser takes it.
+    /// The URL of the server.
     pub fn address(&self) -> String {
         format!("http://{}", self.address)
     }
 
-    /// Serves until the program is ended.
+    /// Serves until the program ends.
     pub fn wait(self) {
         drop(self.accepting.join());
     }
@@ -51,7 +51,7 @@ fn answer(stream: TcpStream, folder: &Path) -> std::io::Result<()> {
     stream.set_read_timeout(Some(PATIENCE))?;
     let mut lines = BufReader::new(stream.try_clone()?.take(MAX_REQUEST)).lines();
     let first = lines.next().transpose()?.unwrap_or_default();
-    // The rest of the request says nothing that counts, and must be read.
+    // The rest of the request is irrelevant but must be read.
     while lines
         .next()
         .transpose()?
@@ -71,7 +71,7 @@ fn answer(stream: TcpStream, folder: &Path) -> std::io::Result<()> {
     stream.write_all(&body)
 }
 
-/// The file that a request's first line asks for; none outside of the folder.
+/// The file of a request's first line; `None` outside the folder.
 fn file_of(request: &str, folder: &Path) -> Option<PathBuf> {
     let address = request
         .strip_prefix("GET /")?

@@ -1,4 +1,4 @@
-//! What compiles for wasm32: rustup's target, or Debian's compiler with the sources of the standard library.
+//! The compiler for wasm32: rustup's target, or Debian's compiler with the sources of the standard library.
 
 use crate::cargo;
 use crate::process::{self, repository_root, say};
@@ -9,22 +9,22 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 const TARGET: &str = "wasm32-unknown-unknown";
-/// Debian's compiler, and the sources of its standard library, which it compiles for a target that has no package.
+/// Debian's compiler and the sources of its standard library, which is compiled because the target has no package.
 const DEBIAN_RUSTC: &str = "/usr/bin/rustc";
 const DEBIAN_SOURCES: &str = "/usr/lib/rustlib/src/rust/library";
-/// What there is to do where nothing compiles for the target.
+/// Advice if no compiler for the target exists.
 const MISSING: &str = "no compiler for wasm32 is installed; run `rustup target add wasm32-unknown-unknown`, or on Debian \
     `apt-get install rustc-web rust-web-src lld-22`";
 /// A way to compile for wasm32.
 pub enum Toolchain {
     /// The compiler that runs this has the target.
     Target,
-    /// Debian's compiler builds the standard library too, and links with this program.
+    /// Debian's compiler, which builds the standard library too and links with this program.
     Debian { linker: OsString },
 }
 
 impl Toolchain {
-    /// The first that this machine has, or what there is to do.
+    /// The first compiler found on this machine, or advice.
     pub fn find() -> Result<Self, &'static str> {
         let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
         let mut asked = Command::new(rustc);
@@ -60,7 +60,7 @@ impl Toolchain {
     }
 }
 
-/// The newest linker for wasm on the path, by Debian's names.
+/// The newest wasm linker in the search path, by Debian's names.
 fn linker() -> Option<OsString> {
     let path = std::env::var_os("PATH")?;
     let folders: Vec<_> = std::env::split_paths(&path).collect();
@@ -70,7 +70,7 @@ fn linker() -> Option<OsString> {
     Some(name.into())
 }
 
-/// The program that writes the JavaScript of a wasm file, of the version that the crate has; installed below `target` where it is not there.
+/// The program that writes the JavaScript of a wasm file, in the crate's version; installed below `target` if it is missing.
 pub fn bindgen(package: &Path) -> anyhow::Result<PathBuf> {
     let manifest = package.join("Cargo.toml");
     let text = fs::read_to_string(&manifest).with_context(|| manifest.display().to_string())?;

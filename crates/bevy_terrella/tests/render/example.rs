@@ -2,6 +2,7 @@
 
 use crate::craft;
 use crate::native::Native;
+use crate::sensor_example;
 
 #[test]
 fn a_craft_is_drawn_before_the_earth() {
@@ -23,10 +24,26 @@ fn a_craft_is_drawn_before_the_earth() {
 }
 
 #[test]
+fn a_raw_frame_is_taken() {
+    if Native::open().is_none() {
+        return;
+    }
+    let sensor = sensor_example::sensor([160, 120]).expect("a sensor");
+    let frame = sensor_example::frame(sensor).expect("a frame");
+    let mut numbers = frame.data;
+    numbers.sort_unstable();
+    let part = |part: usize| numbers[numbers.len() * part / 100];
+    // Bias and noise in space, haze and land below the horizon, no white.
+    assert!((60..70).contains(&part(5)), "{}", part(5));
+    assert!((150..4000).contains(&part(95)), "{}", part(95));
+}
+
+#[test]
 fn code_on_the_page_stands_in_the_examples() {
     let page = include_str!("../../../../docs/embedding/bevy.md");
     let examples = [
         include_str!("../../examples/orbit.rs"),
+        include_str!("../../examples/sensor.rs"),
         include_str!("../../examples/smallest.rs"),
         include_str!("../../examples/craft/main.rs"),
     ];

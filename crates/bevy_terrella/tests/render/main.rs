@@ -14,5 +14,9 @@ mod one_frame;
 mod overlays;
 mod recovery;
 mod scene;
+mod sensor;
+#[allow(dead_code)]
+#[path = "../../examples/sensor.rs"]
+mod sensor_example;
 
 use craft::headless;

@@ -1,4 +1,4 @@
-// Everything that a program can do wrong and that can be seen: a status that names the argument, and never a crash.
+// Every detectable misuse gives a status and a message that names the argument, never a crash.
 #include <math.h>
 #include <pthread.h>
 #include <stdio.h>
@@ -115,7 +115,7 @@ int main(int argc, char **argv) {
     EXPECT(terrella_earth_resize(earth, 0, 5), TERRELLA_ARGUMENT, "size");
     EXPECT(terrella_earth_resize(earth, 1000000, 1000000), TERRELLA_ARGUMENT, "size");
 
-    // All formats, and the two of light agree.
+    // All formats; both formats of linear light agree.
     TerrellaDrawn drawn;
     EXPECT(terrella_earth_draw(earth, &camera, noon, 5, TERRELLA_RGBA8, pixels, bytes, &drawn), TERRELLA_OK, "");
     if (drawn.triangles == 0 || pixels[4 * (9 * 32 + 16)] == 0) failures++, fprintf(stderr, "nothing is drawn\n");
@@ -166,7 +166,7 @@ int main(int argc, char **argv) {
     for (int i = 0; i < 3; i++) pthread_join(threads[i], NULL);
     if (failed) failures++, fprintf(stderr, "threads cannot share a handle\n");
 
-    // A fork has no device.
+    // A forked process has no device.
     pid_t child = fork();
     if (child == 0) {
         EXPECT(terrella_earth_draw(earth, &camera, noon, 0, TERRELLA_RGBA8, pixels, bytes, NULL), TERRELLA_FORKED, "earth");
@@ -243,7 +243,7 @@ int main(int argc, char **argv) {
     EXPECT(terrella_scene_free(scene), TERRELLA_OK, "");
     EXPECT(terrella_scene_free(scene), TERRELLA_HANDLE, "freed already");
 
-    // Freed twice, and used after.
+    // Double free, and use after free.
     EXPECT(terrella_earth_free(earth), TERRELLA_OK, "");
     EXPECT(terrella_earth_free(earth), TERRELLA_HANDLE, "freed already");
     EXPECT(terrella_earth_draw(earth, &camera, noon, 0, TERRELLA_RGBA8, pixels, bytes, NULL), TERRELLA_HANDLE, "freed already");
@@ -253,7 +253,7 @@ int main(int argc, char **argv) {
     EXPECT(terrella_write_png("a.png", pixels, 0, 4), TERRELLA_ARGUMENT, "width");
     EXPECT(terrella_write_png("/nowhere/a.png", pixels, 4, 4), TERRELLA_FILE, "/nowhere");
 
-    // Vulkan, as far as it goes without any.
+    // Vulkan calls that need no Vulkan.
     const char *name = "";
     TerrellaVulkanHost host = {0};
     TerrellaVulkanEarth *vulkan = NULL;

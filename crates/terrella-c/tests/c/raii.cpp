@@ -1,4 +1,4 @@
-// What the classes of terrella.hpp do beside drawing: times, exceptions, moving, freeing.
+// The classes of terrella.hpp apart from drawing: times, exceptions, moves, destruction.
 #undef NDEBUG
 #include <algorithm>
 #include <cassert>
@@ -33,7 +33,7 @@ int main() {
     options.width = 48;
     options.height = 32;
     assert(options.detail == 1 && options.directional_reflectance == 1);
-    // Each option changes the picture by itself.
+    // Each option alone changes the image.
     auto seen = [&](std::uint8_t detail, std::uint8_t directional) {
         auto changed = options;
         changed.detail = detail;
@@ -50,15 +50,15 @@ int main() {
     auto depth = moved.depth_m(camera, after);
     assert(depth.size() == 48 * 32 && std::isinf(depth[0]) && depth[16 * 48 + 24] > 1.3e7f);
     assert(moved.truth<double>(camera, after, "lat_deg").values.size() == depth.size());
-    // As many bytes as the layer does not have.
+    // A byte count that does not match the layer.
     assert(thrown([&] { moved.truth<float>(camera, after, "lat_deg"); }) == TERRELLA_ARGUMENT);
     moved.resize(24, 16);
     assert(moved.image(camera, after).rgba.size() == 24 * 16 * 4);
     moved = terrella::Earth(options);
-    // What it held before is free.
+    // The previous object is freed.
     assert(terrella_earth_resize(handle, 8, 8) == TERRELLA_HANDLE);
 
-    // A sensor of a scene's text: its lens moves the limb from r to r (1 + k1 r^2), both over the focal length.
+    // A sensor in a scene's text. Its lens moves the limb from r to r (1 + k1 r^2), in units of the focal length.
     auto disc = [](double k1) {
         auto scene = terrella::Scene::from_text(
             "[camera]\nmode = \"geodetic\"\nlat_deg = 10\nlon_deg = 20\nheight_km = 10000\n[earth]\natmosphere = \"none\"\n"
@@ -75,7 +75,7 @@ int main() {
     assert(std::fabs(disc(1) / disc(0) / (stretch * stretch) - 1) < 0.02);
     assert(thrown([] { terrella::Scene::from_text("[sensor]\nsize = [64, 48]\nfull_well_e = 0\n"); }) == TERRELLA_SCENE);
     assert(thrown([] { terrella::Scene::from_text("").raw(terrella::Time("2018-06-21T12:00:00Z")); }) == TERRELLA_SCENE);
-    // The station of January 2018 over Graz: what `terrella orbit --passes` finds there.
+    // The ISS of January 2018 over Graz: the passes that `terrella orbit --passes` finds.
     auto with_tracks = [](const char *tracks) {
         return terrella::Scene::from_text(std::string("[time]\nstart = \"2018-01-20T12:00:00Z\"\n[camera]\nmode = \"geodetic\"\nlat_deg = 30\n"
             "lon_deg = 20\nheight_km = 20000\n[orbit]\n") + tracks, "scene.toml", 96, 54);
@@ -89,7 +89,7 @@ int main() {
         assert(from < pass.end && pass.begin < until && pass.begin < pass.highest && pass.highest < pass.end);
         assert(pass.rises && pass.sets && pass.elevation_deg >= 10 && pass.elevation_deg <= 90 && pass.distance_m > 3.9e5);
         assert(n == 0 || passes[n - 1].end < pass.begin);
-        // Where the satellite then is, seen from the place, is as high as the pass says.
+        // The satellite's elevation, seen from the place, matches the pass.
         auto state = plain.satellite(0, pass.highest);
         double lat = 47.07 * M_PI / 180, lon = 15.44 * M_PI / 180, e2 = 6.69437999014e-3;
         double up[3] = {std::cos(lat) * std::cos(lon), std::cos(lat) * std::sin(lon), std::sin(lat)};
@@ -111,7 +111,7 @@ int main() {
     assert(track.size() == 91);
     for (std::size_t n = 0; n < track.size(); ++n) assert(track[n].position_m == plain.satellite(0, from + 60.0 * n).position_m);
     assert(plain.track(0, from, from, 1).size() == 1 && plain.track(0, from, until, 0).empty());
-    // And drawn over the globe.
+    // Drawn over the globe too.
     auto drawn = with_tracks("[tracks]\ntrail = true\nground_track = true\n");
     assert(drawn.image(from).rgba != plain.image(from).rgba);
 

@@ -1,4 +1,4 @@
-//! The renderer that adapters are compared with, and that draws where there is none.
+//! The reference renderer, which adapters are compared with and which draws if there is none.
 
 use super::{Common, FrameArgs};
 use crate::progress::Bars;
@@ -7,7 +7,7 @@ use terrella::ContextError;
 use terrella_measure::reference::{ReferenceRequest, SAMPLES, write_reference_still};
 use terrella_play::{Flight, PlayError};
 
-/// Rays along each side of a pixel where none are asked for.
+/// Default number of rays along each side of a pixel.
 const DEFAULT_SAMPLES: u32 = 4;
 
 #[derive(Debug, Args)]
@@ -31,13 +31,13 @@ enum Renderer {
 }
 
 impl ReferenceArgs {
-    /// Whether it is asked for.
+    /// Whether the reference renderer was selected.
     pub fn is_chosen(&self) -> bool {
         self.renderer == Renderer::Reference
     }
 }
 
-/// Whether it draws what an adapter could not: there is none at all, none was asked for by name, and a picture alone is wanted.
+/// Whether the reference renderer replaces the GPU: there is no adapter, none was named, and only an image is requested.
 pub fn stands_in(args: &FrameArgs, common: &Common, error: &PlayError) -> bool {
     matches!(error, PlayError::Context(ContextError::NoAdapter))
         && common.adapter.is_none()
@@ -60,7 +60,7 @@ pub fn draw(args: &FrameArgs, flight: &Flight, bars: &Bars) -> anyhow::Result<()
     Ok(write_reference_still(flight, &request, bars)?)
 }
 
-/// Which options have no meaning together, if any.
+/// The options that conflict, if any.
 pub fn conflict(args: &FrameArgs, common: &Common) -> Option<&'static str> {
     if !args.reference.is_chosen() {
         return args.reference.samples.map(|_| {

@@ -125,7 +125,7 @@ fn parse_rate(text: &str) -> Result<f64, String> {
     rate.ok_or_else(|| "must be from 0.01 to 1000 requests a second".to_string())
 }
 
-/// Fetches, and builds what was asked for.
+/// Fetches maps and builds the requested output.
 pub fn run(args: &FetchArgs, common: &Common) -> anyhow::Result<()> {
     if args.list {
         return list();
@@ -235,7 +235,7 @@ fn options(args: &FetchArgs) -> anyhow::Result<FetchOptions> {
     })
 }
 
-/// The options of a pack of what was fetched.
+/// Options for a pack of the fetched maps.
 fn build_options(
     args: &FetchArgs,
     done: &[LayerDone],

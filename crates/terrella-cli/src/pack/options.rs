@@ -1,4 +1,4 @@
-//! What the commands that build packs have in common.
+//! Options shared by the commands that build packs.
 
 use crate::progress::Bars;
 use clap::{Args, ValueEnum};
@@ -45,7 +45,7 @@ enum StorageArg {
 }
 
 impl PackOptions {
-    /// Of a pack with this day map in this folder.
+    /// Build options for a pack of this day map in this folder.
     pub fn build_options(&self, day: &Path, output: &Path) -> BuildOptions {
         BuildOptions {
             name: self.name.clone(),
@@ -62,7 +62,7 @@ impl PackOptions {
         }
     }
 
-    /// Whether nothing was asked for that only packs have.
+    /// Whether all pack options have their defaults.
     pub fn is_default(&self) -> bool {
         self.name.is_none()
             && self.attribution.is_empty()
@@ -71,7 +71,7 @@ impl PackOptions {
             && !self.restart
     }
 
-    /// With --strict, an error where anything was noted.
+    /// With --strict, returns an error if there are notes.
     pub fn check_notes(&self, shown: &Shown) -> anyhow::Result<()> {
         let notes = shown.notes.load(Ordering::Relaxed);
         if self.strict && notes > 0 {
@@ -115,7 +115,7 @@ pub struct Shown {
 }
 
 impl Shown {
-    /// Shows nothing if it is to be quiet.
+    /// Creates the bars; with `quiet` nothing is shown.
     pub fn new(quiet: bool) -> Self {
         Self {
             bars: Bars::new(quiet),

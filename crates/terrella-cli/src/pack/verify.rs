@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use terrella_imagery::pack::{VerifyReport, verify};
 use terrella_play::Progress;
 
-/// Most files that do not belong to the pack which are listed.
+/// Limit on listed files that do not belong to the pack.
 const MAX_SHOWN_STRANGERS: usize = 20;
 
 /// Arguments of `terrella pack verify`.

@@ -32,20 +32,30 @@ fn bands(text: &str) -> impl Iterator<Item = &str> {
         .map(|band| band.split("</PAMRasterBand>").next().unwrap_or_default())
 }
 
-/// The text of the first band's element of this name, without marks of XML.
-pub fn band_text(text: &str, name: &str) -> Option<String> {
+/// The band of a number, from 1: the one that is called so, or of bands without numbers the one in that place.
+fn band(text: &str, number: u16) -> &str {
+    let called = format!("band=\"{number}\"");
+    let head = |band: &str| band.split('>').next().unwrap_or_default().to_owned();
     bands(text)
-        .next()
-        .and_then(|band| element(band, name))
-        .map(plain)
+        .enumerate()
+        .find(|(n, band)| match head(band) {
+            head if head.contains("band=") => head.contains(&called),
+            _ => n + 1 == usize::from(number),
+        })
+        .map_or("", |(_, band)| band)
 }
 
-/// The number of the first band's element of this name.
+/// The text of a band's element of this name, without marks of XML. Bands count from 1.
+pub fn band_text(text: &str, of_band: u16, name: &str) -> Option<String> {
+    element(band(text, of_band), name).map(plain)
+}
+
+/// The number of a band's element of this name. Bands count from 1.
 ///
 /// # Errors
 /// What stands there, if it is no number.
-pub fn band_number(text: &str, name: &str) -> Result<Option<f64>, String> {
-    number(bands(text).next().unwrap_or_default(), name)
+pub fn band_number(text: &str, of_band: u16, name: &str) -> Result<Option<f64>, String> {
+    number(band(text, of_band), name)
 }
 
 /// The numbers of no data of all bands, where each has one.
@@ -102,11 +112,18 @@ mod tests {
             element(TEXT, "SRS").map(plain).as_deref(),
             Some("GEOGCS[\"WGS 84\"]")
         );
-        assert_eq!(band_number(TEXT, "NoDataValue"), Ok(Some(-5000.0)));
-        assert_eq!(band_text(TEXT, "UnitType").as_deref(), Some("ft"));
-        assert_eq!(band_text(TEXT, "Unit"), None);
-        assert_eq!(band_number(TEXT, "Scale"), Ok(None));
-        assert!(band_number(&TEXT.replace("<Scale/>", "<Scale>x</Scale>"), "Scale").is_err());
+        assert_eq!(band_number(TEXT, 1, "NoDataValue"), Ok(Some(-5000.0)));
+        assert_eq!(band_text(TEXT, 1, "UnitType").as_deref(), Some("ft"));
+        assert_eq!(band_text(TEXT, 2, "UnitType"), None);
+        assert_eq!(band_text(TEXT, 1, "Unit"), None);
+        assert_eq!(band_number(TEXT, 1, "Scale"), Ok(None));
+        let second = band_number(TEXT, 2, "NoDataValue");
+        assert!(second.is_ok_and(|number| number.is_some_and(f64::is_nan)));
+        assert!(band_number(&TEXT.replace("<Scale/>", "<Scale>x</Scale>"), 1, "Scale").is_err());
+        // Only bands of which there is something to say are listed.
+        let second = "<PAMRasterBand band=\"2\"><UnitType>m</UnitType></PAMRasterBand>";
+        assert_eq!(band_text(second, 1, "UnitType"), None);
+        assert_eq!(band_text(second, 2, "UnitType").as_deref(), Some("m"));
         let all = no_data(TEXT).expect("numbers").expect("two");
         assert!(all[0] == -5000.0 && all[1].is_nan() && all.len() == 2);
         // Of one band alone it is none of a colour.
@@ -118,7 +135,7 @@ mod tests {
             "<PAMRasterBand><NoDataValue>1",
             "<NoDataValue>1</NoDataValue>",
         ] {
-            assert_eq!(band_number(broken, "NoDataValue"), Ok(None), "{broken}");
+            assert_eq!(band_number(broken, 1, "NoDataValue"), Ok(None), "{broken}");
         }
     }
 }

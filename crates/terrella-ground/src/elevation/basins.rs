@@ -1,7 +1,7 @@
 //! Dry land below the level of the sea.
 //!
 //! What grids of the whole Earth have below 0 m is the floor of the sea, of lakes, rock below ice, and, in a few basins, dry land. These basins
-//! are known, and everything else is drawn at the sea's level. A basin's box holds no coast of the sea. Its depth is that of its dry
+//! are known. Elsewhere land is drawn at the sea's level, or where a map says that it is land a little below ([`LandShares`](super::LandShares)). A basin's box holds no coast of the sea. Its depth is that of its dry
 //! land or of the surface of its lake, so that beds of lakes are not drawn, that of the Caspian Sea among them.
 
 use super::Bounds;
@@ -12,7 +12,7 @@ const EDGE_DEG: f64 = 0.05;
 
 /// South, north, west and east in degrees, and the lowest land in metres. Levels: CIA, The World Factbook (2024), "Elevation extremes"; of the
 /// others the encyclopaedic entries of the places.
-const BASINS: [[f64; 5]; 17] = [
+const BASINS: [[f64; 5]; 18] = [
     // The Dead Sea and the valley of the Jordan.
     [30.3, 33.0, 35.1, 35.9, -440.0],
     // Turpan.
@@ -39,6 +39,8 @@ const BASINS: [[f64; 5]; 17] = [
     [18.35, 18.65, -71.9, -71.3, -48.0],
     // The great depression of San Julián.
     [-49.8, -49.3, -68.6, -68.0, -107.0],
+    // The Bajo del Gualicho.
+    [-40.7, -40.0, -65.8, -64.95, -72.0],
     // Lake Eyre.
     [-29.6, -27.8, 136.6, 138.3, -17.0],
     // Polders of Holland and Flevoland.

@@ -1,7 +1,8 @@
 //! All heights of a scene: grids over one another, and beneath them the sea, or tiles of a source.
 
 use super::Joins;
-use super::basins::{lowest_in_m, lowest_m};
+use super::basins;
+use super::land::LandShares;
 use super::tiles::TilePyramid;
 use super::{Bounds, Elevation, HeightGrid, HeightRange};
 use std::f64::consts::{FRAC_PI_2, TAU};
@@ -36,6 +37,8 @@ pub struct Ground {
     parts: Arc<[Vec<u32>]>,
     /// Grids of the whole Earth are not below the sea.
     has_sea_surface: bool,
+    /// Where there is land that may lie a little below the sea.
+    land: Option<Arc<LandShares>>,
     /// What lies beneath in place of the sea.
     tiles: Option<Arc<TilePyramid>>,
 }
@@ -72,6 +75,7 @@ impl Ground {
             joins: joins.into(),
             parts: parts.into(),
             has_sea_surface: false,
+            land: None,
             tiles: None,
         }
     }
@@ -85,10 +89,31 @@ impl Ground {
     }
 
     /// The same with the sea's surface in place of its floor: of grids of the whole Earth, and of tiles, no height is below 0, but for the
-    /// dry land of basins that are known, as Turpan and the valley of the Jordan. Other grids keep their heights.
-    pub fn with_sea_surface(mut self) -> Self {
+    /// dry land of basins that are known, as Turpan and the valley of the Jordan. Other grids keep their heights. With `land`, a map of
+    /// it, heights down to −10 m stay where the map has land: polders, deltas and others.
+    pub fn with_sea_surface(mut self, land: Option<Arc<LandShares>>) -> Self {
         self.has_sea_surface = true;
+        self.land = land;
         self
+    }
+
+    /// The lowest that is drawn at a place of what lies below the sea, metres.
+    #[inline]
+    fn lowest_m(&self, lat_rad: f64, lon_rad: f64) -> f64 {
+        let of_basins_m = basins::lowest_m(lat_rad, lon_rad);
+        match &self.land {
+            Some(land) => of_basins_m.min(land.lowest_m(lat_rad, lon_rad)),
+            None => of_basins_m,
+        }
+    }
+
+    /// The same of all places within bounds, or lower.
+    fn lowest_in_m(&self, bounds: &Bounds) -> f64 {
+        let of_land_m = self
+            .land
+            .as_ref()
+            .map_or(0.0, |land| land.lowest_in_m(bounds));
+        basins::lowest_in_m(bounds).min(of_land_m)
     }
 
     /// Whether what is below the sea in a grid is not drawn.
@@ -103,7 +128,7 @@ impl Ground {
         if height_m > 0.0 || !self.hides_floor_of(grid) {
             return height_m;
         }
-        height_m.max(lowest_m(lat_rad, lon_rad))
+        height_m.max(self.lowest_m(lat_rad, lon_rad))
     }
 
     /// The height of what lies beneath all grids.
@@ -115,7 +140,7 @@ impl Ground {
                 if height_m > 0.0 || !self.has_sea_surface {
                     return height_m;
                 }
-                height_m.max(lowest_m(lat_rad, lon_rad))
+                height_m.max(self.lowest_m(lat_rad, lon_rad))
             }
             None => 0.0,
         }
@@ -250,7 +275,7 @@ impl Ground {
             }
             let range = grid.range_m(bounds, coarsest_rad);
             let floor_m = match self.hides_floor_of(grid) {
-                true => lowest_in_m(bounds),
+                true => self.lowest_in_m(bounds),
                 false => f64::NEG_INFINITY,
             };
             low_m = low_m.min(range.low_m.max(floor_m));
@@ -267,7 +292,7 @@ impl Ground {
             },
         };
         let floor_m = match self.has_sea_surface {
-            true => lowest_in_m(bounds),
+            true => self.lowest_in_m(bounds),
             false => f64::NEG_INFINITY,
         };
         HeightRange {

@@ -2,8 +2,8 @@
 //!
 //! | file | where it lies | unit |
 //! |---|---|---|
-//! | GeoTIFF, BigTIFF: strips or tiles, compressed as [`tiff_chunks`](super::tiff_chunks) decodes | its own tags, or the sidecar | its own keys, or the sidecar |
-//! | PNG, grey, 8 or 16 bits | the sidecar | the sidecar |
+//! | GeoTIFF, BigTIFF: strips or tiles, compressed as [`tiff_chunks`](super::tiff_chunks) decodes | its own tags, the sidecar, or a world file | its own keys, or the sidecar |
+//! | PNG, grey, 8 or 16 bits | the sidecar, or a world file | the sidecar |
 //! | NetCDF: classic (CDF-1, CDF-2, CDF-5), NetCDF-4 (HDF5) | its coordinate variables, or the sidecar | its attribute `units`, or the sidecar |
 //! | SRTM's `.hgt`, also packed by gzip or in a zip file | its name, or the sidecar | metres |
 //! | ASCII grid (`.asc`) | its header, in degrees or in metres of a `.prj` file beside it | the sidecar |
@@ -39,17 +39,19 @@ mod zip;
 pub use error::HeightFileError;
 pub use set::{MAX_SET_FILES, height_set};
 pub use sidecar::{ByteOrder, HeightUnit, MAX_SIDECAR_BYTES, Sidecar, SidecarGeoreference};
+use sidecar::{folder_sidecar, read_sidecar, sidecar_of};
 
 use super::geoid::VerticalDatum;
 use super::warp::Warp;
+use super::world_file::WorldFile;
 use super::{Denoise, Denoised, Georeference, GridError, GridLimits, HeightGrid};
 use beside::{SaidBeside, SideMask};
 pub(super) use conversion::Conversion;
 use error::FileContext;
 use missing::Missing;
-use plain::{PlainGrid, system_beside};
+use plain::{PlainGrid, prj_of, system_beside};
 use std::fs::File;
-use std::io::{BufRead, BufReader, ErrorKind, Read, Seek};
+use std::io::{BufRead, BufReader, Seek};
 use std::path::{Path, PathBuf};
 use terrella_files as files;
 use warp::Held;
@@ -148,12 +150,19 @@ impl HeightReader<BufReader<File>> {
         };
         let reader = BufReader::with_capacity(1 << 16, file);
         let mut reader = Self::new(reader, sidecar.as_ref(), path)?;
+        if reader.lacks_place() {
+            let size = (reader.header.columns, reader.header.rows);
+            reader.header.plain = PlainGrid::beside(path, size)?;
+        }
         let system = match reader.header.plain {
             Some(_) => system_beside(path)?,
             None => None,
         };
         reader.header.settle(system, &context)?;
-        reader.header.add(&SaidBeside::read(path)?, &context)?;
+        let band = reader.said.band.unwrap_or(1);
+        reader
+            .header
+            .add(&SaidBeside::read(path, band)?, &context)?;
         reader.mask = SideMask::find(path, (reader.header.columns, reader.header.rows))?;
         Ok(reader)
     }
@@ -193,15 +202,17 @@ pub fn open_heights_denoised(
     HeightReader::open(path)?.whole(limits, denoise)
 }
 
-/// The files that [`open_heights`] reads for a file of heights: itself, its sidecar, and what GDAL writes beside it, as far as they
-/// are there.
+/// The files that [`open_heights`] reads for a file of heights: itself, its sidecar, its world file with the text of its system, and
+/// what GDAL writes beside it, as far as they are there.
 pub fn height_files(path: &Path) -> Vec<PathBuf> {
     let beside = [
         sidecar_of(path),
         beside::aux_of(path),
         beside::mask_of(path),
     ];
+    let prj = prj_of(path).into_iter().find(|file| file.exists());
     let beside = beside.into_iter().filter(|file| file.exists());
+    let beside = beside.chain(WorldFile::beside(path)).chain(prj);
     std::iter::once(path.to_owned()).chain(beside).collect()
 }
 
@@ -229,6 +240,14 @@ pub fn check_metres(path: &Path, is_placed: bool) -> Result<(), HeightFileError>
         Err(HeightFileError::OtherCoordinates { .. }) if is_placed => return Ok(()),
         reader => reader?,
     };
+    if let Decoder::Tiff(tiff) = &reader.decoder
+        && tiff.is_narrow()
+    {
+        let rewrite = format!("`gdal_translate -ot Int16 {} OUT.tif`", path.display());
+        let cause = "has heights of fewer than 16 bits";
+        let context = &reader.context;
+        return Err(context.rejected(cause, "heights of 16 bits or floats", rewrite));
+    }
     match reader.georeference() {
         Ok(_) | Err(HeightFileError::NoPlace { .. }) => {}
         Err(error) => return Err(error),
@@ -260,41 +279,6 @@ pub fn check_metres(path: &Path, is_placed: bool) -> Result<(), HeightFileError>
             path.display()
         ),
     ))
-}
-
-/// The sidecar of all files of a folder that have none of their own.
-const FOLDER_SIDECAR: &str = "folder.toml";
-
-/// The sidecar of a folder, if there is one: it says no place.
-fn folder_sidecar(path: &Path) -> Result<Option<Sidecar>, HeightFileError> {
-    let of_folder = path.with_file_name(FOLDER_SIDECAR);
-    let sidecar = read_sidecar(&of_folder)?;
-    match &sidecar {
-        Some(said) if said.georeference.is_some() => Err(FileContext::new(&of_folder).rejected(
-            "says where all files of its folder lie",
-            "unit, scale, offset, nodata or attribution, which files share",
-            "write the place into a sidecar of each file",
-        )),
-        _ => Ok(sidecar),
-    }
-}
-
-/// The sidecar at a path, if there is a file.
-fn read_sidecar(path: &Path) -> Result<Option<Sidecar>, HeightFileError> {
-    let context = FileContext::new(path);
-    let file = match files::open(path) {
-        Ok(file) => file,
-        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
-        Err(error) => return Err(context.unreadable(error)),
-    };
-    let mut text = Vec::new();
-    file.take(MAX_SIDECAR_BYTES + 1)
-        .read_to_end(&mut text)
-        .map_err(|error| context.unreadable(error))?;
-    let Ok(text) = String::from_utf8(text) else {
-        return Err(context.rejected("is no text", "TOML", "write it again as UTF-8"));
-    };
-    Sidecar::from_toml(&text, path).map(Some)
 }
 
 /// Reads heights from anything; `path` is its name in messages.
@@ -331,7 +315,7 @@ impl<R: BufRead + Seek> HeightReader<R> {
                 (Decoder::Png(Box::new(png)), header)
             }
             [b'I', b'I', 42 | 43, 0, ..] | [b'M', b'M', 0, 42 | 43, ..] => {
-                let (tiff, header) = tiff::Tiff::open(reader, &context)?;
+                let (tiff, header) = tiff::Tiff::open(reader, &context, said.band)?;
                 (Decoder::Tiff(Box::new(tiff)), header)
             }
             [b'C', b'D', b'F', 1 | 2 | 5, ..] | [0x89, b'H', b'D', b'F', ..] => {
@@ -383,6 +367,13 @@ impl<R: BufRead + Seek> HeightReader<R> {
                 "take it out of the sidecar",
             ));
         }
+        if said.band.is_some() && !matches!(decoder, Decoder::Tiff(_)) {
+            return Err(context.rejected(
+                "has no bands, and the sidecar names one",
+                "a band for TIFF files only",
+                "take it out of the sidecar",
+            ));
+        }
         Ok(Self {
             context,
             decoder,
@@ -391,6 +382,14 @@ impl<R: BufRead + Seek> HeightReader<R> {
             assumed_above: None,
             mask: None,
         })
+    }
+
+    /// Whether a picture says nowhere yet where it lies, so that a world file counts.
+    fn lacks_place(&self) -> bool {
+        matches!(self.decoder, Decoder::Tiff(_) | Decoder::Png(_))
+            && self.header.georeference.is_none()
+            && self.header.plain.is_none()
+            && self.said.georeference.is_none()
     }
 
     /// Samples of a row, and rows: of those that are handed over.
@@ -514,6 +513,10 @@ impl<R: BufRead + Seek> HeightReader<R> {
                 false => put(row, column, heights_m),
             }
         };
+        let note = match &self.decoder {
+            Decoder::Tiff(tiff) => tiff.note(&self.context),
+            _ => None,
+        };
         match self.decoder {
             Decoder::Tiff(mut tiff) => tiff.read(&self.context, conversion, &mut put),
             Decoder::Png(mut png) => png.read(&self.context, conversion, &mut put),
@@ -522,7 +525,7 @@ impl<R: BufRead + Seek> HeightReader<R> {
             Decoder::Ascii(mut file) => file.read(&self.context, conversion, &mut put),
             Decoder::Dted(mut file) => file.read(&self.context, conversion, &mut put),
         }?;
-        if let Some(note) = conversion.note(&self.context) {
+        for note in note.into_iter().chain(conversion.note(&self.context)) {
             tracing::warn!("{note}");
         }
         Ok(())
@@ -584,8 +587,4 @@ fn georeference(
             sidecar: sidecar_of(context.path()),
         }),
     }
-}
-
-fn sidecar_of(path: &Path) -> PathBuf {
-    path.with_extension("toml")
 }

@@ -313,14 +313,14 @@ fn the_sea_s_surface_covers_its_floor_and_not_a_local_grid() {
     let hollow = Georeference::from_bounds(Registration::Cells, &here, 64, 64).expect("sound");
     let hollow = HeightGrid::new(&hollow, vec![-430.0; 64 * 64], &limits).expect("sound");
     let bare = Ground::new([globe.clone(), Arc::new(hollow)]);
-    let wet = bare.clone().with_sea_surface();
+    let wet = bare.clone().with_sea_surface(None);
     let (sea, land) = (-2.0, 2.0);
     assert!(bare.height_m(0.3, sea, 0.0) < -3000.0);
     assert_eq!(wet.height_m(0.3, sea, 0.0), 0.0);
     assert_eq!(wet.height_m(0.3, land, 0.0), bare.height_m(0.3, land, 0.0));
     assert_eq!(wet.height_m(0.0, 0.0, 0.0), -430.0);
     // Alone, too.
-    let alone = Ground::new([globe.clone()]).with_sea_surface();
+    let alone = Ground::new([globe.clone()]).with_sea_surface(None);
     assert_eq!(alone.height_m(0.3, sea, 0.0), 0.0);
     assert!(alone.height_m(0.3, land, 0.0) > 800.0);
     let range = wet.range_m(&Bounds::GLOBE);
@@ -333,12 +333,30 @@ fn dry_land_below_the_sea_stays_below_it_in_grids_of_the_whole_earth() {
     let deep = vec![-400.0; 720 * 360];
     let limits = GridLimits::default();
     let globe = HeightGrid::new(&globe.expect("sound"), deep, &limits).expect("sound");
-    let ground = Ground::new([Arc::new(globe)]).with_sea_surface();
-    for (name, lat_deg, lon_deg, height_m) in [
-        ("Dead Sea", 31.5_f64, 35.5_f64, -400.0),
-        ("Turpan", 42.66, 89.27, -160.0),
-        ("Mediterranean", 33.0, 32.0, 0.0),
-        ("Lake Superior", 47.7, -87.3, 0.0),
+    // Land north of 40° N but for 10° of the Atlantic.
+    let water = (0..720 * 360).map(|n| match (n / 720, n % 720) {
+        (..100, ..300 | 320..) => 0,
+        _ => 255,
+    });
+    let water: Vec<u8> = water.collect();
+    let land = LandShares::of_water(720, 360, &water).map(Arc::new);
+    assert!(land.is_some());
+    let bare = Ground::new([Arc::new(globe)]);
+    let (alone, with_land) = (
+        bare.clone().with_sea_surface(None),
+        bare.with_sea_surface(land),
+    );
+    for (ground, name, lat_deg, lon_deg, height_m) in [
+        (&alone, "Dead Sea", 31.5_f64, 35.5_f64, -400.0),
+        (&alone, "Turpan", 42.66, 89.27, -160.0),
+        (&alone, "Mediterranean", 33.0, 32.0, 0.0),
+        (&alone, "Lake Superior", 47.7, -87.3, 0.0),
+        (&with_land, "Dead Sea", 31.5, 35.5, -400.0),
+        (&with_land, "Turpan", 42.66, 89.27, -160.0),
+        (&with_land, "Mediterranean", 33.0, 32.0, 0.0),
+        (&with_land, "Atlantic", 45.0, -25.0, 0.0),
+        (&with_land, "delta of the Danube", 45.2, 29.3, -10.0),
+        (&with_land, "bed of Lake Superior", 47.7, -87.3, -10.0),
     ] {
         let (lat, lon) = (lat_deg.to_radians(), lon_deg.to_radians());
         let found_m = ground.height_m(lat, lon, 0.0);

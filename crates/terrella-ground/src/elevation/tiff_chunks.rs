@@ -146,7 +146,13 @@ pub struct TiffChunks {
     jpeg_tables: Option<Vec<u8>>,
     /// The last of two or four samples is alpha.
     has_alpha: bool,
-    /// Samples of a pixel that are handed over: of colours those without a meaning, such as infrared, are not.
+    /// The `tiff` crate reads strips and tiles.
+    is_of_crate: bool,
+    /// Each sample of a pixel has strips or tiles of its own.
+    is_planar: bool,
+    /// Samples of a pixel that the `tiff` crate decodes: of colours those without a meaning, such as infrared, are not.
+    given: u16,
+    /// Samples of a pixel that are handed over.
     kept: u16,
     /// Offset and length of each, where the `tiff` crate does not read them.
     places: Vec<(u64, u64)>,
@@ -169,6 +175,7 @@ impl TiffChunks {
         let photometric = number(Tag::PhotometricInterpretation, 1)?;
         let predictor = number(Tag::Predictor, NO_PREDICTOR)?;
         let planar = number(Tag::PlanarConfiguration, 1)?;
+        let fill_order = number(Tag::FillOrder, 1)?;
         let extra = decoder.find_tag_unsigned_vec::<u16>(Tag::ExtraSamples)?;
         let extra = extra.unwrap_or_default();
         let has_alpha = matches!(extra.first(), Some(1 | 2));
@@ -189,16 +196,21 @@ impl TiffChunks {
                 return Err(TiffChunkError::Unsupported(cause));
             }
         };
-        if !matches!(bits, 1 | 2 | 4 | 8 | 16 | 32 | 64) {
+        let is_packed = (1..=15).contains(&bits) && bits != 8;
+        if !matches!(bits, 8 | 16 | 32 | 64) && !(is_packed && format == 1) {
             let cause = format!("holds samples of {bits} bits");
             return Err(TiffChunkError::Unsupported(cause));
+        }
+        if fill_order != 1 {
+            let cause = "has the bits of its bytes in reverse (FillOrder 2)";
+            return Err(TiffChunkError::Unsupported(cause.to_string()));
         }
         let is_picture = matches!(codec, Codec::Jpeg | Codec::WebP);
         if is_picture && (bits, format) != (8, 1) {
             let cause = format!("holds {bits}-bit samples as JPEG or WebP");
             return Err(TiffChunkError::Unsupported(cause));
         }
-        if bits < 8 && predictor != NO_PREDICTOR {
+        if is_packed && predictor != NO_PREDICTOR {
             let cause = format!("holds samples of {bits} bits with a predictor");
             return Err(TiffChunkError::Unsupported(cause));
         }
@@ -223,8 +235,8 @@ impl TiffChunks {
             predictor,
             is_big_endian: decoder.byte_order() == ByteOrder::BigEndian,
         };
-        let kept = match photometric == RGB && !is_planar {
-            // The crate leaves the others out of what it decodes.
+        // The crate leaves the others out of what it decodes.
+        let given = match photometric == RGB && !is_planar {
             true => of_pixel.saturating_sub(extra.len() as u16) + u16::from(has_alpha),
             false => form.samples,
         };
@@ -233,9 +245,11 @@ impl TiffChunks {
             _ => None,
         };
         let jpeg_tables = jpeg_tables.map(|tables| tables.into_u8_vec()).transpose()?;
-        let places = match codec {
-            Codec::OfCrate => Vec::new(),
-            _ => places(decoder)?,
+        // The crate unpacks none but these, and hands over those below 8 packed.
+        let is_of_crate = codec == Codec::OfCrate && matches!(bits, 1 | 2 | 4 | 8 | 16 | 32 | 64);
+        let places = match is_of_crate {
+            true => Vec::new(),
+            false => places(decoder)?,
         };
         Ok(Self {
             codec,
@@ -246,7 +260,10 @@ impl TiffChunks {
             photometric,
             jpeg_tables,
             has_alpha: has_alpha && matches!(of_pixel, 2 | 4),
-            kept: kept.min(form.samples),
+            is_of_crate,
+            is_planar: is_planar && of_pixel > 1,
+            given: given.min(form.samples),
+            kept: given.min(form.samples),
             places,
         })
     }
@@ -256,12 +273,34 @@ impl TiffChunks {
         self.photometric == YCBCR
     }
 
+    /// Hands over the first samples of a pixel alone, of those that lie side by side.
+    pub fn keep_first(&mut self, samples: u16) {
+        if !self.is_planar {
+            self.kept = self.kept.min(samples);
+        }
+    }
+
+    /// Samples of a pixel that are handed over, or of one plane.
+    pub fn kept(&self) -> u16 {
+        self.kept
+    }
+
+    /// Whether each sample of a pixel has strips or tiles of its own, plane after plane.
+    pub fn is_planar(&self) -> bool {
+        self.is_planar
+    }
+
+    /// Strips or tiles of one plane.
+    pub fn per_plane(&self) -> u32 {
+        self.per_plane
+    }
+
     /// Samples of a stored pixel, or of one plane.
     pub fn samples(&self) -> u16 {
         self.form.samples
     }
 
-    /// Bits of a stored sample: those of fewer than 8 are handed over in bytes.
+    /// Bits of a stored sample: those of fewer than 8 are handed over in bytes, those of 9 to 15 in 16 bits.
     pub fn bits(&self) -> u16 {
         self.form.bits
     }
@@ -280,7 +319,7 @@ impl TiffChunks {
     }
 
     /// The samples of a strip or tile, as far as it lies in the image: pixel by pixel, of this machine's byte order. Samples of fewer
-    /// than 8 bits are bytes.
+    /// than 8 bits are bytes, those of 9 to 15 have 16 bits.
     ///
     /// # Errors
     /// [`TiffChunkError`], before anything longer than a strip or tile is allocated.
@@ -292,19 +331,37 @@ impl TiffChunks {
         // The crate counts the strips or tiles of further planes on below the image.
         let of_plane = index % self.per_plane.max(1);
         let (columns, rows) = decoder.chunk_data_dimensions(of_plane);
-        if self.codec == Codec::OfCrate {
-            let chunk = decoder.read_chunk(index)?;
-            return match (chunk, self.form.bits) {
-                (DecodingResult::U8(packed), 1..8) => {
-                    let row = columns as usize * usize::from(self.form.samples);
-                    Ok(DecodingResult::U8(self.unpacked(&packed, row, rows)))
+        let whole = match self.is_of_crate {
+            true => {
+                let chunk = decoder.read_chunk(index)?;
+                let row = columns as usize * usize::from(self.given);
+                match (chunk, self.is_packed()) {
+                    (DecodingResult::U8(packed), true) => self.unpacked(&packed, row, rows),
+                    (chunk, _) => cropped(chunk, (row, row), rows as usize)?,
                 }
-                (chunk, _) => {
-                    let row = columns as usize * usize::from(self.kept);
-                    cropped(chunk, (row, row), rows as usize)
-                }
-            };
+            }
+            false => self.read_alone(decoder, index, (columns, rows))?,
+        };
+        let held = usize::from(match self.is_of_crate {
+            true => self.given,
+            false => self.form.samples,
+        });
+        match usize::from(self.kept) {
+            kept if kept < held => {
+                let pixels = columns as usize * rows as usize;
+                cropped(whole, (held, kept), pixels)
+            }
+            _ => Ok(whole),
         }
+    }
+
+    /// All samples of a strip or tile that the `tiff` crate does not read, as far as it lies in the image.
+    fn read_alone<R: Read + Seek>(
+        &self,
+        decoder: &mut Decoder<R>,
+        index: u32,
+        (columns, rows): (u32, u32),
+    ) -> Result<DecodingResult, TiffChunkError> {
         // Strips are as wide as the image, and the last may be lower than the others; tiles are whole.
         let form = Alone {
             rows: match decoder.get_chunk_type() {
@@ -314,24 +371,18 @@ impl TiffChunks {
             ..self.form
         };
         let data = self.data(decoder, index, &form)?;
-        let whole = self.decoded(&data, &form)?;
-        let whole = match (whole, form.bits) {
-            (DecodingResult::U8(packed), 1..8) => {
-                let row = form.columns as usize * usize::from(form.samples);
-                DecodingResult::U8(self.unpacked(&packed, row, form.rows))
-            }
+        let samples = usize::from(form.samples);
+        let row = (form.columns as usize * samples, columns as usize * samples);
+        let whole = match (self.decoded(&data, &form)?, self.is_packed()) {
+            (DecodingResult::U8(packed), true) => self.unpacked(&packed, row.0, form.rows),
             (whole, _) => whole,
         };
-        let row = (form.columns as usize, columns as usize);
-        let samples = usize::from(form.samples);
-        let whole = cropped(whole, (row.0 * samples, row.1 * samples), rows as usize)?;
-        match usize::from(self.kept) {
-            kept if kept < samples => {
-                let pixels = row.1 * rows as usize;
-                cropped(whole, (samples, kept), pixels)
-            }
-            _ => Ok(whole),
-        }
+        cropped(whole, row, rows as usize)
+    }
+
+    /// Whether samples share bytes.
+    fn is_packed(&self) -> bool {
+        self.form.bits < 16 && self.form.bits != 8
     }
 
     /// The data of a strip or tile.
@@ -366,8 +417,12 @@ impl TiffChunks {
             rows: form.rows as usize,
             samples: usize::from(form.samples),
         };
+        let form = &match self.is_packed() {
+            true => form.of_bytes(),
+            false => *form,
+        };
         match self.codec {
-            Codec::OfCrate => Ok(form.decode(data)?),
+            Codec::OfCrate => Ok(self.counted_from_black(form.decode(data)?)),
             Codec::Lzw | Codec::Zstd => {
                 let (plain, name) = match self.codec {
                     Codec::Lzw => (lzw::bytes(data, form.bytes())?, "LZW"),
@@ -455,19 +510,25 @@ impl TiffChunks {
         }
     }
 
-    /// Samples of fewer than 8 bits, whose rows begin with a byte each, as bytes.
-    fn unpacked(&self, packed: &[u8], row_samples: usize, rows: u32) -> Vec<u8> {
+    /// Samples that share bytes, whose rows begin with a byte each: those of fewer than 8 bits as bytes.
+    fn unpacked(&self, packed: &[u8], row_samples: usize, rows: u32) -> DecodingResult {
         let bits = usize::from(self.form.bits);
         let row_bytes = (row_samples * bits).div_ceil(8).max(1);
-        let mask = (1_u8 << bits) - 1;
-        let mut samples = Vec::with_capacity(row_samples * rows as usize);
-        for row in packed.chunks_exact(row_bytes).take(rows as usize) {
-            for n in 0..row_samples {
+        let rows = packed.chunks_exact(row_bytes).take(rows as usize);
+        let mask = (1_u32 << bits) - 1;
+        let samples = rows.flat_map(|row| {
+            (0..row_samples).map(move |n| {
                 let bit = n * bits;
-                samples.push(row[bit / 8] >> (8 - bits - bit % 8) & mask);
-            }
+                let byte = |at: usize| u32::from(row.get(bit / 8 + at).copied().unwrap_or(0));
+                // At most 15 bits behind 7 others.
+                let window = byte(0) << 16 | byte(1) << 8 | byte(2);
+                window >> (24 - bits - bit % 8) & mask
+            })
+        });
+        match bits {
+            1..8 => DecodingResult::U8(samples.map(|sample| sample as u8).collect()),
+            _ => DecodingResult::U16(samples.map(|sample| sample as u16).collect()),
         }
-        samples
     }
 }
 

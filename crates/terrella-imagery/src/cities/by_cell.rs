@@ -1,4 +1,4 @@
-//! The points of one cell of the Earth, of all finenesses.
+//! The points of one cell of the Earth, at all levels of detail.
 
 use super::FINENESSES;
 use super::gather::{Texel, gather, light_of_point_m2};
@@ -10,7 +10,7 @@ use glam::Vec3;
 use std::ops::Range;
 use std::sync::OnceLock;
 
-/// What the points of all cells are made from.
+/// Input of the points of all cells.
 pub struct LightSource {
     light: MapLight,
     light_of_point_m2: f64,
@@ -19,10 +19,10 @@ pub struct LightSource {
     inhabited: OnceLock<Inhabited>,
 }
 
-/// Where places come from when they are needed: a list of them is five times as large as its file.
+/// Loads the places when they are needed: a list of them is five times as large as its file.
 pub type Places = Box<dyn Fn() -> Vec<Place> + Send + Sync>;
 
-/// Where people live in the light of a map.
+/// Populated places within the light of a map.
 struct Inhabited {
     placed: ByTexel<Place>,
     roads: Roads,
@@ -32,14 +32,14 @@ struct Inhabited {
 #[derive(Default)]
 pub struct CellPoints {
     points: Box<[CityLight]>,
-    /// Where each fineness ends.
+    /// End of each level of detail.
     ends: [u32; FINENESSES],
 }
 
-/// Texels along each side of what has one point of the coarsest fineness.
+/// Side of the group of texels that has one point at the coarsest level, texels.
 pub const COARSEST_TEXELS: usize = 4;
 
-/// A point with the cell and the texel that it lies in.
+/// A point with its cell and texel.
 type InTexel = (u32, u32, CityLight);
 
 impl LightSource {
@@ -101,7 +101,7 @@ impl LightSource {
                 .filter(|(of, ..)| *of as usize == cell)
                 .map(|(.., point)| point)
                 .collect();
-            // Of equally bright points the first comes first.
+            // Points of equal brightness keep their order.
             own.sort_by(|a, b| b.light.total_cmp(&a.light));
             points.append(&mut own);
             points.len() as u32
@@ -153,7 +153,7 @@ impl CellPoints {
         &self.points
     }
 
-    /// Those of a fineness that have at least so much light; none beyond.
+    /// The points of a level of detail with at least this light; none for an invalid level.
     pub fn of_fineness(&self, fineness: usize, least_light: f32) -> Range<u32> {
         let Some(end) = self.ends.get(fineness) else {
             return 0..0;
@@ -167,9 +167,9 @@ impl CellPoints {
     }
 }
 
-/// What is summed of a group of texels.
+/// Sum over a group of texels.
 struct Sum {
-    /// Of its first point.
+    /// Cell of its first point.
     cell: u32,
     texel: u32,
     light: f32,

@@ -18,7 +18,7 @@ const LIGHT_BY_POPULATION: f64 = 0.75;
 const DISTRICT_POPULATION: f64 = 20_000.0;
 const DISTRICTS_BY_POPULATION: f64 = 0.6;
 const MOST_DISTRICTS: f64 = 40.0;
-/// How far the districts of a place of 100 000 people lie apart, metres, and how that grows.
+/// Spacing of the districts of a place of 100 000 people, metres, and the exponent of its growth.
 const TOWN_M: f64 = 1_100.0;
 const TOWN_BY_POPULATION: f64 = 0.42;
 /// How many times brighter than the map's brightest texels the middle of a point is: so far its lamps are spread (standard deviation), and
@@ -34,7 +34,7 @@ const LIGHT_OF_POINT_M2: f64 = 1.4e7;
 const MOST_POINTS: f64 = 32.0;
 /// Most points of a map that are made for its light: of a brighter map each has more.
 const MOST_POINTS_OF_MAP: f64 = 1e6;
-/// Most districts of all places of a texel; each place has one.
+/// Limit of districts of all places of a texel; each place has at least one.
 const MOST_DISTRICTS_OF_TEXEL: usize = 4096;
 /// Part of the lamps of a place that are of its one kind.
 const OF_ONE_KIND: f64 = 0.75;
@@ -106,7 +106,7 @@ pub fn gather(
     }));
 }
 
-/// A place as one point or as its districts, so many at most, as far as they lie in the texel.
+/// A place as one point or as its districts, at most this many, as far as they are inside the texel.
 fn districts(
     texel: &Texel,
     map: &MapLight,
@@ -191,8 +191,7 @@ fn road_lamps(
     }
 }
 
-/// Adds points that are made up until there are as many as are wanted, and one where there is none. On average they have as much light as
-/// the others.
+/// Adds synthetic points up to the requested number, at least one in total. Their mean light is that of the others.
 fn made_up(texel: &Texel, wanted: f64, noise: &mut Noise, parts: &mut Vec<Part>) {
     let there = parts.len();
     let count = (wanted.min(MOST_POINTS).ceil() as usize).max(1);

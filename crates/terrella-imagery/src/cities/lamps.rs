@@ -75,7 +75,7 @@ const BY_COUNTRY: [(&[u8; 2], [f32; 4]); 24] = [
     (b"US", [0.40, 0.27, 0.28, 0.05]),
 ];
 
-/// The kind of lamp that a country has at a share of 0…1 of all its lamps.
+/// The type of lamp at a quantile of 0…1 of all lamps of a country.
 pub fn lamp_of(country: [u8; 2], share: f32) -> Lamp {
     let known = BY_COUNTRY.iter().find(|(code, _)| **code == country);
     let shares = known.map_or(USUAL, |(_, shares)| *shares);

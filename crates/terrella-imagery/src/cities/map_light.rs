@@ -7,7 +7,7 @@ use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 use terrella_files::parallel;
 
-/// Nodes and weights of Gauss and Legendre on 0…½, of half a texel: exact for the fourth power of what is linear between texels.
+/// Nodes and weights of Gauss–Legendre on 0…½, half a texel: exact for the fourth power of a function that is linear between texels.
 const NODES: [(f32, f32); 3] = [
     (0.056_350_83, 0.138_888_9),
     (0.25, 0.222_222_22),
@@ -50,7 +50,7 @@ impl MapLight {
             around[width + 1] = first;
             around
         };
-        // Texels along each side of what becomes one.
+        // Side of the group of texels that becomes one.
         let divides = |side: &usize| width.is_multiple_of(*side) && height.is_multiple_of(*side);
         let side = (width.div_ceil(MOST_COLUMNS)..=height).find(divides);
         let side = side.unwrap_or(1).max(1);
@@ -83,7 +83,7 @@ impl MapLight {
         }
     }
 
-    /// Light of all texels, square equatorial radii of ground as bright as the brightest.
+    /// Light of all texels, in square equatorial radii of ground at the brightness of the brightest.
     pub fn total(&self) -> f64 {
         let lit = self.lit.iter();
         let of = |(texel, light): &(u32, f32)| light * self.area(*texel as usize / self.width);
@@ -133,7 +133,7 @@ impl MapLight {
         (0.5 - rows / self.height as f64) * PI
     }
 
-    /// The texel that a place lies in, by row and column.
+    /// Row and column of the texel that contains a place.
     pub fn texel_at(&self, lat_deg: f64, lon_deg: f64) -> (usize, usize) {
         let row = (0.5 - lat_deg / 180.0) * self.height as f64;
         let column = (lon_deg / 360.0 + 0.5).rem_euclid(1.0) * self.width as f64;
@@ -143,13 +143,13 @@ impl MapLight {
         )
     }
 
-    /// The number of the texel that a place lies in.
+    /// Number of the texel that contains a place.
     pub fn number_at(&self, lat_deg: f64, lon_deg: f64) -> u32 {
         let (row, column) = self.texel_at(lat_deg, lon_deg);
         (row * self.width + column) as u32
     }
 
-    /// Places by the texels that they lie in.
+    /// Places grouped by the texels that contain them.
     pub fn places_by_texel(&self, places: &[Place]) -> ByTexel<Place> {
         let located = places.iter();
         let located = located.map(|place| (self.number_at(place.lat_deg, place.lon_deg), *place));
@@ -157,13 +157,13 @@ impl MapLight {
     }
 }
 
-/// Things by the texels of a map that they lie in.
+/// Items grouped by the texels of a map that contain them.
 pub struct ByTexel<T>(Vec<(u32, T)>);
 
 impl<T: Copy> ByTexel<T> {
-    /// Of things with the numbers of their texels; those of one texel stay in order.
+    /// From items with the numbers of their texels; items of one texel keep their order.
     pub fn new(located: &[(u32, T)]) -> Self {
-        // Numbers move faster than what they are of.
+        // Sorting numbers is faster than sorting items.
         let keys = (0_u64..).zip(located);
         let keys = keys.map(|(number, (texel, _))| u64::from(*texel) << 32 | number);
         let mut keys: Vec<u64> = keys.collect();

@@ -31,7 +31,7 @@ pub struct Place {
 #[non_exhaustive]
 #[allow(missing_docs, reason = "the messages say what fields are")]
 pub enum PlacesError {
-    /// It does not begin as such a file does.
+    /// It does not start with the magic bytes.
     #[error("it is not a places file: it does not begin with TRPLACE1")]
     Kind,
     /// More places than are drawn.

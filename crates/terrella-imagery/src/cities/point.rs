@@ -9,7 +9,7 @@ pub const EARTH_M: f64 = 6.371e6;
 /// Mean light of a texel below which it has no point: six ten-thousandths of the starter pack's light are in such texels.
 pub const LEAST_LIGHT: f32 = 2e-4;
 
-/// A point that shines: a place, a district, a stretch of road, or the sum of all that is in one or more texels. GPUs read it as it is.
+/// A point light: a place, a district, a piece of road, or the sum of one or more texels. GPUs read this layout directly.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct CityLight {
@@ -45,7 +45,7 @@ pub const CELL_ROWS: usize = 32;
 /// How many cells there are.
 pub const CITY_CELLS: usize = CELL_COLUMNS * CELL_ROWS;
 
-/// Where the points of a cell are.
+/// Location of a cell's points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CityCell {
     /// Its number.

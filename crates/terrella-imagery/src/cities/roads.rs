@@ -7,7 +7,7 @@ use super::places::Place;
 
 /// Longest way, metres.
 const LONGEST_M: f64 = 40_000.0;
-/// Way between lamps, or what stands for them, metres.
+/// Spacing of lamps, or of points that represent several, metres.
 const SPACING_M: f64 = 5_000.0;
 /// How far lamps are off the straight way, metres.
 const WINDING_M: f64 = 500.0;
@@ -26,7 +26,7 @@ pub struct RoadLamp {
     pub country: [u8; 2],
 }
 
-/// All roads: those of an area are found when its lamps are asked for.
+/// All roads: those of an area are computed when its lamps are requested.
 pub struct Roads(Neighbours);
 
 impl Roads {
@@ -134,7 +134,7 @@ impl Neighbours {
         }
         starts.rotate_right(1);
         starts[0] = 0;
-        // From large to small: of a crowded cell the largest are looked at.
+        // In order of decreasing population: of a crowded cell only the largest are considered.
         let population = |number: &u32| places[*number as usize].population;
         let mut first = 0;
         while first < numbers.len() {
@@ -162,7 +162,7 @@ impl Neighbours {
         &self.numbers[self.starts[cell] as usize..self.starts[cell + 1] as usize]
     }
 
-    /// Numbers of all places between two corners, latitude and longitude in degrees, or less than `reach_deg` of a great circle away.
+    /// Numbers of all places between two corners, latitude and longitude in degrees, or closer than `reach_deg` of a great circle.
     fn numbers_about(&self, from_deg: (f64, f64), to_deg: (f64, f64), reach_deg: f64) -> Vec<u32> {
         let rows = [to_deg.0 + reach_deg, from_deg.0 - reach_deg].map(row_of);
         let rows = rows[0].max(0)..=rows[1].min(self.rows - 1);
@@ -184,7 +184,7 @@ impl Neighbours {
         let cell_m = DEGREE_M * CELL_DEG * cos_lat(place.lat_deg);
         let mut nearest = None;
         let mut nearest_m = LONGEST_M;
-        // Cells farther and farther away, until none can hold a nearer one.
+        // Rings of cells at increasing distance, until none can contain a nearer one.
         for away in 0.. {
             if f64::from(away - 1) * cell_m >= nearest_m {
                 break;
@@ -248,7 +248,7 @@ mod tests {
         }
     }
 
-    /// Beside a search of all pairs by the angle between directions.
+    /// Compared with a search of all pairs by the angle between directions.
     #[test]
     fn ways_lead_to_the_nearest_larger_place_and_over_the_date_line() {
         let mut noise = Noise::new(7);

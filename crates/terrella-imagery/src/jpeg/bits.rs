@@ -34,7 +34,7 @@ impl<R: Read> Bytes<R> {
         Ok(byte)
     }
 
-    /// The next eight bytes as a number, where none of them is FF and so all are data; `None` where that is not known.
+    /// The next eight bytes as a number, if none of them is FF and so all are data; `None` if unknown.
     #[inline]
     fn word(&self) -> Option<u64> {
         const ONES: u64 = u64::from_ne_bytes([0x01; 8]);

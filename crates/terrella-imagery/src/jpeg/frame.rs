@@ -40,7 +40,7 @@ pub(super) struct Band {
 }
 
 impl Band {
-    /// What a scan of a sequential picture brings.
+    /// Content of a scan of a sequential image.
     pub const ALL: Self = Self {
         first: 0,
         last: 63,

@@ -4,7 +4,7 @@ use super::Fault;
 use super::bits::Bits;
 use std::io::Read;
 
-/// Codes up to this length are looked up at once.
+/// Codes up to this length are decoded by one table lookup.
 const FAST_BITS: u32 = 9;
 
 /// The four tables of either kind.
@@ -53,7 +53,7 @@ fn wrong() -> Fault {
 
 /// Codes of one table.
 pub(super) struct Table {
-    /// Length and symbol by the next bits; length 0 of codes that are longer or none.
+    /// Length and symbol by the next bits; length 0 for codes that are longer or invalid.
     fast: Box<[(u8, u8); 1 << FAST_BITS]>,
     /// By length: the first code, the one after the last, and the place of the first one's symbol.
     ranges: [(u32, u32, u32); 17],

@@ -28,7 +28,7 @@ struct PartTables<'a> {
     ac: Option<&'a Table>,
 }
 
-/// What a block's bits mean.
+/// Coding of a block.
 #[derive(Clone, Copy, PartialEq)]
 enum Kind {
     Sequential,
@@ -38,12 +38,12 @@ enum Kind {
     AcRefine,
 }
 
-/// Where a walk over a scan is.
+/// Position in a scan.
 struct Cursor<'a, 'b, R> {
     bits: Bits<'b, R>,
     kind: Kind,
     band: Band,
-    /// Of the component that the block belongs to.
+    /// Tables of the block's component.
     tables: PartTables<'a>,
     /// Blocks to come that have nothing new.
     empty_blocks: u32,
@@ -86,7 +86,7 @@ impl Scan {
             false => Band::ALL,
         };
         let is_order = match (band.first, band.last) {
-            // DC stands alone in progressive pictures, AC is of one component.
+            // In progressive images DC has separate scans, and AC scans have one component.
             (0, last) => last == if frame.is_progressive { 0 } else { 63 },
             (first, last) => first <= last && last < 64 && parts.len() == 1,
         };

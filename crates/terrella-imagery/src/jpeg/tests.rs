@@ -17,7 +17,7 @@ fn said(bytes: &[u8]) -> String {
     }
 }
 
-/// Where the data of the first scan begin.
+/// Offset of the data of the first scan.
 fn scan_start(bytes: &[u8]) -> usize {
     let mut at = 2;
     loop {
@@ -33,7 +33,7 @@ fn scan_start(bytes: &[u8]) -> usize {
 fn whole_pictures_pass() {
     for bytes in [BASELINE, PROGRESSIVE, RESTARTS] {
         assert_eq!(said(bytes), "");
-        // What follows the end is nobody's.
+        // Bytes after the end marker are ignored.
         assert_eq!(said(&[bytes, b"\0\0rubbish"].concat()), "");
     }
     for name in ["day.jpg", "moon.jpg", "milky_way.jpg"] {

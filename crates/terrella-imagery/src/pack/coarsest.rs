@@ -13,10 +13,10 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc;
 use terrella_ground::globe::{BLOCK_COUNT, Block, COLUMNS};
 
-/// Threads that read. More would not be faster than the two cores that the Earth asks for.
+/// Number of reading threads. More would not be faster with the minimum of two cores.
 const READERS: usize = 2;
 
-/// The texels of one block at the coarsest level, without border, and what was bad on the way to them.
+/// The texels of one block at the coarsest level, without border, and the errors found.
 struct BlockTexels {
     /// Place of the map among the source's layers.
     place: usize,
@@ -26,13 +26,13 @@ struct BlockTexels {
 }
 
 impl PackTiles {
-    /// The coarsest level of each of its maps, put together to whole maps of plain texels, whatever the storage.
+    /// The coarsest level of each of its maps, assembled into whole maps of plain texels, for any storage.
     ///
-    /// Where a tile of that level is bad, the next finer one of its whole block that can be read is averaged down, by area
-    /// and in linear light: levels that are cut into parts stand in for nothing. What is bad is returned beside the maps, in the order of maps and blocks.
+    /// If a tile of that level is bad, the next finer whole-block tile that can be read is averaged down, by area and in linear light; levels that
+    /// are cut into parts are not used. Bad tiles are returned beside the maps, in the order of maps and blocks.
     ///
     /// # Errors
-    /// A block of which no level that is not cut can be read.
+    /// A block for which no uncut level can be read.
     pub fn coarsest_maps(&self) -> Result<(EarthLayers, Vec<TileError>), PackError> {
         let layouts = self.layers();
         let mut maps: Vec<Vec<u8>> = layouts
@@ -70,7 +70,7 @@ impl PackTiles {
             }
             Ok::<_, PackError>(())
         })?;
-        // In whichever order the threads met them.
+        // Independent of the order in which the threads found them.
         errors.sort_by_key(|(place, _)| *place);
         Ok((
             self.whole_maps(maps)?,
@@ -262,7 +262,7 @@ fn average<'t, const CHANNELS: usize>(
     values
 }
 
-/// The targets, of `to` ≤ `from`, that texel `at` of `from` lies in, and its weight in their means.
+/// The targets, of `to` ≤ `from`, that texel `at` of `from` overlaps, and its weight in their means.
 fn shares(at: usize, from: usize, to: usize) -> impl Iterator<Item = (usize, f32)> {
     // In units of a texel over `to`: texel `at` reaches from at·to to (at + 1)·to, target k from k·from to (k + 1)·from.
     let (start, end) = (at * to, (at + 1) * to);

@@ -12,6 +12,6 @@ pub use write::write_ktx2;
 /// KTX2's supercompression scheme of Zstandard.
 const SCHEME_ZSTD: u32 = 2;
 
-/// Bytes that a tile's file may have beyond those of its texels: header, level index, descriptor, key/value data, and
-/// the frames and block headers of texels that do not compress (3 bytes for each 128 KiB).
+/// Largest overhead of a tile's file beyond its texels, bytes: header, level index, descriptor, key/value data, and the frames and block headers of
+/// incompressible texels (3 bytes for each 128 KiB).
 pub const MAX_OVERHEAD_BYTES: usize = 64 << 10;

@@ -1,4 +1,4 @@
-//! What can be wrong with a pack. Every message says where, what, and what to do.
+//! Errors of packs. Every message names the place, the error and the remedy.
 
 use crate::ImageryError;
 use crate::tile::{MapLayer, Storage, TileError, TileKey};
@@ -18,7 +18,7 @@ pub struct ManifestPlace {
     pub path: PathBuf,
     /// Line of the file, from 1; `None` for a key that the file should have and has not.
     pub line: Option<usize>,
-    /// The key with the tables it stands in: `layer.level.plain.bytes`.
+    /// The key with its enclosing tables: `layer.level.plain.bytes`.
     pub key: String,
 }
 
@@ -32,18 +32,18 @@ impl fmt::Display for ManifestPlace {
     }
 }
 
-/// What can be wrong with a pack.
+/// Errors of a pack.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 #[allow(missing_docs, reason = "the messages say what fields are")]
 pub enum PackError {
-    /// There is nothing of that name.
+    /// The path does not exist.
     #[error("{}: there is no such folder; give the folder of a pack, made by `terrella pack build`", path.display())]
     Missing {
         /// The path given.
         path: PathBuf,
     },
-    /// The path is that of a file.
+    /// The path is a file.
     #[error("{}: is not a folder; a pack is a folder with a pack.toml in it", path.display())]
     NotAFolder {
         /// The path given.
@@ -58,7 +58,7 @@ pub enum PackError {
     /// A file or folder could not be read.
     #[error("{}: cannot be read: {source}; check the disk and the permissions", path.display())]
     Read {
-        /// What could not be read.
+        /// The path that could not be read.
         path: PathBuf,
         /// Error of the operating system.
         source: std::io::Error,
@@ -88,7 +88,7 @@ pub enum PackError {
         path: PathBuf,
         /// Line, from 1.
         line: usize,
-        /// What the TOML reader expected.
+        /// Error message of the TOML parser.
         message: String,
         /// The text there.
         found: String,
@@ -97,7 +97,7 @@ pub enum PackError {
     #[error("{place}: {cause}")]
     Key {
         place: Box<ManifestPlace>,
-        /// What is wrong and what must be there.
+        /// The error, and the required content.
         cause: String,
     },
     /// The pack does not keep its tiles that way.
@@ -110,10 +110,10 @@ pub enum PackError {
     /// The pack does not hold a map.
     #[error("{}: has no {} map; build the pack with it or turn the layer off", path.display(), layer.name())]
     NoLayer { path: PathBuf, layer: MapLayer },
-    /// The pack holds no heights.
+    /// The pack has no elevation data.
     #[error("{}: has no heights; build the pack with them (`terrella pack build --heights FILE`)", path.display())]
     NoHeights { path: PathBuf },
-    /// The index of heights is not as the manifest says.
+    /// The index of elevation tiles does not match the manifest.
     #[error("{}: {cause}; build the pack again", path.display())]
     HeightIndex { path: PathBuf, cause: String },
     /// Nothing is left of a block that is always drawn: its tiles of every level are bad.
@@ -124,7 +124,7 @@ pub enum PackError {
         block: TileKey,
         source: TileError,
     },
-    /// A map that was put together from tiles is none that can be drawn.
+    /// A map assembled from tiles is invalid.
     #[error("{}: the {} map: {source}", path.display(), layer.name())]
     Map {
         path: PathBuf,

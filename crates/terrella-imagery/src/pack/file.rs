@@ -5,7 +5,7 @@ use std::io::{ErrorKind, Read};
 use std::path::Path;
 use terrella_files as files;
 
-/// What a tile's file must be.
+/// Length and checksum of a tile's file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TileFile {
     /// Its length.
@@ -35,10 +35,10 @@ pub(super) fn unless(cancelled: &dyn Fn() -> bool) -> Result<(), TileError> {
     }
 }
 
-/// The bytes of a file, which must be just what the manifest says.
+/// The bytes of a file, which must match the manifest exactly.
 ///
-/// They are read once, hashed and decoded from memory: whatever happens to the file meanwhile, either they are those that the
-/// manifest knows or there are none. The caller has bounded the length.
+/// They are read once, hashed and decoded from memory: even if the file changes meanwhile, they either match the manifest or are rejected. The
+/// caller has bounded the length.
 pub(super) fn read_whole(
     path: &Path,
     file: TileFile,
@@ -54,7 +54,7 @@ pub(super) fn read_whole(
     };
     unless(cancelled)?;
     let opened = files::open(path).map_err(|source| match source.kind() {
-        // What is no file holds no tile, however often it is tried.
+        // A path that is not a file will never be a tile: no retries.
         ErrorKind::IsADirectory | ErrorKind::InvalidInput => corrupt(source.to_string()),
         _ => unreadable(source),
     })?;

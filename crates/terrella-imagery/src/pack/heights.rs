@@ -1,4 +1,4 @@
-//! Heights of the ground in a pack: tiles at several levels with a range for each, deep ones only where there are finer data.
+//! Elevation data in a pack: tiles at several levels with a range for each, deep ones only where there are finer data.
 //!
 //! # The format
 //!
@@ -9,14 +9,14 @@
 //!     heights/86528/r37/c120.heights               for example
 //! ```
 //!
-//! Level 0 is the finest. A level has c columns and c/2 rows of tiles, half as many as the next finer one; the coarsest has 16, 32 or 64
-//! columns and all its tiles. A tile has s × s samples of its own; s is even, 16 to 1024. Sample (i, j) of a level with W = c s samples
-//! round the Earth (`<round>` of the path; at most 2^30), counted eastwards and southwards over the whole level, stands for the cell about
-//! longitude −180° + (i + ½)·360°/W and latitude 90° − (j + ½)·360°/W. A sample of a coarser level is the mean of the four finer ones in its
-//! cell where those are. A tile exists only where the next coarser one over it does.
+//! Level 0 is the finest. A level has c columns and c/2 rows of tiles, half as many as the next finer one; the coarsest has 16, 32 or 64 columns
+//! and all its tiles. A tile has s × s samples of its own; s is even, 16 to 1024. Let a level have W = c s samples around the Earth (`<round>` of
+//! the path; at most 2^30). Its sample (i, j), counted eastwards and southwards over the whole level, represents the cell around longitude −180° +
+//! (i + ½)·360°/W and latitude 90° − (j + ½)·360°/W. A sample of a coarser level is the mean of the four finer ones in its cell, where they exist.
+//! A tile exists only if the next coarser one over it does.
 //!
-//! Around its own samples a tile has `border` samples (1 to 16) of its neighbours of the same level: round the date line, and beyond a pole those
-//! of the opposite meridian. Beside a tile that is absent they are what would be there.
+//! A tile has a border of `border` samples (1 to 16) of its neighbours at the same level: across the date line, and beyond a pole those of the
+//! opposite meridian. Next to an absent tile they are its values if it existed.
 //!
 //! ## A tile
 //!
@@ -71,22 +71,22 @@ pub const MAX_HEIGHT_SIDE: u32 = 1024;
 /// Most samples beyond each edge of a tile.
 pub const MAX_HEIGHT_BORDER: u32 = 16;
 
-/// Most levels of heights.
+/// Limit of levels of elevation data.
 pub const MAX_HEIGHT_LEVELS: u8 = 23;
 
 /// Most samples round the Earth.
 const MAX_ROUND: u64 = 1 << 30;
 
-/// Folder of heights in a pack.
+/// Folder of elevation data in a pack.
 pub const HEIGHTS_FOLDER: &str = "heights";
 
 /// Name of the index below [`HEIGHTS_FOLDER`].
 pub const HEIGHT_INDEX_FILE: &str = "index.bin";
 
-/// What a manifest says of heights.
+/// Entry of elevation data in a manifest.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HeightsEntry {
-    /// What they were made from: file names and sizes.
+    /// Their sources: file names and sizes.
     pub sources: Vec<String>,
     /// How many levels there are.
     pub levels: u8,
@@ -100,11 +100,11 @@ pub struct HeightsEntry {
     pub kind: HeightKind,
     /// How many tiles there are.
     pub tiles: u32,
-    /// What the index must be.
+    /// Length and checksum of the index.
     pub index: TileFile,
 }
 
-/// How samples of heights are kept.
+/// Number format of elevation samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum HeightKind {
     /// Metres are offset + scale × value, everywhere in the pack.
@@ -128,7 +128,7 @@ impl HeightKind {
     }
 }
 
-/// Which tile of heights. In the order of the index.
+/// Position of an elevation tile. In the order of the index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct HeightPlace {
     /// 0 is the finest.
@@ -177,7 +177,7 @@ impl HeightsEntry {
         self.columns_of(level) * self.side
     }
 
-    /// Whether there can be such a tile.
+    /// Whether such a tile is possible.
     pub fn contains(&self, place: HeightPlace) -> bool {
         let columns = self.columns_of(place.level);
         place.level < self.levels && place.column < columns && place.row < columns / 2
@@ -198,14 +198,14 @@ impl HeightsEntry {
         self.tile_samples() * self.kind.bytes() + MAX_OVERHEAD_BYTES
     }
 
-    /// Where a tile lies below the pack's folder.
+    /// Path of a tile below the pack's folder.
     pub fn path(&self, place: HeightPlace) -> PathBuf {
         let HeightPlace { level, row, column } = place;
         let round = self.round(level);
         Path::new(HEIGHTS_FOLDER).join(format!("{round}/r{row}/c{column}.heights"))
     }
 
-    /// Where the index lies below the pack's folder.
+    /// Path of the index below the pack's folder.
     pub fn index_path() -> PathBuf {
         Path::new(HEIGHTS_FOLDER).join(HEIGHT_INDEX_FILE)
     }

@@ -1,4 +1,4 @@
-//! What a pack says of itself: `pack.toml`.
+//! Manifest of a pack: `pack.toml`.
 
 #[cfg(test)]
 mod cut_tests;
@@ -32,13 +32,13 @@ pub const MAX_NAME_CHARS: usize = 200;
 /// Most lines of attribution.
 pub const MAX_ATTRIBUTION_LINES: usize = 64;
 
-/// Most characters of a line of attribution and of what a map was made from.
+/// Limit of characters in a line of attribution and in a map's source.
 pub const MAX_TEXT_CHARS: usize = 1000;
 
 /// The manifest of a pack.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Manifest {
-    /// What the pack is called; this and all texts on one line each, without control characters.
+    /// Name of the pack; this and all texts on one line each, without control characters.
     pub name: String,
     /// Whose data it is, a line each.
     pub attribution: Vec<String>,
@@ -55,7 +55,7 @@ pub struct Manifest {
 pub struct LayerEntry {
     /// Which map.
     pub layer: MapLayer,
-    /// What it was made from: file name and size.
+    /// Its source: file name and size.
     pub source: String,
     /// Normals only: how many times steeper than the truth the slopes are.
     pub exaggeration: Option<f64>,
@@ -68,8 +68,8 @@ pub struct LayerEntry {
 pub struct LevelEntry {
     /// Size of its tiles.
     pub shape: TileShape,
-    /// For each of the manifest's storages, in their order, the tiles of each of the 128 blocks, of one after another; `None` where there
-    /// is none. There is a tile in all storages or in none.
+    /// For each of the manifest's storages, in order, the tiles of each of the 128 blocks, consecutively; `None` for a missing one. A tile exists
+    /// in all storages or in none.
     pub tiles: Vec<Vec<Option<TileFile>>>,
 }
 
@@ -91,8 +91,8 @@ impl LevelEntry {
     }
 }
 
-/// Where a tile lies below the pack's folder: `tiles/plain/day/1350/r3c12.ktx2`, rows and columns counted over all tiles of the level. Paths
-/// are made from names that this program knows and never read from a manifest.
+/// Path of a tile below the pack's folder: `tiles/plain/day/1350/r3c12.ktx2`, rows and columns counted over all tiles of the level. Paths are built
+/// from names that this program knows and never read from a manifest.
 pub fn tile_path(
     storage: Storage,
     layer: MapLayer,
@@ -125,7 +125,7 @@ impl Manifest {
         file.map(|file| (level.shape, file))
     }
 
-    /// The version of the format that the pack needs: 1, or 2 with heights, levels that are cut into parts or more than 8 of them.
+    /// The required version of the format: 1, or 2 with elevation data, levels that are cut into parts or more than 8 levels.
     pub fn format(&self) -> u32 {
         let needs_2 = |entry: &LayerEntry| {
             entry.levels.len() > MAX_LEVELS_1

@@ -2,7 +2,7 @@
 //!
 //! # The format, versions 1 and 2
 //!
-//! A pack is a folder. All it takes to read one is a TOML reader, a KTX2 reader and BLAKE3:
+//! A pack is a folder. Reading it needs only a TOML reader, a KTX2 reader and BLAKE3:
 //!
 //! ```text
 //! earth/
@@ -12,8 +12,8 @@
 //!     tiles/plain/day/5400/r13c51.ktx2             a part of the same block
 //! ```
 //!
-//! While a pack is being built there is a `build.journal` and no `pack.toml`: the manifest is the last file that is
-//! written, so a folder with one is whole. Nothing else in the folder is read.
+//! While a pack is being built there is a `build.journal` and no `pack.toml`: the manifest is written last, so a folder that has one is complete.
+//! Nothing else in the folder is read.
 //!
 //! ## Blocks
 //!
@@ -24,25 +24,24 @@
 //!
 //! ## Levels
 //!
-//! A map has 1 to 8 levels (10 in version 2), the finest first, with strictly falling n from 16 to 8184. The last, coarsest one has at
-//! most 256 and all 128 blocks; in the others any block may be missing, and the next coarser tile is drawn there.
+//! A map has 1 to 8 levels (10 in version 2), the finest first, with strictly decreasing n from 16 to 8184. The last, coarsest one has at most 256
+//! and all 128 blocks; in the others any block may be missing, and the next coarser tile is drawn there.
 //!
-//! In version 2 levels may be cut further, so that no tile is larger than a texture may be and a part of a block can be read alone: each block
-//! into q × q *parts* of p texels a side, n = q p, where q is 2, 4, 8 or 16 and p the n of the finest level that is not cut, at
-//! most 2040. So n is up to 32 640. Levels that are cut stand first. Their files are named by row and column among all 8 q rows and 16 q
-//! columns of parts. Any part may be missing. A block that has parts has a tile at the finest level that is not cut,
-//! which is not the coarsest.
+//! In version 2 levels may be cut further, so that no tile exceeds the texture size limit and a part of a block can be read alone. Each block is
+//! cut into q × q *parts* of p texels a side, n = q p, where q is 2, 4, 8 or 16 and p the n of the finest uncut level, at most 2040. So n is up to
+//! 32 640. Cut levels come first. Their files are named by row and column among all 8 q rows and 16 q columns of parts. Any part may be missing. A
+//! block that has parts has a tile at the finest uncut level, which is not the coarsest.
 //!
-//! Packs that need neither parts nor more than 8 levels nor have heights are written as version 1.
+//! Packs without parts and elevation data, and with at most 8 levels, are written as version 1.
 //!
 //! ## Tiles
 //!
-//! A tile has the n × n texels of its block, or the p × p of its part, and around them texels of the neighbours, so that filtering finds the same
-//! texels on both sides of an edge. There are 4 of these on the west and north, and on the east and south as many more
-//! as make the side s = n + 8 (p + 8), rounded up to a multiple of 8. Columns run on round the date line. Beyond a pole row
-//! −1 − k is row k of the opposite meridian, column i + W/2; beyond the south pole likewise.
+//! A tile has the n × n texels of its block, or the p × p of its part, and a border of neighbouring texels, so that filtering finds the same texels
+//! on both sides of an edge. The border is 4 texels on the west and north. On the east and south it is wide enough to make the side s = n + 8 (p +
+//! 8), rounded up to a multiple of 8. Columns continue across the date line. Beyond a pole row −1 − k is row k of the opposite meridian, column i +
+//! W/2; beyond the south pole likewise.
 //!
-//! Each tile is a KTX2 file by itself with four mip levels of sides s, s/2, s/4 and s/8, in one of two storages:
+//! Each tile is a separate KTX2 file with four mip levels of sides s, s/2, s/4 and s/8, in one of two storages:
 //!
 //! | layer | what | `plain` | `bc` |
 //! |---|---|---|---|
@@ -52,11 +51,10 @@
 //! | `night_lights` | intensity, 0…1 | `R8_UNORM` (9) | `BC4_UNORM_BLOCK` (139) |
 //! | `water` | open water, 0…1, the coast where it is one half | `R8_UNORM` (9) | `BC4_UNORM_BLOCK` (139) |
 //!
-//! The KTX2 header says: type size 1, width = height = s, depth 0, layers 0, faces 1, levels 4, supercompression 2
-//! (Zstandard), no global data. The data format descriptor is the one basic block of that Vulkan format, BT.709
-//! primaries, straight alpha, with the sizes of planes (or, as in earlier revisions of KTX2, with zeros for them).
-//! `KTXorientation`, if given, is `rd`. Each mip level is compressed by itself. A file has at most 64 KiB more than its
-//! texels uncompressed.
+//! The KTX2 header has: type size 1, width = height = s, depth 0, layers 0, faces 1, levels 4, supercompression 2 (Zstandard), no global data. The
+//! data format descriptor is the one basic block of that Vulkan format, BT.709 primaries, straight alpha, with the sizes of planes (or, as in
+//! earlier revisions of KTX2, with zeros for them). `KTXorientation`, if present, is `rd`. Each mip level is compressed separately. A file has at
+//! most 64 KiB more than its uncompressed texels.
 //!
 //! ## The manifest
 //!
@@ -84,7 +82,7 @@
 //! checksums = ["0123…", "", …]    # 128: the first 16 bytes of its BLAKE3 as 32 hexadecimal digits, small; "" for none
 //! ```
 //!
-//! Of a level that is cut, with as many tables as there are blocks with parts, at least one:
+//! For a cut level, with one table for each block with parts, at least one:
 //!
 //! ```toml
 //! [[layer.level]]
@@ -98,25 +96,25 @@
 //! checksums = ["0123…", "", …]
 //! ```
 //!
-//! Since version 2 there may be a table `heights`; `heights.rs` says what it and the folder of that name hold.
+//! Since version 2 there may be a table `heights`; `heights.rs` describes it and the folder of that name.
 //!
-//! There is a tile in all storages or in none. No other key is allowed, and the file has at most 32 MiB and 1 500 000 commas and lines. It
-//! holds no paths: those of tiles are made of the names above, so that no manifest can lead out of its folder.
+//! A tile exists in all storages or in none. No other key is allowed, and the file has at most 32 MiB and 1 500 000 commas and lines. It has no
+//! paths: those of tiles are built from the names above, so that no manifest can refer to files outside its folder.
 //!
 //! # Files
 //!
-//! | file | what |
+//! | file | content |
 //! |---|---|
 //! | `manifest/` | `pack.toml`: read, with line and key in every message, and written |
 //! | `container/` | a tile as KTX2: read and written |
-//! | `file.rs` | a file that is just what the manifest says |
+//! | `file.rs` | a file that must match the manifest exactly |
 //! | `open.rs` | a pack's folder |
-//! | `heights/` | heights of the ground: their format, index and tiles |
+//! | `heights/` | elevation data: format, index and tiles |
 //! | `tiles.rs` | a pack as a source of tiles, each checked before it is used |
-//! | `decode.rs` | BC texels made plain |
+//! | `decode.rs` | decompression of BC texels |
 //! | `coarsest.rs` | the coarsest level as whole maps |
 //! | `verify.rs` | every tile checked |
-//! | `error.rs` | what can be wrong |
+//! | `error.rs` | errors |
 
 mod coarsest;
 mod container;

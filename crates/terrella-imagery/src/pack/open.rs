@@ -58,15 +58,15 @@ impl Pack {
         &self.dir
     }
 
-    /// What it says of itself.
+    /// Its manifest.
     pub fn manifest(&self) -> &Manifest {
         &self.manifest
     }
 
-    /// The index of its heights; `None` where it has none.
+    /// The index of its elevation data; `None` if it has none.
     ///
     /// # Errors
-    /// An index that is not there or not as the manifest says.
+    /// An index that is missing or does not match the manifest.
     pub fn height_index(&self) -> Result<Option<HeightIndex>, PackError> {
         let entry = self.manifest.heights.as_ref();
         entry

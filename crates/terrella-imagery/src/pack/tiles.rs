@@ -127,7 +127,7 @@ impl TileSource for PackTiles {
     }
 }
 
-/// Reads a tile's file, which must be just what the manifest says.
+/// Reads a tile's file, which must match the manifest exactly.
 pub(super) fn read_tile(
     path: &Path,
     file: TileFile,

@@ -18,18 +18,18 @@ const READERS: usize = 2;
 /// Most files that do not belong which are named; more are only counted.
 const MAX_STRANGERS: usize = 1000;
 
-/// What was found in a pack.
+/// Result of a verification.
 #[derive(Debug, Default)]
 pub struct VerifyReport {
-    /// Tiles that there should be, and the index of heights.
+    /// Number of expected tiles, and the index of elevation data.
     pub tiles: u64,
     /// Bytes of their files, as the manifest has them.
     pub bytes: u64,
-    /// Tiles that are missing or not as the manifest says, in its order.
+    /// Tiles that are missing or do not match the manifest, in its order.
     pub bad: Vec<BadTile>,
-    /// Files and folders below `tiles/` and `heights/` that are no tiles of this pack, relative to it, by name: at most 1000.
+    /// Files and folders below `tiles/` and `heights/` that do not belong to this pack, relative to it, by name: at most 1000.
     pub strangers: Vec<PathBuf>,
-    /// Number of all of those, what is in such folders not counted.
+    /// Number of all of those, without the content of such folders.
     pub stranger_count: u64,
 }
 
@@ -45,7 +45,7 @@ impl VerifyReport {
 pub struct BadTile {
     /// Its file, relative to the pack's folder.
     pub path: PathBuf,
-    /// What is wrong with the tile.
+    /// The error in the tile.
     pub cause: String,
 }
 
@@ -56,7 +56,7 @@ struct Listed<'a> {
     file: TileFile,
 }
 
-/// What a file must hold.
+/// Expected content of a file.
 enum What<'a> {
     Map {
         storage: Storage,
@@ -67,15 +67,15 @@ enum What<'a> {
         entry: &'a HeightsEntry,
         record: HeightRecord,
     },
-    /// The index of heights, and what is wrong with it.
+    /// The index of elevation data, and the error in it.
     Index(Option<String>),
 }
 
-/// Reads, hashes and decodes every tile of the pack in a folder, and the index of its heights. `progress` gets the number of tiles that are done and
-/// of all.
+/// Reads, hashes and decodes every tile of the pack in a folder, and the index of its elevation data. `progress` gets the number of finished tiles
+/// and of all tiles.
 ///
 /// # Errors
-/// What [`Pack::open`] rejects, and a `tiles` folder that cannot be listed. Bad tiles are no error but in the report.
+/// Errors of [`Pack::open`], or a `tiles` folder that cannot be listed. Bad tiles are not an error but part of the report.
 pub fn verify(dir: &Path, mut progress: impl FnMut(u64, u64)) -> Result<VerifyReport, PackError> {
     let pack = Pack::open(dir)?;
     let mut listed = listed_tiles(pack.manifest());
@@ -122,7 +122,7 @@ pub fn verify(dir: &Path, mut progress: impl FnMut(u64, u64)) -> Result<VerifyRe
     })
 }
 
-/// The index of heights, and the tiles that it lists if it is good.
+/// The index of elevation data, and the tiles that it lists if it is valid.
 fn list_heights<'a>(dir: &Path, entry: &'a HeightsEntry, listed: &mut Vec<Listed<'a>>) {
     let index = HeightIndex::read(dir, entry);
     let cause = index.as_ref().err().map(|error| match error {
@@ -214,8 +214,8 @@ fn unreadable(error: &std::io::Error) -> String {
     }
 }
 
-/// What lies below `tiles/` and `heights/` and is neither a tile nor a folder of tiles, by name, and how much there is. Folders that
-/// do not belong are not looked into, so no link leads astray.
+/// Entries below `tiles/` and `heights/` that are neither a tile nor a folder of tiles, by name, and their number. Foreign folders are not entered,
+/// so no link is followed.
 fn strangers(dir: &Path, listed: &[Listed<'_>]) -> Result<(Vec<PathBuf>, u64), PackError> {
     let files: BTreeSet<&Path> = listed.iter().map(|tile| tile.path.as_path()).collect();
     let folders: BTreeSet<&Path> = files

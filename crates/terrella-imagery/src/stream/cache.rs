@@ -23,14 +23,14 @@ pub enum LoadError {
     /// The source said so.
     #[error(transparent)]
     Source(#[from] TileError),
-    /// The source gave something else than its layout says.
+    /// The source returned a tile that contradicts its layout.
     #[error(
         "the source returned {got} instead of {expected}; run `terrella pack verify` and build the pack again"
     )]
     Unexpected {
-        /// What its layout says.
+        /// The expected format and shape.
         expected: String,
-        /// What came.
+        /// The format and shape received.
         got: String,
     },
     /// The source panicked.
@@ -60,10 +60,10 @@ pub struct PendingLoad {
     was_cancelled: bool,
 }
 
-/// Which tiles are requested, under way, resident and drawn.
+/// State of tiles: requested, loading, resident and drawn.
 ///
-/// The host loads tiles itself: it takes keys from [`Self::queue`], says [`Self::begin`] for each that it has taken and
-/// [`Self::finish`] when it is there or has failed. [`super::TileStream`] does it with threads.
+/// The host loads tiles itself: it takes keys from [`Self::queue`], calls [`Self::begin`] for each that it has taken and [`Self::finish`] when it
+/// is loaded or has failed. [`super::TileStream`] does it with threads.
 pub struct TileCache {
     maps: [MapLevels; MAP_LAYERS],
     places: TilePlaces,
@@ -73,7 +73,7 @@ pub struct TileCache {
     allocations: Vec<Allocation>,
     queue: Vec<TileKey>,
     targets: Vec<TileKey>,
-    /// Parts that stand in for targets which cannot be read.
+    /// Parts that stand in for targets that cannot be read.
     stand_ins: Vec<TileKey>,
     pending_loads: Vec<PendingLoad>,
     pending_uploads: Vec<PendingUpload>,
@@ -86,7 +86,7 @@ pub struct TileCache {
     counters: StreamCounters,
 }
 
-/// The levels of a map; none if the source does not have it.
+/// The levels of a map; empty if the source does not have it.
 #[derive(Clone, Default)]
 struct MapLevels {
     levels: Vec<Level>,
@@ -119,7 +119,7 @@ struct PoolState {
     held: u32,
     /// Promised tiles without a slot that are in this frame's picture.
     lacking_drawn: u32,
-    /// Slots that are empty, or whose tile is neither promised nor drawn in this frame.
+    /// Slots that are empty, or whose tile is neither allocated nor drawn in this frame.
     available: u32,
     /// Stand-ins give way: see why nothing waits forever in the module's documentation.
     is_starved: bool,
@@ -142,7 +142,7 @@ enum TileStage {
     Loading,
     /// Decoded, without a slot.
     Decoded,
-    /// In part in a slot of its level's pool.
+    /// Partly written to a slot of its level's pool.
     Uploading(u16),
     /// In a slot of its level's pool.
     Resident(u16),
@@ -153,9 +153,9 @@ struct TileState {
     stage: TileStage,
     /// The last frame that a slot was promised in.
     promised: u64,
-    /// The last frame that it was asked for in.
+    /// The last frame in which it was requested.
     asked: u64,
-    /// Of a part, when it was asked for last: the level that a slot was promised at.
+    /// For a part, at its last request: the level with an allocated slot.
     target: u8,
     /// The promise is for this frame's picture.
     is_drawn: bool,
@@ -169,7 +169,7 @@ struct TileState {
     is_reported: bool,
 }
 
-/// What a block of a map is to be drawn with.
+/// Allocation for a block of a map.
 #[derive(Clone, Copy, Default)]
 struct Allocation {
     /// The last frame that it was requested in.
@@ -206,8 +206,7 @@ impl TileState {
 }
 
 impl TileCache {
-    /// For a source's maps and pools made by [`super::plan_pools`] from them. `decoded_bytes` is the limit that the host
-    /// keeps for tiles under way or waiting.
+    /// For a source's maps and pools made by [`super::plan_pools`] from them. `decoded_bytes` is the host's limit for loading or waiting tiles.
     pub fn new(layers: &[LayerLayout], pools: Vec<Pool>, decoded_bytes: u64) -> Self {
         let mut maps: [MapLevels; MAP_LAYERS] = Default::default();
         let usable = usable(layers);
@@ -292,14 +291,14 @@ impl TileCache {
         }
     }
 
-    /// Drawn requests of this frame that are not resident at the level asked for after allocation, though they could be.
+    /// Drawn requests of this frame that are not resident at the allocated level, although they could be.
     pub fn missing(&self) -> impl Iterator<Item = TileKey> + '_ {
         let is_missing = |key: &TileKey| !self.is_resident(*key);
         self.targets.iter().copied().filter(is_missing)
     }
 
-    /// Whether nothing is left to wait for: all that this frame draws is resident, or could not be read and what
-    /// stands in for it is resident. A tile that failed once is tried again by and by and not waited for.
+    /// Whether there is nothing left to wait for: all tiles drawn in this frame are resident, or could not be read and their stand-ins are
+    /// resident. A failed tile is tried again later and not waited for.
     pub fn is_settled(&self) -> bool {
         let could_not_be_read = |key: TileKey| self.tile(key).retry_at.is_some();
         let stands_in = |key: TileKey| self.is_resident(key) || could_not_be_read(key);
@@ -350,8 +349,7 @@ impl TileCache {
         true
     }
 
-    /// A load has ended. The error comes back if it is the first of its tile, to be reported. A tile that is not as its
-    /// layout says is a failure.
+    /// A load has ended. Returns the error if it is the first of its tile, for a report. A tile that contradicts its layout is a failure.
     pub fn finish(
         &mut self,
         key: TileKey,
@@ -399,7 +397,7 @@ impl TileCache {
         }
     }
 
-    /// The level of a tile, if there is such a one.
+    /// The level of a tile, if it exists.
     fn level(&self, key: TileKey) -> Option<&Level> {
         let level = self.maps[key.layer.index()]
             .levels
@@ -424,7 +422,7 @@ impl TileCache {
     }
 }
 
-/// The tile, if it is what was asked for.
+/// The tile, if it has the requested format and shape.
 pub fn check(tile: Tile, format: TileFormat, shape: TileShape) -> Result<Tile, LoadError> {
     let (due, got) = (shape.bytes(format), tile.texels.len());
     if (tile.format, tile.shape, got) == (format, shape, due) {

@@ -1,6 +1,6 @@
-//! Decoder threads, and what they share with the frame.
+//! Decoder threads, and their shared state with the frame.
 //!
-//! The frame only tries the mutex: where a thread of low priority was put to sleep inside, the frame goes on and comes back the
+//! The frame only tries to lock the mutex: if a low-priority thread was suspended while it held the lock, the frame continues and tries again the
 //! next time.
 
 use super::cache::{LoadError, LoadId, TileCache, check};
@@ -16,7 +16,7 @@ use terrella_files::loaders::{LoadQueue, Loaders};
 pub(super) struct Loader {
     reads: Arc<TileReads>,
     threads: Loaders,
-    /// What the last look under the mutex found.
+    /// Value at the last access under the mutex.
     reserved_bytes: u64,
     /// Lists that change places with the shared ones, so that nothing is allocated under the mutex.
     started: Vec<(TileKey, LoadId)>,
@@ -28,7 +28,7 @@ struct TileReads {
     layers: Vec<LayerLayout>,
     limit_bytes: u64,
     queue: LoadQueue<Work>,
-    /// For each thread the number of the load that it shall give up; 0 is none.
+    /// For each thread the number of the load that it must cancel; 0 is none.
     cancelled: Vec<AtomicU64>,
 }
 
@@ -42,13 +42,13 @@ struct Work {
     finished: Vec<(TileKey, Result<Tile, LoadError>)>,
     /// Tiles that are done with, to be freed by a thread: giving back much memory takes time.
     retired: Vec<Tile>,
-    /// Bytes of all tiles from the moment that a thread takes them to the moment that they are freed.
+    /// Memory of all tiles from the time when a thread takes them to the time when they are freed, bytes.
     reserved_bytes: u64,
     /// Number of loads taken so far.
     loads: u64,
 }
 
-/// What a thread does next.
+/// Next action of a thread.
 enum Next {
     Free(Tile),
     /// A tile, and the number of its load.
@@ -98,7 +98,7 @@ impl Loader {
         self.report(cache, now, report_error);
     }
 
-    /// Hands the threads the new queue and what is to be freed, and cancels what is no longer requested. Never waits.
+    /// Passes the new queue and the tiles to be freed to the threads, and cancels loads that are no longer requested. Never waits.
     pub fn hand_over(&mut self, cache: &mut TileCache) {
         for load in cache.pending_loads() {
             let LoadId { worker, number } = load.id;
@@ -166,7 +166,7 @@ impl TileReads {
         work.retired.extend(retired);
         let Work { queue, started, .. } = work;
         queue.clear();
-        // The cache does not know yet of what was taken since it last heard.
+        // The cache has not yet been notified of tiles that were taken since.
         let is_taken = |key: &TileKey| started.iter().any(|(taken, _)| taken == key);
         queue.extend(cache.queue().iter().filter(|key| !is_taken(key)));
         work.next = 0;

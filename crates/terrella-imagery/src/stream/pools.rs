@@ -6,24 +6,21 @@ use crate::tile::{LayerLayout, LevelLayout, MAX_LEVELS};
 /// Blocks of one level that a view commonly needs: those about the eye to its horizon, or a row round a pole.
 const BLOCKS_OF_A_VIEW: u32 = 24;
 
-/// Splits `texture_bytes` into pools, the finest levels first. Pools without a slot are left out; all pools together
-/// never take more than the budget, and none has more slots than there are tiles.
+/// Splits `texture_bytes` into pools, the finest levels first. Pools without a slot are left out; all pools together never exceed the budget, and
+/// none has more slots than there are tiles.
 ///
-/// Near the ground an eye asks for a few blocks at the finest level and for more at each coarser one, from afar for half
-/// the Earth at one of the coarser levels. A block is seldom asked for in one map alone, so slots are given to levels of
-/// all maps together: those that are equally many steps from their coarsest, since a map of less detail has fewer levels.
-/// From the coarsest step to the finest:
+/// Near the ground an eye requires a few blocks at the finest level and more at each coarser one; from afar, half the Earth at one of the coarser
+/// levels. A block is seldom requested in one map alone, so slots are assigned to levels of all maps together: those with the same number of steps
+/// from their coarsest, since a map of less detail has fewer levels. From the coarsest step to the finest:
 ///
-/// - The finest has half of the budget, the next a quarter, and so on; the coarsest has as much as the next finer.
-/// - Where that is not enough for 24 blocks, as many as a view needs, a step takes up to half of what is still left for that
-///   number: a small budget goes to the coarse levels, which cover most of a picture, but some of it stays for finer
-///   ones under the eye.
-/// - What a step leaves over flows to the finer ones, and in the end back from the finest to the coarsest.
+/// - The finest gets half of the budget, the next a quarter, and so on; the coarsest gets as much as the next finer.
+/// - If that is not enough for 24 blocks, the number that a view needs, a step takes up to half of the remaining budget to reach it: a small budget
+///   goes to the coarse levels, which cover most of an image, but some of it remains for finer ones under the eye.
+/// - The remainder of a step goes to the finer ones, and in the end back from the finest to the coarsest.
 ///
-/// Levels that are cut into parts share the pool of the finest level that is not, which has twice as many slots as it would have
-/// without.
+/// Levels that are cut into parts share the pool of the finest uncut level, which then has twice as many slots.
 ///
-/// A map that breaks the contract of [`LayerLayout`] gets no pool.
+/// A map that violates the contract of [`LayerLayout`] gets no pool.
 pub fn plan_pools(layers: &[LayerLayout], texture_bytes: u64) -> Vec<Pool> {
     let layers = usable(layers);
     let steps = layers
@@ -230,7 +227,7 @@ mod tests {
         for budget in (0..200).map(|n| n * n * n * 1_000) {
             let pools = plan_pools(&layers, budget);
             assert!(total(&pools) <= budget, "{budget}");
-            // What is left would not hold the smallest tile that has no slot yet.
+            // The remainder would not hold the smallest tile that has no slot yet.
             let is_full = |layer: MapLayer| slots(&pools, layer).iter().all(|n| *n == 128);
             if budget > 1_000_000 && !MapLayer::ALL.into_iter().all(is_full) {
                 assert!(

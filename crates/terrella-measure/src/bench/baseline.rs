@@ -35,7 +35,7 @@ pub struct Comparison {
     pub smallest_effect: f64,
 }
 
-/// That no row of all is called slower by noise alone.
+/// Confidence, over all rows together, that no row is called slower because of noise alone.
 const CONFIDENCE: f64 = 0.95;
 /// Runs on a side from which their spread is reported.
 const RUNS_TO_TELL: u32 = 3;
@@ -52,7 +52,7 @@ impl Baseline {
         })
     }
 
-    /// Rejects a baseline of another scene, size or number of frames. The adapter need not be known yet, nor the maps.
+    /// Rejects a baseline of another scene, size or number of frames. The adapter and the maps need not be known yet.
     ///
     /// # Errors
     /// The first difference.
@@ -113,7 +113,7 @@ impl Baseline {
         })
     }
 
-    /// What else of the machines differs, and what the runs cannot tell.
+    /// Other differences between the machines, and comparisons that the runs do not allow.
     pub fn notices(&self, run: &BenchReport) -> Vec<String> {
         let there = &self.report;
         let mut notices = Vec::new();
@@ -138,9 +138,9 @@ impl Baseline {
         notices
     }
 
-    /// Compares all rows of a complete run: slower is what all of its interval says.
+    /// Compares all rows of a complete run: a row is slower if its whole interval is.
     ///
-    /// The interval of each row has a confidence of 1 − 0.05/rows, so that of all rows together noise calls none slower with 95 %
+    /// The interval of each row has a confidence of 1 − 0.05/rows. Over all rows together, noise then calls none slower with a probability of 95 %
     /// (Bonferroni).
     ///
     /// # Errors

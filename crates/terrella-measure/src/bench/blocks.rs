@@ -57,12 +57,11 @@ const SPAN_RAD: f64 = PI / 8.0;
 /// Parts of a block smaller than this count as seen if they may be: under a metre on the ground.
 const FINEST_RAD: f64 = 1e-7;
 
-/// Whether a point of the block lies above the horizon of an eye outside the ellipsoid.
+/// Whether a point of the block is above the horizon of an eye outside the ellipsoid.
 ///
-/// The point of geodetic latitude φ and longitude λ sees the eye iff the eye stands above its tangent plane,
-/// f(φ, λ) = (e − P)·n > 0. With n the normal, P·n = √(a² cos² φ + b² sin² φ), so that |∇f| ≤ |e| + (a² − b²)/2b. The
-/// block is halved again and again: a part is done with where f > 0 at its middle, or where f is too negative for any of
-/// its points to reach 0.
+/// The point of geodetic latitude φ and longitude λ sees the eye iff the eye is above its tangent plane, f(φ, λ) = (e − P)·n > 0. With n the
+/// normal, P·n = √(a² cos² φ + b² sin² φ), so that |∇f| ≤ |e| + (a² − b²)/2b. The block is bisected repeatedly: a part is finished if f > 0 at its
+/// middle, or if f is too negative for any of its points to reach 0.
 pub fn sees_block(ellipsoid: &Ellipsoid, block: Block, eye_itrf_m: DVec3) -> bool {
     let (a, b) = (ellipsoid.equatorial_radius_m, ellipsoid.polar_radius_m);
     let steepest = eye_itrf_m.length() + (a * a - b * b) / (2.0 * b);

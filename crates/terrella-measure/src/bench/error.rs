@@ -1,10 +1,10 @@
-//! What can go wrong in a run of the harness.
+//! Errors of a harness run.
 
 use crate::ChartError;
 use std::path::PathBuf;
 use terrella_play::{OutputError, PlayError};
 
-/// What can go wrong in a run of the harness, or come of it.
+/// Errors of a harness run, and its negative results.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum BenchError {
@@ -31,7 +31,7 @@ pub enum BenchError {
     )]
     NoBaseline {
         path: PathBuf,
-        /// Why it is none.
+        /// Why it is invalid.
         what: String,
     },
     /// The baseline is of something else.
@@ -42,7 +42,7 @@ pub enum BenchError {
     )]
     OtherBaseline {
         path: PathBuf,
-        /// What differs.
+        /// The difference.
         what: String,
         /// Its value in the baseline.
         there: String,
@@ -86,12 +86,12 @@ pub enum BenchError {
 }
 
 impl BenchError {
-    /// Whether the scene is at fault, and not the machine.
+    /// Whether the error is in the scene, and not on the machine.
     pub fn is_bad_scene(&self) -> bool {
         matches!(self, Self::Play(error) if error.is_bad_scene())
     }
 
-    /// Whether all went well and the frames are slower than they were.
+    /// Whether the run succeeded and the frames are slower than before.
     pub fn is_slower(&self) -> bool {
         matches!(self, Self::Slower { .. })
     }

@@ -1,4 +1,4 @@
-//! What each layer and effect costs: the scene beside the same scene without it.
+//! Cost of each layer and effect: the scene compared with the same scene without it.
 
 use super::report::{COURSE_HEIGHT_KM, Course, Feature, FeatureTimes, Unmeasured, ratios, spread};
 use super::rows::{precise, rounded};
@@ -92,7 +92,7 @@ impl FeatureKind {
         kinds
     }
 
-    /// Whether it is no part of the Earth.
+    /// Whether it is not part of the Earth.
     fn is_beside_the_earth(self) -> bool {
         matches!(self, Self::Sky(_) | Self::Tracks)
     }
@@ -150,20 +150,20 @@ impl FeatureKind {
             Self::Map(MapLayer::Normals) => less.layers.normals = None,
             Self::Map(MapLayer::NightLights) => less.layers.night_lights = None,
             Self::Map(MapLayer::Water) => less.layers.water = None,
-            // The ground itself is never left out, and what is beside the Earth is none of its options.
+            // The ground itself is never left out, and these are not among the options of the Earth.
             Self::Map(MapLayer::Day) | Self::Composition | Self::Sky(_) | Self::Tracks => {}
         }
         Ok(less)
     }
 }
 
-/// Whether a frame can be drawn in one pass as well, but for bloom, white balance and grain.
+/// Whether a frame can be drawn in one pass as well, apart from bloom, white balance and grain.
 fn can_be_shown_in_pass(options: &EarthOptions) -> bool {
     options.shading == Shading::Sunlit && options.tone.response().is_none()
 }
 
-/// What a scene asks for and this adapter leaves out. `wanted` are the scene's options, `drawn_samples` the samples a pixel
-/// that the adapter draws.
+/// Requests of a scene that this adapter does not support. `wanted` are the scene's options, `drawn_samples` the samples a pixel that the adapter
+/// draws.
 pub(super) fn unmeasured(
     wanted: &EarthOptions,
     drawn_samples: u32,
@@ -271,8 +271,8 @@ impl<'f> FeatureMeter<'f> {
         })
     }
 
-    /// Measures it along each course, `repeats` runs of all of them, the scene with and without it interleaved; `None` where the
-    /// work is no longer wanted.
+    /// Measures it along each course, with `repeats` runs of all of them, the scene with and without it interleaved; `None` if the work is
+    /// cancelled.
     pub fn measure(
         &mut self,
         timer: &mut FrameTimer,

@@ -1,4 +1,4 @@
-//! How many times slower a row has become, and what its noise leaves open.
+//! By how much a row has become slower, and the uncertainty of that ratio.
 
 use crate::{SortedSample, median};
 
@@ -13,18 +13,18 @@ pub struct Interval {
 
 /// Pairs of frames below which nothing is said.
 const LEAST_PAIRS: usize = 8;
-/// Samples drawn again from what was measured.
+/// Number of bootstrap samples.
 const RESAMPLED: usize = 4000;
-/// So that the same two files give the same answer.
+/// Fixed, so that the same two files give the same result.
 const SEED: u64 = 0x7e22_e11a;
 
 impl Interval {
-    /// The median over all pairs of now ÷ before, frame by frame, with the percentile bootstrap's interval (Efron and Tibshirani
-    /// 1993, chapter 13) of this confidence (0…1).
+    /// The median of now ÷ before over all pairs, frame by frame, with the interval of the percentile bootstrap (Efron and Tibshirani 1993, chapter
+    /// 13) at this confidence (0…1).
     ///
-    /// Both have a list of frames for each run; frames of the same number show the same view. What is drawn again, with replacement,
-    /// is first a run of each side and then frames, so that the interval is as wide as runs differ and as frames do. Of a single run
-    /// on a side it cannot know how runs differ.
+    /// Both have a list of frames for each run; frames of the same number show the same view. Resampling, with replacement, draws first a run of
+    /// each side and then frames, so that the interval reflects the variation between runs and between frames. With a single run on a side, the
+    /// variation between runs is unknown.
     pub fn of(before: &[Vec<f64>], now: &[Vec<f64>], confidence: f64) -> Self {
         let frames = before.iter().chain(now).map(Vec::len).min().unwrap_or(0);
         let quotients = |a: &[f64], b: &[f64], of: &mut Vec<f64>| {
@@ -67,12 +67,12 @@ impl Interval {
         }
     }
 
-    /// Whether all of it lies above 1 + `effect`.
+    /// Whether all of it is above 1 + `effect`.
     pub fn is_slower(&self, effect: f64) -> bool {
         self.bounds.is_some_and(|(least, _)| least > 1.0 + effect)
     }
 
-    /// Whether all of it lies below 1/(1 + `effect`).
+    /// Whether all of it is below 1/(1 + `effect`).
     pub fn is_faster(&self, effect: f64) -> bool {
         let most = 1.0 / (1.0 + effect);
         self.bounds.is_some_and(|(_, largest)| largest < most)

@@ -1,19 +1,18 @@
-//! The frame-rate harness: the paper's Table 2 and farther, each frame beside its floor, and what each layer costs.
+//! The frame-rate harness: the paper's Table 2 and beyond, each frame compared with its floor, and the cost of each layer.
 //!
-//! | file | what |
+//! | file | content |
 //! |---|---|
-//! | `run` | the order of a run: files and baseline first, then rows, features, what is written |
+//! | `run` | the order of a run: files and baseline first, then rows, features, output |
 //! | `rows` | one height along one path |
 //! | `features` | the scene with one layer or effect switched off |
-//! | `blocks` | how many blocks an eye should see, counted independently |
-//! | `settings` | what of a scene bears on the work of a frame |
+//! | `blocks` | the expected number of visible blocks, counted independently |
+//! | `settings` | settings of a scene that affect the work of a frame |
 //! | `report` | the JSON |
-//! | `baseline`, `interval` | two reports compared, and what their noise leaves open |
-//! | `table`, `plots` | what a person reads |
+//! | `baseline`, `interval` | comparison of two reports, and its uncertainty |
+//! | `table`, `plots` | human-readable output |
 //!
-//! Times of a shared or unknown machine cannot be compared with others. So each frame is timed beside its
-//! [`Floor`](super::Floor) and a bare clear, interleaved, and the ratio of frame and floor is what is printed first and what a
-//! baseline is held to.
+//! Times of a shared or unknown machine cannot be compared with others. Each frame is therefore timed interleaved with its [`Floor`](super::Floor)
+//! and a bare clear. The ratio of frame and floor is printed first, and compared with a baseline.
 
 mod baseline;
 mod blocks;

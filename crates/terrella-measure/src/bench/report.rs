@@ -1,4 +1,4 @@
-//! What the harness writes as JSON, and reads again as a baseline.
+//! JSON output of the harness, which is read again as a baseline.
 
 use super::error::BenchError;
 use crate::{GroundPath, Quantiles, median};
@@ -17,7 +17,7 @@ const MAX_BYTES: u64 = 64 << 20;
 pub struct BenchReport {
     /// Layout of the file: [`VERSION`].
     pub version: u32,
-    /// Whether the run was interrupted: then rows or features are missing.
+    /// Whether the run was interrupted: rows or features are then missing.
     pub partial: bool,
     /// When the run began, UTC.
     pub date: String,
@@ -29,7 +29,7 @@ pub struct BenchReport {
     pub adapter: String,
     /// vulkan, gl, metal or dx12.
     pub backend: String,
-    /// Name and version of its driver, as it says.
+    /// Name and version of its driver, as reported.
     pub driver: String,
     /// Model and number of the processors.
     pub cpu: String,
@@ -43,7 +43,7 @@ pub struct BenchReport {
     pub frames: u32,
     /// Runs over all rows and features, one after the other.
     pub repeats: u32,
-    /// What of the scene bears on the work of a frame, each value as the scene writes it.
+    /// Settings of the scene that affect the work of a frame, each value as the scene writes it.
     pub scene: BTreeMap<String, String>,
     /// The floor, median of the rows' medians, milliseconds.
     pub floor_ms: f64,
@@ -51,13 +51,13 @@ pub struct BenchReport {
     pub clear_ms: f64,
     /// One for each height and path.
     pub rows: Vec<BenchRow>,
-    /// What each layer and effect costs along each course.
+    /// Cost of each layer and effect along each course.
     pub features: Vec<Feature>,
-    /// What the scene asks for and this adapter leaves out.
+    /// Requests of the scene that this adapter does not support.
     pub unmeasured: Vec<Unmeasured>,
 }
 
-/// What the scene asks for and the adapter leaves out, so that its cost was not measured.
+/// A request of the scene that the adapter does not support, so that its cost was not measured.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Unmeasured {
@@ -91,7 +91,7 @@ pub struct FeatureTimes {
     pub without_ms: Vec<f64>,
 }
 
-/// Where the eye flies while a feature is measured.
+/// Course of the eye during the measurement of a feature.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Course {
@@ -120,7 +120,7 @@ impl Course {
     }
 }
 
-/// One height along one path. Counts are the largest of all frames.
+/// One height along one path. Counts are the maxima over all frames.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BenchRow {
@@ -150,8 +150,8 @@ pub struct BenchRow {
     pub uploaded_bytes: u64,
     /// `prepare` on the processor, milliseconds.
     pub prepare_ms: Quantiles,
-    /// Median time of "surface", "air" and "development" on the device, each a pass of its own, in frames apart from the others,
-    /// milliseconds; empty where the device has no timestamps.
+    /// Median time of "surface", "air" and "development" on the device, each as a separate pass, in separate frames, milliseconds; empty if the
+    /// device has no timestamps.
     pub gpu_ms: BTreeMap<String, f64>,
     /// The whole frame, the device waited for, milliseconds.
     pub frame_ms: Quantiles,
@@ -163,11 +163,11 @@ pub struct BenchRow {
     pub clear_ms: f64,
     /// Median of each frame over the floor beside it.
     pub floor_ratio: f64,
-    /// Largest less smallest of the runs' medians of that, over `floor_ratio`; none of a single run.
+    /// Range of the runs' medians of that, relative to `floor_ratio`; `None` for a single run.
     pub floor_ratio_spread: Option<f64>,
     /// 1 over the median frame.
     pub frames_per_s: f64,
-    /// What the paper gives for this height, on its machine of 2011.
+    /// The paper's value for this height, on its machine of 2011.
     pub paper_frames_per_s: Option<f64>,
     pub runs: Vec<RowTimes>,
 }
@@ -178,7 +178,7 @@ pub struct BenchRow {
 pub struct Feature {
     /// As in scene files; `multisampling` is `samples`, `tiles` the pack's levels above the coarsest.
     pub name: String,
-    /// Where the eye flew.
+    /// Course of the eye.
     pub course: Course,
     /// Median frame of the whole scene, milliseconds.
     pub frame_ms_with: f64,
@@ -186,7 +186,7 @@ pub struct Feature {
     pub frame_ms_without: f64,
     /// Median of each frame with it over the one without it beside it.
     pub frame_ratio: f64,
-    /// Largest less smallest of the runs' medians of that, over `frame_ratio`; none of a single run.
+    /// Range of the runs' medians of that, relative to `frame_ratio`; `None` for a single run.
     pub frame_ratio_spread: Option<f64>,
     /// Bytes of textures that are held for it alone.
     pub texture_bytes: i64,
@@ -204,10 +204,10 @@ impl BenchReport {
         text
     }
 
-    /// Reads a report that is to be compared with.
+    /// Reads a report for comparison.
     ///
     /// # Errors
-    /// A file that cannot be read or is too large, text that is no report of this version, values that no run gives.
+    /// A file that cannot be read or is too large, text that is not a report of this version, or impossible values.
     pub fn load(path: &Path) -> Result<Self, BenchError> {
         let unreadable = |source| BenchError::BaselineUnreadable {
             path: path.into(),
@@ -234,7 +234,7 @@ impl BenchReport {
         Ok(report)
     }
 
-    /// Rejects what no complete run of this version writes; answers why.
+    /// Rejects values that no complete run of this version writes; returns the reason.
     fn check(&self) -> Result<(), String> {
         if self.partial {
             return Err("its run was interrupted and rows are missing".into());
@@ -308,7 +308,7 @@ impl BenchRow {
     }
 }
 
-/// What of a report is read before all else.
+/// The part of a report that is read first.
 #[derive(serde::Deserialize)]
 struct Layout {
     version: u32,
@@ -322,7 +322,7 @@ pub(super) fn ratios(times: &[f64], beside: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// Largest less smallest of the runs' medians, over the median of all; none of a single run.
+/// Range of the runs' medians, relative to the median of all; `None` for a single run.
 pub(super) fn spread(runs: &[Vec<f64>], of_all: f64) -> Option<f64> {
     let medians = runs.iter().map(|run| median(run));
     let (least, most) = medians.fold((f64::INFINITY, 0.0_f64), |(least, most), median| {

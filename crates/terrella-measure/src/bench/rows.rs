@@ -16,7 +16,7 @@ const WARM_UP: u32 = 3;
 /// Most frames in which the device's own times are taken. They are frames apart from those that are timed as a whole.
 const TIMED_PASSES: u32 = 8;
 
-/// What all rows have in common.
+/// State common to all rows.
 pub(super) struct RowMeter<'a> {
     pub scene: &'a Scene,
     pub timer: &'a mut FrameTimer,
@@ -34,7 +34,7 @@ pub(super) struct RowRuns {
     counts: Counts,
     passes: BTreeMap<String, Vec<f64>>,
     runs: Vec<RowTimes>,
-    /// Most tiles that a frame had to do without.
+    /// Largest number of tiles missing from a frame.
     pub missing_tiles: usize,
 }
 
@@ -71,7 +71,7 @@ impl RowRuns {
         format!("{height_km} km, {path}: {frame:.2} ms, {ratio:.2} x its floor")
     }
 
-    /// The row of all runs; `None` where none was completed.
+    /// The row of all runs; `None` if none was completed.
     pub fn row(self) -> Option<BenchRow> {
         if self.runs.is_empty() {
             return None;

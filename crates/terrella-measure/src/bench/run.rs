@@ -1,4 +1,4 @@
-//! The order of a run: what is cheap to find out first, then the rows, the features, and what is written.
+//! The order of a run: cheap checks first, then the rows, the features, and the output.
 
 use super::baseline::{Baseline, Comparison};
 use super::error::BenchError;
@@ -16,7 +16,7 @@ use terrella::{EarthError, EarthOptions};
 use terrella_ground::globe::Meshes;
 use terrella_play::{Flight, OutputError, PendingFile, PlayError, Progress};
 
-/// What is measured and where it goes.
+/// A measurement, and its output files.
 #[derive(Clone, Debug)]
 pub struct BenchRequest<'r> {
     /// Frames that each row and each feature is timed with in each run.
@@ -29,9 +29,9 @@ pub struct BenchRequest<'r> {
     pub size: Option<(u32, u32)>,
     /// Part of the adapter's name; `None` takes the best.
     pub adapter: Option<&'r str>,
-    /// Where the report goes.
+    /// JSON file of the report.
     pub json: Option<&'r Path>,
-    /// Where the rows go.
+    /// CSV file of the rows.
     pub csv: Option<&'r Path>,
     /// The folder for the charts. It is made if it is not there.
     pub plots: Option<&'r Path>,
@@ -50,7 +50,7 @@ pub struct BenchRun {
     pub report: BenchReport,
     /// The comparison with the baseline, if one was given and the run is complete.
     pub comparison: Option<Comparison>,
-    /// What a reader of the numbers should know.
+    /// Remarks for the reader of the numbers.
     pub notices: Vec<String>,
 }
 
@@ -60,7 +60,7 @@ impl BenchRun {
         table::text(&self.report, self.comparison.as_ref(), &self.notices)
     }
 
-    /// Whether the run is complete and no slower than the baseline.
+    /// Checks that the run is complete and no slower than the baseline.
     ///
     /// # Errors
     /// [`BenchError::Interrupted`], [`BenchError::Slower`].
@@ -132,11 +132,11 @@ impl Outputs {
     }
 }
 
-/// Measures a scene. An interrupt ends the run after the frame that is being drawn; complete rows are kept.
+/// Measures a scene. An interrupt ends the run after the current frame; complete rows are kept.
 ///
 /// # Errors
-/// Files that cannot be written and a baseline that is none or of something else, before anything is drawn; then what
-/// adapter, maps and drawing say. A slow or interrupted run is no error here: [`BenchRun::verdict`].
+/// Unwritable files and an invalid or unrelated baseline, before anything is drawn; then errors of adapter, maps and drawing. A slow or interrupted
+/// run is not an error here: [`BenchRun::verdict`].
 pub fn run_bench(
     flight: &Flight,
     request: &BenchRequest<'_>,
@@ -179,7 +179,7 @@ pub fn run_bench(
     let open = GpuContext::open_with(request.adapter, GpuTimer::FEATURES);
     let gpu = pollster::block_on(open).map_err(PlayError::from)?;
     progress.begin("loading maps", None);
-    // Every feature is measured with Earths of its own, and the floor with the same maps.
+    // Every feature is measured with separate Earths, and the floor with the same maps.
     let options = flight.uploaded_options(&gpu)?;
     let mut timer = FrameTimer::new(&gpu, &options, size)?;
     progress.end();
@@ -195,7 +195,7 @@ pub fn run_bench(
     if let Some(baseline) = &baseline {
         baseline.check_all(&report)?;
     }
-    // What was rejected at opening is not asked for again.
+    // Options that were rejected at opening are not requested again.
     let options = EarthOptions {
         samples: report.samples,
         ..options
@@ -216,7 +216,7 @@ pub fn run_bench(
     })
 }
 
-/// Fills in rows and features; answers what a reader should know.
+/// Fills in rows and features; returns remarks for the reader.
 fn measure(
     flight: &Flight,
     gpu: &GpuContext,
@@ -244,7 +244,7 @@ fn measure(
         frames: report.frames,
         progress,
     };
-    // Run after run of all rows, so that what changes slowly shows as their spread.
+    // All rows once per run, so that slow changes of the machine appear as spread between runs.
     'runs: for _ in 0..report.repeats {
         for row in &mut rows {
             if !meter.measure(row)? {

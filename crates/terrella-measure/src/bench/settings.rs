@@ -1,4 +1,4 @@
-//! What of a scene bears on the work of a frame: two runs are compared only where all of it is the same.
+//! Settings of a scene that affect the work of a frame: two runs are compared only if all of them are equal.
 
 use std::collections::BTreeMap;
 use std::fmt::Debug;

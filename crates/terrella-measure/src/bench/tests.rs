@@ -216,7 +216,7 @@ fn a_baseline_of_something_else_is_refused_with_the_difference() {
     }
 }
 
-/// What is not known before the adapter is opened is not asked then.
+/// Settings that are unknown before the adapter is opened are not compared then.
 #[test]
 fn settings_are_compared_before_the_adapter_is_known() {
     let mut run = report();

@@ -21,7 +21,7 @@ const PHASES: u32 = 13;
 pub struct DiscPhase {
     /// Angle between Sun and eye at the Earth, radians.
     pub phase_rad: f64,
-    /// Light over that of a white disc of the Earth's size that faces Sun and eye: the geometric albedo times the phase function.
+    /// Light relative to that of a white disc of the Earth's size that faces Sun and eye: the geometric albedo times the phase function.
     pub albedo: [f64; 3],
 }
 
@@ -40,7 +40,7 @@ impl DiscLight {
     pub fn drawn(renderer: &mut LightRenderer, figure: &Ellipsoid) -> Result<Self, PlayError> {
         let radius = figure.equatorial_radius_m / FAR_M;
         let fov_rad = 2.0 * (MARGIN * radius).atan();
-        // Of a disc with the area of the ellipse that is seen.
+        // Of a disc with the area of the visible ellipse.
         let disc = PI * figure.polar_radius_m / figure.equatorial_radius_m * radius * radius;
         let mut phases = Vec::new();
         for phase in 0..PHASES {
@@ -66,7 +66,7 @@ impl DiscLight {
         Ok(Self { phases })
     }
 
-    /// Light over that of a white disc that faces Sun and eye, with both on one line.
+    /// Light relative to that of a white disc that faces Sun and eye, both in the same direction.
     pub fn geometric_albedo(&self) -> [f64; 3] {
         self.phases.first().map_or([0.0; 3], |full| full.albedo)
     }

@@ -1,4 +1,4 @@
-//! What an Earth that a graphics adapter draws sends to the eye, as light and no display values.
+//! Radiance of an Earth that a graphics adapter draws, as scene-referred light.
 
 use super::PlacedView;
 use terrella::internals::gpu::{Attachments, GpuContext, color_texture, read_halves};
@@ -23,7 +23,7 @@ const COLUMNS: u32 = 256;
 const FOV_RAD: f64 = 0.002;
 
 impl LightRenderer {
-    /// An Earth with these options but for the target, one sample a pixel. A white sheet that faces the Sun in space is 1.
+    /// An Earth with these options except for the target, one sample a pixel. A white sheet that faces the Sun in space is 1.
     ///
     /// # Errors
     /// As [`Earth::new`].

@@ -11,9 +11,9 @@ pub const DARKEST: f64 = 1e-4;
 /// How wrong views of a group may be, as parts of the truth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bound {
-    /// Of half of its channels.
+    /// Bound of the median over all channels.
     pub median: f64,
-    /// Of every channel.
+    /// Bound of the maximum over all channels.
     pub worst: f64,
 }
 
@@ -128,7 +128,7 @@ pub struct RowError {
 }
 
 impl RowError {
-    /// `albedo` is that of the ground that light was found over.
+    /// `albedo` is that of the ground for which `found` was computed.
     pub fn new(row: AirRow, albedo: f64, found: [f64; 3]) -> Self {
         let truth = row.light_over(albedo);
         let is_held = |i: usize| truth[i] > DARKEST && row.is_sure(i);
@@ -143,7 +143,7 @@ impl RowError {
 
     /// The largest of its errors, by size.
     pub fn worst(&self) -> f64 {
-        // What is not a number is worse than any.
+        // A non-finite error counts as the largest.
         let sizes = self.errors.iter().flatten().map(|error| error.abs());
         sizes.fold(
             0.0,
@@ -190,7 +190,7 @@ impl AirErrors {
         all.sum::<f64>() / self.rows.len().max(1) as f64
     }
 
-    /// What of a group and channel is beyond its bound, `factor` times as wide, as text.
+    /// Groups and channels beyond their bounds, scaled by `factor`, as text.
     pub fn beyond_bounds(&self, factor: f64) -> Vec<String> {
         let mut beyond = Vec::new();
         for group in ViewGroup::ALL {
@@ -227,7 +227,7 @@ impl AirErrors {
         rows
     }
 
-    /// Comma-separated values, a line for each kind of view: sizes of errors, %, and the bounds; `by` says what found the light.
+    /// Comma-separated values, a line for each kind of view: sizes of errors, %, and the bounds; `by` is the source of the light.
     pub fn csv(&self, by: &str) -> String {
         let head = CSV_COLUMNS.map(str::to_owned);
         let air = match self.set {
@@ -305,7 +305,7 @@ mod tests {
         assert!((one.errors[0].expect("bright") - 0.2).abs() < 1e-12);
         assert_eq!((one.errors[1], one.errors[2]), (Some(0.0), None));
         assert!(found(30.0, [f64::NAN, 0.1, 0.0]).worst().is_infinite());
-        // Where the tables are not sure of the blue.
+        // Where the tables are unreliable in blue.
         let row = AirRow {
             table: AirTable::Limb,
             sun_zenith_deg: 93.0,

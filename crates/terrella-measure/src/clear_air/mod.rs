@@ -1,16 +1,15 @@
-//! The light of the clear air as it is drawn, compared with tables of a radiative-transfer program.
+//! The drawn light of clear air, compared with tables of a radiative-transfer program.
 //!
-//! The tables lie outside the repository, in `../shared/oracle` (its README says what each column is): spherical air, US
-//! Standard Atmosphere 1976, ozone, all orders of scattering, 41 wavelengths to linear sRGB with the Sun as white. No
-//! number of this program went into them. Compared are their `_scalar` columns, light without polarisation, as ratios drawn :
-//! true in channels brighter than [`DARKEST`].
+//! The tables are outside the repository, in `../shared/oracle` (its README explains the columns): spherical air, US Standard Atmosphere 1976,
+//! ozone, all orders of scattering, 41 wavelengths converted to linear sRGB with the Sun as white. They are independent of this program. Their
+//! `_scalar` columns, light without polarisation, are compared as ratios drawn : true in channels brighter than [`DARKEST`].
 //!
-//! | file | what |
+//! | file | content |
 //! |---|---|
 //! | `table` | rows of the tables |
 //! | `place` | a row's eye, line of sight and Sun over a figure of the Earth |
-//! | `draw` | what an Earth that a graphics adapter draws sends along those lines |
-//! | `disc` | how bright the whole Earth is by phase |
+//! | `draw` | radiance of a drawn Earth along those lines |
+//! | `disc` | brightness of the whole Earth by phase |
 //! | `errors` | errors by kind of view, their bounds, and the table of them |
 //! | `color` | CIEDE2000 |
 

@@ -21,10 +21,10 @@ pub struct PlacedView {
 }
 
 impl PlacedView {
-    /// Places a row so that its point stands over a place of the ground and azimuth 0 runs `heading_rad` from north.
+    /// Places a row so that its point is over a point of the ground and azimuth 0 is `heading_rad` from north.
     ///
-    /// The angles are those at the figure's normal, and heights those over its surface; on a sphere, the views are exactly the
-    /// tables' but for the radius.
+    /// The angles are relative to the figure's normal, and heights to its surface; on a sphere, the views are exactly the tables' except for the
+    /// radius.
     pub fn new(row: &AirRow, figure: &Ellipsoid, point: Geodetic, heading_rad: f64) -> Self {
         let point = Geodetic {
             height_m: 0.0,

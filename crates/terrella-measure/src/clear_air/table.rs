@@ -32,7 +32,7 @@ impl AirSet {
     }
 }
 
-/// What a table's views look at.
+/// Kind of a table's views.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AirTable {
     /// The ground, from 400 km.
@@ -60,17 +60,17 @@ impl AirTable {
     }
 }
 
-/// One view and what is truly seen in it.
+/// One view and its true radiance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AirRow {
-    /// What it looks at.
+    /// Kind of the view.
     pub table: AirTable,
     /// Zenith angle of the Sun at the point that the view is given by, degrees: the point on the ground, the tangent point,
     /// the eye in the air.
     pub sun_zenith_deg: f64,
     /// Azimuth of the line of sight, degrees: 0 looks towards the Sun's side of the horizon.
     pub azimuth_deg: f64,
-    /// Zenith angle of the line of sight, degrees: of the eye seen from the ground, or of what the eye in the air looks at. For
+    /// Zenith angle of the line of sight, degrees: of the eye seen from the ground, or of the direction of view from an eye in the air. For
     /// [`AirTable::Limb`] the tangent height instead, kilometres; negative below the ground.
     pub place: f64,
     /// Height of the eye, kilometres.
@@ -79,7 +79,7 @@ pub struct AirRow {
     pub albedo: f64,
     /// Light: 1 is a white sheet that faces the Sun in space. Linear sRGB with the Sun as white.
     pub light: [f64; 3],
-    /// What it grows by with the albedo.
+    /// Increase per albedo.
     pub albedo_slope: [f64; 3],
 }
 
@@ -104,19 +104,19 @@ impl AirRow {
         [0, 1, 2].map(|i| self.light[i] + self.albedo_slope[i] * (albedo - self.albedo))
     }
 
-    /// Whether the table is to be trusted in a channel: 0 is red.
+    /// Whether the table is reliable in a channel: 0 is red.
     ///
-    /// Below 6 km towards a Sun on the horizon or under it the blue is all but light that was scattered more than once (93 % at
-    /// 440 nm), which the program that made the tables counts as if the Earth threw no shadow. Its authors left out rows where
-    /// that is more than half of the luminance; by channel they did not. A Monte Carlo program of theirs finds 2.90e-3 ± 0.02e-3
-    /// for the table's 3.43e-3 there (440 nm, 5 km, Sun at 90°) and 2.38e-4 ± 0.06e-4 for 3.22e-4 (93°).
+    /// Below 6 km, towards a Sun on or below the horizon, the blue is almost entirely multiply scattered light (93 % at 440 nm). The program that
+    /// made the tables computes this light without the Earth's shadow. Its authors left out rows where it is more than half of the luminance, but
+    /// not by channel. Their Monte Carlo program gives 2.90e-3 ± 0.02e-3 for the table's 3.43e-3 there (440 nm, 5 km, Sun at 90°) and 2.38e-4 ±
+    /// 0.06e-4 for 3.22e-4 (93°).
     pub fn is_sure(&self, channel: usize) -> bool {
         let is_towards_sun = self.sun_zenith_deg >= 90.0 && self.azimuth_deg < 90.0;
         let is_low = self.table == AirTable::Limb && (0.0..6.0).contains(&self.place);
         channel != 2 || !(is_low && is_towards_sun)
     }
 
-    /// What view it is, as text.
+    /// Description of the view.
     pub fn name(&self) -> String {
         let place = match self.table {
             AirTable::Nadir => format!("ground under {}° from 400 km", self.place),
@@ -153,7 +153,7 @@ pub enum TableError {
 
 /// Reads the scalar columns of a table in `folder`.
 ///
-/// The light of [`AirTable::Ground`] is that of ground of the row's albedo under the irradiance of the table.
+/// The light of [`AirTable::Ground`] is that of ground with the row's albedo under the irradiance of the table.
 ///
 /// # Errors
 /// A file that cannot be read or lacks a column or number.
@@ -232,7 +232,7 @@ pub fn read_table(folder: &Path, table: AirTable, set: AirSet) -> Result<Vec<Air
     Ok(rows)
 }
 
-/// By the same view over the ground that is nearest in albedo.
+/// From the same view over the ground with the nearest albedo.
 fn albedo_slope(row: &AirRow, rows: &[AirRow]) -> [f64; 3] {
     let others = rows
         .iter()

@@ -1,4 +1,4 @@
-//! Colours of a picture against those of the true one.
+//! Colours of an image compared with those of the true one.
 
 use crate::SortedSample;
 use crate::reference::ReferencePicture;
@@ -12,10 +12,9 @@ pub struct Difference {
     pub flip_mean: f64,
     /// The value of FLIP that 99 of a hundred pixels do not exceed.
     pub flip_p99: f64,
-    /// Root mean square error over pixels and channels in linear light; the target's white is 1, and what is brighter
-    /// counts as white.
+    /// Root mean square error over pixels and channels in linear light; the target's white is 1, and brighter values are clamped to it.
     pub rmse_linear: f64,
-    /// FLIP of each pixel in false colours: black for none, yellow for most.
+    /// FLIP of each pixel in false colours: black for zero, yellow for the maximum.
     pub map: RgbImage,
 }
 

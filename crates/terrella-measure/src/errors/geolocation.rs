@@ -30,7 +30,7 @@ struct Targets {
     attachments: Attachments,
 }
 
-/// Where each pixel of a picture looks.
+/// Geolocation of the pixels of an image.
 #[derive(Clone, Debug)]
 pub struct GeolocationBuffer {
     /// Width and height, pixels.
@@ -90,7 +90,7 @@ impl GeolocationRenderer {
         })
     }
 
-    /// What was drawn last.
+    /// Statistics of the last frame.
     pub fn stats(&self) -> FrameStats {
         self.stats
     }
@@ -185,7 +185,7 @@ impl Targets {
 }
 
 impl GeolocationBuffer {
-    /// Whether the ground is drawn at a pixel.
+    /// Whether a pixel shows ground.
     pub fn is_ground(&self, x: u32, y: u32) -> bool {
         self.texel(x, y)[2] != 0.0
     }
@@ -219,21 +219,21 @@ impl GeolocationBuffer {
     }
 }
 
-/// Errors of places, over those pixels that show ground and whose exact ray, through their middle, meets it.
+/// Errors of geolocation, over the pixels that show ground and whose exact ray, through their centre, meets it.
 ///
-/// In metres they are distances between the place by the pixel's account and the place that the exact ray meets. At the
-/// limb, where the ground is seen edge on, an angle of nothing is a long way on the ground; so they are given in pixels
-/// of the picture too: how far from the pixel's middle the place by its account appears.
+/// In metres they are distances between the pixel's place in the buffer and the place that the exact ray meets. At the limb the ground is seen edge
+/// on, and a tiny angle is a long distance on the ground. Errors are therefore also given in pixels of the image: the distance from the pixel's
+/// centre to the position where the buffer's place appears.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct GeolocationErrors {
     /// Pixels compared.
     pub pixels: usize,
     pub median_m: f64,
-    /// What 99 of a hundred pixels do not exceed, metres.
+    /// 99th percentile, metres.
     pub p99_m: f64,
     /// Largest, metres.
     pub max_m: f64,
-    /// What 99 of a hundred pixels do not exceed, pixels.
+    /// 99th percentile, pixels.
     pub p99_px: f64,
     /// Largest, pixels.
     pub max_px: f64,

@@ -1,4 +1,4 @@
-//! Drawn terrain against its heights.
+//! Drawn terrain compared with its elevation data.
 
 use super::{GeolocationBuffer, pixel_at};
 use crate::SortedSample;
@@ -42,13 +42,13 @@ pub struct GroundErrors {
     pub pixels: usize,
     /// Median of the vertical distance between drawn ground and data, metres.
     pub median_m: f64,
-    /// What 99 of a hundred pixels do not exceed, metres.
+    /// 99th percentile, metres.
     pub p99_m: f64,
     /// Largest, metres.
     pub max_m: f64,
     /// Median of how far drawn ground appears from where its place should, pixels.
     pub median_px: f64,
-    /// What 99 of a hundred pixels do not exceed, pixels.
+    /// 99th percentile, pixels.
     pub p99_px: f64,
     /// Largest, pixels.
     pub max_px: f64,
@@ -56,7 +56,7 @@ pub struct GroundErrors {
     pub holes: usize,
     /// Pixels that show what is not to be seen there: [`GroundPicture::elsewhere`].
     pub elsewhere: usize,
-    /// Pixels that were asked what is to be seen there, space among them.
+    /// Number of pixels compared, space included.
     pub looked_at: usize,
 }
 
@@ -177,10 +177,10 @@ impl GroundPicture {
         }
     }
 
-    /// Pixels that show what is not to be seen within a pixel from there: a place that is to appear more than a pixel away, or
-    /// that lies behind other ground in the exact picture; space where that has ground alone, or ground where it has space
-    /// alone. A peak that is missing counts, one drawn where none is, and what either hides; an outline that is off by less than
-    /// a pixel does not. The border is left out. Of pixels beside each other, `exact` in the same points.
+    /// Pixels whose content is not visible within a pixel of that position in the exact image: a place that should appear more than a pixel away or
+    /// is hidden by other ground; space where there is only ground, or ground where there is only space. It counts a missing or a spurious peak and
+    /// what either hides, but not an outline that is off by less than a pixel. The border is excluded. For adjacent pixels, with `exact` at the
+    /// same points.
     pub fn elsewhere(&self, exact: &TrueRelief) -> usize {
         let (width, height) = self.points.points;
         let mut count = 0;
@@ -271,7 +271,7 @@ impl GroundPicture {
         })
     }
 
-    /// The largest of [`Self::jumps_px`], 0 where there is none.
+    /// The maximum of [`Self::jumps_px`], 0 if there is none.
     pub fn popping_px(&self, before: &Self) -> f64 {
         self.jumps_px(before).fold(0.0, f64::max)
     }

@@ -18,8 +18,8 @@ pub struct SilhouetteErrors {
     pub median_px: f64,
     /// Number of places on the limb that were measured.
     pub places: usize,
-    /// Whether they lie in the picture. Where it shows no limb they go round the whole horizon, with pixels as large as
-    /// in the middle of the picture.
+    /// Whether they are inside the image. If it shows no limb, the points go around the whole horizon, with pixels as large as in the middle of the
+    /// image.
     pub in_view: bool,
 }
 
@@ -33,7 +33,7 @@ const CANDIDATES: usize = 720;
 const MAX_PLACES: usize = 64;
 /// Width and height of the strip across the limb, its own pixels.
 const STRIP: (u32, u32) = (4, 1024);
-/// Half its height at first, pixels of the picture: 1/64 pixel is one of its own.
+/// Initial half height, pixels of the image: its own pixels are 1/64 of that.
 const WINDOW_PX: f64 = 8.0;
 /// Most of half its height, on a plane ahead of the eye.
 const MAX_HALF_HEIGHT: f64 = 2.0;
@@ -46,16 +46,16 @@ struct LimbPoint {
     outward: DVec3,
 }
 
-/// Looks at up to 64 places of a view's limb.
+/// Samples up to 64 points of a view's limb.
 ///
-/// At each, the same eye looks straight at the limb's point with a strip of a picture across it, 64 times as fine as the
-/// picture itself. The mesh depends on where the eye is and not on where it looks, so the edge found there is the
-/// picture's. `draw` draws such a strip; it is given the view and the size.
+/// At each, the same eye looks straight at the limb's point and renders a strip across it, at 64 times the resolution of the image. The mesh
+/// depends on the position of the eye and not on its direction, so the edge found there is that of the image. `draw` renders such a strip; it gets
+/// the view and the size.
 ///
-/// Nothing is looked at from inside the figure.
+/// Nothing is sampled from inside the figure.
 ///
 /// # Errors
-/// Those of `draw`.
+/// Errors of `draw`.
 pub fn silhouette(
     view: &EyeView,
     figure: &Ellipsoid,
@@ -101,7 +101,7 @@ pub fn silhouette(
     })
 }
 
-/// Points of the analytic limb, evenly round it in scaled space; none from inside.
+/// Points of the analytic limb, evenly spaced in scaled space; none from inside.
 fn limb(eye_itrf_m: DVec3, figure: &Ellipsoid) -> Vec<LimbPoint> {
     let scale = figure.itrf_from_scaled();
     let eye = eye_itrf_m / scale;

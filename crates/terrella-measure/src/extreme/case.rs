@@ -1,17 +1,17 @@
-//! A view that nobody would ask for, and what it must show.
+//! An extreme view, and its expected result.
 
 use glam::DVec3;
 use terrella::{Exposure, EyeView, Sky, Subdivision};
 
-/// What must be lit. A pixel that is not finite fails in every case.
+/// Expected lit pixels. A pixel that is not finite fails in every case.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Lit {
     /// Every pixel is black.
     Nothing,
     Pixels(usize, usize),
-    /// From this part of all pixels to that.
+    /// Fraction of lit pixels, from and to.
     Share(f64, f64),
-    /// No picture: an error that says this.
+    /// No image: an error that contains this text.
     Rejected(&'static str),
 }
 
@@ -26,11 +26,11 @@ pub enum Side {
 /// One picture.
 #[derive(Clone, Debug)]
 pub struct ExtremeCase {
-    /// What is extreme about it.
+    /// Its name.
     pub name: &'static str,
-    /// What must be seen, as text for the report.
+    /// The expected result, as text for the report.
     pub expected: &'static str,
-    /// What must be seen, as a count of pixels.
+    /// The expected result, as a number of pixels.
     pub lit: Lit,
     /// The eye. Its projection is for a square picture, whatever the picture's sides.
     pub view: EyeView,

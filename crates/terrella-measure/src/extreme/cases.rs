@@ -1,6 +1,6 @@
-//! The list of cases: eyes in strange places, strange projections, pictures, Suns and options, and what is not finite.
+//! The list of cases: extreme eyes, projections, sizes, Suns and options, and non-finite values.
 //!
-//! A table for readers, each case a row: name, what must be seen in words and as a number, the view.
+//! Each row of the table is a case: name, expected result as text and as a number, the view.
 
 use super::case::{ExtremeCase, Lit, Side};
 use glam::{DAffine3, DMat3, DMat4, DVec3};

@@ -11,7 +11,7 @@ use terrella_imagery::tile::MapLayer;
 /// The first binding of a texture.
 const FIRST_TEXTURE: u32 = 3;
 
-/// What does not depend on which textures are sampled.
+/// The part that does not depend on the sampled textures.
 const SHADER: &str = include_str!("../../shaders/floor.wgsl");
 
 /// A texture, and the coordinates that it is sampled at, in WGSL.
@@ -158,7 +158,7 @@ impl Samples {
             .into_iter()
             .any(|texture| matches!(texture, Texture::Table(_)));
         for (binding, resource) in (1..).zip(resources) {
-            // What the shader does not name is not in its layout.
+            // Bindings that the shader does not use are not in its layout.
             if binding != 2 || has_tables {
                 entries.push(wgpu::BindGroupEntry { binding, resource });
             }

@@ -1,10 +1,10 @@
-//! Where the eye is, and where the Earth's edge lies on screen.
+//! Position of the eye, and of the Earth's edge on screen.
 
 use glam::{DVec3, Vec3};
 use terrella::EyeView;
 use terrella::frames::Ellipsoid;
 
-/// Corners of the disc, three times a power of two: its edge lies within 6e-4 of its radius inside the limb.
+/// Number of corners of the disc, three times a power of two: its edge is within 6e-4 of its radius inside the limb.
 pub const CORNERS: u32 = 96;
 
 /// The shader's `View`.

@@ -1,4 +1,4 @@
-//! What a depth buffer of f32 still knows of a distance.
+//! Distance resolution of an f32 depth buffer.
 
 use super::formula::{AnyFormula, ErrorMeasure, Form, Formula};
 use super::method::log_spaced;

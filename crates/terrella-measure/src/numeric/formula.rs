@@ -5,7 +5,7 @@ use super::oracle::Real;
 
 type ErrorOf<I, O> = dyn Fn(&I, &O) -> f64;
 
-/// How far off an answer is.
+/// Measure of a result's error.
 pub struct ErrorMeasure<I, O = f64> {
     unit: &'static str,
     error: Box<ErrorOf<I, O>>,
@@ -28,7 +28,7 @@ impl<I: 'static> ErrorMeasure<I> {
 }
 
 impl<I, O> ErrorMeasure<I, O> {
-    /// As a function says, which knows the exact answer or what it would take to make the answer exact.
+    /// By a function that computes the error from input and result.
     pub fn by(unit: &'static str, error: impl Fn(&I, &O) -> f64 + 'static) -> Self {
         Self {
             unit,
@@ -39,17 +39,17 @@ impl<I, O> ErrorMeasure<I, O> {
 
 /// One way to write a formula.
 pub struct Form<I, O = f64> {
-    /// What it is called: `as printed: L − R²/L`.
+    /// Its name: `as printed: L − R²/L`.
     pub name: &'static str,
     /// The largest error that it must keep over the whole range; `None` for a form that is there to be compared with.
     pub bound: Option<f64>,
-    /// Its answer.
+    /// The formula.
     pub value: fn(&I) -> O,
 }
 
-/// A formula with its forms, the range that it is needed in, and what is exact.
+/// A formula in several forms, its required range, and its exact result.
 ///
-/// `I` is what a form computes from, bits and all: the oracle starts from the same floats. `O` is what it answers.
+/// `I` is the input of a form, to the bit: the oracle starts from the same floats. `O` is its result.
 pub struct Formula<I, O = f64> {
     /// Name of the computed quantity.
     pub name: &'static str,
@@ -58,14 +58,14 @@ pub struct Formula<I, O = f64> {
     /// Name of the swept parameter, with its unit.
     pub parameter: &'static str,
     pub values: Vec<f64>,
-    /// The cases that a value stands for. The error at the value is the worst of them.
+    /// The inputs for a value. The error at the value is the largest of theirs.
     pub inputs: fn(f64) -> Vec<I>,
     pub error_measure: ErrorMeasure<I, O>,
     /// The forms; the first is the printed or obvious one.
     pub forms: Vec<Form<I, O>>,
 }
 
-/// How one form of a formula stands up to the oracle.
+/// Accuracy of one form of a formula compared with the oracle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StabilityRow {
     pub formula: &'static str,
@@ -79,7 +79,7 @@ pub struct StabilityRow {
     pub range_holds: Option<(f64, f64)>,
     /// The bound that the stable form keeps over the whole range. All forms are compared with it.
     pub bound: f64,
-    /// Whether this form must keep it.
+    /// Whether this form must meet the bound.
     pub is_stable: bool,
     /// Unit of bound and error.
     pub unit: &'static str,

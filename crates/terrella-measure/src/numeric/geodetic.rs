@@ -8,8 +8,7 @@ use terrella::frames::{Ellipsoid, Geodetic};
 
 const FIGURE: Ellipsoid = Ellipsoid::WGS84;
 
-/// How far the answer lies from the position, in roundings of the position: |exact position of the answer − p| over
-/// ε·max(|p|, a).
+/// Distance of the result from the position, in roundings of the position: |exact position of the result − p| over ε·max(|p|, a).
 fn roundings(p: &DVec3, g: &Geodetic) -> f64 {
     if !(g.lat_rad.is_finite() && g.lon_rad.is_finite() && g.height_m.is_finite()) {
         return f64::INFINITY;

@@ -1,4 +1,4 @@
-//! How far below level the horizon lies.
+//! Dip of the horizon.
 
 use super::formula::{AnyFormula, ErrorMeasure, Form};
 use super::limb::{EyeAboveSphere, over_heights};

@@ -12,9 +12,9 @@ pub struct Sweep {
     pub values: Vec<f64>,
 }
 
-/// A family of ways to compute something, with a parameter that trades error for cost or says how hard the case is.
+/// A family of numerical methods, with a parameter that trades error for cost or sets the difficulty of the case.
 pub trait Method {
-    /// What is computed.
+    /// Name of the problem.
     fn name(&self) -> &str;
 
     /// Unit of [`Self::error`]: `relative`, `m`, `px`.
@@ -28,15 +28,15 @@ pub trait Method {
     /// The ways to compute it.
     fn variants(&self) -> Vec<&str>;
 
-    /// What is swept.
+    /// The swept parameter.
     fn sweep(&self) -> Sweep;
 
-    /// Error of a variant at a value of the parameter. Infinite or not a number where the variant's answer is.
+    /// Error of a variant at a value of the parameter. Infinite or NaN if the variant's result is.
     ///
-    /// A reference that takes a long run is made once and kept by the method, in a `OnceCell` for instance.
+    /// An expensive reference is computed once and cached by the method, for example in a `OnceCell`.
     fn error(&self, variant: usize, at: f64) -> f64;
 
-    /// What a variant costs at a value of the parameter.
+    /// Cost of a variant at a value of the parameter.
     fn work(&self, variant: usize, at: f64) -> Work<'_>;
 }
 
@@ -100,9 +100,9 @@ impl Measurement {
     }
 }
 
-/// Measures every variant at every value, each cost `repeats` times after one run that is thrown away.
+/// Measures every variant at every value, each cost `repeats` times after one discarded run.
 ///
-/// At one value the variants take turns, so that a slower or faster spell of the machine meets them all.
+/// At one value the variants are interleaved, so that variations of the machine's speed affect all of them.
 pub fn measure(method: &dyn Method, repeats: u32) -> Vec<Measurement> {
     let sweep = method.sweep();
     let variants = method.variants();

@@ -1,8 +1,7 @@
-//! The oracle: real numbers of 320 bits, which say what a formula in f64 or f32 should have given.
+//! The oracle: real numbers of 320 bits, for the exact result of a formula in f64 or f32.
 //!
-//! A thin coat over `astro-float-num`: operators, and the few functions that the formulas need. Every f32 and f64 goes in
-//! unchanged; each operation is rounded once, to 320 bits, so that a formula of a hundred operations that cancels 150
-//! bits still answers far more digits than an f64 has.
+//! A thin wrapper around `astro-float-num`: operators, and the few functions that the formulas need. Every f32 and f64 is represented exactly; each
+//! operation is rounded once, to 320 bits. A formula of a hundred operations that cancels 150 bits still has far more digits than an f64.
 
 use astro_float_num::{BigFloat, Consts, RoundingMode};
 use std::cell::RefCell;
@@ -13,7 +12,7 @@ const BITS: usize = 320;
 const ROUNDING: RoundingMode = RoundingMode::ToEven;
 
 thread_local! {
-    /// Digits of π and the like, computed once a thread.
+    /// π and similar constants, computed once a thread.
     static CONSTS: RefCell<Consts> =
         RefCell::new(Consts::new().expect("astro-float's table of constants needs a few bytes of memory"));
 }
@@ -27,8 +26,7 @@ fn with_consts<T>(f: impl FnOnce(&mut Consts) -> T) -> T {
 pub struct Real(BigFloat);
 
 impl Real {
-    /// The number that a decimal text says, rounded to 320 bits: for constants as they are published. Not a number if
-    /// the text is none.
+    /// The number of a decimal text, rounded to 320 bits: for constants as published. NaN if the text is invalid.
     pub fn decimal(text: &str) -> Self {
         let radix = astro_float_num::Radix::Dec;
         Self(with_consts(|consts| {
@@ -90,7 +88,7 @@ impl Real {
         if x.0.is_zero() && self.0.is_zero() {
             return Self::from(0.0);
         }
-        // The smaller over the larger, so that neither quotient nor arc tangent runs to infinity.
+        // The smaller over the larger, so that neither quotient nor arc tangent becomes infinite.
         if self.abs() > x.abs() {
             let quarter = Self::pi() * Self::from(0.5);
             let rest = (x / self).atan();
@@ -143,7 +141,7 @@ impl Real {
         if top == 0 {
             return 0.0;
         }
-        // 64 bits (astro-float's word on machines of 64 bits) and one that says whether anything follows: enough for a correct last rounding.
+        // 64 bits (the word size of astro-float on 64-bit machines) and a sticky bit: enough for a correct last rounding.
         let sticky = u64::from(below.iter().any(|word| *word != 0));
         let mantissa = (top | sticky) as f64;
         let power = exponent - 64;

@@ -1,7 +1,6 @@
-//! Where a pixel lies on the ground, in f32: `surface_point` of `shaders/earth/surface_point/ray_on_ellipsoid.wgsl`, line for
-//! line.
+//! Position of a pixel on the ground, in f32: `surface_point` of `shaders/earth/surface_point/ray_on_ellipsoid.wgsl`, line by line.
 //!
-//! `tests/accuracy/extreme` runs the shader's own text on the adapter and compares, so that this cannot become another formula.
+//! `tests/accuracy/extreme` runs the shader itself on the adapter and compares, so that the two stay the same.
 
 use super::formula::{AnyFormula, ErrorMeasure, Form, Formula};
 use super::method::log_spaced;
@@ -13,7 +12,7 @@ use terrella_ground::globe::{Block, COLUMNS, ROWS};
 
 const FIGURE: Ellipsoid = Ellipsoid::WGS84;
 
-/// An eye, a ray and the block that the ray is known to meet.
+/// An eye, a ray and the block that the ray meets.
 #[derive(Clone, Copy, Debug)]
 pub struct PixelRay {
     pub eye_itrf_m: DVec3,
@@ -22,7 +21,7 @@ pub struct PixelRay {
     pub block: Block,
 }
 
-/// What the shader is given of it.
+/// Input of the shader.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShaderInput {
     /// The eye in scaled space.
@@ -38,7 +37,7 @@ pub struct ShaderInput {
     pub center_lat: Vec2,
 }
 
-/// What the shader finds.
+/// Result of the shader.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placed {
     /// Outward normal.
@@ -167,8 +166,8 @@ fn whole_map(input: &ShaderInput, center_uv: Vec2) -> Placed {
     }
 }
 
-/// How far the texel lies from the ray, metres: distance on the ground, times the sine at which the ray meets it. That is
-/// the shift on screen, by pixel size and distance.
+/// Distance of the texel from the ray, metres: distance on the ground, times the sine of the angle at which the ray meets it. It is the shift on
+/// screen, in terms of pixel size and distance.
 fn off_across_m(pixel: &PixelRay, placed: &Placed) -> f64 {
     let Some(up) = pixel.exact() else {
         return 0.0;
@@ -204,8 +203,7 @@ fn normal_off_rad(pixel: &PixelRay, placed: &Placed) -> f64 {
     dot(&off, &off).sqrt().to_f64()
 }
 
-/// Pixels from one height, over several places: towards the ground below, aside, and towards the limb where the ray
-/// meets the ground at 12°.
+/// Pixels from one height, over several places: towards the ground below, to the side, and towards the limb where the ray meets the ground at 12°.
 fn pixels_from(height_m: f64) -> Vec<PixelRay> {
     // Sine of the angle at the centre between the eye and where a ray meets the ground at that slope.
     let ratio = 1.0 / (1.0 + height_m / FIGURE.equatorial_radius_m);

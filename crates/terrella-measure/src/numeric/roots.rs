@@ -1,4 +1,4 @@
-//! Where a ray meets the ellipsoid: the nearer root of |e + t·d| = 1 in scaled space.
+//! Intersection of a ray with the ellipsoid: the nearer root of |e + t·d| = 1 in scaled space.
 
 use super::formula::{AnyFormula, ErrorMeasure, Form, Formula};
 use super::method::log_spaced;
@@ -34,11 +34,10 @@ impl Ray {
     }
 }
 
-/// Backward error of a root, metres: how far the sphere's surface would have to move for the answer to be right.
+/// Backward error of a root, metres: the displacement of the sphere's surface for which the result would be exact.
 ///
-/// A point that is given must lie on the surface. No point (not a number) is right for a ray that passes outside, and
-/// off by the depth to which the ray dips for one that does not. A forward error would say more about the ray than
-/// about the formula: near the limb the ground runs along the ray.
+/// A resulting point must lie on the surface. No point (NaN) is correct for a ray that misses; for one that does not, its error is the depth of the
+/// ray below the surface. A forward error would describe the ray rather than the formula: near the limb the ground runs along the ray.
 fn backward_error_m(ray: &Ray, t: f64) -> f64 {
     let radius = Real::from(Ellipsoid::WGS84.equatorial_radius_m);
     let (e, d) = (real3(ray.eye), real3(ray.direction));
@@ -59,7 +58,7 @@ fn backward_error_m(ray: &Ray, t: f64) -> f64 {
     (off.abs() * radius).to_f64()
 }
 
-/// Rays of all kinds from one height: towards the middle, aside, and within 2⁻⁴⁰ of the limb on either side.
+/// Rays of all kinds from one height: towards the middle, to the side, and within 2⁻⁴⁰ of the limb on either side.
 fn rays_from(height_m: f64) -> Vec<Ray> {
     let height = height_m / Ellipsoid::WGS84.equatorial_radius_m;
     let near = [4, 10, 20, 30, 40].map(|k| 2f64.powi(-k));

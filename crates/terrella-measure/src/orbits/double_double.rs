@@ -1,8 +1,8 @@
 //! Double-double arithmetic: the sum of two f64, 32 decimal digits (Dekker 1971; Knuth, TAOCP 2, 4.2.2).
 //!
-//! Why not a library: `twofloat` 0.8 brings a `syn` of its own (1.0, for hexadecimal literals) beside the two that are here
-//! already, and `libm`; the numbers of `astro-float-num`, with which the tests below compare, are some
-//! thirty times slower, and a report integrates ten months of orbits with these.
+//! Not a library: `twofloat` 0.8 brings another version of `syn` (1.0, for hexadecimal literals) beside the two that are already used, and `libm`.
+//! The numbers of `astro-float-num`, with which the tests below compare, are some thirty times slower, and a report integrates ten months of orbits
+//! with these.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -36,7 +36,7 @@ impl From<f64> for DoubleDouble {
     }
 }
 
-/// a + b and what is rounded away.
+/// a + b and its rounding error.
 fn two_sum(a: f64, b: f64) -> DoubleDouble {
     let high = a + b;
     let part = high - a;
@@ -62,7 +62,7 @@ fn split(a: f64) -> (f64, f64) {
     (high, a - high)
 }
 
-/// a b and what is rounded away.
+/// a b and its rounding error.
 fn two_product(a: f64, b: f64) -> DoubleDouble {
     let high = a * b;
     let ((a1, a2), (b1, b2)) = (split(a), split(b));

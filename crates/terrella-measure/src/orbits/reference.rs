@@ -1,4 +1,4 @@
-//! Where a satellite truly is: extrapolation in double-double numbers.
+//! The true orbit of a satellite: extrapolation in double-double numbers.
 
 use super::double_double::DoubleDouble;
 use glam::DVec3;

@@ -39,7 +39,7 @@ pub fn rows(repeats: u32) -> Vec<OrbitRow> {
         .collect()
 }
 
-/// One method with one tolerance, and what its runs took.
+/// One method with one tolerance, and the times of its runs.
 struct Entry {
     method: &'static str,
     solver: Option<Solver>,
@@ -79,7 +79,7 @@ fn case_rows(case: &OrbitCase, repeats: u32) -> Vec<OrbitRow> {
         let once_s = entry.time(case) * 1e-3;
         entry.calls = (LEAST_S / once_s.max(1e-7)).ceil().max(1.0) as u32;
     }
-    // Interleaved, so that a slower spell of the machine meets all methods.
+    // Interleaved, so that a slower phase of the machine affects all methods.
     for _ in 0..repeats {
         for entry in &mut entries {
             entry.milliseconds.push(entry.time(case));

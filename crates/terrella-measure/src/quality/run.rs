@@ -23,7 +23,7 @@ pub(super) fn run(
     progress.begin("loading maps", None);
     let gpu = pollster::block_on(GpuContext::open(request.adapter)).map_err(PlayError::from)?;
     let mut options = flight.earth_options(gpu.bc_support())?;
-    // One for all, so that they can be compared, and edges to give up.
+    // One exposure for all, so that they can be compared, and multisampling that can be reduced.
     options.exposure = Exposure::Ev(options.exposure.fixed_ev());
     options.samples = EDGE_SAMPLES;
     let open = || OffscreenRenderer::open(gpu.clone(), options.clone(), request.size);
@@ -89,7 +89,7 @@ pub(super) fn run(
     }
 }
 
-/// Two renderers of one Earth, the full quality in one and what is tried in the other.
+/// Two renderers of one Earth, one at full quality and one for the tried combination.
 struct Meter {
     full: OffscreenRenderer,
     tried: OffscreenRenderer,
@@ -102,8 +102,8 @@ struct Meter {
     is_software: bool,
 }
 
-/// What a frame costs, milliseconds: its time, the device waited for. Where the processor draws, the processor time of all threads, which
-/// does not grow with what else the machine does.
+/// Cost of a frame, milliseconds: its time including the wait for the device. With CPU rendering, the processor time of all threads, which does not
+/// depend on other load of the machine.
 fn time_ms(
     renderer: &mut OffscreenRenderer,
     moment: &Moment,
@@ -126,7 +126,7 @@ impl Meter {
         Ok(())
     }
 
-    /// What of all reductions would change something on top of these.
+    /// Reductions that would have an effect in addition to these.
     fn left(&self, given_up: &[QualityReduction]) -> Vec<QualityReduction> {
         let has_tiles = self.full.earth().has_tiles();
         let quality = given_up
@@ -150,8 +150,7 @@ impl Meter {
             error += flip_mean(&self.tried.read()?, picture);
         }
         error /= self.moments.len().max(1) as f64;
-        // Each view's ratio by itself, weighed by its time: pairs of frames are short, and what else the machine does seldom
-        // changes within one.
+        // The ratio of each view separately, weighted by its time: pairs of frames are short, and the machine's load seldom changes within one.
         let (mut cost, mut weight) = ([0.0; 3], 0.0);
         for moment in &self.moments {
             let (mut full_ms, mut ratios) = (Vec::new(), Vec::new());

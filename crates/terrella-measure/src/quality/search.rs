@@ -5,10 +5,10 @@ use terrella::{QualityLadder, QualityReduction, QualityStep};
 /// Error that no eye sees, mean FLIP: what adds less counts as adding this much, so that a free saving is not endlessly better.
 const UNSEEN: f64 = 2e-4;
 
-/// Some reductions together, and what was measured of them.
+/// A combination of reductions, and its measurement.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Combination {
-    /// What is given up, in the order in which it was.
+    /// Its reductions, in the order of application.
     pub reductions: Vec<QualityReduction>,
     /// Time of the frames as part of those in full quality: median and quartiles of the repeats.
     pub cost: [f64; 3],
@@ -41,11 +41,11 @@ impl Combination {
     }
 }
 
-/// Of combinations that each add something to one of this cost and error, the one that saves most for the error that it adds; `None`
-/// where none saves as much as a step must.
+/// Of combinations that each add a reduction to one of this cost and error, the one with the largest saving per added error; `None` if none saves
+/// as much as a step must.
 ///
-/// Lower resolutions are one choice together, as good as the best of them; of those that save enough the highest is taken, so that
-/// a ladder goes down through all that are worth a step.
+/// Lower resolutions are one choice together, as good as the best of them. Of those that save enough the highest is taken, so that a ladder passes
+/// through all that are worth a step.
 pub fn best(cost: f64, error: f64, tried: &[Combination]) -> Option<usize> {
     let worth = |one: &Combination| (cost / one.cost()).ln() / (one.error - error).max(UNSEEN);
     let enough = (1.0 - QualityLadder::MIN_SAVING) * cost;
@@ -61,7 +61,7 @@ pub fn best(cost: f64, error: f64, tried: &[Combination]) -> Option<usize> {
     Some(taken.0)
 }
 
-/// Whether another combination costs less with no more error, by as much as a step saves: less may be noise.
+/// Whether another combination costs less, by at least the saving of a step, with no more error: smaller differences may be noise.
 fn is_beaten(one: &Combination, all: &[Combination]) -> bool {
     let enough = (1.0 - QualityLadder::MIN_SAVING) * one.cost();
     all.iter()

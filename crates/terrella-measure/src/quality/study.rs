@@ -1,4 +1,4 @@
-//! What is found, as tables and a chart.
+//! Results as tables and a chart.
 
 use super::search::{Combination, ladder_of};
 use crate::output::csv_text;
@@ -21,9 +21,9 @@ pub struct QualityStudy {
     /// How often each was timed over all views.
     pub repeats: u32,
     pub views: usize,
-    /// What was measured, in its order.
+    /// Measured combinations, in order.
     pub combinations: Vec<Combination>,
-    /// Whether it was stopped before its end.
+    /// Whether it was stopped early.
     pub is_stopped: bool,
 }
 

@@ -1,4 +1,4 @@
-//! Where reductions of quality are seen from.
+//! Views for the comparison of quality reductions.
 
 use crate::GroundPath;
 use terrella::{EyeView, Sky};

@@ -1,13 +1,13 @@
-//! The air by quadrature: what a ray of sight gathers and loses, and what sunlight is left anywhere, wavelength by wavelength.
+//! The air by quadrature: light and transmittance along a line of sight, and sunlight at any point, by wavelength.
 //!
-//! Spherical shells of the unit sphere of scaled space, straight rays, light without polarisation. Each ray is cut where the
-//! air changes its law ([`super::path`]) and integrated by Gauss's rule in every piece; columns at the nodes are integrated
-//! to the same order. Light that is scattered once has the whole phase functions; what is scattered more often is
-//! [`super::orders`]. Of hazy air both are followed through what does not scatter them nearly straight on (the TMS method of
-//! Nakajima and Tanaka 1988, J. Quant. Spectrosc. Radiat. Transfer 40, 51); in clear air nothing is approximated but integrals. Neither the drawn air's model nor its tables are used.
+//! Spherical shells of the unit sphere of scaled space, straight rays, light without polarisation. Each ray is divided where the density laws
+//! change ([`super::path`]) and integrated by Gauss's rule in every piece; columns at the nodes are integrated to the same order. Single scattering
+//! uses the full phase functions; multiple scattering is in [`super::orders`]. In hazy air the nearly forward part of the aerosol's scattering
+//! counts as unscattered in both (the TMS method of Nakajima and Tanaka 1988, J. Quant. Spectrosc. Radiat. Transfer 40, 51); in clear air only
+//! integrals are approximated. Neither the drawn air's model nor its tables are used.
 //!
-//! Columns towards the Sun are kept in a table by height and Sun cosine with cubic interpolation; `air_tests.rs` measures it
-//! against direct quadrature.
+//! Columns towards the Sun are stored in a table by height and Sun cosine with cubic interpolation; `air_tests.rs` compares it with direct
+//! quadrature.
 
 use super::field::{BySun, Field, Grid, basis, moments, parts};
 use super::geometry::ScaledRay;
@@ -47,7 +47,7 @@ pub(super) struct Air {
 /// Light scattered more than once.
 #[derive(Clone, Debug)]
 pub(super) struct Scattered {
-    /// Where it is known.
+    /// Points of its tables.
     pub grid: Grid,
     /// Over black ground.
     pub sun: Field,
@@ -59,19 +59,19 @@ pub(super) struct Scattered {
     pub sky: BySun,
 }
 
-/// What a ray of sight gathers and loses.
+/// Light and transmittance along a line of sight.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sight {
     /// Light scattered into it over black ground, per unit irradiance of the Sun and steradian.
     pub black: Spectrum,
-    /// What white ground that returned its light once would add.
+    /// Light added by white ground that reflects its light once.
     pub bounced: Spectrum,
     /// Fraction of light that passes all of it, or goes nearly straight on.
     pub transmittance: Spectrum,
 }
 
 impl Air {
-    /// Makes an air ready over ground of a radius, but for light that is scattered more than once.
+    /// Computes an air over ground of a radius, without multiple scattering.
     pub fn without_orders(matter: Matter, radius_m: f64) -> Self {
         let top = 1.0 + THICKNESS_M / radius_m;
         let shells: Vec<f64> = SHELLS_M.iter().map(|h| 1.0 + h / radius_m).collect();
@@ -122,7 +122,7 @@ impl Air {
         ]
     }
 
-    /// What the moments of light are multiplied by, by degree, in light that is scattered with these coefficients: 1/sr.
+    /// Factors of the moments of light, by degree, in light scattered with these coefficients: 1/sr.
     pub fn kernels(&self, molecules: &Spectrum, aerosol: &Spectrum) -> [Spectrum; 4] {
         std::array::from_fn(|degree| {
             let of_molecules = [1.0, 0.0, molecule_second_moment(), 0.0][degree];
@@ -133,8 +133,7 @@ impl Air {
         })
     }
 
-    /// Columns of what lies between a height, equatorial radii, and a Sun at zenith cosine `mu`; `None` where the Earth is in
-    /// between.
+    /// Columns between a height, equatorial radii, and a Sun at zenith cosine `mu`; `None` if the Earth is in between.
     pub fn columns_to_sun(&self, height: f64, mu: f64) -> Option<DVec3> {
         let horizon = horizon_cosine(height);
         if mu < horizon {
@@ -153,8 +152,7 @@ impl Air {
         }
     }
 
-    /// Irradiance of level black ground by the sky alone where the Sun stands at zenith cosine `mu`, as a fraction of the Sun's
-    /// in space.
+    /// Irradiance of horizontal black ground by the sky alone for a Sun at zenith cosine `mu`, as a fraction of the Sun's in space.
     pub fn skylight_on_ground(&self, mu: f64) -> Spectrum {
         self.scattered
             .as_ref()
@@ -274,7 +272,7 @@ impl Air {
         (1.0 + molecule_second_moment() * 0.5 * (3.0 * cos * cos - 1.0)) / (4.0 * PI)
     }
 
-    /// What is left of the aerosol's without light that goes nearly straight on, to the degree of the moments: 1/sr.
+    /// The aerosol's phase function without its nearly forward part, to the degree of the moments: 1/sr.
     pub fn aerosol_phase_aside(&self, cos: f64) -> f64 {
         // Legendre's polynomials.
         let degrees = [

@@ -130,7 +130,7 @@ fn light_along_rays_converges() {
 
 #[test]
 fn energy_is_not_made() {
-    // The ground gets no more of Sun and sky than what comes, and the sky sends back a part.
+    // The ground receives no more than the incident light of Sun and sky, and the sky scatters a part back.
     let back = air().sky_albedo();
     assert!(
         back.iter().all(|part| (0.02..0.4).contains(part)),
@@ -162,7 +162,7 @@ fn light_of_the_ground_is_seen_through_the_air() {
         black.own.max_element() < 1.0 && black.own.x > black.own.z,
         "{black:?}"
     );
-    // Sunlight that crossed the air has little blue left to lose: what comes of it is near what comes of any light.
+    // Sunlight that crossed the air has little blue left to lose: the eye receives nearly the same fraction of it as of other light.
     assert!(
         (black.sun / black.own - 1.0).abs().max_element() < 0.03,
         "{black:?}"
@@ -172,7 +172,7 @@ fn light_of_the_ground_is_seen_through_the_air() {
     assert_eq!(white.sun, black.sun);
 }
 
-/// An independent program's light of a grey Lambertian layer at 6 km: its file says how it was computed.
+/// Light of a grey Lambertian layer at 6 km from an independent program: its file describes the computation.
 const LAYER: &str = include_str!("../../../../tests/data/air/lambert_layer_6_km.csv");
 
 #[test]

@@ -8,7 +8,7 @@ use glam::DVec3;
 pub(super) struct CloudSeenFromBelow {
     /// Light that it sends to the eye.
     pub light: DVec3,
-    /// The part of what is behind that shows through it as it is.
+    /// Fraction of the light from behind that is transmitted directly.
     pub through: f64,
 }
 
@@ -21,11 +21,11 @@ const LEAST_SUN: f64 = 0.05;
 const UNDERSIDE: (f64, f64) = (-0.03, 0.06);
 
 impl CloudSeenFromBelow {
-    /// Of a layer that throws back `albedo` of diffuse light, 0…1, in this light of Sun and sky. `cosines` are those of the eye's ray and of
-    /// the Sun to the vertical, and between them; `about` is the albedo of the ground below.
+    /// Of a layer that reflects the fraction `albedo` of diffuse light, 0…1, in this light of Sun and sky. `cosines` are those of the eye's ray and
+    /// of the Sun to the vertical, and between them; `about` is the albedo of the ground below.
     pub fn new(albedo: f64, cosines: (f64, f64, f64), light: &Light, about: DVec3) -> Self {
         let (of_eye, of_sun, between) = cosines;
-        // Optical depth by two streams, and what delta-Eddington makes of it.
+        // Optical depth by the two-stream approximation, and its delta-Eddington scaling.
         let depth = 4.0 / 3.0 * albedo / ((1.0 - albedo) * (1.0 - ASYMMETRY));
         let scaled = depth * (1.0 - ASYMMETRY * ASYMMETRY);
         let through = (-scaled / of_eye.max(LEAST_EYE)).exp();
@@ -69,7 +69,7 @@ mod tests {
     fn thick_clouds_are_dark_and_hide_the_sky() {
         let (thin, thick) = (seen(0.05, 0.7, 0.0), seen(0.75, 0.7, 0.0));
         assert!(thin.through > 0.7 && thick.through < 1e-3);
-        // What is not thrown back comes down: of a thick layer 15 to 25 % with a high Sun.
+        // Light that is not reflected is transmitted: for a thick layer 15 to 25 % with a high Sun.
         assert!((0.1..0.2).contains(&thick.light.x), "{}", thick.light.x);
         assert!(seen(0.3, 0.7, 0.0).light.x > thick.light.x);
     }

@@ -44,7 +44,7 @@ impl DirectionalReflectance {
         Self { opposition, phase }
     }
 
-    /// What an eye at this cosine to the Sun sees of a place that the Sun lights at the cosine `mu`, of a Lambertian surface's light.
+    /// Radiance relative to a Lambertian surface, at this cosine between eye and Sun, for the Sun at the cosine `mu`.
     pub fn of_opposition(&self, cos_phase: f64, mu: f64) -> f64 {
         let (i, part) = self.sun(mu);
         let mean = self.opposition[i] * (1.0 - part) + self.opposition[i + 1] * part;
@@ -68,7 +68,7 @@ impl DirectionalReflectance {
         seen + (sunlit - all).max(0.0) * self.of_opposition(cos_phase, mu)
     }
 
-    /// The entry below a cosine of the Sun, and how far it is to the next one.
+    /// The entry below a cosine of the Sun, and the fraction of the way to the next one.
     fn sun(&self, mu: f64) -> (usize, f64) {
         let at = mu.clamp(0.0, 1.0) * (SUNS - 1) as f64;
         let below = (at as usize).min(SUNS - 2);
@@ -111,7 +111,7 @@ fn scattering(cos_phase: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Over all directions land and clouds reflect what a Lambertian surface does.
+    /// Over all directions land and clouds reflect as much as a Lambertian surface.
     #[test]
     fn no_light_is_lost_or_won() {
         let light = DirectionalReflectance::get();

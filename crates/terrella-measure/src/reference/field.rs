@@ -9,7 +9,7 @@ pub(super) const MOMENTS: usize = 10;
 
 pub(super) const DEGREE: [usize; MOMENTS] = [0, 1, 1, 2, 2, 2, 3, 3, 3, 3];
 
-/// Those of even degree up to 2: all that molecules know.
+/// Moments of even degree up to 2, which suffice for molecules.
 const OF_MOLECULES: &[usize] = &[0, 3, 4, 5];
 const ALL: &[usize] = &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9];
 
@@ -55,15 +55,15 @@ pub(super) fn basis(x: f64, z: f64) -> [f64; MOMENTS] {
     ]
 }
 
-/// The parts of a direction of light at a point that [`basis`] asks for. `up` is the point's unit vector.
+/// Components of a direction of light at a point, as [`basis`] needs them. `up` is the point's unit vector.
 pub(super) fn parts(direction: DVec3, up: DVec3, sun: DVec3) -> (f64, f64) {
     let (z, mu) = (direction.dot(up), sun.dot(up));
     let across = ((1.0 - mu) * (1.0 + mu)).max(1e-12).sqrt();
-    // Where the Sun stands in the zenith no direction is its side, and what it would be multiplied by is nothing.
+    // With the Sun in the zenith the azimuth is undefined, and its factor is zero.
     (((direction.dot(sun) - z * mu) / across).clamp(-1.0, 1.0), z)
 }
 
-/// Where heights and Suns stand in tables.
+/// Heights and Sun cosines of tables.
 #[derive(Clone, Debug)]
 pub(super) struct Grid {
     /// Thickness of the air, equatorial radii.
@@ -80,7 +80,7 @@ pub(super) struct Corners {
 }
 
 impl Grid {
-    /// The grid of all Suns of an air so thick, in equatorial radii.
+    /// The grid of all Suns for an air of this thickness, in equatorial radii.
     pub fn new(thickness: f64) -> Self {
         Self {
             thickness,
@@ -161,7 +161,7 @@ impl BySun {
         }
     }
 
-    /// The spectrum where the Sun stands at a zenith cosine; nothing by night.
+    /// The spectrum for a zenith cosine of the Sun; zero by night.
     pub fn at(&self, mu: f64) -> Spectrum {
         let Some((before, after, part)) = self.grid.between(mu) else {
             return [0.0; BANDS];
@@ -193,14 +193,14 @@ fn between(values: &[f64], weights: &[f64]) -> f64 {
 pub(super) struct Field {
     /// Rows of heights from the ground, each with all Suns.
     pub values: Vec<[Spectrum; MOMENTS]>,
-    /// Logarithms of all light in the leading band.
+    /// Logarithms of the total light in the leading band.
     logs: Vec<f64>,
 }
 
 impl Field {
     /// Of all places: rows of heights from the ground, each with all Suns.
     pub fn new(values: Vec<[Spectrum; MOMENTS]>) -> Self {
-        // What is not positive becomes −∞ or no number, which `corrected` passes over.
+        // A value that is not positive becomes −∞ or NaN, which `corrected` skips.
         let logs = values
             .iter()
             .map(|moments| moments[0][LEADING_BAND].ln())

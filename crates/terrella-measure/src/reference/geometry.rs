@@ -1,4 +1,4 @@
-//! Rays of a view, where they meet the ellipsoid, and the limb. All in f64.
+//! Rays of a view, their intersection with the ellipsoid, and the limb. All in f64.
 //!
 //! Everything is done in scaled space, (x/a, y/a, z/b), where the ellipsoid is the unit sphere.
 
@@ -6,11 +6,11 @@ use glam::{DMat3, DVec2, DVec3};
 use terrella::EyeView;
 use terrella::frames::Ellipsoid;
 
-/// Where the ray through a place of the picture meets the ellipsoid, ITRF metres; `None` where it misses, for an eye
-/// inside the ellipsoid, and for a view that is not finite.
+/// Intersection with the ellipsoid of the ray through a point of the image, ITRF metres; `None` if it misses, for an eye inside the ellipsoid, and
+/// for a view that is not finite.
 ///
-/// `at` is in pixels from the upper left corner, not rounded: the first pixel's centre is (0.5, 0.5). `size` is the
-/// picture's width and height, pixels. Near and far plane cut nothing off.
+/// `at` is in pixels from the upper left corner, not rounded: the first pixel's centre is (0.5, 0.5). `size` is the image's width and height,
+/// pixels. Near and far plane do not clip.
 pub fn ground_point(
     view: &EyeView,
     figure: Ellipsoid,
@@ -25,10 +25,10 @@ pub fn ground_point(
     Some(line.point(distance) * scale)
 }
 
-/// Angle from `axis` to the limb on the way to `across`, radians.
+/// Angle from `axis` to the limb in the direction of `across`, radians.
 ///
-/// `eye_m` is the eye and `axis` a direction that meets the ellipsoid, both ITRF; `across` is turned at right angles to
-/// it. `None` for an eye inside, a zero vector, and where the limb is 90° away or more.
+/// `eye_m` is the eye and `axis` a direction that meets the ellipsoid, both ITRF; `across` is orthogonalised to it. `None` for an eye inside, a
+/// zero vector, and a limb at 90° or more.
 ///
 /// The rays d that meet the ellipsoid fill the cone |d|² − |e × d|² ≥ 0 of scaled space; in the plane of `axis` and
 /// `across` that is a quadratic equation for the angle's tangent.
@@ -66,7 +66,7 @@ pub(crate) struct Rays {
 }
 
 impl Rays {
-    /// `None` if the view is not finite or sees nothing. The projection's centre is the eye.
+    /// `None` if the view is not finite or shows nothing. The projection's centre is the eye.
     ///
     /// With the rows x, y, w of the projection the ray at (X, Y) of the clip square lies in the planes x − X w = 0 and
     /// y − Y w = 0, so it runs along their cross product, x×y − Y x×w − X w×y: linear in X and Y for every projection,
@@ -105,7 +105,7 @@ pub(super) struct ScaledRay {
     pub direction: DVec3,
     /// Its distance from the centre.
     pub nearest: f64,
-    /// Distance from the start to its nearest point; negative if that lies behind.
+    /// Distance from the start to its nearest point; negative if that is behind.
     pub along: f64,
 }
 
@@ -115,7 +115,7 @@ impl ScaledRay {
         Self {
             start,
             direction,
-            // By the cross product: |start|² − along² would lose all digits of a far start.
+            // By the cross product: |start|² − along² would lose all digits for a distant start.
             nearest: start.cross(direction).length(),
             along: -start.dot(direction),
         }

@@ -1,4 +1,4 @@
-//! What falls on the ground, the Sun and the sky, and what of its light comes to the eye.
+//! Light of Sun and sky on the ground, and its part that reaches the eye.
 
 use super::air::{Air, Sight};
 use super::all_orders::air_of_all_orders;
@@ -20,7 +20,7 @@ pub(super) struct Light {
     pub sun: DVec3,
     /// Irradiance of level ground by the sky.
     pub sky: DVec3,
-    /// What of light that the ground makes itself comes to the eye.
+    /// Light emitted by the ground that reaches the eye.
     pub own: DVec3,
 }
 
@@ -88,7 +88,7 @@ impl EarthAir {
         type Made = ([f64; 2], Arc<EarthAir>);
         static MADE: Mutex<Vec<Made>> = Mutex::new(Vec::new());
         let wanted = [height_m, aerosol_optical_depth];
-        // What another thread that failed left there is whole.
+        // A value left by another thread that panicked is complete.
         let mut made = MADE.lock().unwrap_or_else(PoisonError::into_inner);
         let found = made.iter().find(|(of, _)| *of == wanted);
         if let Some((_, air)) = found {
@@ -114,7 +114,7 @@ impl EarthAir {
         }
     }
 
-    /// The light over black ground where the Sun's middle stands at zenith cosine `mu`, before it goes up again.
+    /// The light over black ground for the Sun's centre at zenith cosine `mu`, before it is reflected.
     pub fn at(&self, mu: f64) -> Light {
         Light {
             sun: self.sun.at(mu),
@@ -130,8 +130,8 @@ impl EarthAir {
         })
     }
 
-    /// What the parts of [`Self::at`] are multiplied by to be what comes to the eye through `transmittance`, where the Sun
-    /// stands at `mu` and the ground is of `albedo` all about: it lights the sky, and the sky it.
+    /// Factors by which the parts of [`Self::at`] reach the eye through `transmittance`, for a Sun at `mu` and ground of `albedo` all around, which
+    /// lights the sky and is lit by it.
     pub fn factors(&self, mu: f64, transmittance: &Spectrum, albedo: DVec3) -> Light {
         let direct = disc(0.0, mu, &self.air);
         let sky = self.air.skylight_on_ground(mu);
@@ -229,7 +229,7 @@ mod tests {
             let day = offs(0.03, 1.0).into_iter().fold(0.0, f64::max);
             let dusk = offs(-0.07, 0.03).iter().sum::<f64>() / 1000.0;
             println!("{height}: {dusk:.1e} at dusk, {day:.1e} at most by day");
-            // The disc's chords set one by one, each at once: there a cubic is between before and after.
+            // The disc's chords set one by one, each instantly: there a cubic is between before and after.
             assert!(dusk < 5e-5 && day < 5e-5, "{height}: {dusk}, {day}");
         }
     }

@@ -28,7 +28,7 @@ impl FullMaps {
     /// Copies level 0 of each map.
     ///
     /// # Errors
-    /// A map that does not hold what it says.
+    /// A map whose texels do not fit its description.
     pub fn copied(layers: &EarthLayers) -> Result<Self, ReferenceError> {
         let mut maps = Self::default();
         for layer in MapLayer::ALL {
@@ -45,7 +45,7 @@ impl FullMaps {
         Ok(maps)
     }
 
-    /// Takes level 0 of each map and lets the others go.
+    /// Takes level 0 of each map and frees the others.
     ///
     /// # Errors
     /// As [`Self::copied`].

@@ -1,7 +1,6 @@
-//! What the air is made of: how much of it at each height, and what it does to light of each wavelength.
+//! Composition of the air: densities by height, and optical properties by wavelength.
 //!
-//! Molecules, ozone and aerosol, each a density against height times a spectrum. As in [`super::spectrum`], the inputs are
-//! this renderer's own.
+//! Molecules, ozone and aerosol, each a density profile times a spectrum. As in [`super::spectrum`], the inputs are this renderer's own.
 
 use super::spectrum::{Spectrum, band_means};
 use glam::DVec3;
@@ -56,17 +55,16 @@ const DEPOLARISATION: f64 = 0.0279;
 const AEROSOL_POWER: f64 = -1.3;
 /// it thins out with this scale height, metres,
 const AEROSOL_SCALE_M: f64 = 1_500.0;
-/// this part of what it takes from a ray is scattered,
+/// its single scattering albedo is this,
 const AEROSOL_SCATTERED: f64 = 0.95;
 /// and its phase function is Henyey and Greenstein's with this asymmetry.
 pub(super) const AEROSOL_ASYMMETRY: f64 = 0.7;
 
-/// The part of what the aerosol scatters that counts as going straight on where light is followed that has been scattered: half
-/// of the first moment of its phase function that is not kept ([`super::orders`]).
+/// Fraction of the aerosol's scattering that counts as unscattered in multiple scattering: half of the first moment of its phase function that is
+/// not kept ([`super::orders`]).
 ///
-/// All of it (the δ-M method, Wiscombe 1977, J. Atmos. Sci. 34, 1408) makes the sky about a low Sun too bright, by up to half
-/// with an optical depth of 0.1, none of it makes the sky over against it too dark, by up to a quarter; with half of it the
-/// two are within a tenth.
+/// All of it (the δ-M method, Wiscombe 1977, J. Atmos. Sci. 34, 1408) makes the sky near a low Sun too bright, by up to half at an optical depth of
+/// 0.1. None of it makes the opposite sky too dark, by up to a quarter. With half of it both are within a tenth.
 pub(super) const AEROSOL_FORWARD: f64 =
     0.5 * AEROSOL_ASYMMETRY * AEROSOL_ASYMMETRY * AEROSOL_ASYMMETRY * AEROSOL_ASYMMETRY;
 
@@ -86,7 +84,7 @@ pub(super) struct Matter {
     pub aerosol_scattering: Spectrum,
     /// Optical depth of the aerosol without light that it scatters [`AEROSOL_FORWARD`].
     aerosol_aside: Spectrum,
-    /// Where its ground is, metres above that of the densities.
+    /// Height of its ground, metres above that of the densities.
     base_m: f64,
 }
 
@@ -119,7 +117,7 @@ impl Matter {
         }
     }
 
-    /// The same air without what lies below a height, metres: its ground is there.
+    /// The same air without the part below a height, metres: its ground is there.
     pub fn above(self, base_m: f64) -> Self {
         Self { base_m, ..self }
     }
@@ -137,7 +135,7 @@ impl Matter {
         self.aerosol[0] > 0.0
     }
 
-    /// The part of light that columns of molecules, ozone (1/m²) and aerosol (part of the whole) let straight through.
+    /// Transmittance of columns of molecules, ozone (1/m²) and aerosol (fraction of the whole).
     pub fn through(&self, columns: DVec3) -> Spectrum {
         self.left(columns, &self.aerosol)
     }

@@ -1,12 +1,11 @@
-//! Light that is scattered more than once: successive orders of scattering in spherical shells.
+//! Multiple scattering: successive orders of scattering in spherical shells.
 //!
-//! What a place scatters in a direction depends on the light that reaches it from all around, and of that only on its
-//! moments with the functions of [`basis`]: the phase function of molecules has no more of them, that of the aerosol is cut
-//! there, and what it scatters beyond that goes straight on. So an
-//! order is a table of moments by height and Sun cosine, and the next one follows from it along rays from each place.
+//! The light scattered into a direction depends on the incident light only through its moments with the functions of [`basis`]: the phase function
+//! of molecules has no others, and that of the aerosol is truncated there, with the rest counted as unscattered. An order is thus a table of
+//! moments by height and Sun cosine, and the next one follows from it along rays from each point.
 //!
-//! Kept are the sums of all orders, for sunlight over black ground, and for light that white ground returns once. Ground of
-//! albedo A adds the second one A/(1 − A s) times, s being the part of light going up that the air sends back.
+//! Stored are the sums of all orders, for sunlight over black ground, and for light that white ground reflects once. Ground of albedo A adds the
+//! second one A/(1 − A s) times, with s the fraction of upward light that the air scatters back.
 
 use super::air::{Air, horizon_cosine};
 use super::field::{Field, Grid, HEIGHTS, MOMENTS, basis, moments, parts};
@@ -49,18 +48,18 @@ fn add(sum: &mut [Spectrum; MOMENTS], more: &[Spectrum; MOMENTS], times: &Spectr
 /// A ray from a place of the table, in the plane of x and z.
 struct Ray {
     cos: f64,
-    /// Its part of all directions.
+    /// Its fraction of all directions.
     weight: f64,
     direction: DVec3,
     nodes: Vec<RayNode>,
-    /// Where it meets the ground, and what part of light comes from there.
+    /// Where it meets the ground, and the fraction of light from there.
     ground: Option<(DVec3, Spectrum)>,
 }
 
 struct RayNode {
     up: DVec3,
     height: f64,
-    /// What is scattered here, per light, and comes to the ray's start: by molecules, by aerosol, and by degree of moments.
+    /// Light scattered here towards the ray's start, per incident light: by molecules, by aerosol, and by degree of moments.
     molecules: Spectrum,
     aerosol: Spectrum,
     kernels: [Spectrum; 4],
@@ -284,8 +283,8 @@ impl Ray {
     }
 }
 
-/// Zenith cosines and weights of directions evenly round a place, sum 1. Those above and below the horizon stand apart,
-/// both crowded towards it: there the light changes most, and jumps.
+/// Zenith cosines and weights of directions evenly around a point, sum 1. Those above and below the horizon are separate, and both are denser
+/// towards it: there the light changes most, and jumps.
 fn directions<'g>(
     height: f64,
     up: &'g Gauss,

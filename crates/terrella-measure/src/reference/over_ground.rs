@@ -43,8 +43,7 @@ impl Sea {
         }
     }
 
-    /// Its light: what comes out of the water, or from its floor at `depth` (0…1 of what is seen), foam, the sky that it
-    /// mirrors, and the Sun.
+    /// Its light: from the water, or from its floor at `depth` (0…1 of the visible part), foam, reflected sky, and sunglint.
     pub fn light(
         &self,
         point: &ShadingPoint,
@@ -115,7 +114,7 @@ pub(super) struct CloudLayer {
     pub height: f64,
     /// Sine of the Sun's depression at which it sets for them.
     dip: f64,
-    /// Whether they throw shadows.
+    /// Whether they cast shadows.
     pub has_shadows: bool,
     /// `None` of Lambertian ones.
     directional: Option<&'static DirectionalReflectance>,
@@ -149,7 +148,7 @@ impl CloudLayer {
         self.above(up, up * cos + flat * (1.0 - cos * cos).max(0.0).sqrt())
     }
 
-    /// What a layer of this albedo leaves of the light on the ground; what falls through is spread over the sky.
+    /// Light on the ground below a layer of this albedo; transmitted light is spread over the sky.
     pub fn below(&self, light: &Light, albedo: f64, mu: f64) -> Light {
         Light {
             sun: light.sun * (1.0 - sunlit_albedo(albedo, mu.max(LOWEST_SHADOW))),
@@ -158,7 +157,7 @@ impl CloudLayer {
         }
     }
 
-    /// The Sun's light on them without air, where it stands at zenith cosine `mu`: it sets later for them.
+    /// Sunlight on them without air, for zenith cosine `mu`: the Sun sets later for them.
     pub fn sunlight_without_air(&self, mu: f64) -> DVec3 {
         without_air(mu + self.dip).sun
     }
@@ -203,7 +202,7 @@ mod tests {
                 let back = sunlit_albedo(albedo, mu);
                 assert!((0.0..=1.0).contains(&back), "{albedo} {mu}: {back}");
             }
-            // Of light from all over the sky it is what it should be: 2 ∫ ρ(μ) μ dμ.
+            // For light from the whole sky it is correct: 2 ∫ ρ(μ) μ dμ.
             let sum: f64 = (0..1000)
                 .map(|i| (f64::from(i) + 0.5) / 1000.0)
                 .map(|mu| 2.0 * sunlit_albedo(albedo, mu) * mu / 1000.0)

@@ -1,4 +1,4 @@
-//! Whole maps of a pack's finest levels, as far as memory allows.
+//! Whole maps from a pack's finest levels, as far as memory allows.
 
 use super::maps::{FullMap, FullMaps};
 use rayon::prelude::*;
@@ -8,21 +8,21 @@ use terrella_imagery::tile::{
     LayerLayout, TILE_BORDER, Tile, TileError, TileFormat, TileKey, TileSource,
 };
 
-/// Most bytes of the maps that are made of a pack's tiles.
+/// Size limit of the maps assembled from a pack's tiles, bytes.
 pub const MAX_MAP_BYTES: u64 = 1 << 30;
 
 /// Maps of a pack, and where they are coarser than the pack is.
 pub(crate) struct PackMaps {
     pub maps: FullMaps,
-    /// Names of the layers of which a finer level did not fit, and the width of what was taken, texels.
+    /// Names of the layers for which a finer level did not fit, and the width used, texels.
     pub coarser: Vec<(&'static str, u32)>,
 }
 
-/// Puts the tiles of each layer together, at the finest levels that take at most `limit` bytes together. Where the level
-/// has no tile of a block, the next coarser one is enlarged, bilinearly in stored values.
+/// Assembles the tiles of each layer, at the finest levels that take at most `limit` bytes together. If a level has no tile of a block, the next
+/// coarser one is enlarged, bilinearly in stored values.
 ///
 /// # Errors
-/// A tile that cannot be read: a true picture has no stand-ins. [`TileError::Cancelled`] after `cancelled`.
+/// A tile that cannot be read: a true image has no stand-ins. [`TileError::Cancelled`] after `cancelled`.
 pub(crate) fn whole_maps(
     source: &dyn TileSource,
     limit: u64,
@@ -116,8 +116,7 @@ struct Found {
     column: u32,
 }
 
-/// What lies in a row and column of tiles of this level, from the tile there or that of the next coarser level that has one; the
-/// coarsest has all.
+/// The content in a row and column of tiles of this level, from its own tile or that of the next coarser level that has one; the coarsest has all.
 fn read(
     source: &dyn TileSource,
     layout: &LayerLayout,
@@ -129,7 +128,7 @@ fn read(
         return Err(TileError::Cancelled);
     }
     let finest = layout.levels[level].shape.parts;
-    // What holds the place at a level: parts of a block, of which the finer level has as many or more.
+    // The tile for a position at a level: parts of a block, of which the finer level has as many or more.
     let at = |level: usize| {
         let parts = layout.levels[level].shape.parts;
         let of_tile = finest / parts;
@@ -159,7 +158,7 @@ fn read(
     })
 }
 
-/// Row `y` of the `pixels` rows of what was found, from a tile that has as many texels there or fewer.
+/// Row `y` of `pixels` rows of the content found, from a tile with as many texels there or fewer.
 fn copy_row(found: &Found, y: usize, pixels: usize, line: &mut [u8]) {
     let tile = &found.tile;
     let texel_bytes = tile.format.unit_bytes() as usize;
@@ -210,7 +209,7 @@ mod tests {
     use super::*;
     use terrella_imagery::tile::{BlockSet, LevelLayout, MapLayer, TileShape};
 
-    /// A pack of tiles whose texels tell block and place. Its finest level has no block 5.
+    /// A pack of tiles whose texels encode block and position. Its finest level has no block 5.
     struct Made {
         layouts: Vec<LayerLayout>,
     }
@@ -310,7 +309,7 @@ mod tests {
         assert!(found.maps.check().is_ok());
     }
 
-    /// A map of the place alone, a cut level of which half of block 5's parts are absent, over that of whole blocks.
+    /// A map of the position only: a cut level without half of block 5's parts, over a level of whole blocks.
     struct Cut(Vec<LayerLayout>);
 
     impl TileSource for Cut {

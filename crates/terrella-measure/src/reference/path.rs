@@ -17,7 +17,7 @@ const GRAZING_M: [f64; 4] = [0.0, 4_000.0, 12_000.0, 30_000.0];
 /// Ends and inner breakpoints of the pieces: two of each shell and of each grazing cylinder.
 const MAX_BREAKPOINTS: usize = 2 + 2 * (SHELLS_M.len() + GRAZING_M.len());
 
-/// The part of a ray that lies in the air. Lengths are equatorial radii of scaled space.
+/// The part of a ray inside the air. Lengths are equatorial radii of scaled space.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Path {
     /// The line's point nearest to the centre.
@@ -42,8 +42,7 @@ pub(super) struct PathPoint {
 }
 
 impl Path {
-    /// The way of a ray from its start to the ground or out of the air, whose upper boundary is at radius `top`; `None`
-    /// if it meets no air.
+    /// The part of a ray from its start to the ground or out of the air, whose upper boundary is at radius `top`; `None` if it misses the air.
     pub fn new(line: &ScaledRay, top: f64) -> Option<Self> {
         Self::until(line, top, f64::INFINITY)
     }
@@ -186,7 +185,7 @@ impl Breakpoints {
             .map(|pair| (pair[0], pair[1]))
     }
 
-    /// Nodes and weights of all pieces in turn.
+    /// Nodes and weights of all pieces in order.
     pub fn nodes<'b>(&'b self, rule: &'b Gauss) -> impl Iterator<Item = (f64, f64)> + 'b {
         self.pieces().flat_map(|(from, to)| rule.on(from, to))
     }

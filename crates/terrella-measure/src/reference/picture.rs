@@ -1,4 +1,4 @@
-//! What the renderer gives: linear light, and which part of each pixel is ground.
+//! Output of the renderer: linear light, and the ground fraction of each pixel.
 
 use super::maps::srgb_from_linear;
 use image::{Rgba, RgbaImage};
@@ -12,8 +12,8 @@ pub struct ReferencePicture {
     pub height: u32,
     /// Linear light of each pixel, red, green and blue, 0…1 of the display's white.
     ///
-    /// The light of each ray, ground and air together, is shown as the tone curve says and the pixel is the mean of its rays:
-    /// what a multisampled sRGB target gives with ever more samples.
+    /// The light of each ray, ground and air together, is tone-mapped, and the pixel is the mean of its rays: the limit of a multisampled sRGB
+    /// target with ever more samples.
     pub linear: Vec<[f32; 3]>,
     /// Fraction of each pixel's rays that meet the ground, 0…1.
     pub ground: Vec<f32>,

@@ -1,4 +1,4 @@
-//! Where rays meet terrain: marched along heights in f64, whatever surface draws them.
+//! Intersection of rays with terrain: marching along elevation data in f64, independent of the surface that draws it.
 
 use super::Rays;
 use glam::{DVec2, DVec3};
@@ -56,7 +56,7 @@ impl TrueRelief {
         self.size
     }
 
-    /// Distance of the ground from the eye at a point, metres; `None` is space, and what lies outside the picture.
+    /// Distance of the ground from the eye at a point, metres; `None` is space, or outside the image.
     pub fn distance_m(&self, x: u32, y: u32) -> Option<f64> {
         let is_inside = x < self.size.0 && y < self.size.1;
         let index = y as usize * self.size.0 as usize + x as usize;
@@ -71,11 +71,11 @@ const MAX_STEP_RAD: f64 = 1e-3;
 /// Least that it goes at a time, metres.
 const MIN_STEP_M: f64 = 0.5;
 
-/// Where a ray first meets the ground at its finest, metres along the unit vector `direction` (ITRF). `None` where it meets
-/// none, and from below the ground.
+/// First intersection of a ray with the terrain at full resolution, metres along the unit vector `direction` (ITRF). `None` if there is none, and
+/// from below the ground.
 ///
-/// The ray goes on by parts in which it stays above all heights there are ([`Elevation::range_up_to_m`]), and by half a
-/// sample where it might not; of features that it enters and leaves within less than that some are missed.
+/// The ray advances by intervals in which it is above all elevations ([`Elevation::range_up_to_m`]), and otherwise by half a sample; features that
+/// it crosses within less than that may be missed.
 pub fn relief_distance_m(
     figure: &Ellipsoid,
     ground: &dyn Elevation,
@@ -164,8 +164,8 @@ impl RayPoint {
         }
     }
 
-    /// The lowest that a straight line can be between here and there, metres over the ellipsoid: height along it is convex,
-    /// so it lies above its tangents.
+    /// Lower bound of a straight line's height between here and there, metres over the ellipsoid: height along it is convex, so it is above its
+    /// tangents.
     fn lowest_m(&self, end: &Self) -> f64 {
         let (low, high) = (self.place.height_m, end.place.height_m);
         if self.climb >= 0.0 || end.climb <= 0.0 {

@@ -17,11 +17,10 @@ pub const MAX_TAPS: u32 = 512;
 /// Taps for each texel that a ray's part of the pixel is long: at one, a map of stripes of a texel would beat with them.
 const TAPS_PER_TEXEL: f64 = 2.0;
 
-/// Texels are counted as narrow as here where they are narrower, cosine of the latitude (84°): at the pole itself all
-/// columns of a map meet, and none of them means anything.
+/// Lower bound of the texel width, as cosine of the latitude (84°): at the pole itself all columns of a map meet, and none of them has a meaning.
 const MIN_COS_LATITUDE: f64 = 0.1;
 
-/// The rays of one picture, and what they are cast at.
+/// The rays of one image, and their targets.
 pub(super) struct RayCaster<'r> {
     ground: &'r GroundShader,
     relief: Option<&'r dyn Elevation>,
@@ -30,10 +29,10 @@ pub(super) struct RayCaster<'r> {
     figure: Ellipsoid,
     /// Its diagonal (a, a, b), metres.
     scale: DVec3,
-    /// The eye in scaled space, and as the air sees it: lifted to the ground if it lies below.
+    /// The eye in scaled space, and the eye for the air: lifted to the ground if it is below.
     eye: DVec3,
     eye_in_air: DVec3,
-    /// Height of the clouds over the eye, equatorial radii; `None` where it is above them or there are none.
+    /// Height of the clouds over the eye, equatorial radii; `None` if it is above them or there are none.
     clouds_overhead: Option<f64>,
     sun: DVec3,
     sun_scaled: DVec3,
@@ -41,7 +40,7 @@ pub(super) struct RayCaster<'r> {
     texels_per_rad: (f64, f64),
 }
 
-/// What rays are cast at.
+/// Targets of rays.
 #[derive(Clone, Copy)]
 pub(super) struct CastEarth<'r> {
     pub ground: &'r GroundShader,
@@ -52,11 +51,11 @@ pub(super) struct CastEarth<'r> {
     pub figure: Ellipsoid,
 }
 
-/// Where a ray meets the ground.
+/// Intersection of a ray with the ground.
 struct Hit {
     /// Distance in scaled space.
     distance: f64,
-    /// Whether the ground there has relief.
+    /// Whether it is on terrain.
     is_relief: bool,
 }
 
@@ -80,7 +79,7 @@ pub(super) struct PixelPart {
 }
 
 impl<'r> RayCaster<'r> {
-    /// `None` if view or sky are not finite: such a picture is black.
+    /// `None` if view or sky are not finite: such an image is black.
     pub fn new(earth: &CastEarth<'r>, view: &EyeView, sky: &Sky, size: (u32, u32)) -> Option<Self> {
         let CastEarth {
             ground,
@@ -116,8 +115,7 @@ impl<'r> RayCaster<'r> {
         })
     }
 
-    /// The light of a part: the air along the ray through its middle, and the mean light of the ground in it, if that
-    /// ray meets the ground.
+    /// The light of a part: the air along the ray through its centre, and the mean light of the ground in it, if that ray meets the ground.
     pub fn sample(&self, part: &PixelPart) -> RaySample {
         let half = 0.5 * part.side;
         let direction = self.rays.at(part.x + half, part.y + half);
@@ -188,8 +186,8 @@ impl<'r> RayCaster<'r> {
         added + left * cloud.light * self.exposure + cloud.through * (sky - added)
     }
 
-    /// What the air makes of the light of clouds in a direction of scaled space, where that before the ground adds `added` and clouds and
-    /// ground are of `albedo` all about: as if their layer were the ground. `None` without clouds and under them.
+    /// Factors of the air on the light of clouds in a direction of scaled space, if the air in front of the ground adds `added` and clouds and
+    /// ground have `albedo` all around: as if their layer were the ground. `None` without clouds and below them.
     fn before_clouds(&self, direction: DVec3, added: DVec3, albedo: DVec3) -> Option<CloudFactors> {
         let (above, height) = self.ground.above_clouds()?;
         let line = ScaledRay::new(self.eye_in_air / (1.0 + height), direction);
@@ -202,7 +200,7 @@ impl<'r> RayCaster<'r> {
         })
     }
 
-    /// Where a ray first meets the ground.
+    /// First intersection of a ray with the ground.
     fn hit(&self, line: &ScaledRay, direction: DVec3) -> Option<Hit> {
         let Some(relief) = self.relief else {
             let distance = line.ground()?;
@@ -219,12 +217,11 @@ impl<'r> RayCaster<'r> {
         })
     }
 
-    /// Mean light of the ground in a part. `line` is the ray through its middle, which meets the ground at `hit`.
+    /// Mean light of the ground in a part. `line` is the ray through its centre, which meets the ground at `hit`.
     ///
-    /// The part is divided into so many equal parts that the rays through their middles, the taps, are no farther apart
-    /// on the ground than half a texel of the finest map, as far as [`MAX_TAPS`] allows. The spacing is that about the
-    /// part's middle: in a part that the limb runs through it is wider beyond. Terrain is looked at along the one
-    /// ray.
+    /// The part is divided into equal parts such that the rays through their centres, the taps, are no farther apart on the ground than half a
+    /// texel of the finest map, as far as [`MAX_TAPS`] allows. The spacing is that at the part's centre: if the limb crosses the part, it is wider
+    /// beyond. Terrain is sampled along the one ray only.
     fn ground_light(
         &self,
         part: &PixelPart,

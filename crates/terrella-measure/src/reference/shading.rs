@@ -28,13 +28,13 @@ struct AirAboveClouds {
     air: Arc<EarthAir>,
 }
 
-/// What the air before a place makes of its light.
+/// Effect of the air in front of a point on its light.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct AirFactors {
     pub ground: Light,
     /// `None` without air.
     pub clouds: Option<CloudFactors>,
-    /// Whether the eye has clouds between itself and the ground.
+    /// Whether clouds are between the eye and the ground.
     pub sees_clouds: bool,
 }
 
@@ -47,7 +47,7 @@ impl AirFactors {
     };
 }
 
-/// What the air before a cloud makes of its light.
+/// Effect of the air in front of a cloud on its light.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CloudFactors {
     pub factors: Light,
@@ -123,7 +123,7 @@ impl GroundShader {
             .map_or(DVec3::ZERO, |around| around.all.at(u, v))
     }
 
-    /// What the light of [`Self::shade`] is multiplied by: the paper's display values have no exposure.
+    /// Exposure factor of the light of [`Self::shade`]: the paper's display values have none.
     pub fn exposure(&self, exposure: f64) -> f64 {
         match self.shading {
             Shading::Sunlit => exposure,
@@ -156,7 +156,7 @@ impl GroundShader {
             let [value] = self.maps.get(layer)?.at(u, v, &self.decode.unorm);
             Some(value)
         };
-        // Terrain has slopes of its own.
+        // Terrain has its own slopes.
         let slope = point.slope.or_else(|| {
             let map = self.maps.get(MapLayer::Normals)?;
             let gain = self.surface.relief_exaggeration / SLOPE_EXAGGERATION;
@@ -195,7 +195,7 @@ impl GroundShader {
         };
         let falls = normal.dot(sun).max(0.0) * opposition;
         let mut color = day(&self.decode.srgb) * (light.sun * falls + light.sky);
-        // The coast stands where the map is one half.
+        // The coast line is where the map is one half.
         if one(MapLayer::Water).is_some_and(|water| water > 0.5) {
             let depth = self.maps.get(MapLayer::Day).map_or(1.0, |map| {
                 let [_, _, _, depth] = map.at(u, v, &self.decode.unorm);
@@ -204,7 +204,7 @@ impl GroundShader {
             color = self.sea.light(point, sun, mu, &light, depth);
         }
         if let Some(glow) = one(MapLayer::NightLights) {
-            // Lamps go on at dusk, the brightest stand out.
+            // City lights switch on at dusk.
             let on = 1.0 - smooth_step(LAMPS_FULL, 0.0, mu);
             let brightest = CITY_RADIANCE * self.surface.night_gain;
             // The map is a picture; its fourth power spans what radiometers find between hamlets and cities.
@@ -266,7 +266,7 @@ impl GroundShader {
         Some(CloudSeenFromBelow::new(albedo, cosines, &light, ground))
     }
 
-    /// What clouds at a place throw back of diffuse light, 0…1.
+    /// Reflectance of clouds at a point for diffuse light, 0…1.
     fn cloud_albedo(&self, up: DVec3) -> Option<f64> {
         let (u, v) = map_coordinates(up);
         let [cover] = self

@@ -1,4 +1,4 @@
-//! What of a place of the ground its light depends on.
+//! Properties of a ground point that its light depends on.
 
 use glam::{DVec2, DVec3};
 

@@ -1,7 +1,6 @@
 //! Light by wavelength, and its colour.
 //!
-//! The inputs are this renderer's own: neither the air that is drawn nor the tables that both are compared with
-//! ([`crate::clear_air`]) are made from them.
+//! The inputs are this renderer's own: neither the drawn air nor the tables that both are compared with ([`crate::clear_air`]) use them.
 
 use glam::DVec3;
 
@@ -111,7 +110,7 @@ pub(super) fn band_means(value: impl Fn(f64) -> f64) -> Spectrum {
     })
 }
 
-/// What each band of light, relative to the Sun's, adds to the colour.
+/// Contribution of each band of light, relative to the Sun's, to the colour.
 #[derive(Clone, Debug)]
 pub(super) struct Colors {
     /// For red, green and blue; each sums to 1, so that the Sun is white.

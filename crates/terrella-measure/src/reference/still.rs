@@ -19,7 +19,7 @@ use terrella_play::{
 /// Most memory that the picture itself may take, MiB.
 const MAX_PICTURE_MIB: u64 = 4096;
 
-/// What a true picture is.
+/// Request of a true image.
 #[derive(Clone, Debug)]
 pub struct ReferenceRequest<'r> {
     /// The instant; `None` is the scene's start.
@@ -34,7 +34,7 @@ pub struct ReferenceRequest<'r> {
     pub stats: Option<&'r Path>,
 }
 
-/// What can go wrong between a scene and its true picture.
+/// Errors between a scene and its true image.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum StillError {
@@ -57,9 +57,9 @@ pub enum StillError {
     TooMuchMemory {
         width: u32,
         height: u32,
-        /// What it would take, MiB.
+        /// Memory required, MiB.
         mib: u64,
-        /// What is allowed, MiB.
+        /// Memory allowed, MiB.
         limit_mib: u64,
     },
     /// The work was stopped from outside.
@@ -97,20 +97,20 @@ pub struct ReferenceStats {
     /// Features that are drawn.
     pub features_on: Vec<String>,
     pub features_off: Vec<String>,
-    /// What the scene asks for and this renderer does not draw.
+    /// Requests of the scene that this renderer does not draw.
     pub left_out: Vec<String>,
     pub eye: EyePosition,
-    /// Where the Sun stands in the zenith.
+    /// Position of the subsolar point.
     pub sun: SubsolarPoint,
     /// The instant, UTC, RFC 3339.
     pub epoch: String,
 }
 
-/// Computes and writes one picture. Nothing is left behind where that fails or is stopped.
+/// Computes and writes one image. No file is left if that fails or is stopped.
 ///
-/// What the scene asks for and the reference does not draw is warned of by name, and named in the numbers
-/// ([`ReferenceStats::left_out`]). Of a pack the finest levels that fit into [`MAX_MAP_BYTES`] are taken, whatever the scene
-/// says of levels and memory; that is warned of too.
+/// Requests of the scene that the reference does not draw are reported by name in a warning and in the statistics ([`ReferenceStats::left_out`]).
+/// From a pack it uses the finest levels that fit into [`MAX_MAP_BYTES`], regardless of the scene's settings of levels and memory; a warning
+/// reports that too.
 pub fn write_reference_still(
     flight: &Flight,
     request: &ReferenceRequest<'_>,
@@ -190,7 +190,7 @@ pub fn write_reference_still(
     Ok(())
 }
 
-/// The scene's maps and heights at full resolution, and the air; and what of its Earth is not drawn.
+/// The scene's maps and elevation data at full resolution, and the air; and the features of its Earth that are not drawn.
 fn load(
     flight: &Flight,
     moment: &Moment,

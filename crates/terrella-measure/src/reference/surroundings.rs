@@ -4,7 +4,7 @@ use super::maps::{Decode, FullMaps};
 use glam::DVec3;
 use terrella_imagery::tile::MapLayer;
 
-/// Reflectance of open water with its foam and what it mirrors.
+/// Reflectance of open water with foam and reflections.
 const SEA_ALBEDO: f64 = 0.05;
 
 /// Cells round the Earth and from pole to pole: some 300 km.

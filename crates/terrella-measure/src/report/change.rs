@@ -1,4 +1,4 @@
-//! What a report sweeps: one setting of a scene at a time.
+//! Sweeps of a report: one setting of a scene at a time.
 
 use crate::EYE_HEIGHTS;
 use terrella::{
@@ -117,7 +117,7 @@ impl SettingChange {
         }
     }
 
-    /// Whether pictures with it show the same as the scene's, so that their errors may be compared with each other.
+    /// Whether images with it show the same content as the scene's, so that their errors can be compared.
     pub fn shows_the_same(&self) -> bool {
         !matches!(self, Self::Atmosphere(_) | Self::Shading(_) | Self::Size(_))
     }
@@ -158,7 +158,7 @@ pub struct UnavailableSweep {
     pub why: String,
 }
 
-/// What is measured.
+/// Plan of the measurements.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SweepPlan {
     /// Heights of the eye, kilometres.
@@ -167,7 +167,7 @@ pub struct SweepPlan {
     pub large_picture_km: Vec<f64>,
     /// Settings, the scene's own first.
     pub changes: Vec<SettingChange>,
-    /// What is left out.
+    /// Omitted sweeps.
     pub unavailable: Vec<UnavailableSweep>,
 }
 
@@ -175,7 +175,7 @@ pub struct SweepPlan {
 const QUICK_KM: [f64; 3] = [200.0, 2_000.0, 20_000.0];
 
 impl SweepPlan {
-    /// What an adapter allows of a scene's sweeps. `size` is that of the pictures.
+    /// The sweeps of a scene that an adapter supports. `size` is that of the images.
     pub fn new(
         gpu: &GpuContext,
         options: &EarthOptions,
@@ -249,7 +249,7 @@ impl SweepPlan {
         }
     }
 
-    /// Leaves out every setting but the scene's own and those of `parameters`.
+    /// Removes every setting except the scene's own and those of `parameters`.
     pub fn keep(&mut self, parameters: &[&str]) {
         self.changes.retain(|change| {
             *change == SettingChange::Scene || parameters.contains(&change.parameter())
@@ -266,7 +266,7 @@ impl SweepPlan {
     }
 }
 
-/// Whether pictures can be drawn with so many samples a pixel.
+/// Whether the device supports this sample count.
 fn does_samples(gpu: &GpuContext, samples: u32) -> bool {
     [FrameTargets::COLOR, FrameTargets::DEPTH]
         .into_iter()

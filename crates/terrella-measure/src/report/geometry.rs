@@ -7,7 +7,7 @@ use terrella::frames::Ellipsoid;
 use terrella::{EyeView, Figure, GpuContext, Visibility};
 use terrella_play::PlayError;
 
-/// What limb and places depend on. Maps play no part.
+/// Settings that limb and geolocation depend on. Maps have no effect.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct GeometryKey {
     pub height_km: f64,
@@ -25,7 +25,7 @@ pub(super) struct GeometryErrors {
     pub geolocation: GeolocationErrors,
 }
 
-/// What has been measured, and the renderer that measured last.
+/// Measured errors, and the last renderer.
 pub(super) struct GeometryMeter<'r> {
     gpu: &'r GpuContext,
     figure: Figure,
@@ -62,7 +62,7 @@ impl<'r> GeometryMeter<'r> {
         };
         let (.., renderer) = self.renderer.insert((cells, rule, renderer));
         let drawn = renderer.draw(view, key.size)?;
-        // The mesh is that of the picture: strips of the limb are magnified, and would have a finer one.
+        // The mesh is that of the image: strips of the limb are magnified, and would get a finer one.
         let mut draw = |view: &EyeView, size: (u32, u32)| renderer.draw(view, size);
         let found = GeometryErrors {
             silhouette: silhouette(view, &figure, key.size, &mut draw)?,

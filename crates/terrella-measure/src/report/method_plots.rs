@@ -73,11 +73,11 @@ pub fn method_plots(measurements: &[Measurement]) -> Result<Vec<Plot>, ReportErr
     Ok(plots)
 }
 
-/// What charts of formulas are about, and those of propagators.
+/// Subject of the charts of formulas, and of those of propagators.
 pub(super) const METHODS: &str = "methods";
 pub(super) const ORBITS: &str = "orbits";
 
-/// What a measurement's charts are about.
+/// Subject of a measurement's charts.
 pub(super) fn about(measurement: &Measurement) -> &'static str {
     match measurement.parameter == orbits::TOLERANCE {
         true => ORBITS,
@@ -88,8 +88,8 @@ pub(super) fn about(measurement: &Measurement) -> &'static str {
 /// A cost that changes by less than this factor over a sweep is the same.
 const SAME_COST: f64 = 4.0;
 
-/// What errors are compared with costs. Where the parameter trades one for the other, every measurement; where it says only
-/// how hard a case is, and costs are the same throughout, each variant's worst error.
+/// Data for charts of error against cost. If the parameter trades one for the other, every measurement; if it only sets the difficulty of the case,
+/// at constant cost, each variant's largest error.
 fn costs(measurements: &[&Measurement]) -> Vec<Measurement> {
     let mut worst: Vec<Measurement> = Vec::new();
     let mut is_trade = false;

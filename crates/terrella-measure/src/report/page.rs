@@ -1,4 +1,4 @@
-//! What is found, as one page that needs nothing from elsewhere but the pictures beside it.
+//! Results as one page that needs only the images beside it.
 
 use super::Study;
 use super::change::PARAMETERS;
@@ -12,10 +12,10 @@ use super::text::{subdivision_advice, verdict};
 use crate::html::{self, ChartFigure, Marked, PageError, STYLE};
 use serde::Serialize;
 
-/// Heights whose pictures are shown at once; the others are folded away.
+/// Number of heights whose images are shown; the others are collapsed.
 const SHOWN_PICTURES: usize = 3;
 
-/// What `page.html` is filled with: numbers are text already, parts of which nothing was measured are empty.
+/// Values of `page.html`: numbers are formatted, and parts without measurements are empty.
 #[derive(Serialize)]
 struct Values<'s> {
     style: &'static str,
@@ -84,7 +84,7 @@ struct Picture {
     caption: String,
 }
 
-/// What a mesh does to the limb and to the time: what a default is chosen by.
+/// Effect of a mesh on the limb and the time: the basis of a default.
 #[derive(Serialize)]
 struct SubdivisionRow {
     value: String,

@@ -9,7 +9,7 @@ use crate::html::{self, ChartFigure, PageError};
 use crate::numeric::{Measurement, StabilityRow};
 use serde::Serialize;
 
-/// What `standalone.html` is filled with. A part of which nothing was measured is left out.
+/// Values of `standalone.html`. Parts without measurements are omitted.
 #[derive(Serialize)]
 struct Values<'s> {
     stability: Option<Stability<'s>>,

@@ -1,4 +1,4 @@
-//! What is found, as charts.
+//! Results as charts.
 
 use super::change::{PARAMETERS, SettingChange};
 use super::{ReportError, Study, SweepRow};
@@ -10,11 +10,11 @@ use crate::{Chart, ChartError, Point, Quartiles, Series, pareto_front};
 pub struct Plot {
     /// The file's name without its extension.
     pub name: String,
-    /// What it is about: `overview`, `height`, `methods`, `orbits`, or a parameter's name.
+    /// Its subject: `overview`, `height`, `methods`, `orbits`, or a parameter's name.
     pub about: &'static str,
-    /// What is seen in it, for those who do not see it.
+    /// Alternative text.
     pub alt_text: String,
-    /// Whether it stands on the page itself and not among the details.
+    /// Whether it is on the page itself and not among the details.
     pub is_main: bool,
     /// The SVG document.
     pub svg: String,
@@ -34,7 +34,7 @@ struct Metric {
     of: fn(&SweepRow) -> f64,
 }
 
-/// What an error is drawn against.
+/// The cost that an error is plotted against.
 struct Cost {
     suffix: &'static str,
     name: &'static str,
@@ -55,7 +55,7 @@ const FLOOR_RATIO: Cost = Cost {
     of: |row| row.floor_ratio,
 };
 
-/// What the strip across the limb can tell apart; smaller errors are drawn as this.
+/// Resolution of the strip across the limb; smaller errors are plotted as this.
 const LIMB_RESOLUTION_PX: f64 = 1.0 / 128.0;
 
 const METRICS: [Metric; 7] = [
@@ -96,9 +96,9 @@ const METRICS: [Metric; 7] = [
     },
 ];
 
-/// Heights with a chart of all settings.
+/// Number of heights with a chart of all settings.
 const OVERVIEWS: usize = 3;
-/// Most heights in one chart of a sweep: more lines are a tangle. The tables have all.
+/// Limit of heights in one chart of a sweep, for readability. The tables have all.
 const LINES: usize = 4;
 
 /// Charts of errors that hardly change over a sweep are not drawn: the largest by less than this factor over the
@@ -215,7 +215,7 @@ fn point(cost: Quartiles, error: f64, on_front: bool, label: String) -> Point {
 /// Room that a label takes of a logarithmic chart's width and height.
 const LABEL_ROOM: (f64, f64) = (0.05, 0.04);
 
-/// Takes labels away that would lie over another: those on a front stay first.
+/// Removes overlapping labels: those on a front have priority.
 fn declutter(series: &mut [Series]) {
     let all = || series.iter().flat_map(|series| &series.points);
     let span = |of: fn(&Point) -> f64| {
@@ -295,7 +295,7 @@ fn by_height(study: &Study) -> Vec<(&'static str, Chart)> {
     ]
 }
 
-/// One error over one sweep, a line for each height; `None` where there is nothing to tell.
+/// One error over one sweep, a line for each height; `None` if there is nothing to show.
 fn sweep(study: &Study, parameter: &str, metric: &Metric, cost: &Cost) -> Option<Chart> {
     let mut series = Vec::new();
     let mut changes = metric.name == "flip_mean";
@@ -308,7 +308,7 @@ fn sweep(study: &Study, parameter: &str, metric: &Metric, cost: &Cost) -> Option
         if rows.len() < 2 {
             continue;
         }
-        // The automatic mesh has its place among the others by what it does.
+        // The position of the automatic mesh among the others follows from its result.
         if parameter == "subdivision" {
             rows.sort_by(|a, b| (metric.of)(b).total_cmp(&(metric.of)(a)));
         }

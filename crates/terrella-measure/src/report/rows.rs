@@ -1,4 +1,4 @@
-//! What is found, and its tables.
+//! Results and their tables.
 
 use super::change::SettingChange;
 use super::format::number;
@@ -14,7 +14,7 @@ pub const MAX_GEOLOCATION_PX: f64 = 1.0;
 /// One setting from one height.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SweepRow {
-    /// What is not as in the scene.
+    /// Difference from the scene.
     pub change: SettingChange,
     /// Height of the eye, kilometres.
     pub height_km: f64,
@@ -42,7 +42,7 @@ pub struct SweepRow {
 }
 
 impl SweepRow {
-    /// Whether limb and places are as exact as is asked of a default.
+    /// Whether limb and geolocation have the accuracy required of a default.
     pub fn is_exact(&self) -> bool {
         self.silhouette.max_px <= MAX_SILHOUETTE_PX && self.geolocation.max_px <= MAX_GEOLOCATION_PX
     }
@@ -108,7 +108,7 @@ pub fn csv(rows: &[SweepRow]) -> String {
     })
 }
 
-/// The table of spreads: quartiles of times, and what lies below the largest errors.
+/// The table of spreads: quartiles of times, and percentiles of errors.
 pub fn spread_csv(rows: &[SweepRow]) -> String {
     table(&SPREAD_COLUMNS, rows, |row| {
         let (frame, floor, ratio) = (&row.frame_ms, &row.floor_ms, &row.floor_ratio);
@@ -135,7 +135,7 @@ pub fn spread_csv(rows: &[SweepRow]) -> String {
     })
 }
 
-/// A table whose lines begin with what was set to which value, and go on with numbers.
+/// A table whose lines start with setting and value, followed by numbers.
 fn table<const NUMBERS: usize>(
     columns: &[&str],
     rows: &[SweepRow],

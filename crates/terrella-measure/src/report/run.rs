@@ -20,7 +20,7 @@ use terrella_play::{Flight, PlayError, Progress};
 const HEIGHTS_KM: std::ops::RangeInclusive<f64> = 1.0..=1e6;
 /// Places on the path that are tried for a Sun of [`SUN_ELEVATION_DEG`].
 const PARTS: usize = 360;
-/// How high the Sun stands over the point below the eye: day and dusk are both in sight from far.
+/// Elevation of the Sun above the point below the eye: day and dusk are both visible from far away.
 const SUN_ELEVATION_DEG: f64 = 40.0;
 
 /// Measures everything that is wanted, or what is complete when it is stopped.
@@ -127,7 +127,7 @@ pub(super) fn run(
                 print_line(&estimate(&plan, request.size, &options, study.wanted, pace));
             }
         }
-        // What is complete stays, whatever comes.
+        // Complete rows are saved immediately.
         write_tables(folder, &study.rows)?;
     }
     progress.end();
@@ -168,7 +168,7 @@ struct Pace {
     true_s: f64,
 }
 
-/// What the first measurement says about the time of all.
+/// Estimate of the total time from the first measurement.
 fn estimate(
     plan: &SweepPlan,
     scene_size: (u32, u32),
@@ -198,7 +198,7 @@ fn estimate(
     )
 }
 
-/// Where the scene's camera looks from.
+/// Viewpoints of the scene's camera.
 struct Viewpoints<'r> {
     flight: &'r Flight,
     figure: Ellipsoid,
@@ -206,8 +206,7 @@ struct Viewpoints<'r> {
 }
 
 impl Viewpoints<'_> {
-    /// The scene's camera at a height, over a place of the inclined path where the Sun stands at
-    /// [`SUN_ELEVATION_DEG`].
+    /// The scene's camera at a height, over a point of the inclined path where the Sun's elevation is [`SUN_ELEVATION_DEG`].
     fn view(&self, height_km: f64, size: (u32, u32)) -> EyeView {
         let (path, figure) = (GroundPath::Inclined, &self.figure);
         let camera = &self.flight.scene().camera;
@@ -233,7 +232,7 @@ impl Viewpoints<'_> {
     }
 }
 
-/// What the measurement of a row needs besides the setting.
+/// Inputs of a row's measurement besides the setting.
 struct RowMeter<'r> {
     viewpoints: &'r Viewpoints<'r>,
     request: &'r ReportRequest<'r>,

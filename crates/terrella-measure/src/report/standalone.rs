@@ -1,5 +1,4 @@
-//! What is measured without pictures of a scene: formulas and numerical methods by error and cost, and views that nobody
-//! would ask for.
+//! Measurements without images of a scene: formulas and numerical methods by error and cost, and extreme views.
 
 use super::ReportError;
 use crate::extreme::{self, CaseResult};
@@ -10,7 +9,7 @@ use terrella::{EarthError, GpuContext};
 use terrella_imagery::{EarthLayers, LayerImage};
 use terrella_play::{PlayError, Progress};
 
-/// What was measured.
+/// Results.
 #[derive(Clone, Debug, Default)]
 pub struct StandaloneStudy {
     /// Every method at every value of its parameter.

@@ -1,4 +1,4 @@
-//! What is found, as text for a terminal and as sentences for the page.
+//! Results as text for a terminal and as sentences for the page.
 
 use super::format::number;
 use super::{MAX_GEOLOCATION_PX, MAX_SILHOUETTE_PX, Study};
@@ -6,10 +6,10 @@ use crate::Quartiles;
 use std::fmt::Write;
 use terrella::Subdivision;
 
-/// The heights of the paper's Table 2 end here, kilometres.
+/// Last height of the paper's Table 2, kilometres.
 const TABLE_2_ENDS_KM: f64 = 20_000.0;
 
-/// One sentence: at how many heights limb and places are as exact as is asked.
+/// One sentence: at how many heights limb and geolocation have the required accuracy.
 pub(super) fn verdict(study: &Study) -> String {
     let rows: Vec<_> = study.scene_rows().collect();
     let exact = rows.iter().filter(|row| row.is_exact()).count();
@@ -30,7 +30,7 @@ pub(super) fn verdict(study: &Study) -> String {
     text
 }
 
-/// The coarsest mesh that keeps the limb from every height, and what it costs.
+/// The coarsest mesh with an accurate limb from every height, and its cost.
 pub(super) fn subdivision_advice(study: &Study) -> Option<String> {
     let heights: Vec<f64> = study.scene_rows().map(|row| row.height_km).collect();
     let of = |value: &str| -> Option<Vec<(f64, f64)>> {

@@ -11,7 +11,7 @@ use terrella_play::Progress;
 /// Most bytes of maps put together of a pack's tiles, for each of at most three reference renderers.
 const MAX_MAP_BYTES: u64 = 256 << 20;
 
-/// What a true picture depends on.
+/// Settings that a true image depends on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct TruthKey {
     height_km: f64,
@@ -54,7 +54,7 @@ pub(super) struct TruePictures<'r> {
     pub progress: &'r dyn Progress,
     renderers: Vec<Reference>,
     pictures: Vec<(TruthKey, Arc<ReferencePicture>)>,
-    /// What the reader must know of them, a sentence each.
+    /// Remarks for the reader about them, one sentence each.
     pub notes: Vec<String>,
 }
 
@@ -112,7 +112,7 @@ impl<'r> TruePictures<'r> {
         }))
     }
 
-    /// The scene's maps, against which a setting with less is held too; `None` if reading them was stopped.
+    /// The scene's maps, which also serve settings with fewer maps; `None` if reading them was stopped.
     fn maps(&mut self) -> Result<Option<FullMaps>, ReportError> {
         let Some(tiles) = &self.options.tiles else {
             return Ok(Some(FullMaps::copied(&self.options.layers)?));

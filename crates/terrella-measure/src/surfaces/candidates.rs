@@ -14,7 +14,7 @@ use terrella_play::scene::DEFAULT_TOLERANCE_PX;
 pub struct Candidate {
     /// How tables name it.
     pub setting: Setting,
-    /// What draws.
+    /// Surface with its settings.
     pub surface: SurfaceSettings,
     /// Most pixels by which drawn ground may differ, for surfaces that look at it.
     pub tolerance_px: f64,
@@ -37,7 +37,7 @@ impl Candidate {
     }
 }
 
-/// These surfaces, or all if there are none, over their settings.
+/// These surfaces, or all if empty, with each of their settings.
 pub fn candidates(only: &[SurfaceKind]) -> Vec<Candidate> {
     let kinds = match only {
         [] => SurfaceKind::ALL,

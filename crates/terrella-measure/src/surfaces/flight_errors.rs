@@ -22,10 +22,10 @@ const SPREAD: u32 = 10;
 const WINDOW: (u32, u32) = (96, 54);
 /// Frames before the window is moved.
 const WINDOW_FRAMES: u32 = 8;
-/// Of so many frames one is compared with the exact picture.
+/// Interval of frames that are compared with the exact image.
 const EXACT_EVERY: u32 = 2 * WINDOW_FRAMES;
 
-/// What is to be seen in the windows of a flight.
+/// The exact images in the windows of a flight.
 pub(super) struct ExactFlight {
     pictures: Vec<TrueRelief>,
 }
@@ -129,7 +129,7 @@ fn shift(frame: u32) -> (u32, u32) {
     ((column * 3 + row) % SPREAD, (column * 7 + row * 2) % SPREAD)
 }
 
-/// Whether the window was elsewhere in the frame before.
+/// Whether the window has moved since the previous frame.
 fn is_moved(frame: u32) -> bool {
     frame.is_multiple_of(WINDOW_FRAMES)
 }
@@ -156,7 +156,7 @@ fn radical_inverse(base: u32, mut n: u32) -> f64 {
     value
 }
 
-/// What a flight has shown so far.
+/// Errors of a flight so far.
 #[derive(Default)]
 struct Found {
     prepare_ms: Vec<f64>,

@@ -1,4 +1,4 @@
-//! What a surface's frames take, beside their floor and a frame of blocks in the same moment.
+//! Frame times of a surface, measured interleaved with its floor and a frame of blocks.
 
 use super::flight_errors::FRAMES_PER_S;
 use super::rows::{TimeRow, rounded};
@@ -17,7 +17,7 @@ const FRAMES_BEFORE: u32 = 8;
 const SETTLE: Duration = Duration::from_secs(20);
 
 impl FlightMeter<'_> {
-    /// What frames of blocks are timed with, for all settings.
+    /// Timer of frames of blocks, for all settings.
     pub fn blocks_timer(&self, ground: &TestGround) -> Result<FrameTimer, SurfacesError> {
         let blocks = SurfaceKind::Blocks.settings(Subdivision::Auto);
         self.timer(ground, &Candidate::unnamed(blocks))

@@ -1,4 +1,4 @@
-//! Tables and sentences of `docs/surfaces.md`, made from the recorded tables, so that neither can say what the other does not.
+//! Tables and sentences of `docs/surfaces.md`, generated from the recorded tables, so that both agree.
 
 use super::rows::{CAST, ErrorRow};
 use super::{FlightSummary, SurfacePath, SurfaceStudy};
@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use terrella_ground::globe::SurfaceKind;
 
-/// What [`numbers`] gives, as heads of a table.
+/// Column titles of [`numbers`].
 pub const COLUMNS: [&str; 19] = [
     "frame, ms",
     "over floor",
@@ -29,7 +29,7 @@ pub const COLUMNS: [&str; 19] = [
     "at most, px",
 ];
 
-/// What is found of a setting on a flight, as text.
+/// Results of a setting on a flight, as text.
 pub fn numbers(row: &ErrorRow, cost: Option<&FlightSummary>) -> [String; COLUMNS.len()] {
     let of_cost = |of: fn(&FlightSummary) -> f64, digits: usize| {
         cost.map_or_else(|| "–".to_owned(), |cost| format!("{:.*}", digits, of(cost)))
@@ -59,7 +59,7 @@ pub fn numbers(row: &ErrorRow, cost: Option<&FlightSummary>) -> [String; COLUMNS
     ]
 }
 
-/// Every text of `docs/surfaces.md` that is made of numbers, by its name there.
+/// Every text of `docs/surfaces.md` with numbers, by its name there.
 pub fn sections(study: &SurfaceStudy) -> BTreeMap<String, String> {
     let grounds = study.data().into_iter().map(|data| {
         let name = data.replace(' ', "_");
@@ -76,7 +76,7 @@ pub fn sections(study: &SurfaceStudy) -> BTreeMap<String, String> {
     grounds.chain(others).collect()
 }
 
-/// All tables, and the texts that are made of them ([`sections`]), as JSON.
+/// All tables, and the texts generated from them ([`sections`]), as JSON.
 pub fn json(study: &SurfaceStudy) -> String {
     let value = serde_json::json!({ "study": study, "sections": sections(study) });
     // Plain values cannot fail to be written; the error is kept for the type's sake.
@@ -151,7 +151,7 @@ pub fn settling_table(study: &SurfaceStudy) -> String {
     table(&head, rows)
 }
 
-/// What the default follows from, as a table of scores and a sentence.
+/// The basis of the default, as a table of scores and a sentence.
 pub fn default_rule(study: &SurfaceStudy) -> String {
     let scores: Vec<_> = SurfaceKind::ALL
         .iter()
@@ -184,7 +184,7 @@ pub fn default_rule(study: &SurfaceStudy) -> String {
     text
 }
 
-/// What publications say of their own, beside what is measured here.
+/// Published results compared with these measurements.
 pub fn published(study: &SurfaceStudy) -> String {
     let of = |kind: SurfaceKind, is_cast: bool| {
         let rows = study.errors.iter();
@@ -271,7 +271,7 @@ pub fn published(study: &SurfaceStudy) -> String {
     )
 }
 
-/// What is cheapest, most exact and steadiest, counted over the flights.
+/// The cheapest, most accurate and steadiest surfaces, counted over the flights.
 pub fn findings(study: &SurfaceStudy) -> String {
     let mut text = String::new();
     for (title, data) in [("Over real ground", true), ("Over the worst case", false)] {

@@ -1,4 +1,4 @@
-//! What is found, as one page.
+//! Results as one page.
 
 use super::markdown::{COLUMNS, numbers};
 use super::plots::SurfacePlot;
@@ -6,7 +6,7 @@ use super::{ErrorRow, SettlingRow, SurfacePath, SurfaceStudy};
 use crate::html::{self, PageError, STYLE};
 use serde::Serialize;
 
-/// What `surfaces.html` is filled with; numbers are text already.
+/// Values of `surfaces.html`; numbers are formatted.
 #[derive(Serialize)]
 struct Values<'s> {
     style: &'static str,

@@ -20,13 +20,13 @@ pub enum SurfacePath {
     Horizon,
 }
 
-/// Vertical field of view of all of them, radians.
+/// Vertical field of view of all flights, radians.
 const FOV_RAD: f64 = 50.0 * std::f64::consts::PI / 180.0;
 /// Ends of the descent above the ground, metres.
 const DESCENT_M: (f64, f64) = (4e5, 2e3);
 /// Height of the low flight above the highest ground near by, metres.
 const LOW_M: f64 = 500.0;
-/// What is near by, radians of latitude: 3 km.
+/// Distance of nearby terrain, radians of latitude: 3 km.
 const NEAR_RAD: f64 = 3000.0 / 6.371e6;
 
 impl SurfacePath {
@@ -53,7 +53,7 @@ impl SurfacePath {
         }
     }
 
-    /// What is seen after so many seconds of the flight, which has its middle at `site`. `aspect` is width over height.
+    /// The view at a time of the flight, seconds, which has its middle at `site`. `aspect` is width over height.
     pub fn view(
         self,
         time_s: f64,

@@ -1,4 +1,4 @@
-//! What is found, as charts.
+//! Results as charts.
 
 use super::{ErrorRow, FlightSummary, SurfacePath, SurfaceStudy, SurfacesError};
 use crate::{Chart, ChartError, Point, Series, pareto_front};

@@ -1,4 +1,4 @@
-//! What is found of each surface, and its tables.
+//! Results of each surface, and their tables.
 
 use super::SurfacePath;
 use serde::de::DeserializeOwned;
@@ -10,10 +10,10 @@ use terrella_play::scene::DEFAULT_TOLERANCE_PX;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Setting {
     pub surface: SurfaceKind,
-    /// What is set.
+    /// The changed parameter.
     pub parameter: &'static str,
     pub value: String,
-    /// Whether this is what a scene gets that sets nothing.
+    /// Whether it is the default.
     pub is_default: bool,
 }
 
@@ -21,7 +21,7 @@ pub struct Setting {
 pub const CAST: &str = "cast at tolerance px";
 
 impl Setting {
-    /// Whether it is a default, or contours cast with the tolerance of scenes: what tables of all surfaces show.
+    /// Whether it is a default, or contours cast with the tolerance of scenes: the rows in tables of all surfaces.
     pub fn is_shown(&self) -> bool {
         self.is_default || is_cast_at_default(self.parameter, &self.value)
     }
@@ -47,7 +47,7 @@ impl SettlingRow {
 
 /// A row that a later one of the same flight and setting takes the place of.
 pub trait Keyed {
-    /// Ground, flight (none: of all), surface, parameter and value.
+    /// Terrain, flight (`None`: of all), surface, parameter and value.
     fn key(&self) -> (&str, Option<SurfacePath>, SurfaceKind, &str, &str);
 }
 
@@ -82,8 +82,8 @@ pub fn replace<Row: Keyed>(rows: &mut Vec<Row>, with: Vec<Row>) {
     rows.splice(place..place, with);
 }
 
-/// How wrong one setting is on one flight over one ground, and what its frames take. Over all frames of the flight, each of a
-/// fixed part of its pixels.
+/// Errors of one setting on one flight over one test terrain, and its frame times. Over all frames of the flight, with a fixed fraction of the
+/// pixels of each.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ErrorRow {
@@ -91,18 +91,18 @@ pub struct ErrorRow {
     pub data: String,
     /// The flight.
     pub path: SurfacePath,
-    /// What draws it.
+    /// The surface.
     pub surface: SurfaceKind,
-    /// What is set.
+    /// The changed parameter.
     pub parameter: String,
     pub value: String,
-    /// Whether this is what a scene gets that sets nothing.
+    /// Whether it is the default.
     pub is_default: bool,
     /// Frames flown.
     pub frames: u32,
     /// Time that the thread works in `prepare`, milliseconds: what half of the frames do not exceed.
     pub prepare_ms_median: f64,
-    /// What 99 of a hundred do not exceed.
+    /// 99th percentile.
     pub prepare_ms_p99: f64,
     /// The longest.
     pub prepare_ms_most: f64,
@@ -120,17 +120,17 @@ pub struct ErrorRow {
     pub written_bytes_median: u64,
     /// Vertical distance of drawn ground from the data, metres: what half of the pixels do not exceed.
     pub error_m_median: f64,
-    /// What 99 of a hundred pixels do not exceed.
+    /// 99th percentile over pixels.
     pub error_m_p99: f64,
     /// Largest.
     pub error_m_most: f64,
     /// How far drawn ground appears from where its place should, pixels of the picture: what half do not exceed.
     pub error_px_median: f64,
-    /// What 99 of a hundred pixels do not exceed.
+    /// 99th percentile over pixels.
     pub error_px_p99: f64,
     /// Largest.
     pub error_px_most: f64,
-    /// What 99 of a hundred pixels of the worst frame do not exceed.
+    /// 99th percentile over the pixels of the worst frame.
     pub worst_frame_px: f64,
     /// The largest error that the surface itself reports, pixels; `None` where it has no bound.
     pub told_px_most: Option<f64>,
@@ -152,9 +152,9 @@ pub struct TimeRow {
     pub data: String,
     /// The flight.
     pub path: SurfacePath,
-    /// What draws it.
+    /// The surface.
     pub surface: SurfaceKind,
-    /// What is set.
+    /// The changed parameter.
     pub parameter: String,
     pub value: String,
     /// Seconds of the flight.
@@ -177,12 +177,12 @@ pub struct TimeRow {
 pub struct SettlingRow {
     /// The ground's name.
     pub data: String,
-    /// What draws it.
+    /// The surface.
     pub surface: SurfaceKind,
-    /// What is set.
+    /// The changed parameter.
     pub parameter: String,
     pub value: String,
-    /// Whether this is what a scene gets that sets nothing.
+    /// Whether it is the default.
     pub is_default: bool,
     /// The frame from which on its error is as it stays, the first after the jump being 0.
     pub frames: u32,
@@ -196,7 +196,7 @@ pub struct SettlingRow {
     pub prepare_ms_most: f64,
 }
 
-/// A value as tables have it: so many digits behind the point, and no more than [`MOST`], which stands for what has no bound.
+/// A value for tables: rounded to this many decimals, and clamped to [`MOST`], which represents an unbounded value.
 pub(super) fn rounded(value: f64, digits: i32) -> f64 {
     let scale = 10_f64.powi(digits);
     let value = if value.is_nan() {

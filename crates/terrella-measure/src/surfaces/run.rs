@@ -1,4 +1,4 @@
-//! What the measurements of all settings share.
+//! State shared by the measurements of all settings.
 
 use super::{Candidate, SurfacePath, TestGround};
 use terrella::frames::Ellipsoid;
@@ -22,7 +22,7 @@ impl FlightMeter<'_> {
         self.options.figure.ellipsoid()
     }
 
-    /// What is seen after so many seconds of a flight.
+    /// The view at a time of a flight, seconds.
     pub fn view(&self, path: SurfacePath, ground: &TestGround, time_s: f64) -> EyeView {
         let aspect = f64::from(self.size.0) / f64::from(self.size.1);
         let elevation = ground.elevation.as_ref();

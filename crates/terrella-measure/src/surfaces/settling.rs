@@ -14,15 +14,15 @@ use terrella::internals::earth::PixelLattice;
 const MOST_FRAMES: usize = 900;
 /// After so many frames without any change nothing is waited for.
 const STILL_FRAMES: usize = 60;
-/// Of this many pixels both ways one is looked at.
+/// One of this many pixels in both directions is compared.
 const SPREAD: u32 = 10;
-/// What counts as settled: so many times the last error, and as double; and so many pixels more.
+/// Criterion of settling: factor of the last error, and tolerance, pixels.
 const SETTLED: f64 = 1.1;
 const DOUBLE: f64 = 2.0;
 const MORE_PX: f64 = 0.02;
 
 impl FlightMeter<'_> {
-    /// Jumps from the orbit to the low flight, and stands there. `None` if that was stopped.
+    /// Jumps from the orbit to the low flight, and stays there. `None` if it was stopped.
     pub fn settling(
         &self,
         ground: &TestGround,

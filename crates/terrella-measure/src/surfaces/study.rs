@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use std::fmt::Write;
 use terrella_ground::globe::SurfaceKind;
 
-/// What was found, and with what.
+/// Results, and their settings.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct SurfaceStudy {
     /// The adapter's name and backend; empty where nothing was measured now.
@@ -21,11 +21,11 @@ pub struct SurfaceStudy {
     pub times: Vec<TimeRow>,
     /// After a jump.
     pub settling: Vec<SettlingRow>,
-    /// Whether it was stopped before its end.
+    /// Whether it was stopped early.
     pub is_partial: bool,
 }
 
-/// What the frames of one setting take on one flight.
+/// Frame times of one setting on one flight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FlightSummary {
     /// Frames that were timed.
@@ -54,7 +54,7 @@ impl FlightSummary {
     }
 }
 
-/// What 99 of a hundred pixels of a whole flight may be off by at most, for a surface to be called exact, pixels.
+/// Largest error, as the 99th percentile over the pixels of a whole flight, of a surface that counts as exact, pixels.
 pub const EXACT_PX: f64 = 1.0;
 /// Costs that differ by less than this count as the same.
 pub const SAME_COST: f64 = 1.1;
@@ -110,7 +110,7 @@ impl SurfaceStudy {
         rows.filter(move |row| row.data == data && row.path == path)
     }
 
-    /// What the frames of a row take; `None` where they were not timed.
+    /// Frame times of a row; `None` if they were not measured.
     pub fn summary_of(&self, row: &ErrorRow) -> Option<FlightSummary> {
         let is_its = |time: &&TimeRow| {
             let setting = (time.surface, &time.parameter, &time.value);
@@ -168,11 +168,10 @@ impl SurfaceStudy {
         cheapest.or_else(most_exact).copied()
     }
 
-    /// The surface that a scene with heights gets that names none, by this rule. Of the surfaces at their defaults, on the
-    /// flights near the ground (descent, low flight, horizon) over real ground: those without holes and exact to
-    /// [`EXACT_PX`] on each; of these, those whose frames cost at most [`SAME_COST`] times the cheapest's; of these, the one
-    /// with the least error over the worst ground. Where none is exact, the one with the least error on real ground. `None`
-    /// where nothing was measured or not all was timed.
+    /// The default surface of a scene with elevation data, by this rule. Candidates are the surfaces at their defaults, on the flights near the
+    /// ground (descent, low flight, horizon) over real terrain: those without holes and exact to [`EXACT_PX`] on each; of these, those whose frames
+    /// cost at most [`SAME_COST`] times the cheapest's; of these, the one with the least error over the worst terrain. If none is exact, the one
+    /// with the least error on real terrain. `None` without complete measurements.
     pub fn default_surface(&self) -> Option<SurfaceKind> {
         let scores: Vec<Score> = SurfaceKind::ALL
             .iter()
@@ -193,7 +192,7 @@ impl SurfaceStudy {
             .map(|score| score.surface)
     }
 
-    /// What the rule of [`Self::default_surface`] looks at; `None` where a flight is missing.
+    /// Inputs of the rule of [`Self::default_surface`]; `None` if a flight is missing.
     pub fn score(&self, surface: SurfaceKind) -> Option<Score> {
         let rows: Vec<_> = self
             .errors
@@ -229,7 +228,7 @@ pub struct Score {
     pub surface: SurfaceKind,
     /// Without holes over real ground.
     pub is_sound: bool,
-    /// What 99 of a hundred pixels of the worst flight over real ground do not exceed, pixels.
+    /// 99th percentile over the pixels of the worst flight over real terrain, pixels.
     pub real_px: f64,
     /// The same over the worst ground.
     pub worst_px: f64,

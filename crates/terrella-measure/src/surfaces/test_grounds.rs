@@ -1,4 +1,4 @@
-//! What is flown over.
+//! Terrains of the flights.
 
 use super::SurfacesError;
 use std::sync::Arc;
@@ -14,16 +14,16 @@ use terrella_play::scene::Scene;
 pub struct TestGround {
     /// As in tables.
     pub name: &'static str,
-    /// Its heights.
+    /// Its elevation data.
     pub elevation: Arc<dyn Elevation>,
-    /// The middle of all flights.
+    /// Centre of all flights.
     pub site: Geodetic,
-    /// Bytes of its heights in memory.
+    /// Size of its elevation data in memory, bytes.
     pub bytes: u64,
 }
 
-/// The starter pack's heights of the whole Earth, seen over the Alps; the scene's own files, if it names any, over the
-/// middle of the finest; and heights that no surface likes.
+/// The starter pack's elevation data of the whole Earth, seen over the Alps; the scene's own files, if it names any, over the centre of the finest;
+/// and a worst case.
 ///
 /// # Errors
 /// Files that cannot be read.
@@ -40,7 +40,7 @@ pub fn test_grounds(scene: &Scene) -> Result<Vec<TestGround>, SurfacesError> {
     }
     let (worst, site) = worst_case()?;
     let grids = globe.grids().iter().cloned().chain([Arc::new(worst)]);
-    let heights = Ground::new(grids).with_sea_surface();
+    let heights = Ground::new(grids).with_sea_surface(None);
     grounds.push(of(super::study::WORST, heights, site));
     Ok(grounds)
 }
@@ -68,8 +68,8 @@ fn middle(bounds: &Bounds) -> Geodetic {
 /// Samples along each side of the worst case, a size that is no power of two and one.
 const SIDE: u32 = 700;
 
-/// A degree of ground over which heights are as bad as they can be: cliffs of 3 km, a spike of 9 km one sample wide, a pit
-/// of 11 km, a plateau without any relief, and rubble in which every sample is another.
+/// One degree of the worst possible terrain: cliffs of 3 km, a spike of 9 km one sample wide, a pit of 11 km, a flat plateau, and rubble in which
+/// every sample differs.
 fn worst_case() -> Result<(HeightGrid, Geodetic), SurfacesError> {
     let corner = Geodetic::from_degrees(20.0, 10.0, 0.0);
     let side_rad = 1_f64.to_radians();

@@ -17,7 +17,7 @@ const NEAR_M: f64 = 1.0;
 
 const SHADER: &str = include_str!("../../shaders/terrain.wgsl");
 
-/// Where trees are drawn.
+/// Render target of trees.
 pub(super) struct Canvas {
     gpu: GpuContext,
     targets: FrameTargets,

@@ -18,11 +18,11 @@ pub struct SyntheticGround {
 
 /// Of a synthetic ground, metres between posts.
 const SYNTHETIC_SPACING_M: f64 = 90.0;
-/// Of a synthetic ground: how far its last midpoints are displaced, metres, and by how much less than those of the halving before: 2^-0.8,
-/// as rough as mountains. A larger one is more of the same ground: 1 500 m for 2049 posts.
+/// Of a synthetic terrain: the displacement of its last midpoints, metres, and its ratio to that of the previous subdivision: 2^-0.8, as rough as
+/// mountains. A larger terrain has the same roughness: 1 500 m for 2049 posts.
 const DISPLACEMENT: (f64, f64) = (3.4, 0.574_349_177_498_517_5);
 
-/// A grid of heights, its rows from the north.
+/// An elevation grid, its rows from the north.
 #[derive(Clone, Debug)]
 pub(super) struct HeightField {
     /// As in tables and names of files.
@@ -33,7 +33,7 @@ pub(super) struct HeightField {
     pub extent: Extent,
 }
 
-/// Where a field lies.
+/// Position of a field.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Extent {
     /// On a plane, so many metres between samples.
@@ -64,7 +64,7 @@ impl HeightField {
             heights_m: heights_m.collect(),
             extent: Extent::Earth(grid.sample_bounds()),
         };
-        // What is too wide is said before anything is built.
+        // A field that is too wide is reported before anything is built.
         field.dem().map_err(|error| TerrainError::Field {
             path: path.to_owned(),
             error,
@@ -211,7 +211,7 @@ mod tests {
         };
         assert!((of_half.south_rad - 0.5).abs() < 1e-12);
         assert!((of_half.width_rad - 0.2 * 298.0 / 299.0).abs() < 1e-12);
-        // The same sample lies at the same place, and the spacing is twice as wide.
+        // The same sample has the same position, and the spacing is twice as large.
         let (fine, coarse) = (field.dem().unwrap(), half.dem().unwrap());
         let place = |dem: &Dem, i, j| dem.point_m(i, j) + dem.origin_m();
         assert!(place(&fine, 20, 260 - 40).distance(place(&coarse, 10, 130 - 20)) < 1e-6);

@@ -1,11 +1,11 @@
 //! q-Bézier patches over a DEM: bicubic, G1 across every edge and every difference of levels, within a tolerance of the
 //! samples.
 //!
-//! | file | what |
+//! | file | content |
 //! |---|---|
-//! | `fit.rs` | cutting until patches are within the tolerance |
+//! | `fit.rs` | subdivision until patches are within the tolerance |
 //! | `bezier.rs` | patches by their control heights |
-//! | `continuity.rs` | measuring how neighbours join |
+//! | `continuity.rs` | continuity between neighbours |
 //! | `serialize.rs` | patches as bytes |
 
 mod bezier;
@@ -29,7 +29,7 @@ use terrella_ground::globe::contours::hermite::{Corner, restrict};
 pub const DEGREE: usize = 3;
 const NONE: u32 = u32::MAX;
 
-/// What patches are built by.
+/// Options for building patches.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PatchOptions {
     /// Most vertical distance between a patch and the samples inside it or on its edge, metres. At 0 patches shrink to
@@ -76,8 +76,7 @@ pub struct Leaf {
     pub depth: u8,
 }
 
-/// Control heights of a patch in the q-Bernstein bases of its tree. Its control points lie at
-/// `[i]/[3]` of the way across.
+/// Control heights of a patch in the q-Bernstein bases of its tree. Its control points are at `[i]/[3]` of the span.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct QPatch {
     /// Heights, metres, `[along u][along v]`.
@@ -109,9 +108,9 @@ pub struct PatchTree {
 const LEAF_BYTES: usize = 2 * size_of::<Leaf>() + (2 * size_of::<Corner>() + 14) * 5 / 3;
 
 impl PatchTree {
-    /// Builds patches. Spans are cut until a patch is within the tolerance of its samples; they begin with the whole grid,
-    /// or with the leaves of `contours` as in the paper. Then corners inside coarser edges follow those, and patches that
-    /// this takes out of the tolerance are cut too, until none is left. `progress` hears 0…1.
+    /// Builds patches. Spans are subdivided until a patch is within the tolerance of its samples, starting from the whole grid, or from the leaves
+    /// of `contours` as in the paper. Then corners inside coarser edges are constrained to those, and patches that thereby exceed the tolerance are
+    /// subdivided too, until none is left. `progress` receives 0…1.
     pub fn build(
         dem: &Dem,
         contours: Option<&ContourTree>,
@@ -185,8 +184,8 @@ impl PatchTree {
         self.set_corners(&owners, |_| free.next().unwrap_or_default());
     }
 
-    /// Puts leaves in order and numbers their corners. Answers of each corner the leaf inside whose edge it lies, and the depth
-    /// of the finest leaf about it.
+    /// Orders the leaves and numbers their corners. Returns for each corner the leaf inside whose edge it lies, and the depth of the finest leaf
+    /// around it.
     fn number(&mut self) -> (Vec<u32>, Vec<u8>) {
         let [columns, rows] = self.size.map(|n| n as usize);
         let at = |[i, j]: [u32; 2]| j as usize * columns + i as usize;
@@ -231,8 +230,7 @@ impl PatchTree {
         (owners, depths)
     }
 
-    /// Sets all corners, in the order of their numbers: free ones as `next` says, hanging ones by their owners, whose corners
-    /// have smaller numbers.
+    /// Sets all corners, in the order of their numbers: free ones from `next`, hanging ones from their owners, whose corners have smaller numbers.
     fn set_corners(&mut self, owners: &[u32], mut next: impl FnMut(u32) -> Corner) {
         self.corners = Vec::with_capacity(owners.len());
         self.hangs = owners.iter().map(|owner| *owner != NONE).collect();
@@ -295,7 +293,7 @@ impl PatchTree {
         QPatch { control_m }
     }
 
-    /// Bézier heights again from q-Bézier ones.
+    /// Bézier heights from q-Bézier ones.
     pub fn bezier_from_q(&self, patch: &QPatch) -> Net {
         let [along_u, along_v] = self.bases.map(|basis| basis.bernstein_from_q());
         converted(&patch.control_m, &along_u, &along_v)

@@ -8,8 +8,8 @@
 //! (see [`QBasis::bernstein_from_q`]), so that each is exact to some roundings however ill-conditioned the matrix is. What
 //! is beyond an f64 is computed in `ExtendedFloat`.
 //!
-//! For q > 1 the basis changes sign and its terms can be far larger than their sum: that no formula mends, and
-//! [`QBasis::condition`] says how much it costs.
+//! For q > 1 the basis changes sign and its terms can be far larger than their sum: no formula avoids that, and [`QBasis::condition`] gives the
+//! loss of accuracy.
 
 mod extended_float;
 #[cfg(test)]
@@ -49,7 +49,7 @@ pub struct QBasis {
     binomials: [f64; MAX_DEGREE + 1],
 }
 
-/// A square matrix of degree + 1 rows that takes control values of one basis to those of another.
+/// A square matrix of degree + 1 rows that converts control values of one basis to those of another.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Conversion {
     size: usize,
@@ -231,7 +231,7 @@ impl QBasis {
         plain.map(ExtendedFloat::from)
     }
 
-    /// What the basis costs.
+    /// The condition of the basis.
     pub fn condition(&self) -> Condition {
         let (to, back) = (self.bernstein_from_q(), self.q_from_bernstein());
         let lebesgue = (0..=256).map(|k| {

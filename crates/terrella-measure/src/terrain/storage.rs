@@ -1,4 +1,4 @@
-//! What a grid of heights takes in several forms of storage.
+//! Size of an elevation grid in several storage formats.
 
 use terrella_ground::globe::contours::dem::{Dem, Span, quarters};
 use terrella_ground::globe::contours::tree::TreeStats;
@@ -29,8 +29,8 @@ impl Storage {
     }
 }
 
-/// Leaves of the quadtree whose four equal children become one, level by level; equal means that all lie within the
-/// tolerance either side of one height. Grids that are no power of two are cut as [`quarters`] does, over samples.
+/// Number of leaves of the quadtree whose four equal children are merged, level by level; equal means that all are within the tolerance of one
+/// elevation. Grids that are not a power of two are divided as by [`quarters`], over samples.
 pub fn morton_leaves(dem: &Dem, tolerance_m: f64) -> u64 {
     // Samples take the place of cells: a span's last row and column belong to the next.
     fn leaves(dem: &Dem, [w, e, s, n]: Span, tolerance_m: f64) -> (u64, f64, f64) {

@@ -7,7 +7,7 @@ use crate::output::csv_text;
 pub struct Table {
     /// The name of its file, without an extension.
     pub name: &'static str,
-    /// A sentence about it, with what the numbers are.
+    /// A sentence about it, with the meaning of the numbers.
     pub title: String,
     /// The columns' heads.
     pub head: Vec<String>,

@@ -1,4 +1,4 @@
-//! What is measured, a table each.
+//! The measurements, one table each.
 
 use super::TerrainError;
 use super::draw::{Canvas, SIZE};
@@ -15,16 +15,16 @@ use terrella_ground::globe::quadtree::SplitRule;
 
 /// λ of the publication's table: metres of distance for a metre of error.
 const LAMBDA: f64 = 300.0;
-/// How often a tree is built for its time; the least counts.
+/// Number of times that a tree is built for its time; the minimum counts.
 const BUILDS: usize = 3;
 /// How often leaves are selected for their time.
 const CHOICES: usize = 15;
 /// How often a frame is drawn for its time, after one that is not counted.
 const FRAMES: usize = 5;
-/// The eye stands so high over the middle of the southern edge, metres.
+/// Height of the eye over the middle of the southern edge, metres.
 const EYE_M: f64 = 500.0;
 
-/// Seconds that some work takes, and what it answers.
+/// Time of some work, seconds, and its result.
 fn timed<T>(work: impl FnOnce() -> T) -> (f64, T) {
     let begin = Instant::now();
     let answer = work();
@@ -133,7 +133,7 @@ pub(super) fn rate(
     Ok((row, picture))
 }
 
-/// Frames a second of all cells and of each view; "-" where the device cannot hold them.
+/// Frames per second of all cells and of each view; "-" if the device cannot hold them.
 fn frames(
     trees: &TreeBuilds<'_>,
     tree: &GridQuadtree,
@@ -150,7 +150,7 @@ fn frames(
         for frame in 0..=FRAMES {
             trees.check_cancelled()?;
             let begin = Instant::now();
-            // Nothing is selected where all is drawn, nor uploaded again.
+            // Nothing is selected if everything is drawn, nor uploaded again.
             match view {
                 Some(view) => {
                     tree.select(view, &mut selected);
@@ -179,7 +179,7 @@ fn frames(
     Ok(rates)
 }
 
-/// What forms of storage take.
+/// Sizes of storage formats.
 pub(super) fn storage() -> Table {
     let title = "Storage in bytes: 16-bit samples, squares of one height (within the tolerance) merged in Morton order, contours \
                  (three f32 a leaf), q-Bézier patches as they are kept; and the largest distance of a sample from its contour's \
@@ -269,7 +269,7 @@ pub(super) fn built(
     Ok(vec![quadtree, contours, patches])
 }
 
-/// The least time of some builds for each number of threads, and what is built.
+/// The minimum time of some builds for each number of threads, and the result.
 fn least<T>(
     threads: &[usize],
     build: impl Fn(usize) -> Result<T, TerrainError>,

@@ -6,19 +6,18 @@ use std::sync::{OnceLock, mpsc};
 /// Most threads that are started.
 const MAX_THREADS: usize = 64;
 
-/// What one thread builds at a time has this many cells at most. Grids that are not larger are built in one part, and no
-/// thread is started for them.
+/// Largest number of cells that one thread builds at a time. Smaller grids are built in one part, and no thread is started for them.
 pub(super) const PART_CELLS: u64 = 1 << 16;
 
 /// Threads that work is done on.
 pub(super) struct Workers {
     threads: usize,
-    /// Started by the first work in more than one part; none if that failed.
+    /// Started by the first work in more than one part; `None` if that failed.
     pool: OnceLock<Option<ThreadPool>>,
 }
 
 impl Workers {
-    /// So many, at most 64. One, or none, is the calling thread.
+    /// This number of threads, at most 64. With one or none the calling thread is used.
     pub fn new(threads: usize) -> Self {
         Self {
             threads: threads.min(MAX_THREADS),
@@ -35,8 +34,8 @@ impl Workers {
         self.pool.get_or_init(start).as_ref()
     }
 
-    /// What `work` answers for 0…`count`, in this order whatever the number of threads. `done` hears the number of each part
-    /// that is finished, on the calling thread. One part is worked on the calling thread.
+    /// The results of `work` for 0…`count`, in this order for any number of threads. `done` receives the number of each finished part, on the
+    /// calling thread. A single part is processed on the calling thread.
     pub fn map<T: Send>(
         &self,
         count: usize,

@@ -1,4 +1,4 @@
-//! Attitude ephemeris messages: 504.0-B-1 (2008) and 504.0-B-2 (2024), as far as they hold quaternions or Euler angles.
+//! Attitude ephemeris messages: the quaternions and Euler angles of 504.0-B-1 (2008) and 504.0-B-2 (2024).
 
 mod xml;
 
@@ -45,10 +45,10 @@ pub fn is_aem(text: &str) -> bool {
         }
 }
 
-/// What the metadata of a segment say of its rows.
+/// Meaning of a segment's rows, from its metadata.
 struct Meaning {
     frame: Frame,
-    /// Whether the quaternion is of the rotation from the frame to the body; else of that from the body.
+    /// Whether the quaternion is the rotation from the frame to the body; otherwise from the body to the frame.
     is_to_body: bool,
     system: TimeSystem,
     form: Form,
@@ -58,7 +58,7 @@ struct Meaning {
     place: TextPosition,
 }
 
-/// What the first numbers of a row are.
+/// The first numbers of a row.
 #[derive(Clone, Copy)]
 enum Form {
     Quaternion {
@@ -193,7 +193,7 @@ pub fn segments(text: &str, origin: &Path) -> Result<Vec<Segment>, RecordError> 
     }
 }
 
-/// What segments must be.
+/// Requirement for segments.
 const IN_ORDER: &str = "segments in order of time";
 
 fn is_in_order(segments: &[Segment], next: &Segment) -> bool {

@@ -1,6 +1,6 @@
-//! Quaternions in CSV: a header that names an epoch and `qx`, `qy`, `qz`, `qw`, and before it a comment that names the frame.
+//! Quaternions in CSV: a header with an epoch and `qx`, `qy`, `qz`, `qw`, after a comment that names the frame.
 //!
-//! The quaternion takes vectors from the axes of the body to those of the frame, v_frame = q v_body q*; `qw` is its scalar.
+//! The quaternion rotates vectors from the body's axes to those of the frame, v_frame = q v_body q*; `qw` is its scalar part.
 
 use super::super::Frame;
 use super::super::csv_row::CsvRow;
@@ -13,7 +13,7 @@ use std::path::Path;
 use terrella_frames::TimeScale;
 
 const KEYS: &Keys = &[("frame", "")];
-const HEADER: &str = "the columns epoch_utc (or epoch_tai, epoch_tt, epoch_gps), qx, qy, qz and qw, separated by commas";
+const HEADER: &str = "the columns epoch_utc (or epoch_tai, epoch_tt, epoch_gps), qx, qy, qz and qw";
 
 /// The columns that are used.
 struct Columns {
@@ -27,6 +27,7 @@ pub fn segments(text: &str, origin: &Path) -> Result<Vec<Segment>, RecordError> 
     let start = TextPosition { line: 1, column: 1 };
     let mut said = Fields::new("the table", start, KEYS);
     let mut columns: Option<Columns> = None;
+    let mut separator = None;
     let mut samples = Vec::new();
     for (line, text) in (1..).zip(text.lines()) {
         let place = TextPosition { line, column: 1 };
@@ -50,7 +51,8 @@ pub fn segments(text: &str, origin: &Path) -> Result<Vec<Segment>, RecordError> 
             }
             continue;
         }
-        let row = csv::fields(text).ok_or_else(|| {
+        let separator = *separator.get_or_insert_with(|| csv::separator(text).unwrap_or(','));
+        let row = csv::fields(text, separator).ok_or_else(|| {
             let cause = "a quotation mark without its partner".to_owned();
             let format = "CSV";
             place.error(origin, RecordFault::Syntax { format, cause })

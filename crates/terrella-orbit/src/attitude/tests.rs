@@ -160,7 +160,7 @@ fn quaternions_are_those_of_the_standard() {
         &[&first],
     );
     assert!((body_of(&first) - in_body).length() < 1e-15);
-    // From the body to the frame: the coordinates in the body are those that the matrix takes to v.
+    // From the body to the frame: the matrix maps the body coordinates to v.
     let swapped = [("REF_FRAME_A", "SC_BODY_1"), ("REF_FRAME_B", "EME2000")];
     let from_body = body_of(&aem("2.0", &swapped, &last));
     assert!((coordinates_in_b(Q, from_body) - v).length() < 1e-15);

@@ -22,7 +22,7 @@ mod tests {
     #[test]
     fn parameters_and_their_shadows_are_the_same_rotation() {
         let t = (std::f64::consts::FRAC_PI_8).tan();
-        // A quarter turn about z, σ = tan(22.5°): the body's x lies along the inertial y.
+        // A quarter turn about z, σ = tan(22.5°): the body's x axis is the inertial y axis.
         let quarter = rotation_of_mrp(DVec3::Z * t).expect("finite");
         assert!((quarter * DVec3::X - DVec3::Y).length() < 1e-12);
         // The shadow set, −σ/σ², is the same rotation.

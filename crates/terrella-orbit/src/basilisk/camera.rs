@@ -1,4 +1,4 @@
-//! Where a camera on a spacecraft looks.
+//! Pose of a camera on a spacecraft.
 
 use super::attitude::rotation_of_mrp;
 use super::message::Camera;
@@ -10,16 +10,16 @@ use glam::{DMat3, DVec3};
 pub struct CameraPose {
     /// Metres.
     pub position_m: DVec3,
-    /// What it looks along, unit.
+    /// Viewing direction, unit.
     pub forward: DVec3,
-    /// What is upwards in its picture, unit, at right angles to `forward`.
+    /// Up direction of its image, unit, perpendicular to `forward`.
     pub up: DVec3,
 }
 
-/// The pose of a camera on a craft. `None` where its numbers are not finite.
+/// The pose of a camera on a spacecraft. `None` if its numbers are not finite.
 ///
-/// Basilisk writes the attitude of axes that are turned from the camera's own: with D the rotation of `cameraDir_B` the camera
-/// looks along −D's first row, its second row is to the right and its third upwards, in the body's axes.
+/// Basilisk writes the attitude of axes that are rotated relative to the camera's own: with D the rotation of `cameraDir_B`, the camera looks along
+/// −D's first row; its second row is to the right and its third upwards, in the body's axes.
 pub fn camera_pose(camera: &Camera, craft: &CraftState) -> Option<CameraPose> {
     let inertial_from_body = craft.inertial_from_body;
     let inertial_from_camera = inertial_from_body * rotation_of_mrp(camera.mrp)?;

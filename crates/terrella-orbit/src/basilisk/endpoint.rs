@@ -35,10 +35,10 @@ pub struct BadEndpoint {
 }
 
 impl Endpoint {
-    /// Where Basilisk looks for its viewer: port 5556 of this machine.
+    /// The default endpoint of Basilisk's viewer: port 5556 of this machine.
     pub const TWO_WAY: Self = Self::Tcp(SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), 5556));
 
-    /// Whether other machines reach it.
+    /// Whether other machines can reach it.
     pub fn is_remote(&self) -> bool {
         match self {
             Self::Tcp(address) => !address.ip().is_loopback(),
@@ -83,7 +83,7 @@ impl fmt::Display for Endpoint {
     }
 }
 
-/// What simulators connect to.
+/// A listening socket for simulators.
 #[derive(Debug)]
 pub enum Listener {
     Tcp(TcpListener),
@@ -102,7 +102,8 @@ impl Listener {
             }
             #[cfg(unix)]
             Endpoint::Ipc(path) => {
-                // A socket that nobody answers at was left behind by a program that ended. A file is rejected the same way, and stays.
+                // A socket without a listener is left over from a program that has ended and is removed. Connecting to a regular file fails
+                // in the same way, but the file stays.
                 let is_socket = std::fs::symlink_metadata(path)
                     .is_ok_and(|found| found.file_type().is_socket());
                 let is_rejected = |error: io::Error| error.kind() == ErrorKind::ConnectionRefused;
@@ -194,16 +195,16 @@ impl Stream {
         }
     }
 
-    /// Keeps what is written from now on until [`Self::end_writing`], so that the peer sees both at once: of TCP on Linux.
+    /// Holds back output until [`Self::end_writing`], so that the peer receives everything at the same time: for TCP on Linux.
     pub fn hold(&self) {
         #[cfg(target_os = "linux")]
         if let Self::Tcp(stream) = self {
-            // Without it the end comes a little later than the answer.
+            // Without this option, the end of the stream arrives a little later than the reply.
             let _ = rustix::net::sockopt::set_tcp_cork(stream, true);
         }
     }
 
-    /// Says that nothing more is written. What is on its way arrives.
+    /// Closes the stream for writing. Data already sent still arrives.
     pub fn end_writing(&self) {
         // A connection that is gone already needs no goodbye.
         let _ = match self {
@@ -289,7 +290,7 @@ mod tests {
         assert!(Listener::bind(&endpoint).is_err());
         drop(bound);
         assert!(!path.exists());
-        // What is no socket stays.
+        // A file that is not a socket stays.
         std::fs::write(path, b"a file").expect("writes");
         assert!(Listener::bind(&endpoint).is_err());
         assert_eq!(std::fs::read(path).expect("reads"), b"a file");

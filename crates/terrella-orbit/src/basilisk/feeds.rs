@@ -10,9 +10,9 @@ use terrella_frames::{Epoch, rfc3339, utc_from_rfc3339};
 /// The states of a craft that have come, in GCRF about the Earth's centre.
 pub struct CraftFeed {
     pub(super) shared: Arc<SharedSimulation>,
-    /// Which; the first where none is named.
+    /// Name of the spacecraft; `None` for the first one.
     pub(super) craft: Option<String>,
-    /// What it is called: known with its first state where none is named.
+    /// Its name: known with its first state if none was requested.
     pub(super) name: OnceLock<String>,
 }
 
@@ -91,7 +91,7 @@ impl Feed for CraftFeed {
 /// A place on the ground, with the Earth's rotation at the newest time.
 pub struct PlaceFeed {
     pub(super) shared: Arc<SharedSimulation>,
-    /// What it is called.
+    /// Its name.
     pub(super) name: Arc<str>,
     pub(super) position_itrf_m: DVec3,
 }

@@ -1,14 +1,14 @@
-//! Where spacecraft have been: what trails and ground tracks are drawn from.
+//! Recorded positions of spacecraft, for trails and ground tracks.
 
 use super::world::{CraftState, between};
 use std::collections::VecDeque;
 
-/// Most states that are kept of all craft together.
+/// Limit of states that are kept, for all spacecraft together.
 const MAX_STATES: usize = 262_144;
 /// Most and least of one craft.
 const MAX_STATES_OF_ONE: usize = 8192;
 const LEAST_STATES_OF_ONE: usize = 64;
-/// States nearer to each other than this angle, seen from the Earth's centre, are not both kept (0.2°) …
+/// Minimum angle between two kept states, seen from the Earth's centre (0.2°) …
 const LEAST_ANGLE_RAD: f64 = 0.0035;
 /// … unless they are so many simulated seconds apart.
 const LONGEST_STEP_S: f64 = 60.0;
@@ -25,8 +25,8 @@ impl History {
         (MAX_STATES / craft.max(1)).clamp(LEAST_STATES_OF_ONE, MAX_STATES_OF_ONE)
     }
 
-    /// Adds the state of `elapsed_s`. What was before is forgotten where time steps back; a state of the same time takes the
-    /// place of the last; of many near each other some are kept.
+    /// Adds the state at `elapsed_s`. If time steps back, later states are dropped. A state of the same time replaces the last one. Of many states
+    /// close together only some are kept.
     pub fn add(&mut self, elapsed_s: f64, state: &CraftState, most: usize) {
         if self.last_s().is_some_and(|last_s| elapsed_s < last_s) {
             self.states.clear();

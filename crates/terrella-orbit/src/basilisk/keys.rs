@@ -1,6 +1,6 @@
-//! Keys that a script listens to (`keyboardLiveInput`), and those that were pressed since it last asked.
+//! Keys that a script listens to (`keyboardLiveInput`), and those pressed since its last request.
 
-/// Most presses that wait for a script to ask; what is pressed beyond that is not sent.
+/// Limit of keys that wait for a script's request; further ones are not sent.
 const MAX_WAITING: usize = 64;
 
 /// The keys of one simulation.
@@ -21,7 +21,7 @@ impl ScriptKeys {
         &self.heard
     }
 
-    /// A key was pressed: as the script spells it, where it listens to that one and has asked not too long ago.
+    /// Records a pressed key. Returns it as the script spells it, if the script listens to it and not too many keys are waiting.
     pub fn press(&mut self, key: char) -> Option<char> {
         let is_same = |heard: &char| heard.to_lowercase().eq(key.to_lowercase());
         let mut heard = self.heard.chars();
@@ -35,7 +35,7 @@ impl ScriptKeys {
         Some(key)
     }
 
-    /// What was pressed since this was asked last, once.
+    /// Returns and clears the keys pressed since the last call.
     pub fn take(&mut self) -> String {
         std::mem::take(&mut self.pressed)
     }

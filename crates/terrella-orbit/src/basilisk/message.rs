@@ -31,19 +31,19 @@ pub struct Message {
     pub bodies: Vec<Body>,
     /// Spacecraft.
     pub craft: Vec<Craft>,
-    /// Cameras whose pictures the simulation asks for.
+    /// Cameras whose images the simulation requests.
     pub cameras: Vec<Camera>,
     /// When simulated time is 0, UTC; only where it is new.
     pub epoch: Option<EpochDate>,
     /// Places on the ground that are new or changed.
     pub locations: Vec<Location>,
-    /// The simulation asks the viewer to end.
+    /// The simulation requests the viewer to close.
     pub ends_viewer: bool,
     /// Characters whose keys the script listens to; only where settings come.
     pub live_keys: Option<String>,
-    /// What the window's sky is, a word or a path; only where settings come.
+    /// The sky of the window, a keyword or a path; only in messages with settings.
     pub skybox: Option<String>,
-    /// What it holds that is not drawn.
+    /// Content that is not drawn.
     pub undrawn: Undrawn,
 }
 
@@ -82,26 +82,26 @@ pub struct Camera {
     pub parent: String,
     /// Vertical field of view, edge to edge, degrees.
     pub fov_deg: f64,
-    /// Width and height, pixels; `None` where none are said.
+    /// Width and height, pixels; `None` if not given.
     pub size: Option<[i64; 2]>,
     /// Its place on the craft, metres, body axes.
     pub position_b_m: DVec3,
     /// Its attitude as in the message (`cameraDir_B`): modified Rodrigues parameters.
     pub mrp: DVec3,
-    /// Whether the request is for a depth map instead of a picture.
+    /// Whether the request is for a depth map instead of an image.
     pub is_depth: bool,
     /// Distances at which depth begins and ends, metres.
     pub clip_m: Option<[f64; 2]>,
-    /// Focal length, millimetres (`ppFocalLength`); `None` where none is said.
+    /// Focal length, millimetres (`ppFocalLength`); `None` if not given.
     pub focal_length_mm: Option<f64>,
     /// F-number (`ppAperture`); likewise.
     pub f_number: Option<f64>,
-    /// What is behind everything: a word or a path.
+    /// The background: a keyword or a path.
     pub skybox: String,
 }
 
 impl Camera {
-    /// Whether its pictures have no stars: by its own sky, otherwise by that of the settings.
+    /// Whether its images have no stars: by its own sky if set, otherwise by that of the settings.
     pub fn is_sky_black(&self, of_settings: bool) -> bool {
         match self.skybox.is_empty() {
             true => of_settings,
@@ -125,7 +125,7 @@ pub struct Location {
     pub up: DVec3,
     /// Red, green, blue.
     pub color: Option<[u8; 3]>,
-    /// Whether it is not to be shown.
+    /// Whether it is hidden.
     pub is_hidden: bool,
 }
 
@@ -371,7 +371,7 @@ pub fn read_location(bytes: &[u8]) -> Result<Location, WireFault> {
     Ok(place)
 }
 
-/// Whether the viewer is asked to end.
+/// Whether the viewer is requested to close.
 fn live_settings(bytes: &[u8], undrawn: &mut Undrawn) -> Result<bool, WireFault> {
     let mut ends = false;
     for field in Fields::of(bytes) {
@@ -391,7 +391,7 @@ fn live_settings(bytes: &[u8], undrawn: &mut Undrawn) -> Result<bool, WireFault>
     Ok(ends)
 }
 
-/// The keys that a script listens to, and the sky, of its settings; what else they ask for is not drawn.
+/// The keys that a script listens to, and the sky, from its settings; everything else in them is not drawn.
 fn settings(bytes: &[u8], undrawn: &mut Undrawn) -> Result<(String, String), WireFault> {
     let (mut keys, mut skybox) = (String::new(), String::new());
     for field in Fields::of(bytes) {
@@ -410,7 +410,7 @@ fn settings(bytes: &[u8], undrawn: &mut Undrawn) -> Result<(String, String), Wir
     Ok((keys, skybox))
 }
 
-/// Whether a sky is one without stars.
+/// Whether a sky has no stars.
 pub fn is_black(skybox: &str) -> bool {
     skybox.trim().eq_ignore_ascii_case("black")
 }

@@ -1,7 +1,7 @@
-//! Simulations of [Basilisk](https://avslab.github.io/basilisk/), met where they look for their viewer.
+//! Simulations of [Basilisk](https://avslab.github.io/basilisk/), connected at the endpoint of their viewer.
 //!
-//! A script of Basilisk with `vizSupport.enableUnityVisualization` speaks ZeroMQ to a viewer. Here is that viewer's side: the wire
-//! protocol, the messages, and what is kept of them. Nothing in here draws.
+//! A Basilisk script with `vizSupport.enableUnityVisualization` speaks ZeroMQ to a viewer. This module is the viewer's side: the wire protocol, the
+//! messages, and the recorded state. It draws nothing.
 //!
 //! ```text
 //! liveStream, noDisplay   REQ ──► endpoint ─ zmtp ─ server ─┐
@@ -9,21 +9,21 @@
 //! saveFile                .bin ─► recording ──────────────┘
 //! ```
 //!
-//! | to | look in |
+//! | task | file |
 //! |---|---|
 //! | read a field of a message | `message.rs` (which fields), `wire.rs` (Protocol Buffers) |
-//! | see what becomes of a step | `world.rs`: places about the Earth's centre, epoch, messages to the user |
-//! | see where a camera looks | `camera.rs`, `attitude.rs` |
-//! | see who is answered when | `server.rs`, `shared.rs` |
-//! | send a script what a user does | `keys.rs` |
-//! | play a saved simulation | `recording/`: what is held of a file (`index.rs`), and how it is played |
+//! | follow the processing of a step | `world.rs`: positions relative to the Earth's centre, epoch, messages to the user |
+//! | find the pose of a camera | `camera.rs`, `attitude.rs` |
+//! | find when a simulator gets its reply | `server.rs`, `shared.rs` |
+//! | send user input to a script | `keys.rs` |
+//! | play a saved simulation | `recording/`: the index of a file (`index.rs`), and playback |
 //! | change limits | `message.rs` (sizes), `zmtp.rs` (frames, times), `orbit/connections.rs` (connections) |
 //!
 //! # Trust
 //!
-//! Endpoints are of this machine alone unless [`SimulationOptions::allow_remote`] is set. Nothing is encrypted and nobody is asked
-//! who he is. A message has at most 16 MiB, a simulation 1000 spacecraft and 262 144 states that are kept of them; four simulators
-//! may be connected, of which a connection counts as one from its first good request on (`orbit/connections.rs`). What cannot be read is counted, reported once, and still answered.
+//! Endpoints are restricted to this machine unless [`SimulationOptions::allow_remote`] is set. There is no encryption and no authentication. A
+//! message has at most 16 MiB, a simulation 1000 spacecraft and 262 144 recorded states. Four simulators may be connected; a connection counts as a
+//! simulator from its first valid request on (`orbit/connections.rs`). An unreadable message is counted, reported once, and still gets a reply.
 
 mod attitude;
 mod camera;

@@ -7,9 +7,9 @@ use std::time::Duration;
 /// Which end of which socket this side is.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Meeting {
-    /// Simulators connect and wait for answers (`liveStream`, `noDisplay`).
+    /// Simulators connect and wait for replies (`liveStream`, `noDisplay`).
     Listen(Endpoint),
-    /// A simulator publishes and waits for nobody (`broadcastStream`).
+    /// A simulator publishes without waiting for subscribers (`broadcastStream`).
     Subscribe(Endpoint),
 }
 
@@ -27,7 +27,7 @@ impl Meeting {
 pub struct SimulationOptions {
     /// Where.
     pub meeting: Meeting,
-    /// The spacecraft that cameras of the scene fly with; the first where none is named.
+    /// The spacecraft that carries the scene's cameras; `None` for the first one.
     pub craft: Option<String>,
     /// Lets the endpoint be one of another machine, or one that other machines reach.
     pub allow_remote: bool,
@@ -40,7 +40,7 @@ pub struct SimulationOptions {
 impl SimulationOptions {
     /// Of [`Self::timeout`], seconds.
     pub const TIMEOUTS_S: RangeInclusive<f64> = 1e-3..=3600.0;
-    /// Of [`Self::stale_after_s`].
+    /// Range of [`Self::stale_after_s`].
     pub const STALE_AGES_S: RangeInclusive<f64> = 1e-3..=1e6;
 
     /// Answers within 10 s, silent after 1 s, this machine alone.

@@ -1,9 +1,8 @@
-//! Simulations that were saved (`saveFile`): read where they are needed, never held.
+//! Saved simulations (`saveFile`): read on demand, not kept in memory.
 //!
-//! A file is messages one after the other, each behind its length as a variable-length number. It may be larger than memory: when it
-//! is opened one pass notes where messages begin and when they are, a message in so many where there are many, and what
-//! is said once (epoch, ground locations). Basilisk can write files that are corrupt from some message on; what is before that is
-//! played.
+//! A file is a sequence of messages, each preceded by its length as a variable-length integer. It may be larger than memory. When it is opened, one
+//! pass records the offsets and times of messages (of every n-th message if there are many), and data that is sent only once (epoch, ground
+//! locations). Basilisk can write files that are corrupt from some message on; the messages before that are played.
 
 mod error;
 mod index;
@@ -53,11 +52,11 @@ impl fmt::Debug for Recording {
 }
 
 impl Recording {
-    /// Opens a file and goes through it once. `start` is when simulated time is 0 where the file does not say so, `craft` the
-    /// spacecraft that cameras fly with; the first where none is named.
+    /// Opens a file and indexes it in one pass. `start` is the epoch of simulated time 0 if the file does not contain it. `craft` is the spacecraft
+    /// that carries the cameras; `None` for the first one.
     ///
     /// # Errors
-    /// A file that cannot be read or does not begin with a message that can be drawn.
+    /// A file that cannot be read or does not start with a message that can be drawn.
     pub fn open(path: &Path, start: Epoch, craft: Option<&str>) -> Result<Self, RecordingError> {
         let unreadable = |source| RecordingError::Read {
             path: path.to_owned(),
@@ -117,7 +116,7 @@ impl Recording {
         Ok(recording)
     }
 
-    /// The first instant, and the world that it makes: what there is to tell.
+    /// The first snapshot, and the world after it, with its notes.
     fn first(&self, offset: u64) -> Result<(Snapshot, World), RecordingError> {
         let mut world = World::new(self.start);
         let mut reader = self.reader.lock().unwrap_or_else(PoisonError::into_inner);
@@ -155,7 +154,7 @@ impl Recording {
         }
     }
 
-    /// What a user should know about it, a sentence each.
+    /// Notes for the user, one sentence each.
     pub fn notes(&self) -> &[String] {
         &self.notes
     }
@@ -194,7 +193,7 @@ impl Recording {
         }
         let (mut message, end) = self.read_message(reader, offset)?;
         let elapsed_s = message.elapsed_ns * 1e-9;
-        // What was said before and holds; what it says itself comes once more and is the same.
+        // Starts with data sent before this message; data in the message itself is repeated with the same values.
         let mut world = World::new(self.start);
         let before = self
             .index
@@ -259,7 +258,7 @@ impl Recording {
         (self.at(first_s), self.at(self.index.last.elapsed_s))
     }
 
-    /// The simulation at an epoch, as a feed answers.
+    /// The snapshot at an epoch, or the error of a feed.
     fn known_at(&self, name: &str, epoch: Epoch) -> Result<Arc<Snapshot>, OrbitError> {
         let known = match self.snapshot_at(epoch) {
             Ok(Some(snapshot)) => return Ok(snapshot),
@@ -288,7 +287,7 @@ pub struct RecordedCraft {
 }
 
 impl RecordedCraft {
-    /// A craft by name; the first where none is given.
+    /// A spacecraft by name; `None` for the first one.
     pub fn new(recording: Arc<Recording>, craft: Option<&str>) -> Self {
         Self {
             recording,

@@ -1,8 +1,8 @@
-//! Two-way simulations: they connect, ask, and wait for every answer without a limit of their own.
+//! Two-way simulations: they connect, send requests, and wait for every reply without a timeout.
 //!
-//! A simulator whose request is not answered hangs for good, so there is no way out of here without an answer: each request has
-//! a stand-in that is sent where its answer fails, even by a panic; and when this side ends, a connection is closed with an answer, in one
-//! segment, when nothing can be on its way, or after a second in which nothing was asked.
+//! A simulator whose request gets no reply hangs forever, so every path through this code must reply. Each request has a stand-in that is sent if
+//! its reply fails, even by a panic. When this side ends, it closes a connection together with a reply, in one segment, while no request can be in
+//! transit, or after a second without a request.
 
 use super::endpoint::{Listener, Stream};
 use super::message::{MAX_MESSAGE_BYTES, viewer_input};
@@ -17,7 +17,7 @@ use std::time::{Duration, Instant};
 
 /// How often a thread that waits for bytes looks whether all ends.
 pub const LOOK: Duration = Duration::from_millis(50);
-/// How long a peer may leave an answer unread.
+/// Time after which an unread reply is an error.
 pub const WRITE: Duration = Duration::from_secs(5);
 /// How often the listening thread looks for a simulator.
 const LISTEN: Duration = Duration::from_millis(10);
@@ -107,7 +107,7 @@ fn serve(stream: Stream, shared: &SharedSimulation, standing: &Standing) {
     connection.stream().end_writing();
 }
 
-/// Whether an answer is the last of its connection.
+/// Whether a reply is the last of its connection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Sent {
     More,
@@ -127,13 +127,13 @@ impl Drop for Attended<'_> {
     }
 }
 
-/// What is asked, in Basilisk's words.
+/// A request, with Basilisk's names.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Request<'r> {
     Ping,
     Update(&'r [u8]),
     Input,
-    /// The picture of a camera; `None` where the camera's number is none.
+    /// The image of a camera; `None` if the camera's number is invalid.
     Image(Option<i64>),
     Unknown,
 }
@@ -155,12 +155,12 @@ impl<'r> Request<'r> {
         }
     }
 
-    /// Whether only a simulator asks this; of an update that shows once it is read.
+    /// Whether only a simulator sends this; for an update this is known after it is parsed.
     fn is_known(self) -> bool {
         matches!(self, Self::Ping | Self::Input | Self::Image(Some(_)))
     }
 
-    /// The answer that says nothing and lets the simulator go on.
+    /// An empty reply that lets the simulator continue.
     fn stand_in(self, frame_number: i64) -> Vec<Vec<u8>> {
         match self {
             Self::Ping => vec![b"PONG".to_vec()],
@@ -172,12 +172,12 @@ impl<'r> Request<'r> {
     }
 }
 
-/// What a user did since it was asked last.
+/// User input since the last request.
 fn input(frame_number: i64, keys: &str) -> Vec<Vec<u8>> {
     vec![b"VIZARD_INPUT".to_vec(), viewer_input(frame_number, keys)]
 }
 
-/// A picture's answer: its length, and its file. None has length 0.
+/// Reply with an image: its length, and its file. No image has length 0.
 fn image(file: Vec<u8>) -> Vec<Vec<u8>> {
     let (len, file) = match i32::try_from(file.len()) {
         Ok(len) => (len, file),
@@ -186,10 +186,10 @@ fn image(file: Vec<u8>) -> Vec<Vec<u8>> {
     vec![len.to_be_bytes().to_vec(), file]
 }
 
-/// A request whose stand-in is sent where no answer was, even by a panic.
+/// A request whose stand-in is sent if there was no reply, even after a panic.
 struct Pending<'c> {
     connection: &'c mut Connection<Stream>,
-    /// Frames that lead back to the one who asks.
+    /// Routing frames back to the requester.
     envelope: &'c [Vec<u8>],
     stand_in: Vec<Vec<u8>>,
     is_answered: bool,
@@ -223,7 +223,7 @@ impl Attended<'_> {
         is_leaving: &dyn Fn() -> bool,
     ) -> Result<Sent, ZmtpError> {
         let begun = Instant::now();
-        // Before the empty frame stands the way back.
+        // The routing frames are before the empty frame.
         let empty = frames.iter().position(Vec::is_empty);
         let (envelope, words) = match empty {
             Some(empty) => frames.split_at(empty + 1),
@@ -253,7 +253,7 @@ impl Attended<'_> {
             }
             Request::Image(id) => image(self.picture(id)),
         };
-        // The simulator sees the end with its answer, before it can ask again into a connection that nobody reads.
+        // The simulator sees the end together with its reply, before it can send a request that no one would read.
         let sent = match is_leaving() {
             true => {
                 pending.connection.stream().hold();
@@ -282,7 +282,7 @@ impl Attended<'_> {
         self.shared.enter(&mut self.session);
     }
 
-    /// The picture of a camera at the instant of the session's last step; empty where there is none.
+    /// The image of a camera at the time of the session's last step; empty if there is none.
     fn picture(&self, id: Option<i64>) -> Vec<u8> {
         let Some(snapshot) = &self.session.snapshot else {
             return Vec::new();

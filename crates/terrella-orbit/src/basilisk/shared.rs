@@ -1,4 +1,4 @@
-//! What the threads of a simulation share: its newest instant, where its craft have been, and who waits for what.
+//! State that the threads of a simulation share: its latest snapshot, the history of its spacecraft, and pending requests.
 
 use super::history::History;
 use super::keys::ScriptKeys;
@@ -14,12 +14,12 @@ use terrella_frames::Epoch;
 
 /// How long the first picture may be waited for while maps are loaded and the renderer is made.
 const OPENING_TIME: Duration = Duration::from_secs(120);
-/// Most pictures and steps that are waited for at once: one a connection.
+/// Limit of images and steps that are pending at the same time: one a connection.
 const MAX_WAITING: usize = 8;
 /// Upper limit of messages to the user in a run.
 const MAX_NOTES: usize = 256;
 
-/// What has come and what became of it.
+/// Counters of received messages and their results.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counters {
     /// Steps that were taken.
@@ -28,17 +28,17 @@ pub struct Counters {
     pub bad: u64,
     /// Pictures that were answered.
     pub pictures: u64,
-    /// Pictures that were asked for and answered with none.
+    /// Image requests that got an empty reply.
     pub no_pictures: u64,
-    /// Answers that nobody drew for in time.
+    /// Requests that were not drawn in time.
     pub timed_out: u64,
     /// Simulators that have connected. A connection counts from its first good request on.
     pub connections: u64,
     /// Of these, simulators that are connected now.
     pub connected: u64,
-    /// Longest time that a step waited for its answer, microseconds.
+    /// Longest wait of a step for its reply, microseconds.
     pub slowest_step_us: u64,
-    /// Time that all steps waited for their answers, microseconds.
+    /// Total wait of all steps for their replies, microseconds.
     pub steps_us: u64,
     /// Longest time that a picture was waited for, microseconds.
     pub slowest_picture_us: u64,
@@ -52,13 +52,13 @@ pub enum StepPace {
     /// It waits until that is known.
     #[default]
     Undecided,
-    /// Each step is answered at once; pictures show the newest.
+    /// Each step gets its reply immediately; images show the latest one.
     Free,
     /// Each step is answered when it is drawn.
     Drawn,
 }
 
-/// Whether there is somebody who draws pictures.
+/// Whether images are being drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Painter {
     #[default]
@@ -99,15 +99,15 @@ struct Inner {
     next_ticket: u64,
     next_session: u64,
     is_over: bool,
-    /// By session.
+    /// Keys by session.
     keys: BTreeMap<u64, ScriptKeys>,
 }
 
-/// What the threads share.
+/// State that the threads share.
 #[derive(Debug)]
 pub struct SharedSimulation {
     pub options: SimulationOptions,
-    /// When simulated time is 0 where no message says so.
+    /// Epoch of simulated time 0 if no message contains it.
     start: Epoch,
     inner: Mutex<Inner>,
     changed: Condvar,
@@ -127,7 +127,7 @@ pub enum BadUpdate {
 #[derive(Debug)]
 pub struct Session {
     number: u64,
-    /// Whether it has said something good.
+    /// Whether it has sent a valid message.
     counts: bool,
     world: Option<World>,
     /// The instant of its last message.
@@ -151,12 +151,12 @@ impl SharedSimulation {
         self.inner.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Whether all threads are to end.
+    /// Whether all threads must end.
     pub fn is_stopped(&self) -> bool {
         self.is_stopped.load(Ordering::Acquire)
     }
 
-    /// Ends all threads; whoever waits is answered.
+    /// Ends all threads; pending requests get a reply.
     pub fn stop(&self) {
         self.is_stopped.store(true, Ordering::Release);
         let _inner = self.lock();
@@ -196,10 +196,10 @@ impl SharedSimulation {
         }
     }
 
-    /// Takes a message of a session.
+    /// Processes a message of a session.
     ///
     /// # Errors
-    /// What is wrong with it; nothing is drawn of it then.
+    /// An error in the message; it is then not drawn.
     pub fn take(&self, session: &mut Session, bytes: &[u8]) -> Result<Arc<Snapshot>, BadUpdate> {
         let message = Message::read(bytes);
         let taken = message.map_err(BadUpdate::from).and_then(|message| {
@@ -211,7 +211,7 @@ impl SharedSimulation {
                 inner.keys.entry(session.number).or_default().listen(keys);
             }
             let world = session.world.get_or_insert_with(|| {
-                // A simulation that continues with a new viewer does not say its epoch again.
+                // A simulation that continues with a new viewer does not send its epoch again.
                 let before = self.lock().world.clone().filter(|_| !has_epoch);
                 before.unwrap_or_else(|| World::new(self.start))
             });
@@ -227,7 +227,7 @@ impl SharedSimulation {
                 return Err(error);
             }
         };
-        // Before the step is seen: a service that ends with its simulators must not find a step and nobody connected.
+        // Before the step becomes visible: a service that ends with its simulators must not see a step without a connection.
         self.enter(session);
         let snapshot = Arc::new(snapshot);
         session.snapshot = Some(Arc::clone(&snapshot));
@@ -290,8 +290,8 @@ impl SharedSimulation {
         self.changed.notify_all();
     }
 
-    /// Waits, for a simulator, until a step is drawn, or a picture: its bytes, empty where there is none. Ends with the time that the
-    /// options give, and when all ends.
+    /// Waits, for a simulator, until a step is drawn or an image is ready. Returns the bytes of the image, empty if there is none. Ends after the
+    /// timeout of the options, or when everything ends.
     pub fn ask(&self, snapshot: &Arc<Snapshot>, camera: Option<Camera>) -> Vec<u8> {
         let begun = Instant::now();
         let is_picture = camera.is_some();
@@ -342,7 +342,7 @@ impl SharedSimulation {
         waited.unwrap_or_else(PoisonError::into_inner).0
     }
 
-    /// Counts an answer to a step or a request for a picture, and how long it took.
+    /// Counts a reply to a step or an image request, and its duration.
     pub fn count(&self, is_picture: bool, has_picture: bool, took: Duration) {
         let us = u64::try_from(took.as_micros()).unwrap_or(u64::MAX);
         let counters = &mut self.lock().counters;
@@ -360,7 +360,7 @@ impl SharedSimulation {
         }
     }
 
-    /// The next step or picture that is waited for and nobody has taken yet; waits for one at most so long.
+    /// The next pending step or image that no one has taken; waits for it at most this long.
     pub fn next(
         &self,
         wants_picture: bool,
@@ -383,7 +383,7 @@ impl SharedSimulation {
         }
     }
 
-    /// Answers what was taken. `false` where nobody waits any more.
+    /// Replies to a taken request. Returns `false` if no one waits for it any more.
     pub fn answer(&self, ticket: u64, bytes: Vec<u8>) -> bool {
         let mut inner = self.lock();
         let mut waiting = inner.waiting.iter_mut();
@@ -397,7 +397,7 @@ impl SharedSimulation {
         }
     }
 
-    /// Says who waits for what from now on.
+    /// Sets who waits for steps from now on.
     pub fn set_pace(&self, pace: StepPace) {
         let mut inner = self.lock();
         inner.pace = pace;
@@ -449,7 +449,7 @@ impl SharedSimulation {
         keys.map_or_else(String::new, |keys| keys.heard().to_owned())
     }
 
-    /// What was pressed for a session since it asked last.
+    /// Keys pressed for a session since its last request.
     pub fn take_keys(&self, session: &Session) -> String {
         let mut inner = self.lock();
         let keys = inner.keys.get_mut(&session.number);
@@ -501,7 +501,7 @@ impl SharedSimulation {
         (Arc::clone(&inner.roster), inner.roster_serial)
     }
 
-    /// Runs with the newest instant and the history of a craft; of the first where none is named.
+    /// Calls a function with the latest snapshot and the history of a spacecraft; `None` for the first one.
     pub fn with_history<R>(
         &self,
         craft: Option<&str>,

@@ -1,4 +1,4 @@
-//! A simulation that runs meanwhile, as the player meets it.
+//! A running simulation, as seen by the player.
 
 use super::endpoint::{Endpoint, Listener};
 use super::feeds::{CraftFeed, PlaceFeed};
@@ -15,8 +15,8 @@ use terrella_frames::Epoch;
 
 /// A connection to a simulation: it replies, stores the state, and returns what the simulation waits for.
 ///
-/// Dropping it answers whoever waits, closes each connection right after an answer (or after a second in which nothing was asked),
-/// and ends its threads.
+/// Dropping it replies to all pending requests, closes each connection right after a reply (or after a second without a request), and ends its
+/// threads.
 #[derive(Debug)]
 pub struct Simulation {
     shared: Arc<SharedSimulation>,
@@ -24,10 +24,10 @@ pub struct Simulation {
     thread: Option<JoinHandle<()>>,
 }
 
-/// A step that its simulator waits for. Dropping it lets the simulator go on.
+/// A step that its simulator waits for. Dropping it lets the simulator continue.
 #[derive(Debug)]
 pub struct StepRequest<'s> {
-    /// What to draw.
+    /// Snapshot to draw.
     pub snapshot: Arc<Snapshot>,
     shared: &'s SharedSimulation,
     ticket: u64,
@@ -36,16 +36,16 @@ pub struct StepRequest<'s> {
 /// A picture that a simulator waits for. Dropping it replies with an empty one.
 #[derive(Debug)]
 pub struct PictureRequest<'s> {
-    /// What to draw.
+    /// Snapshot to draw.
     pub snapshot: Arc<Snapshot>,
-    /// By which camera.
+    /// Camera of the image.
     pub camera: Camera,
     shared: &'s SharedSimulation,
     ticket: u64,
 }
 
 impl StepRequest<'_> {
-    /// It is drawn. `false` where nobody waits for it any more.
+    /// Reports that it is drawn. Returns `false` if no one waits for it any more.
     pub fn drawn(&self) -> bool {
         self.shared.answer(self.ticket, Vec::new())
     }
@@ -58,7 +58,7 @@ impl Drop for StepRequest<'_> {
 }
 
 impl PictureRequest<'_> {
-    /// Hands over the file of the picture. `false` where nobody waits for it any more.
+    /// Passes the file of the image. Returns `false` if no one waits for it any more.
     pub fn answer(&self, file: Vec<u8>) -> bool {
         self.shared.answer(self.ticket, file)
     }
@@ -77,7 +77,7 @@ pub struct Painter<'s> {
 }
 
 impl Painter<'_> {
-    /// From now on pictures are answered in time.
+    /// Image requests get replies in time from now on.
     pub fn is_ready(&self) {
         self.shared.painter_is_ready();
     }
@@ -90,10 +90,10 @@ impl Drop for Painter<'_> {
 }
 
 impl Simulation {
-    /// Meets a simulation. `start` is when simulated time is 0 where the simulation does not say so.
+    /// Connects to a simulation. `start` is the epoch of simulated time 0 if the simulation does not send it.
     ///
     /// # Errors
-    /// Settings that cannot be, a port that is taken.
+    /// Invalid settings, or a port that is in use.
     pub fn open(options: SimulationOptions, start: Epoch) -> Result<Self, SimulationError> {
         options.check()?;
         let endpoint = options.meeting.endpoint().clone();
@@ -125,10 +125,10 @@ impl Simulation {
         })
     }
 
-    /// One that meets nobody: to look at a scene without taking its port.
+    /// A simulation without a connection: for showing a scene without using its port.
     ///
     /// # Errors
-    /// Settings that cannot be.
+    /// Invalid settings.
     pub fn unconnected(options: SimulationOptions, start: Epoch) -> Result<Self, SimulationError> {
         options.check()?;
         Ok(Self {
@@ -197,8 +197,8 @@ impl Simulation {
         })
     }
 
-    /// A key was pressed, as a character. Where the script of the simulation that is drawn listens to it (`keyboardLiveInput`) it is
-    /// told when it asks next, and this answers the character as the script spells it.
+    /// Records a pressed key. If the script of the drawn simulation listens to it (`keyboardLiveInput`), the script receives it with its next
+    /// request, and this returns the character as the script spells it.
     pub fn press(&self, key: char) -> Option<char> {
         self.shared.press(key)
     }
@@ -213,12 +213,12 @@ impl Simulation {
         self.shared.age()
     }
 
-    /// What has come and what became of it.
+    /// Counters of received messages and their results.
     pub fn counters(&self) -> Counters {
         self.shared.counters()
     }
 
-    /// What a user should know about the simulation, a sentence each.
+    /// Notes for the user about the simulation, one sentence each.
     pub fn notes(&self) -> Vec<String> {
         self.shared.notes()
     }
@@ -234,12 +234,12 @@ impl Simulation {
         move || shared.stop()
     }
 
-    /// Whether it is met no more.
+    /// Whether its threads have been stopped.
     pub fn is_stopped(&self) -> bool {
         self.shared.is_stopped()
     }
 
-    /// Whether the simulation has asked its viewer to end.
+    /// Whether the simulation has requested its viewer to close.
     pub fn is_over(&self) -> bool {
         self.shared.is_over()
     }
@@ -249,7 +249,7 @@ impl Simulation {
         self.shared.roster()
     }
 
-    /// The motion of a craft; of the first where none is named.
+    /// The motion of a spacecraft; `None` for the first one.
     pub fn craft_feed(&self, craft: Option<&str>) -> CraftFeed {
         CraftFeed {
             shared: Arc::clone(&self.shared),

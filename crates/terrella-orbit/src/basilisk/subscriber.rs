@@ -1,4 +1,4 @@
-//! Simulations that publish their steps and wait for nobody.
+//! Simulations that publish their steps and do not wait.
 
 use super::endpoint::{Endpoint, Stream};
 use super::message::MAX_MESSAGE_BYTES;

@@ -1,4 +1,4 @@
-//! What of a simulation's messages is not drawn: names as scripts know them, and which settings of Vizard ask for something.
+//! Content of a simulation's messages that is not drawn: its names in scripts, and which of Vizard's settings request it.
 
 use super::wire::{Field, Value};
 
@@ -66,21 +66,21 @@ const PARTS: [&str; 25] = [
     "settings that this version does not know",
 ];
 
-/// Number of the setting that says what the sky is.
+/// Number of the setting for the sky.
 pub const SKYBOX: u32 = 11;
 /// The bit of setting number 1; parts are below.
 const FIRST_SETTING_BIT: u32 = 63;
 
-/// When a setting asks for something that is not drawn.
+/// Condition under which a setting requests something that is not drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Asks {
     /// Where it is above zero: below it is off or the viewer's own choice, and nothing of the kind is drawn anyway.
     Above,
-    /// Where it is not zero, as the scene decides on what is drawn of the kind.
+    /// If it is not zero, as the scene decides what is drawn of this kind.
     NotZero,
-    /// Where it is neither 0 nor 1.
+    /// If it is neither 0 nor 1.
     NotOne,
-    /// Where it holds anything.
+    /// If it has any value.
     There,
 }
 
@@ -155,7 +155,7 @@ const SETTINGS: [(u32, &str, Asks); 64] = [
 
 impl Asks {
     fn is_met_by(self, value: Value<'_>) -> bool {
-        // Bytes are texts, lists and messages, whatever is expected: what is there asks for something.
+        // Bytes are texts, lists and messages, whatever is expected: their presence is a request.
         let number = match value {
             Value::Bytes(bytes) => return !bytes.is_empty(),
             Value::Varint(whole) => whole.cast_signed() as f64,
@@ -176,7 +176,7 @@ impl Undrawn {
         self.0 |= 1 << part as u8;
     }
 
-    /// Adds a setting, where it asks for something that is not drawn.
+    /// Adds a setting that requests something that is not drawn.
     pub(super) fn add_setting(&mut self, field: &Field<'_>) {
         match SETTINGS.binary_search_by_key(&field.number, |(number, ..)| *number) {
             Ok(at) => {
@@ -189,7 +189,7 @@ impl Undrawn {
         }
     }
 
-    /// The names of what is in this set and not in the other.
+    /// The names in this set that are not in the other.
     pub fn names_beyond(self, known: Self) -> impl Iterator<Item = &'static str> {
         let new = self.0 & !known.0;
         let has = move |bit: u32| new & (1 << bit) != 0;

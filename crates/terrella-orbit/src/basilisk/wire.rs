@@ -1,7 +1,7 @@
-//! Protocol buffers as bytes: fields of a message, skipped or read, without a copy and without an allocation.
+//! Parser of Protocol Buffers: fields of a message are skipped or read without copies and allocations.
 //!
-//! Written by hand: a dozen messages of which a third of the fields are used, from a sender that is not trusted. Lengths are
-//! checked against the bytes that are there before anything is done with them; what is not asked for is skipped.
+//! Written by hand: there are a dozen messages, a third of their fields are used, and the sender is not trusted. Lengths are checked against the
+//! available bytes before use; unused fields are skipped.
 
 use std::fmt;
 
@@ -31,7 +31,7 @@ pub enum WireFault {
     },
 }
 
-/// A field's value as it stands on the wire.
+/// A field's value in its wire format.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::basilisk) enum Value<'b> {
     /// Whole numbers, truth values.
@@ -178,7 +178,7 @@ impl<'b> Field<'b> {
     /// Text; what is not UTF-8 is replaced, and it is cut after `most` characters.
     pub fn text(&self, most: usize) -> Result<String, WireFault> {
         let bytes = self.bytes()?;
-        // Four bytes a character: what lies behind cannot be shown.
+        // A character has at most four bytes: later bytes cannot be shown.
         let bytes = bytes.get(..4 * most).unwrap_or(bytes);
         let text = String::from_utf8_lossy(bytes);
         Ok(text.chars().take(most).collect())

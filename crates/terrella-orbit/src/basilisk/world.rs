@@ -1,7 +1,7 @@
-//! What a simulation has said so far: messages taken one after the other, and after each what there is to draw.
+//! State of a simulation: messages are applied one after the other, and each yields a snapshot to draw.
 //!
-//! A message holds places in inertial axes about an origin of the simulation's own choice. Here all of it is brought to the Earth's
-//! centre by one subtraction in f64. Epoch and ground locations are sent when they are new, and kept.
+//! A message has positions in inertial axes relative to an origin that the simulation chooses. Here they are all translated to the Earth's centre
+//! by one subtraction in f64. Epoch and ground locations are only sent when they change, and kept.
 
 use super::attitude::rotation_of_mrp;
 use super::message::{Body, Camera, Craft, EpochDate, Location, MAX_LOCATIONS, Message, is_black};
@@ -23,7 +23,7 @@ const MAX_DISTANCE_M: f64 = 1e14;
 const ROTATION_TOLERANCE: f64 = 1e-6;
 /// Nearer to the Earth's centre than this is no place of a craft or a body, metres.
 const LEAST_DISTANCE_M: f64 = 1.0;
-/// Most sentences that are kept of what a user should know.
+/// Limit of the number of notes for the user.
 const MAX_NOTES: usize = 64;
 
 /// One instant of a simulation, about the Earth's centre, inertial axes (J2000, taken as GCRF).
@@ -35,11 +35,11 @@ pub struct Snapshot {
     pub epoch: Epoch,
     /// Simulated time, seconds.
     pub elapsed_s: f64,
-    /// Rotation to the axes fixed in the Earth, as the simulation says it.
+    /// Rotation to Earth-fixed axes, from the simulation.
     pub itrf_from_gcrf: DMat3,
-    /// Whether the Earth turns: false where that rotation is the identity.
+    /// Whether the Earth rotates: false if that rotation is the identity.
     pub turns: bool,
-    /// The Sun, metres; the ephemeris of the epoch where the simulation has none.
+    /// Position of the Sun, metres; from the ephemeris for the epoch if the simulation has none.
     pub sun_m: DVec3,
     /// The Moon, metres; likewise.
     pub moon_m: DVec3,
@@ -49,7 +49,7 @@ pub struct Snapshot {
     pub cameras: Arc<[Camera]>,
     /// Places on the Earth.
     pub places: Arc<[Place]>,
-    /// Whether the script's settings ask for a sky without stars (`skyBox = "black"`).
+    /// Whether the script's settings request a sky without stars (`skyBox = "black"`).
     pub is_sky_black: bool,
 }
 
@@ -89,7 +89,7 @@ pub struct Roster {
 }
 
 impl Snapshot {
-    /// A craft by name; the first where none is given.
+    /// A spacecraft by name; `None` for the first one.
     pub fn craft(&self, name: Option<&str>) -> Option<&CraftState> {
         match name {
             None => self.craft.first(),
@@ -97,8 +97,8 @@ impl Snapshot {
         }
     }
 
-    /// Between this snapshot and a later one, at a part 0…1 of the way: Hermite's cubic through places, the shortest arc
-    /// through attitudes. What is not in both is taken from this one.
+    /// Interpolates between this snapshot and a later one, at a fraction 0…1: Hermite's cubic for positions, the shortest arc for attitudes.
+    /// Content that is not in both is taken from this one.
     pub fn toward(&self, later: &Self, part: f64) -> Self {
         let span_s = later.elapsed_s - self.elapsed_s;
         let craft = self.craft.iter().map(|craft| {
@@ -163,15 +163,15 @@ pub enum UpdateFault {
     /// Its time is not a number, negative, or beyond a century.
     #[error("its simulated time is not from 0 s to 3e9 s")]
     Time,
-    /// Its date lies outside the years that can be drawn.
+    /// Its date is outside the years that can be drawn.
     #[error("its date is outside the years 1900 to 2099")]
     Date,
-    /// There are celestial bodies, and none of them is the Earth.
+    /// There are celestial bodies, but no Earth.
     #[error("there is no Earth among its celestial bodies; the Earth is what is drawn here")]
     NoEarth,
 }
 
-/// What is kept from message to message.
+/// State that is kept from message to message.
 #[derive(Clone, Debug)]
 pub struct World {
     start: Epoch,
@@ -187,7 +187,7 @@ pub struct World {
 }
 
 impl World {
-    /// Before the first message. `start` is when simulated time is 0 where no message says so.
+    /// The state before the first message. `start` is the epoch of simulated time 0 if no message contains it.
     pub fn new(start: Epoch) -> Self {
         Self {
             start,
@@ -212,7 +212,7 @@ impl World {
         Arc::clone(&self.places)
     }
 
-    /// What a user should know, each sentence once, in the order in which it was found.
+    /// Notes for the user, each sentence once, in order of occurrence.
     pub fn notes(&self) -> &[String] {
         &self.notes
     }
@@ -273,10 +273,10 @@ impl World {
             .collect();
     }
 
-    /// Takes a message: what it says that is kept, and the instant that it is about.
+    /// Applies a message: updates the kept state and returns its snapshot.
     ///
     /// # Errors
-    /// What keeps it from being drawn.
+    /// The reason why it cannot be drawn.
     pub fn take(&mut self, message: Message) -> Result<Snapshot, UpdateFault> {
         if let Some(date) = &message.epoch {
             self.take_epoch(date);
@@ -410,7 +410,7 @@ impl World {
     }
 }
 
-/// Where the Earth is in a message.
+/// State of the Earth in a message.
 struct EarthState {
     position_m: DVec3,
     velocity_m_s: DVec3,
@@ -427,7 +427,7 @@ impl Default for EarthState {
     }
 }
 
-/// Scripts name bodies as they stand or by SPICE's planet names.
+/// Scripts name bodies directly or by SPICE's planet names.
 fn is_named(body: &Body, name: &str) -> bool {
     body.name.strip_suffix("_planet_data").unwrap_or(&body.name) == name
 }

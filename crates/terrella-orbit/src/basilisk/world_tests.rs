@@ -26,7 +26,7 @@ fn places_are_brought_to_the_earths_centre_and_the_epoch_is_kept() {
     assert_eq!(rfc3339(snapshot.epoch), "2026-03-20T14:54:20.000Z");
     assert_eq!(snapshot.places.len(), 1);
     assert_eq!(snapshot.places[0].color, Some([255, 255, 0]));
-    // Row by row: x fixed in the Earth lies θ east of the inertial x.
+    // Row by row: the Earth-fixed x axis is θ east of the inertial x axis.
     let theta = 7.292e-5 * 500.0 + 0.5;
     let x_fixed = snapshot.itrf_from_gcrf.transpose() * DVec3::X;
     assert!((x_fixed - DVec3::new(f64::cos(theta), f64::sin(theta), 0.0)).length() < 1e-12);
@@ -93,7 +93,7 @@ fn what_cannot_be_drawn_is_rejected() {
     assert_eq!(take(&mut world, &late), Err(UpdateFault::Date));
     let mars = messages::message(1, 1.0, &[messages::body("mars", [1.0; 3])]);
     assert_eq!(take(&mut world, &mars), Err(UpdateFault::NoEarth));
-    // Without any body the Earth stands at the origin.
+    // Without any body the Earth is at the origin.
     let alone = messages::message(
         1,
         1.0,

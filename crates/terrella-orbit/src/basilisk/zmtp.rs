@@ -1,7 +1,7 @@
-//! ZMTP 3.1 with the NULL mechanism: as much of ZeroMQ's wire protocol as one peer needs that answers and one that listens.
+//! ZMTP 3.1 with the NULL mechanism: the part of ZeroMQ's wire protocol that a replying and a subscribing peer need.
 //!
-//! Written by hand over a blocking stream: the crates for ZeroMQ bring an asynchronous runtime or a C++ library, and neither lets
-//! us say how long a frame may be, how long a peer may take over it, or that a connection is closed after an answer and not before.
+//! Written by hand over a blocking stream. The crates for ZeroMQ bring an asynchronous runtime or a C++ library. Neither can limit the length of a
+//! frame or the time that a peer takes for it, or close a connection after a reply and not before.
 //!
 //! ```text
 //! greeting   FF 00×8 7F | 03 01 | "NULL" 00×16 | as-server 00 | 00×31                 64 bytes, both ways
@@ -19,7 +19,7 @@ const MAX_COMMAND_BYTES: usize = 4096;
 const MAX_FRAMES: usize = 16;
 /// How long a peer may take over a message once it has begun.
 const MESSAGE_TIME: Duration = Duration::from_secs(20);
-/// How long a peer may take to say what it is.
+/// Timeout for a peer's greeting.
 const HANDSHAKE_TIME: Duration = Duration::from_secs(5);
 /// Bytes of one reading.
 const CHUNK: usize = 16 * 1024;
@@ -36,16 +36,16 @@ pub enum ZmtpError {
     /// The peer has gone.
     #[error("the connection is closed")]
     Closed,
-    /// What answers for this side wants to end.
+    /// The caller's `is_stopped` returned true.
     #[error("this side ends")]
     Stopped,
     /// The system.
     #[error("the connection failed: {0}")]
     Io(#[from] io::Error),
-    /// The peer speaks something else.
+    /// The peer uses another protocol.
     #[error("the peer does not speak ZMTP 3 with the NULL mechanism: {what}")]
     Foreign {
-        /// What it does otherwise.
+        /// The difference.
         what: &'static str,
     },
     /// The peer breaks the limits.
@@ -63,8 +63,8 @@ pub struct Connection<S> {
 }
 
 impl<S: Read + Write> Connection<S> {
-    /// Greets as a socket of a kind (`REP`, `SUB`) and takes peers of some kinds. Reading from the stream must time out
-    /// within a part of a second; then `is_stopped` is asked. Messages have at most `max_bytes`.
+    /// Greets as a socket of one type (`REP`, `SUB`) and accepts peers of some types. Reading from the stream must time out within a fraction of a
+    /// second; then `is_stopped` is called. Messages have at most `max_bytes`.
     pub fn greet(
         stream: S,
         kind: &str,
@@ -135,14 +135,14 @@ impl<S: Read + Write> Connection<S> {
         Ok(self.stream.flush()?)
     }
 
-    /// Waits for the next message. Heartbeats in between are answered.
+    /// Waits for the next message, and replies to heartbeats.
     ///
     /// # Errors
-    /// [`ZmtpError::Stopped`] when `is_stopped` says so before a message has begun.
+    /// [`ZmtpError::Stopped`] if `is_stopped` returns true before a message has begun.
     pub fn receive(&mut self, is_stopped: &dyn Fn() -> bool) -> Result<Vec<Vec<u8>>, ZmtpError> {
         loop {
             self.wait(is_stopped)?;
-            // A message that has begun is read to its end: whoever sends it waits for its answer.
+            // A message that has begun is read to its end: its sender waits for a reply.
             let deadline = Instant::now() + MESSAGE_TIME;
             let go_on = || false;
             let mut frames: Vec<Vec<u8>> = Vec::new();
@@ -177,7 +177,7 @@ impl<S: Read + Write> Connection<S> {
                 let pong = [b"\x04PONG".as_slice(), context].concat();
                 self.write(&frame(COMMAND, &pong))
             }
-            // Subscriptions and the like mean nothing to us.
+            // Subscriptions and similar commands are ignored.
             None => Ok(()),
         }
     }
@@ -219,7 +219,7 @@ impl<S: Read + Write> Connection<S> {
         byte.first().copied().ok_or(ZmtpError::Closed)
     }
 
-    /// Bytes that come next. Memory grows with what has come, not with what is announced.
+    /// Reads the next bytes. Memory grows with the bytes received, not with the announced length.
     fn take(
         &mut self,
         len: usize,

@@ -108,10 +108,10 @@ fn nothing_is_taken_that_breaks_the_limits() {
         let mut connection = met([hello("REQ"), bytes.to_vec()].concat(), 4096).expect("greeted");
         matches!(connection.receive(&|| false), Err(ZmtpError::Limit { .. }))
     };
-    // 2⁶³ bytes are announced, and none come.
+    // 2⁶³ bytes are announced, and none arrive.
     assert!(rejected(&[LONG, 0x80, 0, 0, 0, 0, 0, 0, 0]));
     assert!(rejected(&frame(0, &[0; 1001])));
-    // Over the limit together.
+    // Their sum exceeds the limit.
     assert!(rejected(
         &[frame(MORE, &[0; 600]), frame(0, &[0; 600])].concat()
     ));

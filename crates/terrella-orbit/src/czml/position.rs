@@ -1,4 +1,4 @@
-//! What a packet says of a position.
+//! The position property of a packet.
 
 use super::super::entry::{RecordError, RecordFault, number};
 use super::super::found::{Each, Found};
@@ -24,11 +24,11 @@ pub struct Given<'t> {
     pub value: Option<Value<'t>>,
 }
 
-/// Where the object is.
+/// A value of the position.
 pub enum Value<'t> {
-    /// What has been said before holds no more.
+    /// Deletes earlier values.
     Deleted,
-    /// It stands still.
+    /// A fixed position.
     Constant(DVec3),
     Samples {
         samples: Vec<Sample<'t>>,
@@ -36,7 +36,7 @@ pub enum Value<'t> {
         /// The array.
         numbers: &'t RawValue,
     },
-    /// It is where another object is, that of this identifier; none means the object itself.
+    /// The position of another object, given by its identifier; an empty one is the object itself.
     Reference(String),
 }
 
@@ -97,7 +97,7 @@ fn given<'t>(
     })
 }
 
-/// A key that coordinates stand under.
+/// Key of an array of coordinates.
 struct Coordinates {
     key: &'static str,
     with_velocity: bool,
@@ -205,8 +205,8 @@ impl Coordinates {
         }
     }
 
-    /// `[t, x, y, z, …]` or `[t, x, y, z, vx, vy, vz, …]`, t in seconds since `epoch` or as a date. A group with something else
-    /// among it goes to `each`; where numbers are too few or too many, nothing says to which group the others belong.
+    /// `[t, x, y, z, …]` or `[t, x, y, z, vx, vy, vz, …]`, t in seconds since `epoch` or as a date. A group with an invalid element goes to `each`.
+    /// If the number of elements does not fit, the grouping is unknown.
     fn samples<'t>(
         &self,
         document: &Document<'t>,
@@ -218,7 +218,7 @@ impl Coordinates {
         let mut samples = Vec::new();
         let mut row = [0.0; 6];
         let mut at: Option<(Epoch, &'t RawValue)> = None;
-        // What is wrong with the group.
+        // The error of the group.
         let mut bad: Option<RecordError> = None;
         let mut count = 0;
         let mut one = |value: &'t RawValue| {
@@ -382,7 +382,7 @@ fn frame<'t>(document: &Document<'t>, object: &Object<'t>) -> Result<Option<Fram
     }
 }
 
-/// The identifier in `id#property`, in which `\` stands before a `#` or a `\` of the identifier's own.
+/// The identifier in `id#property`, in which `\` escapes a `#` or a `\` of the identifier.
 fn referenced<'t>(document: &Document<'t>, value: &'t RawValue) -> Result<String, RecordError> {
     let key = "reference";
     let entry = document.entry(key, value);

@@ -29,9 +29,9 @@ pub struct Sampled<'t> {
     pub frame: Frame,
     pub with_velocity: bool,
     pub settings: Settings,
-    /// In order of time. An instant that stands there twice is a jump.
+    /// In order of time. Two samples at the same time are a discontinuity.
     samples: Vec<Sample<'t>>,
-    /// Where they are said first.
+    /// The array of the first samples, for errors.
     numbers: &'t RawValue,
 }
 
@@ -55,10 +55,10 @@ impl<'t> Sampled<'t> {
         }
     }
 
-    /// Adds samples; those of an instant that is there already take its place.
+    /// Adds samples; they replace existing ones at the same time.
     ///
     /// # Errors
-    /// If they are too many.
+    /// Too many samples.
     pub fn add(
         &mut self,
         document: &Document<'t>,
@@ -91,10 +91,10 @@ impl<'t> Sampled<'t> {
         Ok(())
     }
 
-    /// What can be interpolated: a piece from jump to jump. Samples that cannot be used go to `each`.
+    /// Pieces for interpolation, from discontinuity to discontinuity. Unusable samples go to `each`.
     ///
     /// # Errors
-    /// If none is left, or they are no ephemeris.
+    /// If none is left, or they are not a valid ephemeris.
     pub fn pieces(
         &self,
         document: &Document<'t>,
@@ -154,7 +154,7 @@ impl<'t> Sampled<'t> {
         }
     }
 
-    /// With what follows beyond the samples.
+    /// Adds the extrapolation before and after the samples.
     fn extrapolate(
         &self,
         document: &Document<'t>,
@@ -261,8 +261,8 @@ pub fn at_rest(
 
 /// Samples of one array in order of time.
 ///
-/// An instant that stands there twice in succession is a jump: so writers say that the motion leaps there, from one element set to the
-/// next or by a burn, and a polynomial through both sides would swing. Elsewhere the later of two samples of one instant counts.
+/// Two consecutive samples at the same time are a discontinuity: writers mark a change of element set or a burn in this way, and a polynomial
+/// across it would oscillate. Otherwise the later of two samples at the same time applies.
 fn in_order(mut samples: Vec<Sample<'_>>) -> Vec<Sample<'_>> {
     let is_rising = samples.windows(2).all(|pair| match pair {
         [one, next] => one.state.epoch <= next.state.epoch,

@@ -6,17 +6,17 @@ use super::super::text::json::{Document, Object};
 use serde_json::value::RawValue;
 use terrella_files::excerpt;
 
-/// How it goes from sample to sample and beyond them: what one packet says, a later one need not say again.
+/// Interpolation and extrapolation; settings of one packet persist for later ones.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Settings {
-    /// Of degree 1, whatever `degree` says.
+    /// Of degree 1, whatever `degree` is.
     algorithm: Option<Interpolation>,
     degree: Option<usize>,
     pub forward: Extrapolation,
     pub backward: Extrapolation,
 }
 
-/// What follows beyond the samples on one side.
+/// Extrapolation beyond the samples on one side.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Extrapolation {
     kind: Option<ExtrapolationKind>,
@@ -32,7 +32,7 @@ pub enum ExtrapolationKind {
 }
 
 impl Extrapolation {
-    /// What is wanted, and for how many seconds; infinite where no duration is given.
+    /// The kind of extrapolation, and its duration in seconds; infinite if none is given.
     pub fn wanted(self) -> (ExtrapolationKind, f64) {
         let duration_s = self.duration_s.filter(|s| *s > 0.0);
         (
@@ -48,7 +48,7 @@ impl Extrapolation {
 }
 
 impl Settings {
-    /// Takes over what a later packet says.
+    /// Applies the settings of a later packet.
     pub fn update(&mut self, later: &Self) {
         self.algorithm = later.algorithm.or(self.algorithm);
         self.degree = later.degree.or(self.degree);

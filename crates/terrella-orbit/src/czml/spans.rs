@@ -11,7 +11,7 @@ pub const MAX_INTERVALS: usize = 10_000;
 /// First and last instant.
 pub type Span = (Epoch, Epoch);
 
-/// Samples and a time in which they answer.
+/// Samples and the interval in which they apply.
 #[derive(Clone)]
 pub struct Known {
     pub samples: Arc<InterpolatedStates>,
@@ -31,7 +31,7 @@ pub fn joined(mut intervals: Vec<Span>) -> Vec<Span> {
     joined
 }
 
-/// What of `span` lies within intervals that [`joined`] has put in order.
+/// The parts of `span` inside intervals that [`joined`] has sorted.
 pub fn within(span: Span, intervals: &[Span]) -> impl Iterator<Item = Span> {
     let first = intervals.partition_point(|(_, to)| *to < span.0);
     let rest = intervals.get(first..).unwrap_or_default();
@@ -44,10 +44,10 @@ pub fn within(span: Span, intervals: &[Span]) -> impl Iterator<Item = Span> {
 pub struct Taken(BTreeMap<Epoch, Epoch>);
 
 impl Taken {
-    /// What is left of `span`; from then on all of it is taken. Ends are shared with what had been taken before.
+    /// The parts of `span` that were not taken yet; all of it is taken afterwards. Ends are shared with parts taken before.
     pub fn take(&mut self, span: Span) -> Vec<Span> {
         let (mut from, mut all) = (span.0, span);
-        // What overlaps: one that begins before, and those that begin within.
+        // Overlapping intervals: one that begins before, and those that begin inside.
         let before = self.0.range(..span.0).next_back();
         let before = before.map(|(a, b)| (*a, *b)).filter(|(_, b)| *b >= span.0);
         let inside: Vec<Span> = before
@@ -72,7 +72,7 @@ impl Taken {
     }
 }
 
-/// In order of time, without the instants that a neighbour answers for as well.
+/// Sorts by time, and removes times that a neighbour covers too.
 pub fn in_order(mut known: Vec<Known>) -> Vec<Known> {
     known.sort_by_key(|known| known.span);
     let spans: Vec<Span> = known.iter().map(|known| known.span).collect();

@@ -19,8 +19,8 @@ pub(super) struct Basis {
 }
 
 impl Basis {
-    /// For distinct nodes, [`MAX_NODES`] at most, and the point `x`. Best scaled so that the nodes span about −2…2:
-    /// then the weights neither overflow nor vanish.
+    /// For distinct nodes, at most [`MAX_NODES`], and the point `x`. The nodes should be scaled to about −2…2, so that the weights neither overflow
+    /// nor underflow.
     pub fn new(nodes: &[f64], x: f64) -> Self {
         let mut basis = Self {
             len: nodes.len().min(MAX_NODES),

@@ -8,7 +8,7 @@ use terrella_frames::{EARTH_ROTATION_RATE_RAD_S, Ellipsoid};
 
 /// Nothing that leaves the Earth moves away from it so fast, m/s.
 const FASTEST_M_S: f64 = 100_000.0;
-/// Launch sites lie below the ellipsoid, and frames differ by the precession of their poles, metres.
+/// Allowed depth, metres: launch sites are below the ellipsoid, and frames differ by the precession of their poles.
 const DEEPEST_M: f64 = 1_000.0;
 
 /// Why states are doubted: the first of them, and how many there are.
@@ -52,7 +52,7 @@ impl Doubt {
     }
 }
 
-/// What is doubtful in samples in order of time: one doubt of each kind at most.
+/// Doubts about samples in order of time: at most one of each kind.
 pub(crate) fn doubts(frame: Frame, samples: &[StateSample]) -> Vec<Doubt> {
     let (mut fast, mut deep) = (None, None);
     for (at, sample) in samples.iter().enumerate() {
@@ -107,7 +107,7 @@ fn speed_m_s(frame: Frame, before: Option<&StateSample>, sample: &StateSample) -
     own.max(come)
 }
 
-/// How far below the ellipsoid; the poles of all frames are its axis, to the 50 m that precession makes.
+/// Depth below the ellipsoid; the poles of all frames are taken as its axis, which is accurate to the 50 m of precession.
 fn depth_m(position_m: DVec3) -> f64 {
     match position_m.length() > Ellipsoid::WGS84.equatorial_radius_m {
         true => 0.0,

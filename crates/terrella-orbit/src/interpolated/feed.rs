@@ -28,7 +28,7 @@ impl EphemerisSegment {
         }
     }
 
-    /// Whether it answers for `epoch`.
+    /// Whether it has a state at `epoch`.
     fn covers(&self, epoch: Epoch) -> bool {
         self.usable.0 <= epoch && epoch <= self.usable.1
     }
@@ -53,20 +53,20 @@ impl EphemerisSegment {
 pub struct EphemerisFeed {
     name: String,
     object_id: Option<String>,
-    /// What its file calls it beside its name.
+    /// Its identifier in the file, besides its name.
     id: Option<String>,
-    /// In order of time, none empty, none overlapping but for an instant.
+    /// In order of time, not empty, overlapping at most in a single time.
     segments: Vec<EphemerisSegment>,
     /// Where it begins in its file, from 1.
     line: usize,
 }
 
 impl EphemerisFeed {
-    /// Creates a feed from segments in order of time that do not overlap; where two meet, the later one applies. Usable intervals are cut
-    /// to the reach of the samples.
+    /// Creates a feed from segments in order of time that do not overlap; where two meet, the later one applies. Usable intervals are clipped to
+    /// the range of the samples.
     ///
     /// # Errors
-    /// Says which segment is not usable or overlaps.
+    /// Names the segment that is not usable or overlaps.
     pub fn new(
         name: String,
         object_id: Option<String>,
@@ -131,7 +131,7 @@ impl EphemerisFeed {
         Self { line, ..self }
     }
 
-    /// What it is made of, in order of time.
+    /// Its segments, in order of time.
     pub fn segments(&self) -> &[EphemerisSegment] {
         &self.segments
     }
@@ -168,7 +168,7 @@ impl Feed for EphemerisFeed {
         &self.name
     }
 
-    /// From the first segment's beginning to the last one's end; between segments there may be gaps.
+    /// From the first segment's start to the last one's end; there may be gaps between segments.
     fn validity(&self) -> (Epoch, Epoch) {
         let first = self.segments.first().map(|s| s.usable.0);
         let last = self.segments.last().map(|s| s.usable.1);

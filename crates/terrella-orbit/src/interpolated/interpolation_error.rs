@@ -79,10 +79,10 @@ pub struct WorstDifference {
     pub velocity_m_s: f64,
 }
 
-/// The worst difference between `orbit` and what is interpolated from its states `step_s` seconds apart, over one
-/// revolution, perigee included, in the inner part of an ephemeris (at its ends it is larger).
+/// The largest difference between `orbit` and the interpolation of its states at intervals of `step_s` seconds, over one revolution, perigee
+/// included, in the inner part of an ephemeris (at its ends it is larger).
 ///
-/// Metres at worst, in low orbit ([`KeplerOrbit::LOW`]) and, after the stroke, over a Molniya's perigee:
+/// Largest error in metres, in low orbit ([`KeplerOrbit::LOW`]) and, after the slash, at a Molniya's perigee:
 ///
 /// | degree | 30 s | 60 s | 120 s | 300 s | 600 s |
 /// |---|---|---|---|---|---|
@@ -96,12 +96,12 @@ pub struct WorstDifference {
 /// | Hermite 7 | 1e-8 / 9e-8 | 3e-8 / 2e-5 | 7e-6 / 5e-3 | 0.01 / 5.6 | 2.6 / 650 |
 /// | Hermite 9 | 1e-8 / 5e-8 | 7e-9 / 3e-7 | 1e-8 / 3e-4 | 1e-4 / 1.7 | 0.1 / 490 |
 ///
-/// About 1e-8 and 5e-8 are the rounding of the orbit itself.
+/// Values of about 1e-8 and 5e-8 are the rounding of the orbit itself.
 ///
-/// Ten instants of each step are compared. Steps of more than half a revolution, and of less than 1 s, are taken as these.
+/// Ten times in each step are compared. Steps are clamped to at most half a revolution and at least 1 s.
 ///
 /// # Errors
-/// If the degree is not offered.
+/// If the degree is not supported.
 pub fn interpolation_error(
     interpolation: Interpolation,
     step_s: f64,

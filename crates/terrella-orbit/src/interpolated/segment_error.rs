@@ -7,7 +7,7 @@ pub enum SegmentError {
     /// No segment at all.
     #[error("no segment")]
     Empty,
-    /// The interval that may be used holds none of the samples' time.
+    /// The usable interval does not overlap the samples.
     #[error("the usable interval, {first} to {last}, is outside its states")]
     Unusable {
         /// Which segment, from 0.
@@ -17,7 +17,7 @@ pub enum SegmentError {
         /// Its end, UTC.
         last: String,
     },
-    /// Two segments answer for the same time.
+    /// Two segments cover the same time.
     #[error(
         "the segment begins at {begins}, before the one before it ends ({ends}); give each its own USEABLE_START_TIME and USEABLE_STOP_TIME"
     )]

@@ -130,7 +130,7 @@ impl Conic {
         self.at(seconds.trunc(), seconds.fract())
     }
 
-    /// Period, seconds; `None` for what does not come back.
+    /// Period, seconds; `None` for an open orbit.
     pub fn period_s(&self) -> Option<f64> {
         let alpha = self.reciprocal_axis_1_m;
         let period = TAU / (self.gm_m3_s2.sqrt() * alpha * alpha.sqrt());

@@ -17,7 +17,7 @@ pub struct SecularRates {
 }
 
 impl SecularRates {
-    /// Of an ellipse; `None` of anything else.
+    /// For an ellipse; `None` for other conics.
     ///
     /// With p = a(1 − e²): Ω̇ = −(3/2) n J2 (R/p)² cos i,  ω̇ = (3/4) n J2 (R/p)² (4 − 5 sin² i),
     /// Ṁ = n + (3/4) n J2 (R/p)² √(1 − e²) (2 − 3 sin² i).

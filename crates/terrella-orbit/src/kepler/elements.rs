@@ -9,24 +9,24 @@ use terrella_frames::Epoch;
 /// Size of a conic.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum OrbitSize {
-    /// Semi-major axis a, metres; below 0 for hyperbolas. A parabola has none.
+    /// Semi-major axis a, metres; negative for hyperbolas, undefined for a parabola.
     SemiMajorAxis(f64),
     /// Distance of the periapsis from the Earth's centre q, metres, above 0.
     Periapsis(f64),
 }
 
-/// Where on the conic.
+/// Position on the conic.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Anomaly {
     /// True anomaly ν, radians.
     True(f64),
-    /// Mean anomaly M, radians. On a hyperbola M = √(μ/|a|³) t; a parabola has none.
+    /// Mean anomaly M, radians. On a hyperbola M = √(μ/|a|³) t; undefined for a parabola.
     Mean(f64),
     /// The epoch of a passage of the periapsis.
     PeriapsisAt(Epoch),
 }
 
-/// Classical elements of an ellipse, parabola or hyperbola. A fall along a straight line has none: give its state.
+/// Classical elements of an ellipse, parabola or hyperbola. They are undefined for a rectilinear fall: use a state vector instead.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct KeplerElements {
     /// How large it is.

@@ -1,8 +1,8 @@
-//! What can be wrong with elements.
+//! Errors of orbital elements.
 
 use crate::StartError;
 
-/// Why there is no orbit, or none any more.
+/// Why there is no orbit, or none any longer.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 #[allow(missing_docs, reason = "the messages say what fields are")]

@@ -1,4 +1,4 @@
-//! Stumpff's functions, which say of every conic at once what sine and hyperbolic sine say of one kind.
+//! Stumpff's functions, which generalise sine and hyperbolic sine to all conics.
 
 /// c0…c3 at one argument: c_k(ψ) = Σ (−ψ)^j / (2j + k)!.
 #[derive(Clone, Copy, Debug, PartialEq)]

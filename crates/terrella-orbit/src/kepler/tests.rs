@@ -33,7 +33,7 @@ fn conic(periapsis_m: f64, eccentricity: f64, nu_deg: f64) -> Conic {
         .unwrap()
 }
 
-/// Energy v²/2 − μ/r and angular momentum, relative to what the conic says; the worse.
+/// Errors of the energy v²/2 − μ/r and the angular momentum, relative to those of the conic; the larger one.
 fn invariants_error(conic: &Conic, (r, v): (DVec3, DVec3)) -> f64 {
     let h = (MU * conic.periapsis_m * (1.0 + conic.eccentricity)).sqrt();
     let energy = 0.5 * v.length_squared() - MU / r.length() + 0.5 * MU * conic.reciprocal_axis_1_m;
@@ -514,7 +514,7 @@ fn the_solver_ends_in_few_rounds_wherever_it_is_sent() {
 
 #[test]
 fn a_circle_drifts_from_where_it_is() {
-    // A circle's periapsis is anywhere: the drift must not move the place at the epoch, nor the argument of latitude's rate.
+    // A circle's periapsis is undefined: the drift must not change the position at the epoch, nor the rate of the argument of latitude.
     for e in [0.0, 1e-15, 1e-12, 1e-3] {
         let (position_m, velocity_m_s) = conic(7e6, e, 70.0).state_after(0.0);
         let state = OrbitState {

@@ -11,17 +11,17 @@ use terrella_frames::{Duration, Epoch, Orientation};
 /// How many states are kept.
 pub const MAX_STATES: usize = 256;
 
-/// What became of a state that came.
+/// Result of adding a state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Insertion {
     Newest,
-    /// It came after a later one and stands in its place.
+    /// It arrived after a later one and was inserted in order.
     Late,
-    /// There is one of its instant already.
+    /// There is already a state of this time.
     Duplicate,
     /// It is older than all that are kept.
     TooLate,
-    /// It lies far from the others in time; the next one decides whether the simulator jumped or this one is wrong.
+    /// It is far from the others in time; the next one decides whether the simulator jumped or this one is wrong.
     Apart,
     /// The second one far from the others: the simulator has jumped, what was before is forgotten.
     Restart,
@@ -53,7 +53,7 @@ impl StateBuffer {
         self.states.back()
     }
 
-    /// Takes a state of a simulator that nobody waits for.
+    /// Adds a state of a simulator that does not wait.
     pub fn take(&mut self, state: OrbitState) -> Insertion {
         let Some(newest) = self.newest() else {
             self.states.push_back(state);
@@ -160,7 +160,7 @@ fn straight_on(last: OrbitState, epoch: Epoch) -> OrbitState {
 
 fn on_a_conic(last: OrbitState, epoch: Epoch) -> Option<OrbitState> {
     let orientation = Orientation::default();
-    // A conic stands still against the stars.
+    // A conic is fixed relative to the stars.
     let still = match last.frame.is_earth_fixed() {
         true => last.in_frame(Frame::Gcrf, &orientation),
         false => last,

@@ -1,4 +1,4 @@
-//! Which instant a picture shows, when nobody waits for it.
+//! Playback time of images in broadcast.
 
 use super::buffer::{later, nanoseconds};
 use std::time::Instant;
@@ -8,11 +8,10 @@ use terrella_frames::Epoch;
 const BINS: usize = 8;
 const BIN_S: f64 = 0.25;
 
-/// Simulated time by the clock on the wall.
+/// Simulated time as a function of the wall clock.
 ///
-/// Packets come late by an unknown and varying time, never early. So the earliest one of the last two seconds determines
-/// how the two clocks stand; late ones change nothing. After a pause of the simulator, whose packets are all late then, the
-/// clock steps back by it.
+/// Packets arrive late by an unknown and varying delay, never early. The earliest one of the last two seconds therefore determines the offset of
+/// the two clocks; late ones change nothing. After a pause of the simulator all packets are late, and the clock steps back by the pause.
 #[derive(Debug)]
 pub struct PlaybackClock {
     /// Simulated seconds in a second.
@@ -86,7 +85,7 @@ mod tests {
                 seconds(start, shown) / rate - (t_s + late_s)
             };
             for k in 0..400 {
-                // Every third comes at once, the others up to 80 ms late.
+                // Every third arrives immediately, the others up to 80 ms late.
                 let late_s = 0.04 * f64::from(k % 3);
                 let off_s = send(f64::from(k) * 0.05, late_s, 0.0);
                 assert!(off_s.abs() < 1e-6, "packet {k}: {off_s}");

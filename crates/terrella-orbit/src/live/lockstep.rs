@@ -13,7 +13,7 @@ pub const MAX_WAITING: usize = 8;
 pub struct FrameRequest {
     /// The simulator's number of it.
     pub seq: u64,
-    /// What to draw: the feed gives this state at its epoch, bit for bit.
+    /// State to draw: the feed returns it at its epoch, bit for bit.
     pub state: OrbitState,
     /// Tells requests of equal numbers apart.
     ticket: u64,
@@ -23,7 +23,7 @@ pub struct FrameRequest {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Outcome {
     Drawn,
-    /// The player says why it is not.
+    /// The player rejected it, with a reason.
     Rejected(String),
     /// Nobody drew it in time.
     TimedOut,
@@ -151,7 +151,7 @@ impl Lockstep {
         true
     }
 
-    /// Ends all that wait, and lets nobody wait any more.
+    /// Ends all waits, and allows no new ones.
     pub fn close(&self) {
         self.lock().is_closed = true;
         self.changed.notify_all();

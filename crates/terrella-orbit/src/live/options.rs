@@ -6,10 +6,10 @@ use std::ops::RangeInclusive;
 use std::str::FromStr;
 use std::time::Duration;
 
-/// Where states come from.
+/// Source of states.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Transport {
-    /// Standard input; answers go to standard output.
+    /// Standard input; replies go to standard output.
     Stdin,
     /// A TCP port that simulators connect to. Port 0 takes a free one.
     Tcp(SocketAddr),
@@ -38,7 +38,7 @@ impl Transport {
         }
     }
 
-    /// Whether one of the two would find its input taken by the other. Port 0 takes a free one and meets nobody.
+    /// Whether both would use the same input. Port 0 selects a free one and never collides.
     pub fn collides_with(&self, other: &Self) -> bool {
         let is_udp = |transport: &Self| matches!(transport, Self::Udp(_));
         match (self.address(), other.address()) {
@@ -111,14 +111,14 @@ pub enum Extrapolation {
     /// On the conic of the last state: free fall.
     #[default]
     TwoBody,
-    /// Straight on, for what does not fall.
+    /// Linear, for objects that do not fall.
     Linear,
 }
 
 /// Settings of a live feed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LiveOptions {
-    /// Where states come from.
+    /// Source of states.
     pub transport: Transport,
     /// Who waits for whom.
     pub pacing: Pacing,
@@ -148,19 +148,19 @@ pub struct LiveOptions {
 }
 
 impl LiveOptions {
-    /// Of [`Self::rate`].
+    /// Range of [`Self::rate`].
     pub const RATES: RangeInclusive<f64> = 1e-3..=1e6;
-    /// Of [`Self::playback_delay_s`].
+    /// Range of [`Self::playback_delay_s`].
     pub const PLAYBACK_DELAYS_S: RangeInclusive<f64> = 0.0..=60.0;
-    /// Of [`Self::stale_after_s`].
+    /// Range of [`Self::stale_after_s`].
     pub const STALE_AGES_S: RangeInclusive<f64> = 1e-3..=1e6;
-    /// Of [`Self::extrapolation_limit_s`].
+    /// Range of [`Self::extrapolation_limit_s`].
     pub const EXTRAPOLATION_LIMITS_S: RangeInclusive<f64> = 0.0..=1e6;
-    /// Of [`Self::gap_s`].
+    /// Range of [`Self::gap_s`].
     pub const GAPS_S: RangeInclusive<f64> = 1e-3..=1e7;
     /// Of [`Self::frame_timeout`], seconds.
     pub const FRAME_TIMEOUTS_S: RangeInclusive<f64> = 1e-3..=3600.0;
-    /// Of [`Self::max_packets_per_s`].
+    /// Range of [`Self::max_packets_per_s`].
     pub const PACKET_RATES_PER_S: RangeInclusive<i64> = 1..=1_000_000;
 
     /// Broadcast at the rate of real time, 0.1 s behind, stale after 1 s, an error 60 s beyond the last state.
@@ -273,7 +273,7 @@ pub enum LiveError {
     NoState {
         /// The satellite.
         name: String,
-        /// Where states are waited for.
+        /// Source of the expected states.
         from: Transport,
     },
     /// Before the states that are kept.
@@ -283,7 +283,7 @@ pub enum LiveError {
     TooOld {
         /// The satellite.
         name: String,
-        /// The epoch asked for, UTC.
+        /// The requested epoch, UTC.
         epoch: String,
         /// The oldest state, UTC.
         oldest: String,
@@ -295,7 +295,7 @@ pub enum LiveError {
     TooFar {
         /// The satellite.
         name: String,
-        /// The epoch asked for, UTC.
+        /// The requested epoch, UTC.
         epoch: String,
         /// The newest state, UTC.
         newest: String,

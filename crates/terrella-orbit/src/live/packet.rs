@@ -8,7 +8,7 @@ use std::borrow::Cow;
 use terrella_files::{excerpt, printable};
 use terrella_frames::{Duration, Epoch, TimeScale, ccsds_time, utc_from_rfc3339};
 
-/// What a binary packet begins with. Its first byte occurs in no text in UTF-8 as the first of a character.
+/// First bytes of a binary packet. No UTF-8 character starts with the first of them.
 pub const MAGIC: [u8; 4] = *b"\x89TRL";
 /// Version of the binary form.
 pub const VERSION: u8 = 1;
@@ -25,7 +25,7 @@ const TAI_1970_NS: i128 = 25_567 * 86_400 * 1_000_000_000;
 /// Instants of 1900 and 2100 on the packet's count.
 const TAI_NS: std::ops::Range<i128> = -TAI_1970_NS..47_482 * 86_400 * 1_000_000_000;
 
-/// What a packet is sent for.
+/// Purpose of a packet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PacketKind {
     /// Nothing: it only sends a state.
@@ -37,7 +37,7 @@ pub enum PacketKind {
 /// A state that a simulator sends.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Packet {
-    /// Whether it only brings a state or asks for a frame.
+    /// Whether it only carries a state or requests a frame.
     pub kind: PacketKind,
     /// The simulator's count of its packets; a JSON line with a state may go without.
     pub seq: Option<u64>,
@@ -70,7 +70,7 @@ pub enum PacketFault {
     /// A line that is no JSON object with the keys of a packet.
     #[error("not a packet in JSON: {cause}")]
     Json {
-        /// What the reader says.
+        /// Error message of the parser.
         cause: String,
     },
     /// A value that cannot be.
@@ -79,7 +79,7 @@ pub enum PacketFault {
         key: &'static str,
         /// The value, shortened.
         text: String,
-        /// What can stand there.
+        /// The accepted values.
         expected: &'static str,
     },
     /// Another version of the binary form.
@@ -88,14 +88,14 @@ pub enum PacketFault {
     /// A binary packet of a wrong length.
     #[error("binary packet of {found} bytes; a state has {STATE_BYTES}")]
     Length {
-        /// Bytes that it says or has.
+        /// The declared or actual number of bytes.
         found: usize,
     },
     /// Bytes that changed on the way.
     #[error("CRC-32 is {found:08x}; the bytes give {expected:08x}")]
     Checksum {
         found: u32,
-        /// What its bytes give.
+        /// The checksum of its bytes.
         expected: u32,
     },
 }

@@ -1,4 +1,4 @@
-//! What is answered to a simulator.
+//! Replies to a simulator.
 
 use super::packet::{CRC_BYTES, MAGIC, PacketFormat, VERSION};
 
@@ -7,7 +7,7 @@ const HEAD_BYTES: usize = 16;
 /// Longest explanation in a binary reply, bytes.
 const MAX_REASON_BYTES: usize = 512;
 
-/// What is answered to a packet.
+/// Reply to a packet.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Reply {
     /// The picture of this state is drawn.
@@ -19,7 +19,7 @@ pub enum Reply {
     Error {
         /// The packet's number, where it is known.
         seq: Option<u64>,
-        /// The reason, as the simulator is to read it.
+        /// The reason, for the simulator.
         reason: String,
     },
 }

@@ -18,10 +18,10 @@ const CHUNK: usize = 8192;
 pub const LOOK: Duration = Duration::from_millis(100);
 /// How often the listening thread looks for a simulator.
 const LISTEN: Duration = Duration::from_millis(10);
-/// How long a simulator may leave an answer unread.
+/// Time after which an unread reply is an error.
 const WRITE: Duration = Duration::from_secs(1);
 
-/// What serves one connection until it ends.
+/// Serves one connection until it ends.
 pub type Serve = fn(TcpStream, &SharedFeed, &Standing);
 
 pub fn spawn(
@@ -34,7 +34,7 @@ pub fn spawn(
         .map_err(|source| LiveError::Thread { source })
 }
 
-/// Whether nothing is wrong and nothing was there.
+/// Whether the error only means that no data was available.
 pub fn is_nothing(kind: ErrorKind) -> bool {
     matches!(
         kind,
@@ -110,7 +110,7 @@ pub struct Departure {
 }
 
 impl Departure {
-    /// Whether the connection is to end now; one with a packet half read stays a little longer, as its sender may wait for an answer.
+    /// Whether the connection must end now; with a partially read packet it stays a little longer, as its sender may wait for a reply.
     pub fn is_due(&mut self, standing: &Standing, has_begun: bool) -> bool {
         if !standing.is_dismissed() {
             return false;
@@ -210,7 +210,7 @@ fn accept(listener: &TcpListener, serve: Serve, shared: &Arc<SharedFeed>) {
     connections.end(|connection| drop(connection.shutdown(Shutdown::Both)));
 }
 
-/// Starts the thread of a connection. Answers it and what closes the connection.
+/// Starts the thread of a connection. Returns it, and a handle that closes the connection.
 fn start(
     connection: TcpStream,
     serve: Serve,
@@ -220,7 +220,7 @@ fn start(
     connection.set_nonblocking(false).ok()?;
     connection.set_read_timeout(Some(LOOK)).ok()?;
     connection.set_write_timeout(Some(WRITE)).ok()?;
-    // An answer goes out at once.
+    // A reply is sent without delay.
     connection.set_nodelay(true).ok()?;
     let own = connection.try_clone().ok()?;
     let (shared, standing) = (Arc::clone(shared), Arc::clone(standing));
@@ -253,7 +253,7 @@ fn datagrams(socket: &UdpSocket, shared: &SharedFeed) {
             Ok(received) => received,
             Err(error) => {
                 if !is_nothing(error.kind()) {
-                    // Such as "port unreachable" for an answer that nobody took.
+                    // For example "port unreachable" for a reply that no one received.
                     std::thread::sleep(Duration::from_millis(1));
                 }
                 continue;
@@ -261,14 +261,14 @@ fn datagrams(socket: &UdpSocket, shared: &SharedFeed) {
         };
         let bytes = datagram.get(..length).unwrap_or_default();
         message(bytes, shared, &standing, &mut allowance, |reply| {
-            // A simulator that is gone needs no answer.
+            // A simulator that has disconnected needs no reply.
             let _ = socket.send_to(&reply, from);
             true
         });
     }
 }
 
-/// Takes a datagram or a WebSocket message: it holds whole packets. `false` where an answer could not be sent.
+/// Processes a datagram or a WebSocket message: it holds whole packets. Returns `false` if a reply could not be sent.
 pub fn message(
     bytes: &[u8],
     shared: &SharedFeed,

@@ -1,4 +1,4 @@
-//! What the threads that read and the player that draws share.
+//! State shared by the reading threads and the player that draws.
 
 use super::buffer::{Insertion, StateBuffer};
 use super::clock::PlaybackClock;
@@ -12,7 +12,7 @@ use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 use terrella_files::printable;
 
-/// What has come and what became of it, since the feed was opened.
+/// Counters of received packets and their results, since the feed was opened.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct PacketCounters {
     /// States that were taken.
@@ -41,11 +41,11 @@ pub struct PacketCounters {
     pub frames: u64,
     /// Of these, frames that were drawn.
     pub drawn: u64,
-    /// Of these, frames that nobody drew in time.
+    /// Of these, frames that were not drawn in time.
     pub timed_out: u64,
 }
 
-/// States and what is known about their coming; locked for microseconds, never while anything is waited for.
+/// States and the clock of their arrival; locked for microseconds, never during a wait.
 #[derive(Debug)]
 pub struct FeedState {
     pub buffer: StateBuffer,
@@ -56,7 +56,7 @@ pub struct FeedState {
     last_seq: Option<u64>,
 }
 
-/// What the threads share.
+/// State that the threads share.
 #[derive(Debug)]
 pub struct SharedFeed {
     pub options: LiveOptions,
@@ -65,11 +65,11 @@ pub struct SharedFeed {
     pub name: OnceLock<String>,
     stop: AtomicBool,
     has_ended: AtomicBool,
-    /// Packets whose answers are not on their way yet.
+    /// Packets whose replies have not been sent yet.
     unanswered: AtomicUsize,
 }
 
-/// How long the end of a feed waits until those that wait for a frame have their answers.
+/// Time for which closing a feed waits until pending frames have their replies.
 const LAST_ANSWERS: Duration = Duration::from_millis(200);
 
 impl SharedFeed {
@@ -101,7 +101,7 @@ impl SharedFeed {
         self.stop.load(Ordering::Acquire)
     }
 
-    /// Whether the stream that is read has ended.
+    /// Whether the input stream has ended.
     pub fn has_ended(&self) -> bool {
         self.has_ended.load(Ordering::Acquire)
     }
@@ -111,7 +111,7 @@ impl SharedFeed {
         self.has_ended.store(true, Ordering::Release);
     }
 
-    /// Ends all threads, those last that still have an answer to give.
+    /// Ends all threads; those with a pending reply last.
     pub fn close(&self) {
         self.lockstep.close();
         let begun = Instant::now();
@@ -121,8 +121,8 @@ impl SharedFeed {
         self.stop.store(true, Ordering::Release);
     }
 
-    /// Takes what was cut out of a stream and sends what is answered; in lockstep it waits until the frame is drawn.
-    /// `false` where the answer could not be sent.
+    /// Processes a part of a stream and sends its reply; in lockstep it waits until the frame is drawn. Returns `false` if the reply could not be
+    /// sent.
     pub fn take(&self, received: Received, send: impl FnOnce(Vec<u8>) -> bool) -> bool {
         self.unanswered.fetch_add(1, Ordering::AcqRel);
         let reply = match received.packet {
@@ -140,7 +140,7 @@ impl SharedFeed {
         inner.counters.bad += 1;
         inner.last_fault = Some(printable(&reason));
         drop(inner);
-        // Somebody may wait for an answer.
+        // A simulator may wait for a reply.
         let is_waited_for = self.options.pacing == Pacing::Lockstep;
         is_waited_for.then_some(Reply::Error { seq: None, reason })
     }
@@ -251,14 +251,14 @@ impl RateLimiter {
         }
     }
 
-    /// Lets time go by.
+    /// Adds tokens for the elapsed time.
     pub fn refill(&mut self, now: Instant) {
         let passed_s = now.saturating_duration_since(self.at).as_secs_f64();
         self.at = now;
         self.left = (self.left + passed_s * self.per_s).min(self.per_s);
     }
 
-    /// Whether one more may come.
+    /// Whether one more packet is allowed.
     pub fn has_one(&mut self, now: Instant) -> bool {
         self.refill(now);
         let has_one = self.left >= 1.0;

@@ -1,4 +1,4 @@
-//! A stream of bytes cut into packets, whatever lies between them.
+//! Splits a byte stream into packets, skipping anything between them.
 
 use super::packet::{MAGIC, MAX_PACKET_BYTES, Packet, PacketFault, PacketFormat, STATE_BYTES};
 
@@ -15,17 +15,17 @@ pub struct Splitter {
     is_lost: bool,
 }
 
-/// What was cut out of a stream.
+/// A part of a stream.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Received {
-    /// The packet, or why there is none.
+    /// The packet, or why it is invalid.
     pub packet: Result<Packet, PacketFault>,
     /// The format that it came in.
     pub format: PacketFormat,
 }
 
 impl Splitter {
-    /// Takes bytes in. Call [`Splitter::next`] until it has no more.
+    /// Adds bytes. Call [`Splitter::next`] until it returns nothing more.
     pub fn push(&mut self, bytes: &[u8]) {
         self.bytes.drain(..self.done);
         self.done = 0;
@@ -38,7 +38,7 @@ impl Splitter {
         self.cut(false)
     }
 
-    /// The next packet where no more bytes come: a line may end without a line feed.
+    /// The next packet at the end of the stream: a line may end without a line feed.
     pub fn finish(&mut self) -> Option<Received> {
         self.cut(true)
     }
@@ -48,7 +48,7 @@ impl Splitter {
         self.bytes.len() - self.done
     }
 
-    /// Whether anything but blanks is left.
+    /// Whether anything except blanks is left.
     pub(super) fn has_more(&mut self) -> bool {
         let rest = self.bytes.get(self.done..).unwrap_or_default();
         let blanks = rest.len() - rest.trim_ascii_start().len();
@@ -146,7 +146,7 @@ impl Splitter {
         }
     }
 
-    /// One fault for what is wrong in a row.
+    /// Merges consecutive errors into one.
     fn lose(&mut self, fault: PacketFault, format: PacketFormat) -> Option<Received> {
         let is_new = !std::mem::replace(&mut self.is_lost, true);
         is_new.then_some(Received {
@@ -156,12 +156,12 @@ impl Splitter {
     }
 }
 
-/// Whether a packet or a line can begin with this byte.
+/// Whether a packet or a line can start with this byte.
 fn starts(byte: u8) -> bool {
     byte == b'{' || byte == b'\n' || byte == MAGIC[0]
 }
 
-/// Whether version and length, as far as they are there, are those of a state.
+/// Whether version and length, as far as available, are those of a state.
 fn head_is_good(rest: &[u8]) -> bool {
     let length = (STATE_BYTES as u16).to_le_bytes();
     rest.get(4).is_none_or(|&v| v == super::packet::VERSION)

@@ -83,7 +83,7 @@ fn handshake(
     let allowed = &shared.options.allowed_origins;
     #[allow(clippy::result_large_err, reason = "the type is tungstenite's")]
     let check = |request: &Request, response: Response| -> Result<Response, ErrorResponse> {
-        // Browsers name the page whose script connects; programs name none.
+        // Browsers send the origin of the page that connects; programs send none.
         let is_allowed = request.headers().get_all("Origin").iter().all(|origin| {
             let origin = origin.to_str().unwrap_or_default();
             allowed.iter().any(|allowed| allowed == origin)

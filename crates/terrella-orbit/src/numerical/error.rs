@@ -2,7 +2,7 @@
 
 use crate::StartError;
 
-/// Why there is no trajectory, or none any more.
+/// Why there is no trajectory, or none any longer.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 #[allow(missing_docs, reason = "the messages say what fields are")]

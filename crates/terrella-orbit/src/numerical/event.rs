@@ -8,7 +8,7 @@ use terrella_frames::Epoch;
 /// Kinds of events.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EventKind {
-    /// It meets the ground; the trajectory ends.
+    /// Impact on the ground; the trajectory ends.
     Impact,
     /// It crosses the equator of date northwards.
     AscendingNode,
@@ -66,7 +66,7 @@ impl EventFunction {
         }
     }
 
-    /// What it means when the value goes up or down as time goes on.
+    /// The event when the value increases or decreases through zero.
     fn kind(self, rising: bool) -> EventKind {
         match (self, rising) {
             (Self::Height, _) => EventKind::Impact,

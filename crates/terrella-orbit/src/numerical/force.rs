@@ -1,14 +1,14 @@
-//! Forces on a satellite, each to be switched on and off.
+//! Forces on a satellite, each of which can be switched on and off.
 //!
-//! | file | what |
+//! | file | content |
 //! |---|---|
 //! | `gravity.rs`, `egm96.rs` | the Earth's field |
 //! | `atmosphere.rs` | density of the air |
 //! | `shadow.rs` | sunlight behind the Earth |
-//! | `sun_moon_axes.rs` | Sun, Moon and the Earth's axes along a span |
+//! | `sun_moon_axes.rs` | Sun, Moon and the Earth's axes over a span |
 //!
-//! Left out: tides of the solid Earth and the oceans (1e-7 m/s² in low orbit), general relativity (1e-8), light and heat from
-//! the Earth (1e-8 for usual craft), lift, winds, other planets (1e-10), and what the Sun's activity does to the air.
+//! Neglected: tides of the solid Earth and the oceans (1e-7 m/s² in low orbit), general relativity (1e-8), radiation from the Earth (1e-8 for usual
+//! spacecraft), lift, winds, other planets (1e-10), and the effect of solar activity on the air.
 
 mod atmosphere;
 mod egm96;
@@ -81,7 +81,7 @@ pub enum ThrustAxes {
 }
 
 impl ThrustAxes {
-    /// What turns a vector from these axes to GCRF, of a satellite at `r` with velocity `v`.
+    /// Rotation from these axes to GCRF, for a satellite at `r` with velocity `v`.
     pub(crate) fn gcrf_from(self, r: DVec3, v: DVec3) -> DMat3 {
         let x = match self {
             Self::Gcrf => return DMat3::IDENTITY,
@@ -112,7 +112,7 @@ pub struct ForceModel {
     pub orientation: Orientation,
 }
 
-/// What the air and the sunlight act on.
+/// Properties of the spacecraft for drag and radiation pressure.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spacecraft {
     /// Mass, kilograms.
@@ -144,7 +144,7 @@ impl Default for Spacecraft {
 const MAX_THRUSTS: usize = 10_000;
 
 impl ForceModel {
-    /// Whether the numbers make sense together with a craft's.
+    /// Whether the forces are valid together with the spacecraft's properties.
     pub fn check(&self, craft: &Spacecraft) -> Result<(), NumericalError> {
         let range = |field, value, expected| {
             Err(NumericalError::from(StartError::Range {
@@ -220,7 +220,7 @@ pub(super) struct EquationsOfMotion {
     pub acting: Vec<usize>,
 }
 
-/// What the tolerance counts from where a speed is 0, m/s.
+/// Lower limit of the speed for relative tolerances, m/s.
 const SPEED_FLOOR_M_S: f64 = 100.0;
 
 impl EquationsOfMotion {

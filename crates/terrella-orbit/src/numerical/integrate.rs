@@ -1,14 +1,14 @@
-//! Solvers of ordinary differential equations for few unknowns, with dense output.
+//! Solvers of ordinary differential equations with few unknowns, with dense output.
 //!
-//! | file | what |
+//! | file | content |
 //! |---|---|
 //! | `dop853.rs`, `tableau.rs` | explicit, order 8, dense output of order 7 |
 //! | `radau.rs`, `lu.rs` | implicit, order 5, for stiff stretches |
-//! | `driver.rs` | one or the other, or each where it belongs |
+//! | `driver.rs` | selects one of them, or switches between them |
 //!
-//! Our own, because a propagator needs of them at once: unknowns on the stack, every step's dense output to keep, errors in
-//! a norm that knows metres from metres per second, counts of all work, and a switch between the two in flight. The crates
-//! at hand each lack one, and the Radau method of `differential-equations` 0.7 does not converge.
+//! Our own, because a propagator needs all of these together: unknowns on the stack, the dense output of every step, an error norm that
+//! distinguishes metres from metres per second, counts of all work, and switching between the two methods during the integration. The available
+//! crates each lack one, and the Radau method of `differential-equations` 0.7 does not converge.
 
 mod dop853;
 mod driver;
@@ -21,7 +21,7 @@ mod tests;
 pub use driver::Solver;
 pub(crate) use driver::{Driver, IntegrationFault};
 
-/// ẏ = f(t, y), with what a solver has to know of y's size.
+/// ẏ = f(t, y), with the scale of y for a solver.
 pub(crate) trait Equations<const N: usize> {
     /// f(t, y).
     fn derivative(&mut self, t: f64, y: &[f64; N]) -> [f64; N];
@@ -29,11 +29,11 @@ pub(crate) trait Equations<const N: usize> {
     /// Size of an error in y, 1 where it is just allowed.
     fn norm(&self, error: &[f64; N], y: &[f64; N]) -> f64;
 
-    /// By how much to change one unknown for a difference quotient; not 0.
+    /// Increment of one unknown for a difference quotient; not 0.
     fn increment(&self, index: usize, y: &[f64; N]) -> f64;
 }
 
-/// What an integration cost.
+/// Work of an integration.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
     /// Evaluations of the force, those for Jacobians and for dense output included.

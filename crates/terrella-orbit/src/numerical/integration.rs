@@ -19,7 +19,7 @@ pub(super) enum StopReason {
     Impact(f64),
 }
 
-/// What an integration has gathered.
+/// State of an integration.
 pub(super) struct Integration<'a> {
     name: &'a str,
     epoch: Epoch,
@@ -136,7 +136,7 @@ impl<'a> Integration<'a> {
             .map_err(|fault| self.fault(fault, 0.0, &self.start))?;
         for (k, &border) in borders.iter().enumerate() {
             if k > 0 {
-                // The force changes at once: what the method knows of it is no longer true.
+                // The force is discontinuous: the method's history is no longer valid.
                 self.set_thrusts(driver.t(), border);
                 let y = *driver.y();
                 driver

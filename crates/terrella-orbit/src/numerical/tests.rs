@@ -125,7 +125,7 @@ fn spans_reach_back_too() {
         feed.state_at(options.first - Duration::from_seconds(1.0)),
         Err(OrbitError::OutsideValidity { .. })
     ));
-    // A span of no length answers with the state itself.
+    // A span of zero length returns the state itself.
     let moment = NumericalOptions {
         first: epoch(),
         last: epoch(),

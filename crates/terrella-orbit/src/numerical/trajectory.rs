@@ -15,8 +15,8 @@ struct StepPolynomial {
 enum PolynomialKind {
     /// DOP853's own polynomial, order 7.
     Explicit(Box<([f64; 6], [[f64; 6]; 7])>),
-    /// Position, velocity and acceleration at both ends: a polynomial of degree 5 and its slope. Radau's own is of degree 3
-    /// only and knows nothing of the second derivative.
+    /// Position, velocity and acceleration at both ends: a polynomial of degree 5 and its derivative. Radau's own is only of degree 3 and does not
+    /// use the second derivative.
     Hermite(Box<[DVec3; 6]>),
 }
 
@@ -98,7 +98,7 @@ impl Trajectory {
         }
     }
 
-    /// Position (m) and velocity (m/s) at `t`, which lies within; `None` if there is no step at all.
+    /// Position (m) and velocity (m/s) at `t`, which is within the span; `None` if there is no step at all.
     pub fn at(&self, t: f64) -> Option<(DVec3, DVec3)> {
         let backwards = (t < 0.0 && !self.backward.is_empty()) || self.forward.is_empty();
         let segments = if backwards {

@@ -27,7 +27,7 @@ pub fn metadata(place: TextPosition) -> Fields {
 /// A message, segment after segment.
 pub struct Draft<'o> {
     origin: &'o Path,
-    /// Where it begins.
+    /// Position of its first character.
     place: TextPosition,
     /// Name and identifier of the object.
     object: Option<(String, String)>,
@@ -63,7 +63,7 @@ impl<'o> Draft<'o> {
         }
     }
 
-    /// Where the message begins.
+    /// Position of the message's first character.
     pub fn place(&self) -> TextPosition {
         self.place
     }

@@ -50,7 +50,7 @@ pub fn read(text: &str, origin: &Path, each: &mut Each<'_>) -> Result<(), Record
     }
 }
 
-/// Words that stand alone on their line.
+/// Keywords that are alone on their line.
 const MARKS: [&str; 4] = [
     "META_START",
     "META_STOP",
@@ -150,7 +150,7 @@ impl<'o> Message<'o> {
                 Ok(())
             }
             (_, Block::None) => match self.whole_state(text, place, each) {
-                // A mark out of place, or a state that belongs to no metadata: nothing says what the others are.
+                // A misplaced keyword, or a state without metadata: the following records cannot be interpreted.
                 Err(error) if MARKS.contains(&text) || self.draft.system(place).is_err() => {
                     Err(error)
                 }

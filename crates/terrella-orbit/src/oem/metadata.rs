@@ -1,4 +1,4 @@
-//! What the metadata of a segment say.
+//! Metadata of a segment.
 
 use super::super::entry::{Entry, Fields, Keys, RecordError, RecordFault};
 use super::super::interpolated::Interpolation;
@@ -59,7 +59,7 @@ impl Axes {
         )
     }
 
-    /// What turns a state, if anything. The axes' own turn, 8e-12 rad/s, is left out of velocities: 6e-5 m/s in low orbit.
+    /// Rotation of a state, if any. The rotation of the axes, 8e-12 rad/s, is neglected in velocities: 6e-5 m/s in low orbit.
     pub fn turn(self, epoch: Epoch) -> Option<DMat3> {
         match self {
             Self::Of(_) => None,
@@ -123,7 +123,7 @@ pub fn axes_and_time(meta: &Fields, origin: &Path) -> Result<(Axes, TimeSystem),
             "known frames are ICRF, GCRF, EME2000, TEME, TOD, MOD, ITRF… and GTOD",
         )
     })?;
-    // Axes that have a date of their own, or none, are what they are.
+    // Frames with their own epoch, or none, are used directly.
     if let Some(date) = meta.get("REF_FRAME_EPOCH")
         && axes.are_of_date()
     {

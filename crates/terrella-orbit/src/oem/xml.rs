@@ -59,7 +59,7 @@ pub fn read(text: &str, origin: &Path, each: &mut Each<'_>) -> Result<(), Record
         }
         Ok(())
     });
-    // What ends a whole text is one more fault where others are good.
+    // An error that ends the text is one more fault if other segments are valid.
     read.or_else(|error| each(Found::Corrupt(error)))
 }
 

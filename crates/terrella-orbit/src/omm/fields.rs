@@ -107,7 +107,11 @@ impl ElementEntries {
                 .ok_or_else(|| entry.wrong(origin, "a whole number of at most 18 digits")),
             None => Ok(0),
         };
-        let name = self.0.must("OBJECT_NAME", "", origin)?.value.trim();
+        let name = match (self.0.get("OBJECT_NAME"), self.0.get("NORAD_CAT_ID")) {
+            // Lists of many catalogues have numbers alone.
+            (None, Some(_)) if source == OmmSource::Catalogue => "",
+            _ => self.0.must("OBJECT_NAME", "", origin)?.value.trim(),
+        };
         let catalogue_number = match self.0.get("NORAD_CAT_ID") {
             Some(entry) => catalogue_number(entry.value.trim()).ok_or_else(|| {
                 entry.wrong(origin, "a whole number, or a letter and four digits")

@@ -30,7 +30,7 @@ pub struct OpmFeed {
     span: (Epoch, Epoch),
 }
 
-/// Where a stretch ends and the next begins.
+/// Boundary between two arcs.
 #[derive(Clone, Copy)]
 struct Break<'m> {
     at: Epoch,
@@ -38,10 +38,10 @@ struct Break<'m> {
 }
 
 impl ParameterMessage {
-    /// Propagates the state over a span, which is widened to hold the state's epoch.
+    /// Propagates the state over a span, which is extended to contain the state's epoch.
     ///
     /// # Errors
-    /// A state from which no motion can start, or an integration that cannot go on: says where in the file the message is.
+    /// A state that cannot be propagated, or an integration that fails: names the message's position in the file.
     pub fn propagated(
         self: &Arc<Self>,
         first: Epoch,
@@ -63,7 +63,7 @@ impl ParameterMessage {
     }
 }
 
-/// What the stretches have in common.
+/// Parameters common to all arcs.
 struct Propagation<'m> {
     message: &'m ParameterMessage,
     model: ForceModel,
@@ -136,7 +136,7 @@ impl<'m> Propagation<'m> {
         Ok(stretches)
     }
 
-    /// From the state over the breaks to the end of the span, forwards or backwards; none where that is the state's own epoch.
+    /// Propagates from the state across the breaks to the end of the span, forwards or backwards; empty if that is the state's epoch.
     fn flown<'b>(
         &self,
         start: OrbitState,
@@ -152,7 +152,7 @@ impl<'m> Propagation<'m> {
         let mut stretches = Vec::new();
         let stops = breaks.map(|one| (one.at, Some(one.maneuver)));
         for (at, maneuver) in stops.chain([(end, None)]) {
-            // Forwards something answers at the state's own epoch in any case.
+            // The forward feed must have a state at the state's epoch in any case.
             let is_needed = at != state.epoch || maneuver.is_none() && forwards;
             if is_needed {
                 let stretch = self.stretch(&state, &craft, at, steps_left)?;
@@ -205,8 +205,8 @@ fn pushed(state: &OrbitState, impulse: &Maneuver) -> DVec3 {
     state.velocity_m_s + axes * impulse.delta_v_m_s
 }
 
-/// The velocity before an impulse, from that behind it. The impulse's axes are those of the velocity that is sought: each round
-/// is nearer to it by the ratio of the impulse to the speed.
+/// The velocity before an impulse, from that after it. The axes of the impulse are those of the unknown velocity: each iteration reduces the error
+/// by the ratio of impulse to speed.
 fn unpushed(state: &OrbitState, impulse: &Maneuver) -> DVec3 {
     const ROUNDS: usize = 60;
     let mut before = state.velocity_m_s;
@@ -223,7 +223,7 @@ impl OpmFeed {
         &self.message
     }
 
-    /// Where it meets the ground, if it does so.
+    /// Impact on the ground, if any.
     pub fn events(&self) -> Vec<Event> {
         let events = self.stretches.iter().flat_map(NumericalFeed::events);
         events.copied().collect()

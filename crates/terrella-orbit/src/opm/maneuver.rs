@@ -26,7 +26,7 @@ const SHORTEST_BURN_S: f64 = 1e-3;
 /// Largest part of a change of velocity, m/s.
 const MOST_M_S: f64 = 1e6;
 
-/// A manoeuvre: a change of velocity at once or over a time.
+/// A manoeuvre: an impulsive or a finite change of velocity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Maneuver {
     /// When it begins.
@@ -35,14 +35,14 @@ pub struct Maneuver {
     pub duration: Duration,
     /// Change of velocity, metres per second.
     pub delta_v_m_s: DVec3,
-    /// The axes that the change is given in; those of a burn turn with the satellite's motion.
+    /// Axes of the change; those of a burn rotate with the satellite's motion.
     pub axes: ThrustAxes,
     /// Change of mass, kilograms; below 0.
     pub delta_mass_kg: f64,
 }
 
 impl Maneuver {
-    /// From the entries of one.
+    /// Parses the entries of one manoeuvre.
     pub(super) fn of(
         fields: &Fields,
         system: TimeSystem,
@@ -83,7 +83,7 @@ impl Maneuver {
         self.ignition + self.duration
     }
 
-    /// Whether velocity changes at once.
+    /// Whether the velocity changes instantaneously.
     pub fn is_impulse(&self) -> bool {
         self.duration.total_nanoseconds() == 0
     }

@@ -1,4 +1,4 @@
-//! What a message says of its satellite.
+//! Content of an orbit parameter message.
 
 use super::super::entry::{Entry, Fields, Keys, RecordError, RecordFault, TextPosition};
 use super::super::entry::{printable, scaled_number};
@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 use terrella_files::excerpt;
 use terrella_frames::Epoch;
 
-/// Keys of a message but for those of its manoeuvres. Comments and what users define are skipped.
+/// Keys of a message except those of its manoeuvres. Comments and user-defined keys are skipped.
 pub const KEYS: &Keys = &[
     ("OBJECT_NAME", ""),
     ("OBJECT_ID", ""),
@@ -46,10 +46,10 @@ pub const KEYS: &Keys = &[
 ];
 
 const STATE_KEYS: [&str; 6] = ["X", "Y", "Z", "X_DOT", "Y_DOT", "Z_DOT"];
-/// Elements that are this far from the state that stands beside them are of something else, metres.
+/// Elements and state of a message that differ by more than this do not belong together, metres.
 const ELEMENTS_AGREE_M: f64 = 1_000.0;
 
-/// A satellite's state as a message gives it, with what acts on it.
+/// A satellite's state from a message, with its manoeuvres and properties.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ParameterMessage {
     /// The satellite's name, or its designator if it has none.
@@ -58,7 +58,7 @@ pub struct ParameterMessage {
     pub object_id: Option<String>,
     /// The state; axes of date have been turned to GCRF.
     pub state: OrbitState,
-    /// What air and sunlight act on: areas are 0 where the message does not say them or the mass.
+    /// Properties for drag and radiation pressure: areas are 0 if the message lacks them or the mass.
     pub craft: Spacecraft,
     /// Its manoeuvres in order of ignition.
     pub maneuvers: Vec<Maneuver>,
@@ -66,7 +66,7 @@ pub struct ParameterMessage {
     pub(super) place: TextPosition,
 }
 
-/// What is done with each remark.
+/// Callback for each notice.
 pub type Remark<'r> = dyn FnMut(RecordError) -> Result<(), RecordError> + 'r;
 
 impl ParameterMessage {
@@ -75,7 +75,7 @@ impl ParameterMessage {
         self.place.line
     }
 
-    /// From the entries of a message and of its manoeuvres.
+    /// Parses the entries of a message and of its manoeuvres.
     pub(super) fn of(
         fields: &Fields,
         maneuvers: &[Fields],
@@ -250,7 +250,7 @@ fn state_of_elements(
     Ok(conic.state_after(0.0))
 }
 
-/// Mass, areas and coefficients. An area counts where its coefficient and the mass stand beside it.
+/// Mass, areas and coefficients. An area counts only together with its coefficient and the mass.
 fn craft(
     fields: &Fields,
     origin: &Path,

@@ -17,7 +17,7 @@ use std::path::Path;
 pub struct ParameterMessages {
     /// Messages that can be used.
     pub messages: Vec<ParameterMessage>,
-    /// What is wrong with others, and what of these is not followed: the first thousand faults.
+    /// Errors of rejected messages, and unsupported content of the others: the first thousand.
     pub faults: Vec<OrbitError>,
     /// How many faults there are beyond those.
     pub faults_left_out: usize,
@@ -30,22 +30,22 @@ impl ParameterMessages {
     /// Largest file read, bytes.
     pub const MAX_FILE_BYTES: u64 = 16 << 20;
 
-    /// Reads a file of orbit parameter messages (CCSDS 502.0, KVN or XML): a state or Keplerian elements, the spacecraft, and
-    /// manoeuvres, in the frames and time systems of [`Ephemerides`](crate::Ephemerides). Where a message has a state and
-    /// elements, the state counts. A notice says where they differ, and of a covariance that it is not followed.
+    /// Reads a file of orbit parameter messages (CCSDS 502.0, KVN or XML): a state or Keplerian elements, the spacecraft, and manoeuvres, in the
+    /// frames and time systems of [`Ephemerides`](crate::Ephemerides). If a message has a state and elements, the state is used. A notice reports a
+    /// difference between them, and an unsupported covariance.
     ///
-    /// Messages that are faulty are listed and the others used; `is_strict` rejects the file instead.
+    /// Faulty messages are listed and the others used; `is_strict` rejects the file instead.
     ///
     /// # Errors
-    /// If no message is good, or, when strict, if one is not: says which line and column is wrong, how, and what to do.
+    /// If no message is valid, or, when strict, if any is invalid: names line and column, the error, and the remedy.
     pub fn from_file(path: &Path, is_strict: bool) -> Result<Self, OrbitError> {
         Self::from_text(&read_text(path, Self::MAX_FILE_BYTES)?, path, is_strict)
     }
 
-    /// As [`Self::from_file`], from text that is already in memory; `origin` is named in errors.
+    /// As [`Self::from_file`], from text that is already in memory; `origin` names it in errors.
     ///
     /// # Errors
-    /// As [`Self::from_file`], but for what is wrong with the file itself.
+    /// As [`Self::from_file`], except errors of the file itself.
     pub fn from_text(text: &str, origin: &Path, is_strict: bool) -> Result<Self, OrbitError> {
         let text = with_line_feeds(unmarked(text));
         let text = text.as_ref();
@@ -129,7 +129,7 @@ impl ParameterMessages {
     }
 }
 
-/// What shows that a message in KVN may have been cut off: XML is closed or is none.
+/// Evidence that a message in KVN was truncated: XML is either closed or invalid.
 fn cut_off(text: &str, origin: &Path) -> Option<RecordError> {
     let is_of_lines = !text.trim_start().starts_with('<');
     let line = open_line(text).filter(|_| is_of_lines)?;

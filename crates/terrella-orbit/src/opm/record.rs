@@ -18,10 +18,10 @@ pub struct Record {
     pub maneuvers: Vec<Fields>,
 }
 
-/// A message, or why it cannot be used and what its satellite is called as far as that is known.
+/// A message, or the reason why it cannot be used, with the names of its satellite as far as known.
 pub type Read = Result<Record, (Vec<String>, RecordError)>;
 
-/// What is done with each message; its error ends the reading.
+/// Callback for each message; its error ends the reading.
 pub type Each<'e> = dyn FnMut(Read) -> Result<(), RecordError> + 'e;
 
 impl Record {
@@ -32,7 +32,7 @@ impl Record {
         }
     }
 
-    /// What its satellite is called.
+    /// Names of its satellite.
     pub fn names(&self) -> Vec<String> {
         let names = ["OBJECT_NAME", "OBJECT_ID"].map(|key| self.fields.get(key));
         let names = names.into_iter().flatten();
@@ -72,7 +72,7 @@ pub fn each_record(text: &str, origin: &Path, each: &mut Each<'_>) -> Result<(),
         true => from_xml(text, origin, each),
         false => from_kvn(text, origin, each),
     };
-    // What ends a whole text is one more fault where other messages are good.
+    // An error that ends the text is one more fault if other messages are valid.
     read.or_else(|error| each(Err((Vec::new(), error))))
 }
 

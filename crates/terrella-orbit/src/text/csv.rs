@@ -1,4 +1,4 @@
-//! Comma-separated values (RFC 4180), a record a line.
+//! Separated values, a record a line: by commas (RFC 4180), or by the semicolons and tabs that spreadsheets write.
 
 /// A field and the column of its first byte, from 1.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -7,35 +7,61 @@ pub struct CsvField {
     pub column: usize,
 }
 
-/// The fields of a line, blanks around them taken off; `None` if a quotation mark has no partner or stands in a field.
-pub fn fields(line: &str) -> Option<Vec<CsvField>> {
+/// The separator of a table: the first of comma, semicolon and tab in its header, names in quotation marks aside. `None` for a line
+/// of one field.
+pub fn separator(header: &str) -> Option<char> {
+    let mut is_quoted = false;
+    header.chars().find(|&c| {
+        is_quoted ^= c == '"';
+        !is_quoted && matches!(c, ',' | ';' | '\t')
+    })
+}
+
+/// The lines of a text without comments and empty lines, with their numbers from 1. Tabs at an end stay: they are fields.
+pub fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
+    let numbered = (1..).zip(text.lines());
+    numbered
+        .map(|(line, text)| (line, text.trim_end_matches([' ', '\r'])))
+        .filter(|(_, text)| !text.trim().is_empty() && !text.starts_with('#'))
+}
+
+/// The header of a table: the first line of [`lines`], where it has a separator.
+pub fn header(text: &str) -> Option<(usize, &str, char)> {
+    let (line, header) = lines(text).next()?;
+    Some((line, header, separator(header)?))
+}
+
+/// The fields of a line, with blanks around them removed; `None` if a quotation mark is unpaired or inside a field.
+pub fn fields(line: &str, separator: char) -> Option<Vec<CsvField>> {
+    let is_blank = |c: char| c.is_whitespace() && c != separator;
     let mut fields = Vec::new();
     let mut rest = line;
     loop {
         let column = line.len() - rest.len() + 1;
-        let (text, behind) = match rest.trim_start().strip_prefix('"') {
+        let quoted = rest.trim_start_matches(is_blank).strip_prefix('"');
+        let (text, behind) = match quoted {
             Some(quoted) => {
                 let (text, behind) = unquoted(quoted)?;
-                (text, behind.trim_start())
+                (text, behind.trim_start_matches(is_blank))
             }
             None => {
-                let end = rest.find(',').unwrap_or(rest.len());
+                let end = rest.find(separator).unwrap_or(rest.len());
                 let (text, behind) = rest.split_at(end);
                 (text.trim().to_owned(), behind)
             }
         };
-        if text.contains('"') && !rest.trim_start().starts_with('"') {
+        if text.contains('"') && quoted.is_none() {
             return None;
         }
         fields.push(CsvField { text, column });
-        match behind.strip_prefix(',') {
+        match behind.strip_prefix(separator) {
             Some(next) => rest = next,
             None => return behind.is_empty().then_some(fields),
         }
     }
 }
 
-/// What stands before the closing mark, doubled marks halved, and what is behind it.
+/// The text before the closing quotation mark, doubled marks halved, and the rest of the line.
 fn unquoted(text: &str) -> Option<(String, &str)> {
     let mut whole = String::new();
     let mut rest = text;
@@ -54,12 +80,12 @@ fn unquoted(text: &str) -> Option<(String, &str)> {
 
 #[cfg(test)]
 mod tests {
-    use super::fields;
+    use super::{fields, separator};
 
     #[test]
     fn quotes_and_columns() {
         let read = |line| {
-            let fields = fields(line)?;
+            let fields = fields(line, ',')?;
             Some(
                 fields
                     .into_iter()
@@ -79,5 +105,21 @@ mod tests {
         for wrong in [r#""open"#, r#"a"b,1"#, r#""a"b,1"#] {
             assert_eq!(read(wrong), None, "{wrong}");
         }
+    }
+
+    #[test]
+    fn semicolons_and_tabs_separate_as_commas_do() {
+        let texts = |line, separator| {
+            let fields = fields(line, separator).unwrap();
+            fields.into_iter().map(|f| f.text).collect::<Vec<_>>()
+        };
+        assert_eq!(texts("a, b;\"c;d\" ;", ';'), ["a, b", "c;d", ""]);
+        assert_eq!(
+            texts("\ta b\t\t \"c\td\"\t", '\t'),
+            ["", "a b", "", "c\td", ""]
+        );
+        assert_eq!(separator("\"a,b\";c,d"), Some(';'));
+        assert_eq!(separator("a b\tc"), Some('\t'));
+        assert_eq!(separator("a b"), None);
     }
 }

@@ -32,7 +32,7 @@ impl<'t> Document<'t> {
         }
     }
 
-    /// Where a value begins.
+    /// Position of a value's first character.
     pub fn place(&self, value: &RawValue) -> TextPosition {
         self.lines.place(offset(self.text, value.get()))
     }
@@ -95,6 +95,34 @@ impl<'t> Document<'t> {
         }
     }
 
+    /// Calls `each` for every value of a text of several, as JSON lines are, and for what is no JSON. Behind that only lines count
+    /// that are an object each.
+    pub fn each_of_stream<E>(
+        &self,
+        each: &mut dyn FnMut(Result<&'t RawValue, RecordError>) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let mut values = serde_json::Deserializer::from_str(self.text).into_iter::<&RawValue>();
+        let mut end = 0;
+        loop {
+            match values.next() {
+                None => return Ok(()),
+                Some(Ok(value)) => each(Ok(value))?,
+                Some(Err(error)) => {
+                    each(Err(self.syntax(self.text, &error)))?;
+                    break;
+                }
+            }
+            end = values.byte_offset();
+        }
+        let rest = self.text.get(end..).unwrap_or_default().trim_start();
+        let lines = rest.lines().skip(1).map(str::trim);
+        for line in lines.filter(|line| line.starts_with('{') && line.ends_with('}')) {
+            let value = serde_json::from_str(line);
+            each(value.map_err(|error| self.syntax(line, &error)))?;
+        }
+        Ok(())
+    }
+
     /// The members of an object.
     pub fn object(
         &self,
@@ -145,7 +173,7 @@ impl<'t> Document<'t> {
 }
 
 impl<'t> Object<'t> {
-    /// The value of that name; the last one where it stands there more than once, as in JavaScript.
+    /// The value with that name; the last one if it is repeated, as in JavaScript.
     pub fn get(&self, key: &str) -> Option<&'t RawValue> {
         let mut values = self.0.iter().rev();
         values
@@ -202,7 +230,7 @@ impl<'de> Deserialize<'de> for Name<'de> {
     }
 }
 
-/// Hands members of an array on as they are met: none is kept.
+/// Passes members of an array to a callback while parsing: none is kept.
 struct Members<'m, 't> {
     each: &'m mut dyn FnMut(usize, &'t RawValue) -> bool,
 }

@@ -12,12 +12,12 @@ pub enum KvnLine<'t> {
     Other {
         /// Without blanks at either end, never empty.
         text: &'t str,
-        /// Where in the file the line begins.
+        /// Position of the line in the file.
         place: TextPosition,
     },
 }
 
-/// The lines of a text that say something: no empty ones, no comments.
+/// The lines of a text with content: no empty lines, no comments.
 pub fn lines(text: &str) -> impl Iterator<Item = KvnLine<'_>> {
     let said = unmarked(text).lines().enumerate();
     said.filter_map(|(index, whole)| {
@@ -39,7 +39,7 @@ pub fn lines(text: &str) -> impl Iterator<Item = KvnLine<'_>> {
         let with_unit = rest
             .strip_suffix(']')
             .and_then(|rest| rest.rsplit_once('['))
-            // A name may have brackets of its own.
+            // A name may contain brackets.
             .filter(|(value, _)| number(value).is_some());
         let (value, unit) = match with_unit {
             Some((value, unit)) => (value.trim_end(), Some(unit.trim())),
@@ -57,7 +57,7 @@ pub fn lines(text: &str) -> impl Iterator<Item = KvnLine<'_>> {
     })
 }
 
-/// `COMMENT` and what follows a blank.
+/// `COMMENT`, followed by a blank or the end of the line.
 fn is_comment(line: &str) -> bool {
     let rest = line.strip_prefix("COMMENT");
     rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(char::is_whitespace))

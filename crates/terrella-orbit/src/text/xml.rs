@@ -14,7 +14,7 @@ const MAX_DEPTH: usize = 32;
 /// Longest text of an element that is looked at, bytes.
 const MAX_TEXT_BYTES: usize = 4096;
 
-/// What the walk through a document meets, in its order.
+/// Items of a document, in order.
 pub enum XmlItem<'t> {
     /// An element with others in it begins.
     Open(&'t str, usize),
@@ -138,7 +138,7 @@ fn entry<'b>(element: &'b Begun, text: &str, lines: &Lines<'_>) -> Entry<'b> {
     }
 }
 
-/// Adds text to the innermost element, as far as it is looked at.
+/// Adds text to the innermost element, if it is read.
 fn add(open: &mut [Begun], piece: &str) {
     let Some(element) = open.last_mut() else {
         return;

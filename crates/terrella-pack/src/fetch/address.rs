@@ -1,11 +1,11 @@
-//! Addresses: templates of tiles, and which hosts may be asked.
+//! Addresses: tile templates, and the allowed hosts.
 
 use super::token::TOKEN_WORD;
 
 /// Longest address, characters.
 pub(super) const MAX_URL_CHARS: usize = 2000;
 
-/// What stands for a tile's place in a template, in the words of WMTS, TMS and XYZ.
+/// Placeholders of a tile's position in a template, as used by WMTS, TMS and XYZ.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TileNames<'a> {
     /// Level as the server names it: `{z}`, `{TileMatrix}`.
@@ -46,7 +46,7 @@ pub(super) fn of_tile(template: &str, names: TileNames<'_>) -> String {
         })
 }
 
-/// What is wrong with a template of tiles, if anything is.
+/// The error in a tile template, if any.
 pub(super) fn template_complaint(template: &str) -> Option<String> {
     let has = |words: &[&str]| words.iter().any(|word| template.contains(word));
     let filled = of_tile(
@@ -71,7 +71,7 @@ pub(super) fn template_complaint(template: &str) -> Option<String> {
     url_complaint(&filled)
 }
 
-/// What is wrong with an address, if anything is.
+/// The error in an address, if any.
 pub(super) fn url_complaint(url: &str) -> Option<String> {
     if url.chars().count() > MAX_URL_CHARS {
         return Some(format!("has more than {MAX_URL_CHARS} characters"));
@@ -85,7 +85,7 @@ pub(super) fn url_complaint(url: &str) -> Option<String> {
     })
 }
 
-/// Scheme, host and port: what a redirect may not change. `None` of what is no address, or holds a name and password.
+/// Scheme, host and port: a redirect must not change them. `None` for an invalid address, or one with a name and password.
 pub(super) fn host(url: &str) -> Option<&str> {
     let (scheme, rest) = url.split_once("://")?;
     if !matches!(scheme, "http" | "https") {

@@ -1,4 +1,4 @@
-//! What has been fetched, on disk: files that are whole or not there, and a journal with their checksums.
+//! Cache of fetched files on disk: each is either complete or absent, and a journal has their checksums.
 //!
 //! ```text
 //! terrella fetch 1
@@ -7,7 +7,7 @@
 //! 13/37 missing
 //! ```
 //!
-//! A line that has no end, or is not understood, does not count: its file is fetched again.
+//! A line without a line feed, or with invalid content, does not count: its file is fetched again.
 
 use super::check::is_plain_colour;
 use super::error::FetchError;
@@ -29,19 +29,19 @@ const FIRST_LINE: &str = "terrella fetch 1";
 /// Ending of a file that is being written.
 const PART: &str = "part";
 
-/// What is known of a file.
+/// State of a cached file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Kept {
     /// It is there, of this length and checksum.
     File { bytes: u64, blake3: String },
-    /// The server has none.
+    /// The server has no such file.
     Missing,
 }
 
 /// At so many places a picture that is no plain colour is no chance.
 const MANY: u64 = 4;
 
-/// A picture that stands at many places.
+/// An image that occurs at many places.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Repeated {
     pub count: u64,
@@ -119,12 +119,12 @@ impl Shelf {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Where a file lies. Names are made by this program or checked by the description's reader.
+    /// Path of a file. Names are created by this program or checked by the description's reader.
     pub(super) fn path(&self, file: &str) -> PathBuf {
         self.dir.join(file)
     }
 
-    /// What is known of a file, if what is on disk agrees: its length and checksum are looked at.
+    /// State of a file, if the file on disk agrees: its length and checksum are verified.
     pub(super) fn kept(&self, key: &str, file: &str) -> Option<Kept> {
         let known = self.state().kept.get(key).cloned()?;
         match &known {
@@ -152,14 +152,14 @@ impl Shelf {
         Ok(bytes)
     }
 
-    /// Takes a file away and notes that there is none.
+    /// Removes a file and records that there is none.
     pub(super) fn remove(&self, key: &str, file: &str) -> Result<(), FetchError> {
         let path = self.path(file);
         fs::remove_file(&path).map_err(|source| failed(&path, source))?;
         self.note(key, Kept::Missing)
     }
 
-    /// The picture that most of these files are, where it is no plain colour and stands at [`MANY`] places.
+    /// The most frequent image of these files, if it is not a uniform colour and occurs at [`MANY`] places.
     pub(super) fn most_repeated(&self, files: &[Wanted]) -> Option<Repeated> {
         let mut places: HashMap<String, (u64, &str)> = HashMap::new();
         {
@@ -185,7 +185,7 @@ impl Shelf {
         })
     }
 
-    /// Notes a file, or that there is none.
+    /// Records a file, or that there is none.
     pub(super) fn note(&self, key: &str, kept: Kept) -> Result<(), FetchError> {
         let line = match &kept {
             Kept::File { bytes, blake3 } => format!("{key} {bytes} {blake3}\n"),
@@ -205,7 +205,7 @@ impl Shelf {
 }
 
 impl PartFile {
-    /// Where it lies until it is finished.
+    /// Its path until it is finished.
     pub(super) fn path(&self) -> &Path {
         &self.path
     }
@@ -265,7 +265,7 @@ impl Write for PartFile {
     }
 }
 
-/// Key and what is kept, of a line of the journal.
+/// Key and state, from a line of the journal.
 fn line_of(line: &str) -> Option<(String, Kept)> {
     let words: Vec<&str> = line.split(' ').collect();
     match words.as_slice() {
@@ -370,7 +370,7 @@ mod tests {
                     let is_kept = shelf.kept(key, &format!("{key}.png")).is_some();
                     assert_eq!(is_kept, length > end, "{key}, cut at {length}");
                 }
-                // What is noted from now on is known again.
+                // Files recorded from now on are known again.
                 put(&shelf, "1/4", b"tile");
                 drop(shelf);
                 let shelf = Shelf::open(dir.path(), ADDRESS).expect("opens");

@@ -1,4 +1,4 @@
-//! What a picture must be before it is kept: of its kind, of its size, and whole to its end.
+//! Checks of an image before it is kept: its format, its size, and its completeness.
 
 use super::source::Media;
 use crate::error::BuildError;
@@ -16,7 +16,7 @@ const LIMITS: SourceLimits = SourceLimits {
     buffer_bytes: 256 << 20,
 };
 
-/// What is wrong with a picture.
+/// An error in an image.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Complaint {
     /// It has been damaged on its way, and may come whole the next time.
@@ -33,7 +33,8 @@ impl Complaint {
     }
 }
 
-/// What is wrong with a picture, if anything is. It is decoded to its end; one that takes more than [`LIMITS`] is judged by both ends. `size` is what its width and height must be, texels.
+/// The error in an image, if any. It is decoded completely; one that exceeds [`LIMITS`] is only checked at both ends. `size` is the required width
+/// and height, texels.
 pub(super) fn complaint(
     path: &Path,
     media: Media,
@@ -49,7 +50,7 @@ pub(super) fn complaint(
     Ok(of_ends(&head, &tail, media, size).or_else(|| undecoded(path, media)))
 }
 
-/// Gives each row of a picture, and the bytes of a texel, to `each`, until that says no.
+/// Passes each row of an image, and the number of bytes of a texel, to `each`, until that returns false.
 fn rows(path: &Path, mut each: impl FnMut(&[u8], usize) -> bool) -> Result<(), BuildError> {
     let mut source = open_extent(path, LIMITS, Extent::Piece)?;
     let info = source.info();
@@ -64,7 +65,7 @@ fn rows(path: &Path, mut each: impl FnMut(&[u8], usize) -> bool) -> Result<(), B
     Ok(())
 }
 
-/// What decoding a picture says of damage. Files of lists may be of kinds that only `pack build` knows the meaning of.
+/// Decoding errors of an image that indicate damage. Files of lists may have formats that only `pack build` interprets.
 fn undecoded(path: &Path, media: Media) -> Option<Complaint> {
     if media == Media::Tiff {
         return None;

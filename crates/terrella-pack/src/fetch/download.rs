@@ -1,4 +1,4 @@
-//! Files fetched by several threads: each asked for, checked and put on its shelf, or asked for again later.
+//! Files fetched by several threads: each is requested, checked and stored, or requested again later.
 
 use super::cache::{Kept, Shelf};
 use super::check::{self, Complaint};
@@ -12,35 +12,35 @@ use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant, SystemTime};
 
-/// So many failures in a row, and no success between them: the server is not asked any more.
+/// Number of consecutive failures after which the server is not contacted any more.
 const MOST_FAILURES_IN_A_ROW: u64 = 20;
 
-/// What files must be, and how they are asked for.
+/// Requirements of files, and how they are requested.
 pub(super) struct Job<'a> {
-    /// Where they go.
+    /// Where they are stored.
     pub shelf: &'a Shelf,
     /// Kind of picture.
     pub media: Media,
-    /// What width and height must be, texels.
+    /// Required width and height, texels.
     pub side: Option<u32>,
     pub most_bytes: u64,
-    /// The server answers 404 where it has nothing.
+    /// The server answers 404 for a missing tile.
     pub may_be_missing: bool,
     /// BLAKE3 of pictures that the server sends where it has nothing.
     pub placeholders: &'a [String],
-    /// Requests under way at once.
+    /// Number of simultaneous requests.
     pub connections: u32,
-    /// How often a file is asked for again.
+    /// Number of times that a file is requested again.
     pub retries: u32,
     /// When requests may begin.
     pub pace: &'a Pace,
     /// Asks.
     pub client: &'a Client,
-    /// Receives each file, and says whether to continue.
+    /// Receives each file, and decides whether to continue.
     pub progress: &'a dyn BuildProgress,
 }
 
-/// What came of it.
+/// Result of a download.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Fetched {
     /// Files that came now.
@@ -59,7 +59,7 @@ pub struct Fetched {
     pub first_failure: Option<(String, String)>,
 }
 
-/// What is to be done after a failure.
+/// Action after a failure.
 enum Next {
     /// Ask again, not before this has passed.
     Again(Option<Duration>),
@@ -71,7 +71,7 @@ enum Next {
     End(&'static str),
 }
 
-/// What one request gave: bytes, or why not and what is to be done.
+/// Result of a request: bytes, or the reason and the next action.
 type Answered = Result<u64, (String, Next)>;
 
 impl GetError {
@@ -114,7 +114,7 @@ impl GetError {
     }
 }
 
-/// What the threads share.
+/// State that the threads share.
 struct SharedDownload<'a> {
     job: &'a Job<'a>,
     next: AtomicUsize,
@@ -197,7 +197,7 @@ impl SharedDownload<'_> {
         }
     }
 
-    /// Fetches one file, with repetitions. What fails for this file alone is counted.
+    /// Fetches one file, with retries. A failure of this file alone is counted.
     fn fetch(&self, wanted: &Wanted, number: u64) -> Result<(), FetchError> {
         match self.job.shelf.kept(&wanted.key, &wanted.file) {
             Some(Kept::File { blake3, .. }) if self.job.placeholders.contains(&blake3) => {

@@ -1,4 +1,4 @@
-//! Orbital elements of catalogued satellites, fetched from a server that answers queries, and kept in a folder until they may be outdated.
+//! Orbital elements of catalogued satellites, fetched from a query server, and cached in a folder until they may be outdated.
 
 use super::address::url_complaint;
 use super::description;
@@ -14,7 +14,7 @@ use terrella_files::{self as files, Unfinished, durable};
 
 /// Descriptions that come with the program, each by its name.
 const NAMED: &[(&str, &str)] = &[("celestrak", include_str!("element_sources/celestrak.toml"))];
-/// Largest answer, bytes: some ten times all elements that are public.
+/// Largest reply, bytes: some ten times all public elements.
 const MAX_ANSWER_BYTES: u64 = 64 << 20;
 /// Longest name of a group, characters.
 const MAX_GROUP_CHARS: usize = 60;
@@ -56,25 +56,25 @@ impl ElementMedia {
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ElementSource {
-    /// What it is called.
+    /// Its name.
     pub name: String,
-    /// What it has, in a line.
+    /// A line about its content.
     pub title: String,
-    /// Where all this is written.
+    /// The source of this information.
     pub citation: String,
-    /// The address of a satellite's elements: `{number}` stands for its catalogue number.
+    /// The address of a satellite's elements: `{number}` is replaced by its catalogue number.
     satellite_url: String,
-    /// The address of a group's elements: `{group}` stands for its name.
+    /// The address of a group's elements: `{group}` is replaced by its name.
     group_url: Option<String>,
-    /// What it answers with.
+    /// Format of its replies.
     pub media: ElementMedia,
-    /// Elements that are younger are not asked for again, seconds.
+    /// Age below which elements are not requested again, seconds.
     min_age_s: f64,
     /// Most requests a second.
     requests_per_s: f64,
 }
 
-/// What is asked for.
+/// A query for elements.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ElementQuery {
     /// A satellite by its catalogue number.
@@ -102,17 +102,17 @@ pub enum ElementsError {
     /// The description, or the options of the client.
     #[error(transparent)]
     Source(#[from] FetchError),
-    /// A group where the source has none, or one whose name is none.
+    /// A group for a source without groups, or an invalid group name.
     #[error("--group {group:?}: {cause}")]
     Group { group: String, cause: &'static str },
-    /// What the server answers.
+    /// An error reply of the server.
     #[error("{url}: {cause}; {advice}")]
     Answer {
         url: String,
         cause: String,
         advice: &'static str,
     },
-    /// The folder of what was fetched.
+    /// The cache folder.
     #[error("{}: {source}; make room or correct the permissions, or give another --cache", path.display())]
     Cache {
         path: PathBuf,
@@ -121,10 +121,10 @@ pub enum ElementsError {
 }
 
 impl ElementSource {
-    /// The source of a name, or the description at a path that ends in `.toml`.
+    /// The source with this name, or the description at a path that ends in `.toml`.
     ///
     /// # Errors
-    /// [`FetchError`] with the file and what is wrong with it, or the known names.
+    /// [`FetchError`] with the file and the error in it, or the known names.
     pub fn find(name: &str) -> Result<Self, FetchError> {
         let path = Path::new(name);
         if let Some((_, text)) = NAMED.iter().find(|(known, _)| *known == name) {
@@ -182,7 +182,7 @@ impl ElementSource {
             })
     }
 
-    /// Elements that are younger are not asked for again.
+    /// Age below which elements are not requested again.
     pub fn min_age(&self) -> Duration {
         Duration::from_secs_f64(self.min_age_s)
     }
@@ -211,11 +211,11 @@ impl ElementSource {
         }
     }
 
-    /// The elements of each query, from the folder `cache` where they are there and young enough, else from the server: one request after the
-    /// other. What comes is kept if `check` finds it good; it says what is wrong.
+    /// The elements of each query, from the folder `cache` if they are there and recent enough, else from the server, in sequence. A reply is kept
+    /// if `check` accepts it; otherwise `check` returns the error.
     ///
     /// # Errors
-    /// [`ElementsError`]. What was kept before stays.
+    /// [`ElementsError`]. Cached files stay.
     pub fn fetch(
         &self,
         queries: &[ElementQuery],
@@ -279,7 +279,7 @@ impl ElementSource {
     }
 }
 
-/// What to do after a failed request.
+/// The remedy after a failed request.
 fn advice(error: &GetError) -> &'static str {
     match error {
         GetError::Status { code, .. } => match code {
@@ -299,7 +299,7 @@ fn advice(error: &GetError) -> &'static str {
     }
 }
 
-/// A kept text and its age, where that is less than `min_age`. One that claims to come from the future is as good as none.
+/// A cached text and its age, if that is less than `min_age`. A text dated in the future does not count.
 fn young(path: &Path, min_age: Duration) -> Option<(String, Duration)> {
     let kept = path.metadata().and_then(|data| data.modified()).ok()?;
     let age = SystemTime::now().duration_since(kept).ok()?;

@@ -1,8 +1,8 @@
-//! Why maps could not be fetched, said with the place, the cause and what to do.
+//! Why maps could not be fetched, with the place, the cause and the remedy.
 
 use std::path::PathBuf;
 
-/// Why maps could not be fetched. What was fetched before stays in the cache.
+/// Why maps could not be fetched. Files fetched before stay in the cache.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 #[allow(missing_docs, reason = "the messages say what fields are")]
@@ -12,13 +12,13 @@ pub enum FetchError {
     Description {
         /// The file, or the name of a source that comes with the program.
         path: PathBuf,
-        /// What is wrong, with the line where there is one.
+        /// The error, with its line if there is one.
         cause: String,
     },
     /// There is no such source.
     #[error("there is no source {name:?}{}; known are {known}; or give the path of a description", near.as_ref().map_or(String::new(), |near| format!(" (did you mean {near}?)")))]
     Unknown {
-        /// What was asked for.
+        /// The requested name.
         name: String,
         /// A known name that is nearly it.
         near: Option<String>,
@@ -30,7 +30,7 @@ pub enum FetchError {
     Option {
         /// Name of the option.
         option: &'static str,
-        /// What is wrong and what is allowed.
+        /// The error, and the allowed values.
         cause: String,
     },
     /// The cache could not be read or written.
@@ -52,14 +52,14 @@ pub enum FetchError {
         found: String,
         wanted: String,
     },
-    /// The server rejects, or cannot be trusted: nothing else from it will do better.
+    /// The server rejects the request, or is not trustworthy: further requests are pointless.
     #[error("{url}: {cause}; {advice}. What was fetched is kept")]
     Rejected {
-        /// What was asked for.
+        /// The requested address.
         url: String,
-        /// What came.
+        /// The reply.
         cause: String,
-        /// What to do.
+        /// The remedy.
         advice: &'static str,
     },
     /// Some files could not be fetched, after all attempts.
@@ -72,7 +72,7 @@ pub enum FetchError {
         total: u64,
         /// The first that failed.
         url: String,
-        /// What came.
+        /// The reply.
         cause: String,
     },
     /// The clients of HTTP could not be made.
@@ -82,10 +82,10 @@ pub enum FetchError {
     #[error("{}: {cause}", path.display())]
     Heights {
         path: PathBuf,
-        /// What is wrong and what to do.
+        /// The error and the remedy.
         cause: String,
     },
-    /// What was fetched cannot be used as a map.
+    /// The fetched files cannot be used as a map.
     #[error(transparent)]
     Map(#[from] crate::BuildError),
     /// Stopped on request.

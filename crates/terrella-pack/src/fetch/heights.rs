@@ -12,19 +12,19 @@ use terrella_files::durable;
 use tiff::encoder::{TiffEncoder, colortype::Gray32Float};
 use tiff::tags::Tag;
 
-/// Most bytes of heights: a TIFF counts with 32 bits.
+/// Size limit of the elevation data: offsets in a TIFF have 32 bits.
 const MOST_BYTES: u64 = 4_000_000_000;
 
 /// Stored where there is nothing.
 const NO_DATA: f32 = -99_999.0;
 
-/// Rows that are written at once.
+/// Number of rows that are written together.
 const STRIP_ROWS: u32 = 16;
 
-/// Writes the heights of a region. Gives columns and rows.
+/// Writes the elevation data of a region. Returns columns and rows.
 ///
 /// # Errors
-/// [`FetchError`] with the file; nothing is left under its name then.
+/// [`FetchError`] with the file; no file of that name is left then.
 pub fn write_heights(
     mosaic: &Path,
     region: &Bounds,

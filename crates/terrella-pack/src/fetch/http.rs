@@ -1,7 +1,7 @@
-//! HTTP. The only file of the program that reaches the network on its own account (`tests/house` holds it), and only for this module.
+//! HTTP. The only file of the program that accesses the network by itself (`tests/house` enforces it), and only for this module.
 //!
-//! Nothing is believed: sizes are counted while they come, compressed answers are rejected (none is asked for), and redirects are
-//! followed by this file, which knows where they may lead.
+//! Nothing is trusted: sizes are counted during the transfer, compressed replies are rejected (none is requested), and redirects are followed here,
+//! where the allowed targets are known.
 
 use super::address::{host, joined, may_follow};
 use super::error::FetchError;
@@ -22,14 +22,14 @@ const SLOWEST_BYTES_PER_S: f64 = 2000.0;
 /// Largest file of certificates, bytes.
 const MAX_PEM_BYTES: u64 = 4 << 20;
 
-/// How servers are asked.
+/// Options of requests.
 #[derive(Clone, Debug)]
 pub struct ClientOptions {
-    /// Longest wait for a connection, for the beginning of an answer and for each further piece of it.
+    /// Timeout for a connection, for the start of a reply and for each further piece of it.
     pub timeout: Duration,
     /// A file with certificates (PEM) of authorities that are trusted instead of those that come with the program.
     pub authorities: Option<std::path::PathBuf>,
-    /// Hosts (with the port, where it is not the usual one) that redirects may lead to beside the one asked.
+    /// Hosts (with the port unless it is the default one) that redirects may lead to, besides the requested one.
     pub redirect_hosts: Vec<String>,
 }
 
@@ -53,11 +53,11 @@ pub(super) struct Client {
 /// Why one request gave nothing.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum GetError {
-    /// An answer other than 200.
+    /// A status other than 200.
     #[error("the server answers {code}")]
     Status {
         code: u16,
-        /// What its header Retry-After says.
+        /// Value of its header Retry-After.
         retry_after: Option<String>,
     },
     /// Elsewhere than it may.
@@ -66,10 +66,10 @@ pub(super) enum GetError {
     /// More than a file may have.
     #[error("the answer has more than {most} bytes{}", told.map_or(String::new(), |told| format!(" (the server says {told})")))]
     TooLarge { most: u64, told: Option<u64> },
-    /// Something other than the picture that was asked for.
+    /// A media type other than the requested one.
     #[error("the answer is {found} and must be {wanted}")]
     Media { found: String, wanted: &'static str },
-    /// Compressed, though that was not asked for.
+    /// A compressed reply, which was not requested.
     #[error("the answer is compressed ({0}), which was not asked for")]
     Compressed(String),
     /// Broken off.
@@ -271,8 +271,8 @@ impl Client {
     }
 }
 
-/// Whether an answer's type is the one wanted, or says nothing: what has come is looked at in any case. `image/jpg` is a common mistake
-/// for `image/jpeg`.
+/// Whether a reply's type is the requested one, or unspecific: the content is checked in any case. `image/jpg` is a common mistake for
+/// `image/jpeg`.
 fn is_media(found: &str, wanted: &str) -> bool {
     const OF_BYTES: [&str; 2] = ["application/octet-stream", "binary/octet-stream"];
     found.eq_ignore_ascii_case(wanted)
@@ -282,7 +282,7 @@ fn is_media(found: &str, wanted: &str) -> bool {
         || (wanted == "image/jpeg" && found.eq_ignore_ascii_case("image/jpg"))
 }
 
-/// What went wrong, after so many bytes.
+/// Converts an error after `count` bytes.
 fn told(error: Error, count: u64) -> GetError {
     match error {
         Error::Timeout(what) => GetError::Slow(what.to_string()),

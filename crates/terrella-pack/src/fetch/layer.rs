@@ -17,27 +17,27 @@ use terrella_imagery::pack::quoted;
 /// How maps are fetched.
 #[derive(Clone, Debug)]
 pub struct FetchOptions {
-    /// Folder for what is fetched.
+    /// Folder of fetched files.
     pub cache: PathBuf,
     /// How fine.
     pub fineness: Fineness,
     /// Which part of the Earth; all of it without.
     pub region: Option<Bounds>,
-    /// With a region: the whole Earth below it, with at least so many texels round it; 0 for none.
+    /// With a region: least width in texels of the map of the whole Earth beneath it; 0 for none.
     pub ground_width: u32,
-    /// With a region: degrees over which it fades into what lies below.
+    /// With a region: width of the blend at its edges into the map beneath, degrees.
     pub feather_deg: f64,
     /// A map of the whole Earth below all that is fetched.
     pub under: Option<PathBuf>,
-    /// Requests under way at once; by default the source's own.
+    /// Number of simultaneous requests; by default the source's.
     pub connections: Option<u32>,
     /// Requests begun in a second; by default the source's own.
     pub requests_per_s: Option<f64>,
-    /// How often a file is asked for again.
+    /// Number of times that a file is requested again.
     pub retries: u32,
     /// Goes on without files that cannot be fetched.
     pub allow_missing: bool,
-    /// How servers are asked.
+    /// Options of requests.
     pub client: ClientOptions,
 }
 
@@ -75,14 +75,14 @@ pub struct Layer {
     pub requests: Vec<Request>,
 }
 
-/// What a fetch would take.
+/// Cost of a fetch.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Estimate {
     /// The source's name, time and level, for people.
     pub what: String,
     /// Files that are needed.
     pub files: u64,
-    /// Bytes of them, about, where the source says so.
+    /// Their approximate size in bytes, if the source gives it.
     pub bytes: Option<u64>,
     /// An address, as an example.
     pub example: String,
@@ -95,11 +95,11 @@ pub struct LayerDone {
     pub layer: SourceLayer,
     /// The mosaic, for `pack build`.
     pub mosaic: PathBuf,
-    /// What was fetched.
+    /// The fetched layers.
     pub fetched: Vec<(String, Fetched)>,
 }
 
-/// What is fetched from one source: tiles of some levels, or files.
+/// Content fetched from one source: tiles of some levels, or files.
 enum Work<'a> {
     Tiles(&'a Tiles, Vec<(TilePlan, bool)>),
     Files(&'a Files),
@@ -124,10 +124,10 @@ impl Layer {
         layers
     }
 
-    /// What fetching it would take, without a request to anybody.
+    /// Cost of fetching it, without any request.
     ///
     /// # Errors
-    /// [`FetchError::Option`] for levels and regions that cannot be.
+    /// [`FetchError::Option`] for invalid levels and regions.
     pub fn estimate(&self, options: &FetchOptions) -> Result<Vec<Estimate>, FetchError> {
         let mut estimates = Vec::new();
         for request in &self.requests {
@@ -248,7 +248,7 @@ impl Layer {
         })
     }
 
-    /// The mosaic's head and what lies below all that is fetched.
+    /// Head of the mosaic, and the layer beneath all fetched content.
     fn head(&self, options: &FetchOptions) -> Result<String, FetchError> {
         let mut text = String::from(
             "# Written by `terrella pack fetch`; give this folder to `terrella pack build`.\n",
@@ -295,7 +295,7 @@ impl Layer {
     }
 }
 
-/// What a source is asked for: with a region the whole Earth coarsely and the region finely.
+/// Content requested from a source: with a region, the whole Earth coarsely and the region finely.
 fn work<'a>(source: &'a MapSource, options: &FetchOptions) -> Result<Work<'a>, FetchError> {
     match (&source.tiles, &source.files) {
         (Some(tiles), _) => {
@@ -328,7 +328,7 @@ fn what(request: &Request, level: u32) -> String {
     format!("{}{time}, level {level}", request.source.name)
 }
 
-/// What a folder's files are from: changed descriptions must not share one.
+/// Identity of a folder's files: different descriptions must not share a folder.
 fn address_of(request: &Request, tiles: &Tiles) -> String {
     let time = request.time.as_deref().unwrap_or("always");
     format!(

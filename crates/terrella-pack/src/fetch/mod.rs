@@ -1,19 +1,20 @@
-//! Maps fetched from their public sources into a cache that `pack build` reads, and elements of satellites. Nothing else of the program reaches the network.
+//! Fetches maps from their public sources into a cache that `pack build` reads, and elements of satellites. No other part of the program accesses
+//! the network.
 //!
-//! | file | what |
+//! | file | content |
 //! |---|---|
-//! | `description.rs` | reading descriptions of whatever source |
-//! | `source.rs`, `sources/` | descriptions of sources of maps; those that come with the program |
+//! | `description.rs` | reading descriptions of sources |
+//! | `source.rs`, `sources/` | descriptions of map sources; the built-in ones |
 //! | `named.rs` | a source by its name or by the path of its description |
 //! | `address.rs` | addresses of tiles, and where redirects may lead |
 //! | `plan.rs` | which tiles a region needs |
 //! | `http.rs` | HTTP: the only file that uses it |
-//! | `token.rs` | who asks, where a server wants to know |
-//! | `pace.rs`, `download.rs` | how fast, by how many threads, and what is asked for again |
-//! | `check.rs`, `cache.rs` | what a picture must be before it is kept; what is kept, with checksums |
-//! | `layer.rs` | all of it for one map, and the mosaic that `pack build` reads |
-//! | `elements.rs`, `element_sources/` | elements of satellites from servers that answer queries |
-//! | `heights.rs` | heights written as a GeoTIFF |
+//! | `token.rs` | authentication |
+//! | `pace.rs`, `download.rs` | rate limits, threads, retries |
+//! | `check.rs`, `cache.rs` | checks of an image before it is kept; the cache, with checksums |
+//! | `layer.rs` | a complete map, and the mosaic that `pack build` reads |
+//! | `elements.rs`, `element_sources/` | elements of satellites from query servers |
+//! | `heights.rs` | elevation data as a GeoTIFF |
 
 mod address;
 mod cache;

@@ -20,7 +20,7 @@ const NAMED: &[(&str, &str)] = &[
     ("viirs_snpp", include_str!("sources/viirs_snpp.toml")),
 ];
 
-/// Names of all sources that come with the program.
+/// Names of all built-in sources.
 pub fn source_names() -> impl Iterator<Item = &'static str> {
     NAMED.iter().map(|(name, _)| *name)
 }
@@ -31,10 +31,10 @@ pub(super) fn named(name: &str) -> Option<MapSource> {
     MapSource::from_toml(text, Path::new(name)).ok()
 }
 
-/// The source of a name, or the description at a path that ends in `.toml`.
+/// The source with this name, or the description at a path that ends in `.toml`.
 ///
 /// # Errors
-/// [`FetchError`] with the file and what is wrong with it, or the known names.
+/// [`FetchError`] with the file and the error in it, or the known names.
 pub fn find_source(name: &str) -> Result<MapSource, FetchError> {
     if let Some(source) = named(name) {
         return Ok(source);

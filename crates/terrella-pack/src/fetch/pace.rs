@@ -1,9 +1,9 @@
-//! When the next request may begin: so many a second, later after a failure, and as late as the server asks.
+//! Start time of the next request: limited per second, later after a failure, and as late as the server requests.
 
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
-/// The longest that a server may ask to wait.
+/// The longest wait that a server may request.
 pub(super) const LONGEST_WAIT: Duration = Duration::from_secs(600);
 
 /// Waiting ends at most so much after it is no longer wanted.
@@ -70,8 +70,7 @@ pub(super) fn back_off(attempt: u32, number: u64) -> Duration {
     Duration::from_secs_f64(whole_s * (0.75 + 0.5 * spread))
 }
 
-/// What the header Retry-After asks for: seconds, or a date as in `Wed, 21 Oct 2015 07:28:00 GMT` (RFC 9110, 10.2.3). `None` if it is
-/// neither.
+/// Wait requested by the header Retry-After: seconds, or a date as in `Wed, 21 Oct 2015 07:28:00 GMT` (RFC 9110, 10.2.3). `None` if it is neither.
 pub(super) fn retry_after(header: &str, now: SystemTime) -> Option<Duration> {
     let header = header.trim();
     if !header.is_empty() && header.bytes().all(|b| b.is_ascii_digit()) {

@@ -9,12 +9,12 @@ use std::ops::Range;
 /// Most tiles of one fetch.
 const MOST_TILES: u64 = 4_000_000;
 
-/// A file that is to be fetched.
+/// A file to fetch.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Wanted {
     /// Its address.
     pub url: String,
-    /// What the journal calls it.
+    /// Its key in the journal.
     pub key: String,
     /// Where it is kept, in its folder.
     pub file: String,
@@ -91,7 +91,7 @@ impl Tiles {
             top_deg - self.crs.northing_deg(region.south_deg).max(-top_deg),
             rows,
         );
-        // From 180° W on, and what of it lies beyond the date line once more from its beginning.
+        // From 180° W on; the part beyond the date line is repeated at the beginning.
         let west_deg = (region.west_deg + 180.0).rem_euclid(360.0);
         let east_deg = west_deg + region.width_deg();
         let mut column_ranges = vec![range(west_deg, east_deg.min(360.0), columns)];

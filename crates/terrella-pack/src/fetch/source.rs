@@ -47,7 +47,7 @@ impl SourceLayer {
     }
 }
 
-/// What kind of picture files are.
+/// Image format of the files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 pub enum Media {
     /// JPEG.
@@ -81,7 +81,7 @@ impl Media {
     }
 }
 
-/// What a source's maps are parted by in time.
+/// Time step of a source's maps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum TimeStep {
@@ -99,7 +99,7 @@ pub enum TimeStep {
 pub struct Times {
     /// How its maps are parted.
     pub step: TimeStep,
-    /// The time that is taken unless another is asked for.
+    /// The default time.
     pub default: Option<String>,
     /// The earliest day, where there is one: `2000-02-24`.
     pub first: Option<String>,
@@ -125,7 +125,7 @@ pub struct Tiles {
     pub level_0_tile_deg: f64,
     /// The coarsest and the finest level.
     pub levels: [u32; 2],
-    /// What the server calls its levels, from level 0 on, where that is not their number.
+    /// Names of the server's levels, from level 0 on, if they are not numbers.
     #[serde(default)]
     pub level_names: Vec<String>,
     /// Kind of picture.
@@ -135,12 +135,12 @@ pub struct Tiles {
     pub max_tile_bytes: u64,
     /// Bytes of a tile, about: for the estimate before anything is fetched.
     pub usual_tile_bytes: Option<u64>,
-    /// The server answers 404 where it has nothing.
+    /// The server answers 404 for a missing tile.
     #[serde(default)]
     pub may_be_missing: bool,
-    /// How heights are written as colours.
+    /// Encoding of elevations as colours.
     pub encoding: Option<Encoding>,
-    /// Stored numbers that stand for nothing.
+    /// Stored values that mark missing data.
     pub no_data: Option<Vec<f64>>,
     /// BLAKE3 of pictures that the server sends where it has nothing, 64 hexadecimal digits each.
     #[serde(default)]
@@ -159,7 +159,7 @@ pub struct ListedFile {
     pub url: String,
     /// Name in the cache: letters, digits, full stops, hyphens and underscores.
     pub save_as: String,
-    /// West, south, east and north in degrees, where the file does not say so itself.
+    /// West, south, east and north in degrees, if the file itself has no georeference.
     pub bounds_deg: Option<[f64; 4]>,
     /// BLAKE3 of its contents, where it is known, 64 hexadecimal digits.
     pub blake3: Option<String>,
@@ -177,11 +177,11 @@ pub struct Files {
     pub file: Vec<ListedFile>,
 }
 
-/// How gently a server is to be asked.
+/// Limits on the requests to a server.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Gentleness {
-    /// Requests under way at once.
+    /// Number of simultaneous requests.
     pub connections: u32,
     /// Requests begun in a second.
     pub requests_per_s: f64,
@@ -200,9 +200,9 @@ impl Default for Gentleness {
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MapSource {
-    /// What it is called, and its folder in a cache: lower-case letters, digits and underscores.
+    /// Its name, and its folder in a cache: lower-case letters, digits and underscores.
     pub name: String,
-    /// For people.
+    /// A human-readable title.
     pub title: String,
     /// Which map of a pack it is.
     pub layer: SourceLayer,
@@ -210,14 +210,14 @@ pub struct MapSource {
     pub attribution: Vec<String>,
     /// Terms of use.
     pub licence: String,
-    /// Where all this is written.
+    /// The source of this information.
     pub citation: String,
-    /// Environment variable with the token that the server wants: it takes the place of `{token}` in addresses, else it is sent in the
-    /// header `Authorization: Bearer`.
+    /// Environment variable with the token that the server requires: it replaces `{token}` in addresses, or is sent in the header `Authorization:
+    /// Bearer`.
     pub token_env: Option<String>,
     /// Its times, if it has any.
     pub time: Option<Times>,
-    /// How gently to ask.
+    /// Limits on requests.
     #[serde(default)]
     pub gentleness: Gentleness,
     /// Tiles …
@@ -226,7 +226,7 @@ pub struct MapSource {
     pub files: Option<Files>,
 }
 
-/// Whether a name may be that of a file: no way out of the folder, nothing hidden.
+/// Whether a name is a valid file name: inside the folder, and not hidden.
 fn is_file_name(name: &str) -> bool {
     (1..=100).contains(&name.len())
         && !name.starts_with('.')
@@ -313,10 +313,10 @@ impl MapSource {
         tiles.chain(files.map(|file| file.url.as_str()))
     }
 
-    /// The time to fetch: the one asked for if the source has it, else its default.
+    /// The time to fetch: the requested one if the source has it, else its default.
     ///
     /// # Errors
-    /// [`FetchError::Option`] with what is wrong with the time.
+    /// [`FetchError::Option`] with the error in the time.
     pub fn time(&self, asked: Option<&str>) -> Result<Option<String>, FetchError> {
         let reject = |cause: String| FetchError::Option {
             option: "TIME",
@@ -392,7 +392,7 @@ impl Times {
     }
 }
 
-/// Whether a text is a day of the calendar: `2024-02-29`.
+/// Whether a text is a valid calendar date: `2024-02-29`.
 fn is_day(text: &str) -> bool {
     let number = |from: usize, to: usize| {
         text.get(from..to)
@@ -499,7 +499,7 @@ impl Tiles {
     }
 }
 
-/// Whether a text is a BLAKE3 as journals and descriptions have it.
+/// Whether a text is a BLAKE3 hash in the format of journals and descriptions.
 fn is_hash(digits: &str) -> bool {
     digits.len() == 64
         && digits

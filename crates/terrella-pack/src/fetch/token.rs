@@ -1,9 +1,9 @@
-//! What a server wants to know who asks: read from the environment when it is sent, and in no message and no file.
+//! Authentication token: read from the environment when it is sent, and never in a message or file.
 
 use super::error::FetchError;
 use std::env::{self, VarError};
 
-/// What stands for the token in an address.
+/// Placeholder of the token in an address.
 pub(super) const TOKEN_WORD: &str = "{token}";
 
 /// Longest token, characters.
@@ -15,11 +15,11 @@ const MAX_NAME_CHARS: usize = 64;
 /// A token. It has no `Debug`, so that no log shows it.
 pub(super) struct Token {
     value: String,
-    /// As it stands in an address.
+    /// Encoded for an address.
     encoded: String,
 }
 
-/// What is wrong with the name of the variable that holds a token, if anything is.
+/// The error in the name of the variable with a token, if any.
 pub(super) fn name_complaint(name: &str) -> Option<&'static str> {
     let is_word = |b: u8| b.is_ascii_alphanumeric() || b == b'_';
     let is_name = (1..=MAX_NAME_CHARS).contains(&name.len()) && name.bytes().all(is_word);

@@ -1,4 +1,4 @@
-//! Which files of heights are held in memory, and which are read part by part.
+//! Decides which elevation files are held in memory, and which are read in parts.
 
 use super::layout::MOST_SIDE;
 use crate::BuildError;
@@ -7,10 +7,10 @@ use std::path::PathBuf;
 use terrella_ground::elevation::spool::{SpoolNeeds, look};
 use terrella_ground::elevation::{GridLimits, PlacedBounds};
 
-/// Bytes beside each byte that a grid holds while it is made: its heights as they are read, which of them are holes, means.
+/// Peak memory while a grid is created, relative to its final size: elevations as read, a mask of holes, means.
 const MAKING: f64 = 1.85;
 
-/// Bytes of a part of one file about one tile: 466² samples with their holes, from 430² of which come those of the tile.
+/// Size of a window of one file around one tile: 466² samples with their holes, from which the 430² of the tile are computed.
 const WINDOW_BYTES: u64 = 4 << 20;
 
 /// Bytes that are kept of tiles for each sample of a file.
@@ -26,24 +26,24 @@ fn working_bytes(threads: usize) -> u64 {
     side * side * 4 * threads as u64 * (KEPT_A_THREAD as u64 + 4)
 }
 
-/// What may be held.
+/// Memory budget.
 pub(super) struct Budget {
     /// Threads that make tiles.
     pub threads: usize,
     allowed: u64,
-    /// Of all that is not files held.
+    /// Memory of everything except held files.
     fixed: u64,
     held: u64,
 }
 
 impl Budget {
-    /// Looks at all files. What reading the greediest of them part by part takes is kept for that, whether it comes to it or not.
+    /// Examines all files. Memory for reading the largest of them in parts is always reserved.
     pub(super) fn of(paths: &[PathBuf], means: Means) -> Result<Self, BuildError> {
         let mut files = Vec::new();
         for path in paths {
             files.push((path, look(path)?));
         }
-        // As many as may lie over one tile.
+        // The largest number of files that may overlap one tile.
         let placed = PlacedBounds::new(files.iter().map(|(_, file)| file.bounds));
         let beside = |file: &SpoolNeeds| {
             let near = placed.near(&file.bounds).into_iter();
@@ -84,7 +84,7 @@ impl Budget {
         })
     }
 
-    /// What the next file may take.
+    /// Memory available to the next file.
     pub(super) fn limits(&self) -> GridLimits {
         let left = self.allowed.saturating_sub(self.fixed + self.held);
         GridLimits {

@@ -1,4 +1,4 @@
-//! Files of heights, one over another.
+//! Elevation files, layered over one another.
 
 use super::budget::Budget;
 use super::layout::{MOST_SIDE, is_finer, levels_for};
@@ -36,7 +36,7 @@ struct HeightSource {
     heights: Heights,
     bounds: Bounds,
     range: HeightRange,
-    /// Step between its heights, metres; 0 of floats.
+    /// Step between elevations, metres; 0 for floats.
     quantum_m: f64,
     /// The angle between its samples along a meridian or a parallel, whichever is less, radians.
     step_rad: f64,
@@ -51,11 +51,11 @@ pub(super) struct HeightFiles {
     sources: Vec<HeightSource>,
     /// Their numbers, from the top down.
     order: Vec<usize>,
-    /// What joins each to others, in that order.
+    /// How each joins the others, in the same order.
     joins: Vec<Joins>,
-    /// What they cover, in that order.
+    /// Their bounds, in the same order.
     placed: PlacedBounds,
-    /// Of those that are read part by part. Behind them: it is removed when they are.
+    /// Of files that are read in parts. Declared after them: it is removed after they are closed.
     _scratch: Option<ScratchFolder>,
 }
 
@@ -132,13 +132,13 @@ impl HeightFiles {
         lines
     }
 
-    /// What each file covers, and the angle between its samples.
+    /// Bounds of each file, and the angle between its samples.
     pub(super) fn steps(&self) -> Vec<(Bounds, f64)> {
         let files = self.sources.iter();
         files.map(|file| (file.bounds, file.step_rad)).collect()
     }
 
-    /// What says the heights of places inside the bounds for samples so far apart. Files that are finer have finer tiles there.
+    /// Elevation lookup inside the bounds for samples at this spacing. Finer files have finer tiles there.
     pub(super) fn view(&self, bounds: &Bounds, spacing_rad: f64) -> Result<View<'_>, BuildError> {
         let mut parts = Vec::new();
         for n in self.placed.near(bounds) {
@@ -199,7 +199,7 @@ impl HeightFiles {
     /// Steps of 16 bits where they lose nothing that a file holds but 5 cm, else floats.
     fn kind(&self) -> HeightKind {
         let ranges = || self.sources.iter().map(|file| file.range);
-        // Beneath all lies the sea.
+        // The sea is beneath all files.
         let low_m = ranges().map(|range| range.low_m).fold(0.0, f64::min);
         let high_m = ranges().map(|range| range.high_m).fold(0.0, f64::max);
         // Parts of a metre, so that whole metres come through as they are; a metre more for an offset of whole metres.
@@ -282,7 +282,7 @@ fn step_rad((columns, rows): (u32, u32), bounds: &Bounds, flat_rad: Option<f64>)
     };
     let along = step(bounds.width_rad, columns);
     let step_rad = along.min(step(bounds.north_rad - bounds.south_rad, rows));
-    // A file of one height has no more detail than its edge.
+    // A file of constant elevation has no more detail than its edge.
     step_rad.max(flat_rad.unwrap_or(0.0))
 }
 
@@ -290,7 +290,7 @@ fn file_name(path: &Path) -> Cow<'_, str> {
     path.file_name().unwrap_or_default().to_string_lossy()
 }
 
-/// What is reported while a file is read into a scratch file.
+/// Progress reports while a file is read into a scratch file.
 struct Host<'a> {
     path: &'a Path,
     folder: &'a BuildFolder<'a>,
@@ -323,8 +323,7 @@ impl SpoolHost for Host<'_> {
 /// The files about a tile, from the top down, over a sea at height 0.
 pub(super) struct View<'a> {
     parts: Vec<Part<'a>>,
-    /// The latitude that was asked for last, and the parts that reach it: samples come row by row, and over a coarse tile
-    /// lie thousands of parts.
+    /// The last latitude, and the parts that reach it: samples are requested row by row, and a coarse tile overlaps thousands of parts.
     lat_rad: f64,
     of_row: Vec<usize>,
 }

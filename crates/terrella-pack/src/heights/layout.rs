@@ -1,4 +1,4 @@
-//! Levels of heights, and which of their tiles there are.
+//! Levels of elevation data, and their existing tiles.
 
 use crate::BuildError;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
@@ -17,13 +17,13 @@ const MOST_ROUND: u64 = 1 << 30;
 /// A level may be coarser than a file by so much and still hold it.
 const COARSER: f64 = 1.1;
 
-/// Whether a file is too fine for a level: it has a finer one wherever it lies.
+/// Whether a file is too fine for a level: it then has a finer level everywhere.
 pub(super) fn is_finer(step_rad: f64, spacing_rad: f64) -> bool {
     step_rad * COARSER < spacing_rad
 }
 
-/// Number of levels and side of their tiles, so that the samples of the finest are at most `finest_rad` apart, by no more than the rounding of
-/// the side less; `None` for more samples than there can be.
+/// Number of levels and side of their tiles, so that the samples of the finest level are at most `finest_rad` apart, and closer only by the
+/// rounding of the side; `None` if there would be too many samples.
 pub(super) fn levels_for(finest_rad: f64) -> Option<(u8, u32)> {
     // A little less, so that a division that comes out even stays so.
     let round = (TAU / finest_rad - 1e-6).ceil().max(1.0);
@@ -97,7 +97,7 @@ pub(super) fn tiles(
     Ok(levels)
 }
 
-/// What a tile covers, its border included; beyond a pole it ends nowhere.
+/// Bounds of a tile, its border included; beyond a pole it has no limit.
 fn area(entry: &HeightsEntry, place: HeightPlace) -> Bounds {
     let round = f64::from(entry.round(place.level));
     let border_rad = f64::from(entry.border) * TAU / round;
@@ -111,7 +111,7 @@ fn area(entry: &HeightsEntry, place: HeightPlace) -> Bounds {
     }
 }
 
-/// Whether a file reaches into a tile.
+/// Whether a file overlaps a tile.
 fn reaches(bounds: &Bounds, area: &Bounds) -> bool {
     let from_file = (area.west_rad - bounds.west_rad).rem_euclid(TAU);
     let from_tile = (bounds.west_rad - area.west_rad).rem_euclid(TAU);

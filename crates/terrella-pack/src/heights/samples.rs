@@ -59,7 +59,7 @@ impl<'a> TileMaker<'a> {
         quarters.filter_map(|place| self.folder.height(place))
     }
 
-    /// All samples of a tile, its border included. What a sample is depends on its place alone: neighbours agree to the last bit.
+    /// All samples of a tile, its border included. A sample depends only on its position: neighbours agree to the last bit.
     pub(super) fn tile(&self, place: HeightPlace) -> Result<HeightValues, BuildError> {
         let entry = self.entry;
         let (side, border) = (i64::from(entry.side), i64::from(entry.border));
@@ -93,7 +93,7 @@ impl<'a> TileMaker<'a> {
         })
     }
 
-    /// The sample in a row and column of the level of `place`, whose tile is made: of its own rows, `turn` columns farther east.
+    /// The sample in a row and column of the level of `place`, whose tile is being made: of its own rows, `turn` columns farther east.
     fn sample_m(
         &self,
         place: HeightPlace,
@@ -131,7 +131,7 @@ impl<'a> TileMaker<'a> {
         Ok(view.height_m(lat_rad, lon_rad))
     }
 
-    /// What the samples of a tile and its border lie in, so many columns farther east.
+    /// Bounds of the samples of a tile and its border, this many columns farther east.
     fn bounds(&self, place: HeightPlace, turn: i64) -> Bounds {
         let spacing_rad = TAU / f64::from(self.entry.round(place.level));
         let (side, border) = (f64::from(self.entry.side), f64::from(self.entry.border));

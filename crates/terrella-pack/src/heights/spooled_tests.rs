@@ -1,4 +1,4 @@
-//! Packs of heights that are read part by part, against those of heights that are held.
+//! Packs of elevation data that is read in parts, compared with those of data held in memory.
 
 use super::super::folder::{Disk, Writer};
 use super::super::tests::stopped::{Failing, Notes, Stopping, contents};
@@ -102,7 +102,7 @@ fn south_first(dir: &Path) -> PathBuf {
     path
 }
 
-/// The same within the least memory that is enough: nothing of any size is held.
+/// The same with the least sufficient memory: no file of any size is held.
 fn little(options: BuildOptions, out: &str) -> BuildOptions {
     let options = BuildOptions {
         out: options.out.with_file_name(out),
@@ -114,7 +114,7 @@ fn little(options: BuildOptions, out: &str) -> BuildOptions {
     };
     BuildOptions {
         memory_bytes: needed_mb * 1_000_000,
-        // What was rejected is a build of its own.
+        // A rejected build is a separate build.
         restart: true,
         ..options
     }
@@ -249,7 +249,7 @@ fn builds_with_scratch_files_go_on_and_leave_none() {
     }
     let error = build_with(&going_on, &(), &Failing::after(9), Division::default());
     assert!(matches!(error, Err(BuildError::Write { .. })));
-    // As after a kill: half a file, and one that nobody knows.
+    // As after a kill: a partial file, and an unknown one.
     let scratch = out.join("scratch");
     std::fs::create_dir(&scratch).expect("writable");
     for name in ["heights-0-rows", "heights-7-means-3"] {

@@ -1,4 +1,4 @@
-//! Heights through a pack against those of the files.
+//! Elevation data from a pack, compared with that of the files.
 
 use super::super::tests::stopped::{Failing, Stopping, contents};
 use crate::{BuildError, BuildOptions, Division, build, build_with};
@@ -134,7 +134,7 @@ fn a_vertical_datum_counts_where_files_name_none() {
     let (least, most) = lowered.fold((f64::MAX, f64::MIN), |(least, most), by| {
         (least.min(by), most.max(by))
     });
-    // The geoid lies between 107 m below and 86 m above the ellipsoid, and varies over a tile.
+    // The geoid is between 107 m below and 86 m above the ellipsoid, and varies over a tile.
     assert!(least > -108.0 && most < 87.0, "{key:?}: {least} to {most}");
     assert!(most - least > 1.0, "{key:?}: {least} to {most}");
     let most = as_is.iter().zip(&own).map(|(sea, own)| (sea - own).abs());
@@ -210,7 +210,7 @@ fn samples_are_those_of_the_files_and_coarser_ones_their_means() {
             );
         }
     }
-    // Of the coarsest all but the quarters under the inset.
+    // Of the coarsest level everything except the quarters under the inset.
     assert_eq!(
         compared,
         [4 * 214 * 214, 124 * 214 * 214 + 4 * 3 * 107 * 107]
@@ -396,7 +396,7 @@ fn what_cannot_be_built_is_rejected_with_what_to_do() {
     rejected(&none, &["none.tif"]);
     let day = options(folder.path(), &[folder.path().join("day.png")], "day");
     rejected(&day, &["day.png", "has no bounds"]);
-    // Less than the program itself takes, and what reading a file part by part takes beside that.
+    // Less than the program itself needs plus reading a file in parts.
     let globe = "bounds = { south_deg = -90, north_deg = 90, west_deg = -180, east_deg = 180 }\nregistration = \"cells\"";
     let large = write_heights(folder.path(), "large", (2048, 1024), globe);
     let large = BuildOptions {

@@ -34,7 +34,7 @@ const MAX_LEVEL: u8 = 24;
 /// Least side of a tile that levels are chosen by, texels.
 const LEAST_SIDE: u32 = 256;
 
-/// What a file that holds tiles says of a level.
+/// Properties of a level of a tile archive.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Level {
     pub level: u8,
@@ -54,14 +54,14 @@ impl Level {
         }
     }
 
-    /// Whether its tiles make a raster that is read.
+    /// Whether its tiles form a supported raster.
     fn fits(&self) -> bool {
         let most = u64::from(MAX_PIECE_SIDE / LEAST_SIDE);
         self.columns.len() as u64 <= most && self.rows.len() as u64 <= most
     }
 }
 
-/// Whether a path is named like one of these files.
+/// Whether a path has the extension of a tile archive.
 pub(crate) fn is_archive(path: &Path) -> bool {
     path.extension().is_some_and(|ending| {
         ["mbtiles", "pmtiles"]
@@ -77,10 +77,10 @@ pub(super) enum Archive {
 }
 
 impl Archive {
-    /// Opens a file; the contents say what it is, not the name.
+    /// Opens a file; its format is detected from the content, not the name.
     ///
     /// # Errors
-    /// [`BuildError`] for files that are neither, and for those without tiles of pictures.
+    /// [`BuildError`] for files of another format, and for archives without image tiles.
     pub(super) fn open(path: &Path) -> Result<Self, BuildError> {
         let context = FileContext::new(path);
         let mut file = ArchiveFile::open(path, context.clone())?;
@@ -113,10 +113,10 @@ impl Archive {
         }
     }
 
-    /// The file of a tile, by its row from the north and its column; nothing where there is none.
+    /// The file of a tile, by its row from the north and its column; `None` if it is missing.
     ///
     /// # Errors
-    /// [`BuildError`] for files that cannot be read or are damaged.
+    /// [`BuildError`] for files that cannot be read or are corrupt.
     pub(super) fn tile(&mut self, row: u32, column: u32) -> Result<Option<Vec<u8>>, BuildError> {
         match self {
             Self::Mb(file) => file.tile(row, column),
@@ -125,7 +125,7 @@ impl Archive {
     }
 }
 
-/// What a tile is called in messages.
+/// Name of a tile in messages.
 pub(super) fn tile_name(path: &Path, level: u8, row: u32, column: u32) -> std::path::PathBuf {
     path.join(format!("{level}/{column}/{row}"))
 }

@@ -8,10 +8,10 @@ use crate::source::{Extent, FileContext, MAX_PIECE_SIDE, SourceLimits, read_exte
 use std::io::Cursor;
 use std::path::Path;
 
-/// The tiles of a file, and where they lie.
+/// The tiles of an archive, and their position.
 ///
 /// # Errors
-/// [`BuildError`], also where no tile can be read.
+/// [`BuildError`], also if no tile can be read.
 pub(super) fn archive_tiles(path: &Path) -> Result<(TileSet, RasterPlacement), BuildError> {
     let context = FileContext::new(path);
     let mut archive = Archive::open(path)?;

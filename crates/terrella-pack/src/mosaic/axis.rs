@@ -1,19 +1,19 @@
-//! How texels of the target are made of those of a raster, along one axis.
+//! How texels of the target are computed from those of a raster, along one axis.
 //!
-//! Where the raster is at least as fine as the target, a texel is the mean over its footprint. Where it is coarser, it is interpolated
-//! by cubic convolution (Catmull–Rom), held between its two neighbours, as the levels of a pack are.
+//! If the raster is at least as fine as the target, a texel is the mean over its footprint. If it is coarser, it is interpolated by cubic
+//! convolution (Catmull–Rom), clamped between its two neighbours, like the levels of a pack.
 
-/// Edges nearer than this to a texel's edge are taken to lie on it, texels: bounds are written with a few digits.
+/// Edges closer than this to a texel's edge are snapped to it, texels: bounds are written with a few digits.
 const SNAP: f64 = 1e-3;
 
-/// What a texel of the target is made of.
+/// Sources of a texel of the target.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Tap {
-    /// From this texel on, so much of each, 1 in all: parts of the footprint, as far as it lies within the raster.
+    /// Weighted mean from this texel on, with weights that add up to 1: parts of the footprint inside the raster.
     Mean(u32, Vec<f32>),
     /// Four texels, and the part of the way from the second to the third.
     Cubic([u32; 4], f32),
-    /// It lies outside.
+    /// It is outside the raster.
     Outside,
 }
 
@@ -27,8 +27,8 @@ pub(super) struct Axis {
 }
 
 impl Axis {
-    /// What lies between two places. At an edge a footprint is the raster's if its middle is: of rasters that touch each footprint has one,
-    /// and none fades into what lies below.
+    /// The source of the interval between two positions. At an edge a footprint belongs to the raster if its middle does: of adjacent rasters each
+    /// footprint has exactly one, and neither is blended with the layer beneath.
     pub(super) fn tap(self, from: f64, to: f64) -> Tap {
         let (from, to) = (snapped(from), snapped(to));
         let size = f64::from(self.size);
@@ -95,7 +95,7 @@ impl Tap {
         }
     }
 
-    /// First and last texel that are read; those of a mean that goes round do not count here.
+    /// First and last texel that are read; those of a mean that wraps around do not count.
     pub(super) fn span(&self) -> Option<(u32, u32)> {
         match self {
             // Never empty.

@@ -7,7 +7,7 @@ use crate::error::BuildError;
 use crate::source::SourceLimits;
 use std::path::PathBuf;
 
-/// Rows of all pieces together.
+/// Composes rows of all pieces.
 pub(super) struct Composer {
     pieces: Vec<Piece>,
     states: Vec<PieceState>,
@@ -18,7 +18,7 @@ pub(super) struct Composer {
     /// Values of the row that was made last, and how much of each texel was there.
     pub values: Vec<f32>,
     pub weights: Vec<f32>,
-    /// What of each texel is still seen of the pieces below.
+    /// Fraction of each texel through which the pieces beneath are visible.
     left: Vec<f32>,
     notes: Vec<String>,
 }
@@ -119,7 +119,7 @@ impl Composer {
         }
     }
 
-    /// Copies a row, if all that is seen of it are rows of pieces as they stand.
+    /// Copies a row, if only unmodified rows of pieces are visible in it.
     pub(super) fn plain(&mut self, row: u32, bytes: &mut [u8]) -> Result<bool, BuildError> {
         let mut seen = Vec::new();
         let mut is_covered = false;
@@ -159,7 +159,7 @@ impl Composer {
         Ok(is_covered || self.left.iter().all(|left| *left == 0.0))
     }
 
-    /// Makes a row: the highest piece first, each where those above let it be seen.
+    /// Composes a row: the highest piece first, each where those above it leave it visible.
     pub(super) fn row(&mut self, row: u32) -> Result<(), BuildError> {
         self.values.fill(0.0);
         self.weights.fill(0.0);
@@ -218,7 +218,7 @@ impl Composer {
         Ok(())
     }
 
-    /// What was left out since it was asked last.
+    /// Remarks about omitted parts since the last call.
     pub(super) fn notes(&mut self) -> Vec<String> {
         for state in &mut self.states {
             if let PieceState::Open(rows) = state {

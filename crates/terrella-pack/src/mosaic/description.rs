@@ -1,4 +1,4 @@
-//! What a mosaic is made of: a TOML file, or a folder of maps that say where they lie.
+//! The description of a mosaic: a TOML file, or a folder of georeferenced maps.
 
 use super::archive::is_archive;
 use super::archive_part::archive_tiles;
@@ -27,41 +27,41 @@ pub const MOSAIC_FILE: &str = "mosaic.toml";
 /// Name endings of maps in a folder.
 const ENDINGS: [&str; 6] = ["png", "jpg", "jpeg", "tif", "tiff", "webp"];
 
-/// What a mosaic is made of, the lowest part first.
+/// The description of a mosaic, the lowest part first.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Description {
-    /// What it is called in packs made from it; by default as its file.
+    /// Its name in packs made from it; by default that of its file.
     pub name: Option<String>,
     /// Texels from 180° W to 180° E; by default as fine as the finest part.
     pub width: Option<u32>,
     /// Whose data it is, a line each.
     pub attribution: Vec<String>,
-    /// What is stored where no part lies: one number, or one for each channel.
+    /// Values stored where there is no part: one number, or one for each channel.
     pub fill: Option<Vec<f64>>,
     /// The parts.
     pub parts: Vec<Part>,
-    /// The parts have no order of their own: the finest goes on top.
+    /// The parts have no given order: the finest goes on top.
     pub is_unordered: bool,
 }
 
 /// A part of a mosaic.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Part {
-    /// What it is read from.
+    /// Source of the part.
     pub from: PartSource,
-    /// Over so many degrees from its edges it fades into what lies below, where something does.
+    /// Width of the blend at its edges into the layer beneath, if there is one, degrees.
     pub feather_deg: f64,
-    /// Its light is scaled, channel by channel, to the mean of what lies below it.
+    /// Its light is scaled, channel by channel, to the mean of the layer beneath it.
     pub is_matched: bool,
-    /// Stored numbers that stand for nothing: one, or one for each channel.
+    /// Stored values that mark missing data: one, or one for each channel.
     pub no_data: Option<Vec<f64>>,
-    /// How heights are written as colours.
+    /// Encoding of elevations as colours.
     pub encoding: Option<Encoding>,
     pub(crate) alpha: AlphaMeans,
 }
 
 impl Part {
-    /// A part that lies over others as it is.
+    /// A part that lies over others without modification.
     pub(super) fn plain(from: PartSource) -> Self {
         Self {
             from,
@@ -74,19 +74,19 @@ impl Part {
     }
 }
 
-/// What a part is read from.
+/// Source of a part.
 #[derive(Clone, Debug, PartialEq)]
 pub enum PartSource {
-    /// A file, and what is said of where it lies.
+    /// A file, and its described position.
     File(PathBuf, Stated),
     /// A file whose place is known, and the part of it that is used, if not all is.
     Placed(PathBuf, RasterPlacement, Option<Window>),
-    /// Tiles, and where they lie.
+    /// Tiles, and their position.
     Tiles(TileSet, RasterPlacement),
 }
 
 impl PartSource {
-    /// What messages call it.
+    /// Its name in messages.
     pub fn name(&self) -> &Path {
         match self {
             Self::File(path, _) | Self::Placed(path, ..) => path,
@@ -126,7 +126,7 @@ struct RawPart {
     encoding: Option<Encoding>,
 }
 
-/// What is wrong with the TOML of a description, and in which line.
+/// The TOML error in a description, and its line.
 pub(crate) fn syntax_complaint(text: &str, error: &toml::de::Error) -> String {
     let before = text
         .as_bytes()
@@ -239,7 +239,7 @@ impl Description {
         self
     }
 
-    /// All maps in a folder, each of which must say where it lies.
+    /// All maps in a folder, each of which must be georeferenced.
     fn of_folder(dir: &Path) -> Result<Self, BuildError> {
         let context = FileContext::new(dir);
         let mut files = Vec::new();
@@ -275,7 +275,7 @@ fn archive_part(path: &Path) -> Result<PartSource, BuildError> {
     archive_tiles(path).map(|(set, place)| PartSource::Tiles(set, place))
 }
 
-/// Whether these can be numbers of a texel.
+/// Whether these numbers can be values of a texel.
 fn are_texel(values: &[f64]) -> bool {
     (1..=4).contains(&values.len()) && values.iter().all(|value| value.is_finite())
 }

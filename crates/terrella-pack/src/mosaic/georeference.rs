@@ -1,7 +1,7 @@
-//! Where a file of a mosaic lies: by its description, its GeoTIFF tags, its world file or NASA's names; and in which coordinate system
-//! its numbers are.
+//! Position of a mosaic's file: from its description, its GeoTIFF tags, its world file or NASA's file names; and the coordinate system of its
+//! numbers.
 //!
-//! A system is never guessed: numbers that can be degrees are degrees, all others must be said to be metres of Web Mercator, by the
+//! A coordinate system is never guessed: numbers that can be degrees are degrees. All others must be declared as metres of Web Mercator, by the
 //! description, by the tags or by a text beside the file.
 
 use super::held::Turn;
@@ -15,17 +15,15 @@ use terrella_ground::elevation::geo_tags::{GeoTags, System};
 use terrella_ground::elevation::projection::Projection;
 use terrella_ground::elevation::warp::{ProjectedGrid, Warp};
 use terrella_ground::elevation::wkt::{MAX_WKT_BYTES, TextSystem, system_of as system_in};
+use terrella_ground::elevation::world_file::{WORLD_FILE_BYTES, WorldFile};
 use tiff::decoder::Decoder;
 
 /// Metres of Web Mercator for a degree of longitude: π·6 378 137 / 180.
 pub(super) const METRES_PER_DEG: f64 = std::f64::consts::PI * 6_378_137.0 / 180.0;
 
-/// Largest world file, bytes.
-const WORLD_FILE_BYTES: u64 = 4096;
-
 const ADVICE: &str = "warp it (`gdalwarp -t_srs EPSG:4326`)";
 
-/// What a description says of where a file lies.
+/// The described position of a file.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Stated {
     /// The system of its rows, or of the numbers of its world file.
@@ -34,7 +32,7 @@ pub struct Stated {
     pub bounds: Option<Bounds>,
 }
 
-/// Where a file of so many texels lies, and how its rows become those of its place.
+/// Position of a file of this size, and the transformation of its rows to that position.
 pub(super) fn place_of(
     path: &Path,
     stated: Stated,
@@ -91,7 +89,7 @@ pub(crate) fn check_whole_earth(
     }
 }
 
-/// What a file says itself, and what lies beside it.
+/// Georeference from a file itself, and from the files beside it.
 fn of_file(
     path: &Path,
     stated: Option<Crs>,
@@ -147,7 +145,7 @@ fn of_file(
     }
 }
 
-/// Where a grid of a projection lies when it is warped.
+/// Position of a projected grid after warping.
 fn warped(
     projection: Projection,
     grid: TagGrid,
@@ -190,7 +188,7 @@ fn metric_advice() -> String {
     )
 }
 
-/// The tags of a TIFF; those of another file, or of one that cannot be read, say nothing: their reader reports what is wrong.
+/// The tags of a TIFF; a file of another format, or an unreadable one, has none: its reader reports the error.
 fn tags_of<R: BufRead + Seek>(mut reader: R) -> GeoTags {
     let mut magic = [0; 4];
     let is_tiff = reader.read_exact(&mut magic).is_ok()
@@ -212,7 +210,7 @@ fn system_of(crs: Crs) -> System {
     }
 }
 
-/// What a file says, or its description; they must not contradict each other.
+/// The georeference of a file, or of its description; they must not contradict each other.
 fn agreed(
     said: Option<System>,
     stated: Option<Crs>,
@@ -238,7 +236,7 @@ fn agreed(
     }
 }
 
-/// Where a grid of a system lies.
+/// Position of a grid in a coordinate system.
 fn placed(grid: TagGrid, system: Option<System>) -> Result<RasterPlacement, String> {
     let (crs, unit) = match system {
         Some(System::WebMercator) => (Crs::WebMercator, METRES_PER_DEG),
@@ -271,7 +269,7 @@ fn can_be_degrees(grid: &TagGrid) -> bool {
     grid.left.abs() <= 361.0 && grid.top.abs() <= 91.0 && grid.scale_x.abs() <= 361.0
 }
 
-/// The system that the text beside a file says.
+/// Coordinate system according to the text beside the file.
 #[derive(PartialEq)]
 enum SaidBeside {
     Crs(Crs),
@@ -315,7 +313,7 @@ fn crs_in(file: &Path, text: &str) -> Result<SaidBeside, BuildError> {
 
 /// By the world file beside it: `.tfw`, `.jgw`, `.pgw`, or `.wld`.
 fn of_world_file(path: &Path) -> Result<Option<TagGrid>, BuildError> {
-    let Some(file) = world_files(path).into_iter().find(|file| file.is_file()) else {
+    let Some(file) = WorldFile::beside(path) else {
         return Ok(None);
     };
     let grid = world_grid(&text_of(&file, WORLD_FILE_BYTES)?);
@@ -335,52 +333,26 @@ fn text_of(file: &Path, most_bytes: u64) -> Result<String, BuildError> {
     Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
 
-/// What a world file may be called: two letters of the map's ending and w, the ending and w, or wld; also in capitals.
-fn world_files(path: &Path) -> Vec<PathBuf> {
-    let ending = path
-        .extension()
-        .unwrap_or_default()
-        .to_string_lossy()
-        .into_owned();
-    let mut letters = ending.chars();
-    let mut names = vec![format!("{ending}w"), "wld".to_string()];
-    if let (Some(first), Some(last)) = (letters.next(), letters.next_back()) {
-        names.insert(0, format!("{first}{last}w"));
-    }
-    let capitals: Vec<_> = names.iter().map(|name| name.to_uppercase()).collect();
-    let all = names.iter().chain(&capitals);
-    all.map(|name| path.with_extension(name)).collect()
-}
-
-/// The grid of a world file: sizes and turns of a texel, then the centre of the first one.
+/// The grid of a world file, whose coordinates are those of pixel centres.
 fn world_grid(text: &str) -> Result<TagGrid, String> {
-    let numbers: Vec<f64> = text
-        .split_whitespace()
-        .map_while(|word| word.parse().ok())
-        .collect();
-    let [column, turn_y, turn_x, row, x, y] = numbers.as_slice() else {
-        return Err(format!("has {} numbers and must have six", numbers.len()));
-    };
-    if *turn_x != 0.0 || *turn_y != 0.0 {
-        return Err("turns its map (its second and third number are not 0)".to_string());
-    }
+    let world = WorldFile::of_text(text)?;
     Ok(TagGrid {
-        left: x - 0.5 * column,
-        top: y - 0.5 * row,
-        scale_x: *column,
-        scale_y: -row,
+        left: world.x - 0.5 * world.column,
+        top: world.y + 0.5 * world.row,
+        scale_x: world.column,
+        scale_y: world.row,
     })
 }
 
-/// Where a world file says that its map lies. Without a system its numbers must be degrees.
+/// The position of a map according to its world file. Without a coordinate system its numbers must be degrees.
 ///
 /// # Errors
-/// What is wrong with it.
+/// The error in it.
 pub fn world_place(text: &str, crs: Option<Crs>) -> Result<RasterPlacement, String> {
     placed(world_grid(text)?, crs.map(system_of))
 }
 
-/// By NASA's names of eight parts.
+/// From NASA's file names of eight parts.
 fn of_name(path: &Path, size: (u32, u32)) -> Option<RasterPlacement> {
     let stem = path.file_stem()?.to_string_lossy();
     let bounds = place_in_name(&stem)?;
@@ -411,20 +383,5 @@ mod tests {
         for bad in ["", "1 2 3", "1 0 0 -1 5 x", "1 0 0 -1 5 5 5"] {
             assert!(wrong(bad).contains("six"), "{bad}");
         }
-    }
-
-    #[test]
-    fn world_files_have_their_usual_names() {
-        let names = world_files(Path::new("d/a.tif"));
-        assert_eq!(
-            names[..4],
-            ["d/a.tfw", "d/a.tifw", "d/a.wld", "d/a.TFW"].map(PathBuf::from)
-        );
-        let names = world_files(Path::new("a.jpeg"));
-        assert_eq!(names[0], Path::new("a.jgw"));
-        assert_eq!(
-            world_files(Path::new("a"))[..2],
-            ["a.w", "a.wld"].map(PathBuf::from)
-        );
     }
 }

@@ -7,7 +7,7 @@ use crate::source::{
 use terrella_ground::elevation::warp::Warp;
 use terrella_imagery::srgb::{LINEAR_FROM_SRGB, SrgbEncoder};
 
-/// How a file's rows become those of its place.
+/// Transformation of a file's rows to those of its position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Turn {
     /// They are its rows.
@@ -89,7 +89,7 @@ impl HeldRows {
             .try_for_each(|row| self.inner.next_row(row))
     }
 
-    /// A row of places between the projected texels; none where there are none.
+    /// A row of positions between the projected texels; empty where there are none.
     fn warped(&self, warp: &Warp, row: &mut [u8]) {
         let size = self.stored.sample.bytes();
         let texel = self.stored.channels * size;

@@ -1,4 +1,4 @@
-//! The colours of a piece scaled to those of what lies below it.
+//! The colours of a piece scaled to those of the layer beneath it.
 
 use super::compose::Composer;
 use super::piece::Piece;
@@ -14,7 +14,7 @@ const GRID: u32 = 1024;
 /// Factors beyond this and below its inverse are not taken: clouds over land are no matter of colour balance.
 const MOST_GAIN: f64 = 4.0;
 
-/// Sets the factors of all pieces that are to be matched, from the lowest up. Gives a note for each.
+/// Sets the factors of all pieces that are matched, from the lowest up. Returns a note for each.
 pub(super) fn match_pieces(
     pieces: &mut [Piece],
     kind: TexelKind,
@@ -50,7 +50,7 @@ pub(super) fn match_pieces(
     Ok(notes)
 }
 
-/// Mean values where both are there: of what lies below, and of the piece.
+/// Mean values where both exist: of the layer beneath, and of the piece.
 fn means(
     below: &[Piece],
     own: &[Piece],

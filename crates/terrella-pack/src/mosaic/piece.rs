@@ -24,7 +24,7 @@ pub(super) struct Piece {
     pub place: RasterPlacement,
     pub turn: Turn,
     pub info: SourceInfo,
-    /// How its colours differ from sRGB, where its file says so.
+    /// Difference of its colours from sRGB, according to its file.
     pub colour_note: Option<String>,
     /// Factors of its channels.
     pub gains: [f32; 3],
@@ -81,7 +81,7 @@ impl Piece {
     /// Bytes that its rows take on a target of so many columns.
     pub(super) fn bytes(&self, target: &Target) -> u64 {
         let channels = self.kind().channels as u64 + 1;
-        // The most rows of the raster that a row of the target is made of, those at 85° of Web Mercator among them.
+        // Largest number of raster rows per target row, including those at 85° of Web Mercator.
         let stretch = (target.texel_deg / self.place.row_deg * 12.0).clamp(4.0, 1e6) as u64;
         let raw = 2 * self.info.row_bytes() as u64 + u64::from(self.info.width) * 4 * channels;
         self.info.buffer_bytes
@@ -234,7 +234,7 @@ impl PieceRows {
             && self.spans.iter().all(is_covered)
     }
 
-    /// The texels of the raster's row that a row of the target is, if it is one as it stands: spans say where they lie.
+    /// The texels of the raster's row that equals a row of the target, if it does without modification: spans give their columns.
     pub(super) fn plain(&mut self, row: u32) -> Result<Option<&[u8]>, BuildError> {
         let is_same = self.spans.iter().all(|span| span.is_same_from.is_some());
         if !is_same
@@ -272,7 +272,7 @@ impl PieceRows {
         Ok(())
     }
 
-    /// Makes a row of the target. False where it is made of nothing.
+    /// Computes a row of the target. Returns false if it has no source.
     pub(super) fn row(&mut self, row: u32) -> Result<bool, BuildError> {
         let tap = self.target.row_tap(&self.place, self.height, row);
         let feather = self.row_feather(row);
@@ -402,13 +402,13 @@ impl PieceRows {
         Ok(())
     }
 
-    /// What was left out since it was asked last.
+    /// Remarks about omitted parts since the last call.
     pub(super) fn notes(&mut self) -> Vec<String> {
         self.raster.notes()
     }
 }
 
-/// Whether no column of a span reaches beyond the raster.
+/// Whether no column of a span extends beyond the raster.
 fn is_covered(span: &Span) -> bool {
     let whole = |tap: &Tap| match tap {
         Tap::Mean(_, parts) => parts.iter().sum::<f32>() > 0.999,

@@ -1,18 +1,18 @@
-//! Where a raster lies: its coordinate system, its north-west corner and the size of its texels.
+//! Position of a raster: its coordinate system, its north-west corner and the size of its texels.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
 /// Latitude at which Web Mercator's square ends, degrees: 2·atan(e^π) − 90°.
 pub const MERCATOR_END_DEG: f64 = 85.051_128_779_806_59;
 
-/// Coordinate systems that rasters may lie in. Both have their longitudes as x.
+/// Coordinate systems of rasters. In both, x is the longitude.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize)]
 pub enum Crs {
     /// Latitudes and longitudes (plate carrée).
     #[default]
     #[serde(rename = "EPSG:4326")]
     Geographic,
-    /// Web Mercator: y is that of a sphere.
+    /// Web Mercator: y is that of the spherical projection.
     #[serde(rename = "EPSG:3857")]
     WebMercator,
 }
@@ -79,7 +79,7 @@ pub struct Bounds {
     pub south_deg: f64,
     /// Longitude of the east edge: above the west edge's by 360 at most.
     pub east_deg: f64,
-    /// Latitude of the north edge, above that of the south edge.
+    /// Latitude of the north edge, greater than that of the south edge.
     pub north_deg: f64,
 }
 
@@ -92,10 +92,10 @@ impl Bounds {
         north_deg: 90.0,
     };
 
-    /// From west, south, east and north in degrees. An east edge at or west of the west edge is one turn on.
+    /// From west, south, east and north in degrees. An east edge at or west of the west edge is increased by 360°.
     ///
     /// # Errors
-    /// What is wrong with them.
+    /// The error in them.
     pub fn new([west_deg, south_deg, east_deg, north_deg]: [f64; 4]) -> Result<Self, String> {
         let east_deg = if east_deg <= west_deg {
             east_deg + 360.0
@@ -128,7 +128,7 @@ impl Bounds {
     }
 }
 
-/// Where a raster lies. Rows run from north to south, columns from west to east.
+/// Position of a raster. Rows run from north to south, columns from west to east.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RasterPlacement {
     /// Its coordinate system.
@@ -144,7 +144,7 @@ pub struct RasterPlacement {
 }
 
 impl RasterPlacement {
-    /// Of a raster of so many texels between these edges.
+    /// Of a raster of this size between these edges.
     pub fn from_bounds(crs: Crs, bounds: &Bounds, (columns, rows): (u32, u32)) -> Self {
         let north_deg = crs.northing_deg(bounds.north_deg);
         let south_deg = crs.northing_deg(bounds.south_deg);
@@ -162,7 +162,7 @@ impl RasterPlacement {
         self.column_deg * f64::from(columns)
     }
 
-    /// What is wrong for a raster of so many texels, if anything is.
+    /// The error for a raster of this size, if any.
     pub fn complaint(&self, (columns, rows): (u32, u32)) -> Option<String> {
         let south_deg = self.north_deg - self.row_deg * f64::from(rows);
         let numbers = [
@@ -192,7 +192,7 @@ impl RasterPlacement {
     }
 }
 
-/// Where NASA's maps of eight parts lie, by their names: `….A1.jpg` to `….D2.png`. Letters are quarters from 180° W, 1 is north.
+/// Position of NASA's maps of eight parts, from their names: `….A1.jpg` to `….D2.png`. Letters are quarters from 180° W, 1 is north.
 pub fn place_in_name(stem: &str) -> Option<Bounds> {
     let part = stem.rsplit(['.', '_', '-']).next()?;
     let [letter @ b'A'..=b'D', digit @ (b'1' | b'2')] = *part.as_bytes() else {

@@ -1,11 +1,11 @@
-//! A raster of a mosaic, a row at a time: a file, or tiles that lie side by side.
+//! A raster of a mosaic, one row at a time: a file, or adjacent tiles.
 
 use super::row::{AlphaMeans, RasterRow, without_alpha};
 use super::tiles::TileRows;
 use crate::error::BuildError;
 use crate::source::{RowSource, SourceInfo};
 
-/// Where rows come from.
+/// Source of rows.
 pub(super) enum Raster {
     File {
         /// Its reader.
@@ -23,7 +23,7 @@ impl Raster {
         Self::File { rows, bytes, alpha }
     }
 
-    /// How a file's colours differ from sRGB, where it says so.
+    /// Difference of a file's colours from sRGB, if it declares one.
     pub(super) fn colour_note(&self) -> Option<String> {
         match self {
             Self::File { rows, .. } => rows.colour_note(),
@@ -63,7 +63,7 @@ impl Raster {
         }
     }
 
-    /// What was left out since it was asked last.
+    /// Remarks about omitted parts since the last call.
     pub(super) fn notes(&mut self) -> Vec<String> {
         match self {
             Self::File { rows, .. } => rows.notes(),

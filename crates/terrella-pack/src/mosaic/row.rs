@@ -15,7 +15,7 @@ pub(super) struct RasterRow {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum AlphaMeans {
-    /// How much of a texel is there: what lies below shows through the rest.
+    /// Presence of a texel: the layer beneath is visible through the rest.
     Presence,
     /// How much of the amount that is drawn: cover of clouds, intensity of lights.
     Amount,
@@ -49,7 +49,7 @@ pub(super) fn without_alpha(
             continue;
         }
         row.bytes.extend_from_slice(colour);
-        // The highest byte of an integer says enough; alpha of floats is seldom, and counts where it is not 0.
+        // The highest byte of an integer is precise enough; alpha of floats is rare, and counts where it is not 0.
         let cover = match size {
             1 => alpha[0],
             2 => u16::from_ne_bytes([alpha[0], alpha[1]]).to_be_bytes()[0],

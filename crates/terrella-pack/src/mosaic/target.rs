@@ -19,11 +19,11 @@ pub struct Target {
     pub rows: u32,
 }
 
-/// A run of the target's columns, and what each is made of.
+/// A run of the target's columns, and the sources of each.
 pub(super) struct Span {
     /// First column of the target.
     pub first: usize,
-    /// What the columns are made of.
+    /// Sources of the columns.
     pub taps: Vec<Tap>,
     /// All are single texels that follow each other, from this one.
     pub is_same_from: Option<u32>,
@@ -121,7 +121,7 @@ impl Target {
         spans
     }
 
-    /// What a row is made of, of a raster with so many rows.
+    /// Source of a row in a raster with this many rows.
     pub(super) fn row_tap(&self, place: &RasterPlacement, rows: u32, row: u32) -> Tap {
         let axis = Axis {
             size: rows,
@@ -165,7 +165,7 @@ mod tests {
             (columns(&spans), spans[0].is_same_from),
             (vec![(8, 4)], Some(0))
         );
-        // Over the date line: its west part lies at the target's east end.
+        // Across the date line: its west part is at the target's east end.
         let spans = earth.spans(&place(135.0, -135.0, 4), 4);
         assert_eq!(columns(&spans), [(0, 2), (14, 2)]);
         assert_eq!(

@@ -1,4 +1,4 @@
-//! Mosaics of small maps: what lies where, what lies over what, and what is wrong.
+//! Mosaics of small maps: positions, layering and errors.
 
 mod nothing;
 mod places;
@@ -220,7 +220,7 @@ fn parts_cross_the_date_line_and_have_holes() {
         (map.at(0, 16), map.at(7, 16), map.at(8, 16)),
         ([108; 3], [115; 3], [9, 8, 7])
     );
-    // A colour that stands for nothing, and alpha.
+    // A colour that marks missing data, and alpha.
     let texels: Vec<u8> = (0..64 * 32)
         .flat_map(|n| [200, 200, 200, if n % 64 < 32 { 255 } else { 0 }])
         .collect();

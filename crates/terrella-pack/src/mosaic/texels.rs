@@ -4,7 +4,7 @@ use crate::source::sample;
 use crate::source::{SampleKind, SourceInfo};
 use terrella_imagery::srgb::{LINEAR_FROM_SRGB, SrgbEncoder, linear_from_encoded};
 
-/// How heights are written as colours.
+/// Encoding of elevations as colours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Encoding {
@@ -14,12 +14,12 @@ pub enum Encoding {
     Mapbox,
 }
 
-/// What a texel of a mosaic is.
+/// Format and meaning of a mosaic's texel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct TexelKind {
     /// 1 or 3.
     pub channels: usize,
-    /// What each channel is.
+    /// Number format of each channel.
     pub sample: SampleKind,
 }
 
@@ -89,7 +89,7 @@ impl Reader {
         }
     }
 
-    /// Whether bytes may be taken over as they are.
+    /// Whether bytes may be copied without conversion.
     pub(super) fn is_plain(&self) -> bool {
         self.from == self.to
             && self.encoding.is_none()
@@ -123,7 +123,7 @@ impl Reader {
                 continue;
             }
             match self.encoding {
-                // Black would be -32 768 m: tiles without heights are black.
+                // Black would be -32 768 m: tiles without data are black.
                 Some(Encoding::Terrarium) if (0..3).all(|channel| at(channel) == 0.0) => {
                     texel[0] = f32::NAN;
                 }
@@ -296,7 +296,7 @@ mod tests {
         let texels = [137, 219, 68, 128, 0, 0, 0, 0, 0];
         let (values, weights) = read(&reader, &texels, &[255; 3], 1);
         assert_eq!(values, [2_523.265_6, 0.0, 0.0]);
-        // Black is a tile without heights, not one 32 768 m deep.
+        // Black is a tile without data, not one 32 768 m deep.
         assert_eq!(weights, [1.0, 1.0, 0.0]);
     }
 

@@ -1,4 +1,4 @@
-//! Tiles of one size that lie side by side, read as one raster: a row of tiles is decoded at a time.
+//! Adjacent tiles of one size, read as one raster: one row of tiles is decoded at a time.
 
 use super::archive::{Archive, MAX_TILE_FILE_BYTES, tile_name};
 use super::row::{AlphaMeans, RasterRow, without_alpha};
@@ -15,7 +15,7 @@ pub const MAX_TILE_SIDE: u32 = 4096;
 /// Damaged and missing tiles that are named; more are counted.
 const MOST_NAMED: usize = 8;
 
-/// What stands for a tile's column and for its row in a path, as in the addresses of `pack fetch`.
+/// Placeholders of a tile's column and row in a path, as in the addresses of `pack fetch`.
 const COLUMN_WORDS: [&str; 3] = ["{column}", "{x}", "{TileCol}"];
 const ROW_WORDS: [&str; 3] = ["{row}", "{y}", "{TileRow}"];
 
@@ -25,7 +25,7 @@ const SOUTH_ROW_WORD: &str = "{-y}";
 /// Tiles of a grid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TileSet {
-    /// Where a tile lies, with words for its row and column; or the file that holds all of them.
+    /// Path of a tile, with placeholders for its row and column; or the archive of all tiles.
     pub path: PathBuf,
     /// The level of the tiles of a file that holds all.
     pub archive_level: Option<u8>,
@@ -37,7 +37,7 @@ pub struct TileSet {
     pub rows: Range<u32>,
     /// Rows of the whole grid.
     pub grid_rows: u32,
-    /// Texels of all columns that lie on the Earth: the last tile of a row may reach beyond it.
+    /// Width of all columns on the Earth, texels: the last tile of a row may extend beyond it.
     pub width: u32,
 }
 
@@ -60,7 +60,7 @@ impl TileSet {
         fill(text, &[SOUTH_ROW_WORD], south_row).into()
     }
 
-    /// What is wrong with a path of tiles, of which so many rows make the whole grid, if anything is.
+    /// The error in a tile path, for a grid of this many rows, if any.
     pub(super) fn path_complaint(path: &str, grid_rows: f64) -> Option<String> {
         let has = |words: &[&str]| words.iter().any(|word| path.contains(word));
         let is_south_row = path.contains(SOUTH_ROW_WORD);
@@ -209,12 +209,12 @@ impl TileRows {
         })
     }
 
-    /// Size and texels of all tiles.
+    /// Size and texel format of all tiles.
     pub(super) fn info(&self) -> SourceInfo {
         self.info
     }
 
-    /// Leaves out so many rows; tiles that lie in no other rows are not read.
+    /// Skips this many rows; tiles entirely in skipped rows are not read.
     pub(super) fn skip(&mut self, count: u32) {
         self.given += count;
     }
@@ -226,7 +226,7 @@ impl TileRows {
             self.read_tiles(tile_row)?;
             self.held = Some(tile_row);
         }
-        // In range: the tiles of a row are held whole.
+        // In range: the tiles of a row are held completely.
         let inside = (self.given % self.set.tile_size) as usize;
         let width = self.info.width as usize;
         let row_bytes = self.info.row_bytes();
@@ -275,7 +275,7 @@ impl TileRows {
         Ok(())
     }
 
-    /// A tile that broke in its middle is none.
+    /// A tile whose decoding fails in the middle counts as missing.
     fn clear_tile(&mut self, place: u32) {
         let (width, side) = (self.info.width as usize, self.set.tile_size as usize);
         let start = place as usize * side;
@@ -320,7 +320,7 @@ impl TileRows {
         Ok(is_whole)
     }
 
-    /// What was left out since it was asked last.
+    /// Remarks about omitted tiles since the last call.
     pub(super) fn notes(&mut self) -> Vec<String> {
         let missing = self.missing.tell("tiles are not there");
         missing
@@ -362,7 +362,7 @@ fn tile_bytes(
 fn read_file(path: &Path) -> std::io::Result<Vec<u8>> {
     let file = files::open(path)?;
     let mut bytes = Vec::new();
-    // What is cut off here is damaged to its decoder.
+    // A file truncated here is corrupt to its decoder.
     file.take(MAX_TILE_FILE_BYTES).read_to_end(&mut bytes)?;
     Ok(bytes)
 }

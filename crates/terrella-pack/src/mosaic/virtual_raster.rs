@@ -13,7 +13,7 @@ impl Description {
     /// Reads a virtual raster.
     ///
     /// # Errors
-    /// [`BuildError`] with the line, and for what a raster does to its files beside placing and cropping them.
+    /// [`BuildError`] with the line, also for operations of a raster other than placing and cropping its files.
     pub(super) fn of_vrt(path: &Path) -> Result<Self, BuildError> {
         let context = FileContext::new(path);
         let vrt = Vrt::open(path).map_err(|error| match error {
@@ -108,7 +108,7 @@ fn parts_of(vrt: &Vrt) -> Result<Vec<Part>, String> {
     first.sources.iter().enumerate().map(part).collect()
 }
 
-/// Where the raster places a file.
+/// Position of a file in the raster.
 fn placed(
     source: &VrtSource,
     size: (u32, u32),

@@ -49,8 +49,10 @@ pub(super) struct TiffRows<R: BufRead + Seek> {
 struct Stored {
     channels: usize,
     sample: SampleKind,
-    /// Bits of a sample in the file; fewer than 8 are read as bytes.
+    /// Bits of a sample in the file; fewer than 8 are read as bytes, and 9 to 15 in 16 bits.
     bits: u8,
+    /// Its first three channels are taken for red, green and blue, which it does not say.
+    is_presumed: bool,
     /// Each channel has strips or tiles of its own.
     is_planar: bool,
     /// Colours of the numbers that are stored.
@@ -73,6 +75,32 @@ impl Stored {
         self.channels * self.sample.bytes()
     }
 
+    /// Whether samples have fewer bits than they are handed over in, and are no numbers of a palette.
+    fn is_narrow(&self) -> bool {
+        let bits = 8 * self.sample.bytes();
+        usize::from(self.bits) < bits && self.palette.is_none()
+    }
+
+    /// Stretches samples of fewer bits over the whole range.
+    fn stretch(&self, samples: &mut [u8]) {
+        let most = (1_u32 << self.bits) - 1;
+        let stretched = |value: u32, full: u32| (value.min(most) * full + most / 2) / most;
+        match self.sample {
+            SampleKind::U8 => {
+                for value in samples {
+                    *value = stretched(u32::from(*value), u32::from(u8::MAX)) as u8;
+                }
+            }
+            _ => {
+                let (values, _) = samples.as_chunks_mut::<2>();
+                for value in values {
+                    let wide = u32::from(u16::from_ne_bytes(*value));
+                    *value = (stretched(wide, u32::from(u16::MAX)) as u16).to_ne_bytes();
+                }
+            }
+        }
+    }
+
     /// Reads what the header says, and rejects what is not read.
     fn of<R: BufRead + Seek>(
         decoder: &mut Decoder<Recoded<R>>,
@@ -83,9 +111,9 @@ impl Stored {
         let with_file = |error| decode_error(context, error);
         let colour = decoder.colortype().map_err(with_file)?;
         let extra = decoder.find_tag_unsigned_vec::<u16>(Tag::ExtraSamples);
-        let extra = extra
-            .map_err(with_file)?
-            .and_then(|extra| extra.first().copied());
+        let extras = extra.map_err(with_file)?.unwrap_or_default();
+        let extra = extras.first().copied();
+        let mut is_presumed = false;
         let (channels, bits) = match colour {
             ColorType::Gray(bits) => (1, bits),
             ColorType::GrayA(bits) => (2, bits),
@@ -98,6 +126,15 @@ impl Stored {
                 bit_depth,
                 num_samples: 2,
             } if matches!(extra, None | Some(1 | 2)) => (2, bit_depth),
+            // So GDAL writes colours of 16 bits, unless it is told what they are.
+            ColorType::Multiband {
+                bit_depth,
+                num_samples: count @ (3 | 4),
+            } if are_colours(&extras) => {
+                is_presumed = true;
+                let has_alpha = count == 4 && matches!(extras.last(), Some(1 | 2));
+                (if has_alpha { 4 } else { 3 }, bit_depth)
+            }
             ColorType::Multiband { num_samples, .. } => {
                 return Err(context.rejected(
                     format!("has {num_samples} channels and does not say that they are colours"),
@@ -123,8 +160,8 @@ impl Stored {
             .and_then(|formats| formats.first().copied())
             .unwrap_or(1);
         let sample = match (bits, format) {
-            (1 | 2 | 4 | 8, 1) => SampleKind::U8,
-            (16, 1) => SampleKind::U16,
+            (1..=8, 1) => SampleKind::U8,
+            (9..=16, 1) => SampleKind::U16,
             (16, 2) => SampleKind::I16,
             (32, 3) => SampleKind::F32,
             _ => {
@@ -138,10 +175,16 @@ impl Stored {
             channels,
             sample,
             bits,
+            is_presumed,
             is_planar: channels > 1 && planar,
             palette,
         })
     }
+}
+
+/// Whether the second and third of a grey pixel's samples can be colours: neither is alpha.
+fn are_colours(extras: &[u16]) -> bool {
+    !extras.iter().take(2).any(|kind| matches!(kind, 1 | 2))
 }
 
 /// The colours of a palette of numbers of 1 to 8 bits.
@@ -207,8 +250,11 @@ impl<R: BufRead + Seek> TiffRows<R> {
         let mut decoder = Decoder::new(reader).map_err(with_file)?;
         let (width, height) = decoder.dimensions().map_err(with_file)?;
         check_size(&context, width, height, extent)?;
-        let coded = TiffChunks::of(&mut decoder).map_err(|error| chunk_error(&context, error))?;
+        let coded = TiffChunks::of(&mut decoder);
+        let mut coded = coded.map_err(|error| chunk_error(&context, error))?;
         let stored = Stored::of(&mut decoder, &coded, has_palette, &context)?;
+        // At most 4.
+        coded.keep_first(stored.channels as u16);
         if extent == Extent::WholeEarth
             && let Some(complaint) = complaint_of(&GeoTags::read(&mut decoder), width, height)
         {
@@ -253,7 +299,7 @@ impl<R: BufRead + Seek> TiffRows<R> {
         let mut decoder = decoder.with_limits(decoder_limits);
         let gaps = Gaps::find(&mut decoder, (width, height), &context)?;
         if let Some(complaint) =
-            short_chunk(&mut decoder, &stored, chunks, height, &gaps).map_err(with_file)?
+            short_chunk(&mut decoder, &coded, chunks, height, &gaps).map_err(with_file)?
         {
             return Err(context.damaged(complaint));
         }
@@ -317,13 +363,7 @@ impl<R: BufRead + Seek> TiffRows<R> {
         first_row: u32,
     ) -> Result<(), BuildError> {
         let decoded = self.coded.read(&mut self.decoder, chunk);
-        let mut decoded = decoded.map_err(|error| chunk_error(&self.context, error))?;
-        if let (DecodingResult::U8(values), 1..8, None) =
-            (&mut decoded, self.stored.bits, &self.stored.palette)
-        {
-            let step = u8::MAX / ((1 << self.stored.bits) - 1);
-            values.iter_mut().for_each(|value| *value *= step);
-        }
+        let decoded = decoded.map_err(|error| chunk_error(&self.context, error))?;
         let bytes: &[u8] = match &decoded {
             DecodingResult::U8(values) => values,
             DecodingResult::U16(values) => bytemuck::cast_slice(values),
@@ -368,7 +408,7 @@ impl<R: BufRead + Seek> TiffRows<R> {
     /// Writes a row out of those held, with its palette's colours and what of it is there.
     fn write(&mut self, inside: usize, row: &mut [u8]) -> Result<(), BuildError> {
         let stored_bytes = self.info.width as usize * self.stored.texel_bytes();
-        let stored = &self.rows[inside * stored_bytes..][..stored_bytes];
+        let stored = &mut self.rows[inside * stored_bytes..][..stored_bytes];
         if self.gaps.are_possible() {
             let first_chunk = self.given / self.chunks.rows * self.chunks.across;
             let place = (first_chunk, self.chunks.columns);
@@ -379,7 +419,12 @@ impl<R: BufRead + Seek> TiffRows<R> {
             } = self.stored;
             let colours = channels - usize::from(matches!(channels, 2 | 4));
             self.gaps.take_no_data(sample, stored, channels, colours);
-        } else if self.stored.palette.is_none() {
+        }
+        // The number of no data is one of those that are stored.
+        if self.stored.is_narrow() {
+            self.stored.stretch(stored);
+        }
+        if !self.gaps.are_possible() && self.stored.palette.is_none() {
             row.copy_from_slice(stored);
             return Ok(());
         }
@@ -427,7 +472,7 @@ fn said<R: BufRead + Seek>(decoder: &mut Decoder<Recoded<R>>) -> Result<Said, Ti
 /// What is wrong with uncompressed strips and tiles that have fewer bytes than texels: they would be read on into others.
 fn short_chunk<R: BufRead + Seek>(
     decoder: &mut Decoder<Recoded<R>>,
-    stored: &Stored,
+    coded: &TiffChunks,
     chunks: Chunks,
     height: u32,
     gaps: &Gaps,
@@ -442,8 +487,8 @@ fn short_chunk<R: BufRead + Seek>(
         true => Tag::StripByteCounts,
         false => Tag::TileByteCounts,
     })?;
-    let samples = if stored.is_planar { 1 } else { stored.channels };
-    let row_bits = u64::from(chunks.columns) * samples as u64 * u64::from(stored.bits);
+    let samples = u64::from(coded.samples());
+    let row_bits = u64::from(chunks.columns) * samples * u64::from(coded.bits());
     let row_bytes = row_bits.div_ceil(8);
     let is_short = |(n, length): &(u32, u64)| {
         let first_row = n % chunks.per_plane / chunks.across * chunks.rows;
@@ -464,7 +509,13 @@ impl<R: BufRead + Seek> RowSource for TiffRows<R> {
     }
 
     fn colour_note(&self) -> Option<String> {
-        self.said.note()
+        self.said.note().or_else(|| {
+            self.stored.is_presumed.then(|| {
+                "does not say that its channels are colours: the first three are taken for red, green and blue; say so \
+                 (`gdal_translate -co PHOTOMETRIC=RGB IN OUT.tif`), or choose others (`-b 3 -b 2 -b 1`)"
+                    .to_string()
+            })
+        })
     }
 
     fn next_row(&mut self, row: &mut [u8]) -> Result<(), BuildError> {

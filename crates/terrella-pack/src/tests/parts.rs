@@ -80,7 +80,7 @@ fn parts_hold_the_texels_of_the_level_that_is_not_cut() {
                         ..key
                     };
                     let tile = in_parts.read(key, &|| false).expect("there");
-                    // Own texels and border are those of the block's tile there; the padding beyond it may lie outside that.
+                    // Own texels and border are those of the block's tile there; the padding may extend beyond it.
                     let (top, left) = (part / parts * 20, part % parts * 20);
                     let width = 20 + 2 * TILE_BORDER as usize;
                     for (y, texels) in rows(&tile).iter().take(width).enumerate() {
@@ -111,7 +111,7 @@ fn stops_passes_threads_and_little_memory_do_not_change_a_byte() {
     }
     let noted = std::fs::read_to_string(stopped.out.join("build.journal")).expect("a journal");
     assert!(noted.contains("plain day 80/4 0/3 "), "{noted}");
-    // What is noted and whole is not made again: its time stays.
+    // A recorded and complete tile is not made again: its modification time stays.
     let first = stopped.out.join("tiles/plain/day/80/r0c3.ktx2");
     let made = |path: &Path| std::fs::metadata(path).and_then(|known| known.modified());
     let before = made(&first).expect("there");

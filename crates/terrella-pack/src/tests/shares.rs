@@ -63,7 +63,7 @@ fn shares_give_the_files_of_one_build() {
             assert!(0 < missing && missing < plan.tiles);
         }
     }
-    // What no share has made the build makes itself.
+    // The build makes the shares that no process has made.
     build(&shared, &()).expect("goes on");
     assert!(contents(&shared.out) == contents(&whole.out));
     let again = begin_shares(&shared, 2, &()).expect_err("a finished pack");
@@ -127,7 +127,7 @@ fn shares_of_other_builds_and_shares_that_are_not_there_are_rejected() {
     };
     let error = build_share(&other, &good, &()).expect_err("another build");
     assert!(matches!(error, BuildError::OtherBuild { .. }), "{error}");
-    // Who makes a share has it for himself, and whoever would begin again waits.
+    // A share is locked by the process that makes it, and a new build waits.
     let name = share_journal_file("day-0-8");
     let held = fs::File::open(shared.out.join(&name)).expect("a journal");
     held.try_lock().expect("free");

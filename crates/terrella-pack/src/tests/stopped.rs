@@ -12,7 +12,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use tempfile::TempDir;
 use terrella_imagery::tile::{MapLayer, Storage};
 
-/// Writes so many files and then fails; where asked, leaves half a file beside the one that fails, as a full disk may.
+/// Writes a number of files and then fails; on request leaves a partial file beside the one that fails, as a full disk may.
 pub(crate) struct Failing {
     left: AtomicU32,
     leave_half: bool,
@@ -211,7 +211,7 @@ fn a_little_memory_gives_the_same_bytes() {
     };
     let much = ladder("much", 512_000_000);
     build(&much, &()).expect("builds");
-    // The bands of all columns take 4 MB; the least that is enough is found from the complaint.
+    // The bands of all columns take 4 MB; the least sufficient memory is found from the error.
     let little = ladder("little", 1_000_000);
     let Err(BuildError::Memory { needed_mb, .. }) = build(&little, &()) else {
         panic!("a megabyte is not enough");
@@ -261,7 +261,7 @@ fn other_maps_and_finished_packs_need_restart() {
     };
     let error = build(&other, &()).expect_err("another ladder");
     assert!(matches!(error, BuildError::OtherBuild { .. }), "{error}");
-    // The same command over another map: its time or its contents tell it.
+    // The same command with another map: it is detected by time or content.
     let map = folder.path().join("day.png");
     let before = fs::read(&map).unwrap();
     write_day(&map, 256);

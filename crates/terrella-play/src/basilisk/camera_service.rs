@@ -1,5 +1,4 @@
-//! The pictures that a simulation's own cameras ask for, drawn on a thread and a device of their own: whatever else is drawn, and
-//! whether anything is.
+//! Images that a simulation's own cameras request. They are drawn on a separate thread and device, independently of all other rendering.
 
 use super::depth::{USUAL_CLIP_M, depth_map};
 use crate::error::PlayError;
@@ -17,7 +16,7 @@ use terrella::GpuContext;
 use terrella_orbit::basilisk::{Camera, PictureRequest, Simulation};
 use terrella_sensor::{RawFrame, Sensor};
 
-/// How often the service looks whether it is to end.
+/// Interval at which the service checks whether it must end.
 const LOOK: Duration = Duration::from_millis(50);
 /// Largest width and height of a camera's picture, pixels.
 const MAX_SIDE_PX: i64 = 8192;
@@ -34,7 +33,7 @@ pub fn with_camera_service<R>(
         return body();
     };
     let is_ended = AtomicBool::new(false);
-    // Before the thread runs: no picture is to be rejected because it came first.
+    // Before the thread runs, so that no early image request is rejected.
     let painter = simulation.painter();
     std::thread::scope(|scope| {
         scope.spawn(|| {
@@ -127,10 +126,10 @@ impl<'f> CameraService<'f> {
         self.renderer.adapter_info().name
     }
 
-    /// Answers until `is_ended`, or until the simulation is met no more.
+    /// Serves requests until `is_ended`, or until the simulation has stopped.
     ///
     /// # Errors
-    /// A lost device: no further picture can be drawn.
+    /// A lost device: no further image can be drawn.
     pub fn run(&mut self, is_ended: &dyn Fn() -> bool) -> Result<(), PlayError> {
         while !is_ended() && !self.simulation.is_stopped() {
             if let Some(request) = self.simulation.next_picture(LOOK) {
@@ -200,14 +199,14 @@ impl<'f> CameraService<'f> {
     }
 }
 
-/// The scene's sensor, and what draws its frames.
+/// The scene's sensor, and the resources for its frames.
 struct CameraSensor {
     sensor: Sensor,
     painter: RawPainter,
 }
 
 impl CameraSensor {
-    /// What it reads out behind a camera.
+    /// Reads out a frame for a camera.
     fn read_out(
         &mut self,
         flight: &Flight,

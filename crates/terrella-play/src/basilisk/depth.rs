@@ -5,7 +5,7 @@ use glam::{DVec3, DVec4};
 use image::{Rgb, RgbImage};
 use terrella::frames::Ellipsoid;
 
-/// Distances at which depth begins and ends where a camera says none, metres.
+/// Default near and far clipping distances of a camera, metres.
 pub const USUAL_CLIP_M: [f64; 2] = [0.1, 100.0];
 
 /// The depth map of a moment: the ellipsoid's, without relief and without craft. Beyond the far end, and where there is no ground,
@@ -36,10 +36,10 @@ pub fn depth_map(
     })
 }
 
-/// How often `direction` goes into the way from the eye to the ellipsoid; `None` where it does not meet it.
+/// Distance to the ellipsoid along `direction`, in lengths of `direction`; `None` if the ray misses it.
 ///
-/// In scaled space, where the ellipsoid is the unit sphere: (e + t d)² = 1, in the form that does not cancel, t = c/(b + √(d² − |e × d|²)) with
-/// b = −e·d and c = (|e| − 1)(|e| + 1).
+/// In scaled space, where the ellipsoid is the unit sphere: (e + t d)² = 1, in the form without cancellation, t = c/(b + √(d² − |e × d|²)) with b =
+/// −e·d and c = (|e| − 1)(|e| + 1).
 fn depth(ellipsoid: &Ellipsoid, eye_m: DVec3, direction: DVec3) -> Option<f64> {
     let scale = ellipsoid.scaled_from_itrf();
     let (e, d) = (eye_m * scale, direction * scale);
@@ -107,7 +107,7 @@ mod tests {
         let middle_m = decoded(map.get_pixel(120, 80), 1e8);
         assert!((middle_m - 20e6).abs() < step_m, "{middle_m}");
         assert_eq!(map.get_pixel(0, 0).0, [255; 3]);
-        // At the limb the depth is that of the circle of tangents: d − R²/d.
+        // At the limb the depth is that of the circle of tangent points: d − R²/d.
         let distance_m = radius_m + 20e6;
         let limb_m = distance_m - radius_m * radius_m / distance_m;
         let row: Vec<_> = (0..241).map(|x| *map.get_pixel(x, 80)).collect();

@@ -1,4 +1,4 @@
-//! What the window shows of a simulation before it has a craft, and what the simulation's own cameras see.
+//! The window's view of a simulation before it has a spacecraft, and the views of the simulation's own cameras.
 
 use super::moments::{sky, turn};
 use crate::camera::{HeadTurn, OrbitalMotion, Pose};
@@ -26,7 +26,7 @@ impl Flight {
         alone.unwrap_or_else(|| self.without_satellite(self.scene().time.start, &request))
     }
 
-    /// What a camera of the simulation sees, or why it sees nothing. Of other craft the nearest is drawn.
+    /// The view of a simulation's camera, or why it has none. Of other spacecraft only the nearest is drawn.
     pub(super) fn seen_by(
         &self,
         snapshot: &Snapshot,
@@ -63,7 +63,7 @@ impl Flight {
         };
         let aspect = f64::from(size.0) / f64::from(size.1);
         let request = ViewRequest {
-            // What is at the craft and is not the craft.
+            // A camera at the spacecraft's position, but not attached to it.
             mode: CameraMode::Nadir,
             look: HeadTurn::default(),
             aspect,

@@ -1,5 +1,5 @@
-//! Simulations of Basilisk in pictures: their instants as moments of a flight, the window's time where a simulation gives it, the
-//! pictures that its own cameras ask for.
+//! Rendering of Basilisk simulations: their snapshots as moments of a flight, the window's time controlled by a simulation, and the images
+//! requested by its cameras.
 
 #[cfg(feature = "window")]
 mod camera_service;

@@ -1,4 +1,4 @@
-//! Instants of a simulation as moments of a flight: where the eye is, what lights the Earth, how it stands.
+//! Converts snapshots of a simulation into moments of a flight: eye, light, and the Earth's orientation.
 
 use crate::camera::OrbitalMotion;
 use crate::error::PlayError;
@@ -10,7 +10,7 @@ use terrella::frames::{EARTH_ROTATION_RATE_RAD_S, Epoch};
 use terrella::tracks::EarthTurn;
 use terrella_orbit::basilisk::{Recording, Simulation, Snapshot};
 
-/// What lights the Earth at an instant of a simulation, as the simulation says it.
+/// Sun and Moon in a snapshot of a simulation.
 pub(super) fn sky(snapshot: &Snapshot) -> Sky {
     let itrf_from_gcrf = snapshot.itrf_from_gcrf;
     let sun_m = itrf_from_gcrf * snapshot.sun_m;

@@ -1,4 +1,4 @@
-//! A camera service without a display: waits for simulations and draws what their cameras ask for.
+//! A camera service without a display: waits for simulations and draws the images that their cameras request.
 
 use super::camera_service::CameraService;
 use crate::error::PlayError;
@@ -14,15 +14,15 @@ pub struct ServeRequest<'r> {
     pub adapter: Option<&'r str>,
     /// Ends the service by itself after this many seconds.
     pub for_seconds: Option<f64>,
-    /// Ends it with the first simulation: when that is connected no more.
+    /// Ends the service with the first simulation, when it disconnects.
     pub once: bool,
 }
 
-/// Answers simulations and their cameras until it is interrupted, its time is over, or a simulation asks its viewer to end. Answers
-/// what it did. `ready` is called when everything is loaded.
+/// Serves simulations and their cameras until it is interrupted, its time is over, or a simulation requests the viewer to close. Returns a summary.
+/// `ready` is called when everything is loaded.
 ///
 /// # Errors
-/// A scene that is no simulation, maps or an adapter that are not there.
+/// A scene that is not a simulation, missing maps, or no adapter.
 pub fn serve(
     flight: &Flight,
     request: &ServeRequest<'_>,

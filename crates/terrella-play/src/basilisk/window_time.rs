@@ -1,4 +1,4 @@
-//! The window's time where a simulation of Basilisk gives it: which instant is shown, and what is told of it.
+//! The window's time, controlled by a Basilisk simulation: the displayed snapshot and the status messages.
 
 use crate::flight::{Flight, Moment, ViewRequest};
 use crate::keys::Action;
@@ -8,15 +8,14 @@ use std::time::{Duration, Instant};
 use terrella_orbit::basilisk::{Simulation, Snapshot, StepPace};
 use winit::keyboard::Key;
 
-/// How often a window asks for the simulation's next step.
+/// Interval at which a window checks for the simulation's next step.
 const POLL_INTERVAL: Duration = Duration::from_millis(4);
-/// How often a window that stands still checks the age of the last step.
+/// Interval at which a paused window checks the age of the last step.
 const AGE_CHECK_INTERVAL: Duration = Duration::from_millis(250);
 /// How many of the newest sentences about the simulation the panel has.
 const NOTES_SHOWN: usize = 4;
 
-/// The window's time where a simulation gives it. The simulation is never held up: it is answered at once, and the newest of its steps
-/// is shown.
+/// The window's time, controlled by a simulation. The simulation is never delayed: it gets its reply immediately, and the latest step is shown.
 pub struct SimulationPlay<'f> {
     flight: &'f Flight,
     simulation: &'f Simulation,
@@ -40,7 +39,7 @@ impl<'f> SimulationPlay<'f> {
         })
     }
 
-    /// Whether a new picture is due.
+    /// Whether a new image is due.
     pub fn is_due(&mut self, is_hidden: bool, is_paused: bool) -> bool {
         if is_hidden {
             return false;
@@ -53,7 +52,7 @@ impl<'f> SimulationPlay<'f> {
         is_new || is_time
     }
 
-    /// How long the window may sleep before it asks again.
+    /// Time for which the window may sleep before the next check.
     pub fn pause(&self, is_paused: bool) -> Duration {
         match is_paused {
             true => AGE_CHECK_INTERVAL,
@@ -61,7 +60,7 @@ impl<'f> SimulationPlay<'f> {
         }
     }
 
-    /// Whether the simulation has asked its viewer to end.
+    /// Whether the simulation has requested its viewer to close.
     pub fn is_over(&self) -> bool {
         self.simulation.is_over()
     }
@@ -77,7 +76,7 @@ impl<'f> SimulationPlay<'f> {
         moment.unwrap_or_else(|| self.flight.simulated_alone(shown, view))
     }
 
-    /// The message for a user who asks for something that only the simulation can do; `None` where it can be done.
+    /// The message for an action that only the simulation can perform; `None` for other actions.
     pub fn denial(&self, action: Action) -> Option<String> {
         let what = match action {
             Action::Faster | Action::Slower | Action::Rate(_) => "made faster or slower",
@@ -95,7 +94,7 @@ impl<'f> SimulationPlay<'f> {
         ))
     }
 
-    /// A key was pressed: what to tell of it where it goes to the script and not to the window.
+    /// Handles a pressed key. Returns a message if the key goes to the script instead of the window.
     pub fn press(&self, key: &Key) -> Option<String> {
         let Key::Character(text) = key else {
             return None;

@@ -7,7 +7,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::{Quat, Vec2, Vec3};
 use std::f32::consts::TAU;
 
-/// What a surface is made of.
+/// Material of a surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Material {
     /// Golden multi-layer insulation.
@@ -52,7 +52,7 @@ pub struct CraftVertex {
 pub const ATTRIBUTES: [wgpu::VertexAttribute; 4] =
     wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Float32x2, 3 => Uint32];
 
-/// Sides of what is round.
+/// Number of sides of a round body.
 const SIDES: u32 = 24;
 /// Rings of the dish.
 const RINGS: u32 = 5;
@@ -78,7 +78,7 @@ pub fn vertices() -> Vec<CraftVertex> {
         let flank = Vec3::new(-1.2, side * (BODY.y + 0.04), -0.3);
         mesh.cuboid(flank, Vec3::new(0.75, 0.04, 1.0), Material::Paint);
     }
-    // What it carries: a telescope that looks down, and an instrument in front of it.
+    // Its payload: a telescope that looks down, and an instrument in front of it.
     let down = Quat::IDENTITY;
     mesh.cylinder(
         Vec3::new(0.7, 0.0, BODY.z),
@@ -135,7 +135,7 @@ impl Mesh {
         }
     }
 
-    /// A closed cylinder from `base` along the z axis as `turn` has it.
+    /// A closed cylinder from `base` along the z axis of `turn`.
     fn cylinder(&mut self, base: Vec3, turn: Quat, radius: f32, length: f32, material: Material) {
         let axis = turn * Vec3::Z;
         for k in 0..SIDES {
@@ -198,7 +198,7 @@ impl Mesh {
             let center = Vec3::Y * (side * (inner + 0.5 * PANEL_LENGTH));
             let half = 0.5 * Vec3::new(PANEL_WIDTH, PANEL_LENGTH, WING_THICKNESS);
             self.cuboid(center, half, Material::Wing);
-            // The cells lie a little above the panel and leave its rim free.
+            // The cells are slightly above the panel and leave its rim free.
             let (u, v) = (Vec3::X * (half.x - 0.06), Vec3::Y * (half.y - 0.06));
             let top = center - Vec3::Z * (half.z + 0.01);
             let corners = [-u - v, u - v, u + v, v - u].map(|offset| (top + offset, Vec3::NEG_Z));

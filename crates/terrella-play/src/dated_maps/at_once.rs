@@ -1,4 +1,4 @@
-//! The maps of one epoch, read at once: what an Earth begins with, and what pictures without a GPU are drawn with.
+//! The maps of one epoch, read synchronously: the initial maps of an Earth, and those for rendering without a GPU.
 
 use super::super::error::PlayError;
 use crate::scene::{DatedLayer, DatedMaps, Scene};
@@ -23,7 +23,7 @@ pub(super) const fn map_layer(layer: DatedLayer) -> MapLayer {
 pub(super) struct MapFiles {
     layer: DatedLayer,
     files: Vec<PathBuf>,
-    /// Where day maps have their sea from.
+    /// Folder of the water map for day maps.
     folder: PathBuf,
     sea: LayerSelection,
 }
@@ -48,10 +48,10 @@ impl MapFiles {
         })
     }
 
-    /// Reads some of them and keeps none.
+    /// Reads some of them as a check, and keeps none.
     ///
     /// # Errors
-    /// The first that cannot be drawn.
+    /// The first that cannot be used.
     pub fn check(&self, places: &[usize]) -> Result<(), ImageryError> {
         places.iter().try_for_each(|place| {
             let path = &self.files[*place];

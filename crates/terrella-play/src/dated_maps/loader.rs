@@ -26,7 +26,7 @@ pub(super) struct MapLoader {
 struct Wishes {
     /// Places in the list, the most urgent first.
     places: Vec<usize>,
-    /// What the thread reads now, or has read and nobody took yet.
+    /// Maps that the thread is reading, or has read and no one has taken yet.
     under_way: Vec<usize>,
     is_over: bool,
 }
@@ -86,7 +86,7 @@ impl MapLoader {
     }
 }
 
-/// Waits for the next wish; `None` where there will be none any more.
+/// Waits for the next request; `None` if there will be no more.
 fn next_wish((wishes, changed): &(Mutex<Wishes>, Condvar)) -> Option<usize> {
     let mut wishes = wishes.lock().unwrap_or_else(PoisonError::into_inner);
     loop {

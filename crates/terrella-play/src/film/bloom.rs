@@ -73,7 +73,7 @@ impl Grid {
         }
     }
 
-    /// What a picture twice as large has at a pixel: the value between pixels at its middle.
+    /// Value at a pixel of an image twice as large: interpolated at that pixel's centre.
     fn finer(&self, x: usize, y: usize) -> DVec3 {
         let taps = |index: usize| {
             let middle = (index / 2) as isize;
@@ -91,7 +91,7 @@ impl Grid {
         sum
     }
 
-    /// With a share of a coarser one in place of its own light.
+    /// Blended with a coarser level by `share`.
     fn mixed(mut self, coarser: &Self, share: f64) -> Self {
         let width = self.width;
         let light = self.light.par_iter_mut().enumerate();

@@ -1,6 +1,6 @@
-//! From light to a picture, on the processor: averaged, exposed, by the tone curve, encoded.
+//! Development of light into an image on the CPU: averaging, exposure, tone curve, encoding.
 //!
-//! What a screen gets is decided as in `shaders/common/displayed.wgsl`; here light of many pixels and instants is averaged before.
+//! The formulas are those of `shaders/common/displayed.wgsl`; in addition, light of many pixels and times is averaged before.
 
 use super::bloom::scatter;
 use super::over_light::covered;
@@ -16,7 +16,7 @@ use terrella::{Bloom, Grade, Tone};
 #[derive(Clone, Debug)]
 pub struct GatheredLight {
     size: (u32, u32),
-    /// N of N × N pixels of what is added for one.
+    /// N of the N × N pixels that are averaged into one.
     pixels_a_side: u32,
     sums: Vec<DVec4>,
     instants: u32,
@@ -27,22 +27,22 @@ pub struct GatheredLight {
 pub struct LightPicture {
     /// Width and height, pixels.
     pub size: (u32, u32),
-    /// Red, green and blue, and how much of what is behind is hidden, 0…1; the light is that before it alone (premultiplied).
+    /// Red, green, blue and opacity over the background, 0…1; the light is premultiplied.
     pub pixels: Vec<[f32; 4]>,
     /// How it is shown.
     pub look: PictureLook,
-    /// What stands over it at the white of display: 8 bits a channel, sRGB, premultiplied. Neither lens nor grain change it.
+    /// Overlay at display white: 8 bits a channel, sRGB, premultiplied. Neither bloom nor grain affect it.
     pub over: Option<RgbaImage>,
 }
 
 /// How light is shown.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PictureLook {
-    /// What light is multiplied by.
+    /// Exposure factor.
     pub factor: f64,
     /// The curve of highlights.
     pub tone: Tone,
-    /// What a lens does to exposed light before that.
+    /// Bloom of exposed light before the tone curve.
     pub bloom: Bloom,
     /// White balance before the curve, and grain after it.
     pub grade: Grade,
@@ -78,7 +78,7 @@ impl GatheredLight {
         self.instants += 1;
     }
 
-    /// The mean of what was added.
+    /// The mean of the added images.
     pub fn picture(&self, look: PictureLook) -> LightPicture {
         let count = f64::from(self.pixels_a_side).powi(2) * f64::from(self.instants.max(1));
         let pixels = self.sums.par_iter().map(|sum| {
@@ -95,7 +95,7 @@ impl GatheredLight {
 }
 
 impl LightPicture {
-    /// With 8 bits a channel, dithered: as a screen shows it, on black; or with `alpha` straight, for what is behind it.
+    /// With 8 bits a channel, dithered: as displayed, on black; or with straight `alpha`, for compositing.
     pub fn shown_8(&self, alpha: bool) -> RgbaImage {
         let width = self.size.0.max(1) as usize;
         let mut bytes = vec![0; self.pixels.len() * 4];
@@ -119,7 +119,7 @@ impl LightPicture {
             ]);
         });
         let (width, height) = self.size;
-        // As many bytes as pixels ask for.
+        // The number of bytes matches the size.
         RgbaImage::from_raw(width, height, bytes).unwrap_or_default()
     }
 
@@ -147,7 +147,7 @@ impl LightPicture {
         bytes
     }
 
-    /// The light that a lens lets through, before it is exposed.
+    /// The light after the lens, before exposure.
     pub(super) fn scattered(&self) -> Cow<'_, [[f32; 4]]> {
         let mut pixels = Cow::from(&self.pixels);
         let look = &self.look;
@@ -166,17 +166,17 @@ impl LightPicture {
     }
 }
 
-/// What makes a pixel of light: what all pixels share.
+/// Parameters that all pixels share in development.
 pub(super) struct PixelDeveloper<'l> {
     look: &'l PictureLook,
     /// The matrix of the white balance.
     balance: Option<DMat3>,
-    /// What grains of the frame are hashed with.
+    /// Seed of the frame's grain.
     frame_seed: u32,
 }
 
 impl PixelDeveloper<'_> {
-    /// Adds the grain of a pixel to encoded values; `bare` is the part of it that nothing stands over, 0…1.
+    /// Adds the grain of a pixel to encoded values; `bare` is the fraction that no overlay covers, 0…1.
     pub fn grained(&self, (x, y): (usize, usize), bare: f32) -> impl Fn(f64) -> f64 {
         let grain = self.look.grade.grain;
         let is_grained = grain.strength > 0.0;

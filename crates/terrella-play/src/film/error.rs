@@ -18,7 +18,7 @@ pub enum FilmError {
     #[error("{}: holds frames of another film: {differences}; choose another folder, or give --overwrite to render all frames again", path.display())]
     OtherFilm {
         path: PathBuf,
-        /// What is different, as text.
+        /// The differences, as text.
         differences: String,
     },
     /// The page of a folder cannot be understood.
@@ -30,7 +30,7 @@ pub enum FilmError {
     /// Frames that the film does not have.
     #[error("there are no frames {wanted}: the frames of the film are 0 to {}", frame_count.saturating_sub(1))]
     NoSuchFrames {
-        /// The range asked for.
+        /// The requested range.
         wanted: String,
         frame_count: u64,
     },
@@ -39,18 +39,18 @@ pub enum FilmError {
     NoLight {
         scene: PathBuf,
         what: &'static str,
-        /// What the user can do about it.
+        /// The remedy.
         remedy: &'static str,
     },
-    /// What has display colours, where pictures are light or let through what is behind them.
+    /// An overlay in display colours over images that are scene-referred light or transparent.
     #[error("{}: --format exr and --alpha have no room for {what}, which have display colours; {remedy}, or omit these options", scene.display())]
     NoOverlay {
         scene: PathBuf,
         what: &'static str,
-        /// What the user can do about it.
+        /// The remedy.
         remedy: &'static str,
     },
-    /// A peak luminance for a format that has none.
+    /// A peak luminance for a format without one.
     #[error(
         "--peak is for --format pq: other formats have the peak of their display, and HLG always 1000 cd/m²; omit it, or choose --format pq"
     )]

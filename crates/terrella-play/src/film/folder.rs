@@ -7,7 +7,7 @@ use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
 use terrella_files::{self as files, Unfinished};
 
-/// What becomes of a folder that holds something already.
+/// Handling of a folder that is not empty.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Existing {
     /// It is rejected.
@@ -79,7 +79,7 @@ impl FrameFolder {
             ending,
             _lock: lock,
         };
-        // What a run that was killed left: nobody else writes here now.
+        // Left over from a run that was killed: no other process writes here now.
         frames.remove_unfinished()?;
         if existing == Existing::Overwrite && frames.path(frame_count).exists() {
             tracing::warn!(
@@ -93,10 +93,10 @@ impl FrameFolder {
         Ok(frames)
     }
 
-    /// Takes away frames that are not whole. Only while nobody writes any.
+    /// Removes incomplete frames. Only while no process writes any.
     ///
     /// # Errors
-    /// A folder that cannot be read, files that cannot be taken away.
+    /// A folder that cannot be read, or files that cannot be removed.
     pub fn remove_unfinished(&self) -> Result<(), OutputError> {
         let rejected = |source| OutputError::write(&self.folder, source);
         for entry in std::fs::read_dir(&self.folder).map_err(rejected)? {

@@ -19,25 +19,25 @@ pub struct FilmFrames {
     painter: FilmPainter,
     settings: PictureSettings,
     has_tiles: bool,
-    /// Where exposure is metered: that of the first frames, as far as it is known, EV; `None` before the first that has one.
+    /// Metered exposures of the first frames, as far as known, EV; `None` before the first that is metered.
     exposures_ev: Vec<Option<f64>>,
 }
 
 /// A frame that is drawn and not written.
 pub struct DrawnFrame {
-    /// What its page says of it, but for its file.
+    /// Its record without the file.
     pub record: FrameRecord,
-    /// What is drawn.
+    /// The image.
     pub picture: FilmPicture,
     /// Tiles that it lacks.
     pub missing: Vec<TileKey>,
 }
 
 impl FilmFrames {
-    /// Uploads the maps to an adapter that has [`FilmPainter::features`].
+    /// Uploads the maps to an adapter with [`FilmPainter::features`].
     ///
     /// # Errors
-    /// What the settings do not allow; maps and textures that the device has no room for.
+    /// Invalid settings; maps and textures that do not fit into the device's memory.
     pub fn open(
         flight: &Flight,
         gpu: GpuContext,
@@ -53,7 +53,7 @@ impl FilmFrames {
         })
     }
 
-    /// What paints them.
+    /// The painter of the frames.
     pub fn painter(&mut self) -> &mut FilmPainter {
         &mut self.painter
     }
@@ -72,7 +72,7 @@ impl FilmFrames {
         for n in self.exposures_ev.len() as u64..=index {
             let moment = flight.at(frame_epoch(time, n), aspect)?;
             let ev = renderer.follow_light(&moment, 1.0 / time.frame_rate_hz)?;
-            // Where nothing is metered the exposure stays as it is.
+            // If nothing is metered, the exposure is kept.
             let before = self.exposures_ev.last().copied().flatten();
             self.exposures_ev.push(ev.or(before));
         }

@@ -9,12 +9,12 @@ use terrella::Hdr;
 pub struct HdrPicture {
     /// Red, green and blue of BT.2020's primaries, full range, 16 bits a channel, high byte first, rows from the top.
     pub codes: Vec<u8>,
-    /// The largest of all pixels' brightest channels, and their mean, cd/m²: MaxCLL and MaxFALL of CTA-861.3.
+    /// The maximum and the mean of all pixels' brightest channels, cd/m²: MaxCLL and MaxFALL of CTA-861.3.
     pub light_levels_cd_m2: [f64; 2],
 }
 
 impl LightPicture {
-    /// For a display of high dynamic range.
+    /// Encodes for a high dynamic range display.
     pub fn shown_hdr(&self, hdr: &Hdr) -> HdrPicture {
         let mut codes = vec![0; self.pixels.len() * 6];
         let scattered = self.scattered();

@@ -1,4 +1,4 @@
-//! What makes a film another film: the program, the scene, the files that its pictures come from, and how it is drawn.
+//! Identity of a film: the program, the scene, the input files, and the drawing settings.
 
 use super::error::FilmError;
 use super::settings::PictureSettings;
@@ -20,7 +20,7 @@ const MOST_NAMED: usize = 5;
 /// Most characters of a name in a message.
 const NAME_CHARS: usize = 80;
 
-/// What a film is known by. Frames of two films that are alike in this are the same on one machine.
+/// Identity of a film. Frames of two films with equal keys are identical on one machine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FilmKey {
@@ -54,10 +54,10 @@ pub struct FilmInput {
 }
 
 impl FilmKey {
-    /// The film of a scene, made ready, with pictures of this size. Reads all files that its pictures come from.
+    /// The key of a scene's film with images of this size. Reads all input files.
     ///
     /// # Errors
-    /// A file that cannot be found, or not be read any more.
+    /// A file that cannot be found or read.
     pub fn new(
         scene: &Scene,
         size: (u32, u32),
@@ -69,7 +69,7 @@ impl FilmKey {
             .collect::<Result<_, _>>()?;
         Ok(Self {
             program: program()?,
-            // Scenes that no file says have a text anyway.
+            // Scenes without a file also have a text.
             scene_blake3: match scene.own_text() {
                 Some(text) => checksum(text.as_bytes()),
                 None if scene.path.is_file() => checksum_of(&scene.path)?,

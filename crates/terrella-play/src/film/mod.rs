@@ -1,26 +1,25 @@
-//! Films as folders of frames: numbered pictures, and a page that says what each of them is.
+//! Films as folders of frames: numbered images, and a page that describes each of them.
 //!
-//! A folder of frames can be left and gone on with: its page, `frames.json`, names the film that it holds and every frame that is
-//! done, with a checksum, and is good JSON at any moment, also where the program is killed. Of one that is cut anyway, its entries up to
-//! the cut are kept.
+//! An interrupted folder of frames can be continued: its page, `frames.json`, identifies the film and every finished frame with a checksum. It is
+//! valid JSON at any time, even if the program is killed. If it is truncated nevertheless, its entries before the cut are kept.
 //!
-//! | file | what |
+//! | file | content |
 //! |---|---|
-//! | `range` | which frames are wanted |
-//! | `key` | what makes a film another film: program, scene, the files that its pictures come from, settings |
-//! | `folder` | names of frames, and one run at a time in a folder |
-//! | `page` | `frames.json`: written frame by frame, read again |
-//! | `page_text` | its text in parts, also where it is cut off |
-//! | `record` | what the page says of a frame |
-//! | `settings` | how pictures are made and kept |
+//! | `range` | the requested frames |
+//! | `key` | identity of a film: program, scene, input files, settings |
+//! | `folder` | names of frames, and the lock of a folder |
+//! | `page` | `frames.json`: written frame by frame, and read back |
+//! | `page_text` | parser of its text, also if truncated |
+//! | `record` | the page's record of a frame |
+//! | `settings` | how images are made and stored |
 //! | `frames` | draws the frames of a scene's film, in any order |
-//! | `shared_folder` | a folder that several processes fill |
-//! | `painter` | draws them: as a screen shows them, or as light of many pixels and instants |
-//! | `bloom` | light that a lens scatters, on the processor |
-//! | `develop` | from light to a picture, on the processor |
-//! | `hdr` | the same for displays of high dynamic range |
-//! | `over_light` | captions that stand over such pictures |
-//! | `picture` | a picture and its file: PNG, PNG with 16 bits or of high dynamic range, OpenEXR |
+//! | `shared_folder` | a folder that several processes write to |
+//! | `painter` | draws frames as displayed, or as averaged light of many pixels and times |
+//! | `bloom` | bloom on the CPU |
+//! | `develop` | development of light into an image, on the CPU |
+//! | `hdr` | development for high dynamic range displays |
+//! | `over_light` | tracks and captions over such images |
+//! | `picture` | an image and its file: PNG, PNG with 16 bits or of high dynamic range, OpenEXR |
 //! | `error` | why a folder is rejected |
 
 mod bloom;

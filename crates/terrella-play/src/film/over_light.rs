@@ -1,4 +1,4 @@
-//! Tracks, names and captions that stand over pictures made of light: they have display colours, and are drawn apart.
+//! Tracks, names and captions over images made of light: they have display colours, and are drawn separately.
 
 use crate::captions::CaptionLayer;
 use crate::egui_pass::EguiTarget;

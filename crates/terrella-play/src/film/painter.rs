@@ -96,7 +96,7 @@ impl FilmPainter {
         if scene.earth.light.is_none() {
             return Err(rejected(
                 "the paper's shading",
-                "write shading = \"sunlit\" in [earth]",
+                "write look = \"standard\" in [earth]",
             ));
         }
         if settings.alpha && scene.quality.scale < 1.0 {

@@ -9,7 +9,7 @@ use std::f64::consts::{PI, TAU};
 use std::fmt;
 use terrella::frames::Geodetic;
 
-/// How deep collections may lie in each other; RFC 7946, 3.1.8, advises against any.
+/// Maximum nesting of collections; RFC 7946, 3.1.8, advises against any.
 const MAX_DEPTH: usize = 8;
 /// Longitudes that are taken, degrees: files that go on beyond the date line have up to one and a half turns.
 const MAX_LON_DEG: f64 = 540.0;
@@ -37,7 +37,7 @@ impl Shape {
         }
     }
 
-    /// What is drawn of it as lines. A ring's edges along the date line are where RFC 7946, 3.1.9, has it cut, and no part of its outline.
+    /// Its lines. Ring edges along the date line are the cuts of RFC 7946, 3.1.9, and not part of the outline.
     pub(super) fn into_lines(self) -> Vec<Vec<Geodetic>> {
         let line = match self {
             Self::Point(_) => return Vec::new(),
@@ -48,7 +48,7 @@ impl Shape {
         if !line.windows(2).any(is_cut) {
             return vec![line];
         }
-        // The place that follows a cut begins a line, so that none is broken where the ring begins.
+        // A line starts at the position after a cut, so that none is split where the ring starts.
         let first = line.windows(2).position(is_cut).map_or(0, |edge| edge + 1);
         let count = line.len() - 1;
         let round: Vec<Geodetic> = (0..=count).map(|k| line[(first + k) % count]).collect();
@@ -59,12 +59,12 @@ impl Shape {
             .collect()
     }
 
-    /// Where its name stands: in the middle of a line, and of the ground that a ring encloses.
+    /// Position of its name: the middle of a line, or of the area of a ring.
     pub(super) fn anchor(&self) -> Geodetic {
         match self {
             Self::Point(place) => *place,
             Self::Line(line) => {
-                // A place of the line itself may have a name of its own.
+                // The middle of a segment, as a vertex may have its own name.
                 let (from, to) = (line[line.len() / 2 - 1], line[line.len() / 2]);
                 let east = to.lon_rad - from.lon_rad;
                 let east = east - TAU * (east / TAU).round();
@@ -79,7 +79,7 @@ impl Shape {
                 let count = corners.len() as f64;
                 let origin = line[0].lon_rad;
                 let lats = corners.iter().map(|place| place.lat_rad);
-                // A ring may lie across the date line.
+                // A ring may cross the date line.
                 let east = corners.iter().map(|place| place.lon_rad - origin);
                 let east = east.map(|lon| lon - TAU * (lon / TAU).round());
                 Geodetic {
@@ -96,7 +96,7 @@ fn is_on_date_line(place: &Geodetic) -> bool {
     (place.lon_rad.abs() - PI).abs() < DATE_LINE_ROUNDING_RAD
 }
 
-/// What a geometry is made of.
+/// Parts of a geometry.
 #[derive(Default)]
 pub(super) struct Shapes {
     pub shapes: Vec<Shape>,
@@ -104,7 +104,7 @@ pub(super) struct Shapes {
     pub polygons: Vec<Vec<Vec<Geodetic>>>,
     /// Positions that were read.
     pub positions: usize,
-    /// What is wrong and drawn anyway.
+    /// Errors of parts that are drawn anyway.
     pub faults: Vec<String>,
     /// Whether an exterior ring is clockwise, against RFC 7946, 3.1.6, which has readers take it anyway.
     pub is_wound_clockwise: bool,
@@ -162,7 +162,7 @@ impl<'de> Deserialize<'de> for Position {
                         None => return Err(serde::de::Error::invalid_length(index, &self)),
                     }
                 }
-                // Heights, and what else programs add.
+                // Heights, and other values that programs add.
                 while list.next_element::<IgnoredAny>()?.is_some() {}
                 Ok(Position(numbers))
             }

@@ -1,4 +1,4 @@
-//! Properties of features that say how they are drawn: simplestyle-spec 1.1.0 (github.com/mapbox/simplestyle-spec).
+//! Style properties of features: simplestyle-spec 1.1.0 (github.com/mapbox/simplestyle-spec).
 
 use serde_json::{Map, Value};
 use std::ops::RangeInclusive;
@@ -8,7 +8,7 @@ use terrella::tracks::FillStyle;
 const WIDTH_PX: RangeInclusive<f64> = 0.1..=64.0;
 /// Properties of the specification that are not drawn: marks are rings.
 const NOT_DRAWN: [&str; 3] = ["marker-size", "marker-symbol", "description"];
-/// Opacity of a filling whose feature has a colour for it alone, as the specification has it.
+/// Opacity of a fill if the feature has a fill colour, by the specification.
 const FILL_OPACITY: f64 = 0.6;
 
 /// How a line is drawn.
@@ -22,7 +22,7 @@ pub struct GeoStyle {
     pub width_px: f64,
 }
 
-/// How features without a style of their own are drawn.
+/// Style of features without their own.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct UsualStyle {
     pub line: GeoStyle,
@@ -72,7 +72,7 @@ impl Properties {
         serde_json::from_str(text).map(Self)
     }
 
-    /// The style, and what of it is not understood.
+    /// The style, and the properties that are not understood.
     pub(super) fn style(&self, usual: UsualStyle) -> (FeatureStyle, Vec<String>) {
         let UsualStyle {
             line: usual,

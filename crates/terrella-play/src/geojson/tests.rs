@@ -291,7 +291,7 @@ fn segments_over_half_a_turn_go_the_shorter_way_and_whole_turns_go_round() {
 
 #[test]
 fn edges_along_the_date_line_are_no_outline() {
-    // The cut begins the ring, ends it, and lies within it.
+    // The cut starts the ring, ends it, or is inside it.
     for ring in [
         "[[180,0],[180,10],[170,10],[170,0],[180,0]]",
         "[[180,10],[170,10],[170,0],[180,0],[180,10]]",
@@ -309,7 +309,7 @@ fn edges_along_the_date_line_are_no_outline() {
     assert_eq!(lines(&found).len(), 2);
 }
 
-/// simplestyle-spec 1.1.0: a filling has an opacity of 0.6 where none is given.
+/// simplestyle-spec 1.1.0: a fill has an opacity of 0.6 by default.
 #[test]
 fn polygons_are_filled_as_they_say() {
     let area = |properties: &str| {
@@ -340,7 +340,7 @@ fn polygons_are_filled_as_they_say() {
     let rings = &found.fills[0].1[0];
     assert_eq!(rings.iter().map(Vec::len).collect::<Vec<_>>(), [4, 4]);
     assert_eq!(found.points.len(), 1, "named by its filling alone");
-    // The table's own opacity is for what says nothing.
+    // The table's own opacity applies to features without any style.
     let usual = UsualStyle {
         fill_opacity: 0.5,
         ..USUAL
@@ -443,7 +443,7 @@ fn words_in_strings_are_no_numbers() {
 #[test]
 fn any_bytes_are_read_without_a_panic() {
     let good = r##"{"type":"FeatureCollection","features":[{"type":"Feature","properties":{"stroke":"#fff","title":"a"},"geometry":{"type":"Polygon","coordinates":[[[1,2],[3,4],[5,6],[1,2]]]}}]}"##;
-    // Each byte changed or cut off: a generator of its own, so that a failure comes again.
+    // Each byte changed or truncated: with an own random generator, so that a failure is reproducible.
     let mut state = 1_u64;
     for cut in 0..good.len() {
         let _ = GeoJson::parse(&good[..cut], USUAL, None);

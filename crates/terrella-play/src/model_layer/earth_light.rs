@@ -59,7 +59,7 @@ impl EarthDisc {
     }
 }
 
-/// Where a ray meets the unit sphere first; `None` where it passes.
+/// First intersection of a ray with the unit sphere; `None` if it misses.
 fn meets(eye: DVec3, direction: DVec3) -> Option<DVec3> {
     let direction = direction.normalize_or_zero();
     let ahead = -eye.dot(direction);
@@ -79,7 +79,7 @@ fn albedo_at(normal: DVec3, albedo: &[Vec4]) -> Vec3 {
     texel.map_or(Vec3::ZERO, |texel| texel.truncate())
 }
 
-/// Whether the Earth hides a far direction.
+/// Whether the Earth hides a distant direction.
 pub fn hides(position_itrf_m: DVec3, direction: DVec3, ellipsoid: &Ellipsoid) -> bool {
     let scale = ellipsoid.itrf_from_scaled();
     meets(position_itrf_m / scale, direction / scale).is_some()
@@ -89,7 +89,7 @@ pub fn hides(position_itrf_m: DVec3, direction: DVec3, ellipsoid: &Ellipsoid) ->
 pub(super) mod tests {
     use super::*;
 
-    /// As `tilted_view_factor` of shaders/craft_model.wgsl has it.
+    /// As `tilted_view_factor` in shaders/craft_model.wgsl.
     fn tilted_view_factor(c: f64, limb_sine: f64) -> f64 {
         let limb_cosine = (1.0 - limb_sine * limb_sine).max(0.0).sqrt();
         let k = limb_sine * limb_sine;

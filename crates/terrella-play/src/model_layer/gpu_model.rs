@@ -169,7 +169,7 @@ impl Pictures<'_> {
         })
     }
 
-    /// A picture with its sampler; white where a material has none.
+    /// A texture with its sampler; white if a material has none.
     fn texture(
         &mut self,
         texture: Option<TextureUse>,

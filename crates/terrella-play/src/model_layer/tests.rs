@@ -1,4 +1,4 @@
-//! Pixels of a cube where a projection and formulas of their own say that they are, and the shader.
+//! Pixels of a cube, compared with an independent projection and shading.
 
 use super::*;
 use crate::backends::compile_for_every_backend;
@@ -91,7 +91,7 @@ fn glb(document: &Value, buffer: &[u8]) -> Vec<u8> {
     file
 }
 
-/// A picture of a cube in low orbit over the equator: its light, and what it was drawn with.
+/// An image of a cube in low orbit over the equator: its light, and its inputs.
 struct Seen {
     light: Vec<[f32; 4]>,
     pose: CraftPose,
@@ -128,7 +128,7 @@ fn seen_model(file: &[u8], keys: &str, hour: u8, eye_m: DVec3) -> Seen {
     let up = pose.itrf_from_craft * DVec3::NEG_Z;
     let up = (up - up.dot(forward) * forward).normalize();
     let view = EyeView::itrf(pose.position_itrf_m + offset, forward, up, FOV_RAD, aspect);
-    // By the scene's own camera the pose is that of the followed satellite; by another the layer finds it alone.
+    // With the scene's own camera the pose is that of the followed satellite; with another the layer computes it.
     let shot = Moment {
         view,
         craft: None,
@@ -163,7 +163,7 @@ impl Seen {
         (eye, forward + x * right + y * up)
     }
 
-    /// Where the ray meets the cube first, and the normal there.
+    /// First intersection of the ray with the cube, and the normal there.
     fn meets(&self, x_px: f64, y_px: f64, half_m: f64) -> Option<(DVec3, DVec3)> {
         let (eye, ray) = self.ray(x_px, y_px);
         let (mut enter, mut leave, mut normal) = (f64::NEG_INFINITY, f64::INFINITY, DVec3::ZERO);
@@ -229,7 +229,7 @@ fn a_cube_covers_the_pixels_that_its_projection_does() {
     }
 }
 
-/// At 300 km a cube of two metres is a hundredth of a pixel, and is drawn as long as its key says.
+/// At 300 km a cube of two metres is a hundredth of a pixel; it is drawn at the least length of its key.
 #[test]
 fn from_afar_a_model_is_as_long_as_its_key_says() {
     let eye_m = DVec3::new(-300_000.0, 1.0, -1.0);
@@ -305,7 +305,7 @@ fn each_face_has_the_light_of_the_formulas() {
     assert!(lit > 300 && dark > 100, "{lit} {dark}");
 }
 
-/// With its −z to the Sun a cube shows that side fully lit: N·L is one.
+/// With −z towards the Sun, that side of a cube is fully lit: N·L is one.
 #[test]
 fn a_model_is_turned_as_its_attitude_says() {
     let white = json!({"pbrMetallicRoughness": {"metallicFactor": 0, "baseColorFactor": [0.5, 0.5, 0.5, 1]}});

@@ -4,7 +4,7 @@ use terrella::GpuContext;
 use terrella_imagery::srgb::{LINEAR_FROM_SRGB, SrgbEncoder};
 use terrella_model::ModelImage;
 
-/// What a texel says.
+/// Meaning of a texel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Texels {
     /// Colour, encoded as sRGB.

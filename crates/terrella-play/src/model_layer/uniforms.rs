@@ -1,4 +1,4 @@
-//! What the shader of models gets: the structs of shaders/craft_model.wgsl.
+//! Uniforms of the model shader: the structs of shaders/craft_model.wgsl.
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec2, Vec3, Vec4};

@@ -10,12 +10,12 @@ const MAX_NORTH_UP_LAT_RAD: f64 = 88.0 * std::f64::consts::PI / 180.0;
 const ARRIVED_PX: f64 = 1e-5;
 /// A point that is no closer has not, pixels.
 const MISSED_PX: f64 = 0.5;
-/// Most that the eye moves for what the ground does, before its heading gives way.
+/// Largest ratio of eye movement to ground movement before the heading changes.
 const MAX_GAIN: f64 = 4.0;
 const NEWTON_STEPS: u32 = 30;
 const TURNS: u32 = 60;
 
-/// The camera of the same height and pitch that sees a point at a pixel, by the same heading if one does; `None` if none is found.
+/// The camera of the same height and pitch that sees a point at a pixel, with the same heading if possible; `None` if none is found.
 pub fn bring(
     camera: &OrbitCamera,
     ellipsoid: &Ellipsoid,
@@ -67,7 +67,7 @@ struct Goal<'g> {
     direction: DVec3,
     /// Two directions across it.
     across: [DVec3; 2],
-    /// Where the pixel meets the height of the point, as the camera stands before.
+    /// Where the pixel's ray meets the height of the point, for the camera before the movement.
     under_itrf_m: DVec3,
     /// Angle at the Earth's centre from there to the point.
     ground_turn_rad: f64,

@@ -200,7 +200,7 @@ fn the_wheel_multiplies_the_distance_and_keeps_the_place_under_the_pointer() {
         let seen = nearer.pixel_of(&FLAT.ellipsoid, &screen, held);
         kept += u32::from(seen.is_some_and(|seen| seen.distance(at) <= 2.0));
     }
-    // What is left are places at the limb, which would turn the globe away.
+    // The rest are places at the limb, which would turn the globe away.
     assert!(kept > 900, "{kept} of {turns}");
 }
 

@@ -72,7 +72,7 @@ pub(super) fn open(
             (satellite, faults, ephemerides.faults_left_out, read.is_new)
         }
     };
-    // What is wrong with a file is reported once, however many satellites come from it.
+    // Remarks about a file are reported once, however many satellites come from it.
     if is_new {
         tell(file, &faults, faults_left_out);
     }
@@ -83,10 +83,10 @@ pub(super) fn open(
     })
 }
 
-/// The satellites of a file that one table flies, in the file's order. What is wrong with the file is with the first of them.
+/// The satellites of a file for one table, in the file's order. Remarks about the file are attached to the first of them.
 ///
 /// # Errors
-/// If the file cannot be read, is of another kind, or has none of them.
+/// If the file cannot be read, has another format, or has none of them.
 pub fn open_many(
     scene: &Scene,
     index: usize,
@@ -148,7 +148,7 @@ fn remarks(faults: &[OrbitError]) -> Vec<FileRemark> {
     faults.iter().map(FileRemark::of).collect()
 }
 
-/// Rejects a file of another kind than the table says.
+/// Rejects a file whose format differs from the table's.
 fn check_source(
     scene: &Scene,
     index: usize,
@@ -170,7 +170,7 @@ fn check_source(
     Err(scene.reject_orbit(index, "source", given, remedy))
 }
 
-/// Warns of what is wrong with a file, or to be noticed.
+/// Logs warnings and notices about a file.
 fn tell(file: &Path, faults: &[FileRemark], left_out: usize) {
     for FileRemark { label, text } in faults.iter().take(FAULTS_TOLD) {
         tracing::warn!("{label}: {text}");

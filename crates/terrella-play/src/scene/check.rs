@@ -3,7 +3,7 @@
 use super::Scene;
 use super::choices::CameraMode;
 use super::error::SceneError;
-use super::keys::{MAX_ORBITS, RawScene};
+use super::keys::{MAX_ORBITS, RawEarth, RawScene};
 use super::orbit::Orbit;
 use super::orbit_keys::RawOrbit;
 use super::text::SceneText;
@@ -28,6 +28,7 @@ pub(super) fn check(source: SceneText<'_>, raw: RawScene) -> Result<Scene, Scene
     let sensor = source.sensor(&raw.sensor)?;
     let camera = source.camera(&raw.camera, !orbits.is_empty(), sensor.as_ref())?;
     let earth = source.earth(&raw.earth)?;
+    let notices = deprecated(&raw.earth);
     let sky = source.sky(&raw.sky, &earth)?;
     let (aperture, ghosts) = source.lens_table(&raw.lens, &sky)?;
     let time = source.time(&raw.time)?;
@@ -109,7 +110,7 @@ pub(super) fn check(source: SceneText<'_>, raw: RawScene) -> Result<Scene, Scene
         path: source.path.to_owned(),
         time,
         orbits: checked,
-        notices: Vec::new(),
+        notices,
         track_px,
         stations,
         layers,
@@ -131,4 +132,21 @@ pub(super) fn check(source: SceneText<'_>, raw: RawScene) -> Result<Scene, Scene
         text: None,
         settings: Vec::new(),
     })
+}
+
+/// Keys that one switch has replaced: a notice for each that a scene gives.
+fn deprecated(earth: &RawEarth) -> Vec<String> {
+    let given = [
+        ("shading", earth.shading().is_given()),
+        ("visibility", earth.visibility().is_given()),
+        ("levels", earth.levels().is_given()),
+    ];
+    let given = given.into_iter().filter(|(_, is_given)| *is_given);
+    given
+        .map(|(key, _)| {
+            format!(
+                "[earth] {key}: deprecated, and an error from version 0.2 on; look = \"paper\" chooses shading, visibility and levels of the 2011 paper"
+            )
+        })
+        .collect()
 }

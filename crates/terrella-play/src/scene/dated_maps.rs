@@ -219,7 +219,7 @@ impl SceneText<'_> {
                 continue;
             };
             if scene.is_paper {
-                let advice = "maps that change with the date are for shading = \"sunlit\"; leave them out, or take that shading";
+                let advice = "the paper's shading has no maps that change with the date; leave them out, or take look = \"standard\"";
                 return Err(self.reject(&field, advice));
             }
             if !is_on {

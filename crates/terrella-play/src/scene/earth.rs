@@ -99,12 +99,12 @@ impl SceneText<'_> {
         let lights = earth.night_lights();
         let night_lights = lights.is_on_or(shading == Shading::Sunlit);
         if night_lights && shading == Shading::Paper {
-            let advice = "the paper's shading has no night lights; write false, leave it out, or take shading = \"sunlit\"";
+            let advice = "the paper's shading has no night lights; write false, leave it out, or take look = \"standard\"";
             return Err(self.reject(&lights, advice));
         }
         let water = earth.water();
         if shading == Shading::Paper && water.value() == Some(true) {
-            let advice = "the paper's shading has no water; write false, leave it out, or take shading = \"sunlit\"";
+            let advice = "the paper's shading has no water; write false, leave it out, or take look = \"standard\"";
             return Err(self.reject(&water, advice));
         }
         let atmosphere = self.choice(&earth.atmosphere())?;
@@ -120,6 +120,12 @@ impl SceneText<'_> {
             true => "the pack is taken",
             false => "the starter pack is taken",
         };
+        let relief = self.relief(earth)?;
+        let visibility = match (look, &relief) {
+            // The paper's rule loses terrain behind the horizon.
+            (Look::Paper, None) => Visibility::Paper,
+            _ => Visibility::Conservative,
+        };
         let mut table = EarthTable {
             aerosol_optical_depth: self.quantity_or(&aerosol, usual_aerosol)?,
             light: self.surface_light(earth, look, shading)?,
@@ -127,7 +133,7 @@ impl SceneText<'_> {
             strict: earth.strict().is_on(),
             figure: self.choice(&earth.figure())?,
             subdivision: self.subdivision(&earth.subdivision())?,
-            visibility: self.choice(&earth.visibility())?,
+            visibility: self.choice_or(&earth.visibility(), visibility)?,
             shading,
             clouds: earth.clouds().is_on(),
             normals: earth.normals().is_on(),
@@ -135,8 +141,8 @@ impl SceneText<'_> {
             water: water.is_on_or(shading == Shading::Sunlit),
             atmosphere,
             textures: self.path(&earth.textures(), PathKind::Folder, without_textures)?,
-            pack: self.pack(earth)?,
-            relief: self.relief(earth)?,
+            pack: self.pack(earth, look)?,
+            relief,
             dated_maps: Vec::new(),
         };
         let dated = DatedScene {
@@ -204,13 +210,13 @@ impl SceneText<'_> {
     /// Rejects a key that does nothing with the paper's shading.
     pub(super) fn only_in_sunlight<T, R>(&self, field: &Field<'_, T, R>) -> Result<(), SceneError> {
         let advice = format!(
-            "the paper's shading has no {}; leave it out, or take shading = \"sunlit\"",
+            "the paper's shading has no {}; leave it out, or take look = \"standard\"",
             field.key
         );
         self.idle(field, SUNLIT.why, advice)
     }
 
-    fn pack(&self, earth: &RawEarth) -> Result<Option<PackTable>, SceneError> {
+    fn pack(&self, earth: &RawEarth, look: Look) -> Result<Option<PackTable>, SceneError> {
         let folder = self.path(
             &earth.pack(),
             PathKind::Folder,
@@ -231,9 +237,13 @@ impl SceneText<'_> {
             let advice = "a scene draws a folder of maps or a pack; leave out textures or pack";
             return Err(self.reject(&textures, advice));
         }
-        let rule = self.choice(&levels)?;
+        let rule = match look {
+            Look::Paper => LevelRule::Paper,
+            Look::Standard | Look::Full => LevelRule::default(),
+        };
+        let rule = self.choice_or(&levels, rule)?;
         if rule == LevelRule::Paper {
-            let advice = "texel_px has no meaning with levels = \"paper\", where distances alone decide; leave it out or write levels = \"screen\"";
+            let advice = "texel_px has no meaning with look = \"paper\", where distances alone decide; leave it out or take look = \"standard\"";
             self.idle(&texel_px, SCREEN.why, advice)?;
         }
         let within =

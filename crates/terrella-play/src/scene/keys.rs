@@ -106,11 +106,11 @@ pub(super) const fn only(sources: &'static [OrbitSource], why: &'static str) -> 
 
 pub(super) const NADIR: &Only = &only(&[], "only for mode = \"nadir\"");
 pub(super) const GEODETIC: &Only = &only(&[], "only for mode = \"geodetic\"");
-pub(super) const SUNLIT: &Only = &only(&[], "only for shading = \"sunlit\"");
+pub(super) const SUNLIT: &Only = &only(&[], "not with look = \"paper\"");
 const BALANCED: &Only = &only(&[], "only with white_balance_k");
 const GRAINED: &Only = &only(&[], "only with grain");
 pub(super) const PACK: &Only = &only(&[], "only for scenes with a pack");
-pub(super) const SCREEN: &Only = &only(&[], "only for levels = \"screen\"");
+pub(super) const SCREEN: &Only = &only(&[], "not with look = \"paper\"");
 pub(super) const RELIEF: &Only = &only(&[], "only for terrain");
 pub(super) const CLIPMAP: &Only = &only(&[], "for surface = \"clipmap\"");
 pub(super) const CONTOURS: &Only = &only(&[], "for surface = \"contours\"");
@@ -210,15 +210,15 @@ table!(RawEarth = "earth" {
     // Any value: a number or a word.
     /// Cells per block edge. By default "auto": as many as the limb needs.
     subdivision: toml::Value, of "\"auto\" or a whole number from 1 to 48", in 1..=48;
-    /// Which blocks are drawn.
-    visibility: Choice<Visibility>, default Visibility::default();
-    /// How the surface is shaded. By default "sunlit"; "paper" with look = "paper".
+    /// Deprecated: look = "paper" chooses it. Which blocks are drawn. By default "conservative"; "paper" with look = "paper" and no terrain.
+    visibility: Choice<Visibility>;
+    /// Deprecated: look = "paper" chooses it. How the surface is shaded. By default "sunlit"; "paper" with look = "paper".
     shading: Choice<Shading>;
     /// Whether clouds are drawn.
     clouds: bool, default true;
     /// Whether the terrain's normals shade the ground.
     normals: bool, default true;
-    /// Whether city lights are drawn. By default with shading = "sunlit".
+    /// Whether city lights are drawn. By default on; off with look = "paper".
     night_lights: bool;
     /// How the air is drawn.
     atmosphere: Choice<Atmosphere>, default Atmosphere::default();
@@ -234,9 +234,9 @@ table!(RawEarth = "earth" {
     cloud_relief_km: f64, of "kilometres", in km(SurfaceLight::CLOUD_RELIEF_M), default SurfaceLight::DEFAULT.cloud_relief_m / 1000.0, for SUNLIT;
     /// Whether clouds throw shadows. By default with look = "full".
     cloud_shadows: bool, for SUNLIT;
-    /// Whether detail smaller than the maps' texels is made up. By default with shading = "sunlit".
+    /// Whether detail smaller than the maps' texels is made up. By default on; off with look = "paper".
     detail: bool, for SUNLIT;
-    /// Whether land and clouds reflect more light to some sides than to others. By default with shading = "sunlit".
+    /// Whether land and clouds reflect more light to some sides than to others. By default on; off with look = "paper".
     directional_reflectance: bool, for SUNLIT;
     /// Whether the Moon lights the Earth, by its phase. By default with look = "full".
     moonlight: bool, for SUNLIT;
@@ -260,10 +260,10 @@ table!(RawEarth = "earth" {
     night_light_maps: RawDatedMaps, of "a list of maps with their dates, or of twelve files, from January on", for SUNLIT;
     /// Whether maps that change with the date pass into each other.
     map_fade: bool, default true, for SUNLIT;
-    /// Whether open water is drawn as such, where the maps have it. By default with shading = "sunlit".
+    /// Whether open water is drawn as such, where the maps have it. By default on; off with look = "paper".
     water: bool;
-    /// How the level of a block's tiles is chosen.
-    levels: Choice<LevelRule>, default LevelRule::default(), for PACK;
+    /// Deprecated: look = "paper" chooses it. How the level of a block's tiles is chosen. By default "screen"; "paper" with look = "paper".
+    levels: Choice<LevelRule>, for PACK;
     /// Most screen pixels that a texel of a tile may cover.
     texel_px: f64, of "screen pixels", in 0.25..=16.0, default 1.0, for SCREEN;
     /// Which of the pack's storages is read; "auto" takes what the adapter draws fastest.
@@ -325,7 +325,7 @@ table!(RawOutput = "output" {
     // Any value: a number or a word.
     /// Exposure: light is multiplied by 2 to the power of it before it is shown; "auto" meters each picture. By default 0.5.
     exposure_ev: toml::Value, of "a number of exposure values from −20 to 20 or \"auto\"";
-    /// The curve by which exposed light is shown: one by name, or the measured response of a film or camera, which is for shading = "sunlit". By
+    /// The curve by which exposed light is shown: one by name, or the measured response of a film or camera, which is not for look = "paper". By
     /// default "camera"; "neutral" with look = "paper".
     tone: RawTone;
     /// The part of all light that the lens scatters about what is bright. By default 0.03 with look = "full", else 0.

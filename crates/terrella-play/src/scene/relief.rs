@@ -115,7 +115,7 @@ impl SceneText<'_> {
             return Err(self.reject(&subdivision, advice));
         }
         let visibility = earth.visibility();
-        if self.choice(&visibility)? == Visibility::Paper {
+        if self.choice_or(&visibility, Visibility::Conservative)? == Visibility::Paper {
             let advice = "the paper's rule loses ground behind the horizon; leave it out, or leave out elevation and surface";
             return Err(self.reject(&visibility, advice));
         }

@@ -69,7 +69,7 @@ impl SceneText<'_> {
         let is_sunlit = earth.light.is_some();
         let eclipses = sky.eclipses();
         if !is_sunlit && eclipses.value() == Some(true) {
-            let advice = "the paper's shading has no eclipses; write false, leave it out, or take shading = \"sunlit\"";
+            let advice = "the paper's shading has no eclipses; write false, leave it out, or take look = \"standard\"";
             return Err(self.reject(&eclipses, advice));
         }
         let stars = sky.stars().is_on_or(is_real);

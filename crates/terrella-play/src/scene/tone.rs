@@ -102,7 +102,7 @@ impl SceneText<'_> {
         earth: &EarthTable,
     ) -> Result<ToneTable, SceneError> {
         if earth.light.is_none() {
-            let advice = "the paper's shading has no measured response; give a curve by name, or take shading = \"sunlit\"";
+            let advice = "the paper's shading has no measured response; give a curve by name, or take look = \"standard\"";
             return Err(self.reject(field, advice));
         }
         let known = ["file", "name"];

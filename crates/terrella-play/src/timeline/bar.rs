@@ -1,4 +1,4 @@
-//! What is drawn of the time line, and what the pointer does on it.
+//! Drawing of the time line, and pointer interaction.
 
 use super::super::clock::{AtEnd, Clock};
 use super::super::icons::{Icon, icon_button};
@@ -16,7 +16,7 @@ use terrella::frames::{Epoch, utc_from_rfc3339};
 const CONTENT_HEIGHT: f32 = 72.0;
 /// Height of the bar itself, points.
 const BAR_HEIGHT: f32 = 22.0;
-/// Where bands lie on the bar, points from its upper edge.
+/// Positions of bands on the bar, points from its upper edge.
 const NIGHT_BAND: [f32; 2] = [0.0, 8.0];
 const UMBRA_BAND: [f32; 2] = [8.0, 13.0];
 const PASS_BAND: [f32; 2] = [14.0, BAR_HEIGHT];
@@ -53,7 +53,7 @@ pub fn show(context: &Context, line: &TimeLine, clock: &Clock, actions: &mut Vec
     window.map_or(0.0, |window| window.response.rect.height())
 }
 
-/// Begin, now and end of what is shown, UTC.
+/// Start, current time and end of the visible part, UTC.
 fn ends(ui: &mut Ui, clock: &Clock, shown: (Epoch, Epoch)) {
     let (first, last) = shown;
     let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), 14.0), Sense::hover());
@@ -73,7 +73,7 @@ fn ends(ui: &mut Ui, clock: &Clock, shown: (Epoch, Epoch)) {
     }
 }
 
-/// Where times are on the bar.
+/// Maps times to positions on the bar.
 struct Scale {
     bar: Rect,
     /// The span, its length in seconds, and the part of it that is shown.
@@ -83,7 +83,7 @@ struct Scale {
 }
 
 impl Scale {
-    /// Of a fraction of the span; at an end where it is not shown.
+    /// Position of a fraction of the span; clamped to the ends.
     fn x(&self, fraction: f64) -> f32 {
         let (from, to) = self.part;
         let at = ((fraction - from) / (to - from)).clamp(0.0, 1.0);
@@ -180,7 +180,7 @@ fn bar(ui: &mut Ui, line: &TimeLine, clock: &Clock, actions: &mut Vec<Action>) {
     }
 }
 
-/// The ends of the played part. Answers whether one is held. They lie over the bar, so they are asked first.
+/// The handles of the playback range. Returns whether one is dragged. They are above the bar, so they are tested first.
 fn handles(
     ui: &Ui,
     scale: &Scale,
@@ -243,7 +243,7 @@ fn zoom(ui: &Ui, response: &Response, scale: &Scale, actions: &mut Vec<Action>) 
     }
 }
 
-/// What is at an instant.
+/// Tooltip at a time.
 fn hover_text(epoch: Epoch, line: &TimeLine) -> String {
     let is_in = |times: &(Epoch, Epoch)| times.0 <= epoch && epoch <= times.1;
     let mut text = seconds(epoch);
@@ -264,7 +264,7 @@ fn hover_text(epoch: Epoch, line: &TimeLine) -> String {
     text
 }
 
-/// The clock stands where the pointer is for as long as it is held.
+/// The clock follows the pointer while the button is held.
 fn scrub(response: &Response, scale: &Scale, actions: &mut Vec<Action>) {
     let is_held = response.is_pointer_button_down_on() || response.clicked() || response.dragged();
     if let Some(at) = response.interact_pointer_pos().filter(|_| is_held) {

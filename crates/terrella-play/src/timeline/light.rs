@@ -26,7 +26,7 @@ pub struct LightBands {
 type Dark = [bool; 2];
 
 impl LightBands {
-    /// Those of the satellite that cameras fly with; `None` without one, and once nobody waits for them. What its feed rejects is in no band.
+    /// Bands of the followed satellite; `None` without one, and when the result is no longer needed. Times at which its feed fails are in no band.
     pub fn of(
         flight: &Flight,
         (first, last): (Epoch, Epoch),
@@ -126,7 +126,7 @@ mod tests {
         let disc = 0.533_f64.to_radians();
         let umbra = (2.0 * (6_378.137 / axis_km).asin() - disc) / std::f64::consts::TAU;
         assert!((share(&found.umbra) - umbra).abs() < 1e-3, "{umbra}");
-        // The Sun stands still in these minutes, and the ground turns with the Earth: neither shifts the half.
+        // In these minutes the Sun's direction is nearly constant, and the ground rotates with the Earth: neither shifts the half.
         assert!((share(&found.night) - 0.5).abs() < 1e-3);
         assert_eq!(LightBands::of(&flight, span, &|| false), None);
     }

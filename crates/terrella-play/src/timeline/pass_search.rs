@@ -1,4 +1,4 @@
-//! Passes, and times of light, are looked for on a thread of their own, so that no picture waits for them.
+//! Searches passes, and times of light, on a separate thread, so that no image waits for them.
 
 use super::super::flight::Flight;
 use super::light::LightBands;
@@ -24,7 +24,7 @@ pub struct PassSite {
     pub is_visible: bool,
 }
 
-/// What is searched for.
+/// The query.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PassQuery {
     /// All passes of a span.
@@ -49,7 +49,7 @@ pub enum PassResult {
 pub enum Upcoming {
     /// A pass that rises.
     Pass(Pass),
-    /// It stands high enough all the time that was looked through.
+    /// It is above the mask for the whole searched time.
     AlwaysAbove,
     /// It never does again in that time.
     NoneFound,
@@ -67,7 +67,7 @@ pub struct PassSearch {
 }
 
 impl PassSearch {
-    /// Starts the thread. `wake` is called on it whenever there is an answer.
+    /// Starts the thread. `wake` is called on it for every result.
     pub fn start<'scope>(
         scope: &'scope Scope<'scope, '_>,
         flight: &'scope Flight,
@@ -107,7 +107,7 @@ impl PassSearch {
         let _ = self.queries.send((self.count, query));
     }
 
-    /// What has been found since it was last asked.
+    /// The result since the last call.
     pub fn answer(&self) -> Option<PassResult> {
         let mut answers = self.answers.try_iter();
         answers.find_map(|(number, answer)| {
@@ -138,7 +138,7 @@ fn kind(query: &PassQuery) -> usize {
     }
 }
 
-/// `None` where nobody waits for it any more, or there is no satellite.
+/// `None` if the result is no longer needed, or there is no satellite.
 fn find(
     flight: &Flight,
     query: &PassQuery,
@@ -173,7 +173,7 @@ fn find(
     is_wanted().then_some(answer)
 }
 
-/// Whether a pass over a site is one that is looked for.
+/// Whether a pass over a site matches the query.
 fn counts(feed: &dyn Feed, observer: &Observer<'_>, site: &PassSite, pass: &Pass) -> bool {
     let rule = VisibilityRule::default();
     !site.is_visible
@@ -206,7 +206,7 @@ fn next(
     }
 }
 
-/// A feed that rejects everything once its answers are not wanted any more: so every search ends at once.
+/// A feed that returns errors when its results are no longer needed: every search then ends quickly.
 struct Wanted<'f> {
     feed: &'f dyn Feed,
     is_wanted: &'f (dyn Fn() -> bool + Sync),
@@ -289,7 +289,7 @@ mod tests {
             panic!("no pass within a day")
         };
         assert!(first.rises && first.begin > from);
-        // Asked from its first instant it answers with another one.
+        // Starting at its first epoch, the result is another one.
         let [PassResult::Next(Upcoming::Pass(second))] =
             &answers(&flight, &[PassQuery::Next(vienna, (first.begin, day.1))])[..]
         else {
@@ -303,7 +303,7 @@ mod tests {
         let apart_s = |a: &Pass, b: &Pass| (a.begin - b.begin).to_seconds().abs();
         assert!(marks.len() > 3);
         assert!(apart_s(&marks[0], first) < 0.01 && apart_s(&marks[1], second) < 0.01);
-        // The first that is seen from Vienna is days later, as `terrella orbit --passes` has it.
+        // The first pass visible from Vienna is days later, as `terrella orbit --passes` reports.
         let seen = PassSite {
             is_visible: true,
             ..vienna

@@ -1,4 +1,4 @@
-//! What the time line does, without a window.
+//! Behaviour of the time line, without a window.
 
 use super::bar::{read_date, read_place};
 use super::*;

@@ -1,4 +1,4 @@
-//! Where the time line has its ticks, and what they say.
+//! Ticks of the time line, and their labels.
 
 use terrella::frames::{Calendar, Epoch, tai_from_utc_day, utc_day};
 
@@ -44,7 +44,7 @@ const STEPS_S: [i64; 30] = [
 pub struct Tick {
     /// Where on the line, 0…1.
     pub fraction: f64,
-    /// What it says: the time of day, or the date at midnight.
+    /// Its label: the time of day, or the date at midnight.
     pub label: String,
 }
 

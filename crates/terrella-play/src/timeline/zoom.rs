@@ -26,7 +26,8 @@ impl Zoom {
             .part
     }
 
-    /// Shows `factor` times less about `at`, a fraction of the span, which stays where it is on the line; moved on by `by` of what is shown.
+    /// Zooms by `factor` about `at`, a fraction of the span, whose position on the line is kept; then shifts by the fraction `by` of the visible
+    /// part.
     #[must_use]
     pub fn changed(
         zoom: Option<Self>,
@@ -47,7 +48,7 @@ impl Zoom {
         (length < 1.0).then_some(Self { span, part })
     }
 
-    /// Moved as far as needed to show `at`, a fraction of the span.
+    /// Scrolled as far as needed to show `at`, a fraction of the span.
     #[must_use]
     pub fn showing(zoom: Option<Self>, span: (Epoch, Epoch), at: f64) -> Option<Self> {
         let (from, to) = Self::part(zoom, span);

@@ -9,27 +9,27 @@ use terrella::tracks::TrackLabel;
 const LETTER_FRACTION: f32 = 0.02;
 /// Bounds of the height of letters, pixels.
 const LETTER_PX: std::ops::RangeInclusive<f32> = 12.0..=48.0;
-/// Distance of a name from its marker's middle, in heights of letters.
+/// Distance of a name from its marker's centre, in letter heights.
 const MARKER_DISTANCE: f32 = 0.7;
-/// Room at which a city's name begins to be seen and is seen wholly, heights of letters.
+/// Free space at which a city's name begins to appear and is fully opaque, in letter heights.
 const CITY_ROOM: [f32; 2] = [4.0, 5.5];
-/// Height of a city's letters in that of others.
+/// Letter height of a city relative to that of other names.
 const CITY_LETTER: f32 = 0.8;
-/// Radius of a city's dot, heights of its letters.
+/// Radius of a city's dot, in its letter heights.
 const DOT: f32 = 0.2;
 /// Opacity of the plate below a city's name, of 255.
 const PLATE: f32 = 120.0;
 /// Characters after which a name is cut.
 const MAX_NAME_CHARS: usize = 48;
 
-/// Where a name is written.
+/// Position of a name.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum NamePlace {
     /// Beside a mark, over other names where there is no room.
     Beside,
-    /// The same, where no other name stands: there may be more names than a picture has room for.
+    /// Beside the marker, if no other name is there: there may be more names than an image has room for.
     BesideIfRoom,
-    /// In the middle of an area or a line, where no other name stands.
+    /// In the middle of an area or a line, if no other name is there.
     MiddleIfRoom,
     /// A city's, beside a dot, on a dark plate.
     City(CityName),
@@ -56,7 +56,7 @@ impl CityName {
 pub struct Labels(TextOverlay);
 
 impl Labels {
-    /// For pictures of this format.
+    /// For images of this format.
     pub fn new(device: &wgpu::Device, format: wgpu::TextureFormat) -> Self {
         Self(TextOverlay::new(device, format))
     }
@@ -151,7 +151,7 @@ fn paint(
     }
 }
 
-/// Where a name that is no city's goes; `None` where it has no room.
+/// Position of a name that is not a city's; `None` if there is no room.
 fn free_place(
     kind: NamePlace,
     at: Pos2,
@@ -173,7 +173,7 @@ fn is_free(place: Rect, screen: Rect, taken: &[Rect]) -> bool {
     screen.contains_rect(place) && !taken.iter().any(|other| other.intersects(place))
 }
 
-/// Marks a city and writes its name in this opacity beside it, if there is room for both; says whether there was.
+/// Marks a city and writes its name beside it with this opacity, if there is room for both; returns whether there was.
 fn paint_city(
     painter: &egui::Painter,
     screen: Rect,
@@ -213,8 +213,8 @@ fn paint_city(
     true
 }
 
-/// Where a name of this size goes: right of its marker, left, above or below, the first of them that lies in the picture and
-/// on no other name; else right of it, moved into the picture.
+/// Position of a name of this size: right of its marker, left, above or below, the first that is inside the image and overlaps no other name; else
+/// to the right, moved into the image.
 fn place(at: Pos2, size: Vec2, away: f32, screen: Rect, taken: &[Rect]) -> Rect {
     let beside = [
         (Align2::LEFT_CENTER, Vec2::new(away, 0.0)),

@@ -1,4 +1,4 @@
-//! Tracks of a simulation, whose craft and places are known once it says them.
+//! Tracks of a simulation, whose spacecraft and places are known only after its messages.
 
 use super::style::style;
 use crate::flight::Flight;
@@ -12,9 +12,9 @@ use terrella_orbit::basilisk::{
     Place, RecordedCraft, RecordedPlace, Recording, Roster, Simulation,
 };
 
-/// Most craft and most places that have tracks and names: more is not to be told apart.
+/// Limit of spacecraft and of places with tracks and names: more could not be distinguished.
 const MAX_TRACKS: usize = 200;
-/// How high over the ground a place's marker stands, metres, so that the ground does not cut it.
+/// Height of a place's marker above the ground, metres, so that the ground does not cut it.
 const MARKER_HEIGHT_M: f64 = 10.0;
 /// The radius of the sphere that Basilisk puts places on the Earth on, metres.
 const BASILISK_RADIUS_M: f64 = 6_378_136.6;
@@ -22,7 +22,7 @@ const BASILISK_RADIUS_M: f64 = 6_378_136.6;
 /// The motions of craft and places, in the order of their styles.
 type Feeds = Vec<Arc<dyn Feed>>;
 
-/// What is drawn of a simulation's craft and places.
+/// Elements of a simulation's spacecraft and places.
 pub struct RosterTracks {
     source: RosterSource,
     orbit: Orbit,
@@ -30,9 +30,9 @@ pub struct RosterTracks {
     ellipsoid: Ellipsoid,
 }
 
-/// Who says what there is.
+/// Source of the roster.
 enum RosterSource {
-    /// A simulation that runs, and the number of what it said last.
+    /// A running simulation, and the serial number of its last roster.
     Simulation(Arc<Simulation>, u64),
     /// One that was saved, until its roster is handed out.
     Recording(Arc<Recording>, bool),
@@ -81,7 +81,7 @@ impl RosterSource {
 }
 
 impl RosterTracks {
-    /// Of a flight that is a simulation of which anything is drawn.
+    /// For a flight that is a simulation with visible elements.
     pub fn of(flight: &Flight) -> Option<Self> {
         let source = RosterSource::of(flight)?;
         let orbit = flight.scene().orbits.first()?.clone();
@@ -126,8 +126,8 @@ impl RosterTracks {
     }
 }
 
-/// Where a place stands on the Earth's figure: Basilisk counts heights from a sphere, so latitude and longitude are taken from
-/// its vertical and the height from that sphere. Without a vertical the place is where it says.
+/// Position of a place on the Earth's figure: Basilisk measures heights from a sphere, so latitude and longitude come from its vertical and the
+/// height from that sphere. Without a vertical, the position is used directly.
 fn on_ground(place: &Place, ellipsoid: &Ellipsoid) -> DVec3 {
     if place.up == DVec3::ZERO {
         return place.position_itrf_m;

@@ -1,4 +1,4 @@
-//! What of a scene stands still on the globe: lines, polygons, marked places and names.
+//! Earth-fixed elements of a scene: lines, polygons, marked places and names.
 
 use super::labels::{CityName, NamePlace};
 use crate::coverage_layer::coverage_polygons;
@@ -23,7 +23,7 @@ pub(super) struct Still {
     twilight: Option<LineStyle>,
     shadow_lines: Option<LineStyle>,
     marks: Vec<GroundMark>,
-    /// Of each mark, empty where it has none.
+    /// Name of each mark, empty if it has none.
     names: Vec<String>,
     /// The marks after those of files.
     cities: Vec<NamedPlace>,
@@ -32,10 +32,10 @@ pub(super) struct Still {
 }
 
 impl Still {
-    /// That of a scene. Says what of its files is left out.
+    /// The elements of a scene. Reports the parts of its files that are left out.
     ///
     /// # Errors
-    /// What is missing or corrupt, in a strict scene.
+    /// A missing or corrupt file, in a strict scene.
     pub fn of(scene: &Scene, flight: &Flight) -> Result<Self, PlayError> {
         let ellipsoid = flight.ellipsoid();
         let mut lines = lines(scene, ellipsoid)?;
@@ -83,7 +83,7 @@ impl Still {
         tracks.set_shadow_lines(self.shadow_lines)
     }
 
-    /// Whether there is none.
+    /// Whether there are no elements.
     pub fn is_empty(&self) -> bool {
         self.lines.is_empty()
             && self.polygons.is_empty()

@@ -1,21 +1,21 @@
-//! Many satellites in one frame: their states are computed on all processors before the tracks ask for them one after the other.
+//! Many satellites in one frame: their states are computed on all processors before the tracks request them sequentially.
 
 use rayon::prelude::*;
 use std::sync::Arc;
 use terrella::frames::Epoch;
 use terrella_orbit::{Feed, Freshness, OrbitError, OrbitState};
 
-/// With fewer satellites handing the work out costs more than it saves.
+/// With fewer satellites, distributing the work costs more than it saves.
 const FEWEST: usize = 256;
 
 /// The motions of the satellites of a layer.
 #[derive(Default)]
 pub struct Swarm(Vec<Known>);
 
-/// A satellite's motion, with what is known of it in the frame that is made.
+/// A satellite's motion, with its cached state of the current frame.
 struct Known {
     feed: Arc<dyn Feed>,
-    /// What the feed answers for, if that does not change.
+    /// Validity of the feed, if it does not change.
     validity: Option<(Epoch, Epoch)>,
     state: Option<OrbitState>,
 }
@@ -127,12 +127,12 @@ mod tests {
             for (known, feed) in swarm.feeds().zip(&feeds) {
                 assert_eq!(known.validity(), feed.validity());
                 assert_eq!(known.state_at(epoch).ok(), feed.state_at(epoch).ok());
-                // Of another instant the feed itself is asked.
+                // For another time the feed itself is called.
                 let other = epoch + Duration::from_seconds(1.0);
                 assert_eq!(known.state_at(other).ok(), feed.state_at(other).ok());
             }
         }
-        // Far outside of what is known nothing is remembered.
+        // Far outside the validity nothing is cached.
         let late = iss.epoch() + Duration::from_days(90.0);
         swarm.look_at(late);
         assert!(swarm.feeds().all(|feed| feed.state_at(late).is_err()));

@@ -54,7 +54,7 @@ impl BuiltinEncoder {
                 bits.clamp(200_000.0, 200_000_000.0) as u32
             ))
             .max_frame_rate(FrameRate::from_hz(rate as f32))
-            // With frame skipping off it says that it will not hold a bit rate; it need not. See `quietly`.
+            // With frame skipping off it warns that it cannot hold a bit rate, which is not needed. See `quietly`.
             .rate_control_mode(RateControlMode::Quality)
             .qp(QpRange::new(10, 32))
             // A skipped frame would be one too few in the film.
@@ -68,8 +68,8 @@ impl BuiltinEncoder {
         let mut encoder = Encoder::with_api_config(OpenH264API::from_source(), config)
             .map_err(|error| failed(&error))?;
         let planes = YuvPlanes::new(width, height);
-        // OpenH264 is set up with its first frame, and says what it has to say on standard error before it can be told to be silent:
-        // a frame that nobody sees, while nothing else runs yet.
+        // OpenH264 is set up with its first frame, and writes to standard error before its log level can be set: a discarded frame, while nothing
+        // else runs yet.
         quietly(|| encoder.encode(&planes).map(drop)).map_err(|error| failed(&error))?;
         encoder.force_intra_frame();
         let muxer = MuxerBuilder::new(file.open()?)
@@ -142,7 +142,7 @@ impl FrameSink for BuiltinEncoder {
     }
 }
 
-/// Works with standard error closed to what is written past Rust, and opens it again. Where that cannot be done the words come through.
+/// Runs a function with standard error redirected to `/dev/null`, and restores it. If that fails, the messages are visible.
 #[cfg(unix)]
 fn quietly<T>(work: impl FnOnce() -> T) -> T {
     use rustix::stdio::{dup2_stderr, stderr};

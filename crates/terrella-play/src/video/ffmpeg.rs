@@ -16,14 +16,14 @@ const MAX_STDERR_BYTES: usize = 2_000;
 /// The ffmpeg on the search path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FfmpegInstalled {
-    /// An ffmpeg with the encoder that is asked for.
+    /// An ffmpeg with the requested encoder.
     WithEncoder,
     WithoutEncoder,
     /// None.
     No,
 }
 
-/// Looks for ffmpeg and asks it whether it has an encoder.
+/// Looks for ffmpeg and checks that it has an encoder.
 pub fn find(encoder: &str) -> FfmpegInstalled {
     let answer = Command::new("ffmpeg")
         .args(["-hide_banner", "-loglevel", "error", "-encoders"])
@@ -101,7 +101,7 @@ struct Process {
     child: Child,
     /// `None` once all frames are given.
     input: Option<ChildStdin>,
-    /// Collects what ffmpeg says, so that its pipe never fills up.
+    /// Collects ffmpeg's messages, so that its pipe never fills up.
     stderr_text: Option<JoinHandle<String>>,
 }
 
@@ -110,7 +110,7 @@ impl Ffmpeg {
         let (width, height) = format.size;
         let codec = format.coding.codec;
         let crf = format.coding.quality().to_string();
-        // What encoders say of themselves, and how Apple's players know H.265.
+        // Settings of the encoders, and the tag by which Apple's players recognise H.265.
         let own: &[&str] = match codec {
             VideoCodec::H264 => &["-preset", "medium"],
             VideoCodec::H265 => &[
@@ -139,7 +139,7 @@ impl Ffmpeg {
             .args(["-color_trc", colors.transfer, "-color_range", "tv"])
             .args(["-movflags", "+faststart", "-f", "mp4"])
             .arg(file.temporary())
-            // SVT-AV1 speaks past ffmpeg.
+            // SVT-AV1 logs independently of ffmpeg.
             .env("SVT_LOG", "1")
             .stdin(Stdio::piped())
             .stdout(Stdio::null())
@@ -252,7 +252,7 @@ impl Drop for Process {
     }
 }
 
-/// The end of what a program says, on one line.
+/// The end of a program's output, on one line.
 fn last_lines(mut source: impl Read) -> String {
     let mut kept = Vec::new();
     let mut buffer = [0; 1024];

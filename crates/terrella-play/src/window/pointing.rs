@@ -1,4 +1,4 @@
-//! What the pointer does in the window: to the camera, and to what is selected.
+//! Pointer interaction in the window: with the camera, and with the selection.
 
 use super::App;
 use crate::flight::Moment;
@@ -213,7 +213,7 @@ impl App<'_> {
         });
     }
 
-    /// Puts the eye that the user has moved into a moment, and says what is selected there.
+    /// Puts the user's eye into a moment, and returns information about the selection there.
     pub(super) fn place_eye(&mut self, moment: &mut Moment, aspect: f64) {
         let relief = self.relief();
         let (flight, controls) = (self.flight, &mut self.controls);

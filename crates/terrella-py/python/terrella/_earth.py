@@ -19,9 +19,9 @@ if TYPE_CHECKING:
     from ._native import Camera
     from ._types import Time
 
-# The tables of a scene that an Earth without satellites and sky has.
+# The scene tables that apply to an Earth without satellites and sky.
 _EARTH_TABLES = ("earth", "output")
-# What a scene has besides, left out: an Earth has neither sky nor satellites.
+# Turns off the rest of a scene: an Earth has neither sky nor satellites.
 _NOTHING_ELSE = {
     "camera": {"mode": "geodetic", "lat_deg": 0, "lon_deg": 0, "height_km": 10000},
     "sky": {"stars": False, "milky_way": False, "sun": False, "moon": False, "glare": False, "eclipses": False},

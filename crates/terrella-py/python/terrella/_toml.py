@@ -63,7 +63,7 @@ def _string(value: str | bytes, where: str) -> str:
         value.encode()
     except UnicodeEncodeError as error:
         raise ValueError(f"{where}: {value!r} is not UTF-8") from error
-    # JSON's strings are TOML's but for characters that JSON writes as two.
+    # A JSON string is a valid TOML string, except for U+007F, which TOML requires escaped.
     return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 def replace(unfinished: Path, path: Path) -> None:
     """Gives a complete file its final name. Its data are synced before, its folder after it."""
-    # Windows syncs only what may be written to.
+    # Windows syncs only files that are open for writing.
     with open(unfinished, "r+b") as file:
         os.fsync(file.fileno())
     os.replace(unfinished, path)
@@ -23,7 +23,7 @@ def sync_folder(folder: Path) -> None:
     try:
         handle = os.open(folder, os.O_RDONLY)
     except OSError:
-        # It may be writable and not readable.
+        # The folder may be writable but not readable.
         return
     try:
         os.fsync(handle)

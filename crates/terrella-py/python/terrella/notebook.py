@@ -33,7 +33,7 @@ class View(RemoteFrameBuffer):  # type: ignore[misc, unused-ignore]  # jupyter_r
     def __init__(
         self, earth: Earth, time: Time, *, lat_deg: float = 20.0, lon_deg: float = 10.0, height_m: float = 1.2e7, fov_deg: float = 45.0
     ) -> None:
-        # Before the widget begins: it may ask for a frame at once.
+        # Set before the widget starts: it may request a frame at once.
         self._earth = earth
         self._time = time
         self.place = [float(lat_deg), float(lon_deg), float(height_m)]
@@ -42,7 +42,7 @@ class View(RemoteFrameBuffer):  # type: ignore[misc, unused-ignore]  # jupyter_r
         self._wanted = threading.Event()
         self._lock = threading.Lock()
         self._drawn: NDArray[np.uint8] | None = None
-        # What cannot be drawn is said here and not in a thread.
+        # Draw here first, so that errors are raised here and not in a thread.
         self._draw()
         super().__init__()
         width, height = earth.size
@@ -67,7 +67,7 @@ class View(RemoteFrameBuffer):  # type: ignore[misc, unused-ignore]  # jupyter_r
             while self._wanted.is_set():
                 self._wanted.clear()
                 self._draw()
-                # Asked for outside the kernel's loop, a draw would never come.
+                # Outside the kernel's event loop, a requested draw would never happen.
                 loop.call_soon_threadsafe(self.request_draw)
         finally:
             self._lock.release()
@@ -91,7 +91,7 @@ class View(RemoteFrameBuffer):  # type: ignore[misc, unused-ignore]  # jupyter_r
             self._dragged = None
         elif kind == "pointer_move" and self._dragged is not None:
             (x, y), self._dragged = self._dragged, (event["x"], event["y"])
-            # The ground below the middle follows the pointer.
+            # The surface at the centre of the view follows the pointer.
             pixel_m = 2 * self.place[2] * math.tan(math.radians(self._fov_deg) / 2) / self._earth.size[1]
             pixel_deg = min(math.degrees(pixel_m / 6.4e6), 0.5)
             narrowing = max(math.cos(math.radians(self.place[0])), 0.1)

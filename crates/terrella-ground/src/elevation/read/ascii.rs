@@ -13,7 +13,7 @@ use super::error::FileContext;
 use super::missing::Missing;
 use super::plain::PlainGrid;
 use super::{Conversion, Header, HeightFileError};
-use crate::elevation::{GridError, MAX_SIDE};
+use crate::elevation::{GridError, MAX_SIDE, Registration};
 use std::io::{BufRead, Read, Seek, SeekFrom};
 use terrella_files::excerpt;
 
@@ -116,6 +116,8 @@ impl<R: BufRead + Seek> Ascii<R> {
                 top: north,
                 column: dx,
                 row: dy,
+                registration: Registration::Cells,
+                needs_system: false,
             }),
             ..Header::of_size(columns, rows, missing)
         };

@@ -28,7 +28,7 @@ fn with_ending(path: &Path, ending: &str) -> PathBuf {
     name.into()
 }
 
-/// What the text beside a file says of its first band.
+/// What the text beside a file says of one of its bands.
 #[derive(Debug, Default, PartialEq)]
 pub(super) struct SaidBeside {
     no_data: Option<f64>,
@@ -38,12 +38,12 @@ pub(super) struct SaidBeside {
 }
 
 impl SaidBeside {
-    /// Of the text beside a file, if there is one.
-    pub fn read(path: &Path) -> Result<Self, HeightFileError> {
+    /// Of the text beside a file, if there is one; bands count from 1.
+    pub fn read(path: &Path, band: u16) -> Result<Self, HeightFileError> {
         let aux = aux_of(path);
         let context = FileContext::new(&aux);
         match files::read_text(&aux, AUX_BYTES) {
-            Ok(Some(text)) => Self::of(&text, &context),
+            Ok(Some(text)) => Self::of(&text, band, &context),
             Ok(None) => Err(context.rejected(
                 format!("has more than {AUX_BYTES} bytes"),
                 "a few lines about one file",
@@ -54,23 +54,23 @@ impl SaidBeside {
         }
     }
 
-    fn of(text: &str, context: &FileContext) -> Result<Self, HeightFileError> {
+    fn of(text: &str, band: u16, context: &FileContext) -> Result<Self, HeightFileError> {
         let number = |name| {
-            band_number(text, name).map_err(|cause| {
+            band_number(text, band, name).map_err(|cause| {
                 context.rejected(
                     cause,
                     "a number",
-                    format!("correct <{name}> of its first band"),
+                    format!("correct <{name}> of band {band}"),
                 )
             })
         };
-        let unit = match band_text(text, "UnitType").filter(|word| !word.is_empty()) {
+        let unit = match band_text(text, band, "UnitType").filter(|word| !word.is_empty()) {
             None => None,
             Some(word) => Some(HeightUnit::from_word(&word).ok_or_else(|| {
                 context.rejected(
                     format!("has heights of the unit {:?}", excerpt(&word)),
                     "metres or feet",
-                    "correct <UnitType> of its first band, or remove it and write unit = \"metres\" in a sidecar",
+                    "correct the <UnitType> of the band, or remove it and write unit = \"metres\" in a sidecar",
                 )
             })?),
         };

@@ -2,6 +2,7 @@
 
 use super::HeightFileError;
 use super::error::FileContext;
+use super::plain::PlainGrid;
 use super::sidecar::HeightUnit;
 use crate::elevation::geo_tags::{GEOGRAPHIC_TYPE, GeoTags, MODEL_TYPE, RASTER_TYPE, System};
 use crate::elevation::geoid::VerticalDatum;
@@ -20,6 +21,8 @@ pub(super) struct HeightTags {
     pub geo: GeoTags,
     /// GDAL's XML of metadata.
     pub gdal: String,
+    /// The band of the heights, from 0.
+    pub band: u16,
 }
 
 /// Where a file lies.
@@ -27,6 +30,8 @@ pub(super) enum FilePlacement {
     /// And whether its southern row comes first.
     Geographic(Georeference, bool),
     Projected(ProjectedGrid),
+    /// In a system that its keys do not name.
+    Plain(PlainGrid),
 }
 
 impl HeightTags {
@@ -48,7 +53,7 @@ impl HeightTags {
         };
         let projection = self.geo.projection();
         let radians = match projection {
-            Some(_) => 1.0,
+            Some(_) => Some(1.0),
             None => self.check_coordinates(context)?,
         };
         let registration = match self.geo.key(RASTER_TYPE) {
@@ -91,6 +96,18 @@ impl HeightTags {
                 margin: half,
             })));
         }
+        let Some(radians) = radians else {
+            return Ok(Some(FilePlacement::Plain(PlainGrid {
+                columns,
+                rows,
+                left: left + half * right_step,
+                top: first,
+                column: right_step,
+                row: down_step,
+                registration,
+                needs_system: true,
+            })));
+        };
         let north = if is_south_first {
             first - f64::from(rows.saturating_sub(1)) * down_step
         } else {
@@ -136,13 +153,13 @@ impl HeightTags {
         }
     }
 
-    /// Rejects what is not latitude and longitude of WGS84 or nearly that; radians of one unit.
-    fn check_coordinates(&self, context: &FileContext) -> Result<f64, HeightFileError> {
+    /// Rejects what is not latitude and longitude of WGS84 or nearly that; radians of one unit, `None` where no key says anything.
+    fn check_coordinates(&self, context: &FileContext) -> Result<Option<f64>, HeightFileError> {
         match self.geo.system() {
             Ok(Some(System::Geographic {
                 unit_rad,
                 is_named: true,
-            })) => Ok(unit_rad),
+            })) => Ok(Some(unit_rad)),
             Ok(Some(System::Geographic { .. })) => {
                 Err(context.other_coordinates("geographic coordinates without a name"))
             }
@@ -150,14 +167,7 @@ impl HeightTags {
                 Err(context.other_coordinates("the projected coordinates EPSG:3857"))
             }
             Err(crs) => Err(context.other_coordinates(crs)),
-            Ok(None) => Err(context.rejected(
-                "does not state its coordinate system",
-                "GeoTIFF keys of latitude and longitude",
-                format!(
-                    "if it is so, `gdal_translate -a_srs EPSG:4326 {} OUT.tif`",
-                    context.path().display()
-                ),
-            )),
+            Ok(None) => Ok(None),
         }
     }
 
@@ -205,14 +215,15 @@ impl HeightTags {
         codes.into_iter().flatten().find_map(VerticalDatum::of_code)
     }
 
-    /// The text of the first band's item of a role in GDAL's metadata.
+    /// The text of the band's item of a role in GDAL's metadata.
     pub(super) fn gdal_item(&self, role: &str) -> Option<&str> {
         let role = format!("role=\"{role}\"");
+        let sample = format!("sample=\"{}\"", self.band);
         let items = self.gdal.split("<Item ").skip(1);
         let of_role = items.filter_map(|item| item.split_once('>'));
         of_role
             .filter(|(head, _)| {
-                head.contains(&role) && (head.contains("sample=\"0\"") || !head.contains("sample="))
+                head.contains(&role) && (head.contains(&sample) || !head.contains("sample="))
             })
             .find_map(|(_, rest)| rest.split('<').next())
             .map(str::trim)

@@ -1,4 +1,4 @@
-//! NetCDF: one variable over latitude and longitude.
+//! NetCDF: one variable over latitude and longitude, and over other dimensions of length 1 before them, such as time.
 //!
 //! The containers ([`classic`] and [`hdf5`]) say which variables there are and where their values lie; what the variables mean is the
 //! same in both.
@@ -47,9 +47,8 @@ impl<R: BufRead + Seek> NetCdf<R> {
             _ => hdf5::contents(&mut reader, context)?,
         };
 
-        let chosen = select_variable(&variables, wanted, context)?;
+        let (chosen, [lat, lon]) = select_variable(&variables, &dimensions, wanted, context)?;
         mapping::check(&variables, chosen, context)?;
-        let (lat, lon) = (chosen.dimensions[0], chosen.dimensions[1]);
         let (rows, columns) = (dimensions[lat].1, dimensions[lon].1);
         // A length of 0 is that of records.
         let side = |length| u32::try_from(length).unwrap_or(u32::MAX);
@@ -58,11 +57,7 @@ impl<R: BufRead + Seek> NetCdf<R> {
         if !sides.contains(&columns) || !sides.contains(&rows) {
             return Err(context.grid(GridError::Size { columns, rows }));
         }
-        let coordinates = |dimension: usize| {
-            let of_name =
-                |v: &&Variable| v.name == dimensions[dimension].0 && v.dimensions == [dimension];
-            variables.iter().find(of_name)
-        };
+        let coordinates = |dimension| coordinates(&variables, &dimensions, dimension);
         if coordinates(lat).is_some_and(|variable| LONGITUDE.is_of(variable)) {
             let (path, name) = (context.path().display(), &chosen.name);
             return Err(context.rejected(
@@ -203,50 +198,75 @@ impl<R: BufRead + Seek> NetCdf<R> {
     }
 }
 
-/// The variable of heights: the one that is named, or the only one of two dimensions.
+/// The variable of coordinates of a dimension.
+fn coordinates<'a>(
+    variables: &'a [Variable],
+    dimensions: &[(String, u64)],
+    dimension: usize,
+) -> Option<&'a Variable> {
+    let of_name = |v: &&Variable| v.name == dimensions[dimension].0 && v.dimensions == [dimension];
+    variables.iter().find(of_name)
+}
+
+/// The variable of heights, and its dimensions of rows and columns: the variable that is named, the only one of two dimensions, or the
+/// only one of them over latitude and longitude.
 fn select_variable<'a>(
     variables: &'a [Variable],
+    dimensions: &[(String, u64)],
     wanted: Option<&str>,
     context: &FileContext,
-) -> Result<&'a Variable, HeightFileError> {
-    let is_grid = |v: &&Variable| v.dimensions.len() == 2 && v.kind != NumberType::Char;
-    let mut grids = variables.iter().filter(is_grid);
-    let names = || {
-        let names: Vec<_> = variables
-            .iter()
-            .filter(is_grid)
-            .map(|v| v.name.as_str())
-            .collect();
+) -> Result<(&'a Variable, [usize; 2]), HeightFileError> {
+    let grid = |v: &'a Variable| match v.dimensions.as_slice() {
+        [others @ .., lat, lon]
+            if v.kind != NumberType::Char && others.iter().all(|n| dimensions[*n].1 == 1) =>
+        {
+            Some((v, [*lat, *lon]))
+        }
+        _ => None,
+    };
+    let mut grids: Vec<_> = variables.iter().filter_map(grid).collect();
+    let names = |grids: &[(&Variable, [usize; 2])]| {
+        let names: Vec<_> = grids.iter().map(|(v, _)| v.name.as_str()).collect();
         printable(&names.join(", "))
     };
     let write = "write variable = \"NAME\" in the sidecar";
-    match (wanted, grids.next(), grids.next()) {
-        (Some(wanted), ..) => variables
-            .iter()
-            .filter(is_grid)
-            .find(|v| v.name == wanted.trim_start_matches('/'))
-            .ok_or_else(|| {
-                context.rejected(
-                    format!("has no variable {wanted:?} over two dimensions"),
-                    format!("one of: {}", names()),
-                    write,
-                )
-            }),
-        (None, Some(only), None) => Ok(only),
-        (None, Some(_), Some(_)) => Err(context.rejected(
+    if let Some(wanted) = wanted {
+        let is_wanted = |(v, _): &&(&Variable, _)| v.name == wanted.trim_start_matches('/');
+        return grids.iter().find(is_wanted).copied().ok_or_else(|| {
+            context.rejected(
+                format!("has no variable {wanted:?} over two dimensions"),
+                format!("one of: {}", names(&grids)),
+                write,
+            )
+        });
+    }
+    // Bounds of times and cells have two dimensions, too.
+    let is_placed = |(_, [lat, lon]): &(&Variable, [usize; 2])| {
+        let is = |dimension, axis: &axis::Axis| {
+            let coordinates = coordinates(variables, dimensions, dimension);
+            coordinates.is_some_and(|variable| axis.is_of(variable))
+        };
+        is(*lat, &LATITUDE) && is(*lon, &LONGITUDE)
+    };
+    if grids.len() > 1 && grids.iter().any(is_placed) {
+        grids.retain(is_placed);
+    }
+    match grids.as_slice() {
+        [only] => Ok(*only),
+        [_, _, ..] => Err(context.rejected(
             "has several variables over two dimensions",
-            format!("one of: {}", names()),
+            format!("one of: {}", names(&grids)),
             write,
         )),
-        (None, None, _) if variables.iter().any(|v| v.name == "x_range") => Err(context.rejected(
+        [] if variables.iter().any(|v| v.name == "x_range") => Err(context.rejected(
             "is a grid of GMT before version 4.1, of one dimension",
             "heights over latitude and longitude",
             format!("`gmt grdconvert {} OUT.nc`", context.path().display()),
         )),
-        (None, None, _) => Err(context.rejected(
+        [] => Err(context.rejected(
             "has no variable over two dimensions",
-            "heights over latitude and longitude",
-            "take one time or level out of it (`ncks -d time,0`, then `ncwa -a time`)",
+            "heights over latitude and longitude, of one time or level",
+            "take one time or level out of it (`ncks -d time,0`)",
         )),
     }
 }

@@ -1,4 +1,5 @@
-//! Cells of a file that does not say in which coordinate system its numbers are.
+//! Samples of a file that does not say in which coordinate system its numbers are: those of ASCII grids, of world files, and of GeoTIFF
+//! tags without keys.
 
 use super::error::FileContext;
 use super::{Header, HeightFileError};
@@ -6,21 +7,63 @@ use crate::elevation::aux_xml::{AUX_BYTES, element, plain};
 use crate::elevation::projection::Projection;
 use crate::elevation::warp::{ProjectedGrid, Warp};
 use crate::elevation::wkt::{MAX_WKT_BYTES, TextSystem, system_of};
+use crate::elevation::world_file::{WORLD_FILE_BYTES, WorldFile};
 use crate::elevation::{Georeference, Registration};
 use std::io::ErrorKind;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use terrella_files as files;
 
-/// Cells at equal steps, by the middle of the north-western one, in degrees or in metres.
+/// Samples at equal steps, by the first of the first row, in degrees or in metres.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PlainGrid {
     pub columns: u32,
     pub rows: u32,
+    /// Middle of the first cell, or the first post.
     pub left: f64,
     pub top: f64,
-    /// From column to column and from row to row, positive.
+    /// From column to column, positive.
     pub column: f64,
+    /// From row to row, to the south: negative where the southern row comes first.
     pub row: f64,
+    pub registration: Registration,
+    /// Its numbers are not taken for degrees where nothing says so.
+    pub needs_system: bool,
+}
+
+impl PlainGrid {
+    /// Of the world file beside a raster of so many columns and rows, if there is one.
+    pub fn beside(
+        raster: &Path,
+        (columns, rows): (u32, u32),
+    ) -> Result<Option<Self>, HeightFileError> {
+        let Some(path) = WorldFile::beside(raster) else {
+            return Ok(None);
+        };
+        let context = FileContext::new(&path);
+        let text = files::read(&path, WORLD_FILE_BYTES);
+        let text = text.map_err(|error| context.unreadable(error))?;
+        let world = match text {
+            Some(text) => WorldFile::of_text(&String::from_utf8_lossy(&text)),
+            None => Err(format!("has more than {WORLD_FILE_BYTES} bytes")),
+        };
+        let remedy = "correct it, or warp the file beside it (`gdalwarp -t_srs EPSG:4326`)";
+        let rejected = |cause: String| context.rejected(cause, "six numbers", remedy);
+        let world = world.map_err(rejected)?;
+        if !(world.column > 0.0 && world.row != 0.0) {
+            let cause = "runs from east to west, or has steps of no size".to_string();
+            return Err(rejected(cause));
+        }
+        Ok(Some(Self {
+            columns,
+            rows,
+            left: world.x,
+            top: world.y,
+            column: world.column,
+            row: world.row,
+            registration: Registration::Cells,
+            needs_system: false,
+        }))
+    }
 }
 
 impl Header {
@@ -33,10 +76,26 @@ impl Header {
         let Some(grid) = self.plain else {
             return Ok(());
         };
+        // Half a cell over on all sides.
+        let margin = match grid.registration {
+            Registration::Cells => 0.5,
+            Registration::Posts => 0.0,
+        };
         let projection = match system {
             Some(TextSystem::Projected(projection)) => Some(projection),
             Some(TextSystem::WebMercator) => Projection::of_code(3857),
-            Some(TextSystem::Degrees) | None => None,
+            Some(TextSystem::Degrees) => None,
+            None if grid.needs_system => {
+                return Err(context.rejected(
+                    "does not state its coordinate system",
+                    "GeoTIFF keys of latitude and longitude, or a .prj file beside it",
+                    format!(
+                        "if it is so, `gdal_translate -a_srs EPSG:4326 {} OUT.tif`",
+                        context.path().display()
+                    ),
+                ));
+            }
+            None => None,
         };
         if let Some(projection) = projection {
             let warp = Warp::of(ProjectedGrid {
@@ -47,40 +106,47 @@ impl Header {
                 north_m: grid.top,
                 column_m: grid.column,
                 row_m: grid.row,
-                margin: 0.5,
+                margin,
             });
             let warp = warp.map_err(|cause| context.unwarped(cause))?;
             self.georeference = Some(warp.place);
             self.warp = Some(warp);
             return Ok(());
         }
-        let south = grid.top - f64::from(grid.rows - 1) * grid.row;
-        // Half a cell over on all sides.
+        let last = grid.top - f64::from(grid.rows.saturating_sub(1)) * grid.row;
+        let (south, north) = (last.min(grid.top), last.max(grid.top));
+        let row = grid.row.abs();
         let is_degrees = grid.left.abs() <= 361.0
             && grid.column <= 360.0
-            && grid.top <= 90.0 + grid.row
-            && south >= -90.0 - grid.row;
+            && north <= 90.0 + row
+            && south >= -90.0 - row;
         if !is_degrees {
             return Err(context.rejected(
                 format!(
-                    "has its first cell at {} {}, which are no degrees, and nothing says in which coordinate system",
+                    "has its first sample at {} {}, which are no degrees, and nothing says in which coordinate system",
                     grid.left, grid.top
                 ),
                 "degrees, or a .prj file beside it",
                 format!("`gdalwarp -s_srs EPSG:CODE -t_srs EPSG:4326 {} OUT.tif`", context.path().display()),
             ));
         }
+        self.is_south_first = grid.row < 0.0;
         self.georeference = Some(Georeference {
             columns: grid.columns,
             rows: grid.rows,
-            registration: Registration::Cells,
-            north_rad: grid.top.to_radians(),
-            lat_step_rad: grid.row.to_radians(),
+            registration: grid.registration,
+            north_rad: north.to_radians(),
+            lat_step_rad: row.to_radians(),
             west_rad: grid.left.to_radians(),
             lon_step_rad: grid.column.to_radians(),
         });
         Ok(())
     }
+}
+
+/// What the text with the coordinate system of a file may be called.
+pub(super) fn prj_of(path: &Path) -> [PathBuf; 2] {
+    ["prj", "PRJ"].map(|ending| path.with_extension(ending))
 }
 
 /// The system that a text beside a file names: `NAME.prj`, or `NAME.asc.aux.xml`.
@@ -108,8 +174,7 @@ pub(super) fn system_beside(path: &Path) -> Result<Option<TextSystem>, HeightFil
             )
         })
     };
-    for ending in ["prj", "PRJ"] {
-        let file = path.with_extension(ending);
+    for file in prj_of(path) {
         if let Some(text) = read(&file, MAX_WKT_BYTES)? {
             return named(&file, &text);
         }

@@ -1,11 +1,13 @@
 //! What a file of heights does not say itself, in a TOML file beside it.
 
 use super::HeightFileError;
+use super::error::FileContext;
 use crate::elevation::geoid::VerticalDatum;
 use crate::elevation::{Bounds, Georeference, GridError, Registration};
 use serde::Deserialize;
-use std::path::Path;
-use terrella_files::printable;
+use std::io::{ErrorKind, Read};
+use std::path::{Path, PathBuf};
+use terrella_files::{self as files, printable};
 use toml::Spanned;
 
 /// Largest sidecar that is read, bytes.
@@ -123,6 +125,7 @@ impl SidecarGeoreference {
 /// nodata = 65535              # stored values without data
 /// byte_order = "big"          # PNG only; "little" for files whose writer mistook it
 /// variable = "data"           # NetCDF only; needed if there are several
+/// band = 2                    # TIFF only: which of its bands has the heights; the first by default
 /// above = "egm96"             # vertical datum: "egm96", "egm2008", "sea" or "ellipsoid"
 /// attribution = "NOAA"        # whom to name for the data, at most 1000 characters
 /// ```
@@ -143,6 +146,8 @@ pub struct Sidecar {
     pub byte_order: Option<ByteOrder>,
     /// Variable of a NetCDF file.
     pub variable: Option<String>,
+    /// Band of a TIFF, from 1.
+    pub band: Option<u16>,
     /// Vertical datum of heights.
     pub above: Option<VerticalDatum>,
     /// Whom to name for the data.
@@ -162,6 +167,7 @@ struct RawSidecar {
     nodata: Option<f64>,
     byte_order: Option<ByteOrder>,
     variable: Option<String>,
+    band: Option<Spanned<u16>>,
     above: Option<VerticalDatum>,
     attribution: Option<Spanned<String>>,
 }
@@ -240,6 +246,13 @@ impl Sidecar {
             }
             text => text.map(Spanned::into_inner),
         };
+        let band = match raw.band {
+            Some(band) if *band.get_ref() == 0 => {
+                let cause = "band is 0; expected the number of a band, from 1";
+                return Err(source.wrong(band.span().start, cause));
+            }
+            band => band.map(Spanned::into_inner),
+        };
         Ok(Self {
             scale: finite(&raw.scale, "scale")?,
             offset: finite(&raw.offset, "offset")?,
@@ -254,6 +267,7 @@ impl Sidecar {
             no_data: raw.nodata,
             byte_order: raw.byte_order,
             variable: raw.variable,
+            band,
             above: raw.above,
             attribution,
         })
@@ -349,4 +363,44 @@ fn from_bounds(
         width_rad: width_deg.to_radians(),
     };
     Ok(SidecarGeoreference::Bounds(bounds, registration))
+}
+
+/// Where the sidecar of a file stands.
+pub(super) fn sidecar_of(path: &Path) -> PathBuf {
+    path.with_extension("toml")
+}
+
+/// The sidecar of all files of a folder that have none of their own.
+const FOLDER_SIDECAR: &str = "folder.toml";
+
+/// The sidecar of a folder, if there is one: it says no place.
+pub(super) fn folder_sidecar(path: &Path) -> Result<Option<Sidecar>, HeightFileError> {
+    let of_folder = path.with_file_name(FOLDER_SIDECAR);
+    let sidecar = read_sidecar(&of_folder)?;
+    match &sidecar {
+        Some(said) if said.georeference.is_some() => Err(FileContext::new(&of_folder).rejected(
+            "says where all files of its folder lie",
+            "unit, scale, offset, nodata or attribution, which files share",
+            "write the place into a sidecar of each file",
+        )),
+        _ => Ok(sidecar),
+    }
+}
+
+/// The sidecar at a path, if there is a file.
+pub(super) fn read_sidecar(path: &Path) -> Result<Option<Sidecar>, HeightFileError> {
+    let context = FileContext::new(path);
+    let file = match files::open(path) {
+        Ok(file) => file,
+        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
+        Err(error) => return Err(context.unreadable(error)),
+    };
+    let mut text = Vec::new();
+    file.take(MAX_SIDECAR_BYTES + 1)
+        .read_to_end(&mut text)
+        .map_err(|error| context.unreadable(error))?;
+    let Ok(text) = String::from_utf8(text) else {
+        return Err(context.rejected("is no text", "TOML", "write it again as UTF-8"));
+    };
+    Sidecar::from_toml(&text, path).map(Some)
 }

@@ -1,10 +1,12 @@
 //! Files of all formats, and every way in which they are rejected.
 
+mod bands;
 mod files;
 mod formats;
 mod netcdf;
 mod nothing;
 mod rejections;
+mod world_files;
 
 use super::*;
 use crate::elevation::GridError;

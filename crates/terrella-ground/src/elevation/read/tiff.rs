@@ -1,4 +1,6 @@
-//! GeoTIFF and TIFF with a sidecar: one channel of any number type, in strips or tiles.
+//! GeoTIFF and TIFF with a sidecar or a world file: one band of any number type, in strips or tiles.
+
+mod bands;
 
 use super::error::FileContext;
 use super::geo_keys::{FilePlacement, HeightTags};
@@ -9,11 +11,12 @@ use crate::elevation::tiff_chunks::{TiffChunkError, TiffChunks};
 use crate::elevation::tiff_gaps::{TiffGapError, TiffMask, absent_chunks};
 use crate::elevation::warp::Warp;
 use crate::elevation::{GridError, MAX_SIDE};
+use bands::{Bands, opaque};
 use std::io::{BufRead, Seek};
 use terrella_files::{excerpt, printable};
+use tiff::TiffError;
 use tiff::decoder::{ChunkType, Decoder, DecodingResult, Limits};
 use tiff::tags::Tag;
-use tiff::{ColorType, TiffError};
 
 /// Largest strip or tile, bytes.
 const CHUNK_BYTES: u64 = 256 << 20;
@@ -29,7 +32,9 @@ pub(super) struct Tiff<R: BufRead + Seek> {
     rows: usize,
     chunk_columns: usize,
     chunk_rows: usize,
-    sample_bytes: u64,
+    bands: Bands,
+    /// Samples of a pixel side by side in a strip or tile.
+    stride: usize,
     /// Strips or tiles that the file leaves out.
     absent: Option<Vec<bool>>,
     mask: Option<TiffMask>,
@@ -39,6 +44,7 @@ impl<R: BufRead + Seek> Tiff<R> {
     pub(super) fn open(
         reader: R,
         context: &FileContext,
+        band: Option<u16>,
     ) -> Result<(Self, Header), HeightFileError> {
         let told = |error| tiff_error(context, error);
         let mut decoder = Decoder::new(reader).map_err(told)?;
@@ -47,14 +53,7 @@ impl<R: BufRead + Seek> Tiff<R> {
         if !sides.contains(&columns) || !sides.contains(&rows) {
             return Err(context.grid(GridError::Size { columns, rows }));
         }
-        let colour = decoder.colortype().map_err(told)?;
-        let ColorType::Gray(bits @ (8 | 16 | 32 | 64)) = colour else {
-            let cause = match decoder.find_tag_unsigned::<u16>(Tag::SamplesPerPixel) {
-                Ok(Some(channels @ 2..)) => format!("has {channels} channels"),
-                _ => "holds colours".to_string(),
-            };
-            return Err(unsupported(context, cause));
-        };
+        let bands = Bands::of(&mut decoder, band, context)?;
         let photometric = decoder.find_tag_unsigned::<u16>(Tag::PhotometricInterpretation);
         if photometric.map_err(told)? == Some(0) {
             // The decoder would turn the numbers round.
@@ -68,7 +67,9 @@ impl<R: BufRead + Seek> Tiff<R> {
             gdal: decoder
                 .get_tag_ascii_string(GDAL_METADATA)
                 .unwrap_or_default(),
+            band: bands.height,
         };
+        let mut plain = None;
         let (georeference, is_south_first, warp) =
             match tags.georeference(columns, rows, context)? {
                 None => (None, false, None),
@@ -78,6 +79,10 @@ impl<R: BufRead + Seek> Tiff<R> {
                 Some(FilePlacement::Projected(grid)) => {
                     let warp = Warp::of(grid).map_err(|cause| context.unwarped(cause))?;
                     (Some(warp.place), false, Some(warp))
+                }
+                Some(FilePlacement::Plain(grid)) => {
+                    plain = Some(grid);
+                    (None, false, None)
                 }
             };
         let number = |text: &str| text.trim_matches(['\0', ' ', '\n']).parse::<f64>().ok();
@@ -102,7 +107,7 @@ impl<R: BufRead + Seek> Tiff<R> {
             columns,
             rows,
             georeference,
-            plain: None,
+            plain,
             warp,
             is_south_first,
             unit: tags.unit(context)?,
@@ -113,17 +118,24 @@ impl<R: BufRead + Seek> Tiff<R> {
         };
 
         let (chunk_columns, chunk_rows) = decoder.chunk_dimensions();
+        if chunk_columns == 0 || chunk_rows == 0 {
+            return Err(context.damaged("strips or tiles of no size"));
+        }
         // A strip may claim more rows than there are; a tile may be wider and higher than the whole.
         let chunk_rows = match decoder.get_chunk_type() {
             ChunkType::Tile => chunk_rows,
             ChunkType::Strip => chunk_rows.min(rows),
         };
+        let mut limits = Limits::default();
+        // Places and lengths of the tiles of the largest grid, 16 bytes for each.
+        limits.ifd_value_size = 64 << 20;
+        limits.decoding_buffer_size = limits.ifd_value_size;
+        let mut decoder = decoder.with_limits(limits.clone());
+        let chunks = TiffChunks::of(&mut decoder).map_err(|error| chunk_error(context, error))?;
+        let stride = chunks.kept();
         let chunk_bytes = u64::from(chunk_columns)
             .saturating_mul(u64::from(chunk_rows))
-            .saturating_mul(u64::from(bits / 8));
-        if chunk_columns == 0 || chunk_rows == 0 {
-            return Err(context.damaged("strips or tiles of no size"));
-        }
+            .saturating_mul(bands.sample_bytes() * u64::from(chunks.samples()));
         if chunk_bytes > CHUNK_BYTES {
             return Err(context.rejected(
                 format!("has strips or tiles of {} MB", chunk_bytes / 1_000_000),
@@ -134,12 +146,11 @@ impl<R: BufRead + Seek> Tiff<R> {
                 ),
             ));
         }
-        let mut limits = Limits::default();
-        // Places and lengths of the tiles of the largest grid, 16 bytes for each.
-        limits.ifd_value_size = 64 << 20;
-        limits.decoding_buffer_size = limits.ifd_value_size;
-        let mut decoder = decoder.with_limits(limits.clone());
-        let chunks = TiffChunks::of(&mut decoder).map_err(|error| chunk_error(context, error))?;
+        let last = bands.height.max(bands.alpha.unwrap_or(0));
+        if !chunks.is_planar() && last >= stride {
+            let cause = format!("has {} channels, of which it says no use", bands.count);
+            return Err(unsupported(context, cause));
+        }
         let absent = absent_chunks(&mut decoder);
         let mask = TiffMask::find(&mut decoder, (columns, rows));
         // At most `CHUNK_BYTES`. Compressed data are at most a little longer.
@@ -155,20 +166,38 @@ impl<R: BufRead + Seek> Tiff<R> {
             rows: rows as usize,
             chunk_columns: chunk_columns as usize,
             chunk_rows: chunk_rows as usize,
-            sample_bytes: u64::from(bits / 8),
+            bands,
+            stride: usize::from(stride),
         };
         Ok((tiff, header))
     }
 
     /// Bytes that reading holds at most: a strip or tile decoded, its data, places and lengths of all, and as much of a mask.
     pub fn working_bytes(&self) -> u64 {
-        let chunk = (self.chunk_columns * self.chunk_rows) as u64 * self.sample_bytes;
+        let pixels = (self.chunk_columns * self.chunk_rows) as u64;
+        let chunk = pixels * self.bands.sample_bytes() * u64::from(self.chunks.samples());
+        let of_alpha = match self.bands.alpha {
+            Some(_) => chunk + pixels,
+            None => 0,
+        };
         let across = self.columns.div_ceil(self.chunk_columns) as u64;
         let down = self.rows.div_ceil(self.chunk_rows) as u64;
         let mask = |mask: &TiffMask| mask.working_bytes(self.chunk_rows);
         let of_mask = self.mask.as_ref().map_or(0, mask);
         let of_chunks = self.chunks.working_bytes(chunk);
-        2 * chunk + across * down * 17 + self.columns as u64 * 5 + (1 << 20) + of_mask + of_chunks
+        let of_places = across * down * 17 * u64::from(self.bands.count);
+        let of_row = self.columns as u64 * 5 + (1 << 20);
+        2 * chunk + of_places + of_row + of_mask + of_chunks + of_alpha
+    }
+
+    /// What is to be said of the choice of a band.
+    pub fn note(&self, context: &FileContext) -> Option<String> {
+        self.bands.note(context)
+    }
+
+    /// Whether samples have fewer bits than the bytes that hold them; a picture is stretched over all.
+    pub fn is_narrow(&self) -> bool {
+        u64::from(self.bands.bits) < 8 * self.bands.sample_bytes()
     }
 
     /// Rows of a strip or tile.
@@ -197,7 +226,9 @@ impl<R: BufRead + Seek> Tiff<R> {
                 self.chunk_rows.min(self.rows - first.0),
             );
             let row = &mut heights_m[..size.0];
-            let is_absent = |absent: &Vec<bool>| absent.get(number).is_some_and(|absent| *absent);
+            let height_at = self.index(number, self.bands.height);
+            let is_absent =
+                |absent: &Vec<bool>| absent.get(height_at).is_some_and(|absent| *absent);
             if self.absent.as_ref().is_some_and(is_absent) {
                 for of_chunk in 0..size.1 {
                     row.fill(f32::NAN);
@@ -205,7 +236,8 @@ impl<R: BufRead + Seek> Tiff<R> {
                 }
                 continue;
             }
-            let chunk = self.chunk(number, size, context)?;
+            let chunk = self.chunk(height_at, size, context)?;
+            let opaque = self.opaque(&chunk, number, size, context)?;
             let mut gaps = Gaps {
                 decoder: &mut self.decoder,
                 mask: self.mask.as_mut(),
@@ -216,17 +248,33 @@ impl<R: BufRead + Seek> Tiff<R> {
                 let row = first.0 + of_chunk;
                 gaps.cut(row, first.1, heights_m)
                     .map_err(|error| gap_error(context, error))?;
+                if let Some(opaque) = opaque.as_ref().and_then(|all| all.get(of_chunk * size.0..)) {
+                    for (height_m, is_opaque) in heights_m.iter_mut().zip(opaque) {
+                        if !is_opaque {
+                            *height_m = f32::NAN;
+                        }
+                    }
+                }
                 put(row, first.1, heights_m)
             };
+            let offset = match self.chunks.is_planar() {
+                true => 0,
+                false => usize::from(self.bands.height),
+            };
+            let of = Samples {
+                size,
+                stride: self.stride,
+                offset,
+            };
             let is_whole = match &chunk {
-                DecodingResult::U8(of) => convert_rows(of, size, conversion, row, &mut put_row),
-                DecodingResult::I8(of) => convert_rows(of, size, conversion, row, &mut put_row),
-                DecodingResult::U16(of) => convert_rows(of, size, conversion, row, &mut put_row),
-                DecodingResult::I16(of) => convert_rows(of, size, conversion, row, &mut put_row),
-                DecodingResult::U32(of) => convert_rows(of, size, conversion, row, &mut put_row),
-                DecodingResult::I32(of) => convert_rows(of, size, conversion, row, &mut put_row),
-                DecodingResult::F32(of) => convert_rows(of, size, conversion, row, &mut put_row),
-                DecodingResult::F64(of) => convert_rows(of, size, conversion, row, &mut put_row),
+                DecodingResult::U8(all) => of.convert_rows(all, conversion, row, &mut put_row),
+                DecodingResult::I8(all) => of.convert_rows(all, conversion, row, &mut put_row),
+                DecodingResult::U16(all) => of.convert_rows(all, conversion, row, &mut put_row),
+                DecodingResult::I16(all) => of.convert_rows(all, conversion, row, &mut put_row),
+                DecodingResult::U32(all) => of.convert_rows(all, conversion, row, &mut put_row),
+                DecodingResult::I32(all) => of.convert_rows(all, conversion, row, &mut put_row),
+                DecodingResult::F32(all) => of.convert_rows(all, conversion, row, &mut put_row),
+                DecodingResult::F64(all) => of.convert_rows(all, conversion, row, &mut put_row),
                 _ => {
                     let cause = "holds whole numbers of 64 bits or floats of 16";
                     return Err(unsupported(context, cause.to_string()).into());
@@ -240,6 +288,36 @@ impl<R: BufRead + Seek> Tiff<R> {
         Ok(())
     }
 
+    /// The number of a strip or tile of a band in the file.
+    fn index(&self, number: usize, band: u16) -> usize {
+        match self.chunks.is_planar() {
+            true => usize::from(band) * self.chunks.per_plane() as usize + number,
+            false => number,
+        }
+    }
+
+    /// Where the alpha of a strip or tile lets heights be; `None` without alpha.
+    fn opaque(
+        &mut self,
+        heights: &DecodingResult,
+        number: usize,
+        size: (usize, usize),
+        context: &FileContext,
+    ) -> Result<Option<Vec<bool>>, HeightFileError> {
+        let Some(alpha) = self.bands.alpha else {
+            return Ok(None);
+        };
+        if !self.chunks.is_planar() {
+            return Ok(opaque(heights, self.stride, usize::from(alpha)));
+        }
+        let index = self.index(number, alpha);
+        let is_absent = |absent: &Vec<bool>| absent.get(index).is_some_and(|absent| *absent);
+        if self.absent.as_ref().is_some_and(is_absent) {
+            return Ok(Some(vec![false; size.0 * size.1]));
+        }
+        Ok(opaque(&self.chunk(index, size, context)?, 1, 0))
+    }
+
     /// Decodes a strip or tile, of which so many columns and rows lie in the image.
     fn chunk(
         &mut self,
@@ -251,7 +329,8 @@ impl<R: BufRead + Seek> Tiff<R> {
         let index = number as u32;
         let chunk = self.chunks.read(&mut self.decoder, index);
         let chunk = chunk.map_err(|error| chunk_error(context, error))?;
-        let (width, height) = self.decoder.chunk_data_dimensions(index);
+        let of_plane = index % self.chunks.per_plane().max(1);
+        let (width, height) = self.decoder.chunk_data_dimensions(of_plane);
         match width as usize == columns && height as usize >= rows && columns > 0 {
             true => Ok(chunk),
             false => Err(context.damaged("a strip or tile of the wrong size")),
@@ -294,30 +373,56 @@ impl<R: BufRead + Seek> Gaps<'_, R> {
     }
 }
 
-/// Converts a chunk's samples, `(width, height)` of them, and hands over each row; whether there were enough.
-fn convert_rows<T: Copy + Into<f64>, E>(
-    values: &[T],
-    (width, height): (usize, usize),
-    conversion: &Conversion,
-    heights_m: &mut [f32],
-    put_row: &mut impl FnMut(usize, &mut [f32]) -> Result<(), E>,
-) -> Result<bool, E> {
-    if values.len() < width * height {
-        return Ok(false);
-    }
-    for (row, values) in values.chunks_exact(width).take(height).enumerate() {
-        for (height_m, value) in heights_m.iter_mut().zip(values) {
-            *height_m = conversion.metres((*value).into());
+/// Samples of a strip or tile of several bands.
+struct Samples {
+    /// Columns and rows.
+    size: (usize, usize),
+    /// Samples of a pixel, and which of them is the height.
+    stride: usize,
+    offset: usize,
+}
+
+impl Samples {
+    /// Converts the samples of heights and hands over each row; whether there were enough.
+    fn convert_rows<T: Copy + Into<f64>, E>(
+        &self,
+        values: &[T],
+        conversion: &Conversion,
+        heights_m: &mut [f32],
+        put_row: &mut impl FnMut(usize, &mut [f32]) -> Result<(), E>,
+    ) -> Result<bool, E> {
+        let (width, height) = self.size;
+        let row_samples = width * self.stride;
+        if values.len() < row_samples * height {
+            return Ok(false);
         }
-        put_row(row, heights_m)?;
+        for (row, values) in values.chunks_exact(row_samples).take(height).enumerate() {
+            match self.stride {
+                1 => {
+                    for (height_m, value) in heights_m.iter_mut().zip(values) {
+                        *height_m = conversion.metres((*value).into());
+                    }
+                }
+                stride => {
+                    let pixels = values.chunks_exact(stride);
+                    for (height_m, pixel) in heights_m.iter_mut().zip(pixels) {
+                        let value = pixel
+                            .get(self.offset)
+                            .map_or(f64::NAN, |value| (*value).into());
+                        *height_m = conversion.metres(value);
+                    }
+                }
+            }
+            put_row(row, heights_m)?;
+        }
+        Ok(true)
     }
-    Ok(true)
 }
 
 fn unsupported(context: &FileContext, cause: String) -> HeightFileError {
     context.rejected(
         cause,
-        "one channel of whole numbers of 8 to 32 bits or of floats of 32 or 64, uncompressed or by LZW, deflate, PackBits, ZSTD, LERC or JPEG",
+        "bands of whole numbers of 8 to 32 bits or of floats of 32 or 64, uncompressed or by LZW, deflate, PackBits, ZSTD, LERC or JPEG",
         format!(
             "`gdal_translate -b 1 -ot Float32 -co COMPRESS=DEFLATE {} OUT.tif`",
             context.path().display()

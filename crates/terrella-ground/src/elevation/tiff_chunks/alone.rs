@@ -32,6 +32,17 @@ impl Alone {
         }
     }
 
+    /// The same as bytes, where samples share them.
+    pub fn of_bytes(self) -> Self {
+        Self {
+            columns: u32::try_from(self.row_bytes()).unwrap_or(u32::MAX),
+            samples: 1,
+            bits: 8,
+            format: 1,
+            ..self
+        }
+    }
+
     /// Bytes of a row, as samples are stored.
     pub fn row_bytes(&self) -> usize {
         let bits = u64::from(self.columns) * u64::from(self.samples) * u64::from(self.bits);

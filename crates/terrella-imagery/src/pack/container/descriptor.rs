@@ -1,4 +1,4 @@
-//! What a KTX2 file says of its texels: the Vulkan format number and the data format descriptor.
+//! Texel format of a KTX2 file: the Vulkan format number and the data format descriptor.
 
 use crate::tile::TileFormat;
 
@@ -23,10 +23,10 @@ const ALPHA: u8 = 15;
 const LINEAR: u8 = 0x10;
 const SIGNED: u8 = 0x40;
 
-/// Where the descriptor holds the bytes of a unit in each of eight planes.
+/// Position in the descriptor of the bytes per unit of each of eight planes.
 pub(super) const PLANE_SIZES: std::ops::Range<usize> = 20..28;
 
-/// Bits of one channel of a texel or a block, and the values that stand for its least and its greatest.
+/// Bits of one channel of a texel or a block, and its smallest and largest values.
 struct Sample {
     bit_offset: u16,
     bits: u8,

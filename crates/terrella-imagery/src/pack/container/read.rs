@@ -5,13 +5,13 @@ use super::{MAX_OVERHEAD_BYTES, SCHEME_ZSTD};
 use crate::tile::{TILE_MIPS, Tile, TileFormat, TileShape};
 use terrella_files::printable;
 
-/// The tile of a KTX2 file, which must be of this format and shape.
+/// Reads the tile of a KTX2 file, which must have this format and shape.
 ///
-/// Header and level index are checked against what is expected before anything is allocated; then as many bytes are
-/// allocated as the shape has, and no more is decompressed than fits.
+/// Header and level index are checked before anything is allocated; then exactly the bytes of the shape are allocated, and no more is decompressed
+/// than fits.
 ///
 /// # Errors
-/// What is wrong with the file, without its name.
+/// The error in the file, without its name.
 pub fn read_ktx2(bytes: &[u8], format: TileFormat, shape: TileShape) -> Result<Tile, String> {
     let most = shape.bytes(format) + MAX_OVERHEAD_BYTES;
     if bytes.len() > most {
@@ -25,8 +25,8 @@ pub fn read_ktx2(bytes: &[u8], format: TileFormat, shape: TileShape) -> Result<T
     let header =
         ktx2::Header::from_bytes(start).map_err(|error| format!("it is no KTX2 file: {error}"))?;
     check_header(start, &header, format, shape)?;
-    // Of the crate's readers only those of header, level index and key/value data are used: the one of whole files adds
-    // one to a byte of the descriptor and panics where that is 255.
+    // Only the crate's readers of header, level index and key/value data are used: the one for whole files adds one to a byte of the descriptor and
+    // panics if it is 255.
     check_descriptor(bytes, &header.index, format)?;
     check_key_values(bytes, &header.index)?;
     let levels = levels(bytes, format, shape)?;
@@ -59,7 +59,7 @@ fn check_header(
     format: TileFormat,
     shape: TileShape,
 ) -> Result<(), String> {
-    // As numbers: the crate's names are `None` for numbers that it does not know.
+    // As numbers: the crate's enums are `None` for unknown ones.
     let word =
         |at: usize| u32::from_le_bytes([bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]]);
     let side = shape.side();

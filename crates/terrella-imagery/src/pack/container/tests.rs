@@ -44,7 +44,7 @@ fn tiles_of_all_formats_and_shapes_come_back() {
     }
 }
 
-/// Every field at its byte offset as the KTX 2.0 specification gives it, none through a reader of ours.
+/// Every field at its byte offset according to the KTX 2.0 specification, without our own reader.
 #[test]
 fn files_are_as_the_specification_says() {
     // Vulkan format, colour model, transfer function, side of a unit, bytes of a unit, and for each sample: bit
@@ -195,7 +195,7 @@ fn a_file_that_ends_early_is_rejected_at_every_length() {
     }
 }
 
-/// With any one bit other than it was, the file is rejected or its texels are what they were.
+/// With any single bit flipped, the file is rejected or its texels are unchanged.
 #[test]
 fn a_changed_byte_never_changes_texels() {
     for format in FORMATS {

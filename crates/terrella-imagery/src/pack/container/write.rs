@@ -4,8 +4,7 @@ use super::SCHEME_ZSTD;
 use super::descriptor::{descriptor, vulkan_format};
 use crate::tile::{TILE_MIPS, Tile};
 
-/// How hard texels are compressed. Higher levels take several times as long for a few per cent; reading is as fast from
-/// any of them.
+/// Compression level of texels. Higher levels take several times as long for a few per cent; reading is equally fast for all of them.
 const ZSTD_LEVEL: i32 = 3;
 
 /// The key/value pairs, in the order of their keys. No version of the program, so that equal tiles are equal files.
@@ -31,7 +30,7 @@ pub fn write_ktx2(tile: &Tile) -> Vec<u8> {
 
     let index_offset = ktx2::Header::LENGTH;
     let descriptor_offset = index_offset + ktx2::LevelIndex::LENGTH * levels.len();
-    // The descriptor is made of words of four bytes, so key/value data is aligned as it must be.
+    // The descriptor consists of words of four bytes, so key/value data is correctly aligned.
     let key_values_offset = descriptor_offset + descriptor.len();
     let levels_offset = key_values_offset + key_values.len();
     let levels_bytes: usize = levels.iter().map(Vec::len).sum();
@@ -40,7 +39,7 @@ pub fn write_ktx2(tile: &Tile) -> Vec<u8> {
     file.extend_from_slice(&ktx2::MAGIC);
     let header_words = [
         vulkan_format(tile.format),
-        // Bytes of what a machine of the other byte order would swap.
+        // Size of a word for conversion of the byte order.
         1,
         tile.shape.side(),
         tile.shape.side(),
@@ -63,7 +62,7 @@ pub fn write_ktx2(tile: &Tile) -> Vec<u8> {
     for word in header_words {
         file.extend_from_slice(&word.to_le_bytes());
     }
-    // The smallest level lies first in the file; the index begins with the base. Compressed levels are not aligned.
+    // The smallest level comes first in the file; the index begins with the base. Compressed levels are not aligned.
     let mut end = levels_offset + levels_bytes;
     for (mip, level) in (0..).zip(&levels) {
         end -= level.len();

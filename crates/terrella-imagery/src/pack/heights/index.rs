@@ -1,4 +1,4 @@
-//! Which tiles of heights there are, with their files and ranges.
+//! The existing elevation tiles, with their files and ranges.
 
 use super::{HeightKind, HeightPlace, HeightValues, HeightsEntry};
 use crate::pack::error::PackError;
@@ -7,14 +7,14 @@ use crate::pack::manifest::TileFile;
 use crate::tile::TileError;
 use std::path::Path;
 
-/// Most tiles of heights of a pack: an index of 78 MB.
+/// Limit of elevation tiles of a pack: an index of 78 MB.
 pub const MAX_HEIGHT_TILES: u32 = 1 << 21;
 
 const MAGIC: &[u8; 8] = b"TRLHGT01";
 const HEAD_BYTES: usize = 12;
 const RECORD_BYTES: usize = 37;
 
-/// Heights beyond this are none of the Earth, metres.
+/// Largest plausible elevation on Earth, metres.
 const MOST_M: f32 = 100_000.0;
 
 /// A tile of the index.
@@ -22,7 +22,7 @@ const MOST_M: f32 = 100_000.0;
 pub struct HeightRecord {
     /// Which tile.
     pub place: HeightPlace,
-    /// What its file must be.
+    /// Length and checksum of its file.
     pub file: TileFile,
     /// Lowest height of the tile and of everything beneath it, metres.
     pub low_m: f32,
@@ -111,11 +111,11 @@ pub fn encode_index(records: &[HeightRecord]) -> Vec<u8> {
     bytes
 }
 
-/// Reads the bytes of an index, which must be just what the manifest's entry says.
+/// Parses the bytes of an index, which must match the manifest's entry exactly.
 ///
 /// # Errors
-/// What is wrong with it: size, order, places, ranges that are none or not within those of the coarser tile, tiles without a coarser one,
-/// tiles of the coarsest level that are missing.
+/// The error in it: size, order, positions, invalid ranges or ranges outside those of the coarser tile, tiles without a coarser one, missing tiles
+/// of the coarsest level.
 pub fn decode_index(bytes: &[u8], entry: &HeightsEntry) -> Result<HeightIndex, String> {
     let word = |at: usize| -> Option<[u8; 4]> { bytes.get(at..)?.first_chunk().copied() };
     if !bytes.starts_with(MAGIC) {
@@ -160,7 +160,7 @@ fn record(bytes: &[u8]) -> Option<HeightRecord> {
     })
 }
 
-/// What is wrong with a record after another.
+/// The error in a record, given the one before.
 fn check(
     record: &HeightRecord,
     before: Option<&HeightRecord>,
@@ -187,7 +187,7 @@ fn check(
     Ok(())
 }
 
-/// Every tile lies within a coarser one, and the coarsest level has all.
+/// Every tile is inside a coarser one, and the coarsest level is complete.
 fn check_parents(index: &HeightIndex, entry: &HeightsEntry) -> Result<(), String> {
     let mut coarsest = 0;
     for record in &index.records {

@@ -11,7 +11,7 @@ use terrella_ground::elevation::{
     HeightRange, HeightSamples, HeightTileError, HeightTileKey, HeightTileLayout, HeightTileSource,
 };
 
-/// The heights of a pack. Ranges are held in memory, 48 bytes a tile; every reading opens its file again.
+/// The elevation data of a pack. Ranges are held in memory, 48 bytes a tile; tiles are read from their files on each request.
 #[derive(Debug)]
 pub struct PackHeights {
     dir: PathBuf,
@@ -21,10 +21,10 @@ pub struct PackHeights {
 }
 
 impl Pack {
-    /// The heights of the pack: reads their index.
+    /// The elevation data of the pack: reads their index.
     ///
     /// # Errors
-    /// [`PackError::NoHeights`] where the pack has none; an index that is not there or not as the manifest says.
+    /// [`PackError::NoHeights`] if the pack has none; an index that is missing or does not match the manifest.
     pub fn height_tiles(&self) -> Result<PackHeights, PackError> {
         let entry = self.manifest().heights.clone();
         let entry = entry.ok_or_else(|| PackError::NoHeights {
@@ -46,7 +46,7 @@ impl Pack {
 }
 
 impl PackHeights {
-    /// What the manifest says of them.
+    /// Their entry in the manifest.
     pub fn entry(&self) -> &HeightsEntry {
         &self.entry
     }
@@ -96,7 +96,7 @@ impl HeightTileSource for PackHeights {
             what: format!("{}: {what}", path.display()),
         };
         let values = decode_heights(&bytes, &self.entry).map_err(unsound)?;
-        // What was culled by its range must not stand out of it.
+        // Terrain culled by its range must not exceed it.
         record
             .check_range(&values, self.entry.kind)
             .map_err(unsound)?;

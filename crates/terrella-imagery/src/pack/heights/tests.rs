@@ -1,4 +1,4 @@
-//! Tiles and indexes of heights as bytes.
+//! Elevation tiles and indexes as bytes.
 
 use super::*;
 

@@ -1,4 +1,4 @@
-//! The samples of a tile as bytes: differences from what neighbours let expect, compressed.
+//! The samples of a tile as bytes: differences from predictions by their neighbours, compressed.
 
 use super::{HeightKind, HeightsEntry};
 use terrella_files::printable;
@@ -16,7 +16,7 @@ pub enum HeightValues {
 }
 
 impl HeightValues {
-    /// Lowest and highest sample, metres; of none `None`.
+    /// Lowest and highest sample, metres; `None` if there is none.
     pub fn range_m(&self, kind: HeightKind) -> Option<(f64, f64)> {
         let range = |metres: &mut dyn Iterator<Item = f64>| {
             metres.fold(None, |range: Option<(f64, f64)>, height_m| {
@@ -58,10 +58,10 @@ pub fn encode_heights(values: &HeightValues, row_samples: usize) -> std::io::Res
     compressor.compress(&bytes)
 }
 
-/// Reads a tile's file, of which nothing is believed: as many bytes are allocated as the tile has, and no more is decompressed than fits.
+/// Decodes a tile's file, which is not trusted: exactly the bytes of the tile are allocated, and no more is decompressed than fits.
 ///
 /// # Errors
-/// What is wrong with it, without its name: its size, the compressed data, heights that are no numbers.
+/// The error in it, without its name: its size, the compressed data, elevations that are not finite.
 pub fn decode_heights(bytes: &[u8], entry: &HeightsEntry) -> Result<HeightValues, String> {
     let most = entry.most_file_bytes();
     if bytes.len() > most {
@@ -116,7 +116,7 @@ fn of_ordered(code: u32) -> f32 {
     })
 }
 
-/// What the neighbours let expect.
+/// Prediction from the neighbours.
 #[inline]
 fn expected(n: usize, row: usize, at: impl Fn(usize) -> u32) -> u32 {
     match (n / row, n % row) {
@@ -129,9 +129,9 @@ fn expected(n: usize, row: usize, at: impl Fn(usize) -> u32) -> u32 {
     }
 }
 
-/// Folded differences from what was expected, of codes of so many bits.
+/// Folded differences from the prediction, for codes of this many bits.
 fn residues(count: usize, row: usize, at: impl Fn(usize) -> u32, bits: u32) -> Vec<u32> {
-    // To the highest bits and back: differences wrap at the codes' own width.
+    // To the highest bits and back: differences wrap at the width of the codes.
     let shift = 32 - bits;
     (0..count)
         .map(|n| {

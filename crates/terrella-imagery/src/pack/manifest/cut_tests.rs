@@ -81,7 +81,7 @@ fn packs_without_parts_stay_what_they_were() {
         "{text}"
     );
     assert_eq!(read(&text).expect("good"), manifest);
-    // A reader of version 1 knows no parts.
+    // Version 1 has no parts.
     let as_1 = super::cut_tests::manifest().to_toml();
     let said = rejection(&as_1.replacen("format = 2", "format = 1", 1));
     assert!(said.contains("layer.level.parts: unknown key"), "{said}");
@@ -142,7 +142,7 @@ fn tiles_that_do_not_fit_one_another_are_rejected() {
         &|levels| levels[0].tiles[1][28 * 16 + 6] = None,
         "block 28, part 6, has a tile in one storage and none in the other",
     );
-    // What stands in for the parts of a block.
+    // The tile that stands in for the parts of a block.
     rejected(
         &|levels| {
             for tiles in &mut levels[2].tiles {

@@ -55,9 +55,9 @@ impl<'a> ManifestText<'a> {
 #[derive(Clone)]
 pub(super) struct Table<'a> {
     source: ManifestText<'a>,
-    /// Its name with those of the tables it stands in and a full stop; empty for the whole file.
+    /// Its name with those of its enclosing tables and a full stop; empty for the whole file.
     prefix: String,
-    /// Where it begins; `None` for the whole file.
+    /// Offset of its start; `None` for the whole file.
     offset: Option<usize>,
     entries: &'a DeTable<'a>,
 }

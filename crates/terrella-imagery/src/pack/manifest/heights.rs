@@ -1,4 +1,4 @@
-//! Reading what a manifest says of heights.
+//! Parser of a manifest's entry of elevation data.
 
 use super::fields::Value;
 use super::levels::read_hex;

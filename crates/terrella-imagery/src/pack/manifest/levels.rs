@@ -225,7 +225,7 @@ fn read_files(
     Ok(())
 }
 
-/// One tile's file; 0 bytes and no checksum for none.
+/// One tile's file; 0 bytes and no checksum for a missing one.
 fn tile_file(
     bytes: &Value<'_>,
     checksum: &Value<'_>,

@@ -87,7 +87,7 @@ fn check_version(value: &Value<'_>) -> Result<u32, PackError> {
     Ok(version)
 }
 
-/// What a name stands for, each at most once in a list.
+/// The meaning of a name, each at most once in a list.
 fn choose<T: Copy + PartialEq>(
     value: &Value<'_>,
     all: &[T],

@@ -50,7 +50,7 @@ pub(super) fn rejection(text: &str) -> String {
     error.to_string()
 }
 
-/// The good manifest's text with one part replaced where it stands first.
+/// The valid manifest's text with one part replaced at its first occurrence.
 fn changed(from: &str, to: &str) -> String {
     let text = manifest().to_toml();
     assert!(text.contains(from), "{from} is in no manifest");
@@ -130,7 +130,7 @@ fn every_key_is_needed() {
         ("checksums", Some("layer.level.bc.checksums")),
     ] {
         let start = text.find(&format!("\n{key} = ")).expect("written") + 1;
-        // A list runs to its bracket on a line of its own.
+        // A list ends with a bracket on a separate line.
         let end = match text[start..].find('\n').expect("a line") {
             len if text[start..start + len].ends_with('[') => {
                 start + text[start..].find("\n]\n").expect("closed") + 3

@@ -6,13 +6,11 @@ use terrella_files::clock::Instant;
 use terrella_ground::globe::BLOCK_COUNT;
 
 impl TileCache {
-    /// Begins a frame with what is requested, most urgent first. `reserved_bytes` is what the host counts for tiles that
-    /// are under way or waiting.
+    /// Begins a frame with its requests, most urgent first. `reserved_bytes` is the host's memory for loading or waiting tiles.
     ///
-    /// Requests for the picture come before those that are only expected. Each is promised a slot: at the level asked for,
-    /// or, where the pool is promised to others or there is no such tile, at the next coarser one that can be had. A tile
-    /// that could not be read is skipped likewise; when it is due to be tried again it is loaded beside its stand-in. Requests for
-    /// parts come after those for the tiles of whole blocks, which they need.
+    /// Requests for the image come before those that are only expected. Each gets an allocated slot: at the required level, or, if the pool is full
+    /// or there is no such tile, at the next coarser level available. A tile that could not be read is skipped likewise; when it is due to be tried
+    /// again it is loaded beside its stand-in. Requests for parts come after those for the tiles of whole blocks, which they need.
     pub fn allocate(&mut self, now: Instant, requests: &[TileRequest], reserved_bytes: u64) {
         self.frame += 1;
         self.promises = 0;
@@ -102,7 +100,7 @@ impl TileCache {
         }
     }
 
-    /// There is such a tile, and its pool has a slot for it that is not promised to a more urgent one.
+    /// There is such a tile, and its pool has a slot for it that is not allocated to a more urgent one.
     pub(super) fn can_promise(&self, key: TileKey) -> bool {
         let Some(level) = self.level(key) else {
             return false;

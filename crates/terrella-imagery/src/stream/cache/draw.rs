@@ -1,4 +1,4 @@
-//! What a block is drawn with.
+//! Selection of the tiles to draw.
 
 use super::{TileCache, TileStage};
 use crate::stream::{ResidentTile, TileSlot};
@@ -19,7 +19,7 @@ impl TileCache {
         }
         let coarsest = levels - 1;
         let coarser = allocation.goal..coarsest;
-        // A map that the eye asks for no finer is drawn as it is. Parts are no tiles of the whole block.
+        // A map without finer requests is drawn as a whole. Parts are not tiles of the whole block.
         let finer = if allocation.goal < coarsest {
             self.maps[layer.index()].cut as u8..allocation.goal
         } else {

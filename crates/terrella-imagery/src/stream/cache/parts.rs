@@ -1,7 +1,7 @@
-//! Parts of blocks: slots for them, and what a block's parts are drawn with.
+//! Parts of blocks: their slots, and their selection for drawing.
 //!
-//! Parts share a pool with the tiles of their blocks, which stand in for all of them. So parts are given slots only of blocks
-//! whose own tile has one, and of parts all that are not promised give way to those that are.
+//! Parts share a pool with the tiles of their blocks, which stand in for all of them. Parts therefore get slots only if their block's own tile has
+//! one, and parts without an allocation are released for those that have one.
 
 use super::{TileCache, TileStage};
 use crate::residency::{PartCell, PartTable, PartTables, ResidentTile};
@@ -75,7 +75,7 @@ impl TileCache {
         }
     }
 
-    /// Adds a table of what the parts of a block are drawn with: see [`super::super::TileStream::draw_parts`].
+    /// Adds a table with the tiles of the parts of a block: see [`super::super::TileStream::draw_parts`].
     pub fn draw_parts(
         &mut self,
         layer: MapLayer,
@@ -167,7 +167,7 @@ impl TileCache {
         None
     }
 
-    /// Counts a part that is asked for: it is there at the level that it was promised, or not. Answers that level.
+    /// Counts a requested part as resident at its allocated level, or as missing. Returns that level.
     fn count_part(&mut self, key: TileKey) -> usize {
         let state = self.tile(key);
         if state.asked != self.frame {

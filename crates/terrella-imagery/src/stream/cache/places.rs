@@ -1,9 +1,9 @@
-//! Where the state of each tile stands.
+//! Index of each tile's state.
 
 use crate::tile::{LayerLayout, MAP_LAYERS, MAX_LEVELS, TileKey};
 use terrella_ground::globe::BLOCK_COUNT;
 
-/// Places of all tiles of some maps, one after another.
+/// Indices of all tiles of some maps, consecutively.
 #[derive(Clone, Copy)]
 pub(super) struct TilePlaces {
     /// Of each map and level: the place of its first tile, and its tiles of a block.
@@ -14,7 +14,7 @@ pub(super) struct TilePlaces {
 impl TilePlaces {
     pub fn new(layers: &[&LayerLayout]) -> Self {
         let mut places = Self {
-            // Of what is not there: one place for all.
+            // One common index for non-existent tiles.
             levels: [[(0, 0); MAX_LEVELS]; MAP_LAYERS],
             len: 1,
         };

@@ -52,8 +52,7 @@ impl TileCache {
         Some(TileSlot { pool, index })
     }
 
-    /// A slot could be taken for a tile without disturbing what is drawn. A tile that is only expected leaves enough for
-    /// those of the picture.
+    /// A slot could be taken for a tile without affecting drawn tiles. A tile that is only expected leaves enough slots for those of the image.
     fn has_slot_to_take(&self, key: TileKey) -> bool {
         let Some(pool) = self.pool_of(key) else {
             return false;

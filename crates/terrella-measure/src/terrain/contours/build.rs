@@ -17,11 +17,11 @@ struct Subtree {
     ancestors: Vec<Node>,
 }
 
-/// As [`ContourTree::build`] on so many threads: the same tree to the last bit for any number of them, and for grids of up to
-/// 256 × 256 cells, which start none, the one that [`ContourTree::build`] makes. `progress` hears 0…1.
+/// As [`ContourTree::build`], on several threads: the same tree to the last bit for any number of them. Grids of up to 256 × 256 cells, which start
+/// none, give the tree of [`ContourTree::build`]. `progress` receives 0…1.
 ///
 /// # Errors
-/// A tree beyond the budget.
+/// A tree that exceeds the memory limit.
 pub fn build_on(
     threads: usize,
     dem: &Dem,

@@ -1,5 +1,5 @@
-//! Contours of a whole grid of heights, of which [`ContourPages`](terrella_ground::globe::contours::ContourPages) draw many small ones:
-//! their tree built on threads and selected from by a view.
+//! Contours of a whole elevation grid, of which [`ContourPages`](terrella_ground::globe::contours::ContourPages) draws many small ones: their tree,
+//! built on threads, and its selection for a view.
 
 mod build;
 mod select;

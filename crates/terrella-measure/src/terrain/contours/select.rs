@@ -19,9 +19,9 @@ pub fn screen_error_px(
     error_m * viewport_px / (2.0 * depth_m.max(1e-3) * (0.5 * field_of_view_rad).tan())
 }
 
-/// The nodes to draw for a view, coarse ones where their slab is thinner than `pixels` at their nearest: those whose
-/// ball lies wholly outside a side of the clip volume are left out. `clip_from_local` takes the DEM's metres to clip
-/// space, `pixel_rad` is the angle of a pixel. Cleared first; allocates only while `out` grows.
+/// The nodes to draw for a view, coarse ones where their slab is thinner than `pixels` at their nearest point. Nodes whose bounding sphere is
+/// outside the clip volume are left out. `clip_from_local` transforms the DEM's metres to clip space, `pixel_rad` is the angular size of a pixel.
+/// `out` is cleared first; allocates only while it grows.
 pub fn select(
     tree: &ContourTree,
     eye_m: DVec3,

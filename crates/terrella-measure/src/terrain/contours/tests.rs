@@ -60,7 +60,7 @@ fn every_number_of_threads_builds_the_same_contours() {
             for threads in [2, 3, 16] {
                 assert!(on(threads, &mut |_| ()) == one, "{threads}");
             }
-            // What the whole takes is enough, and a node less is not, on any number of threads.
+            // The size of the whole tree is sufficient, and one node less is not, on any number of threads.
             let takes = 2 * one.stats.bytes;
             for (budget, fits) in [(takes, true), (takes - 2 * 120, false)] {
                 let built =

@@ -7,7 +7,7 @@ use glam::{DVec2, DVec3};
 use terrella_ground::globe::contours::dem::{Dem, DemFrame};
 use terrella_ground::globe::contours::hermite::cubic;
 
-/// What the edges of a tree of patches were found to be.
+/// Continuity across the edges of a tree of patches.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Continuity {
     /// Shared edges, each as long as the finer of its two patches.
@@ -25,7 +25,7 @@ pub struct Continuity {
     pub alpha: (f64, f64),
 }
 
-/// The value and both derivatives of a q-Bézier patch, straight from its q-control heights, u and v in 0…1.
+/// The value and both derivatives of a q-Bézier patch, directly from its q-control heights, u and v in 0…1.
 pub fn evaluate_q(bases: &[QBasis; 2], patch: &QPatch, u: f64, v: f64) -> [f64; 3] {
     let columns = patch.control_m.map(|c| bases[1].point_and_slope(&c, v));
     let (z, zu) = bases[0].point_and_slope(&columns.map(|c| c.0), u);
@@ -40,8 +40,8 @@ fn piece(c: [f64; 4], a: f64, b: f64) -> [f64; 4] {
 }
 
 impl PatchTree {
-    /// Measures every shared edge at `points` places from q-control heights, as if each patch knew only its own. Steps of a
-    /// grid on the ellipsoid count as their length in the middle.
+    /// Measures every shared edge at `points` points from q-control heights, with each patch evaluated independently. Steps of a grid on the
+    /// ellipsoid count with their length in the middle.
     pub fn measure_continuity(&self, dem: &Dem, points: u32) -> Continuity {
         let [columns, rows] = self.size.map(|n| n as usize - 1);
         let step_m = match dem.frame() {

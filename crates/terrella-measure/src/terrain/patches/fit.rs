@@ -33,7 +33,7 @@ pub struct Fitting<'a> {
     inner: Vec<Span>,
     tolerance_m: f64,
     workers: &'a Workers,
-    /// Leaves so far, of all parts.
+    /// Number of leaves so far, of all parts.
     count: AtomicUsize,
     max_leaves: usize,
 }
@@ -45,7 +45,7 @@ const ROUNDING_M: f64 = 4e-9;
 pub const PART_LEAVES: usize = 1 << 14;
 
 impl<'a> Fitting<'a> {
-    /// For patches over a grid that are cut at least as far as `contours`, and of which there are `max_leaves` at most.
+    /// For patches over a grid that are subdivided at least as far as `contours`, at most `max_leaves` of them.
     pub fn new(
         dem: &'a Dem,
         contours: Option<&ContourTree>,
@@ -151,7 +151,7 @@ impl<'a> Fitting<'a> {
                     match distance_m(self.dem, leaf.span, &corners, self.tolerance_m) {
                         Some(off) => error_m = error_m.max(off),
                         None if quarters(leaf.span).is_some() => cut.push(k),
-                        // A single cell off by more lies on a coarser patch's edge that is off too, and cut now.
+                        // A single cell with a larger error is on a coarser patch's edge that is off too, and will be subdivided now.
                         None => (),
                     }
                 }

@@ -1,12 +1,12 @@
-//! The unfull quadtree of the 2005 paper over one grid of heights of any size, as its Table 1 measures it.
+//! The unfull quadtree of the 2005 paper over one elevation grid of any size, as in its Table 1.
 //!
-//! | file | what |
+//! | file | content |
 //! |---|---|
-//! | `tree.rs` | the tree and how it is built |
-//! | `order.rs` | in which order its nodes stand in memory |
+//! | `tree.rs` | the tree and its construction |
+//! | `order.rs` | order of its nodes in memory |
 //! | `select.rs` | the leaves of a view, and their triangles |
 //!
-//! What draws the Earth is [`Quadtree`](terrella_ground::globe::quadtree::Quadtree); both share the squares and the bound on a leaf's error.
+//! The Earth is drawn with [`Quadtree`](terrella_ground::globe::quadtree::Quadtree); both share the squares and the bound on a leaf's error.
 
 mod order;
 mod select;

@@ -1,18 +1,18 @@
-//! In which order the nodes of a tree stand in memory.
+//! Order of a tree's nodes in memory.
 
 use terrella_ground::globe::quadtree::Node;
 
-/// Order of the groups of four children in a tree's array (section 2.4 of the paper). The root stands first.
+/// Order of the groups of four children in a tree's array (section 2.4 of the paper). The root is first.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Order {
     /// Level by level, row by row: the plain order.
     Rows,
-    /// Level by level along the Z curve: in a full tree child k of p stands at 4p + k + 1.
+    /// Level by level along the Z curve: in a full tree child k of p is at 4p + k + 1.
     Morton,
     /// Level by level along the Hilbert curve: neighbours in the array are neighbours on the ground.
     Hilbert,
-    /// The levels of even number first, then the odd ones (the paper's white and black trees), along the Z curve: in a full
-    /// tree child k of p stands at 4p + k + m, where m depends on the level alone.
+    /// The levels of even number first, then the odd ones (the paper's white and black trees), along the Z curve: in a full tree child k of p is at
+    /// 4p + k + m, where m depends on the level alone.
     Interleaved,
     /// Each node before its children, as a search goes.
     #[default]
@@ -29,7 +29,7 @@ impl Order {
         Self::DepthFirst,
     ];
 
-    /// What the children of a node are sorted by; `None` where they stand as they were made.
+    /// Sort key of a node's children; `None` if they keep the order of creation.
     pub(super) fn key(self, parent: Node) -> Option<u128> {
         let level = u128::from(parent.level);
         let (first, code) = match self {
@@ -44,7 +44,7 @@ impl Order {
     }
 }
 
-/// Morton code: the bits of x and y in turn, those of y first. Both below 2³².
+/// Morton code: the bits of x and y interleaved, those of y first. Both below 2³².
 pub fn morton(x: u64, y: u64) -> u64 {
     spread(x) | spread(y) << 1
 }

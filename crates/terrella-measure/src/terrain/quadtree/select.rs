@@ -9,7 +9,7 @@ use terrella_ground::globe::quadtree::{
 /// Which error of a node a view looks at.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ErrorMetric {
-    /// The paper's: the largest of five midpoint errors, of the node and below. What is drawn may be off by more.
+    /// The paper's rule: the largest of five midpoint errors, of the node and below. The drawn error may be larger.
     Midpoints,
     /// Most that any post is off by.
     #[default]
@@ -102,12 +102,11 @@ impl Cut for Divided<'_> {
     }
 }
 
-/// In place of a node: a cell, which has none.
+/// Marks a cell, which has no node.
 const CELL: u32 = u32::MAX;
 
 impl GridQuadtree {
-    /// Chooses the leaves of a view: from the root down, a square is divided while the rule asks for it and there is
-    /// something below.
+    /// Selects the leaves of a view: from the root down, a square is subdivided while the rule requires it and there is something below.
     pub fn select(&self, view: &TreeView, selected: &mut SelectedLeaves) {
         selected.split.clear();
         selected.split.resize(self.nodes.len().div_ceil(64), 0);
@@ -187,7 +186,7 @@ impl GridQuadtree {
             x: 0,
             y: 0,
         };
-        // Leaves stand in the order of this walk; those left out are skipped.
+        // Leaves are in the order of this traversal; omitted ones are skipped.
         let mut leaves = selected.leaves.iter().copied().peekable();
         let mut stack = Vec::with_capacity(64);
         stack.push(among(&divided, (root, 0)));
@@ -236,8 +235,8 @@ impl GridQuadtree {
         )
     }
 
-    /// The two triangles of a cell. They meet along the diagonal through the middle of the square of four cells, so that they
-    /// lie within the triangles of that.
+    /// The two triangles of a cell. They share the diagonal through the middle of the square of four cells, so that they lie inside the triangles
+    /// of that.
     fn cell(&self, node: Node) -> [[u32; 3]; 2] {
         let nw = (node.y as usize * self.columns + node.x as usize) as u32;
         let sw = nw + self.columns as u32;
@@ -275,7 +274,7 @@ impl GridQuadtree {
 }
 
 impl TreeView {
-    /// Whether a node is to be divided.
+    /// Whether a node must be subdivided.
     fn is_exceeded(&self, error_m: f64, distance_m: f64, side_m: f64) -> bool {
         let per_px = 1.0 / (self.pixel_rad * self.tolerance_px);
         match self.split_rule {

@@ -73,8 +73,8 @@ fn mesh(tree: &GridQuadtree, view: &TreeView) -> (SelectedLeaves, Vec<[u32; 3]>)
     (selected, out.as_chunks::<3>().0.to_vec())
 }
 
-/// Fails unless the triangles cover the grid once: each edge inside belongs to two triangles that run along it in opposite
-/// directions, each other one lies on the grid's edge, and the areas add up.
+/// Fails unless the triangles cover the grid once: each inner edge belongs to two triangles that traverse it in opposite directions, each other one
+/// is on the grid's edge, and the areas add up.
 #[track_caller]
 fn assert_whole(tree: &GridQuadtree, triangles: &[[u32; 3]]) {
     let (columns, rows) = tree.size();
@@ -159,7 +159,7 @@ fn merging_loses_nothing_at_any_size() {
         let mut before = usize::MAX;
         for merge in [Merge::None, Merge::Equal, Merge::Flat] {
             let tree = tree(columns, rows, 1, merge, Order::DepthFirst);
-            // Divided as far as it goes.
+            // Subdivided completely.
             let (selected, triangles) = mesh(&tree, &paper_view(DVec3::ZERO, f64::INFINITY));
             assert_whole(&tree, &triangles);
             assert!(largest_difference(&tree, &triangles) < 1e-9);
@@ -263,7 +263,7 @@ fn owners(tree: &GridQuadtree, view: &TreeView) -> HashMap<[u32; 3], Node> {
     triangles
         .into_iter()
         .map(|corners| {
-            // Three times the middle of the triangle lies inside its leaf.
+            // Three times the triangle's centroid is inside its leaf.
             let sum = |of: fn(usize, usize) -> usize| -> u64 {
                 corners
                     .iter()

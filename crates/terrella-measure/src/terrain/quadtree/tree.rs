@@ -1,4 +1,4 @@
-//! The tree over one grid of heights, of any size.
+//! The tree over one elevation grid of any size.
 
 use super::order::Order;
 use crate::terrain::workers::Workers;
@@ -21,11 +21,11 @@ pub enum Merge {
 pub struct TreeOptions {
     /// Which squares are merged.
     pub merge: Merge,
-    /// How the nodes stand in memory.
+    /// Order of the nodes in memory.
     pub order: Order,
     /// Threads that build, 1 or more.
     pub threads: usize,
-    /// Most bytes of heights and nodes together.
+    /// Memory limit of elevations and nodes together, bytes.
     pub max_bytes: usize,
 }
 
@@ -86,10 +86,10 @@ pub const MAX_POSTS: usize = (1 << 15) + 1;
 pub(super) const LEAF: u32 = u32::MAX;
 /// The square is of 2 × 2 cells, which have no nodes.
 pub(super) const CELLS: u32 = u32::MAX - 1;
-/// The square lies outside the grid.
+/// The square is outside the grid.
 pub(super) const ABSENT: u32 = u32::MAX - 2;
 
-/// What is known of a square of two steps or more.
+/// Data of a square of two steps or more.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 pub struct TreeNode {
@@ -97,7 +97,7 @@ pub struct TreeNode {
     pub(super) children: u32,
     /// e_max: largest of its five midpoint errors and of those below, metres. Infinite where the square is not all on the grid.
     pub midpoints_m: f32,
-    /// Most that any post departs from it as a leaf, metres; that of its children where theirs is larger. As above.
+    /// Upper bound of any post's deviation from it as a leaf, metres; at least that of its children. As above.
     pub bound_m: f32,
     /// Lowest height, metres.
     pub low_m: f32,
@@ -134,8 +134,8 @@ pub struct Posts<'a> {
     pub spacing_m: f64,
 }
 
-/// An unfull quadtree over a grid of heights. The grid may be of any size: the tree is that of the next power of two, and
-/// what lies outside is absent.
+/// An unfull quadtree over an elevation grid. The grid may have any size: the tree is that of the next power of two, and squares outside are
+/// absent.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GridQuadtree {
     pub(super) columns: usize,
@@ -152,7 +152,7 @@ pub(super) fn levels(columns: usize, rows: usize) -> u8 {
     cells.next_power_of_two().trailing_zeros() as u8
 }
 
-/// What the tree is made from.
+/// Input of the construction.
 struct Builder<'a> {
     columns: usize,
     rows: usize,
@@ -167,10 +167,10 @@ struct Builder<'a> {
 type Subtree = (TreeNode, Vec<TreeNode>);
 
 impl GridQuadtree {
-    /// Builds the tree. `progress` hears of the part that is done, 0…1, on this thread.
+    /// Builds the tree. `progress` receives the completed fraction, 0…1, on this thread.
     ///
     /// # Errors
-    /// A size of 0 or above [`MAX_POSTS`], heights that are not finite or too few, or a tree above the budget.
+    /// A size of 0 or above [`MAX_POSTS`], elevations that are not finite or too few, or a tree that exceeds the memory limit.
     pub fn build(
         posts: Posts<'_>,
         options: &TreeOptions,
@@ -281,7 +281,7 @@ impl GridQuadtree {
 }
 
 impl Builder<'_> {
-    /// The subtrees of the split level, by column and row; none where that is the root's.
+    /// The subtrees of the split level, by column and row; none if that is the root's.
     fn subtrees(&self, workers: &Workers, progress: &mut dyn FnMut(f32)) -> Vec<Option<Subtree>> {
         if self.split_level == 0 {
             return Vec::new();
@@ -362,7 +362,7 @@ impl Builder<'_> {
         let is_merged = match self.merge {
             Merge::None => false,
             Merge::Equal => out.low_m == out.high_m,
-            // What rounding adds is never 0 where the error is not.
+            // The rounding term is never 0 if the error is not.
             Merge::Flat => out.bound_m == 0.0,
         };
         if is_merged {

@@ -1,4 +1,4 @@
-//! What the tests of several trees share.
+//! Common code of the tests of several trees.
 
 #[path = "../../../../terrella-ground/src/globe/contours/tests/ground.rs"]
 pub mod ground;

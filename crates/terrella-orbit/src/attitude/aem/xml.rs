@@ -23,7 +23,7 @@ const STATE_KEYS: &Keys = &[
     ("ANGLE_3", "deg"),
 ];
 
-/// Numbers have names here: nothing of what only version 1 requires is needed.
+/// Numbers are named in XML: keys required only by version 1 are not needed.
 const VERSION: u32 = 2;
 
 pub fn segments(text: &str, origin: &Path) -> Result<Vec<Segment>, RecordError> {
@@ -46,7 +46,7 @@ pub fn segments(text: &str, origin: &Path) -> Result<Vec<Segment>, RecordError> 
     Ok(message.segments)
 }
 
-/// What values belong to.
+/// The enclosing element of values.
 enum Block {
     None,
     Metadata(Fields),
@@ -139,7 +139,7 @@ impl Message<'_> {
             scaled_number(&entry.value, 0).ok_or_else(|| entry.wrong(origin, "a number"))
         };
         let numbers = match &mut meaning.form {
-            // By name, whatever the metadata say of their order.
+            // By name, whatever order the metadata give.
             Form::Quaternion { is_scalar_first } => {
                 *is_scalar_first = false;
                 [number("Q1")?, number("Q2")?, number("Q3")?, number("QC")?]

@@ -1,4 +1,4 @@
-//! What is wrong with a saved simulation.
+//! Errors of saved simulations.
 
 use std::io;
 use std::path::PathBuf;
@@ -19,14 +19,14 @@ pub enum RecordingError {
     #[error("{}: contains no Basilisk message ({cause}); expected a file that saveFile wrote", path.display())]
     Empty {
         path: PathBuf,
-        /// What is wrong with its beginning.
+        /// The error at its beginning.
         cause: String,
     },
     /// A message that was there when the file was opened.
     #[error("{}: the message at byte {offset} cannot be played: {cause}", path.display())]
     Message {
         path: PathBuf,
-        /// Where the message begins.
+        /// Offset of the message.
         offset: u64,
         cause: String,
     },

@@ -1,4 +1,4 @@
-//! Where the messages of a saved simulation begin, when they are, and what is said once: all of a file that is held.
+//! Index of a saved simulation: offsets and times of messages, and data that is sent once. Nothing else of the file is kept in memory.
 
 use super::error::RecordingError;
 use crate::basilisk::message::{
@@ -30,7 +30,7 @@ pub enum Change {
     Place(Location),
 }
 
-/// What is held of a file.
+/// The index of a file.
 #[derive(Debug)]
 pub struct Index {
     /// Messages by time, one in so many where there are many; at least one.
@@ -39,13 +39,13 @@ pub struct Index {
     pub last: Noted,
     /// How many are played.
     pub messages: u64,
-    /// What is said once, and since which simulated second.
+    /// Data that is sent once, and the simulated second from which it applies.
     pub changes: Vec<(f64, Change)>,
-    /// What a user should know about the file.
+    /// Notes for the user about the file.
     pub notes: Vec<String>,
 }
 
-/// What can be read at any place.
+/// A seekable reader.
 pub trait ReadSeek: Read + Seek + Send {}
 
 impl<T: Read + Seek + Send> ReadSeek for T {}
@@ -53,11 +53,11 @@ impl<T: Read + Seek + Send> ReadSeek for T {}
 /// A file, buffered.
 pub type RecordingFile = BufReader<Box<dyn ReadSeek>>;
 
-/// What stands at the beginning of a message.
+/// The head of a message.
 struct Head {
     elapsed_s: f64,
     changes: Vec<Change>,
-    /// Offset of what is behind it.
+    /// Offset of the next message.
     end: u64,
 }
 
@@ -82,7 +82,7 @@ fn stream_varint(read: &mut impl Read) -> io::Result<Option<(u64, u64)>> {
     Err(corrupt(WireFault::LongNumber))
 }
 
-/// The head of the message at `offset`, without the bytes that nobody needs yet; `None` at the end of the file.
+/// The head of the message at `offset`, without reading the rest; `None` at the end of the file.
 fn head(file: &mut RecordingFile, offset: u64, file_len: u64) -> io::Result<Option<Head>> {
     let Some((len, len_len)) = stream_varint(file)? else {
         return Ok(None);
@@ -219,7 +219,7 @@ impl Index {
         self.noted.first().map_or(0.0, |noted| noted.elapsed_s)
     }
 
-    /// Where to begin to look for an instant: a message at or before it.
+    /// Offset to start the search for a time: a message at or before it.
     pub fn before(&self, elapsed_s: f64) -> u64 {
         let behind = self
             .noted

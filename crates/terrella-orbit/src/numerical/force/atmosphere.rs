@@ -4,15 +4,15 @@
 /// is from half to twice theirs in most years, above 500 km from a tenth to ten times.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AtmosphereModel {
-    /// Exponential pieces with Vallado's base densities (2013, table 8-4, after US Standard Atmosphere 1976 and CIRA-72),
-    /// their scale heights made to join without steps.
+    /// Exponential pieces with Vallado's base densities (2013, table 8-4, after US Standard Atmosphere 1976 and CIRA-72), and scale heights chosen
+    /// to join them without steps.
     Exponential,
     /// US Standard Atmosphere 1976: its layers below 80 km, its tabulated densities from 86 to 1000 km, smooth between the
     /// entries. Integrates in fewer steps.
     Standard1976,
 }
 
-/// Height above which there is none, metres: 1e-17 kg/m³ and less.
+/// Height above which the density is zero, metres: it would be 1e-17 kg/m³ or less.
 pub(super) const TOP_M: f64 = 2_500e3;
 /// Lowest height that is looked up, metres: the ground's lowest places.
 const BOTTOM_M: f64 = -5_000.0;
@@ -121,8 +121,8 @@ impl AtmosphereModel {
     }
 }
 
-/// The logarithm between the entries: straight, or a cubic whose slope at an entry is that of the parabola through it and
-/// its neighbours. On with the first slope below and the last scale height above.
+/// Interpolates the logarithm between the entries: linearly, or by a cubic whose slope at an entry is that of the parabola through it and its
+/// neighbours. Extrapolated with the first slope below and the last scale height above.
 fn in_table(table: &[(f64, f64)], km: f64, smooth: bool) -> f64 {
     let above = table.partition_point(|(height, _)| *height <= km);
     let Some(&(h1, d1)) = table.get(above) else {
@@ -141,7 +141,7 @@ fn in_table(table: &[(f64, f64)], km: f64, smooth: bool) -> f64 {
         (Some(&(a, da)), Some(&(b, db))) => Some(((db / da).ln() / (b - a), b - a)),
         _ => None,
     };
-    // The slope at entry k from the two secants that meet there, each weighed by the other's length.
+    // The slope at entry k from its two secants, each weighted by the other's length.
     let slope = |k: usize, own: f64| {
         let below = k.checked_sub(1).and_then(secant);
         match (below, secant(k)) {
@@ -179,7 +179,7 @@ mod tests {
 
     #[test]
     fn the_standard_layers_are_those_of_its_table() {
-        // US Standard Atmosphere 1976, table I, geometric heights.
+        // US Standard Atmosphere 1976, table I, geometric altitudes.
         for (km, density) in [
             (0.0, 1.2250),
             (5.0, 7.3643e-1),

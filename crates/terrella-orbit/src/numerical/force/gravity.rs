@@ -62,7 +62,7 @@ impl Field {
         self.harmonics(position_m);
         let (v, w) = (&self.v, &self.w);
         let (mut x, mut y, mut z) = (0.0, 0.0, 0.0);
-        // From the smallest terms to the largest.
+        // Summed from the smallest terms to the largest.
         for n in (2..=self.degree).rev() {
             for m in (0..=self.order.min(n)).rev() {
                 let (c, s) = (self.c[n][m], self.s[n][m]);

@@ -3,13 +3,13 @@
 use glam::DVec3;
 use terrella_frames::{Ellipsoid, SUN_RADIUS_M, uncovered};
 
-/// The Earth's shadow: of a sphere of 6378.137 km, without refraction. The flattening shifts its edge at the poles by 21 km,
-/// 3 s of flight in low orbit; the air lets red light in some 10 s further.
+/// The Earth's shadow: that of a sphere of 6378.137 km, without refraction. Flattening shifts its edge at the poles by 21 km, 3 s of flight in low
+/// orbit; refraction extends red light by some 10 s.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Shadow {
     /// No shadow: sunlight everywhere.
     None,
-    /// A cylinder: full light or none.
+    /// A cylinder: full light or no light.
     Cylinder,
     /// Umbra and penumbra, by how much of the Sun's disc the Earth covers.
     #[default]
@@ -40,7 +40,7 @@ impl Shadow {
     }
 }
 
-/// Angle by which the Sun's centre stands above the Earth's limb, radians; below 0 behind it.
+/// Elevation angle of the Sun's centre above the Earth's limb, radians; negative behind it.
 pub(in crate::numerical) fn sun_above_limb_rad(position_m: DVec3, sun_m: DVec3) -> f64 {
     let (_, earth, apart) = discs(position_m, sun_m);
     apart - earth

@@ -109,7 +109,7 @@ impl SunMoonAxes {
                 slot
             }
         };
-        // Two are kept: the stages of a step may lie on both sides of a border.
+        // Two are kept: the stages of a step may be on both sides of a boundary.
         self.older = 1 - slot;
         let epoch = self.epoch;
         self.pieces[slot].get_or_insert_with(|| Piece::at(epoch, number))

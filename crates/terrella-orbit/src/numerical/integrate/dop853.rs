@@ -9,7 +9,7 @@ const MAX_FACTOR: f64 = 6.0;
 const SAFETY: f64 = 0.9;
 /// Share of the last error in the choice of the step (a PI controller; Hairer & Wanner 1996, IV.2).
 const BETA: f64 = 0.04;
-/// Where the step's length times the largest eigenvalue leaves the region of stability.
+/// Product of step size and largest eigenvalue at the edge of the region of stability.
 const STABLE: f64 = 6.1;
 
 /// State of the method between steps.
@@ -21,7 +21,7 @@ pub(super) struct Dop853 {
     not_stiff: u32,
 }
 
-/// What came of one try.
+/// Result of an attempted step.
 pub(super) enum StepOutcome<const N: usize> {
     /// The step, and the length to try next.
     Accepted { step: Step<N>, next_h: f64 },
@@ -121,7 +121,7 @@ impl Dop853 {
         }
     }
 
-    /// The last stage and the new point lie at the same time: their derivatives' difference over their own says the
+    /// The last stage and the new point are at the same time: the ratio of the differences of their derivatives and of their values estimates the
     /// largest eigenvalue.
     fn watch_stiffness(&mut self, derivatives: f64, values: f64) {
         if values > 0.0 && derivatives / values > STABLE {

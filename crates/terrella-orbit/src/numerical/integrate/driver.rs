@@ -103,7 +103,7 @@ impl<const N: usize> Driver<N> {
         self.counts
     }
 
-    /// The next step, which does not lead beyond `limit`; `limit` must not be where it stands.
+    /// The next step, which does not pass `limit`; `limit` must differ from the current time.
     pub fn step(
         &mut self,
         equations: &mut impl Equations<N>,
@@ -139,7 +139,7 @@ impl<const N: usize> Driver<N> {
                     self.change_method(equations, h);
                 }
                 StepOutcome::Accepted { step, next_h } => {
-                    // A step cut by the limit says little of the next one's length.
+                    // A step shortened by the limit is no guide to the size of the next one.
                     self.h = match h.abs() < 0.99 * self.h.abs() && next_h.abs() < self.h.abs() {
                         true => self.h,
                         false => next_h,

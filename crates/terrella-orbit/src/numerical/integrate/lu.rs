@@ -1,10 +1,10 @@
-//! Gaussian elimination for a few unknowns, real and complex. Our own: the matrices are 6 × 6 and lie on the stack, which the
-//! crates of linear algebra buy with ten times the code.
+//! Gaussian elimination for a few unknowns, real and complex. Our own: the matrices are 6 × 6 and on the stack; linear algebra crates would take
+//! ten times the code.
 
 use num_complex::Complex64;
 use std::ops::{Add, Div, Mul, Sub};
 
-/// What a matrix is made of.
+/// Elements of a matrix.
 pub(super) trait Scalar:
     Copy
     + Default

@@ -73,7 +73,7 @@ pub(super) struct Radau<const N: usize> {
     jacobian_is_fresh: bool,
     decomposed: Option<(f64, Lu<f64, N>, Lu<Complex64, N>)>,
     before: Option<(Step<N>, f64)>,
-    /// Newton's method ends where its error is this share of what is allowed.
+    /// Newton's method stops when its error is this fraction of the tolerance.
     newton_share: f64,
     after_rejection: bool,
 }

@@ -5,7 +5,7 @@
 /// A row of the Butcher tableau: its entries that are not 0, with their stages.
 pub(super) type Row = &'static [(usize, f64)];
 
-/// Where the stages lie, as parts of the step; the last four are the new point and three for the dense output.
+/// Times of the stages as fractions of the step; the last four are the new point and three for the dense output.
 pub(super) const C: [f64; 16] = [
     0.0,
     0.052_600_151_958_767_73,

@@ -59,7 +59,7 @@ fn error_of_one_step(implicit: bool, h: f64, inside: f64) -> f64 {
     squares.sum::<f64>().sqrt()
 }
 
-/// Against a run with the least tolerance.
+/// Compared with a run at the smallest tolerance.
 fn error_from(implicit: bool, y0: [f64; 2], h: f64, inside: f64) -> f64 {
     let mut plain = Plain {
         f: pendulum,
@@ -91,7 +91,7 @@ fn error_from(implicit: bool, y0: [f64; 2], h: f64, inside: f64) -> f64 {
 
 #[test]
 fn the_explicit_method_is_of_order_eight() {
-    // One step's error falls with h⁹, that of the dense output of order 7 with h⁸.
+    // The error of one step scales with h⁹, that of the dense output of order 7 with h⁸.
     for (inside, order) in [(1.0, 9.0), (0.4, 8.0)] {
         let (long, short) = (
             error_of_one_step(false, 0.6, inside),
@@ -105,7 +105,7 @@ fn the_explicit_method_is_of_order_eight() {
 
 #[test]
 fn the_implicit_method_is_of_order_five() {
-    // One step's error falls with h⁶, that of the collocation polynomial with h⁴.
+    // The error of one step scales with h⁶, that of the collocation polynomial with h⁴.
     for (inside, order) in [(1.0, 6.0), (0.8, 4.0)] {
         let (long, short) = (
             error_of_one_step(true, 0.2, inside),

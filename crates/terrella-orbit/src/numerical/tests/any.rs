@@ -1,4 +1,4 @@
-//! Any start ends in states that are numbers, or in an error that says why.
+//! Any start gives finite states, or an error with a reason.
 
 use super::*;
 use proptest::prelude::*;

@@ -105,7 +105,7 @@ fn a_balloon_is_stiff_and_the_automatic_method_knows() {
             .length();
         assert!(apart < 20.0, "{k}: {apart}");
     }
-    // The craft's fall is not stiff: the explicit method has it to itself.
+    // The fall is not stiff: only the explicit method is used.
     let options = NumericalOptions {
         relative_tolerance: 1e-8,
         ..after(1.0)

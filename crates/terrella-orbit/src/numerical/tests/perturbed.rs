@@ -166,7 +166,7 @@ fn sun_and_moon_tilt_the_geostationary_orbit_as_is_known() {
 
 #[test]
 fn drag_lowers_an_orbit_as_the_formula_says() {
-    // Circular, over the equator: da/dt = −ρ B a² v (v − ωa)²/μ, all constant but for the fall itself.
+    // Circular, equatorial: da/dt = −ρ B a² v (v − ωa)²/μ, constant except for the decay itself.
     for air in [AtmosphereModel::Exponential, AtmosphereModel::Standard1976] {
         let mut conic = conic(6_378_137.0 + 400e3, 0.0, 0.0, 0.0);
         let pole = terrella_frames::intermediate_from_gcrf(epoch()).row(2);

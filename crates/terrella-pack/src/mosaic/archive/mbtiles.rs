@@ -122,7 +122,7 @@ impl MbTiles {
         &self.level
     }
 
-    /// Notes where each tile of the level lies.
+    /// Records the location of each tile of the level.
     fn fill(&mut self, places: &Table, images: Option<&Table>) -> Result<(), BuildError> {
         let (wanted, last) = (self.level.level, (1_u32 << self.level.level) - 1);
         let (tiles, mut named) = (&mut self.tiles, BTreeMap::<Vec<u8>, Vec<(u32, u32)>>::new());
@@ -137,7 +137,7 @@ impl MbTiles {
             if count > MAX_TILES {
                 return Err(sqlite.file.context.damaged("more tiles than a level has"));
             }
-            // From the south.
+            // Rows count from the south.
             let at = (last - row, column);
             match (data, images) {
                 (Value::Bytes(content), None) => {

@@ -28,7 +28,7 @@ pub(in crate::mosaic) struct PmTiles {
     file: ArchiveFile,
     level: Level,
     root: Vec<Entry>,
-    /// The leaf that was read last, and where it lies.
+    /// The last leaf directory that was read, and its offset.
     leaf: Option<(u64, Vec<Entry>)>,
     leaves_at: u64,
     tiles_at: u64,
@@ -153,7 +153,7 @@ impl PmTiles {
     }
 }
 
-/// The tiles of a level that lie within edges: west, south, east and north in degrees.
+/// The tiles of a level inside these edges: west, south, east and north in degrees.
 fn within(level: u8, [west, south, east, north]: [f64; 4]) -> Level {
     let whole = Level::whole(level);
     let side = f64::from(1_u32 << level);
@@ -236,7 +236,7 @@ fn find(entries: &[Entry], id: u64) -> Option<Entry> {
     (entry.run == 0 || id - entry.id < entry.run).then_some(entry)
 }
 
-/// The number of a tile: those of coarser levels first, then its place on Hilbert's curve.
+/// The number of a tile: those of coarser levels first, then its position on the Hilbert curve.
 pub(super) fn tile_id(level: u8, column: u32, row: u32) -> u64 {
     // (4^z − 1) / 3 tiles are coarser.
     let mut id = ((1_u64 << (2 * level)) - 1) / 3;

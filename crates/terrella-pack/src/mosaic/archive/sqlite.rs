@@ -1,7 +1,7 @@
 //! Rows of the tables of an SQLite file, read from its pages (<https://www.sqlite.org/fileformat.html>).
 //!
-//! A reader of our own, because one table is all that is wanted: SQLite itself would be 250 000 lines of C for it. Read are files of
-//! version 3 without a log beside them, and tables with rowids.
+//! Our own reader, because only one table is needed: SQLite itself would add 250 000 lines of C. Supported are files of version 3 without a
+//! separate log file, and tables with rowids.
 
 use super::ArchiveFile;
 use crate::error::BuildError;
@@ -18,7 +18,7 @@ const MAX_STATEMENT_BYTES: u64 = 64 << 10;
 /// Most tables, views and indices.
 const MAX_OBJECTS: usize = 10_000;
 
-/// A value of a row, or where it lies.
+/// A value of a row, or its location.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Value {
     Null,
@@ -29,17 +29,17 @@ pub(super) enum Value {
 /// Text or bytes in a row.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Content {
-    /// Where the row's payload begins in the file, and how much of it lies there.
+    /// Offset of the row's payload in the file, and number of its bytes there.
     at: u64,
     local: u64,
-    /// The first page of what follows; 0 without one.
+    /// The first overflow page; 0 without one.
     overflow: u32,
-    /// Where the value begins in the payload.
+    /// Offset of the value in the payload.
     first: u64,
     pub length: u64,
 }
 
-/// What is done with each row of a table: its rowid and its values.
+/// Callback for each row of a table: its rowid and its values.
 type EachRow<'a> = dyn FnMut(i64, Vec<Value>, &mut Sqlite) -> Result<(), BuildError> + 'a;
 
 /// A file.
@@ -186,7 +186,7 @@ impl Sqlite {
         }
     }
 
-    /// The values of a row whose cell lies at this offset of the file.
+    /// The values of a row whose cell is at this offset of the file.
     fn row(&mut self, cell: &[u8], at: u64) -> Result<(i64, Vec<Value>), BuildError> {
         let short_row = || self.damaged("a row cut short");
         let mut rest = cell;
@@ -266,7 +266,7 @@ impl Sqlite {
         }
         let end = of.first + of.length;
         let mut bytes = Vec::new();
-        // Where the payload that has been passed ends.
+        // End of the payload that has been passed.
         let mut passed = of.local;
         if of.first < of.local {
             let count = end.min(of.local) - of.first;

@@ -1,4 +1,4 @@
-//! Texels that stand for nothing let the map below be seen; alpha of amounts is how much there is.
+//! Texels that mark missing data show the map beneath; alpha of scalar maps is the presence of a value.
 
 use super::*;
 

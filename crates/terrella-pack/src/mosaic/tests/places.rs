@@ -1,4 +1,4 @@
-//! Where files lie that say it in ways of their own, and which are rejected.
+//! Georeferences of files in other forms, and which of them are rejected.
 
 use super::*;
 
@@ -98,7 +98,7 @@ fn degrees_of_other_figures_are_rejected_and_south_up_files_turned() {
     rejected(&folder, FILE, &["a.png"]);
 }
 
-/// A map of UTM lies where PROJ says that its corners do, whether its system is spelt out or named by its code.
+/// A map in UTM has its corners where PROJ puts them, whether its system is spelt out or given by its code.
 #[test]
 fn projected_maps_are_warped() {
     let spelt = String::from_utf8_lossy(UTM).replace(
@@ -131,7 +131,7 @@ fn projected_maps_are_warped() {
                 ((90.0 - lat_deg) * 10.0) as u32,
             )
         };
-        // Of the middle (500 000 5 200 000) PROJ says 46.954 N 15 E; of two corners 49.520 N 9.472 E and 44.144 N 20.001 E.
+        // For the middle (500 000 5 200 000) PROJ returns 46.954 N 15 E; for two corners 49.520 N 9.472 E and 44.144 N 20.001 E.
         assert_eq!(at(47.1, 14.8), [250, 250, 0]);
         assert_eq!(at(47.1, 15.2), [10, 250, 0]);
         assert_eq!(at(46.8, 14.8), [250, 10, 0]);
@@ -156,7 +156,7 @@ fn projected_maps_are_warped() {
 
 const BELOW: [u8; 3] = [7, 8, 90];
 
-/// A single file of the whole Earth is held to what lies beside it, too.
+/// A single file of the whole Earth is also checked against the files beside it.
 #[test]
 fn a_whole_map_is_not_said_to_be_a_part() {
     let folder = Folder::new();
@@ -193,13 +193,13 @@ fn tiles_are_numbered_from_the_south_where_that_is_said() {
     assert_eq!(map.at(1, 1), code(1, 17));
 }
 
-/// Parts that touch within a texel of the mosaic leave nothing of what lies below them.
+/// Adjacent parts that meet within a texel of the mosaic hide everything beneath them.
 #[test]
 fn parts_that_touch_leave_no_line() {
     let folder = Folder::new();
     folder.put("below.png", &png(64, 32, |_, _| [255, 0, 255]));
     folder.put("a.png", &png(64, 64, |_, _| [10, 200, 10]));
-    // Edges that lie a third of a texel off those of the mosaic, and two digits that round apart.
+    // Edges that are a third of a texel off those of the mosaic, and two digits that round apart.
     for (east, west) in [
         (1.9, 1.9),
         (-7.123, -7.123),

@@ -1,4 +1,4 @@
-//! Virtual rasters, compared with what GDAL reads from them.
+//! Virtual rasters, compared with GDAL's output for them.
 
 use super::*;
 

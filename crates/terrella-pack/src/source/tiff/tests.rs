@@ -1,6 +1,6 @@
 //! Maps that GDAL wrote, compared with what GDAL reads from them.
 
-use crate::source::{Opacity, SourceLimits, open_source};
+use crate::source::{Opacity, SampleKind, SourceLimits, open_source};
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -138,5 +138,91 @@ fn tiles_of_gdal_are_read_whole() {
             };
             assert_eq!(got, right, "{name}: texel {n}");
         }
+    }
+}
+
+/// All samples of a file of `maps`, as 16 bits, and its channels.
+fn wide(name: &str) -> (Vec<u16>, usize, Option<Opacity>, Option<String>) {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/maps");
+    let source = open_source(&folder.join(format!("{name}.tif")), LIMITS);
+    let mut source = source.unwrap_or_else(|error| panic!("{error}"));
+    let info = source.info();
+    let mut all = Vec::new();
+    let mut row = vec![0; info.row_bytes()];
+    for _ in 0..info.height {
+        source.next_row(&mut row).expect("a row");
+        match info.sample {
+            SampleKind::U16 => all.extend(
+                row.chunks_exact(2)
+                    .map(|pair| u16::from_ne_bytes([pair[0], pair[1]])),
+            ),
+            _ => all.extend(row.iter().map(|byte| u16::from(*byte))),
+        }
+    }
+    (all, info.channels, info.opacity, source.colour_note())
+}
+
+/// Written by rasterio 1.4.4 without `PHOTOMETRIC=RGB`, as GDAL writes 16 bits: 3 bands, 4 of which none is alpha (ZSTD), and 4 in planes
+/// of which the last is alpha. Band c holds 900 x + 1700 y + 20 000 c mod 65 536.
+#[test]
+fn colours_of_16_bits_that_are_called_grey_are_colours() {
+    for (name, channels) in [
+        ("grey16_rgb", 3),
+        ("grey16_infrared", 3),
+        ("grey16_planes", 4),
+    ] {
+        let (all, found, opacity, note) = wide(name);
+        assert_eq!((found, all.len()), (channels, channels * 800), "{name}");
+        assert_eq!(opacity.is_some(), channels == 4, "{name}");
+        for (n, got) in all.iter().enumerate() {
+            let (c, x, y) = (n % channels, n / channels % 40, n / channels / 40);
+            let right = (900 * x + 1700 * y + 20_000 * c) % 65_536;
+            assert_eq!(usize::from(*got), right, "{name} {x} {y}");
+        }
+        let note = note.expect("a note");
+        assert!(note.contains("the first three are taken for red"), "{note}");
+    }
+}
+
+/// Written by rasterio 1.4.4 with NBITS of 10 and 12: 41 x + 97 y + 1000 c of so many bits. They are stretched over 16 bits.
+#[test]
+fn samples_of_10_and_12_bits_reach_white() {
+    for (name, bits, channels) in [
+        ("grey10_plain", 10, 1),
+        ("grey12_lzw", 12, 1),
+        ("grey12_rgb", 12, 3),
+    ] {
+        let (all, found, _, note) = wide(name);
+        assert_eq!((found, all.len()), (channels, channels * 800), "{name}");
+        assert_eq!(note, None);
+        for (n, got) in all.iter().enumerate() {
+            let (c, x, y) = (n % channels, n / channels % 40, n / channels / 40);
+            let stored = (41 * x + 97 * y + 1000 * c) % (1 << bits);
+            let right = stored as f64 / ((1 << bits) - 1) as f64 * 65_535.0;
+            assert!(
+                (f64::from(*got) - right).abs() <= 0.5,
+                "{name} {x} {y}: {got}"
+            );
+        }
+    }
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/maps");
+    let heights =
+        terrella_ground::elevation::read::check_metres(&folder.join("grey12_lzw.tif"), true);
+    let error = heights.expect_err("stretched").to_string();
+    assert!(error.contains("fewer than 16 bits"), "{error}");
+}
+
+/// Written by rasterio 1.4.4 with NBITS = 2 and 2 for nothing: x / 3 + y / 5 of 4.
+#[test]
+fn the_number_for_nothing_is_one_of_those_stored() {
+    let (all, channels, opacity, _) = wide("grey2_nothing");
+    assert_eq!((channels, opacity), (2, Some(Opacity::Mask)));
+    for (n, texel) in all.chunks_exact(2).enumerate() {
+        let stored = ((n % 40) / 3 + n / 40 / 5) % 4;
+        let right = match stored {
+            2 => [0, 0],
+            _ => [stored as u16 * 85, 255],
+        };
+        assert_eq!(texel, right, "{n}");
     }
 }

@@ -159,7 +159,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = vars(_parser().parse_args(arguments))
     call, quiet = options.pop("call"), options.pop("quiet")
     options["progress"] = False if quiet else None
-    # As a person reads them, without the line of our source.
+    # Prints warnings without the source line.
     warnings.showwarning = lambda message, *_: print(f"warning: {message}", file=sys.stderr)
     try:
         report = call(options.pop("scene", None), options.pop("out"), options)

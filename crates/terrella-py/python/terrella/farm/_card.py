@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 CARD = "README.md"
-# What the starter pack says of its maps, in a copy of its folder too.
+# The file that describes the starter pack's maps; a copy of the folder has it too.
 _SOURCES = "SOURCES.md"
 _UNKNOWN = "not stated; the maps are the user's own"
 

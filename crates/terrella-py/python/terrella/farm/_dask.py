@@ -21,7 +21,7 @@ from . import _worker
 from ._engine import Answer, Call, Engine
 from ._report import FarmError
 
-# How long a cluster may be silent before it is given up, seconds.
+# Timeout for a silent cluster, seconds.
 PATIENCE_S = 15.0
 
 
@@ -57,7 +57,7 @@ class Dask(Engine):
             raise self._gone() from None
 
     def room(self) -> int:
-        # Some wait at each worker, so that none waits for us; few, so that a film of a million frames does not fill the scheduler.
+        # A few calls wait at each worker so that it never idles; only a few, so that a film of a million frames does not fill the scheduler.
         if self._open == 0:
             self._count()
         return 3 * self.workers - self._open
@@ -99,7 +99,7 @@ class Dask(Engine):
                     self.lost_workers += 1
                     return Answer(call, lost=f"workers died of it ({error.last_worker.address if error.last_worker else 'unknown'})")
                 return Answer(call, error=f"the worker cannot do what it is asked to: {error}")
-            # Cancelled or lost: of a scheduler that is no more.
+            # Cancelled or lost: the scheduler is gone.
             raise self._gone()
 
     def _is_there(self) -> bool:
@@ -134,7 +134,7 @@ class LocalCluster:
         environment = dict(os.environ)
         environment["PYTHONPATH"] = os.pathsep.join(path or os.getcwd() for path in sys.path)
         environment["DASK_DISTRIBUTED__DIAGNOSTICS__NVML"] = "false"
-        # Without a dashboard they would still answer HTTP, to everybody.
+        # Without a dashboard they would still answer HTTP on all interfaces.
         common = ["--host", "127.0.0.1", "--no-dashboard", "--dashboard-address", "127.0.0.1:0", "--scheduler-file", str(self._file)]
         quiet = {"stdin": subprocess.DEVNULL, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "cwd": self._folder.name,
                  "env": environment}
@@ -145,7 +145,7 @@ class LocalCluster:
             environment.setdefault("LP_NUM_THREADS", str(len(cores) // workers))
         command = [sys.executable, "-m", "distributed.cli.dask_worker", "--nthreads", "1", "--death-timeout", "30",
                    "--local-directory", self._folder.name, "--memory-limit", "0", *common]
-        # One program each, which starts its worker again when it dies.
+        # One nanny process each, which restarts its worker when it dies.
         self._programs += [subprocess.Popen(command, **quiet) for _ in range(workers)]
         self._workers = workers
 

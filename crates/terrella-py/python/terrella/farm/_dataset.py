@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-# Which pixels a category has, by the one truth layer that says so. NaN is in none.
+# The pixels of each category, decided by one truth layer. NaN is in no category.
 _CATEGORIES: dict[str, tuple[str, Callable[[Any], Any]]] = {
     "land": ("land", lambda land: land >= 0.5),
     "water": ("land", lambda land: land < 0.5),
@@ -50,7 +50,7 @@ class DataSet:
             raise FarmError(f"{path}: the data set is not complete; run the same sweep again")
         self.layers: list[str] = [layer["name"] for layer in self.manifest["layers"]]
         self._firsts = [shard["first"] for shard in self.manifest["shards"]]
-        # Of a tar its members' places, of a page of Zarr its lines; read when a sample of the shard is.
+        # The offsets of a tar's members, or the lines of a Zarr page. Read on first access to the shard.
         self._read: dict[int, Any] = {}
 
     def __len__(self) -> int:

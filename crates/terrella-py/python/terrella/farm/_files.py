@@ -17,7 +17,7 @@ from typing import Any, BinaryIO
 from .. import _whole
 from ._report import FarmError
 
-# What a run has of its own in the folder that it writes to.
+# The folder for a run's own files, inside its output folder.
 OWN = ".terrella-farm"
 
 
@@ -61,7 +61,7 @@ def pending(path: Path, *, prefix: str = ".terrella-", durable: bool = True) -> 
     handle, name = tempfile.mkstemp(prefix=prefix, suffix=".part", dir=path.parent)
     before: list = []
     try:
-        # Not the 0600 of a secret: what any new file gets under the user's mask.
+        # mkstemp creates the file with 0600; give it the mode of an ordinary new file under the user's umask.
         os.chmod(name, 0o666 & ~_mask())
         with os.fdopen(handle, "wb") as file:
             hashed = Hashed(file)

@@ -18,9 +18,9 @@ from ._engine import Call
 from ._open_engine import open_engine
 from ._report import FarmError, Report
 
-# How frames begin that are not whole yet, as the command names them.
+# Prefix of unfinished frames, the same as the command's.
 _UNFINISHED = ".terrella-frame-"
-# Frames of a task at most: a worker that dies loses no frame that is written, and the others wait at the end for one task.
+# Most frames of a task. A worker that dies loses no written frame; at the end the other workers wait for at most one task.
 _MOST_A_TASK = 16
 
 
@@ -113,7 +113,7 @@ def film(
 
 
 def _calls(common: dict[str, Any], folder: Any, lacking: list[int], workers: int, most: int | None) -> Iterator[Call]:
-    # Small enough that the last ones end at about the same time.
+    # Tasks are small enough that the last ones end at about the same time.
     most = most or max(1, min(_MOST_A_TASK, len(lacking) // (8 * workers)))
     for n in range(0, len(lacking), most):
         part = lacking[n:n + most]

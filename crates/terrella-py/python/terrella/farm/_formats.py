@@ -142,7 +142,7 @@ class Zarr:
                 chunks = {}
                 for name, values in {"color": color[..., :3], **layers}.items():
                     chunk = f"{name}/{index}" + ".0" * (np.ndim(values) if name == "color" or np.ndim(values) == 3 else 2)
-                    # Chunks are many and small. One that a power failure takes is found by its checksum, and its shard made again.
+                    # Chunks are many and small. The checksum detects one that a power failure damaged, and its shard is written again.
                     with _files.pending(out / chunk, durable=False) as (file, _):
                         file.write(np.ascontiguousarray(values).tobytes())
                     chunks[chunk] = (file.bytes, file.sha256)

@@ -16,7 +16,7 @@ from typing import Any, BinaryIO
 from ._engine import Answer, Call, Engine
 
 _LENGTH = struct.Struct("<Q")
-# Longest message that is read, bytes: answers are names and numbers.
+# Limit on the length of a message, bytes: answers hold names and numbers.
 MAX_MESSAGE_BYTES = 1 << 28
 
 
@@ -44,7 +44,7 @@ class _Worker:
         self.cores = cores
         self.call: Call | None = None
         environment = dict(os.environ)
-        # What this process can import, its workers can.
+        # Workers can import the same modules as this process.
         environment["PYTHONPATH"] = os.pathsep.join(path or os.getcwd() for path in sys.path)
         if cores:
             # The software driver would start a thread for each core of the machine.
@@ -64,7 +64,7 @@ class _Worker:
         try:
             send(self.process.stdin, message)
         except OSError:
-            # It died; its end is on the way.
+            # The worker died; its end is reported separately.
             pass
         return len(message)
 
@@ -118,7 +118,7 @@ class Pool(Engine):
     def close(self) -> None:
         workers, self._all = self._all, []
         for worker in workers:
-            # It ends when nobody is there any more to ask it. One that has died already cannot be told.
+            # A worker exits when its standard input closes. Closing fails if it has already died.
             with contextlib.suppress(OSError):
                 worker.process.stdin.close()
         for worker in workers:

@@ -11,7 +11,7 @@ from ._engine import Answer, Call, Engine
 from ._report import FarmError, Failure, Report
 
 Progress = Callable[[int, int], None]
-# So many attempts without one that goes well, and a run ends: it would not go better.
+# A run ends after this many failed attempts in a row: more would not help.
 MOST_MISSES = 32
 
 

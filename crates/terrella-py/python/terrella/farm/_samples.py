@@ -10,9 +10,9 @@ from typing import Any
 from .. import _native
 from .distributions import drawn
 
-# The order in which a sample's random numbers are taken: part of what a seed means.
+# The order in which a sample draws its random numbers. A seed's meaning depends on it.
 ORDER = ("place", "height_m", "heading_deg", "pitch_deg", "fov_deg", "time", "exposure_ev", "sun_elevation_deg")
-# How often a sample is drawn again whose place never has the Sun at the elevation that was drawn.
+# Most attempts to draw a sample whose place can have the Sun at the drawn elevation.
 _ATTEMPTS = 100
 _DAY_S = 86_400.0
 
@@ -59,7 +59,7 @@ class Chosen:
         import numpy as np
 
         camera = self.camera()
-        # On a sphere that the ellipsoid is scaled to.
+        # Scale the ellipsoid to a unit sphere.
         scale = 1 / _native.itrf_from_geodetic([[0, 0, 0], [0, 90, 0], [90, 0, 0]]).diagonal()
         eye, ahead = camera.eye_itrf_m * scale, camera.forward * scale
         a, b, c = ahead @ ahead, eye @ ahead, eye @ eye - 1
@@ -117,6 +117,6 @@ class Plan:
             if unknown:
                 raise ValueError(f"draw: gives {', '.join(unknown)}; there are {', '.join(ORDER)}")
             values |= given
-        # What is reported is what is drawn, to the last digit.
+        # The reported time equals the drawn time to the last digit.
         values["time"] = _native.Epoch(values["time"]).utc
         return Chosen(index, values)

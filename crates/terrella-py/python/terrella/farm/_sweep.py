@@ -23,10 +23,10 @@ from .distributions import Constant, Dates, Drawn, LogUniform, OnSphere, Uniform
 
 FORMAT = "terrella sweep 1"
 MANIFEST = "manifest.json"
-# Layers of a sweep that names none.
+# Default layers of a sweep.
 DEFAULT_LAYERS = ("lat_deg", "lon_deg", "range_m", "land", "cloud_cover")
 _MOST_SAMPLES = 1_000_000_000
-# How many samples are looked at before a sweep, and the share of them by night from which it warns.
+# The number of samples checked before a sweep, and the share of night samples that causes a warning.
 _LOOKED_AT = 256
 _MUCH_NIGHT = 0.4
 
@@ -115,7 +115,7 @@ def sweep(
         "attribution": attribution(maps, _files_of(key), _native.scene_attribution(scene, maps)),
     }
     plan = Plan(seed, distributions, draw)
-    # What is wrong with all samples is said before any worker is started.
+    # Report problems of all samples before any worker starts.
     looked_at = [plan.sample(index) for index in range(min(count, _LOOKED_AT))]
     night = sum(chosen.sun_elevation_deg() < 0 for chosen in looked_at) / len(looked_at)
     if night >= _MUCH_NIGHT:
@@ -173,7 +173,7 @@ def _fill(out: Path, definition: dict[str, Any], part: dict[str, Any], kind: Any
             _run.drive(engine, iter(calls), report, retries=retries, progress=_run.shown(progress, "samples"), take=take)
         finally:
             engine.close()
-            # What workers had begun that are no more.
+            # Unfinished files of workers that died.
             for half in out.glob("**/.terrella-*.part"):
                 half.unlink(missing_ok=True)
             if shards:
@@ -275,7 +275,7 @@ def draw_part(part: dict[str, Any]) -> dict[str, Any]:
     kind = FORMATS[part["kind"]]
     journal = _worker.journal(out)
     begin_processor = time.process_time()
-    # A worker that was lost in this run may have written it.
+    # A worker that died in this run may have written the shard.
     if (shard := _written(out, part, kind)) is None:
         key = ("sweep", part["scene"], str(textures), part["size"], part["adapter"], json.dumps(part["expected"]))
         scene = _worker.warm(key, lambda: _scene(part, textures))

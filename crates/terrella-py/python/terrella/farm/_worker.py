@@ -22,7 +22,7 @@ from ._files import Journal
 
 _NO_ROOM = {errno.ENOSPC, errno.EFBIG, getattr(errno, "EDQUOT", errno.ENOSPC)}
 
-# The renderer that was used last, kept warm.
+# The renderer used last, kept for reuse.
 _warm: dict[Any, Any] = {}
 _warming = threading.Lock()
 
@@ -42,7 +42,7 @@ def cool() -> None:
         _warm.clear()
 
 
-# Journals of this process by their folders.
+# This process's journals, by folder.
 _journals: dict[str, Journal] = {}
 
 
@@ -129,7 +129,7 @@ def main() -> None:
     cores = [int(core) for core in sys.argv[1].split(",") if core]
     if cores:
         os.sched_setaffinity(0, cores)
-    # Who is interrupted at the terminal is who asked.
+    # An interrupt at the terminal is for the parent process.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     answers = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)
@@ -138,7 +138,7 @@ def main() -> None:
     def listen() -> None:
         while (message := _pool.receive(sys.stdin.buffer)) is not None:
             calls.put(message)
-        # Who asked is gone, or wants nothing more: nobody is to draw for nobody.
+        # The parent is gone or needs no more work: do not draw on.
         os._exit(0)
 
     threading.Thread(target=listen, daemon=True).start()

@@ -84,7 +84,7 @@ class Normal:
         return NormalDist(self.mean, self.deviation).cdf(value)
 
     def draw(self, random: np.random.Generator) -> float:
-        # By the inverse of its integral: one random number a value, however much is cut off.
+        # Inverse transform sampling: one random number per value, however much is cut off.
         first, last = self._part(self.least), self._part(self.most)
         part = first + (last - first) * random.random()
         value = NormalDist(self.mean, self.deviation).inv_cdf(min(max(part, 1e-300), 1 - 2**-53))

@@ -25,11 +25,16 @@ pub(super) fn contents<R: Read>(
     };
     // The caller has seen the first three.
     [_, _, _, head.version] = head.bytes()?;
-    let _records = head.count()?;
+    let records = head.count()?;
     let mut dimensions = Vec::new();
     for _ in 0..head.list(10)? {
         let name = head.name()?;
-        dimensions.push((name, head.count()?));
+        // Values of one record lie together, as those of no record do; those of several lie between others.
+        let length = match head.count()? {
+            0 if records == 1 => 1,
+            length => length,
+        };
+        dimensions.push((name, length));
     }
     let attributes = head.attributes()?;
     let mut variables = Vec::new();

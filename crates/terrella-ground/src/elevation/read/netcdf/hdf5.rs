@@ -227,7 +227,7 @@ impl Said {
                 AttributeValue::Text(String::from_utf8_lossy(&text).into_owned())
             }
             Datatype::HeapReferences if attribute.name == "DIMENSION_LIST" => {
-                for _ in 0..attribute.count.min(2) {
+                for _ in 0..attribute.count.min(message::MAX_RANK as u64) {
                     // The first scale is that of NetCDF.
                     let bytes = source.sizes.address;
                     let scale = in_heap(source, &mut attribute, bytes)?;

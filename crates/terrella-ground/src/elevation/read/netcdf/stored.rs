@@ -5,7 +5,7 @@ use crate::elevation::read::HeightFileError;
 use crate::elevation::read::error::FileContext;
 use std::io::{BufRead, Seek, SeekFrom};
 
-/// Size of a variable of one or two dimensions.
+/// Size of a variable of one or two dimensions, and others of length 1 before them.
 pub(super) struct Shape {
     /// Of one dimension, 1.
     pub rows: usize,

@@ -301,3 +301,95 @@ fn columns_in_place_of_rows_are_named() {
         "{said}"
     );
 }
+
+/// Two rows of two heights of the plane in the classic format over `before`, latitude and longitude; with a length of 0 a dimension is
+/// that of records.
+fn classic(before: &[(&str, u32)], records: u32) -> Vec<u8> {
+    let mut file = b"CDF\x01".to_vec();
+    let word = |file: &mut Vec<u8>, word: u32| file.extend(word.to_be_bytes());
+    let text = |file: &mut Vec<u8>, text: &str| {
+        file.extend((text.len() as u32).to_be_bytes());
+        file.extend(text.bytes());
+        file.resize(file.len().next_multiple_of(4), 0);
+    };
+    word(&mut file, records);
+    let all: Vec<_> = before
+        .iter()
+        .copied()
+        .chain([("lat", 2), ("lon", 2)])
+        .collect();
+    word(&mut file, 10);
+    word(&mut file, all.len() as u32);
+    for (name, length) in &all {
+        text(&mut file, name);
+        word(&mut file, *length);
+    }
+    file.extend([0; 8]);
+    let (lat, lon) = (before.len() as u32, before.len() as u32 + 1);
+    let of_z: Vec<u32> = (0..all.len() as u32).collect();
+    // Bounds of latitudes have two dimensions, too.
+    let variables = [
+        ("lat", vec![lat], "degrees_north", vec![1.0, 2.0]),
+        ("lon", vec![lon], "degrees_east", vec![3.0, 4.0]),
+        ("lat_bnds", vec![lat, lat], "", vec![0.5, 1.5, 1.5, 2.5]),
+        ("z", of_z, "m", vec![121.0, 128.0, 221.0, 228.0]),
+    ];
+    word(&mut file, 11);
+    word(&mut file, variables.len() as u32);
+    let mut begins = Vec::new();
+    for (name, dimensions, unit, _) in &variables {
+        text(&mut file, name);
+        word(&mut file, dimensions.len() as u32);
+        dimensions.iter().for_each(|n| word(&mut file, *n));
+        word(&mut file, 12);
+        word(&mut file, 1);
+        text(&mut file, "units");
+        word(&mut file, 2);
+        text(&mut file, unit);
+        // Floats.
+        word(&mut file, 5);
+        word(&mut file, 16);
+        begins.push(file.len());
+        word(&mut file, 0);
+    }
+    for (begin, (_, _, _, values)) in begins.into_iter().zip(variables) {
+        let at = file.len() as u32;
+        file[begin..begin + 4].copy_from_slice(&at.to_be_bytes());
+        file.extend(values.iter().flat_map(|value: &f32| value.to_be_bytes()));
+    }
+    file
+}
+
+#[test]
+fn other_dimensions_of_length_1_are_skipped() {
+    for (before, records) in [
+        (&[][..], 0),
+        (&[("time", 1)][..], 0),
+        (&[("time", 1), ("level", 1)][..], 0),
+        (&[("time", 0)][..], 1),
+    ] {
+        let file = read(classic(before, records), "");
+        let file = file.unwrap_or_else(|error| panic!("{before:?}: {error}"));
+        holds(&file, (2.0, 3.0), 1.0, (2, 2), plane);
+    }
+    for (before, records) in [(&[("time", 12)][..], 0), (&[("time", 0)][..], 12)] {
+        let said = said(classic(before, records), "variable = \"z\"");
+        assert!(
+            said.contains("has no variable \"z\" over two dimensions"),
+            "{said}"
+        );
+    }
+}
+
+/// `netcdf4_times_i16.nc`: netCDF4, variables of 16 × 32 of the plane over `time` (no limit, length 1) and more, as the names say.
+#[test]
+fn netcdf_4_of_one_time_is_read() {
+    let bytes = std::fs::read(data("netcdf4_times_i16.nc")).expect("a file");
+    for name in ["plain", "chunks", "long_chunks", "two"] {
+        let file = read(bytes.clone(), &format!("variable = {name:?}"));
+        let file = file.unwrap_or_else(|error| panic!("{name}: {error}"));
+        holds(&file, (40.0, 178.0), 0.25, (32, 16), plane);
+    }
+    let said = said(bytes, "variable = \"months\"");
+    assert!(said.contains("has no variable \"months\""), "{said}");
+}

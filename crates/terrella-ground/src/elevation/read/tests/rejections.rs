@@ -65,8 +65,9 @@ fn files_that_hold_no_heights_are_rejected() {
     let rgb = Plain::new()
         .with(277, shorts(&[3]))
         .with(258, shorts(&[16, 16, 16]))
+        .with(339, shorts(&[1, 1, 1]))
         .with(262, shorts(&[2]));
-    assert!(said(rgb.bytes(), "").contains("expected one channel"));
+    assert!(said(rgb.bytes(), "").contains("holds colours"));
     let white = Plain::new().with(262, shorts(&[0]));
     assert!(said(white.bytes(), "").contains("counts from white to black"));
     let lzma = Plain::new().with(259, shorts(&[34_925]));

@@ -257,7 +257,7 @@ fn grounds() -> [(&'static str, Ground, Geodetic); 3] {
         lon_rad: bounds.west_rad + 0.5 * bounds.width_rad,
         height_m: 0.0,
     };
-    let over_the_sea = |grids: Vec<Arc<HeightGrid>>| Ground::new(grids).with_sea_surface();
+    let over_the_sea = |grids: Vec<Arc<HeightGrid>>| Ground::new(grids).with_sea_surface(None);
     [
         (
             "globe",

@@ -12,7 +12,7 @@ use std::io::{Read, Seek};
 const CHUNK_BYTES: usize = 256 << 20;
 const MAX_CHUNKS: usize = 1 << 21;
 
-/// Values of a data set of one or two dimensions.
+/// Values of a data set of one or two dimensions, and others of length 1 before them.
 pub struct Layout {
     /// The lowest byte of each value is stored first.
     pub is_little: bool,
@@ -147,10 +147,15 @@ impl Layout {
             None => 1,
         };
         let chunk = (side(0), side(1));
+        // Chunks may be longer than a dimension that can grow: what counts comes first.
+        let others = chunked.sides.iter().rev().skip(2);
+        let layers = others.fold(1_u64, |all, side| all.saturating_mul(*side));
+        let layers = usize::try_from(layers).unwrap_or(usize::MAX);
         let chunk_bytes = chunk.0.saturating_mul(chunk.1).saturating_mul(bytes);
+        let chunk_bytes = chunk_bytes.saturating_mul(layers);
         if chunk_bytes == 0 || chunk_bytes > CHUNK_BYTES {
             return Err(Fault::Unsupported(format!(
-                "has chunks of {} × {} values, more than 256 MiB or none",
+                "has chunks of {layers} × {} × {} values, more than 256 MiB or none",
                 chunk.0, chunk.1
             )));
         }
@@ -175,9 +180,9 @@ impl Layout {
             address,
             &shape,
             &mut |place, mut entry| {
-                let (row, column) = match *place {
-                    [row, column] => (row, column),
-                    [column] => (0, column),
+                let (row, column) = match place {
+                    [others @ .., row, column] if others.iter().all(|n| *n == 0) => (*row, *column),
+                    [column] => (0, *column),
                     _ => return Ok(()),
                 };
                 // Chunks outside are left over from when there were more values.

@@ -3,8 +3,8 @@
 use super::source::{Fault, Fields};
 use crate::elevation::read::netcdf::number::NumberType;
 
-/// Most dimensions.
-const MAX_RANK: usize = 32;
+/// Most dimensions (IV.A.2.b).
+pub const MAX_RANK: usize = 32;
 
 /// Sizes of a data set.
 pub struct Dataspace {

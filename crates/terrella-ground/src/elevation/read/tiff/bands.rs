@@ -1,0 +1,127 @@
+//! Which samples of a TIFF's pixels are heights.
+
+use super::{tiff_error, unsupported};
+use crate::elevation::read::HeightFileError;
+use crate::elevation::read::error::FileContext;
+use std::io::{Read, Seek};
+use tiff::ColorType;
+use tiff::decoder::{Decoder, DecodingResult};
+use tiff::tags::Tag;
+
+/// TIFF's `SampleFormat` of unsigned whole numbers.
+const UNSIGNED: u16 = 1;
+
+/// The samples of a pixel.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Bands {
+    /// Bits of a sample.
+    pub bits: u16,
+    /// Samples of a pixel.
+    pub count: u16,
+    /// The sample that is the height, from 0.
+    pub height: u16,
+    /// The sample that is 0 where there is no height.
+    pub alpha: Option<u16>,
+    /// Nobody has said which of several is the height.
+    is_guessed: bool,
+}
+
+impl Bands {
+    /// Of the current image; `wanted` counts from 1.
+    pub fn of<R: Read + Seek>(
+        decoder: &mut Decoder<R>,
+        wanted: Option<u16>,
+        context: &FileContext,
+    ) -> Result<Self, HeightFileError> {
+        let told = |error| tiff_error(context, error);
+        let colour = decoder.colortype().map_err(told)?;
+        let mut first = |tag, usual| {
+            let found = decoder.find_tag_unsigned_vec::<u16>(tag).map_err(told)?;
+            Ok::<_, HeightFileError>(found.unwrap_or_else(|| vec![usual]))
+        };
+        let format = first(Tag::SampleFormat, UNSIGNED)?;
+        let count = first(Tag::SamplesPerPixel, 1)?
+            .first()
+            .copied()
+            .unwrap_or(1);
+        let bits = match colour {
+            ColorType::Gray(bits)
+            | ColorType::Multiband {
+                bit_depth: bits, ..
+            } => bits,
+            // Colours are no floats.
+            ColorType::RGB(bits) | ColorType::RGBA(bits) if format.first() != Some(&UNSIGNED) => {
+                bits
+            }
+            _ => return Err(unsupported(context, "holds colours".to_string())),
+        };
+        if !matches!(bits, 8..=16 | 32 | 64) {
+            let cause = format!("holds samples of {bits} bits");
+            return Err(unsupported(context, cause));
+        }
+        let extra = decoder.find_tag_unsigned_vec::<u16>(Tag::ExtraSamples);
+        let extra = extra.map_err(told)?.unwrap_or_default();
+        let colours = usize::from(count).saturating_sub(extra.len());
+        let alphas = (colours..)
+            .zip(&extra)
+            .filter(|(_, kind)| matches!(kind, 1 | 2));
+        let alphas: Vec<_> = alphas.map(|(n, _)| n as u16).collect();
+        let height = match wanted {
+            Some(wanted) if (1..=count).contains(&wanted) => wanted - 1,
+            Some(wanted) => {
+                return Err(context.rejected(
+                    format!("has no band {wanted}, which its sidecar names"),
+                    format!("a band from 1 to {count}"),
+                    "correct band in the sidecar",
+                ));
+            }
+            None => 0,
+        };
+        Ok(Self {
+            bits: u16::from(bits),
+            count,
+            height,
+            alpha: alphas.iter().copied().find(|alpha| *alpha != height),
+            is_guessed: wanted.is_none() && usize::from(count) > 1 + alphas.len(),
+        })
+    }
+
+    /// Bytes of a decoded sample.
+    pub fn sample_bytes(&self) -> u64 {
+        u64::from(self.bits).div_ceil(8)
+    }
+
+    /// What is to be said of a choice that nobody has made.
+    pub fn note(&self, context: &FileContext) -> Option<String> {
+        self.is_guessed.then(|| {
+            format!(
+                "{}: has {} bands; the first is taken for heights: write band = 1, or another, in its sidecar to say so",
+                context.path().display(),
+                self.count
+            )
+        })
+    }
+}
+
+/// Where a sample of each pixel is not 0, of so many samples from `offset` on.
+pub(super) fn opaque(chunk: &DecodingResult, stride: usize, offset: usize) -> Option<Vec<bool>> {
+    macro_rules! opaque {
+        ($values:expr, $zero:expr) => {
+            $values
+                .chunks_exact(stride)
+                .map(|pixel| pixel.get(offset) != Some(&$zero))
+                .collect()
+        };
+    }
+    Some(match chunk {
+        DecodingResult::U8(values) => opaque!(values, 0),
+        DecodingResult::I8(values) => opaque!(values, 0),
+        DecodingResult::U16(values) => opaque!(values, 0),
+        DecodingResult::I16(values) => opaque!(values, 0),
+        DecodingResult::U32(values) => opaque!(values, 0),
+        DecodingResult::I32(values) => opaque!(values, 0),
+        DecodingResult::F32(values) => opaque!(values, 0.0),
+        DecodingResult::F64(values) => opaque!(values, 0.0),
+        _ => return None,
+    })
+}

@@ -1,0 +1,121 @@
+//! Elements in a table: CSV as catalogues publish it, also with the semicolons and tabs of spreadsheets.
+
+use super::super::entry::{Entry, RecordError, RecordFault, TextPosition};
+use super::super::text::csv::{self, CsvField};
+use super::fields::{ElementEntries, OmmSource};
+use super::{BadRecord, Each, Read, check_count, elements};
+use crate::OrbitError;
+use std::borrow::Cow;
+use std::path::Path;
+
+/// Columns without which no row can be flown. A table without names must have numbers.
+const NEEDED: [&str; 8] = [
+    "EPOCH",
+    "MEAN_MOTION",
+    "ECCENTRICITY",
+    "INCLINATION",
+    "RA_OF_ASC_NODE",
+    "ARG_OF_PERICENTER",
+    "MEAN_ANOMALY",
+    "BSTAR",
+];
+
+/// Whether a text is a table of mean elements: its header names the mean motion, or two other elements and no position.
+pub fn has_element_columns(text: &str) -> bool {
+    let Some((_, header, separator)) = csv::header(text) else {
+        return false;
+    };
+    let mut fields = header
+        .split(separator)
+        .map(|name| name.trim().trim_matches('"'));
+    let is = |name: &str| NEEDED.contains(&name) || ElementEntries::NAMES.contains(&name);
+    fields.clone().any(|name| name == "MEAN_MOTION")
+        || fields.clone().filter(|name| is(name)).count() >= 2
+            && !fields.any(|name| matches!(name, "x_km" | "x_m"))
+}
+
+/// What a table lacks that is none of elements; `None` of a text that is no table.
+pub fn missing_columns(text: &str, origin: &Path) -> Option<RecordError> {
+    let (line, header, separator) = csv::header(text)?;
+    let header = csv::fields(header, separator).filter(|fields| fields.len() > 2)?;
+    check_columns(&header, line, origin).err()
+}
+
+/// Calls `each` for every row.
+pub(super) fn each_elements(
+    text: &str,
+    origin: &Path,
+    each: &mut Each<'_>,
+) -> Result<(), OrbitError> {
+    let Some((at, header, separator)) = csv::header(text) else {
+        return Ok(());
+    };
+    let fields = |line: usize, text: &str| {
+        csv::fields(text, separator).ok_or_else(|| {
+            let fault = RecordFault::Syntax {
+                format: "CSV",
+                cause: "a quotation mark without its partner".to_owned(),
+            };
+            TextPosition { line, column: 1 }.error(origin, fault)
+        })
+    };
+    let header = fields(at, header)?;
+    check_columns(&header, at, origin)?;
+    for (count, (line, text)) in csv::lines(text).skip(1).enumerate() {
+        let place = TextPosition { line, column: 1 };
+        check_count(count + 1, place, origin)?;
+        let nameless = |error: RecordError| BadRecord::new(Vec::new(), error);
+        let row = fields(line, text).map_err(nameless);
+        each(row.and_then(|row| read(&header, row, line, origin)))?;
+    }
+    Ok(())
+}
+
+/// Rejects a header that lacks a column that every row needs.
+fn check_columns(header: &[CsvField], line: usize, origin: &Path) -> Result<(), RecordError> {
+    let has = |name: &str| header.iter().any(|field| field.text == name);
+    let mut columns: Vec<_> = NEEDED.into_iter().filter(|name| !has(name)).collect();
+    if !has("OBJECT_NAME") && !has("NORAD_CAT_ID") {
+        columns.insert(0, "OBJECT_NAME");
+    }
+    if columns.is_empty() {
+        return Ok(());
+    }
+    let remedy = "; SGP4 needs them all, in capitals and in the units of an OMM: take the table of the catalogue, or two-line elements";
+    let fault = RecordFault::MissingColumns { columns, remedy };
+    Err(TextPosition { line, column: 1 }.error(origin, fault))
+}
+
+fn read(header: &[CsvField], row: Vec<CsvField>, line: usize, origin: &Path) -> Read {
+    let place = TextPosition { line, column: 1 };
+    if row.len() != header.len() {
+        let fault = RecordFault::Unexpected {
+            text: format!("{} fields", row.len()),
+            expected: "as many as the header has",
+        };
+        let named = header.iter().zip(&row);
+        let names = named
+            .filter(|(key, _)| ElementEntries::NAMES.contains(&key.text.as_str()))
+            .map(|(_, field)| field.text.clone());
+        return Err(BadRecord::new(names.collect(), place.error(origin, fault)));
+    }
+    let mut record = ElementEntries::new("the row", place);
+    for (name, field) in header.iter().zip(row) {
+        if field.text.is_empty() {
+            continue;
+        }
+        let entry = Entry {
+            key: Cow::Borrowed(&name.text),
+            value: Cow::Owned(field.text),
+            unit: None,
+            place: TextPosition {
+                line,
+                column: field.column,
+            },
+        };
+        record
+            .add(entry, origin)
+            .map_err(|error| BadRecord::new(record.names(), error))?;
+    }
+    elements(&record, origin, OmmSource::Catalogue)
+}
