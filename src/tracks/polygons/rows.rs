@@ -2,7 +2,7 @@
 //!
 //! Polygons soften their edges. Where two cells of one colour meet, two soft edges would leave a faint line between them, and neighbours with
 //! different corners a gap. So cells of one style are joined along their row, the rows on both sides of a parallel share all corners there, and
-//! only the edges between different styles are soft.
+//! only the edges of the map are soft.
 
 use super::triangulation::{GroundTriangle, PlaneTriangle, mark_corners, step_for};
 use super::{FillStyle, MAX_TRIANGLES, Polygons, TracksError};
@@ -179,21 +179,25 @@ impl Row {
         let is_edge = |side: usize, west: f64, east: f64| {
             let middle = 0.5 * (west + east);
             let is_there = |other: &Run| other.west < middle && middle < other.east;
-            let same = beside[side].iter().find(|other| is_there(other));
             let is_pole = FRAC_PI_2 - self.lat[side].abs() < SAME_RAD;
-            !is_pole && same.is_none_or(|other| other.style != run.style)
+            !is_pole && !beside[side].iter().any(is_there)
         };
         // A row that goes all around the Earth meets itself.
         let around = |from: f64, to: f64| {
             let apart = from - to;
             (apart - TAU * (apart / TAU).round()).abs() < SAME_RAD
         };
-        let is_same = |other: &Run| other.style == run.style;
         let ends = self.runs.first().zip(self.runs.last());
         let meets_itself = ends.is_some_and(|(first, last)| around(first.west, last.east));
-        let west_edge = !(at == 0 && meets_itself && self.runs.last().is_some_and(is_same));
-        let is_last = at + 1 == self.runs.len();
-        let east_edge = !(is_last && meets_itself && self.runs.first().is_some_and(is_same));
+        let before = at.checked_sub(1).and_then(|before| self.runs.get(before));
+        let west_edge = match before {
+            None => !meets_itself,
+            Some(before) => run.west - before.east > SAME_RAD,
+        };
+        let east_edge = match self.runs.get(at + 1) {
+            None => !meets_itself,
+            Some(after) => after.west - run.east > SAME_RAD,
+        };
         let bit = |is_edge: bool, bit: u32| u32::from(is_edge) << bit;
         let mut triangles = Vec::with_capacity(south.len() + north.len());
         let (mut i, mut j) = (0, 0);
