@@ -13,11 +13,13 @@ const COLORS: [[u8; 3]; 6] = [
     [0x41, 0x44, 0x87],
     [0x44, 0x01, 0x54],
 ];
-/// Ends of the classes of gaps and revisit times but the last, which has none, hours.
-const HOURS: [f64; COLORS.len() - 1] = [0.5, 1.0, 3.0, 6.0, 12.0];
-/// And how they are written.
-const HOUR_LABELS: [&str; COLORS.len()] =
-    ["≤ 30 min", "≤ 1 h", "≤ 3 h", "≤ 6 h", "≤ 12 h", "> 12 h"];
+/// Ends of the classes of a map for other programs but the last, which has none, hours.
+const FIXED_HOURS: [f64; COLORS.len() - 1] = [0.5, 1.0, 3.0, 6.0, 12.0];
+/// Times that a class can end at, minutes: as many of them as a map's values need.
+const MINUTES: [u32; 20] = [
+    1, 2, 5, 10, 15, 30, 60, 120, 180, 360, 540, 720, 1080, 1440, 2160, 2880, 4320, 7200, 14_400,
+    43_200,
+];
 
 /// The classes of a map's values.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,17 +38,21 @@ pub(crate) struct CoverageClass {
     pub color: [u8; 3],
     /// Its values, in words.
     pub label: String,
-    /// What the class's values are at most: seconds, or of a count its least value.
+    /// What its values are at most, seconds, or of a count at least.
     end: f64,
 }
 
-/// The colour of a longest gap.
+/// The colour of a longest gap in a map for other programs.
 pub(crate) fn gap_color(gap_s: f64) -> [u8; 3] {
-    COLORS[hour_class(gap_s)]
+    COLORS[FIXED_HOURS.partition_point(|hours| hours * 3600.0 < gap_s)]
 }
 
-fn hour_class(seconds: f64) -> usize {
-    HOURS.partition_point(|hours| hours * 3600.0 < seconds)
+/// The value of a cell that a map of times shows, seconds; `None` where there is none.
+fn time_s(show: CoverageShow, one: &CellCoverage) -> Option<f64> {
+    match show {
+        CoverageShow::Revisit => one.revisit_s,
+        _ => (one.accesses > 0).then_some(one.longest_gap_s),
+    }
 }
 
 impl CoverageScale {
@@ -55,10 +61,11 @@ impl CoverageScale {
         let hours = map.length_s() / 3600.0;
         // Hours as people write them: tenths.
         let length = format!("{} h", (10.0 * hours).round() / 10.0);
+        let times = map.cells.iter().filter_map(|(_, one)| time_s(show, one));
         let (title, classes) = match show {
             CoverageShow::Count => ("Views", by_count(map.most_views())),
-            CoverageShow::Revisit => ("Mean revisit", by_hours(hours)),
-            CoverageShow::Gap => ("Longest gap", by_hours(hours)),
+            CoverageShow::Revisit => ("Mean revisit", by_time(times)),
+            CoverageShow::Gap => ("Longest gap", by_time(times)),
         };
         Self {
             show,
@@ -79,31 +86,59 @@ impl CoverageScale {
 
     /// The place of a cell's class; `None` where the cell has no value: it is never in view, or not often enough.
     pub fn class(&self, one: &CellCoverage) -> Option<usize> {
-        let last = self.classes.len().checked_sub(1)?;
+        let mut classes = self.classes.iter();
         match self.show {
             CoverageShow::Count => {
                 let count = f64::from(one.accesses);
-                self.classes.iter().position(|class| class.end <= count)
+                classes.position(|class| class.end <= count)
             }
-            CoverageShow::Revisit => Some(hour_class(one.revisit_s?).min(last)),
-            CoverageShow::Gap if one.accesses == 0 => None,
-            CoverageShow::Gap => Some(hour_class(one.longest_gap_s).min(last)),
+            CoverageShow::Revisit | CoverageShow::Gap => {
+                let seconds = time_s(self.show, one)?;
+                classes.position(|class| seconds <= class.end)
+            }
         }
     }
 }
 
-/// The classes of times, as far as a map of so many hours can have them.
-fn by_hours(hours: f64) -> Vec<CoverageClass> {
-    let needed = (hour_class(hours * 3600.0) + 1).min(COLORS.len());
-    (0..needed)
-        .map(|index| CoverageClass {
-            color: COLORS[index],
-            label: HOUR_LABELS[index].to_owned(),
-            end: HOURS
-                .get(index)
-                .map_or(f64::INFINITY, |hours| hours * 3600.0),
-        })
-        .collect()
+/// The colour of a class of several, from the best on.
+fn color(index: usize, count: usize) -> [u8; 3] {
+    COLORS[index * (COLORS.len() - 1) / (count - 1).max(1)]
+}
+
+/// The classes of these times, seconds: those of the usual ends that have values, and where these are too many, some of them together.
+fn by_time(times: impl Iterator<Item = f64>) -> Vec<CoverageClass> {
+    let class = |seconds: f64| {
+        let place = MINUTES.partition_point(|minutes| f64::from(*minutes) * 60.0 < seconds);
+        place.min(MINUTES.len() - 1)
+    };
+    let mut is_there = [false; MINUTES.len()];
+    times.for_each(|seconds| is_there[class(seconds)] = true);
+    let wanted: Vec<_> = (0..MINUTES.len())
+        .filter(|place| is_there[*place])
+        .collect();
+    let together = wanted.len().div_ceil(COLORS.len()).max(1);
+    // The last of each group, so that the greatest value has a class.
+    let groups = wanted.rchunks(together).rev();
+    let ends: Vec<_> = groups.filter_map(|group| group.last().copied()).collect();
+    let classes = ends.iter().enumerate();
+    let classes = classes.map(|(index, place)| CoverageClass {
+        color: color(index, ends.len()),
+        label: format!("≤ {}", time_text(MINUTES[*place])),
+        end: match place + 1 == MINUTES.len() {
+            true => f64::INFINITY,
+            false => f64::from(MINUTES[*place]) * 60.0,
+        },
+    });
+    classes.collect()
+}
+
+/// Minutes as people write them.
+fn time_text(minutes: u32) -> String {
+    match minutes {
+        minutes if minutes < 60 => format!("{minutes} min"),
+        minutes if minutes <= 2880 => format!("{} h", minutes / 60),
+        minutes => format!("{} d", minutes / 1440),
+    }
 }
 
 /// Classes of the same width, from the greatest count down to 1.
@@ -112,10 +147,8 @@ fn by_count(most: u32) -> Vec<CoverageClass> {
     let count = most.div_ceil(width) as usize;
     let classes = (0..count).rev().map(|index| {
         let least = 1 + index as u32 * width;
-        // The last class is the yellow one, however few there are.
-        let color = (count - 1 - index) * (COLORS.len() - 1) / (count - 1).max(1);
         CoverageClass {
-            color: COLORS[color],
+            color: color(count - 1 - index, count),
             label: match width {
                 1 => least.to_string(),
                 _ => format!("{least}–{}", least.saturating_add(width - 1)),
@@ -152,12 +185,20 @@ mod tests {
     }
 
     #[test]
-    fn times_have_the_classes_that_their_span_can_have() {
-        assert_eq!(labels(&by_hours(24.0)), HOUR_LABELS);
-        assert_eq!(labels(&by_hours(2.0)), ["≤ 30 min", "≤ 1 h", "≤ 3 h"]);
-        assert_eq!(labels(&by_hours(0.2)), ["≤ 30 min"]);
-        let gaps = scale(CoverageShow::Gap, by_hours(24.0));
-        for (minutes, class) in [(0.0, 0), (30.0, 0), (30.1, 1), (180.0, 2), (1440.0, 5)] {
+    fn times_have_the_classes_that_have_values() {
+        let of = |minutes: &[f64]| by_time(minutes.iter().map(|minutes| 60.0 * minutes));
+        assert_eq!(
+            labels(&of(&[200.0, 20.0, 30.0, 700.0])),
+            ["≤ 30 min", "≤ 6 h", "≤ 12 h"]
+        );
+        assert_eq!(labels(&of(&[3000.0])), ["≤ 3 d"]);
+        assert!(of(&[]).is_empty());
+        // Seven ends in groups of two, the greatest values in the last.
+        let many = of(&[1.0, 4.0, 14.0, 50.0, 170.0, 500.0, 1000.0]);
+        assert_eq!(labels(&many), ["≤ 1 min", "≤ 15 min", "≤ 3 h", "≤ 18 h"]);
+        assert_eq!((many[0].color, many[3].color), (COLORS[0], COLORS[5]));
+        let gaps = scale(CoverageShow::Gap, many);
+        for (minutes, class) in [(0.0, 0), (1.0, 0), (1.1, 1), (60.0, 2), (1000.0, 3)] {
             assert_eq!(
                 gaps.class(&cell(1, minutes, None)),
                 Some(class),
@@ -165,9 +206,20 @@ mod tests {
             );
         }
         assert_eq!(gaps.class(&cell(0, 1440.0, None)), None);
-        let revisits = scale(CoverageShow::Revisit, by_hours(24.0));
-        assert_eq!(revisits.class(&cell(2, 1000.0, Some(95.0))), Some(2));
+        // Every value is in a class, a year too.
+        let year = scale(CoverageShow::Gap, of(&[366.0 * 1440.0]));
+        assert_eq!(year.class(&cell(1, 366.0 * 1440.0, None)), Some(0));
+        let revisits = scale(CoverageShow::Revisit, of(&[95.0, 500.0]));
+        assert_eq!(revisits.class(&cell(2, 1000.0, Some(95.0))), Some(0));
         assert_eq!(revisits.class(&cell(1, 1000.0, None)), None, "seen once");
+    }
+
+    #[test]
+    fn maps_for_other_programs_have_fixed_classes() {
+        assert_eq!(gap_color(0.0), COLORS[0]);
+        assert_eq!(gap_color(1800.0), COLORS[0]);
+        assert_eq!(gap_color(1801.0), COLORS[1]);
+        assert_eq!(gap_color(1e9), COLORS[5]);
     }
 
     #[test]
