@@ -43,6 +43,8 @@ pub struct CaptionLayer {
     start: Epoch,
     satellite: Option<String>,
     legend: Option<Caption>,
+    /// On the left and at the bottom, pixels.
+    covered_px: [f32; 2],
     has_warned: bool,
 }
 
@@ -122,8 +124,15 @@ impl CaptionLayer {
             start: scene.time.start,
             satellite: flight.feed().map(|feed| feed.name().to_owned()),
             legend: coverage_legend(scene, flight)?.map(Caption::legend),
+            covered_px: [0.0; 2],
             has_warned: false,
         }))
+    }
+
+    /// Leaves so much of the picture to the panel, on the left and at the bottom, pixels.
+    #[cfg(feature = "window")]
+    pub fn leave_to_panel(&mut self, covered_px: [f32; 2]) {
+        self.covered_px = covered_px;
     }
 
     /// Draws this legend from now on, or none.
@@ -157,9 +166,14 @@ impl CaptionLayer {
     /// Draws them over the finished picture.
     pub fn draw(&mut self, target: EguiTarget<'_>) {
         let all: Vec<_> = self.captions.iter().chain(&self.legend).collect();
+        let [left, bottom] = self.covered_px;
         let mut fits = true;
         self.overlay.draw(target, |painter, screen| {
-            fits = paint(painter, screen, &all);
+            let free = Rect::from_min_max(
+                screen.min + Vec2::new(left.min(0.9 * screen.width()), 0.0),
+                screen.max - Vec2::new(0.0, bottom.min(0.9 * screen.height())),
+            );
+            fits = paint(painter, screen, free, &all);
         });
         if !fits && !std::mem::replace(&mut self.has_warned, true) {
             tracing::warn!(
@@ -283,11 +297,11 @@ impl Laid {
     }
 }
 
-/// Draws all captions; answers whether they have the size that they should.
-fn paint(painter: &Painter, screen: Rect, captions: &[&Caption]) -> bool {
+/// Draws all captions in the free part of the picture; answers whether they have the size that they should.
+fn paint(painter: &Painter, screen: Rect, free: Rect, captions: &[&Caption]) -> bool {
     let usual = (LETTER_FRACTION * screen.height()).clamp(*LETTER_PX.start(), *LETTER_PX.end());
     let margin = MARGIN_FRACTION * screen.width().min(screen.height());
-    let room = screen.shrink(margin);
+    let room = free.shrink(margin);
     let mut places: Vec<_> = captions.iter().map(|one| one.place).collect();
     places.sort_unstable();
     places.dedup();

@@ -97,7 +97,7 @@ fn painted(captions: &[Caption], size: Vec2) -> (Vec<Rect>, Vec<Rect>, bool) {
     let mut fits = true;
     let mut output = Context::default().run_ui(input, |ui| {
         let painter = ui.ctx().layer_painter(egui::LayerId::background());
-        fits = paint(&painter, screen, &captions);
+        fits = paint(&painter, screen, screen, &captions);
     });
     output.textures_delta.clear();
     let (mut plates, mut texts) = (Vec::new(), Vec::new());

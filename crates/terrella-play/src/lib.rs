@@ -45,6 +45,7 @@
 //! | `output` | files that are either complete or absent |
 //! | `window`, `window_renderer`, `surface` | the window: its events, its renderer, its surface |
 //! | `controls`, `keys`, `panel`, `overlay` | what the user has set, by which keys; the panel, and egui under it |
+//! | `film_plan`, `panel_film` | the film of what the window plays, and its dialog |
 //! | `picture_change` | what the user switches, made by a thread while the window goes on |
 //! | `pointer`, `hand`, `orbit_camera` | clicks and drags; the eye that they move; the camera over the globe |
 //! | `pose` | an eye and what it faces |
@@ -98,6 +99,8 @@ mod file_checks;
 mod film;
 #[cfg(feature = "window")]
 mod film_estimate;
+#[cfg(feature = "window")]
+mod film_plan;
 mod flight;
 #[cfg_attr(not(feature = "window"), allow(dead_code))]
 mod float_files;
@@ -139,6 +142,8 @@ mod output;
 mod overlay;
 #[cfg(feature = "window")]
 mod panel;
+#[cfg(feature = "window")]
+mod panel_film;
 #[cfg(feature = "window")]
 mod panel_layers;
 mod pass_table;

@@ -255,6 +255,7 @@ fn what_is_selected_is_said_beside_the_panel() {
                 ("solar time", "23:59 (apparent)".into()),
             ],
             at: Some(glam::DVec2::splat(0.6)),
+            passes_over_deg: Some([-51.5, -179.75]),
         });
     };
     longest.assert_nothing_is_cut_off("selection", select);

@@ -28,6 +28,8 @@ pub struct ReadOut {
     pub rows: Vec<(&'static str, String)>,
     /// Where it is on screen, parts of the picture's width and height; `None` where it is not to be seen.
     pub at: Option<DVec2>,
+    /// Latitude and longitude of a place that satellites can pass over, degrees.
+    pub passes_over_deg: Option<[f64; 2]>,
 }
 
 /// Where a point is on screen, parts of the picture's width and height from the upper left corner; `None` behind the eye.
@@ -122,6 +124,12 @@ pub fn read_out(
     Some(ReadOut {
         title,
         rows,
+        passes_over_deg: match picked {
+            Picked::Place(place) if flight.feed().is_some() && !flight.scene().is_live() => {
+                Some([place.lat_rad, place.lon_rad].map(f64::to_degrees))
+            }
+            _ => None,
+        },
         at: at.filter(|_| !is_hidden(&moment.view, globe, point_itrf_m)),
     })
 }

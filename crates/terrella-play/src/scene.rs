@@ -259,6 +259,11 @@ impl Scene {
         Ok(scene)
     }
 
+    /// The keys that were set in place of the file's.
+    pub fn settings(&self) -> &[Setting] {
+        &self.settings
+    }
+
     /// Whether a key was set in place of the file's.
     fn is_set(&self, table: &str, key: &str) -> bool {
         self.settings

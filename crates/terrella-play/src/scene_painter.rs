@@ -250,6 +250,14 @@ impl ScenePainter {
         }
     }
 
+    /// Has captions leave so much of the picture to the panel, on the left and at the bottom, pixels.
+    #[cfg(feature = "window")]
+    pub fn leave_to_panel(&mut self, covered_px: [f32; 2]) {
+        if let Some(captions) = &mut self.captions {
+            captions.leave_to_panel(covered_px);
+        }
+    }
+
     /// Whether the sky is loaded.
     #[cfg(feature = "window")]
     pub fn has_sky(&self) -> bool {

@@ -1,5 +1,6 @@
 //! The window: winit's events in, pictures out.
 
+mod filming;
 mod pointing;
 mod switching;
 
@@ -16,6 +17,7 @@ use super::shader_watch::ShaderWatch;
 use super::simulator_time::SimulatorTime;
 use super::timeline::{Coverage, PassSearch};
 use super::window_renderer::{Presented, WindowRenderer};
+use filming::Filming;
 use glam::DVec2;
 use hifitime::Unit;
 use std::path::PathBuf;
@@ -39,8 +41,11 @@ const PIXELS_PER_NOTCH: f64 = 50.0;
 const ZOOM_PER_NOTCH: f64 = 0.25;
 /// How far ahead tiles are read for, seconds of the user's time.
 const EXPECTED_S: [f64; 3] = [0.5, 1.5, 4.0];
-/// How long a message stays.
-const MESSAGE_TIME: Duration = Duration::from_secs(4);
+/// How long a message stays, and for each of its characters.
+const MESSAGE_TIME: Duration = Duration::from_secs(3);
+const READING_TIME: Duration = Duration::from_millis(70);
+/// The first message.
+const WELCOME: &str = "drag turns the globe, the wheel approaches it, H lists all keys";
 /// Time after which a window without activity checks whether the program must end.
 const LOOK_FOR_END: Duration = Duration::from_millis(250);
 
@@ -53,6 +58,8 @@ pub struct WindowRequest<'r> {
     pub size: Option<(u32, u32)>,
     /// Closes the window by itself after this many seconds.
     pub for_seconds: Option<f64>,
+    /// The program that makes films, by its command `play`; `None` makes none.
+    pub program: Option<PathBuf>,
 }
 
 /// Opens a window and plays the flight in it until it is closed. Call it on the main thread, once in a program.
@@ -92,12 +99,15 @@ fn run_window(
             wake_for_coverage();
         });
         let coverage_work = coverage_work.map_err(WindowError::NoCoverage)?;
+        let mut controls = Controls::new(flight);
+        controls.makes_films = request.program.is_some();
         let mut app = App {
             pass_search,
             pictures,
+            filming: None,
             coverage_done,
             _coverage_work: coverage_work,
-            controls: Controls::new(flight),
+            controls,
             live: SimulatorTime::of(flight),
             flight,
             request,
@@ -142,6 +152,8 @@ struct App<'a> {
     pass_search: PassSearch,
     /// Makes pictures of other layers and tone curves.
     pictures: PictureMaker,
+    /// The film that is being made.
+    filming: Option<Filming>,
     /// The map of coverage is there, or what went wrong.
     coverage_done: Receiver<Option<PlayError>>,
     _coverage_work: Option<CoverageWork>,
@@ -191,6 +203,7 @@ impl ApplicationHandler for App<'_> {
                 let time = self.request.for_seconds;
                 let time = time.and_then(|time| Duration::try_from_secs_f64(time).ok());
                 self.closes_at = time.and_then(|time| Instant::now().checked_add(time));
+                self.show_message(WELCOME.to_owned());
                 self.redraw();
             }
             Err(error) => self.fail(event_loop, error),
@@ -294,6 +307,7 @@ impl ApplicationHandler for App<'_> {
             (self.message_ends, self.controls.message) = (None, None);
             self.redraw();
         }
+        self.look_for_film();
         if self.shader_watch.has_changed(now) {
             self.reload_shaders();
         }
@@ -344,8 +358,10 @@ impl<'a> App<'a> {
     }
 
     fn show_message(&mut self, message: String) {
+        // As long as it takes to read.
+        let time = MESSAGE_TIME + READING_TIME * message.chars().count() as u32;
+        self.message_ends = Some(Instant::now() + time);
         self.controls.message = Some(message);
-        self.message_ends = Some(Instant::now() + MESSAGE_TIME);
     }
 
     /// Draws with shaders that have changed on disk, and reports it, or why not.
@@ -420,6 +436,7 @@ impl<'a> App<'a> {
                     Err(message) => self.show_message(message),
                 }
             }
+            Some(WindowTask::MakeFilm) => self.make_film(),
             Some(WindowTask::FullScreen) => {
                 let window = renderer.window();
                 let next = match window.fullscreen() {

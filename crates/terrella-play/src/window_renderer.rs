@@ -303,7 +303,7 @@ impl WindowRenderer {
             WindowEvent::MouseInput { .. } | WindowEvent::MouseWheel { .. }
         );
         EventResponse {
-            consumed: response.consumed || (is_pointer && self.overlay.wants_pointer()),
+            consumed: response.consumed || (is_pointer && self.overlay.takes_press()),
             ..response
         }
     }
@@ -348,7 +348,7 @@ impl WindowRenderer {
         self.follow_light(moment, interval);
         let view = self.surface.view_of(&frame.texture);
         let mut encoder = self.encoder();
-        let stats = self.draw_scene(moment, &mut encoder, &view);
+        let stats = self.draw_scene(moment, &mut encoder, &view, false);
         let (delay, actions) = self.lay_out_panel(moment, controls, stats);
         let panel = self.overlay.draw(EguiTarget {
             device: &self.painter.gpu().device,
@@ -384,7 +384,7 @@ impl WindowRenderer {
         let texture = self.surface.capture_texture(&self.painter.gpu().device);
         let view = self.surface.view_of(&texture);
         let mut encoder = self.encoder();
-        self.draw_scene(&moment, &mut encoder, &view);
+        self.draw_scene(&moment, &mut encoder, &view, true);
         self.painter.gpu().queue.submit([encoder.finish()]);
         let texels = read_texture(
             &self.painter.gpu().device,
@@ -456,7 +456,13 @@ impl WindowRenderer {
         moment: &Moment,
         encoder: &mut wgpu::CommandEncoder,
         view: &wgpu::TextureView,
+        is_screenshot: bool,
     ) -> FrameStats {
+        let covered_px = match is_screenshot {
+            true => [0.0; 2],
+            false => self.overlay.covered_px(),
+        };
+        self.painter.leave_to_panel(covered_px);
         let drawn_size = self.surface.drawn_size();
         let (stats, _) = self.painter.prepare(moment, drawn_size, Patience::Live);
         let surface = &self.surface;

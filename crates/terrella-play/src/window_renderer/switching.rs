@@ -52,6 +52,7 @@ impl WindowRenderer {
         }
         let is_same = scene.layers == drawn.layers
             && scene.geojson == drawn.geojson
+            && scene.stations == drawn.stations
             && scene.coverage == drawn.coverage;
         if !is_same || !self.painter.has_tracks_of(&scene) {
             let order = self.order(*switches, scene, self.tracks_of_now());
